@@ -1,0 +1,83 @@
+// The generator network at bake time: stored weighting functions in, theta out.
+//
+// Loads what nlg-export wrote (docs/formats.md lists the tensors). No exceptions; no allocation after load; one Generator may be
+// used by any number of threads, each with a scratch of its own.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "export/weights_file/weights_file.h"
+#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/evaluator/representation.h"
+
+namespace nlg {
+
+// The version of the tensors' meaning that this code writes and the newest that it reads.
+inline constexpr int kWeightsVersion = 1;
+
+// One layer as the file holds it.
+struct GeneratorLayer {
+  int input_count = 0, output_count = 0;
+  std::vector<float> weight;  // outputs x inputs
+  std::vector<float> bias;    // outputs
+};
+
+// The generator's numbers, unfolded. Hidden layer: h' = leaky(W h + b), plus h where input and output have the same width;
+// last layer: theta = theta0 + output_scale * (W h + b).
+struct GeneratorData {
+  Representation representation;
+  float slope = 0.01f;  // of the generator's own LeakyReLU
+  BasisData basis;
+  std::vector<GeneratorLayer> layers;  // the last one has kThetaCount outputs
+  std::vector<float> theta0;           // D
+  std::vector<float> output_scale;     // D
+};
+
+// Between file and numbers. The reader checks every shape, range and the support pattern; on failure *data is unspecified.
+WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data);
+WeightsFile weightsFromGenerator(const GeneratorData& data);
+
+class GeneratorScratch;
+
+class Generator {
+ public:
+  Generator() = default;
+  explicit Generator(const GeneratorData& data);
+
+  // Reads a file and prepares the generator; *generator is changed only on success.
+  static WeightsResult load(const std::string& path, Generator* generator);
+
+  const Representation& representation() const { return representation_; }
+  const float* theta0() const { return theta0_.data(); }
+
+  // theta of any number of stored functions, in batches of kBatchCount.
+  // phi     count x P, round(255 phi), pattern order
+  // theta   count x D
+  void generate(const uint8_t* phi, int count, float* theta, GeneratorScratch* scratch) const;
+
+ private:
+  friend class GeneratorScratch;
+  Representation representation_;
+  float slope_ = 0.01f;
+  Projection projection_;
+  std::vector<PackedMatrix> layers_;
+  std::vector<AlignedFloats> biases_;
+  std::vector<float> theta0_;
+};
+
+// Working memory of one thread, for one generator.
+class GeneratorScratch {
+ public:
+  explicit GeneratorScratch(const Generator& generator);
+
+ private:
+  friend class Generator;
+  AlignedFloats classes_, activations_[2];
+};
+
+// theta of one function in double, straight from the formulas: what the vector code is tested against. phi: P, in [0, 1].
+std::vector<double> generateReference(const GeneratorData& data, const double* phi);
+
+}  // namespace nlg

@@ -1,0 +1,52 @@
+#include <cmath>
+
+#include "runtime_eval/evaluator/generator.h"
+
+namespace nlg {
+namespace {
+
+std::vector<double> coefficientsReference(const BasisData& basis, const double* phi) {
+  std::vector<double> coefficients;
+  for (int c = 0; c < kParityClassCount; ++c) {
+    std::vector<double> parity(kOctantPointCount, 0.0);
+    for (int m = 0; m < kMirrorCount; ++m) {
+      for (int i = 0; i < kOctantPointCount; ++i) {
+        parity[i] += mirrorSign(c, m) * phi[m * kOctantPointCount + i] / std::sqrt(8.0);
+      }
+    }
+    for (int k = 0; k < basis.class_count[c]; ++k) {
+      const size_t row = coefficients.size();
+      double sum = 0.0;
+      for (int i = 0; i < kOctantPointCount; ++i) {
+        sum += (parity[i] - basis.mean[c * kOctantPointCount + i]) * basis.components[row * kOctantPointCount + i];
+      }
+      coefficients.push_back(sum / basis.deviation[row]);
+    }
+  }
+  return coefficients;
+}
+
+}  // namespace
+
+std::vector<double> generateReference(const GeneratorData& data, const double* phi) {
+  std::vector<double> values = coefficientsReference(data.basis, phi);
+  for (size_t l = 0; l < data.layers.size(); ++l) {
+    const GeneratorLayer& layer = data.layers[l];
+    const bool last = l + 1 == data.layers.size();
+    std::vector<double> outputs(layer.output_count);
+    for (int o = 0; o < layer.output_count; ++o) {
+      double sum = layer.bias[o];
+      for (int i = 0; i < layer.input_count; ++i) sum += static_cast<double>(layer.weight[size_t(o) * layer.input_count + i]) * values[i];
+      if (last) {
+        outputs[o] = data.theta0[o] + data.output_scale[o] * sum;
+      } else {
+        outputs[o] = sum > 0 ? sum : data.slope * sum;
+        if (layer.input_count == layer.output_count) outputs[o] += values[o];
+      }
+    }
+    values = std::move(outputs);
+  }
+  return values;
+}
+
+}  // namespace nlg

@@ -1,0 +1,145 @@
+#include "runtime_eval/fit/adam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/support/random.h"
+
+namespace nlg {
+namespace {
+
+struct AdamState {
+  float mean[kThetaCount] = {};
+  float square[kThetaCount] = {};
+  double mean_power = 1.0, square_power = 1.0;
+
+  void step(const AdamOptions& options, double learning_rate, const float* gradient, float* theta) {
+    const float beta1 = static_cast<float>(options.beta1), beta2 = static_cast<float>(options.beta2);
+    mean_power *= options.beta1;
+    square_power *= options.beta2;
+    const float rate = static_cast<float>(learning_rate / (1.0 - mean_power));
+    const float square_scale = static_cast<float>(1.0 / (1.0 - square_power));
+    for (int i = 0; i < kThetaCount; ++i) {
+      mean[i] = beta1 * mean[i] + (1.0f - beta1) * gradient[i];
+      square[i] = beta2 * square[i] + (1.0f - beta2) * gradient[i] * gradient[i];
+      theta[i] -= rate * mean[i] / (std::sqrt(square[i] * square_scale) + 1e-8f);
+    }
+  }
+};
+
+bool allFinite(const float* values, int count) {
+  return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
+}
+
+// Strata in a fresh random order every eight steps; strata without a valid point are left out.
+class StratumOrder {
+ public:
+  StratumOrder(const WeightingFunction& function, uint64_t seed) : random_(seed) {
+    for (int k = 0; k < kStratumCount; ++k) {
+      if (function.valid_count[k] > 0) order_.push_back(k);
+    }
+  }
+  bool empty() const { return order_.empty(); }
+  int next() {
+    if (position_ == 0) {
+      for (size_t i = order_.size(); i > 1; --i) std::swap(order_[i - 1], order_[random_.below(static_cast<uint32_t>(i))]);
+    }
+    const int stratum = order_[position_];
+    position_ = (position_ + 1) % order_.size();
+    return stratum;
+  }
+
+ private:
+  Random random_;
+  std::vector<int> order_;
+  size_t position_ = 0;
+};
+
+}  // namespace
+
+const char* fitStopName(FitStop stop) {
+  switch (stop) {
+    case FitStop::budget: return "budget";
+    case FitStop::gradient: return "gradient";
+    case FitStop::progress: return "progress";
+    case FitStop::damping: return "damping";
+    case FitStop::no_points: return "no_points";
+    case FitStop::not_finite: return "not_finite";
+  }
+  return "unknown";
+}
+
+double functionRmse(const Representation& representation, const WeightingFunction& function, const float* theta) {
+  const int valid_count = function.validCount();
+  if (valid_count == 0) return 0.0;
+  const double sum = loss(representation, stratifiedSupportPoints(), 0, kSupportPointCount, function.phi.data(),
+                          function.mask.data(), theta);
+  return std::sqrt(sum / valid_count);
+}
+
+AdamOptions refinementAdam(const Representation& representation, int steps) {
+  AdamOptions options;
+  options.steps = steps;
+  options.learning_rate = representation.tent_factor ? 0.01 : 0.003;
+  return options;
+}
+
+AdamOptions randomStartAdam(int steps) {
+  AdamOptions options;
+  options.steps = steps;
+  options.learning_rate = 0.03;
+  return options;
+}
+
+FitResult fitAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,
+                  const AdamOptions& options) {
+  FitResult result{start, functionRmse(representation, function, start.data()), 0, FitStop::budget};
+  StratumOrder order(function, options.seed);
+  if (order.empty()) {
+    result.stop = FitStop::no_points;
+    return result;
+  }
+  if (!std::isfinite(result.rmse)) {
+    result.stop = FitStop::not_finite;
+    return result;
+  }
+  Theta theta = start;
+  AdamState state;
+  float gradient[kThetaCount];
+  const PointSet& points = stratifiedSupportPoints();
+  for (; result.steps < options.steps; ++result.steps) {
+    const int stratum = order.next(), first = stratum * kStratumPointCount;
+    lossAndGradient(representation, points, first, kStratumPointCount, &function.phi[first], &function.mask[first],
+                    theta.data(), gradient);
+    const float scale = 1.0f / static_cast<float>(function.valid_count[stratum]);
+    for (float& value : gradient) value *= scale;
+    const double phase = static_cast<double>(result.steps) / options.steps;
+    state.step(options, options.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase)), gradient, theta.data());
+    if (!allFinite(theta.data(), kThetaCount)) {
+      result.stop = FitStop::not_finite;
+      return result;
+    }
+  }
+  const double rmse = functionRmse(representation, function, theta.data());
+  if (rmse < result.rmse) result.theta = theta, result.rmse = rmse;
+  return result;
+}
+
+Theta randomTheta(uint64_t seed) {
+  using L = ThetaLayout;
+  Random random(mixSeed(seed, 0x7468657461));
+  Theta theta{};
+  const auto fill = [&](int first, int count, double deviation) {
+    for (int i = first; i < first + count; ++i) theta[i] = static_cast<float>(deviation * random.normal());
+  };
+  fill(L::w1, 24, std::sqrt(2.0 / 3.0));
+  fill(L::b1, 8, 0.5);
+  fill(L::w2, 64, std::sqrt(2.0 / kHiddenCount));
+  fill(L::b2, 8, 0.2);
+  fill(L::w3, 8, std::sqrt(1.0 / kHiddenCount));
+  return theta;
+}
+
+}  // namespace nlg

@@ -1,0 +1,30 @@
+// Adam (Kingma & Ba 2015) on the shared kernel, one stratum of 1024 points a step.
+#pragma once
+
+#include <cstdint>
+
+#include "runtime_eval/fit/fit_result.h"
+
+namespace nlg {
+
+struct AdamOptions {
+  int steps = 2000;
+  double learning_rate = 0.005;  // at the start; falls to 0 along a cosine
+  double beta1 = 0.9;
+  double beta2 = 0.99;           // short memory: fits last a few hundred to a few thousand steps
+  uint64_t seed = 1;             // order of the strata
+};
+
+// Learning rates that measured best for a start near the solution (docs/fitting.md).
+AdamOptions refinementAdam(const Representation& representation, int steps);
+// … and for a random start.
+AdamOptions randomStartAdam(int steps);
+
+// Fits theta to the function from `start`. Returns the better of the last theta and the start; steps that turn not finite end it.
+FitResult fitAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,
+                  const AdamOptions& options);
+
+// A random start: He-normal layers, biases spread over the support.
+Theta randomTheta(uint64_t seed);
+
+}  // namespace nlg

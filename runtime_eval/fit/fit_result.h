@@ -1,0 +1,33 @@
+// What every fit returns.
+#pragma once
+
+#include <array>
+
+#include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/support/weighting_function.h"
+
+namespace nlg {
+
+using Theta = std::array<float, kThetaCount>;
+
+enum class FitStop {
+  budget,       // all steps taken
+  gradient,     // the gradient vanished
+  progress,     // steps stopped paying
+  damping,      // no damping made a step downhill (a minimum, or numbers at their end)
+  no_points,    // no valid point: theta returned as it was given
+  not_finite,   // start or function not finite: theta returned as it was given
+};
+const char* fitStopName(FitStop stop);
+
+struct FitResult {
+  Theta theta{};
+  double rmse = 0.0;  // over all valid support points; never above that of the start that the fit was given
+  int steps = 0;
+  FitStop stop = FitStop::budget;
+};
+
+// Root of the mean over valid points of (representation - phi)²; 0 when no point is valid; not finite when theta is not.
+double functionRmse(const Representation& representation, const WeightingFunction& function, const float* theta);
+
+}  // namespace nlg

@@ -1,0 +1,141 @@
+#include "runtime_eval/fit/levenberg_marquardt.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nlg {
+namespace {
+
+// Damping that follows how well the quadratic model predicted the last step (Nielsen 1999).
+class Damping {
+ public:
+  explicit Damping(double start) : value_(start) {}
+  double value() const { return value_; }
+  void accepted(double gain) {
+    const double t = 2.0 * gain - 1.0;
+    value_ = std::max(1e-9, value_ * std::max(1.0 / 3.0, 1.0 - t * t * t));
+    growth_ = 2.0;
+  }
+  void rejected() {
+    value_ *= growth_;
+    growth_ *= 2.0;
+  }
+  bool exhausted() const { return !(value_ < 1e12); }
+
+ private:
+  double value_, growth_ = 2.0;
+};
+
+// The damped step; empty when the system cannot be solved. Rows whose diagonal is nearly zero (dead units) get a floor, so that
+// a rank-deficient Jacobian still gives a step.
+std::vector<double> dampedStep(const NormalEquations& equations, double damping) {
+  std::vector<double> matrix = equations.hessian;
+  std::vector<double> step(kThetaCount);
+  double largest = 0.0;
+  for (int i = 0; i < kThetaCount; ++i) largest = std::max(largest, matrix[i * kThetaCount + i]);
+  for (int i = 0; i < kThetaCount; ++i) {
+    double& diagonal = matrix[i * kThetaCount + i];
+    diagonal += damping * std::max(diagonal, 1e-6 * largest) + 1e-12;
+    step[i] = -equations.gradient[i];
+  }
+  if (!solveSymmetric(&matrix, kThetaCount, &step)) step.clear();
+  return step;
+}
+
+// How much the quadratic model says that the step lowers the sum of squares.
+double predictedGain(const NormalEquations& equations, const std::vector<double>& step) {
+  double gain = 0.0;
+  for (int i = 0; i < kThetaCount; ++i) {
+    double product = 0.0;
+    for (int j = 0; j < kThetaCount; ++j) product += equations.hessian[i * kThetaCount + j] * step[j];
+    gain -= step[i] * (2.0 * equations.gradient[i] + product);
+  }
+  return gain;
+}
+
+double largestMagnitude(const std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double value : values) largest = std::max(largest, std::fabs(value));
+  return largest;
+}
+
+}  // namespace
+
+bool solveSymmetric(std::vector<double>* matrix, int count, std::vector<double>* vector) {
+  double* a = matrix->data();
+  double* x = vector->data();
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double sum = a[i * count + j];
+      for (int k = 0; k < j; ++k) sum -= a[i * count + k] * a[j * count + k];
+      if (j < i) {
+        a[i * count + j] = sum / a[j * count + j];
+      } else {
+        if (!(sum > 0.0) || !std::isfinite(sum)) return false;
+        a[i * count + i] = std::sqrt(sum);
+      }
+    }
+  }
+  for (int i = 0; i < count; ++i) {
+    for (int k = 0; k < i; ++k) x[i] -= a[i * count + k] * x[k];
+    x[i] /= a[i * count + i];
+  }
+  for (int i = count - 1; i >= 0; --i) {
+    for (int k = i + 1; k < count; ++k) x[i] -= a[k * count + i] * x[k];
+    x[i] /= a[i * count + i];
+  }
+  return true;
+}
+
+FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function,
+                                const Theta& start, const LevenbergMarquardtOptions& options,
+                                NormalEquationsKernel* kernel) {
+  FitResult result{start, functionRmse(representation, function, start.data()), 0, FitStop::budget};
+  const int valid_count = function.validCount();
+  if (valid_count == 0) {
+    result.stop = FitStop::no_points;
+    return result;
+  }
+  if (!std::isfinite(result.rmse)) {
+    result.stop = FitStop::not_finite;
+    return result;
+  }
+  NormalEquations equations;
+  kernel->compute(representation, function, result.theta.data(), &equations);
+  Damping damping(options.damping);
+  double square_sum = result.rmse * result.rmse * valid_count;
+  int slow_steps = 0;
+  while (result.steps < options.iterations) {
+    if (largestMagnitude(equations.gradient) < options.gradient_tolerance * valid_count) {
+      result.stop = FitStop::gradient;
+      break;
+    }
+    ++result.steps;
+    const std::vector<double> step = dampedStep(equations, damping.value());
+    Theta theta = result.theta;
+    for (size_t i = 0; i < step.size(); ++i) theta[i] += static_cast<float>(step[i]);
+    const double rmse = step.empty() ? INFINITY : functionRmse(representation, function, theta.data());
+    const double next_sum = rmse * rmse * valid_count;
+    if (!(next_sum < square_sum)) {
+      damping.rejected();
+      if (damping.exhausted()) {
+        result.stop = FitStop::damping;
+        break;
+      }
+      continue;
+    }
+    damping.accepted((square_sum - next_sum) / std::max(predictedGain(equations, step), 1e-300));
+    slow_steps = square_sum - next_sum < options.progress_tolerance * square_sum ? slow_steps + 1 : 0;
+    square_sum = next_sum;
+    result.theta = theta;
+    result.rmse = rmse;
+    if (slow_steps == 3) {
+      result.stop = FitStop::progress;
+      break;
+    }
+    if (result.steps < options.iterations) kernel->compute(representation, function, theta.data(), &equations);
+  }
+  return result;
+}
+
+}  // namespace nlg

@@ -1,0 +1,140 @@
+#include "runtime_eval/fit/normal_equations.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "runtime_eval/fit/normal_equations.cpp"
+#include <hwy/foreach_target.h>
+// after foreach_target.h
+#include "runtime_eval/evaluator/tiny_network-inl.h"
+
+#ifndef NLG_NORMAL_EQUATIONS_CONSTANTS
+#define NLG_NORMAL_EQUATIONS_CONSTANTS
+namespace nlg {
+// D derivative rows, the residual, and zero rows up to a whole number of tiles
+inline constexpr int kJacobianTile = 4;
+inline constexpr int kJacobianRowCount = (kThetaCount + 1 + kJacobianTile - 1) / kJacobianTile * kJacobianTile;
+}  // namespace nlg
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace nlg {
+namespace HWY_NAMESPACE {
+
+// Derivatives of the masked representation by theta for one vector of points, one row a parameter; the residual last.
+HWY_INLINE void storeJacobianColumn(FloatTag d, const float* HWY_RESTRICT theta, Floats slope, const Floats* position,
+                                    Floats factor, Floats mask, Floats phi, float* HWY_RESTRICT column) {
+  using L = ThetaLayout;
+  const auto store = [&](int row, Floats value) { hn::Store(value, d, column + row * kStratumPointCount); };
+  const Floats one = hn::Set(d, 1.0f), zero = hn::Zero(d);
+  Hidden<1> hidden;
+  Floats output;
+  forwardNetwork<1>(d, theta, slope, &position[0], &position[1], &position[2], hidden, &output);
+  const Floats scale = hn::Mul(factor, mask);
+  store(kThetaCount, hn::MulSub(scale, output, hn::Mul(mask, phi)));
+  store(L::b3, scale);
+  Floats second[kHiddenCount];
+  for (int j = 0; j < kHiddenCount; ++j) {
+    const Floats derivative = hn::IfThenElse(hn::Gt(hidden.second[j][0], zero), one, slope);
+    second[j] = hn::Mul(hn::Mul(scale, hn::Set(d, theta[L::w3 + j])), derivative);
+    store(L::w3 + j, hn::Mul(scale, hidden.second[j][0]));
+    store(L::b2 + j, second[j]);
+    for (int i = 0; i < kHiddenCount; ++i) store(L::w2 + kHiddenCount * j + i, hn::Mul(second[j], hidden.first[i][0]));
+  }
+  for (int i = 0; i < kHiddenCount; ++i) {
+    Floats sum = zero;
+    for (int j = 0; j < kHiddenCount; ++j) {
+      sum = hn::MulAdd(hn::Set(d, theta[L::w2 + kHiddenCount * j + i]), second[j], sum);
+    }
+    const Floats first = hn::Mul(sum, hn::IfThenElse(hn::Gt(hidden.first[i][0], zero), one, slope));
+    store(L::b1 + i, first);
+    for (int a = 0; a < 3; ++a) store(L::w1 + 3 * i + a, hn::Mul(first, position[a]));
+  }
+}
+
+// One tile of products of Jacobian rows r and c, summed over the stratum.
+HWY_INLINE void tileProducts(FloatTag d, const float* HWY_RESTRICT rows, const float* HWY_RESTRICT columns, double* sums) {
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  constexpr int kTile = kJacobianTile;
+  Floats accumulator[kTile][kTile];
+#pragma GCC unroll 4
+  for (int r = 0; r < kTile; ++r) {
+#pragma GCC unroll 4
+    for (int c = 0; c < kTile; ++c) accumulator[r][c] = hn::Zero(d);
+  }
+  for (int i = 0; i < kStratumPointCount; i += lanes) {
+    Floats column[kTile];
+#pragma GCC unroll 4
+    for (int c = 0; c < kTile; ++c) column[c] = hn::Load(d, columns + c * kStratumPointCount + i);
+#pragma GCC unroll 4
+    for (int r = 0; r < kTile; ++r) {
+      const Floats row = hn::Load(d, rows + r * kStratumPointCount + i);
+#pragma GCC unroll 4
+      for (int c = 0; c < kTile; ++c) accumulator[r][c] = hn::MulAdd(row, column[c], accumulator[r][c]);
+    }
+  }
+#pragma GCC unroll 4
+  for (int r = 0; r < kTile; ++r) {
+#pragma GCC unroll 4
+    for (int c = 0; c < kTile; ++c) sums[r * kTile + c] = hn::GetLane(hn::SumOfLanes(d, accumulator[r][c]));
+  }
+}
+
+// products   kJacobianRowCount², lower triangle of tiles: products of all rows, added in double over the strata
+void jacobianProducts(const Representation& representation, const WeightingFunction& function,
+                      const float* HWY_RESTRICT theta, float* HWY_RESTRICT jacobian, double* HWY_RESTRICT products) {
+  const FloatTag d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const Floats slope = hn::Set(d, representation.slope), one = hn::Set(d, 1.0f);
+  const PointSet& points = stratifiedSupportPoints();
+  for (int stratum = 0; stratum < kStratumCount; ++stratum) {
+    if (function.valid_count[stratum] == 0) continue;
+    const int first = stratum * kStratumPointCount;
+    for (int i = 0; i < kStratumPointCount; i += lanes) {
+      const int at = first + i;
+      const Floats position[3] = {hn::Load(d, &points.x[at]), hn::Load(d, &points.y[at]), hn::Load(d, &points.z[at])};
+      const Floats factor = representation.tent_factor ? hn::Load(d, &points.tent[at]) : one;
+      storeJacobianColumn(d, theta, slope, position, factor, hn::Load(d, &function.mask[at]), hn::Load(d, &function.phi[at]),
+                          jacobian + i);
+    }
+    for (int r = 0; r < kJacobianRowCount; r += kJacobianTile) {
+      for (int c = 0; c <= r; c += kJacobianTile) {
+        double sums[kJacobianTile * kJacobianTile];
+        tileProducts(d, jacobian + r * kStratumPointCount, jacobian + c * kStratumPointCount, sums);
+        for (int k = 0; k < kJacobianTile * kJacobianTile; ++k) {
+          products[(r + k / kJacobianTile) * kJacobianRowCount + c + k % kJacobianTile] += sums[k];
+        }
+      }
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace nlg
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace nlg {
+
+HWY_EXPORT(jacobianProducts);
+
+NormalEquationsKernel::NormalEquationsKernel() : jacobian_(size_t{kJacobianRowCount} * kStratumPointCount, 0.0f) {}
+
+void NormalEquationsKernel::compute(const Representation& representation, const WeightingFunction& function,
+                                    const float* theta, NormalEquations* equations) {
+  double products[kJacobianRowCount * kJacobianRowCount] = {};
+  HWY_DYNAMIC_DISPATCH(jacobianProducts)(representation, function, theta, jacobian_.data(), products);
+  equations->hessian.resize(kThetaCount * kThetaCount);
+  equations->gradient.resize(kThetaCount);
+  for (int r = 0; r < kThetaCount; ++r) {
+    for (int c = 0; c <= r; ++c) {
+      const double product = products[r * kJacobianRowCount + c];
+      equations->hessian[r * kThetaCount + c] = equations->hessian[c * kThetaCount + r] = product;
+    }
+    equations->gradient[r] = products[kThetaCount * kJacobianRowCount + r];
+  }
+  equations->square_sum = products[kThetaCount * kJacobianRowCount + kThetaCount];
+}
+
+}  // namespace nlg
+#endif  // HWY_ONCE
