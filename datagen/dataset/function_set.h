@@ -1,0 +1,30 @@
+// All functions of several shards in memory: what training, export and validation read.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datagen/dataset/shard.h"
+
+namespace nlg {
+
+struct FunctionSet {
+  uint64_t pattern_hash = 0;
+  int point_count = 0;                  // P
+  int unseen_point_count = 0;           // U, the same in all shards
+  ShardCounts counts;                   // sums over the shards; duplicates include those between shards
+  std::vector<std::string> scene_ids;   // distinct scenes
+  std::vector<std::string> families;    // of each distinct scene
+  std::vector<uint32_t> scene_idx;      // N, into scene_ids
+  std::vector<uint8_t> phi, validity, seen;                       // N x P, N x P/8, N x P/8
+  std::vector<uint8_t> phi_unseen, validity_unseen, seen_unseen;  // N x U, N x U/8, N x U/8
+  std::string sha256;                   // of the shards' hashes in the order of the paths: the data set's identity
+
+  uint64_t functionCount() const { return scene_idx.size(); }
+};
+
+// Reads shards one after another; a function that an earlier shard holds byte for byte is dropped and counted as a duplicate.
+// throws   InputError as readShard does; when shards disagree in pattern or unseen points; when paths is empty
+FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash);
+
+}  // namespace nlg

@@ -1,0 +1,60 @@
+// A thin owner of an HDF5 file: named arrays and attributes in and out, errors with file and place. The only place that knows
+// HDF5.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace nlg {
+
+class Hdf5Writer {
+ public:
+  // Creates path (truncating it): write to the temporary name of writeAtomically.
+  // throws OutputError, as every function here does when HDF5 cannot write (disk full)
+  explicit Hdf5Writer(const std::string& path);
+  ~Hdf5Writer();
+  Hdf5Writer(const Hdf5Writer&) = delete;
+  Hdf5Writer& operator=(const Hdf5Writer&) = delete;
+
+  // Row-major array of the given shape, 1 to 4 dimensions; chunked by rows (about 256 kB a chunk), gzip 1 and Fletcher-32 when
+  // it is not empty. The same calls give the same bytes, whenever they are made.
+  template <class T>
+  void write(const std::string& name, const std::vector<uint64_t>& shape, const T* data);
+  void writeAttribute(const std::string& name, const std::string& value);
+  void writeAttribute(const std::string& name, uint64_t value);
+
+  // Flushes and closes; call it to learn of a full disk (the destructor closes silently).
+  void close();
+
+ private:
+  std::string path_;
+  int64_t file_ = -1;
+};
+
+class Hdf5Reader {
+ public:
+  // throws InputError when the file is missing, truncated, no HDF5 file, or has an older superblock than version 3 (ours have
+  // it; h5py writes it with libver="latest"): older ones carry no checksums
+  explicit Hdf5Reader(const std::string& path);
+  ~Hdf5Reader();
+  Hdf5Reader(const Hdf5Reader&) = delete;
+  Hdf5Reader& operator=(const Hdf5Reader&) = delete;
+
+  // The shape of an array, 1 to 4 dimensions. throws InputError when there is none of that name in this very file (no links)
+  std::vector<uint64_t> shape(const std::string& name) const;
+  // A whole array, whose shape and element type must be exactly these. throws InputError (shape, type, checksum); refuses an
+  // array that claims more than its stored bytes can hold (deflate: 1 to 1032), before any memory is taken
+  template <class T>
+  std::vector<T> read(const std::string& name, const std::vector<uint64_t>& expected_shape) const;
+  std::string readTextAttribute(const std::string& name) const;
+  uint64_t readIntegerAttribute(const std::string& name) const;
+
+ private:
+  std::string path_;
+  int64_t file_ = -1;
+};
+
+// write and read exist for T = uint8_t, uint32_t, int32_t, uint64_t, float, double.
+
+}  // namespace nlg

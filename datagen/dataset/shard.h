@@ -1,0 +1,69 @@
+// A shard: the distinct weighting functions of one scene under one jitter, as they lie in a data set file.
+//
+// The on-disk contract, with every attribute, is in docs/formats.md. N functions, P = 8192 support points in pattern order,
+// U points that no fit sees (0 in shards for training).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace nlg {
+
+// Bits of Shard::flags, one byte a function.
+enum FunctionFlag : uint8_t {
+  kFlagOpenShell = 1,   // rays for validity disagreed: open, flipped or self-intersecting geometry near by
+  kFlagFewSeen = 2,     // the probe sees less than one support point in a hundred
+};
+
+// What a shard left out, and why; every visited probe is counted exactly once among functions, free_space, in_solid, duplicates and empty.
+struct ShardCounts {
+  uint64_t grid_probes = 0;     // probes of the whole grid
+  uint64_t visited_probes = 0;  // of these were looked at (max_functions may stop earlier)
+  uint64_t functions = 0;       // stored: N
+  uint64_t free_space = 0;      // no triangle in the support: the bare tent
+  uint64_t in_solid = 0;        // the probe itself lies in solid
+  uint64_t duplicates = 0;      // same phi and validity, byte for byte, as an earlier function of the shard
+  uint64_t empty = 0;           // no valid support point
+};
+
+struct Shard {
+  std::string scene_id;
+  std::string family;             // procedural family, or "level"
+  uint64_t jitter = 0;
+  uint64_t pattern_hash = 0;      // of the support pattern: SupportPattern::hash
+  uint64_t unseen_pattern_hash = 0;
+  int point_count = 0;            // P
+  int unseen_point_count = 0;     // U
+  ShardCounts counts;
+  std::string provenance_json;    // tool/provenance.h
+
+  std::vector<uint8_t> phi;              // N x P, round(255 phi)
+  std::vector<uint8_t> validity;         // N x P/8, bit i of byte b is point 8 b + i
+  std::vector<uint8_t> seen;             // N x P/8, points that the probe sees
+  std::vector<double> probe_position_m;  // N x 3, world
+  std::vector<float> spacing_m;          // N
+  std::vector<uint8_t> flags;            // N, FunctionFlag
+
+  std::vector<uint8_t> phi_unseen;       // N x U
+  std::vector<uint8_t> validity_unseen;  // N x U/8
+  std::vector<uint8_t> seen_unseen;      // N x U/8
+
+  uint64_t functionCount() const { return flags.size(); }
+};
+
+// Writes the shard atomically: chunked, shuffled by nothing, gzip 1, Fletcher-32 a chunk, no time stamps: the same shard gives the same
+// bytes. throws OutputError
+void writeShard(const std::string& path, const Shard& shard);
+
+// Reads a shard back, checks every shape against the attributes and the checksums against the bytes.
+// pattern_hash   the pattern that the caller works with; 0 takes any
+// throws         InputError on a missing, truncated or damaged file, another schema version or another pattern
+Shard readShard(const std::string& path, uint64_t pattern_hash);
+
+// The same without the N x … arrays: cheap.
+Shard readShardHeader(const std::string& path, uint64_t pattern_hash);
+
+}  // namespace nlg

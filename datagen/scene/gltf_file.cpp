@@ -1,0 +1,147 @@
+#include "datagen/scene/gltf_file.h"
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include "datagen/scene/gltf_text.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxFileBytes = (uint64_t{1} << 32) - 1;  // tinygltf and the .glb header count in 32 bits
+
+using Bytes = std::vector<unsigned char>;
+
+Bytes readBytes(const std::string& path, const std::string& place) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) throw InputError(path, place, "a file", "nothing of that name");
+  if (error || !fs::is_regular_file(status)) throw InputError(path, place, "a file", "something else");
+  const uint64_t size = fs::file_size(path, error);
+  if (error || size > kMaxFileBytes) throw InputError(path, place, "less than 4 GiB", error ? error.message() : std::to_string(size));
+  Bytes bytes(size);
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  if (!stream || static_cast<uint64_t>(stream.gcount()) != size) throw InputError(path, place, "a readable file", "a failed read");
+  return bytes;
+}
+
+bool isBinary(const Bytes& bytes) { return bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0; }
+
+uint32_t wordAt(const Bytes& bytes, size_t offset) {
+  uint32_t word = 0;
+  for (size_t i = 0; i < 4; ++i) word |= static_cast<uint32_t>(bytes[offset + i]) << (8 * i);
+  return word;
+}
+
+// The JSON chunk of a .glb. tinygltf 2.7 lets the binary chunk reach eight bytes past the end, so chunks are checked here.
+std::string_view binaryText(const std::string& path, const Bytes& bytes) {
+  const auto require = [&](bool holds, const std::string& place, const std::string& expected, uint64_t got) {
+    if (!holds) throw InputError(path, place, expected, std::to_string(got));
+  };
+  require(bytes.size() >= 20, "header", "20 bytes or more", bytes.size());
+  require(wordAt(bytes, 4) == 2, "header", "version 2", wordAt(bytes, 4));
+  const uint64_t length = wordAt(bytes, 8);
+  require(length == bytes.size(), "header", "a length equal to the file's " + std::to_string(bytes.size()), length);
+  constexpr uint32_t kJson = 0x4E4F534A;
+  constexpr uint32_t kBin = 0x004E4942;
+  const uint64_t json_length = wordAt(bytes, 12);
+  require(wordAt(bytes, 16) == kJson, "first chunk", "JSON", wordAt(bytes, 16));
+  require(json_length <= length - 20, "first chunk", "a length within the file", json_length);
+  require(json_length % 4 == 0, "first chunk", "a length that is a multiple of 4", json_length);
+  const uint64_t next = 20 + json_length;
+  if (next < length) {
+    require(length - next >= 8, "second chunk", "a header of 8 bytes", length - next);
+    require(wordAt(bytes, next + 4) == kBin, "second chunk", "BIN", wordAt(bytes, next + 4));
+    require(wordAt(bytes, next) <= length - next - 8, "second chunk", "a length within the file", wordAt(bytes, next));
+  }
+  return {reinterpret_cast<const char*>(bytes.data()) + 20, json_length};
+}
+
+// The files that tinygltf may open: the buffers', and only those that lie in the scene's folder when all links are followed.
+struct AllowedFiles {
+  std::set<std::string> paths;
+  uint64_t bytes_left = kMaxFileBytes;
+};
+
+AllowedFiles findBuffers(const std::string& path, const std::string& folder, const std::vector<std::string>& names) {
+  AllowedFiles allowed;
+  const fs::path root = fs::weakly_canonical(folder);
+  for (const std::string& name : names) {
+    const fs::path file = fs::weakly_canonical(folder + "/" + name);
+    const auto [root_end, file_end] = std::mismatch(root.begin(), root.end(), file.begin(), file.end());
+    const std::string place = "buffer \"" + name.substr(0, 80) + "\"";
+    if (root_end != root.end()) throw InputError(path, place, "a file in the folder or below", "a link out of it");
+    if (!fs::is_regular_file(file)) throw InputError(path, place, "a file", fs::exists(file) ? "something else" : "nothing of that name");
+    allowed.paths.insert(folder + "/" + name);
+  }
+  return allowed;
+}
+
+bool fileExists(const std::string& path, void* user) { return static_cast<AllowedFiles*>(user)->paths.count(path) > 0; }
+
+std::string samePath(const std::string& path, void*) { return path; }
+
+bool readWholeFile(Bytes* bytes, std::string* error, const std::string& path, void* user) {
+  AllowedFiles& allowed = *static_cast<AllowedFiles*>(user);
+  if (allowed.paths.count(path) == 0) return false;
+  *bytes = readBytes(path, "buffer");
+  if (bytes->size() <= allowed.bytes_left) {
+    allowed.bytes_left -= bytes->size();
+    return true;
+  }
+  if (error != nullptr) *error = "buffers of more than 4 GiB together";
+  return false;
+}
+
+bool writeNothing(std::string*, const std::string&, const Bytes&, void*) { return false; }
+
+bool ignoreImage(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int, void*) { return true; }
+
+// tinygltf's words as part of one line.
+std::string oneLine(std::string words) {
+  std::replace(words.begin(), words.end(), '\n', ' ');
+  return words.empty() ? "something else" : words.substr(0, 200);
+}
+
+}  // namespace
+
+tinygltf::Model loadGltfFile(const std::string& path) {
+  const Bytes bytes = readBytes(path, "file");
+  if (bytes.empty()) throw InputError(path, "file", "glTF", "an empty file");
+  const bool is_binary = isBinary(bytes);
+  const std::string_view text = is_binary ? binaryText(path, bytes)
+                                          : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string parent = fs::path(path).parent_path().string();
+  const std::string folder = parent.empty() ? "." : parent;
+  AllowedFiles allowed = findBuffers(path, folder, checkGltfText(path, text, is_binary));
+
+  tinygltf::TinyGLTF loader;
+  loader.SetImageLoader(ignoreImage, nullptr);
+  loader.SetFsCallbacks({fileExists, samePath, readWholeFile, writeNothing, &allowed});
+  tinygltf::Model model;
+  std::string error;
+  std::string warning;
+  bool is_loaded = false;
+  try {
+    const auto size = static_cast<unsigned int>(bytes.size());
+    is_loaded = is_binary ? loader.LoadBinaryFromMemory(&model, &error, &warning, bytes.data(), size, folder)
+                          : loader.LoadASCIIFromString(&model, &error, &warning, text.data(), size, folder);
+  } catch (const ToolError&) {
+    throw;
+  } catch (const std::exception& exception) {
+    error = exception.what();  // of the JSON library and of containers
+  }
+  if (!is_loaded) throw InputError(path, "file", "glTF 2.0", oneLine(error));
+  return model;
+}
+
+}  // namespace nlg

@@ -1,0 +1,15 @@
+// A glTF file's model, with every file that it may open read by us.
+#pragma once
+
+#include <string>
+
+#include <tiny_gltf.h>
+
+namespace nlg {
+
+// Reads the file and its external buffers; images are never opened or decoded. Checked: the container, the JSON's grammar, types
+// and URIs, each buffer's length. Not checked: what the numbers refer to.
+// throws   InputError as readGltf does
+tinygltf::Model loadGltfFile(const std::string& path);
+
+}  // namespace nlg

@@ -1,0 +1,23 @@
+// Reads a level from glTF 2.0, text (.gltf) or binary (.glb), through tinygltf.
+#pragma once
+
+#include <string>
+
+#include "datagen/scene/scene.h"
+
+namespace nlg {
+
+// The triangles of the default scene (the first one if none is named; all root nodes if there is none): every node's mesh under
+// its transform, evaluated in double; instances are copied; a negative determinant turns the winding. Primitives: triangles,
+// strips and fans, indexed with 8, 16 or 32 bits or not at all; points and lines are skipped. Accessors: float positions,
+// any stride, sparse ones too. Materials: base colour factor, emissive factor (times KHR_materials_emissive_strength),
+// doubleSided. One SceneObject for each node with a mesh. Triangles of zero area are dropped and counted.
+//
+// path     the file; its external buffers must lie in its folder or below
+// returns  the scene; its id is the file's stem
+// throws   InputError naming file, place ("mesh 3, primitive 0: POSITION"), expected and got, on: a missing, truncated or malformed
+//          file, an index or accessor out of range, non-finite numbers, a buffer URI that leaves the folder (".." , absolute,
+//          scheme other than data:), a node that is its own ancestor, nesting deeper than 256, more than 2^31 triangles
+Scene readGltf(const std::string& path);
+
+}  // namespace nlg

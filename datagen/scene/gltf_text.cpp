@@ -1,0 +1,310 @@
+#include "datagen/scene/gltf_text.h"
+
+#include <array>
+#include <set>
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr size_t kDeepest = 64;
+
+enum class Kind { null, boolean, index, integer, number, string, array, object };
+
+const char* kindName(Kind kind) {
+  constexpr std::array<const char*, 8> kNames = {"null", "boolean", "index", "integer", "number", "string", "array", "object"};
+  return kNames[static_cast<size_t>(kind)];
+}
+
+// One step from the root to a value: a key, or an index when the key is empty.
+struct Step {
+  std::string key;
+  size_t index = 0;
+  bool is_index = false;
+};
+
+// What a property must be when it is there. index: below 2^31, as tinygltf keeps it; integer: below 2^53.
+struct Rule {
+  std::string_view section, key;
+  Kind kind;
+};
+
+constexpr std::array<Rule, 29> kRules = {{{"buffers", "uri", Kind::string},
+                                          {"buffers", "byteLength", Kind::integer},
+                                          {"bufferViews", "buffer", Kind::index},
+                                          {"bufferViews", "byteOffset", Kind::integer},
+                                          {"bufferViews", "byteLength", Kind::integer},
+                                          {"bufferViews", "byteStride", Kind::index},
+                                          {"accessors", "bufferView", Kind::index},
+                                          {"accessors", "byteOffset", Kind::integer},
+                                          {"accessors", "componentType", Kind::index},
+                                          {"accessors", "count", Kind::integer},
+                                          {"accessors", "sparse", Kind::object},
+                                          {"meshes", "primitives", Kind::array},
+                                          {"meshes", "attributes", Kind::object},
+                                          {"meshes", "POSITION", Kind::index},
+                                          {"meshes", "indices", Kind::index},
+                                          {"meshes", "material", Kind::index},
+                                          {"meshes", "mode", Kind::index},
+                                          {"nodes", "mesh", Kind::index},
+                                          {"nodes", "children", Kind::array},
+                                          {"nodes", "translation", Kind::array},
+                                          {"nodes", "rotation", Kind::array},
+                                          {"nodes", "scale", Kind::array},
+                                          {"nodes", "matrix", Kind::array},
+                                          {"scenes", "nodes", Kind::array},
+                                          {"materials", "pbrMetallicRoughness", Kind::object},
+                                          {"materials", "baseColorFactor", Kind::array},
+                                          {"materials", "emissiveFactor", Kind::array},
+                                          {"materials", "doubleSided", Kind::boolean},
+                                          {"materials", "emissiveStrength", Kind::number}}};
+
+constexpr std::array<std::string_view, 8> kSections = {"buffers", "bufferViews", "accessors", "meshes",
+                                                       "nodes",   "scenes",      "materials", "images"};
+
+bool isSection(std::string_view key) {
+  for (const std::string_view section : kSections) {
+    if (section == key) return true;
+  }
+  return false;
+}
+
+bool satisfies(Kind got, Kind expected) {
+  if (expected == Kind::integer) return got == Kind::integer || got == Kind::index;
+  if (expected == Kind::number) return got == Kind::number || got == Kind::integer || got == Kind::index;
+  return got == expected;
+}
+
+// A walk over the text that checks its grammar, depth and keys, and holds every value against the rules.
+class TextChecker {
+ public:
+  TextChecker(const std::string& path, std::string_view text, bool is_binary) : path_(path), text_(text), is_binary_(is_binary) {}
+
+  std::vector<std::string> check() {
+    checkValue();
+    skipSpace();
+    if (at_ != text_.size()) failSyntax("the end of the JSON");
+    return std::move(buffer_files_);
+  }
+
+ private:
+  [[noreturn]] void failSyntax(const std::string& expected) const {
+    const std::string got = at_ < text_.size() ? "\"" + std::string(text_.substr(at_, 12)) + "\"" : "the end";
+    throw InputError(path_, "byte " + std::to_string(at_) + " of the JSON", expected, got);
+  }
+
+  [[noreturn]] void fail(const std::string& expected, const std::string& got) const {
+    std::string place;
+    for (const Step& step : steps_) {
+      if (step.is_index) {
+        place += "[" + std::to_string(step.index) + "]";
+      } else {
+        place += (place.empty() ? "" : ".") + step.key.substr(0, 60);
+      }
+    }
+    throw InputError(path_, place.empty() ? "root" : place, expected, got.substr(0, 80));
+  }
+
+  void skipSpace() {
+    while (at_ < text_.size() && std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos) ++at_;
+  }
+
+  char peek() {
+    skipSpace();
+    return at_ < text_.size() ? text_[at_] : '\0';
+  }
+
+  void take(char expected) {
+    if (peek() != expected) failSyntax(std::string("'") + expected + "'");
+    ++at_;
+  }
+
+  void checkValue() {
+    if (steps_.size() > kDeepest) fail("nesting of at most 64", "more");
+    switch (peek()) {
+      case '{': return checkObject();
+      case '[': return checkArray();
+      case '"': return checkString();
+      case 't': return checkWord("true", Kind::boolean);
+      case 'f': return checkWord("false", Kind::boolean);
+      case 'n': return checkWord("null", Kind::null);
+      default: return checkNumber();
+    }
+  }
+
+  void checkObject() {
+    judge(Kind::object, "an object");
+    take('{');
+    std::set<std::string> keys;
+    while (peek() != '}') {
+      if (!keys.empty()) take(',');
+      if (peek() != '"') failSyntax("a key");
+      steps_.push_back({takeString()});
+      if (!keys.insert(steps_.back().key).second) fail("each key once", "it twice");
+      take(':');
+      checkValue();
+      steps_.pop_back();
+    }
+    take('}');
+    const bool is_buffer = steps_.size() == 2 && steps_[0].key == "buffers";
+    if (is_buffer && keys.count("uri") == 0 && (!is_binary_ || steps_[1].index > 0)) fail("a uri", "none");
+  }
+
+  void checkArray() {
+    judge(Kind::array, "an array");
+    take('[');
+    steps_.push_back({"", 0, true});
+    while (peek() != ']') {
+      if (steps_.back().index > 0) take(',');
+      checkValue();
+      ++steps_.back().index;
+    }
+    steps_.pop_back();
+    take(']');
+  }
+
+  void checkString() {
+    const std::string value = takeString();
+    judge(Kind::string, "\"" + value + "\"");
+    if (steps_.size() == 3 && steps_[0].key == "buffers" && steps_[2].key == "uri") checkUri(value);
+  }
+
+  void checkWord(std::string_view word, Kind kind) {
+    if (text_.substr(at_, word.size()) != word) failSyntax("a value");
+    at_ += word.size();
+    judge(kind, std::string(word));
+  }
+
+  void checkNumber() {
+    const size_t start = at_;
+    while (at_ < text_.size() && std::string_view("+-.0123456789eE").find(text_[at_]) != std::string_view::npos) ++at_;
+    const std::string_view number = text_.substr(start, at_ - start);
+    if (number.empty()) failSyntax("a value");
+    Kind kind = Kind::number;
+    if (number.find_first_not_of("0123456789") == std::string_view::npos && number.size() <= 16) {
+      const uint64_t value = std::stoull(std::string(number));
+      if (value < uint64_t{1} << 53) kind = value < uint64_t{1} << 31 ? Kind::index : Kind::integer;
+    }
+    judge(kind, std::string(number));
+  }
+
+  // Holds a value's kind against what stands at the current place in glTF.
+  void judge(Kind got, const std::string& text) {
+    if (steps_.empty()) {
+      if (got != Kind::object) fail("an object", text);
+      return;
+    }
+    const std::string& section = steps_[0].key;
+    if (steps_.size() == 1) {
+      if (isSection(section)) require(got, Kind::array, text);
+      if (section == "scene") require(got, Kind::index, text);
+    }
+    if (!isSection(section) || isForeign()) return;
+    if (steps_.size() == 2) return require(got, Kind::object, text);
+    const Step& last = steps_.back();
+    const std::string& key = last.is_index ? steps_[steps_.size() - 2].key : last.key;
+    for (const Rule& rule : kRules) {
+      if (rule.section != section || rule.key != key) continue;
+      if (last.is_index) return requireElement(rule, got, text);
+      // inside of "sparse", tinygltf keeps sizes in an int
+      const bool is_narrow = rule.kind == Kind::integer && section == "accessors" && steps_.size() > 3;
+      return require(got, is_narrow ? Kind::index : rule.kind, text);
+    }
+  }
+
+  void requireElement(const Rule& rule, Kind got, const std::string& text) {
+    if (rule.kind != Kind::array) return;
+    const bool holds_indices = rule.key == "children" || rule.key == "nodes";
+    const bool holds_objects = rule.key == "primitives";
+    require(got, holds_indices ? Kind::index : holds_objects ? Kind::object : Kind::number, text);
+  }
+
+  void require(Kind got, Kind expected, const std::string& text) {
+    if (!satisfies(got, expected)) fail(std::string("a JSON ") + kindName(expected), text);
+  }
+
+  // Extras are anybody's, and so are extensions but for the one that is read.
+  bool isForeign() const {
+    for (size_t i = 0; i < steps_.size(); ++i) {
+      if (steps_[i].key == "extras") return true;
+      if (steps_[i].key != "extensions") continue;
+      return i + 1 >= steps_.size() || steps_[i + 1].key != "KHR_materials_emissive_strength";
+    }
+    return false;
+  }
+
+  // The string's characters; those beyond ASCII that are written as \u are not needed in any key or URI and become '?'.
+  std::string takeString() {
+    take('"');
+    std::string value;
+    while (at_ < text_.size() && text_[at_] != '"') {
+      if (text_[at_] != '\\') {
+        value += text_[at_++];
+      } else {
+        value += takeEscape();
+      }
+    }
+    if (at_ >= text_.size()) failSyntax("'\"'");
+    ++at_;
+    return value;
+  }
+
+  char takeEscape() {
+    if (at_ + 1 >= text_.size()) failSyntax("an escape");
+    const char letter = text_[at_ + 1];
+    at_ += 2;
+    constexpr std::string_view kLetters = "bfnrt";
+    constexpr std::string_view kMeanings = "\b\f\n\r\t";
+    if (const size_t i = kLetters.find(letter); i != std::string_view::npos) return kMeanings[i];
+    if (letter != 'u') return letter;
+    if (text_.size() - at_ < 4) failSyntax("four hexadecimal digits");
+    unsigned code = 0;
+    for (int digit = 0; digit < 4; ++digit) code = code * 16 + hexValue(text_[at_++]);
+    return code < 128 ? static_cast<char>(code) : '?';
+  }
+
+  unsigned hexValue(char digit) const {
+    constexpr std::string_view kDigits = "0123456789abcdef0123456789ABCDEF";
+    const size_t i = kDigits.find(digit);
+    if (i == std::string_view::npos) failSyntax("a hexadecimal digit");
+    return static_cast<unsigned>(i % 16);
+  }
+
+  static bool isHex(char c) { return std::string_view("0123456789abcdefABCDEF").find(c) != std::string_view::npos; }
+
+  void checkUri(const std::string& uri) {
+    if (uri.rfind("data:", 0) == 0) return;
+    std::string name;
+    for (size_t i = 0; i < uri.size(); ++i) {
+      if (uri[i] != '%') {
+        name += uri[i];
+        continue;
+      }
+      if (i + 2 >= uri.size() || !isHex(uri[i + 1]) || !isHex(uri[i + 2])) fail("two hexadecimal digits after %", uri);
+      name += static_cast<char>(hexValue(uri[i + 1]) * 16 + hexValue(uri[i + 2]));
+      i += 2;
+    }
+    if (name.empty()) fail("a file name", "an empty uri");
+    for (const char c : name) {
+      if (static_cast<unsigned char>(c) < 32 || c == '\\' || c == ':') fail("a file in the folder, or data:", uri);
+    }
+    if (name[0] == '/' || ("/" + name + "/").find("/../") != std::string::npos) fail("a file in the folder or below", uri);
+    buffer_files_.push_back(name);
+  }
+
+  const std::string& path_;
+  std::string_view text_;
+  bool is_binary_;
+  size_t at_ = 0;
+  std::vector<Step> steps_;
+  std::vector<std::string> buffer_files_;
+};
+
+}  // namespace
+
+std::vector<std::string> checkGltfText(const std::string& path, std::string_view text, bool is_binary) {
+  return TextChecker(path, text, is_binary).check();
+}
+
+}  // namespace nlg

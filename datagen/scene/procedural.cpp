@@ -1,0 +1,48 @@
+#include "datagen/scene/procedural.h"
+
+#include <algorithm>
+#include <array>
+
+#include "datagen/scene/procedural/level.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+struct Family {
+  const char* name;
+  void (*build)(Level&);
+};
+
+constexpr std::array<Family, 7> kFamilies = {{{"house", buildHouse},
+                                              {"maze", buildMaze},
+                                              {"colonnade", buildColonnade},
+                                              {"stairs", buildStairs},
+                                              {"clutter", buildClutter},
+                                              {"outdoor", buildOutdoor},
+                                              {"cave", buildCave}}};
+
+}  // namespace
+
+const std::vector<std::string>& proceduralFamilies() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const Family& family : kFamilies) list.emplace_back(family.name);
+    return list;
+  }();
+  return names;
+}
+
+Scene makeProceduralScene(const std::string& family, uint64_t seed) {
+  for (size_t i = 0; i < kFamilies.size(); ++i) {
+    if (family != kFamilies[i].name) continue;
+    Level level(mixSeed(0x6c6576656c, i, seed));
+    kFamilies[i].build(level);
+    return level.mesh.finish(family + "-" + std::to_string(seed));
+  }
+  std::string names;
+  for (const Family& known : kFamilies) names += std::string(names.empty() ? "" : ", ") + known.name;
+  throw UsageError("scene family", "one of " + names, family);
+}
+
+}  // namespace nlg

@@ -1,0 +1,55 @@
+// A scene: triangles in metres, and the objects that jitter may move.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+namespace nlg {
+
+struct Material {
+  glm::vec3 base_color{0.5f};  // linear, 0..1
+  glm::vec3 emissive{0.0f};    // linear, >= 0
+  bool double_sided = false;   // faces of it are no evidence of solid: see visibility/validity
+};
+
+// What jitter moves as one: a glTF node with a mesh, a connected component of one, or a part that the generator names.
+// The triangles of an object are contiguous.
+struct SceneObject {
+  std::string name;
+  uint32_t first_triangle = 0;
+  uint32_t triangle_count = 0;
+  bool movable = true;  // false: structure (ground, the level's shell), which jitter leaves where it is
+};
+
+// Right-handed, y up, metres. Front faces wind counter-clockwise; a mirrored node's faces have been turned to do so.
+// Positions are relative to origin_m, which stands near the middle of the scene, so that a scene 100 km from the world's
+// origin loses no precision: world position = origin_m + position.
+struct Scene {
+  std::string id;
+  glm::dvec3 origin_m{0.0};
+  std::vector<glm::vec3> positions;         // V, metres, finite
+  std::vector<glm::uvec3> triangles;        // T, indices into positions
+  std::vector<uint32_t> triangle_material;  // T, indices into materials
+  std::vector<Material> materials;          // at least one when there are triangles
+  std::vector<SceneObject> objects;         // cover all triangles, in order, without gaps
+  uint32_t dropped_triangle_count = 0;      // triangles of zero area that the source held
+};
+
+struct Bounds {
+  glm::vec3 min{0.0f};
+  glm::vec3 max{0.0f};
+};
+
+// Axis-aligned box around all vertices of an object, or of the scene; zeros when there are none.
+Bounds objectBounds(const Scene& scene, const SceneObject& object);
+Bounds sceneBounds(const Scene& scene);
+
+// Splits every object into its connected components: triangles that share a vertex position bit for bit. Triangle order within
+// a component stays. A component whose largest side exceeds structure_share of the scene's largest side becomes not movable.
+// An object that is not movable already stays whole.
+void splitConnectedComponents(Scene& scene, double structure_share);
+
+}  // namespace nlg

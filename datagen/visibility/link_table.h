@@ -1,0 +1,38 @@
+// The fixed links of the support: each point's 32 nearest support points.
+//
+// Points [0, P) are the support points in pattern order; points [P, P + U) are further ones (unseen points), which read from
+// support points but which nothing reads. A link is undirected: a pair of points that appears in either's list has one index.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "runtime_eval/support/support_pattern.h"
+
+namespace nlg {
+
+inline constexpr int kLinkCount = 32;
+
+struct LinkTable {
+  struct Link {
+    uint32_t a, b;  // a < b
+  };
+  struct Edge {
+    uint32_t point;  // at the other end
+    uint32_t link;   // index into links
+  };
+
+  std::vector<LocalPoint> points;  // P + U, local coordinates
+  std::vector<Link> links;         // about 215 thousand for the support points alone
+  std::vector<Edge> nearest;       // (P + U) x 32, nearest first; ties go to the lower index of the mirrored pair
+  std::vector<float> distance;     // (P + U) x 32, local units
+  std::vector<uint32_t> first_edge;  // P + U + 1: edges of point p are [first_edge[p], first_edge[p + 1])
+  std::vector<Edge> edges;           // every link at both its ends
+
+  int pointCount() const { return static_cast<int>(points.size()); }
+};
+
+// The table for the support pattern and `unseen` further points.
+LinkTable makeLinkTable(const std::vector<LocalPoint>& unseen);
+
+}  // namespace nlg

@@ -1,0 +1,155 @@
+#include "datagen/visibility/ray_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <embree3/rtcore.h>
+
+#include "tool/error.h"
+
+namespace nlg {
+
+struct RayScene::Impl {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  std::vector<uint8_t> double_sided;  // by triangle
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  ~Impl() {
+    if (scene) rtcReleaseScene(scene);
+    if (device) rtcReleaseDevice(device);
+  }
+};
+
+namespace {
+
+// Separating axes of triangle and cube (Akenine-Möller 2001), corners relative to the cube's centre.
+bool triangleTouchesCube(glm::vec3 a, glm::vec3 b, glm::vec3 c, float half_side) {
+  const auto separates = [&](const glm::vec3& axis) {
+    const float pa = glm::dot(a, axis), pb = glm::dot(b, axis), pc = glm::dot(c, axis);
+    const float radius = half_side * (std::fabs(axis.x) + std::fabs(axis.y) + std::fabs(axis.z));
+    return std::min({pa, pb, pc}) > radius || std::max({pa, pb, pc}) < -radius;
+  };
+  const glm::vec3 unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const glm::vec3& axis : unit) {
+    if (separates(axis)) return false;
+  }
+  const glm::vec3 edges[3] = {b - a, c - b, a - c};
+  for (const glm::vec3& edge : edges) {
+    for (const glm::vec3& axis : unit) {
+      if (separates(glm::cross(axis, edge))) return false;
+    }
+  }
+  return !separates(glm::cross(edges[0], edges[1]));
+}
+
+struct CubeQuery {
+  const std::vector<glm::vec3>* positions;
+  const std::vector<glm::uvec3>* triangles;
+  glm::vec3 center;
+  float half_side;
+  bool found = false;
+};
+
+// Called for every triangle near the point; the first one that touches the cube ends the query.
+bool visitTriangle(RTCPointQueryFunctionArguments* arguments) {
+  CubeQuery& query = *static_cast<CubeQuery*>(arguments->userPtr);
+  if (query.found) return false;
+  const glm::uvec3& triangle = (*query.triangles)[arguments->primID];
+  const auto corner = [&](int k) { return (*query.positions)[triangle[k]] - query.center; };
+  if (!triangleTouchesCube(corner(0), corner(1), corner(2), query.half_side)) return false;
+  query.found = true;
+  arguments->query->radius = 0.0f;
+  return true;
+}
+
+void* newBuffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t stride, size_t count) {
+  return rtcSetNewGeometryBuffer(geometry, type, 0, format, stride, count);
+}
+
+}  // namespace
+
+RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
+  impl_->positions = scene.positions;
+  impl_->triangles = scene.triangles;
+  impl_->double_sided.reserve(scene.triangles.size());
+  for (const uint32_t material : scene.triangle_material) {
+    impl_->double_sided.push_back(scene.materials[material].double_sided);
+  }
+  impl_->device = rtcNewDevice("threads=1");
+  impl_->scene = rtcNewScene(impl_->device);
+  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
+  if (!scene.triangles.empty()) {
+    const RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    void* positions = newBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), scene.positions.size());
+    void* triangles = newBuffer(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, sizeof(glm::uvec3), scene.triangles.size());
+    if (positions && triangles) {
+      std::copy(scene.positions.begin(), scene.positions.end(), static_cast<glm::vec3*>(positions));
+      std::copy(scene.triangles.begin(), scene.triangles.end(), static_cast<glm::uvec3*>(triangles));
+      rtcCommitGeometry(geometry);
+      rtcAttachGeometry(impl_->scene, geometry);
+    }
+    rtcReleaseGeometry(geometry);
+  }
+  rtcCommitScene(impl_->scene);
+  if (const RTCError error = rtcGetDeviceError(impl_->device); error != RTC_ERROR_NONE) {
+    throw InputError(scene.id, "acceleration structure", "Embree to build it", "Embree error " + std::to_string(error));
+  }
+}
+
+RayScene::~RayScene() = default;
+
+uint32_t RayScene::occluded(const SegmentPacket& segments, int count) const {
+  alignas(64) RTCRay16 rays;
+  alignas(64) int active[kPacketSize];
+  for (int i = 0; i < kPacketSize; ++i) {
+    active[i] = i < count ? -1 : 0;
+    rays.org_x[i] = segments.origin_x[i];
+    rays.org_y[i] = segments.origin_y[i];
+    rays.org_z[i] = segments.origin_z[i];
+    rays.dir_x[i] = segments.direction_x[i];
+    rays.dir_y[i] = segments.direction_y[i];
+    rays.dir_z[i] = segments.direction_z[i];
+    rays.tnear[i] = 0.0f;
+    rays.tfar[i] = 1.0f;
+    rays.time[i] = 0.0f;
+    rays.mask[i] = ~0u;
+    rays.id[i] = i;
+    rays.flags[i] = 0;
+  }
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded16(active, impl_->scene, &context, &rays);
+  uint32_t hits = 0;
+  for (int i = 0; i < count; ++i) hits |= static_cast<uint32_t>(rays.tfar[i] < 0.0f) << i;
+  return hits;
+}
+
+Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction) const {
+  RTCRayHit hit{};
+  hit.ray = {origin.x, origin.y, origin.z, 0.0f, direction.x, direction.y, direction.z, 0.0f,
+             std::numeric_limits<float>::infinity(), ~0u, 0, 0};
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(impl_->scene, &context, &hit);
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return Facing::nothing;
+  if (impl_->double_sided[hit.hit.primID]) return Facing::both;
+  const glm::uvec3& triangle = impl_->triangles[hit.hit.primID];
+  const glm::vec3 corner = impl_->positions[triangle.x];
+  const glm::vec3 normal = glm::cross(impl_->positions[triangle.y] - corner, impl_->positions[triangle.z] - corner);
+  return glm::dot(normal, direction) < 0.0f ? Facing::front : Facing::back;
+}
+
+bool RayScene::anyTriangleInCube(const glm::vec3& center, float half_side) const {
+  CubeQuery query{&impl_->positions, &impl_->triangles, center, half_side};
+  RTCPointQuery point{center.x, center.y, center.z, 0.0f, half_side * 1.7320509f};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(impl_->scene, &point, &context, visitTriangle, &query);
+  return query.found;
+}
+
+}  // namespace nlg

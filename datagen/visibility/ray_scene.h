@@ -1,0 +1,48 @@
+// A scene prepared for rays: the one place that knows Embree.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "datagen/scene/scene.h"
+
+namespace nlg {
+
+inline constexpr int kPacketSize = 16;
+
+// Sixteen segments from origin to origin + direction, structure of arrays, as the ray packets want them.
+struct SegmentPacket {
+  alignas(64) float origin_x[kPacketSize], origin_y[kPacketSize], origin_z[kPacketSize];
+  alignas(64) float direction_x[kPacketSize], direction_y[kPacketSize], direction_z[kPacketSize];
+};
+
+enum class Facing : uint8_t { nothing, front, back, both };  // both: a face of a double-sided material
+
+class RayScene {
+ public:
+  // Copies what it needs of the scene. throws InputError when Embree cannot build (out of memory)
+  explicit RayScene(const Scene& scene);
+  ~RayScene();
+  RayScene(const RayScene&) = delete;
+  RayScene& operator=(const RayScene&) = delete;
+
+  // Bit i of the result: segment i meets a triangle, its ends included. Only the first `count` segments are traced.
+  // Edges are watertight (Embree's robust mode): a segment through a shared edge meets at least one of its triangles.
+  // A segment that lies in a triangle's plane does not meet it.
+  uint32_t occluded(const SegmentPacket& segments, int count) const;
+
+  // Which side of the first face a ray from origin meets.
+  Facing firstFacing(const glm::vec3& origin, const glm::vec3& direction) const;
+
+  // Whether any triangle touches the axis-aligned cube around center.
+  bool anyTriangleInCube(const glm::vec3& center, float half_side) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace nlg

@@ -1,0 +1,54 @@
+// Generates the weighting function of a probe: the bare tent where the probe sees, carried round corners by diffusion.
+//
+// Method: the talk, "How do we generate the functions"; the formula is in docs/math.md §1.
+#pragma once
+
+#include <vector>
+
+#include "datagen/visibility/support_visibility.h"
+
+namespace nlg {
+
+struct DiffusionOptions {
+  int passes = 2;
+  double sigma = 0.1;  // deviation of the Gaussian, local units (shares of the spacing)
+};
+
+enum class ProbeOutcome {
+  function,    // generated
+  free_space,  // no geometry in the support: the bare tent
+  in_solid,    // the probe itself is in solid
+  empty,       // generated, but zero at every valid support point
+};
+
+// The result for one probe; arrays run over all points of the link table (P support points, then the unseen ones).
+struct GeneratedFunction {
+  std::vector<float> phi;      // [0, 1]; 0 at invalid points
+  std::vector<uint8_t> valid;  // 0 or 1
+  std::vector<uint8_t> seen;   // 0 or 1: seen by the probe (and valid)
+  bool open_shell = false;     // votes about solid were disputed
+};
+
+class WeightingBuilder {
+ public:
+  // All three must outlive this object.
+  WeightingBuilder(const RayScene& scene, const LinkTable& links, const DiffusionOptions& options);
+
+  // position_m  relative to the scene's origin; spacing_m > 0
+  // result      filled when the outcome is `function` or `empty`
+  ProbeOutcome build(const glm::vec3& position_m, float spacing_m, GeneratedFunction* result);
+
+  const SupportVisibility& visibility() const { return visibility_; }
+
+ private:
+  void diffuse(int pass, GeneratedFunction* result);
+
+  const LinkTable& table_;
+  DiffusionOptions options_;
+  SupportVisibility visibility_;
+  std::vector<float> gaussian_;    // by entry of LinkTable::nearest
+  std::vector<uint8_t> lit_;       // 0: nothing received; otherwise 1 + the pass that lit it
+  std::vector<uint32_t> receivers_, links_;
+};
+
+}  // namespace nlg

@@ -1,0 +1,66 @@
+// The exported generator's file: safetensors, written by nlg-export, read by the bake-time evaluator.
+//
+// Layout (https://github.com/huggingface/safetensors): 8 bytes little-endian header length, a JSON header that maps names to
+// dtype, shape and byte range, then the raw little-endian tensors. Here every tensor is F32 and starts at a multiple of 64 bytes
+// of the file, and `__metadata__` holds text. The standard allows no holes between tensors, so filler tensors of dtype U8 named
+// "padding.0", "padding.1", … stand where bytes are skipped, and spaces at the end of the header: other tools read these files
+// as they are. Readers check fillers like any tensor, then forget them. No exceptions (compiles with -fno-exceptions), no
+// dependency: an engine links this. What the names mean: docs/formats.md.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace nlg {
+
+enum class WeightsStatus {
+  ok,
+  cannot_open,
+  cannot_read,        // the system refused, or the file is larger than 1 GiB
+  too_short,          // no header length, or fewer bytes than the tensors of the header need
+  header_too_large,   // header length above 1 MiB or past the end of the file
+  header_malformed,   // no JSON object of the form that safetensors prescribes
+  tensor_malformed,   // another dtype, shape and bytes disagree, overlap, hole, misaligned, or bytes behind the last tensor
+  tensor_missing,     // a tensor or metadata key that the generator needs is not there
+  tensor_unexpected,  // a tensor of another shape than the generator's
+  value_not_finite,
+  value_out_of_range,
+  version_unknown,
+  pattern_unknown,  // made for another support pattern
+};
+
+// A short English name of a status, for messages: "tensor_missing".
+const char* weightsStatusName(WeightsStatus status);
+
+// Status and, when it is not ok, where and why in one line.
+struct WeightsResult {
+  WeightsStatus status = WeightsStatus::ok;
+  std::string detail;
+  bool ok() const { return status == WeightsStatus::ok; }
+};
+
+struct WeightsTensor {
+  std::vector<uint64_t> shape;  // at most 4 dimensions
+  std::vector<float> values;    // row-major; all finite
+};
+
+struct WeightsFile {
+  std::map<std::string, WeightsTensor> tensors;
+  std::map<std::string, std::string> metadata;
+};
+
+// Reads a file, or bytes in memory. Every offset is checked against the size before it is followed; nothing is allocated that the
+// bytes do not cover, and a file is never in memory twice. On failure *file is left empty.
+WeightsResult readWeightsFile(const std::string& path, WeightsFile* file);
+WeightsResult parseWeights(std::string_view bytes, WeightsFile* file);
+
+// The bytes of a file: tensors in the order of their names; the same content gives the same bytes.
+//
+// file   names and texts in UTF-8; no tensor is named "__metadata__" or "padding.…"; values as many as the shape says
+std::string serializeWeights(const WeightsFile& file);
+
+}  // namespace nlg

@@ -1,0 +1,199 @@
+#include "tool/atomic_file.h"
+
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AtomicFile : public testing::Test {
+ protected:
+  AtomicFile() {
+    folder_ = fs::temp_directory_path() / ("nlg_atomic_" + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~AtomicFile() override { fs::remove_all(folder_); }
+
+  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  size_t fileCount() const { return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), {})); }
+
+  fs::path folder_;
+};
+
+// Runs body in a child process, which must end with the code that body returns.
+template <class Body>
+int exitCodeOfChild(const Body& body) {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(body());
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+// Mounts a disk of 64 kB on folder, for this process only; false where the system lets nobody do so.
+bool mountTinyDisk(const std::string& folder) {
+  const std::string user = std::to_string(::geteuid()), group = std::to_string(::getegid());
+  if (::unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0) return false;
+  // files on it need an owner that both sides of the new namespace know
+  std::ofstream("/proc/self/setgroups") << "deny";
+  std::ofstream("/proc/self/uid_map") << "0 " + user + " 1";
+  std::ofstream("/proc/self/gid_map") << "0 " + group + " 1";
+  return ::mount("none", folder.c_str(), "tmpfs", 0, "size=64k") == 0 && std::ofstream(folder + "/probe").is_open() &&
+         ::unlink((folder + "/probe").c_str()) == 0;
+}
+
+// The message of the OutputError that write ends in.
+template <class Write>
+std::string outputErrorOf(const Write& write) {
+  try {
+    write();
+  } catch (const OutputError& error) {
+    return error.what();
+  }
+  return "no OutputError";
+}
+
+TEST_F(AtomicFile, RoundTripsAnyBytes) {
+  std::string bytes;
+  for (int i = 0; i < 100000; ++i) bytes += static_cast<char>(i * 7 + i / 256);
+  writeFileAtomically(at("data"), bytes);
+  EXPECT_EQ(readFile(at("data")), bytes);
+  EXPECT_EQ(fileSha256(at("data")), sha256(bytes));
+  EXPECT_EQ(fileCount(), 1u);
+}
+
+TEST_F(AtomicFile, ReplacesTheOldFileWhole) {
+  writeFileAtomically(at("data"), "a much longer old text");
+  writeFileAtomically(at("data"), "new");
+  EXPECT_EQ(readFile(at("data")), "new");
+}
+
+TEST_F(AtomicFile, MakesMissingFolders) {
+  writeFileAtomically(at("a/b/c/data"), "x");
+  EXPECT_EQ(readFile(at("a/b/c/data")), "x");
+}
+
+TEST_F(AtomicFile, NeverGivesTwoWritersOneTemporaryName) {
+  std::string outer, inner;
+  writeAtomically(at("data"), [&](const std::string& temporary_path) {
+    outer = temporary_path;
+    writeAtomically(at("data"), [&](const std::string& other_path) {
+      inner = other_path;
+      std::ofstream(other_path) << "inner";
+    });
+    std::ofstream(temporary_path) << "outer";
+  });
+  EXPECT_NE(outer, inner);
+  EXPECT_NE(outer.find(std::to_string(::getpid())), std::string::npos) << outer;
+  EXPECT_EQ(fs::path(outer).parent_path(), folder_);
+  EXPECT_EQ(readFile(at("data")), "outer");
+}
+
+TEST_F(AtomicFile, LeavesTheOldFileAndNothingElseWhenTheWriterThrows) {
+  writeFileAtomically(at("data"), "old");
+  const auto write = [](const std::string& temporary_path) {
+    std::ofstream(temporary_path) << "half";
+    throw std::logic_error("unchanged");
+  };
+  try {
+    writeAtomically(at("data"), write);
+    FAIL() << "nothing thrown";
+  } catch (const std::logic_error& error) {
+    EXPECT_STREQ(error.what(), "unchanged");
+  }
+  EXPECT_EQ(readFile(at("data")), "old");
+  EXPECT_EQ(fileCount(), 1u);
+}
+
+TEST_F(AtomicFile, LeavesTheOldFileWhenTheProcessDies) {
+  writeFileAtomically(at("data"), "old");
+  const int code = exitCodeOfChild([&] {
+    writeAtomically(at("data"), [](const std::string& temporary_path) {
+      std::ofstream(temporary_path) << "half" << std::flush;
+      ::_exit(42);
+    });
+    return 0;
+  });
+  EXPECT_EQ(code, 42);
+  EXPECT_EQ(readFile(at("data")), "old");
+}
+
+TEST_F(AtomicFile, SaysThatTheWriterLeftNoFile) {
+  const std::string line = outputErrorOf([&] { writeAtomically(at("data"), [](const std::string&) {}); });
+  EXPECT_NE(line.find("No such file"), std::string::npos) << line;
+}
+
+TEST_F(AtomicFile, SaysThatTheFolderIsNotWritable) {
+  const std::string line = outputErrorOf([] { writeFileAtomically("/proc/nlg/data", "x"); });
+  EXPECT_EQ(line.rfind("/proc/nlg/data: cannot be written: folder /proc/nlg: ", 0), 0u) << line;
+  if (::geteuid() == 0) return;  // no folder is closed to root
+  fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
+  const std::string denied = outputErrorOf([&] { writeFileAtomically(at("data"), "x"); });
+  fs::permissions(folder_, fs::perms::owner_all);
+  EXPECT_NE(denied.find("Permission denied"), std::string::npos) << denied;
+}
+
+TEST_F(AtomicFile, SaysThatAFileStandsWhereAFolderIsNeeded) {
+  writeFileAtomically(at("data"), "x");
+  const std::string line = outputErrorOf([&] { writeFileAtomically(at("data/inner"), "x"); });
+  EXPECT_NE(line.find("cannot be written"), std::string::npos) << line;
+  fs::create_directories(at("taken"));
+  EXPECT_NE(outputErrorOf([&] { writeFileAtomically(at("taken"), "x"); }).find("directory"), std::string::npos);
+  EXPECT_EQ(fileCount(), 2u);
+}
+
+TEST_F(AtomicFile, RemovesWhatDoesNotFit) {
+  const int code = exitCodeOfChild([&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{1000, 1000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    const std::string line = outputErrorOf([&] { writeFileAtomically(at("data"), std::string(5000, 'x')); });
+    return line.find("File too large") != std::string::npos ? 7 : 0;
+  });
+  EXPECT_EQ(code, 7);
+  EXPECT_EQ(fileCount(), 0u);
+}
+
+TEST_F(AtomicFile, SaysThatTheDiskIsFull) {
+  constexpr int kNoNamespaces = 77;
+  const int code = exitCodeOfChild([&] {
+    if (!mountTinyDisk(folder_.string())) return kNoNamespaces;
+    const std::string line = outputErrorOf([&] { writeFileAtomically(at("data"), std::string(1 << 20, 'x')); });
+    return line.find("the disk is full") != std::string::npos && fileCount() == 0 ? 7 : 0;
+  });
+  if (code == kNoNamespaces) GTEST_SKIP() << "this system lets nobody mount a small disk";
+  EXPECT_EQ(code, 7);
+}
+
+TEST_F(AtomicFile, RefusesToReadWhatIsMissingTooLargeOrAFolder) {
+  writeFileAtomically(at("data"), "12345");
+  EXPECT_EQ(readFile(at("data"), 5), "12345");
+  EXPECT_THROW(readFile(at("data"), 4), InputError);
+  EXPECT_THROW(readFile(at("missing")), InputError);
+  EXPECT_THROW(readFile(folder_.string()), InputError);
+  EXPECT_THROW(fileSha256(at("missing")), InputError);
+  EXPECT_THROW(fileSha256(folder_.string()), InputError);
+}
+
+// FIPS 180-2, appendix B.
+TEST(Sha256, AgreesWithThePublishedDigests) {
+  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256(std::string(1000000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,238 @@
+#include "tool/options.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+struct Values {
+  int jobs = 2;
+  uint64_t seed = 1;
+  double spacing_m = 0.5;
+  bool cull = true;
+  std::string scene = "box";
+  std::vector<std::string> families = {"rooms"};
+};
+
+OptionTable tableOf(Values* values) {
+  OptionTable table("datagen");
+  table.add("jobs", &values->jobs, "threads", 1, 64);
+  table.add("seed", &values->seed, "seed of everything random");
+  table.add("spacing_m", &values->spacing_m, "probe spacing, metres", 0.01, 100.0);
+  table.add("cull", &values->cull, "skip what nobody sees");
+  table.add("scene", &values->scene, "scene file");
+  table.add("families", &values->families, "procedural families");
+  return table;
+}
+
+class Options : public testing::Test {
+ protected:
+  Options()
+      : path_((std::filesystem::temp_directory_path() / ("nlg_options_" + std::to_string(::getpid()) + ".yaml")).string()) {}
+  ~Options() override { std::filesystem::remove(path_); }
+
+  void readYaml(const std::string& text) {
+    std::ofstream(path_, std::ios::binary) << text;
+    OptionTable table = tableOf(&values_);
+    table.readYaml(path_);
+  }
+
+  // The message that the text is refused with, the file's name cut off; "taken" when it is not refused.
+  std::string refusalOfYaml(const std::string& text) {
+    try {
+      readYaml(text);
+    } catch (const UsageError& error) {
+      const std::string line = error.what();
+      return line.rfind(path_, 0) == 0 ? line.substr(path_.size()) : line;
+    }
+    return "taken";
+  }
+
+  void parseFlags(const std::vector<std::string>& arguments, OptionTable* table) {
+    CLI::App app;
+    table->addFlags(app);
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+    app.parse(reversed);
+    table->applyFlags();
+  }
+
+  std::string refusalOfFlags(const std::vector<std::string>& arguments) {
+    OptionTable table = tableOf(&values_);
+    try {
+      parseFlags(arguments, &table);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "taken";
+  }
+
+  std::string path_;
+  Values values_;
+};
+
+TEST_F(Options, KeepDefaultsWithoutASection) {
+  for (const char* text : {"", "# nothing\n", "name: demo\n", "datagen:\n", "---\n...\n", "datagen: {}\n"}) {
+    EXPECT_EQ(refusalOfYaml(text), "taken") << text;
+  }
+  EXPECT_EQ(values_.jobs, 2);
+  EXPECT_EQ(values_.families, std::vector<std::string>{"rooms"});
+}
+
+TEST_F(Options, TakeEveryTypeFromYaml) {
+  readYaml(
+      "name: demo\ntrain: {steps: 5}\ndatagen:\n  jobs: 8\n  seed: 18446744073709551615\n  spacing_m: 2.5e-1\n"
+      "  cull: false\n  scene: \"a, b: c\"\n  families: [mazes, 'two, words']\n");
+  EXPECT_EQ(values_.jobs, 8);
+  EXPECT_EQ(values_.seed, 18446744073709551615u);
+  EXPECT_EQ(values_.spacing_m, 0.25);
+  EXPECT_FALSE(values_.cull);
+  EXPECT_EQ(values_.scene, "a, b: c");
+  EXPECT_EQ(values_.families, (std::vector<std::string>{"mazes", "two, words"}));
+}
+
+TEST_F(Options, TakeEveryTypeFromFlags) {
+  EXPECT_EQ(refusalOfFlags(
+                {"--jobs", "8", "--seed=7", "--spacing-m", "1e1", "--cull=false", "--scene", "x y", "--families", "mazes,caves"}),
+            "taken");
+  EXPECT_EQ(values_.jobs, 8);
+  EXPECT_EQ(values_.seed, 7u);
+  EXPECT_EQ(values_.spacing_m, 10.0);
+  EXPECT_FALSE(values_.cull);
+  EXPECT_EQ(values_.scene, "x y");
+  EXPECT_EQ(values_.families, (std::vector<std::string>{"mazes", "caves"}));
+  EXPECT_EQ(refusalOfFlags({"--cull", "--families", ""}), "taken");
+  EXPECT_TRUE(values_.cull);
+  EXPECT_TRUE(values_.families.empty());
+}
+
+TEST_F(Options, PreferFlagsToYamlToDefaults) {
+  OptionTable table = tableOf(&values_);
+  CLI::App app;
+  table.addFlags(app);
+  app.parse(std::vector<std::string>{"4", "--jobs"});
+  std::ofstream(path_) << "datagen: {jobs: 8, seed: 9}\n";
+  table.readYaml(path_);
+  EXPECT_EQ(values_.jobs, 8) << "flags are only remembered until applyFlags";
+  table.applyFlags();
+  EXPECT_EQ(values_.jobs, 4) << "flag";
+  EXPECT_EQ(values_.seed, 9u) << "yaml";
+  EXPECT_EQ(values_.spacing_m, 0.5) << "default";
+}
+
+TEST_F(Options, ShowThemselvesAsJsonInTableOrder) {
+  values_.seed = 18446744073709551615u;
+  EXPECT_EQ(tableOf(&values_).toJson().dump(),
+            R"({"jobs":2,"seed":18446744073709551615,"spacing_m":0.5,"cull":true,"scene":"box","families":["rooms"]})");
+}
+
+TEST_F(Options, DescribeThemselvesInHelp) {
+  OptionTable table = tableOf(&values_);
+  CLI::App app;
+  table.addFlags(app);
+  const std::string help = app.help();
+  EXPECT_NE(help.find("--spacing-m"), std::string::npos) << help;
+  EXPECT_NE(help.find("probe spacing, metres (a finite number in [0.01, 100]; default 0.5)"), std::string::npos) << help;
+}
+
+TEST_F(Options, RefuseValuesWithLineAndColumn) {
+  const std::vector<std::pair<const char*, const char*>> cases = {
+      {"datagen:\n  jobs: 65\n", ":2:9: jobs: expected an integer in [1, 64], got '65'"},
+      {"datagen:\n  jobs: 0\n", ":2:9: jobs: expected an integer in [1, 64], got '0'"},
+      {"datagen:\n  jobs: 3.5\n", ":2:9: jobs: expected an integer in [1, 64], got '3.5'"},
+      {"datagen:\n  jobs: \"\"\n", ":2:9: jobs: expected an integer in [1, 64], got ''"},
+      {"datagen:\n  jobs: 99999999999999999999\n", ":2:9: jobs: expected an integer in [1, 64], got '99999999999999999999'"},
+      {"datagen:\n  jobs:\n", ":2:3: jobs: expected an integer in [1, 64], got nothing"},
+      {"datagen:\n  jobs: ~\n", ":2:3: jobs: expected an integer in [1, 64], got nothing"},
+      {"datagen:\n  jobs: [1]\n", ":2:9: jobs: expected an integer in [1, 64], got a sequence"},
+      {"datagen:\n  scene: {a: b}\n", ":2:10: scene: expected a text, got a map"},
+      {"datagen:\n  scene: \"a\\0b\"\n", ":2:10: scene: expected a text, got 'a\\x00b'"},
+      {"datagen:\n  seed: -1\n", ":2:9: seed: expected an unsigned 64-bit integer, got '-1'"},
+      {"datagen:\n  seed: 18446744073709551616\n", ":2:9: seed: expected an unsigned 64-bit integer, got '18446744073709551616'"},
+      {"datagen:\n  spacing_m: .nan\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got '.nan'"},
+      {"datagen:\n  spacing_m: nan\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got 'nan'"},
+      {"datagen:\n  spacing_m: inf\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got 'inf'"},
+      {"datagen:\n  spacing_m: 1 m\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got '1 m'"},
+      {"datagen:\n  spacing_m: 0.001\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got '0.001'"},
+      {"datagen:\n  cull: yes\n", ":2:9: cull: expected true or false, got 'yes'"},
+      {"datagen:\n  families: rooms\n", ":2:13: families: expected a list of texts, none empty, got 'rooms'"},
+      {"datagen:\n  families: [a, '']\n", ":2:17: families: expected a list of texts, none empty, got ''"},
+      {"datagen:\n  families: [a, [b]]\n", ":2:17: families: expected a list of texts, none empty, got a sequence"},
+      {"datagen:\n  scene: !!binary aGk=\n", ":2:10: scene: expected a text without a tag, got 'tag:yaml.org,2002:binary'"},
+      {"datagen: 5\n", ":1:10: expected a map of keys and values, got '5'"},
+      {"- datagen\n", ":1:1: expected a map of keys and values, got a sequence"},
+  };
+  for (const auto& [text, refusal] : cases) EXPECT_EQ(refusalOfYaml(text), refusal) << text;
+}
+
+TEST_F(Options, RefuseUnknownAndRepeatedKeysWithLineAndColumn) {
+  const std::string keys = "expected one of [jobs, seed, spacing_m, cull, scene, families], got ";
+  std::string sections = "expected one of [";
+  for (const std::string& section : pipelineSections()) sections += (sections.back() == '[' ? "" : ", ") + section;
+  sections += "], got ";
+  EXPECT_EQ(refusalOfYaml("datagen:\n  spacing: 1\n"), ":2:3: " + keys + "'spacing' (did you mean 'spacing_m'?)");
+  EXPECT_EQ(refusalOfYaml("datagen:\n  sede: 1\n"), ":2:3: " + keys + "'sede'");
+  EXPECT_EQ(refusalOfYaml("datagen:\n  xyzzy: 1\n"), ":2:3: " + keys + "'xyzzy'");
+  EXPECT_EQ(refusalOfYaml("name: x\n\ndatagne: {}\n"), ":3:1: " + sections + "'datagne' (did you mean 'datagen'?)");
+  EXPECT_EQ(refusalOfYaml("datagen:\n  jobs: 1\n  jobs: 1\n"), ":3:3: expected each key once, got 'jobs' again");
+  EXPECT_EQ(refusalOfYaml("datagen: {}\ndatagen: {}\n"), ":2:1: expected each key once, got 'datagen' again");
+  EXPECT_EQ(refusalOfYaml("datagen:\n  [1, 2]: 1\n"), ":2:3: expected a key, got a sequence");
+  EXPECT_EQ(refusalOfYaml("datagen:\n  <<: {jobs: 3}\n").substr(0, 6), ":2:3: ");
+}
+
+TEST_F(Options, RefuseWhatIsNoYaml) {
+  EXPECT_EQ(refusalOfYaml("datagen:\n  jobs: [1\n").substr(0, 3), ":3:");
+  EXPECT_EQ(refusalOfYaml("datagen: *nowhere\n").substr(0, 26), ":1:10: expected readable Y");
+  EXPECT_EQ(refusalOfYaml("a: 1\n---\nb: 2\n"), ":3:1: expected one YAML document, got a second one");
+  EXPECT_NE(refusalOfYaml("datagen: {jobs: 1"), "taken");
+  EXPECT_NE(refusalOfYaml("\tdatagen: 1"), "taken");
+}
+
+TEST_F(Options, SurviveRecursionAndDepth) {
+  EXPECT_EQ(refusalOfYaml("datagen: &a\n  scene: *a\n").substr(0, 1), ":");
+  EXPECT_EQ(refusalOfYaml("datagen:\n  families: &a [*a]\n").substr(0, 1), ":");
+  EXPECT_EQ(refusalOfYaml("? &k [*k]\n: 1\n").substr(0, 1), ":");
+  EXPECT_EQ(refusalOfYaml(std::string(100000, '[')).substr(0, 1), ":");
+  EXPECT_EQ(refusalOfYaml("datagen: " + std::string(100000, '{')).substr(0, 1), ":");
+  EXPECT_EQ(refusalOfYaml("datagen:\n  scene: &s hut\n  families: [*s, *s]\n"), "taken");
+  EXPECT_EQ(values_.families, (std::vector<std::string>{"hut", "hut"}));
+}
+
+TEST_F(Options, SurviveEveryTruncationAndBytesThatAreNoText) {
+  const std::string whole = "name: demo\ndatagen:\n  jobs: 8\n  scene: \"a\\u00e9\"\n  families: [b, 'c']\n";
+  for (size_t length = 0; length <= whole.size(); ++length) refusalOfYaml(whole.substr(0, length));
+  for (size_t i = 0; i < whole.size(); ++i) {
+    for (const char byte : {'\0', '\x80', '\xff', '&', '*', '!', '|', '%', '{', '\t'}) {
+      std::string damaged = whole;
+      damaged[i] = byte;
+      refusalOfYaml(damaged);
+    }
+  }
+  EXPECT_EQ(refusalOfYaml(whole), "taken");
+}
+
+TEST_F(Options, RefuseAMissingOrHugeFileAsInput) {
+  OptionTable table = tableOf(&values_);
+  EXPECT_THROW(table.readYaml("/nowhere/pipeline.yaml"), InputError);
+  EXPECT_THROW(readYaml(std::string((1 << 20) + 1, '#')), InputError);
+}
+
+TEST_F(Options, RefuseFlagsInTheWordsOfYaml) {
+  EXPECT_EQ(refusalOfFlags({"--jobs", "65"}), "--jobs: expected an integer in [1, 64], got '65'");
+  EXPECT_EQ(refusalOfFlags({"--jobs", ""}), "--jobs: expected an integer in [1, 64], got ''");
+  EXPECT_EQ(refusalOfFlags({"--seed", "-1"}), "--seed: expected an unsigned 64-bit integer, got '-1'");
+  EXPECT_EQ(refusalOfFlags({"--spacing-m", "nan"}), "--spacing-m: expected a finite number in [0.01, 100], got 'nan'");
+  EXPECT_EQ(refusalOfFlags({"--cull=maybe"}), "--cull: expected true or false, got 'maybe'");
+  EXPECT_EQ(refusalOfFlags({"--families", "a,,b"}), "--families: expected a list of texts, none empty, got ''");
+  EXPECT_EQ(refusalOfFlags({"--families", "a,"}), "--families: expected a list of texts, none empty, got ''");
+}
+
+}  // namespace
+}  // namespace nlg

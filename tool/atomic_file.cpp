@@ -1,0 +1,180 @@
+#include "tool/atomic_file.h"
+
+#include <fcntl.h>
+#include <openssl/evp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr size_t kReadBlockBytes = size_t{1} << 20;
+
+// The system's words; a full disk is the one reason that everybody meets, so it is spelled out.
+std::string reasonOf(int error_number) {
+  const std::string words = std::generic_category().message(error_number);
+  if (error_number == ENOSPC) return words + " (the disk is full: free some space or write elsewhere)";
+  if (error_number == EDQUOT) return words + " (the user's share of the disk is full)";
+  return words;
+}
+
+class FileDescriptor {
+ public:
+  FileDescriptor(const std::string& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~FileDescriptor() { close(); }
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+  bool isOpen() const { return fd_ >= 0; }
+  int get() const { return fd_; }
+
+  // network file systems report a full disk no earlier than here
+  bool close() {
+    const int fd = fd_;
+    fd_ = -1;
+    return fd < 0 || ::close(fd) == 0;
+  }
+
+ private:
+  int fd_;
+};
+
+// A path beside the final one: rename is atomic only inside one file system.
+std::string temporaryPathFor(const std::string& path) {
+  static std::atomic<uint64_t> counter{0};
+  return path + ".tmp." + std::to_string(::getpid()) + "." + std::to_string(counter++);
+}
+
+std::string folderOf(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
+void makeFolder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(folderOf(path), error);
+  if (error) throw OutputError(path, "folder " + folderOf(path) + ": " + reasonOf(error.value()));
+}
+
+void syncFile(const std::string& temporary_path, const std::string& path) {
+  FileDescriptor file(temporary_path, O_RDONLY);
+  if (!file.isOpen() || ::fsync(file.get()) != 0 || !file.close()) throw OutputError(path, reasonOf(errno));
+}
+
+// Without this the rename itself may be lost in a power cut.
+void syncFolder(const std::string& path) {
+  FileDescriptor folder(folderOf(path), O_RDONLY | O_DIRECTORY);
+  // a folder that may be written but not read, or a file system that cannot flush folders: the rename stands all the same
+  if (!folder.isOpen()) return;
+  if (::fsync(folder.get()) != 0 && errno != EINVAL && errno != ENOTSUP) throw OutputError(path, reasonOf(errno));
+}
+
+void writeAll(const std::string& temporary_path, const std::string& path, std::string_view bytes) {
+  FileDescriptor file(temporary_path, O_WRONLY | O_CREAT | O_EXCL);
+  if (!file.isOpen()) throw OutputError(path, reasonOf(errno));
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw OutputError(path, reasonOf(errno));
+    bytes.remove_prefix(static_cast<size_t>(written));
+  }
+  if (!file.close()) throw OutputError(path, reasonOf(errno));
+}
+
+// Calls take(block, size) for every block of the file.
+template <class Take>
+void forEachBlock(const std::string& path, Take take) {
+  FileDescriptor file(path, O_RDONLY);
+  if (!file.isOpen()) throw InputError(path, "open", "a readable file", reasonOf(errno));
+  const auto block = std::make_unique<char[]>(kReadBlockBytes);
+  for (;;) {
+    const ssize_t count = ::read(file.get(), block.get(), kReadBlockBytes);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw InputError(path, "read", "a readable file", reasonOf(errno));
+    if (count == 0) return;
+    take(block.get(), static_cast<size_t>(count));
+  }
+}
+
+class Sha256 {
+ public:
+  Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
+    NLG_CHECK(context_ != nullptr, ==, true);
+    NLG_CHECK(EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr), ==, 1);
+  }
+  void add(const char* bytes, size_t count) { NLG_CHECK(EVP_DigestUpdate(context_.get(), bytes, count), ==, 1); }
+
+  std::string hexadecimal() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned int length = 0;
+    NLG_CHECK(EVP_DigestFinal_ex(context_.get(), digest.data(), &length), ==, 1);
+    std::string text;
+    for (unsigned int i = 0; i < length; ++i) {
+      text += "0123456789abcdef"[digest[i] >> 4];
+      text += "0123456789abcdef"[digest[i] & 15];
+    }
+    return text;
+  }
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+};
+
+}  // namespace
+
+void writeAtomically(const std::string& path, const std::function<void(const std::string&)>& write) {
+  makeFolder(path);
+  const std::string temporary_path = temporaryPathFor(path);
+  try {
+    write(temporary_path);
+    syncFile(temporary_path, path);
+    if (::rename(temporary_path.c_str(), path.c_str()) != 0) throw OutputError(path, reasonOf(errno));
+  } catch (...) {
+    ::unlink(temporary_path.c_str());
+    throw;
+  }
+  syncFolder(path);
+}
+
+void writeFileAtomically(const std::string& path, std::string_view bytes) {
+  writeAtomically(path, [&](const std::string& temporary_path) { writeAll(temporary_path, path, bytes); });
+}
+
+std::string readFile(const std::string& path, size_t max_bytes) {
+  std::string bytes;
+  std::error_code ignored;
+  // the size is a hint only: pipes have none, and a file may grow
+  const uintmax_t size = std::filesystem::is_regular_file(path, ignored) ? std::filesystem::file_size(path, ignored) : 0;
+  if (!ignored) bytes.reserve(std::min<uintmax_t>(size, max_bytes));
+  forEachBlock(path, [&](const char* block, size_t count) {
+    if (count > max_bytes - bytes.size()) {
+      throw InputError(path, "size", "at most " + std::to_string(max_bytes) + " bytes", "more");
+    }
+    bytes.append(block, count);
+  });
+  return bytes;
+}
+
+std::string fileSha256(const std::string& path) {
+  Sha256 hash;
+  forEachBlock(path, [&](const char* block, size_t count) { hash.add(block, count); });
+  return hash.hexadecimal();
+}
+
+std::string sha256(std::string_view bytes) {
+  Sha256 hash;
+  hash.add(bytes.data(), bytes.size());
+  return hash.hexadecimal();
+}
+
+}  // namespace nlg

@@ -1,0 +1,30 @@
+// Files that are either whole or not there.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace nlg {
+
+// Calls write(temporary_path), flushes the file to the disk, and renames it to path; makes the folder if it is missing.
+// The temporary name lies in the same folder and holds the process id, so that two writers never share one. When write throws,
+// or the process dies, path is what it was before; a temporary file of ours is removed when write throws.
+// throws   OutputError with the system's reason (folder not writable, disk full); whatever write throws, unchanged
+void writeAtomically(const std::string& path, const std::function<void(const std::string& temporary_path)>& write);
+
+// The same for a text or bytes that are already in memory.
+void writeFileAtomically(const std::string& path, std::string_view bytes);
+
+// The whole of a file.
+// throws   InputError when it cannot be opened or read, or is larger than max_bytes
+std::string readFile(const std::string& path, size_t max_bytes = size_t{1} << 32);
+
+// SHA-256 of a file's bytes, 64 lower-case hexadecimal digits.
+// throws   InputError when it cannot be read
+std::string fileSha256(const std::string& path);
+
+// SHA-256 of bytes in memory.
+std::string sha256(std::string_view bytes);
+
+}  // namespace nlg

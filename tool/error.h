@@ -1,0 +1,89 @@
+// Errors that a user can act on, and the exit code that each of them ends a tool with.
+//
+// Two families, never mixed. A wrong file, setting or number is an exception of this header: only `runTool` (tool_main.h)
+// catches it, prints one line on stderr and exits with the documented code. A broken promise of our own code is
+// NLG_CHECK, which prints the expression with both values and aborts; it never judges input.
+#pragma once
+
+#include <cstdlib>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+
+namespace nlg {
+
+// Exit codes of every tool; also listed in docs/formats.md.
+enum class ExitCode : int {
+  success = 0,
+  internal_error = 1,   // a bug of ours
+  usage_error = 2,      // command line or pipeline.yaml
+  input_error = 3,      // a file that cannot be used
+  numerical_error = 4,  // NaN, divergence; the last good state has been saved
+  output_error = 5,     // a file that cannot be written; nothing half-written is left behind
+  check_failed = 6,     // a comparison that the tool makes by itself did not hold (export parity)
+};
+
+// Base of the errors below: what() is the one line that the user sees.
+class ToolError : public std::runtime_error {
+ public:
+  ToolError(ExitCode exit_code, const std::string& line) : std::runtime_error(line), exit_code_(exit_code) {}
+  ExitCode exitCode() const { return exit_code_; }
+
+ private:
+  ExitCode exit_code_;
+};
+
+// A command line or setting that cannot be used.
+// place      file with line and column, or the flag: "pipeline.yaml:12:3", "--jitter"
+// expected   what would have been right; got: what stood there
+class UsageError : public ToolError {
+ public:
+  UsageError(const std::string& place, const std::string& expected, const std::string& got)
+      : ToolError(ExitCode::usage_error, place + ": expected " + expected + ", got " + got) {}
+};
+
+// A file that is missing, damaged, hostile, or belongs to something else.
+// path       the file; place: where in it ("mesh 3, primitive 0: POSITION", "dataset phi", "byte 17")
+class InputError : public ToolError {
+ public:
+  InputError(const std::string& path, const std::string& place, const std::string& expected, const std::string& got)
+      : ToolError(ExitCode::input_error, path + ": " + place + ": expected " + expected + ", got " + got) {}
+};
+
+// Numbers that went wrong: names stage, step, quantity and value.
+class NumericalError : public ToolError {
+ public:
+  NumericalError(const std::string& stage, const std::string& step, const std::string& quantity, double value)
+      : ToolError(ExitCode::numerical_error,
+                  stage + ": " + step + ": " + quantity + " is " + std::to_string(value)) {}
+};
+
+// A file that could not be written. reason: the system's words.
+class OutputError : public ToolError {
+ public:
+  OutputError(const std::string& path, const std::string& reason)
+      : ToolError(ExitCode::output_error, path + ": cannot be written: " + reason) {}
+};
+
+// A check that a tool makes of its own result and that did not hold.
+class CheckFailed : public ToolError {
+ public:
+  CheckFailed(const std::string& check, const std::string& expected, const std::string& got)
+      : ToolError(ExitCode::check_failed, check + ": expected " + expected + ", got " + got) {}
+};
+
+namespace detail {
+template <class A, class B>
+[[noreturn]] void checkFailed(const char* file, int line, const char* expression, const A& a, const B& b) {
+  std::cerr << file << ':' << line << ": check failed: " << expression << " (" << a << " against " << b << ")\n";
+  std::abort();
+}
+}  // namespace detail
+
+}  // namespace nlg
+
+// Aborts with both values when `a op b` does not hold: for our own promises, never for input.
+#define NLG_CHECK(a, op, b)                                                               \
+  do {                                                                                    \
+    if (!((a)op(b))) ::nlg::detail::checkFailed(__FILE__, __LINE__, #a " " #op " " #b, (a), (b)); \
+  } while (false)

@@ -1,0 +1,69 @@
+// One table of options a tool: documentation, default, range, YAML section and command-line flags in one place.
+//
+// A stage keeps its options in a plain struct whose member initialisers are the defaults, and describes each member once:
+//
+//     OptionTable table("datagen");
+//     table.add("spacing_min_m", &options.spacing_min_m, "smallest probe spacing, metres", 0.01, 100.0);
+//
+// From that follow the keys of its section in pipeline.yaml, the flags `--spacing-min-m`, the text of `--help` and the JSON
+// that travels with every artefact. Order of precedence: default, pipeline.yaml, flag.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace CLI {
+class App;
+}
+
+namespace nlg {
+
+class OptionTable {
+ public:
+  // section   this tool's key at the top level of pipeline.yaml
+  explicit OptionTable(std::string section);
+  ~OptionTable();
+  OptionTable(OptionTable&&) noexcept;
+  OptionTable& operator=(OptionTable&&) noexcept;
+
+  // Describes one option. The pointer must stay valid for the life of the table; its present value is the default.
+  // name is snake_case, as in pipeline.yaml; the flag is the same with dashes. Numbers outside [min, max], and any that is
+  // not finite, are refused wherever they come from; so are values of another type ("3.5" or "" for an integer).
+  void add(const std::string& name, int* value, const std::string& help, int min = std::numeric_limits<int>::min(),
+           int max = std::numeric_limits<int>::max());
+  void add(const std::string& name, uint64_t* value, const std::string& help);
+  void add(const std::string& name, double* value, const std::string& help,
+           double min = -std::numeric_limits<double>::max(), double max = std::numeric_limits<double>::max());
+  void add(const std::string& name, bool* value, const std::string& help);
+  void add(const std::string& name, std::string* value, const std::string& help);
+  void add(const std::string& name, std::vector<std::string>* value, const std::string& help);  // a YAML sequence; the flag takes a comma-separated list
+
+  // Adds one flag an option to the command line, each with its help, default and range. Values are only remembered here.
+  void addFlags(CLI::App& app);
+
+  // Reads this tool's section of a YAML file. An absent section leaves the defaults.
+  // throws   UsageError with line and column on unreadable YAML, a key at the top level that no stage owns, an unknown or
+  //          repeated key in the section, a wrong type, or a value out of range; InputError when the file cannot be read
+  void readYaml(const std::string& path);
+
+  // Writes the values of the flags that were given over whatever stood there.
+  // throws   UsageError naming the flag
+  void applyFlags();
+
+  // The resolved options as a JSON object, keys in the order of the table.
+  nlohmann::ordered_json toJson() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// The keys that may stand at the top level of pipeline.yaml: one a stage, and those that only the workflow reads.
+const std::vector<std::string>& pipelineSections();
+
+}  // namespace nlg

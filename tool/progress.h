@@ -1,0 +1,27 @@
+// Progress of a long loop on stderr: one line that rewrites itself, only when stderr is a terminal.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace nlg {
+
+class Progress {
+ public:
+  // what: "probes", "steps"; total: how many there will be
+  Progress(std::string what, int64_t total);
+  ~Progress();  // clears the line
+
+  // Says how many are done; prints at most ten times a second: count, share, rate, time left, and note.
+  void update(int64_t done, const std::string& note = "");
+
+ private:
+  std::string what_;
+  int64_t total_;
+  bool terminal_;
+  bool printed_ = false;
+  std::chrono::steady_clock::time_point start_, last_print_;
+};
+
+}  // namespace nlg

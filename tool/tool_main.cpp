@@ -1,0 +1,96 @@
+#include "tool/tool_main.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+#include <new>
+
+#include "tool/provenance.h"
+
+namespace nlg {
+namespace {
+
+std::string toolName(const CLI::App& app, int argc, char** argv) {
+  if (!app.get_name().empty()) return app.get_name();
+  return argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "nlg";
+}
+
+// Scripts read stderr by lines: one error, one line.
+std::string oneLine(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  std::replace(text.begin(), text.end(), '\r', ' ');
+  return text;
+}
+
+int fail(const std::string& name, const std::string& line, ExitCode code) {
+  std::cout.flush();
+  std::cerr << name << ": error: " << oneLine(line) << std::endl;
+  return static_cast<int>(code);
+}
+
+// CLI11 would take the next argument as the value of "--flag=", or call a switch true.
+void refuseEmptyAssignments(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--") return;
+    if (argument.rfind("--", 0) == 0 && argument.find('=') == argument.size() - 1) {
+      throw UsageError(argument.substr(0, argument.size() - 1), "a value after '='", "nothing");
+    }
+  }
+}
+
+// What a tool prints on stdout is its result: losing it on a full disk or a closed pipe must not look like success.
+void flushStandardOutput() {
+  std::cout.flush();
+  if (!std::cout) throw OutputError("standard output", "the other end refused it (disk full or pipe closed)");
+}
+
+void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run) {
+  std::string config;
+  const CLI::Option* config_flag =
+      app.add_option("--config", config, "pipeline.yaml: this tool reads its own section of it")->type_name("FILE");
+  if (app.get_version_ptr() == nullptr) app.set_version_flag("--version", std::string(sourceRevision()));
+  table.addFlags(app);
+  refuseEmptyAssignments(argc, argv);
+  app.parse(argc, argv);
+  if (config_flag->count() > 0) table.readYaml(config);
+  table.applyFlags();
+  run();
+  flushStandardOutput();
+}
+
+// --help and --version reach us as exceptions too.
+int endOfParsing(const CLI::App& app, const CLI::ParseError& error, const std::string& name) {
+  if (error.get_exit_code() != 0) return fail(name, std::string(error.what()) + "; see --help", ExitCode::usage_error);
+  app.exit(error, std::cout, std::cerr);
+  flushStandardOutput();
+  return static_cast<int>(ExitCode::success);
+}
+
+}  // namespace
+
+int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run) {
+  std::signal(SIGPIPE, SIG_IGN);
+  const std::string name = toolName(app, argc, argv);
+  try {
+    try {
+      parseAndRun(argc, argv, app, table, run);
+    } catch (const CLI::ParseError& error) {
+      return endOfParsing(app, error, name);
+    }
+  } catch (const ToolError& error) {
+    return fail(name, error.what(), error.exitCode());
+  } catch (const std::bad_alloc&) {
+    return fail(name, "out of memory", ExitCode::internal_error);
+  } catch (const std::exception& error) {
+    return fail(name, error.what(), ExitCode::internal_error);
+  } catch (...) {
+    return fail(name, "unknown exception", ExitCode::internal_error);
+  }
+  return static_cast<int>(ExitCode::success);
+}
+
+}  // namespace nlg

@@ -1,0 +1,26 @@
+// The basis's file (HDF5; layout in docs/formats.md).
+#pragma once
+
+#include <string>
+
+#include "train/basis/basis_fit.h"
+
+namespace nlg {
+
+struct BasisFile {
+  Basis basis;
+  std::vector<float> mean_function;     // P, pattern order, [0, 1]: mean over the training set and its mirror images
+  std::vector<float> mean_validity;     // P: share of functions in which the point is valid, mirrored likewise
+  std::vector<int32_t> kept_counts;     // component counts at which held-out variance was measured
+  std::vector<double> kept_variance;    // share kept, one a count
+  uint64_t pattern_hash = 0;
+  std::string provenance_json;
+};
+
+// throws OutputError
+void writeBasisFile(const std::string& path, const BasisFile& file);
+
+// throws InputError on a missing, damaged or foreign file (another pattern), counts that disagree, non-finite numbers
+BasisFile readBasisFile(const std::string& path);
+
+}  // namespace nlg

@@ -1,0 +1,104 @@
+#include "train/generator/checkpoint.h"
+
+#include <torch/serialize.h>
+
+#include <filesystem>
+
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr const char* kKind = "nlg-checkpoint-1";
+
+void writeText(torch::serialize::OutputArchive& archive, const std::string& key, const std::string& text) {
+  archive.write(key, c10::IValue(text));
+}
+
+std::string readText(torch::serialize::InputArchive& archive, const std::string& key) {
+  c10::IValue value;
+  archive.read(key, value);
+  return value.toStringRef();
+}
+
+// libtorch reports what is wrong with an archive by several kinds of exceptions: all of them become one line.
+template <class Read>
+void readArchive(const std::string& path, const Read& read) {
+  if (!std::filesystem::is_regular_file(path)) throw InputError(path, "file", "a checkpoint", "no file");
+  try {
+    torch::serialize::InputArchive archive;
+    archive.load_from(path);
+    if (readText(archive, "kind") != kKind) throw InputError(path, "kind", kKind, "another kind of archive");
+    read(archive);
+  } catch (const ToolError&) {
+    throw;
+  } catch (const std::exception& error) {
+    const std::string text = error.what();
+    throw InputError(path, "archive", "a whole checkpoint", text.substr(0, text.find('\n')));
+  }
+}
+
+RunIdentity identityOf(torch::serialize::InputArchive& archive) {
+  return {readText(archive, "representation"), readText(archive, "options"), readText(archive, "basis_sha256"),
+          readText(archive, "training_set_sha256")};
+}
+
+void requireSame(const std::string& path, const char* what, const std::string& expected, const std::string& got) {
+  if (expected != got) throw InputError(path, what, expected, got);
+}
+
+}  // namespace
+
+void writeCheckpoint(const std::string& path, const RunIdentity& identity, const TrainingState& state) {
+  writeAtomically(path, [&](const std::string& temporary_path) {
+    torch::serialize::OutputArchive archive, network, average, optimizer;
+    writeText(archive, "kind", kKind);
+    writeText(archive, "representation", identity.representation);
+    writeText(archive, "options", identity.options_json);
+    writeText(archive, "basis_sha256", identity.basis_sha256);
+    writeText(archive, "training_set_sha256", identity.training_set_sha256);
+    writeText(archive, "log", state.log_csv);
+    archive.write("step", c10::IValue(state.step));
+    state.network->save(network);
+    state.average->save(average);
+    state.optimizer->save(optimizer);
+    archive.write("network", network);
+    archive.write("average", average);
+    archive.write("optimizer", optimizer);
+    try {
+      archive.save_to(temporary_path);
+    } catch (const c10::Error& error) {
+      throw OutputError(path, error.what_without_backtrace());
+    }
+  });
+}
+
+void readCheckpoint(const std::string& path, const RunIdentity& identity, TrainingState* state) {
+  readArchive(path, [&](torch::serialize::InputArchive& archive) {
+    const RunIdentity found = identityOf(archive);
+    requireSame(path, "representation", identity.representation, found.representation);
+    requireSame(path, "options", identity.options_json, found.options_json);
+    requireSame(path, "basis", identity.basis_sha256, found.basis_sha256);
+    requireSame(path, "training set", identity.training_set_sha256, found.training_set_sha256);
+    torch::serialize::InputArchive network, average, optimizer;
+    archive.read("network", network);
+    archive.read("average", average);
+    archive.read("optimizer", optimizer);
+    state->network->load(network);
+    state->average->load(average);
+    state->optimizer->load(optimizer);
+    c10::IValue step;
+    archive.read("step", step);
+    state->step = step.toInt();
+    state->log_csv = readText(archive, "log");
+  });
+}
+
+RunIdentity readIdentity(const std::string& path) {
+  RunIdentity identity;
+  readArchive(path, [&](torch::serialize::InputArchive& archive) { identity = identityOf(archive); });
+  return identity;
+}
+
+}  // namespace nlg

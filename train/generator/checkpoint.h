@@ -1,0 +1,38 @@
+// A training run's state on disk: written atomically, resumed bit for bit.
+#pragma once
+
+#include <torch/optim/adam.h>
+
+#include <string>
+
+#include "train/generator/generator_network.h"
+
+namespace nlg {
+
+// What a checkpoint was made with. Resuming with anything else is refused, naming what differs.
+struct RunIdentity {
+  std::string representation;
+  std::string options_json;         // resolved options of the run
+  std::string basis_sha256;
+  std::string training_set_sha256;  // FunctionSet::sha256
+};
+
+struct TrainingState {
+  GeneratorNetwork network{nullptr};   // being trained
+  GeneratorNetwork average{nullptr};   // its averaged weights: what is validated and exported
+  std::shared_ptr<torch::optim::Adam> optimizer;
+  int64_t step = 0;                    // steps done
+  std::string log_csv;                 // one line a validation
+};
+
+// throws OutputError
+void writeCheckpoint(const std::string& path, const RunIdentity& identity, const TrainingState& state);
+
+// Loads into a state whose networks and optimizer have been made for the same shape.
+// throws InputError when the file is missing, damaged, or of another run
+void readCheckpoint(const std::string& path, const RunIdentity& identity, TrainingState* state);
+
+// The identity and shape alone, for export: what readCheckpoint needs to be called with.
+RunIdentity readIdentity(const std::string& path);
+
+}  // namespace nlg

@@ -1,0 +1,113 @@
+// nlg-pca: the PCA basis of a training set, and how much of held-out functions it keeps.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "datagen/dataset/function_set.h"
+#include "tool/atomic_file.h"
+#include "tool/progress.h"
+#include "tool/provenance.h"
+#include "tool/tool_main.h"
+#include "train/basis/basis_file.h"
+
+namespace nlg {
+namespace {
+
+struct PcaOptions {
+  int components = 512;
+};
+
+struct Request {
+  std::vector<std::string> shards, held_out;
+  std::string out;
+};
+
+// Mean over the functions, then over their mirror images, and the share of functions in which each point is valid.
+class MeanFunction {
+ public:
+  void add(const Shard& shard) {
+    for (uint64_t n = 0; n < shard.functionCount(); ++n) {
+      for (int p = 0; p < kSupportPointCount; ++p) {
+        phi_[p] += shard.phi[n * kSupportPointCount + p];
+        valid_[p] += shard.validity[n * kValidityByteCount + p / 8] >> (p % 8) & 1;
+      }
+    }
+    count_ += shard.functionCount();
+  }
+
+  void finish(BasisFile* file) const {
+    for (int p = 0; p < kSupportPointCount; ++p) {
+      double phi = 0.0, valid = 0.0;
+      for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
+        phi += phi_[p ^ (mirror * kOctantPointCount)];
+        valid += valid_[p ^ (mirror * kOctantPointCount)];
+      }
+      // over the functions in which the point is valid: elsewhere phi is 0 and free
+      file->mean_function.push_back(static_cast<float>(valid > 0 ? phi / (255.0 * valid) : 0.0));
+      file->mean_validity.push_back(static_cast<float>(valid / (kMirrorCount * std::max<double>(1.0, double(count_)))));
+    }
+  }
+
+ private:
+  std::vector<double> phi_ = std::vector<double>(kSupportPointCount, 0.0), valid_ = phi_;
+  uint64_t count_ = 0;
+};
+
+void fitBasis(const Request& request, const PcaOptions& options, const OptionTable& table) {
+  BasisFit fit;
+  MeanFunction mean;
+  std::map<std::string, std::string> inputs;
+  std::string hashes;
+  Progress progress("shards", static_cast<int64_t>(request.shards.size()));
+  for (size_t i = 0; i < request.shards.size(); ++i) {
+    const Shard shard = readShard(request.shards[i], supportPattern().hash);
+    fit.add(shard.phi.data(), shard.functionCount());
+    mean.add(shard);
+    hashes += fileSha256(request.shards[i]);
+    progress.update(static_cast<int64_t>(i + 1));
+  }
+  if (fit.functionCount() < static_cast<uint64_t>(options.components)) {
+    std::cerr << "nlg-pca: only " << fit.functionCount() << " functions for " << options.components
+              << " components; the basis holds as many as the functions span\n";
+  }
+  const std::vector<int> counts = {32, 64, 128, 256, 512, 1024};
+  BasisFile file;
+  const Basis wide = fit.fit(std::max(counts.back(), options.components));
+  if (!request.held_out.empty()) {
+    const FunctionSet held_out = readFunctionSet(request.held_out, supportPattern().hash);
+    file.kept_variance = keptVariance(wide, held_out.phi.data(), held_out.functionCount(), counts);
+    file.kept_counts.assign(counts.begin(), counts.end());
+  }
+  file.basis = truncateBasis(wide, options.components);
+  file.pattern_hash = supportPattern().hash;
+  mean.finish(&file);
+  inputs["training_set"] = sha256(hashes);
+  file.provenance_json = provenance("nlg-pca", table.toJson(), inputs).dump();
+  writeBasisFile(request.out, file);
+
+  nlohmann::ordered_json result = {{"functions", fit.functionCount()}, {"components", file.basis.data.coefficientCount()},
+                                   {"class_count", file.basis.data.class_count}};
+  for (size_t i = 0; i < file.kept_counts.size(); ++i) {
+    result["held_out_variance_kept"][std::to_string(file.kept_counts[i])] = file.kept_variance[i];
+  }
+  std::vector<double> spectrum = wide.spectrum;
+  std::sort(spectrum.begin(), spectrum.end(), std::greater<>());
+  spectrum.resize(2048);
+  result["spectrum"] = spectrum;
+  std::cout << result.dump() << '\n';
+}
+
+}  // namespace
+}  // namespace nlg
+
+int main(int argc, char** argv) {
+  CLI::App app{"Fits the PCA basis of the weighting functions in a training set.", "nlg-pca"};
+  nlg::Request request;
+  nlg::PcaOptions options;
+  nlg::OptionTable table("basis");
+  table.add("components", &options.components, "components that the generator reads (K)", 1, 1024);
+  app.add_option("--shards", request.shards, "training shards")->required();
+  app.add_option("--held-out", request.held_out, "shards of held-out scenes, for the variance kept");
+  app.add_option("--out", request.out, "the basis to write (.h5)")->required();
+  return nlg::runTool(argc, argv, app, table, [&] { nlg::fitBasis(request, options, table); });
+}

@@ -1,0 +1,170 @@
+#include "validate/method.h"
+
+#include "runtime_eval/support/random.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <thread>
+
+namespace nlg {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double microsecondsSince(Clock::time_point start) { return std::chrono::duration<double, std::micro>(Clock::now() - start).count(); }
+
+StoredFunction storedFunction(const FunctionSet& set, uint64_t index) {
+  return {&set.phi[index * kSupportPointCount], &set.validity[index * kValidityByteCount]};
+}
+
+// Runs work(i) for i in [0, count) on some threads; results must go to places of their own.
+void parallelFor(uint64_t count, int thread_count, const std::function<void(uint64_t)>& work) {
+  std::atomic<uint64_t> next{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < thread_count; ++t) {
+    threads.emplace_back([&] {
+      for (uint64_t i = next++; i < count; i = next++) work(i);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
+int threadCount(const ValidateOptions& options) {
+  return options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+// One fit of one function: what it is called, and theta from the function.
+struct TimedFit {
+  int method;
+  Theta theta;
+  double elapsed_us;
+};
+
+enum Fit { kRefinedAdam, kRefinedLm, kDirect, kAdamTheta0, kLmTheta0, kAdamRandom, kFitCount };
+constexpr const char* kFitNames[kFitCount] = {"refined_adam", "refined_lm", "direct", "adam_theta0", "lm_theta0", "adam_random"};
+
+std::vector<TimedFit> fitAll(const Generator& generator, const WeightingFunction& function, const Theta& generated,
+                             const ValidateOptions& options, uint64_t seed, NormalEquationsKernel* kernel) {
+  const Representation& representation = generator.representation();
+  std::vector<TimedFit> fits;
+  const auto timed = [&](int method, const auto& fit) {
+    const Clock::time_point start = Clock::now();
+    const Theta theta = fit();
+    fits.push_back({method, theta, microsecondsSince(start)});
+  };
+  Theta theta0;
+  std::copy_n(generator.theta0(), kThetaCount, theta0.begin());
+  timed(kRefinedAdam, [&] {
+    return fitAdam(representation, function, generated, refinementAdam(representation, options.adam_refine_steps)).theta;
+  });
+  timed(kRefinedLm, [&] {
+    return fitLevenbergMarquardt(representation, function, generated, {.iterations = options.lm_refine_iterations}, kernel).theta;
+  });
+  timed(kAdamTheta0, [&] {
+    return fitAdam(representation, function, theta0, refinementAdam(representation, options.direct.adam_steps)).theta;
+  });
+  timed(kLmTheta0, [&] {
+    return fitLevenbergMarquardt(representation, function, theta0, {.iterations = options.direct.levenberg_iterations}, kernel).theta;
+  });
+  timed(kAdamRandom, [&] {
+    return fitAdam(representation, function, randomTheta(mixSeed(seed, 7)), randomStartAdam(options.direct.adam_steps)).theta;
+  });
+  timed(kDirect, [&] {
+    DirectOptions direct = options.direct;
+    direct.seed = seed;
+    return fitDirect(representation, function, theta0, direct, kernel).best.theta;
+  });
+  return fits;
+}
+
+}  // namespace
+
+bool needsRefinement(const FunctionError& error, const ValidateOptions& options) {
+  return error.rmse > options.tau_rmse || error.leak_p99 > options.tau_leak;
+}
+
+MethodResult measureTent(const FunctionSet& set) {
+  MethodResult result{"tent"};
+  ErrorMeter meter(set);
+  for (uint64_t i = 0; i < set.functionCount(); ++i) result.samples.push_back({i, meter.measureTent(i, &result.leaks)});
+  return result;
+}
+
+MethodResult measureGenerator(const Generator& generator, const FunctionSet& set, std::vector<float>* theta) {
+  MethodResult result{"generator"};
+  ErrorMeter meter(set);
+  GeneratorScratch scratch(generator);
+  const uint64_t count = set.functionCount();
+  theta->resize(count * kThetaCount);
+  for (uint64_t begin = 0; begin < count; begin += kBatchCount) {
+    const int batch = static_cast<int>(std::min<uint64_t>(kBatchCount, count - begin));
+    const Clock::time_point start = Clock::now();
+    generator.generate(&set.phi[begin * kSupportPointCount], batch, theta->data() + begin * kThetaCount, &scratch);
+    const double elapsed_us = microsecondsSince(start) / batch;
+    for (uint64_t i = begin; i < begin + batch; ++i) {
+      const FunctionError error = meter.measure(generator.representation(), theta->data() + i * kThetaCount, i, &result.leaks);
+      result.samples.push_back({i, error, elapsed_us});
+    }
+  }
+  return result;
+}
+
+MethodResult measurePolicy(const Generator& generator, const FunctionSet& set, const MethodResult& generated,
+                           const std::vector<float>& theta, const ValidateOptions& options) {
+  MethodResult result{"refined", generated.samples, {}};
+  std::mutex mutex;
+  const Representation& representation = generator.representation();
+  const uint64_t chunk = 64, count = result.samples.size();
+  parallelFor((count + chunk - 1) / chunk, threadCount(options), [&](uint64_t c) {
+    ErrorMeter meter(set);
+    PooledMagnitudes leaks;
+    for (uint64_t i = c * chunk; i < std::min(count, (c + 1) * chunk); ++i) {
+      MethodSample& sample = result.samples[i];
+      Theta start;
+      std::copy_n(&theta[i * kThetaCount], kThetaCount, start.begin());
+      sample.refined = needsRefinement(sample.error, options);
+      if (sample.refined) {
+        const Clock::time_point begin = Clock::now();
+        const WeightingFunction function = decodeFunction(storedFunction(set, sample.function));
+        start = fitAdam(representation, function, start, refinementAdam(representation, options.policy_adam_steps)).theta;
+        sample.elapsed_us += microsecondsSince(begin);
+      }
+      sample.error = meter.measure(representation, start.data(), sample.function, &leaks);
+    }
+    const std::lock_guard lock(mutex);
+    result.leaks.add(leaks);
+  });
+  return result;
+}
+
+std::vector<MethodResult> measureFits(const Generator& generator, const FunctionSet& set, const std::vector<uint64_t>& functions,
+                                      const std::vector<float>& theta, const ValidateOptions& options,
+                                      const std::function<void(int64_t done)>& progress) {
+  std::vector<MethodResult> results(kFitCount);
+  for (int m = 0; m < kFitCount; ++m) {
+    results[m].name = kFitNames[m];
+    results[m].samples.resize(functions.size());
+  }
+  std::mutex mutex;
+  int64_t done = 0;
+  parallelFor(functions.size(), threadCount(options), [&](uint64_t i) {
+    NormalEquationsKernel kernel;
+    ErrorMeter meter(set);
+    Theta generated;
+    std::copy_n(&theta[functions[i] * kThetaCount], kThetaCount, generated.begin());
+    const WeightingFunction function = decodeFunction(storedFunction(set, functions[i]));
+    const std::vector<TimedFit> fits = fitAll(generator, function, generated, options, mixSeed(options.seed, functions[i]), &kernel);
+    const std::lock_guard lock(mutex);
+    for (const TimedFit& fit : fits) {
+      MethodResult& result = results[fit.method];
+      const FunctionError error = meter.measure(generator.representation(), fit.theta.data(), functions[i], &result.leaks);
+      result.samples[i] = {functions[i], error, fit.elapsed_us};
+    }
+    progress(++done);
+  });
+  return results;
+}
+
+}  // namespace nlg

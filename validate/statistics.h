@@ -1,0 +1,36 @@
+// Figures over many functions: quantiles, and a histogram for what is pooled over millions of points.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace nlg {
+
+struct Quantiles {
+  uint64_t count = 0;
+  double median = 0, mean = 0, p95 = 0, p99 = 0, worst = 0;
+};
+
+// Quantiles by linear interpolation between order statistics; zeros when there is no value. Values must be finite.
+Quantiles quantiles(std::vector<double> values);
+
+// The value at a share of the sorted list, 0 <= share <= 1; 0 for an empty list.
+double quantile(std::vector<double>& values, double share);
+
+// Mean and quantiles of magnitudes pooled over points, in constant memory: bins of 1/2048 up to 2, larger ones in the last bin.
+class PooledMagnitudes {
+ public:
+  void add(double value);
+  void add(const PooledMagnitudes& other);
+  double mean() const { return count_ > 0 ? sum_ / static_cast<double>(count_) : 0.0; }
+  double quantile(double share) const;  // upper edge of the bin
+
+ private:
+  static constexpr int kBinCount = 4096;
+  std::array<uint64_t, kBinCount> bins_{};
+  uint64_t count_ = 0;
+  double sum_ = 0.0;
+};
+
+}  // namespace nlg

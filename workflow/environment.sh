@@ -1,0 +1,8 @@
+# Settings of the libraries' threads and memory that cost a factor of two when they are wrong; sourced before every stage.
+
+# stages bring their own parallelism: one BLAS thread each, and OpenMP threads that sleep while they wait
+export OPENBLAS_NUM_THREADS=1 OMP_WAIT_POLICY=passive
+# OpenBLAS 0.3.21 takes newer AVX-512 processors for Haswell and halves sgemm
+if grep -qw avx512f /proc/cpuinfo 2>/dev/null; then export OPENBLAS_CORETYPE=SkylakeX; fi
+# libtorch frees and takes large tensors every step: keep the pages
+export GLIBC_TUNABLES=glibc.malloc.mmap_max=0:glibc.malloc.trim_threshold=4294967296
