@@ -107,57 +107,74 @@ void SupportVisibility::testLinks(const std::vector<uint32_t>& links) {
   ray_count_ += batch_.size();
 }
 
-// Gives `carried` to every unknown point that the front reaches over open links, wave by wave. A wave tests one link for each
-// unknown point that it touches; a point whose link is blocked is tried again by the next front point that is linked to it.
-void SupportVisibility::flood(std::vector<uint32_t>& front, State carried, std::vector<uint32_t>* members) {
-  std::vector<uint32_t> next, asked;
-  while (!front.empty()) {
-    next.clear();
-    asked.clear();
-    pending_links_.clear();
-    for (const uint32_t point : front) {
+// Gives `carried` to the targets of all steps whose link is open, and appends them to `reached`. Most targets are reached by the
+// first of their links, so each tests one; only those that it did not reach test the others too.
+void SupportVisibility::takeSteps(State carried, std::vector<uint32_t>* reached) {
+  first_links_.clear();
+  for (const Step& step : steps_) {
+    if (state_[step.target] != State::unknown) continue;
+    state_[step.target] = State::asked;
+    first_links_.push_back(step.link);
+  }
+  testLinks(first_links_);
+  const auto takeOpenSteps = [&] {
+    for (const Step& step : steps_) {
+      if (state_[step.target] != State::asked || link_state_[step.link] != LinkState::open) continue;
+      state_[step.target] = carried;
+      reached->push_back(step.target);
+    }
+  };
+  takeOpenSteps();
+  first_links_.clear();
+  for (const Step& step : steps_) {
+    if (state_[step.target] == State::asked) first_links_.push_back(step.link);
+  }
+  testLinks(first_links_);
+  takeOpenSteps();
+  for (const Step& step : steps_) {
+    if (state_[step.target] == State::asked) state_[step.target] = State::unknown;
+  }
+}
+
+// Carries a state from the points of `members` on over open links until nothing more is reached; members grows by what is.
+void SupportVisibility::flood(State carried, std::vector<uint32_t>* members) {
+  for (size_t begin = 0, end = members->size(); begin < end; begin = end, end = members->size()) {
+    steps_.clear();
+    for (size_t i = begin; i < end; ++i) {
+      const uint32_t point = (*members)[i];
       if (point >= kSupportPointCount) continue;  // nothing reads an unseen point
-      bool again = false;
       for (uint32_t e = table_.first_edge[point]; e < table_.first_edge[point + 1]; ++e) {
         const LinkTable::Edge& edge = table_.edges[e];
-        if (state_[edge.point] == State::flooding) again = true;
-        if (state_[edge.point] != State::unknown || link_state_[edge.link] == LinkState::blocked) continue;
-        state_[edge.point] = State::flooding;
-        asked.push_back(edge.point);
-        pending_links_.push_back(edge.link);
+        if (state_[edge.point] == State::unknown && link_state_[edge.link] != LinkState::blocked) steps_.push_back({edge.point, edge.link});
       }
-      if (again) next.push_back(point);
     }
-    testLinks(pending_links_);
-    bool progress = !asked.empty();
-    for (size_t i = 0; i < asked.size(); ++i) {
-      const bool reached = link_state_[pending_links_[i]] == LinkState::open;
-      state_[asked[i]] = reached ? carried : State::unknown;
-      if (!reached) continue;
-      next.push_back(asked[i]);
-      if (members) members->push_back(asked[i]);
-    }
-    if (!progress) break;
-    std::swap(front, next);
+    takeSteps(carried, members);
   }
 }
 
 bool SupportVisibility::findValidity() {
-  std::vector<uint32_t> front, members;
-  for (uint32_t point = 0; point < table_.points.size(); ++point) {
-    if (!seen_[point]) continue;
-    state_[point] = State::valid;
-    front.push_back(point);
+  std::vector<uint32_t>& members = members_;
+  const auto point_count = static_cast<uint32_t>(table_.points.size());
+  for (uint32_t point = 0; point < point_count; ++point) state_[point] = seen_[point] ? State::valid : State::unknown;
+  // the first wave is found from the side of the points that the probe does not see: they are fewer than those it does
+  members.clear();
+  steps_.clear();
+  for (uint32_t point = 0; point < point_count; ++point) {
+    if (seen_[point]) continue;
+    for (uint32_t e = table_.first_edge[point]; e < table_.first_edge[point + 1]; ++e) {
+      const LinkTable::Edge& edge = table_.edges[e];
+      if (edge.point < kSupportPointCount && seen_[edge.point]) steps_.push_back({point, edge.link});
+    }
   }
-  flood(front, State::valid, nullptr);
+  takeSteps(State::valid, &members);
+  flood(State::valid, &members);
   bool disputed = false;
-  for (uint32_t point = 0; point < table_.points.size(); ++point) {
+  for (uint32_t point = 0; point < point_count; ++point) {
     if (state_[point] != State::unknown) continue;
     // a group of its own: gather it first, then let a few of its members vote
     state_[point] = State::solid;
     members.assign(1, point);
-    front.assign(1, point);
-    flood(front, State::solid, &members);
+    flood(State::solid, &members);
     SolidVote total;
     const size_t stride = std::max<size_t>(1, members.size() / 3);
     for (size_t i = 0; i < members.size(); i += stride) {

@@ -51,12 +51,16 @@ class SupportVisibility {
   uint64_t rayCount() const { return ray_count_; }  // since construction
 
  private:
-  enum class State : uint8_t { unknown, valid, solid, flooding };
+  enum class State : uint8_t { unknown, valid, solid, asked };  // asked: within takeSteps only
   enum class LinkState : uint8_t { untested, open, blocked };
+  struct Step {
+    uint32_t target, link;  // a point whose state is unknown, and a link to it from one whose state is known
+  };
 
   glm::vec3 worldPoint(uint32_t point) const;
   SolidVote vote(const glm::vec3& origin) const;
-  void flood(std::vector<uint32_t>& front, State carried, std::vector<uint32_t>* members);
+  void takeSteps(State carried, std::vector<uint32_t>* reached);
+  void flood(State carried, std::vector<uint32_t>* members);
 
   const RayScene& scene_;
   const LinkTable& table_;
@@ -66,7 +70,9 @@ class SupportVisibility {
   std::vector<uint8_t> seen_;
   std::vector<State> state_;
   std::vector<LinkState> link_state_;
-  std::vector<uint32_t> pending_links_, batch_;
+  // kept between probes so that none of them allocates
+  std::vector<Step> steps_;
+  std::vector<uint32_t> first_links_, batch_, members_;
 };
 
 }  // namespace nlg

@@ -22,9 +22,9 @@ Hole holeThrough(const Building& building, Side side, double from, double to, do
   }
 }
 
-void carveHole(Building& building, const Hole& hole) {
+void carveHole(Building& building, int storey, const Hole& hole, double margin_m) {
   building.shell.carve(hole.min, hole.max);
-  building.openings.push_back({hole.min.x, hole.min.z, hole.max.x, hole.max.z});
+  building.openings.push_back({storey, Rect{hole.min.x, hole.min.z, hole.max.x, hole.max.z}.grown(margin_m)});
 }
 
 // A wall between two halves of a room, seen from above.
@@ -57,7 +57,7 @@ class Parter {
       const Cut cut{along_x, (along_x ? room.z0 : room.x0) + offset};
       const Rect area = cutArea(room, cut, options_.wall_m);
       const bool is_free = std::none_of(keep_free_.begin(), keep_free_.end(),
-                                        [&](const Rect& other) { return other.grown(0.2).overlaps(area.grown(0.05)); });
+                                        [&](const Rect& other) { return other.grown(0.1).overlaps(area); });
       if (is_free) return divide(room, area, along_x);
     }
     keep(room);
@@ -122,11 +122,27 @@ double Building::floorHeight(int storey) const {
   return height;
 }
 
+std::vector<Rect> Building::openingsOf(int storey) const {
+  std::vector<Rect> areas;
+  for (const Opening& opening : openings) {
+    if (opening.storey == storey) areas.push_back(opening.area);
+  }
+  return areas;
+}
+
+void addGround(Level& level, const Building& building, double margin_m) {
+  const Rect area = building.outer.grown(margin_m);
+  level.mesh.beginObject("ground", Mobility::structure);
+  addBox(level.mesh, {}, {area.x0, -1.5, area.z0}, {area.x1, -0.02, area.z1}, level.palette.ground);
+}
+
 void fillShell(Level& level, Building& building) {
   const Rect& out = building.outer;
   const Rect in = building.inner();
   const int storey_count = building.storeyCount();
   building.shell.fill({out.x0, building.base_m, out.z0}, {out.x1, building.roofHeight(), out.z1}, level.roomFaces());
+  const BrushMaterials roof(level.palette.wall, level.palette.roof, level.palette.ceiling);
+  building.shell.fill({out.x0, building.roofHeight() - building.slab_m, out.z0}, {out.x1, building.roofHeight(), out.z1}, roof);
   for (int storey = 0; storey < storey_count; ++storey) {
     const double floor = building.floorHeight(storey);
     building.shell.carve({in.x0, floor, in.z0}, {in.x1, floor + building.clear_m[storey], in.z1});
@@ -154,7 +170,7 @@ void carveWindows(Level& level, Building& building, int storey, double share) {
     for (int i = 0; i < count; ++i) {
       if (!level.random.chance(share)) continue;
       const double middle = length * (i + 0.5) / count;
-      carveHole(building, holeThrough(building, side, middle - 0.5 * width, middle + 0.5 * width, sill, head));
+      carveHole(building, storey, holeThrough(building, side, middle - 0.5 * width, middle + 0.5 * width, sill, head), 0.0);
     }
   }
 }
@@ -162,13 +178,12 @@ void carveWindows(Level& level, Building& building, int storey, double share) {
 void carveDoor(Building& building, Side side, int storey, double along, double width, double height) {
   const double floor = building.floorHeight(storey);
   const double from = std::clamp(along, 0.2, wallLength(building, side) - width - 0.2);
-  carveHole(building, holeThrough(building, side, from, from + width, floor, floor + height));
-  building.openings.back() = building.openings.back().grown(0.6);  // room to walk through
+  carveHole(building, storey, holeThrough(building, side, from, from + width, floor, floor + height), 0.6);
 }
 
 std::vector<Room> partStorey(Level& level, const Building& building, int storey, const Rect& area, const PlanOptions& options,
                              std::vector<Rect> keep_free) {
-  for (const Rect& opening : building.openings) keep_free.push_back(opening);
+  for (const Rect& opening : building.openingsOf(storey)) keep_free.push_back(opening);
   std::vector<Rect> blocked = keep_free;
   Parter parter(level, building, storey, options, blocked);
   parter.part(area);

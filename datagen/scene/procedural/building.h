@@ -8,6 +8,12 @@
 
 namespace nlg {
 
+// A window or door seen from above; a door with the room to walk through it.
+struct Opening {
+  int storey = 0;
+  Rect area;
+};
+
 struct Building {
   Rect outer;                       // the shell's outside
   double base_m = -0.5;             // how deep its foundation reaches
@@ -15,14 +21,18 @@ struct Building {
   double wall_m = 0.3, slab_m = 0.2;
   std::vector<double> clear_m;      // clear height of each storey, lowest first
   Rect stairwell;                   // opening in the slabs between storeys; empty when there is one storey
-  std::vector<Rect> openings;       // windows and doors so far, seen from above, whose neighbourhood stays free of walls
+  std::vector<Opening> openings;    // windows and doors so far; neither walls nor furniture stand in them
   BrushGrid shell;
 
   Rect inner() const { return outer.grown(-wall_m); }
   double floorHeight(int storey) const;
   double roofHeight() const { return floorHeight(static_cast<int>(clear_m.size())); }
+  std::vector<Rect> openingsOf(int storey) const;
   int storeyCount() const { return static_cast<int>(clear_m.size()); }
 };
+
+// A slab of ground under and around the building, its top at y = -0.02.
+void addGround(Level& level, const Building& building, double margin_m);
 
 // The outside and the rooms' air, without openings yet.
 void fillShell(Level& level, Building& building);

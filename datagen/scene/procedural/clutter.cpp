@@ -109,6 +109,7 @@ void buildClutter(Level& level) {
   building.outer = {-0.5 * width, -0.5 * depth, 0.5 * width, 0.5 * depth};
   building.wall_m = level.pick(0.2, 0.35);
   building.clear_m = {is_tall ? level.pick(3.8, 5.2) : level.pick(2.6, 3.2)};
+  addGround(level, building, 2.0);
   fillShell(level, building);
   carveWindows(level, building, 0, is_tall ? 0.35 : 0.7);
   carveDoor(building, Side::south, 0, level.random.uniform(0.5, depth - 2.0), is_tall ? 2.4 : 1.0, is_tall ? 2.6 : 2.05);
@@ -121,7 +122,7 @@ void buildClutter(Level& level) {
   options.stop_chance = is_tall ? 0.8 : style == Style::office ? 0.5 : 0.15;
   const Rect area = building.inner();
   std::vector<Room> rooms = is_tall && level.random.chance(0.6)
-                                ? std::vector<Room>{{area, building.ground_m, building.clear_m[0], building.openings}}
+                                ? std::vector<Room>{{area, building.ground_m, building.clear_m[0], building.openingsOf(0)}}
                                 : partStorey(level, building, 0, area, options, {});
   for (Room& room : rooms) furnish(level, room, style);
   if (is_tall) addPillars(level, building);

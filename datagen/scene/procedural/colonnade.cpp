@@ -181,8 +181,8 @@ void buildHypostyle(Level& level, const Hall& hall) {
   grid.carve({-0.6 * x + 0.3, top, -0.5 * z + 0.3}, {0.6 * x - 0.3, top + 1.2, 0.5 * z - 0.3});
   for (int bay = 0; bay < x_bays; ++bay) {
     const double at = -x + (bay + 0.5) * hall.bay;
-    if (level.random.chance(0.5)) grid.carve({at - 0.6, 0, z}, {at + 0.6, 2.4, z + w});
-    if (level.random.chance(0.5)) grid.carve({at - 0.3, 1.4, -z - w}, {at + 0.3, 2.6, -z});
+    if (level.random.chance(0.6)) grid.carve({at - 0.6, 0, z}, {at + 0.6, 2.4, z + w});
+    if (level.random.chance(0.8)) grid.carve({at - 0.5, 1.0, -z - w}, {at + 0.5, 2.6, -z});
     if (at > -0.5 * x && at < 0.5 * x) grid.carve({at - 0.4, top + 0.5, -0.5 * z}, {at + 0.4, top + 1.1, 0.5 * z});
   }
   level.mesh.beginObject("shell", Mobility::structure);

@@ -37,13 +37,6 @@ House drawHouse(Level& level) {
   return house;
 }
 
-void addGround(Level& level, const Building& building) {
-  const double margin = level.pick(2.0, 5.0);
-  const Rect area = building.outer.grown(margin);
-  level.mesh.beginObject("ground", Mobility::structure);
-  addBox(level.mesh, {}, {area.x0, -1.5, area.z0}, {area.x1, -0.02, area.z1}, level.palette.ground);
-}
-
 // A slab before the upper storey's south wall, with a door to it and a railing around it.
 void addBalcony(Level& level, Building& building) {
   const double reach = level.pick(1.2, 2.0);
@@ -110,11 +103,11 @@ void addRooms(Level& level, const House& house, int storey) {
   std::vector<Room> rooms = partStorey(level, building, storey, rest, options, keep_free);
   for (const Room& room : rooms) {
     const RoomUse uses[] = {RoomUse::living, RoomUse::bedroom, RoomUse::study, RoomUse::living};
-    furnishRoom(level, room, storey == 0 ? uses[level.random.below(4)] : uses[1 + level.random.below(2)], level.random.uniform(0.4, 0.9));
+    furnishRoom(level, room, storey == 0 ? uses[level.random.below(4)] : uses[1 + level.random.below(2)], level.random.uniform(0.6, 1.1));
   }
   Room hall{{in.x0, in.z0, in.x1, hall_end}, floor, clear, keep_free};
-  for (const Rect& opening : building.openings) hall.keep_free.push_back(opening);
-  furnishRoom(level, hall, RoomUse::study, 0.15);
+  for (const Rect& opening : building.openingsOf(storey)) hall.keep_free.push_back(opening);
+  furnishRoom(level, hall, RoomUse::study, 0.3);
 }
 
 }  // namespace
@@ -122,7 +115,7 @@ void addRooms(Level& level, const House& house, int storey) {
 void buildHouse(Level& level) {
   House house = drawHouse(level);
   Building& building = house.building;
-  addGround(level, building);
+  addGround(level, building, level.pick(2.0, 5.0));
   fillShell(level, building);
   for (int storey = 0; storey < building.storeyCount(); ++storey) carveWindows(level, building, storey, 0.75);
   const bool enters_west = level.random.chance(0.5);

@@ -51,8 +51,8 @@ void carveCorridors(Level& level, Maze& maze) {
 void openLoopsAndChambers(Level& level, Maze& maze) {
   for (int z = 0; z < maze.z_count; ++z) {
     for (int x = 0; x < maze.x_count; ++x) {
-      if (x + 1 < maze.x_count && level.random.chance(0.12)) removeWall(maze, x, z, 0);
-      if (z + 1 < maze.z_count && level.random.chance(0.12)) removeWall(maze, x, z, 2);
+      if (x + 1 < maze.x_count && level.random.chance(0.07)) removeWall(maze, x, z, 0);
+      if (z + 1 < maze.z_count && level.random.chance(0.07)) removeWall(maze, x, z, 2);
     }
   }
   const int chamber_count = level.pickCount(1, 3);
@@ -150,8 +150,8 @@ void addProps(Level& level, const Maze& maze) {
 
 void buildMaze(Level& level) {
   Maze maze;
-  maze.x_count = level.pickCount(5, 9);
-  maze.z_count = level.pickCount(5, 9);
+  maze.x_count = level.pickCount(6, 9);
+  maze.z_count = level.pickCount(6, 9);
   maze.cell_m = level.pick(2.0, 3.2);
   maze.wall_m = level.pick(0.15, 0.4);
   maze.height_m = level.pick(2.5, 3.6);

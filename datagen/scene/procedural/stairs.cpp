@@ -92,8 +92,6 @@ void addFlights(Level& level, const Plan& plan) {
   const auto add = [&](const glm::dvec3& foot, double degrees, double rise_m) {
     level.mesh.beginObject("flight", Mobility::structure);
     addFlight(level, facing(foot, degrees), {rise_m, 1.45 * rise_m, width, is_open}, level.palette.stone);
-    const Turn turn = turnByDegrees(degrees);
-    addRailing(level, facing(foot + turned(turn, {1.45 * rise_m - 0.1, rise_m, -0.5 * width + 0.1}), degrees), 0.4);
   };
   // from the floor west onto the first deck, along its free edge
   const Deck& first = plan.decks[0];
@@ -128,7 +126,7 @@ void addFurnishing(Level& level, const Plan& plan) {
                                : addBarrel(level, facing(at, 0), level.pick(0.8, 1.1));
     }
   }
-  Room room{{0.0, 0.0, in.x1, in.z1}, 0.0, 3.0, plan.building.openings};
+  Room room{{0.0, 0.0, in.x1, in.z1}, 0.0, 3.0, plan.building.openingsOf(0)};
   furnishRoom(level, room, RoomUse::store, 0.35);
 }
 
@@ -137,6 +135,7 @@ void addFurnishing(Level& level, const Plan& plan) {
 void buildStairs(Level& level) {
   Plan plan = drawPlan(level);
   Building& building = plan.building;
+  addGround(level, building, 2.0);
   fillShell(level, building);
   // rows of windows at every deck's height, besides those of the floor
   carveWindows(level, building, 0, 0.4);
