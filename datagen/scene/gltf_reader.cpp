@@ -87,7 +87,6 @@ class GltfConverter {
       const tinygltf::Material& source = model_.materials[i];
       const std::string place = "material " + std::to_string(i);
       const std::vector<double>& base = source.pbrMetallicRoughness.baseColorFactor;
-      if (base.size() != 4) fail(place + ": baseColorFactor", "4 numbers", std::to_string(base.size()));
       const double strength = emissiveStrength(source, place);
       Material material;
       for (int channel = 0; channel < 3; ++channel) {
@@ -148,30 +147,17 @@ class GltfConverter {
     for (const int child : node.children) visitNode(child, world_from_local, depth + 1);
   }
 
+  // Lengths and that there is a matrix or the other three, not both, the text has been checked for.
   glm::dmat4 localTransform(const tinygltf::Node& node, const std::string& place) const {
-    const auto checkSize = [&](const std::vector<double>& numbers, size_t size, const char* name) {
-      if (!numbers.empty() && numbers.size() != size) {
-        fail(place + ": " + name, std::to_string(size) + " numbers", std::to_string(numbers.size()));
-      }
-      for (const double number : numbers) {
-        if (!std::isfinite(number)) fail(place + ": " + name, "finite numbers", std::to_string(number));
-      }
-      return !numbers.empty();
-    };
-    const bool has_matrix = checkSize(node.matrix, 16, "matrix");
-    const bool is_moved = checkSize(node.translation, 3, "translation");
-    const bool is_turned = checkSize(node.rotation, 4, "rotation");
-    const bool is_scaled = checkSize(node.scale, 3, "scale");
-    if (has_matrix && (is_moved || is_turned || is_scaled)) fail(place, "a matrix or translation, rotation and scale", "both");
     glm::dmat4 local(1.0);
-    if (has_matrix) {
+    if (!node.matrix.empty()) {
       for (int i = 0; i < 16; ++i) local[i / 4][i % 4] = node.matrix[i];
       const bool is_affine = local[0][3] == 0.0 && local[1][3] == 0.0 && local[2][3] == 0.0 && local[3][3] == 1.0;
       if (!is_affine) fail(place + ": matrix", "0 0 0 1 as its last row", "another");
     }
-    if (is_turned) local = rotationMatrix(node.rotation, place);
-    for (int axis = 0; axis < 3 && is_scaled; ++axis) local[axis] *= node.scale[axis];
-    if (is_moved) local[3] = {node.translation[0], node.translation[1], node.translation[2], 1.0};
+    if (!node.rotation.empty()) local = rotationMatrix(node.rotation, place);
+    for (int axis = 0; axis < 3 && !node.scale.empty(); ++axis) local[axis] *= node.scale[axis];
+    if (!node.translation.empty()) local[3] = {node.translation[0], node.translation[1], node.translation[2], 1.0};
     return local;
   }
 

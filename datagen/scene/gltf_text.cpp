@@ -60,6 +60,19 @@ constexpr std::array<Rule, 29> kRules = {{{"buffers", "uri", Kind::string},
                                           {"materials", "doubleSided", Kind::boolean},
                                           {"materials", "emissiveStrength", Kind::number}}};
 
+// How many numbers an array holds; tinygltf ignores those of another length.
+struct LengthRule {
+  std::string_view section, key;
+  size_t length;
+};
+
+constexpr std::array<LengthRule, 6> kLengths = {{{"nodes", "translation", 3},
+                                                 {"nodes", "rotation", 4},
+                                                 {"nodes", "scale", 3},
+                                                 {"nodes", "matrix", 16},
+                                                 {"materials", "baseColorFactor", 4},
+                                                 {"materials", "emissiveFactor", 3}}};
+
 constexpr std::array<std::string_view, 8> kSections = {"buffers", "bufferViews", "accessors", "meshes",
                                                        "nodes",   "scenes",      "materials", "images"};
 
@@ -85,6 +98,10 @@ class TextChecker {
     checkValue();
     skipSpace();
     if (at_ != text_.size()) failSyntax("the end of the JSON");
+    if (last_indices_ >= accessor_count_) {
+      const std::string expected = "an accessor below " + std::to_string(accessor_count_);
+      throw InputError(path_, last_indices_place_, expected, std::to_string(last_indices_));
+    }
     return std::move(buffer_files_);
   }
 
@@ -94,7 +111,7 @@ class TextChecker {
     throw InputError(path_, "byte " + std::to_string(at_) + " of the JSON", expected, got);
   }
 
-  [[noreturn]] void fail(const std::string& expected, const std::string& got) const {
+  std::string currentPlace() const {
     std::string place;
     for (const Step& step : steps_) {
       if (step.is_index) {
@@ -103,7 +120,11 @@ class TextChecker {
         place += (place.empty() ? "" : ".") + step.key.substr(0, 60);
       }
     }
-    throw InputError(path_, place.empty() ? "root" : place, expected, got.substr(0, 80));
+    return place.empty() ? "root" : place;
+  }
+
+  [[noreturn]] void fail(const std::string& expected, const std::string& got) const {
+    throw InputError(path_, currentPlace(), expected, got.substr(0, 80));
   }
 
   void skipSpace() {
@@ -147,8 +168,11 @@ class TextChecker {
       steps_.pop_back();
     }
     take('}');
-    const bool is_buffer = steps_.size() == 2 && steps_[0].key == "buffers";
-    if (is_buffer && keys.count("uri") == 0 && (!is_binary_ || steps_[1].index > 0)) fail("a uri", "none");
+    if (steps_.size() != 2) return;
+    const bool needs_uri = steps_[0].key == "buffers" && (!is_binary_ || steps_[1].index > 0);
+    if (needs_uri && keys.count("uri") == 0) fail("a uri", "none");
+    const bool is_moved = keys.count("translation") + keys.count("rotation") + keys.count("scale") > 0;
+    if (steps_[0].key == "nodes" && keys.count("matrix") > 0 && is_moved) fail("a matrix or translation, rotation and scale", "both");
   }
 
   void checkArray() {
@@ -160,8 +184,27 @@ class TextChecker {
       checkValue();
       ++steps_.back().index;
     }
+    const size_t length = steps_.back().index;
     steps_.pop_back();
     take(']');
+    judgeLength(length);
+  }
+
+  void judgeLength(size_t length) {
+    if (steps_.size() == 1 && steps_[0].key == "accessors") accessor_count_ = static_cast<int64_t>(length);
+    if (steps_.size() < 3 || steps_.back().is_index || isForeign()) return;
+    for (const LengthRule& rule : kLengths) {
+      if (rule.section != steps_[0].key || rule.key != steps_.back().key || rule.length == length) continue;
+      fail(std::to_string(rule.length) + " numbers", std::to_string(length));
+    }
+  }
+
+  // tinygltf looks an index accessor up before we can, and does not say whose it was.
+  void noteIndices(const std::string& text) {
+    const int64_t idx = std::stoll(text);
+    if (idx <= last_indices_) return;
+    last_indices_ = idx;
+    last_indices_place_ = currentPlace();
   }
 
   void checkString() {
@@ -209,7 +252,9 @@ class TextChecker {
       if (last.is_index) return requireElement(rule, got, text);
       // inside of "sparse", tinygltf keeps sizes in an int
       const bool is_narrow = rule.kind == Kind::integer && section == "accessors" && steps_.size() > 3;
-      return require(got, is_narrow ? Kind::index : rule.kind, text);
+      require(got, is_narrow ? Kind::index : rule.kind, text);
+      if (rule.key == "indices") noteIndices(text);
+      return;
     }
   }
 
@@ -299,6 +344,8 @@ class TextChecker {
   size_t at_ = 0;
   std::vector<Step> steps_;
   std::vector<std::string> buffer_files_;
+  int64_t accessor_count_ = 0, last_indices_ = -1;
+  std::string last_indices_place_;
 };
 
 }  // namespace

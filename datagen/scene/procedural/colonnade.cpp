@@ -54,8 +54,8 @@ void addArcade(Level& level, const Hall& hall, const Placement& start, int bay_c
   if (!hall.has_arches) profile = {{-half, hall.column_m, top_m}, {bay_count * hall.bay + half, hall.column_m, top_m}};
   constexpr int kSegments = 10;
   const double span = 0.5 * hall.bay - half;
+  if (hall.has_arches) profile.push_back({-half, hall.column_m, top_m});
   for (int bay = 0; bay < bay_count && hall.has_arches; ++bay) {
-    profile.push_back({bay * hall.bay - half, hall.column_m, top_m});
     for (int i = 0; i <= kSegments; ++i) {
       const Turn angle = turnByDegrees(180.0 * i / kSegments);
       profile.push_back({(bay + 0.5) * hall.bay - span * angle.cosine, hall.column_m + span * angle.sine, top_m});

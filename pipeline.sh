@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, and runs the whole pipeline: levels → data set → generators → report.
+#
+#   ./pipeline.sh [CONFIG [LEVELS]]
+#
+# CONFIG   pipeline.yaml (the default), configs/smoke.yaml, configs/levels.yaml or one of yours
+# LEVELS   a folder of .glb or .gltf levels, in place of the configuration's scenes.folder
+# A run that was stopped goes on where it was when it is started again.
+set -euo pipefail
+
+case "${1:-}" in
+  -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
+esac
+config=$(realpath -m "${1:-$(dirname "$0")/pipeline.yaml}")
+[ -f "$config" ] || { echo "pipeline.sh: $config: expected a configuration file, got none" >&2; exit 2; }
+if [ $# -ge 2 ]; then
+  [ -d "$2" ] || { echo "pipeline.sh: $2: expected a folder of levels, got none" >&2; exit 2; }
+  NLG_LEVELS=$(realpath "$2")
+  export NLG_LEVELS
+fi
+
+cd "$(dirname "$0")"
+source workflow/setup.sh
+mkdir -p build
+install_packages
+build nlg-datagen nlg-pca nlg-train nlg-export nlg-validate
+/usr/bin/snakemake -s workflow/Snakefile --configfile "$config" --cores "$(nproc)" --rerun-incomplete --quiet rules
+name=$(/usr/bin/python3 -c 'import sys, yaml; print(yaml.safe_load(open(sys.argv[1]))["name"])' "$config")
+echo "The report: $PWD/out/$name/report.html"

@@ -1,0 +1,517 @@
+#include "datagen/scene/gltf_reader.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <set>
+#include <sstream>
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string base64(const std::string& bytes) {
+  constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kLetters[group >> (18 - 6 * k) & 63];
+  }
+  return text;
+}
+
+template <class T>
+std::string bytesOf(std::initializer_list<T> values) {
+  std::string bytes;
+  for (const T value : values) bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  return bytes;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << "the test's text has no " << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+// A unit square in the plane z = 0, front towards +z: four positions, then the indices 0 1 2 0 2 3 as 16 bits.
+const std::string kSquare = bytesOf<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) + bytesOf<uint16_t>({0, 1, 2, 0, 2, 3});
+
+// The parts of a file with one mesh; tests replace one of them.
+struct Parts {
+  std::string bin = kSquare;
+  std::string views = R"([{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}])";
+  std::string accessors =
+      R"([{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}])";
+  std::string primitives = R"([{"attributes":{"POSITION":0},"indices":1}])";
+  std::string nodes = R"([{"mesh":0,"name":"square"}])";
+  std::string scenes = R"([{"nodes":[0]}])";
+  std::string more;  // further members of the root, each led by a comma
+
+  std::string json(const std::string& uri) const {
+    const std::string uri_member = uri.empty() ? "" : R"(,"uri":")" + uri + "\"";
+    return R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" + std::to_string(bin.size()) + uri_member +
+           R"(}],"bufferViews":)" + views + R"(,"accessors":)" + accessors + R"(,"meshes":[{"primitives":)" + primitives +
+           R"(}],"nodes":)" + nodes + R"(,"scenes":)" + scenes + more + "}";
+  }
+  std::string text() const { return json("data:application/octet-stream;base64," + base64(bin)); }
+  std::string binary() const {
+    std::string chunk = json("");
+    chunk.resize((chunk.size() + 3) / 4 * 4, ' ');
+    std::string payload = bin;
+    payload.resize((payload.size() + 3) / 4 * 4, '\0');
+    const auto word = [](size_t value) { return bytesOf<uint32_t>({static_cast<uint32_t>(value)}); };
+    return "glTF" + word(2) + word(28 + chunk.size() + payload.size()) + word(chunk.size()) + "JSON" + chunk + word(payload.size()) +
+           std::string("BIN\0", 4) + payload;
+  }
+};
+
+class GltfReader : public testing::Test {
+ protected:
+  GltfReader() {
+    std::string pattern = (fs::temp_directory_path() / "gltf_reader_XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+    fs::create_directory(folder_ / "level");
+  }
+  ~GltfReader() override { fs::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& bytes) const {
+    const fs::path path = folder_ / "level" / name;
+    std::ofstream(path, std::ios::binary) << bytes;
+    return path.string();
+  }
+  Scene read(const Parts& parts) const { return readGltf(write("test.gltf", parts.text())); }
+
+  // The line of the InputError that reading the bytes gives.
+  std::string errorOf(const std::string& bytes) const {
+    try {
+      readGltf(write("hostile.gltf", bytes));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  fs::path folder_;
+};
+
+glm::dvec3 corner(const Scene& scene, size_t triangle, int which) {
+  return scene.origin_m + glm::dvec3(scene.positions[scene.triangles[triangle][which]]);
+}
+
+glm::dvec3 normalOf(const Scene& scene, size_t triangle) {
+  const glm::dvec3 a = corner(scene, triangle, 0);
+  return glm::cross(corner(scene, triangle, 1) - a, corner(scene, triangle, 2) - a);
+}
+
+double areaOf(const Scene& scene) {
+  double area = 0.0;
+  for (size_t i = 0; i < scene.triangles.size(); ++i) area += 0.5 * glm::length(normalOf(scene, i));
+  return area;
+}
+
+void expectNear(const glm::dvec3& got, const glm::dvec3& expected, const std::string& what) {
+  EXPECT_LT(glm::length(got - expected), 1e-6) << what << ": " << got.x << " " << got.y << " " << got.z;
+}
+
+TEST_F(GltfReader, ReadsASquareFromADataUri) {
+  const Scene scene = read({});
+  EXPECT_EQ(scene.id, "test");
+  ASSERT_EQ(scene.triangles.size(), 2u);
+  EXPECT_EQ(scene.positions.size(), 4u);
+  ASSERT_EQ(scene.objects.size(), 1u);
+  EXPECT_EQ(scene.objects[0].name, "square");
+  EXPECT_EQ(scene.objects[0].triangle_count, 2u);
+  expectNear(normalOf(scene, 0), {0, 0, 1}, "normal");
+}
+
+TEST_F(GltfReader, ReadsTheSameFromGlbAndFromABinBeside) {
+  const Parts parts;
+  write("my square.bin", parts.bin);
+  const Scene expected = read(parts);
+  const Scene glb = readGltf(write("test.glb", parts.binary()));
+  const Scene beside = readGltf(write("beside.gltf", parts.json("my%20square.bin")));
+  EXPECT_EQ(glb.positions, expected.positions);
+  EXPECT_EQ(glb.triangles, expected.triangles);
+  EXPECT_EQ(beside.positions, expected.positions);
+}
+
+TEST_F(GltfReader, ReadsIndicesOf8And32BitsAndNone) {
+  Parts bytes;
+  bytes.bin = kSquare.substr(0, 48) + bytesOf<uint8_t>({0, 1, 2, 0, 2, 3});
+  bytes.views = replaced(bytes.views, R"("byteLength":12)", R"("byteLength":6)");
+  bytes.accessors = replaced(bytes.accessors, "5123", "5121");
+  EXPECT_DOUBLE_EQ(areaOf(read(bytes)), 1.0);
+
+  Parts words;
+  words.bin = kSquare.substr(0, 48) + bytesOf<uint32_t>({0, 1, 2, 0, 2, 3});
+  words.views = replaced(words.views, R"("byteLength":12)", R"("byteLength":24)");
+  words.accessors = replaced(words.accessors, "5123", "5125");
+  EXPECT_DOUBLE_EQ(areaOf(read(words)), 1.0);
+
+  Parts none;
+  none.primitives = R"([{"attributes":{"POSITION":0}}])";
+  none.accessors = replaced(none.accessors, R"("count":4)", R"("count":3)");
+  EXPECT_DOUBLE_EQ(areaOf(read(none)), 0.5);
+}
+
+TEST_F(GltfReader, ReadsStripsAndFansWithAllFrontsOneWay) {
+  Parts fan;
+  fan.primitives = R"([{"attributes":{"POSITION":0},"mode":6}])";
+  Parts strip;
+  strip.bin = bytesOf<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}) + kSquare.substr(48);
+  strip.primitives = R"([{"attributes":{"POSITION":0},"mode":5}])";
+  for (const Parts& parts : {fan, strip}) {
+    const Scene scene = read(parts);
+    ASSERT_EQ(scene.triangles.size(), 2u);
+    for (size_t i = 0; i < 2; ++i) expectNear(normalOf(scene, i), {0, 0, 1}, "triangle " + std::to_string(i));
+  }
+}
+
+TEST_F(GltfReader, SkipsPointsAndLines) {
+  Parts parts;
+  parts.primitives = R"([{"attributes":{"POSITION":0},"mode":0},{"attributes":{"POSITION":0},"mode":1},{"attributes":{"POSITION":0},"indices":1}])";
+  EXPECT_EQ(read(parts).triangles.size(), 2u);
+}
+
+TEST_F(GltfReader, ReadsInterleavedPositions) {
+  Parts parts;
+  parts.bin = bytesOf<float>({0, 0, 0, 9, 1, 0, 0, 9, 1, 1, 0, 9, 0, 1, 0, 9}) + kSquare.substr(48);
+  parts.views = R"([{"buffer":0,"byteLength":64,"byteStride":16},{"buffer":0,"byteOffset":64,"byteLength":12}])";
+  EXPECT_DOUBLE_EQ(areaOf(read(parts)), 1.0);
+}
+
+TEST_F(GltfReader, AppliesTransformsFromTheRootDown) {
+  Parts parts;
+  // scaled by 2, turned a quarter about z (x becomes y), shifted; under a parent that shifts along x
+  parts.nodes = R"([{"children":[1],"translation":[10,0,0]},)"
+                R"({"mesh":0,"translation":[0,0,5],"rotation":[0,0,0.70710678118654752,0.70710678118654752],"scale":[2,2,2]}])";
+  const Scene scene = read(parts);
+  expectNear(corner(scene, 0, 0), {10, 0, 5}, "first corner");
+  expectNear(corner(scene, 0, 1), {10, 2, 5}, "second corner");
+  expectNear(corner(scene, 0, 2), {8, 2, 5}, "third corner");
+
+  parts.nodes = R"([{"mesh":0,"matrix":[0,2,0,0, -2,0,0,0, 0,0,2,0, 10,0,5,1]}])";
+  const Scene same = read(parts);
+  for (int i = 0; i < 3; ++i) expectNear(corner(same, 0, i), corner(scene, 0, i), "matrix, corner " + std::to_string(i));
+}
+
+TEST_F(GltfReader, KeepsFrontsUnderNegativeScale) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0,"scale":[-1,1,1]}])";
+  const Scene scene = read(parts);
+  for (size_t i = 0; i < 2; ++i) expectNear(normalOf(scene, i), {0, 0, 1}, "triangle " + std::to_string(i));
+  expectNear(corner(scene, 0, 0), {0, 0, 0}, "first corner");
+  EXPECT_DOUBLE_EQ(scene.origin_m.x + sceneBounds(scene).min.x, -1.0);
+}
+
+TEST_F(GltfReader, CopiesInstances) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0},{"mesh":0,"translation":[4,0,0]},{"mesh":0,"translation":[8,0,0]}])";
+  parts.scenes = R"([{"nodes":[0,1,2]}])";
+  const Scene scene = read(parts);
+  EXPECT_EQ(scene.triangles.size(), 6u);
+  ASSERT_EQ(scene.objects.size(), 3u);
+  EXPECT_EQ(scene.objects[2].first_triangle, 4u);
+  EXPECT_EQ(scene.objects[2].name, "node 2");
+}
+
+TEST_F(GltfReader, TakesTheDefaultSceneElseTheFirstElseAllRoots) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0},{"mesh":0,"translation":[4,0,0]}])";
+  parts.scenes = R"([{"nodes":[0]},{"nodes":[0,1]}])";
+  EXPECT_EQ(read(parts).objects.size(), 1u);
+  parts.more = R"(,"scene":1)";
+  EXPECT_EQ(read(parts).objects.size(), 2u);
+  parts.more = "";
+  parts.scenes = "[]";
+  EXPECT_EQ(read(parts).objects.size(), 2u);
+}
+
+TEST_F(GltfReader, LosesNoPrecisionFarFromTheOrigin) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0,"translation":[100000.125,0,-250000.25],"scale":[0.001,0.001,0.001]}])";
+  const Scene scene = read(parts);
+  // a square of one millimetre, 270 km away
+  EXPECT_NEAR(areaOf(scene), 1e-6, 1e-9);
+  EXPECT_NEAR(corner(scene, 0, 0).x, 100000.125, 1e-7);
+}
+
+TEST_F(GltfReader, AppliesSparseAccessors) {
+  Parts parts;
+  // the third corner is replaced; then all four come from nothing but the sparse values
+  parts.bin = kSquare + bytesOf<uint16_t>({2, 0}) + bytesOf<float>({3, 3, 0});
+  parts.views = replaced(parts.views, "]", R"(,{"buffer":0,"byteOffset":60,"byteLength":2},{"buffer":0,"byteOffset":64,"byteLength":12}])");
+  parts.accessors = replaced(parts.accessors, R"("VEC3")",
+                             R"("VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}})");
+  const Scene scene = read(parts);
+  expectNear(corner(scene, 0, 2), {3, 3, 0}, "replaced corner");
+  expectNear(corner(scene, 0, 1), {1, 0, 0}, "corner that stays");
+
+  parts.accessors = replaced(parts.accessors, R"("bufferView":0,"componentType":5126)", R"("componentType":5126)");
+  const Scene zeros = read(parts);
+  EXPECT_EQ(zeros.triangles.size(), 0u);
+  EXPECT_EQ(zeros.dropped_triangle_count, 2u);
+  EXPECT_TRUE(zeros.objects.empty());
+}
+
+TEST_F(GltfReader, ReadsMaterials) {
+  Parts parts;
+  parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"material":1},{"attributes":{"POSITION":0},"indices":1}])";
+  parts.more = R"(,"extensionsUsed":["KHR_materials_emissive_strength"],"materials":[{},{"doubleSided":true,)"
+               R"("pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,0.75,1]},"emissiveFactor":[1,0.5,0],)"
+               R"("extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":8}}}])";
+  const Scene scene = read(parts);
+  ASSERT_EQ(scene.materials.size(), 3u);
+  const Material& lamp = scene.materials[scene.triangle_material[0]];
+  EXPECT_EQ(lamp.base_color, glm::vec3(0.25f, 0.5f, 0.75f));
+  EXPECT_EQ(lamp.emissive, glm::vec3(8.0f, 4.0f, 0.0f));
+  EXPECT_TRUE(lamp.double_sided);
+  const Material& standard = scene.materials[scene.triangle_material[2]];
+  EXPECT_EQ(standard.base_color, glm::vec3(1.0f));
+  EXPECT_FALSE(standard.double_sided);
+}
+
+TEST_F(GltfReader, DropsAndCountsFlatTriangles) {
+  Parts parts;
+  parts.bin = kSquare.substr(0, 48) + bytesOf<uint16_t>({0, 1, 2, 0, 2, 2});
+  const Scene scene = read(parts);
+  EXPECT_EQ(scene.triangles.size(), 1u);
+  EXPECT_EQ(scene.dropped_triangle_count, 1u);
+  EXPECT_EQ(scene.objects[0].triangle_count, 1u);
+}
+
+TEST_F(GltfReader, NeverOpensImages) {
+  Parts parts;
+  parts.more = R"(,"images":[{"uri":"../secret.png"},{"uri":"no such file.png"}],"textures":[{"source":0}])";
+  std::ofstream(folder_ / "secret.png") << "not an image";
+  EXPECT_EQ(read(parts).triangles.size(), 2u);
+}
+
+TEST_F(GltfReader, RefusesBuffersOutsideTheFolder) {
+  const Parts parts;
+  std::ofstream(folder_ / "secret.bin", std::ios::binary) << parts.bin;
+  fs::create_symlink(folder_ / "secret.bin", folder_ / "level" / "link.bin");
+  const std::string absolute = (folder_ / "secret.bin").string();
+  for (const std::string& uri : {std::string("../secret.bin"), std::string("%2e%2e/secret.bin"), std::string("..%2Fsecret.bin"),
+                                 std::string("a/../../secret.bin"), absolute, "file://" + absolute, std::string("link.bin"),
+                                 std::string("..\\\\secret.bin"), std::string("\\u002e./secret.bin"), std::string("x%00.bin"),
+                                 std::string("http://a/b.bin"), std::string("missing.bin"), std::string("x%zz.bin"), std::string(".")}) {
+    const std::string error = errorOf(parts.json(uri));
+    EXPECT_NE(error.find("buffer"), std::string::npos) << uri << ": " << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << uri << ": " << error;
+  }
+}
+
+TEST_F(GltfReader, RefusesAMissingFileAndAFolder) {
+  EXPECT_THROW(readGltf((folder_ / "nothing.glb").string()), InputError);
+  EXPECT_THROW(readGltf(folder_.string()), InputError);
+}
+
+TEST_F(GltfReader, RefusesEveryTruncationOfAGlb) {
+  const std::string whole = Parts().binary();
+  for (size_t size = 0; size < whole.size(); ++size) EXPECT_NE(errorOf(whole.substr(0, size)), "no error") << size << " bytes";
+}
+
+// What the header says of its chunks must fit the file; tinygltf alone reads up to eight bytes past a binary chunk's end.
+TEST_F(GltfReader, RefusesChunksThatReachPastTheEnd) {
+  const std::string whole = Parts().binary();
+  const size_t bin_header = whole.find(std::string("BIN\0", 4)) - 4;
+  for (const size_t word : {size_t{4}, size_t{8}, size_t{12}, bin_header}) {
+    for (const uint32_t delta : {4u, 8u, 0x7fffffffu, 0xfffffff0u}) {
+      std::string hostile = whole;
+      uint32_t value = 0;
+      std::memcpy(&value, hostile.data() + word, 4);
+      value += delta;
+      std::memcpy(hostile.data() + word, &value, 4);
+      EXPECT_NE(errorOf(hostile), "no error") << "word at " << word << " plus " << delta;
+    }
+  }
+}
+
+struct Hostile {
+  const char* name;
+  const char* from;
+  const char* to;
+  const char* place;  // what the error must name
+};
+
+// Each is the square with one thing replaced.
+const Hostile kHostile[] = {
+    {"no such index accessor", R"("indices":1)", R"("indices":2)", "meshes[0].primitives[0].indices"},
+    {"no such position accessor", R"("POSITION":0)", R"("POSITION":7)", "mesh 0, primitive 0: POSITION"},
+    {"no position", R"("POSITION":0)", R"("NORMAL":0)", "mesh 0, primitive 0: POSITION"},
+    {"position of a wrong type", R"("VEC3")", R"("VEC4")", "mesh 0, primitive 0: POSITION"},
+    {"position of 16 bits", "5126", "5123", "mesh 0, primitive 0: POSITION"},
+    {"signed indices", "5123", "5122", "mesh 0, primitive 0: indices"},
+    {"float indices", "5123", "5126", "mesh 0, primitive 0: indices"},
+    {"accessor past the view", R"("count":4)", R"("count":5)", "mesh 0, primitive 0: POSITION"},
+    {"accessor past the view by its offset", R"("bufferView":0,)", R"("bufferView":0,"byteOffset":4,)", "mesh 0, primitive 0: POSITION"},
+    {"huge count", R"("count":4)", R"("count":9007199254740000)", "mesh 0, primitive 0: POSITION"},
+    {"count that overflows", R"("count":4)", R"("count":1537228672809129302)", "accessors[0].count"},
+    {"huge count without a view", R"("bufferView":0,"componentType":5126,"count":4)", R"("componentType":5126,"count":4000000000)",
+     "mesh 0, primitive 0: POSITION"},
+    {"huge offset", R"("bufferView":0,)", R"("bufferView":0,"byteOffset":9007199254740990,)", "mesh 0, primitive 0: POSITION"},
+    {"negative offset", R"("bufferView":0,)", R"("bufferView":0,"byteOffset":-4,)", "accessors[0].byteOffset"},
+    {"fewer vertices than indexed", R"("count":4)", R"("count":3)", "mesh 0, primitive 0: indices"},
+    {"corners not in threes", R"("count":6)", R"("count":5)", "mesh 0, primitive 0"},
+    {"view past the buffer", R"("byteLength":48)", R"("byteLength":4800)", "mesh 0, primitive 0: POSITION"},
+    {"view at a huge offset", R"("byteOffset":48)", R"("byteOffset":9007199254740990)", "mesh 0, primitive 0: indices"},
+    {"view of no buffer", R"({"buffer":0,"byteLength":48})", R"({"buffer":3,"byteLength":48})", "mesh 0, primitive 0: POSITION"},
+    {"stride below the element", R"("byteLength":48})", R"("byteLength":48,"byteStride":4})", "mesh 0, primitive 0: POSITION"},
+    {"no such view", R"("bufferView":0,)", R"("bufferView":9,)", "mesh 0, primitive 0: POSITION"},
+    {"index of 33 bits", R"("POSITION":0)", R"("POSITION":4294967296)", "meshes[0].primitives[0].attributes.POSITION"},
+    {"mode that does not exist", R"("indices":1)", R"("indices":1,"mode":9)", "mesh 0, primitive 0: mode"},
+    {"no such material", R"("indices":1)", R"("indices":1,"material":0)", "mesh 0, primitive 0: material"},
+    {"no such mesh", R"("mesh":0)", R"("mesh":1)", "node 0: mesh"},
+    {"mesh as text", R"("mesh":0)", R"("mesh":"0")", "nodes[0].mesh"},
+    {"mesh as a fraction", R"("mesh":0)", R"("mesh":0.5)", "nodes[0].mesh"},
+    {"node that is its own child", R"("mesh":0)", R"("mesh":0,"children":[0])", "node 0"},
+    {"child that does not exist", R"("mesh":0)", R"("mesh":0,"children":[4])", "node 4"},
+    {"child as text", R"("mesh":0)", R"("mesh":0,"children":["a"])", "nodes[0].children[0]"},
+    {"short translation", R"("mesh":0)", R"("mesh":0,"translation":[1,2])", "nodes[0].translation"},
+    {"text in a translation", R"("mesh":0)", R"("mesh":0,"translation":[1,2,"3"])", "nodes[0].translation[2]"},
+    {"infinite translation", R"("mesh":0)", R"("mesh":0,"translation":[1e999,0,0])", "hostile.gltf"},
+    {"translation beyond the world", R"("mesh":0)", R"("mesh":0,"translation":[1e300,0,0])", "node 0"},
+    {"scale that overflows", R"("mesh":0)", R"("mesh":0,"scale":[1e308,1e308,1e308],"translation":[1e308,0,0])", "node 0"},
+    {"rotation of length zero", R"("mesh":0)", R"("mesh":0,"rotation":[0,0,0,0])", "node 0: rotation"},
+    {"matrix of 15", R"("mesh":0)", R"("mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0])", "nodes[0].matrix"},
+    {"projective matrix", R"("mesh":0)", R"("mesh":0,"matrix":[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1])", "node 0: matrix"},
+    {"matrix and scale", R"("mesh":0)", R"("mesh":0,"scale":[1,1,1],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1])", "nodes[0]"},
+    {"nodes that are no list", R"("nodes":[{"mesh":0,"name":"square"}])", R"("nodes":5)", "nodes"},
+    {"node twice", R"("nodes":[0])", R"("nodes":[0,0])", "node 0"},
+    {"no such root", R"("nodes":[0])", R"("nodes":[1])", "node 1"},
+    {"no such scene", R"("scenes":)", R"("scene":3,"scenes":)", "scene"},
+    {"required extension", R"("asset":)", R"("extensionsRequired":["KHR_draco_mesh_compression"],"asset":)", "extensionsRequired"},
+    {"bright material", R"("asset":)", R"("materials":[{"emissiveFactor":[2,0,0]}],"asset":)", "material 0: emissiveFactor"},
+    {"negative colour", R"("asset":)", R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[-1,0,0,1]}}],"asset":)",
+     "material 0: baseColorFactor"},
+    {"colour of three", R"("asset":)", R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0]}}],"asset":)", "materials[0].pbrMetallicRoughness.baseColorFactor"},
+    {"key twice", R"("mesh":0)", R"("mesh":0,"mesh":0)", "nodes[0].mesh"},
+    {"buffer without uri", R"("buffers":[)", R"("buffers":[{"byteLength":60},)", "buffers[0]"},
+    {"buffer of another length", R"("byteLength":60)", R"("byteLength":61)", "hostile.gltf"},
+    {"buffer of no length", R"("byteLength":60)", R"("byteLength":0)", "hostile.gltf"},
+    {"image without source", R"("asset":)", R"("images":[{"uri":""}, 7],"asset":)", "images[1]"},
+    {"wrong version", R"("asset":{"version":"2.0"})", R"("asset":{})", "hostile.gltf"},
+};
+
+TEST_F(GltfReader, RefusesHostileFilesByNamingThePlace) {
+  for (const Hostile& hostile : kHostile) {
+    const std::string error = errorOf(replaced(Parts().text(), hostile.from, hostile.to));
+    EXPECT_NE(error.find(hostile.place), std::string::npos) << hostile.name << ": " << error;
+    EXPECT_NE(error.find("hostile.gltf: "), std::string::npos) << hostile.name << ": " << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << hostile.name << ": " << error;
+    EXPECT_LT(error.size(), 600u) << hostile.name;
+  }
+}
+
+TEST_F(GltfReader, RefusesPositionsThatAreNotFinite) {
+  for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Parts parts;
+    std::memcpy(parts.bin.data() + 16, &value, 4);
+    const std::string error = errorOf(parts.text());
+    EXPECT_NE(error.find("mesh 0, primitive 0: POSITION"), std::string::npos) << error;
+    EXPECT_NE(error.find("vertex 1"), std::string::npos) << error;
+  }
+}
+
+TEST_F(GltfReader, RefusesRingsAndSharedChildren) {
+  Parts ring;
+  ring.nodes = R"([{"mesh":0,"children":[1]},{"children":[2]},{"children":[0]}])";
+  EXPECT_NE(errorOf(ring.text()).find("own ancestor"), std::string::npos);
+  ring.scenes = "[]";
+  EXPECT_NE(errorOf(ring.text()).find("own ancestor"), std::string::npos);
+  // two to the power of 40 instances, were it allowed
+  Parts diamonds;
+  diamonds.nodes = "[";
+  for (int i = 0; i < 40; ++i) diamonds.nodes += R"({"children":[)" + std::to_string(i + 1) + "," + std::to_string(i + 1) + "]},";
+  diamonds.nodes += R"({"mesh":0}])";
+  EXPECT_NE(errorOf(diamonds.text()).find("two parents"), std::string::npos);
+}
+
+TEST_F(GltfReader, RefusesDeepNesting) {
+  Parts parts;
+  parts.nodes = "[";
+  for (int i = 0; i < 300; ++i) parts.nodes += R"({"children":[)" + std::to_string(i + 1) + "]},";
+  parts.nodes += R"({"mesh":0}])";
+  EXPECT_NE(errorOf(parts.text()).find("256"), std::string::npos);
+  Parts extras;
+  extras.more = R"(,"extras":)" + std::string(200000, '[') + std::string(200000, ']');
+  EXPECT_NE(errorOf(extras.text()).find("nesting"), std::string::npos);
+}
+
+TEST_F(GltfReader, RefusesBadSparseAccessors) {
+  const Hostile cases[] = {{"index past the count", R"("count":1,"indices")", R"("count":9,"indices")", "POSITION"},
+                           {"float indices", R"("bufferView":2,"componentType":5123)", R"("bufferView":2,"componentType":5126)", "POSITION"},
+                           {"no such view", R"("values":{"bufferView":3})", R"("values":{"bufferView":30})", "POSITION"},
+                           {"values past the view", R"("values":{"bufferView":3})", R"("values":{"bufferView":3,"byteOffset":4})", "POSITION"},
+                           {"offset of 33 bits", R"("values":{"bufferView":3})", R"("values":{"bufferView":3,"byteOffset":4294967296})",
+                            "accessors[0].sparse.values.byteOffset"}};
+  Parts parts;
+  parts.bin = kSquare + bytesOf<uint16_t>({2, 0}) + bytesOf<float>({3, 3, 0});
+  parts.views = replaced(parts.views, "]", R"(,{"buffer":0,"byteOffset":60,"byteLength":2},{"buffer":0,"byteOffset":64,"byteLength":12}])");
+  parts.accessors = replaced(parts.accessors, R"("VEC3")",
+                             R"("VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}})");
+  for (const Hostile& hostile : cases) {
+    const std::string error = errorOf(replaced(parts.text(), hostile.from, hostile.to));
+    EXPECT_NE(error.find(hostile.place), std::string::npos) << hostile.name << ": " << error;
+  }
+  parts.bin[60] = 4;
+  EXPECT_NE(errorOf(parts.text()).find("sparse indices below 4"), std::string::npos);
+}
+
+TEST_F(GltfReader, RefusesWhatIsNoGltf) {
+  for (const std::string& bytes : {std::string(), std::string("{"), std::string("[]"), std::string("{}"), std::string("glTF"),
+                                   std::string("\0\0\0\0\0\0", 6), std::string("{\"asset\":"), std::string("{\"a\":\"\\u12"),
+                                   std::string("{\"asset\":{\"version\":\"2.0\"}} x"), std::string(1000, '{'), std::string("\xff\xfe{}")}) {
+    EXPECT_NE(errorOf(bytes), "no error") << bytes.substr(0, 40);
+  }
+}
+
+// Bytes changed at random anywhere: an error or a scene, never a crash; the sanitizer build sees to the rest.
+TEST_F(GltfReader, SurvivesRandomDamage) {
+  const std::string whole = Parts().binary();
+  uint32_t state = 1;
+  const auto next = [&] { return (state = state * 1664525u + 1013904223u) >> 8; };
+  for (int round = 0; round < 1500; ++round) {
+    std::string damaged = whole;
+    for (uint32_t i = 0; i < 1 + next() % 3; ++i) damaged[next() % damaged.size()] = static_cast<char>(next());
+    const std::string path = write("damaged.glb", damaged);
+    try {
+      readGltf(path);
+    } catch (const InputError&) {
+    }
+  }
+}
+
+// The levels that come with their triangle counts in a table: | name.glb | origin | licence | triangles | ...
+TEST(GltfLevels, HaveTheTriangleCountsOfTheirTable) {
+  const char* folder = std::getenv("NLG_SHARED_SCENES");
+  if (folder == nullptr) GTEST_SKIP() << "NLG_SHARED_SCENES names no folder";
+  std::ifstream table(fs::path(folder) / "levels" / "LICENSES.md");
+  if (!table) GTEST_SKIP() << folder << " has no levels/LICENSES.md";
+  size_t level_count = 0;
+  for (std::string line; std::getline(table, line);) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, '|');) cells.push_back(cell);
+    if (cells.size() < 5 || cells[1].find(".glb") == std::string::npos) continue;
+    const std::string name = cells[1].substr(1, cells[1].size() - 2);
+    const Scene scene = readGltf((fs::path(folder) / "levels" / name).string());
+    EXPECT_EQ(scene.triangles.size() + scene.dropped_triangle_count, std::stoul(cells[4])) << name;
+    ++level_count;
+  }
+  EXPECT_GT(level_count, 0u);
+}
+
+}  // namespace
+}  // namespace nlg
