@@ -23,19 +23,32 @@ void adam(benchmark::State& state, const Representation& representation) {
   state.counters["rmse"] = fit.rmse;
 }
 BENCHMARK_CAPTURE(adam, mlp, Representation{false})->Name("fit/adam/mlp")->Arg(200)->Arg(2000)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(adam, tent_mlp, Representation{true})->Name("fit/adam/tent_mlp")->Arg(200)->Arg(2000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(adam, tent_mlp, Representation{true})
+    ->Name("fit/adam/tent_mlp")
+    ->Arg(200)
+    ->Arg(2000)
+    ->Unit(benchmark::kMillisecond);
 
 void levenbergMarquardt(benchmark::State& state, const Representation& representation) {
   const WeightingFunction function = wallFunction();
   NormalEquationsKernel kernel;
   FitResult fit;
   for (auto _ : state) {
-    fit = fitLevenbergMarquardt(representation, function, start(representation), {.iterations = static_cast<int>(state.range(0))}, &kernel);
+    fit = fitLevenbergMarquardt(representation, function, start(representation), {.iterations = static_cast<int>(state.range(0))},
+                                &kernel);
   }
   state.counters["rmse"] = fit.rmse;
 }
-BENCHMARK_CAPTURE(levenbergMarquardt, mlp, Representation{false})->Name("fit/lm/mlp")->Arg(8)->Arg(40)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(levenbergMarquardt, tent_mlp, Representation{true})->Name("fit/lm/tent_mlp")->Arg(8)->Arg(40)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(levenbergMarquardt, mlp, Representation{false})
+    ->Name("fit/lm/mlp")
+    ->Arg(8)
+    ->Arg(40)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(levenbergMarquardt, tent_mlp, Representation{true})
+    ->Name("fit/lm/tent_mlp")
+    ->Arg(8)
+    ->Arg(40)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace nlg

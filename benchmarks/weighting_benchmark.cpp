@@ -41,8 +41,9 @@ void build(benchmark::State& state, const Scene& scene) {
 
 const bool kRegistered = [] {
   const auto add = [](const std::string& name, const Scene& scene) {
-    benchmark::RegisterBenchmark(("weighting/build/" + name).c_str(), [scene](benchmark::State& state) { build(state, scene); })
-        ->Unit(benchmark::kMillisecond);
+    benchmark::RegisterBenchmark(("weighting/build/" + name).c_str(), [scene](benchmark::State& state) {
+      build(state, scene);
+    })->Unit(benchmark::kMillisecond);
   };
   add("house_3", makeProceduralScene("house", 3));
   add("cave_2", makeProceduralScene("cave", 2));

@@ -34,13 +34,15 @@ void describe(DatagenOptions& o, OptionTable& table) {
   table.add("seed", &o.seed, "seed of every random choice");
   table.add("spacing_min_m", &o.grid.spacing_min_m, "smallest probe spacing, metres", 1e-4, 1e5);
   table.add("spacing_max_m", &o.grid.spacing_max_m, "largest probe spacing, metres", 1e-4, 1e5);
-  table.add("max_functions", &o.max_functions, "stop a shard after so many functions; probes are visited in random order", 1, 1 << 22);
+  table.add("max_functions", &o.max_functions, "stop a shard after so many functions; probes are visited in random order", 1,
+            1 << 22);
   table.add("unseen_points", &o.unseen_points, "points that no fit sees, for held-out shards; a multiple of 16", 0, 65536);
   table.add("move_m", &o.jitter.move_m, "jitter: objects move by up to this, metres", 0.0, 1e4);
   table.add("turn_degrees", &o.jitter.turn_degrees, "jitter: objects turn by up to this", 0.0, 180.0);
   table.add("scale", &o.jitter.scale, "jitter: objects scale by up to this share", 0.0, 0.9);
   table.add("drop_share", &o.jitter.drop_share, "jitter: this share of the objects is left out", 0.0, 1.0);
-  table.add("structure_share", &o.jitter.structure_share, "components above this share of the scene's side stay in place", 0.0, 1.0);
+  table.add("structure_share", &o.jitter.structure_share, "components above this share of the scene's side stay in place", 0.0,
+            1.0);
   table.add("diffusion_passes", &o.diffusion.passes, "passes that carry weight round corners", 0, 16);
   table.add("diffusion_sigma", &o.diffusion.sigma, "deviation of the diffusion's Gaussian, shares of the spacing", 1e-3, 10.0);
 }
@@ -173,10 +175,18 @@ void collectFunctions(const Scene& scene, const ProbeGrid& grid, const DatagenOp
     ++shard.counts.visited_probes;
     const glm::dvec3 position = grid.probePosition(index);
     switch (builder.build(glm::vec3(position), grid.spacing_m, &function)) {
-      case ProbeOutcome::free_space: ++shard.counts.free_space; break;
-      case ProbeOutcome::in_solid: ++shard.counts.in_solid; break;
-      case ProbeOutcome::empty: ++shard.counts.empty; break;
-      case ProbeOutcome::function: collector.add(function, scene.origin_m + position, grid.spacing_m); break;
+      case ProbeOutcome::free_space:
+        ++shard.counts.free_space;
+        break;
+      case ProbeOutcome::in_solid:
+        ++shard.counts.in_solid;
+        break;
+      case ProbeOutcome::empty:
+        ++shard.counts.empty;
+        break;
+      case ProbeOutcome::function:
+        collector.add(function, scene.origin_m + position, grid.spacing_m);
+        break;
     }
     progress.update(static_cast<int64_t>(shard.counts.functions));
   }
@@ -184,13 +194,20 @@ void collectFunctions(const Scene& scene, const ProbeGrid& grid, const DatagenOp
 
 nlohmann::ordered_json countsJson(const Shard& shard) {
   const ShardCounts& c = shard.counts;
-  return {{"scene", shard.scene_id}, {"jitter", shard.jitter}, {"grid_probes", c.grid_probes}, {"visited_probes", c.visited_probes},
-          {"functions", c.functions}, {"free_space", c.free_space}, {"in_solid", c.in_solid}, {"duplicates", c.duplicates},
+  return {{"scene", shard.scene_id},
+          {"jitter", shard.jitter},
+          {"grid_probes", c.grid_probes},
+          {"visited_probes", c.visited_probes},
+          {"functions", c.functions},
+          {"free_space", c.free_space},
+          {"in_solid", c.in_solid},
+          {"duplicates", c.duplicates},
           {"empty", c.empty}};
 }
 
 void generate(const Request& request, const DatagenOptions& options, const OptionTable& table) {
-  if (options.unseen_points % 16 != 0) throw UsageError("unseen_points", "a multiple of 16", std::to_string(options.unseen_points));
+  if (options.unseen_points % 16 != 0)
+    throw UsageError("unseen_points", "a multiple of 16", std::to_string(options.unseen_points));
   if (options.grid.spacing_max_m < options.grid.spacing_min_m) {
     throw UsageError("spacing_max_m", "at least spacing_min_m", std::to_string(options.grid.spacing_max_m));
   }
@@ -214,8 +231,10 @@ void generate(const Request& request, const DatagenOptions& options, const Optio
   const Scene scene = jitterScene(source.scene, options.jitter, request.jitter == 0 ? 0 : seed | 1);
   const ProbeGrid grid = makeProbeGrid(scene, options.grid, seed);
   collectFunctions(scene, grid, options, seed, shard);
-  if (scene.triangles.empty()) std::cerr << "nlg-datagen: " << source.id << ": the scene has no triangle; the shard is empty\n";
-  else if (shard.counts.functions == 0) std::cerr << "nlg-datagen: " << source.id << ": no probe has a weighting function; the shard is empty\n";
+  if (scene.triangles.empty())
+    std::cerr << "nlg-datagen: " << source.id << ": the scene has no triangle; the shard is empty\n";
+  else if (shard.counts.functions == 0)
+    std::cerr << "nlg-datagen: " << source.id << ": no probe has a weighting function; the shard is empty\n";
   writeShard(request.out, shard);
   std::cout << countsJson(shard).dump() << '\n';
 }
@@ -229,7 +248,9 @@ int main(int argc, char** argv) {
   nlg::DatagenOptions options;
   nlg::OptionTable table("datagen");
   nlg::describe(options, table);
-  app.add_option("--scene", request.scene, "a .glb or .gltf file, or FAMILY:SEED (house, maze, colonnade, stairs, clutter, outdoor, cave)")->required();
+  app.add_option("--scene", request.scene,
+                 "a .glb or .gltf file, or FAMILY:SEED (house, maze, colonnade, stairs, clutter, outdoor, cave)")
+      ->required();
   app.add_option("--jitter", request.jitter, "which variant; 0 is the scene as it is");
   app.add_flag("--held-out", request.held_out, "the scene is for validation: add points that no fit sees");
   app.add_option("--out", request.out, "the shard to write (.h5)")->required();

@@ -78,13 +78,15 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   const RunIdentity identity = readIdentity(request.checkpoint);
   const std::string basis_sha256 = fileSha256(request.basis);
   if (identity.basis_sha256 != basis_sha256) {
-    throw InputError(request.basis, "SHA-256", "the basis that the checkpoint was trained on, " + identity.basis_sha256, basis_sha256);
+    throw InputError(request.basis, "SHA-256", "the basis that the checkpoint was trained on, " + identity.basis_sha256,
+                     basis_sha256);
   }
   Representation representation;
   if (!findRepresentation(identity.representation, &representation)) {
     throw InputError(request.checkpoint, "representation", "mlp or tent_mlp", "'" + identity.representation + "'");
   }
-  const TrainOptions train_options = storedOptions(request.checkpoint, identity.options_json, basis.basis.data.coefficientCount());
+  const TrainOptions train_options =
+      storedOptions(request.checkpoint, identity.options_json, basis.basis.data.coefficientCount());
   representation.slope = static_cast<float>(train_options.representation_slope);
   TrainingState state = makeState(train_options, Theta{});
   readCheckpoint(request.checkpoint, identity, &state);
@@ -113,8 +115,10 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   file.metadata["parity_theta"] = std::to_string(parity.theta);
   file.metadata["provenance"] = origin.dump();
   writeFileAtomically(request.out, serializeWeights(file));
-  const nlohmann::ordered_json result = {{"representation", identity.representation}, {"parity_functions", parity.functions},
-                                         {"parity_theta", parity.theta}, {"parity_output", parity.output},
+  const nlohmann::ordered_json result = {{"representation", identity.representation},
+                                         {"parity_functions", parity.functions},
+                                         {"parity_theta", parity.theta},
+                                         {"parity_output", parity.output},
                                          {"held_out_rmse", parity.held_out_rmse}};
   std::cout << result.dump() << '\n';
 }
@@ -127,8 +131,10 @@ int main(int argc, char** argv) {
   nlg::Request request;
   nlg::ExportOptions options;
   nlg::OptionTable table("export");
-  table.add("parity_functions", &options.parity_functions, "real functions on which libtorch and the evaluator are compared", 1, 1000000);
-  table.add("parity_tolerance", &options.parity_tolerance, "largest difference allowed, of theta and of what it stands for", 0.0, 1.0);
+  table.add("parity_functions", &options.parity_functions, "real functions on which libtorch and the evaluator are compared", 1,
+            1000000);
+  table.add("parity_tolerance", &options.parity_tolerance, "largest difference allowed, of theta and of what it stands for", 0.0,
+            1.0);
   app.add_option("--checkpoint", request.checkpoint, "the finished checkpoint of nlg-train")->required();
   app.add_option("--basis", request.basis, "the basis that it was trained on")->required();
   app.add_option("--shards", request.shards, "real functions to compare on (held-out shards)")->required();

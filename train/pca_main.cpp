@@ -85,7 +85,8 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   file.provenance_json = provenance("nlg-pca", table.toJson(), inputs).dump();
   writeBasisFile(request.out, file);
 
-  nlohmann::ordered_json result = {{"functions", fit.functionCount()}, {"components", file.basis.data.coefficientCount()},
+  nlohmann::ordered_json result = {{"functions", fit.functionCount()},
+                                   {"components", file.basis.data.coefficientCount()},
                                    {"class_count", file.basis.data.class_count}};
   for (size_t i = 0; i < file.kept_counts.size(); ++i) {
     result["held_out_variance_kept"][std::to_string(file.kept_counts[i])] = file.kept_variance[i];

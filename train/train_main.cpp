@@ -55,9 +55,12 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   writeCheckpoint(request.out, identity, state);
   std::error_code ignored;
   std::filesystem::remove(request.state, ignored);
-  const nlohmann::ordered_json result = {{"representation", request.representation}, {"functions", training.functionCount()},
-                                         {"steps", state.step}, {"held_out_rmse", report.held_out_rmse},
-                                         {"elapsed_s", report.elapsed_s}, {"samples_per_s", report.samples_per_s}};
+  const nlohmann::ordered_json result = {{"representation", request.representation},
+                                         {"functions", training.functionCount()},
+                                         {"steps", state.step},
+                                         {"held_out_rmse", report.held_out_rmse},
+                                         {"elapsed_s", report.elapsed_s},
+                                         {"samples_per_s", report.samples_per_s}};
   std::cout << result.dump() << '\n';
 }
 
@@ -77,6 +80,7 @@ int main(int argc, char** argv) {
   app.add_option("--out", request.out, "the finished checkpoint to write")->required();
   app.add_option("--state", request.state, "where checkpoints go meanwhile; a killed run goes on from it")->required();
   app.add_option("--log", request.log, "the training curve to write (.csv)")->required();
-  app.add_flag("--restart-on-change", request.restart_on_change, "start afresh, instead of refusing, when --state is of another run");
+  app.add_flag("--restart-on-change", request.restart_on_change,
+               "start afresh, instead of refusing, when --state is of another run");
   return nlg::runTool(argc, argv, app, table, [&] { nlg::run(request, options, table); });
 }

@@ -13,8 +13,8 @@ struct FunctionError {
   double rmse_unseen = 0;  // over valid points that no fit sees
   double rmse_shadow = 0;  // over valid support points that the probe does not see; 0 when there are none
   bool has_shadow = false;
-  double leak_mean = 0;    // mean |value| over valid support points whose phi is stored as 0
-  double leak_p99 = 0;     // 99th percentile of the same
+  double leak_mean = 0;  // mean |value| over valid support points whose phi is stored as 0
+  double leak_p99 = 0;   // 99th percentile of the same
 };
 
 // Points that all functions of a set share, prepared once.

@@ -118,8 +118,11 @@ std::vector<std::pair<std::string, uint64_t>> tellingFunctions(const MethodResul
   }
   if (samples.empty()) samples = generated.samples;
   if (samples.empty()) return {};
-  std::sort(samples.begin(), samples.end(), [](const MethodSample& a, const MethodSample& b) { return a.error.rmse < b.error.rmse; });
-  const auto at = [&](double share) { return samples[static_cast<size_t>(share * static_cast<double>(samples.size() - 1))].function; };
+  std::sort(samples.begin(), samples.end(),
+            [](const MethodSample& a, const MethodSample& b) { return a.error.rmse < b.error.rmse; });
+  const auto at = [&](double share) {
+    return samples[static_cast<size_t>(share * static_cast<double>(samples.size() - 1))].function;
+  };
   return {{"best", at(0.0)}, {"median", at(0.5)}, {"p95", at(0.95)}, {"worst", at(1.0)}};
 }
 
@@ -129,9 +132,15 @@ Json sliceJson(const std::string& which, const Slice& slice, const MethodSample&
     for (const float value : values) rounded.push_back(static_cast<int>(std::lround(1000.0f * std::clamp(value, -2.0f, 2.0f))));
     return rounded;
   };
-  return {{"which", which}, {"function", sample.function}, {"scene", set.scene_ids[set.scene_idx[sample.function]]},
-          {"rmse", sample.error.rmse}, {"axis", slice.axis}, {"size", slice.size}, {"valid", slice.valid},
-          {"generated_permille", bytes(slice.generated)}, {"approximated_permille", bytes(slice.approximated)}};
+  return {{"which", which},
+          {"function", sample.function},
+          {"scene", set.scene_ids[set.scene_idx[sample.function]]},
+          {"rmse", sample.error.rmse},
+          {"axis", slice.axis},
+          {"size", slice.size},
+          {"valid", slice.valid},
+          {"generated_permille", bytes(slice.generated)},
+          {"approximated_permille", bytes(slice.approximated)}};
 }
 
 // Every so-many-th function, so that all scenes take part.
@@ -166,7 +175,8 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
                        const std::vector<bool>& hard, const ValidateOptions& options, Outputs& outputs) {
   Generator generator;
   const WeightsResult loaded = Generator::load(path, &generator);
-  if (!loaded.ok()) throw InputError(path, weightsStatusName(loaded.status), "a generator of this support pattern", loaded.detail);
+  if (!loaded.ok())
+    throw InputError(path, weightsStatusName(loaded.status), "a generator of this support pattern", loaded.detail);
   const std::string name = representationName(generator.representation());
   std::vector<float> theta;
   const MethodResult generated = measureGenerator(generator, set, &theta);
@@ -181,7 +191,8 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
   Json json = {{"parameters", kThetaCount}, {"bytes", kThetaCount * sizeof(float)}};
   json["generator"] = methodJson(generated, hard, options);
   json["refined"] = methodJson(policy, hard, options);
-  const auto refined_count = std::count_if(policy.samples.begin(), policy.samples.end(), [](const MethodSample& s) { return s.refined; });
+  const auto refined_count =
+      std::count_if(policy.samples.begin(), policy.samples.end(), [](const MethodSample& s) { return s.refined; });
   json["share_refined"] = static_cast<double>(refined_count) / std::max<double>(1.0, static_cast<double>(policy.samples.size()));
   // everything below ran on the same chosen functions
   json["generator_chosen"] = methodJson(generated_chosen, hard, options);
@@ -209,7 +220,8 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
 
 void validate(const Request& request, const ValidateOptions& options, const OptionTable& table) {
   const FunctionSet set = readFunctionSet(request.held_out, supportPattern().hash);
-  if (set.functionCount() == 0) throw InputError(request.held_out.front(), "held-out functions", "at least one in all shards", "none");
+  if (set.functionCount() == 0)
+    throw InputError(request.held_out.front(), "held-out functions", "at least one in all shards", "none");
   if (set.unseen_point_count == 0) {
     throw InputError(request.held_out.front(), "unseen points", "shards made with --held-out", "shards without them");
   }
@@ -222,12 +234,18 @@ void validate(const Request& request, const ValidateOptions& options, const Opti
   outputs.csv << "representation,method,function,scene,hard,rmse,rmse_unseen_points,rmse_shadow,leak_mean,leak_p99,elapsed_us\n";
   outputs.summary["schema_version"] = 1;
   outputs.summary["provenance"] = provenance("nlg-validate", table.toJson(), {{"held_out", set.sha256}});
-  outputs.summary["functions"] = {{"distinct", counts.functions}, {"free_space", counts.free_space},
-                                  {"duplicates", counts.duplicates}, {"in_solid", counts.in_solid}, {"empty", counts.empty},
-                                  {"visited_probes", counts.visited_probes}, {"grid_probes", counts.grid_probes},
-                                  {"held_out", set.functionCount()}, {"held_out_scenes", set.scene_ids.size()},
+  outputs.summary["functions"] = {{"distinct", counts.functions},
+                                  {"free_space", counts.free_space},
+                                  {"duplicates", counts.duplicates},
+                                  {"in_solid", counts.in_solid},
+                                  {"empty", counts.empty},
+                                  {"visited_probes", counts.visited_probes},
+                                  {"grid_probes", counts.grid_probes},
+                                  {"held_out", set.functionCount()},
+                                  {"held_out_scenes", set.scene_ids.size()},
                                   {"hard", std::count(hard.begin(), hard.end(), true)}};
-  outputs.summary["tau"] = {{"rmse", options.tau_rmse}, {"leak_p99", options.tau_leak}, {"hard_tent_rmse", options.hard_tent_rmse}};
+  outputs.summary["tau"] = {
+      {"rmse", options.tau_rmse}, {"leak_p99", options.tau_leak}, {"hard_tent_rmse", options.hard_tent_rmse}};
   outputs.summary["tent"] = methodJson(tent_result, hard, options);
   appendCsv(outputs.csv, "tent", tent_result, set, hard);
   for (const std::string& path : request.weights) validateGenerator(path, set, tent_result, hard, options, outputs);

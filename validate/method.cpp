@@ -13,7 +13,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double microsecondsSince(Clock::time_point start) { return std::chrono::duration<double, std::micro>(Clock::now() - start).count(); }
+double microsecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
 
 StoredFunction storedFunction(const FunctionSet& set, uint64_t index) {
   return {&set.phi[index * kSupportPointCount], &set.validity[index * kValidityByteCount]};
@@ -66,7 +68,8 @@ std::vector<TimedFit> fitAll(const Generator& generator, const WeightingFunction
     return fitAdam(representation, function, theta0, refinementAdam(representation, options.direct.adam_steps)).theta;
   });
   timed(kLmTheta0, [&] {
-    return fitLevenbergMarquardt(representation, function, theta0, {.iterations = options.direct.levenberg_iterations}, kernel).theta;
+    return fitLevenbergMarquardt(representation, function, theta0, {.iterations = options.direct.levenberg_iterations}, kernel)
+        .theta;
   });
   timed(kAdamRandom, [&] {
     return fitAdam(representation, function, randomTheta(mixSeed(seed, 7)), randomStartAdam(options.direct.adam_steps)).theta;
@@ -155,7 +158,8 @@ std::vector<MethodResult> measureFits(const Generator& generator, const Function
     Theta generated;
     std::copy_n(&theta[functions[i] * kThetaCount], kThetaCount, generated.begin());
     const WeightingFunction function = decodeFunction(storedFunction(set, functions[i]));
-    const std::vector<TimedFit> fits = fitAll(generator, function, generated, options, mixSeed(options.seed, functions[i]), &kernel);
+    const std::vector<TimedFit> fits =
+        fitAll(generator, function, generated, options, mixSeed(options.seed, functions[i]), &kernel);
     const std::lock_guard lock(mutex);
     for (const TimedFit& fit : fits) {
       MethodResult& result = results[fit.method];

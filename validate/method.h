@@ -12,15 +12,15 @@
 namespace nlg {
 
 struct ValidateOptions {
-  int direct_functions = 300;     // held-out functions that direct optimisation and refinement of all run on
-  int adam_refine_steps = 200;    // refinement of every function by Adam
-  int lm_refine_iterations = 8;   // … and by LM
-  int policy_adam_steps = 400;    // the bake's policy: functions over tau are refined so long
-  double tau_rmse = 0.02;         // a function above either needs refinement
-  double tau_leak = 0.1;          // leak p99 of the function
-  double hard_tent_rmse = 0.01;   // functions whose bare tent is at least so wrong are hard
+  int direct_functions = 300;    // held-out functions that direct optimisation and refinement of all run on
+  int adam_refine_steps = 200;   // refinement of every function by Adam
+  int lm_refine_iterations = 8;  // … and by LM
+  int policy_adam_steps = 400;   // the bake's policy: functions over tau are refined so long
+  double tau_rmse = 0.02;        // a function above either needs refinement
+  double tau_leak = 0.1;         // leak p99 of the function
+  double hard_tent_rmse = 0.01;  // functions whose bare tent is at least so wrong are hard
   DirectOptions direct;
-  int threads = 0;                // 0: as many as the machine has
+  int threads = 0;  // 0: as many as the machine has
   uint64_t seed = 1;
 };
 

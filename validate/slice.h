@@ -10,11 +10,11 @@ namespace nlg {
 
 // A square picture of one plane through the probe: rows x columns = size x size, local coordinates from -1 to 1.
 struct Slice {
-  int axis = 1;                       // the axis that the plane is normal to: 0 x, 1 y, 2 z
+  int axis = 1;  // the axis that the plane is normal to: 0 x, 1 y, 2 z
   int size = 0;
-  std::vector<float> generated;       // phi at the support point nearest to each pixel
-  std::vector<uint8_t> valid;         // of the same point
-  std::vector<float> approximated;    // the representation at the pixel
+  std::vector<float> generated;     // phi at the support point nearest to each pixel
+  std::vector<uint8_t> valid;       // of the same point
+  std::vector<float> approximated;  // the representation at the pixel
 };
 
 // Of the three axis planes through the probe the one in which the function differs most from the bare tent.

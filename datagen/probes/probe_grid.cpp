@@ -26,8 +26,9 @@ ProbeGrid makeProbeGrid(const Scene& scene, const ProbeGridOptions& options, uin
     const double extent = std::max(0.0, std::floor((bounds.max[axis] - grid.first_m[axis]) / grid.spacing_m) + 1.0);
     probe_count *= extent;
     if (extent > 1 << 30 || probe_count > static_cast<double>(kMaxProbeCount)) {
-      throw UsageError(scene.id, "a probe grid of at most 2^40 probes", "spacing " + std::to_string(grid.spacing_m) + " m over " +
-                       std::to_string(bounds.max[axis] - bounds.min[axis]) + " m");
+      throw UsageError(
+          scene.id, "a probe grid of at most 2^40 probes",
+          "spacing " + std::to_string(grid.spacing_m) + " m over " + std::to_string(bounds.max[axis] - bounds.min[axis]) + " m");
     }
     grid.extent[axis] = static_cast<int>(extent);
   }

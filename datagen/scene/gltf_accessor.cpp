@@ -10,10 +10,14 @@ constexpr uint64_t kMaxZeros = uint64_t{1} << 24;
 
 int unsignedBytes(int component_type) {
   switch (component_type) {
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return 1;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return 2;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return 4;
-    default: return 0;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return 1;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return 2;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return 4;
+    default:
+      return 0;
   }
 }
 
@@ -41,14 +45,17 @@ AccessorReader::AccessorReader(const tinygltf::Model& model, int accessor_idx, c
   if (accessor.sparse.isSparse) readSparse(accessor, element_bytes);
 }
 
-void AccessorReader::fail(const std::string& expected, const std::string& got) const { throw InputError(path_, place_, expected, got); }
+void AccessorReader::fail(const std::string& expected, const std::string& got) const {
+  throw InputError(path_, place_, expected, got);
+}
 
 AccessorReader::Span AccessorReader::checkedSpan(int view_idx, uint64_t offset, uint64_t element_bytes, uint64_t count,
                                                  const std::string& what) const {
   if (view_idx < 0 || static_cast<size_t>(view_idx) >= model_.bufferViews.size()) fail("a buffer view", std::to_string(view_idx));
   const tinygltf::BufferView& view = model_.bufferViews[view_idx];
   const std::string name = "buffer view " + std::to_string(view_idx);
-  if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= model_.buffers.size()) fail(name + " in a buffer", std::to_string(view.buffer));
+  if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= model_.buffers.size())
+    fail(name + " in a buffer", std::to_string(view.buffer));
   const std::vector<unsigned char>& data = model_.buffers[view.buffer].data;
   if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset) {
     fail(name + " within the buffer's " + std::to_string(data.size()) + " bytes",
@@ -77,7 +84,8 @@ void AccessorReader::readSparse(const tinygltf::Accessor& accessor, uint64_t ele
   const auto offset = [](int bytes) { return static_cast<uint64_t>(bytes < 0 ? 0 : bytes); };
   sparse_indices_ = checkedSpan(sparse.indices.bufferView, offset(sparse.indices.byteOffset),
                                 static_cast<uint64_t>(sparse_index_bytes_), sparse_count_, "sparse indices");
-  sparse_values_ = checkedSpan(sparse.values.bufferView, offset(sparse.values.byteOffset), element_bytes, sparse_count_, "sparse values");
+  sparse_values_ =
+      checkedSpan(sparse.values.bufferView, offset(sparse.values.byteOffset), element_bytes, sparse_count_, "sparse values");
   for (uint64_t i = 0; i < sparse_count_; ++i) {
     const uint64_t idx = sparseIndex(i);
     if (idx >= count_) fail("sparse indices below " + std::to_string(count_), std::to_string(idx));

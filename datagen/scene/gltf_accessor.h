@@ -12,12 +12,11 @@ namespace nlg {
 // buffer view, offset, stride and length, and a sparse accessor's indices.
 class AccessorReader {
  public:
-  // component_bytes, component_count   what the caller has found the accessor's type to be
   // throws   InputError at this place
   AccessorReader(const tinygltf::Model& model, int accessor_idx, const std::string& path, const std::string& place);
 
   uint64_t count() const { return count_; }
-  // The element's bytes, elementBytes() long; null stands for zeros, as an accessor without a buffer view holds.
+  // The element's bytes; null stands for zeros, as an accessor without a buffer view holds.
   const unsigned char* element(uint64_t idx) const;
 
  private:

@@ -26,11 +26,13 @@ Bytes readBytes(const std::string& path, const std::string& place) {
   if (status.type() == fs::file_type::not_found) throw InputError(path, place, "a file", "nothing of that name");
   if (error || !fs::is_regular_file(status)) throw InputError(path, place, "a file", "something else");
   const uint64_t size = fs::file_size(path, error);
-  if (error || size > kMaxFileBytes) throw InputError(path, place, "less than 4 GiB", error ? error.message() : std::to_string(size));
+  if (error || size > kMaxFileBytes)
+    throw InputError(path, place, "less than 4 GiB", error ? error.message() : std::to_string(size));
   Bytes bytes(size);
   std::ifstream stream(path, std::ios::binary);
   stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (!stream || static_cast<uint64_t>(stream.gcount()) != size) throw InputError(path, place, "a readable file", "a failed read");
+  if (!stream || static_cast<uint64_t>(stream.gcount()) != size)
+    throw InputError(path, place, "a readable file", "a failed read");
   return bytes;
 }
 
@@ -80,7 +82,8 @@ AllowedFiles findBuffers(const std::string& path, const std::string& folder, con
     const auto [root_end, file_end] = std::mismatch(root.begin(), root.end(), file.begin(), file.end());
     const std::string place = "buffer \"" + name.substr(0, 80) + "\"";
     if (root_end != root.end()) throw InputError(path, place, "a file in the folder or below", "a link out of it");
-    if (!fs::is_regular_file(file)) throw InputError(path, place, "a file", fs::exists(file) ? "something else" : "nothing of that name");
+    if (!fs::is_regular_file(file))
+      throw InputError(path, place, "a file", fs::exists(file) ? "something else" : "nothing of that name");
     allowed.paths.insert(folder + "/" + name);
   }
   return allowed;
@@ -104,7 +107,9 @@ bool readWholeFile(Bytes* bytes, std::string* error, const std::string& path, vo
 
 bool writeNothing(std::string*, const std::string&, const Bytes&, void*) { return false; }
 
-bool ignoreImage(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int, void*) { return true; }
+bool ignoreImage(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
+  return true;
+}
 
 // tinygltf's words as part of one line.
 std::string oneLine(std::string words) {
@@ -118,8 +123,8 @@ tinygltf::Model loadGltfFile(const std::string& path) {
   const Bytes bytes = readBytes(path, "file");
   if (bytes.empty()) throw InputError(path, "file", "glTF", "an empty file");
   const bool is_binary = isBinary(bytes);
-  const std::string_view text = is_binary ? binaryText(path, bytes)
-                                          : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string_view text =
+      is_binary ? binaryText(path, bytes) : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const std::string parent = fs::path(path).parent_path().string();
   const std::string folder = parent.empty() ? "." : parent;
   AllowedFiles allowed = findBuffers(path, folder, checkGltfText(path, text, is_binary));

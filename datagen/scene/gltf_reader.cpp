@@ -2,43 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 
-#include "datagen/scene/gltf_accessor.h"
 #include "datagen/scene/gltf_file.h"
+#include "datagen/scene/gltf_mesh.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
 
 constexpr int kDeepestNode = 256;
-constexpr uint64_t kMaxTriangles = uint64_t{1} << 27;
 constexpr double kFarthest = 1e9;  // metres from the file's origin; beyond, a double no longer holds a tenth of a micrometre
-
-// One mesh in its own coordinates: only vertices that triangles use.
-struct LocalMesh {
-  std::vector<glm::vec3> positions;
-  std::vector<glm::uvec3> triangles;
-  std::vector<uint32_t> triangle_material;
-};
-
-bool isTriangleMode(int mode) {
-  return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP || mode == TINYGLTF_MODE_TRIANGLE_FAN;
-}
-
-uint64_t triangleCount(int mode, uint64_t corner_count) {
-  if (mode == TINYGLTF_MODE_TRIANGLES) return corner_count / 3;
-  return corner_count < 3 ? 0 : corner_count - 2;
-}
-
-// Corners of triangle i in the primitive's list; a strip's odd triangles are turned so that all wind the same way.
-glm::uvec3 cornersOf(int mode, uint32_t i) {
-  if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) return {i, i + 1 + i % 2, i + 2 - i % 2};
-  if (mode == TINYGLTF_MODE_TRIANGLE_FAN) return {i + 1, i + 2, 0};
-  return {3 * i, 3 * i + 1, 3 * i + 2};
-}
 
 bool isFlat(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   const glm::dvec3 normal = glm::cross(b - a, c - a);
@@ -78,7 +53,8 @@ class GltfConverter {
 
   float checkedFactor(double value, double limit, const std::string& place) const {
     // the tolerance is for factors that an exporter computed in float
-    if (!(value >= 0.0 && value <= limit * 1.001)) fail(place, "a number from 0 to " + std::to_string(limit), std::to_string(value));
+    if (!(value >= 0.0 && value <= limit * 1.001))
+      fail(place, "a number from 0 to " + std::to_string(limit), std::to_string(value));
     return static_cast<float>(std::min(value, limit));
   }
 
@@ -103,15 +79,6 @@ class GltfConverter {
     const auto extension = material.extensions.find("KHR_materials_emissive_strength");
     if (extension == material.extensions.end() || !extension->second.Has("emissiveStrength")) return 1.0;
     return checkedFactor(extension->second.Get("emissiveStrength").GetNumberAsDouble(), 1e12, place + ": emissiveStrength");
-  }
-
-  // The material that glTF gives to a primitive without one.
-  uint32_t defaultMaterial() {
-    if (!default_material_) {
-      default_material_ = static_cast<uint32_t>(scene_.materials.size());
-      scene_.materials.push_back({glm::vec3(1.0f), glm::vec3(0.0f), false});
-    }
-    return *default_material_;
   }
 
   std::vector<int> rootNodes() const {
@@ -177,18 +144,20 @@ class GltfConverter {
 
   void addInstance(const tinygltf::Node& node, int node_idx, const glm::dmat4& world_from_local, const std::string& place) {
     checkIndex(node.mesh, model_.meshes.size(), place + ": mesh", "a mesh");
-    const LocalMesh& mesh = localMesh(node.mesh);
+    const GltfMesh& mesh = localMesh(node.mesh);
     checkTotal(mesh.triangles.size(), place);
     if (mesh.triangles.empty()) return;
     const std::string& mesh_name = model_.meshes[node.mesh].name;
     const std::string name = !node.name.empty() ? node.name : !mesh_name.empty() ? mesh_name : "node " + std::to_string(node_idx);
-    scene_.objects.push_back({name, static_cast<uint32_t>(scene_.triangles.size()), static_cast<uint32_t>(mesh.triangles.size()), true});
+    scene_.objects.push_back(
+        {name, static_cast<uint32_t>(scene_.triangles.size()), static_cast<uint32_t>(mesh.triangles.size()), true});
 
     const auto base = static_cast<uint32_t>(world_positions_.size());
     for (const glm::vec3& p : mesh.positions) {
       const glm::dvec3 world(world_from_local * glm::dvec4(glm::dvec3(p), 1.0));
       for (int axis = 0; axis < 3; ++axis) {
-        if (!(std::abs(world[axis]) <= kFarthest)) fail(place, "positions within 1e9 m of the origin", std::to_string(world[axis]));
+        if (!(std::abs(world[axis]) <= kFarthest))
+          fail(place, "positions within 1e9 m of the origin", std::to_string(world[axis]));
       }
       world_positions_.push_back(world);
     }
@@ -202,104 +171,18 @@ class GltfConverter {
 
   void checkTotal(uint64_t more, const std::string& place) const {
     const uint64_t total = scene_.triangles.size() + more;
-    if (total > kMaxTriangles) fail(place, "at most 2^27 triangles in all", std::to_string(total));
+    if (total > kMaxGltfTriangles) fail(place, "at most 2^27 triangles in all", std::to_string(total));
   }
 
-  const LocalMesh& localMesh(int mesh_idx) {
+  const GltfMesh& localMesh(int mesh_idx) {
     if (!meshes_[mesh_idx]) {
-      LocalMesh local;
-      const tinygltf::Mesh& mesh = model_.meshes[mesh_idx];
-      for (size_t i = 0; i < mesh.primitives.size(); ++i) {
-        addPrimitive(mesh.primitives[i], "mesh " + std::to_string(mesh_idx) + ", primitive " + std::to_string(i), local);
-      }
-      meshes_[mesh_idx] = std::move(local);
+      meshes_[mesh_idx] = readGltfMesh(model_, mesh_idx, path_);
+      const std::vector<uint32_t>& materials = meshes_[mesh_idx]->triangle_material;
+      const bool has_none = std::find(materials.begin(), materials.end(), model_.materials.size()) != materials.end();
+      // what glTF gives to a primitive without a material
+      if (has_none) scene_.materials.resize(model_.materials.size() + 1, {glm::vec3(1.0f), glm::vec3(0.0f), false});
     }
     return *meshes_[mesh_idx];
-  }
-
-  void addPrimitive(const tinygltf::Primitive& primitive, const std::string& place, LocalMesh& local) {
-    const int mode = primitive.mode;
-    if (mode < 0 || mode > TINYGLTF_MODE_TRIANGLE_FAN) fail(place + ": mode", "0 to 6", std::to_string(mode));
-    if (!isTriangleMode(mode)) return;
-    const AccessorReader positions = positionReader(primitive, place);
-    const std::vector<uint32_t> corners = readCorners(primitive, positions.count(), place, local.triangles.size());
-    const uint32_t material = materialOf(primitive, place);
-
-    std::vector<uint32_t> used = corners;
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
-    const auto base = static_cast<uint32_t>(local.positions.size());
-    for (const uint32_t idx : used) local.positions.push_back(readPosition(positions, idx, place));
-    const auto compact = [&](uint32_t corner) {
-      return base + static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), corners[corner]) - used.begin());
-    };
-    const auto triangle_count = static_cast<uint32_t>(triangleCount(mode, corners.size()));
-    for (uint32_t i = 0; i < triangle_count; ++i) {
-      const glm::uvec3 corner = cornersOf(mode, i);
-      local.triangles.emplace_back(compact(corner.x), compact(corner.y), compact(corner.z));
-      local.triangle_material.push_back(material);
-    }
-  }
-
-  AccessorReader positionReader(const tinygltf::Primitive& primitive, const std::string& place) {
-    const auto attribute = primitive.attributes.find("POSITION");
-    place_ = place + ": POSITION";
-    if (attribute == primitive.attributes.end()) fail(place_, "FLOAT VEC3", "none");
-    checkIndex(attribute->second, model_.accessors.size(), place_, "an accessor");
-    const tinygltf::Accessor& accessor = model_.accessors[attribute->second];
-    if (accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT || accessor.type != TINYGLTF_TYPE_VEC3) {
-      fail(place_, "FLOAT VEC3", "component type " + std::to_string(accessor.componentType) + ", type " + std::to_string(accessor.type));
-    }
-    return AccessorReader(model_, attribute->second, path_, place_);
-  }
-
-  // The primitive's list of vertices, all below vertex_count.
-  std::vector<uint32_t> readCorners(const tinygltf::Primitive& primitive, uint64_t vertex_count, const std::string& place,
-                                    uint64_t triangles_before) {
-    const bool is_indexed = primitive.indices >= 0;
-    const std::string indices_place = place + ": indices";
-    const std::optional<AccessorReader> indices =
-        is_indexed ? std::optional(indexReader(primitive.indices, indices_place)) : std::nullopt;
-    const uint64_t count = is_indexed ? indices->count() : vertex_count;
-    checkTotal(triangles_before + triangleCount(primitive.mode, count), place);
-    if (primitive.mode == TINYGLTF_MODE_TRIANGLES && count % 3 != 0) fail(place, "a multiple of 3 corners", std::to_string(count));
-    std::vector<uint32_t> corners(count);
-    const int byte_count =
-        is_indexed ? tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(model_.accessors[primitive.indices].componentType)) : 0;
-    for (uint64_t i = 0; i < count; ++i) {
-      const unsigned char* bytes = is_indexed ? indices->element(i) : nullptr;
-      corners[i] = bytes != nullptr ? readUnsigned(bytes, byte_count) : is_indexed ? 0 : static_cast<uint32_t>(i);
-      if (corners[i] < vertex_count) continue;
-      fail(indices_place, "indices below " + std::to_string(vertex_count), std::to_string(corners[i]) + " at " + std::to_string(i));
-    }
-    return corners;
-  }
-
-  AccessorReader indexReader(int accessor_idx, const std::string& place) const {
-    checkIndex(accessor_idx, model_.accessors.size(), place, "an accessor");
-    const tinygltf::Accessor& accessor = model_.accessors[accessor_idx];
-    const int type = accessor.componentType;
-    const bool is_unsigned = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
-                             type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
-    if (!is_unsigned || accessor.type != TINYGLTF_TYPE_SCALAR) {
-      fail(place, "unsigned SCALAR of 8, 16 or 32 bits", "component type " + std::to_string(type) + ", type " + std::to_string(accessor.type));
-    }
-    return AccessorReader(model_, accessor_idx, path_, place);
-  }
-
-  uint32_t materialOf(const tinygltf::Primitive& primitive, const std::string& place) {
-    if (primitive.material < 0) return defaultMaterial();
-    checkIndex(primitive.material, model_.materials.size(), place + ": material", "a material");
-    return static_cast<uint32_t>(primitive.material);
-  }
-
-  glm::vec3 readPosition(const AccessorReader& positions, uint32_t idx, const std::string& place) const {
-    glm::vec3 p(0.0f);
-    if (const unsigned char* bytes = positions.element(idx)) std::memcpy(&p, bytes, sizeof p);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!std::isfinite(p[axis])) fail(place + ": POSITION", "finite numbers", std::to_string(p[axis]) + " at vertex " + std::to_string(idx));
-    }
-    return p;
   }
 
   // Moves the origin to the middle, on whole metres, and drops triangles of zero area and objects that have no other.
@@ -344,11 +227,9 @@ class GltfConverter {
 
   const std::string path_;
   const tinygltf::Model model_;
-  std::vector<std::optional<LocalMesh>> meshes_;
+  std::vector<std::optional<GltfMesh>> meshes_;
   std::vector<char> is_visited_;
   std::vector<glm::dvec3> world_positions_;
-  std::optional<uint32_t> default_material_;
-  std::string place_;  // of the accessor being read
   Scene scene_;
 };
 

@@ -12,12 +12,15 @@ namespace nlg {
 // strips and fans, indexed with 8, 16 or 32 bits or not at all; points and lines are skipped. Accessors: float positions,
 // any stride, sparse ones too. Materials: base colour factor, emissive factor (times KHR_materials_emissive_strength),
 // doubleSided. One SceneObject for each node with a mesh. Triangles of zero area are dropped and counted.
+// Skins and morph targets stay in their rest pose; textures and images are never opened.
 //
 // path     the file; its external buffers must lie in its folder or below
 // returns  the scene; its id is the file's stem
-// throws   InputError naming file, place ("mesh 3, primitive 0: POSITION"), expected and got, on: a missing, truncated or malformed
+// throws   InputError naming file, place ("mesh 3, primitive 0: POSITION"), expected and got, on: a missing, truncated or
+// malformed
 //          file, an index or accessor out of range, non-finite numbers, a buffer URI that leaves the folder (".." , absolute,
-//          scheme other than data:), a node that is its own ancestor, nesting deeper than 256, more than 2^31 triangles
+//          scheme other than data:), a node that is its own ancestor, nesting deeper than 256, more than 2^27 triangles,
+//          positions beyond 1e9 m, a value of a wrong JSON type, a required extension that moves or packs geometry
 Scene readGltf(const std::string& path);
 
 }  // namespace nlg

@@ -1,8 +1,8 @@
 #include "datagen/scene/gltf_text.h"
 
-#include <array>
 #include <set>
 
+#include "datagen/scene/gltf_rules.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -10,84 +10,12 @@ namespace {
 
 constexpr size_t kDeepest = 64;
 
-enum class Kind { null, boolean, index, integer, number, string, array, object };
-
-const char* kindName(Kind kind) {
-  constexpr std::array<const char*, 8> kNames = {"null", "boolean", "index", "integer", "number", "string", "array", "object"};
-  return kNames[static_cast<size_t>(kind)];
-}
-
 // One step from the root to a value: a key, or an index when the key is empty.
 struct Step {
   std::string key;
   size_t index = 0;
   bool is_index = false;
 };
-
-// What a property must be when it is there. index: below 2^31, as tinygltf keeps it; integer: below 2^53.
-struct Rule {
-  std::string_view section, key;
-  Kind kind;
-};
-
-constexpr std::array<Rule, 29> kRules = {{{"buffers", "uri", Kind::string},
-                                          {"buffers", "byteLength", Kind::integer},
-                                          {"bufferViews", "buffer", Kind::index},
-                                          {"bufferViews", "byteOffset", Kind::integer},
-                                          {"bufferViews", "byteLength", Kind::integer},
-                                          {"bufferViews", "byteStride", Kind::index},
-                                          {"accessors", "bufferView", Kind::index},
-                                          {"accessors", "byteOffset", Kind::integer},
-                                          {"accessors", "componentType", Kind::index},
-                                          {"accessors", "count", Kind::integer},
-                                          {"accessors", "sparse", Kind::object},
-                                          {"meshes", "primitives", Kind::array},
-                                          {"meshes", "attributes", Kind::object},
-                                          {"meshes", "POSITION", Kind::index},
-                                          {"meshes", "indices", Kind::index},
-                                          {"meshes", "material", Kind::index},
-                                          {"meshes", "mode", Kind::index},
-                                          {"nodes", "mesh", Kind::index},
-                                          {"nodes", "children", Kind::array},
-                                          {"nodes", "translation", Kind::array},
-                                          {"nodes", "rotation", Kind::array},
-                                          {"nodes", "scale", Kind::array},
-                                          {"nodes", "matrix", Kind::array},
-                                          {"scenes", "nodes", Kind::array},
-                                          {"materials", "pbrMetallicRoughness", Kind::object},
-                                          {"materials", "baseColorFactor", Kind::array},
-                                          {"materials", "emissiveFactor", Kind::array},
-                                          {"materials", "doubleSided", Kind::boolean},
-                                          {"materials", "emissiveStrength", Kind::number}}};
-
-// How many numbers an array holds; tinygltf ignores those of another length.
-struct LengthRule {
-  std::string_view section, key;
-  size_t length;
-};
-
-constexpr std::array<LengthRule, 6> kLengths = {{{"nodes", "translation", 3},
-                                                 {"nodes", "rotation", 4},
-                                                 {"nodes", "scale", 3},
-                                                 {"nodes", "matrix", 16},
-                                                 {"materials", "baseColorFactor", 4},
-                                                 {"materials", "emissiveFactor", 3}}};
-
-constexpr std::array<std::string_view, 8> kSections = {"buffers", "bufferViews", "accessors", "meshes",
-                                                       "nodes",   "scenes",      "materials", "images"};
-
-bool isSection(std::string_view key) {
-  for (const std::string_view section : kSections) {
-    if (section == key) return true;
-  }
-  return false;
-}
-
-bool satisfies(Kind got, Kind expected) {
-  if (expected == Kind::integer) return got == Kind::integer || got == Kind::index;
-  if (expected == Kind::number) return got == Kind::number || got == Kind::integer || got == Kind::index;
-  return got == expected;
-}
 
 // A walk over the text that checks its grammar, depth and keys, and holds every value against the rules.
 class TextChecker {
@@ -144,18 +72,25 @@ class TextChecker {
   void checkValue() {
     if (steps_.size() > kDeepest) fail("nesting of at most 64", "more");
     switch (peek()) {
-      case '{': return checkObject();
-      case '[': return checkArray();
-      case '"': return checkString();
-      case 't': return checkWord("true", Kind::boolean);
-      case 'f': return checkWord("false", Kind::boolean);
-      case 'n': return checkWord("null", Kind::null);
-      default: return checkNumber();
+      case '{':
+        return checkObject();
+      case '[':
+        return checkArray();
+      case '"':
+        return checkString();
+      case 't':
+        return checkWord("true", JsonKind::boolean);
+      case 'f':
+        return checkWord("false", JsonKind::boolean);
+      case 'n':
+        return checkWord("null", JsonKind::null);
+      default:
+        return checkNumber();
     }
   }
 
   void checkObject() {
-    judge(Kind::object, "an object");
+    judge(JsonKind::object, "an object");
     take('{');
     std::set<std::string> keys;
     while (peek() != '}') {
@@ -172,11 +107,12 @@ class TextChecker {
     const bool needs_uri = steps_[0].key == "buffers" && (!is_binary_ || steps_[1].index > 0);
     if (needs_uri && keys.count("uri") == 0) fail("a uri", "none");
     const bool is_moved = keys.count("translation") + keys.count("rotation") + keys.count("scale") > 0;
-    if (steps_[0].key == "nodes" && keys.count("matrix") > 0 && is_moved) fail("a matrix or translation, rotation and scale", "both");
+    if (steps_[0].key == "nodes" && keys.count("matrix") > 0 && is_moved)
+      fail("a matrix or translation, rotation and scale", "both");
   }
 
   void checkArray() {
-    judge(Kind::array, "an array");
+    judge(JsonKind::array, "an array");
     take('[');
     steps_.push_back({"", 0, true});
     while (peek() != ']') {
@@ -193,7 +129,7 @@ class TextChecker {
   void judgeLength(size_t length) {
     if (steps_.size() == 1 && steps_[0].key == "accessors") accessor_count_ = static_cast<int64_t>(length);
     if (steps_.size() < 3 || steps_.back().is_index || isForeign()) return;
-    for (const LengthRule& rule : kLengths) {
+    for (const GltfLengthRule& rule : kLengths) {
       if (rule.section != steps_[0].key || rule.key != steps_.back().key || rule.length == length) continue;
       fail(std::to_string(rule.length) + " numbers", std::to_string(length));
     }
@@ -209,11 +145,11 @@ class TextChecker {
 
   void checkString() {
     const std::string value = takeString();
-    judge(Kind::string, "\"" + value + "\"");
+    judge(JsonKind::string, "\"" + value + "\"");
     if (steps_.size() == 3 && steps_[0].key == "buffers" && steps_[2].key == "uri") checkUri(value);
   }
 
-  void checkWord(std::string_view word, Kind kind) {
+  void checkWord(std::string_view word, JsonKind kind) {
     if (text_.substr(at_, word.size()) != word) failSyntax("a value");
     at_ += word.size();
     judge(kind, std::string(word));
@@ -224,48 +160,48 @@ class TextChecker {
     while (at_ < text_.size() && std::string_view("+-.0123456789eE").find(text_[at_]) != std::string_view::npos) ++at_;
     const std::string_view number = text_.substr(start, at_ - start);
     if (number.empty()) failSyntax("a value");
-    Kind kind = Kind::number;
+    JsonKind kind = JsonKind::number;
     if (number.find_first_not_of("0123456789") == std::string_view::npos && number.size() <= 16) {
       const uint64_t value = std::stoull(std::string(number));
-      if (value < uint64_t{1} << 53) kind = value < uint64_t{1} << 31 ? Kind::index : Kind::integer;
+      if (value < uint64_t{1} << 53) kind = value < uint64_t{1} << 31 ? JsonKind::index : JsonKind::integer;
     }
     judge(kind, std::string(number));
   }
 
   // Holds a value's kind against what stands at the current place in glTF.
-  void judge(Kind got, const std::string& text) {
+  void judge(JsonKind got, const std::string& text) {
     if (steps_.empty()) {
-      if (got != Kind::object) fail("an object", text);
+      if (got != JsonKind::object) fail("an object", text);
       return;
     }
     const std::string& section = steps_[0].key;
     if (steps_.size() == 1) {
-      if (isSection(section)) require(got, Kind::array, text);
-      if (section == "scene") require(got, Kind::index, text);
+      if (isSection(section)) require(got, JsonKind::array, text);
+      if (section == "scene") require(got, JsonKind::index, text);
     }
     if (!isSection(section) || isForeign()) return;
-    if (steps_.size() == 2) return require(got, Kind::object, text);
+    if (steps_.size() == 2) return require(got, JsonKind::object, text);
     const Step& last = steps_.back();
     const std::string& key = last.is_index ? steps_[steps_.size() - 2].key : last.key;
-    for (const Rule& rule : kRules) {
+    for (const GltfRule& rule : kRules) {
       if (rule.section != section || rule.key != key) continue;
       if (last.is_index) return requireElement(rule, got, text);
       // inside of "sparse", tinygltf keeps sizes in an int
-      const bool is_narrow = rule.kind == Kind::integer && section == "accessors" && steps_.size() > 3;
-      require(got, is_narrow ? Kind::index : rule.kind, text);
+      const bool is_narrow = rule.kind == JsonKind::integer && section == "accessors" && steps_.size() > 3;
+      require(got, is_narrow ? JsonKind::index : rule.kind, text);
       if (rule.key == "indices") noteIndices(text);
       return;
     }
   }
 
-  void requireElement(const Rule& rule, Kind got, const std::string& text) {
-    if (rule.kind != Kind::array) return;
+  void requireElement(const GltfRule& rule, JsonKind got, const std::string& text) {
+    if (rule.kind != JsonKind::array) return;
     const bool holds_indices = rule.key == "children" || rule.key == "nodes";
     const bool holds_objects = rule.key == "primitives";
-    require(got, holds_indices ? Kind::index : holds_objects ? Kind::object : Kind::number, text);
+    require(got, holds_indices ? JsonKind::index : holds_objects ? JsonKind::object : JsonKind::number, text);
   }
 
-  void require(Kind got, Kind expected, const std::string& text) {
+  void require(JsonKind got, JsonKind expected, const std::string& text) {
     if (!satisfies(got, expected)) fail(std::string("a JSON ") + kindName(expected), text);
   }
 

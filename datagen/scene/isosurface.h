@@ -9,8 +9,8 @@
 namespace nlg {
 
 struct ScalarGrid {
-  glm::ivec3 count{0};      // points along x, y, z, two or more each
-  double spacing_m = 1.0;   // the placement's position is the first point's
+  glm::ivec3 count{0};         // points along x, y, z, two or more each
+  double spacing_m = 1.0;      // the placement's position is the first point's
   std::vector<double> values;  // count.x * count.y * count.z, x fastest; > 0 in air
 
   size_t index(int x, int y, int z) const { return (static_cast<size_t>(z) * count.y + y) * count.x + x; }

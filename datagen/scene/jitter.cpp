@@ -32,7 +32,8 @@ Change drawChange(const JitterOptions& options, uint64_t jitter, size_t object_i
 // Copies objects into a new scene, each with vertices of its own: two objects that share vertices move apart.
 class SceneCopier {
  public:
-  explicit SceneCopier(const Scene& source) : source_(source), copies_(source.positions.size()), owner_(source.positions.size(), 0) {
+  explicit SceneCopier(const Scene& source)
+      : source_(source), copies_(source.positions.size()), owner_(source.positions.size(), 0) {
     result_.id = source.id;
     result_.origin_m = source.origin_m;
     result_.materials = source.materials;

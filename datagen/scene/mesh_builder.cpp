@@ -33,10 +33,20 @@ struct UnitSphere {
 UnitSphere icosahedron() {
   const double a = 0.5257311121191336;
   const double b = 0.8506508083520400;
-  return {{{-a, b, 0}, {a, b, 0}, {-a, -b, 0}, {a, -b, 0}, {0, -a, b}, {0, a, b}, {0, -a, -b}, {0, a, -b}, {b, 0, -a}, {b, 0, a},
-           {-b, 0, -a}, {-b, 0, a}},
+  return {{{-a, b, 0},
+           {a, b, 0},
+           {-a, -b, 0},
+           {a, -b, 0},
+           {0, -a, b},
+           {0, a, b},
+           {0, -a, -b},
+           {0, a, -b},
+           {b, 0, -a},
+           {b, 0, a},
+           {-b, 0, -a},
+           {-b, 0, a}},
           {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-           {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8}, {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}}};
+           {3, 9, 4},  {3, 4, 2}, {3, 2, 6}, {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}}};
 }
 
 UnitSphere subdivided(const UnitSphere& coarse) {
@@ -54,7 +64,8 @@ UnitSphere subdivided(const UnitSphere& coarse) {
     const uint32_t ab = middle(t.x, t.y);
     const uint32_t bc = middle(t.y, t.z);
     const uint32_t ca = middle(t.z, t.x);
-    for (const glm::uvec3& part : {glm::uvec3(t.x, ab, ca), {t.y, bc, ab}, {t.z, ca, bc}, {ab, bc, ca}}) fine.triangles.push_back(part);
+    for (const glm::uvec3& part : {glm::uvec3(t.x, ab, ca), {t.y, bc, ab}, {t.z, ca, bc}, {ab, bc, ca}})
+      fine.triangles.push_back(part);
   }
   return fine;
 }

@@ -68,10 +68,10 @@ void addRock(MeshBuilder& mesh, const Placement& placement, const glm::dvec3& ra
 
 // A block of ground whose top follows the heights, with sides and a flat bottom.
 struct Heightfield {
-  int x_count = 0, z_count = 0;   // points, two or more each way
-  double spacing_m = 1.0;         // the placement's position is the first point's
-  double base_m = 0.0;            // height of the bottom, below every point
-  std::vector<double> height_m;   // x_count * z_count, x fastest
+  int x_count = 0, z_count = 0;  // points, two or more each way
+  double spacing_m = 1.0;        // the placement's position is the first point's
+  double base_m = 0.0;           // height of the bottom, below every point
+  std::vector<double> height_m;  // x_count * z_count, x fastest
 };
 void addHeightfield(MeshBuilder& mesh, const Placement& placement, const Heightfield& field, uint32_t material);
 

@@ -25,10 +25,14 @@ inline Turn turnByDegrees(double degrees) {
   for (int k = 12; k >= 0; k -= 2) cosine = (1.0 - cosine * square / ((k + 1.0) * (k + 2.0)));
   sine *= angle;
   switch (static_cast<int64_t>(quarters) & 3) {
-    case 0: return {cosine, sine};
-    case 1: return {-sine, cosine};
-    case 2: return {-cosine, -sine};
-    default: return {sine, -cosine};
+    case 0:
+      return {cosine, sine};
+    case 1:
+      return {-sine, cosine};
+    case 2:
+      return {-cosine, -sine};
+    default:
+      return {sine, -cosine};
   }
 }
 

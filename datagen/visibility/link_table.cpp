@@ -44,7 +44,8 @@ void findNearest(LinkTable& table) {
     const std::vector<Neighbour> neighbours = nearestSupportPoints(table.points[i], i);
     for (uint32_t mirror = 0; mirror < kMirrorCount; ++mirror) {
       for (int k = 0; k < kLinkCount; ++k) {
-        set(mirror * kOctantPointCount + i, k, neighbours[k].point ^ (mirror * kOctantPointCount), neighbours[k].squared_distance);
+        set(mirror * kOctantPointCount + i, k, neighbours[k].point ^ (mirror * kOctantPointCount),
+            neighbours[k].squared_distance);
       }
     }
   }

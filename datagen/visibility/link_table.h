@@ -22,10 +22,10 @@ struct LinkTable {
     uint32_t link;   // index into links
   };
 
-  std::vector<LocalPoint> points;  // P + U, local coordinates
-  std::vector<Link> links;         // about 215 thousand for the support points alone
-  std::vector<Edge> nearest;       // (P + U) x 32, nearest first; ties go to the lower index of the mirrored pair
-  std::vector<float> distance;     // (P + U) x 32, local units
+  std::vector<LocalPoint> points;    // P + U, local coordinates
+  std::vector<Link> links;           // about 215 thousand for the support points alone
+  std::vector<Edge> nearest;         // (P + U) x 32, nearest first; ties go to the lower index of the mirrored pair
+  std::vector<float> distance;       // (P + U) x 32, local units
   std::vector<uint32_t> first_edge;  // P + U + 1: edges of point p are [first_edge[p], first_edge[p + 1])
   std::vector<Edge> edges;           // every link at both its ends
 

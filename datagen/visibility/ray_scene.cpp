@@ -129,8 +129,9 @@ uint32_t RayScene::occluded(const SegmentPacket& segments, int count) const {
 
 Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction) const {
   RTCRayHit hit{};
-  hit.ray = {origin.x, origin.y, origin.z, 0.0f, direction.x, direction.y, direction.z, 0.0f,
-             std::numeric_limits<float>::infinity(), ~0u, 0, 0};
+  hit.ray = {
+      origin.x, origin.y, origin.z, 0.0f, direction.x, direction.y, direction.z, 0.0f, std::numeric_limits<float>::infinity(),
+      ~0u,      0,        0};
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);

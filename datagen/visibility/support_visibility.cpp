@@ -145,7 +145,8 @@ void SupportVisibility::flood(State carried, std::vector<uint32_t>* members) {
       if (point >= kSupportPointCount) continue;  // nothing reads an unseen point
       for (uint32_t e = table_.first_edge[point]; e < table_.first_edge[point + 1]; ++e) {
         const LinkTable::Edge& edge = table_.edges[e];
-        if (state_[edge.point] == State::unknown && link_state_[edge.link] != LinkState::blocked) steps_.push_back({edge.point, edge.link});
+        if (state_[edge.point] == State::unknown && link_state_[edge.link] != LinkState::blocked)
+          steps_.push_back({edge.point, edge.link});
       }
     }
     takeSteps(carried, members);

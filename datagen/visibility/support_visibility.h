@@ -1,10 +1,10 @@
 // What one probe's support sees: which points the probe sees, which links are open, which points are valid.
 //
 // All of it lazily: a link is tested when somebody first asks for it, once for both directions. Validity is carried along open
-// links: what a valid point sees is valid. Only a group of points that nothing valid sees casts rays of its own, and is solid when most
-// of those that meet a one-sided face meet its back. Rays that meet nothing, or a double-sided face, are no evidence; a group
-// without evidence is valid (open air). Flipped objects therefore count as air inside, and a crack in a shell lets
-// validity through: docs/visibility.md says what was measured on real levels.
+// links: what a valid point sees is valid. Only a group of points that nothing valid sees casts rays of its own, and is solid
+// when most of those that meet a one-sided face meet its back. Rays that meet nothing, or a double-sided face, are no evidence; a
+// group without evidence is valid (open air). Flipped objects therefore count as air inside, and a crack in a shell lets validity
+// through: docs/visibility.md says what was measured on real levels.
 #pragma once
 
 #include <cstdint>
@@ -32,8 +32,8 @@ class SupportVisibility {
   // position_m   relative to the scene's origin; spacing_m > 0
   void beginProbe(const glm::vec3& position_m, float spacing_m);
 
-  bool supportIsEmpty() const;       // no triangle touches the support
-  SolidVote probeVote() const;       // is the probe itself in solid?
+  bool supportIsEmpty() const;  // no triangle touches the support
+  SolidVote probeVote() const;  // is the probe itself in solid?
 
   // Which points the probe sees; call once a probe, before the rest.
   void traceProbeRays();

@@ -32,7 +32,8 @@ ProbeOutcome WeightingBuilder::build(const glm::vec3& position_m, float spacing_
     if (lit_[p]) result->phi[p] = tent(table_.points[p]);
   }
   for (int pass = 1; pass <= options_.passes; ++pass) diffuse(pass, result);
-  const bool empty = std::all_of(result->phi.begin(), result->phi.begin() + kSupportPointCount, [](float w) { return w == 0.0f; });
+  const bool empty =
+      std::all_of(result->phi.begin(), result->phi.begin() + kSupportPointCount, [](float w) { return w == 0.0f; });
   return empty ? ProbeOutcome::empty : ProbeOutcome::function;
 }
 

@@ -46,8 +46,8 @@ class WeightingBuilder {
   const LinkTable& table_;
   DiffusionOptions options_;
   SupportVisibility visibility_;
-  std::vector<float> gaussian_;    // by entry of LinkTable::nearest
-  std::vector<uint8_t> lit_;       // 0: nothing received; otherwise 1 + the pass that lit it
+  std::vector<float> gaussian_;  // by entry of LinkTable::nearest
+  std::vector<uint8_t> lit_;     // 0: nothing received; otherwise 1 + the pass that lit it
   std::vector<uint32_t> receivers_, links_;
 };
 

@@ -124,8 +124,8 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
   TensorReader reader(file);
   const int version = reader.integer("version", 1, 1 << 20);
   if (version > kWeightsVersion) {
-    reader.fail(WeightsStatus::version_unknown, "version " + std::to_string(version) + " is newer than this reader's " +
-                                                    std::to_string(kWeightsVersion));
+    reader.fail(WeightsStatus::version_unknown,
+                "version " + std::to_string(version) + " is newer than this reader's " + std::to_string(kWeightsVersion));
   }
   const std::string pattern = reader.text("pattern_hash"), own = hexadecimal(supportPattern().hash);
   if (pattern != own) reader.fail(WeightsStatus::pattern_unknown, "support pattern " + pattern + ", expected " + own);

@@ -36,7 +36,8 @@ std::vector<double> generateReference(const GeneratorData& data, const double* p
     std::vector<double> outputs(layer.output_count);
     for (int o = 0; o < layer.output_count; ++o) {
       double sum = layer.bias[o];
-      for (int i = 0; i < layer.input_count; ++i) sum += static_cast<double>(layer.weight[size_t(o) * layer.input_count + i]) * values[i];
+      for (int i = 0; i < layer.input_count; ++i)
+        sum += static_cast<double>(layer.weight[size_t(o) * layer.input_count + i]) * values[i];
       if (last) {
         outputs[o] = data.theta0[o] + data.output_scale[o] * sum;
       } else {

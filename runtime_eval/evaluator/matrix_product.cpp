@@ -116,8 +116,8 @@ void multiplyStrip(Tile tile, int row_count, int columns, Epilogue epilogue, con
   }
 }
 
-void multiplyAll(RowMatrix input, int row_count, const PackedMatrix& matrix, const float* bias, Epilogue epilogue,
-                 float slope, float* output, int output_stride) {
+void multiplyAll(RowMatrix input, int row_count, const PackedMatrix& matrix, const float* bias, Epilogue epilogue, float slope,
+                 float* output, int output_stride) {
   for (int first = 0; first < matrix.outputCount(); first += kTileColumns) {
     const int columns = std::min(kTileColumns, matrix.outputCount() - first);
     Tile tile{};

@@ -1,7 +1,7 @@
 // Projects weighting functions onto the PCA basis: the generator's input.
 //
-// The basis is block-diagonal over the 8 parity classes (docs/math.md §3): class c of a function is the signed sum of its 8 mirror
-// images, sign (-1)^popcount(c & m), divided by sqrt(8). A component lives in one class and has 1024 numbers.
+// The basis is block-diagonal over the 8 parity classes (docs/math.md §3): class c of a function is the signed sum of its 8
+// mirror images, sign (-1)^popcount(c & m), divided by sqrt(8). A component lives in one class and has 1024 numbers.
 #pragma once
 
 #include <array>
@@ -18,9 +18,9 @@ inline constexpr int kParityClassCount = 8;
 // The numbers of a basis as its file holds them.
 struct BasisData {
   std::array<int, kParityClassCount> class_count{};  // components in each class; their sum is K
-  std::vector<float> mean;        // 8 x 1024: parity classes of the mean function
-  std::vector<float> components;  // K x 1024, orthonormal rows, grouped by class
-  std::vector<float> deviation;   // K, standard deviation of each coefficient over the training set, > 0
+  std::vector<float> mean;                           // 8 x 1024: parity classes of the mean function
+  std::vector<float> components;                     // K x 1024, orthonormal rows, grouped by class
+  std::vector<float> deviation;                      // K, standard deviation of each coefficient over the training set, > 0
   int coefficientCount() const { return static_cast<int>(deviation.size()); }
 };
 
@@ -45,7 +45,7 @@ class Projection {
  private:
   int coefficient_count_ = 0;
   std::array<PackedMatrix, kParityClassCount> components_;  // dequantisation, 1/sqrt(8) and standardisation folded in
-  AlignedFloats bias_;                                       // minus the mean's coefficients
+  AlignedFloats bias_;                                      // minus the mean's coefficients
 };
 
 // Splits stored functions into parity classes, unscaled: classes(n, c, i) = Σ_m (-1)^popcount(c & m) phi(n, m, i).

@@ -2,9 +2,7 @@
 
 namespace nlg {
 
-const char* representationName(const Representation& representation) {
-  return representation.tent_factor ? "tent_mlp" : "mlp";
-}
+const char* representationName(const Representation& representation) { return representation.tent_factor ? "tent_mlp" : "mlp"; }
 
 bool findRepresentation(std::string_view name, Representation* representation) {
   for (const bool tent_factor : {false, true}) {

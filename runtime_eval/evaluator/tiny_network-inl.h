@@ -1,4 +1,5 @@
-// The tiny network on vectors of points, for any Highway target. Included once a target; see Highway's quick reference on "-inl.h".
+// The tiny network on vectors of points, for any Highway target. Included once a target; see Highway's quick reference on
+// "-inl.h".
 #if defined(NLG_TINY_NETWORK_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef NLG_TINY_NETWORK_INL_H_
 #undef NLG_TINY_NETWORK_INL_H_

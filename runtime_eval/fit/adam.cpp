@@ -61,12 +61,18 @@ class StratumOrder {
 
 const char* fitStopName(FitStop stop) {
   switch (stop) {
-    case FitStop::budget: return "budget";
-    case FitStop::gradient: return "gradient";
-    case FitStop::progress: return "progress";
-    case FitStop::damping: return "damping";
-    case FitStop::no_points: return "no_points";
-    case FitStop::not_finite: return "not_finite";
+    case FitStop::budget:
+      return "budget";
+    case FitStop::gradient:
+      return "gradient";
+    case FitStop::progress:
+      return "progress";
+    case FitStop::damping:
+      return "damping";
+    case FitStop::no_points:
+      return "no_points";
+    case FitStop::not_finite:
+      return "not_finite";
   }
   return "unknown";
 }
@@ -74,8 +80,8 @@ const char* fitStopName(FitStop stop) {
 double functionRmse(const Representation& representation, const WeightingFunction& function, const float* theta) {
   const int valid_count = function.validCount();
   if (valid_count == 0) return 0.0;
-  const double sum = loss(representation, stratifiedSupportPoints(), 0, kSupportPointCount, function.phi.data(),
-                          function.mask.data(), theta);
+  const double sum =
+      loss(representation, stratifiedSupportPoints(), 0, kSupportPointCount, function.phi.data(), function.mask.data(), theta);
   return std::sqrt(sum / valid_count);
 }
 
@@ -111,8 +117,8 @@ FitResult fitAdam(const Representation& representation, const WeightingFunction&
   const PointSet& points = stratifiedSupportPoints();
   for (; result.steps < options.steps; ++result.steps) {
     const int stratum = order.next(), first = stratum * kStratumPointCount;
-    lossAndGradient(representation, points, first, kStratumPointCount, &function.phi[first], &function.mask[first],
-                    theta.data(), gradient);
+    lossAndGradient(representation, points, first, kStratumPointCount, &function.phi[first], &function.mask[first], theta.data(),
+                    gradient);
     const float scale = 1.0f / static_cast<float>(function.valid_count[stratum]);
     for (float& value : gradient) value *= scale;
     const double phase = static_cast<double>(result.steps) / options.steps;

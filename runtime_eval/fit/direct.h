@@ -9,18 +9,18 @@
 namespace nlg {
 
 struct DirectOptions {
-  int adam_steps = 8000;         // from theta0, and from every random start
-  int levenberg_iterations = 60; // from theta0, and after every Adam
-  int restarts = 2;              // random starts
+  int adam_steps = 8000;          // from theta0, and from every random start
+  int levenberg_iterations = 60;  // from theta0, and after every Adam
+  int restarts = 2;               // random starts
   uint64_t seed = 1;
 };
 
 // The candidates that direct optimisation chose from, each named; best is the lowest.
 struct DirectResult {
   FitResult best;
-  FitResult adam_from_theta0;    // long Adam alone
+  FitResult adam_from_theta0;  // long Adam alone
   FitResult levenberg_from_theta0;
-  FitResult adam_from_random;    // the first random start, Adam alone: what a fixed budget from scratch reaches
+  FitResult adam_from_random;  // the first random start, Adam alone: what a fixed budget from scratch reaches
 };
 
 // Best of: Adam from theta0, then LM; LM from theta0; Adam from each random start, then LM.
@@ -28,9 +28,9 @@ DirectResult fitDirect(const Representation& representation, const WeightingFunc
                        const DirectOptions& options, NormalEquationsKernel* kernel);
 
 struct StartOptions {
-  int candidates = 256;          // random starts; most of them end in poor minima, so many are tried shortly
+  int candidates = 256;  // random starts; most of them end in poor minima, so many are tried shortly
   int candidate_steps = 600;
-  int finalists = 8;             // of these the best are fitted on
+  int finalists = 8;  // of these the best are fitted on
   int final_steps = 6000;
   int levenberg_iterations = 100;
   uint64_t seed = 1;

@@ -11,12 +11,12 @@ namespace nlg {
 using Theta = std::array<float, kThetaCount>;
 
 enum class FitStop {
-  budget,       // all steps taken
-  gradient,     // the gradient vanished
-  progress,     // steps stopped paying
-  damping,      // no damping made a step downhill (a minimum, or numbers at their end)
-  no_points,    // no valid point: theta returned as it was given
-  not_finite,   // start or function not finite: theta returned as it was given
+  budget,      // all steps taken
+  gradient,    // the gradient vanished
+  progress,    // steps stopped paying
+  damping,     // no damping made a step downhill (a minimum, or numbers at their end)
+  no_points,   // no valid point: theta returned as it was given
+  not_finite,  // start or function not finite: theta returned as it was given
 };
 const char* fitStopName(FitStop stop);
 

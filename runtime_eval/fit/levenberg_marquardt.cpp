@@ -87,9 +87,8 @@ bool solveSymmetric(std::vector<double>* matrix, int count, std::vector<double>*
   return true;
 }
 
-FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function,
-                                const Theta& start, const LevenbergMarquardtOptions& options,
-                                NormalEquationsKernel* kernel) {
+FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
+                                const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel) {
   FitResult result{start, functionRmse(representation, function, start.data()), 0, FitStop::budget};
   const int valid_count = function.validCount();
   if (valid_count == 0) {

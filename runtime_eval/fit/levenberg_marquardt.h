@@ -8,15 +8,14 @@ namespace nlg {
 
 struct LevenbergMarquardtOptions {
   int iterations = 20;
-  double damping = 0.1;               // at the start, relative to the diagonal of J^T J
-  double gradient_tolerance = 1e-9;   // ends when max |J^T r| / valid points falls below
-  double progress_tolerance = 1e-6;   // ends when three accepted iterations in a row lower the loss by less than this share
+  double damping = 0.1;              // at the start, relative to the diagonal of J^T J
+  double gradient_tolerance = 1e-9;  // ends when max |J^T r| / valid points falls below
+  double progress_tolerance = 1e-6;  // ends when three accepted iterations in a row lower the loss by less than this share
 };
 
 // Fits theta to the function from `start`; every accepted step lowers the loss, so the result is never worse than the start.
-FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function,
-                                const Theta& start, const LevenbergMarquardtOptions& options,
-                                NormalEquationsKernel* kernel);
+FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
+                                const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel);
 
 // Solves (A + diagonal) x = b for symmetric positive definite A + diagonal by Cholesky; matrix is count x count, row-major,
 // destroyed. Returns false when a pivot is not positive or not finite.

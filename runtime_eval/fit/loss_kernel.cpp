@@ -16,11 +16,11 @@ namespace HWY_NAMESPACE {
 // then the gradient as small matrix products over the block, so that its 113 sums stay in registers.
 constexpr int kBlock = 256;
 struct alignas(64) BlockState {
-  float first[kHiddenCount][kBlock];         // hidden values
+  float first[kHiddenCount][kBlock];  // hidden values
   float second[kHiddenCount][kBlock];
-  float first_delta[kHiddenCount][kBlock];   // d sum / d pre-activation
+  float first_delta[kHiddenCount][kBlock];  // d sum / d pre-activation
   float second_delta[kHiddenCount][kBlock];
-  float output_delta[kBlock];                // d sum / d network output
+  float output_delta[kBlock];  // d sum / d network output
 };
 
 struct Targets {
@@ -30,8 +30,8 @@ struct Targets {
 
 // Residuals of kGroup vectors of points; returns their d sum / d output and adds the squares.
 template <int kGroup>
-HWY_INLINE void residuals(FloatTag d, bool tent_factor, const float* HWY_RESTRICT tent, Targets target, int lanes,
-                          Floats* output, Floats& square_sum) {
+HWY_INLINE void residuals(FloatTag d, bool tent_factor, const float* HWY_RESTRICT tent, Targets target, int lanes, Floats* output,
+                          Floats& square_sum) {
 #pragma GCC unroll 2
   for (int g = 0; g < kGroup; ++g) {
     const Floats factor = tent_factor ? hn::Load(d, tent + g * lanes) : hn::Set(d, 1.0f);
@@ -153,8 +153,8 @@ void addBlockGradient(FloatTag d, int count, const BlockState& block, const Poin
 }
 
 double lossAndGradientVectors(const Representation& representation, const PointSet& points, int first, int count,
-                              const float* HWY_RESTRICT phi, const float* HWY_RESTRICT mask,
-                              const float* HWY_RESTRICT theta, float* HWY_RESTRICT gradient) {
+                              const float* HWY_RESTRICT phi, const float* HWY_RESTRICT mask, const float* HWY_RESTRICT theta,
+                              float* HWY_RESTRICT gradient) {
   const FloatTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Floats slope = hn::Set(d, representation.slope);
@@ -175,8 +175,8 @@ double lossAndGradientVectors(const Representation& representation, const PointS
       }
       Hidden<kVectors> hidden;
       forwardNetwork<kVectors>(d, theta, slope, x, y, z, hidden, output);
-      residuals<kVectors>(d, representation.tent_factor, &points.tent[at], {phi + begin + offset, mask + begin + offset},
-                          lanes, output, square_sum);
+      residuals<kVectors>(d, representation.tent_factor, &points.tent[at], {phi + begin + offset, mask + begin + offset}, lanes,
+                          output, square_sum);
       for (int g = 0; g < kVectors; ++g) hn::Store(output[g], d, &block.output_delta[offset + g * lanes]);
       backward<kVectors>(d, theta, slope, hidden, output, lanes, offset, block);
     };
@@ -220,8 +220,8 @@ namespace nlg {
 HWY_EXPORT(lossAndGradientVectors);
 HWY_EXPORT(lossVectors);
 
-double lossAndGradient(const Representation& representation, const PointSet& points, int first, int count,
-                       const float* phi, const float* mask, const float* theta, float* gradient) {
+double lossAndGradient(const Representation& representation, const PointSet& points, int first, int count, const float* phi,
+                       const float* mask, const float* theta, float* gradient) {
   return HWY_DYNAMIC_DISPATCH(lossAndGradientVectors)(representation, points, first, count, phi, mask, theta, gradient);
 }
 

@@ -19,8 +19,8 @@ inline constexpr int kLossKernelFmaPerPoint = 24 + 64 + 8 + 8 + 64 + 8 + 64 + 24
 // theta          kThetaCount floats
 // gradient       kThetaCount floats, overwritten with d sum / d theta
 // returns        the sum; divide both by the number of valid points for the mean
-double lossAndGradient(const Representation& representation, const PointSet& points, int first, int count,
-                       const float* phi, const float* mask, const float* theta, float* gradient);
+double lossAndGradient(const Representation& representation, const PointSet& points, int first, int count, const float* phi,
+                       const float* mask, const float* theta, float* gradient);
 
 // The sum alone.
 double loss(const Representation& representation, const PointSet& points, int first, int count, const float* phi,

@@ -81,8 +81,8 @@ HWY_INLINE void tileProducts(FloatTag d, const float* HWY_RESTRICT rows, const f
 }
 
 // products   kJacobianRowCount², lower triangle of tiles: products of all rows, added in double over the strata
-void jacobianProducts(const Representation& representation, const WeightingFunction& function,
-                      const float* HWY_RESTRICT theta, float* HWY_RESTRICT jacobian, double* HWY_RESTRICT products) {
+void jacobianProducts(const Representation& representation, const WeightingFunction& function, const float* HWY_RESTRICT theta,
+                      float* HWY_RESTRICT jacobian, double* HWY_RESTRICT products) {
   const FloatTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Floats slope = hn::Set(d, representation.slope), one = hn::Set(d, 1.0f);
@@ -120,8 +120,8 @@ HWY_EXPORT(jacobianProducts);
 
 NormalEquationsKernel::NormalEquationsKernel() : jacobian_(size_t{kJacobianRowCount} * kStratumPointCount, 0.0f) {}
 
-void NormalEquationsKernel::compute(const Representation& representation, const WeightingFunction& function,
-                                    const float* theta, NormalEquations* equations) {
+void NormalEquationsKernel::compute(const Representation& representation, const WeightingFunction& function, const float* theta,
+                                    NormalEquations* equations) {
   double products[kJacobianRowCount * kJacobianRowCount] = {};
   HWY_DYNAMIC_DISPATCH(jacobianProducts)(representation, function, theta, jacobian_.data(), products);
   equations->hessian.resize(kThetaCount * kThetaCount);

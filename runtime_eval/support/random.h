@@ -1,4 +1,5 @@
-// Random numbers that are the same on every machine: PCG32 (O'Neill 2014, pcg-random.org), and draws made of it by exact arithmetic.
+// Random numbers that are the same on every machine: PCG32 (O'Neill 2014, pcg-random.org), and draws made of it by exact
+// arithmetic.
 #pragma once
 
 #include <cmath>

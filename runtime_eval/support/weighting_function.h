@@ -21,8 +21,8 @@ struct StoredFunction {
 int decodeStratum(const StoredFunction& stored, int stratum, int mirror, float* phi, float* mask);
 
 struct WeightingFunction {
-  AlignedFloats phi;   // P, stratum order, [0, 1]
-  AlignedFloats mask;  // P, 1 at valid points, 0 at others
+  AlignedFloats phi;                             // P, stratum order, [0, 1]
+  AlignedFloats mask;                            // P, 1 at valid points, 0 at others
   std::array<int, kStratumCount> valid_count{};  // by stratum
   int validCount() const;
 };

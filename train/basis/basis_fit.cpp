@@ -18,7 +18,8 @@ const double kClassScale = 1.0 / (255.0 * std::sqrt(8.0));
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Runs work(c) for every parity class, on as many threads as the machine has; each class is one thread's, so the result does not depend on their number.
+// Runs work(c) for every parity class, on as many threads as the machine has; each class is one thread's, so the result does not
+// depend on their number.
 template <class Work>
 void forEachClass(const Work& work) {
   std::vector<std::thread> threads;
@@ -95,14 +96,16 @@ Basis BasisFit::fit(int component_count) const {
   for (int c = 0; c < kParityClassCount; ++c) {
     for (int i = 0; i < kSize; ++i) candidates.push_back({basis.spectrum[size_t(c) * kSize + i], c, i});
   }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const Component& a, const Component& b) { return a.variance > b.variance; });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Component& a, const Component& b) { return a.variance > b.variance; });
   const double smallest = 1e-9 * candidates.front().variance;
   if (!(candidates.front().variance > 1e-18)) {
     throw InputError("training set", "functions", "at least two different ones", std::to_string(count_) + " equal ones");
   }
   candidates.resize(std::min<size_t>(candidates.size(), component_count));
   std::erase_if(candidates, [&](const Component& candidate) { return candidate.variance <= smallest; });
-  std::stable_sort(candidates.begin(), candidates.end(), [](const Component& a, const Component& b) { return a.parity_class < b.parity_class; });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Component& a, const Component& b) { return a.parity_class < b.parity_class; });
 
   basis.data.mean.assign(size_t{kParityClassCount} * kSize, 0.0f);
   for (int i = 0; i < kSize; ++i) basis.data.mean[i] = static_cast<float>(shift_[i] + scale * sum_[i]);
@@ -147,7 +150,8 @@ Basis truncateBasis(const Basis& basis, int component_count) {
   return result;
 }
 
-std::vector<double> keptVariance(const Basis& basis, const uint8_t* phi, uint64_t function_count, const std::vector<int>& counts) {
+std::vector<double> keptVariance(const Basis& basis, const uint8_t* phi, uint64_t function_count,
+                                 const std::vector<int>& counts) {
   const int component_count = basis.data.coefficientCount();
   const std::vector<int> order = componentsByVariance(basis.data);
   std::vector<double> energy(component_count, 0.0);

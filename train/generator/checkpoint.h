@@ -12,17 +12,17 @@ namespace nlg {
 // What a checkpoint was made with. Resuming with anything else is refused, naming what differs.
 struct RunIdentity {
   std::string representation;
-  std::string options_json;         // resolved options of the run
+  std::string options_json;  // resolved options of the run
   std::string basis_sha256;
   std::string training_set_sha256;  // FunctionSet::sha256
 };
 
 struct TrainingState {
-  GeneratorNetwork network{nullptr};   // being trained
-  GeneratorNetwork average{nullptr};   // its averaged weights: what is validated and exported
+  GeneratorNetwork network{nullptr};  // being trained
+  GeneratorNetwork average{nullptr};  // its averaged weights: what is validated and exported
   std::shared_ptr<torch::optim::Adam> optimizer;
-  int64_t step = 0;                    // steps done
-  std::string log_csv;                 // one line a validation
+  int64_t step = 0;     // steps done
+  std::string log_csv;  // one line a validation
 };
 
 // throws OutputError

@@ -37,7 +37,8 @@ class FunctionLoss : public torch::autograd::Function<FunctionLoss> {
     float* gradient_values = gradients.data_ptr<float>();
     at::parallel_for(0, count, 8, [&](int64_t begin, int64_t end) {
       for (int64_t b = begin; b < end; ++b) {
-        loss_values[b] = sampleLoss(inputs, (*inputs.samples)[b], theta_values + b * kThetaCount, gradient_values + b * kThetaCount);
+        loss_values[b] =
+            sampleLoss(inputs, (*inputs.samples)[b], theta_values + b * kThetaCount, gradient_values + b * kThetaCount);
       }
     });
     context->save_for_backward({gradients});

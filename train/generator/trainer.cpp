@@ -106,8 +106,8 @@ TrainingState makeState(const TrainOptions& options, const Theta& theta0) {
   TrainingState state;
   state.network = GeneratorNetwork(options.shape, theta0, options.seed);
   state.average = GeneratorNetwork(options.shape, theta0, options.seed);
-  state.optimizer = std::make_shared<torch::optim::Adam>(
-      state.network->parameters(), torch::optim::AdamOptions(options.learning_rate).betas({0.9, 0.99}));
+  state.optimizer = std::make_shared<torch::optim::Adam>(state.network->parameters(),
+                                                         torch::optim::AdamOptions(options.learning_rate).betas({0.9, 0.99}));
   state.log_csv = "step,elapsed_s,learning_rate,training_loss,held_out_rmse\n";
   return state;
 }
@@ -128,10 +128,12 @@ double meanRmse(GeneratorNetwork& network, const Representation& representation,
   double sum = 0.0;
   for (int64_t begin = 0; begin < count; begin += kBatchCount) {
     std::vector<Sample> samples;
-    for (int64_t i = begin; i < std::min<int64_t>(begin + kBatchCount, count); ++i) samples.push_back({i * data.functionCount() / count});
+    for (int64_t i = begin; i < std::min<int64_t>(begin + kBatchCount, count); ++i)
+      samples.push_back({i * data.functionCount() / count});
     const torch::Tensor theta = network->forward(coefficientBatch(data, samples)).contiguous();
     for (size_t i = 0; i < samples.size(); ++i) {
-      sum += functionRmse(representation, decodeFunction(data.function(samples[i].function)), theta.data_ptr<float>() + i * kThetaCount);
+      sum += functionRmse(representation, decodeFunction(data.function(samples[i].function)),
+                          theta.data_ptr<float>() + i * kThetaCount);
     }
   }
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
@@ -157,7 +159,8 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     requireFinite(report.held_out_rmse, state->step, "held-out error");
     state->log_csv += std::to_string(state->step) + ',' + std::to_string(secondsSince(start)) + ',' +
                       std::to_string(oneCycleRate(options, state->step - 1)) + ',' +
-                      std::to_string(loss_sum / static_cast<double>(loss_count)) + ',' + std::to_string(report.held_out_rmse) + '\n';
+                      std::to_string(loss_sum / static_cast<double>(loss_count)) + ',' + std::to_string(report.held_out_rmse) +
+                      '\n';
     loss_sum = 0.0, loss_count = 0;
     save();
   }

@@ -16,16 +16,16 @@ struct TrainOptions {
   uint64_t seed = 1;
   int steps = 10000;
   int batch = 256;
-  double learning_rate = 1e-3;     // the peak of the one-cycle schedule
-  double warmup_share = 0.15;      // of the steps, rising; the rest falls along a cosine
-  double gradient_clip = 1.0;      // largest norm of the whole gradient
-  double average_decay = 0.999;    // of the averaged weights
-  double error_power = 0.5;        // loss = mean over functions of (mean squared error + 1e-6) ^ error_power; 0.5: RMSE, 1: MSE
+  double learning_rate = 1e-3;   // the peak of the one-cycle schedule
+  double warmup_share = 0.15;    // of the steps, rising; the rest falls along a cosine
+  double gradient_clip = 1.0;    // largest norm of the whole gradient
+  double average_decay = 0.999;  // of the averaged weights
+  double error_power = 0.5;      // loss = mean over functions of (mean squared error + 1e-6) ^ error_power; 0.5: RMSE, 1: MSE
   double representation_slope = 0.01;  // LeakyReLU of the tiny network
   GeneratorShape shape;
   StartOptions start;
-  int checkpoint_steps = 1000;     // a checkpoint and a validation every so many steps
-  int validation_functions = 2048; // at most so many held-out functions in the validation loss
+  int checkpoint_steps = 1000;      // a checkpoint and a validation every so many steps
+  int validation_functions = 2048;  // at most so many held-out functions in the validation loss
   int threads = 1;
 };
 

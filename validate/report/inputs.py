@@ -248,7 +248,7 @@ def read_logs(paths, representations):
 def read_slices(path, representations):
     slices = []
     for node in read_json(path).items():
-        size = node["size"].count()
+        size = int(node["size"].number(1, 4096))
         picture = lambda key, low, high: node[key].numbers(size * size, low, high).reshape(size, size)
         axis = node["axis"].count()
         if axis > 2:

@@ -15,10 +15,14 @@ Hole holeThrough(const Building& building, Side side, double from, double to, do
   const Rect& out = building.outer;
   const Rect in = building.inner();
   switch (side) {
-    case Side::north: return {{in.x0 + from, low, out.z0}, {in.x0 + to, high, in.z0}};
-    case Side::south: return {{in.x0 + from, low, in.z1}, {in.x0 + to, high, out.z1}};
-    case Side::west: return {{out.x0, low, in.z0 + from}, {in.x0, high, in.z0 + to}};
-    default: return {{in.x1, low, in.z0 + from}, {out.x1, high, in.z0 + to}};
+    case Side::north:
+      return {{in.x0 + from, low, out.z0}, {in.x0 + to, high, in.z0}};
+    case Side::south:
+      return {{in.x0 + from, low, in.z1}, {in.x0 + to, high, out.z1}};
+    case Side::west:
+      return {{out.x0, low, in.z0 + from}, {in.x0, high, in.z0 + to}};
+    default:
+      return {{in.x1, low, in.z0 + from}, {out.x1, high, in.z0 + to}};
   }
 }
 
@@ -35,7 +39,8 @@ struct Cut {
 
 Rect cutArea(const Rect& room, const Cut& cut, double thickness) {
   const double half = 0.5 * thickness;
-  return cut.along_x ? Rect{room.x0, cut.at - half, room.x1, cut.at + half} : Rect{cut.at - half, room.z0, cut.at + half, room.z1};
+  return cut.along_x ? Rect{room.x0, cut.at - half, room.x1, cut.at + half}
+                     : Rect{cut.at - half, room.z0, cut.at + half, room.z1};
 }
 
 class Parter {
@@ -56,8 +61,8 @@ class Parter {
       const double offset = options_.min_side_m + 0.5 * options_.wall_m + slack * level_.random.uniform();
       const Cut cut{along_x, (along_x ? room.z0 : room.x0) + offset};
       const Rect area = cutArea(room, cut, options_.wall_m);
-      const bool is_free = std::none_of(keep_free_.begin(), keep_free_.end(),
-                                        [&](const Rect& other) { return other.grown(0.1).overlaps(area); });
+      const bool is_free =
+          std::none_of(keep_free_.begin(), keep_free_.end(), [&](const Rect& other) { return other.grown(0.1).overlaps(area); });
       if (is_free) return divide(room, area, along_x);
     }
     keep(room);

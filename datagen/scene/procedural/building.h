@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "datagen/scene/procedural/furniture.h"
+#include "datagen/scene/procedural/furnishing.h"
 #include "datagen/scene/procedural/level.h"
 
 namespace nlg {
@@ -15,13 +15,13 @@ struct Opening {
 };
 
 struct Building {
-  Rect outer;                       // the shell's outside
-  double base_m = -0.5;             // how deep its foundation reaches
-  double ground_m = 0.0;            // height of the lowest floor
+  Rect outer;             // the shell's outside
+  double base_m = -0.5;   // how deep its foundation reaches
+  double ground_m = 0.0;  // height of the lowest floor
   double wall_m = 0.3, slab_m = 0.2;
-  std::vector<double> clear_m;      // clear height of each storey, lowest first
-  Rect stairwell;                   // opening in the slabs between storeys; empty when there is one storey
-  std::vector<Opening> openings;    // windows and doors so far; neither walls nor furniture stand in them
+  std::vector<double> clear_m;    // clear height of each storey, lowest first
+  Rect stairwell;                 // opening in the slabs between storeys; empty when there is one storey
+  std::vector<Opening> openings;  // windows and doors so far; neither walls nor furniture stand in them
   BrushGrid shell;
 
   Rect inner() const { return outer.grown(-wall_m); }

@@ -17,7 +17,6 @@ struct Chamber {
 
 struct Cave {
   glm::dvec3 half{10.0, 3.5, 9.0};
-  double floor_m = 0.0;
   std::vector<Chamber> chambers;
   double tunnel_m = 1.3;
   double rough = 0.35;
@@ -32,9 +31,10 @@ Cave drawCave(Level& level) {
   cave.noise_seed = level.random.next();
   const int count = level.pickCount(4, 7);
   for (int i = 0; i < count; ++i) {
-    const glm::dvec3 radii(level.pick(1.8, 3.8), level.pick(1.6, 2.8), level.pick(1.8, 3.8));
+    const glm::dvec3 radii{level.pick(1.8, 3.8), level.pick(1.6, 2.8), level.pick(1.8, 3.8)};
     const glm::dvec3 room = glm::max(cave.half - radii - 0.8, glm::dvec3(0.2));
-    cave.chambers.push_back({room * glm::dvec3(level.random.uniform(-1, 1), level.random.uniform(-0.5, 0.5), level.random.uniform(-1, 1)), radii});
+    cave.chambers.push_back(
+        {room * glm::dvec3{level.random.uniform(-1, 1), level.random.uniform(-0.5, 0.5), level.random.uniform(-1, 1)}, radii});
   }
   return cave;
 }
@@ -74,7 +74,8 @@ ScalarGrid sampleCave(const Cave& cave) {
   for (int z = 0; z < grid.count.z; ++z) {
     for (int y = 0; y < grid.count.y; ++y) {
       for (int x = 0; x < grid.count.x; ++x) {
-        const bool is_border = x == 0 || y == 0 || z == 0 || x + 1 == grid.count.x || y + 1 == grid.count.y || z + 1 == grid.count.z;
+        const bool is_border =
+            x == 0 || y == 0 || z == 0 || x + 1 == grid.count.x || y + 1 == grid.count.y || z + 1 == grid.count.z;
         const glm::dvec3 p = glm::dvec3(x, y, z) * grid.spacing_m - cave.half - grid.spacing_m;
         grid.values.push_back(is_border ? -1.0 : airField(cave, p));
       }
@@ -93,15 +94,16 @@ void addDripstone(Level& level, const glm::dvec3& foot, double height, bool hang
   level.mesh.beginObject(hangs ? "stalactite" : "stalagmite", Mobility::movable);
   const double radius = 0.12 + 0.12 * height;
   if (hangs) {
-    addLathe(level.mesh, {{foot.x, foot.y - height, foot.z}, {}}, {{0, 0.06}, {0.5 * height, 0.4 * radius}, {height + 0.3, radius}}, 7,
-             level.palette.rock);
+    addLathe(level.mesh, {{foot.x, foot.y - height, foot.z}, {}},
+             {{0, 0.06}, {0.5 * height, 0.4 * radius}, {height + 0.3, radius}}, 7, level.palette.rock);
   } else {
     addLathe(level.mesh, {foot, {}}, {{-0.3, radius}, {0.5 * height, 0.5 * radius}, {height, 0.0}}, 7, level.palette.rock);
   }
 }
 
 void addThing(Level& level, const Cave& cave, const Chamber& chamber) {
-  const glm::dvec3 inside = chamber.centre + chamber.radii * glm::dvec3(level.random.uniform(-0.65, 0.65), 0.0, level.random.uniform(-0.65, 0.65));
+  const glm::dvec3 inside =
+      chamber.centre + chamber.radii * glm::dvec3{level.random.uniform(-0.65, 0.65), 0.0, level.random.uniform(-0.65, 0.65)};
   if (airField(cave, inside) <= 0.3) return;
   const glm::dvec3 floor(inside.x, endOfAir(cave, inside, -0.05), inside.z);
   const glm::dvec3 roof(inside.x, endOfAir(cave, inside, 0.05), inside.z);
@@ -118,7 +120,8 @@ void addThing(Level& level, const Cave& cave, const Chamber& chamber) {
   } else if (draw < 0.85) {
     level.mesh.beginObject("pillar", Mobility::movable);
     const double height = roof.y - floor.y;
-    addLathe(level.mesh, {floor, {}}, {{-0.4, 0.6}, {0.3 * height, 0.3}, {0.7 * height, 0.28}, {height + 0.4, 0.6}}, 8, level.palette.rock);
+    addLathe(level.mesh, {floor, {}}, {{-0.4, 0.6}, {0.3 * height, 0.3}, {0.7 * height, 0.28}, {height + 0.4, 0.6}}, 8,
+             level.palette.rock);
   } else if (draw < 0.95) {
     addCrate(level, placement, level.pick(0.5, 0.8));
   } else {

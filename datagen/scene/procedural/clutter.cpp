@@ -1,5 +1,6 @@
 // The family "clutter": interiors full of things, as a flat, an office, a warehouse or a workshop.
 #include "datagen/scene/procedural/building.h"
+#include "datagen/scene/procedural/furniture.h"
 #include "datagen/scene/procedural/level.h"
 
 namespace nlg {
@@ -65,8 +66,10 @@ void addPipes(Level& level, const Building& building) {
     const double z = level.random.uniform(in.z0 + 0.4, in.z1 - 0.4);
     const double x = level.random.uniform(in.z0 + 0.4, in.z1 - 0.4);
     const double y = ceiling - radius - level.pick(0.15, 0.5);
-    if (level.random.chance(0.5)) addPipe(level, {{in.x0, y, z}, {}}, in.width(), radius);
-    else if (x > in.x0 + 0.4 && x < in.x1 - 0.4) addPipe(level, {{x, y, in.z1}, turnByDegrees(90.0)}, in.depth(), radius);
+    if (level.random.chance(0.5))
+      addPipe(level, {{in.x0, y, z}, {}}, in.width(), radius);
+    else if (x > in.x0 + 0.4 && x < in.x1 - 0.4)
+      addPipe(level, {{x, y, in.z1}, turnByDegrees(90.0)}, in.depth(), radius);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "datagen/scene/procedural/building.h"
+#include "datagen/scene/procedural/furniture.h"
 #include "datagen/scene/procedural/level.h"
 
 namespace nlg {
@@ -11,8 +12,8 @@ enum class Plan { basilica, cloister, hypostyle };
 
 struct Hall {
   Plan plan = Plan::basilica;
-  double length = 18.0, nave = 7.0, aisle = 3.0;  // along x; across z
-  double bay = 3.0, column_m = 3.2, radius = 0.3; // distance, height and radius of the columns
+  double length = 18.0, nave = 7.0, aisle = 3.0;   // along x; across z
+  double bay = 3.0, column_m = 3.2, radius = 0.3;  // distance, height and radius of the columns
   int side_count = 10;
   bool has_arches = true;
   double wall_m = 0.4;
@@ -41,9 +42,10 @@ Hall drawHall(Level& level) {
 void addColumn(Level& level, const Hall& hall, double x, double z, double height) {
   level.mesh.beginObject("column", Mobility::movable);
   const double r = hall.radius;
-  const std::vector<Ring> rings = {{0, 1.5 * r},  {0.2, 1.5 * r},           {0.3, r},        {height - 0.35, 0.85 * r},
-                                   {height - 0.15, 1.35 * r}, {height, 1.35 * r}};
-  addLathe(level.mesh, {{x, 0, z}, turnByDegrees(hall.side_count == 4 ? 45.0 : 0.0)}, rings, hall.side_count, level.palette.stone);
+  const std::vector<Ring> rings = {
+      {0, 1.5 * r}, {0.2, 1.5 * r}, {0.3, r}, {height - 0.35, 0.85 * r}, {height - 0.15, 1.35 * r}, {height, 1.35 * r}};
+  addLathe(level.mesh, {{x, 0, z}, turnByDegrees(hall.side_count == 4 ? 45.0 : 0.0)}, rings, hall.side_count,
+           level.palette.stone);
 }
 
 // The wall above a row of columns: half-round arches, or a straight beam.
@@ -83,6 +85,10 @@ void addBasilicaShell(Level& level, const Hall& hall, double nave_m) {
   BrushGrid grid;
   grid.fill({-x - w, -0.5, -z - w}, {x + w, hall.aisleHeight() + 0.3, z + w}, level.roomFaces());
   grid.fill({-x - w, -0.5, -nave_z - 0.2}, {x + w, nave_m + 0.3, nave_z + 0.2}, level.roomFaces());
+  const BrushMaterials roof(level.palette.wall, level.palette.roof, level.palette.ceiling);
+  grid.fill({-x - w, hall.aisleHeight(), -z - w}, {x + w, hall.aisleHeight() + 0.3, -nave_z - 0.2}, roof);
+  grid.fill({-x - w, hall.aisleHeight(), nave_z + 0.2}, {x + w, hall.aisleHeight() + 0.3, z + w}, roof);
+  grid.fill({-x - w, nave_m, -nave_z - 0.2}, {x + w, nave_m + 0.3, nave_z + 0.2}, roof);
   grid.carve({-x, 0, -z}, {x, hall.aisleHeight(), z});
   grid.carve({-x, 0, -nave_z + 0.2}, {x, nave_m, nave_z - 0.2});
   const int bay_count = static_cast<int>(hall.length / hall.bay + 0.5);
@@ -145,6 +151,8 @@ void buildCloister(Level& level, const Hall& hall) {
   const Rect in{-x - hall.aisle, -z - hall.aisle, x + hall.aisle, z + hall.aisle};
   BrushGrid grid;
   grid.fill({in.x0 - w, -0.5, in.z0 - w}, {in.x1 + w, top + 0.3, in.z1 + w}, level.roomFaces());
+  const BrushMaterials roof(level.palette.wall, level.palette.roof, level.palette.ceiling);
+  grid.fill({in.x0 - w, top, in.z0 - w}, {in.x1 + w, top + 0.3, in.z1 + w}, roof);
   grid.carve({in.x0, 0, in.z0}, {in.x1, top, in.z1});
   grid.carve({-x, top, -z}, {x, top + 0.3, z});
   grid.carve({-x + 0.4, -0.15, -z + 0.4}, {x - 0.4, 0, z - 0.4});
@@ -176,7 +184,9 @@ void buildHypostyle(Level& level, const Hall& hall) {
   const double w = hall.wall_m;
   BrushGrid grid;
   grid.fill({-x - w, -0.5, -z - w}, {x + w, top + 0.3, z + w}, level.roomFaces());
-  grid.fill({-0.6 * x, top, -0.5 * z}, {0.6 * x, top + 1.5, 0.5 * z}, level.roomFaces());
+  const BrushMaterials roof(level.palette.wall, level.palette.roof, level.palette.ceiling);
+  grid.fill({-x - w, top, -z - w}, {x + w, top + 0.3, z + w}, roof);
+  grid.fill({-0.6 * x, top, -0.5 * z}, {0.6 * x, top + 1.5, 0.5 * z}, roof);
   grid.carve({-x, 0, -z}, {x, top, z});
   grid.carve({-0.6 * x + 0.3, top, -0.5 * z + 0.3}, {0.6 * x - 0.3, top + 1.2, 0.5 * z - 0.3});
   for (int bay = 0; bay < x_bays; ++bay) {
@@ -191,7 +201,8 @@ void buildHypostyle(Level& level, const Hall& hall) {
   for (int i = level.pickCount(4, 9); i > 0; --i) {
     const int column = level.pickCount(0, x_bays - 1);
     const int row = level.pickCount(0, z_bays - 1);
-    addCratePile(level, {{-x + (column + 0.5) * hall.bay, 0, -z + (row + 0.5) * hall.bay}, turnByDegrees(level.pick(0.0, 90.0))}, 2);
+    addCratePile(level, {{-x + (column + 0.5) * hall.bay, 0, -z + (row + 0.5) * hall.bay}, turnByDegrees(level.pick(0.0, 90.0))},
+                 2);
   }
 }
 
@@ -201,7 +212,7 @@ void buildColonnade(Level& level) {
   const Hall hall = drawHall(level);
   level.mesh.beginObject("ground", Mobility::structure);
   const double reach = 0.5 * hall.length + 4.0;
-  addBox(level.mesh, {}, {-reach, -1.5, -reach + 2.0}, {reach, -0.2, reach - 2.0}, level.palette.ground);
+  addBox(level.mesh, {}, {-reach, -1.5, -reach + 2.0}, {reach, -0.05, reach - 2.0}, level.palette.ground);
   if (hall.plan == Plan::basilica) buildBasilica(level, hall);
   if (hall.plan == Plan::cloister) buildCloister(level, hall);
   if (hall.plan == Plan::hypostyle) buildHypostyle(level, hall);

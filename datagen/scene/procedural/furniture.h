@@ -1,27 +1,18 @@
-// Furniture and props, each one movable object, and a room's furnishing with them.
+// Furniture and props, each one movable object.
 #pragma once
-
-#include <vector>
 
 #include "datagen/scene/procedural/level.h"
 
 namespace nlg {
 
-enum class RoomUse { living, bedroom, study, store, workshop };
-
-// What is being furnished: the free floor, its height, the clear height above, and places that stay free (doors, stairs).
-struct Room {
-  Rect floor;
-  double floor_m = 0.0, clear_m = 2.6;
-  std::vector<Rect> keep_free;
-};
-
-// Puts furniture along the walls and in the middle, none of it overlapping another or a place to keep free.
-// density   0..1: how much of the wall is used
-void furnishRoom(Level& level, const Room& room, RoomUse use, double density);
-
-// Single props; the placement is the middle of the foot, local +z the front.
+// The placement is the middle of the foot, local +z the front.
 void addTable(Level& level, const Placement& placement, double width, double depth, double height);
+void addBed(Level& level, const Placement& placement, double width, double length);
+void addSofa(Level& level, const Placement& placement, double width, double depth);
+void addCupboard(Level& level, const Placement& placement, double width, double depth, double height);
+void addMachine(Level& level, const Placement& placement, double width, double depth, double height);
+// A table with chairs around it, all facing it.
+void addDiningGroup(Level& level, const Placement& placement, double width, double depth);
 void addChair(Level& level, const Placement& placement);
 void addShelf(Level& level, const Placement& placement, double width, double depth, double height);
 void addCrate(Level& level, const Placement& placement, double side_m);

@@ -95,15 +95,17 @@ void addRooms(Level& level, const House& house, int storey) {
   level.mesh.beginObject("hall wall", Mobility::structure);
   grid.emit(level.mesh);
 
-  if (building.storeyCount() > 1) keep_free.push_back({house.flight_x - 1.0, in.z0, house.flight_x + house.flight.run_m + 1.0,
-                                                       in.z0 + house.flight.width_m + 0.2});
+  if (building.storeyCount() > 1)
+    keep_free.push_back(
+        {house.flight_x - 1.0, in.z0, house.flight_x + house.flight.run_m + 1.0, in.z0 + house.flight.width_m + 0.2});
   PlanOptions options;
   options.min_side_m = level.pick(2.5, 3.2);
   const Rect rest{in.x0, hall_end + wall, in.x1, in.z1};
   std::vector<Room> rooms = partStorey(level, building, storey, rest, options, keep_free);
   for (const Room& room : rooms) {
     const RoomUse uses[] = {RoomUse::living, RoomUse::bedroom, RoomUse::study, RoomUse::living};
-    furnishRoom(level, room, storey == 0 ? uses[level.random.below(4)] : uses[1 + level.random.below(2)], level.random.uniform(0.6, 1.1));
+    const RoomUse use = storey == 0 ? uses[level.random.below(4)] : uses[1 + level.random.below(2)];
+    furnishRoom(level, room, use, level.random.uniform(0.6, 1.1));
   }
   Room hall{{in.x0, in.z0, in.x1, hall_end}, floor, clear, keep_free};
   for (const Rect& opening : building.openingsOf(storey)) hall.keep_free.push_back(opening);
@@ -120,7 +122,10 @@ void buildHouse(Level& level) {
   for (int storey = 0; storey < building.storeyCount(); ++storey) carveWindows(level, building, storey, 0.75);
   const bool enters_west = level.random.chance(0.5);
   carveDoor(building, enters_west ? Side::west : Side::east, 0, house.hall_m - 1.3, 1.0);
-  if (level.random.chance(0.6)) carveDoor(building, Side::south, 0, level.random.uniform(1.0, 6.0), level.pick(1.2, 2.0));
+  if (level.random.chance(0.6)) {
+    const double along = level.random.uniform(1.0, 6.0);
+    carveDoor(building, Side::south, 0, along, level.pick(1.2, 2.0));
+  }
   if (building.storeyCount() > 1 && level.random.chance(0.7)) addBalcony(level, building);
   addRoof(level, building);
   level.mesh.beginObject("shell", Mobility::structure);

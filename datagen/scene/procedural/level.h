@@ -25,6 +25,7 @@ struct Rect {
   bool overlaps(const Rect& other) const { return x0 < other.x1 && other.x0 < x1 && z0 < other.z1 && other.z0 < z1; }
 };
 
+// Draws from the stream stand one to a statement, or in braces: the order of a call's arguments is the compiler's choice.
 struct Level {
   explicit Level(uint64_t seed);
 

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "datagen/scene/procedural/building.h"
+#include "datagen/scene/procedural/furniture.h"
 #include "datagen/scene/procedural/level.h"
 
 namespace nlg {

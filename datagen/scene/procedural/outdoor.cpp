@@ -93,7 +93,8 @@ void addHut(Level& level, Building& building, double ground_m) {
   carveWindows(level, building, 0, 0.6);
   const Side sides[] = {Side::north, Side::west, Side::south, Side::east};
   const Side front = sides[level.random.below(4)];
-  carveDoor(building, front, 0, level.random.uniform(0.3, 4.0), level.pick(0.9, 1.2));
+  const double along = level.random.uniform(0.3, 4.0);
+  carveDoor(building, front, 0, along, level.pick(0.9, 1.2));
   level.mesh.beginObject("hut", Mobility::structure);
   building.shell.emit(level.mesh);
   if (level.random.chance(0.7)) addGable(level, building.outer, building.roofHeight(), level.pick(0.8, 1.8));
@@ -101,16 +102,18 @@ void addHut(Level& level, Building& building, double ground_m) {
   options.min_side_m = 2.2;
   options.stop_chance = 0.4;
   for (const Room& room : partStorey(level, building, 0, building.inner(), options, {})) {
-    furnishRoom(level, room, level.random.chance(0.5) ? RoomUse::living : RoomUse::store, level.random.uniform(0.3, 0.8));
+    const RoomUse use = level.random.chance(0.5) ? RoomUse::living : RoomUse::store;
+    furnishRoom(level, room, use, level.random.uniform(0.3, 0.8));
   }
 }
 
 // A garden wall that follows the ground in pieces of two metres; some are broken down.
 void addGardenWall(Level& level, const Terrain& terrain) {
   const double height = level.pick(1.2, 2.4);
-  const double degrees = 90.0 * level.pickCount(0, 3) + level.random.uniform(-15.0, 15.0);
+  const int quarters = level.pickCount(0, 3);
+  const double degrees = 90.0 * quarters + level.random.uniform(-15.0, 15.0);
   const Turn turn = turnByDegrees(degrees);
-  glm::dvec3 p(level.random.uniform(-0.7, 0.7) * terrain.half(), 0, level.random.uniform(-0.7, 0.7) * terrain.half());
+  glm::dvec3 p{level.random.uniform(-0.7, 0.7) * terrain.half(), 0, level.random.uniform(-0.7, 0.7) * terrain.half()};
   for (int piece = level.pickCount(4, 9); piece > 0; --piece, p += turned(turn, {2.0, 0, 0})) {
     const glm::dvec3 end = p + turned(turn, {2.0, 0, 0});
     const double limit = terrain.half() - 0.5;
@@ -140,21 +143,22 @@ void addTree(Level& level, const glm::dvec3& foot) {
 void addBoulder(Level& level, const glm::dvec3& foot) {
   const double size = level.random.uniform(0.3, 1.4);
   level.mesh.beginObject("rock", Mobility::movable);
-  addRock(level.mesh, {{foot.x, foot.y + 0.2 * size, foot.z}, turnByDegrees(level.random.uniform(0.0, 360.0))},
-          {size, size * level.random.uniform(0.5, 0.9), size * level.random.uniform(0.6, 1.0)}, level.random.next(),
-          level.palette.rock);
+  const glm::dvec3 radii{size, size * level.random.uniform(0.5, 0.9), size * level.random.uniform(0.6, 1.0)};
+  const Placement placement{{foot.x, foot.y + 0.2 * size, foot.z}, turnByDegrees(level.random.uniform(0.0, 360.0))};
+  addRock(level.mesh, placement, radii, level.random.next(), level.palette.rock);
 }
 
 // A ring of columns on a round base, some broken, as a pavilion or a ruin.
 void addPavilion(Level& level, Terrain& terrain) {
   const double radius = level.pick(2.0, 3.2);
   const double limit = terrain.half() - radius - 1.5;
-  const glm::dvec2 at(level.random.uniform(-limit, limit), level.random.uniform(-limit, limit));
+  const glm::dvec2 at{level.random.uniform(-limit, limit), level.random.uniform(-limit, limit)};
   const Pad* pad = terrain.reserve(Rect{at.x, at.y, at.x, at.y}.grown(radius + 0.3));
   if (pad == nullptr) return;
   const glm::dvec3 foot(at.x, pad->height_m, at.y);
   level.mesh.beginObject("base", Mobility::structure);
-  addLathe(level.mesh, {foot, {}}, {{-0.6, radius + 0.3}, {0.17, radius + 0.3}, {0.17, radius}, {0.34, radius}}, 16, level.palette.stone);
+  addLathe(level.mesh, {foot, {}}, {{-0.6, radius + 0.3}, {0.17, radius + 0.3}, {0.17, radius}, {0.34, radius}}, 16,
+           level.palette.stone);
   const bool is_roofed = level.random.chance(0.6);
   const int column_count = level.pickCount(6, 9);
   const double height = level.pick(2.4, 3.2);
@@ -166,8 +170,8 @@ void addPavilion(Level& level, Terrain& terrain) {
   }
   if (!is_roofed) return;
   level.mesh.beginObject("dome", Mobility::structure);
-  addLathe(level.mesh, {foot, {}}, {{height, radius}, {height + 0.25, radius}, {height + 0.9, 0.7 * radius}, {height + 1.3, 0.0}}, 16,
-           level.palette.roof);
+  addLathe(level.mesh, {foot, {}}, {{height, radius}, {height + 0.25, radius}, {height + 0.9, 0.7 * radius}, {height + 1.3, 0.0}},
+           16, level.palette.roof);
 }
 
 void scatter(Level& level, const Terrain& terrain, int count, void (*add)(Level&, const glm::dvec3&), double margin) {

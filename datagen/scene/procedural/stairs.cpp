@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "datagen/scene/procedural/building.h"
+#include "datagen/scene/procedural/furniture.h"
 #include "datagen/scene/procedural/level.h"
 
 namespace nlg {
@@ -82,7 +83,8 @@ Plan drawPlan(Level& level) {
   const double reach = level.pick(2.4, 3.4);
   plan.decks.push_back({{in.x0 + 0.02, in.z0 + 0.02, in.x0 + reach, in.z1 - level.pick(0.0, 3.0) - 0.02}, rise});
   plan.decks.push_back({{in.x0 + 0.02, in.z0 + 0.02, in.x1 - level.pick(0.0, 2.0) - 0.02, in.z0 + reach}, 2.0 * rise});
-  if (deck_count > 2) plan.decks.push_back({{in.x1 - reach, in.z0 + 0.02, in.x1 - 0.02, in.z1 - level.pick(0.0, 4.0) - 0.02}, 3.0 * rise});
+  if (deck_count > 2)
+    plan.decks.push_back({{in.x1 - reach, in.z0 + 0.02, in.x1 - 0.02, in.z1 - level.pick(0.0, 4.0) - 0.02}, 3.0 * rise});
   return plan;
 }
 
@@ -104,8 +106,7 @@ void addFlights(Level& level, const Plan& plan) {
   add({x, first.floor_m, second.area.z1 + 1.45 * rise}, 90.0, rise);
   addEdgeRailing(level, {first.area.x1 - 0.06, first.floor_m, first.area.z1}, 90.0, first.area.depth(),
                  first.area.z1 - z - 0.5 * width - 0.1, first.area.z1 - z + 0.5 * width + 0.1);
-  addEdgeRailing(level, {second.area.x0, second.floor_m, second.area.z1 - 0.06}, 0.0, second.area.width(), 0.0,
-                 width + 0.3);
+  addEdgeRailing(level, {second.area.x0, second.floor_m, second.area.z1 - 0.06}, 0.0, second.area.width(), 0.0, width + 0.3);
   if (plan.decks.size() > 2) {
     const Deck& third = plan.decks[2];
     const double step = third.floor_m - second.floor_m;
@@ -120,10 +121,14 @@ void addFurnishing(Level& level, const Plan& plan) {
   for (const Deck& deck : plan.decks) {
     const int count = level.pickCount(1, 3);
     for (int i = 0; i < count; ++i) {
-      const glm::dvec3 at(level.random.uniform(deck.area.x0 + 0.8, deck.area.x1 - 0.8), deck.floor_m,
-                          level.random.uniform(deck.area.z0 + 0.8, deck.area.z1 - 0.8));
-      level.random.chance(0.5) ? addCrate(level, facing(at, level.pick(0, 90)), level.pick(0.5, 0.9))
-                               : addBarrel(level, facing(at, 0), level.pick(0.8, 1.1));
+      const glm::dvec3 at{level.random.uniform(deck.area.x0 + 0.8, deck.area.x1 - 0.8), deck.floor_m,
+                          level.random.uniform(deck.area.z0 + 0.8, deck.area.z1 - 0.8)};
+      const Placement placement = facing(at, level.pick(0.0, 90.0));
+      if (level.random.chance(0.5)) {
+        addCrate(level, placement, level.pick(0.5, 0.9));
+      } else {
+        addBarrel(level, placement, level.pick(0.8, 1.1));
+      }
     }
   }
   Room room{{0.0, 0.0, in.x1, in.z1}, 0.0, 3.0, plan.building.openingsOf(0)};

@@ -12,7 +12,8 @@ namespace {
 
 void addTetrahedron(Scene& scene, const glm::vec3& at, float size) {
   const auto base = static_cast<uint32_t>(scene.positions.size());
-  for (const glm::vec3& corner : {glm::vec3(0, 0, 0), {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) scene.positions.push_back(at + size * corner);
+  for (const glm::vec3& corner : {glm::vec3(0, 0, 0), {1, 0, 0}, {0, 1, 0}, {0, 0, 1}})
+    scene.positions.push_back(at + size * corner);
   for (const glm::uvec3& t : {glm::uvec3(0, 2, 1), {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}) scene.triangles.push_back(t + base);
   scene.triangle_material.resize(scene.triangles.size(), 0);
 }

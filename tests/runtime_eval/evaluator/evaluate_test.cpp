@@ -1,0 +1,103 @@
+#include "runtime_eval/evaluator/evaluate.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/runtime_eval/each_target.h"
+#include "tests/runtime_eval/sample_functions.h"
+
+namespace nlg {
+namespace {
+
+constexpr int kRaggedCounts[] = {1, 2, 7, 8, 9, 31, 95, 96, 97, 257};
+
+// A value passes 3 + 9 + 9 fused multiply-adds, two slopes and the tent; products of the terms with 1 + u each.
+constexpr double kRoundings = 24;
+
+TEST(Evaluate, EqualsTheReferenceOnEveryTarget) {
+  forEachTarget([] {
+    for (const Representation& representation : kBothRepresentations) {
+      for (const int count : kRaggedCounts) {
+        const Theta theta = randomTheta(static_cast<uint64_t>(count));
+        const std::vector<double> exact = toDouble(theta), absolute = magnitudes(theta);
+        const std::vector<LocalPoint> list = unseenPoints(count);
+        const PointSet points = makePointSet(list);
+        AlignedFloats values(points.padded_count);
+        evaluate(representation, points, theta.data(), values.data());
+        for (int i = 0; i < count; ++i) {
+          const double bound =
+              kRoundings * kFloatRounding * evaluateReference(representation, magnitudes(list[i]), absolute.data());
+          ASSERT_NEAR(values[i], evaluateReference(representation, list[i], exact.data()), bound)
+              << representationName(representation) << ", point " << i << " of " << count;
+        }
+      }
+    }
+  });
+}
+
+TEST(Evaluate, WritesNothingBehindThePaddedCount) {
+  forEachTarget([] {
+    const PointSet points = makePointSet(unseenPoints(17));
+    AlignedFloats values(points.padded_count + 16, 7.0f);
+    evaluate({}, points, randomTheta(1).data(), values.data());
+    for (int i = points.padded_count; i < points.padded_count + 16; ++i) ASSERT_EQ(values[i], 7.0f) << "at " << i;
+  });
+}
+
+TEST(Evaluate, GivesTheOutputsBiasWhenAllElseIsZero) {
+  Theta theta{};
+  theta[ThetaLayout::b3] = 0.75f;
+  const PointSet points = makePointSet(unseenPoints(40));
+  AlignedFloats values(points.padded_count);
+  evaluate({false, 0.01f}, points, theta.data(), values.data());
+  for (int i = 0; i < points.count; ++i) ASSERT_EQ(values[i], 0.75f) << "point " << i;
+  evaluate({true, 0.01f}, points, theta.data(), values.data());
+  for (int i = 0; i < points.count; ++i) ASSERT_EQ(values[i], 0.75f * points.tent[i]) << "point " << i;
+}
+
+TEST(EvaluateReference, FollowsALayoutWrittenOutByHand) {
+  // one path through the network: x -> unit 2 -> unit 5 -> output, both units below zero
+  using L = ThetaLayout;
+  std::vector<double> theta(kThetaCount, 0.0);
+  theta[L::w1 + 3 * 2 + 0] = -2.0;             // unit 2 of layer 1: -2 x
+  theta[L::b1 + 2] = -1.0;                     //                    - 1
+  theta[L::w2 + kHiddenCount * 5 + 2] = 4.0;   // unit 5 of layer 2: 4 * that
+  theta[L::w3 + 5] = 10.0;
+  theta[L::b3] = 0.5;
+  const LocalPoint point{0.25f, 0.5f, -0.5f};
+  const double expected = 0.5 + 10.0 * 0.25 * (4.0 * (0.25 * (-2.0 * 0.25 - 1.0)));
+  EXPECT_DOUBLE_EQ(evaluateReference({false, 0.25f}, point, theta.data()), expected);
+  EXPECT_DOUBLE_EQ(evaluateReference({true, 0.25f}, point, theta.data()), expected * 0.75 * 0.5 * 0.5);
+}
+
+TEST(EvaluateReference, IsContinuousAcrossKinks) {
+  Theta theta = randomTheta(3);
+  const std::vector<double> exact = toDouble(theta);
+  const std::vector<LocalPoint> list = unseenPoints(200);
+  for (size_t i = 1; i < list.size(); ++i) {
+    // along a segment of length <= 2 sqrt(3) cut into 10^4 steps nothing may jump: the slope is at most the network of magnitudes
+    LocalPoint last = list[i - 1];
+    double last_value = evaluateReference({}, last, exact.data());
+    for (const double t : {0.25, 0.250001, 0.5, 0.500001}) {
+      LocalPoint at;
+      for (int a = 0; a < 3; ++a) at[a] = static_cast<float>(list[i - 1][a] + t * (list[i][a] - list[i - 1][a]));
+      const double value = evaluateReference({}, at, exact.data());
+      const double step = std::fabs(at[0] - last[0]) + std::fabs(at[1] - last[1]) + std::fabs(at[2] - last[2]);
+      const double steepest = evaluateReference({}, {1, 1, 1}, magnitudes(theta).data());
+      ASSERT_LE(std::fabs(value - last_value), steepest * step + 1e-12) << "segment " << i << " at " << t;
+      last = at, last_value = value;
+    }
+  }
+}
+
+TEST(Representation, IsFoundByItsNameAlone) {
+  Representation representation{true, 0.5f};
+  for (const char* name : kRepresentationNames) {
+    ASSERT_TRUE(findRepresentation(name, &representation)) << name;
+    EXPECT_STREQ(representationName(representation), name);
+    EXPECT_EQ(representation.slope, Representation{}.slope) << name;
+  }
+  for (const char* name : {"", "MLP", "mlp ", "tent", "pf3", "tent_mlpx"}) EXPECT_FALSE(findRepresentation(name, &representation)) << name;
+}
+
+}  // namespace
+}  // namespace nlg

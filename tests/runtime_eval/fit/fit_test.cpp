@@ -1,0 +1,278 @@
+#include <gtest/gtest.h>
+
+#include "runtime_eval/fit/adam.h"
+#include "runtime_eval/fit/direct.h"
+#include "runtime_eval/fit/levenberg_marquardt.h"
+#include "tests/runtime_eval/sample_functions.h"
+
+namespace nlg {
+namespace {
+
+Theta filled(float value) {
+  Theta theta;
+  theta.fill(value);
+  return theta;
+}
+
+WeightingFunction withoutPoints() {
+  StoredSample sample = noiseSample(1);
+  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0});
+  return decodeFunction(sample.view());
+}
+
+struct Fitter {
+  const char* name;
+  FitResult (*fit)(const Representation&, const WeightingFunction&, const Theta&);
+};
+
+const Fitter kFitters[] = {
+    {"Adam", [](const Representation& r, const WeightingFunction& f, const Theta& t) { return fitAdam(r, f, t, refinementAdam(r, 40)); }},
+    {"Adam, random start", [](const Representation& r, const WeightingFunction& f, const Theta& t) { return fitAdam(r, f, t, randomStartAdam(40)); }},
+    {"LM", [](const Representation& r, const WeightingFunction& f, const Theta& t) {
+       NormalEquationsKernel kernel;
+       return fitLevenbergMarquardt(r, f, t, {.iterations = 6}, &kernel);
+     }}};
+
+// The promises that hold whatever goes in. Returns the result.
+FitResult expectNeverWorse(const Fitter& fitter, const Representation& representation, const WeightingFunction& function,
+                           const Theta& start, const std::string& what) {
+  const FitResult result = fitter.fit(representation, function, start);
+  const double before = functionRmse(representation, function, start.data());
+  EXPECT_TRUE(std::isfinite(result.rmse)) << fitter.name << ", " << what;
+  EXPECT_LE(result.rmse, before) << fitter.name << ", " << what;
+  EXPECT_EQ(result.rmse, functionRmse(representation, function, result.theta.data())) << fitter.name << ", " << what;
+  for (const float value : result.theta) EXPECT_TRUE(std::isfinite(value)) << fitter.name << ", " << what;
+  return result;
+}
+
+TEST(FunctionRmse, IsTheRootOfTheMeanOverValidPoints) {
+  const StoredSample sample = wallSample(3);
+  const Theta theta = randomTheta(3);
+  double sum = 0.0, magnitude = 0.0;
+  int count = 0;
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    if (!sample.valid(p)) continue;
+    const LocalPoint& point = supportPattern().points[p];
+    const double residual = evaluateReference({}, point, toDouble(theta).data()) - sample.phi[p] / 255.0;
+    sum += residual * residual, ++count;
+    magnitude = std::max(magnitude, evaluateReference({}, magnitudes(point), magnitudes(theta).data()) + 1.0);
+  }
+  // residuals are off by 25 roundings of their magnitude, and so is the root of their mean square; the sums by 66
+  EXPECT_NEAR(functionRmse({}, decodeFunction(sample.view()), theta.data()), std::sqrt(sum / count), (25 + 66) * kFloatRounding * magnitude);
+  EXPECT_EQ(functionRmse({}, withoutPoints(), theta.data()), 0.0);
+  EXPECT_FALSE(std::isfinite(functionRmse({}, decodeFunction(sample.view()), filled(NAN).data())));
+}
+
+TEST(Fit, NeverReturnsWorseThanItsStart) {
+  for (const Fitter& fitter : kFitters) {
+    for (const Representation& representation : kBothRepresentations) {
+      for (uint64_t seed = 0; seed < 24; ++seed) {
+        const WeightingFunction function = decodeFunction(seed % 3 ? wallSample(seed).view() : noiseSample(seed).view());
+        expectNeverWorse(fitter, representation, function, randomTheta(seed), "seed " + std::to_string(seed));
+      }
+    }
+  }
+}
+
+TEST(Fit, TakesExtremeStarts) {
+  Theta mixed = randomTheta(1);
+  for (int i = 0; i < kThetaCount; i += 2) mixed[i] *= 1e-30f;
+  const WeightingFunction function = decodeFunction(wallSample(5).view());
+  for (const Fitter& fitter : kFitters) {
+    for (const Representation& representation : kBothRepresentations) {
+      for (const float value : {0.0f, 1e3f, -1e3f, 1e-40f, -1e-40f, 1e-20f}) {
+        expectNeverWorse(fitter, representation, function, filled(value), "start " + std::to_string(value));
+      }
+      expectNeverWorse(fitter, representation, function, mixed, "start of mixed scales");
+    }
+  }
+}
+
+TEST(Fit, ReturnsTheStartWhenNumbersAreNotFinite) {
+  const WeightingFunction function = decodeFunction(wallSample(6).view());
+  for (const Fitter& fitter : kFitters) {
+    for (const float bad : {NAN, INFINITY, -INFINITY, 1e30f}) {
+      for (const int place : {ThetaLayout::w1, ThetaLayout::b2, ThetaLayout::w3, ThetaLayout::b3}) {
+        Theta start = randomTheta(6);
+        start[place] = bad;
+        const FitResult result = fitter.fit({}, function, start);
+        EXPECT_EQ(result.stop, FitStop::not_finite) << fitter.name << ", theta " << place << " = " << bad;
+        EXPECT_EQ(std::memcmp(result.theta.data(), start.data(), sizeof start), 0) << fitter.name << ", theta " << place;
+        EXPECT_EQ(result.steps, 0) << fitter.name;
+      }
+    }
+    WeightingFunction broken = function;
+    for (int i = 0; i < kSupportPointCount; ++i) {
+      if (broken.mask[i] != 0.0f) broken.phi[i] = NAN;
+    }
+    EXPECT_EQ(fitter.fit({}, broken, randomTheta(6)).stop, FitStop::not_finite) << fitter.name << ", function of NaN";
+  }
+}
+
+TEST(Fit, ReturnsTheStartWithoutAnyValidPoint) {
+  for (const Fitter& fitter : kFitters) {
+    for (const Theta& start : {randomTheta(7), filled(NAN)}) {
+      const FitResult result = fitter.fit({}, withoutPoints(), start);
+      EXPECT_EQ(result.stop, FitStop::no_points) << fitter.name;
+      EXPECT_EQ(std::memcmp(result.theta.data(), start.data(), sizeof start), 0) << fitter.name;
+      EXPECT_EQ(result.rmse, 0.0) << fitter.name;
+    }
+  }
+}
+
+TEST(Fit, TakesNoStepFromABudgetOfNone) {
+  const WeightingFunction function = decodeFunction(wallSample(8).view());
+  const Theta start = randomTheta(8);
+  NormalEquationsKernel kernel;
+  EXPECT_EQ(fitAdam({}, function, start, refinementAdam({}, 0)).theta, start);
+  EXPECT_EQ(fitLevenbergMarquardt({}, function, start, {.iterations = 0}, &kernel).theta, start);
+}
+
+TEST(Fit, GivesTheSameBitsEveryTime) {
+  const WeightingFunction function = decodeFunction(wallSample(9).view());
+  for (const Fitter& fitter : kFitters) {
+    const FitResult a = fitter.fit({true, 0.01f}, function, randomTheta(9)), b = fitter.fit({true, 0.01f}, function, randomTheta(9));
+    EXPECT_EQ(a.theta, b.theta) << fitter.name;
+    EXPECT_EQ(a.rmse, b.rmse) << fitter.name;
+  }
+}
+
+TEST(Fit, LowersTheErrorOfARandomStart) {
+  // a constant is within reach of every network: predicting the mean already beats a random start, whose output is of size 1
+  for (const Fitter& fitter : kFitters) {
+    const WeightingFunction function = decodeFunction(wallSample(10).view());
+    const FitResult result = fitter.fit({}, function, randomTheta(10));
+    EXPECT_LT(result.rmse, 0.5 * functionRmse({}, function, randomTheta(10).data())) << fitter.name;
+  }
+}
+
+TEST(Fit, IgnoresInvalidPoints) {
+  StoredSample sample = wallSample(11);
+  const WeightingFunction function = decodeFunction(sample.view());
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    if (!sample.valid(p)) sample.phi[p] = static_cast<uint8_t>(p % 251);
+  }
+  for (const Fitter& fitter : kFitters) {
+    EXPECT_EQ(fitter.fit({}, function, randomTheta(11)).theta, fitter.fit({}, decodeFunction(sample.view()), randomTheta(11)).theta)
+        << fitter.name;
+  }
+}
+
+TEST(LevenbergMarquardt, ReachesTheTentExactlyWithTheTentFactor) {
+  // With theta = 0 only the output's bias has a derivative: one linear unknown, whose error a damping of at most 0.1 divides by
+  // at least 11 a step. Eight steps leave 11^-8 < 1e-8 of it, and float stores the rest.
+  NormalEquationsKernel kernel;
+  const Representation tent_mlp{true, 0.01f};
+  const FitResult result = fitLevenbergMarquardt(tent_mlp, tentFunction(), filled(0.0f), {.iterations = 8}, &kernel);
+  EXPECT_LE(result.rmse, 1e-7);
+  EXPECT_NEAR(result.theta[ThetaLayout::b3], 1.0, 2e-7);
+}
+
+TEST(LevenbergMarquardt, StopsAtASolution) {
+  Theta exact{};
+  exact[ThetaLayout::b3] = 1.0f;
+  const Representation tent_mlp{true, 0.01f};
+  ASSERT_EQ(functionRmse(tent_mlp, tentFunction(), exact.data()), 0.0);
+  NormalEquationsKernel kernel;
+  const FitResult result = fitLevenbergMarquardt(tent_mlp, tentFunction(), exact, {}, &kernel);
+  EXPECT_EQ(result.stop, FitStop::gradient);
+  EXPECT_EQ(result.steps, 0);
+  EXPECT_EQ(result.theta, exact);
+  EXPECT_EQ(fitAdam(tent_mlp, tentFunction(), exact, refinementAdam(tent_mlp, 20)).rmse, 0.0);
+}
+
+TEST(LevenbergMarquardt, TakesARankDeficientJacobian) {
+  // fewer valid points than parameters, down to one
+  for (const int valid_points : {1, 2, 16, 112}) {
+    StoredSample sample = wallSample(12);
+    std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0});
+    for (int p = 0; p < valid_points; ++p) sample.validity[9 * p] = static_cast<uint8_t>(1 << (p % 8));
+    const WeightingFunction function = decodeFunction(sample.view());
+    ASSERT_EQ(function.validCount(), valid_points);
+    const FitResult result = expectNeverWorse(kFitters[2], {}, function, randomTheta(12), std::to_string(valid_points) + " points");
+    EXPECT_LT(result.rmse, 0.9 * functionRmse({}, function, randomTheta(12).data())) << valid_points << " points";
+  }
+  // units that nothing reads, and units that read nothing
+  Theta dead = randomTheta(13);
+  for (int j = 0; j < 4; ++j) dead[ThetaLayout::w3 + j] = 0.0f;
+  for (int i = 0; i < 4 * kHiddenCount; ++i) dead[ThetaLayout::w2 + i] = 0.0f;
+  const WeightingFunction function = decodeFunction(wallSample(13).view());
+  const FitResult result = expectNeverWorse(kFitters[2], {}, function, dead, "dead units");
+  EXPECT_LT(result.rmse, 0.9 * functionRmse({}, function, dead.data()));
+}
+
+TEST(LevenbergMarquardt, BeatsTheBestConstantFromZero) {
+  // From theta = 0 the bias is the only way down: LM must arrive at the mean over valid points.
+  const WeightingFunction function = decodeFunction(wallSample(14).view());
+  double sum = 0.0, squares = 0.0;
+  for (int i = 0; i < kSupportPointCount; ++i) {
+    if (function.mask[i] != 0.0f) sum += function.phi[i], squares += double{function.phi[i]} * function.phi[i];
+  }
+  const double count = function.validCount(), best = std::sqrt(squares / count - sum / count * sum / count);
+  NormalEquationsKernel kernel;
+  EXPECT_LE(fitLevenbergMarquardt({}, function, filled(0.0f), {.iterations = 12}, &kernel).rmse, best * (1 + 1e-6));
+}
+
+TEST(SolveSymmetric, SolvesRandomSystems) {
+  for (const int count : {1, 2, 7, 113}) {
+    Random random(static_cast<uint64_t>(count));
+    std::vector<double> root(count * count), matrix(count * count, 0.0), solution(count), vector(count, 0.0);
+    for (double& value : root) value = random.normal();
+    for (double& value : solution) value = random.normal();
+    for (int i = 0; i < count; ++i) {
+      for (int j = 0; j < count; ++j) {
+        for (int k = 0; k < count; ++k) matrix[i * count + j] += root[i * count + k] * root[j * count + k];
+      }
+      matrix[i * count + i] += count;  // eigenvalues between N and about 5 N: a condition below 10
+    }
+    for (int i = 0; i < count; ++i) {
+      for (int j = 0; j < count; ++j) vector[i] += matrix[i * count + j] * solution[j];
+    }
+    ASSERT_TRUE(solveSymmetric(&matrix, count, &vector)) << count;
+    // Cholesky is backward stable: N^2 eps times the condition
+    for (int i = 0; i < count; ++i) EXPECT_NEAR(vector[i], solution[i], 10.0 * count * count * 2.3e-16 * 10) << count << ", row " << i;
+  }
+}
+
+TEST(SolveSymmetric, RefusesWhatIsNotPositiveDefinite) {
+  for (const std::vector<double>& bad : {std::vector<double>{1, 2, 2, 1}, {0, 0, 0, 0}, {1, 1, 1, 1}, {-1, 0, 0, 1}, {1, NAN, NAN, 1},
+                                         {NAN, 0, 0, 1}, {INFINITY, 0, 0, 1}}) {
+    std::vector<double> matrix = bad, vector = {1, 1};
+    EXPECT_FALSE(solveSymmetric(&matrix, 2, &vector)) << bad[0] << ' ' << bad[1] << ' ' << bad[2] << ' ' << bad[3];
+  }
+}
+
+TEST(FitDirect, IsTheBestOfItsCandidates) {
+  NormalEquationsKernel kernel;
+  const DirectOptions options{.adam_steps = 60, .levenberg_iterations = 4, .restarts = 1};
+  for (uint64_t seed = 0; seed < 4; ++seed) {
+    const WeightingFunction function = decodeFunction(wallSample(seed).view());
+    const DirectResult result = fitDirect({true, 0.01f}, function, randomTheta(seed), options, &kernel);
+    for (const FitResult* candidate : {&result.adam_from_theta0, &result.levenberg_from_theta0, &result.adam_from_random}) {
+      EXPECT_LE(result.best.rmse, candidate->rmse) << "seed " << seed;
+    }
+    EXPECT_EQ(result.best.rmse, functionRmse({true, 0.01f}, function, result.best.theta.data())) << "seed " << seed;
+  }
+}
+
+TEST(FitDirect, FindsAFitWhenTheta0IsNotFinite) {
+  NormalEquationsKernel kernel;
+  const WeightingFunction function = decodeFunction(wallSample(15).view());
+  const DirectResult result = fitDirect({}, function, filled(NAN), {.adam_steps = 60, .levenberg_iterations = 2, .restarts = 1}, &kernel);
+  EXPECT_TRUE(std::isfinite(result.best.rmse));
+  EXPECT_LE(result.best.rmse, result.adam_from_random.rmse);
+}
+
+TEST(FitStart, IsAtLeastAsGoodAsEveryShortRandomFit) {
+  NormalEquationsKernel kernel;
+  const WeightingFunction function = tentFunction();
+  const StartOptions options{.candidates = 6, .candidate_steps = 40, .finalists = 2, .final_steps = 40, .levenberg_iterations = 3};
+  const FitResult best = fitStart({}, function, options, &kernel);
+  for (int i = 0; i < options.candidates; ++i) {
+    const Theta start = randomTheta(mixSeed(options.seed, static_cast<uint64_t>(i)));
+    EXPECT_LE(best.rmse, fitAdam({}, function, start, randomStartAdam(options.candidate_steps)).rmse) << "candidate " << i;
+  }
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,155 @@
+#include "runtime_eval/fit/loss_kernel.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/runtime_eval/each_target.h"
+#include "tests/runtime_eval/sample_functions.h"
+
+namespace nlg {
+namespace {
+
+const PointSet& points() { return stratifiedSupportPoints(); }
+
+// Forward 24 roundings, backward 16, sums over a block of 256 points in 4 or more lanes 64 + 2, over 32 blocks 32 more.
+constexpr double kRoundings = 24 + 16 + 64 + 2 + 32;
+
+struct Gradient {
+  double sum = 0.0;
+  std::vector<double> values = std::vector<double>(kThetaCount);
+};
+
+Gradient reference(const Representation& r, const PointSet& set, int first, int count, const float* phi, const float* mask,
+                   const std::vector<double>& theta) {
+  Gradient result;
+  result.sum = lossAndGradientReference(r, set, first, count, phi, mask, theta.data(), result.values.data());
+  return result;
+}
+
+Gradient vectorised(const Representation& r, int first, int count, const float* phi, const float* mask, const Theta& theta) {
+  float values[kThetaCount];
+  Gradient result;
+  result.sum = lossAndGradient(r, points(), first, count, phi, mask, theta.data(), values);
+  result.values.assign(values, values + kThetaCount);
+  return result;
+}
+
+TEST(LossReference, HasTheGradientOfCentralDifferences) {
+  // The output is affine in each single parameter between kinks, so the loss is a parabola there and central differences are
+  // exact but for rounding, 1e-16 of a loss of some hundreds divided by the step. A step of 1e-4 moves no unit by 1e-2
+  // (hidden values and weights stay below 100).
+  const double step = 1e-4;
+  for (const Representation& representation : kBothRepresentations) {
+    const Theta start = randomTheta(11);
+    WeightingFunction function = decodeFunction(wallSample(1).view());
+    maskKinks(representation, points(), start, 1e-2, &function.mask);
+    std::vector<double> theta = toDouble(start);
+    const auto at = [&] {
+      return reference(representation, points(), 1024, 512, &function.phi[1024], &function.mask[1024], theta);
+    };
+    const Gradient gradient = at();
+    ASSERT_GT(gradient.sum, 1.0);
+    for (int k = 0; k < kThetaCount; ++k) {
+      const double middle = theta[k];
+      theta[k] = middle + step;
+      const double above = at().sum;
+      theta[k] = middle - step;
+      const double below = at().sum;
+      theta[k] = middle;
+      ASSERT_NEAR(gradient.values[k], (above - below) / (2 * step), 1e-14 * gradient.sum / step)
+          << representationName(representation) << ", slope " << representation.slope << ", theta " << k;
+    }
+  }
+}
+
+TEST(LossKernel, EqualsTheReferenceOnRaggedRangesAndEveryTarget) {
+  struct Range {
+    int first, count;
+  };
+  const Range ranges[] = {{0, 16}, {16, 32}, {48, 240}, {0, 256}, {1024, 272}, {2048, 1024}, {8176, 16}, {0, kSupportPointCount}};
+  const PointSet absolute_points = magnitudes(points());
+  for (const Representation& representation : kBothRepresentations) {
+    for (uint64_t seed = 0; seed < 3; ++seed) {
+      const Theta theta = randomTheta(seed);
+      WeightingFunction function = decodeFunction(seed == 2 ? noiseSample(seed).view() : wallSample(seed).view());
+      maskKinks(representation, points(), theta, 1e-3, &function.mask);
+      const AlignedFloats minus_phi = negated(function.phi);
+      for (const Range& range : ranges) {
+        const float* phi = &function.phi[range.first];
+        const float* mask = &function.mask[range.first];
+        const Gradient expected = reference(representation, points(), range.first, range.count, phi, mask, toDouble(theta));
+        const Gradient magnitude = reference(representation, absolute_points, range.first, range.count, &minus_phi[range.first],
+                                             mask, magnitudes(theta));
+        forEachTarget([&] {
+          const Gradient got = vectorised(representation, range.first, range.count, phi, mask, theta);
+          ASSERT_NEAR(got.sum, expected.sum, kRoundings * kFloatRounding * magnitude.sum) << range.first << " + " << range.count;
+          for (int k = 0; k < kThetaCount; ++k) {
+            ASSERT_NEAR(got.values[k], expected.values[k], kRoundings * kFloatRounding * magnitude.values[k])
+                << representationName(representation) << ", points " << range.first << " + " << range.count << ", theta " << k;
+          }
+          EXPECT_NEAR(loss(representation, points(), range.first, range.count, phi, mask, theta.data()), expected.sum,
+                      kRoundings * kFloatRounding * magnitude.sum);
+        });
+      }
+    }
+  }
+}
+
+TEST(LossKernel, IgnoresWhatStandsAtMaskedPoints) {
+  const Theta theta = randomTheta(4);
+  const StoredSample sample = wallSample(4);
+  const WeightingFunction function = decodeFunction(sample.view());
+  ASSERT_LT(function.validCount(), kSupportPointCount);
+  WeightingFunction changed = function;
+  Random random(5);
+  for (int i = 0; i < kSupportPointCount; ++i) {
+    if (changed.mask[i] == 0.0f) changed.phi[i] = static_cast<float>(1e6 * random.normal());
+  }
+  for (const Representation& representation : kBothRepresentations) {
+    forEachTarget([&] {
+      const Gradient a = vectorised(representation, 0, kSupportPointCount, function.phi.data(), function.mask.data(), theta);
+      const Gradient b = vectorised(representation, 0, kSupportPointCount, changed.phi.data(), changed.mask.data(), theta);
+      EXPECT_EQ(a.sum, b.sum);
+      EXPECT_EQ(a.values, b.values);
+    });
+  }
+}
+
+TEST(LossKernel, IsZeroWithoutAnyValidPoint) {
+  const AlignedFloats phi(64, 0.5f), mask(64, 0.0f);
+  forEachTarget([&] {
+    const Gradient got = vectorised({}, 128, 64, phi.data(), mask.data(), randomTheta(6));
+    EXPECT_EQ(got.sum, 0.0);
+    for (int k = 0; k < kThetaCount; ++k) EXPECT_EQ(got.values[k], 0.0) << "theta " << k;
+  });
+}
+
+TEST(LossKernel, AddsUpOverStrata) {
+  const Theta theta = randomTheta(7);
+  const WeightingFunction function = decodeFunction(wallSample(7).view());
+  const auto over = [&](int first, int count) {
+    return vectorised({true, 0.01f}, first, count, &function.phi[first], &function.mask[first], theta);
+  };
+  const Gradient whole = over(0, kSupportPointCount);
+  Gradient parts;
+  double largest = 0.0;
+  for (int k = 0; k < kStratumCount; ++k) {
+    const Gradient part = over(k * kStratumPointCount, kStratumPointCount);
+    parts.sum += part.sum;
+    for (int i = 0; i < kThetaCount; ++i) parts.values[i] += part.values[i], largest = std::max(largest, std::fabs(part.values[i]));
+  }
+  // block sums are the same; the loss adds them in double, the gradient in float
+  EXPECT_NEAR(whole.sum, parts.sum, 1e-12 * whole.sum);
+  for (int i = 0; i < kThetaCount; ++i) EXPECT_NEAR(whole.values[i], parts.values[i], 64 * kFloatRounding * 8 * largest) << i;
+}
+
+TEST(LossKernel, GivesTheSameBitsEveryTime) {
+  const Theta theta = randomTheta(8);
+  const WeightingFunction function = decodeFunction(noiseSample(8).view());
+  const auto run = [&] { return vectorised({}, 0, kSupportPointCount, function.phi.data(), function.mask.data(), theta); };
+  const Gradient first = run(), second = run();
+  EXPECT_EQ(first.sum, second.sum);
+  EXPECT_EQ(first.values, second.values);
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,105 @@
+// Weighting functions and theta to test with, and the yardsticks of rounding that the tests' bounds are derived from.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/fit/adam.h"
+#include "runtime_eval/support/random.h"
+#include "runtime_eval/support/weighting_function.h"
+
+namespace nlg {
+
+// Half a unit in the last place of 1: the largest relative error of one float operation.
+inline constexpr double kFloatRounding = 0x1p-24;
+
+inline const Representation kBothRepresentations[] = {{false, 0.01f}, {true, 0.01f}, {false, 0.3f}};
+
+struct StoredSample {
+  std::vector<uint8_t> phi = std::vector<uint8_t>(kSupportPointCount, 0);
+  std::vector<uint8_t> validity = std::vector<uint8_t>(kValidityByteCount, 0);
+  StoredFunction view() const { return {phi.data(), validity.data()}; }
+  bool valid(int p) const { return validity[p / 8] >> (p % 8) & 1; }
+};
+
+// Every byte at random.
+inline StoredSample noiseSample(uint64_t seed) {
+  Random random(seed);
+  StoredSample sample;
+  for (uint8_t& value : sample.phi) value = static_cast<uint8_t>(random.below(256));
+  for (uint8_t& bits : sample.validity) bits = static_cast<uint8_t>(random.below(256));
+  return sample;
+}
+
+// A probe beside a wall: the tent on this side of a random plane, nothing on the other, solid in between.
+inline StoredSample wallSample(uint64_t seed) {
+  Random random(seed);
+  double normal[3], length = 0.0;
+  for (double& n : normal) n = random.normal(), length += n * n;
+  const double offset = random.uniform(0.1, 0.6), thickness = random.uniform(0.05, 0.2);
+  StoredSample sample;
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    const LocalPoint& point = supportPattern().points[p];
+    double distance = -offset;
+    for (int axis = 0; axis < 3; ++axis) distance += normal[axis] / std::sqrt(length) * point[axis];
+    if (distance < 0) sample.phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(point)));
+    if (distance < 0 || distance > thickness) sample.validity[p / 8] |= static_cast<uint8_t>(1 << (p % 8));
+  }
+  return sample;
+}
+
+inline std::vector<double> toDouble(const Theta& theta) { return {theta.begin(), theta.end()}; }
+
+// The same with every number positive. A network of such numbers adds up the magnitudes of all terms of the original: no
+// leaky unit is below zero, nothing cancels. Rounding errors are a small multiple of what it computes.
+inline std::vector<double> magnitudes(const Theta& theta) {
+  std::vector<double> result;
+  for (const float value : theta) result.push_back(std::fabs(value));
+  return result;
+}
+inline LocalPoint magnitudes(const LocalPoint& point) {
+  return {std::fabs(point[0]), std::fabs(point[1]), std::fabs(point[2])};
+}
+inline PointSet magnitudes(PointSet points) {
+  for (AlignedFloats* values : {&points.x, &points.y, &points.z}) {
+    for (float& value : *values) value = std::fabs(value);
+  }
+  return points;
+}
+// phi enters the residual with a minus: negative, it adds to the output.
+inline AlignedFloats negated(AlignedFloats values) {
+  for (float& value : values) value = -std::fabs(value);
+  return values;
+}
+
+// How far the nearest of the 16 hidden units is from its kink.
+inline double kinkDistance(double slope, const LocalPoint& point, const std::vector<double>& theta) {
+  using L = ThetaLayout;
+  double nearest = std::numeric_limits<double>::max(), first[kHiddenCount];
+  for (int j = 0; j < kHiddenCount; ++j) {
+    double sum = theta[L::b1 + j];
+    for (int axis = 0; axis < 3; ++axis) sum += theta[L::w1 + 3 * j + axis] * point[axis];
+    nearest = std::min(nearest, std::fabs(sum));
+    first[j] = sum > 0 ? sum : slope * sum;
+  }
+  for (int j = 0; j < kHiddenCount; ++j) {
+    double sum = theta[L::b2 + j];
+    for (int i = 0; i < kHiddenCount; ++i) sum += theta[L::w2 + kHiddenCount * j + i] * first[i];
+    nearest = std::min(nearest, std::fabs(sum));
+  }
+  return nearest;
+}
+
+// Leaves out points at which a unit is within `margin` of its kink: there float and double may take different derivatives, and
+// a finite difference takes both.
+inline void maskKinks(const Representation& representation, const PointSet& points, const Theta& theta, double margin,
+                      AlignedFloats* mask) {
+  const std::vector<double> exact = toDouble(theta);
+  for (int i = 0; i < points.count; ++i) {
+    if (kinkDistance(representation.slope, {points.x[i], points.y[i], points.z[i]}, exact) < margin) (*mask)[i] = 0.0f;
+  }
+}
+
+}  // namespace nlg

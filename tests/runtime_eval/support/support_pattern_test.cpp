@@ -1,0 +1,167 @@
+#include "runtime_eval/support/support_pattern.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace nlg {
+namespace {
+
+const std::vector<LocalPoint>& points() { return supportPattern().points; }
+
+double distance(const LocalPoint& a, const LocalPoint& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+// The densest packing of N spheres in a unit cube has centres about (sqrt(2) / N)^(1/3) apart.
+double packingDistance(int count) { return std::cbrt(std::sqrt(2.0) / count); }
+
+TEST(SupportPattern, HasTheHashThatTravelsWithArtefacts) {
+  // golden: a change of one bit of one coordinate makes every stored artefact foreign
+  EXPECT_EQ(supportPattern().hash, 0x0u);
+  EXPECT_EQ(supportPattern().hash, hashPoints(points()));
+}
+
+TEST(SupportPattern, LiesOnTheLatticeAwayFromMirrorPlanesAndBorder) {
+  ASSERT_EQ(points().size(), size_t{kSupportPointCount});
+  for (int i = 0; i < kSupportPointCount; ++i) {
+    for (const float coordinate : points()[i]) {
+      const double lattice = std::fabs(double{coordinate}) * 65536.0;
+      ASSERT_EQ(lattice, std::floor(lattice)) << "point " << i;
+      ASSERT_TRUE(lattice > 0 && lattice < 65536) << "point " << i << ": " << coordinate;
+    }
+  }
+}
+
+TEST(SupportPattern, IsItsOwnMirrorImage) {
+  for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
+    for (int i = 0; i < kSupportPointCount; ++i) {
+      LocalPoint image = points()[i];
+      for (int axis = 0; axis < 3; ++axis) image[axis] *= (mirror >> axis) & 1 ? -1.0f : 1.0f;
+      ASSERT_EQ(image, points()[i ^ (mirror * kOctantPointCount)]) << "mirror " << mirror << ", point " << i;
+    }
+  }
+}
+
+TEST(SupportPattern, NumbersMirrorsByTheirSigns) {
+  for (int i = 0; i < kSupportPointCount; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      ASSERT_EQ(points()[i][axis] < 0, ((i / kOctantPointCount) >> axis & 1) == 1) << "point " << i << ", axis " << axis;
+    }
+  }
+}
+
+TEST(SupportPattern, KeepsPointsApart) {
+  // half the distance of the densest packing; independent points would come within a fourteenth of it:
+  // N^2/2 pairs, each nearer than r with probability 4/3 pi r^3, expect one pair at r = (3 / (2 pi N^2))^(1/3)
+  const double smallest = 0.5 * packingDistance(kOctantPointCount);
+  for (int i = 0; i < kOctantPointCount; ++i) {
+    for (int k = 0; k < i; ++k) ASSERT_GE(distance(points()[i], points()[k]), smallest) << "points " << i << " and " << k;
+    for (const float coordinate : points()[i]) ASSERT_GE(2.0 * coordinate, smallest) << "point " << i << " and its image";
+  }
+}
+
+TEST(SupportPattern, LeavesNoHole) {
+  // A point of the support that is farther than the packing distance from all others would leave room for another one.
+  const double largest = packingDistance(kOctantPointCount);
+  for (const LocalPoint& probe : unseenPoints(2000)) {
+    double nearest = 2.0;
+    for (const LocalPoint& point : points()) nearest = std::min(nearest, distance(probe, point));
+    ASSERT_LE(nearest, largest) << probe[0] << ' ' << probe[1] << ' ' << probe[2];
+  }
+}
+
+TEST(Strata, PartitionTheSupport) {
+  const PointSet& set = stratifiedSupportPoints();
+  ASSERT_EQ(set.count, kSupportPointCount);
+  ASSERT_EQ(set.padded_count, kSupportPointCount);
+  std::set<int> seen;
+  for (int k = 0; k < kStratumCount; ++k) {
+    for (int m = 0; m < kMirrorCount; ++m) {
+      for (int j = 0; j < 128; ++j) {
+        const int at = k * kStratumPointCount + m * 128 + j, index = m * kOctantPointCount + 8 * j + k;
+        seen.insert(index);
+        ASSERT_EQ((LocalPoint{set.x[at], set.y[at], set.z[at]}), points()[index]) << "stratum order " << at;
+        ASSERT_EQ(set.tent[at], tent(points()[index])) << "stratum order " << at;
+      }
+    }
+  }
+  EXPECT_EQ(seen.size(), size_t{kSupportPointCount});
+}
+
+TEST(Strata, AreAsWellSpreadAsThePattern) {
+  // A cell of the octant whose side is a power of two is one run of the Morton curve, and a stratum takes every eighth point:
+  // of n points in the cell it holds floor(n / 8) or one more.
+  for (const int cells : {2, 4}) {
+    std::map<int, std::array<int, kStratumCount>> counts;
+    for (int i = 0; i < kOctantPointCount; ++i) {
+      int cell = 0;
+      for (const float coordinate : points()[i]) cell = cell * cells + static_cast<int>(coordinate * cells);
+      ++counts[cell][i % kStratumCount];
+    }
+    ASSERT_EQ(counts.size(), size_t(cells) * cells * cells) << "an empty cell";
+    for (const auto& [cell, count] : counts) {
+      const auto [low, high] = std::minmax_element(count.begin(), count.end());
+      ASSERT_LE(*high - *low, 1) << "cell " << cell << " of " << cells << "^3";
+    }
+  }
+}
+
+TEST(Tent, IsTheProductOfThreeRamps) {
+  EXPECT_EQ(tent({0, 0, 0}), 1.0f);
+  EXPECT_EQ(tent({0.5f, -0.5f, 0.25f}), 0.1875f);
+  EXPECT_EQ(tent({1, 0, 0}), 0.0f);
+  EXPECT_EQ(tent({0, -1.5f, 0}), 0.0f);
+  EXPECT_EQ(tent({2, 2, 0}), 0.0f);  // two negative ramps are no positive product
+}
+
+TEST(UnseenPoints, ExtendShorterSets) {
+  EXPECT_TRUE(unseenPoints(0).empty());
+  const std::vector<LocalPoint> longer = unseenPoints(4096);
+  const std::vector<LocalPoint> shorter = unseenPoints(100);
+  EXPECT_TRUE(std::equal(shorter.begin(), shorter.end(), longer.begin()));
+}
+
+TEST(UnseenPoints, AreInsideDistinctAndNoSupportPoints) {
+  std::set<LocalPoint> all(points().begin(), points().end());
+  for (const LocalPoint& point : unseenPoints(65536)) {
+    ASSERT_TRUE(all.insert(point).second) << point[0] << ' ' << point[1] << ' ' << point[2];
+    for (const float coordinate : point) ASSERT_TRUE(std::fabs(coordinate) < 1.0f) << coordinate;
+  }
+}
+
+TEST(UnseenPoints, FillAllOctantsEvenly) {
+  // low discrepancy: far closer to a share of an eighth than independent points, whose deviation is sqrt(2048 * 7/64) = 15
+  std::array<int, 8> counts{};
+  for (const LocalPoint& p : unseenPoints(2048)) ++counts[(p[0] < 0) + 2 * (p[1] < 0) + 4 * (p[2] < 0)];
+  for (int octant = 0; octant < 8; ++octant) EXPECT_NEAR(counts[octant], 256, 15) << "octant " << octant;
+}
+
+TEST(PointSet, PadsWithCopiesOfTheFirstPoint) {
+  for (const int count : {0, 1, 15, 16, 17, 33}) {
+    const std::vector<LocalPoint> list = unseenPoints(count);
+    const PointSet set = makePointSet(list);
+    ASSERT_EQ(set.count, count);
+    ASSERT_EQ(set.padded_count, (count + 15) / 16 * 16);
+    for (int i = 0; i < set.padded_count; ++i) {
+      const LocalPoint& expected = list[i < count ? i : 0];
+      ASSERT_EQ((LocalPoint{set.x[i], set.y[i], set.z[i]}), expected) << count << " points, at " << i;
+      ASSERT_EQ(set.tent[i], tent(expected));
+    }
+  }
+}
+
+TEST(HashPoints, DependsOnEveryBitAndOnOrder) {
+  std::vector<LocalPoint> list = unseenPoints(3);
+  const uint64_t hash = hashPoints(list);
+  std::swap(list[0], list[1]);
+  EXPECT_NE(hashPoints(list), hash);
+  std::swap(list[0], list[1]);
+  list[2][2] = std::nextafter(list[2][2], 2.0f);
+  EXPECT_NE(hashPoints(list), hash);
+  EXPECT_EQ(hashPoints({}), 0xcbf29ce484222325u);  // FNV-1a's offset
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,75 @@
+#include "runtime_eval/support/weighting_function.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/runtime_eval/sample_functions.h"
+
+namespace nlg {
+namespace {
+
+TEST(DecodeStratum, EqualsTheNaiveDecodeUnderAllMirrors) {
+  const StoredSample sample = noiseSample(1);
+  for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
+    for (int stratum = 0; stratum < kStratumCount; ++stratum) {
+      float phi[kStratumPointCount], mask[kStratumPointCount];
+      const int valid_count = decodeStratum(sample.view(), stratum, mirror, phi, mask);
+      int expected_count = 0;
+      for (int at = 0; at < kStratumPointCount; ++at) {
+        // from the definitions: stratum order to pattern order, then the point whose value this one takes
+        const int index = (at / 128) * kOctantPointCount + 8 * (at % 128) + stratum;
+        const int source = index ^ (mirror * kOctantPointCount);
+        ASSERT_EQ(mask[at], sample.valid(source) ? 1.0f : 0.0f) << "mirror " << mirror << ", stratum " << stratum << ", " << at;
+        // one product of floats: within half a unit in the last place of the constant and of the product
+        ASSERT_NEAR(phi[at], sample.phi[source] / 255.0, 2 * kFloatRounding) << "byte " << int{sample.phi[source]};
+        expected_count += sample.valid(source);
+      }
+      ASSERT_EQ(valid_count, expected_count) << "mirror " << mirror << ", stratum " << stratum;
+    }
+  }
+}
+
+TEST(DecodeStratum, StaysInTheUnitInterval) {
+  StoredSample sample = noiseSample(2);
+  for (int p = 0; p < kSupportPointCount; ++p) sample.phi[p] = static_cast<uint8_t>(p % 256);
+  const WeightingFunction function = decodeFunction(sample.view());
+  for (const float phi : function.phi) ASSERT_TRUE(phi >= 0.0f && phi <= 1.0f) << phi;
+}
+
+TEST(DecodeFunction, JoinsItsStrata) {
+  const StoredSample sample = noiseSample(3);
+  const WeightingFunction function = decodeFunction(sample.view(), 5);
+  int total = 0;
+  for (int k = 0; k < kStratumCount; ++k) {
+    float phi[kStratumPointCount], mask[kStratumPointCount];
+    const int count = decodeStratum(sample.view(), k, 5, phi, mask);
+    EXPECT_EQ(function.valid_count[k], count) << "stratum " << k;
+    EXPECT_TRUE(std::equal(phi, phi + kStratumPointCount, &function.phi[k * kStratumPointCount])) << "stratum " << k;
+    EXPECT_TRUE(std::equal(mask, mask + kStratumPointCount, &function.mask[k * kStratumPointCount])) << "stratum " << k;
+    total += count;
+  }
+  EXPECT_EQ(function.validCount(), total);
+}
+
+TEST(DecodeFunction, MirroringTwiceIsNothing) {
+  const StoredSample sample = wallSample(4);
+  for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
+    StoredSample mirrored;
+    for (int p = 0; p < kSupportPointCount; ++p) {
+      const int source = p ^ (mirror * kOctantPointCount);
+      mirrored.phi[p] = sample.phi[source];
+      if (sample.valid(source)) mirrored.validity[p / 8] |= static_cast<uint8_t>(1 << (p % 8));
+    }
+    EXPECT_EQ(decodeFunction(mirrored.view(), mirror).phi, decodeFunction(sample.view()).phi) << "mirror " << mirror;
+    EXPECT_EQ(decodeFunction(mirrored.view(), mirror).mask, decodeFunction(sample.view()).mask) << "mirror " << mirror;
+  }
+}
+
+TEST(TentFunction, IsTheTentAndValidEverywhere) {
+  const WeightingFunction function = tentFunction();
+  EXPECT_EQ(function.validCount(), kSupportPointCount);
+  EXPECT_EQ(function.phi, stratifiedSupportPoints().tent);
+  for (const float mask : function.mask) ASSERT_EQ(mask, 1.0f);
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,125 @@
+"""Pictures of planes through weighting functions: generated, approximated, difference; for the page and for the README."""
+import base64
+import io
+
+import matplotlib
+import numpy as np
+from PIL import Image
+
+from plots import INK, MUTED, plt
+
+PHI_MAP = matplotlib.colormaps["inferno"]
+DIFFERENCE_MAP = matplotlib.colormaps["PuOr_r"]  # orange: the representation lets more in than the function
+ZOOM = 3
+AXIS_NAMES = "xyz"
+WHICH_NAMES = {"best": "best", "median": "median", "p95": "95th percentile", "worst": "worst"}
+
+
+def upright(slice_, picture):
+    """Rows downwards and columns rightwards as a person looks at a level: y up, or the floor plan with x rightwards."""
+    # as stored, rows run along axis + 2 and columns along axis + 1
+    if slice_.axis == 0:  # columns y, rows z
+        return picture.T[::-1]
+    if slice_.axis == 1:  # columns z, rows x
+        return picture.T
+    return picture[::-1]  # columns x, rows y
+
+
+def plane_text(slice_):
+    return ("upright plane, z to the right", "floor plan, x to the right", "upright plane, x to the right")[slice_.axis]
+
+
+def difference_limit(slices):
+    """The largest difference that the colours show: 98 % of all valid pixels lie below, rounded up to a plain number."""
+    values = np.concatenate([np.abs(s.approximated - s.generated)[s.valid] for s in slices] or [np.zeros(1)])
+    needed = np.quantile(values, 0.98) if len(values) else 0.0
+    return next((limit for limit in (0.02, 0.05, 0.1, 0.2, 0.5, 1.0) if limit >= needed), 2.0)
+
+
+def colour_image(slice_, kind, limit):
+    """One picture as RGB bytes, enlarged; invalid points hatched grey, the probe a ring in the middle."""
+    values = {"generated": slice_.generated, "approximated": slice_.approximated,
+              "difference": slice_.approximated - slice_.generated}[kind]
+    if kind == "difference":
+        rgb = DIFFERENCE_MAP(np.clip(0.5 + 0.5 * values / limit, 0, 1))[..., :3]
+    else:
+        rgb = PHI_MAP(np.sqrt(np.clip(values, 0, 1)))[..., :3]
+    rgb = np.stack([upright(slice_, rgb[..., c]) for c in range(3)], axis=-1)
+    valid = np.kron(upright(slice_, slice_.valid), np.ones((ZOOM, ZOOM))) > 0
+    rgb = np.kron(rgb, np.ones((ZOOM, ZOOM, 1)))
+    row, column = np.indices(valid.shape)
+    hatch = np.where(((row + column) % 8 < 2)[..., None], np.array([0.62, 0.65, 0.68]), np.array([0.86, 0.88, 0.89]))
+    rgb = np.where(valid[..., None], rgb, hatch)
+    distance = np.hypot(row - (len(row) - 1) / 2, column - (len(row) - 1) / 2)
+    rgb[(distance > 3.2) & (distance < 5.2)] = 1.0
+    rgb[(distance >= 5.2) & (distance < 6.4)] = 0.0
+    return (255 * rgb + 0.5).astype(np.uint8)
+
+
+def data_uri(image):
+    buffer = io.BytesIO()
+    plt.imsave(buffer, image, format="png", metadata={"Software": None}, pil_kwargs={"optimize": True})
+    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
+
+
+def gradient(colour_map, transfer=lambda v: v):
+    """A colour map as CSS, for the scale's bar."""
+    stops = [matplotlib.colors.to_hex(colour_map(transfer(v))) for v in np.linspace(0, 1, 17)]
+    return f"linear-gradient(to right, {', '.join(stops)})"
+
+
+def scales(limit):
+    return {"phi": gradient(PHI_MAP, np.sqrt), "difference": gradient(DIFFERENCE_MAP), "limit": limit}
+
+
+def gallery(slices, limit):
+    """What the page shows of each function."""
+    kinds = ("generated", "approximated", "difference")
+    return [{"which": WHICH_NAMES.get(s.which, s.which), "scene": s.scene, "function": s.function, "rmse": s.rmse,
+             "plane": plane_text(s), "images": [(kind, data_uri(colour_image(s, kind, limit))) for kind in kinds]} for s in slices]
+
+
+def plate(inputs, limit):
+    """The same as one PNG for the README: a column a function, a row a kind of picture."""
+    columns = [s for name in inputs.representations for s in inputs.slices if s.representation == name]
+    gap = 0.35
+    count, groups = len(columns), len(inputs.representations)
+    figure = plt.figure(figsize=(1.42 * count + gap * (groups - 1) + 1.05, 5.35))
+    width, height = figure.get_size_inches()
+    cell, left, top = 1.36, 1.0, height - 0.72
+    for i, slice_ in enumerate(columns):
+        group = inputs.representations.index(slice_.representation)
+        x = left + 1.42 * i + gap * group
+        if i == 0 or columns[i - 1].representation != slice_.representation:
+            figure.text(x / width, (height - 0.12) / height, slice_.representation, weight="bold", fontsize=11, va="top")
+        figure.text(x / width, (height - 0.37) / height, f"{slice_.which} · RMSE {slice_.rmse:.4f}", fontsize=8, va="top")
+        figure.text(x / width, (height - 0.53) / height, slice_.scene[:22], fontsize=7.5, va="top", color=MUTED)
+        for row, kind in enumerate(("generated", "approximated", "difference")):
+            axes = figure.add_axes([x / width, (top - (row + 1) * 1.42 + 0.06) / height, cell / width, cell / height])
+            axes.imshow(colour_image(slice_, kind, limit), interpolation="antialiased")
+            axes.axis("off")
+            if i == 0:
+                figure.text((left - 0.1) / width, (top - (row + 0.5) * 1.42 + 0.03) / height, kind, ha="right", va="center", fontsize=9)
+    draw_scale(figure, left, 0.2, PHI_MAP, lambda v: v, np.linspace(0, 1, 5) ** 0.5, ("0", ".25", ".5", ".75", "1"), "φ")
+    draw_scale(figure, left + 3.2, 0.2, DIFFERENCE_MAP, lambda v: v, (0, 0.5, 1), (f"−{limit:g}", "0", f"+{limit:g}"), "difference")
+    figure.text((left + 7.0) / width, 0.235 / height, "hatched: in solid, masked out · ring: the probe", fontsize=8, color=MUTED)
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=120, facecolor="white")
+    plt.close(figure)
+    # a README is downloaded often: 256 colours are enough for two colour maps
+    palette_image = Image.open(buffer).convert("RGB").quantize(256, dither=Image.Dither.NONE)
+    result = io.BytesIO()
+    palette_image.save(result, format="png", optimize=True)
+    return result.getvalue()
+
+
+def draw_scale(figure, x, y, colour_map, transfer, ticks, labels, name):
+    width, height = figure.get_size_inches()
+    axes = figure.add_axes([x / width, y / height, 1.9 / width, 0.11 / height])
+    axes.imshow(colour_map(transfer(np.linspace(0, 1, 256)))[None], aspect="auto", extent=(0, 1, 0, 1))
+    axes.set_yticks([])
+    axes.set_xticks(ticks, labels, fontsize=7)
+    axes.tick_params(length=2, pad=1)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    figure.text((x + 2.0) / width, (y + 0.03) / height, name, fontsize=8, color=INK)
