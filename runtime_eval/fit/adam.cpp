@@ -88,7 +88,7 @@ double functionRmse(const Representation& representation, const WeightingFunctio
 AdamOptions refinementAdam(const Representation& representation, int steps) {
   AdamOptions options;
   options.steps = steps;
-  options.learning_rate = representation.tent_factor ? 0.01 : 0.003;
+  options.learning_rate = representation.tent_factor ? 0.02 : 0.01;
   return options;
 }
 

@@ -15,7 +15,7 @@ struct AdamOptions {
   uint64_t seed = 1;    // order of the strata
 };
 
-// Learning rates that measured best for a start near the solution (docs/fitting.md).
+// Learning rates that measured best for a start near the solution (docs/measurements.md §1).
 AdamOptions refinementAdam(const Representation& representation, int steps);
 // … and for a random start.
 AdamOptions randomStartAdam(int steps);

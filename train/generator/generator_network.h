@@ -13,9 +13,9 @@ namespace nlg {
 struct GeneratorShape {
   int coefficient_count = 512;
   int width = 512;
-  int layer_count = 6;        // the last one yields theta
-  double slope = 0.01;        // LeakyReLU
-  double output_scale = 0.1;  // theta = theta0 + output_scale * last layer: keeps Adam's first steps small in theta
+  int layer_count = 6;         // the last one yields theta
+  double slope = 0.01;         // LeakyReLU
+  double output_scale = 0.05;  // theta = theta0 + output_scale * last layer: keeps Adam's first steps small in theta
 };
 
 // The formulas of GeneratorData (runtime_eval/evaluator/generator.h), differentiable. The last layer starts at zero: the

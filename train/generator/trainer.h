@@ -23,9 +23,9 @@ struct TrainOptions {
   double error_power = 0.5;      // loss = mean over functions of (mean squared error + 1e-6) ^ error_power; 0.5: RMSE, 1: MSE
   double representation_slope = 0.01;  // LeakyReLU of the tiny network
   GeneratorShape shape;
-  StartOptions start;
-  int checkpoint_steps = 1000;      // a checkpoint and a validation every so many steps
-  int validation_functions = 2048;  // at most so many held-out functions in the validation loss
+  StartOptions start{.candidates = 2048};  // most random starts end badly: a good theta0 is found once and serves all functions
+  int checkpoint_steps = 1000;             // a checkpoint and a validation every so many steps
+  int validation_functions = 2048;         // at most so many held-out functions in the validation loss
   int threads = 1;
 };
 

@@ -82,14 +82,15 @@ class Findings:
             node = self.summary_of(name)
             ratio = node["generator_to_direct"]
             direct_hard = int(self.inputs.samples[name, "direct"].hard.sum())
-            ratio_text = (f"{ratio['median'].number():.1f} times the error of direct optimisation, by median over {plural(self.chosen_count, 'chosen function')}"
-                          + (f"; {ratio['median_hard'].number():.1f} times over the {grouped(direct_hard)} hard ones of them" if direct_hard else ""))
+            ratios = [(f"{ratio['median'].number():.1f} ×", f"the error of direct optimisation (median over {plural(self.chosen_count, 'chosen function')})")]
+            if direct_hard:
+                ratios.append((f"{ratio['median_hard'].number():.1f} ×", f"over the {grouped(direct_hard)} hard ones of them"))
             rows = [row for method, label in (("generator", "generator"), ("refined", "refined where over τ"))
                     for row in self.pair(node[method], self.inputs.samples[name, method], label, method)]
-            groups.append({"name": name, "parameters": node["parameters"].count(), "bytes": node["bytes"].count(), "ratio": ratio_text,
+            groups.append({"name": name, "parameters": node["parameters"].count(), "bytes": node["bytes"].count(), "ratios": ratios,
                            "reference": ratio["reference"].text(), "rows": rows})
         tent = self.inputs.summary["tent"]
-        groups.append({"name": "bare tent", "ratio": "no network at all, the same for every probe: what a generator has to beat", "rows":
+        groups.append({"name": "bare tent", "note": "no network at all, the same for every probe: what a generator has to beat", "rows":
                        self.pair(tent, self.inputs.samples["tent", "tent"], "bare tent", "tent")})
         return groups
 
@@ -111,6 +112,16 @@ class Findings:
             rmse, leak = samples.rmse > self.tau_rmse, samples.leak_p99 > self.tau_leak
             return f"{percent(np.mean(rmse))} by RMSE, {percent(np.mean(leak))} by leak, {percent(np.mean(rmse & leak))} by both"
         return self.each(text)
+
+    def budgets(self):
+        """What each fit was given, from validate's own options."""
+        option_value = lambda key: self.inputs.summary["provenance"]["options"][key].count()
+        option = lambda key: grouped(option_value(key))
+        return (f"{NAMES['refined']}: {option('policy_adam_steps')} Adam steps for those functions only; {NAMES['refined_adam']}: "
+                f"{option('adam_refine_steps')} steps for every function; {NAMES['refined_lm']}: {option('lm_refine_iterations')} iterations; "
+                f"{NAMES['adam_theta0']} and {NAMES['adam_random']}: {option('direct_adam_steps')} steps; {NAMES['lm_theta0']}: "
+                f"{option('direct_lm_iterations')} iterations; direct: the best of LM from θ₀, Adam from θ₀ and Adam from "
+                f"{plural(option_value('direct_restarts'), 'random start')}, both polished by LM.")
 
     # ---- what was left out
 
@@ -172,7 +183,7 @@ class Findings:
             high = {scene: np.quantile(samples.rmse[samples.scene == scene], 0.95) for scene in set(samples.scene)}
             worst = max(high, key=high.get)
             good = sum(1 for value in high.values() if value <= self.tau_rmse)
-            return (f"in {good} of {plural(len(high), 'scene')} 95 % of the functions stay below τ; the largest p95 is {error(high[worst])}, in {worst}")
+            return (f"in {good or 'none'} of {plural(len(high), 'scene')} 95 % of the functions stay below τ; the largest p95 is {error(high[worst])}, in {worst}")
         return self.each(text)
 
     def unseen_points(self):
@@ -223,7 +234,7 @@ class Findings:
     def methods_table(self):
         tables = []
         for name in self.inputs.representations:
-            node, rows = self.summary_of(name), []
+            rows = []
             for method in METHODS:
                 # of all, only what ran on the chosen functions can be compared
                 samples = self.inputs.chosen(name, method)
@@ -234,5 +245,5 @@ class Findings:
                              "hard": error(np.median(hard)) if len(hard) else "–", "unseen": error(unseen),
                              "shadow": error(np.median(shadow)) if len(shadow) else "–",
                              "over": percent(over_tau(samples, self.tau_rmse, self.tau_leak).mean()), "time": duration(float(np.mean(samples.elapsed_us)))})
-            tables.append({"name": name, "rows": rows, "steps": node})
+            tables.append({"name": name, "rows": rows})
         return tables

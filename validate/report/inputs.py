@@ -281,13 +281,16 @@ def check_summary(summary):
         ratio["reference"].text(), ratio["median"].number(), ratio["median_hard"].number()
         representation["weights_sha256"].text()
     for method in methods:
+        method["functions"].number(1)
         for key in ("rmse", "rmse_hard"):
             [method[key][q].number() for q in QUANTILES]
             method[key]["functions"].count()
         [method["leak"][q].number() for q in ("mean", "p99")]
         method["share_over_tau"].number(), method["us_per_function"].number()
     origin = summary["provenance"]
-    [origin[key] for key in ("tool", "revision", "options", "inputs")]
+    origin["tool"].text(), origin["revision"].text(), [node.text() for _, node in origin["inputs"].entries()]
+    for key in ("adam_refine_steps", "lm_refine_iterations", "policy_adam_steps", "direct_adam_steps", "direct_lm_iterations", "direct_restarts"):
+        origin["options"][key].count()
 
 
 def check_basis(basis):
@@ -307,9 +310,11 @@ def read_inputs(summary_path, functions_path, slices_path, basis_path, log_paths
     check_basis(basis)
     logs = read_logs(log_paths, representations)
     samples = read_functions(functions_path, representations)
-    held_out = summary["functions"]["held_out"].count()
-    if len(samples["tent", "tent"]) != held_out:
-        raise InputError(functions_path, "rows of 'tent'", f"{held_out} as in the summary", str(len(samples["tent", "tent"])))
+    for (name, method), some in samples.items():
+        node = summary["tent"] if name == "tent" else summary["representations"][name][method]
+        expected = node["functions"].count()
+        if len(some) != expected:
+            raise InputError(functions_path, f"rows of '{name}', '{method}'", f"{expected} as in the summary", str(len(some)))
     paths = {"summary": summary_path, "functions": functions_path, "slices": slices_path, "basis": basis_path}
     paths.update({f"log {os.path.basename(p)}": p for p in log_paths})
     return Inputs(summary, representations, samples, read_slices(slices_path, representations), basis, logs, paths)

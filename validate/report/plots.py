@@ -14,8 +14,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 INK, MUTED, RULE = "#1d232a", "#5d6772", "#d5dbe1"
 COLOURS = {"tent": "#7a828a", "generator": "#0072B2", "refined": "#D55E00", "direct": "#009E73", "other": "#9b6a8f"}
-NAMES = {"tent": "bare tent", "generator": "generator", "refined": "refined where over τ", "refined_adam": "all refined, Adam",
-         "refined_lm": "all refined, LM", "adam_theta0": "Adam from θ₀", "lm_theta0": "LM from θ₀",
+NAMES = {"tent": "bare tent", "generator": "generator", "refined": "refined where over τ", "refined_adam": "generator + Adam",
+         "refined_lm": "generator + LM", "adam_theta0": "Adam from θ₀", "lm_theta0": "LM from θ₀",
          "adam_random": "Adam from random", "direct": "direct"}
 PANEL = (4.7, 3.15)  # inches; scaled to its column by the page
 

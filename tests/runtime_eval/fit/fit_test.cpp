@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/fit/direct.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"

@@ -1,0 +1,141 @@
+#include "datagen/dataset/function_set.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kPattern = 0x1234;
+constexpr int kPoints = 32, kUnseen = 16;
+
+// Functions that are told apart by the number of `first` on.
+Shard shardOf(const std::string& scene, int count, int first, int unseen = kUnseen) {
+  Shard shard;
+  shard.scene_id = scene;
+  shard.family = "family of " + scene;
+  shard.pattern_hash = kPattern;
+  shard.unseen_pattern_hash = 77;
+  shard.point_count = kPoints;
+  shard.unseen_point_count = unseen;
+  shard.provenance_json = "{}";
+  shard.counts = {100, 50, static_cast<uint64_t>(count), 5, 6, 7, 8};
+  for (int n = first; n < first + count; ++n) {
+    for (int p = 0; p < kPoints; ++p) shard.phi.push_back(static_cast<uint8_t>(n + p));
+    shard.validity.insert(shard.validity.end(), kPoints / 8, 0xff);
+    shard.seen.insert(shard.seen.end(), kPoints / 8, static_cast<uint8_t>(n));
+    shard.phi_unseen.insert(shard.phi_unseen.end(), unseen, static_cast<uint8_t>(n));
+    shard.validity_unseen.insert(shard.validity_unseen.end(), unseen / 8, 0xff);
+    shard.seen_unseen.insert(shard.seen_unseen.end(), unseen / 8, static_cast<uint8_t>(n));
+    shard.probe_position_m.insert(shard.probe_position_m.end(), 3, n);
+    shard.spacing_m.push_back(1.0f);
+    shard.flags.push_back(0);
+  }
+  return shard;
+}
+
+class FunctionSetFiles : public testing::Test {
+ protected:
+  FunctionSetFiles() : folder_(std::filesystem::temp_directory_path() / ("nlg_function_set_" + std::to_string(::getpid()))) {}
+  ~FunctionSetFiles() override { std::filesystem::remove_all(folder_); }
+
+  std::string write(const Shard& shard) {
+    const std::string path = (folder_ / (std::to_string(file_count_++) + ".h5")).string();
+    writeShard(path, shard);
+    return path;
+  }
+
+  std::filesystem::path folder_;
+  int file_count_ = 0;
+};
+
+TEST_F(FunctionSetFiles, AreReadInOrder) {
+  const FunctionSet set = readFunctionSet({write(shardOf("a", 3, 10)), write(shardOf("b", 2, 40)), write(shardOf("a", 1, 80))}, kPattern);
+  ASSERT_EQ(set.functionCount(), 6u);
+  EXPECT_EQ(set.scene_ids, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(set.families, (std::vector<std::string>{"family of a", "family of b"}));
+  EXPECT_EQ(set.scene_idx, (std::vector<uint32_t>{0, 0, 0, 1, 1, 0}));
+  const uint8_t first_values[] = {10, 11, 12, 40, 41, 80};
+  ASSERT_EQ(set.phi.size(), 6u * kPoints);
+  ASSERT_EQ(set.validity.size(), 6u * kPoints / 8);
+  ASSERT_EQ(set.phi_unseen.size(), 6u * kUnseen);
+  ASSERT_EQ(set.seen_unseen.size(), 6u * kUnseen / 8);
+  for (int n = 0; n < 6; ++n) {
+    EXPECT_EQ(set.phi[n * kPoints], first_values[n]) << "function " << n;
+    EXPECT_EQ(set.seen[n * kPoints / 8], first_values[n]) << "function " << n;
+    EXPECT_EQ(set.phi_unseen[n * kUnseen], first_values[n]) << "function " << n;
+    EXPECT_EQ(set.seen_unseen[n * kUnseen / 8], first_values[n]) << "function " << n;
+  }
+  EXPECT_EQ(set.counts.grid_probes, 300u);
+  EXPECT_EQ(set.counts.functions, 6u);
+  EXPECT_EQ(set.counts.free_space, 15u);
+}
+
+TEST_F(FunctionSetFiles, DropAndCountDuplicatesBetweenShards) {
+  // 10 11 12 13 | 12 13 14 | 13 14 15: 2 and then 2 of them are there already
+  const FunctionSet set = readFunctionSet({write(shardOf("a", 4, 10)), write(shardOf("b", 3, 12)), write(shardOf("c", 3, 13))}, kPattern);
+  ASSERT_EQ(set.functionCount(), 6u);
+  EXPECT_EQ(set.scene_idx, (std::vector<uint32_t>{0, 0, 0, 0, 1, 2}));
+  EXPECT_EQ(set.counts.functions, 6u);
+  EXPECT_EQ(set.counts.duplicates, 3u * 7u + 4u) << "those inside shards and those between them";
+  EXPECT_EQ(set.counts.visited_probes, 150u);
+}
+
+TEST_F(FunctionSetFiles, KeepFunctionsThatDifferInValidityAlone) {
+  Shard other = shardOf("b", 1, 10);
+  // phi is 0 where it is not valid: point 31 of function 10 holds 41
+  other.phi[31] = 0;
+  Shard third = other;
+  third.validity[3] = 0x7f;
+  EXPECT_EQ(readFunctionSet({write(shardOf("a", 1, 10)), write(other), write(third)}, kPattern).functionCount(), 3u);
+}
+
+TEST_F(FunctionSetFiles, TakeShardsWithoutFunctions) {
+  const FunctionSet set = readFunctionSet({write(shardOf("a", 0, 0)), write(shardOf("b", 2, 5)), write(shardOf("c", 0, 0))}, kPattern);
+  EXPECT_EQ(set.functionCount(), 2u);
+  EXPECT_EQ(set.scene_ids.size(), 3u);
+  EXPECT_EQ(readFunctionSet({write(shardOf("a", 0, 0))}, kPattern).functionCount(), 0u);
+}
+
+TEST_F(FunctionSetFiles, AreIdentifiedByTheirBytesAndOrder) {
+  const std::string a = write(shardOf("a", 2, 10)), b = write(shardOf("b", 2, 40)), a_again = write(shardOf("a", 2, 10));
+  const auto identity = [](const std::vector<std::string>& paths) { return readFunctionSet(paths, kPattern).sha256; };
+  EXPECT_EQ(identity({a, b}), identity({a_again, b}));
+  EXPECT_NE(identity({a, b}), identity({b, a}));
+  EXPECT_NE(identity({a, b}), identity({a}));
+}
+
+TEST_F(FunctionSetFiles, RefuseShardsThatDoNotBelongTogether) {
+  const std::string first = write(shardOf("a", 2, 10));
+  EXPECT_THROW(readFunctionSet({first, write(shardOf("b", 2, 40, 8))}, kPattern), InputError) << "another number of unseen points";
+  EXPECT_THROW(readFunctionSet({first, write(shardOf("b", 2, 40, 0))}, kPattern), InputError) << "no unseen points";
+  EXPECT_THROW(readFunctionSet({first}, kPattern + 1), InputError) << "another pattern";
+  Shard other_unseen = shardOf("b", 2, 40);
+  other_unseen.unseen_pattern_hash = 78;
+  EXPECT_THROW(readFunctionSet({first, write(other_unseen)}, kPattern), InputError) << "other unseen points";
+  Shard other_pattern = shardOf("b", 2, 40);
+  other_pattern.pattern_hash = kPattern + 1;
+  EXPECT_THROW(readFunctionSet({first, write(other_pattern)}, 0), InputError) << "two patterns, when any is taken";
+}
+
+TEST_F(FunctionSetFiles, RefuseAShardOfAnotherPointCount) {
+  // same hash, so the file lies; its rows must not be read at the others' width
+  Shard narrow = shardOf("b", 2, 40);
+  narrow.point_count = 8;
+  narrow.phi.resize(2 * 8);
+  narrow.validity.resize(2);
+  narrow.seen.resize(2);
+  EXPECT_THROW(readFunctionSet({write(shardOf("a", 2, 10)), write(narrow)}, kPattern), InputError);
+}
+
+TEST_F(FunctionSetFiles, RefuseMissingFilesAndNoFiles) {
+  EXPECT_THROW(readFunctionSet({(folder_ / "missing.h5").string()}, kPattern), InputError);
+  EXPECT_THROW(readFunctionSet({}, kPattern), InputError);
+}
+
+}  // namespace
+}  // namespace nlg

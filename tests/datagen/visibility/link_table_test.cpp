@@ -1,0 +1,111 @@
+#include "datagen/visibility/link_table.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace nlg {
+namespace {
+
+constexpr int kUnseen = 200;
+
+const LinkTable& table() {
+  static const LinkTable links = makeLinkTable(unseenPoints(kUnseen));
+  return links;
+}
+
+const LinkTable::Edge& nearest(uint32_t point, int k) { return table().nearest[size_t(point) * kLinkCount + k]; }
+
+double distanceBetween(uint32_t a, uint32_t b) {
+  const LocalPoint &p = table().points[a], &q = table().points[b];
+  return std::hypot(double{p[0]} - q[0], double{p[1]} - q[1], double{p[2]} - q[2]);
+}
+
+TEST(LinkTable, HoldsTheSupportThenTheUnseenPoints) {
+  ASSERT_EQ(table().pointCount(), kSupportPointCount + kUnseen);
+  const std::vector<LocalPoint> unseen = unseenPoints(kUnseen);
+  EXPECT_TRUE(std::equal(supportPattern().points.begin(), supportPattern().points.end(), table().points.begin()));
+  EXPECT_TRUE(std::equal(unseen.begin(), unseen.end(), table().points.begin() + kSupportPointCount));
+}
+
+TEST(LinkTable, ListsThe32NearestByBruteForce) {
+  for (uint32_t point = 0; point < table().points.size(); point += point < kSupportPointCount ? 37 : 5) {
+    std::vector<double> distances;
+    for (uint32_t other = 0; other < kSupportPointCount; ++other) {
+      if (other != point) distances.push_back(distanceBetween(point, other));
+    }
+    std::sort(distances.begin(), distances.end());
+    std::set<uint32_t> listed;
+    for (int k = 0; k < kLinkCount; ++k) {
+      const uint32_t other = nearest(point, k).point;
+      ASSERT_TRUE(other < kSupportPointCount && other != point) << "point " << point << ", neighbour " << k;
+      listed.insert(other);
+      // ties may be listed either way: distances decide. Squares are in float: 4 roundings
+      ASSERT_NEAR(distanceBetween(point, other), distances[k], 4 * 0x1p-24 * distances[k]) << "point " << point << ", neighbour " << k;
+      ASSERT_NEAR(table().distance[size_t(point) * kLinkCount + k], distances[k], 4 * 0x1p-24 * distances[k]) << "point " << point;
+    }
+    ASSERT_EQ(listed.size(), size_t{kLinkCount}) << "point " << point << " lists one twice";
+  }
+}
+
+TEST(LinkTable, IsMirroredExactly) {
+  for (uint32_t mirror = 1; mirror < kMirrorCount; ++mirror) {
+    const uint32_t flip = mirror * kOctantPointCount;
+    for (uint32_t point = 0; point < kSupportPointCount; ++point) {
+      for (int k = 0; k < kLinkCount; ++k) {
+        ASSERT_EQ(nearest(point ^ flip, k).point, nearest(point, k).point ^ flip) << "mirror " << mirror << ", point " << point;
+        ASSERT_EQ(table().distance[size_t(point ^ flip) * kLinkCount + k], table().distance[size_t(point) * kLinkCount + k]);
+      }
+    }
+  }
+}
+
+TEST(LinkTable, GivesEveryPairOneIndex) {
+  std::set<std::pair<uint32_t, uint32_t>> pairs;
+  for (const LinkTable::Link& link : table().links) {
+    ASSERT_LT(link.a, link.b);
+    ASSERT_TRUE(pairs.insert({link.a, link.b}).second) << link.a << ' ' << link.b;
+  }
+  std::set<uint32_t> used;
+  for (uint32_t point = 0; point < table().points.size(); ++point) {
+    for (int k = 0; k < kLinkCount; ++k) {
+      const LinkTable::Link& link = table().links[nearest(point, k).link];
+      ASSERT_EQ(std::min(point, nearest(point, k).point), link.a);
+      ASSERT_EQ(std::max(point, nearest(point, k).point), link.b);
+      used.insert(nearest(point, k).link);
+    }
+  }
+  EXPECT_EQ(used.size(), table().links.size()) << "a link that nobody asked for";
+}
+
+TEST(LinkTable, ListsEveryLinkAtBothEnds) {
+  ASSERT_EQ(table().first_edge.size(), table().points.size() + 1);
+  ASSERT_EQ(table().edges.size(), 2 * table().links.size());
+  std::vector<int> visits(table().links.size(), 0);
+  for (uint32_t point = 0; point < table().points.size(); ++point) {
+    for (uint32_t e = table().first_edge[point]; e < table().first_edge[point + 1]; ++e) {
+      const LinkTable::Edge& edge = table().edges[e];
+      const LinkTable::Link& link = table().links[edge.link];
+      ASSERT_TRUE((link.a == point && link.b == edge.point) || (link.b == point && link.a == edge.point)) << "edge " << e;
+      ++visits[edge.link];
+    }
+  }
+  for (const int count : visits) ASSERT_EQ(count, 2);
+}
+
+TEST(LinkTable, LetsNothingReadAnUnseenPoint) {
+  for (const LinkTable::Edge& edge : table().nearest) ASSERT_LT(edge.point, uint32_t{kSupportPointCount});
+}
+
+TEST(LinkTable, IsTheSameForTheSupportWithAndWithoutUnseenPoints) {
+  const LinkTable plain = makeLinkTable({});
+  for (size_t i = 0; i < plain.nearest.size(); ++i) {
+    ASSERT_EQ(plain.nearest[i].point, table().nearest[i].point) << "entry " << i;
+    ASSERT_EQ(plain.distance[i], table().distance[i]) << "entry " << i;
+  }
+}
+
+}  // namespace
+}  // namespace nlg

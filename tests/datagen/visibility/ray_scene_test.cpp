@@ -1,0 +1,168 @@
+#include "datagen/visibility/ray_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "runtime_eval/support/random.h"
+#include "tests/datagen/hand_built_scenes.h"
+
+namespace nlg {
+namespace {
+
+bool blocked(const RayScene& scene, const glm::vec3& from, const glm::vec3& to) {
+  SegmentPacket packet{};
+  packet.origin_x[0] = from.x, packet.origin_y[0] = from.y, packet.origin_z[0] = from.z;
+  packet.direction_x[0] = to.x - from.x, packet.direction_y[0] = to.y - from.y, packet.direction_z[0] = to.z - from.z;
+  return scene.occluded(packet, 1) == 1;
+}
+
+glm::vec3 randomPoint(Random& random, float low, float high) {
+  return {random.uniform(low, high), random.uniform(low, high), random.uniform(low, high)};
+}
+
+// A square at x = 0 cut into random triangles that share their corners: rows of quads, corners shaken.
+Scene shakenSquare(std::vector<glm::vec3>* corners) {
+  constexpr int kCells = 12;
+  Random random(3);
+  SceneOfFaces faces;
+  const auto at = [&](int i, int k) { return (*corners)[i * (kCells + 1) + k]; };
+  for (int i = 0; i <= kCells; ++i) {
+    for (int k = 0; k <= kCells; ++k) {
+      const bool inner = i > 0 && i < kCells && k > 0 && k < kCells;
+      const double shake = inner ? 0.3 : 0.0;
+      corners->push_back({inner ? random.uniform(-0.1, 0.1) : 0.0, i - kCells / 2 + random.uniform(-shake, shake),
+                          k - kCells / 2 + random.uniform(-shake, shake)});
+    }
+  }
+  for (int i = 0; i < kCells; ++i) {
+    for (int k = 0; k < kCells; ++k) faces.addQuad(at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1));
+  }
+  return faces.finish();
+}
+
+// A triangle cut by the six planes of a cube, in double (Sutherland & Hodgman 1974): does anything remain?
+bool touchesCube(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double half_side) {
+  std::vector<glm::dvec3> polygon = {a, b, c};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      std::vector<glm::dvec3> kept;
+      for (size_t i = 0; i < polygon.size(); ++i) {
+        const glm::dvec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+        const double dp = half_side - sign * p[axis], dq = half_side - sign * q[axis];
+        if (dp >= 0) kept.push_back(p);
+        if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) kept.push_back(p + (q - p) * (dp / (dp - dq)));
+      }
+      polygon = kept;
+    }
+  }
+  return !polygon.empty();
+}
+
+TEST(RayScene, BlocksSegmentsThatCrossAFaceFromEitherSide) {
+  const RayScene scene(thinWall(Sides::one));
+  EXPECT_TRUE(blocked(scene, {0, 0, 0}, {1, 0.3f, 0.2f}));
+  EXPECT_TRUE(blocked(scene, {1, 0.3f, 0.2f}, {0, 0, 0}));
+  EXPECT_FALSE(blocked(scene, {0, 0, 0}, {0.3f, 40, 40}));
+  EXPECT_FALSE(blocked(scene, {0.32f, 0, 0}, {5, 1, 1}));
+  EXPECT_FALSE(blocked(scene, {0, 0, 0}, {-5, 0, 0})) << "the wall is behind the origin";
+}
+
+TEST(RayScene, CountsASegmentsEnds) {
+  SceneOfFaces faces;
+  faces.addQuad({1, -4, -4}, {1, 4, -4}, {1, 4, 4}, {1, -4, 4});
+  const RayScene scene(faces.finish());
+  EXPECT_TRUE(blocked(scene, {0, 0.25f, 0.5f}, {1, 0.25f, 0.5f}));
+  EXPECT_TRUE(blocked(scene, {1, 0.25f, 0.5f}, {2, 0.25f, 0.5f}));
+  EXPECT_FALSE(blocked(scene, {0, 0.25f, 0.5f}, {0.9999f, 0.25f, 0.5f}));
+}
+
+TEST(RayScene, LetsSegmentsPassInAFacesPlane) {
+  SceneOfFaces faces;
+  faces.addQuad({1, -4, -4}, {1, 4, -4}, {1, 4, 4}, {1, -4, 4});
+  EXPECT_FALSE(blocked(RayScene(faces.finish()), {1, -1, 0.5f}, {1, 2, 0.25f}));
+}
+
+TEST(RayScene, TracesOnlyTheFirstSegments) {
+  const RayScene scene(thinWall(Sides::one));
+  SegmentPacket packet{};
+  for (int i = 0; i < kPacketSize; ++i) packet.direction_x[i] = i % 3 == 0 ? -1.0f : 1.0f, packet.direction_y[i] = 0.1f;
+  for (int count = 0; count <= kPacketSize; ++count) {
+    uint32_t expected = 0;
+    for (int i = 0; i < count; ++i) expected |= (i % 3 != 0 ? 1u : 0u) << i;
+    EXPECT_EQ(scene.occluded(packet, count), expected) << count << " segments";
+  }
+}
+
+TEST(RayScene, IsWatertightAlongSharedEdges) {
+  std::vector<glm::vec3> corners;
+  const Scene square = shakenSquare(&corners);
+  const RayScene scene(square);
+  Random random(4);
+  for (int i = 0; i < 100000; ++i) {
+    // a place on an inner edge, or a corner, of some triangle; a segment through it from one side to the other
+    const glm::uvec3& triangle = square.triangles[random.below(static_cast<uint32_t>(square.triangles.size()))];
+    const uint32_t side = random.below(3);
+    const glm::vec3 a = square.positions[triangle[side]], b = square.positions[triangle[(side + 1) % 3]];
+    const glm::vec3 target = i % 8 == 0 ? a : a + (b - a) * static_cast<float>(random.uniform());
+    if (std::max(std::fabs(target.y), std::fabs(target.z)) > 5.5f) continue;  // the square's own border
+    const glm::vec3 from = target + glm::vec3(random.uniform(0.5, 3), random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2));
+    const glm::vec3 to = target + (target - from) * static_cast<float>(random.uniform(0.5, 2));
+    ASSERT_TRUE(blocked(scene, from, to)) << "segment " << i << " through " << target.x << ' ' << target.y << ' ' << target.z;
+  }
+}
+
+TEST(RayScene, OfNothingBlocksNothing) {
+  const RayScene scene(Scene{});
+  EXPECT_FALSE(blocked(scene, {0, 0, 0}, {1, 1, 1}));
+  EXPECT_EQ(scene.firstFacing({0, 0, 0}, {1, 0, 0}), Facing::nothing);
+  EXPECT_FALSE(scene.anyTriangleInCube({0, 0, 0}, 1e6f));
+}
+
+TEST(RayScene, TellsWhichSideOfTheFirstFaceARayMeets) {
+  SceneOfFaces faces;
+  faces.addBox({1, -1, -1}, {2, 1, 1});
+  faces.addQuad({-1, -1, -1}, {-1, -1, 1}, {-1, 1, 1}, {-1, 1, -1}, Sides::two);
+  const RayScene scene(faces.finish());
+  EXPECT_EQ(scene.firstFacing({0, 0.1f, 0.2f}, {1, 0, 0}), Facing::front);
+  EXPECT_EQ(scene.firstFacing({1.5f, 0.1f, 0.2f}, {1, 0, 0}), Facing::back);
+  EXPECT_EQ(scene.firstFacing({1.5f, 0.1f, 0.2f}, {-1, 0, 0}), Facing::back);
+  EXPECT_EQ(scene.firstFacing({0, 0.1f, 0.2f}, {-1, 0, 0}), Facing::both);
+  EXPECT_EQ(scene.firstFacing({0, 0.1f, 0.2f}, {0, 1, 0}), Facing::nothing);
+}
+
+TEST(RayScene, FindsTrianglesInCubesAsClippingDoes) {
+  Random random(5);
+  int touching = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const float size = i % 2 ? 0.3f : 3.0f;
+    const glm::vec3 a = randomPoint(random, -2, 2), b = a + randomPoint(random, -size, size), c = a + randomPoint(random, -size, size);
+    SceneOfFaces faces;
+    faces.addTriangle(a, b, c);
+    const RayScene scene(faces.finish());
+    const glm::vec3 center = randomPoint(random, -0.5f, 0.5f);
+    const auto half_side = static_cast<float>(random.uniform(0.3, 1.2));
+    const auto clipped = [&](double half) {
+      return touchesCube(glm::dvec3(a) - glm::dvec3(center), glm::dvec3(b) - glm::dvec3(center), glm::dvec3(c) - glm::dvec3(center), half);
+    };
+    // float decides only what is farther from touching than its rounding
+    if (clipped(half_side * (1 - 1e-5)) != clipped(half_side * (1 + 1e-5))) continue;
+    touching += clipped(half_side);
+    ASSERT_EQ(scene.anyTriangleInCube(center, half_side), clipped(half_side)) << "triangle " << i << ", half side " << half_side;
+  }
+  EXPECT_TRUE(touching > 500 && touching < 3500) << touching;
+}
+
+TEST(RayScene, FindsASmallTriangleAmongMany) {
+  SceneOfFaces faces;
+  for (int i = 0; i < 1000; ++i) faces.addBox({3.0f * i, 10, 10}, {3.0f * i + 1, 11, 11});
+  const RayScene without(faces.finish());
+  faces.addTriangle({500, 0.99f, 0}, {500.01f, 0.99f, 0}, {500, 0.99f, 0.01f});
+  const RayScene with(faces.finish());
+  EXPECT_FALSE(without.anyTriangleInCube({500, 0, 0}, 1));
+  EXPECT_TRUE(with.anyTriangleInCube({500, 0, 0}, 1));
+  EXPECT_FALSE(with.anyTriangleInCube({500, 0, 0}, 0.98f));
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,257 @@
+#include "datagen/visibility/support_visibility.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "tests/datagen/hand_built_scenes.h"
+
+namespace nlg {
+namespace {
+
+const LinkTable& table() {
+  static const LinkTable links = makeLinkTable(unseenPoints(512));
+  return links;
+}
+
+struct NamedScene {
+  const char* name;
+  Scene scene;
+};
+
+std::vector<NamedScene> scenes() {
+  SceneOfFaces room, crate;
+  room.addRoom({-0.4f, -0.5f, -0.6f}, {0.7f, 0.45f, 0.55f}, 0.2f);
+  crate.addBox({-0.3f, -0.9f, 0.25f}, {0.35f, -0.2f, 0.8f});
+  return {{"infinite wall", infiniteWall()},
+          {"half wall", halfWall()},
+          {"wall with a hole", wallWithHole()},
+          {"thin wall", thinWall(Sides::one)},
+          {"thin double-sided wall", thinWall(Sides::two)},
+          {"slivers", slivers()},
+          {"room", room.finish()},
+          {"crate", crate.finish()},
+          {"terrain", terrainSheet(-0.3f, Sides::one)}};
+}
+
+// One segment by itself.
+bool clear(const RayScene& scene, const glm::vec3& from, const glm::vec3& to) {
+  SegmentPacket packet{};
+  packet.origin_x[0] = from.x, packet.origin_y[0] = from.y, packet.origin_z[0] = from.z;
+  packet.direction_x[0] = to.x - from.x, packet.direction_y[0] = to.y - from.y, packet.direction_z[0] = to.z - from.z;
+  return scene.occluded(packet, 1) == 0;
+}
+
+glm::vec3 pointAt(const glm::vec3& position_m, float spacing_m, uint32_t point) {
+  const LocalPoint& local = table().points[point];
+  return position_m + spacing_m * glm::vec3(local[0], local[1], local[2]);
+}
+
+std::vector<uint32_t> allLinks() {
+  std::vector<uint32_t> links(table().links.size());
+  std::iota(links.begin(), links.end(), 0u);
+  return links;
+}
+
+// Visibility of a probe at `position_m`, with what it sees and what is valid.
+SupportVisibility judged(const RayScene& scene, const glm::vec3& position_m = glm::vec3(0), float spacing_m = 1.0f) {
+  SupportVisibility visibility(scene, table());
+  visibility.beginProbe(position_m, spacing_m);
+  visibility.traceProbeRays();
+  visibility.findValidity();
+  return visibility;
+}
+
+TEST(SupportVisibility, FindsTheSameLinksLazilyAsByBruteForce) {
+  for (const NamedScene& named : scenes()) {
+    const RayScene scene(named.scene);
+    const SupportVisibility lazy = judged(scene);
+    size_t tested = 0, open = 0;
+    for (uint32_t l = 0; l < table().links.size(); ++l) {
+      if (!lazy.linkTested(l)) continue;
+      const LinkTable::Link& link = table().links[l];
+      ASSERT_EQ(lazy.linkOpen(l), clear(scene, pointAt(glm::vec3(0), 1, link.a), pointAt(glm::vec3(0), 1, link.b)))
+          << named.name << ", link " << link.a << " to " << link.b;
+      ++tested, open += lazy.linkOpen(l);
+    }
+    EXPECT_GT(tested, 0u) << named.name;
+    EXPECT_LT(tested, table().links.size()) << named.name << ": nothing was left out";
+  }
+}
+
+TEST(SupportVisibility, TestsBatchesAsSingleLinks) {
+  const RayScene scene(wallWithHole());
+  SupportVisibility visibility(scene, table());
+  visibility.beginProbe(glm::vec3(0), 1.0f);
+  std::vector<uint32_t> links = allLinks();
+  links.insert(links.end(), links.begin(), links.begin() + 1000);  // asked for twice: traced once
+  visibility.testLinks(links);
+  EXPECT_EQ(visibility.rayCount(), table().links.size());
+  for (uint32_t l = 0; l < table().links.size(); l += 7) {
+    const LinkTable::Link& link = table().links[l];
+    ASSERT_EQ(visibility.linkOpen(l), clear(scene, pointAt(glm::vec3(0), 1, link.a), pointAt(glm::vec3(0), 1, link.b))) << "link " << l;
+  }
+  visibility.testLinks(allLinks());
+  EXPECT_EQ(visibility.rayCount(), table().links.size()) << "a tested link was traced again";
+}
+
+TEST(SupportVisibility, SeesAlongALinkBothWays) {
+  // A segment's ends are only rounding apart from its reverse, and no wall here passes within rounding of a segment's end.
+  const RayScene scene(wallWithHole());
+  for (uint32_t l = 0; l < table().links.size(); l += 3) {
+    const glm::vec3 a = pointAt(glm::vec3(0), 1, table().links[l].a), b = pointAt(glm::vec3(0), 1, table().links[l].b);
+    ASSERT_EQ(clear(scene, a, b), clear(scene, b, a)) << "link " << l;
+  }
+}
+
+TEST(SupportVisibility, CarriesValidityToWhatOpenLinksConnect) {
+  // union of the support points over all open links, by brute force
+  for (const NamedScene& named : scenes()) {
+    const RayScene scene(named.scene);
+    SupportVisibility whole(scene, table());
+    whole.beginProbe(glm::vec3(0), 1.0f);
+    whole.testLinks(allLinks());
+    std::vector<uint32_t> parent(table().points.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    const auto root = [&](uint32_t p) {
+      while (parent[p] != p) p = parent[p] = parent[parent[p]];
+      return p;
+    };
+    for (uint32_t l = 0; l < table().links.size(); ++l) {
+      const LinkTable::Link& link = table().links[l];
+      if (link.b < kSupportPointCount && whole.linkOpen(l)) parent[root(link.a)] = root(link.b);
+    }
+    const SupportVisibility visibility = judged(scene);
+    std::vector<int> seen_group(table().points.size(), 0);
+    for (uint32_t p = 0; p < kSupportPointCount; ++p) seen_group[root(p)] |= visibility.seen(p);
+    for (uint32_t p = 0; p < kSupportPointCount; ++p) {
+      if (seen_group[root(p)]) {
+        ASSERT_TRUE(visibility.valid(p)) << named.name << ", point " << p;
+      }
+      ASSERT_EQ(visibility.valid(p), visibility.valid(root(p))) << named.name << ": one group, two verdicts, point " << p;
+    }
+    // an unseen point follows any support point that it has an open link to
+    for (uint32_t l = 0; l < table().links.size(); ++l) {
+      const LinkTable::Link& link = table().links[l];
+      if (link.b < kSupportPointCount || !whole.linkOpen(l) || !visibility.valid(link.a)) continue;
+      ASSERT_TRUE(visibility.valid(link.b)) << named.name << ", unseen point " << link.b;
+    }
+  }
+}
+
+TEST(SupportVisibility, SeesWhatSegmentsFromTheProbeReach) {
+  const glm::vec3 position(3.0f, -2.0f, 5.0f);
+  Scene moved = wallWithHole();
+  for (glm::vec3& p : moved.positions) p = position + 2.0f * p;
+  const RayScene scene(moved);
+  const SupportVisibility visibility = judged(scene, position, 2.0f);
+  for (uint32_t p = 0; p < table().points.size(); ++p) {
+    ASSERT_EQ(visibility.seen(p), clear(scene, position, pointAt(position, 2.0f, p))) << "point " << p;
+  }
+}
+
+TEST(SupportVisibility, KnowsSolidFromAirInAClosedRoom) {
+  const glm::vec3 low(-0.4f, -0.5f, -0.6f), high(0.7f, 0.45f, 0.55f);
+  SceneOfFaces faces;
+  faces.addRoom(low, high, 0.2f);
+  const RayScene scene(faces.finish());
+  const SupportVisibility visibility = judged(scene);
+  EXPECT_FALSE(visibility.probeVote().solid());
+  for (uint32_t p = 0; p < table().points.size(); ++p) {
+    const glm::vec3 at = pointAt(glm::vec3(0), 1, p);
+    const auto within = [&](const glm::vec3& a, const glm::vec3& b) {
+      return glm::all(glm::greaterThan(at, a)) && glm::all(glm::lessThan(at, b));
+    };
+    const bool inside = within(low, high), outside = !within(low - glm::vec3(0.2f), high + glm::vec3(0.2f));
+    ASSERT_EQ(visibility.valid(p), inside || outside) << "point " << at.x << ' ' << at.y << ' ' << at.z;
+    ASSERT_EQ(visibility.seen(p), inside) << "point " << at.x << ' ' << at.y << ' ' << at.z;
+  }
+}
+
+TEST(SupportVisibility, FindsAProbeInAWallSolid) {
+  const RayScene scene(infiniteWall());
+  SupportVisibility visibility(scene, table());
+  const auto voteAt = [&](float x) {
+    visibility.beginProbe({x, 0.013f, 0.027f}, 1.0f);
+    return visibility.probeVote();
+  };
+  EXPECT_TRUE(voteAt(0.4f).solid());
+  EXPECT_EQ(voteAt(0.4f).front, 0);
+  EXPECT_FALSE(voteAt(0.2f).solid());
+  EXPECT_FALSE(voteAt(0.6f).solid());
+  EXPECT_FALSE(voteAt(0.4f).disputed());
+}
+
+TEST(SupportVisibility, TakesTheUndersideOfOpenTerrainForSolid) {
+  const float height = -0.3f;
+  const RayScene scene(terrainSheet(height, Sides::one));
+  const SupportVisibility visibility = judged(scene);
+  for (uint32_t p = 0; p < table().points.size(); ++p) ASSERT_EQ(visibility.valid(p), table().points[p][1] > height) << "point " << p;
+}
+
+TEST(SupportVisibility, TakesDoubleSidedFacesForNoEvidence) {
+  const RayScene scene(terrainSheet(-0.3f, Sides::two));
+  SupportVisibility visibility = judged(scene);
+  for (uint32_t p = 0; p < table().points.size(); ++p) {
+    ASSERT_TRUE(visibility.valid(p)) << "point " << p;
+    ASSERT_EQ(visibility.seen(p), table().points[p][1] > -0.3f) << "point " << p;
+  }
+  visibility.beginProbe({0, -5, 0}, 1.0f);
+  EXPECT_FALSE(visibility.probeVote().solid());
+}
+
+TEST(SupportVisibility, TakesAFlippedCrateForAirInside) {
+  SceneOfFaces upright, flipped;
+  upright.addBox({-0.3f, -0.9f, 0.25f}, {0.35f, -0.2f, 0.8f});
+  flipped.addBox({-0.3f, -0.9f, 0.25f}, {0.35f, -0.2f, 0.8f}, true);
+  const RayScene upright_scene(upright.finish()), flipped_scene(flipped.finish());
+  const SupportVisibility as_made = judged(upright_scene), as_flipped = judged(flipped_scene);
+  for (uint32_t p = 0; p < table().points.size(); ++p) {
+    const LocalPoint& at = table().points[p];
+    const bool inside = at[0] > -0.3f && at[0] < 0.35f && at[1] > -0.9f && at[1] < -0.2f && at[2] > 0.25f && at[2] < 0.8f;
+    ASSERT_EQ(as_made.valid(p), !inside) << "point " << p;
+    ASSERT_TRUE(as_flipped.valid(p)) << "point " << p;
+    ASSERT_EQ(as_flipped.seen(p), as_made.seen(p)) << "point " << p;
+  }
+}
+
+TEST(SupportVisibility, ForgetsTheLastProbe) {
+  const RayScene scene(wallWithHole());
+  SupportVisibility used = judged(scene, {0.1f, 0.9f, 0.2f}, 1.7f);
+  used.beginProbe(glm::vec3(0), 1.0f);
+  for (uint32_t l = 0; l < table().links.size(); ++l) ASSERT_FALSE(used.linkTested(l)) << "link " << l;
+  used.traceProbeRays();
+  used.findValidity();
+  const SupportVisibility fresh = judged(scene);
+  for (uint32_t p = 0; p < table().points.size(); ++p) {
+    ASSERT_EQ(used.seen(p), fresh.seen(p)) << "point " << p;
+    ASSERT_EQ(used.valid(p), fresh.valid(p)) << "point " << p;
+  }
+}
+
+TEST(SupportVisibility, KnowsAnEmptySupport) {
+  const RayScene scene(infiniteWall());
+  SupportVisibility visibility(scene, table());
+  visibility.beginProbe(glm::vec3(0), 1.0f);
+  EXPECT_FALSE(visibility.supportIsEmpty());
+  visibility.beginProbe(glm::vec3(0), 0.3f);
+  EXPECT_TRUE(visibility.supportIsEmpty());
+  visibility.beginProbe({-5, 0, 0}, 5.0f);
+  EXPECT_TRUE(visibility.supportIsEmpty());
+  visibility.beginProbe({-5, 0, 0}, 5.4f);
+  EXPECT_FALSE(visibility.supportIsEmpty());
+}
+
+TEST(SolidVote, IsDisputedUnlessOneSideHasFourFifths) {
+  EXPECT_FALSE((SolidVote{0, 0}).disputed());
+  EXPECT_FALSE((SolidVote{0, 0}).solid());
+  EXPECT_FALSE((SolidVote{8, 2}).disputed());
+  EXPECT_FALSE((SolidVote{2, 8}).disputed());
+  EXPECT_TRUE((SolidVote{7, 3}).disputed());
+  EXPECT_TRUE((SolidVote{5, 5}).disputed());
+  EXPECT_FALSE((SolidVote{5, 5}).solid());
+  EXPECT_TRUE((SolidVote{4, 5}).solid());
+}
+
+}  // namespace
+}  // namespace nlg

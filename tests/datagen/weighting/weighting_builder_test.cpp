@@ -1,0 +1,228 @@
+#include "datagen/weighting/weighting_builder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "tests/datagen/hand_built_scenes.h"
+
+namespace nlg {
+namespace {
+
+const LinkTable& table() {
+  static const LinkTable links = makeLinkTable(unseenPoints(512));
+  return links;
+}
+
+struct Built {
+  ProbeOutcome outcome;
+  GeneratedFunction function;
+};
+
+Built build(const Scene& scene, const DiffusionOptions& options = {}, const glm::vec3& position_m = glm::vec3(0), float spacing_m = 1.0f) {
+  const RayScene rays(scene);
+  WeightingBuilder builder(rays, table(), options);
+  Built built;
+  built.outcome = builder.build(position_m, spacing_m, &built.function);
+  return built;
+}
+
+std::vector<Scene> scenes() {
+  SceneOfFaces room;
+  room.addRoom({-0.4f, -0.5f, -0.6f}, {0.7f, 0.45f, 0.55f}, 0.2f);
+  return {infiniteWall(), halfWall(), wallWithHole(), thinWall(Sides::one), thinWall(Sides::two), slivers(), room.finish(),
+          terrainSheet(-0.3f, Sides::one)};
+}
+
+// The definition, with every link tested beforehand and nothing left out: docs/math.md §1.
+std::vector<double> diffusedNaively(const Scene& scene, const GeneratedFunction& function, const DiffusionOptions& options) {
+  const RayScene rays(scene);
+  SupportVisibility visibility(rays, table());
+  visibility.beginProbe(glm::vec3(0), 1.0f);
+  std::vector<uint32_t> links(table().links.size());
+  std::iota(links.begin(), links.end(), 0u);
+  visibility.testLinks(links);
+  const size_t count = table().points.size();
+  std::vector<double> phi(count, 0.0);
+  std::vector<bool> lit(count, false);
+  for (size_t p = 0; p < count; ++p) {
+    lit[p] = function.seen[p];
+    if (lit[p]) phi[p] = tent(table().points[p]);
+  }
+  for (int pass = 0; pass < options.passes; ++pass) {
+    const std::vector<double> phi_before = phi;
+    const std::vector<bool> lit_before = lit;
+    for (size_t p = 0; p < count; ++p) {
+      if (!function.valid[p] || lit_before[p]) continue;
+      double weighted = 0.0, lit_sum = 0.0, open_sum = 0.0;
+      for (int k = 0; k < kLinkCount; ++k) {
+        const LinkTable::Edge& edge = table().nearest[p * kLinkCount + k];
+        if (!function.valid[edge.point] || !visibility.linkOpen(edge.link)) continue;
+        const double distance = table().distance[p * kLinkCount + k];
+        const double gaussian = std::exp(-0.5 * distance * distance / (options.sigma * options.sigma));
+        open_sum += gaussian;
+        if (lit_before[edge.point]) lit_sum += gaussian, weighted += gaussian * phi_before[edge.point];
+      }
+      if (lit_sum > 0) phi[p] = weighted / lit_sum * std::min(1.0, 2.0 * lit_sum / open_sum), lit[p] = true;
+    }
+  }
+  return phi;
+}
+
+TEST(WeightingBuilder, FollowsTheDefinition) {
+  for (const Scene& scene : scenes()) {
+    for (const DiffusionOptions& options : {DiffusionOptions{}, DiffusionOptions{4, 0.05}, DiffusionOptions{1, 3.0}}) {
+      const Built built = build(scene, options);
+      ASSERT_EQ(built.outcome, ProbeOutcome::function);
+      const std::vector<double> expected = diffusedNaively(scene, built.function, options);
+      for (size_t p = 0; p < expected.size(); ++p) {
+        // phi is in [0, 1] and stored in float; Gaussians and what a pass reads are floats: a few roundings a pass
+        ASSERT_NEAR(built.function.phi[p], expected[p], 8 * 0x1p-24 * (1 + options.passes)) << "point " << p << ", sigma " << options.sigma;
+      }
+    }
+  }
+}
+
+TEST(WeightingBuilder, KeepsItsPromisesInEveryScene) {
+  for (const Scene& scene : scenes()) {
+    const GeneratedFunction function = build(scene).function;
+    ASSERT_EQ(function.phi.size(), table().points.size());
+    for (size_t p = 0; p < function.phi.size(); ++p) {
+      ASSERT_TRUE(function.phi[p] >= 0.0f && function.phi[p] <= 1.0f) << "point " << p << ": " << function.phi[p];
+      ASSERT_TRUE(function.valid[p] <= 1 && function.seen[p] <= 1) << "point " << p;
+      if (!function.valid[p]) {
+        ASSERT_EQ(function.phi[p], 0.0f) << "weight at invalid point " << p;
+      }
+      if (function.seen[p]) {
+        ASSERT_TRUE(function.valid[p]) << "point " << p << " is seen in solid";
+        ASSERT_EQ(function.phi[p], tent(table().points[p])) << "point " << p;
+      }
+    }
+  }
+}
+
+TEST(WeightingBuilder, TellsFreeSpaceByNoRayButTheProbesOwn) {
+  const RayScene rays(infiniteWall());
+  WeightingBuilder builder(rays, table(), {});
+  GeneratedFunction function;
+  EXPECT_EQ(builder.build({-3, 0, 0}, 2.0f, &function), ProbeOutcome::free_space);
+  EXPECT_LE(builder.visibility().rayCount(), 14u);
+  EXPECT_EQ(builder.build({-3, 0, 0}, 3.5f, &function), ProbeOutcome::function);
+}
+
+TEST(WeightingBuilder, TellsAProbeInSolid) {
+  EXPECT_EQ(build(infiniteWall(), {}, {0.4f, 0.01f, 0.02f}).outcome, ProbeOutcome::in_solid);
+  EXPECT_EQ(build(infiniteWall(), {}, {0.3f, 0.01f, 0.02f}).outcome, ProbeOutcome::function);
+}
+
+TEST(WeightingBuilder, TellsAProbeThatSeesNoSupportPoint) {
+  // a room smaller than the gap between the probe and its nearest support point
+  SceneOfFaces faces;
+  faces.addRoom({-0.01f, -0.011f, -0.012f}, {0.01f, 0.011f, 0.012f}, 5.0f);
+  EXPECT_EQ(build(faces.finish()).outcome, ProbeOutcome::empty);
+}
+
+TEST(WeightingBuilder, StopsAtAnInfiniteWall) {
+  const GeneratedFunction function = build(infiniteWall()).function;
+  for (size_t p = 0; p < function.phi.size(); ++p) {
+    const LocalPoint& at = table().points[p];
+    ASSERT_EQ(function.phi[p], at[0] < 0.31f ? tent(at) : 0.0f) << "point " << p << " at x = " << at[0];
+    ASSERT_EQ(function.valid[p], at[0] < 0.31f || at[0] > 0.47f) << "point " << p << " at x = " << at[0];
+  }
+}
+
+TEST(WeightingBuilder, LeavesTheShadowDarkWithoutPasses) {
+  const GeneratedFunction function = build(halfWall(), {0, 0.1}).function;
+  for (size_t p = 0; p < function.phi.size(); ++p) {
+    ASSERT_EQ(function.phi[p], function.seen[p] ? tent(table().points[p]) : 0.0f) << "point " << p;
+  }
+}
+
+TEST(WeightingBuilder, CreepsRoundTheEdgeOfAHalfWallAndDecays) {
+  const GeneratedFunction none = build(halfWall(), {0, 0.1}).function, one = build(halfWall(), {1, 0.1}).function,
+                          two = build(halfWall(), {2, 0.1}).function;
+  double sum_one = 0.0, sum_two = 0.0;
+  int count_one = 0, count_two = 0;
+  for (size_t p = 0; p < two.phi.size(); ++p) {
+    if (none.seen[p] || !two.valid[p]) continue;
+    // a pass reads only what stood before it, and leaves alone what has weight
+    if (one.phi[p] > 0) {
+      ASSERT_EQ(two.phi[p], one.phi[p]) << "point " << p;
+    }
+    if (two.phi[p] == 0) continue;
+    // an average, times at most 1: never more than the most that a neighbour has
+    float most = 0.0f;
+    for (int k = 0; k < kLinkCount; ++k) most = std::max(most, two.phi[table().nearest[p * kLinkCount + k].point]);
+    ASSERT_LE(two.phi[p], most) << "point " << p;
+    // two passes of the longest link reach no farther from what the probe sees
+    (one.phi[p] > 0 ? sum_one : sum_two) += two.phi[p];
+    ++(one.phi[p] > 0 ? count_one : count_two);
+  }
+  ASSERT_GT(count_one, 20) << "weight must creep round the edge";
+  ASSERT_GT(count_two, 20);
+  EXPECT_LT(sum_two / count_two, sum_one / count_one) << "the second ring must be darker than the first";
+}
+
+TEST(WeightingBuilder, ReachesTwoLinksIntoTheShadowAndNoFarther) {
+  const GeneratedFunction function = build(halfWall()).function;
+  const float longest = *std::max_element(table().distance.begin(), table().distance.end());
+  for (size_t p = 0; p < function.phi.size(); ++p) {
+    if (function.phi[p] == 0.0f || function.seen[p]) continue;
+    float nearest = 4.0f;
+    for (size_t q = 0; q < kSupportPointCount; ++q) {
+      if (!function.seen[q]) continue;
+      const LocalPoint &a = table().points[p], &b = table().points[q];
+      nearest = std::min(nearest, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+    }
+    ASSERT_LE(nearest, 2 * longest) << "point " << p;
+  }
+}
+
+TEST(WeightingBuilder, MirrorsAFunctionWithItsScene) {
+  // Mirroring is exact in float, links are mirrored exactly, and closed solids need no vote of theirs that could differ.
+  for (const Scene& scene : {infiniteWall(), halfWall(), wallWithHole()}) {
+    const GeneratedFunction plain = build(scene).function;
+    for (int mirror = 1; mirror < kMirrorCount; ++mirror) {
+      const GeneratedFunction mirrored = build(mirroredScene(scene, mirror)).function;
+      for (int p = 0; p < kSupportPointCount; ++p) {
+        const int image = p ^ (mirror * kOctantPointCount);
+        ASSERT_EQ(mirrored.phi[image], plain.phi[p]) << "mirror " << mirror << ", point " << p;
+        ASSERT_EQ(mirrored.valid[image], plain.valid[p]) << "mirror " << mirror << ", point " << p;
+      }
+    }
+  }
+}
+
+TEST(WeightingBuilder, IsTheSameAHundredKilometresAway) {
+  Scene far = wallWithHole();
+  far.origin_m = {1e5, -1e5, 3e4};
+  const GeneratedFunction here = build(wallWithHole()).function, there = build(far).function;
+  EXPECT_EQ(here.phi, there.phi);
+  EXPECT_EQ(here.valid, there.valid);
+}
+
+TEST(WeightingBuilder, ScalesWithTheSpacing) {
+  // powers of two change no bit of any ray
+  Scene large = wallWithHole();
+  for (glm::vec3& position : large.positions) position *= 4.0f;
+  const GeneratedFunction small_function = build(wallWithHole()).function;
+  const GeneratedFunction large_function = build(large, {}, glm::vec3(0), 4.0f).function;
+  EXPECT_EQ(small_function.phi, large_function.phi);
+  EXPECT_EQ(small_function.valid, large_function.valid);
+}
+
+TEST(WeightingBuilder, GivesTheSameFunctionWhateverItBuiltBefore) {
+  const RayScene rays(wallWithHole());
+  WeightingBuilder builder(rays, table(), {});
+  GeneratedFunction used, again;
+  builder.build({0.05f, 0.2f, 0.1f}, 1.3f, &used);
+  builder.build(glm::vec3(0), 1.0f, &used);
+  EXPECT_EQ(used.phi, build(wallWithHole()).function.phi);
+  EXPECT_EQ(used.valid, build(wallWithHole()).function.valid);
+  EXPECT_EQ(used.seen, build(wallWithHole()).function.seen);
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,94 @@
+#include "train/generator/generator_network.h"
+
+#include <gtest/gtest.h>
+#include <torch/torch.h>
+
+#include "tests/runtime_eval/sample_generator.h"
+#include "tests/train/sample_set.h"
+#include "train/generator/trainer.h"
+
+namespace nlg {
+namespace {
+
+const BasisData& basis() {
+  static const BasisData data = sampleBasis(kSampleClasses, 2);
+  return data;
+}
+
+GeneratorShape shapeOf(int width, int layers) {
+  GeneratorShape shape;
+  shape.coefficient_count = basis().coefficientCount();
+  shape.width = width;
+  shape.layer_count = layers;
+  return shape;
+}
+
+// Every number at random, the last layer too.
+void shake(GeneratorNetwork& network) {
+  torch::NoGradGuard guard;
+  torch::manual_seed(3);
+  for (torch::Tensor& parameter : network->parameters()) parameter.normal_(0.0, 0.15);
+}
+
+TEST(GeneratorNetwork, YieldsTheta0BeforeTraining) {
+  const Theta theta0 = randomTheta(1);
+  for (const int layers : {1, 2, 6}) {
+    GeneratorNetwork network(shapeOf(32, layers), theta0, 7);
+    const torch::Tensor theta = network->forward(torch::randn({5, basis().coefficientCount()}));
+    ASSERT_EQ(theta.sizes(), torch::IntArrayRef({5, kThetaCount}));
+    for (int64_t i = 0; i < theta.numel(); ++i) {
+      ASSERT_EQ(theta.data_ptr<float>()[i], theta0[i % kThetaCount]) << layers << " layers, entry " << i;
+    }
+  }
+}
+
+TEST(GeneratorNetwork, StartsFromItsSeedAlone) {
+  const auto parameters = [](uint64_t seed) {
+    torch::manual_seed(static_cast<uint64_t>(std::rand()));
+    return GeneratorNetwork(shapeOf(32, 3), Theta{}, seed)->parameters();
+  };
+  const auto a = parameters(1), b = parameters(1), c = parameters(2);
+  for (size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(torch::equal(a[i], b[i])) << "parameter " << i;
+  EXPECT_FALSE(torch::equal(a[0], c[0]));
+}
+
+TEST(GeneratorNetwork, AgreesWithTheEvaluator) {
+  const TrainingData data(sampleSet(40, 50), basis());
+  for (const int width : {17, 25, 64}) {  // 25 coefficients: the first layer has a skip then
+    for (const int layers : {1, 2, 4}) {
+      GeneratorNetwork network(shapeOf(width, layers), randomTheta(4), 8);
+      shake(network);
+      const Generator generator(network->toData({true, 0.01f}, basis()));
+      EXPECT_TRUE(generator.representation().tent_factor);
+      GeneratorScratch scratch(generator);
+      std::vector<Sample> samples;
+      for (int64_t n = 0; n < data.functionCount(); ++n) samples.push_back({n});
+      torch::NoGradGuard guard;
+      const torch::Tensor expected = network->forward(coefficientBatch(data, samples)).contiguous();
+      std::vector<float> theta(samples.size() * kThetaCount);
+      generator.generate(data.set().phi.data(), static_cast<int>(samples.size()), theta.data(), &scratch);
+      for (size_t i = 0; i < theta.size(); ++i) {
+        // the tolerance of the export's own check
+        ASSERT_NEAR(theta[i], expected.data_ptr<float>()[i], 1e-4) << "width " << width << ", layers " << layers << ", entry " << i;
+      }
+    }
+  }
+}
+
+TEST(GeneratorNetwork, CopiesItsNumbersIntoTheData) {
+  GeneratorShape shape = shapeOf(32, 3);
+  shape.slope = 0.2;
+  shape.output_scale = 0.3;
+  GeneratorNetwork network(shape, randomTheta(5), 9);
+  const GeneratorData data = network->toData({}, basis());
+  ASSERT_EQ(data.layers.size(), 3u);
+  EXPECT_EQ(data.layers[0].input_count, basis().coefficientCount());
+  EXPECT_EQ(data.layers[2].output_count, kThetaCount);
+  EXPECT_EQ(data.slope, 0.2f);
+  EXPECT_EQ(data.output_scale, std::vector<float>(kThetaCount, 0.3f));
+  shake(network);
+  EXPECT_NE(network->toData({}, basis()).layers[0].weight, data.layers[0].weight) << "a copy, not a view";
+}
+
+}  // namespace
+}  // namespace nlg

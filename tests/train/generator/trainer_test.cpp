@@ -1,0 +1,240 @@
+#include "train/generator/trainer.h"
+
+#include <gtest/gtest.h>
+#include <torch/torch.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/runtime_eval/sample_generator.h"
+#include "tests/train/sample_set.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+const Representation kTentMlp{true, 0.01f};
+const RunIdentity kIdentity{"tent_mlp", R"({"steps":40})", "basis", "training set"};
+
+// A small run: 24 functions, 25 coefficients.
+struct Run {
+  Run() : training(sampleSet(24, 1), sampleBasis(kSampleClasses, 3)), held_out(sampleSet(6, 500), sampleBasis(kSampleClasses, 3)) {
+    options.steps = 40;
+    options.batch = 16;
+    options.learning_rate = 3e-3;
+    options.checkpoint_steps = 20;
+    options.shape.coefficient_count = training.coefficientCount();
+    options.shape.width = 32;
+    options.shape.layer_count = 3;
+    theta0[ThetaLayout::b3] = 1.0f;  // the bare tent, and hidden units that can learn
+    const Theta random = randomTheta(2);
+    for (int i = 0; i < ThetaLayout::b3; ++i) theta0[i] = 0.3f * random[i];
+  }
+
+  TrainOptions options;
+  Theta theta0{};
+  TrainingData training, held_out;
+};
+
+const Run& run() {
+  static const Run shared;
+  return shared;
+}
+
+// Training from `state` on; stops as a killed process would, behind the checkpoint of step `killed_at`.
+struct Killed {};
+void trainUntil(TrainingState& state, int64_t killed_at, const std::string& path) {
+  try {
+    train(run().options, kTentMlp, run().training, run().held_out, &state, [&] {
+      if (!path.empty()) writeCheckpoint(path, kIdentity, state);
+      if (state.step == killed_at) throw Killed{};
+    });
+  } catch (const Killed&) {
+  }
+}
+
+void expectSame(const std::vector<torch::Tensor>& a, const std::vector<torch::Tensor>& b, const char* what) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(torch::equal(a[i], b[i])) << what << ", parameter " << i;
+}
+
+class Checkpoint : public testing::Test {
+ protected:
+  Checkpoint() : path_((std::filesystem::temp_directory_path() / ("nlg_checkpoint_" + std::to_string(::getpid()))).string()) {}
+  ~Checkpoint() override { std::filesystem::remove(path_); }
+
+  bool refused(const RunIdentity& identity = kIdentity) const {
+    TrainingState state = makeState(run().options, run().theta0);
+    try {
+      readCheckpoint(path_, identity, &state);
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()).rfind(path_, 0), 0u) << error.what();
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+      return true;
+    }
+    return false;
+  }
+
+  void writeFresh() const { writeCheckpoint(path_, kIdentity, makeState(run().options, run().theta0)); }
+
+  std::string path_;
+};
+
+TEST(Train, LowersTheLoss) {
+  TrainingState state = makeState(run().options, run().theta0);
+  const double before = meanRmse(state.network, kTentMlp, run().training, 24);
+  int saves = 0;
+  const TrainReport report = train(run().options, kTentMlp, run().training, run().held_out, &state, [&] { ++saves; });
+  EXPECT_EQ(state.step, 40);
+  EXPECT_EQ(saves, 2);
+  EXPECT_LT(meanRmse(state.network, kTentMlp, run().training, 24), 0.9 * before);
+  EXPECT_LT(meanRmse(state.average, kTentMlp, run().training, 24), before) << "the average follows";
+  EXPECT_EQ(report.held_out_rmse, meanRmse(state.average, kTentMlp, run().held_out, 2048));
+  EXPECT_EQ(std::count(state.log_csv.begin(), state.log_csv.end(), '\n'), 3) << state.log_csv;
+}
+
+TEST(Train, RaisesOnNumbersThatAreNotFinite) {
+  Theta theta0 = run().theta0;
+  theta0[3] = NAN;
+  TrainingState state = makeState(run().options, theta0);
+  EXPECT_THROW(train(run().options, kTentMlp, run().training, run().held_out, &state, [] {}), NumericalError);
+  EXPECT_EQ(state.step, 0);
+
+  TrainOptions wild = run().options;
+  wild.learning_rate = 1e3;
+  wild.shape.output_scale = 1e3;
+  TrainingState diverging = makeState(wild, run().theta0);
+  wild.gradient_clip = 1e9;
+  int saves = 0;
+  EXPECT_THROW(train(wild, kTentMlp, run().training, run().held_out, &diverging, [&] { ++saves; }), NumericalError);
+  EXPECT_EQ(saves, 0) << "a state gone wrong must not replace a good one";
+}
+
+TEST(Train, GivesTheSameParametersEveryTime) {
+  TrainingState a = makeState(run().options, run().theta0), b = makeState(run().options, run().theta0);
+  trainUntil(a, -1, "");
+  trainUntil(b, -1, "");
+  expectSame(a.network->parameters(), b.network->parameters(), "network");
+}
+
+TEST_F(Checkpoint, ResumesAKilledRunBitForBit) {
+  TrainingState whole = makeState(run().options, run().theta0);
+  trainUntil(whole, -1, "");
+  TrainingState killed = makeState(run().options, run().theta0);
+  trainUntil(killed, 20, path_);
+  ASSERT_EQ(killed.step, 20);
+
+  // another process knows nothing but the file: even theta0 comes from there
+  TrainingState resumed = makeState(run().options, Theta{});
+  readCheckpoint(path_, kIdentity, &resumed);
+  ASSERT_EQ(resumed.step, 20);
+  EXPECT_EQ(resumed.log_csv, killed.log_csv);
+  trainUntil(resumed, -1, "");
+  EXPECT_EQ(resumed.step, 40);
+  expectSame(whole.network->parameters(), resumed.network->parameters(), "network");
+  expectSame(whole.network->buffers(), resumed.network->buffers(), "network's buffers");
+  expectSame(whole.average->parameters(), resumed.average->parameters(), "average");
+  EXPECT_EQ(meanRmse(whole.average, kTentMlp, run().held_out, 6), meanRmse(resumed.average, kTentMlp, run().held_out, 6));
+}
+
+TEST_F(Checkpoint, TellsItsIdentity) {
+  writeFresh();
+  const RunIdentity identity = readIdentity(path_);
+  EXPECT_EQ(identity.representation, kIdentity.representation);
+  EXPECT_EQ(identity.options_json, kIdentity.options_json);
+  EXPECT_EQ(identity.basis_sha256, kIdentity.basis_sha256);
+  EXPECT_EQ(identity.training_set_sha256, kIdentity.training_set_sha256);
+}
+
+TEST_F(Checkpoint, OfAnotherRunIsRefused) {
+  writeFresh();
+  EXPECT_FALSE(refused());
+  for (const auto member : {&RunIdentity::representation, &RunIdentity::options_json, &RunIdentity::basis_sha256, &RunIdentity::training_set_sha256}) {
+    RunIdentity other = kIdentity;
+    other.*member = "another";
+    EXPECT_TRUE(refused(other)) << "instead of " << kIdentity.*member;
+  }
+}
+
+TEST_F(Checkpoint, IsRefusedWhenTruncated) {
+  writeFresh();
+  const std::string whole = readFile(path_);
+  for (size_t size = 0; size < whole.size(); size += whole.size() / 23) {
+    std::ofstream(path_, std::ios::binary) << whole.substr(0, size);
+    EXPECT_TRUE(refused()) << size << " of " << whole.size() << " bytes";
+    EXPECT_THROW(readIdentity(path_), InputError) << size << " of " << whole.size() << " bytes";
+  }
+}
+
+TEST_F(Checkpoint, IsRefusedWhenABitHasFlipped) {
+  writeFresh();
+  const std::string whole = readFile(path_);
+  const size_t flip_count = 24;
+  size_t refusals = 0;
+  std::string taken;
+  for (size_t k = 0; k < flip_count; ++k) {
+    std::string damaged = whole;
+    const size_t at = (2 * k + 1) * whole.size() / (2 * flip_count);
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x40);
+    std::ofstream(path_, std::ios::binary) << damaged;
+    if (refused()) ++refusals;
+    else taken += ' ' + std::to_string(at);
+  }
+  EXPECT_EQ(refusals, flip_count) << "taken with a flipped bit at bytes" << taken << " of " << whole.size();
+}
+
+TEST_F(Checkpoint, IsRefusedWhenMissingOrForeign) {
+  EXPECT_TRUE(refused());
+  std::ofstream(path_) << "not an archive";
+  EXPECT_TRUE(refused());
+  torch::serialize::OutputArchive archive;
+  archive.write("kind", c10::IValue(std::string("something else")));
+  archive.save_to(path_);
+  EXPECT_TRUE(refused());
+  std::filesystem::remove(path_);
+  std::filesystem::create_directory(path_);
+  EXPECT_TRUE(refused()) << "a folder";
+}
+
+TEST(OneCycleRate, RisesThenFallsToATenThousandth) {
+  TrainOptions options;
+  options.steps = 1000;
+  options.learning_rate = 2.0;
+  options.warmup_share = 0.25;
+  EXPECT_DOUBLE_EQ(oneCycleRate(options, 0), 2.0 / 25);
+  EXPECT_DOUBLE_EQ(oneCycleRate(options, 250), 2.0);
+  EXPECT_NEAR(oneCycleRate(options, 1000), 2e-4, 1e-12);
+  for (int step = 1; step <= 1000; ++step) {
+    ASSERT_EQ(oneCycleRate(options, step) > oneCycleRate(options, step - 1), step <= 250) << "step " << step;
+  }
+  for (const double share : {0.0, 1.0}) {
+    options.warmup_share = share;
+    for (int step = 0; step <= 1000; ++step) {
+      ASSERT_TRUE(oneCycleRate(options, step) > 0 && oneCycleRate(options, step) <= 2.0) << "warm-up " << share << ", step " << step;
+    }
+  }
+}
+
+TEST(FitTheta0, FitsTheMeanOfValidPoints) {
+  // the mean is the tent where it is valid, and anything elsewhere: tent_mlp must come close to it
+  BasisFile basis;
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    const bool valid = p % 3 != 0;
+    basis.mean_function.push_back(valid ? tent(supportPattern().points[p]) : 0.0f);
+    basis.mean_validity.push_back(valid ? 0.5f : 0.0f);
+  }
+  StartOptions options;
+  options.candidates = 4;
+  options.candidate_steps = 100;
+  options.finalists = 1;
+  options.final_steps = 300;
+  options.levenberg_iterations = 20;
+  const Theta theta = fitTheta0(kTentMlp, basis, options);
+  // a quarter of the tent's own root mean square (1/3)^(3/2) = 0.19 would be a fit that has learnt; the masked zeros would cost 0.11
+  EXPECT_LT(functionRmse(kTentMlp, tentFunction(), theta.data()), 0.25 * 0.19);
+}
+
+}  // namespace
+}  // namespace nlg
