@@ -58,9 +58,11 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   MeanFunction mean;
   std::map<std::string, std::string> inputs;
   std::string hashes;
+  DuplicateFilter filter;
   Progress progress("shards", static_cast<int64_t>(request.shards.size()));
   for (size_t i = 0; i < request.shards.size(); ++i) {
-    const Shard shard = readShard(request.shards[i], supportPattern().hash);
+    Shard shard = readShard(request.shards[i], supportPattern().hash);
+    filter.removeKnown(&shard);
     fit.add(shard.phi.data(), shard.functionCount());
     mean.add(shard);
     hashes += fileSha256(request.shards[i]);

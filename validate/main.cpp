@@ -68,13 +68,18 @@ Json methodJson(const MethodResult& method, const std::vector<bool>& hard, const
 }
 
 // The samples of a method on some functions only, so that methods that ran on more can be compared with those that did not.
+// generator   null for the bare tent
 MethodResult restrictTo(const MethodResult& method, const std::vector<uint64_t>& functions, const Generator* generator,
                         const std::vector<float>& theta, const FunctionSet& set) {
   MethodResult result{method.name};
   ErrorMeter meter(set);
   for (const uint64_t function : functions) {
     result.samples.push_back(method.samples[function]);
-    if (generator) meter.measure(generator->representation(), &theta[function * kThetaCount], function, &result.leaks);
+    if (generator) {
+      meter.measure(generator->representation(), &theta[function * kThetaCount], function, &result.leaks);
+    } else {
+      meter.measureTent(function, &result.leaks);
+    }
   }
   return result;
 }
@@ -100,11 +105,19 @@ Json sceneJson(const MethodResult& method, const FunctionSet& set) {
   return json;
 }
 
+// A text as a CSV field: file stems may hold commas.
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string field = "\"";
+  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return field + '"';
+}
+
 void appendCsv(std::ostringstream& csv, const std::string& representation, const MethodResult& method, const FunctionSet& set,
                const std::vector<bool>& hard) {
   for (const MethodSample& s : method.samples) {
-    csv << representation << ',' << method.name << ',' << s.function << ',' << set.scene_ids[set.scene_idx[s.function]] << ','
-        << hard[s.function] << ',' << s.error.rmse << ',' << s.error.rmse_unseen << ',';
+    csv << representation << ',' << method.name << ',' << s.function << ',' << quoted(set.scene_ids[set.scene_idx[s.function]])
+        << ',' << hard[s.function] << ',' << s.error.rmse << ',' << s.error.rmse_unseen << ',';
     if (s.error.has_shadow) csv << s.error.rmse_shadow;
     csv << ',' << s.error.leak_mean << ',' << s.error.leak_p99 << ',' << s.elapsed_us << '\n';
   }
@@ -127,7 +140,7 @@ std::vector<std::pair<std::string, uint64_t>> tellingFunctions(const MethodResul
 }
 
 Json sliceJson(const std::string& which, const Slice& slice, const MethodSample& sample, const FunctionSet& set) {
-  const auto bytes = [](const std::vector<float>& values) {
+  const auto permille = [](const std::vector<float>& values) {
     std::vector<int> rounded;
     for (const float value : values) rounded.push_back(static_cast<int>(std::lround(1000.0f * std::clamp(value, -2.0f, 2.0f))));
     return rounded;
@@ -139,8 +152,9 @@ Json sliceJson(const std::string& which, const Slice& slice, const MethodSample&
           {"axis", slice.axis},
           {"size", slice.size},
           {"valid", slice.valid},
-          {"generated_permille", bytes(slice.generated)},
-          {"approximated_permille", bytes(slice.approximated)}};
+          {"generated_permille", permille(slice.generated)},
+          {"approximated_permille", permille(slice.approximated)},
+          {"difference_permille", permille(slice.difference)}};
 }
 
 // Every so-many-th function, so that all scenes take part.
@@ -150,17 +164,14 @@ std::vector<uint64_t> evenChoice(uint64_t count, uint64_t wanted) {
   return chosen;
 }
 
+// Counts over training and held-out shards together; a function that two shards hold is one function.
 ShardCounts countAll(const std::vector<std::string>& training, const ShardCounts& held_out) {
   ShardCounts total = held_out;
+  DuplicateFilter filter;
   for (const std::string& path : training) {
-    const ShardCounts counts = readShardHeader(path, supportPattern().hash).counts;
-    total.grid_probes += counts.grid_probes;
-    total.visited_probes += counts.visited_probes;
-    total.functions += counts.functions;
-    total.free_space += counts.free_space;
-    total.in_solid += counts.in_solid;
-    total.duplicates += counts.duplicates;
-    total.empty += counts.empty;
+    Shard shard = readShard(path, supportPattern().hash);
+    filter.removeKnown(&shard);
+    addCounts(shard.counts, &total);
   }
   return total;
 }

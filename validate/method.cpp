@@ -47,34 +47,34 @@ struct TimedFit {
 enum Fit { kRefinedAdam, kRefinedLm, kDirect, kAdamTheta0, kLmTheta0, kAdamRandom, kFitCount };
 constexpr const char* kFitNames[kFitCount] = {"refined_adam", "refined_lm", "direct", "adam_theta0", "lm_theta0", "adam_random"};
 
-std::vector<TimedFit> fitAll(const Generator& generator, const WeightingFunction& function, const Theta& generated,
+std::vector<TimedFit> fitAll(const Generator& generator, const StoredFunction& stored, const Theta& generated,
                              const ValidateOptions& options, uint64_t seed, NormalEquationsKernel* kernel) {
   const Representation& representation = generator.representation();
   std::vector<TimedFit> fits;
   const auto timed = [&](int method, const auto& fit) {
     const Clock::time_point start = Clock::now();
-    const Theta theta = fit();
+    const Theta theta = fit(decodeFunction(stored));
     fits.push_back({method, theta, microsecondsSince(start)});
   };
   Theta theta0;
   std::copy_n(generator.theta0(), kThetaCount, theta0.begin());
-  timed(kRefinedAdam, [&] {
+  timed(kRefinedAdam, [&](const WeightingFunction& function) {
     return fitAdam(representation, function, generated, refinementAdam(representation, options.adam_refine_steps)).theta;
   });
-  timed(kRefinedLm, [&] {
+  timed(kRefinedLm, [&](const WeightingFunction& function) {
     return fitLevenbergMarquardt(representation, function, generated, {.iterations = options.lm_refine_iterations}, kernel).theta;
   });
-  timed(kAdamTheta0, [&] {
+  timed(kAdamTheta0, [&](const WeightingFunction& function) {
     return fitAdam(representation, function, theta0, refinementAdam(representation, options.direct.adam_steps)).theta;
   });
-  timed(kLmTheta0, [&] {
+  timed(kLmTheta0, [&](const WeightingFunction& function) {
     return fitLevenbergMarquardt(representation, function, theta0, {.iterations = options.direct.levenberg_iterations}, kernel)
         .theta;
   });
-  timed(kAdamRandom, [&] {
+  timed(kAdamRandom, [&](const WeightingFunction& function) {
     return fitAdam(representation, function, randomTheta(mixSeed(seed, 7)), randomStartAdam(options.direct.adam_steps)).theta;
   });
-  timed(kDirect, [&] {
+  timed(kDirect, [&](const WeightingFunction& function) {
     DirectOptions direct = options.direct;
     direct.seed = seed;
     return fitDirect(representation, function, theta0, direct, kernel).best.theta;
@@ -157,9 +157,8 @@ std::vector<MethodResult> measureFits(const Generator& generator, const Function
     ErrorMeter meter(set);
     Theta generated;
     std::copy_n(&theta[functions[i] * kThetaCount], kThetaCount, generated.begin());
-    const WeightingFunction function = decodeFunction(storedFunction(set, functions[i]));
     const std::vector<TimedFit> fits =
-        fitAll(generator, function, generated, options, mixSeed(options.seed, functions[i]), &kernel);
+        fitAll(generator, storedFunction(set, functions[i]), generated, options, mixSeed(options.seed, functions[i]), &kernel);
     const std::lock_guard lock(mutex);
     for (const TimedFit& fit : fits) {
       MethodResult& result = results[fit.method];

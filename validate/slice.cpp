@@ -64,10 +64,16 @@ Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& re
   AlignedFloats values(points.padded_count);
   evaluate(representation, points, theta, values.data());
   slice.approximated.assign(values.begin(), values.begin() + points.count);
+  const PointSet support = makePointSet(supportPattern().points);
+  AlignedFloats support_values(support.padded_count);
+  evaluate(representation, support, theta, support_values.data());
   for (const LocalPoint& point : plane) {
-    const uint64_t at = index * kSupportPointCount + nearestSupportPoint(point);
-    slice.generated.push_back(static_cast<float>(set.phi[at]) / 255.0f);
+    const size_t nearest = nearestSupportPoint(point);
+    const uint64_t at = index * kSupportPointCount + nearest;
+    const float phi = static_cast<float>(set.phi[at]) / 255.0f;
+    slice.generated.push_back(phi);
     slice.valid.push_back(set.validity[at / 8] >> (at % 8) & 1);
+    slice.difference.push_back(support_values[nearest] - phi);
   }
   return slice;
 }

@@ -15,6 +15,7 @@ struct Slice {
   std::vector<float> generated;     // phi at the support point nearest to each pixel
   std::vector<uint8_t> valid;       // of the same point
   std::vector<float> approximated;  // the representation at the pixel
+  std::vector<float> difference;    // representation minus phi at that support point: no trace of the mosaic
 };
 
 // Of the three axis planes through the probe the one in which the function differs most from the bare tent.

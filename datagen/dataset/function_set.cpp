@@ -1,7 +1,6 @@
 #include "datagen/dataset/function_set.h"
 
 #include <algorithm>
-#include <unordered_set>
 
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -9,26 +8,32 @@
 namespace nlg {
 namespace {
 
-void addCounts(const ShardCounts& from, ShardCounts& to) {
-  to.grid_probes += from.grid_probes;
-  to.visited_probes += from.visited_probes;
-  to.functions += from.functions;
-  to.free_space += from.free_space;
-  to.in_solid += from.in_solid;
-  to.duplicates += from.duplicates;
-  to.empty += from.empty;
-}
-
-void appendRow(const std::vector<uint8_t>& from, uint64_t row, size_t width, std::vector<uint8_t>& to) {
-  to.insert(to.end(), from.begin() + row * width, from.begin() + (row + 1) * width);
-}
-
-// What makes two functions the same: samples and validity. 256 bits stand for them.
 std::string functionKey(const Shard& shard, uint64_t n) {
   const size_t points = shard.point_count;
   std::string bytes(reinterpret_cast<const char*>(&shard.phi[n * points]), points);
   bytes.append(reinterpret_cast<const char*>(&shard.validity[n * points / 8]), points / 8);
   return sha256(bytes);
+}
+
+// Moves row `from` of an N x width array to row `to`.
+template <class T>
+void moveRow(std::vector<T>& rows, size_t width, uint64_t from, uint64_t to) {
+  if (from != to) std::copy_n(rows.begin() + from * width, width, rows.begin() + to * width);
+}
+
+// Calls visit(array, width) for every N x width array of the shard.
+template <class Visit>
+void forEachArray(Shard& shard, const Visit& visit) {
+  const size_t points = shard.point_count, unseen = shard.unseen_point_count;
+  visit(shard.phi, points);
+  visit(shard.validity, points / 8);
+  visit(shard.seen, points / 8);
+  visit(shard.probe_position_m, size_t{3});
+  visit(shard.spacing_m, size_t{1});
+  visit(shard.flags, size_t{1});
+  visit(shard.phi_unseen, unseen);
+  visit(shard.validity_unseen, unseen / 8);
+  visit(shard.seen_unseen, unseen / 8);
 }
 
 void checkSameKind(const std::string& path, const Shard& shard, const FunctionSet& set) {
@@ -47,24 +52,19 @@ uint32_t sceneIndex(const Shard& shard, FunctionSet& set) {
   return index;
 }
 
-void appendShard(const Shard& shard, std::unordered_set<std::string>& known, FunctionSet& set) {
-  const size_t points = set.point_count, unseen = set.unseen_point_count;
+void appendShard(const Shard& shard, FunctionSet& set) {
   const uint32_t scene = sceneIndex(shard, set);
-  addCounts(shard.counts, set.counts);
-  for (uint64_t n = 0; n < shard.functionCount(); ++n) {
-    if (!known.insert(functionKey(shard, n)).second) {
-      --set.counts.functions;
-      ++set.counts.duplicates;
-      continue;
-    }
-    set.scene_idx.push_back(scene);
-    appendRow(shard.phi, n, points, set.phi);
-    appendRow(shard.validity, n, points / 8, set.validity);
-    appendRow(shard.seen, n, points / 8, set.seen);
-    appendRow(shard.phi_unseen, n, unseen, set.phi_unseen);
-    appendRow(shard.validity_unseen, n, unseen / 8, set.validity_unseen);
-    appendRow(shard.seen_unseen, n, unseen / 8, set.seen_unseen);
-  }
+  addCounts(shard.counts, &set.counts);
+  set.scene_idx.insert(set.scene_idx.end(), shard.functionCount(), scene);
+  const auto append = [](const std::vector<uint8_t>& from, std::vector<uint8_t>& to) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(shard.phi, set.phi);
+  append(shard.validity, set.validity);
+  append(shard.seen, set.seen);
+  append(shard.phi_unseen, set.phi_unseen);
+  append(shard.validity_unseen, set.validity_unseen);
+  append(shard.seen_unseen, set.seen_unseen);
 }
 
 // One growth of the arrays to their final size instead of many copies.
@@ -83,17 +83,41 @@ void reserveRows(const std::vector<std::string>& paths, uint64_t pattern_hash, F
 
 }  // namespace
 
+void addCounts(const ShardCounts& from, ShardCounts* to) {
+  to->grid_probes += from.grid_probes;
+  to->visited_probes += from.visited_probes;
+  to->functions += from.functions;
+  to->free_space += from.free_space;
+  to->in_solid += from.in_solid;
+  to->duplicates += from.duplicates;
+  to->empty += from.empty;
+}
+
+void DuplicateFilter::removeKnown(Shard* shard) {
+  uint64_t kept = 0;
+  const uint64_t count = shard->functionCount();
+  for (uint64_t n = 0; n < count; ++n) {
+    if (!known_.insert(functionKey(*shard, n)).second) continue;
+    forEachArray(*shard, [&](auto& rows, size_t width) { moveRow(rows, width, n, kept); });
+    ++kept;
+  }
+  forEachArray(*shard, [&](auto& rows, size_t width) { rows.resize(kept * width); });
+  shard->counts.functions -= count - kept;
+  shard->counts.duplicates += count - kept;
+}
+
 FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash) {
   if (paths.empty()) throw UsageError("shards", "at least one file", "none");
   FunctionSet set;
   set.pattern_hash = pattern_hash;
   reserveRows(paths, pattern_hash, set);
-  std::unordered_set<std::string> known;
+  DuplicateFilter filter;
   std::string hashes;
   for (const std::string& path : paths) {
-    const Shard shard = readShard(path, pattern_hash);
+    Shard shard = readShard(path, pattern_hash);
     checkSameKind(path, shard, set);
-    appendShard(shard, known, set);
+    filter.removeKnown(&shard);
+    appendShard(shard, set);
     hashes += fileSha256(path);
   }
   set.sha256 = sha256(hashes);

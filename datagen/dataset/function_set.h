@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "datagen/dataset/shard.h"
@@ -22,6 +23,19 @@ struct FunctionSet {
 
   uint64_t functionCount() const { return scene_idx.size(); }
 };
+
+// Drops from shards what earlier shards hold already: same samples and validity, byte for byte.
+class DuplicateFilter {
+ public:
+  // Takes the known functions out of the shard's arrays and moves them from counts.functions to counts.duplicates.
+  void removeKnown(Shard* shard);
+
+ private:
+  std::unordered_set<std::string> known_;  // SHA-256 of samples and validity
+};
+
+// Adds every count of `from` to `to`.
+void addCounts(const ShardCounts& from, ShardCounts* to);
 
 // Reads shards one after another; a function that an earlier shard holds byte for byte is dropped and counted as a duplicate.
 // throws   InputError as readShard does; when shards disagree in pattern or unseen points; when paths is empty

@@ -26,7 +26,7 @@ struct ShardCounts {
   uint64_t free_space = 0;      // no triangle in the support: the bare tent
   uint64_t in_solid = 0;        // the probe itself lies in solid
   uint64_t duplicates = 0;      // same phi and validity, byte for byte, as an earlier function of the shard
-  uint64_t empty = 0;           // no valid support point
+  uint64_t empty = 0;           // phi is zero at every support point
 };
 
 struct Shard {

@@ -18,9 +18,11 @@ namespace nlg {
 // How rays from a place judged it.
 struct SolidVote {
   int front = 0, back = 0;
-  bool solid() const { return back > front; }
-  // neither side has four fifths: open, flipped or self-intersecting geometry
-  bool disputed() const { return 5 * (front < back ? front : back) > front + back; }
+  // solid from two fifths of backs on: on real and procedural levels shares of backs lie below a tenth or above two fifths,
+  // seldom between, and exactly a half is common inside a slab that rests on another one (docs/visibility.md)
+  bool solid() const { return back > 0 && 5 * back >= 2 * (front + back); }
+  // a share of backs in that gap: open, flipped or self-intersecting geometry
+  bool disputed() const { return 10 * back > front + back && !solid(); }
 };
 
 class SupportVisibility {

@@ -1,0 +1,84 @@
+#!/bin/bash
+# The whole chain on next to nothing, as the workflow runs it: what it leaves, what it re-makes, and that it repeats itself.
+#   smoke_test.sh BIN_FOLDER          (from the source folder)
+set -euo pipefail
+
+export NLG_BIN=$1
+temporary=$(mktemp -d)
+trap 'rm -rf "$temporary"' EXIT
+out=$temporary/first/smoke
+
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
+
+# runs the workflow into the folder $1; the rest goes to snakemake. --nolock: another run of this checkout is none of our business
+pipeline() {
+  local folder=$1
+  shift
+  NLG_OUT=$temporary/$folder /usr/bin/snakemake -s workflow/Snakefile --configfile configs/smoke.yaml --cores 2 --nolock "$@" \
+    >"$temporary/$folder.log" 2>&1 || {
+    cat "$temporary/$folder.log" >&2
+    fail "snakemake into $folder"
+  }
+}
+
+pipeline first
+
+# --- what it leaves
+[ -s "$out/report.html" ] || fail "no report.html"
+! grep -Eq '(src|href)="(https?:)?//' "$out/report.html" || fail "report.html loads something from elsewhere"
+/usr/bin/python3 - "$out/validation/summary.json" <<'PYTHON'
+import json, math, sys
+
+summary = json.load(open(sys.argv[1]))
+quantiles = ["median", "mean", "p95", "p99", "worst"]
+errors = ["rmse", "rmse_hard", "rmse_unseen_points", "rmse_shadow"]
+wanted = [["functions", key] for key in ["distinct", "free_space", "duplicates", "held_out", "hard"]]
+for name in ["mlp", "tent_mlp"]:
+    wanted.append(["representations", name, "parameters"])
+    for method in ["generator", "refined", "direct"]:
+        path = ["representations", name, method]
+        wanted += [path + [error, q] for error in errors for q in quantiles]
+        wanted += [path + ["leak", key] for key in ["mean", "p99"]]
+        wanted += [path + [key] for key in ["share_over_tau", "us_per_function"]]
+for path in wanted:
+    value = summary
+    for key in path:
+        assert isinstance(value, dict) and key in value, f"summary.json lacks {'.'.join(path)}"
+        value = value[key]
+    assert isinstance(value, (int, float)) and math.isfinite(value) and value >= 0, f"{'.'.join(path)} is {value}"
+functions = summary["functions"]
+assert functions["distinct"] > functions["held_out"] > 0, functions
+assert functions["held_out"] >= functions["hard"], functions
+for name, representation in summary["representations"].items():
+    # refinement and direct optimisation never end above where they started
+    for better, worse in [("refined", "generator"), ("refined_adam", "generator_chosen"), ("direct", "lm_theta0"), ("direct", "adam_theta0")]:
+        a, b = (representation[m]["rmse"]["mean"] for m in (better, worse))
+        assert a <= b * (1 + 1e-4), f"{name}: {better} has a mean RMSE of {a}, {worse} of {b}"
+PYTHON
+
+# --- nothing changed: nothing to do
+pipeline first
+grep -q "Nothing to be done" "$temporary/first.log" || fail "a second run did something: $(grep -E '^rule|^    rule' "$temporary/first.log")"
+
+# --- one shard gone: it is made again, to the same bytes, and the other shards are left alone
+shard=$out/dataset/training/house_1.0.h5
+before=$(sha256sum "$out"/dataset/*/*.h5 "$out/basis.h5")
+ages=$(stat -c '%n %Y %Z' "$out"/dataset/*/*.h5 | grep -v house_1)
+rm "$shard"
+# snakemake does not miss what nothing that is out of date needs: the shard is asked for by name
+pipeline first "$shard" "$out/basis.h5"
+[ "$(grep -c '^rule datagen:' "$temporary/first.log")" = 1 ] || fail "one shard was missing, not as many made: $(cat "$temporary/first.log")"
+[ "$(stat -c '%n %Y %Z' "$out"/dataset/*/*.h5 | grep -v house_1)" = "$ages" ] || fail "a shard was made again that was still there"
+grep -q '^rule pca:' "$temporary/first.log" || fail "the basis depends on the shard and was not made again"
+[ "$(sha256sum "$out"/dataset/*/*.h5 "$out/basis.h5")" = "$before" ] || fail "the same seeds gave other bytes"
+
+# --- a fresh run elsewhere: the same bytes
+pipeline second "$temporary/second/smoke/basis.h5"
+cd "$temporary/second/smoke"
+find dataset basis.h5 -type f -print0 | sort -z | xargs -0 sha256sum >"$temporary/second.sums"
+cd "$out"
+sha256sum --quiet --check "$temporary/second.sums" || fail "another folder gave other bytes"
+echo "smoke test: all holds"

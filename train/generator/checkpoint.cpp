@@ -2,7 +2,10 @@
 
 #include <torch/serialize.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -66,11 +69,10 @@ void writeCheckpoint(const std::string& path, const RunIdentity& identity, const
     archive.write("network", network);
     archive.write("average", average);
     archive.write("optimizer", optimizer);
-    try {
-      archive.save_to(temporary_path);
-    } catch (const c10::Error& error) {
-      throw OutputError(path, error.what_without_backtrace());
-    }
+    // through a stream: an archive written to a file carries that file's name, and with it our process id
+    std::ofstream stream(temporary_path, std::ios::binary);
+    archive.save_to(stream);
+    if (!stream.flush()) throw OutputError(path, std::strerror(errno));
   });
 }
 

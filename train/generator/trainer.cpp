@@ -108,7 +108,7 @@ TrainingState makeState(const TrainOptions& options, const Theta& theta0) {
   state.average = GeneratorNetwork(options.shape, theta0, options.seed);
   state.optimizer = std::make_shared<torch::optim::Adam>(state.network->parameters(),
                                                          torch::optim::AdamOptions(options.learning_rate).betas({0.9, 0.99}));
-  state.log_csv = "step,elapsed_s,learning_rate,training_loss,held_out_rmse\n";
+  state.log_csv = "step,learning_rate,training_loss,held_out_rmse\n";
   return state;
 }
 
@@ -157,8 +157,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     if (state->step % options.checkpoint_steps != 0 && state->step != options.steps) continue;
     report.held_out_rmse = meanRmse(state->average, representation, held_out, options.validation_functions);
     requireFinite(report.held_out_rmse, state->step, "held-out error");
-    state->log_csv += std::to_string(state->step) + ',' + std::to_string(secondsSince(start)) + ',' +
-                      std::to_string(oneCycleRate(options, state->step - 1)) + ',' +
+    state->log_csv += std::to_string(state->step) + ',' + std::to_string(oneCycleRate(options, state->step - 1)) + ',' +
                       std::to_string(loss_sum / static_cast<double>(loss_count)) + ',' + std::to_string(report.held_out_rmse) +
                       '\n';
     loss_sum = 0.0, loss_count = 0;

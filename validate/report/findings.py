@@ -15,11 +15,11 @@ def percent(share, digits=None):
     if digits is None:
         digits = 0 if 10 <= value <= 90 else 1
     if 0 < value < 0.05:
-        return "< 0.1 %"
+        return "<\u00a00.1\u00a0%"
     if 99.95 <= value < 100:
-        return "> 99.9 %"
+        return ">\u00a099.9\u00a0%"
     text = f"{value:.{digits}f}"
-    return (text[:-2] if text.endswith(".0") else text) + " %"
+    return (text[:-2] if text.endswith(".0") else text) + "\u00a0%"
 
 
 def grouped(count):
@@ -148,9 +148,9 @@ class Findings:
     def slices(self):
         def text(name):
             worst = next(s for s in self.inputs.slices if s.representation == name and s.which == "worst")
-            difference = (worst.approximated - worst.generated)[worst.valid]
+            difference = worst.difference[worst.valid]
             bias = f"; in its plane {percent(np.mean(difference > self.tau_leak))} of the valid pixels are too bright by more than {self.tau_leak:g}" if len(difference) else ""
-            return f"the worst hard function is no. {worst.function} of {worst.scene}, RMSE {error(worst.rmse)}{bias}"
+            return f"the worst {'hard ' if self.functions['hard'] else ''}function is no. {worst.function} of {worst.scene}, RMSE {error(worst.rmse)}{bias}"
         return self.each(text)
 
     def histogram(self):

@@ -181,6 +181,7 @@ class Slice:
     axis: int
     generated: np.ndarray     # size x size, phi at the support point nearest to each pixel
     approximated: np.ndarray  # size x size
+    difference: np.ndarray    # size x size, at the support point nearest to each pixel
     valid: np.ndarray         # size x size, bool
 
 
@@ -222,7 +223,7 @@ def read_functions(path, representations):
     return {key: Samples(*(np.array(column) for column in zip(*rows))) for key, rows in groups.items()}
 
 
-LOG_COLUMNS = ("step", "elapsed_s", "learning_rate", "training_loss", "held_out_rmse")
+LOG_COLUMNS = ("step", "learning_rate", "training_loss", "held_out_rmse")
 
 
 def read_log(path):
@@ -255,7 +256,8 @@ def read_slices(path, representations):
             node["axis"].refuse("0, 1 or 2", axis)
         slices.append(Slice(node["representation"].text(), node["which"].text(), node["function"].count(), node["scene"].text(),
                             node["rmse"].number(), axis, picture("generated_permille", 0, 1000) / 1000,
-                            picture("approximated_permille", -2000, 2000) / 1000, picture("valid", 0, 1) > 0))
+                            picture("approximated_permille", -2000, 2000) / 1000,
+                            picture("difference_permille", -2000, 2000) / 1000, picture("valid", 0, 1) > 0))
     found = {(s.representation, s.which) for s in slices}
     for name in representations:
         for which in SLICE_NAMES:

@@ -89,6 +89,9 @@ def error_limits(arrays, low=0.0006):
 
 
 def mark_tau(axes, tau, vertical):
+    low, high = axes.get_xlim() if vertical else axes.get_ylim()
+    if not low <= tau <= high:
+        return
     line = axes.axvline if vertical else axes.axhline
     line(tau, color=INK, linewidth=0.9, linestyle=(0, (1, 2)), zorder=1)
     place = dict(x=tau, y=1.0, xytext=(3, -1), va="top", ha="left") if vertical else dict(x=1.0, y=tau, xytext=(-2, 2), va="bottom", ha="right")

@@ -31,7 +31,7 @@ def plane_text(slice_):
 
 def difference_limit(slices):
     """The largest difference that the colours show: 98 % of all valid pixels lie below, rounded up to a plain number."""
-    values = np.concatenate([np.abs(s.approximated - s.generated)[s.valid] for s in slices] or [np.zeros(1)])
+    values = np.concatenate([np.abs(s.difference)[s.valid] for s in slices] or [np.zeros(1)])
     needed = np.quantile(values, 0.98) if len(values) else 0.0
     return next((limit for limit in (0.02, 0.05, 0.1, 0.2, 0.5, 1.0) if limit >= needed), 2.0)
 
@@ -39,7 +39,7 @@ def difference_limit(slices):
 def colour_image(slice_, kind, limit):
     """One picture as RGB bytes, enlarged; invalid points hatched grey, the probe a ring in the middle."""
     values = {"generated": slice_.generated, "approximated": slice_.approximated,
-              "difference": slice_.approximated - slice_.generated}[kind]
+              "difference": slice_.difference}[kind]
     if kind == "difference":
         rgb = DIFFERENCE_MAP(np.clip(0.5 + 0.5 * values / limit, 0, 1))[..., :3]
     else:

@@ -191,8 +191,11 @@ TEST(LevenbergMarquardt, TakesARankDeficientJacobian) {
     for (int p = 0; p < valid_points; ++p) sample.validity[9 * p] = static_cast<uint8_t>(1 << (p % 8));
     const WeightingFunction function = decodeFunction(sample.view());
     ASSERT_EQ(function.validCount(), valid_points);
-    const FitResult result = expectNeverWorse(kFitters[2], {}, function, randomTheta(12), std::to_string(valid_points) + " points");
-    EXPECT_LT(result.rmse, 0.9 * functionRmse({}, function, randomTheta(12).data())) << valid_points << " points";
+    expectNeverWorse(kFitters[2], {}, function, randomTheta(12), std::to_string(valid_points) + " points");
+    // fewer equations than unknowns: there are networks through all points, and 300 iterations must come near one
+    NormalEquationsKernel kernel;
+    const FitResult result = fitLevenbergMarquardt({}, function, randomTheta(12), {.iterations = 300}, &kernel);
+    EXPECT_LT(result.rmse, 0.1 * functionRmse({}, function, randomTheta(12).data())) << valid_points << " points";
   }
   // units that nothing reads, and units that read nothing
   Theta dead = randomTheta(13);

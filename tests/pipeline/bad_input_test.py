@@ -1,0 +1,255 @@
+#!/usr/bin/python3
+"""Every tool with bad input: one line on stderr that names the file, the documented exit code, no output, no crash.
+
+    bad_input_test.py BIN_FOLDER MAKE_NARROW_SHARD
+"""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR, CHECK_FAILED = 2, 3, 5, 6  # tool/error.h
+
+BIN, MAKE_NARROW_SHARD = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+failures = []
+cases = 0
+
+
+def run(tool, *arguments):
+    return subprocess.run([os.path.join(BIN, tool), *arguments], capture_output=True, text=True, timeout=120)
+
+
+def must(tool, *arguments):
+    """Runs a tool that has to succeed: what the cases below are made from."""
+    result = run(tool, *arguments)
+    if result.returncode != 0:
+        sys.exit(f"{tool} {' '.join(arguments)}: exit code {result.returncode}\n{result.stderr}")
+
+
+def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):
+    """The tool must end with this code, one line that holds every text of `names`, and leave nothing but what it `keeps`."""
+    global cases
+    cases += 1
+    before = set(os.listdir("."))
+    result = run(tool, *arguments)
+    command = f"{tool} {' '.join(arguments)}"
+    lines = result.stderr.splitlines()
+    errors = [line for line in lines if line.startswith(f"{tool}: error: ")]
+    if result.returncode != exit_code:
+        failures.append(f"{command}: exit code {result.returncode}, expected {exit_code}\n    {result.stderr.strip()}")
+    elif len(lines) != 1 or len(errors) != 1:
+        failures.append(f"{command}: expected one line on stderr, got {len(lines)}\n    {result.stderr.strip()}")
+    for name in names:
+        if name not in result.stderr:
+            failures.append(f"{command}: stderr does not name '{name}'\n    {result.stderr.strip()}")
+    for output in outputs:
+        if os.path.exists(output):
+            failures.append(f"{command}: left {output} behind")
+            shutil.rmtree(output) if os.path.isdir(output) else os.remove(output)
+    for path in set(os.listdir(".")) - before - set(outputs) - set(keeps):
+        failures.append(f"{command}: left {path} behind")
+
+
+def write(path, content):
+    with open(path, "wb" if isinstance(content, bytes) else "w") as file:
+        file.write(content)
+    return path
+
+
+def damaged_copies(path):
+    """Copies of a file: empty, cut short, garbage, and with a hole of other bytes in the middle."""
+    whole = open(path, "rb").read()
+    stem, suffix = os.path.splitext(path)
+    yield write(f"{stem}_empty{suffix}", b"")
+    yield write(f"{stem}_half{suffix}", whole[: len(whole) // 2])
+    yield write(f"{stem}_short{suffix}", whole[:-1])
+    yield write(f"{stem}_garbage{suffix}", bytes((i * 37 + 11) % 256 for i in range(4096)))
+    middle = len(whole) // 2
+    # safetensors has no checksum: numbers that are still finite are as good as any
+    if suffix != ".safetensors":
+        yield write(f"{stem}_hole{suffix}", whole[:middle] + b"\xa5" * 64 + whole[middle + 64 :])
+
+
+def make_good_files():
+    write("good.yaml", "datagen: {max_functions: 12, unseen_points: 64}\nbasis: {components: 8}\n"
+          "train: {steps: 4, batch: 4, checkpoint_steps: 2, start_candidates: 1, width: 16, layers: 2}\n"
+          "validate: {direct_functions: 1, direct_adam_steps: 2, direct_lm_iterations: 1, direct_restarts: 0, policy_adam_steps: 2}\n")
+    must("nlg-datagen", "--config", "good.yaml", "--scene", "house:1", "--out", "training.h5")
+    must("nlg-datagen", "--config", "good.yaml", "--scene", "house:2", "--held-out", "--out", "held_out.h5")
+    must("nlg-pca", "--config", "good.yaml", "--shards", "training.h5", "--held-out", "held_out.h5", "--out", "basis.h5")
+    must("nlg-train", "--config", "good.yaml", *TRAIN_INPUTS, "--out", "run.ckpt", "--state", "run.state", "--log", "run.csv")
+    must("nlg-export", "--config", "good.yaml", *EXPORT_INPUTS, "--out", "weights.safetensors")
+    must("nlg-validate", "--config", "good.yaml", "--weights", "weights.safetensors", "--held-out", "held_out.h5", "--out", "validation")
+
+
+TRAIN_INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--shards", "training.h5", "--held-out", "held_out.h5"]
+EXPORT_INPUTS = ["--checkpoint", "run.ckpt", "--basis", "basis.h5", "--shards", "held_out.h5"]
+TRAIN_OUTPUTS = ["bad.ckpt", "bad.state", "bad.csv"]
+
+# tool → what it needs beside --out, and what it would write
+TOOLS = {
+    "nlg-datagen": (["--scene", "house:1"], ["bad.h5"]),
+    "nlg-pca": (["--shards", "training.h5"], ["bad.h5"]),
+    "nlg-train": (TRAIN_INPUTS + ["--state", "bad.state", "--log", "bad.csv"], TRAIN_OUTPUTS),
+    "nlg-export": (EXPORT_INPUTS, ["bad.safetensors"]),
+    "nlg-validate": (["--weights", "weights.safetensors", "--held-out", "held_out.h5"], ["bad_validation"]),
+}
+
+
+def arguments_of(tool, replaced=None):
+    """The good arguments of a tool, some of them replaced."""
+    arguments, outputs = TOOLS[tool]
+    arguments = [(replaced or {}).get(argument, argument) for argument in arguments]
+    return [*arguments, "--out", outputs[0]], outputs
+
+
+def check_command_lines():
+    flags = {
+        "nlg-datagen": [("--max-functions", "0"), ("--spacing-min-m", "-1"), ("--spacing-min-m", "nan"), ("--diffusion-passes", "99"),
+                        ("--unseen-points", "17"), ("--jitter", "minus one"), ("--scale", "inf"), ("--seed", "-1")],
+        "nlg-pca": [("--components", "0"), ("--components", "1e3"), ("--components", "99999999999999999999")],
+        "nlg-train": [("--steps", "0"), ("--batch", "-5"), ("--learning-rate", "nan"), ("--width", "1000000"), ("--layers", "0"),
+                      ("--threads", "many")],
+        "nlg-export": [("--parity-functions", "0"), ("--parity-tolerance", "-1")],
+        "nlg-validate": [("--tau-rmse", "2"), ("--direct-functions", "0"), ("--threads", "1.5")],
+    }
+    for tool in TOOLS:
+        arguments, outputs = arguments_of(tool)
+        refuses(USAGE_ERROR, [], [], tool)
+        refuses(USAGE_ERROR, ["--no-such-flag"], outputs, tool, *arguments, "--no-such-flag")
+        for flag, value in flags[tool]:
+            # "=" so that a negative number is no flag of its own
+            refuses(USAGE_ERROR, [flag.lstrip("-").replace("-", "_") if flag == "--unseen-points" else flag], outputs, tool, *arguments, f"{flag}={value}")
+    arguments, outputs = arguments_of("nlg-datagen")
+    refuses(USAGE_ERROR, ["spacing_max_m"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "3", "--spacing-max-m", "2")
+    refuses(USAGE_ERROR, ["2^40"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "0.0001", "--spacing-max-m", "0.0001")
+    for seed in ["", "x", "-1", "1.5", "9" * 30]:
+        refuses(USAGE_ERROR, ["--scene"], outputs, "nlg-datagen", "--scene", f"house:{seed}", "--out", "bad.h5")
+    arguments, outputs = arguments_of("nlg-train", {"tent_mlp": "pf3"})
+    refuses(USAGE_ERROR, ["--representation", "pf3"], outputs, "nlg-train", *arguments)
+
+
+def check_configurations():
+    section = {"nlg-datagen": "datagen", "nlg-pca": "basis", "nlg-train": "train", "nlg-export": "export", "nlg-validate": "validate"}
+    for tool in TOOLS:
+        arguments, outputs = arguments_of(tool)
+        name = section[tool]
+        for content, place in [
+            (f"{name}:\n  no_such_key: 1\n", "bad.yaml:2:3"),
+            (f"no_such_section: 1\n{name}: {{}}\n", "bad.yaml:1:1"),
+            (f"{name}: [1, 2]\n", "bad.yaml:1"),
+            (f"{name}: {{\n", "bad.yaml"),
+        ]:
+            write("bad.yaml", content)
+            refuses(USAGE_ERROR, [place], outputs, tool, *arguments, "--config", "bad.yaml")
+        refuses(INPUT_ERROR, ["missing.yaml"], outputs, tool, *arguments, "--config", "missing.yaml")
+    arguments, outputs = arguments_of("nlg-pca")
+    for value in ["-3", "three", "1.5", "[1]", "1e99", "''"]:
+        write("bad.yaml", f"basis:\n  components: {value}\n")
+        refuses(USAGE_ERROR, ["bad.yaml:2"], outputs, "nlg-pca", *arguments, "--config", "bad.yaml")
+
+
+def check_inputs():
+    """Every input of every tool: missing, a folder, damaged, of another kind."""
+    os.mkdir("folder")
+    inputs = {
+        "nlg-pca": ["training.h5"],
+        "nlg-train": ["basis.h5", "training.h5", "held_out.h5"],
+        "nlg-export": ["run.ckpt", "basis.h5", "held_out.h5"],
+        "nlg-validate": ["weights.safetensors", "held_out.h5"],
+    }
+    foreign = {"training.h5": "basis.h5", "held_out.h5": "weights.safetensors", "basis.h5": "training.h5", "run.ckpt": "basis.h5",
+               "weights.safetensors": "run.ckpt"}
+    damaged = {path: list(damaged_copies(path)) for path in foreign}
+    for tool, paths in inputs.items():
+        for path in paths:
+            for bad in ["missing" + os.path.splitext(path)[1], "folder", foreign[path], *damaged[path]]:
+                arguments, outputs = arguments_of(tool, {path: bad})
+                refuses(INPUT_ERROR, [bad], outputs, tool, *arguments)
+
+
+def check_scenes():
+    triangle = ('{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],'
+                '"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],'
+                '"accessors":[{"bufferView":0,"componentType":5126,"count":%d,"type":"VEC3","min":[0,0,0],"max":[1,1,1]}],'
+                '"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"uri":"%s","byteLength":36}]}')
+    write("scene.bin", b"\0" * 36)
+    scenes = {
+        "no_json.gltf": "{",
+        "empty.gltf": "",
+        "outside.gltf": triangle % (3, "../scene.bin"),
+        "absolute.gltf": triangle % (3, "/etc/hostname"),
+        "remote.gltf": triangle % (3, "http://localhost/scene.bin"),
+        "absent_buffer.gltf": triangle % (3, "nowhere.bin"),
+        "too_many.gltf": triangle % (300, "scene.bin"),
+        "garbage.glb": b"glTF\x02\0\0\0\xff\xff\xff\x7f garbage",
+    }
+    for name, content in scenes.items():
+        write(name, content)
+        refuses(INPUT_ERROR, [name], ["bad.h5"], "nlg-datagen", "--scene", name, "--out", "bad.h5")
+    for name in ["missing.glb", "castle:3", "folder", ""]:
+        refuses(INPUT_ERROR, [name], ["bad.h5"], "nlg-datagen", "--scene", name, "--out", "bad.h5")
+
+
+def check_inputs_that_do_not_belong_together():
+    must("nlg-datagen", "--config", "good.yaml", "--scene", "house:2", "--held-out", "--unseen-points", "128", "--out", "other_unseen.h5")
+    must("nlg-pca", "--config", "good.yaml", "--components", "7", "--shards", "training.h5", "--out", "other_basis.h5")
+    write("empty.yaml", "datagen: {max_functions: 1, spacing_min_m: 50, spacing_max_m: 50}\n")
+    arguments, outputs = arguments_of("nlg-export", {"basis.h5": "other_basis.h5"})
+    refuses(INPUT_ERROR, ["other_basis.h5", "SHA-256"], outputs, "nlg-export", *arguments)
+    arguments, outputs = arguments_of("nlg-validate", {"held_out.h5": "training.h5"})
+    refuses(INPUT_ERROR, ["training.h5", "--held-out"], outputs, "nlg-validate", *arguments)
+    refuses(INPUT_ERROR, ["other_unseen.h5"], ["bad_validation"], "nlg-validate", "--weights", "weights.safetensors",
+            "--held-out", "held_out.h5", "other_unseen.h5", "--out", "bad_validation")
+    # an unfinished run's state of other options is refused unless asked otherwise
+    shutil.copy("run.ckpt", "other.state")
+    refuses(INPUT_ERROR, ["other.state"], ["bad.ckpt", "bad.csv"], "nlg-train", "--config", "good.yaml", "--steps", "5", *TRAIN_INPUTS,
+            "--out", "bad.ckpt", "--state", "other.state", "--log", "bad.csv")
+    if not os.path.exists("other.state"):
+        failures.append("nlg-train: removed a state that it refused")
+
+
+def check_shards_whose_width_lies():
+    """A shard with the right pattern hash but rows of 16 points: nobody may read 8192 of them."""
+    subprocess.run([MAKE_NARROW_SHARD, "narrow.h5"], check=True)
+    for tool, path in [("nlg-pca", "training.h5"), ("nlg-train", "training.h5"), ("nlg-export", "held_out.h5"), ("nlg-validate", "held_out.h5")]:
+        arguments, outputs = arguments_of(tool, {path: "narrow.h5"})
+        refuses(INPUT_ERROR, ["narrow.h5"], outputs, tool, *arguments)
+
+
+def check_outputs():
+    write("file", "")
+    for tool in TOOLS:
+        if tool == "nlg-validate":
+            arguments = arguments_of(tool)[0][:-1] + ["file/bad"]
+        else:
+            arguments = arguments_of(tool)[0][:-1] + ["file/bad.out"]
+        # a training run's state and curve stay: the next attempt goes on from there
+        refuses(OUTPUT_ERROR, ["file/bad"], [], tool, "--config", "good.yaml", *arguments, keeps=TRAIN_OUTPUTS)
+    arguments, outputs = arguments_of("nlg-export")
+    refuses(CHECK_FAILED, ["parity"], outputs, "nlg-export", *arguments, "--parity-tolerance", "0")
+
+
+def main():
+    for variable in ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"]:
+        os.environ[variable] = "1"
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        make_good_files()
+        check_command_lines()
+        check_configurations()
+        check_inputs()
+        check_scenes()
+        check_inputs_that_do_not_belong_together()
+        check_shards_whose_width_lies()
+        check_outputs()
+        os.chdir("/")
+    for failure in failures:
+        print("FAILED:", failure)
+    print(f"{cases} cases, {len(failures)} failures")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
