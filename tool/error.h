@@ -54,8 +54,7 @@ class InputError : public ToolError {
 class NumericalError : public ToolError {
  public:
   NumericalError(const std::string& stage, const std::string& step, const std::string& quantity, double value)
-      : ToolError(ExitCode::numerical_error,
-                  stage + ": " + step + ": " + quantity + " is " + std::to_string(value)) {}
+      : ToolError(ExitCode::numerical_error, stage + ": " + step + ": " + quantity + " is " + std::to_string(value)) {}
 };
 
 // A file that could not be written. reason: the system's words.
@@ -83,7 +82,7 @@ template <class A, class B>
 }  // namespace nlg
 
 // Aborts with both values when `a op b` does not hold: for our own promises, never for input.
-#define NLG_CHECK(a, op, b)                                                               \
-  do {                                                                                    \
+#define NLG_CHECK(a, op, b)                                                                       \
+  do {                                                                                            \
     if (!((a)op(b))) ::nlg::detail::checkFailed(__FILE__, __LINE__, #a " " #op " " #b, (a), (b)); \
   } while (false)

@@ -37,11 +37,12 @@ class OptionTable {
   void add(const std::string& name, int* value, const std::string& help, int min = std::numeric_limits<int>::min(),
            int max = std::numeric_limits<int>::max());
   void add(const std::string& name, uint64_t* value, const std::string& help);
-  void add(const std::string& name, double* value, const std::string& help,
-           double min = -std::numeric_limits<double>::max(), double max = std::numeric_limits<double>::max());
+  void add(const std::string& name, double* value, const std::string& help, double min = -std::numeric_limits<double>::max(),
+           double max = std::numeric_limits<double>::max());
   void add(const std::string& name, bool* value, const std::string& help);
   void add(const std::string& name, std::string* value, const std::string& help);
-  void add(const std::string& name, std::vector<std::string>* value, const std::string& help);  // a YAML sequence; the flag takes a comma-separated list
+  void add(const std::string& name, std::vector<std::string>* value,
+           const std::string& help);  // a YAML sequence; the flag takes a comma-separated list
 
   // Adds one flag an option to the command line, each with its help, default and range. Values are only remembered here.
   void addFlags(CLI::App& app);

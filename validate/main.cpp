@@ -33,7 +33,7 @@ void describe(ValidateOptions& o, OptionTable& table) {
   table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);
   table.add("direct_adam_steps", &o.direct.adam_steps, "direct optimisation: Adam steps a start", 0, 10000000);
   table.add("direct_lm_iterations", &o.direct.levenberg_iterations, "direct optimisation: LM iterations a start", 0, 100000);
-  table.add("direct_restarts", &o.direct.restarts, "direct optimisation: random starts", 0, 1000);
+  table.add("direct_restarts", &o.direct.restarts, "direct optimisation: random starts", 1, 1000);
   table.add("threads", &o.threads, "threads for fits; 0: all cores", 0, 1024);
 }
 

@@ -50,35 +50,25 @@ constexpr const char* kFitNames[kFitCount] = {"refined_adam", "refined_lm", "dir
 std::vector<TimedFit> fitAll(const Generator& generator, const StoredFunction& stored, const Theta& generated,
                              const ValidateOptions& options, uint64_t seed, NormalEquationsKernel* kernel) {
   const Representation& representation = generator.representation();
-  std::vector<TimedFit> fits;
-  const auto timed = [&](int method, const auto& fit) {
-    const Clock::time_point start = Clock::now();
-    const Theta theta = fit(decodeFunction(stored));
-    fits.push_back({method, theta, microsecondsSince(start)});
-  };
   Theta theta0;
   std::copy_n(generator.theta0(), kThetaCount, theta0.begin());
-  timed(kRefinedAdam, [&](const WeightingFunction& function) {
-    return fitAdam(representation, function, generated, refinementAdam(representation, options.adam_refine_steps)).theta;
-  });
-  timed(kRefinedLm, [&](const WeightingFunction& function) {
-    return fitLevenbergMarquardt(representation, function, generated, {.iterations = options.lm_refine_iterations}, kernel).theta;
-  });
-  timed(kAdamTheta0, [&](const WeightingFunction& function) {
-    return fitAdam(representation, function, theta0, refinementAdam(representation, options.direct.adam_steps)).theta;
-  });
-  timed(kLmTheta0, [&](const WeightingFunction& function) {
-    return fitLevenbergMarquardt(representation, function, theta0, {.iterations = options.direct.levenberg_iterations}, kernel)
-        .theta;
-  });
-  timed(kAdamRandom, [&](const WeightingFunction& function) {
-    return fitAdam(representation, function, randomTheta(mixSeed(seed, 7)), randomStartAdam(options.direct.adam_steps)).theta;
-  });
-  timed(kDirect, [&](const WeightingFunction& function) {
-    DirectOptions direct = options.direct;
-    direct.seed = seed;
-    return fitDirect(representation, function, theta0, direct, kernel).best.theta;
-  });
+  const Clock::time_point start = Clock::now();
+  const WeightingFunction function = decodeFunction(stored);
+  const double decode_us = microsecondsSince(start);
+  std::vector<TimedFit> fits;
+  const auto add = [&](int method, const FitResult& fit) { fits.push_back({method, fit.theta, decode_us + fit.elapsed_us}); };
+  add(kRefinedAdam, fitAdam(representation, function, generated, refinementAdam(representation, options.adam_refine_steps)));
+  add(kRefinedLm,
+      fitLevenbergMarquardt(representation, function, generated, {.iterations = options.lm_refine_iterations}, kernel));
+  DirectOptions direct_options = options.direct;
+  direct_options.seed = seed;
+  const Clock::time_point direct_start = Clock::now();
+  const DirectResult direct = fitDirect(representation, function, theta0, direct_options, kernel);
+  const double direct_us = microsecondsSince(direct_start);
+  fits.push_back({kDirect, direct.best.theta, decode_us + direct_us});
+  add(kAdamTheta0, direct.adam_from_theta0);
+  add(kLmTheta0, direct.levenberg_from_theta0);
+  add(kAdamRandom, direct.adam_from_random);
   return fits;
 }
 

@@ -35,20 +35,24 @@ size_t nearestSupportPoint(const LocalPoint& point) {
   return nearest;
 }
 
-int mostTellingAxis(const FunctionSet& set, uint64_t index) {
+// Score of an axis plane: how far the function is from the bare tent near it, and four times how far the representation is from
+// the function.
+int mostTellingAxis(const FunctionSet& set, uint64_t index, const AlignedFloats& support_values) {
   constexpr float kSlab = 0.08f;
-  double difference[3] = {};
+  double score[3] = {};
   const std::vector<LocalPoint>& support = supportPattern().points;
   for (size_t i = 0; i < support.size(); ++i) {
     const uint64_t at = index * support.size() + i;
     if (!(set.validity[at / 8] >> (at % 8) & 1)) continue;
+    const double phi = set.phi[at] / 255.0;
     for (int axis = 0; axis < 3; ++axis) {
-      if (std::fabs(support[i][axis]) < kSlab) difference[axis] += std::fabs(set.phi[at] / 255.0 - tent(support[i]));
+      if (std::fabs(support[i][axis]) < kSlab)
+        score[axis] += std::fabs(phi - tent(support[i])) + 4.0 * std::fabs(support_values[i] - phi);
     }
   }
   int best = 1;  // the floor plan, unless another plane says clearly more
   for (const int axis : {0, 2}) {
-    if (difference[axis] > 1.2 * difference[best]) best = axis;
+    if (score[axis] > 1.2 * score[best]) best = axis;
   }
   return best;
 }
@@ -57,16 +61,16 @@ int mostTellingAxis(const FunctionSet& set, uint64_t index) {
 
 Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& representation, const float* theta, int size) {
   Slice slice;
-  slice.axis = mostTellingAxis(set, index);
+  const PointSet support = makePointSet(supportPattern().points);
+  AlignedFloats support_values(support.padded_count);
+  evaluate(representation, support, theta, support_values.data());
+  slice.axis = mostTellingAxis(set, index, support_values);
   slice.size = size;
   const std::vector<LocalPoint> plane = planePoints(slice.axis, size);
   const PointSet points = makePointSet(plane);
   AlignedFloats values(points.padded_count);
   evaluate(representation, points, theta, values.data());
   slice.approximated.assign(values.begin(), values.begin() + points.count);
-  const PointSet support = makePointSet(supportPattern().points);
-  AlignedFloats support_values(support.padded_count);
-  evaluate(representation, support, theta, support_values.data());
   for (const LocalPoint& point : plane) {
     const size_t nearest = nearestSupportPoint(point);
     const uint64_t at = index * kSupportPointCount + nearest;

@@ -14,11 +14,12 @@ namespace nlg {
 
 // Bits of Shard::flags, one byte a function.
 enum FunctionFlag : uint8_t {
-  kFlagOpenShell = 1,   // rays for validity disagreed: open, flipped or self-intersecting geometry near by
-  kFlagFewSeen = 2,     // the probe sees less than one support point in a hundred
+  kFlagOpenShell = 1,  // rays for validity disagreed: open, flipped or self-intersecting geometry near by
+  kFlagFewSeen = 2,    // the probe sees less than one support point in a hundred
 };
 
-// What a shard left out, and why; every visited probe is counted exactly once among functions, free_space, in_solid, duplicates and empty.
+// What a shard left out, and why; every visited probe is counted exactly once among functions, free_space, in_solid, duplicates
+// and empty.
 struct ShardCounts {
   uint64_t grid_probes = 0;     // probes of the whole grid
   uint64_t visited_probes = 0;  // of these were looked at (max_functions may stop earlier)
@@ -31,14 +32,14 @@ struct ShardCounts {
 
 struct Shard {
   std::string scene_id;
-  std::string family;             // procedural family, or "level"
+  std::string family;  // procedural family, or "level"
   uint64_t jitter = 0;
-  uint64_t pattern_hash = 0;      // of the support pattern: SupportPattern::hash
+  uint64_t pattern_hash = 0;  // of the support pattern: SupportPattern::hash
   uint64_t unseen_pattern_hash = 0;
-  int point_count = 0;            // P
-  int unseen_point_count = 0;     // U
+  int point_count = 0;         // P
+  int unseen_point_count = 0;  // U
   ShardCounts counts;
-  std::string provenance_json;    // tool/provenance.h
+  std::string provenance_json;  // tool/provenance.h
 
   std::vector<uint8_t> phi;              // N x P, round(255 phi)
   std::vector<uint8_t> validity;         // N x P/8, bit i of byte b is point 8 b + i
@@ -54,8 +55,8 @@ struct Shard {
   uint64_t functionCount() const { return flags.size(); }
 };
 
-// Writes the shard atomically: chunked, shuffled by nothing, gzip 1, Fletcher-32 a chunk, no time stamps: the same shard gives the same
-// bytes. throws OutputError
+// Writes the shard atomically: chunked, shuffled by nothing, gzip 1, Fletcher-32 a chunk, no time stamps: the same shard gives
+// the same bytes. throws OutputError
 void writeShard(const std::string& path, const Shard& shard);
 
 // Reads a shard back, checks every shape against the attributes and the checksums against the bytes.

@@ -57,6 +57,40 @@ class StratumOrder {
   size_t position_ = 0;
 };
 
+FitResult runAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,
+                  const AdamOptions& options) {
+  FitResult result{start, functionRmse(representation, function, start.data()), 0, FitStop::budget};
+  StratumOrder order(function, options.seed);
+  if (order.empty()) {
+    result.stop = FitStop::no_points;
+    return result;
+  }
+  if (!std::isfinite(result.rmse)) {
+    result.stop = FitStop::not_finite;
+    return result;
+  }
+  Theta theta = start;
+  AdamState state;
+  float gradient[kThetaCount];
+  const PointSet& points = stratifiedSupportPoints();
+  for (; result.steps < options.steps; ++result.steps) {
+    const int stratum = order.next(), first = stratum * kStratumPointCount;
+    lossAndGradient(representation, points, first, kStratumPointCount, &function.phi[first], &function.mask[first], theta.data(),
+                    gradient);
+    const float scale = 1.0f / static_cast<float>(function.valid_count[stratum]);
+    for (float& value : gradient) value *= scale;
+    const double phase = static_cast<double>(result.steps) / options.steps;
+    state.step(options, options.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase)), gradient, theta.data());
+    if (!allFinite(theta.data(), kThetaCount)) {
+      result.stop = FitStop::not_finite;
+      return result;
+    }
+  }
+  const double rmse = functionRmse(representation, function, theta.data());
+  if (rmse < result.rmse) result.theta = theta, result.rmse = rmse;
+  return result;
+}
+
 }  // namespace
 
 const char* fitStopName(FitStop stop) {
@@ -101,36 +135,7 @@ AdamOptions randomStartAdam(int steps) {
 
 FitResult fitAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,
                   const AdamOptions& options) {
-  FitResult result{start, functionRmse(representation, function, start.data()), 0, FitStop::budget};
-  StratumOrder order(function, options.seed);
-  if (order.empty()) {
-    result.stop = FitStop::no_points;
-    return result;
-  }
-  if (!std::isfinite(result.rmse)) {
-    result.stop = FitStop::not_finite;
-    return result;
-  }
-  Theta theta = start;
-  AdamState state;
-  float gradient[kThetaCount];
-  const PointSet& points = stratifiedSupportPoints();
-  for (; result.steps < options.steps; ++result.steps) {
-    const int stratum = order.next(), first = stratum * kStratumPointCount;
-    lossAndGradient(representation, points, first, kStratumPointCount, &function.phi[first], &function.mask[first], theta.data(),
-                    gradient);
-    const float scale = 1.0f / static_cast<float>(function.valid_count[stratum]);
-    for (float& value : gradient) value *= scale;
-    const double phase = static_cast<double>(result.steps) / options.steps;
-    state.step(options, options.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase)), gradient, theta.data());
-    if (!allFinite(theta.data(), kThetaCount)) {
-      result.stop = FitStop::not_finite;
-      return result;
-    }
-  }
-  const double rmse = functionRmse(representation, function, theta.data());
-  if (rmse < result.rmse) result.theta = theta, result.rmse = rmse;
-  return result;
+  return timedFit([&] { return runAdam(representation, function, start, options); });
 }
 
 Theta randomTheta(uint64_t seed) {

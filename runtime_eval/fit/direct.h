@@ -10,7 +10,7 @@ namespace nlg {
 
 struct DirectOptions {
   int adam_steps = 8000;          // from theta0, and from every random start
-  int levenberg_iterations = 60;  // from theta0, and after every Adam
+  int levenberg_iterations = 40;  // from theta0, and after every Adam
   int restarts = 2;               // random starts
   uint64_t seed = 1;
 };

@@ -59,35 +59,7 @@ double largestMagnitude(const std::vector<double>& values) {
   return largest;
 }
 
-}  // namespace
-
-bool solveSymmetric(std::vector<double>* matrix, int count, std::vector<double>* vector) {
-  double* a = matrix->data();
-  double* x = vector->data();
-  for (int i = 0; i < count; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      double sum = a[i * count + j];
-      for (int k = 0; k < j; ++k) sum -= a[i * count + k] * a[j * count + k];
-      if (j < i) {
-        a[i * count + j] = sum / a[j * count + j];
-      } else {
-        if (!(sum > 0.0) || !std::isfinite(sum)) return false;
-        a[i * count + i] = std::sqrt(sum);
-      }
-    }
-  }
-  for (int i = 0; i < count; ++i) {
-    for (int k = 0; k < i; ++k) x[i] -= a[i * count + k] * x[k];
-    x[i] /= a[i * count + i];
-  }
-  for (int i = count - 1; i >= 0; --i) {
-    for (int k = i + 1; k < count; ++k) x[i] -= a[k * count + i] * x[k];
-    x[i] /= a[i * count + i];
-  }
-  return true;
-}
-
-FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
+FitResult runLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
                                 const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel) {
   FitResult result{start, functionRmse(representation, function, start.data()), 0, FitStop::budget};
   const int valid_count = function.validCount();
@@ -135,6 +107,39 @@ FitResult fitLevenbergMarquardt(const Representation& representation, const Weig
     if (result.steps < options.iterations) kernel->compute(representation, function, theta.data(), &equations);
   }
   return result;
+}
+
+}  // namespace
+
+bool solveSymmetric(std::vector<double>* matrix, int count, std::vector<double>* vector) {
+  double* a = matrix->data();
+  double* x = vector->data();
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double sum = a[i * count + j];
+      for (int k = 0; k < j; ++k) sum -= a[i * count + k] * a[j * count + k];
+      if (j < i) {
+        a[i * count + j] = sum / a[j * count + j];
+      } else {
+        if (!(sum > 0.0) || !std::isfinite(sum)) return false;
+        a[i * count + i] = std::sqrt(sum);
+      }
+    }
+  }
+  for (int i = 0; i < count; ++i) {
+    for (int k = 0; k < i; ++k) x[i] -= a[i * count + k] * x[k];
+    x[i] /= a[i * count + i];
+  }
+  for (int i = count - 1; i >= 0; --i) {
+    for (int k = i + 1; k < count; ++k) x[i] -= a[k * count + i] * x[k];
+    x[i] /= a[i * count + i];
+  }
+  return true;
+}
+
+FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
+                                const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel) {
+  return timedFit([&] { return runLevenbergMarquardt(representation, function, start, options, kernel); });
 }
 
 }  // namespace nlg

@@ -40,8 +40,10 @@ class SceneOfFaces {
         glm::vec3 b = a, c = a, d = a;
         b[u] = c[u] = high[u];
         c[v] = d[v] = high[v];
-        if (far_side != flipped) addQuad(a, b, c, d);
-        else addQuad(a, d, c, b);
+        if (far_side != flipped)
+          addQuad(a, b, c, d);
+        else
+          addQuad(a, d, c, b);
       }
     }
   }

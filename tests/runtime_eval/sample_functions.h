@@ -59,9 +59,7 @@ inline std::vector<double> magnitudes(const Theta& theta) {
   for (const float value : theta) result.push_back(std::fabs(value));
   return result;
 }
-inline LocalPoint magnitudes(const LocalPoint& point) {
-  return {std::fabs(point[0]), std::fabs(point[1]), std::fabs(point[2])};
-}
+inline LocalPoint magnitudes(const LocalPoint& point) { return {std::fabs(point[0]), std::fabs(point[1]), std::fabs(point[2])}; }
 inline PointSet magnitudes(PointSet points) {
   for (AlignedFloats* values : {&points.x, &points.y, &points.z}) {
     for (float& value : *values) value = std::fabs(value);

@@ -31,8 +31,10 @@ void append(FunctionSet& set, const std::function<uint8_t(int)>& phi, const Bits
   appendBits(kSupportPointCount, valid, set.validity);
   appendBits(kSupportPointCount, seen, set.seen);
   set.phi_unseen.insert(set.phi_unseen.end(), kUnseen, phi_unseen);
-  appendBits(kUnseen, [](int i) { return i % 2 == 0; }, set.validity_unseen);
-  appendBits(kUnseen, [](int) { return true; }, set.seen_unseen);
+  appendBits(
+      kUnseen, [](int i) { return i % 2 == 0; }, set.validity_unseen);
+  appendBits(
+      kUnseen, [](int) { return true; }, set.seen_unseen);
 }
 
 const Bits kAlways = [](int) { return true; };
@@ -47,7 +49,8 @@ std::vector<float> constantTheta(float value) {
 TEST(ErrorMeter, MeasuresAConstantInClosedForm) {
   // phi: 51/255 = 0.2 at every fourth point, 0 elsewhere; the network says 0.5
   FunctionSet set;
-  append(set, [](int p) { return p % 4 == 0 ? 51 : 0; }, kAlways, [](int p) { return p % 4 == 0; }, 102);
+  append(
+      set, [](int p) { return p % 4 == 0 ? 51 : 0; }, kAlways, [](int p) { return p % 4 == 0; }, 102);
   ErrorMeter meter(set);
   PooledMagnitudes leaks;
   const FunctionError error = meter.measure({}, constantTheta(0.5f).data(), 0, &leaks);
@@ -62,7 +65,8 @@ TEST(ErrorMeter, MeasuresAConstantInClosedForm) {
 
 TEST(ErrorMeter, LeavesInvalidPointsOut) {
   FunctionSet set;
-  append(set, [](int) { return 255; }, [](int p) { return p % 8 == 3; }, kAlways, 255);
+  append(
+      set, [](int) { return 255; }, [](int p) { return p % 8 == 3; }, kAlways, 255);
   ErrorMeter meter(set);
   PooledMagnitudes leaks;
   const FunctionError error = meter.measure({}, constantTheta(1.0f).data(), 0, &leaks);
@@ -75,7 +79,8 @@ TEST(ErrorMeter, LeavesInvalidPointsOut) {
 
 TEST(ErrorMeter, CountsALeakOfEitherSign) {
   FunctionSet set;
-  append(set, [](int) { return 0; }, kAlways, kAlways, 0);
+  append(
+      set, [](int) { return 0; }, kAlways, kAlways, 0);
   ErrorMeter meter(set);
   PooledMagnitudes leaks;
   EXPECT_EQ(meter.measure({}, constantTheta(-0.25f).data(), 0, &leaks).leak_mean, 0.25);
@@ -84,7 +89,8 @@ TEST(ErrorMeter, CountsALeakOfEitherSign) {
 
 TEST(ErrorMeter, GivesZerosForAFunctionWithoutAnyValidPoint) {
   FunctionSet set;
-  append(set, [](int) { return 0; }, [](int) { return false; }, [](int) { return false; }, 0);
+  append(
+      set, [](int) { return 0; }, [](int) { return false; }, [](int) { return false; }, 0);
   ErrorMeter meter(set);
   const FunctionError error = meter.measure({}, constantTheta(1.0f).data(), 0, nullptr);
   EXPECT_EQ(error.rmse + error.rmse_shadow + error.leak_mean + error.leak_p99, 0.0);
@@ -107,7 +113,9 @@ TEST(ErrorMeter, FindsTheTentNearlyRight) {
 
 TEST(ErrorMeter, ReadsTheFunctionThatItIsAskedFor) {
   FunctionSet set;
-  for (const int value : {0, 51, 255}) append(set, [=](int) { return static_cast<uint8_t>(value); }, kAlways, kAlways, static_cast<uint8_t>(value));
+  for (const int value : {0, 51, 255})
+    append(
+        set, [=](int) { return static_cast<uint8_t>(value); }, kAlways, kAlways, static_cast<uint8_t>(value));
   ErrorMeter meter(set);
   const double expected[] = {0.2, 0.0, 0.8};
   for (uint64_t n = 0; n < 3; ++n) {

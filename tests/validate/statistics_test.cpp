@@ -34,7 +34,8 @@ TEST(Quantile, EqualsTheSortedListsOnRandomValues) {
     for (const double share : {0.0, 0.01, 0.5, 0.95, 0.99, 1.0}) {
       const double position = share * (count - 1);
       const auto low = static_cast<size_t>(position);
-      const double expected = sorted[low] + (position - std::floor(position)) * (sorted[std::min<size_t>(low + 1, count - 1)] - sorted[low]);
+      const double expected =
+          sorted[low] + (position - std::floor(position)) * (sorted[std::min<size_t>(low + 1, count - 1)] - sorted[low]);
       ASSERT_DOUBLE_EQ(quantile(values, share), expected) << count << " values, share " << share;
     }
   }

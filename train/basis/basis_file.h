@@ -9,7 +9,8 @@ namespace nlg {
 
 struct BasisFile {
   Basis basis;
-  std::vector<float> mean_function;   // P, pattern order, [0, 1]: mean over those functions and their mirror images in which the point is valid
+  std::vector<float>
+      mean_function;  // P, pattern order, [0, 1]: mean over those functions and their mirror images in which the point is valid
   std::vector<float> mean_validity;   // P: share of functions in which the point is valid, mirrored likewise
   std::vector<int32_t> kept_counts;   // component counts at which held-out variance was measured
   std::vector<double> kept_variance;  // share kept, one a count

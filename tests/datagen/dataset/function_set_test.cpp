@@ -54,7 +54,8 @@ class FunctionSetFiles : public testing::Test {
 };
 
 TEST_F(FunctionSetFiles, AreReadInOrder) {
-  const FunctionSet set = readFunctionSet({write(shardOf("a", 3, 10)), write(shardOf("b", 2, 40)), write(shardOf("a", 1, 80))}, kPattern);
+  const FunctionSet set =
+      readFunctionSet({write(shardOf("a", 3, 10)), write(shardOf("b", 2, 40)), write(shardOf("a", 1, 80))}, kPattern);
   ASSERT_EQ(set.functionCount(), 6u);
   EXPECT_EQ(set.scene_ids, (std::vector<std::string>{"a", "b"}));
   EXPECT_EQ(set.families, (std::vector<std::string>{"family of a", "family of b"}));
@@ -77,7 +78,8 @@ TEST_F(FunctionSetFiles, AreReadInOrder) {
 
 TEST_F(FunctionSetFiles, DropAndCountDuplicatesBetweenShards) {
   // 10 11 12 13 | 12 13 14 | 13 14 15: 2 and then 2 of them are there already
-  const FunctionSet set = readFunctionSet({write(shardOf("a", 4, 10)), write(shardOf("b", 3, 12)), write(shardOf("c", 3, 13))}, kPattern);
+  const FunctionSet set =
+      readFunctionSet({write(shardOf("a", 4, 10)), write(shardOf("b", 3, 12)), write(shardOf("c", 3, 13))}, kPattern);
   ASSERT_EQ(set.functionCount(), 6u);
   EXPECT_EQ(set.scene_idx, (std::vector<uint32_t>{0, 0, 0, 0, 1, 2}));
   EXPECT_EQ(set.counts.functions, 6u);
@@ -95,7 +97,8 @@ TEST_F(FunctionSetFiles, KeepFunctionsThatDifferInValidityAlone) {
 }
 
 TEST_F(FunctionSetFiles, TakeShardsWithoutFunctions) {
-  const FunctionSet set = readFunctionSet({write(shardOf("a", 0, 0)), write(shardOf("b", 2, 5)), write(shardOf("c", 0, 0))}, kPattern);
+  const FunctionSet set =
+      readFunctionSet({write(shardOf("a", 0, 0)), write(shardOf("b", 2, 5)), write(shardOf("c", 0, 0))}, kPattern);
   EXPECT_EQ(set.functionCount(), 2u);
   EXPECT_EQ(set.scene_ids.size(), 3u);
   EXPECT_EQ(readFunctionSet({write(shardOf("a", 0, 0))}, kPattern).functionCount(), 0u);
@@ -111,7 +114,8 @@ TEST_F(FunctionSetFiles, AreIdentifiedByTheirBytesAndOrder) {
 
 TEST_F(FunctionSetFiles, RefuseShardsThatDoNotBelongTogether) {
   const std::string first = write(shardOf("a", 2, 10));
-  EXPECT_THROW(readFunctionSet({first, write(shardOf("b", 2, 40, 8))}, kPattern), InputError) << "another number of unseen points";
+  EXPECT_THROW(readFunctionSet({first, write(shardOf("b", 2, 40, 8))}, kPattern), InputError)
+      << "another number of unseen points";
   EXPECT_THROW(readFunctionSet({first, write(shardOf("b", 2, 40, 0))}, kPattern), InputError) << "no unseen points";
   EXPECT_THROW(readFunctionSet({first}, kPattern + 1), InputError) << "another pattern";
   Shard other_unseen = shardOf("b", 2, 40);

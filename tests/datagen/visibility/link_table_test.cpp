@@ -43,8 +43,10 @@ TEST(LinkTable, ListsThe32NearestByBruteForce) {
       ASSERT_TRUE(other < kSupportPointCount && other != point) << "point " << point << ", neighbour " << k;
       listed.insert(other);
       // ties may be listed either way: distances decide. Squares are in float: 4 roundings
-      ASSERT_NEAR(distanceBetween(point, other), distances[k], 4 * 0x1p-24 * distances[k]) << "point " << point << ", neighbour " << k;
-      ASSERT_NEAR(table().distance[size_t(point) * kLinkCount + k], distances[k], 4 * 0x1p-24 * distances[k]) << "point " << point;
+      ASSERT_NEAR(distanceBetween(point, other), distances[k], 4 * 0x1p-24 * distances[k])
+          << "point " << point << ", neighbour " << k;
+      ASSERT_NEAR(table().distance[size_t(point) * kLinkCount + k], distances[k], 4 * 0x1p-24 * distances[k])
+          << "point " << point;
     }
     ASSERT_EQ(listed.size(), size_t{kLinkCount}) << "point " << point << " lists one twice";
   }

@@ -136,14 +136,16 @@ TEST(RayScene, FindsTrianglesInCubesAsClippingDoes) {
   int touching = 0;
   for (int i = 0; i < 4000; ++i) {
     const float size = i % 2 ? 0.3f : 3.0f;
-    const glm::vec3 a = randomPoint(random, -2, 2), b = a + randomPoint(random, -size, size), c = a + randomPoint(random, -size, size);
+    const glm::vec3 a = randomPoint(random, -2, 2), b = a + randomPoint(random, -size, size),
+                    c = a + randomPoint(random, -size, size);
     SceneOfFaces faces;
     faces.addTriangle(a, b, c);
     const RayScene scene(faces.finish());
     const glm::vec3 center = randomPoint(random, -0.5f, 0.5f);
     const auto half_side = static_cast<float>(random.uniform(0.3, 1.2));
     const auto clipped = [&](double half) {
-      return touchesCube(glm::dvec3(a) - glm::dvec3(center), glm::dvec3(b) - glm::dvec3(center), glm::dvec3(c) - glm::dvec3(center), half);
+      return touchesCube(glm::dvec3(a) - glm::dvec3(center), glm::dvec3(b) - glm::dvec3(center),
+                         glm::dvec3(c) - glm::dvec3(center), half);
     };
     // float decides only what is farther from touching than its rounding
     if (clipped(half_side * (1 - 1e-5)) != clipped(half_side * (1 + 1e-5))) continue;

@@ -89,7 +89,8 @@ TEST(SupportVisibility, TestsBatchesAsSingleLinks) {
   EXPECT_EQ(visibility.rayCount(), table().links.size());
   for (uint32_t l = 0; l < table().links.size(); l += 7) {
     const LinkTable::Link& link = table().links[l];
-    ASSERT_EQ(visibility.linkOpen(l), clear(scene, pointAt(glm::vec3(0), 1, link.a), pointAt(glm::vec3(0), 1, link.b))) << "link " << l;
+    ASSERT_EQ(visibility.linkOpen(l), clear(scene, pointAt(glm::vec3(0), 1, link.a), pointAt(glm::vec3(0), 1, link.b)))
+        << "link " << l;
   }
   visibility.testLinks(allLinks());
   EXPECT_EQ(visibility.rayCount(), table().links.size()) << "a tested link was traced again";
@@ -186,7 +187,8 @@ TEST(SupportVisibility, TakesTheUndersideOfOpenTerrainForSolid) {
   const float height = -0.3f;
   const RayScene scene(terrainSheet(height, Sides::one));
   const SupportVisibility visibility = judged(scene);
-  for (uint32_t p = 0; p < table().points.size(); ++p) ASSERT_EQ(visibility.valid(p), table().points[p][1] > height) << "point " << p;
+  for (uint32_t p = 0; p < table().points.size(); ++p)
+    ASSERT_EQ(visibility.valid(p), table().points[p][1] > height) << "point " << p;
 }
 
 TEST(SupportVisibility, TakesDoubleSidedFacesForNoEvidence) {
@@ -242,15 +244,19 @@ TEST(SupportVisibility, KnowsAnEmptySupport) {
   EXPECT_FALSE(visibility.supportIsEmpty());
 }
 
-TEST(SolidVote, IsDisputedUnlessOneSideHasFourFifths) {
-  EXPECT_FALSE((SolidVote{0, 0}).disputed());
-  EXPECT_FALSE((SolidVote{0, 0}).solid());
-  EXPECT_FALSE((SolidVote{8, 2}).disputed());
-  EXPECT_FALSE((SolidVote{2, 8}).disputed());
-  EXPECT_TRUE((SolidVote{7, 3}).disputed());
-  EXPECT_TRUE((SolidVote{5, 5}).disputed());
-  EXPECT_FALSE((SolidVote{5, 5}).solid());
-  EXPECT_TRUE((SolidVote{4, 5}).solid());
+TEST(SolidVote, IsSolidFromTwoFifthsOfBacksAndDisputedFromATenth) {
+  const auto verdict = [](int front, int back) {
+    const SolidVote vote{front, back};
+    return vote.solid() ? "solid" : vote.disputed() ? "disputed" : "air";
+  };
+  EXPECT_STREQ(verdict(0, 0), "air") << "no evidence";
+  EXPECT_STREQ(verdict(14, 0), "air");
+  EXPECT_STREQ(verdict(9, 1), "air") << "exactly a tenth";
+  EXPECT_STREQ(verdict(8, 1), "disputed");
+  EXPECT_STREQ(verdict(31, 20), "disputed") << "just below two fifths";
+  EXPECT_STREQ(verdict(3, 2), "solid") << "exactly two fifths";
+  EXPECT_STREQ(verdict(7, 7), "solid");
+  EXPECT_STREQ(verdict(0, 1), "solid");
 }
 
 }  // namespace

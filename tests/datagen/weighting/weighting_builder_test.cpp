@@ -21,7 +21,8 @@ struct Built {
   GeneratedFunction function;
 };
 
-Built build(const Scene& scene, const DiffusionOptions& options = {}, const glm::vec3& position_m = glm::vec3(0), float spacing_m = 1.0f) {
+Built build(const Scene& scene, const DiffusionOptions& options = {}, const glm::vec3& position_m = glm::vec3(0),
+            float spacing_m = 1.0f) {
   const RayScene rays(scene);
   WeightingBuilder builder(rays, table(), options);
   Built built;
@@ -32,8 +33,8 @@ Built build(const Scene& scene, const DiffusionOptions& options = {}, const glm:
 std::vector<Scene> scenes() {
   SceneOfFaces room;
   room.addRoom({-0.4f, -0.5f, -0.6f}, {0.7f, 0.45f, 0.55f}, 0.2f);
-  return {infiniteWall(), halfWall(), wallWithHole(), thinWall(Sides::one), thinWall(Sides::two), slivers(), room.finish(),
-          terrainSheet(-0.3f, Sides::one)};
+  return {infiniteWall(),       halfWall(), wallWithHole(), thinWall(Sides::one),
+          thinWall(Sides::two), slivers(),  room.finish(),  terrainSheet(-0.3f, Sides::one)};
 }
 
 // The definition, with every link tested beforehand and nothing left out: docs/math.md §1.
@@ -79,7 +80,8 @@ TEST(WeightingBuilder, FollowsTheDefinition) {
       const std::vector<double> expected = diffusedNaively(scene, built.function, options);
       for (size_t p = 0; p < expected.size(); ++p) {
         // phi is in [0, 1] and stored in float; Gaussians and what a pass reads are floats: a few roundings a pass
-        ASSERT_NEAR(built.function.phi[p], expected[p], 8 * 0x1p-24 * (1 + options.passes)) << "point " << p << ", sigma " << options.sigma;
+        ASSERT_NEAR(built.function.phi[p], expected[p], 8 * 0x1p-24 * (1 + options.passes))
+            << "point " << p << ", sigma " << options.sigma;
       }
     }
   }

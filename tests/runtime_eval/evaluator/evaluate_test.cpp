@@ -58,9 +58,9 @@ TEST(EvaluateReference, FollowsALayoutWrittenOutByHand) {
   // one path through the network: x -> unit 2 -> unit 5 -> output, both units below zero
   using L = ThetaLayout;
   std::vector<double> theta(kThetaCount, 0.0);
-  theta[L::w1 + 3 * 2 + 0] = -2.0;             // unit 2 of layer 1: -2 x
-  theta[L::b1 + 2] = -1.0;                     //                    - 1
-  theta[L::w2 + kHiddenCount * 5 + 2] = 4.0;   // unit 5 of layer 2: 4 * that
+  theta[L::w1 + 3 * 2 + 0] = -2.0;            // unit 2 of layer 1: -2 x
+  theta[L::b1 + 2] = -1.0;                    //                    - 1
+  theta[L::w2 + kHiddenCount * 5 + 2] = 4.0;  // unit 5 of layer 2: 4 * that
   theta[L::w3 + 5] = 10.0;
   theta[L::b3] = 0.5;
   const LocalPoint point{0.25f, 0.5f, -0.5f};
@@ -96,7 +96,8 @@ TEST(Representation, IsFoundByItsNameAlone) {
     EXPECT_STREQ(representationName(representation), name);
     EXPECT_EQ(representation.slope, Representation{}.slope) << name;
   }
-  for (const char* name : {"", "MLP", "mlp ", "tent", "pf3", "tent_mlpx"}) EXPECT_FALSE(findRepresentation(name, &representation)) << name;
+  for (const char* name : {"", "MLP", "mlp ", "tent", "pf3", "tent_mlpx"})
+    EXPECT_FALSE(findRepresentation(name, &representation)) << name;
 }
 
 }  // namespace

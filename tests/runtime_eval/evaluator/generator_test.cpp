@@ -41,8 +41,8 @@ TEST(Generator, EqualsTheReferenceOnRaggedCountsAndEveryTarget) {
     int width, layers, count;
   };
   const std::vector<uint8_t> phi = sampleFunctions(257);
-  for (const Case& c : {Case{48, 4, 1}, Case{25, 3, 2}, Case{48, 3, 7}, Case{33, 3, 8}, Case{32, 2, 9}, Case{7, 3, 31}, Case{113, 3, 95},
-                        Case{48, 1, 96}, Case{48, 3, 97}, Case{16, 3, 257}}) {
+  for (const Case& c : {Case{48, 4, 1}, Case{25, 3, 2}, Case{48, 3, 7}, Case{33, 3, 8}, Case{32, 2, 9}, Case{7, 3, 31},
+                        Case{113, 3, 95}, Case{48, 1, 96}, Case{48, 3, 97}, Case{16, 3, 257}}) {
     const GeneratorData data = sampleGenerator({}, c.width, c.layers, 5);
     std::vector<std::vector<double>> expected;
     for (int n = 0; n < c.count; ++n) {
@@ -68,7 +68,8 @@ TEST(Generator, TreatsEveryFunctionOfABatchAlike) {
   forEachTarget([&] {
     const std::vector<float> together = generateAll(data, phi, 100);
     for (int n = 0; n < 100; n += 33) {
-      const std::vector<uint8_t> one(phi.begin() + size_t(n) * kSupportPointCount, phi.begin() + size_t(n + 1) * kSupportPointCount);
+      const std::vector<uint8_t> one(phi.begin() + size_t(n) * kSupportPointCount,
+                                     phi.begin() + size_t(n + 1) * kSupportPointCount);
       const std::vector<float> alone = generateAll(data, one, 1);
       EXPECT_TRUE(std::equal(alone.begin(), alone.end(), together.begin() + size_t(n) * kThetaCount)) << "function " << n;
     }
@@ -185,7 +186,8 @@ TEST(GeneratorWeights, RefuseForeignPatternsAndNewerVersions) {
   EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["pattern_hash"] = ""; }), WeightsStatus::pattern_unknown);
   EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["version"] = "2"; }), WeightsStatus::version_unknown);
   for (const char* version : {"0", "-1", "1.5", "", "one", "nan"}) {
-    EXPECT_EQ(statusAfter([&](WeightsFile& f) { f.metadata["version"] = version; }), WeightsStatus::value_out_of_range) << version;
+    EXPECT_EQ(statusAfter([&](WeightsFile& f) { f.metadata["version"] = version; }), WeightsStatus::value_out_of_range)
+        << version;
   }
 }
 
@@ -219,7 +221,8 @@ TEST(GeneratorWeights, RefuseMetadataOutOfRange) {
 TEST(GeneratorWeights, RefuseDeviationsThatCannotDivide) {
   // the projection divides by them: 1e-40 is a denormal, its reciprocal infinite
   for (const float deviation : {0.0f, -1.0f, 1e-40f}) {
-    EXPECT_EQ(statusAfter([&](WeightsFile& f) { f.tensors["basis.deviation"].values[3] = deviation; }), WeightsStatus::value_out_of_range)
+    EXPECT_EQ(statusAfter([&](WeightsFile& f) { f.tensors["basis.deviation"].values[3] = deviation; }),
+              WeightsStatus::value_out_of_range)
         << deviation;
   }
 }

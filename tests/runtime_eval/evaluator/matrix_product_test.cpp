@@ -87,7 +87,8 @@ TEST(PackedMatrix, FillsItsLastPanelWithZeros) {
   ASSERT_EQ(matrix.panelCount(), 2);
   for (int i = 0; i < 4; ++i) {
     for (int o = 0; o < 2 * PackedMatrix::kPanelWidth; ++o) {
-      const float packed = matrix.panel(o / PackedMatrix::kPanelWidth)[i * PackedMatrix::kPanelWidth + o % PackedMatrix::kPanelWidth];
+      const float packed =
+          matrix.panel(o / PackedMatrix::kPanelWidth)[i * PackedMatrix::kPanelWidth + o % PackedMatrix::kPanelWidth];
       ASSERT_EQ(packed, o < 35 ? weights[o * 4 + i] : 0.0f) << "output " << o << ", input " << i;
     }
   }

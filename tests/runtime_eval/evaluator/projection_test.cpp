@@ -49,7 +49,8 @@ TEST(ParityTransform, EqualsTheDefinitionOnEveryTarget) {
             sum += sign * phi[size_t(n) * kSupportPointCount + m * kOctantPointCount + i];
           }
           // whole numbers up to 8 * 255: exact in float
-          ASSERT_EQ(classes[size_t(n) * kSupportPointCount + c * kOctantPointCount + i], sum) << n << ", class " << c << ", " << i;
+          ASSERT_EQ(classes[size_t(n) * kSupportPointCount + c * kOctantPointCount + i], sum)
+              << n << ", class " << c << ", " << i;
         }
       }
     }

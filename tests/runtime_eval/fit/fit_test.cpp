@@ -27,13 +27,14 @@ struct Fitter {
   FitResult (*fit)(const Representation&, const WeightingFunction&, const Theta&);
 };
 
-const Fitter kFitters[] = {
-    {"Adam", [](const Representation& r, const WeightingFunction& f, const Theta& t) { return fitAdam(r, f, t, refinementAdam(r, 40)); }},
-    {"Adam, random start", [](const Representation& r, const WeightingFunction& f, const Theta& t) { return fitAdam(r, f, t, randomStartAdam(40)); }},
-    {"LM", [](const Representation& r, const WeightingFunction& f, const Theta& t) {
-       NormalEquationsKernel kernel;
-       return fitLevenbergMarquardt(r, f, t, {.iterations = 6}, &kernel);
-     }}};
+const Fitter kFitters[] = {{"Adam", [](const Representation& r, const WeightingFunction& f,
+                                       const Theta& t) { return fitAdam(r, f, t, refinementAdam(r, 40)); }},
+                           {"Adam, random start", [](const Representation& r, const WeightingFunction& f,
+                                                     const Theta& t) { return fitAdam(r, f, t, randomStartAdam(40)); }},
+                           {"LM", [](const Representation& r, const WeightingFunction& f, const Theta& t) {
+                              NormalEquationsKernel kernel;
+                              return fitLevenbergMarquardt(r, f, t, {.iterations = 6}, &kernel);
+                            }}};
 
 // The promises that hold whatever goes in. Returns the result.
 FitResult expectNeverWorse(const Fitter& fitter, const Representation& representation, const WeightingFunction& function,
@@ -60,7 +61,8 @@ TEST(FunctionRmse, IsTheRootOfTheMeanOverValidPoints) {
     magnitude = std::max(magnitude, evaluateReference({}, magnitudes(point), magnitudes(theta).data()) + 1.0);
   }
   // residuals are off by 25 roundings of their magnitude, and so is the root of their mean square; the sums by 66
-  EXPECT_NEAR(functionRmse({}, decodeFunction(sample.view()), theta.data()), std::sqrt(sum / count), (25 + 66) * kFloatRounding * magnitude);
+  EXPECT_NEAR(functionRmse({}, decodeFunction(sample.view()), theta.data()), std::sqrt(sum / count),
+              (25 + 66) * kFloatRounding * magnitude);
   EXPECT_EQ(functionRmse({}, withoutPoints(), theta.data()), 0.0);
   EXPECT_FALSE(std::isfinite(functionRmse({}, decodeFunction(sample.view()), filled(NAN).data())));
 }
@@ -133,7 +135,8 @@ TEST(Fit, TakesNoStepFromABudgetOfNone) {
 TEST(Fit, GivesTheSameBitsEveryTime) {
   const WeightingFunction function = decodeFunction(wallSample(9).view());
   for (const Fitter& fitter : kFitters) {
-    const FitResult a = fitter.fit({true, 0.01f}, function, randomTheta(9)), b = fitter.fit({true, 0.01f}, function, randomTheta(9));
+    const FitResult a = fitter.fit({true, 0.01f}, function, randomTheta(9)),
+                    b = fitter.fit({true, 0.01f}, function, randomTheta(9));
     EXPECT_EQ(a.theta, b.theta) << fitter.name;
     EXPECT_EQ(a.rmse, b.rmse) << fitter.name;
   }
@@ -155,7 +158,8 @@ TEST(Fit, IgnoresInvalidPoints) {
     if (!sample.valid(p)) sample.phi[p] = static_cast<uint8_t>(p % 251);
   }
   for (const Fitter& fitter : kFitters) {
-    EXPECT_EQ(fitter.fit({}, function, randomTheta(11)).theta, fitter.fit({}, decodeFunction(sample.view()), randomTheta(11)).theta)
+    EXPECT_EQ(fitter.fit({}, function, randomTheta(11)).theta,
+              fitter.fit({}, decodeFunction(sample.view()), randomTheta(11)).theta)
         << fitter.name;
   }
 }
@@ -185,7 +189,7 @@ TEST(LevenbergMarquardt, StopsAtASolution) {
 
 TEST(LevenbergMarquardt, TakesARankDeficientJacobian) {
   // fewer valid points than parameters, down to one
-  for (const int valid_points : {1, 2, 16, 112}) {
+  for (const int valid_points : {1, 2, 16, 64}) {
     StoredSample sample = wallSample(12);
     std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0});
     for (int p = 0; p < valid_points; ++p) sample.validity[9 * p] = static_cast<uint8_t>(1 << (p % 8));
@@ -235,13 +239,19 @@ TEST(SolveSymmetric, SolvesRandomSystems) {
     }
     ASSERT_TRUE(solveSymmetric(&matrix, count, &vector)) << count;
     // Cholesky is backward stable: N^2 eps times the condition
-    for (int i = 0; i < count; ++i) EXPECT_NEAR(vector[i], solution[i], 10.0 * count * count * 2.3e-16 * 10) << count << ", row " << i;
+    for (int i = 0; i < count; ++i)
+      EXPECT_NEAR(vector[i], solution[i], 10.0 * count * count * 2.3e-16 * 10) << count << ", row " << i;
   }
 }
 
 TEST(SolveSymmetric, RefusesWhatIsNotPositiveDefinite) {
-  for (const std::vector<double>& bad : {std::vector<double>{1, 2, 2, 1}, {0, 0, 0, 0}, {1, 1, 1, 1}, {-1, 0, 0, 1}, {1, NAN, NAN, 1},
-                                         {NAN, 0, 0, 1}, {INFINITY, 0, 0, 1}}) {
+  for (const std::vector<double>& bad : {std::vector<double>{1, 2, 2, 1},
+                                         {0, 0, 0, 0},
+                                         {1, 1, 1, 1},
+                                         {-1, 0, 0, 1},
+                                         {1, NAN, NAN, 1},
+                                         {NAN, 0, 0, 1},
+                                         {INFINITY, 0, 0, 1}}) {
     std::vector<double> matrix = bad, vector = {1, 1};
     EXPECT_FALSE(solveSymmetric(&matrix, 2, &vector)) << bad[0] << ' ' << bad[1] << ' ' << bad[2] << ' ' << bad[3];
   }
@@ -263,7 +273,8 @@ TEST(FitDirect, IsTheBestOfItsCandidates) {
 TEST(FitDirect, FindsAFitWhenTheta0IsNotFinite) {
   NormalEquationsKernel kernel;
   const WeightingFunction function = decodeFunction(wallSample(15).view());
-  const DirectResult result = fitDirect({}, function, filled(NAN), {.adam_steps = 60, .levenberg_iterations = 2, .restarts = 1}, &kernel);
+  const DirectResult result =
+      fitDirect({}, function, filled(NAN), {.adam_steps = 60, .levenberg_iterations = 2, .restarts = 1}, &kernel);
   EXPECT_TRUE(std::isfinite(result.best.rmse));
   EXPECT_LE(result.best.rmse, result.adam_from_random.rmse);
 }
@@ -271,7 +282,8 @@ TEST(FitDirect, FindsAFitWhenTheta0IsNotFinite) {
 TEST(FitStart, IsAtLeastAsGoodAsEveryShortRandomFit) {
   NormalEquationsKernel kernel;
   const WeightingFunction function = tentFunction();
-  const StartOptions options{.candidates = 6, .candidate_steps = 40, .finalists = 2, .final_steps = 40, .levenberg_iterations = 3};
+  const StartOptions options{
+      .candidates = 6, .candidate_steps = 40, .finalists = 2, .final_steps = 40, .levenberg_iterations = 3};
   const FitResult best = fitStart({}, function, options, &kernel);
   for (int i = 0; i < options.candidates; ++i) {
     const Theta start = randomTheta(mixSeed(options.seed, static_cast<uint64_t>(i)));

@@ -135,7 +135,8 @@ TEST(LossKernel, AddsUpOverStrata) {
   for (int k = 0; k < kStratumCount; ++k) {
     const Gradient part = over(k * kStratumPointCount, kStratumPointCount);
     parts.sum += part.sum;
-    for (int i = 0; i < kThetaCount; ++i) parts.values[i] += part.values[i], largest = std::max(largest, std::fabs(part.values[i]));
+    for (int i = 0; i < kThetaCount; ++i)
+      parts.values[i] += part.values[i], largest = std::max(largest, std::fabs(part.values[i]));
   }
   // block sums are the same; the loss adds them in double, the gradient in float
   EXPECT_NEAR(whole.sum, parts.sum, 1e-12 * whole.sum);

@@ -17,7 +17,8 @@ constexpr double kRoundings = 2 * (24 + 16) + 256 + 2;
 
 // d representation / d theta at one point. The gradient of one point's squared residual is 2 r times it; with phi one half
 // below the output, r is positive and its square the loss.
-std::vector<double> derivatives(const Representation& representation, const PointSet& set, int point, const std::vector<double>& theta) {
+std::vector<double> derivatives(const Representation& representation, const PointSet& set, int point,
+                                const std::vector<double>& theta) {
   const double output = evaluateReference(representation, {set.x[point], set.y[point], set.z[point]}, theta.data());
   const float phi = static_cast<float>(output - 0.5), mask = 1.0f;
   std::vector<double> gradient(kThetaCount);
@@ -99,7 +100,8 @@ TEST(NormalEquations, AreSymmetricAndPositiveSemidefinite) {
       double trace = 0.0;
       for (int i = 0; i < kThetaCount; ++i) {
         trace += got.hessian[i * kThetaCount + i];
-        for (int j = 0; j < i; ++j) ASSERT_EQ(got.hessian[i * kThetaCount + j], got.hessian[j * kThetaCount + i]) << i << ' ' << j;
+        for (int j = 0; j < i; ++j)
+          ASSERT_EQ(got.hessian[i * kThetaCount + j], got.hessian[j * kThetaCount + i]) << i << ' ' << j;
       }
       // Rounding of the sums moves eigenvalues by at most 258 u times the trace of J^T J: Cholesky succeeds once that is added.
       std::vector<double> matrix = got.hessian, vector(kThetaCount, 1.0);

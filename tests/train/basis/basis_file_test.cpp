@@ -36,7 +36,8 @@ BasisFile sampleFile() {
 
 class BasisFileOnDisk : public testing::Test {
  protected:
-  BasisFileOnDisk() : path_((std::filesystem::temp_directory_path() / ("nlg_basis_" + std::to_string(::getpid()) + ".h5")).string()) {}
+  BasisFileOnDisk()
+      : path_((std::filesystem::temp_directory_path() / ("nlg_basis_" + std::to_string(::getpid()) + ".h5")).string()) {}
   ~BasisFileOnDisk() override { std::filesystem::remove(path_); }
 
   bool refused() const {

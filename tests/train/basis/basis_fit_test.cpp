@@ -53,8 +53,8 @@ double dot(const BasisData& data, int a, int b) {
 
 // Component k at support point p: its class's sign by mirror, 1/sqrt(8) for each.
 double componentAt(const BasisData& data, int k, int p) {
-  return mirrorSign(classOf(data, k), p / kOctantPointCount) * data.components[size_t(k) * kOctantPointCount + p % kOctantPointCount] /
-         std::sqrt(8.0);
+  return mirrorSign(classOf(data, k), p / kOctantPointCount) *
+         data.components[size_t(k) * kOctantPointCount + p % kOctantPointCount] / std::sqrt(8.0);
 }
 
 // Mean over all functions and their mirror images at point p, in [0, 1].
@@ -62,7 +62,8 @@ std::vector<double> mirroredMean() {
   std::vector<double> mean(kSupportPointCount, 0.0);
   for (int n = 0; n < kFunctionCount; ++n) {
     for (int m = 0; m < kMirrorCount; ++m) {
-      for (int p = 0; p < kSupportPointCount; ++p) mean[p] += functions()[size_t(n) * kSupportPointCount + (p ^ (m * kOctantPointCount))];
+      for (int p = 0; p < kSupportPointCount; ++p)
+        mean[p] += functions()[size_t(n) * kSupportPointCount + (p ^ (m * kOctantPointCount))];
     }
   }
   for (double& value : mean) value /= 255.0 * kFunctionCount * kMirrorCount;
@@ -112,7 +113,8 @@ TEST(BasisFit, HasTheVarianceOfTheProjectedMirrorImages) {
     const double count = kFunctionCount * kMirrorCount, variance = square_sum / count - sum / count * sum / count;
     const double largest = wideBasis().spectrum[0] + 1.0;
     // the row is rounded to float, which turns it by up to u towards the largest component; the deviation is rounded too
-    ASSERT_NEAR(double{data.deviation[k]} * data.deviation[k], variance, 8 * kFloatRounding * std::sqrt(largest * variance) + 4 * kFloatRounding * variance)
+    ASSERT_NEAR(double{data.deviation[k]} * data.deviation[k], variance,
+                8 * kFloatRounding * std::sqrt(largest * variance) + 4 * kFloatRounding * variance)
         << "component " << k << " of class " << classOf(data, k);
   }
 }
@@ -164,15 +166,16 @@ TEST(BasisFit, DoesNotDependOnTheOrderOfAdditions) {
   for (int k = 0; k < 20; ++k) {
     double product = 0.0;
     for (int i = 0; i < kOctantPointCount; ++i) {
-      product += double{backwards.data.components[size_t(k) * kOctantPointCount + i]} * forwards.data.components[size_t(k) * kOctantPointCount + i];
+      product += double{backwards.data.components[size_t(k) * kOctantPointCount + i]} *
+                 forwards.data.components[size_t(k) * kOctantPointCount + i];
     }
     EXPECT_NEAR(product, 1.0, 1e-5) << "component " << k;
   }
 }
 
 TEST(BasisFit, RecoversAnExplicitSmallRankExactly) {
-  // phi = 100 + 40 a s_0 + 20 b s_1 + 10 c s_6 with a, b, c in {-1, 1} in all eight combinations, s_k = a checkerboard of the octant
-  // times the signs of parity class k: three components of known direction; variance (amplitude / 255)² * 8192
+  // phi = 100 + 40 a s_0 + 20 b s_1 + 10 c s_6 with a, b, c in {-1, 1} in all eight combinations, s_k = a checkerboard of the
+  // octant times the signs of parity class k: three components of known direction; variance (amplitude / 255)² * 8192
   const auto checker = [](int k, int i) { return (i >> k) & 1 ? -1 : 1; };
   const int classes[] = {0, 1, 6}, amplitude[] = {40, 20, 10};
   std::vector<uint8_t> phi;
@@ -197,7 +200,8 @@ TEST(BasisFit, RecoversAnExplicitSmallRankExactly) {
     EXPECT_NEAR(data.deviation[k], deviation, 2 * kFloatRounding * deviation) << "component " << k;
     const float sign = data.components[size_t(k) * kOctantPointCount] > 0 ? 1.0f : -1.0f;
     for (int i = 0; i < kOctantPointCount; ++i) {
-      ASSERT_NEAR(data.components[size_t(k) * kOctantPointCount + i], sign * checker(k, i) / 32.0, 1e-8) << "component " << k << ", " << i;
+      ASSERT_NEAR(data.components[size_t(k) * kOctantPointCount + i], sign * checker(k, i) / 32.0, 1e-8)
+          << "component " << k << ", " << i;
     }
   }
   for (int i = 0; i < kOctantPointCount; ++i) ASSERT_NEAR(data.mean[i], std::sqrt(8.0) * 100 / 255, 1e-6) << i;

@@ -39,8 +39,9 @@ double meanSquare(const Representation& representation, const Sample& sample, co
   std::vector<float> phi(kStratumPointCount), mask(kStratumPointCount);
   std::vector<double> gradient(kThetaCount);
   const int count = decodeStratum(data().function(sample.function), sample.stratum, sample.mirror, phi.data(), mask.data());
-  return lossAndGradientReference(representation, stratifiedSupportPoints(), sample.stratum * kStratumPointCount, kStratumPointCount,
-                                  phi.data(), mask.data(), theta.data(), gradient.data()) / count;
+  return lossAndGradientReference(representation, stratifiedSupportPoints(), sample.stratum * kStratumPointCount,
+                                  kStratumPointCount, phi.data(), mask.data(), theta.data(), gradient.data()) /
+         count;
 }
 
 TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {
@@ -65,7 +66,8 @@ TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {
         const double below = meanSquare(representation, kSamples[b], exact);
         exact[k] = middle;
         const double expected = weight[static_cast<int64_t>(b)].item<double>() * (above - below) / (2 * step);
-        ASSERT_NEAR(gradient[k], expected, (100 * 138 * kFloatRounding + 2.0 / 700) * largest) << "sample " << b << ", theta " << k;
+        ASSERT_NEAR(gradient[k], expected, (100 * 138 * kFloatRounding + 2.0 / 700) * largest)
+            << "sample " << b << ", theta " << k;
       }
     }
   }
@@ -149,7 +151,8 @@ TEST(SampleOrder, VisitsEveryFunctionOnceAnEpoch) {
     for (int64_t epoch = 0; epoch < 20; ++epoch) {
       std::vector<int64_t> once(visited.begin() + epoch * functions, visited.begin() + (epoch + 1) * functions);
       std::sort(once.begin(), once.end());
-      for (int64_t n = 0; n < functions; ++n) ASSERT_EQ(once[n], n) << functions << " functions, batch " << batch << ", epoch " << epoch;
+      for (int64_t n = 0; n < functions; ++n)
+        ASSERT_EQ(once[n], n) << functions << " functions, batch " << batch << ", epoch " << epoch;
     }
   }
 }

@@ -69,7 +69,8 @@ TEST(GeneratorNetwork, AgreesWithTheEvaluator) {
       generator.generate(data.set().phi.data(), static_cast<int>(samples.size()), theta.data(), &scratch);
       for (size_t i = 0; i < theta.size(); ++i) {
         // the tolerance of the export's own check
-        ASSERT_NEAR(theta[i], expected.data_ptr<float>()[i], 1e-4) << "width " << width << ", layers " << layers << ", entry " << i;
+        ASSERT_NEAR(theta[i], expected.data_ptr<float>()[i], 1e-4)
+            << "width " << width << ", layers " << layers << ", entry " << i;
       }
     }
   }

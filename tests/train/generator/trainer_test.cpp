@@ -20,7 +20,8 @@ const RunIdentity kIdentity{"tent_mlp", R"({"steps":40})", "basis", "training se
 
 // A small run: 24 functions, 25 coefficients.
 struct Run {
-  Run() : training(sampleSet(24, 1), sampleBasis(kSampleClasses, 3)), held_out(sampleSet(6, 500), sampleBasis(kSampleClasses, 3)) {
+  Run()
+      : training(sampleSet(24, 1), sampleBasis(kSampleClasses, 3)), held_out(sampleSet(6, 500), sampleBasis(kSampleClasses, 3)) {
     options.steps = 40;
     options.batch = 16;
     options.learning_rate = 3e-3;
@@ -183,10 +184,19 @@ TEST_F(Checkpoint, TellsItsIdentity) {
   EXPECT_EQ(identity.training_set_sha256, kIdentity.training_set_sha256);
 }
 
+TEST_F(Checkpoint, HoldsTheSameBytesForTheSameState) {
+  writeFresh();
+  const std::string first = readFile(path_);
+  std::filesystem::remove(path_);
+  writeFresh();
+  EXPECT_TRUE(readFile(path_) == first);
+}
+
 TEST_F(Checkpoint, OfAnotherRunIsRefused) {
   writeFresh();
   EXPECT_FALSE(refused());
-  for (const auto member : {&RunIdentity::representation, &RunIdentity::options_json, &RunIdentity::basis_sha256, &RunIdentity::training_set_sha256}) {
+  for (const auto member : {&RunIdentity::representation, &RunIdentity::options_json, &RunIdentity::basis_sha256,
+                            &RunIdentity::training_set_sha256}) {
     RunIdentity other = kIdentity;
     other.*member = "another";
     EXPECT_TRUE(refused(other)) << "instead of " << kIdentity.*member;
@@ -214,8 +224,10 @@ TEST_F(Checkpoint, IsRefusedWhenABitHasFlipped) {
     const size_t at = (2 * k + 1) * whole.size() / (2 * flip_count);
     damaged[at] = static_cast<char>(damaged[at] ^ 0x40);
     std::ofstream(path_, std::ios::binary) << damaged;
-    if (refused()) ++refusals;
-    else taken += ' ' + std::to_string(at);
+    if (refused())
+      ++refusals;
+    else
+      taken += ' ' + std::to_string(at);
   }
   EXPECT_EQ(refusals, flip_count) << "taken with a flipped bit at bytes" << taken << " of " << whole.size();
 }
@@ -247,7 +259,8 @@ TEST(OneCycleRate, RisesThenFallsToATenThousandth) {
   for (const double share : {0.0, 1.0}) {
     options.warmup_share = share;
     for (int step = 0; step <= 1000; ++step) {
-      ASSERT_TRUE(oneCycleRate(options, step) > 0 && oneCycleRate(options, step) <= 2.0) << "warm-up " << share << ", step " << step;
+      ASSERT_TRUE(oneCycleRate(options, step) > 0 && oneCycleRate(options, step) <= 2.0)
+          << "warm-up " << share << ", step " << step;
     }
   }
 }
@@ -267,7 +280,8 @@ TEST(FitTheta0, FitsTheMeanOfValidPoints) {
   options.final_steps = 300;
   options.levenberg_iterations = 20;
   const Theta theta = fitTheta0(kTentMlp, basis, options);
-  // a quarter of the tent's own root mean square (1/3)^(3/2) = 0.19 would be a fit that has learnt; the masked zeros would cost 0.11
+  // a quarter of the tent's own root mean square (1/3)^(3/2) = 0.19 would be a fit that has learnt; the masked zeros would cost
+  // 0.11
   EXPECT_LT(functionRmse(kTentMlp, tentFunction(), theta.data()), 0.25 * 0.19);
 }
 
