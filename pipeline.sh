@@ -24,6 +24,7 @@ source workflow/setup.sh
 mkdir -p build
 install_packages
 build nlg-datagen nlg-pca nlg-train nlg-export nlg-validate
-/usr/bin/snakemake -s workflow/Snakefile --configfile "$config" --cores "$(nproc)" --rerun-incomplete --quiet rules
+/usr/bin/snakemake -s workflow/Snakefile --configfile "$config" --cores "$(nproc)" --rerun-incomplete \
+  --rerun-triggers mtime params input --quiet rules
 name=$(/usr/bin/python3 -c 'import sys, yaml; print(yaml.safe_load(open(sys.argv[1]))["name"])' "$config")
 echo "The report: $PWD/out/$name/report.html"
