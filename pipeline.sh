@@ -24,7 +24,10 @@ source workflow/setup.sh
 mkdir -p build
 install_packages
 build nlg-datagen nlg-pca nlg-train nlg-export nlg-validate
-/usr/bin/snakemake -s workflow/Snakefile --configfile "$config" --cores "$(nproc)" --rerun-incomplete \
+# our own lock instead of snakemake's, which outlives a killed run: this one is gone with the last process that holds it
+exec 9> build/pipeline.lock
+flock -n 9 || { echo "pipeline.sh: another run of this checkout is at work" >&2; exit 2; }
+/usr/bin/snakemake -s workflow/Snakefile --configfile "$config" --cores "$(nproc)" --rerun-incomplete --nolock \
   --rerun-triggers mtime params input --quiet rules
 name=$(/usr/bin/python3 -c 'import sys, yaml; print(yaml.safe_load(open(sys.argv[1]))["name"])' "$config")
-echo "The report: $PWD/out/$name/report.html"
+echo "The report: $(realpath "${NLG_OUT:-out}/$name/report.html")"

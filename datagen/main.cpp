@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <unordered_map>
 
 #include "datagen/dataset/shard.h"
@@ -26,6 +25,7 @@ struct DatagenOptions {
   JitterOptions jitter;
   DiffusionOptions diffusion;
   int max_functions = 1200;
+  int max_visited_probes = 4000000;
   int unseen_points = 2048;
   uint64_t seed = 1;
 };
@@ -36,6 +36,8 @@ void describe(DatagenOptions& o, OptionTable& table) {
   table.add("spacing_max_m", &o.grid.spacing_max_m, "largest probe spacing, metres", 1e-4, 1e5);
   table.add("max_functions", &o.max_functions, "stop a shard after so many functions; probes are visited in random order", 1,
             1 << 22);
+  table.add("max_visited_probes", &o.max_visited_probes, "stop a shard after so many probes, most of them empty in sparse scenes",
+            1, 2000000000);
   table.add("unseen_points", &o.unseen_points, "points that no fit sees, for held-out shards; a multiple of 16", 0, 65536);
   table.add("move_m", &o.jitter.move_m, "jitter: objects move by up to this, metres", 0.0, 1e4);
   table.add("turn_degrees", &o.jitter.turn_degrees, "jitter: objects turn by up to this", 0.0, 180.0);
@@ -169,9 +171,11 @@ void collectFunctions(const Scene& scene, const ProbeGrid& grid, const DatagenOp
   GeneratedFunction function;
   shard.counts.grid_probes = grid.probeCount();
   ShuffledOrder order(grid.probeCount(), seed);
-  Progress progress("functions", options.max_functions);
+  const auto probe_limit = std::min<uint64_t>(grid.probeCount(), options.max_visited_probes);
+  Progress progress("probes", static_cast<int64_t>(probe_limit));
   uint64_t index = 0;
-  while (shard.counts.functions < static_cast<uint64_t>(options.max_functions) && order.next(&index)) {
+  while (shard.counts.functions < static_cast<uint64_t>(options.max_functions) && shard.counts.visited_probes < probe_limit &&
+         order.next(&index)) {
     ++shard.counts.visited_probes;
     const glm::dvec3 position = grid.probePosition(index);
     switch (builder.build(glm::vec3(position), grid.spacing_m, &function)) {
@@ -188,7 +192,7 @@ void collectFunctions(const Scene& scene, const ProbeGrid& grid, const DatagenOp
         collector.add(function, scene.origin_m + position, grid.spacing_m);
         break;
     }
-    progress.update(static_cast<int64_t>(shard.counts.functions));
+    progress.update(static_cast<int64_t>(shard.counts.visited_probes), std::to_string(shard.counts.functions) + " functions");
   }
 }
 
@@ -235,8 +239,15 @@ void generate(const Request& request, const DatagenOptions& options, const Optio
     std::cerr << "nlg-datagen: " << source.id << ": the scene has no triangle; the shard is empty\n";
   else if (shard.counts.functions == 0)
     std::cerr << "nlg-datagen: " << source.id << ": no probe has a weighting function; the shard is empty\n";
+  if (shard.counts.visited_probes < shard.counts.grid_probes &&
+      shard.counts.functions < static_cast<uint64_t>(options.max_functions)) {
+    std::cerr << "nlg-datagen: " << source.id << ": stopped after " << shard.counts.visited_probes << " of "
+              << shard.counts.grid_probes << " probes (max_visited_probes)\n";
+  }
   writeShard(request.out, shard);
-  std::cout << countsJson(shard).dump() << '\n';
+  nlohmann::ordered_json result = countsJson(shard);
+  result["dropped_triangles"] = scene.dropped_triangle_count;
+  std::cout << result.dump() << '\n';
 }
 
 }  // namespace

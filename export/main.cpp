@@ -45,6 +45,11 @@ struct Parity {
   int64_t functions = 0;
 };
 
+// The larger of the two, and NaN once there was one: std::max would lose it.
+void raise(double& largest, double value) {
+  if (!(value <= largest)) largest = value;
+}
+
 // Real functions through both: libtorch's network on the coefficients, the evaluator on the bytes.
 Parity compare(const TrainingState& state, const Generator& generator, const TrainingData& data, int limit) {
   torch::NoGradGuard guard;
@@ -60,12 +65,12 @@ Parity compare(const TrainingState& state, const Generator& generator, const Tra
     float theta[kThetaCount];
     generator.generate(data.function(index).phi, 1, theta, &scratch);
     for (int k = 0; k < kThetaCount; ++k) {
-      parity.theta = std::max(parity.theta, std::fabs(double{theta[k]} - torch_theta.data_ptr<float>()[k]));
+      raise(parity.theta, std::fabs(double{theta[k]} - torch_theta.data_ptr<float>()[k]));
     }
     evaluate(generator.representation(), points, theta, evaluator_values.data());
     evaluate(generator.representation(), points, torch_theta.data_ptr<float>(), torch_values.data());
     for (int p = 0; p < points.count; ++p) {
-      parity.output = std::max(parity.output, std::fabs(double{evaluator_values[p]} - torch_values[p]));
+      raise(parity.output, std::fabs(double{evaluator_values[p]} - torch_values[p]));
     }
     parity.held_out_rmse += functionRmse(generator.representation(), decodeFunction(data.function(index)), theta);
   }
@@ -99,10 +104,12 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   if (!parse_result.ok()) throw CheckFailed("exported weights", "a readable file", parse_result.detail);
   const WeightsResult load_result = generatorFromWeights(parsed, &data);
   if (!load_result.ok()) throw CheckFailed("exported weights", "a loadable generator", load_result.detail);
-  const TrainingData functions(readFunctionSet(request.shards, supportPattern().hash), basis.basis.data);
+  const TrainingData functions(readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount), basis.basis.data);
+  if (functions.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
   const Parity parity = compare(state, Generator(data), functions, options.parity_functions);
-  const double difference = std::max(parity.theta, parity.output);
-  if (!(difference < options.parity_tolerance)) {
+  double difference = parity.theta;
+  raise(difference, parity.output);
+  if (!(difference < options.parity_tolerance) || !std::isfinite(parity.held_out_rmse)) {
     throw CheckFailed("parity of libtorch and evaluator over " + std::to_string(parity.functions) + " functions",
                       "a difference below " + std::to_string(options.parity_tolerance), std::to_string(difference));
   }

@@ -134,6 +134,12 @@ class Sha256 {
 
 void writeAtomically(const std::string& path, const std::function<void(const std::string&)>& write) {
   makeFolder(path);
+  // renaming over a device, a link or a folder would replace it
+  std::error_code missing;
+  const std::filesystem::file_status status = std::filesystem::symlink_status(path, missing);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw OutputError(path, "it exists and is not a regular file");
+  }
   const std::string temporary_path = temporaryPathFor(path);
   try {
     write(temporary_path);

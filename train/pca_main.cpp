@@ -61,7 +61,7 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   DuplicateFilter filter;
   Progress progress("shards", static_cast<int64_t>(request.shards.size()));
   for (size_t i = 0; i < request.shards.size(); ++i) {
-    Shard shard = readShard(request.shards[i], supportPattern().hash);
+    Shard shard = readShard(request.shards[i], supportPattern().hash, kSupportPointCount);
     filter.removeKnown(&shard);
     fit.add(shard.phi.data(), shard.functionCount());
     mean.add(shard);
@@ -76,7 +76,10 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   BasisFile file;
   const Basis wide = fit.fit(std::max(counts.back(), options.components));
   if (!request.held_out.empty()) {
-    const FunctionSet held_out = readFunctionSet(request.held_out, supportPattern().hash);
+    const FunctionSet held_out = readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount);
+    if (held_out.functionCount() == 0) {
+      throw InputError(request.held_out.front(), "functions", "at least one in all held-out shards", "none");
+    }
     file.kept_variance = keptVariance(wide, held_out.phi.data(), held_out.functionCount(), counts);
     file.kept_counts.assign(counts.begin(), counts.end());
   }

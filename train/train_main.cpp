@@ -3,6 +3,7 @@
 #include <ATen/Parallel.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 
 #include "tool/atomic_file.h"
@@ -30,6 +31,14 @@ void resume(const Request& request, const RunIdentity& identity, TrainingState* 
   }
 }
 
+// Whole scenes are held out, or the held-out error would say nothing.
+void requireSeparate(const Request& request, const FunctionSet& training, const FunctionSet& held_out) {
+  for (const std::string& scene : held_out.scene_ids) {
+    if (std::find(training.scene_ids.begin(), training.scene_ids.end(), scene) == training.scene_ids.end()) continue;
+    throw InputError(request.held_out.front(), "scene " + scene, "scenes that no training shard holds", "one that is trained on");
+  }
+}
+
 void run(const Request& request, TrainOptions options, const OptionTable& table) {
   Representation representation;
   if (!findRepresentation(request.representation, &representation)) {
@@ -39,9 +48,12 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   at::set_num_threads(options.threads);
   const BasisFile basis = readBasisFile(request.basis);
   options.shape.coefficient_count = basis.basis.data.coefficientCount();
-  const TrainingData training(readFunctionSet(request.shards, supportPattern().hash), basis.basis.data);
-  const TrainingData held_out(readFunctionSet(request.held_out, supportPattern().hash), basis.basis.data);
+  const TrainingData training(readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount), basis.basis.data);
+  const TrainingData held_out(readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount), basis.basis.data);
   if (training.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
+  if (held_out.functionCount() == 0)
+    throw InputError(request.held_out.front(), "functions", "at least one in all shards", "none");
+  requireSeparate(request, training.set(), held_out.set());
 
   const RunIdentity identity{request.representation, table.toJson().dump(), fileSha256(request.basis), training.set().sha256};
   TrainingState state = makeState(options, Theta{});

@@ -165,15 +165,25 @@ std::vector<uint64_t> evenChoice(uint64_t count, uint64_t wanted) {
 }
 
 // Counts over training and held-out shards together; a function that two shards hold is one function.
-ShardCounts countAll(const std::vector<std::string>& training, const ShardCounts& held_out) {
-  ShardCounts total = held_out;
+struct DataSetCounts {
+  ShardCounts all;
+  uint64_t held_out_in_training = 0;  // held-out functions that some training scene has too, byte for byte
+};
+
+DataSetCounts countAll(const Request& request, uint64_t held_out_count) {
+  DataSetCounts counts;
   DuplicateFilter filter;
-  for (const std::string& path : training) {
-    Shard shard = readShard(path, supportPattern().hash);
+  const auto add = [&](const std::string& path) {
+    Shard shard = readShard(path, supportPattern().hash, kSupportPointCount);
     filter.removeKnown(&shard);
-    addCounts(shard.counts, &total);
-  }
-  return total;
+    addCounts(shard.counts, &counts.all);
+    return shard.counts.functions;
+  };
+  for (const std::string& path : request.training) add(path);
+  uint64_t new_count = 0;
+  for (const std::string& path : request.held_out) new_count += add(path);
+  counts.held_out_in_training = held_out_count - new_count;
+  return counts;
 }
 
 struct Outputs {
@@ -230,16 +240,21 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
 }
 
 void validate(const Request& request, const ValidateOptions& options, const OptionTable& table) {
-  const FunctionSet set = readFunctionSet(request.held_out, supportPattern().hash);
+  const FunctionSet set = readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount);
   if (set.functionCount() == 0)
     throw InputError(request.held_out.front(), "held-out functions", "at least one in all shards", "none");
   if (set.unseen_point_count == 0) {
     throw InputError(request.held_out.front(), "unseen points", "shards made with --held-out", "shards without them");
   }
+  if (const uint64_t expected = hashPoints(unseenPoints(set.unseen_point_count)); set.unseen_pattern_hash != expected) {
+    throw InputError(request.held_out.front(), "attribute unseen_pattern_hash", std::to_string(expected),
+                     std::to_string(set.unseen_pattern_hash));
+  }
   const MethodResult tent_result = measureTent(set);
   std::vector<bool> hard;
   for (const MethodSample& sample : tent_result.samples) hard.push_back(sample.error.rmse >= options.hard_tent_rmse);
-  const ShardCounts counts = countAll(request.training, set.counts);
+  const DataSetCounts data_set = countAll(request, set.functionCount());
+  const ShardCounts& counts = data_set.all;
 
   Outputs outputs;
   outputs.csv << "representation,method,function,scene,hard,rmse,rmse_unseen_points,rmse_shadow,leak_mean,leak_p99,elapsed_us\n";
@@ -253,6 +268,7 @@ void validate(const Request& request, const ValidateOptions& options, const Opti
                                   {"visited_probes", counts.visited_probes},
                                   {"grid_probes", counts.grid_probes},
                                   {"held_out", set.functionCount()},
+                                  {"held_out_in_training", data_set.held_out_in_training},
                                   {"held_out_scenes", set.scene_ids.size()},
                                   {"hard", std::count(hard.begin(), hard.end(), true)}};
   outputs.summary["tau"] = {

@@ -1,10 +1,12 @@
 #include "validate/method.h"
 
 #include "runtime_eval/support/random.h"
+#include "tool/error.h"
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <mutex>
 #include <thread>
 
@@ -96,6 +98,11 @@ MethodResult measureGenerator(const Generator& generator, const FunctionSet& set
     const Clock::time_point start = Clock::now();
     generator.generate(&set.phi[begin * kSupportPointCount], batch, theta->data() + begin * kThetaCount, &scratch);
     const double elapsed_us = microsecondsSince(start) / batch;
+    for (uint64_t i = begin * kThetaCount; i < (begin + batch) * kThetaCount; ++i) {
+      if (!std::isfinite((*theta)[i])) {
+        throw NumericalError("validate", "function " + std::to_string(i / kThetaCount), "generated theta", (*theta)[i]);
+      }
+    }
     for (uint64_t i = begin; i < begin + batch; ++i) {
       const FunctionError error = meter.measure(generator.representation(), theta->data() + i * kThetaCount, i, &result.leaks);
       result.samples.push_back({i, error, elapsed_us});

@@ -36,10 +36,17 @@ void forEachArray(Shard& shard, const Visit& visit) {
   visit(shard.seen_unseen, unseen / 8);
 }
 
+// Every shard must be of the first one's kind: same points, and the same points that no fit sees.
 void checkSameKind(const std::string& path, const Shard& shard, const FunctionSet& set) {
-  if (shard.unseen_point_count == set.unseen_point_count) return;
-  throw InputError(path, "attribute unseen_point_count", std::to_string(set.unseen_point_count) + " as in the shards before it",
-                   std::to_string(shard.unseen_point_count));
+  const auto require = [&](const char* attribute, uint64_t expected, uint64_t got) {
+    if (expected == got) return;
+    throw InputError(path, std::string("attribute ") + attribute, std::to_string(expected) + " as in the first shard",
+                     std::to_string(got));
+  };
+  require("pattern_hash", set.pattern_hash, shard.pattern_hash);
+  require("point_count", set.point_count, shard.point_count);
+  require("unseen_point_count", set.unseen_point_count, shard.unseen_point_count);
+  require("unseen_pattern_hash", set.unseen_pattern_hash, shard.unseen_pattern_hash);
 }
 
 uint32_t sceneIndex(const Shard& shard, FunctionSet& set) {
@@ -67,12 +74,18 @@ void appendShard(const Shard& shard, FunctionSet& set) {
   append(shard.seen_unseen, set.seen_unseen);
 }
 
-// One growth of the arrays to their final size instead of many copies.
-void reserveRows(const std::vector<std::string>& paths, uint64_t pattern_hash, FunctionSet& set) {
+// Checks the headers against the first one, and takes the memory of all functions at once.
+void prepare(const std::vector<std::string>& paths, uint64_t pattern_hash, int point_count, FunctionSet& set) {
   uint64_t count = 0;
   for (const std::string& path : paths) {
-    const Shard header = readShardHeader(path, pattern_hash);
-    if (set.point_count == 0) set.point_count = header.point_count, set.unseen_point_count = header.unseen_point_count;
+    const Shard header = readShardHeader(path, pattern_hash, point_count);
+    if (&path == &paths.front()) {
+      set.pattern_hash = header.pattern_hash;
+      set.unseen_pattern_hash = header.unseen_pattern_hash;
+      set.point_count = header.point_count;
+      set.unseen_point_count = header.unseen_point_count;
+    }
+    checkSameKind(path, header, set);
     count += header.counts.functions;
   }
   set.phi.reserve(count * set.point_count);
@@ -106,16 +119,14 @@ void DuplicateFilter::removeKnown(Shard* shard) {
   shard->counts.duplicates += count - kept;
 }
 
-FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash) {
-  if (paths.empty()) throw UsageError("shards", "at least one file", "none");
+FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash, int point_count) {
+  if (paths.empty()) throw InputError("shards", "files", "at least one", "none");
   FunctionSet set;
-  set.pattern_hash = pattern_hash;
-  reserveRows(paths, pattern_hash, set);
+  prepare(paths, pattern_hash, point_count, set);
   DuplicateFilter filter;
   std::string hashes;
   for (const std::string& path : paths) {
-    Shard shard = readShard(path, pattern_hash);
-    checkSameKind(path, shard, set);
+    Shard shard = readShard(path, pattern_hash, point_count);
     filter.removeKnown(&shard);
     appendShard(shard, set);
     hashes += fileSha256(path);

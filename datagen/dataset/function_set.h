@@ -11,6 +11,7 @@ namespace nlg {
 
 struct FunctionSet {
   uint64_t pattern_hash = 0;
+  uint64_t unseen_pattern_hash = 0;
   int point_count = 0;                                            // P
   int unseen_point_count = 0;                                     // U, the same in all shards
   ShardCounts counts;                                             // sums over the shards; duplicates include those between shards
@@ -39,6 +40,6 @@ void addCounts(const ShardCounts& from, ShardCounts* to);
 
 // Reads shards one after another; a function that an earlier shard holds byte for byte is dropped and counted as a duplicate.
 // throws   InputError as readShard does; when shards disagree in pattern or unseen points; when paths is empty
-FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash);
+FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash, int point_count = 0);
 
 }  // namespace nlg

@@ -144,7 +144,7 @@ void requirePattern(const std::string& path, uint64_t expected, uint64_t got) {
   throw InputError(path, "attribute pattern_hash", fmt::format("{:016x}", expected), fmt::format("{:016x}", got));
 }
 
-Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t pattern_hash) {
+Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t pattern_hash, int expected_point_count) {
   const std::string kind = file.readTextAttribute("kind");
   if (kind != kKind) throw InputError(path, "attribute kind", kKind, kind);
   const uint64_t version = file.readIntegerAttribute("schema_version");
@@ -159,6 +159,9 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
   const uint64_t point_count = file.readIntegerAttribute("point_count");
   const uint64_t unseen_point_count = file.readIntegerAttribute("unseen_point_count");
   refuse(path, pointCountFault(point_count, unseen_point_count));
+  if (expected_point_count != 0 && point_count != static_cast<uint64_t>(expected_point_count)) {
+    throw InputError(path, "attribute point_count", std::to_string(expected_point_count), std::to_string(point_count));
+  }
   shard.point_count = static_cast<int>(point_count);
   shard.unseen_point_count = static_cast<int>(unseen_point_count);
   shard.provenance_json = file.readTextAttribute("provenance_json");
@@ -173,9 +176,9 @@ void writeShard(const std::string& path, const Shard& shard) {
   writeAtomically(path, [&](const std::string& temporary_path) { writeTo(temporary_path, shard); });
 }
 
-Shard readShard(const std::string& path, uint64_t pattern_hash) {
+Shard readShard(const std::string& path, uint64_t pattern_hash, int point_count) {
   const Hdf5Reader file(path);
-  Shard shard = readAttributes(path, file, pattern_hash);
+  Shard shard = readAttributes(path, file, pattern_hash, point_count);
   const uint64_t N = shard.counts.functions;
   forEachArray(shard, [&](const char* name, auto& values, const std::vector<uint64_t>& columns) {
     using Element = typename std::remove_reference_t<decltype(values)>::value_type;
@@ -185,9 +188,9 @@ Shard readShard(const std::string& path, uint64_t pattern_hash) {
   return shard;
 }
 
-Shard readShardHeader(const std::string& path, uint64_t pattern_hash) {
+Shard readShardHeader(const std::string& path, uint64_t pattern_hash, int point_count) {
   const Hdf5Reader file(path);
-  Shard shard = readAttributes(path, file, pattern_hash);
+  Shard shard = readAttributes(path, file, pattern_hash, point_count);
   forEachArray(shard, [&](const char* name, const auto&, const std::vector<uint64_t>& columns) {
     const std::vector<uint64_t> expected = withRows(shard.counts.functions, columns), got = file.shape(name);
     if (got == expected) return;

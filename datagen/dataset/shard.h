@@ -61,10 +61,11 @@ void writeShard(const std::string& path, const Shard& shard);
 
 // Reads a shard back, checks every shape against the attributes and the checksums against the bytes.
 // pattern_hash   the pattern that the caller works with; 0 takes any
+// point_count    its points; 0 takes any number
 // throws         InputError on a missing, truncated or damaged file, another schema version or another pattern
-Shard readShard(const std::string& path, uint64_t pattern_hash);
+Shard readShard(const std::string& path, uint64_t pattern_hash, int point_count = 0);
 
 // The same without the N x … arrays: cheap.
-Shard readShardHeader(const std::string& path, uint64_t pattern_hash);
+Shard readShardHeader(const std::string& path, uint64_t pattern_hash, int point_count = 0);
 
 }  // namespace nlg

@@ -22,8 +22,11 @@ ProbeGrid makeProbeGrid(const Scene& scene, const ProbeGridOptions& options, uin
   double probe_count = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
     const double shift = random.uniform() * grid.spacing_m;
-    grid.first_m[axis] = bounds.min[axis] + shift;
-    const double extent = std::max(0.0, std::floor((bounds.max[axis] - grid.first_m[axis]) / grid.spacing_m) + 1.0);
+    // a scene thinner than a spacing, such as a flat sheet, has its probes on both sides
+    const bool thin = bounds.max[axis] - bounds.min[axis] < grid.spacing_m;
+    grid.first_m[axis] = bounds.min[axis] + shift - (thin ? grid.spacing_m : 0.0f);
+    const double extent = std::max(
+        0.0, std::floor((bounds.max[axis] + (thin ? grid.spacing_m : 0.0f) - grid.first_m[axis]) / grid.spacing_m) + 1.0);
     probe_count *= extent;
     if (extent > 1 << 30 || probe_count > static_cast<double>(kMaxProbeCount)) {
       throw UsageError(

@@ -96,7 +96,8 @@ void readBasis(TensorReader& reader, BasisData* basis) {
   basis->components = reader.tensor("basis.components", {count, octant});
   basis->deviation = reader.tensor("basis.deviation", {count});
   for (const float deviation : basis->deviation) {
-    if (!(deviation > 0)) reader.fail(WeightsStatus::value_out_of_range, "basis.deviation: expected positive values");
+    // its inverse is folded into the components: far below any real deviation that would no longer be finite
+    if (!(deviation >= 1e-30f)) reader.fail(WeightsStatus::value_out_of_range, "basis.deviation: expected values from 1e-30 on");
   }
 }
 

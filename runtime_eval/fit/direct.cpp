@@ -1,6 +1,7 @@
 #include "runtime_eval/fit/direct.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "runtime_eval/support/random.h"
 
@@ -11,7 +12,8 @@ DirectResult fitDirect(const Representation& representation, const WeightingFunc
   const LevenbergMarquardtOptions polish{.iterations = options.levenberg_iterations};
   DirectResult result;
   const auto consider = [&](const FitResult& candidate) {
-    if (candidate.rmse < result.best.rmse) result.best = candidate;
+    // also when the best so far is not finite, which a theta0 of NaN would make it
+    if (candidate.rmse < result.best.rmse || !std::isfinite(result.best.rmse)) result.best = candidate;
   };
   const auto polished = [&](const FitResult& fit) {
     return fitLevenbergMarquardt(representation, function, fit.theta, polish, kernel);

@@ -86,6 +86,9 @@ BasisFile readBasisFile(const std::string& path) {
   checkFinite(path, "components", data.components);
   checkFinite(path, "deviation", data.deviation);
   checkFinite(path, "mean_function", file.mean_function);
+  checkFinite(path, "mean_validity", file.mean_validity);
+  checkFinite(path, "spectrum", file.basis.spectrum);
+  checkFinite(path, "kept_variance", file.kept_variance);
   const bool positive = std::all_of(data.deviation.begin(), data.deviation.end(), [](float d) { return d > 0; });
   if (!positive || data.deviation.empty()) throw InputError(path, "dataset deviation", "positive numbers", "none or others");
   return file;

@@ -1,11 +1,13 @@
 #include "train/generator/checkpoint.h"
 
 #include <torch/serialize.h>
+#include <torch/version.h>
 
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -13,7 +15,8 @@
 namespace nlg {
 namespace {
 
-constexpr const char* kKind = "nlg-checkpoint-1";
+constexpr const char* kKind = "nlg-checkpoint-2";
+constexpr size_t kDigestSize = 64;
 
 void writeText(torch::serialize::OutputArchive& archive, const std::string& key, const std::string& text) {
   archive.write(key, c10::IValue(text));
@@ -31,7 +34,11 @@ void readArchive(const std::string& path, const Read& read) {
   if (!std::filesystem::is_regular_file(path)) throw InputError(path, "file", "a checkpoint", "no file");
   try {
     torch::serialize::InputArchive archive;
-    archive.load_from(path);
+    // libtorch reads archives without looking at their checksums: ours stands before the archive
+    const std::string file = readFile(path);
+    const std::string digest = file.substr(0, kDigestSize), bytes = file.substr(digest.size());
+    if (digest != sha256(bytes)) throw InputError(path, "SHA-256 of the archive", "that of the file's first line", "another");
+    archive.load_from(bytes.data(), bytes.size());
     if (readText(archive, "kind") != kKind) throw InputError(path, "kind", kKind, "another kind of archive");
     read(archive);
   } catch (const ToolError&) {
@@ -51,6 +58,41 @@ void requireSame(const std::string& path, const char* what, const std::string& e
   if (expected != got) throw InputError(path, what, expected, got);
 }
 
+// Adam's moments in the order of the parameters: libtorch's own format names them by their addresses in memory.
+#if TORCH_VERSION_MAJOR >= 2
+void* addressOf(const torch::Tensor& parameter) { return parameter.unsafeGetTensorImpl(); }
+#else
+std::string addressOf(const torch::Tensor& parameter) { return c10::guts::to_string(parameter.unsafeGetTensorImpl()); }
+#endif
+
+void writeMoments(const TrainingState& state, torch::serialize::OutputArchive& archive) {
+  const std::vector<torch::Tensor> parameters = state.network->parameters();
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    const auto found = state.optimizer->state().find(addressOf(parameters[i]));
+    if (found == state.optimizer->state().end()) continue;  // before the first step
+    const auto& moments = static_cast<const torch::optim::AdamParamState&>(*found->second);
+    archive.write("step" + std::to_string(i), c10::IValue(moments.step()));
+    archive.write("mean" + std::to_string(i), moments.exp_avg());
+    archive.write("square" + std::to_string(i), moments.exp_avg_sq());
+  }
+}
+
+void readMoments(torch::serialize::InputArchive& archive, TrainingState* state) {
+  const std::vector<torch::Tensor> parameters = state->network->parameters();
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    c10::IValue step;
+    if (!archive.try_read("step" + std::to_string(i), step)) continue;
+    auto moments = std::make_unique<torch::optim::AdamParamState>();
+    torch::Tensor mean, square;
+    archive.read("mean" + std::to_string(i), mean);
+    archive.read("square" + std::to_string(i), square);
+    moments->step(step.toInt());
+    moments->exp_avg(mean);
+    moments->exp_avg_sq(square);
+    state->optimizer->state()[addressOf(parameters[i])] = std::move(moments);
+  }
+}
+
 }  // namespace
 
 void writeCheckpoint(const std::string& path, const RunIdentity& identity, const TrainingState& state) {
@@ -65,13 +107,15 @@ void writeCheckpoint(const std::string& path, const RunIdentity& identity, const
     archive.write("step", c10::IValue(state.step));
     state.network->save(network);
     state.average->save(average);
-    state.optimizer->save(optimizer);
+    writeMoments(state, optimizer);
     archive.write("network", network);
     archive.write("average", average);
     archive.write("optimizer", optimizer);
     // through a stream: an archive written to a file carries that file's name, and with it our process id
+    std::ostringstream bytes;
+    archive.save_to(bytes);
     std::ofstream stream(temporary_path, std::ios::binary);
-    archive.save_to(stream);
+    stream << sha256(bytes.str()) << bytes.str();
     if (!stream.flush()) throw OutputError(path, std::strerror(errno));
   });
 }
@@ -89,7 +133,7 @@ void readCheckpoint(const std::string& path, const RunIdentity& identity, Traini
     archive.read("optimizer", optimizer);
     state->network->load(network);
     state->average->load(average);
-    state->optimizer->load(optimizer);
+    readMoments(optimizer, state);
     c10::IValue step;
     archive.read("step", step);
     state->step = step.toInt();

@@ -32,7 +32,7 @@ void writeCheckpoint(const std::string& path, const RunIdentity& identity, const
 // throws InputError when the file is missing, damaged, or of another run
 void readCheckpoint(const std::string& path, const RunIdentity& identity, TrainingState* state);
 
-// The identity and shape alone, for export: what readCheckpoint needs to be called with.
+// The identity alone, for export: what readCheckpoint needs to be called with; the shape stands in its options.
 RunIdentity readIdentity(const std::string& path);
 
 }  // namespace nlg

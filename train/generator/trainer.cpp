@@ -163,6 +163,10 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     loss_sum = 0.0, loss_count = 0;
     save();
   }
+  // a run that had been finished already took no step here
+  if (first_step == state->step) {
+    report.held_out_rmse = meanRmse(state->average, representation, held_out, options.validation_functions);
+  }
   report.elapsed_s = secondsSince(start);
   report.samples_per_s = training_s > 0 ? static_cast<double>((state->step - first_step) * options.batch) / training_s : 0.0;
   return report;
