@@ -4,7 +4,6 @@ import io
 
 import matplotlib
 import numpy as np
-from PIL import Image
 
 from plots import INK, MUTED, plt
 
@@ -106,11 +105,7 @@ def plate(inputs, limit):
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=120, facecolor="white")
     plt.close(figure)
-    # a README is downloaded often: 256 colours are enough for two colour maps
-    palette_image = Image.open(buffer).convert("RGB").quantize(256, dither=Image.Dither.NONE)
-    result = io.BytesIO()
-    palette_image.save(result, format="png", optimize=True)
-    return result.getvalue()
+    return buffer.getvalue()
 
 
 def draw_scale(figure, x, y, colour_map, transfer, ticks, labels, name):
