@@ -138,7 +138,7 @@ void writeAtomically(const std::string& path, const std::function<void(const std
   std::error_code missing;
   const std::filesystem::file_status status = std::filesystem::symlink_status(path, missing);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    throw OutputError(path, "it exists and is not a regular file");
+    throw OutputError(path, std::filesystem::is_directory(status) ? "it is a directory" : "it exists and is not a regular file");
   }
   const std::string temporary_path = temporaryPathFor(path);
   try {

@@ -10,7 +10,8 @@ namespace nlg {
 // Calls write(temporary_path), flushes the file to the disk, and renames it to path; makes the folder if it is missing.
 // The temporary name lies in the same folder and holds the process id, so that two writers never share one. When write throws,
 // or the process dies, path is what it was before; a temporary file of ours is removed when write throws.
-// throws   OutputError with the system's reason (folder not writable, disk full; path is a device, a link or a folder); whatever write throws, unchanged
+// throws   OutputError with the system's reason (folder not writable, disk full; path is a device, a link or a folder); whatever
+// write throws, unchanged
 void writeAtomically(const std::string& path, const std::function<void(const std::string& temporary_path)>& write);
 
 // The same for a text or bytes that are already in memory.

@@ -18,7 +18,8 @@ struct Slice {
   std::vector<float> difference;    // representation minus phi at that support point: no trace of the mosaic
 };
 
-// Of the three axis planes through the probe the one that tells most: function against bare tent, representation against function.
+// Of the three axis planes through the probe the one that tells most: function against bare tent, representation against
+// function.
 Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& representation, const float* theta, int size);
 
 }  // namespace nlg

@@ -28,8 +28,8 @@ struct ProbeGrid {
 inline constexpr uint64_t kMaxProbeCount = uint64_t{1} << 40;
 
 // The grid over the scene's bounds, shifted by up to one spacing; spacing and shift are a pure function of (options, seed).
-// Along an axis where the scene is thinner than a spacing the grid reaches one spacing beyond it on both sides. An empty scene has
-// an empty grid. throws UsageError when the grid would hold more than kMaxProbeCount probes
+// Along an axis where the scene is thinner than a spacing the grid reaches one spacing beyond it on both sides. An empty scene
+// has an empty grid. throws UsageError when the grid would hold more than kMaxProbeCount probes
 ProbeGrid makeProbeGrid(const Scene& scene, const ProbeGridOptions& options, uint64_t seed);
 
 // A fixed pseudo-random order of [0, count), visited by repeated calls: a prefix of it is a fair sample of the grid.

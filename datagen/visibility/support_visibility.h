@@ -2,9 +2,9 @@
 //
 // All of it lazily: a link is tested when somebody first asks for it, once for both directions. Validity is carried along open
 // links: what a valid point sees is valid. Only a group of points that nothing valid sees casts rays of its own, and is solid
-// when two fifths of those that meet a one-sided face meet its back. Rays that meet nothing, or a double-sided face, are no evidence; a
-// group without evidence is valid (open air). Flipped objects therefore count as air inside, and a crack in a shell lets validity
-// through: docs/visibility.md says what was measured on real levels.
+// when two fifths of those that meet a one-sided face meet its back. Rays that meet nothing, or a double-sided face, are no
+// evidence; a group without evidence is valid (open air). Flipped objects therefore count as air inside, and a crack in a shell
+// lets validity through: docs/visibility.md says what was measured on real levels.
 #pragma once
 
 #include <cstdint>

@@ -214,6 +214,19 @@ def check_inputs_that_do_not_belong_together():
         failures.append("nlg-train: removed a state that it refused")
 
 
+def check_held_out_sets():
+    """A held-out set without functions, or of scenes that are trained on, would give figures that mean nothing."""
+    write("empty.gltf", '{"asset": {"version": "2.0"}}')
+    must("nlg-datagen", "--config", "good.yaml", "--scene", "empty.gltf", "--held-out", "--out", "empty.h5")
+    for tool in ["nlg-train", "nlg-export", "nlg-validate"]:
+        arguments, outputs = arguments_of(tool, {"held_out.h5": "empty.h5"})
+        refuses(INPUT_ERROR, ["empty.h5"], outputs, tool, "--config", "good.yaml", *arguments)
+    refuses(INPUT_ERROR, ["empty.h5"], ["bad.h5"], "nlg-pca", "--config", "good.yaml", "--shards", "training.h5", "--held-out", "empty.h5",
+            "--out", "bad.h5")
+    arguments, outputs = arguments_of("nlg-train", {"held_out.h5": "training.h5"})
+    refuses(INPUT_ERROR, ["training.h5", "house_1"], outputs, "nlg-train", "--config", "good.yaml", *arguments)
+
+
 def check_shards_whose_width_lies():
     """A shard with the right pattern hash but rows of 16 points: nobody may read 8192 of them."""
     subprocess.run([MAKE_NARROW_SHARD, "narrow.h5"], check=True)
@@ -246,6 +259,7 @@ def main():
         check_inputs()
         check_scenes()
         check_inputs_that_do_not_belong_together()
+        check_held_out_sets()
         check_shards_whose_width_lies()
         check_outputs()
         os.chdir("/")

@@ -4,6 +4,7 @@
 #include <sched.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -153,6 +154,16 @@ TEST_F(AtomicFile, SaysThatAFileStandsWhereAFolderIsNeeded) {
   fs::create_directories(at("taken"));
   EXPECT_NE(outputErrorOf([&] { writeFileAtomically(at("taken"), "x"); }).find("directory"), std::string::npos);
   EXPECT_EQ(fileCount(), 2u);
+}
+
+TEST_F(AtomicFile, IsNotWrittenOverALinkOrADevice) {
+  writeFileAtomically(at("target"), "old");
+  fs::create_symlink(at("target"), at("link"));
+  EXPECT_NE(outputErrorOf([&] { writeFileAtomically(at("link"), "x"); }).find("not a regular file"), std::string::npos);
+  EXPECT_TRUE(fs::is_symlink(at("link")));
+  ASSERT_EQ(::mkfifo(at("pipe").c_str(), 0600), 0);  // stands for a device, which only root can make
+  EXPECT_NE(outputErrorOf([&] { writeFileAtomically(at("pipe"), "x"); }).find("not a regular file"), std::string::npos);
+  EXPECT_EQ(fileCount(), 3u);
 }
 
 TEST_F(AtomicFile, RemovesWhatDoesNotFit) {

@@ -31,6 +31,17 @@ TEST(ProbeGrid, CoversTheBoundsToWithinOneSpacing) {
   }
 }
 
+TEST(ProbeGrid, HasProbesOnBothSidesOfASceneThinnerThanASpacing) {
+  const glm::vec3 low(0, 2, 0), high(10, 2.01f, 10);
+  const Scene scene = boxScene(low, high);
+  for (uint64_t seed = 0; seed < 50; ++seed) {
+    const ProbeGrid grid = makeProbeGrid(scene, {}, seed);
+    ASSERT_GE(grid.extent.y, 2) << "seed " << seed;
+    ASSERT_LT(grid.first_m.y, low.y + 0.011) << "seed " << seed;
+    ASSERT_GT(grid.probePosition(grid.probeCount() - 1).y, low.y) << "seed " << seed;
+  }
+}
+
 TEST(ProbeGrid, CountsXFastest) {
   ProbeGrid grid;
   grid.spacing_m = 0.5f;
