@@ -100,8 +100,8 @@ class ShardCollector {
  public:
   explicit ShardCollector(Shard& shard) : shard_(shard) {}
 
-  // returns whether the function was new
-  bool add(const GeneratedFunction& function, const glm::dvec3& position_m, float spacing_m) {
+  // Stores the function, or counts it as a duplicate.
+  void add(const GeneratedFunction& function, const glm::dvec3& position_m, float spacing_m) {
     const size_t n = shard_.functionCount(), points = shard_.point_count, unseen = shard_.unseen_point_count;
     appendSamples(function, 0, points, shard_.phi);
     appendBits(function.valid, 0, points, shard_.validity);
@@ -109,7 +109,7 @@ class ShardCollector {
       shard_.phi.resize(n * points);
       shard_.validity.resize(n * points / 8);
       ++shard_.counts.duplicates;
-      return false;
+      return;
     }
     appendBits(function.seen, 0, points, shard_.seen);
     appendSamples(function, points, unseen, shard_.phi_unseen);
@@ -119,7 +119,6 @@ class ShardCollector {
     shard_.spacing_m.push_back(spacing_m);
     shard_.flags.push_back(functionFlags(function));
     ++shard_.counts.functions;
-    return true;
   }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "datagen/dataset/shard_fields.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -18,22 +19,7 @@ std::string functionKey(const Shard& shard, uint64_t n) {
 // Moves row `from` of an N x width array to row `to`.
 template <class T>
 void moveRow(std::vector<T>& rows, size_t width, uint64_t from, uint64_t to) {
-  if (from != to) std::copy_n(rows.begin() + from * width, width, rows.begin() + to * width);
-}
-
-// Calls visit(array, width) for every N x width array of the shard.
-template <class Visit>
-void forEachArray(Shard& shard, const Visit& visit) {
-  const size_t points = shard.point_count, unseen = shard.unseen_point_count;
-  visit(shard.phi, points);
-  visit(shard.validity, points / 8);
-  visit(shard.seen, points / 8);
-  visit(shard.probe_position_m, size_t{3});
-  visit(shard.spacing_m, size_t{1});
-  visit(shard.flags, size_t{1});
-  visit(shard.phi_unseen, unseen);
-  visit(shard.validity_unseen, unseen / 8);
-  visit(shard.seen_unseen, unseen / 8);
+  std::copy_n(rows.begin() + from * width, width, rows.begin() + to * width);
 }
 
 // Every shard must be of the first one's kind: same points, and the same points that no fit sees.
@@ -111,10 +97,12 @@ void DuplicateFilter::removeKnown(Shard* shard) {
   const uint64_t count = shard->functionCount();
   for (uint64_t n = 0; n < count; ++n) {
     if (!known_.insert(functionKey(*shard, n)).second) continue;
-    forEachArray(*shard, [&](auto& rows, size_t width) { moveRow(rows, width, n, kept); });
+    if (n != kept) {
+      forEachArray(*shard, [&](const char*, auto& rows, const auto& columns) { moveRow(rows, rowWidth(columns), n, kept); });
+    }
     ++kept;
   }
-  forEachArray(*shard, [&](auto& rows, size_t width) { rows.resize(kept * width); });
+  forEachArray(*shard, [&](const char*, auto& rows, const auto& columns) { rows.resize(kept * rowWidth(columns)); });
   shard->counts.functions -= count - kept;
   shard->counts.duplicates += count - kept;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "datagen/dataset/hdf5_file.h"
+#include "datagen/dataset/shard_fields.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -20,34 +21,6 @@ constexpr uint64_t kMaxPointCount = 65536;
 struct Fault {
   std::string place, expected, got;
 };
-
-// Calls visit(attribute name, field) for every count, so that writing and reading cannot list different ones.
-template <class Counts, class Visit>
-void forEachCount(Counts& counts, const Visit& visit) {
-  visit("count_grid_probes", counts.grid_probes);
-  visit("count_visited_probes", counts.visited_probes);
-  visit("count_functions", counts.functions);
-  visit("count_free_space", counts.free_space);
-  visit("count_in_solid", counts.in_solid);
-  visit("count_duplicates", counts.duplicates);
-  visit("count_empty", counts.empty);
-}
-
-// Calls visit(dataset name, field, columns) for every array; columns 0: one value a function, no second dimension.
-template <class AnyShard, class Visit>
-void forEachArray(AnyShard& shard, const Visit& visit) {
-  const auto P = static_cast<uint64_t>(shard.point_count);
-  const auto U = static_cast<uint64_t>(shard.unseen_point_count);
-  visit("phi", shard.phi, std::vector<uint64_t>{P});
-  visit("validity", shard.validity, std::vector<uint64_t>{P / 8});
-  visit("seen", shard.seen, std::vector<uint64_t>{P / 8});
-  visit("probe_position_m", shard.probe_position_m, std::vector<uint64_t>{3});
-  visit("spacing_m", shard.spacing_m, std::vector<uint64_t>{});
-  visit("flags", shard.flags, std::vector<uint64_t>{});
-  visit("phi_unseen", shard.phi_unseen, std::vector<uint64_t>{U});
-  visit("validity_unseen", shard.validity_unseen, std::vector<uint64_t>{U / 8});
-  visit("seen_unseen", shard.seen_unseen, std::vector<uint64_t>{U / 8});
-}
 
 std::vector<uint64_t> withRows(uint64_t rows, std::vector<uint64_t> columns) {
   columns.insert(columns.begin(), rows);
@@ -110,8 +83,7 @@ void checkOwnPromises(const Shard& shard) {
   NLG_CHECK(fault.place, ==, "");
   NLG_CHECK(shard.counts.functions, ==, shard.functionCount());
   forEachArray(shard, [&](const char*, const auto& values, const std::vector<uint64_t>& columns) {
-    const uint64_t column_count = columns.empty() ? 1 : columns[0];
-    NLG_CHECK(values.size(), ==, shard.functionCount() * column_count);
+    NLG_CHECK(values.size(), ==, shard.functionCount() * rowWidth(columns));
   });
   NLG_CHECK(valueFault(shard).place, ==, "");
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "runtime_eval/fit/loss_kernel.h"
 #include "runtime_eval/support/random.h"
