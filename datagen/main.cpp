@@ -7,9 +7,8 @@
 
 #include "datagen/dataset/shard.h"
 #include "datagen/probes/probe_grid.h"
-#include "datagen/scene/gltf_reader.h"
 #include "datagen/scene/jitter.h"
-#include "datagen/scene/procedural.h"
+#include "datagen/scene/scene_source.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/support/random.h"
 #include "tool/atomic_file.h"
@@ -55,31 +54,6 @@ struct Request {
   bool held_out = false;
   std::string out;
 };
-
-// A procedural scene is asked for as family:seed; anything else is a path.
-struct SceneSource {
-  std::string family = "level", id, sha256;
-  Scene scene;
-};
-
-SceneSource loadScene(const std::string& request) {
-  SceneSource source;
-  for (const std::string& family : proceduralFamilies()) {
-    if (request.rfind(family + ":", 0) != 0) continue;
-    const std::string number = request.substr(family.size() + 1);
-    if (number.empty() || number.size() > 18 || number.find_first_not_of("0123456789") != std::string::npos) {
-      throw UsageError("--scene", family + ":SEED with a decimal seed", "'" + request + "'");
-    }
-    source.family = family;
-    source.id = family + "_" + number;
-    source.scene = makeProceduralScene(family, std::stoull(number));
-    return source;
-  }
-  source.scene = readGltf(request);
-  source.id = source.scene.id;
-  source.sha256 = fileSha256(request);
-  return source;
-}
 
 uint64_t hashText(const std::string& text) {
   uint64_t hash = 0;
