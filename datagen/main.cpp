@@ -151,7 +151,7 @@ void collectFunctions(const Scene& scene, const ProbeGrid& grid, const DatagenOp
          order.next(&index)) {
     ++shard.counts.visited_probes;
     const glm::dvec3 position = grid.probePosition(index);
-    switch (builder.build(glm::vec3(position), grid.spacing_m, &function)) {
+    switch (builder.build(position, grid.spacing_m, &function)) {
       case ProbeOutcome::free_space:
         ++shard.counts.free_space;
         break;
