@@ -110,16 +110,20 @@ void indexLinks(LinkTable& table) {
   }
 }
 
-// Lists every link at both its ends; edges that lead to support points come first.
+// Lists the links that carry validity at both their ends; edges that lead to support points come first.
 void listEdges(LinkTable& table) {
+  std::vector<uint8_t> carries(table.links.size(), 0);
+  for (size_t entry = 0; entry < table.nearest.size(); ++entry) {
+    if (entry % kLinkCount < kCarryingLinkCount) carries[table.nearest[entry].link] = 1;
+  }
   table.first_edge.assign(table.points.size() + 1, 0);
-  for (const LinkTable::Link& link : table.links) {
-    ++table.first_edge[link.a + 1];
-    ++table.first_edge[link.b + 1];
+  for (uint32_t l = 0; l < table.links.size(); ++l) {
+    table.first_edge[table.links[l].a + 1] += carries[l];
+    table.first_edge[table.links[l].b + 1] += carries[l];
   }
   std::partial_sum(table.first_edge.begin(), table.first_edge.end(), table.first_edge.begin());
-  table.edge_point.resize(2 * table.links.size());
-  table.edge_link.resize(2 * table.links.size());
+  table.edge_point.resize(table.first_edge.back());
+  table.edge_link.resize(table.first_edge.back());
   std::vector<uint32_t> next(table.first_edge.begin(), table.first_edge.end() - 1);
   const auto list = [&](uint32_t from, uint32_t to, uint32_t link) {
     table.edge_point[next[from]] = static_cast<uint16_t>(to);
@@ -127,6 +131,7 @@ void listEdges(LinkTable& table) {
   };
   for (const bool to_support : {true, false}) {
     for (uint32_t l = 0; l < table.links.size(); ++l) {
+      if (!carries[l]) continue;
       const LinkTable::Link& link = table.links[l];
       if ((link.b < kSupportPointCount) == to_support) list(link.a, link.b, l);
       if ((link.a < kSupportPointCount) == to_support) list(link.b, link.a, l);

@@ -13,6 +13,9 @@
 namespace nlg {
 
 inline constexpr int kLinkCount = 32;
+// Validity travels along each point's 16 nearest links, at a bit more than half the cost of all 32: a ten-thousandth of all
+// points are judged otherwise (docs/visibility.md).
+inline constexpr int kCarryingLinkCount = 16;
 inline constexpr int kMaxUnseenPointCount = 65536 - kSupportPointCount;  // a point's index fits 16 bits
 
 struct LinkTable {
@@ -30,7 +33,7 @@ struct LinkTable {
   std::vector<float> distance;              // (P + U) x 32, local units
   std::vector<uint32_t> first_edge;         // P + U + 1: edges of point p are [first_edge[p], first_edge[p + 1]), and among them
   std::vector<uint32_t> first_unseen_edge;  // P + U: from here on those that lead to unseen points
-  std::vector<uint16_t> edge_point;         // every link at both its ends: the point at the other end,
+  std::vector<uint16_t> edge_point;         // every carrying link at both its ends: the point at the other end,
   std::vector<uint32_t> edge_link;          // and the link
   LinkPackets link_packets;                 // the links, and
   PointPackets point_packets;               // the points, as the segment tests read them
