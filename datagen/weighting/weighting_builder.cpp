@@ -17,13 +17,23 @@ WeightingBuilder::WeightingBuilder(const RayScene& scene, const LinkTable& links
 }
 
 ProbeOutcome WeightingBuilder::build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result) {
+  const ProbeOutcome outcome = see(position_m, spacing_m);
+  return outcome == ProbeOutcome::function ? generate(result) : outcome;
+}
+
+ProbeOutcome WeightingBuilder::see(const glm::dvec3& position_m, float spacing_m) {
   visibility_.beginProbe(position_m, spacing_m);
   const SolidVote probe_vote = visibility_.probeVote();
   if (probe_vote.solid()) return ProbeOutcome::in_solid;
   if (visibility_.supportIsEmpty()) return ProbeOutcome::free_space;
   visibility_.traceProbeRays();
   visibility_.testLinks();
-  result->open_shell = visibility_.findValidity() || probe_vote.disputed();
+  open_shell_ = visibility_.findValidity() || probe_vote.disputed();
+  return ProbeOutcome::function;
+}
+
+ProbeOutcome WeightingBuilder::generate(GeneratedFunction* result) {
+  result->open_shell = open_shell_;
   lightSeenPoints(result);
   for (int pass = 1; pass <= options_.passes; ++pass) diffuse(pass, result);
   const bool empty =

@@ -38,6 +38,11 @@ class WeightingBuilder {
   // result      filled when the outcome is `function` or `empty`
   ProbeOutcome build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result);
 
+  // build in two steps. see: visibility and validity alone; `function` when there is one to generate.
+  // generate: the function of the probe that was seen last, whose outcome was `function`; returns `function` or `empty`
+  ProbeOutcome see(const glm::dvec3& position_m, float spacing_m);
+  ProbeOutcome generate(GeneratedFunction* result);
+
   const SupportVisibility& visibility() const { return visibility_; }
 
  private:
@@ -47,6 +52,7 @@ class WeightingBuilder {
   const LinkTable& table_;
   DiffusionOptions options_;
   SupportVisibility visibility_;
+  bool open_shell_ = false;
   std::vector<float> tent_;        // by point
   std::vector<float> gaussian_;    // by entry of LinkTable::nearest
   std::vector<uint8_t> lit_;       // 0: nothing received; otherwise 1 + the pass that lit it
