@@ -7,6 +7,7 @@
 
 #include "datagen/dataset/shard.h"
 #include "datagen/probes/probe_grid.h"
+#include "datagen/probes/probe_placement.h"
 #include "datagen/scene/jitter.h"
 #include "datagen/scene/scene_source.h"
 #include "datagen/weighting/weighting_builder.h"
@@ -20,7 +21,8 @@ namespace nlg {
 namespace {
 
 struct DatagenOptions {
-  ProbeGridOptions grid;
+  ProbePlacementOptions probes;
+  std::vector<std::string> extent_m;  // becomes probes.extent
   JitterOptions jitter;
   DiffusionOptions diffusion;
   int max_functions = 1200;
@@ -31,8 +33,12 @@ struct DatagenOptions {
 
 void describe(DatagenOptions& o, OptionTable& table) {
   table.add("seed", &o.seed, "seed of every random choice");
-  table.add("spacing_min_m", &o.grid.spacing_min_m, "smallest probe spacing, metres", 1e-4, 1e5);
-  table.add("spacing_max_m", &o.grid.spacing_max_m, "largest probe spacing, metres", 1e-4, 1e5);
+  table.add("spacing_min_m", &o.probes.spacing_min_m, "smallest finest probe spacing, metres", 1e-4, 1e5);
+  table.add("spacing_max_m", &o.probes.spacing_max_m, "largest finest probe spacing, metres", 1e-4, 1e5);
+  table.add("density_growth", &o.probes.density_growth,
+            "probe spacing over distance from the nearest triangle; 0: finest everywhere", 0.0, 1e3);
+  table.add("extent_m", &o.extent_m,
+            "where there are probes: low x, y, z, high x, y, z, metres, world coordinates; none: the scene's bounds");
   table.add("max_functions", &o.max_functions, "stop a shard after so many functions; probes are visited in random order", 1,
             1 << 22);
   table.add("max_visited_probes", &o.max_visited_probes, "stop a shard after so many probes, most of them empty in sparse scenes",
@@ -136,22 +142,24 @@ class ShardCollector {
   std::unordered_multimap<uint64_t, size_t> by_hash_;
 };
 
-void collectFunctions(const Scene& scene, const ProbeGrid& grid, const DatagenOptions& options, uint64_t seed, Shard& shard) {
+void collectFunctions(const Scene& scene, const ProbeTree& tree, const DatagenOptions& options, uint64_t seed, Shard& shard) {
   const LinkTable links = makeLinkTable(unseenPoints(shard.unseen_point_count));
   const RayScene rays(scene);
   WeightingBuilder builder(rays, links, options.diffusion);
   ShardCollector collector(shard);
   GeneratedFunction function;
-  shard.counts.grid_probes = grid.probeCount();
-  ShuffledOrder order(grid.probeCount(), seed);
-  const auto probe_limit = std::min<uint64_t>(grid.probeCount(), options.max_visited_probes);
+  shard.counts.grid_probes = tree.probeCount();
+  ShuffledOrder order(tree.probeCount(), seed);
+  const auto probe_limit = std::min<uint64_t>(tree.probeCount(), options.max_visited_probes);
   Progress progress("probes", static_cast<int64_t>(probe_limit));
   uint64_t index = 0;
   while (shard.counts.functions < static_cast<uint64_t>(options.max_functions) && shard.counts.visited_probes < probe_limit &&
          order.next(&index)) {
     ++shard.counts.visited_probes;
-    const glm::dvec3 position = grid.probePosition(index);
-    switch (builder.build(position, grid.spacing_m, &function)) {
+    const auto [x, y, z] = tree.probePosition(index);
+    const glm::dvec3 position(x, y, z);
+    const float spacing_m = tree.probeSpacing(index);
+    switch (builder.build(position, spacing_m, &function)) {
       case ProbeOutcome::free_space:
         ++shard.counts.free_space;
         break;
@@ -162,7 +170,7 @@ void collectFunctions(const Scene& scene, const ProbeGrid& grid, const DatagenOp
         ++shard.counts.empty;
         break;
       case ProbeOutcome::function:
-        collector.add(function, scene.origin_m + position, grid.spacing_m);
+        collector.add(function, scene.origin_m + position, spacing_m);
         break;
     }
     progress.update(static_cast<int64_t>(shard.counts.visited_probes), std::to_string(shard.counts.functions) + " functions");
@@ -185,8 +193,10 @@ nlohmann::ordered_json countsJson(const Shard& shard) {
 void generate(const Request& request, const DatagenOptions& options, const OptionTable& table) {
   if (options.unseen_points % 16 != 0)
     throw UsageError("unseen_points", "a multiple of 16", std::to_string(options.unseen_points));
-  if (options.grid.spacing_max_m < options.grid.spacing_min_m) {
-    throw UsageError("spacing_max_m", "at least spacing_min_m", std::to_string(options.grid.spacing_max_m));
+  ProbePlacementOptions placement = options.probes;
+  placement.extent = extentFromNumbers(options.extent_m);
+  if (placement.spacing_max_m < placement.spacing_min_m) {
+    throw UsageError("spacing_max_m", "at least spacing_min_m", std::to_string(placement.spacing_max_m));
   }
   SceneSource source = loadScene(request.scene);
   Shard shard;
@@ -206,8 +216,8 @@ void generate(const Request& request, const DatagenOptions& options, const Optio
   shard.provenance_json = provenance("nlg-datagen", resolved, inputs).dump();
   const uint64_t seed = mixSeed(options.seed, hashText(source.id), request.jitter);
   const Scene scene = jitterScene(source.scene, options.jitter, request.jitter == 0 ? 0 : seed | 1);
-  const ProbeGrid grid = makeProbeGrid(scene, options.grid, seed);
-  collectFunctions(scene, grid, options, seed, shard);
+  const ProbeTree tree = placeProbes(scene, placement, seed);
+  collectFunctions(scene, tree, options, seed, shard);
   if (scene.triangles.empty())
     std::cerr << "nlg-datagen: " << source.id << ": the scene has no triangle; the shard is empty\n";
   else if (shard.counts.functions == 0)
