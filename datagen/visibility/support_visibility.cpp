@@ -99,6 +99,19 @@ void SupportVisibility::flood(State carried, std::vector<uint32_t>* members) {
   }
 }
 
+// A few members vote together; the first one alone when its rays leave no doubt.
+SolidVote SupportVisibility::groupVote(const std::vector<uint32_t>& members) const {
+  SolidVote total;
+  const size_t stride = std::max<size_t>(1, members.size() / 3);
+  for (size_t i = 0; i < members.size() && !total.unanimous(); i += stride) {
+    const LocalPoint& local = table_.points[members[i]];
+    const SolidVote one = vote({local[0], local[1], local[2]});
+    total.front += one.front;
+    total.back += one.back;
+  }
+  return total;
+}
+
 bool SupportVisibility::findValidity() {
   std::fill(state_.begin(), state_.end(), State::valid);
   for (const uint32_t point : dark_) state_[point] = State::unknown;
@@ -117,14 +130,7 @@ bool SupportVisibility::findValidity() {
     state_[point] = State::solid;
     members_.assign(1, point);
     flood(State::solid, &members_);
-    SolidVote total;
-    const size_t stride = std::max<size_t>(1, members_.size() / 3);
-    for (size_t i = 0; i < members_.size(); i += stride) {
-      const LocalPoint& local = table_.points[members_[i]];
-      const SolidVote one = vote({local[0], local[1], local[2]});
-      total.front += one.front;
-      total.back += one.back;
-    }
+    const SolidVote total = groupVote(members_);
     disputed |= total.disputed();
     if (total.solid()) continue;
     for (const uint32_t member : members_) state_[member] = State::valid;

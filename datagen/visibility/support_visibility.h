@@ -25,6 +25,8 @@ struct SolidVote {
   bool solid() const { return back > 0 && 5 * back >= 2 * (front + back); }
   // a share of backs in that gap: open, flipped or self-intersecting geometry
   bool disputed() const { return 10 * back > front + back && !solid(); }
+  // at least half of one place's 14 rays met a one-sided face, all of them the same side
+  bool unanimous() const { return front + back >= 7 && (front == 0 || back == 0); }
 };
 
 class SupportVisibility {
@@ -62,6 +64,7 @@ class SupportVisibility {
   enum class State : uint8_t { unknown, valid, solid };
 
   SolidVote vote(const glm::dvec3& local) const;
+  SolidVote groupVote(const std::vector<uint32_t>& members) const;
   bool reachesValid(uint32_t point) const;
   void flood(State carried, std::vector<uint32_t>* members);
 
