@@ -7,6 +7,7 @@
 #include "datagen/scene/bsp_file.h"
 #include "datagen/scene/bsp_patch.h"
 #include "datagen/scene/bsp_shader.h"
+#include "datagen/scene/free_standing.h"
 #include "datagen/scene/pk3_archive.h"
 #include "datagen/scene/texture_colour.h"
 #include "tool/atomic_file.h"
@@ -15,6 +16,7 @@
 namespace nlg {
 namespace {
 
+constexpr const char* kLevelName = "worldspawn";
 constexpr double kMetresPerUnit = 0.0254;
 constexpr double kPatchToleranceUnits = 0.04 / kMetresPerUnit;
 constexpr size_t kMaxLevelBytes = size_t{256} << 20;
@@ -40,9 +42,11 @@ class BspConverter {
     const std::vector<BspPlacement> placements = readPlacements(path_, file_.entities, file_.models.size());
     for (size_t i = 0; i < file_.models.size(); ++i) {
       const std::string classname = placements[i].classname.empty() ? "submodel" : placements[i].classname;
-      addModel(file_.models[i], i == 0 ? "worldspawn" : classname + " *" + std::to_string(i), placements[i].origin_units);
+      addModel(file_.models[i], i == 0 ? kLevelName : classname + " *" + std::to_string(i), placements[i].origin_units);
     }
     finishScene(level_.scene, world_positions_);
+    const std::vector<SceneObject>& objects = level_.scene.objects;
+    if (!objects.empty() && objects[0].name == kLevelName) splitFreeStanding(level_.scene, 0);
     return std::move(level_);
   }
 

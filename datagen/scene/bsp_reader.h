@@ -18,9 +18,10 @@ struct BspLevel {
 };
 
 // The level's polygons, meshes (models that its compiler built in) and patches, these tessellated to within 4 cm; one unit is
-// 0.0254 m; (x, y, z) of the file, z up, becomes (x, z, -y). Left out and counted: dropped_faces. One SceneObject "worldspawn"
-// for the level itself, and one for each submodel that has triangles, named by its entity ("func_door *3"), where that places it.
-// All are movable: jitter splits them into connected components and leaves the large ones, the shell, where they are.
+// 0.0254 m; (x, y, z) of the file, z up, becomes (x, z, -y). Left out and counted: dropped_faces.
+// The level itself is one SceneObject for each connected component ("worldspawn/7"), movable when it stands free
+// (free_standing.h); behind them stands a movable one for each submodel that has triangles, named by its entity ("func_door *3"),
+// where that places it.
 //
 // path     a .bsp file; without archives, shader scripts and textures are not at hand: flags are those that the .bsp holds, all
 //          faces are one-sided, all materials have the default colour

@@ -6,10 +6,8 @@
 #include <functional>
 #include <limits>
 #include <random>
-#include <set>
 
 #include "datagen/scene/bsp_file.h"
-#include "datagen/scene/jitter.h"
 #include "datagen/scene/scene_source.h"
 #include "hand_built_bsp.h"
 #include "tool/atomic_file.h"
@@ -136,6 +134,42 @@ TEST_F(BspReader, SubmodelsAreMovableObjectsWhereTheirEntityStands) {
     next += object.triangle_count;
   }
   EXPECT_EQ(next, scene.triangles.size());
+}
+
+// Six quads around a box, corners clockwise from outside; inside out for a room. Sides are left out by their number.
+void addBox(BspParts& parts, const glm::vec3& low, const glm::vec3& high, bool is_room, int left_out = -1) {
+  for (int side = 0; side < 6; ++side) {
+    if (side == left_out) continue;
+    const int axis = side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+    glm::vec3 corners[4];
+    for (int i = 0; i < 4; ++i) {
+      corners[i][axis] = side % 2 == 0 ? low[axis] : high[axis];
+      corners[i][u] = i == 1 || i == 2 ? high[u] : low[u];
+      corners[i][v] = i >= 2 ? high[v] : low[v];
+    }
+    // counted from u to v a face winds counter-clockwise as seen from the axis' positive side
+    const bool is_clockwise = (side % 2 == 0) != is_room;
+    if (is_clockwise) {
+      parts.addFace(0, 1, {corners[0], corners[1], corners[2], corners[3]});
+    } else {
+      parts.addFace(0, 1, {corners[3], corners[2], corners[1], corners[0]});
+    }
+  }
+}
+
+TEST_F(BspReader, WhatStandsFreeMovesAndTheShellDoesNot) {
+  BspParts parts;
+  parts.shaders.push_back({"textures/test/stone"});
+  parts.beginModel();
+  addBox(parts, {0, 0, 0}, {1000, 1000, 300}, true);                      // the room
+  addBox(parts, {100, 100, 1}, {150, 150, 51}, false);                    // a crate
+  addBox(parts, {300, 300, 1}, {350, 350, 51}, false, 4);                 // one without its bottom
+  addBox(parts, {500, 500, 1}, {550, 550, 51}, true);                     // one whose faces look inward
+  parts.addFace(0, 1, {{0, 1, 9}, {0, 90, 9}, {90, 90, 9}, {90, 1, 9}});  // a sheet
+  const Scene scene = read(parts).scene;
+  ASSERT_EQ(scene.objects.size(), 5u);
+  const bool expected[] = {false, true, true, false, false};
+  for (size_t i = 0; i < 5; ++i) EXPECT_EQ(scene.objects[i].movable, expected[i]) << scene.objects[i].name;
 }
 
 TEST_F(BspReader, RefusesWhatIsNoLevel) {
