@@ -1,0 +1,33 @@
+// A shard to look at, with its scene when that is at hand.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datagen/dataset/shard.h"
+#include "datagen/scene/scene.h"
+#include "datagen/view/function_slice.h"
+#include "datagen/view/view.h"
+
+namespace nlg {
+
+struct ViewedShard {
+  Shard shard;
+  std::optional<Scene> scene;  // jittered as the shard's; none: a level whose file was not named
+
+  FunctionSamples function(uint64_t idx) const;
+  glm::dvec3 probePosition(uint64_t idx) const;  // world, metres
+  // The scene's triangles around the probe in local coordinates; none when there is no scene.
+  std::optional<std::vector<ViewTriangle>> localTriangles(uint64_t idx) const;
+
+  double validShare(uint64_t idx) const;  // of the support points
+  double seenShare(uint64_t idx) const;
+  // "house_3, jitter 2": what all pictures are headed with.
+  std::string title() const;
+};
+
+// throws   as view.h says
+ViewedShard loadViewedShard(const std::string& shard_path, const ViewOptions& options);
+
+}  // namespace nlg
