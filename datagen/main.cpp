@@ -9,7 +9,6 @@
 #include "datagen/probes/probe_grid.h"
 #include "datagen/scene/jitter.h"
 #include "datagen/scene/scene_source.h"
-#include "datagen/shard_scene.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/support/random.h"
 #include "tool/atomic_file.h"
@@ -55,6 +54,12 @@ struct Request {
   bool held_out = false;
   std::string out;
 };
+
+uint64_t hashText(const std::string& text) {
+  uint64_t hash = 0;
+  for (const char c : text) hash = mixSeed(hash, static_cast<unsigned char>(c));
+  return hash;
+}
 
 void appendBits(const std::vector<uint8_t>& bits, size_t first, size_t count, std::vector<uint8_t>& bytes) {
   for (size_t i = 0; i < count; i += 8) {
@@ -199,8 +204,8 @@ void generate(const Request& request, const DatagenOptions& options, const Optio
   const std::map<std::string, std::string> inputs =
       source.sha256.empty() ? std::map<std::string, std::string>{} : std::map<std::string, std::string>{{"scene", source.sha256}};
   shard.provenance_json = provenance("nlg-datagen", resolved, inputs).dump();
-  const uint64_t seed = shardSeed(options.seed, source.id, request.jitter);
-  const Scene scene = shardScene(source.scene, options.jitter, seed, request.jitter);
+  const uint64_t seed = mixSeed(options.seed, hashText(source.id), request.jitter);
+  const Scene scene = jitterScene(source.scene, options.jitter, request.jitter == 0 ? 0 : seed | 1);
   const ProbeGrid grid = makeProbeGrid(scene, options.grid, seed);
   collectFunctions(scene, grid, options, seed, shard);
   if (scene.triangles.empty())
