@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "datagen/probes/probe_placement.h"
 #include "datagen/scene/procedural.h"
 #include "datagen/scene/scene_source.h"
 #include "runtime_eval/support/random.h"
@@ -42,6 +43,18 @@ class ShardOptions {
     }
     return value.get<uint64_t>();
   }
+
+  std::vector<std::string> texts(const std::string& key) const {
+    const nlohmann::json& value = find("options", key);
+    std::vector<std::string> result;
+    for (const nlohmann::json& text : value) {
+      if (!text.is_string()) throw InputError(path_, "provenance_json, option " + key, "a list of texts", value.dump());
+      result.push_back(text.get<std::string>());
+    }
+    return result;
+  }
+
+  bool has(const std::string& key) const { return !find("options", key).is_null(); }
 
   // SHA-256 of the scene's file; empty for a procedural scene.
   std::string sceneSha256() const {
@@ -100,6 +113,17 @@ Scene rebuildShardScene(const Shard& shard, const std::string& shard_path, const
   }
   const uint64_t seed = shardSeed(options.integer("seed"), shard.scene_id, shard.jitter);
   return shardScene(source.scene, jitter, seed, shard.jitter);
+}
+
+std::optional<ProbeTree> rebuildShardTree(const Shard& shard, const std::string& shard_path, const Scene& scene) {
+  const ShardOptions options(shard, shard_path);
+  if (!options.has("density_growth")) return std::nullopt;
+  ProbePlacementOptions placement;
+  placement.spacing_min_m = options.real("spacing_min_m", 1e5);
+  placement.spacing_max_m = options.real("spacing_max_m", 1e5);
+  placement.density_growth = options.real("density_growth", 1e3);
+  placement.extent = extentFromNumbers(options.texts("extent_m"));
+  return placeProbes(scene, placement, shardSeed(options.integer("seed"), shard.scene_id, shard.jitter));
 }
 
 }  // namespace nlg

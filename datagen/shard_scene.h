@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "datagen/dataset/shard.h"
 #include "datagen/scene/jitter.h"
 #include "datagen/scene/scene.h"
+#include "runtime_eval/light_grid/probe_tree.h"
 
 namespace nlg {
 
@@ -28,5 +30,10 @@ std::string proceduralRequest(const Shard& shard);
 // throws       InputError when the provenance lacks an option, or when the scene is not the shard's: another SHA-256 of the file,
 //              another id of a procedural scene; whatever loadScene throws
 Scene rebuildShardScene(const Shard& shard, const std::string& shard_path, const std::string& request);
+
+// The probe tree of a shard, made again over its jittered scene.
+// returns      nothing when the shard's probes stood on a uniform grid: its provenance has no density_growth
+// throws       InputError as above; whatever placeProbes throws
+std::optional<ProbeTree> rebuildShardTree(const Shard& shard, const std::string& shard_path, const Scene& scene);
 
 }  // namespace nlg

@@ -10,14 +10,18 @@ namespace {
 constexpr int kOversampling = 2;  // samples a pixel, along each side
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
-// Heights and colours at every sample.
+// What was found at every sample.
 struct Samples {
   int width, height;
-  std::vector<float> top_m;    // of the highest face below the cut that looks up or has two sides
-  std::vector<float> solid_m;  // of the highest back of a one-sided face below the cut
-  std::vector<float> upward;   // y of the seen face's normal
-  Samples(int w, int h) : width(w), height(h), top_m(size_t(w) * h, kNothing), solid_m(top_m), upward(top_m.size(), 0.0f) {}
+  std::vector<float> top_m;        // of the highest face below the cut that looks up or has two sides
+  std::vector<float> back_m;       // of the highest back of a one-sided face below the cut
+  std::vector<float> upward;       // y of the seen face's normal
+  std::vector<int16_t> enclosing;  // backs less fronts below the cut: the closed solids that hold the cut's point
+
+  Samples(int w, int h)
+      : width(w), height(h), top_m(size_t(w) * h, kNothing), back_m(top_m), upward(top_m.size()), enclosing(top_m.size()) {}
   size_t at(int x, int y) const { return static_cast<size_t>(y) * width + x; }
+  bool isSolid(size_t i) const { return back_m[i] > top_m[i] || enclosing[i] > 0; }
 };
 
 double cross2(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
@@ -39,12 +43,13 @@ void rasterise(const ViewTriangle& triangle, const LevelMap& map, double cut_m, 
     for (int x = x0; x < x1; ++x) {
       const glm::dvec2 centre(x + 0.5, y + 0.5);
       const double u = cross2(p[2] - p[1], centre - p[1]) / area, v = cross2(p[0] - p[2], centre - p[2]) / area;
-      // samples on an edge belong to both triangles: a seam between them would show
+      // a sample on an edge belongs to both triangles: counted twice, but no seam shows
       if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0)) continue;
       const double height_m = u * a.y + v * b.y + (1.0 - u - v) * c.y;
       if (height_m > cut_m) continue;
       const size_t at = samples.at(x, y);
-      float& top = is_back ? samples.solid_m[at] : samples.top_m[at];
+      float& top = is_back ? samples.back_m[at] : samples.top_m[at];
+      if (!triangle.double_sided) samples.enclosing[at] = static_cast<int16_t>(samples.enclosing[at] + (is_back ? 1 : -1));
       if (static_cast<float>(height_m) <= top) continue;
       top = static_cast<float>(height_m);
       if (!is_back) samples.upward[at] = upward;
@@ -90,7 +95,7 @@ Image drawLevel(const std::vector<ViewTriangle>& triangles, const LevelMap& map,
         image.set(x, y, mix(kBlack, flat, 0.55 + 0.45 * samples.upward[at]));
         if (isStep(samples, x, y, kStepM)) image.blend(x, y, kBlack, 0.45);
       }
-      if (samples.solid_m[at] > top) image.blend(x, y, hatchColour(x / kOversampling, y / kOversampling), 0.6);
+      if (samples.isSolid(at)) image.blend(x, y, hatchColour(x / kOversampling, y / kOversampling), 0.6);
     }
   }
   return halved(image);

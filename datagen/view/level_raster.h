@@ -28,8 +28,9 @@ inline constexpr Colour kMapGround{244, 244, 247};  // nothing below the cut
 Colour heightColour(double share);
 
 // What is seen from above of everything below cut_m: faces that look up, by their height and slope, darker at steps. Hatched
-// where the first face below the cut is the back of a one-sided one: the cut lies in solid there. triangles   in world
-// coordinates, metres floor_m     the height of heightColour(0)
+// where the cut lies in solid: the first one-sided face below it shows its back (a level that is only the inside of its rooms),
+// or more backs than fronts lie below it (closed solids, which may stand in each other). triangles   in world coordinates, metres
+// floor_m     the height of heightColour(0)
 Image drawLevel(const std::vector<ViewTriangle>& triangles, const LevelMap& map, double floor_m, double cut_m);
 
 // The height in the middle half of [low_m, high_m] at which the level's cut is longest: rooms cut open, not the slabs between.

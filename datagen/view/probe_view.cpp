@@ -57,7 +57,7 @@ void viewProbe(const std::string& shard_path, uint64_t probe_idx, const ViewOpti
   if (options.slice_px < 128 || options.slice_px > 4096) {
     throw UsageError("slice_px", "128 to 4096", std::to_string(options.slice_px));
   }
-  const ViewedShard viewed = loadViewedShard(shard_path, options);
+  const ViewedShard viewed = loadViewedShard(shard_path, {.scene = options.scene});
   if (probe_idx >= viewed.shard.functionCount()) {
     throw UsageError("--probe", "0 to " + std::to_string(viewed.shard.functionCount() - 1) + ", the functions of " + shard_path,
                      std::to_string(probe_idx));

@@ -34,12 +34,13 @@ double ViewedShard::seenShare(uint64_t idx) const { return shareOfBits(function(
 
 std::string ViewedShard::title() const { return shard.scene_id + ", jitter " + std::to_string(shard.jitter); }
 
-ViewedShard loadViewedShard(const std::string& shard_path, const ViewOptions& options) {
+ViewedShard loadViewedShard(const std::string& shard_path, const LoadOptions& options) {
   ViewedShard viewed;
   viewed.shard = readShard(shard_path, supportPattern().hash, kSupportPointCount);
   if (viewed.shard.functionCount() == 0) throw InputError(shard_path, "dataset phi", "at least one function", "none");
   const std::string request = options.scene.empty() ? proceduralRequest(viewed.shard) : options.scene;
   if (!request.empty()) viewed.scene = rebuildShardScene(viewed.shard, shard_path, request);
+  if (viewed.scene && options.with_tree) viewed.tree = rebuildShardTree(viewed.shard, shard_path, *viewed.scene);
   return viewed;
 }
 

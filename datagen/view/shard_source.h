@@ -9,12 +9,14 @@
 #include "datagen/scene/scene.h"
 #include "datagen/view/function_slice.h"
 #include "datagen/view/view.h"
+#include "runtime_eval/light_grid/probe_tree.h"
 
 namespace nlg {
 
 struct ViewedShard {
   Shard shard;
-  std::optional<Scene> scene;  // jittered as the shard's; none: a level whose file was not named
+  std::optional<Scene> scene;     // jittered as the shard's; none: a level whose file was not named
+  std::optional<ProbeTree> tree;  // none without a scene, and when the probes stood on a uniform grid
 
   FunctionSamples function(uint64_t idx) const;
   glm::dvec3 probePosition(uint64_t idx) const;  // world, metres
@@ -27,7 +29,12 @@ struct ViewedShard {
   std::string title() const;
 };
 
+struct LoadOptions {
+  std::string scene;       // as ViewOptions::scene
+  bool with_tree = false;  // the probe tree takes longer than all the rest on a large level
+};
+
 // throws   as view.h says
-ViewedShard loadViewedShard(const std::string& shard_path, const ViewOptions& options);
+ViewedShard loadViewedShard(const std::string& shard_path, const LoadOptions& options);
 
 }  // namespace nlg

@@ -17,7 +17,7 @@
 namespace nlg {
 namespace {
 
-constexpr int kMargin = 32, kHeaderHeight = 126, kLegendHeight = 150, kMinWidth = 1280;
+constexpr int kMargin = 32, kHeaderHeight = 126, kLegendHeight = 172, kMinWidth = 1280;
 
 struct Box {
   glm::dvec3 low{1e300}, high{-1e300};
@@ -69,6 +69,44 @@ void drawCut(Image& image, const Level& level, const LevelMap& map) {
   for (const CutSegment& s : cut) drawCutLine(image, map.pixelOf(s.a), map.pixelOf(s.b), 2.2, s.double_sided);
 }
 
+// By level, coarse to fine: hues that neither the level's greys nor viridis have.
+constexpr Colour kLevelColours[3] = {{40, 80, 220}, {235, 110, 10}, {214, 30, 130}};
+constexpr double kLevelWidths[3] = {3.2, 2.0, 1.2};
+
+void drawSquare(Image& image, const LevelMap& map, const glm::dvec3& low, double side_m, double width_px, Colour colour) {
+  const glm::dvec2 a = map.pixelOf(low), b = map.pixelOf(low + side_m);
+  drawLine(image, a, {b.x, a.y}, width_px, colour);
+  drawLine(image, {b.x, a.y}, b, width_px, colour);
+  drawLine(image, b, {a.x, b.y}, width_px, colour);
+  drawLine(image, {a.x, b.y}, a, width_px, colour);
+}
+
+// The nodes and cells of the tree that the cut goes through; coarse nodes last, so that none of their lines is covered.
+void drawTree(Image& image, const ViewedShard& viewed, const Level& level, const LevelMap& map) {
+  const ProbeTreeFrame& frame = viewed.tree->frame();
+  const glm::dvec3 first = viewed.scene->origin_m + glm::dvec3(frame.first_m[0], frame.first_m[1], frame.first_m[2]);
+  const auto world = [&](const LatticePoint& p) { return first + frame.spacing_m * glm::dvec3(p[0], p[1], p[2]); };
+  const auto isCut = [&](const LatticePoint& low, int side) {
+    const double bottom = world(low).y;
+    return bottom <= level.cut_m && level.cut_m < bottom + side * frame.spacing_m;
+  };
+  Image lines = image;
+  viewed.tree->forEachCell([&](const ProbeCell& cell) {
+    if (isCut(cell.low, cell.side)) drawSquare(lines, map, world(cell.low), cell.side * frame.spacing_m, 1.0, {60, 60, 80});
+  });
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) image.blend(x, y, lines.at(x, y), 0.35);
+  }
+  std::vector<ProbeNode> nodes;
+  viewed.tree->forEachNode([&](const ProbeNode& node) {
+    if (node.brick_side > 0 && isCut(node.low, node.side)) nodes.push_back(node);
+  });
+  std::stable_sort(nodes.begin(), nodes.end(), [](const ProbeNode& a, const ProbeNode& b) { return a.level > b.level; });
+  for (const ProbeNode& node : nodes) {
+    drawSquare(image, map, world(node.low), node.side * frame.spacing_m, kLevelWidths[node.level], kLevelColours[node.level]);
+  }
+}
+
 void drawProbe(Image& image, const glm::dvec2& at, double seen_share, bool is_above) {
   if (is_above) {
     drawRing(image, at, 4.0, 3.4, kBlack);
@@ -101,7 +139,38 @@ void drawHeader(Image& image, const ViewedShard& viewed, const Level& level) {
            kPaleInk);
 }
 
-void drawLegend(Image& image, const Level& level, const LevelMap& map, int y) {
+void drawGeometryKeys(Image& image, int x, int y) {
+  x = drawKey(image, x, y, "solid at the cut's height", [](Image& box, int bx, int by) {
+    for (int i = 0; i < box.width() * box.height(); ++i) {
+      const int px = i % box.width(), py = i / box.width();
+      box.set(bx + px, by + py, mix(heightColour(0.5), hatchColour(px, py), 0.6));
+    }
+  });
+  for (const bool double_sided : {false, true}) {
+    x = drawKey(image, x, y, double_sided ? "cut, double-sided" : "cut of a one-sided face", [&](Image& box, int bx, int by) {
+      fillRect(box, bx, by, box.width(), box.height(), heightColour(0.7));
+      drawCutLine(box, {bx, by + 9}, {bx + box.width(), by + 9}, 2.2, double_sided);
+    });
+  }
+}
+
+void drawTreeKeys(Image& image, const ProbeTree& tree, int y) {
+  int x = kMargin;
+  for (int level = 0; level < 3; ++level) {
+    const double side_m = kRootSide / std::pow(4.0, level) * tree.frame().spacing_m;
+    x = drawKey(image, x, y, fmt::format("tree node, level {} ({} m)", level, fixed(side_m, 1)), [&](Image& box, int bx, int by) {
+      fillRect(box, bx, by, box.width(), box.height(), heightColour(0.7));
+      drawLine(box, {bx, by + 9}, {bx + box.width(), by + 9}, kLevelWidths[level], kLevelColours[level]);
+    });
+  }
+  drawKey(image, x, y, "cells of their bricks, where the cut goes through", [](Image& box, int bx, int by) {
+    fillRect(box, bx, by, box.width(), box.height(), heightColour(0.7));
+    for (const int at : {4, 12, 20})
+      drawLine(box, {bx + at, by}, {bx + at, by + 18}, 1.0, mix(heightColour(0.7), {60, 60, 80}, 0.35));
+  });
+}
+
+void drawLegend(Image& image, const ViewedShard& viewed, const Level& level, const LevelMap& map, int y) {
   constexpr int kBarWidth = 300;
   drawColourBar(image, kMargin, y, kBarWidth, "probe: share of points it sees", {"0", "50 %", "100 %"}, viridis);
   int x = kMargin + kBarWidth + 60;
@@ -119,20 +188,8 @@ void drawLegend(Image& image, const Level& level, const LevelMap& map, int y) {
       drawProbe(box, {bx + 12, by + 9}, 0.7, is_above);
     });
   }
-  if (level.triangles.empty()) return;
-  x = drawKey(image, x, y + 84, "solid at the cut's height", [](Image& box, int bx, int by) {
-    for (int i = 0; i < box.width() * box.height(); ++i) {
-      const int px = i % box.width(), py = i / box.width();
-      box.set(bx + px, by + py, mix(heightColour(0.5), hatchColour(px, py), 0.6));
-    }
-  });
-  for (const bool double_sided : {false, true}) {
-    x = drawKey(image, x, y + 84, double_sided ? "cut, double-sided" : "cut of a one-sided face",
-                [&](Image& box, int bx, int by) {
-                  fillRect(box, bx, by, box.width(), box.height(), heightColour(0.7));
-                  drawCutLine(box, {bx, by + 9}, {bx + box.width(), by + 9}, 2.2, double_sided);
-                });
-  }
+  if (!level.triangles.empty()) drawGeometryKeys(image, x, y + 84);
+  if (viewed.tree) drawTreeKeys(image, *viewed.tree, y + 116);
 }
 
 }  // namespace
@@ -141,17 +198,18 @@ void viewTop(const std::string& shard_path, const ViewOptions& options, const st
   if (options.level_px < 256 || options.level_px > 8192) {
     throw UsageError("level_px", "256 to 8192", std::to_string(options.level_px));
   }
-  const ViewedShard viewed = loadViewedShard(shard_path, options);
+  const ViewedShard viewed = loadViewedShard(shard_path, {.scene = options.scene, .with_tree = true});
   const Level level = makeLevel(viewed, options);
   const LevelMap map = makeLevelMap(level.box.low, level.box.high, options.level_px);
   Image picture = drawLevel(level.triangles, map, level.box.low.y, level.cut_m);
   drawCut(picture, level, map);
+  if (viewed.tree) drawTree(picture, viewed, level, map);
   drawProbes(picture, viewed, level, map);
   Image image(std::max(map.width + 2 * kMargin, kMinWidth), kHeaderHeight + map.height + kLegendHeight, kPaper);
   drawHeader(image, viewed, level);
   paste(image, picture, kMargin, kHeaderHeight);
   drawFrame(image, kMargin, kHeaderHeight, map.width, map.height, kPaleInk);
-  drawLegend(image, level, map, kHeaderHeight + map.height + 24);
+  drawLegend(image, viewed, level, map, kHeaderHeight + map.height + 24);
   writePng(out_path, image);
 }
 
