@@ -23,10 +23,10 @@ namespace nlg {
 using LatticePoint = std::array<int32_t, 3>;
 using PositionM = std::array<double, 3>;  // metres, in the frame of ProbeTreeFrame::first_m
 
-inline constexpr int32_t kRootSide = 64;                // units
-inline constexpr int32_t kMaxLatticeSide = 1 << 21;     // units along an axis, over all roots
-inline constexpr uint32_t kNoProbe = 0xffffffffu;       // no index of a probe
-inline constexpr uint64_t kMaxTreeProbes = 1ull << 27;  // of one tree
+inline constexpr int32_t kRootSide = 64;                    // units
+inline constexpr int32_t kMaxLatticeSide = (1 << 21) - 64;  // units along an axis, over all roots
+inline constexpr uint32_t kNoProbe = 0xffffffffu;           // no index of a probe
+inline constexpr uint64_t kMaxTreeProbes = 1ull << 27;      // of one tree
 
 struct ProbeTreeFrame {
   PositionM first_m{};                  // the lattice point (0, 0, 0); finite
@@ -47,7 +47,7 @@ enum class CellVerdict : uint8_t {
   fits,        // 8 probes, a cell's side apart, are enough for it
   too_coarse,  // it needs smaller cells; a cell of side 1 is used all the same
 };
-// Must be a pure function of the cell; asked of a cube before it is asked of its parts.
+// Must be a pure function of the cell.
 using CellJudge = std::function<CellVerdict(const ProbeCell&)>;
 
 enum class ProbeTreeStatus {
@@ -60,7 +60,7 @@ enum class ProbeTreeStatus {
 struct ProbeAround {
   uint32_t probe = kNoProbe;  // index, < probeCount()
   LocalPoint local{};         // the position in the probe's own support, in [-1, 1]³
-  float tent_ratio = 1.0f;    // in (0, 1]: the cell's tent over the tent of the probe's own support; 1 inside one level
+  float tent_ratio = 1.0f;    // in [0, 1]: the cell's tent over the tent of the probe's own support; 1 inside one level
 };
 
 // Corner c stands at the cell's low (bit 0 for x, 1 for y, 2 for z is clear) or high side. The sum over the corners of
@@ -121,8 +121,10 @@ class ProbeTree {
     uint8_t cell_count = 1;    // cells along an edge: 1, 2, 4; 0: not needed at all
   };
 
-  void visitNodes(uint32_t node_idx, const ProbeNode& place,
-                  const std::function<void(const ProbeNode&, const Node&)>& visit) const;
+  using NodeVisit = std::function<void(const ProbeNode&, const Node&)>;
+  void visitAllNodes(const NodeVisit& visit) const;
+  void visitNodes(uint32_t node_idx, const ProbeNode& place, const NodeVisit& visit) const;
+  static ProbeCell cellOf(const LatticePoint& node_low, int bit, int cell_log2);
 
   ProbeTreeFrame frame_;
   std::vector<Node> nodes_;           // the roots first, x fastest
