@@ -24,7 +24,14 @@ struct Samples {
   bool isSolid(size_t i) const { return back_m[i] > top_m[i] || enclosing[i] > 0; }
 };
 
-double cross2(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+// Twice the area of (a, b, c), with exactly the opposite sign for (b, a, c): two triangles agree on their common edge.
+double edgeSide(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+  if (b.x < a.x || (b.x == a.x && b.y < a.y)) return -edgeSide(b, a, c);
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+// Whether a sample exactly on the edge belongs to the triangle that lies on its positive side.
+bool ownsEdge(const glm::dvec2& a, const glm::dvec2& b) { return b.y > a.y || (b.y == a.y && b.x > a.x); }
 
 void rasterise(const ViewTriangle& triangle, const LevelMap& map, double cut_m, Samples& samples) {
   const auto& [a, b, c] = triangle.corners;
@@ -32,9 +39,11 @@ void rasterise(const ViewTriangle& triangle, const LevelMap& map, double cut_m, 
   if (normal.y == 0.0 || std::min({a.y, b.y, c.y}) > cut_m) return;
   const bool is_back = normal.y < 0.0 && !triangle.double_sided;
   const auto upward = static_cast<float>(std::fabs(normal.y) / glm::length(normal));
-  const glm::dvec2 p[3] = {map.pixelOf(a) * double(kOversampling), map.pixelOf(b) * double(kOversampling),
-                           map.pixelOf(c) * double(kOversampling)};
-  const double area = cross2(p[1] - p[0], p[2] - p[0]);
+  glm::dvec2 p[3];
+  for (int i = 0; i < 3; ++i) p[i] = map.pixelOf(triangle.corners[i]) * double(kOversampling);
+  double corner_m[3] = {a.y, b.y, c.y};
+  if (edgeSide(p[0], p[1], p[2]) < 0.0) std::swap(p[1], p[2]), std::swap(corner_m[1], corner_m[2]);
+  const double area = edgeSide(p[0], p[1], p[2]);
   const glm::dvec2 low = glm::min(p[0], glm::min(p[1], p[2])), high = glm::max(p[0], glm::max(p[1], p[2]));
   const auto clamped = [](double at, int end) { return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(end))); };
   const int x0 = clamped(std::floor(low.x), samples.width), x1 = clamped(std::ceil(high.x), samples.width);
@@ -42,10 +51,15 @@ void rasterise(const ViewTriangle& triangle, const LevelMap& map, double cut_m, 
   for (int y = clamped(std::floor(low.y), samples.height); y < y1; ++y) {
     for (int x = x0; x < x1; ++x) {
       const glm::dvec2 centre(x + 0.5, y + 0.5);
-      const double u = cross2(p[2] - p[1], centre - p[1]) / area, v = cross2(p[0] - p[2], centre - p[2]) / area;
-      // a sample on an edge belongs to both triangles: counted twice, but no seam shows
-      if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0)) continue;
-      const double height_m = u * a.y + v * b.y + (1.0 - u - v) * c.y;
+      double height_m = 0.0;
+      bool is_inside = area > 0.0;
+      for (int i = 0; i < 3 && is_inside; ++i) {
+        const glm::dvec2 &from = p[(i + 1) % 3], &to = p[(i + 2) % 3];
+        const double side = edgeSide(from, to, centre);
+        is_inside = side > 0.0 || (side == 0.0 && ownsEdge(from, to));
+        height_m += side / area * corner_m[i];
+      }
+      if (!is_inside) continue;
       if (height_m > cut_m) continue;
       const size_t at = samples.at(x, y);
       float& top = is_back ? samples.back_m[at] : samples.top_m[at];
@@ -101,14 +115,24 @@ Image drawLevel(const std::vector<ViewTriangle>& triangles, const LevelMap& map,
   return halved(image);
 }
 
-double mostTellingHeight(const std::vector<ViewTriangle>& triangles, double low_m, double high_m) {
-  constexpr int kCandidates = 25;
-  double best = 0.5 * (low_m + high_m), best_length = -1.0;
+double mostTellingHeight(const std::vector<ViewTriangle>& triangles, const LevelMap& map, double low_m, double high_m) {
+  constexpr int kCandidates = 25, kCoarseSide = 64;
+  LevelMap coarse = map;
+  const double shrink = static_cast<double>(kCoarseSide) / std::max(map.width, map.height);
+  coarse.px_per_m *= shrink;
+  coarse.width = std::max(1, static_cast<int>(map.width * shrink));
+  coarse.height = std::max(1, static_cast<int>(map.height * shrink));
+  double best = 0.5 * (low_m + high_m), best_score = -1.0;
   for (int i = 0; i < kCandidates; ++i) {
-    const double height = low_m + (high_m - low_m) * (0.25 + 0.5 * (i + 0.5) / kCandidates);
-    double length = 0.0;
-    for (const CutSegment& segment : cutTriangles(triangles, 1, height)) length += glm::length(segment.b - segment.a);
-    if (length > best_length) best = height, best_length = length;
+    const double height_m = low_m + (high_m - low_m) * (0.25 + 0.5 * (i + 0.5) / kCandidates);
+    double length_m = 0.0;
+    for (const CutSegment& segment : cutTriangles(triangles, 1, height_m)) length_m += glm::length(segment.b - segment.a);
+    Samples samples(coarse.width * kOversampling, coarse.height * kOversampling);
+    for (const ViewTriangle& triangle : triangles) rasterise(triangle, coarse, height_m, samples);
+    int open_count = 0;
+    for (size_t at = 0; at < samples.top_m.size(); ++at) open_count += samples.top_m[at] != kNothing && !samples.isSolid(at);
+    const double score = length_m * open_count;
+    if (score > best_score) best = height_m, best_score = score;
   }
   return best;
 }

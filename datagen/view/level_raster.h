@@ -29,11 +29,16 @@ Colour heightColour(double share);
 
 // What is seen from above of everything below cut_m: faces that look up, by their height and slope, darker at steps. Hatched
 // where the cut lies in solid: the first one-sided face below it shows its back (a level that is only the inside of its rooms),
-// or more backs than fronts lie below it (closed solids, which may stand in each other). triangles   in world coordinates, metres
+// or more backs than fronts lie below it (closed solids, which may stand in each other).
+//
+// triangles   in world coordinates, metres
 // floor_m     the height of heightColour(0)
 Image drawLevel(const std::vector<ViewTriangle>& triangles, const LevelMap& map, double floor_m, double cut_m);
 
-// The height in the middle half of [low_m, high_m] at which the level's cut is longest: rooms cut open, not the slabs between.
-double mostTellingHeight(const std::vector<ViewTriangle>& triangles, double low_m, double high_m);
+// The height in the middle half of [low_m, high_m] at which the cut is long and leaves much open: the largest product of the
+// cut's length and the area that is not solid. Rooms are cut open there, not the slabs between them or the ground.
+//
+// map   any map of the whole level
+double mostTellingHeight(const std::vector<ViewTriangle>& triangles, const LevelMap& map, double low_m, double high_m);
 
 }  // namespace nlg

@@ -17,7 +17,7 @@
 namespace nlg {
 namespace {
 
-constexpr int kMargin = 32, kHeaderHeight = 126, kLegendHeight = 172, kMinWidth = 1280;
+constexpr int kMargin = 32, kHeaderHeight = 126, kLegendHeight = 172, kMinWidth = 1500;
 
 struct Box {
   glm::dvec3 low{1e300}, high{-1e300};
@@ -44,6 +44,7 @@ double parseHeight(const std::string& text, const Box& box) {
 struct Level {
   std::vector<ViewTriangle> triangles;  // world, metres; empty without a scene
   Box box;                              // of the triangles, else of the probes' supports
+  LevelMap map;
   double cut_m = 0.0;
 };
 
@@ -58,9 +59,10 @@ Level makeLevel(const ViewedShard& viewed, const ViewOptions& options) {
       for (const double sign : {-1.0, 1.0}) level.box.add(viewed.probePosition(i) + sign * viewed.shard.spacing_m[i]);
     }
   }
+  level.map = makeLevelMap(level.box.low, level.box.high, options.level_px);
   level.cut_m = !options.height.empty()   ? parseHeight(options.height, level.box)
                 : level.triangles.empty() ? level.box.high.y
-                                          : mostTellingHeight(level.triangles, level.box.low.y, level.box.high.y);
+                                          : mostTellingHeight(level.triangles, level.map, level.box.low.y, level.box.high.y);
   return level;
 }
 
@@ -200,7 +202,7 @@ void viewTop(const std::string& shard_path, const ViewOptions& options, const st
   }
   const ViewedShard viewed = loadViewedShard(shard_path, {.scene = options.scene, .with_tree = true});
   const Level level = makeLevel(viewed, options);
-  const LevelMap map = makeLevelMap(level.box.low, level.box.high, options.level_px);
+  const LevelMap& map = level.map;
   Image picture = drawLevel(level.triangles, map, level.box.low.y, level.cut_m);
   drawCut(picture, level, map);
   if (viewed.tree) drawTree(picture, viewed, level, map);

@@ -16,10 +16,11 @@
 namespace nlg {
 
 struct ViewOptions {
-  std::string scene;    // as loadScene takes it; empty: the shard's own procedural scene, or none
-  uint64_t seed = 1;    // atlas: which functions
-  std::string height;   // top view: where the level is cut: metres ("2.5", world) or a share of its height ("40%"); empty: where
-                        // it cuts most wall, in the middle half of the height
+  std::string scene;  // as loadScene takes it; empty: the shard's own procedural scene, or none
+  uint64_t seed = 1;  // atlas: which functions
+  // top view: where the level is cut: metres ("2.5", world) or a share of its height ("40%"); empty: where it opens most rooms,
+  // in the middle half of the height
+  std::string height;
   int slice_px = 640;   // probe: side of a slice, 128 to 4096
   int cell_px = 200;    // atlas: side of a slice, 64 to 1024
   int level_px = 1600;  // top view: longer side of the map, 256 to 8192
