@@ -39,7 +39,6 @@ void drawCell(Image& image, const ViewedShard& viewed, uint64_t idx, int size, i
   const std::string marks = std::string(flags & kFlagOpenShell ? " open" : "") + (flags & kFlagFewSeen ? " few" : "");
   drawText(image, x, y + size + 2, fmt::format("{} {}", idx, kPlanes[slice.plane.normal]), kInk);
   drawText(image, x + size - textWidth(marks), y + size + 2, marks, kWarning);
-  // "valid" is the first to go where the cell is narrow
   const std::string sizes = fixed(viewed.shard.spacing_m[idx], 2) + " m, seen " + percent(viewed.seenShare(idx));
   drawText(image, x, y + size + 2 + kGlyphHeight, sizes, kPaleInk);
 }

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "datagen/view/legend.h"
 #include "datagen/view/png_file.h"
 #include "datagen/view/shard_source.h"
@@ -10,7 +12,7 @@
 namespace nlg {
 namespace {
 
-constexpr int kMargin = 32, kHeaderHeight = 148, kLegendHeight = 140;
+constexpr int kMargin = 32, kHeaderHeight = 164, kLegendHeight = 140, kMinWidth = 1560;
 
 std::string flagsText(uint8_t flags) {
   std::string text;
@@ -30,8 +32,8 @@ void drawHeader(Image& image, const ViewedShard& viewed, uint64_t idx) {
                                    percent(viewed.validShare(idx)), percent(viewed.seenShare(idx)));
   drawText(image, kMargin, 88, shares, kInk);
   if (!viewed.scene) {
-    drawText(image, kMargin + textWidth(shares) + 40, 88,
-             "The scene is not at hand: no cut is drawn, every pixel shows its nearest support point.", kWarning);
+    drawText(image, kMargin, 110, "The scene is not at hand: no cut is drawn, every pixel shows its nearest support point.",
+             kWarning);
   }
 }
 
@@ -63,7 +65,7 @@ void viewProbe(const std::string& shard_path, uint64_t probe_idx, const ViewOpti
                      std::to_string(probe_idx));
   }
   const int size = options.slice_px;
-  Image image(3 * size + 4 * kMargin, kHeaderHeight + size + kLegendHeight, kPaper);
+  Image image(std::max(3 * size + 4 * kMargin, kMinWidth), kHeaderHeight + size + kLegendHeight, kPaper);
   drawHeader(image, viewed, probe_idx);
   const FunctionSamples function = viewed.function(probe_idx);
   const std::optional<std::vector<ViewTriangle>> triangles = viewed.localTriangles(probe_idx);
@@ -78,8 +80,8 @@ void viewProbe(const std::string& shard_path, uint64_t probe_idx, const ViewOpti
     drawText(image, x, kHeaderHeight - 24, panelTitle(slice.plane, viewed.probePosition(probe_idx)), kInk);
     x += size + kMargin;
   }
-  drawScaleBar(image, x - kMargin - size / 2, kHeaderHeight + size + 24 + 40, 0.5 * size / viewed.shard.spacing_m[probe_idx],
-               size / 2 - 12);
+  drawScaleBar(image, image.width() - kMargin - 340, kHeaderHeight + size + 24 + 40,
+               0.5 * size / viewed.shard.spacing_m[probe_idx], 320);
   drawSliceLegend(image, kMargin, kHeaderHeight + size + 24, viewed.scene.has_value(), true);
   writePng(out_path, image);
 }
