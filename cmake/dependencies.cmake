@@ -23,6 +23,7 @@ if(NLG_BUILD_TOOLS)
   find_package(Eigen3 3.4 CONFIG REQUIRED)
   find_package(BLAS REQUIRED)
   find_package(HDF5 REQUIRED COMPONENTS C)
+  find_package(PNG REQUIRED)
   find_package(Torch REQUIRED)
   # libtorch as one target, its headers as system headers: their warnings are not ours
   add_library(nlg_torch INTERFACE)
