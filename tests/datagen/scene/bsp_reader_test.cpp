@@ -237,6 +237,7 @@ TEST_F(BspReader, RefusesMoreTrianglesThanAnyLevelHas) {
     p.faces.assign(5000, p.faces[1]);
     p.models[0].face_count = 5000;
   });
+  expectError("lump models: expected at most 65536 records", [](BspParts& p) { p.models.resize(65537); });
   expectError("2^23 vertices", [](BspParts& p) {
     p.vertices.resize(2000);
     p.faces[0].vertex_count = 2000;
