@@ -21,13 +21,14 @@ struct Lump {
   const char* name;
   size_t number;
   size_t record_bytes;
+  size_t max_count;  // ten times and more what any level has
 };
-constexpr Lump kEntities{"entities", 0, 1};
-constexpr Lump kShaders{"shaders", 1, 72};
-constexpr Lump kModels{"models", 7, 40};
-constexpr Lump kVertices{"vertices", 10, 44};
-constexpr Lump kIndices{"indices", 11, 4};
-constexpr Lump kFaces{"faces", 13, 104};
+constexpr Lump kEntities{"entities", 0, 1, size_t{1} << 24};
+constexpr Lump kShaders{"shaders", 1, 72, size_t{1} << 16};
+constexpr Lump kModels{"models", 7, 40, size_t{1} << 16};
+constexpr Lump kVertices{"vertices", 10, 44, size_t{1} << 23};
+constexpr Lump kIndices{"indices", 11, 4, size_t{3} << 23};
+constexpr Lump kFaces{"faces", 13, 104, size_t{1} << 22};
 
 class BspParser {
  public:
@@ -76,6 +77,8 @@ class BspParser {
     }
     if (size % lump.record_bytes != 0)
       fail(place, "records of " + std::to_string(lump.record_bytes) + " bytes", std::to_string(size) + " bytes");
+    if (size / lump.record_bytes > lump.max_count)
+      fail(place, "at most " + std::to_string(lump.max_count) + " records", std::to_string(size / lump.record_bytes));
     return {bytes_.substr(offset, size), offset, size / lump.record_bytes};
   }
 

@@ -12,6 +12,7 @@ namespace {
 
 constexpr size_t kMaxScriptBytes = size_t{4} << 20;
 constexpr size_t kMaxAllScriptBytes = size_t{64} << 20;
+constexpr size_t kMaxShaders = size_t{1} << 16;
 constexpr size_t kMaxTextures = 8;
 
 struct SurfaceParm {
@@ -131,6 +132,7 @@ ShaderScripts readShaderScripts(const Pk3Archives& archives) {
     total += text.size();
     if (total > kMaxAllScriptBytes) throw InputError(archives.path(), name, "at most 64 MiB of shader scripts", "more");
     parseShaderScript(text, scripts);
+    if (scripts.size() > kMaxShaders) throw InputError(archives.path(), name, "at most 65536 shaders", "more");
   }
   return scripts;
 }

@@ -28,7 +28,8 @@ void parseShaderScript(std::string_view text, ShaderScripts& scripts);
 
 // All scripts/*.shader. A shader of a later archive hides that of an earlier one; within an archive the first one in the order of
 // the scripts' names holds.
-// throws   InputError on a script of more than 4 MiB, more than 64 MiB of them, or one that cannot be read
+// throws   InputError on a script of more than 4 MiB, more than 64 MiB of them, more than 2^16 shaders, or a script that
+//          cannot be read
 ShaderScripts readShaderScripts(const Pk3Archives& archives);
 
 // Why a face with these flags is no geometry: "sky", "nodraw", "fog", "liquid", "clip" or "translucent", by the first that holds;

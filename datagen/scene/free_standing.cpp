@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -13,6 +14,8 @@ namespace {
 // without one side, 0 for a sheet, negative for a room.
 constexpr double kOutwardShare = 0.5;
 constexpr double kOpenShare = 0.05;  // of the edges' length: below, a component counts as closed
+
+constexpr double kLargestSide_m = 12.0;  // a level that was compiled with a leak holds rooms with thick walls, closed all round
 
 using PointBits = std::array<uint32_t, 3>;
 
@@ -43,6 +46,7 @@ bool isFreeStanding(const Scene& scene, const SceneObject& object) {
   const Bounds bounds = objectBounds(scene, object);
   const glm::dvec3 centre = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
   const glm::dvec3 size = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
+  if (std::max({size.x, size.y, size.z}) > kLargestSide_m) return false;
   double volume = 0.0;
   for (uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
     glm::dvec3 p[3];

@@ -10,8 +10,10 @@
 namespace nlg {
 
 // The mean over all pixels, in linear light, of an sRGB image: JPEG by its first bytes, otherwise Targa (true colour or grey,
-// plain or run-length encoded). JPEG: mean over blocks of 8 x 8 pixels. returns   each channel in [0, 1]; nothing for an image
-// that is damaged, of another kind, or larger than 8192 pixels a side
+// plain or run-length encoded). Of a JPEG: the mean over blocks of 8 x 8 pixels.
+//
+// returns   each channel in [0, 1]; nothing for an image that is damaged, of another kind (a progressive JPEG among them), or
+//           larger than 8192 pixels a side
 std::optional<glm::vec3> averageColour(std::string_view bytes);
 
 }  // namespace nlg

@@ -167,10 +167,11 @@ TEST_F(BspReader, WhatStandsFreeMovesAndTheShellDoesNot) {
   addBox(parts, {300, 300, 1}, {350, 350, 51}, false, 4);                 // one without its bottom
   addBox(parts, {500, 500, 1}, {550, 550, 51}, true);                     // one whose faces look inward
   parts.addFace(0, 1, {{0, 1, 9}, {0, 90, 9}, {90, 90, 9}, {90, 1, 9}});  // a sheet
+  addBox(parts, {2000, 0, 0}, {2600, 600, 600}, false);                   // a building, 15 m
   const Scene scene = read(parts).scene;
-  ASSERT_EQ(scene.objects.size(), 5u);
-  const bool expected[] = {false, true, true, false, false};
-  for (size_t i = 0; i < 5; ++i) EXPECT_EQ(scene.objects[i].movable, expected[i]) << scene.objects[i].name;
+  ASSERT_EQ(scene.objects.size(), 6u);
+  const bool expected[] = {false, true, true, false, false, false};
+  for (size_t i = 0; i < 6; ++i) EXPECT_EQ(scene.objects[i].movable, expected[i]) << scene.objects[i].name;
 }
 
 TEST_F(BspReader, RefusesWhatIsNoLevel) {
@@ -237,6 +238,7 @@ TEST_F(BspReader, RefusesMoreTrianglesThanAnyLevelHas) {
     p.faces.assign(5000, p.faces[1]);
     p.models[0].face_count = 5000;
   });
+  expectError("lump models: expected at most 65536 records", [](BspParts& p) { p.models.resize(65537); });
   expectError("2^23 vertices", [](BspParts& p) {
     p.vertices.resize(2000);
     p.faces[0].vertex_count = 2000;

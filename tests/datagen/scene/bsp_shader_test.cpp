@@ -114,6 +114,23 @@ TEST(ShaderScripts, LaterArchivesHideEarlierOnes) {
   EXPECT_TRUE(scripts.at("only_old").double_sided);
 }
 
+TEST(ShaderScripts, RefusesMoreThanAnyGameHas) {
+  TemporaryFolder folder;
+  std::string many;
+  for (int i = 0; i < 65537; ++i) many += std::to_string(i) + "{}";
+  const std::vector<std::pair<std::string, std::string>> hostile = {{"at most 65536 shaders", many},
+                                                                    {"at most 4194304 bytes", std::string((4 << 20) + 1, ' ')}};
+  for (const auto& [words, script] : hostile) {
+    const std::string path = writeZip(folder / "a.pk3", {{"scripts/a.shader", script}});
+    try {
+      readShaderScripts(Pk3Archives(path));
+      FAIL() << words;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  }
+}
+
 // --- colours
 
 std::string targa(int kind, int width, int height, int bits, const std::string& pixels) {
