@@ -3,7 +3,7 @@
 #
 #   ./pipeline.sh [CONFIG [LEVELS]]
 #
-# CONFIG   pipeline.yaml (the default), configs/smoke.yaml, configs/levels.yaml or one of yours
+# CONFIG   pipeline.yaml (the default), configs/smoke.yaml, configs/levels.yaml, configs/openarena.yaml or one of yours
 # LEVELS   a folder of .glb or .gltf levels, in place of the configuration's scenes.folder
 # A run that was stopped goes on where it was when it is started again.
 set -euo pipefail

@@ -159,7 +159,7 @@ void collectFunctions(const Scene& scene, const ProbeTree& tree, const DatagenOp
     const auto [x, y, z] = tree.probePosition(index);
     const glm::dvec3 position(x, y, z);
     const float spacing_m = tree.probeSpacing(index);
-    switch (builder.build(glm::vec3(position), spacing_m, &function)) {
+    switch (builder.build(position, spacing_m, &function)) {
       case ProbeOutcome::free_space:
         ++shard.counts.free_space;
         break;

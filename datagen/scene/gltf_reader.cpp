@@ -15,11 +15,6 @@ namespace {
 constexpr int kDeepestNode = 256;
 constexpr double kFarthest = 1e9;  // metres from the file's origin; beyond, a double no longer holds a tenth of a micrometre
 
-bool isFlat(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-  const glm::dvec3 normal = glm::cross(b - a, c - a);
-  return normal.x == 0.0 && normal.y == 0.0 && normal.z == 0.0;
-}
-
 class GltfConverter {
  public:
   explicit GltfConverter(const std::string& path)
@@ -185,44 +180,10 @@ class GltfConverter {
     return *meshes_[mesh_idx];
   }
 
-  // Moves the origin to the middle, on whole metres, and drops triangles of zero area and objects that have no other.
   Scene finish() {
     scene_.id = std::filesystem::path(path_).stem().string();
-    if (!world_positions_.empty()) {
-      glm::dvec3 low = world_positions_[0];
-      glm::dvec3 high = low;
-      for (const glm::dvec3& p : world_positions_) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-      }
-      scene_.origin_m = glm::round(0.5 * (low + high));
-    }
-    scene_.positions.reserve(world_positions_.size());
-    for (const glm::dvec3& p : world_positions_) scene_.positions.emplace_back(p - scene_.origin_m);
-    dropFlatTriangles();
+    finishScene(scene_, world_positions_);
     return std::move(scene_);
-  }
-
-  void dropFlatTriangles() {
-    std::vector<SceneObject> objects;
-    uint32_t kept = 0;
-    for (SceneObject object : scene_.objects) {
-      const uint32_t end = object.first_triangle + object.triangle_count;
-      const uint32_t first_kept = kept;
-      for (uint32_t i = object.first_triangle; i < end; ++i) {
-        const glm::uvec3 t = scene_.triangles[i];
-        if (isFlat(scene_.positions[t.x], scene_.positions[t.y], scene_.positions[t.z])) continue;
-        scene_.triangles[kept] = t;
-        scene_.triangle_material[kept++] = scene_.triangle_material[i];
-      }
-      object.first_triangle = first_kept;
-      object.triangle_count = kept - first_kept;
-      if (object.triangle_count > 0) objects.push_back(object);
-    }
-    scene_.dropped_triangle_count = static_cast<uint32_t>(scene_.triangles.size()) - kept;
-    scene_.triangles.resize(kept);
-    scene_.triangle_material.resize(kept);
-    scene_.objects = std::move(objects);
   }
 
   const std::string path_;

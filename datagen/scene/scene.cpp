@@ -40,6 +40,33 @@ std::vector<uint32_t> weldedVertices(const std::vector<glm::vec3>& positions) {
   return welded;
 }
 
+bool isFlat(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  return normal.x == 0.0 && normal.y == 0.0 && normal.z == 0.0;
+}
+
+void dropFlatTriangles(Scene& scene) {
+  std::vector<SceneObject> objects;
+  uint32_t kept = 0;
+  for (SceneObject object : scene.objects) {
+    const uint32_t end = object.first_triangle + object.triangle_count;
+    const uint32_t first_kept = kept;
+    for (uint32_t i = object.first_triangle; i < end; ++i) {
+      const glm::uvec3 t = scene.triangles[i];
+      if (isFlat(scene.positions[t.x], scene.positions[t.y], scene.positions[t.z])) continue;
+      scene.triangles[kept] = t;
+      scene.triangle_material[kept++] = scene.triangle_material[i];
+    }
+    object.first_triangle = first_kept;
+    object.triangle_count = kept - first_kept;
+    if (object.triangle_count > 0) objects.push_back(object);
+  }
+  scene.dropped_triangle_count = static_cast<uint32_t>(scene.triangles.size()) - kept;
+  scene.triangles.resize(kept);
+  scene.triangle_material.resize(kept);
+  scene.objects = std::move(objects);
+}
+
 // Sorts triangles of one object by component, components by their first triangle, and appends an object for each.
 class ComponentSplitter {
  public:
@@ -134,6 +161,21 @@ Bounds sceneBounds(const Scene& scene) {
   Bounds bounds;
   for (size_t i = 0; i < scene.positions.size(); ++i) grow(bounds, scene.positions[i], i == 0);
   return bounds;
+}
+
+void finishScene(Scene& scene, const std::vector<glm::dvec3>& world_positions_m) {
+  if (!world_positions_m.empty()) {
+    glm::dvec3 low = world_positions_m[0];
+    glm::dvec3 high = low;
+    for (const glm::dvec3& p : world_positions_m) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    scene.origin_m = glm::round(0.5 * (low + high));
+  }
+  scene.positions.reserve(world_positions_m.size());
+  for (const glm::dvec3& p : world_positions_m) scene.positions.emplace_back(p - scene.origin_m);
+  dropFlatTriangles(scene);
 }
 
 void splitConnectedComponents(Scene& scene, double structure_share) {

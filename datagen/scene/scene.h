@@ -52,4 +52,11 @@ Bounds sceneBounds(const Scene& scene);
 // An object that is not movable already stays whole.
 void splitConnectedComponents(Scene& scene, double structure_share);
 
+// Ends the reading of a file: moves the origin to the middle of the positions, on whole metres, and drops triangles of zero area,
+// counted in dropped_triangle_count, and objects that have no other.
+//
+// scene               all but origin and positions
+// world_positions_m   V, finite
+void finishScene(Scene& scene, const std::vector<glm::dvec3>& world_positions_m);
+
 }  // namespace nlg

@@ -1,11 +1,41 @@
 #include "datagen/scene/scene_source.h"
 
+#include <filesystem>
+
+#include "datagen/scene/bsp_reader.h"
 #include "datagen/scene/gltf_reader.h"
+#include "datagen/scene/pk3_archive.h"
 #include "datagen/scene/procedural.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
 namespace nlg {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Where PATH:MAP has its colon; npos when the request names a file.
+size_t archiveColon(const std::string& request) {
+  const size_t colon = request.rfind(':');
+  std::error_code error;
+  if (colon == std::string::npos || fs::is_regular_file(request, error)) return std::string::npos;
+  const std::string path = request.substr(0, colon);
+  const bool is_archive = lowerCase(fs::path(path).extension().string()) == ".pk3" || fs::is_directory(path, error);
+  return is_archive ? colon : std::string::npos;
+}
+
+SceneSource sourceOf(BspLevel level) {
+  SceneSource source;
+  source.id = level.scene.id;
+  source.sha256 = level.sha256;
+  source.scene = std::move(level.scene);
+  source.dropped_faces = std::move(level.dropped_faces);
+  source.materials_without_texture = level.materials_without_texture;
+  return source;
+}
+
+}  // namespace
 
 SceneSource loadScene(const std::string& request) {
   SceneSource source;
@@ -20,6 +50,9 @@ SceneSource loadScene(const std::string& request) {
     source.scene = makeProceduralScene(family, std::stoull(number));
     return source;
   }
+  const size_t colon = archiveColon(request);
+  if (colon != std::string::npos) return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1)));
+  if (lowerCase(fs::path(request).extension().string()) == ".bsp") return sourceOf(readBsp(request));
   source.scene = readGltf(request);
   source.id = source.scene.id;
   source.sha256 = fileSha256(request);

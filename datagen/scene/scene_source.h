@@ -1,6 +1,8 @@
 // Where a scene comes from: the one text by which users, configurations and shards name it.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <string>
 
 #include "datagen/scene/scene.h"
@@ -9,12 +11,16 @@ namespace nlg {
 
 struct SceneSource {
   std::string family = "level";  // procedural family, or "level"
-  std::string id;                // "house_3", or the file's stem
-  std::string sha256;            // of the file; empty for a procedural scene
+  std::string id;                // "house_3", the file's stem, or the map's name in lower case
+  std::string sha256;            // of the file, in an archive too; empty for a procedural scene
   Scene scene;
+  std::map<std::string, uint32_t> dropped_faces;  // of a .bsp, by why: bsp_reader.h
+  uint32_t materials_without_texture = 0;         // of a .bsp: these have the default colour
 };
 
-// request   FAMILY:SEED for a procedural scene (house:3), otherwise the path of a .glb or .gltf file
+// request   FAMILY:SEED for a procedural scene (house:3);
+//           PATH:MAP for a level in archives, PATH a .pk3 file or a folder of them (baseoa:kaos2 is maps/kaos2.bsp);
+//           otherwise the path of a .glb, .gltf or .bsp file
 // throws    UsageError on a seed that is no decimal number; whatever the reader throws
 SceneSource loadScene(const std::string& request);
 

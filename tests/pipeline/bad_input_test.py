@@ -8,10 +8,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import zipfile
 
 USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR, CHECK_FAILED = 2, 3, 5, 6  # tool/error.h
 
 BIN, MAKE_NARROW_SHARD = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+SOURCES = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 failures = []
 cases = 0
 
@@ -198,6 +200,102 @@ def check_scenes():
         refuses(INPUT_ERROR, [name], ["bad.h5"], "nlg-datagen", "--scene", name, "--out", "bad.h5")
 
 
+def write_archive(path, entries):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in entries.items():
+            archive.writestr(name, content)
+    return path
+
+
+def check_levels():
+    """Levels and archives that are none: tests/datagen/scene has the many, here are the few that a user meets."""
+    write("garbage.bsp", b"IBSP" + b"\xff" * 400)
+    write("other.bsp", b"VBSP" + b"\0" * 400)
+    write("text.pk3", "no archive")
+    write_archive("levels.pk3", {"maps/broken.bsp": b"IBSP.\0\0\0", "maps/empty.bsp": b""})
+    write_archive("outside.pk3", {"../maps/a.bsp": b""})
+    whole = open("levels.pk3", "rb").read()
+    write("short.pk3", whole[: len(whole) - 30])
+    os.makedirs("no_archives", exist_ok=True)
+    for scene, names in [("missing.bsp", ["missing.bsp"]), ("garbage.bsp", ["garbage.bsp", "version 46"]), ("other.bsp", ["other.bsp", "IBSP"]),
+                         ("missing.pk3:a", ["missing.pk3"]), ("text.pk3:a", ["text.pk3"]), ("short.pk3:broken", ["short.pk3"]),
+                         ("outside.pk3:a", ["outside.pk3", "a name inside the archive"]), ("no_archives:a", ["no_archives", ".pk3 files"]),
+                         ("levels.pk3:absent", ["absent", "broken, empty"]), ("levels.pk3:", ["levels.pk3"]),
+                         ("levels.pk3:broken", ["levels.pk3:broken", "header"]), ("levels.pk3:empty", ["levels.pk3:empty", "header"])]:
+        refuses(INPUT_ERROR, names, ["bad.h5"], "nlg-datagen", "--scene", scene, "--out", "bad.h5")
+
+
+def workflow(scenes, split):
+    """Whether snakemake takes a configuration, and its words: a dry run. Absolute folders of archives lie in this one."""
+    write("workflow.yaml", f"name: run\nrepresentations: [mlp]\nscenes: {{{scenes}}}\nsplit: {{{split}}}\n")
+    result = subprocess.run(["/usr/bin/snakemake", "-n", "-p", "-s", os.path.join(SOURCES, "workflow", "Snakefile"), "--configfile", os.path.abspath("workflow.yaml"),
+                             "--cores", "1", "--nolock"], capture_output=True, text=True, timeout=60, cwd=SOURCES,
+                            env={**os.environ, "NLG_OUT": os.path.abspath("out"), "NLG_LEVELS": "", "NLG_ARCHIVE_ROOT": os.getcwd()})
+    return result.returncode == 0, result.stdout + result.stderr
+
+
+def check_workflow():
+    global cases
+    os.makedirs("game", exist_ok=True)
+    # two levels; one of them in both archives counts once, and what lies in a folder below is none
+    write_archive("game/a.pk3", {"maps/one.bsp": b"", "maps/Two.bsp": b"", "maps/sub/three.bsp": b""})
+    write_archive("game/b.pk3", {"maps/TWO.bsp": b"", "textures/two.tga": b""})
+    os.makedirs("bad_game", exist_ok=True)
+    write_archive("bad_game/a.pk3", {"maps/a b.bsp": b""})
+    os.makedirs("text_game", exist_ok=True)
+    write("text_game/a.pk3", "no archive")
+    basis = "families: [house], per_family: 3, folder: '', jitters: 1"
+    game = basis + ", archives: [{folder: /game, maps: ['*']}]"
+    held_out = "held_out: [house_2]"
+
+    accepted = [
+        (basis, held_out, ["--scene house:0"]),
+        (game, held_out + ", test: [two]", ["/game:one", "dataset/test/two.0.h5", "dataset/training/one.0.h5", "/game:two --jitter 0 --held-out"]),
+        (basis + ", by_scene: {'house_*': {max_functions: 3, scale: 0.5}, house_1: {max_functions: 4}}", held_out,
+         ["--max-functions=3 --scale=0.5", "--max-functions=4 --scale=0.5"]),
+    ]
+    for scenes, split, words in accepted:
+        cases += 1
+        is_taken, text = workflow(scenes, split)
+        for word in [] if is_taken else ["a configuration that is taken"]:
+            failures.append(f"workflow with {scenes}, {split}: expected {word}, got\n    {text}")
+        for word in words:
+            if is_taken and word not in text:
+                failures.append(f"workflow with {scenes}, {split}: its commands do not hold '{word}'")
+        if is_taken and "dataset/training/two" in text:
+            failures.append(f"workflow with {scenes}, {split}: trains on a scene of the test set")
+
+    def archives(text):
+        return f"{basis}, archives: [{text}]", held_out
+
+    refused = [
+        (basis + ", colour: red", held_out, "unknown key 'colour'"),
+        (basis, held_out + ", tests: []", "unknown key 'tests'"),
+        (basis, held_out + ", test: [castle_*]", "expected a pattern of some scene, got 'castle_*'"),
+        (basis, held_out + ", test: [house_2]", "house_2 in both"),
+        (basis, held_out + ", test: house_1", "a list of names or patterns"),
+        (*archives("{folder: /game, maps: ['*'], colour: red}"), "unknown key 'colour'"),
+        (*archives("{folder: /game}"), "missing key 'maps'"),
+        (*archives("game"), "archives: 0"),
+        (*archives("{folder: /game, maps: one}"), "a list of names or patterns"),
+        (*archives("{folder: /game, maps: [four]}"), "got 'four'"),
+        (*archives("{folder: /game, maps: ['*'], without: [four]}"), "got 'four'"),
+        (*archives("{folder: /game, maps: ['*']}, {folder: /game, maps: [one]}"), "names of their own"),
+        (*archives("{folder: /nowhere, maps: ['*'], install: apt install some-game}"), "nowhere, got none; install them: apt install some-game"),
+        (*archives("{folder: /bad_game, maps: ['*']}"), "a b"),
+        (*archives("{folder: /text_game, maps: ['*']}"), "text_game/a.pk3"),
+        (basis + ", by_scene: {castle: {max_functions: 3}}", held_out, "expected a pattern of some scene, got 'castle'"),
+        (basis + ", by_scene: {house_1: {out: x}}", held_out, "an option of the datagen section"),
+        (basis + ", by_scene: {house_1: {seed: [1]}}", held_out, "a number or a text"),
+        (basis + ", by_scene: {house_1: 3}", held_out, "options of nlg-datagen"),
+    ]
+    for scenes, split, words in refused:
+        cases += 1
+        is_taken, text = workflow(scenes, split)
+        if is_taken or words not in text:
+            failures.append(f"workflow with {scenes}, {split}: expected a refusal with '{words}', got\n    {text.strip()[-600:]}")
+
+
 def check_inputs_that_do_not_belong_together():
     must("nlg-datagen", "--config", "good.yaml", "--scene", "house:2", "--held-out", "--unseen-points", "128", "--out", "other_unseen.h5")
     must("nlg-pca", "--config", "good.yaml", "--components", "7", "--shards", "training.h5", "--out", "other_basis.h5")
@@ -260,6 +358,8 @@ def main():
         check_configurations()
         check_inputs()
         check_scenes()
+        check_levels()
+        check_workflow()
         check_inputs_that_do_not_belong_together()
         check_held_out_sets()
         check_shards_whose_width_lies()

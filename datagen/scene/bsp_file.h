@@ -1,0 +1,65 @@
+// The records of a Quake III level (IBSP version 46) that hold geometry, read from bytes and checked.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+namespace nlg {
+
+// Flags that the game's compiler stored; a shader script's surfaceparm sets the same.
+inline constexpr uint32_t kBspSurfaceSky = 0x4;
+inline constexpr uint32_t kBspSurfaceNodraw = 0x80;
+inline constexpr uint32_t kBspSurfaceHint = 0x100;
+inline constexpr uint32_t kBspSurfaceSkip = 0x200;
+inline constexpr uint32_t kBspContentsLava = 0x8;
+inline constexpr uint32_t kBspContentsSlime = 0x10;
+inline constexpr uint32_t kBspContentsWater = 0x20;
+inline constexpr uint32_t kBspContentsFog = 0x40;
+inline constexpr uint32_t kBspContentsPlayerClip = 0x10000;
+inline constexpr uint32_t kBspContentsMonsterClip = 0x20000;
+inline constexpr uint32_t kBspContentsTranslucent = 0x20000000;
+
+struct BspShader {
+  std::string name;  // as written, up to the first NUL: what follows it is garbage
+  uint32_t surface_flags = 0;
+  uint32_t content_flags = 0;
+};
+
+enum class BspFaceKind : uint32_t { polygon = 1, patch = 2, mesh = 3, flare = 4 };
+
+// Polygons and meshes: triangles of index_count / 3, indices relative to first_vertex, front faces clockwise.
+// Patches: patch_width x patch_height control points, row by row, both odd and from 3 to 65.
+struct BspFace {
+  uint32_t shader = 0;
+  BspFaceKind kind = BspFaceKind::polygon;
+  uint32_t first_vertex = 0, vertex_count = 0;
+  uint32_t first_index = 0, index_count = 0;
+  uint32_t patch_width = 0, patch_height = 0;
+};
+
+// Model 0 is the level itself; the others are doors, platforms and the like. Models share no face.
+struct BspModel {
+  uint32_t first_face = 0, face_count = 0;
+};
+
+struct BspFile {
+  std::string entities;  // text
+  std::vector<BspShader> shaders;
+  std::vector<BspModel> models;      // at least one
+  std::vector<glm::vec3> positions;  // in the game's units, z up; finite, within 2^20 of the origin
+  std::vector<uint32_t> indices;
+  std::vector<BspFace> faces;
+};
+
+// path     only named in errors
+// bytes    the whole file
+// throws   InputError with lump and record on: another magic or version, a lump that leaves the file or is no whole number of
+//          records, an index or range out of bounds, numbers that are not finite or too large, a face of an unknown kind, models
+//          that share faces, faces that name more than 2^23 vertices or 3 * 2^23 indices together
+BspFile parseBsp(const std::string& path, std::string_view bytes);
+
+}  // namespace nlg

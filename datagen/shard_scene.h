@@ -1,0 +1,39 @@
+// The scene that a shard's functions were made in: one derivation for the run that makes a shard and for who looks at it later.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "datagen/dataset/shard.h"
+#include "datagen/scene/jitter.h"
+#include "datagen/scene/scene.h"
+#include "runtime_eval/light_grid/probe_tree.h"
+
+namespace nlg {
+
+// The seed of every random choice of one shard: jitter, probe grid, order of the probes.
+// run_seed   option `seed` of the run
+uint64_t shardSeed(uint64_t run_seed, const std::string& scene_id, uint64_t jitter);
+
+// The variant of the scene that a shard is about. Jitter 0 is the scene itself.
+// shard_seed   as shardSeed gives it for the same jitter
+Scene shardScene(const Scene& scene, const JitterOptions& options, uint64_t shard_seed, uint64_t jitter);
+
+// The request by which loadScene makes the shard's scene again: "house:3" for a procedural one, empty for a level, whose file
+// the shard does not name.
+std::string proceduralRequest(const Shard& shard);
+
+// The jittered scene of a shard, made again from its provenance.
+// shard        its header is enough; shard_path is for messages
+// request      the scene, as loadScene takes it
+// throws       InputError when the provenance lacks an option, or when the scene is not the shard's: another SHA-256 of the file,
+//              another id of a procedural scene; whatever loadScene throws
+Scene rebuildShardScene(const Shard& shard, const std::string& shard_path, const std::string& request);
+
+// The probe tree of a shard, made again over its jittered scene.
+// returns      nothing when the shard's probes stood on a uniform grid: its provenance has no density_growth
+// throws       InputError as above; whatever placeProbes throws
+std::optional<ProbeTree> rebuildShardTree(const Shard& shard, const std::string& shard_path, const Scene& scene);
+
+}  // namespace nlg

@@ -1,0 +1,19 @@
+// Colours of values.
+#pragma once
+
+#include "datagen/view/image.h"
+
+namespace nlg {
+
+// Viridis (van der Walt & Smith 2015, CC0): perceptually uniform, lightness rises with the value.
+// value   clamped to [0, 1]
+Colour viridis(double value);
+
+// The colour of a weighting function's value: black where it is exactly 0, so that the smallest leak stands out against none;
+// viridis above.
+Colour phiColour(double phi);
+
+// CIE lightness L* of a colour, 0 to 100.
+double lightness(Colour colour);
+
+}  // namespace nlg

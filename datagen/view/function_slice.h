@@ -1,0 +1,68 @@
+// One plane through a weighting function: what its samples say at every pixel, without looking through walls.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "datagen/view/triangles.h"
+#include "runtime_eval/support/support_pattern.h"
+
+namespace nlg {
+
+// One function of a shard; the pointers must outlive the view.
+struct FunctionSamples {
+  const uint8_t* phi = nullptr;       // P, round(255 phi), pattern order
+  const uint8_t* validity = nullptr;  // P / 8, bit i of byte b is point 8 b + i
+  const uint8_t* seen = nullptr;      // P / 8
+
+  bool isValid(size_t point) const { return validity[point / 8] >> (point % 8) & 1; }
+  bool isSeen(size_t point) const { return seen[point / 8] >> (point % 8) & 1; }
+};
+
+// How an axis plane lies in its picture: x, y, z of the plane point right, up or down. Top views look down: z points down.
+struct PlaneView {
+  int normal = 2, right = 0, up = 1;
+  double up_sign = 1.0;  // -1: the axis `up` points down
+
+  // Picture coordinates in [-1, 1]², y down, of local coordinates, and back.
+  glm::dvec2 fromLocal(const glm::dvec3& local) const { return {local[right], -up_sign * local[up]}; }
+  glm::dvec3 toLocal(const glm::dvec2& picture) const;
+};
+
+// normal   0, 1 or 2: the planes yz, zx and xy
+PlaneView planeView(int normal);
+
+enum class PixelKind : uint8_t {
+  unknown,   // no support point within reach is visible from here
+  solid,     // the function is invalid here
+  seen,      // the probe sees this place
+  diffused,  // it does not: whatever stands here came round a corner
+};
+
+struct FunctionSlice {
+  PlaneView plane;
+  int size = 0;
+  std::vector<PixelKind> kind;    // size x size, from the upper left
+  std::vector<float> phi;         // in [0, 1]; 0 where kind is unknown or solid
+  std::vector<float> seen_share;  // of the weight of valid points: the border of what is seen lies at 1/2
+};
+
+// The slice through the probe.
+//
+// With triangles: every pixel takes the support points within kSliceReach that it sees past them, with a weight that falls to 0
+// at the reach. The points vote on the kind; the value is that of a plane fitted to the points of the winning kind, not below the
+// lowest of them (0 stays 0, and nothing else becomes 0) and not above 1. Nothing is carried through a surface. Without (null):
+// every pixel takes its nearest support point.
+//
+// triangles   those near the probe, in local coordinates
+FunctionSlice makeFunctionSlice(const FunctionSamples& function, int normal, int size,
+                                const std::vector<ViewTriangle>* triangles);
+
+inline constexpr double kSliceReach = 0.2;  // shares of the spacing; the points stand 0.1 apart
+
+// The normal of the plane in which the function differs most from the bare tent, summed over the points near it.
+int mostTellingPlane(const FunctionSamples& function);
+
+}  // namespace nlg

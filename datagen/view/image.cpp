@@ -1,0 +1,189 @@
+#include "datagen/view/image.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datagen/view/font.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+uint8_t mixByte(uint8_t a, uint8_t b, double share) { return static_cast<uint8_t>(std::lround(a + share * (b - a))); }
+
+// Blends the colour into every pixel of the box by distance_px(centre of the pixel) from the edge, negative inside.
+template <class Distance>
+void fillByDistance(Image& image, const glm::dvec2& low, const glm::dvec2& high, Colour colour, const Distance& distance_px) {
+  // clamped before they become integers: a line's end may lie anywhere
+  const auto pixel = [](double at, int end) { return static_cast<int>(std::clamp(std::floor(at), 0.0, end - 1.0)); };
+  if (high.x < 0 || high.y < 0 || low.x > image.width() || low.y > image.height()) return;
+  const int x_end = pixel(high.x + 1, image.width()), y_end = pixel(high.y + 1, image.height());
+  for (int y = pixel(low.y - 1, image.height()); y <= y_end; ++y) {
+    for (int x = pixel(low.x - 1, image.width()); x <= x_end; ++x) {
+      const double cover = 0.5 - distance_px(glm::dvec2(x + 0.5, y + 0.5));
+      if (cover > 0) image.blend(x, y, colour, std::min(cover, 1.0));
+    }
+  }
+}
+
+// Cuts the segment to the picture and a margin, so that a long line costs no more than what is seen of it.
+bool clipToImage(const Image& image, double margin, glm::dvec2& a, glm::dvec2& b) {
+  const glm::dvec2 high(image.width() + margin, image.height() + margin), step = b - a;
+  double first = 0.0, last = 1.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (step[axis] == 0.0) {
+      if (a[axis] < -margin || a[axis] > high[axis]) return false;
+      continue;
+    }
+    const double t0 = (-margin - a[axis]) / step[axis], t1 = (high[axis] - a[axis]) / step[axis];
+    first = std::max(first, std::min(t0, t1));
+    last = std::min(last, std::max(t0, t1));
+  }
+  if (first > last) return false;
+  b = a + last * step;
+  a += first * step;
+  return true;
+}
+
+// Decodes the UTF-8 sign at text[i] and moves i behind it; a broken one is the replacement character.
+uint32_t nextCodePoint(const std::string& text, size_t* i) {
+  const auto lead = static_cast<unsigned char>(text[(*i)++]);
+  if (lead < 0x80) return lead;
+  const int more = lead >= 0xf0 ? 3 : lead >= 0xe0 ? 2 : 1;
+  uint32_t code_point = lead & (0x3f >> more);
+  for (int k = 0; k < more; ++k, ++*i) {
+    if (*i >= text.size() || (static_cast<unsigned char>(text[*i]) & 0xc0) != 0x80) return 0xfffd;
+    code_point = code_point << 6 | (static_cast<unsigned char>(text[*i]) & 0x3f);
+  }
+  return code_point;
+}
+
+}  // namespace
+
+Colour mix(Colour a, Colour b, double share) {
+  return {mixByte(a.r, b.r, share), mixByte(a.g, b.g, share), mixByte(a.b, b.b, share)};
+}
+
+Image::Image(int width, int height, Colour background) : width_(width), height_(height) {
+  NLG_CHECK(width, >=, 1);
+  NLG_CHECK(height, >=, 1);
+  bytes_.resize(static_cast<size_t>(width) * height * 3);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) set(x, y, background);
+  }
+}
+
+Colour Image::at(int x, int y) const {
+  NLG_CHECK(contains(x, y), ==, true);
+  const uint8_t* pixel = &bytes_[(static_cast<size_t>(y) * width_ + x) * 3];
+  return {pixel[0], pixel[1], pixel[2]};
+}
+
+void Image::set(int x, int y, Colour colour) {
+  if (!contains(x, y)) return;
+  uint8_t* pixel = &bytes_[(static_cast<size_t>(y) * width_ + x) * 3];
+  pixel[0] = colour.r, pixel[1] = colour.g, pixel[2] = colour.b;
+}
+
+void Image::blend(int x, int y, Colour colour, double share) {
+  if (contains(x, y)) set(x, y, mix(at(x, y), colour, share));
+}
+
+void fillRect(Image& image, int x, int y, int width, int height, Colour colour) {
+  for (int row = y; row < y + height; ++row) {
+    for (int column = x; column < x + width; ++column) image.set(column, row, colour);
+  }
+}
+
+Colour hatchColour(int x, int y) {
+  constexpr Colour kGround{150, 150, 150}, kStripe{90, 90, 90};
+  constexpr int kPeriod = 10, kStripeWidth = 3;
+  return ((x + y) % kPeriod + kPeriod) % kPeriod < kStripeWidth ? kStripe : kGround;
+}
+
+void drawFrame(Image& image, int x, int y, int width, int height, Colour colour) {
+  fillRect(image, x - 1, y - 1, width + 2, 1, colour);
+  fillRect(image, x - 1, y + height, width + 2, 1, colour);
+  fillRect(image, x - 1, y, 1, height, colour);
+  fillRect(image, x + width, y, 1, height, colour);
+}
+
+void drawLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double width_px, Colour colour) {
+  glm::dvec2 from = a, to = b;
+  if (!clipToImage(image, width_px + 2, from, to)) return;
+  const glm::dvec2 step = to - from;
+  const double squared = std::max(glm::dot(step, step), 1e-12), radius = 0.5 * width_px;
+  const auto distance = [&](const glm::dvec2& p) {
+    const double t = std::clamp(glm::dot(p - from, step) / squared, 0.0, 1.0);
+    return glm::length(p - from - t * step) - radius;
+  };
+  // in pieces: the box around a long slanting line is mostly empty
+  const int piece_count = 1 + static_cast<int>(glm::length(step) / 32);
+  for (int i = 0; i < piece_count; ++i) {
+    const glm::dvec2 p = from + step * (double(i) / piece_count), q = from + step * (double(i + 1) / piece_count);
+    const glm::dvec2 low = glm::min(p, q) - radius, high = glm::max(p, q) + radius;
+    const bool first = i == 0, last = i + 1 == piece_count;
+    fillByDistance(image, low, high, colour, [&](const glm::dvec2& pixel) {
+      // every pixel belongs to one piece, by where its foot on the line falls
+      const double foot = glm::dot(pixel - from, step) / squared * piece_count;
+      const bool is_mine = (first || foot >= i) && (last || foot < i + 1);
+      return is_mine ? distance(pixel) : 1.0;
+    });
+  }
+}
+
+void drawDisc(Image& image, const glm::dvec2& centre, double radius_px, Colour colour) {
+  fillByDistance(image, centre - radius_px, centre + radius_px, colour,
+                 [&](const glm::dvec2& p) { return glm::length(p - centre) - radius_px; });
+}
+
+void drawRing(Image& image, const glm::dvec2& centre, double radius_px, double width_px, Colour colour) {
+  const double reach = radius_px + 0.5 * width_px;
+  fillByDistance(image, centre - reach, centre + reach, colour,
+                 [&](const glm::dvec2& p) { return std::fabs(glm::length(p - centre) - radius_px) - 0.5 * width_px; });
+}
+
+void drawCasedLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double width_px, Colour colour, Colour rim) {
+  drawLine(image, a, b, width_px + 2, rim);
+  drawLine(image, a, b, width_px, colour);
+}
+
+void drawText(Image& image, int x, int y, const std::string& text, Colour colour, int scale) {
+  for (size_t i = 0; i < text.size(); x += kGlyphWidth * scale) {
+    const auto& rows = glyphRows(nextCodePoint(text, &i));
+    for (int row = 0; row < kGlyphHeight; ++row) {
+      for (int column = 0; column < kGlyphWidth; ++column) {
+        if (rows[row] >> column & 1) fillRect(image, x + column * scale, y + row * scale, scale + (scale > 1), scale, colour);
+      }
+    }
+  }
+}
+
+int textWidth(const std::string& text, int scale) {
+  int count = 0;
+  for (size_t i = 0; i < text.size(); ++count) nextCodePoint(text, &i);
+  return count * kGlyphWidth * scale;
+}
+
+void paste(Image& image, const Image& inset, int x, int y) {
+  for (int row = 0; row < inset.height(); ++row) {
+    for (int column = 0; column < inset.width(); ++column) image.set(x + column, y + row, inset.at(column, row));
+  }
+}
+
+Image halved(const Image& image) {
+  Image half(image.width() / 2, image.height() / 2, kBlack);
+  for (int y = 0; y < half.height(); ++y) {
+    for (int x = 0; x < half.width(); ++x) {
+      int sum[3] = {2, 2, 2};
+      for (int k = 0; k < 4; ++k) {
+        const Colour c = image.at(2 * x + k % 2, 2 * y + k / 2);
+        sum[0] += c.r, sum[1] += c.g, sum[2] += c.b;
+      }
+      half.set(x, y, {static_cast<uint8_t>(sum[0] / 4), static_cast<uint8_t>(sum[1] / 4), static_cast<uint8_t>(sum[2] / 4)});
+    }
+  }
+  return half;
+}
+
+}  // namespace nlg

@@ -1,0 +1,113 @@
+#include "datagen/view/legend.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "datagen/view/colour_map.h"
+#include "datagen/view/font.h"
+#include "datagen/view/slice_panel.h"
+
+namespace nlg {
+namespace {
+
+constexpr int kKeyWidth = 24, kKeyHeight = 18, kKeyGap = 30;
+
+void drawKeyFrame(Image& image, int x, int y) { drawFrame(image, x, y, kKeyWidth, kKeyHeight, kPaleInk); }
+
+void drawLineKey(Image& image, int x, int y, const std::function<void(const glm::dvec2&, const glm::dvec2&)>& line) {
+  fillRect(image, x, y, kKeyWidth, kKeyHeight, viridis(0.35));
+  line({x + 0.5, y + 9.0}, {x + kKeyWidth - 0.5, y + 9.0});
+}
+
+}  // namespace
+
+std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
+
+std::string percent(double share) { return fixed(100 * share, share < 0.1 ? 1 : 0) + " %"; }
+
+std::string positionText(const glm::dvec3& p) { return fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p.x, p.y, p.z); }
+
+void drawColourBar(Image& image, int x, int y, int width, const std::string& title, const std::vector<std::string>& labels,
+                   const std::function<Colour(double)>& colour) {
+  constexpr int kBarHeight = 18;
+  drawText(image, x, y, title, kInk);
+  const int top = y + kGlyphHeight + 4;
+  for (int i = 0; i < width; ++i) fillRect(image, x + i, top, 1, kBarHeight, colour((i + 0.5) / width));
+  drawFrame(image, x, top, width, kBarHeight, kPaleInk);
+  for (size_t i = 0; i < labels.size(); ++i) {
+    const int at = x + static_cast<int>(std::lround(static_cast<double>(width - 1) * i / (labels.size() - 1)));
+    fillRect(image, at, top + kBarHeight, 1, 5, kInk);
+    drawText(image, at - textWidth(labels[i]) / 2, top + kBarHeight + 6, labels[i], kInk);
+  }
+}
+
+int drawKey(Image& image, int x, int y, const std::string& text, const std::function<void(Image&, int, int)>& draw) {
+  // drawn apart, so that nothing reaches over the box
+  Image box(kKeyWidth, kKeyHeight, kPaper);
+  draw(box, 0, 0);
+  paste(image, box, x, y);
+  drawKeyFrame(image, x, y);
+  drawText(image, x + kKeyWidth + 8, y, text, kInk);
+  return x + kKeyWidth + 8 + textWidth(text) + kKeyGap;
+}
+
+void drawScaleBar(Image& image, int x, int y, double px_per_m, int max_px) {
+  double length_m = std::pow(10.0, std::floor(std::log10(max_px / px_per_m)));
+  for (const double factor : {5.0, 2.0}) {
+    if (factor * length_m * px_per_m <= max_px) {
+      length_m *= factor;
+      break;
+    }
+  }
+  const int length_px = static_cast<int>(std::lround(length_m * px_per_m));
+  const std::string label = fmt::format("{:g} m", length_m);
+  const int width = std::max(length_px, textWidth(label)) + 12;
+  fillRect(image, x, y - 34, width, 34, kWhite);
+  drawFrame(image, x, y - 34, width, 34, kPaleInk);
+  drawText(image, x + 6 + (length_px - textWidth(label)) / 2 * (length_px > textWidth(label)), y - 33, label, kInk);
+  fillRect(image, x + 6, y - 10, length_px, 4, kInk);
+  for (const int end : {0, length_px - 2}) fillRect(image, x + 6 + end, y - 14, 2, 8, kInk);
+}
+
+void drawSliceLegend(Image& image, int x, int y, bool with_cut, bool with_points) {
+  drawColourBar(image, x, y, 360, "weighting function φ (black: exactly 0)", {"0", "0.25", "0.5", "0.75", "1"},
+                [](double value) { return value < 0.012 ? kBlack : phiColour(value); });
+  const int first = x + 440;
+  int at = drawKey(image, first, y, "solid (invalid)", [](Image& box, int bx, int by) {
+    for (int row = 0; row < kKeyHeight; ++row) {
+      for (int column = 0; column < kKeyWidth; ++column) box.set(bx + column, by + row, hatchColour(column, row));
+    }
+  });
+  at = drawKey(image, at, y, "border of what the probe sees", [](Image& box, int bx, int by) {
+    drawLineKey(box, bx, by, [&](const auto& a, const auto& b) { drawLine(box, a, b, 1.6, kSeenBorder); });
+  });
+  if (with_cut) {
+    at = drawKey(image, at, y, "no support point in sight",
+                 [](Image& box, int bx, int by) { fillRect(box, bx, by, kKeyWidth, kKeyHeight, kUnknown); });
+    at = first;
+    for (const bool double_sided : {false, true}) {
+      at = drawKey(image, at, y + 32, double_sided ? "cut of a double-sided face" : "cut of a one-sided face",
+                   [&](Image& box, int bx, int by) {
+                     drawLineKey(box, bx, by, [&](const auto& a, const auto& b) {
+                       drawLine(box, a, b, 4.0, kWhite);
+                       drawCutLine(box, a, b, 2.0, double_sided);
+                     });
+                   });
+    }
+  }
+  if (!with_points) return;
+  at = first;
+  const std::pair<PixelKind, const char*> kinds[] = {{PixelKind::seen, "support point, seen"},
+                                                     {PixelKind::diffused, "not seen: φ from diffusion"},
+                                                     {PixelKind::solid, "invalid"}};
+  for (const auto& [kind, text] : kinds) {
+    at = drawKey(image, at, y + 64, text, [kind = kind](Image& box, int bx, int by) {
+      fillRect(box, bx, by, kKeyWidth, kKeyHeight, kind == PixelKind::solid ? Colour{90, 90, 90} : viridis(0.35));
+      drawSupportPoint(box, {bx + kKeyWidth / 2.0, by + kKeyHeight / 2.0}, 0.6, kind);
+    });
+  }
+  drawText(image, at, y + 64, "(within " + fixed(kPointSlab, 2) + " spacings of the plane)", kPaleInk);
+}
+
+}  // namespace nlg

@@ -1,0 +1,33 @@
+// What explains a picture: colour bars, keys, scale bars, numbers.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "datagen/view/image.h"
+
+namespace nlg {
+
+inline constexpr Colour kInk{20, 20, 28}, kPaleInk{96, 96, 108}, kPaper{255, 255, 255}, kWarning{190, 30, 20};
+
+// "3.14": a number with so many digits behind the point.
+std::string fixed(double value, int digits);
+std::string percent(double share);  // "42 %"; "0.3 %" below 10 %
+std::string positionText(const glm::dvec3& position_m);
+
+// A bar of colours from left (0) to right (1), labels below it at even distances.
+void drawColourBar(Image& image, int x, int y, int width, const std::string& title, const std::vector<std::string>& labels,
+                   const std::function<Colour(double)>& colour);
+
+// A box of 22 x 18 px that draw(image, x, y) fills, and a text to its right. Returns the x behind both, with a gap.
+int drawKey(Image& image, int x, int y, const std::string& text, const std::function<void(Image&, int, int)>& draw);
+
+// A bar of 1, 2 or 5 times a power of ten metres, at most max_px long, its lower left corner at (x, y); white on dark, so that it
+// can stand on any ground.
+void drawScaleBar(Image& image, int x, int y, double px_per_m, int max_px);
+
+// The keys of slice panels: colour bar of phi, solid, seen border, cut, points. Takes 96 px of height and at least 1500 of width.
+void drawSliceLegend(Image& image, int x, int y, bool with_cut, bool with_points);
+
+}  // namespace nlg

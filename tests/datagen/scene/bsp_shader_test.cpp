@@ -1,0 +1,202 @@
+#include "datagen/scene/bsp_shader.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "datagen/scene/bsp_file.h"
+#include "datagen/scene/quake_tokens.h"
+#include "datagen/scene/texture_colour.h"
+#include "hand_built_bsp.h"
+#include "tool/error.h"
+
+#include <jpeglib.h>
+
+namespace nlg {
+namespace {
+
+ShaderScripts parse(const std::string& text) {
+  ShaderScripts scripts;
+  parseShaderScript(text, scripts);
+  return scripts;
+}
+
+TEST(QuakeTokens, SplitsWordsQuotesBracesAndComments) {
+  QuakeTokens tokens("one // two\n\"three four\"{five} /* six \n */ se//ven \"eight");
+  std::vector<std::string> words;
+  for (std::string_view word; tokens.next(&word);) words.emplace_back(word);
+  EXPECT_EQ(words, (std::vector<std::string>{"one", "three four", "{", "five", "}", "se//ven", "eight"}));
+}
+
+TEST(QuakeTokens, StopsAtTheEndOfALineWhenAsked) {
+  QuakeTokens tokens("one two // three\nfour");
+  std::string_view word;
+  EXPECT_TRUE(tokens.nextOnLine(&word));
+  EXPECT_TRUE(tokens.nextOnLine(&word));
+  EXPECT_FALSE(tokens.nextOnLine(&word));
+  EXPECT_FALSE(tokens.nextOnLine(&word));
+  EXPECT_TRUE(tokens.next(&word));
+  EXPECT_EQ(word, "four");
+}
+
+TEST(ShaderScript, ReadsParametersSidesAndTextures) {
+  const ShaderScripts scripts = parse(R"(
+// a comment { with a brace
+Textures\Base/Grate.TGA
+{
+  SurfaceParm trans   // behind the value
+  surfaceparm nonsolid
+  cull TwoSided
+  {
+    map $lightmap
+    rgbGen identity
+  }
+  { map textures/base/grate.tga
+    blendFunc GL_ONE GL_ZERO }
+  qer_editorimage textures/base/Grate_Editor.jpg
+}
+textures/base/plain { cull back { animMap 0.5 textures/a.tga textures/b.tga } { clampmap textures/c } }
+)");
+  ASSERT_EQ(scripts.size(), 2u);
+  const ShaderScript& grate = scripts.at("textures/base/grate");
+  EXPECT_EQ(grate.content_flags, kBspContentsTranslucent);
+  EXPECT_EQ(grate.surface_flags, 0u);
+  EXPECT_TRUE(grate.double_sided);
+  EXPECT_EQ(grate.textures, (std::vector<std::string>{"textures/base/grate_editor", "textures/base/grate"}));
+  const ShaderScript& plain = scripts.at("textures/base/plain");
+  EXPECT_FALSE(plain.double_sided);
+  EXPECT_EQ(plain.textures, (std::vector<std::string>{"textures/a", "textures/c"}));
+}
+
+TEST(ShaderScript, EveryParameterThatMattersHasAReason) {
+  const std::map<std::string, const char*> reasons = {{"sky", "sky"},         {"nodraw", "nodraw"},    {"fog", "fog"},
+                                                      {"water", "liquid"},    {"lava", "liquid"},      {"slime", "liquid"},
+                                                      {"playerclip", "clip"}, {"trans", "translucent"}};
+  for (const auto& [parm, reason] : reasons) {
+    const ShaderScript script = parse("x { surfaceparm " + parm + "\n}").at("x");
+    const char* got = dropReason(script.surface_flags, script.content_flags);
+    ASSERT_NE(got, nullptr) << parm;
+    EXPECT_STREQ(got, reason) << parm;
+  }
+  for (const char* parm : {"nonsolid", "metalsteps", "nomarks", "detail"}) {
+    const ShaderScript script = parse("x { surfaceparm " + std::string(parm) + "\n}").at("x");
+    EXPECT_EQ(dropReason(script.surface_flags, script.content_flags), nullptr) << parm;
+  }
+}
+
+TEST(ShaderScript, TheFirstDefinitionHoldsAndBrokenOnesEndSomewhere) {
+  EXPECT_TRUE(parse("x { cull none\n} x { cull back\n}").at("x").double_sided);
+  EXPECT_TRUE(parse("} } { cull none } y stray x { cull none\n").at("x").double_sided);
+  EXPECT_TRUE(parse("").empty());
+  EXPECT_TRUE(parse("x").empty());
+  EXPECT_EQ(parse("x {{{{{{").size(), 1u);
+}
+
+TEST(ShaderScript, AnyTextEndsWithoutACrash) {
+  std::mt19937 random(3);
+  const std::string words[] = {"{",  "}",  "\n", "\"",   "cull none", "surfaceparm ",      "map ", "//",
+                               "/*", "*/", "x",  "\xff", " ",         std::string(1, '\0')};
+  for (int round = 0; round < 3000; ++round) {
+    std::string text;
+    for (int i = 0; i < 40; ++i) text += words[random() % std::size(words)];
+    parse(text);
+  }
+}
+
+TEST(ShaderScripts, LaterArchivesHideEarlierOnes) {
+  TemporaryFolder folder;
+  writeZip(folder / "pak1.pk3", {{"scripts/a.shader", "x { cull none\n} only_old { cull none\n}"}});
+  writeZip(folder / "pak2.pk3", {{"scripts/z.shader", "x { cull back\n}"}, {"scripts/b.shader", "y { cull none\n}"}});
+  const ShaderScripts scripts = readShaderScripts(Pk3Archives(folder.string()));
+  EXPECT_FALSE(scripts.at("x").double_sided);
+  EXPECT_TRUE(scripts.at("y").double_sided);
+  EXPECT_TRUE(scripts.at("only_old").double_sided);
+}
+
+// --- colours
+
+std::string targa(int kind, int width, int height, int bits, const std::string& pixels) {
+  std::string header(18, '\0');
+  header[2] = static_cast<char>(kind);
+  header[12] = static_cast<char>(width);
+  header[14] = static_cast<char>(height);
+  header[16] = static_cast<char>(bits);
+  return header + pixels;
+}
+
+std::string jpeg(int side, unsigned char red, unsigned char green, unsigned char blue) {
+  jpeg_compress_struct info;
+  jpeg_error_mgr errors;
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  unsigned char* out = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&info, &out, &size);
+  info.image_width = info.image_height = static_cast<unsigned>(side);
+  info.input_components = 3;
+  info.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&info);
+  jpeg_set_quality(&info, 100, TRUE);
+  jpeg_start_compress(&info, TRUE);
+  std::vector<unsigned char> row;
+  for (int x = 0; x < side; ++x) row.insert(row.end(), {red, green, blue});
+  unsigned char* row_start = row.data();
+  for (int y = 0; y < side; ++y) jpeg_write_scanlines(&info, &row_start, 1);
+  jpeg_finish_compress(&info);
+  jpeg_destroy_compress(&info);
+  std::string bytes(reinterpret_cast<char*>(out), size);
+  free(out);
+  return bytes;
+}
+
+// sRGB code 188 is 0.5029 in linear light, 0 is 0, 255 is 1
+constexpr float kHalf = 0.5029f;
+
+TEST(TextureColour, AveragesInLinearLight) {
+  const auto black_and_white = averageColour(targa(2, 2, 1, 24, std::string("\0\0\0\xff\xff\xff", 6)));
+  ASSERT_TRUE(black_and_white.has_value());
+  EXPECT_FLOAT_EQ(black_and_white->x, 0.5f);
+  const auto blue = averageColour(targa(2, 1, 1, 32, std::string("\xff\0\0\x80", 4)));
+  ASSERT_TRUE(blue.has_value());
+  EXPECT_EQ(*blue, glm::vec3(0, 0, 1));
+  const auto grey = averageColour(targa(3, 1, 2, 8, "\xbc\xbc"));
+  ASSERT_TRUE(grey.has_value());
+  EXPECT_NEAR(grey->y, kHalf, 1e-4);
+  // a run of three red pixels, then one pixel of black as it is
+  const auto packed = averageColour(targa(10, 2, 2, 24, std::string("\x82\0\0\xff\0\0\0\0", 8)));
+  ASSERT_TRUE(packed.has_value());
+  EXPECT_EQ(*packed, glm::vec3(0.75f, 0, 0));
+}
+
+TEST(TextureColour, ReadsJpeg) {
+  const auto colour = averageColour(jpeg(33, 188, 188, 188));
+  ASSERT_TRUE(colour.has_value());
+  for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR((*colour)[channel], kHalf, 0.01) << "a code up or down";
+}
+
+TEST(TextureColour, DamagedImagesHaveNoColour) {
+  EXPECT_FALSE(averageColour("").has_value());
+  EXPECT_FALSE(averageColour("no image at all, but long enough").has_value());
+  EXPECT_FALSE(averageColour(targa(2, 2, 2, 24, "short")).has_value());
+  EXPECT_FALSE(averageColour(targa(10, 2, 2, 24, "\x82")).has_value());
+  const std::string image = jpeg(64, 10, 20, 30);
+  EXPECT_FALSE(averageColour(image.substr(0, image.size() / 2)).has_value());
+  EXPECT_FALSE(averageColour(std::string(1 << 16, '\0')).has_value());
+}
+
+TEST(TextureColour, AnyBytesEndWithoutACrash) {
+  std::mt19937 random(11);
+  const std::string images[] = {jpeg(40, 1, 200, 77), targa(10, 9, 9, 24, std::string(120, '\x85')),
+                                targa(2, 4, 4, 32, std::string(64, 'a'))};
+  for (int round = 0; round < 3000; ++round) {
+    std::string image = images[round % 3];
+    for (int i = 0; i < 1 + round % 4; ++i) image[random() % image.size()] = static_cast<char>(random());
+    const auto colour = averageColour(image);
+    if (!colour) continue;
+    for (int channel = 0; channel < 3; ++channel) EXPECT_TRUE((*colour)[channel] >= 0.0f && (*colour)[channel] <= 1.0f);
+  }
+}
+
+}  // namespace
+}  // namespace nlg

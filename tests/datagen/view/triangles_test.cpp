@@ -1,0 +1,118 @@
+#include "datagen/view/triangles.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "datagen/scene/procedural.h"
+#include "runtime_eval/support/random.h"
+#include "tests/datagen/hand_built_scenes.h"
+
+namespace nlg {
+namespace {
+
+std::vector<ViewTriangle> everything(const Scene& scene) { return trianglesNear(scene, glm::dvec3(0.0), 1.0, 1e6); }
+
+double lengthOf(const std::vector<CutSegment>& cut) {
+  double length = 0.0;
+  for (const CutSegment& segment : cut) length += glm::length(segment.b - segment.a);
+  return length;
+}
+
+TEST(CutTriangles, ABoxGivesItsRectangle) {
+  SceneOfFaces faces;
+  faces.addBox({-0.5f, -0.25f, -0.125f}, {0.5f, 0.75f, 0.375f});
+  const std::vector<ViewTriangle> box = everything(faces.finish());
+  // circumference of the section: both other sides twice; all numbers are exact in binary
+  EXPECT_DOUBLE_EQ(lengthOf(cutTriangles(box, 0, 0.1)), 2 * (1.0 + 0.5));
+  EXPECT_DOUBLE_EQ(lengthOf(cutTriangles(box, 1, 0.1)), 2 * (1.0 + 0.5));
+  EXPECT_DOUBLE_EQ(lengthOf(cutTriangles(box, 2, 0.1)), 2 * (1.0 + 1.0));
+  EXPECT_TRUE(cutTriangles(box, 0, 0.6).empty());
+  for (const CutSegment& segment : cutTriangles(box, 1, 0.1)) {
+    EXPECT_EQ(segment.a.y, 0.1);
+    EXPECT_EQ(segment.b.y, 0.1);
+  }
+}
+
+TEST(CutTriangles, ATriangleIsCutWhereItsEdgesAre) {
+  // corners at heights 0, 1 and 1: the cut at 1/4 joins the points a quarter of the way up two edges
+  const std::vector<ViewTriangle> one = {{{glm::dvec3(0, 0, 0), glm::dvec3(4, 1, 0), glm::dvec3(0, 1, 8)}, true}};
+  const std::vector<CutSegment> cut = cutTriangles(one, 1, 0.25);
+  ASSERT_EQ(cut.size(), 1u);
+  EXPECT_EQ(glm::min(cut[0].a, cut[0].b), glm::dvec3(0, 0.25, 0));
+  EXPECT_EQ(glm::max(cut[0].a, cut[0].b), glm::dvec3(1, 0.25, 2));
+  EXPECT_TRUE(cut[0].double_sided);
+}
+
+TEST(CutTriangles, PlanesThroughCornersLeaveNoGapAndNoDouble) {
+  // an octahedron cut exactly through its four middle corners, and its poles touched
+  SceneOfFaces faces;
+  for (const float y : {-1.0f, 1.0f}) {
+    const glm::vec3 ring[4] = {{1, 0, 0}, {0, 0, 1}, {-1, 0, 0}, {0, 0, -1}};
+    for (int i = 0; i < 4; ++i) faces.addTriangle({0, y, 0}, ring[i], ring[(i + 1) % 4]);
+  }
+  const std::vector<ViewTriangle> octahedron = everything(faces.finish());
+  EXPECT_NEAR(lengthOf(cutTriangles(octahedron, 1, 0.0)), 4 * std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(lengthOf(cutTriangles(octahedron, 1, 0.5)), 2 * std::sqrt(2.0), 1e-12);
+  EXPECT_EQ(lengthOf(cutTriangles(octahedron, 1, 1.0)), 0.0);
+}
+
+TEST(CutTriangles, ClosedSolidsGiveClosedLines) {
+  // every end of a segment is the end of an even number of them, bit for bit
+  for (const char* family : {"house", "maze", "outdoor"}) {
+    const std::vector<ViewTriangle> triangles = everything(makeProceduralScene(family, 3));
+    for (const double height : {0.111, 0.5, 1.2345}) {
+      std::map<std::pair<double, double>, int> ends;
+      for (const CutSegment& segment : cutTriangles(triangles, 1, height)) {
+        ++ends[{segment.a.x, segment.a.z}];
+        ++ends[{segment.b.x, segment.b.z}];
+      }
+      ASSERT_FALSE(ends.empty());
+      for (const auto& [at, count] : ends)
+        EXPECT_EQ(count % 2, 0) << family << " " << height << ": " << at.first << ", " << at.second;
+    }
+  }
+}
+
+TEST(TrianglesNear, KeepsWorldPrecisionAndLeavesOutTheFar) {
+  SceneOfFaces faces;
+  faces.addTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  faces.addTriangle({50, 0, 0}, {51, 0, 0}, {50, 1, 0});
+  Scene scene = faces.finish();
+  scene.origin_m = {100000.0, 0.0, -100000.0};
+  const std::vector<ViewTriangle> near = trianglesNear(scene, {100000.25, 0.5, -100000.0}, 0.5, 1.0);
+  ASSERT_EQ(near.size(), 1u);
+  EXPECT_EQ(near[0].corners[1], glm::dvec3(1.5, -1.0, 0.0));
+}
+
+TEST(MeetsTriangle, CountsBordersAndEnds) {
+  const ViewTriangle triangle{{glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0)}, false};
+  EXPECT_TRUE(meetsTriangle({0.25, 0.25, -1}, {0.25, 0.25, 1}, triangle));
+  EXPECT_TRUE(meetsTriangle({0.25, 0.25, 1}, {0.25, 0.25, -1}, triangle));
+  EXPECT_TRUE(meetsTriangle({0.5, 0.0, -1}, {0.5, 0.0, 1}, triangle));
+  EXPECT_TRUE(meetsTriangle({0.25, 0.25, -1}, {0.25, 0.25, 0}, triangle));
+  EXPECT_FALSE(meetsTriangle({0.25, 0.25, -1}, {0.25, 0.25, -0.01}, triangle));
+  EXPECT_FALSE(meetsTriangle({0.6, 0.6, -1}, {0.6, 0.6, 1}, triangle));
+  EXPECT_FALSE(meetsTriangle({0.0, 0.0, 0.1}, {1.0, 0.0, 0.1}, triangle));
+}
+
+TEST(MayMeetBox, NeverMissesATriangleThatASegmentInTheBoxMeets) {
+  Random random(7);
+  const auto point = [&](double size) {
+    return glm::dvec3(random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size));
+  };
+  int met_count = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const ViewTriangle triangle{{point(1.5), point(1.5), point(1.5)}, false};
+    const glm::dvec3 a = point(0.5), b = point(0.5);
+    if (!meetsTriangle(a, b, triangle)) continue;
+    ++met_count;
+    EXPECT_TRUE(mayMeetBox(triangle, glm::dvec3(-0.5), glm::dvec3(0.5))) << i;
+  }
+  EXPECT_GT(met_count, 500);
+  const ViewTriangle corner{{glm::dvec3(2, 0, 0), glm::dvec3(0, 2, 0), glm::dvec3(0, 0, 2)}, false};
+  EXPECT_FALSE(mayMeetBox(corner, glm::dvec3(-0.5), glm::dvec3(0.5)));  // its bounding box does, its plane does not
+}
+
+}  // namespace
+}  // namespace nlg

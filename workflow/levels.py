@@ -1,0 +1,79 @@
+"""Levels in the archives of Quake III-family games: what a configuration's scenes.archives name."""
+import os
+import re
+import zipfile
+from fnmatch import fnmatch
+from pathlib import Path
+
+REQUIRED, OPTIONAL = {"folder", "maps"}, {"without", "install"}
+
+
+def is_texts(value):
+    return isinstance(value, list) and all(isinstance(item, str) for item in value)
+
+
+def check_entry(place, entry):
+    if not isinstance(entry, dict):
+        raise ValueError(f"{place}: expected keys {sorted(REQUIRED | OPTIONAL)}, got {entry!r}")
+    for key in sorted(set(entry) - REQUIRED - OPTIONAL, key=str):
+        raise ValueError(f"{place}: expected keys {sorted(REQUIRED | OPTIONAL)}, got unknown key {key!r}")
+    for key in sorted(REQUIRED - set(entry)):
+        raise ValueError(f"{place}: expected keys {sorted(REQUIRED)}, got missing key {key!r}")
+    for key in ("maps", "without"):
+        if not is_texts(entry.get(key, [])):
+            raise ValueError(f"{place}: {key}: expected a list of names or patterns, got {entry[key]!r}")
+    for key in ("folder", "install"):
+        if not isinstance(entry.get(key, ""), str):
+            raise ValueError(f"{place}: {key}: expected a text, got {entry[key]!r}")
+
+
+def maps_of(archive):
+    """Names of an archive's maps, in lower case: maps/NAME.bsp, not those of folders below."""
+    try:
+        with zipfile.ZipFile(archive) as opened:
+            names = [name.lower() for name in opened.namelist()]
+    except (zipfile.BadZipFile, OSError, NotImplementedError, UnicodeDecodeError) as error:
+        raise ValueError(f"{archive}: expected a whole ZIP archive, got: {error}")
+    maps = [match[1] for match in (re.fullmatch(r"maps/([^/]+)\.bsp", name) for name in names) if match]
+    for name in maps:
+        # a map's name becomes a file's
+        if not re.fullmatch(r"[\w+-][\w.+-]*", name, re.ASCII):
+            raise ValueError(f"{archive}: expected maps named with letters, digits and . _ + -, got {name!r}")
+    return maps
+
+
+def matching(place, patterns, names):
+    """The names that a list of patterns matches; a pattern that matches none is a mistake."""
+    found = set()
+    for pattern in patterns:
+        matched = {name for name in names if fnmatch(name, pattern)}
+        if not matched:
+            raise ValueError(f"{place}: expected patterns of maps that are there, got {pattern!r}")
+        found |= matched
+    return found
+
+
+def find_levels(archives, root=""):
+    """Name of every level → (what nlg-datagen is asked for, the files that it reads).
+
+    A level that several archives of a folder hold counts once: a later archive hides an earlier one.
+    root stands before absolute folders, for packages that were unpacked elsewhere. Raises ValueError with place, expected, got.
+    """
+    if not isinstance(archives, list):
+        raise ValueError(f"scenes: archives: expected a list, got {archives!r}")
+    levels = {}
+    for number, entry in enumerate(archives):
+        place = f"scenes: archives: {number}"
+        check_entry(place, entry)
+        folder = Path(root + entry["folder"] if os.path.isabs(entry["folder"]) else entry["folder"])
+        files = sorted(str(path) for path in folder.glob("*") if path.suffix.lower() == ".pk3" and path.is_file())
+        if not files:
+            hint = f"; install them: {entry['install']}" if entry.get("install") else ""
+            raise ValueError(f"{place}: folder: expected .pk3 files in {folder}, got none{hint}")
+        names = {name for file in files for name in maps_of(file)}
+        chosen = matching(f"{place}: maps", entry["maps"], names) - matching(f"{place}: without", entry.get("without", []), names)
+        for name in sorted(chosen):
+            if name in levels:
+                raise ValueError(f"{place}: expected levels with names of their own, got {name} of {folder} and of {levels[name][0]}")
+            levels[name] = (f"{folder}:{name}", files)
+    return levels
