@@ -57,9 +57,10 @@ bool ProbeTree::lookUp(const PositionM& position_m, ProbesAround* around) const 
   const uint32_t* slot = &slots_[node->first_slot + (in_node[2] * edge + in_node[1]) * edge + in_node[0]];
   for (uint32_t c = 0; c < 8; ++c) {
     ProbeAround& corner = around->corners[c];
-    corner.probe = slot[(c & 1) + (c >> 1 & 1) * edge + (c >> 2) * edge * edge];
+    const uint32_t probe = slot[(c & 1) + (c >> 1 & 1) * edge + (c >> 2) * edge * edge];
+    corner.probe = probe & (kMaxTreeProbes - 1);
     // a power of two, 1 inside one level
-    const float cell_per_spacing = 1.0f / static_cast<float>(1 << (probe_log2_[corner.probe] - node->cell_log2));
+    const float cell_per_spacing = 1.0f / static_cast<float>(1 << ((probe >> kIndexBits) - node->cell_log2));
     corner.tent_ratio = 1.0f;
     for (int axis = 0; axis < 3; ++axis) {
       const bool is_high = c >> axis & 1;
@@ -80,7 +81,7 @@ ProbeCell ProbeTree::cellOf(const LatticePoint& node_low, int bit, int cell_log2
 
 void ProbeTree::visitNodes(uint32_t node_idx, const ProbeNode& place, const NodeVisit& visit) const {
   const Node& node = nodes_[node_idx];
-  visit(place, node);
+  visit(place, node_idx);
   uint32_t child_idx = node.first_child;
   for (uint64_t mask = node.child_mask; mask != 0; mask &= mask - 1) {
     const ProbeCell child = cellOf(place.low, std::countr_zero(mask), node.cell_log2);
@@ -104,11 +105,12 @@ void ProbeTree::visitAllNodes(const NodeVisit& visit) const {
 }
 
 void ProbeTree::forEachNode(const std::function<void(const ProbeNode&)>& visit) const {
-  visitAllNodes([&](const ProbeNode& place, const Node&) { visit(place); });
+  visitAllNodes([&](const ProbeNode& place, uint32_t) { visit(place); });
 }
 
 void ProbeTree::forEachCell(const std::function<void(const ProbeCell&)>& visit) const {
-  visitAllNodes([&](const ProbeNode& place, const Node& node) {
+  visitAllNodes([&](const ProbeNode& place, uint32_t node_idx) {
+    const Node& node = nodes_[node_idx];
     for (uint64_t mask = node.used_mask; mask != 0; mask &= mask - 1)
       visit(cellOf(place.low, std::countr_zero(mask), node.cell_log2));
   });

@@ -112,6 +112,9 @@ class ProbeTree {
  private:
   friend class ProbeTreeBuilder;
 
+  static constexpr int kIndexBits = 27;
+  static_assert(kMaxTreeProbes == uint64_t{1} << kIndexBits);
+
   struct Node {
     uint64_t child_mask = 0;   // bit x + 4 y + 16 z: the cell is a child; children are numbered on from first_child
     uint64_t used_mask = 0;    // the cell is used itself
@@ -121,14 +124,15 @@ class ProbeTree {
     uint8_t cell_count = 1;    // cells along an edge: 1, 2, 4; 0: not needed at all
   };
 
-  using NodeVisit = std::function<void(const ProbeNode&, const Node&)>;
+  using NodeVisit = std::function<void(const ProbeNode&, uint32_t node_idx)>;
   void visitAllNodes(const NodeVisit& visit) const;
   void visitNodes(uint32_t node_idx, const ProbeNode& place, const NodeVisit& visit) const;
   static ProbeCell cellOf(const LatticePoint& node_low, int bit, int cell_log2);
 
   ProbeTreeFrame frame_;
-  std::vector<Node> nodes_;           // the roots first, x fastest
-  std::vector<uint32_t> slots_;       // bricks: a probe's index, or kNoProbe for one that is left out; x fastest
+  std::vector<Node> nodes_;  // the roots first, x fastest
+  // bricks, x fastest: a probe's index with probe_log2_ of it above, or kNoProbe for one that is left out
+  std::vector<uint32_t> slots_;
   std::vector<uint64_t> probe_keys_;  // lattice coordinates as Morton codes, rising
   std::vector<uint8_t> probe_log2_;   // of the spacing, units
   size_t cell_count_ = 0;

@@ -26,7 +26,11 @@ class ProbeTreeBuilder {
         }
       }
     }
-    if (!mergeKeys()) return false;
+    // bricks only now: a tree that is too large is known by its nodes, long before its probes are
+    bool fits = true;
+    tree_.visitAllNodes(
+        [&](const ProbeNode& place, uint32_t node_idx) { fits = fits && addBrick(place.low, tree_.nodes_[node_idx]); });
+    if (!fits || !mergeKeys()) return false;
     numberProbes();
     tree_.nodes_.shrink_to_fit();
     tree_.slots_.shrink_to_fit();
@@ -39,7 +43,9 @@ class ProbeTreeBuilder {
   bool addNode(uint32_t node_idx, const ProbeCell& cube, int level) {
     ProbeTree::Node node;
     chooseBrick(cube, level, node);
-    if (node.used_mask != 0 && !addBrick(cube.low, node)) return false;
+    // every used cell has a low corner that no other has: there are at least as many probes
+    tree_.cell_count_ += static_cast<size_t>(std::popcount(node.used_mask));
+    if (tree_.cell_count_ > probe_limit_) return false;
     const size_t first_child = tree_.nodes_.size();
     node.first_child = static_cast<uint32_t>(first_child);
     tree_.nodes_[node_idx] = node;
@@ -77,6 +83,7 @@ class ProbeTreeBuilder {
 
   // Makes room for the brick's slots, marks those that used cells read, and notes their lattice points.
   bool addBrick(const LatticePoint& low, ProbeTree::Node& node) {
+    if (node.used_mask == 0) return true;
     const uint32_t edge = node.cell_count + 1u;
     const size_t first = tree_.slots_.size();
     if (first + edge * edge * edge > kNoProbe) return false;
@@ -88,9 +95,6 @@ class ProbeTreeBuilder {
       for (uint32_t c = 0; c < 8; ++c) tree_.slots_[cell + (c & 1) + (c >> 1 & 1) * edge + (c >> 2) * edge * edge] = kRead;
     }
     forEachRead(low, node, [&](uint32_t&, uint64_t key) { keys().push_back(key); });
-    // every used cell has a low corner that no other has: there are at least as many probes
-    tree_.cell_count_ += static_cast<size_t>(std::popcount(node.used_mask));
-    if (tree_.cell_count_ > probe_limit_) return false;
     return keys().size() < merge_at_ || mergeKeys();
   }
 
@@ -106,13 +110,17 @@ class ProbeTreeBuilder {
   void numberProbes() {
     keys().shrink_to_fit();
     tree_.probe_log2_.assign(keys().size(), 0);
-    tree_.visitAllNodes([&](const ProbeNode& place, const ProbeTree::Node& node) {
+    tree_.visitAllNodes([&](const ProbeNode& place, uint32_t node_idx) {
+      const ProbeTree::Node& node = tree_.nodes_[node_idx];
       if (node.used_mask == 0) return;
       forEachRead(place.low, node, [&](uint32_t& slot, uint64_t key) {
         slot = static_cast<uint32_t>(std::lower_bound(keys().begin(), keys().end(), key) - keys().begin());
         tree_.probe_log2_[slot] = std::max(tree_.probe_log2_[slot], node.cell_log2);
       });
     });
+    for (uint32_t& slot : tree_.slots_) {
+      if (slot != kNoProbe) slot |= uint32_t{tree_.probe_log2_[slot]} << ProbeTree::kIndexBits;
+    }
   }
 
   template <class Visit>

@@ -1,0 +1,370 @@
+#include "datagen/probes/probe_placement.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "datagen/probes/nearby_triangles.h"
+#include "runtime_eval/support/random.h"
+#include "tests/datagen/hand_built_scenes.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+Scene boxScene(const glm::vec3& low, const glm::vec3& high) {
+  SceneOfFaces faces;
+  faces.addBox(low, high);
+  return faces.finish();
+}
+
+// Triangles of all sizes in a box of 20 m, every seventh of them a needle.
+Scene randomScene(uint64_t seed, int triangle_count) {
+  Random random(mixSeed(seed, 0x7363656e65));
+  const auto coordinate = [&](double size) { return static_cast<float>(random.uniform(-size, size)); };
+  const auto point = [&](double size) {
+    const float x = coordinate(size), y = coordinate(size), z = coordinate(size);
+    return glm::vec3(x, y, z);
+  };
+  SceneOfFaces faces;
+  for (int i = 0; i < triangle_count; ++i) {
+    const double size = std::exp(random.uniform(-4.0, 2.0));
+    const glm::vec3 a = point(10.0), b = a + point(size);
+    faces.addTriangle(a, b, i % 7 == 0 ? b + point(1e-3) : a + point(size));
+  }
+  return faces.finish();
+}
+
+PositionM positionOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+glm::dvec3 randomIn(const glm::dvec3& low, const glm::dvec3& high, Random& random) {
+  const double x = random.uniform(low.x, high.x), y = random.uniform(low.y, high.y), z = random.uniform(low.z, high.z);
+  return {x, y, z};
+}
+
+// The nearest of many points of every triangle: never below the distance.
+double sampledDistance(const Scene& scene, const glm::dvec3& low, const glm::dvec3& high) {
+  constexpr int kSteps = 12;
+  double nearest = HUGE_VAL;
+  for (const glm::uvec3& t : scene.triangles) {
+    const glm::dvec3 a = scene.positions[t.x], b = scene.positions[t.y], c = scene.positions[t.z];
+    for (int u = 0; u <= kSteps; ++u) {
+      for (int v = 0; u + v <= kSteps; ++v) {
+        const glm::dvec3 p = a + (b - a) * (u / double(kSteps)) + (c - a) * (v / double(kSteps));
+        nearest = std::min(nearest, glm::length(p - glm::clamp(p, low, high)));
+      }
+    }
+  }
+  return nearest;
+}
+
+TEST(NearbyTriangles, FindsWhateverIsCloser) {
+  int found = 0, not_found = 0;
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    const Scene scene = randomScene(seed, 40);
+    const NearbyTriangles nearby(scene);
+    Random random(seed);
+    for (int i = 0; i < 100; ++i) {
+      const glm::dvec3 low = randomIn(glm::dvec3(-15), glm::dvec3(15), random);
+      const glm::dvec3 high = low + randomIn(glm::dvec3(0), glm::dvec3(4), random);
+      const double distance = sampledDistance(scene, low, high);
+      ASSERT_TRUE(nearby.anyCloser(low, high, distance * (1 + 1e-9) + 1e-9)) << "seed " << seed << ", box " << i;
+      // and not whatever is further
+      const bool is_found = nearby.anyCloser(low, high, distance / 3);
+      ++(is_found ? found : not_found);
+    }
+  }
+  EXPECT_GT(not_found, 300) << found << " found";
+}
+
+TEST(NearbyTriangles, AnswersAsEveryTriangleByItself) {
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    const Scene scene = randomScene(seed, 100);
+    const NearbyTriangles nearby(scene);
+    std::vector<Scene> singles;
+    for (size_t t = 0; t < scene.triangles.size(); ++t) {
+      singles.push_back(scene);
+      singles.back().triangles = {scene.triangles[t]};
+    }
+    Random random(seed);
+    for (int i = 0; i < 100; ++i) {
+      const glm::dvec3 low = randomIn(glm::dvec3(-15), glm::dvec3(15), random);
+      const glm::dvec3 high = low + randomIn(glm::dvec3(0), glm::dvec3(4), random);
+      const double distance = std::exp(random.uniform(-4.0, 2.0));
+      const bool any = std::any_of(singles.begin(), singles.end(),
+                                   [&](const Scene& single) { return NearbyTriangles(single).anyCloser(low, high, distance); });
+      ASSERT_EQ(nearby.anyCloser(low, high, distance), any) << "seed " << seed << ", box " << i << ", distance " << distance;
+    }
+  }
+}
+
+TEST(NearbyTriangles, MeasuresFacesAndEdgesExactly) {
+  SceneOfFaces faces;
+  faces.addTriangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0});
+  const Scene scene = faces.finish();
+  const NearbyTriangles nearby(scene);
+  // above the face by 1
+  EXPECT_FALSE(nearby.anyCloser({1, 1, 1}, {2, 2, 2}, 1.0));
+  EXPECT_TRUE(nearby.anyCloser({1, 1, 1}, {2, 2, 2}, 1.0001));
+  // beyond the slanted edge by sqrt(2)
+  EXPECT_FALSE(nearby.anyCloser({3, 3, -1}, {4, 4, 1}, 1.41421));
+  EXPECT_TRUE(nearby.anyCloser({3, 3, -1}, {4, 4, 1}, 1.41422));
+  // from the corner (0, 0, 0) by sqrt(3)
+  EXPECT_FALSE(nearby.anyCloser({-2, -2, -2}, {-1, -1, -1}, 1.73205));
+  EXPECT_TRUE(nearby.anyCloser({-2, -2, -2}, {-1, -1, -1}, 1.73206));
+  EXPECT_FALSE(NearbyTriangles(Scene{}).anyCloser({0, 0, 0}, {1, 1, 1}, 1e30));
+}
+
+TEST(ProbePlacement, EveryPositionOfTheBoundsHasProbes) {
+  for (uint64_t seed = 0; seed < 12; ++seed) {
+    const Scene scene = randomScene(seed, 30);
+    const Bounds bounds = sceneBounds(scene);
+    ProbePlacementOptions options;
+    options.density_growth = 0.25 * static_cast<double>(seed % 4);
+    const ProbeTree tree = placeProbes(scene, options, seed);
+    Random random(seed);
+    ProbesAround around;
+    for (int i = 0; i < 5000; ++i) {
+      glm::dvec3 p = randomIn(bounds.min, bounds.max, random);
+      // on the faces too, exactly
+      for (int axis = 0; axis < 3; ++axis) {
+        if (random.chance(0.1)) p[axis] = random.chance(0.5) ? bounds.min[axis] : bounds.max[axis];
+      }
+      ASSERT_TRUE(tree.lookUp(positionOf(p), &around)) << "seed " << seed << ": " << p.x << ", " << p.y << ", " << p.z;
+    }
+  }
+}
+
+TEST(ProbePlacement, CellsAreAsFineAsTheirDistanceFromGeometryAsks) {
+  for (uint64_t seed = 0; seed < 6; ++seed) {
+    const Scene scene = randomScene(seed, 5);
+    ProbePlacementOptions options;
+    options.density_growth = 0.5 + 0.5 * static_cast<double>(seed % 2);
+    options.extent = ExtentBox{glm::dvec3(-60), glm::dvec3(60)};
+    const ProbeTree tree = placeProbes(scene, options, seed);
+    std::set<int32_t> sides;
+    tree.forEachCell([&](const ProbeCell& cell) {
+      sides.insert(cell.side);
+      if (cell.side == 1) return;
+      glm::dvec3 low, high;
+      for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = tree.frame().first_m[axis] + tree.frame().spacing_m * cell.low[axis];
+        high[axis] = low[axis] + tree.frame().spacing_m * cell.side;
+      }
+      EXPECT_LE(tree.frame().spacing_m * cell.side, options.density_growth * sampledDistance(scene, low, high) * (1 + 1e-9))
+          << "seed " << seed << ", cell of side " << cell.side << " at " << low.x << ", " << low.y << ", " << low.z;
+    });
+    EXPECT_GE(sides.size(), 4u) << "seed " << seed;
+  }
+}
+
+TEST(ProbePlacement, SlowGrowthKeepsGeometryOutOfCoarseSupports) {
+  for (uint64_t seed = 0; seed < 6; ++seed) {
+    const Scene scene = randomScene(seed, 5);
+    ProbePlacementOptions options;
+    options.density_growth = 0.57;  // < 1 / sqrt(3)
+    options.extent = ExtentBox{glm::dvec3(-40), glm::dvec3(40)};
+    const ProbeTree tree = placeProbes(scene, options, seed);
+    const auto finest = static_cast<float>(tree.frame().spacing_m);
+    size_t coarse = 0;
+    for (size_t i = 0; i < tree.probeCount(); ++i) {
+      if (tree.probeSpacing(i) == finest) continue;
+      ++coarse;
+      const PositionM p = tree.probePosition(i);
+      const glm::dvec3 centre(p[0], p[1], p[2]), half(tree.probeSpacing(i));
+      ASSERT_GT(sampledDistance(scene, centre - half, centre + half), 0.0) << "seed " << seed << ", probe " << i;
+    }
+    EXPECT_GT(coarse, 100u) << "seed " << seed;
+  }
+}
+
+TEST(ProbePlacement, NoGrowthIsAUniformGrid) {
+  const Scene scene = boxScene({-3, 1, 10}, {9, 5, 31});
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    const ProbeTree tree = placeProbes(scene, {.density_growth = 0.0}, seed);
+    const double spacing = tree.frame().spacing_m;
+    size_t expected = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double first = tree.frame().first_m[axis], low[3] = {-3, 1, 10}, high[3] = {9, 5, 31};
+      expected *= static_cast<size_t>(std::floor((high[axis] - first) / spacing) - std::floor((low[axis] - first) / spacing)) + 2;
+    }
+    EXPECT_EQ(tree.probeCount(), expected) << "seed " << seed;
+    tree.forEachCell([&](const ProbeCell& cell) { ASSERT_EQ(cell.side, 1) << "seed " << seed; });
+  }
+}
+
+TEST(ProbePlacement, IsAPureFunctionOfSceneOptionsAndSeed) {
+  const Scene scene = boxScene({0, 0, 0}, {10, 10, 10});
+  std::set<double> spacings, shifts;
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    const ProbeTree a = placeProbes(scene, {}, seed), b = placeProbes(scene, {}, seed);
+    ASSERT_EQ(a.probeCount(), b.probeCount());
+    for (size_t i = 0; i < a.probeCount(); ++i) {
+      ASSERT_EQ(a.probePosition(i), b.probePosition(i)) << "seed " << seed << ", probe " << i;
+      ASSERT_EQ(a.probeSpacing(i), b.probeSpacing(i)) << "seed " << seed << ", probe " << i;
+    }
+    ASSERT_TRUE(a.frame().spacing_m >= 0.7f && a.frame().spacing_m <= 2.2f) << "seed " << seed << ": " << a.frame().spacing_m;
+    spacings.insert(a.frame().spacing_m);
+    shifts.insert(a.frame().first_m[0] / a.frame().spacing_m);
+  }
+  EXPECT_EQ(spacings.size(), 20u);
+  EXPECT_EQ(shifts.size(), 20u);
+}
+
+TEST(ProbePlacement, DoesNotDependOnTheOrderOfTriangles) {
+  Scene scene = randomScene(3, 200);
+  const ProbeTree a = placeProbes(scene, {}, 1);
+  std::reverse(scene.triangles.begin(), scene.triangles.end());
+  const ProbeTree b = placeProbes(scene, {}, 1);
+  ASSERT_EQ(a.probeCount(), b.probeCount());
+  for (size_t i = 0; i < a.probeCount(); ++i) ASSERT_EQ(a.probePosition(i), b.probePosition(i)) << "probe " << i;
+}
+
+TEST(ProbePlacement, IsTheSameOnEveryMachine) {
+  // golden: one spacing, so that no logarithm is taken
+  const ProbeTree tree = placeProbes(infiniteWall(), {.spacing_min_m = 1.5, .spacing_max_m = 1.5}, 7);
+  uint64_t hash = 0;
+  for (size_t i = 0; i < tree.probeCount(); ++i) {
+    const LatticePoint p = tree.probeLattice(i);
+    hash = mixSeed(hash, static_cast<uint64_t>(p[0]) << 32 | static_cast<uint64_t>(p[1]), static_cast<uint64_t>(p[2]),
+                   static_cast<uint64_t>(tree.probeSpacing(i) * 2.0f));
+  }
+  EXPECT_EQ(tree.probeCount(), 19044u);
+  EXPECT_EQ(hash, 0xc9785aa997d7f028u);
+}
+
+TEST(ProbePlacement, DrawsItsSpacingEvenlyInTheLogarithm) {
+  // half of the draws lie below the geometric mean; 400 of them deviate by 10 a standard deviation
+  const Scene scene = boxScene({0, 0, 0}, {1, 1, 1});
+  int below = 0;
+  for (uint64_t seed = 0; seed < 400; ++seed)
+    below += placeProbes(scene, {.spacing_min_m = 0.5, .spacing_max_m = 8.0}, seed).frame().spacing_m < 2.0;
+  EXPECT_NEAR(below, 200, 4 * 10);
+}
+
+TEST(ProbePlacement, HasProbesOnBothSidesOfAFlatSheet) {
+  const Scene scene = terrainSheet(2.0f, Sides::one);
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    const ProbeTree tree = placeProbes(scene, {}, seed);
+    ProbesAround around;
+    Random random(seed);
+    for (int i = 0; i < 200; ++i) {
+      const glm::dvec3 p = randomIn({-50, 1.31, -50}, {50, 2.69, 50}, random);
+      ASSERT_TRUE(tree.lookUp(positionOf(p), &around)) << "seed " << seed << ": " << p.x << ", " << p.y << ", " << p.z;
+    }
+    double low = 1e9, high = -1e9;
+    for (size_t i = 0; i < tree.probeCount(); ++i) {
+      low = std::min(low, tree.probePosition(i)[1]);
+      high = std::max(high, tree.probePosition(i)[1]);
+    }
+    EXPECT_TRUE(low < 2.0 && high > 2.0) << "seed " << seed << ": " << low << " to " << high;
+  }
+}
+
+TEST(ProbePlacement, OfAnEmptySceneIsEmptyUnlessAnExtentIsGiven) {
+  EXPECT_EQ(placeProbes(Scene{}, {}, 1).probeCount(), 0u);
+  ProbePlacementOptions options;
+  options.extent = ExtentBox{glm::dvec3(0), glm::dvec3(1)};
+  const ProbeTree tree = placeProbes(Scene{}, options, 1);
+  ProbesAround around;
+  ASSERT_TRUE(tree.lookUp({0.5, 0.5, 0.5}, &around));
+  EXPECT_EQ(around.cell.side, kRootSide);
+}
+
+TEST(ProbePlacement, TakesScenesOfAnySizeAndPlace) {
+  ProbesAround around;
+  const ProbeTree small = placeProbes(boxScene(glm::vec3(-5e-4f), glm::vec3(5e-4f)), {}, 1);
+  EXPECT_TRUE(small.lookUp({0, 0, 0}, &around));
+  EXPECT_LE(small.probeCount(), 125u);
+
+  // a sheet of 100 km, and one triangle
+  const float far = 5e4f;
+  SceneOfFaces faces;
+  faces.addTriangle({-far, 0, -far}, {far, 0, -far}, {0, 0, far});
+  const ProbeTree large = placeProbes(faces.finish(), {.spacing_min_m = 100, .spacing_max_m = 100}, 1);
+  EXPECT_TRUE(large.lookUp({0, 0, 0}, &around));
+
+  // the same tree wherever the scene's origin stands; the extent is in world coordinates
+  Scene scene = boxScene(glm::vec3(-2), glm::vec3(2));
+  const ProbeTree here = placeProbes(scene, {}, 1);
+  scene.origin_m = {1e5, -1e5, 1e5};
+  EXPECT_EQ(placeProbes(scene, {}, 1).frame().first_m, here.frame().first_m);
+  ProbePlacementOptions options;
+  options.extent = ExtentBox{scene.origin_m - 2.0, scene.origin_m + 2.0};
+  const ProbeTree there = placeProbes(scene, options, 1);
+  EXPECT_EQ(there.frame().first_m, here.frame().first_m);
+  EXPECT_EQ(there.probeCount(), here.probeCount());
+}
+
+std::string errorOf(const Scene& scene, const ProbePlacementOptions& options) {
+  try {
+    placeProbes(scene, options, 1);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ProbePlacement, NamesASpacingThatFitsWhenThereAreTooManyProbes) {
+  for (uint64_t seed = 0; seed < 8; ++seed) {
+    Random random(seed);
+    const glm::vec3 half = randomIn(glm::dvec3(2), glm::dvec3(20), random);
+    ProbePlacementOptions options{.spacing_min_m = 0.1, .spacing_max_m = 0.1, .density_growth = 0.5 * double(seed % 3)};
+    options.max_probes = 2000;
+    const Scene scene = boxScene(-half, half);
+    const std::string error = errorOf(scene, options);
+    const size_t at = error.find("spacing_min_m ");
+    ASSERT_NE(at, std::string::npos) << "seed " << seed << ": " << error;
+    options.spacing_min_m = options.spacing_max_m = std::stod(error.substr(at + 14));
+    for (uint64_t draw = 0; draw < 20; ++draw) {
+      EXPECT_LE(placeProbes(scene, options, draw).probeCount(), 2000u) << error;
+    }
+  }
+}
+
+TEST(ProbePlacement, RefusesWhatCannotBeBuilt) {
+  const float far = 5e4f;
+  const Scene huge = boxScene(glm::vec3(-far), glm::vec3(far));
+  for (const double growth : {0.0, 0.5}) {
+    ProbePlacementOptions fine{.spacing_min_m = 0.001, .spacing_max_m = 0.001, .density_growth = growth};
+    EXPECT_NE(errorOf(huge, fine).find("134217728 probes"), std::string::npos) << errorOf(huge, fine);
+    fine.spacing_min_m = fine.spacing_max_m = 1.0;
+    EXPECT_NE(errorOf(huge, fine).find("134217728 probes"), std::string::npos) << errorOf(huge, fine);
+  }
+  EXPECT_NE(errorOf(boxScene({-1e30f, 0, 0}, {1e30f, 1, 1}), {}), "");
+  ProbePlacementOptions options;
+  options.extent = ExtentBox{glm::dvec3(1e18), glm::dvec3(1e18)};
+  EXPECT_NE(errorOf(huge, options), "") << "positions so far away cannot be told apart";
+}
+
+TEST(ProbePlacement, RefusesOptionsOutOfRange) {
+  const Scene scene = boxScene(glm::vec3(-1), glm::vec3(1));
+  EXPECT_NE(errorOf(scene, {.spacing_min_m = 0.0}).find("spacing_min_m"), std::string::npos);
+  EXPECT_NE(errorOf(scene, {.spacing_min_m = std::nan("")}).find("spacing_min_m"), std::string::npos);
+  EXPECT_NE(errorOf(scene, {.spacing_min_m = 3.0}).find("spacing_max_m"), std::string::npos);
+  EXPECT_NE(errorOf(scene, {.spacing_max_m = HUGE_VAL}).find("spacing_max_m"), std::string::npos);
+  EXPECT_NE(errorOf(scene, {.density_growth = -0.1}).find("density_growth"), std::string::npos);
+  EXPECT_NE(errorOf(scene, {.density_growth = HUGE_VAL}).find("density_growth"), std::string::npos);
+  ProbePlacementOptions options;
+  options.max_probes = kMaxTreeProbes + 1;
+  EXPECT_NE(errorOf(scene, options).find("max_probes"), std::string::npos);
+}
+
+TEST(ExtentFromNumbers, ReadsSixNumbersAndRefusesAnythingElse) {
+  EXPECT_FALSE(extentFromNumbers({}));
+  const auto box = extentFromNumbers({"-1", "2.5", "-3e2", "1", "2.5", "4"});
+  ASSERT_TRUE(box);
+  EXPECT_EQ(box->low_m, glm::dvec3(-1, 2.5, -300));
+  EXPECT_EQ(box->high_m, glm::dvec3(1, 2.5, 4));
+  using Numbers = std::vector<std::string>;
+  for (const Numbers& numbers :
+       {Numbers{"1"}, Numbers{"0", "0", "0", "1", "1"}, Numbers{"0", "0", "0", "1", "1", "1", "1"},
+        Numbers{"0", "0", "0", "1", "1", "-1"}, Numbers{"0", "0", "0", "1", "1", "inf"}, Numbers{"0", "0", "0", "1", "1", "nan"},
+        Numbers{"0", "0", "0", "1", "1", ""}, Numbers{"0", "0", "0", "1", "1", "1m"}}) {
+    EXPECT_THROW(extentFromNumbers(numbers), UsageError) << numbers.back() << ", " << numbers.size() << " numbers";
+  }
+}
+
+}  // namespace
+}  // namespace nlg
