@@ -30,7 +30,9 @@ std::string fixed(double value, int digits) {
 
 std::string percent(double share) { return fixed(100 * share, share < 0.1 ? 1 : 0) + " %"; }
 
-std::string positionText(const glm::dvec3& p) { return fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p.x, p.y, p.z); }
+std::string positionText(const glm::dvec3& p) {
+  return "(" + fixed(p.x, 3) + ", " + fixed(p.y, 3) + ", " + fixed(p.z, 3) + ") m";
+}
 
 void drawColourBar(Image& image, int x, int y, int width, const std::string& title, const std::vector<std::string>& labels,
                    const std::function<Colour(double)>& colour) {
