@@ -22,11 +22,17 @@ void drawLineKey(Image& image, int x, int y, const std::function<void(const glm:
 
 }  // namespace
 
-std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
+std::string fixed(double value, int digits) {
+  const std::string text = fmt::format("{:.{}f}", value, digits);
+  // no minus before what has been rounded to zero
+  return text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos ? text.substr(1) : text;
+}
 
 std::string percent(double share) { return fixed(100 * share, share < 0.1 ? 1 : 0) + " %"; }
 
-std::string positionText(const glm::dvec3& p) { return fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p.x, p.y, p.z); }
+std::string positionText(const glm::dvec3& p) {
+  return "(" + fixed(p.x, 3) + ", " + fixed(p.y, 3) + ", " + fixed(p.z, 3) + ") m";
+}
 
 void drawColourBar(Image& image, int x, int y, int width, const std::string& title, const std::vector<std::string>& labels,
                    const std::function<Colour(double)>& colour) {

@@ -122,7 +122,7 @@ double mostTellingHeight(const std::vector<ViewTriangle>& triangles, const Level
   coarse.px_per_m *= shrink;
   coarse.width = std::max(1, static_cast<int>(map.width * shrink));
   coarse.height = std::max(1, static_cast<int>(map.height * shrink));
-  double best = 0.5 * (low_m + high_m), best_score = -1.0;
+  std::vector<double> heights_m, scores;
   for (int i = 0; i < kCandidates; ++i) {
     const double height_m = low_m + (high_m - low_m) * (0.25 + 0.5 * (i + 0.5) / kCandidates);
     double length_m = 0.0;
@@ -131,10 +131,18 @@ double mostTellingHeight(const std::vector<ViewTriangle>& triangles, const Level
     for (const ViewTriangle& triangle : triangles) rasterise(triangle, coarse, height_m, samples);
     int open_count = 0;
     for (size_t at = 0; at < samples.top_m.size(); ++at) open_count += samples.top_m[at] != kNothing && !samples.isSolid(at);
-    const double score = length_m * open_count;
-    if (score > best_score) best = height_m, best_score = score;
+    heights_m.push_back(height_m);
+    scores.push_back(length_m * open_count);
   }
-  return best;
+  // of those that are nearly as good as the best, the one nearest to the middle
+  constexpr double kNearly = 0.9;
+  const double middle_m = 0.5 * (low_m + high_m), wanted = kNearly * *std::max_element(scores.begin(), scores.end());
+  size_t best = scores.size();
+  for (size_t i = 0; i < scores.size(); ++i) {
+    if (scores[i] < wanted) continue;
+    if (best == scores.size() || std::fabs(heights_m[i] - middle_m) < std::fabs(heights_m[best] - middle_m)) best = i;
+  }
+  return heights_m[best];
 }
 
 }  // namespace nlg

@@ -35,8 +35,9 @@ Colour heightColour(double share);
 // floor_m     the height of heightColour(0)
 Image drawLevel(const std::vector<ViewTriangle>& triangles, const LevelMap& map, double floor_m, double cut_m);
 
-// The height in the middle half of [low_m, high_m] at which the cut is long and leaves much open: the largest product of the
-// cut's length and the area that is not solid. Rooms are cut open there, not the slabs between them or the ground.
+// The height in the middle half of [low_m, high_m] at which the cut is long and leaves much open: within a tenth of the largest
+// product of the cut's length and the area that is not solid, and of these heights the one nearest to the middle. Rooms are cut
+// open there, not the slabs between them or the ground.
 //
 // map   any map of the whole level
 double mostTellingHeight(const std::vector<ViewTriangle>& triangles, const LevelMap& map, double low_m, double high_m);
