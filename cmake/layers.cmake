@@ -7,7 +7,7 @@
 set(NLG_MAY_LINK_weights_file  "")
 set(NLG_MAY_LINK_runtime_eval  nlg::weights_file hwy::hwy)
 set(NLG_MAY_LINK_tool          yaml-cpp CLI11::CLI11 nlohmann_json::nlohmann_json fmt::fmt OpenSSL::Crypto)
-set(NLG_MAY_LINK_dataset       nlg::tool hdf5::hdf5)
+set(NLG_MAY_LINK_dataset       nlg::tool hdf5::hdf5 nlg::deflate)
 set(NLG_MAY_LINK_scene         nlg::tool nlg::runtime_eval glm::glm TinyGLTF::TinyGLTF)
 set(NLG_MAY_LINK_probes        nlg::scene nlg::runtime_eval)
 set(NLG_MAY_LINK_visibility    nlg::scene nlg::runtime_eval embree)
@@ -16,7 +16,7 @@ set(NLG_MAY_LINK_basis         nlg::dataset nlg::runtime_eval Eigen3::Eigen BLAS
 set(NLG_MAY_LINK_generator     nlg::basis nlg::dataset nlg::runtime_eval nlg::torch)
 set(NLG_MAY_LINK_validation    nlg::dataset nlg::runtime_eval nlg::weights_file Threads::Threads)
 # tools: the stage's own libraries, and what all tools share
-set(NLG_MAY_LINK_nlg-datagen   nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-datagen   nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::runtime_eval nlg::tool Threads::Threads)
 set(NLG_MAY_LINK_nlg-pca       nlg::basis nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch)
 set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch)
