@@ -3,35 +3,12 @@
 
 #include <string>
 
-#include "datagen/probes/probe_grid.h"
-#include "datagen/scene/jitter.h"
-#include "datagen/weighting/weighting_builder.h"
-#include "tool/options.h"
+#include "datagen/shard_job.h"
 
 namespace nlg {
 
-struct DatagenOptions {
-  ProbeGridOptions grid;
-  JitterOptions jitter;
-  DiffusionOptions diffusion;
-  int max_functions = 1200;
-  int max_visited_probes = 4000000;
-  int unseen_points = 2048;
-  uint64_t seed = 1;
-};
-
-// Adds every option to the table of the section `datagen`.
-void describe(DatagenOptions& options, OptionTable& table);
-
-struct GenerationRequest {
-  std::string scene;  // "house:3" or a path
-  uint64_t jitter = 0;
-  bool held_out = false;
-  std::string out;
-};
-
-// Generates and writes the shard, and prints its counts on stdout as one line of JSON.
-// throws   UsageError, InputError (the scene), OutputError
-void generate(const GenerationRequest& request, const DatagenOptions& options, const OptionTable& table);
+// Generates the shard, writes it to path `out`, and prints its counts on stdout as one line of JSON.
+// throws   UsageError, InputError (the scene), OutputError (on a full disk it says what was needed and what is free)
+void generate(const ShardRequest& request, const std::string& out, const DatagenOptions& options, const OptionTable& table);
 
 }  // namespace nlg

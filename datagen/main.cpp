@@ -11,7 +11,8 @@ namespace {
 
 int generateMain(int argc, char** argv) {
   CLI::App app{"Generates the weighting functions of one scene under one jitter and writes them as one shard.", "nlg-datagen"};
-  GenerationRequest request;
+  ShardRequest request;
+  std::string out;
   DatagenOptions options;
   OptionTable table("datagen");
   describe(options, table);
@@ -20,8 +21,8 @@ int generateMain(int argc, char** argv) {
       ->required();
   app.add_option("--jitter", request.jitter, "which variant; 0 is the scene as it is");
   app.add_flag("--held-out", request.held_out, "the scene is for validation: add points that no fit sees");
-  app.add_option("--out", request.out, "the shard to write (.h5)")->required();
-  return runTool(argc, argv, app, table, [&] { generate(request, options, table); });
+  app.add_option("--out", out, "the shard to write (.h5)")->required();
+  return runTool(argc, argv, app, table, [&] { generate(request, out, options, table); });
 }
 
 // What the tool does when its first argument is one of these names; without one it generates a shard.
