@@ -61,7 +61,6 @@ void report(Progress& progress, const ShardCollector& collector, const Collector
 nlohmann::ordered_json resultJson(const ShardJob& job, const ShardCollector& collector, uint64_t file_bytes) {
   const ShardCounts& c = collector.counts();
   const DifferenceStatistics& differences = collector.differences();
-  const double probes = static_cast<double>(std::max<uint64_t>(c.visited_probes, 1));
   return {
       {"scene", job.header().scene_id},
       {"jitter", job.header().jitter},
@@ -72,7 +71,7 @@ nlohmann::ordered_json resultJson(const ShardJob& job, const ShardCollector& col
       {"in_solid", c.in_solid},
       {"duplicates", c.duplicates},
       {"empty", c.empty},
-      {"functions_per_probe", static_cast<double>(c.functions + (c.free_space > 0 ? 1 : 0)) / probes},
+      {"functions_per_probe", functionsPerProbe(c)},
       {"duplicate_rmse",
        {{"mean", differences.mean() / 255}, {"p95", differences.percentile(0.95) / 255}, {"worst", differences.worst() / 255}}},
       {"bytes", file_bytes},

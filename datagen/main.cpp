@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "datagen/generate.h"
+#include "datagen/info.h"
 #include "tool/tool_main.h"
 
 namespace nlg {
@@ -25,6 +26,17 @@ int generateMain(int argc, char** argv) {
   return runTool(argc, argv, app, table, [&] { generate(request, out, options, table); });
 }
 
+int infoMain(int argc, char** argv) {
+  CLI::App app{"Says what shards are and verifies all of them: exit code 3 and one line at the first that does not hold.",
+               "nlg-datagen info"};
+  InfoRequest request;
+  OptionTable table("datagen");
+  app.add_option("files", request.paths, "shards (.h5)")->required();
+  app.add_flag("--json", request.json, "one line of JSON a shard");
+  app.add_flag("--quiet", request.quiet, "print nothing about shards that hold");
+  return runTool(argc, argv, app, table, [&] { describeShards(request); });
+}
+
 // What the tool does when its first argument is one of these names; without one it generates a shard.
 struct Command {
   const char* name;
@@ -32,6 +44,7 @@ struct Command {
 };
 constexpr Command kCommands[] = {
     {"generate", generateMain},
+    {"info", infoMain},
 };
 
 }  // namespace

@@ -20,8 +20,9 @@ void moveRow(std::vector<T>& rows, size_t width, uint64_t from, uint64_t to) {
 // Samples of functions in files, decoded a chunk at a time; keeps what it decoded last, in bounded memory.
 class SampleCache {
  public:
-  uint32_t addFile(const std::string& path) {
-    paths_.push_back(path);
+  // A shard that comes in pieces brings the same path many times in a row.
+  uint32_t fileIndex(const std::string& path) {
+    if (paths_.empty() || paths_.back() != path) paths_.push_back(path);
     return static_cast<uint32_t>(paths_.size() - 1);
   }
 
@@ -107,12 +108,12 @@ void DuplicateFilter::removeKnown(Shard* shard) {
   NLG_CHECK(m.earlier || !shard->path.empty(), ==, true);
   m.current = shard;
   m.first_of_current = m.index->functionCount();
-  const uint32_t file = m.cache.addFile(shard->path);
+  const uint32_t file = m.cache.fileIndex(shard->path);
   const uint64_t count = shard->functionCount(), P = static_cast<uint64_t>(shard->point_count);
   uint64_t kept = 0;
   for (uint64_t n = 0; n < count; ++n) {
     if (m.index->findOrAdd({&shard->phi[n * P], &shard->validity[n * P / 8]})) continue;
-    if (!m.earlier) m.places.push_back({file, static_cast<uint32_t>(n)});
+    if (!m.earlier) m.places.push_back({file, static_cast<uint32_t>(shard->first_function + n)});
     if (n != kept) {
       forEachArray(*shard, [&](const char*, auto& rows, const auto& columns) { moveRow(rows, rowWidth(columns), n, kept); });
     }

@@ -33,6 +33,7 @@ struct ShardCounts {
 struct Shard {
   std::string path;             // of the file that it was read from; empty for one that was made in memory
   uint64_t schema_version = 2;  // of that file
+  uint64_t first_function = 0;  // of that file, that the arrays' first row holds: ShardReader::read
   std::string scene_id;
   std::string family;  // procedural family, or "level"
   uint64_t jitter = 0;
@@ -57,6 +58,10 @@ struct Shard {
 
   uint64_t functionCount() const { return flags.size(); }
 };
+
+// Distinct functions a visited probe: the stored ones, and free space as one more when there is any, over all probes that were
+// looked at, those in solid included. 0 when there were none.
+double functionsPerProbe(const ShardCounts& counts);
 
 // Functions a chunk of every array in the file: the unit in which shards are written and read.
 inline constexpr uint64_t kChunkFunctions = 32;

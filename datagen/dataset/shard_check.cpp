@@ -55,6 +55,11 @@ Fault placementFault(const Shard& shard, uint64_t first_function) {
 
 }  // namespace
 
+double functionsPerProbe(const ShardCounts& counts) {
+  if (counts.visited_probes == 0) return 0.0;
+  return static_cast<double>(counts.functions + (counts.free_space > 0 ? 1 : 0)) / static_cast<double>(counts.visited_probes);
+}
+
 std::vector<uint64_t> withRows(uint64_t rows, std::vector<uint64_t> columns) {
   columns.insert(columns.begin(), rows);
   return columns;
