@@ -5,25 +5,47 @@
 
 #include "datagen/generate.h"
 #include "datagen/info.h"
+#include "datagen/plan.h"
 #include "tool/tool_main.h"
 
 namespace nlg {
 namespace {
 
-int generateMain(int argc, char** argv) {
-  CLI::App app{"Generates the weighting functions of one scene under one jitter and writes them as one shard.", "nlg-datagen"};
-  ShardRequest request;
-  std::string out;
-  DatagenOptions options;
-  OptionTable table("datagen");
-  describe(options, table);
+// What generating and planning ask for alike.
+void addRequest(CLI::App& app, ShardRequest& request) {
   app.add_option("--scene", request.scene,
                  "a .glb or .gltf file, or FAMILY:SEED (house, maze, colonnade, stairs, clutter, outdoor, cave)")
       ->required();
   app.add_option("--jitter", request.jitter, "which variant; 0 is the scene as it is");
   app.add_flag("--held-out", request.held_out, "the scene is for validation: add points that no fit sees");
+}
+
+int generateMain(int argc, char** argv) {
+  CLI::App app{
+      "Generates the weighting functions of one scene under one jitter and writes them as one shard.\n"
+      "nlg-datagen info FILE ...: what shards are, verified; nlg-datagen plan --scene ...: what a shard will take.",
+      "nlg-datagen"};
+  ShardRequest request;
+  std::string out;
+  DatagenOptions options;
+  OptionTable table("datagen");
+  describe(options, table);
+  addRequest(app, request);
   app.add_option("--out", out, "the shard to write (.h5)")->required();
   return runTool(argc, argv, app, table, [&] { generate(request, out, options, table); });
+}
+
+int planMain(int argc, char** argv) {
+  CLI::App app{"Says what generating a shard will take, from a sample of its probes; writes nothing.", "nlg-datagen plan"};
+  ShardRequest request;
+  DatagenOptions options;
+  bool json = false;
+  OptionTable table("datagen");
+  describe(options, table);
+  addRequest(app, request);
+  app.add_flag("--json", json, "one line of JSON");
+  return runTool(argc, argv, app, table,
+                 [&] { printPlan(request, planShard(request, options, table), json ? PlanFormat::json : PlanFormat::text); });
 }
 
 int infoMain(int argc, char** argv) {
@@ -45,6 +67,8 @@ struct Command {
 constexpr Command kCommands[] = {
     {"generate", generateMain},
     {"info", infoMain},
+    {"plan", planMain},
+    {"--plan", planMain},
 };
 
 }  // namespace
