@@ -29,7 +29,7 @@ void build(benchmark::State& state, const Scene& scene) {
     ShuffledOrder order(grid.probeCount(), 1);
     uint64_t index = 0;
     for (int made = 0; made < kFunctionCount && order.next(&index); probes += 1.0) {
-      if (builder.build(glm::vec3(grid.probePosition(index)), grid.spacing_m, &function) != ProbeOutcome::function) continue;
+      if (builder.build(grid.probePosition(index), grid.spacing_m, &function) != ProbeOutcome::function) continue;
       ++made;
       functions += 1.0;
     }

@@ -10,7 +10,7 @@ set(NLG_MAY_LINK_tool          yaml-cpp CLI11::CLI11 nlohmann_json::nlohmann_jso
 set(NLG_MAY_LINK_dataset       nlg::tool hdf5::hdf5 nlg::deflate)
 set(NLG_MAY_LINK_scene         nlg::tool nlg::runtime_eval glm::glm TinyGLTF::TinyGLTF)
 set(NLG_MAY_LINK_probes        nlg::scene nlg::runtime_eval)
-set(NLG_MAY_LINK_visibility    nlg::scene nlg::runtime_eval embree)
+set(NLG_MAY_LINK_visibility    nlg::scene nlg::runtime_eval embree hwy::hwy)
 set(NLG_MAY_LINK_weighting     nlg::visibility nlg::probes nlg::runtime_eval)
 set(NLG_MAY_LINK_shard_job     nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::runtime_eval nlg::tool Threads::Threads)
 set(NLG_MAY_LINK_basis         nlg::dataset nlg::runtime_eval Eigen3::Eigen BLAS::BLAS Threads::Threads)

@@ -20,6 +20,12 @@ uint64_t hashText(const std::string& text) {
   return hash;
 }
 
+ProbeTree placeProbes(const Scene& scene, const DatagenOptions& options, uint64_t seed) {
+  ProbePlacementOptions placement = options.probes;
+  placement.extent = extentFromNumbers(options.extent_m);
+  return placeProbes(scene, placement, seed);
+}
+
 // The identity of a shard. What it holds must not depend on the number of threads, so neither does its provenance.
 Shard makeHeader(const SceneSource& source, const ShardRequest& request, const DatagenOptions& options,
                  const OptionTable& table) {
@@ -46,9 +52,11 @@ Shard makeHeader(const SceneSource& source, const ShardRequest& request, const D
 SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& options) {
   if (options.unseen_points % 16 != 0)
     throw UsageError("unseen_points", "a multiple of 16", std::to_string(options.unseen_points));
-  if (options.grid.spacing_max_m < options.grid.spacing_min_m) {
-    throw UsageError("spacing_max_m", "at least spacing_min_m", std::to_string(options.grid.spacing_max_m));
+  if (options.probes.spacing_max_m < options.probes.spacing_min_m) {
+    throw UsageError("spacing_max_m", "at least spacing_min_m", std::to_string(options.probes.spacing_max_m));
   }
+  // the setting is wrong whatever the scene: say so before it is loaded
+  extentFromNumbers(options.extent_m);
   return loadScene(request.scene);
 }
 
@@ -56,8 +64,12 @@ SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& optio
 
 void describe(DatagenOptions& o, OptionTable& table) {
   table.add("seed", &o.seed, "seed of every random choice");
-  table.add("spacing_min_m", &o.grid.spacing_min_m, "smallest probe spacing, metres", 1e-4, 1e5);
-  table.add("spacing_max_m", &o.grid.spacing_max_m, "largest probe spacing, metres", 1e-4, 1e5);
+  table.add("spacing_min_m", &o.probes.spacing_min_m, "smallest finest probe spacing, metres", 1e-4, 1e5);
+  table.add("spacing_max_m", &o.probes.spacing_max_m, "largest finest probe spacing, metres", 1e-4, 1e5);
+  table.add("density_growth", &o.probes.density_growth,
+            "probe spacing over distance from the nearest triangle; 0: finest everywhere", 0.0, 1e3);
+  table.add("extent_m", &o.extent_m,
+            "where there are probes: low x, y, z, high x, y, z, metres, world coordinates; none: the scene's bounds");
   table.add("max_functions", &o.max_functions, "stop a shard after so many functions; probes are visited in random order", 1,
             1 << 30);
   table.add("max_visited_probes", &o.max_visited_probes, "stop a shard after so many probes, most of them empty in sparse scenes",
@@ -87,7 +99,7 @@ ShardJob::ShardJob(const SceneSource& source, const ShardRequest& request, const
       header_(makeHeader(source, request, options, table)),
       seed_(mixSeed(options.seed, hashText(source.id), request.jitter)),
       scene_(jitterScene(source.scene, options.jitter, request.jitter == 0 ? 0 : seed_ | 1)),
-      grid_(makeProbeGrid(scene_, options.grid, seed_)),
+      tree_(placeProbes(scene_, options, seed_)),
       links_(makeLinkTable(unseenPoints(header_.unseen_point_count))),
       rays_(scene_) {}
 
@@ -101,11 +113,13 @@ void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& 
   block->functions.unseen_point_count = header_.unseen_point_count;
   GeneratedFunction function;
   for (const uint64_t index : probes) {
-    const glm::dvec3 position = grid_.probePosition(index);
-    const ProbeOutcome outcome = builder.build(glm::vec3(position), grid_.spacing_m, &function);
+    const auto [x, y, z] = tree_.probePosition(index);
+    const glm::dvec3 position(x, y, z);
+    const float spacing_m = tree_.probeSpacing(index);
+    const ProbeOutcome outcome = builder.build(position, spacing_m, &function);
     block->outcomes.push_back(outcome);
     if (outcome != ProbeOutcome::function) continue;
-    appendFunction(function, scene_.origin_m + position, grid_.spacing_m, &block->functions);
+    appendFunction(function, scene_.origin_m + position, spacing_m, &block->functions);
   }
 }
 

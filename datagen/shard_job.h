@@ -5,6 +5,7 @@
 
 #include "datagen/dataset/shard.h"
 #include "datagen/probes/probe_grid.h"
+#include "datagen/probes/probe_placement.h"
 #include "datagen/scene/jitter.h"
 #include "datagen/scene/scene_source.h"
 #include "datagen/shard_pipeline.h"
@@ -16,7 +17,8 @@
 namespace nlg {
 
 struct DatagenOptions {
-  ProbeGridOptions grid;
+  ProbePlacementOptions probes;
+  std::vector<std::string> extent_m;  // becomes probes.extent
   JitterOptions jitter;
   DiffusionOptions diffusion;
   int max_functions = 1200;
@@ -46,7 +48,7 @@ class ShardJob {
 
   const Shard& header() const { return header_; }  // everything but counts and arrays
   const Scene& scene() const { return scene_; }
-  uint64_t probeCount() const { return grid_.probeCount(); }
+  uint64_t probeCount() const { return tree_.probeCount(); }
   CollectorLimits limits() const;
 
   // The functions of the probes in visiting order; serves one run. The job must outlive it.
@@ -60,7 +62,7 @@ class ShardJob {
   Shard header_;
   uint64_t seed_;
   Scene scene_;
-  ProbeGrid grid_;
+  ProbeTree tree_;
   LinkTable links_;
   RayScene rays_;
 };

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
+
+#include "tool/error.h"
 
 namespace nlg {
 namespace {
@@ -55,7 +58,39 @@ void findNearest(LinkTable& table) {
   }
 }
 
-// Gives every unordered pair one index and lists it at both ends.
+std::array<AlignedFloats, 3> gather(const std::vector<LocalPoint>& points, const std::vector<uint32_t>& order) {
+  std::array<AlignedFloats, 3> gathered;
+  for (int axis = 0; axis < 3; ++axis) {
+    gathered[axis].reserve(order.size());
+    for (const uint32_t point : order) gathered[axis].push_back(points[point][axis]);
+  }
+  return gathered;
+}
+
+// Puts pairs of points into packets; they become links in that order.
+void packLinks(const std::vector<uint64_t>& pairs, LinkTable& table) {
+  std::vector<ItemBox> boxes;
+  boxes.reserve(pairs.size());
+  for (const uint64_t pair : pairs) {
+    const LocalPoint &a = table.points[pair >> 32], &b = table.points[static_cast<uint32_t>(pair)];
+    ItemBox box;
+    for (int axis = 0; axis < 3; ++axis) std::tie(box.low[axis], box.high[axis]) = std::minmax(a[axis], b[axis]);
+    boxes.push_back(box);
+  }
+  LinkPackets& packets = table.link_packets;
+  packets.tree = makePacketTree(boxes);
+  for (const uint32_t item : packets.tree.order) {
+    packets.from_point.push_back(static_cast<uint32_t>(pairs[item] >> 32));
+    packets.to_point.push_back(static_cast<uint32_t>(pairs[item]));
+  }
+  packets.from = gather(table.points, packets.from_point);
+  packets.to = gather(table.points, packets.to_point);
+  for (size_t place = 0; place < pairs.size(); ++place) {
+    table.links.push_back({packets.from_point[place], packets.to_point[place]});
+  }
+}
+
+// Gives every unordered pair one index.
 void indexLinks(LinkTable& table) {
   std::vector<uint64_t> pairs;
   pairs.reserve(table.nearest.size());
@@ -66,33 +101,63 @@ void indexLinks(LinkTable& table) {
   for (size_t entry = 0; entry < table.nearest.size(); ++entry) pairs.push_back(pairOf(entry));
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  packLinks(pairs, table);
+  std::vector<uint32_t> place_of_pair(pairs.size());
+  for (uint32_t place = 0; place < pairs.size(); ++place) place_of_pair[table.link_packets.tree.order[place]] = place;
   for (size_t entry = 0; entry < table.nearest.size(); ++entry) {
     const auto found = std::lower_bound(pairs.begin(), pairs.end(), pairOf(entry));
-    table.nearest[entry].link = static_cast<uint32_t>(found - pairs.begin());
+    table.nearest[entry].link = place_of_pair[static_cast<size_t>(found - pairs.begin())];
+  }
+}
+
+// Lists the links that carry validity at both their ends; edges that lead to support points come first.
+void listEdges(LinkTable& table) {
+  std::vector<uint8_t> carries(table.links.size(), 0);
+  for (size_t entry = 0; entry < table.nearest.size(); ++entry) {
+    if (entry % kLinkCount < kCarryingLinkCount) carries[table.nearest[entry].link] = 1;
   }
   table.first_edge.assign(table.points.size() + 1, 0);
-  for (const uint64_t pair : pairs) {
-    table.links.push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair)});
-    ++table.first_edge[table.links.back().a + 1];
-    ++table.first_edge[table.links.back().b + 1];
+  for (uint32_t l = 0; l < table.links.size(); ++l) {
+    table.first_edge[table.links[l].a + 1] += carries[l];
+    table.first_edge[table.links[l].b + 1] += carries[l];
   }
   std::partial_sum(table.first_edge.begin(), table.first_edge.end(), table.first_edge.begin());
-  table.edges.resize(2 * table.links.size());
+  table.edge_point.resize(table.first_edge.back());
+  table.edge_link.resize(table.first_edge.back());
   std::vector<uint32_t> next(table.first_edge.begin(), table.first_edge.end() - 1);
-  for (uint32_t l = 0; l < table.links.size(); ++l) {
-    table.edges[next[table.links[l].a]++] = {table.links[l].b, l};
-    table.edges[next[table.links[l].b]++] = {table.links[l].a, l};
+  const auto list = [&](uint32_t from, uint32_t to, uint32_t link) {
+    table.edge_point[next[from]] = static_cast<uint16_t>(to);
+    table.edge_link[next[from]++] = link;
+  };
+  for (const bool to_support : {true, false}) {
+    for (uint32_t l = 0; l < table.links.size(); ++l) {
+      if (!carries[l]) continue;
+      const LinkTable::Link& link = table.links[l];
+      if ((link.b < kSupportPointCount) == to_support) list(link.a, link.b, l);
+      if ((link.a < kSupportPointCount) == to_support) list(link.b, link.a, l);
+    }
+    if (to_support) table.first_unseen_edge = next;
   }
+}
+
+void packPoints(LinkTable& table) {
+  std::vector<ItemBox> boxes;
+  for (const LocalPoint& point : table.points) boxes.push_back({point, point});
+  table.point_packets.tree = makePacketTree(boxes);
+  table.point_packets.at = gather(table.points, table.point_packets.tree.order);
 }
 
 }  // namespace
 
 LinkTable makeLinkTable(const std::vector<LocalPoint>& unseen) {
+  NLG_CHECK(unseen.size(), <=, static_cast<size_t>(kMaxUnseenPointCount));
   LinkTable table;
   table.points = supportPattern().points;
   table.points.insert(table.points.end(), unseen.begin(), unseen.end());
   findNearest(table);
   indexLinks(table);
+  listEdges(table);
+  packPoints(table);
   return table;
 }
 

@@ -25,45 +25,18 @@ struct RayScene::Impl {
 
 namespace {
 
-// Separating axes of triangle and cube (Akenine-Möller 2001), corners relative to the cube's centre.
-bool triangleTouchesCube(glm::vec3 a, glm::vec3 b, glm::vec3 c, float half_side) {
-  const auto separates = [&](const glm::vec3& axis) {
-    const float pa = glm::dot(a, axis), pb = glm::dot(b, axis), pc = glm::dot(c, axis);
-    const float radius = half_side * (std::fabs(axis.x) + std::fabs(axis.y) + std::fabs(axis.z));
-    return std::min({pa, pb, pc}) > radius || std::max({pa, pb, pc}) < -radius;
-  };
-  const glm::vec3 unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (const glm::vec3& axis : unit) {
-    if (separates(axis)) return false;
-  }
-  const glm::vec3 edges[3] = {b - a, c - b, a - c};
-  for (const glm::vec3& edge : edges) {
-    for (const glm::vec3& axis : unit) {
-      if (separates(glm::cross(axis, edge))) return false;
-    }
-  }
-  return !separates(glm::cross(edges[0], edges[1]));
+bool collectTriangle(RTCPointQueryFunctionArguments* arguments) {
+  static_cast<std::vector<uint32_t>*>(arguments->userPtr)->push_back(arguments->primID);
+  return false;
 }
 
-struct CubeQuery {
-  const std::vector<glm::vec3>* positions;
-  const std::vector<glm::uvec3>* triangles;
-  glm::vec3 center;
-  float half_side;
-  bool found = false;
+// What a ray meets within a short stretch, all of it.
+struct FacingCollector {
+  RTCIntersectContext context;  // first: Embree hands it to the filter
+  const RayScene* scene;
+  glm::vec3 direction;
+  bool front = false, back = false, both = false;
 };
-
-// Called for every triangle near the point; the first one that touches the cube ends the query.
-bool visitTriangle(RTCPointQueryFunctionArguments* arguments) {
-  CubeQuery& query = *static_cast<CubeQuery*>(arguments->userPtr);
-  if (query.found) return false;
-  const glm::uvec3& triangle = (*query.triangles)[arguments->primID];
-  const auto corner = [&](int k) { return (*query.positions)[triangle[k]] - query.center; };
-  if (!triangleTouchesCube(corner(0), corner(1), corner(2), query.half_side)) return false;
-  query.found = true;
-  arguments->query->radius = 0.0f;
-  return true;
-}
 
 void* newBuffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t stride, size_t count) {
   return rtcSetNewGeometryBuffer(geometry, type, 0, format, stride, count);
@@ -80,7 +53,7 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   }
   impl_->device = rtcNewDevice("threads=1");
   impl_->scene = rtcNewScene(impl_->device);
-  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   if (!scene.triangles.empty()) {
     const RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     void* positions = newBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), scene.positions.size());
@@ -127,6 +100,23 @@ uint32_t RayScene::occluded(const SegmentPacket& segments, int count) const {
   return hits;
 }
 
+Facing RayScene::facing(uint32_t triangle, const glm::vec3& direction) const {
+  if (impl_->double_sided[triangle]) return Facing::both;
+  const glm::uvec3& corners = impl_->triangles[triangle];
+  const glm::vec3 first = impl_->positions[corners.x];
+  const glm::vec3 normal = glm::cross(impl_->positions[corners.y] - first, impl_->positions[corners.z] - first);
+  return glm::dot(normal, direction) < 0.0f ? Facing::front : Facing::back;
+}
+
+void RayScene::collectFacing(const RTCFilterFunctionNArguments* arguments) {
+  FacingCollector& collector = *reinterpret_cast<FacingCollector*>(arguments->context);
+  const Facing facing = collector.scene->facing(RTCHitN_primID(arguments->hit, 1, 0), collector.direction);
+  collector.front |= facing == Facing::front;
+  collector.back |= facing == Facing::back;
+  collector.both |= facing == Facing::both;
+  arguments->valid[0] = 0;  // go on to the next one
+}
+
 Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction) const {
   RTCRayHit hit{};
   hit.ray = {
@@ -137,20 +127,31 @@ Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction
   rtcInitIntersectContext(&context);
   rtcIntersect1(impl_->scene, &context, &hit);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return Facing::nothing;
-  if (impl_->double_sided[hit.hit.primID]) return Facing::both;
-  const glm::uvec3& triangle = impl_->triangles[hit.hit.primID];
-  const glm::vec3 corner = impl_->positions[triangle.x];
-  const glm::vec3 normal = glm::cross(impl_->positions[triangle.y] - corner, impl_->positions[triangle.z] - corner);
-  return glm::dot(normal, direction) < 0.0f ? Facing::front : Facing::back;
+  // which of coincident faces comes first is up to the traversal: ask for all of them
+  FacingCollector collector{{}, this, direction};
+  rtcInitIntersectContext(&collector.context);
+  collector.context.filter = collectFacing;
+  const float distance = hit.ray.tfar;
+  hit.ray.tnear = distance * (1.0f - 0x1p-18f);
+  hit.ray.tfar = distance * (1.0f + 0x1p-18f);
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(impl_->scene, &collector.context, &hit);
+  if (collector.both || (collector.front && collector.back)) return Facing::both;
+  return collector.back ? Facing::back : Facing::front;
 }
 
-bool RayScene::anyTriangleInCube(const glm::vec3& center, float half_side) const {
-  CubeQuery query{&impl_->positions, &impl_->triangles, center, half_side};
-  RTCPointQuery point{center.x, center.y, center.z, 0.0f, half_side * 1.7320509f};
+void RayScene::trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const {
+  triangles->clear();
+  // the sphere around the cube, and what rounding of far positions could take away
+  const float reach = std::max({std::fabs(center.x), std::fabs(center.y), std::fabs(center.z)});
+  RTCPointQuery point{center.x, center.y, center.z, 0.0f, half_side * 1.7330509f + reach * 0x1p-20f};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(impl_->scene, &point, &context, visitTriangle, &query);
-  return query.found;
+  rtcPointQuery(impl_->scene, &point, &context, collectTriangle, triangles);
+  std::sort(triangles->begin(), triangles->end());
 }
+
+const std::vector<glm::vec3>& RayScene::positions() const { return impl_->positions; }
+const std::vector<glm::uvec3>& RayScene::triangles() const { return impl_->triangles; }
 
 }  // namespace nlg

@@ -9,6 +9,8 @@
 
 #include "datagen/scene/scene.h"
 
+struct RTCFilterFunctionNArguments;
+
 namespace nlg {
 
 inline constexpr int kPacketSize = 16;
@@ -19,7 +21,7 @@ struct SegmentPacket {
   alignas(64) float direction_x[kPacketSize], direction_y[kPacketSize], direction_z[kPacketSize];
 };
 
-enum class Facing : uint8_t { nothing, front, back, both };  // both: a face of a double-sided material
+enum class Facing : uint8_t { nothing, front, back, both };  // both: a double-sided material, or faces that coincide
 
 class RayScene {
  public:
@@ -34,14 +36,20 @@ class RayScene {
   // A segment that lies in a triangle's plane does not meet it.
   uint32_t occluded(const SegmentPacket& segments, int count) const;
 
-  // Which side of the first face a ray from origin meets.
+  // Which side of the first face a ray from origin meets. A front and a back in one place (within 2^-18 of the way) say `both`,
+  // whichever of them the traversal finds first.
   Facing firstFacing(const glm::vec3& origin, const glm::vec3& direction) const;
 
-  // Whether any triangle touches the axis-aligned cube around center.
-  bool anyTriangleInCube(const glm::vec3& center, float half_side) const;
+  // Every triangle that touches the axis-aligned cube around center, rising, and perhaps some that only come near.
+  void trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const;
+
+  const std::vector<glm::vec3>& positions() const;
+  const std::vector<glm::uvec3>& triangles() const;
 
  private:
   struct Impl;
+  Facing facing(uint32_t triangle, const glm::vec3& direction) const;
+  static void collectFacing(const RTCFilterFunctionNArguments* arguments);  // Embree calls it
   std::unique_ptr<Impl> impl_;
 };
 

@@ -1,16 +1,18 @@
 // What one probe's support sees: which points the probe sees, which links are open, which points are valid.
 //
-// All of it lazily: a link is tested when somebody first asks for it, once for both directions. Validity is carried along open
-// links: what a valid point sees is valid. Only a group of points that nothing valid sees casts rays of its own, and is solid
-// when two fifths of those that meet a one-sided face meet its back. Rays that meet nothing, or a double-sided face, are no
-// evidence; a group without evidence is valid (open air). Flipped objects therefore count as air inside, and a crack in a shell
-// lets validity through: docs/visibility.md says what was measured on real levels.
+// Only the triangles that touch the support are looked at, in its local coordinates, through fixed hierarchies over the probe's
+// rays and over the links (segment_kernel.h). Validity is carried along open links: what a valid point sees is valid. Only a
+// group of points that nothing valid sees casts rays of its own, and is solid when two fifths of those that meet a one-sided face
+// meet its back. Rays that meet nothing, or a double-sided face, are no evidence; a group without evidence is valid (open air).
+// Flipped objects therefore count as air inside, and a crack in a shell lets validity through: docs/visibility.md says what was
+// measured on real levels.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "datagen/visibility/link_table.h"
+#include "datagen/visibility/local_triangles.h"
 #include "datagen/visibility/ray_scene.h"
 
 namespace nlg {
@@ -30,51 +32,52 @@ class SupportVisibility {
   // Both must outlive this object. One object serves many probes, one after another.
   SupportVisibility(const RayScene& scene, const LinkTable& links);
 
-  // Moves to another probe and forgets everything about the last.
+  // Moves to another probe, forgets everything about the last, and collects the triangles of the support.
   // position_m   relative to the scene's origin; spacing_m > 0
-  void beginProbe(const glm::vec3& position_m, float spacing_m);
+  void beginProbe(const glm::dvec3& position_m, float spacing_m);
 
-  bool supportIsEmpty() const;  // no triangle touches the support
+  bool supportIsEmpty() const { return triangles_.empty(); }  // no triangle touches the support
+  const std::vector<LocalTriangle>& triangles() const { return triangles_; }
   SolidVote probeVote() const;  // is the probe itself in solid?
 
   // Which points the probe sees; call once a probe, before the rest.
   void traceProbeRays();
   bool seen(uint32_t point) const { return seen_[point]; }
+  const std::vector<uint32_t>& dark() const { return dark_; }  // the points that it does not see, rising
 
-  // Carries validity from the points that the probe sees to all others. returns whether any vote was disputed
+  // Which links are open: all of them, which is cheaper than to find out which of them anything reads (docs/visibility.md).
+  void testLinks();
+  bool linkOpen(uint32_t link) const { return (blocked_links_[link / kPacketLanes] >> (link % kPacketLanes) & 1) == 0; }
+
+  // Carries validity from the points that the probe sees to all others; after traceProbeRays and testLinks. returns whether any
+  // vote was disputed
   bool findValidity();
   bool valid(uint32_t point) const { return state_[point] == State::valid; }
 
-  // Tests those of the links that have not been tested yet.
-  void testLinks(const std::vector<uint32_t>& links);
-  bool linkTested(uint32_t link) const { return link_state_[link] != LinkState::untested; }
-  bool linkOpen(uint32_t link) const { return link_state_[link] == LinkState::open; }
-
-  uint64_t rayCount() const { return ray_count_; }  // since construction
+  // Work since construction: rays cast for votes, and pairs of a packet of 16 links and a triangle.
+  uint64_t rayCount() const { return ray_count_; }
+  uint64_t packetTestCount() const { return packet_test_count_; }
 
  private:
-  enum class State : uint8_t { unknown, valid, solid, asked };  // asked: within takeSteps only
-  enum class LinkState : uint8_t { untested, open, blocked };
-  struct Step {
-    uint32_t target, link;  // a point whose state is unknown, and a link to it from one whose state is known
-  };
+  enum class State : uint8_t { unknown, valid, solid };
 
-  glm::vec3 worldPoint(uint32_t point) const;
-  SolidVote vote(const glm::vec3& origin) const;
-  void takeSteps(State carried, std::vector<uint32_t>* reached);
+  SolidVote vote(const glm::dvec3& local) const;
+  bool reachesValid(uint32_t point) const;
   void flood(State carried, std::vector<uint32_t>* members);
 
   const RayScene& scene_;
   const LinkTable& table_;
-  glm::vec3 position_{0.0f};
-  float spacing_ = 1.0f;
+  glm::dvec3 position_{0.0};
+  double spacing_ = 1.0;
   mutable uint64_t ray_count_ = 0;
+  uint64_t packet_test_count_ = 0;
   std::vector<uint8_t> seen_;
   std::vector<State> state_;
-  std::vector<LinkState> link_state_;
+  std::vector<uint16_t> blocked_points_, blocked_links_;  // by packet
   // kept between probes so that none of them allocates
-  std::vector<Step> steps_;
-  std::vector<uint32_t> first_links_, batch_, members_;
+  std::vector<uint32_t> candidates_, dark_, members_;
+  std::vector<LocalTriangle> triangles_;
+  LinkScratch scratch_;
 };
 
 }  // namespace nlg

@@ -7,6 +7,8 @@ namespace nlg {
 
 WeightingBuilder::WeightingBuilder(const RayScene& scene, const LinkTable& links, const DiffusionOptions& options)
     : table_(links), options_(options), visibility_(scene, links), lit_(links.points.size()) {
+  tent_.reserve(links.points.size());
+  for (const LocalPoint& point : links.points) tent_.push_back(tent(point));
   gaussian_.reserve(links.distance.size());
   const double scale = -0.5 / (options.sigma * options.sigma);
   for (const float distance : links.distance) {
@@ -14,74 +16,69 @@ WeightingBuilder::WeightingBuilder(const RayScene& scene, const LinkTable& links
   }
 }
 
-ProbeOutcome WeightingBuilder::build(const glm::vec3& position_m, float spacing_m, GeneratedFunction* result) {
+ProbeOutcome WeightingBuilder::build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result) {
+  const ProbeOutcome outcome = see(position_m, spacing_m);
+  return outcome == ProbeOutcome::function ? generate(result) : outcome;
+}
+
+ProbeOutcome WeightingBuilder::see(const glm::dvec3& position_m, float spacing_m) {
   visibility_.beginProbe(position_m, spacing_m);
   const SolidVote probe_vote = visibility_.probeVote();
   if (probe_vote.solid()) return ProbeOutcome::in_solid;
   if (visibility_.supportIsEmpty()) return ProbeOutcome::free_space;
   visibility_.traceProbeRays();
-  result->open_shell = visibility_.findValidity() || probe_vote.disputed();
-  const size_t point_count = table_.points.size();
-  result->phi.assign(point_count, 0.0f);
-  result->valid.resize(point_count);
-  result->seen.resize(point_count);
-  for (uint32_t p = 0; p < point_count; ++p) {
-    result->valid[p] = visibility_.valid(p);
-    result->seen[p] = visibility_.seen(p);
-    lit_[p] = visibility_.seen(p);
-    if (lit_[p]) result->phi[p] = tent(table_.points[p]);
-  }
+  visibility_.testLinks();
+  open_shell_ = visibility_.findValidity() || probe_vote.disputed();
+  return ProbeOutcome::function;
+}
+
+ProbeOutcome WeightingBuilder::generate(GeneratedFunction* result) {
+  result->open_shell = open_shell_;
+  lightSeenPoints(result);
   for (int pass = 1; pass <= options_.passes; ++pass) diffuse(pass, result);
   const bool empty =
       std::all_of(result->phi.begin(), result->phi.begin() + kSupportPointCount, [](float w) { return w == 0.0f; });
   return empty ? ProbeOutcome::empty : ProbeOutcome::function;
 }
 
-// One pass: every valid point without weight gathers from its nearest points that are lit before this pass. Two sweeps of tests:
-// links to lit points, which decide who receives; then, for receivers only, links to the rest, which the falloff needs.
+// Gives the tent to what the probe sees; lists the valid points that wait for weight.
+void WeightingBuilder::lightSeenPoints(GeneratedFunction* result) {
+  result->phi = tent_;
+  result->valid.assign(tent_.size(), 1);
+  result->seen.assign(tent_.size(), 1);
+  std::fill(lit_.begin(), lit_.end(), uint8_t{1});
+  waiting_.clear();
+  for (const uint32_t point : visibility_.dark()) {
+    result->phi[point] = 0.0f;
+    result->seen[point] = 0;
+    result->valid[point] = visibility_.valid(point);
+    lit_[point] = 0;
+    if (result->valid[point]) waiting_.push_back(point);
+  }
+}
+
+// One pass: every valid point without weight gathers from its nearest points that are lit before this pass.
 void WeightingBuilder::diffuse(int pass, GeneratedFunction* result) {
   const auto litBefore = [&](uint32_t point) { return lit_[point] != 0 && lit_[point] <= pass; };
-  receivers_.clear();
-  links_.clear();
-  for (uint32_t p = 0; p < table_.points.size(); ++p) {
-    if (!result->valid[p] || lit_[p]) continue;
-    bool beside_light = false;
-    for (int k = 0; k < kLinkCount; ++k) {
-      const LinkTable::Edge& edge = table_.nearest[size_t(p) * kLinkCount + k];
-      if (!litBefore(edge.point)) continue;
-      beside_light = true;
-      if (!visibility_.linkTested(edge.link)) links_.push_back(edge.link);
-    }
-    if (beside_light) receivers_.push_back(p);
-  }
-  visibility_.testLinks(links_);
-  links_.clear();
-  std::erase_if(receivers_, [&](uint32_t p) {
-    const LinkTable::Edge* nearest = &table_.nearest[size_t(p) * kLinkCount];
-    const bool receives = std::any_of(nearest, nearest + kLinkCount, [&](const LinkTable::Edge& edge) {
-      return litBefore(edge.point) && visibility_.linkOpen(edge.link);
-    });
-    if (!receives) return true;
-    for (int k = 0; k < kLinkCount; ++k) {
-      if (result->valid[nearest[k].point] && !visibility_.linkTested(nearest[k].link)) links_.push_back(nearest[k].link);
-    }
-    return false;
-  });
-  visibility_.testLinks(links_);
-  for (const uint32_t p : receivers_) {
+  std::erase_if(waiting_, [&](uint32_t point) {
+    const LinkTable::Edge* nearest = &table_.nearest[size_t(point) * kLinkCount];
+    if (std::none_of(nearest, nearest + kLinkCount, [&](const LinkTable::Edge& edge) { return litBefore(edge.point); }))
+      return false;
+    const float* gaussian = &gaussian_[size_t(point) * kLinkCount];
     double weighted = 0.0, lit_sum = 0.0, open_sum = 0.0;
     for (int k = 0; k < kLinkCount; ++k) {
-      const size_t entry = size_t(p) * kLinkCount + k;
-      const LinkTable::Edge& edge = table_.nearest[entry];
+      const LinkTable::Edge& edge = nearest[k];
       if (!result->valid[edge.point] || !visibility_.linkOpen(edge.link)) continue;
-      open_sum += gaussian_[entry];
+      open_sum += gaussian[k];
       if (!litBefore(edge.point)) continue;
-      lit_sum += gaussian_[entry];
-      weighted += gaussian_[entry] * result->phi[edge.point];
+      lit_sum += gaussian[k];
+      weighted += gaussian[k] * result->phi[edge.point];
     }
-    if (lit_sum > 0.0) result->phi[p] = static_cast<float>(weighted / lit_sum * std::min(1.0, 2.0 * lit_sum / open_sum));
-    lit_[p] = static_cast<uint8_t>(pass + 1);
-  }
+    if (lit_sum == 0.0) return false;
+    result->phi[point] = static_cast<float>(weighted / lit_sum * std::min(1.0, 2.0 * lit_sum / open_sum));
+    lit_[point] = static_cast<uint8_t>(pass + 1);
+    return true;
+  });
 }
 
 }  // namespace nlg

@@ -36,19 +36,27 @@ class WeightingBuilder {
 
   // position_m  relative to the scene's origin; spacing_m > 0
   // result      filled when the outcome is `function` or `empty`
-  ProbeOutcome build(const glm::vec3& position_m, float spacing_m, GeneratedFunction* result);
+  ProbeOutcome build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result);
+
+  // build in two steps. see: visibility and validity alone; `function` when there is one to generate.
+  // generate: the function of the probe that was seen last, whose outcome was `function`; returns `function` or `empty`
+  ProbeOutcome see(const glm::dvec3& position_m, float spacing_m);
+  ProbeOutcome generate(GeneratedFunction* result);
 
   const SupportVisibility& visibility() const { return visibility_; }
 
  private:
+  void lightSeenPoints(GeneratedFunction* result);
   void diffuse(int pass, GeneratedFunction* result);
 
   const LinkTable& table_;
   DiffusionOptions options_;
   SupportVisibility visibility_;
-  std::vector<float> gaussian_;  // by entry of LinkTable::nearest
-  std::vector<uint8_t> lit_;     // 0: nothing received; otherwise 1 + the pass that lit it
-  std::vector<uint32_t> receivers_, links_;
+  bool open_shell_ = false;
+  std::vector<float> tent_;        // by point
+  std::vector<float> gaussian_;    // by entry of LinkTable::nearest
+  std::vector<uint8_t> lit_;       // 0: nothing received; otherwise 1 + the pass that lit it
+  std::vector<uint32_t> waiting_;  // valid points that have received nothing yet
 };
 
 }  // namespace nlg

@@ -127,7 +127,9 @@ def check_command_lines():
             refuses(USAGE_ERROR, [flag.lstrip("-").replace("-", "_") if flag == "--unseen-points" else flag], outputs, tool, *arguments, f"{flag}={value}")
     arguments, outputs = arguments_of("nlg-datagen")
     refuses(USAGE_ERROR, ["spacing_max_m"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "3", "--spacing-max-m", "2")
-    refuses(USAGE_ERROR, ["2^40"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "0.0001", "--spacing-max-m", "0.0001")
+    refuses(USAGE_ERROR, ["134217728", "spacing_min_m"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "0.0001", "--spacing-max-m", "0.0001")
+    for extent in ["1,2,3", "0,0,0,1,1,nan", "0,0,0,1,1,-1", "0,0,0,1,1,x"]:
+        refuses(USAGE_ERROR, ["extent_m"], outputs, "nlg-datagen", *arguments, f"--extent-m={extent}")
     for seed in ["", "x", "-1", "1.5", "9" * 30]:
         refuses(USAGE_ERROR, ["--scene"], outputs, "nlg-datagen", "--scene", f"house:{seed}", "--out", "bad.h5")
     arguments, outputs = arguments_of("nlg-train", {"tent_mlp": "pf3"})

@@ -82,19 +82,36 @@ TEST(LinkTable, GivesEveryPairOneIndex) {
   EXPECT_EQ(used.size(), table().links.size()) << "a link that nobody asked for";
 }
 
-TEST(LinkTable, ListsEveryLinkAtBothEnds) {
+TEST(LinkTable, ListsEveryCarryingLinkAtBothEndsSupportPointsFirst) {
   ASSERT_EQ(table().first_edge.size(), table().points.size() + 1);
-  ASSERT_EQ(table().edges.size(), 2 * table().links.size());
+  ASSERT_EQ(table().edge_point.size(), table().first_edge.back());
+  ASSERT_EQ(table().edge_link.size(), table().first_edge.back());
   std::vector<int> visits(table().links.size(), 0);
   for (uint32_t point = 0; point < table().points.size(); ++point) {
     for (uint32_t e = table().first_edge[point]; e < table().first_edge[point + 1]; ++e) {
-      const LinkTable::Edge& edge = table().edges[e];
-      const LinkTable::Link& link = table().links[edge.link];
-      ASSERT_TRUE((link.a == point && link.b == edge.point) || (link.b == point && link.a == edge.point)) << "edge " << e;
-      ++visits[edge.link];
+      const LinkTable::Link& link = table().links[table().edge_link[e]];
+      const uint32_t other = table().edge_point[e];
+      ASSERT_TRUE((link.a == point && link.b == other) || (link.b == point && link.a == other)) << "edge " << e;
+      ASSERT_EQ(e < table().first_unseen_edge[point], other < kSupportPointCount) << "edge " << e;
+      ++visits[table().edge_link[e]];
     }
   }
-  for (const int count : visits) ASSERT_EQ(count, 2);
+  std::vector<int> expected(table().links.size(), 0);
+  for (uint32_t point = 0; point < table().points.size(); ++point) {
+    for (int k = 0; k < kCarryingLinkCount; ++k) expected[nearest(point, k).link] = 2;
+  }
+  EXPECT_EQ(visits, expected);
+}
+
+TEST(LinkTable, PacksEveryLinkAtItsIndex) {
+  const LinkPackets& packets = table().link_packets;
+  ASSERT_GE(packets.tree.order.size(), table().links.size());
+  for (uint32_t l = 0; l < table().links.size(); ++l) {
+    for (int axis = 0; axis < 3; ++axis) {
+      ASSERT_EQ(packets.from[axis][l], table().points[table().links[l].a][axis]) << "link " << l;
+      ASSERT_EQ(packets.to[axis][l], table().points[table().links[l].b][axis]) << "link " << l;
+    }
+  }
 }
 
 TEST(LinkTable, LetsNothingReadAnUnseenPoint) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "tests/datagen/hand_built_scenes.h"
 
@@ -41,10 +40,8 @@ std::vector<Scene> scenes() {
 std::vector<double> diffusedNaively(const Scene& scene, const GeneratedFunction& function, const DiffusionOptions& options) {
   const RayScene rays(scene);
   SupportVisibility visibility(rays, table());
-  visibility.beginProbe(glm::vec3(0), 1.0f);
-  std::vector<uint32_t> links(table().links.size());
-  std::iota(links.begin(), links.end(), 0u);
-  visibility.testLinks(links);
+  visibility.beginProbe(glm::dvec3(0), 1.0f);
+  visibility.testLinks();
   const size_t count = table().points.size();
   std::vector<double> phi(count, 0.0);
   std::vector<bool> lit(count, false);

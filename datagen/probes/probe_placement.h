@@ -1,0 +1,44 @@
+// Where a scene's probes stand: the tree of probes over its extent, dense near geometry.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datagen/scene/scene.h"
+#include "runtime_eval/light_grid/probe_tree.h"
+
+namespace nlg {
+
+// A box in world coordinates, metres.
+struct ExtentBox {
+  glm::dvec3 low_m{0.0}, high_m{0.0};
+};
+
+struct ProbePlacementOptions {
+  double spacing_min_m = 0.7;  // the finest distance between probes; each jitter draws its own, uniform in the logarithm
+  double spacing_max_m = 2.2;
+  double density_growth = 0.5;  // a cell may be as large as this times its distance from the nearest triangle; 0: all are finest
+  std::optional<ExtentBox> extent;       // where positions have probes; none: the scene's bounds
+  uint64_t max_probes = kMaxTreeProbes;  // a scene and spacing that need more are refused
+};
+
+// The extent from the six numbers of a setting: low x, y, z, high x, y, z, metres, world coordinates; none when there are none.
+// throws   UsageError naming extent_m unless they are six finite numbers with low <= high
+std::optional<ExtentBox> extentFromNumbers(const std::vector<std::string>& numbers);
+
+// The tree over the extent, its frame relative to the scene's origin. The finest spacing, and the shift of the lattice by up to
+// one root node, are drawn from seed; the tree is a pure function of (scene, options, seed), the same on every machine.
+//
+// Every position in the extent has probes; so has what else lies in a cell that reaches into it. Along an axis where the scene's
+// bounds are thinner than a spacing the extent reaches one spacing beyond them on both sides. A scene without triangles has an
+// empty tree when no extent is given, and one of the largest cells when it is. With density_growth <= 1/sqrt(3) a probe with a
+// triangle in its support always has the finest spacing (docs/probes.md).
+//
+// throws   UsageError when an option lies outside its range, or when the tree would hold more than max_probes probes (it names a
+//          spacing that fits) or reach over more than kMaxLatticeSide spacings
+ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed);
+
+}  // namespace nlg

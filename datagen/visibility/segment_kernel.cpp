@@ -1,0 +1,310 @@
+#include "datagen/visibility/segment_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "datagen/visibility/segment_kernel.cpp"
+#include <hwy/foreach_target.h>
+// after foreach_target.h
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace nlg {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::CappedTag<float, kPacketLanes>;
+using Floats = hn::Vec<Tag>;
+using Mask = hn::Mask<Tag>;
+
+// Three coordinates in every lane.
+struct Vectors {
+  Floats x, y, z;
+};
+
+HWY_INLINE Floats dot(const Vectors& a, const Vectors& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+
+HWY_INLINE Vectors broadcast(const float* vector) {
+  const Tag d;
+  return {hn::Set(d, vector[0]), hn::Set(d, vector[1]), hn::Set(d, vector[2])};
+}
+
+HWY_INLINE Vectors load(const std::array<AlignedFloats, 3>& arrays, size_t first) {
+  const Tag d;
+  return {hn::LoadU(d, &arrays[0][first]), hn::LoadU(d, &arrays[1][first]), hn::LoadU(d, &arrays[2][first])};
+}
+
+HWY_INLINE Vectors abs(const Vectors& v) { return {hn::Abs(v.x), hn::Abs(v.y), hn::Abs(v.z)}; }
+
+HWY_INLINE uint32_t bits(Mask mask) {
+  uint8_t bytes[8] = {};
+  hn::StoreMaskBits(Tag(), mask, bytes);
+  uint32_t result;
+  std::memcpy(&result, bytes, sizeof(result));
+  return result;
+}
+
+// A triangle in every lane.
+struct WideTriangle {
+  explicit HWY_INLINE WideTriangle(const LocalTriangle& t)
+      : normal(broadcast(t.normal)),
+        outward{broadcast(t.outward[0]), broadcast(t.outward[1]), broadcast(t.outward[2])},
+        center(broadcast(t.center)),
+        extent(broadcast(t.extent)),
+        offset(hn::Set(Tag(), t.offset)),
+        reach{hn::Set(Tag(), t.reach[0]), hn::Set(Tag(), t.reach[1]), hn::Set(Tag(), t.reach[2])} {}
+
+  // The boxes from `first` on that come within kBoxMargin of the triangle: separating axes of the box's faces, the triangle's
+  // plane, and its edges within the plane.
+  HWY_INLINE uint32_t touches(const Boxes& boxes, size_t first) const {
+    const Tag d;
+    const Floats margin = hn::Set(d, kBoxMargin);
+    const Vectors at = load(boxes.center, first), half = load(boxes.extent, first);
+    Mask near = hn::Le(hn::Abs(hn::Sub(at.x, center.x)), hn::Add(hn::Add(half.x, extent.x), margin));
+    near = hn::And(near, hn::Le(hn::Abs(hn::Sub(at.y, center.y)), hn::Add(hn::Add(half.y, extent.y), margin)));
+    near = hn::And(near, hn::Le(hn::Abs(hn::Sub(at.z, center.z)), hn::Add(hn::Add(half.z, extent.z), margin)));
+    if (hn::AllFalse(d, near)) return 0;
+    const Floats distance = hn::Abs(hn::Sub(dot(normal, at), offset));
+    near = hn::And(near, hn::Le(distance, hn::Add(dot(abs(normal), half), margin)));
+    if (hn::AllFalse(d, near)) return 0;
+    for (int e = 0; e < 3; ++e) {
+      const Floats beyond = hn::Sub(hn::Sub(dot(outward[e], at), reach[e]), dot(abs(outward[e]), half));
+      near = hn::And(near, hn::Le(beyond, margin));
+    }
+    return bits(near);
+  }
+
+  // segmentMeets, a segment a lane. kFromProbe: all segments begin at the local origin, and `from` is not read.
+  template <bool kFromProbe>
+  HWY_INLINE uint32_t meets(const Vectors& from, const Vectors& to) const {
+    const Tag d;
+    const Floats zero = hn::Zero(d);
+    const Floats from_side = kFromProbe ? hn::Sub(zero, offset) : hn::Sub(dot(normal, from), offset);
+    const Floats to_side = hn::Sub(dot(normal, to), offset);
+    Mask met =
+        hn::Or(hn::And(hn::Ge(from_side, zero), hn::Le(to_side, zero)), hn::And(hn::Le(from_side, zero), hn::Ge(to_side, zero)));
+    met = hn::And(met, hn::Ne(from_side, to_side));
+    if (hn::AllFalse(d, met)) return 0;
+    // where it crosses the plane, times `scale`
+    const Floats from_share = hn::Abs(to_side), to_share = hn::Abs(from_side), scale = hn::Add(from_share, to_share);
+    Vectors at = {hn::Mul(to.x, to_share), hn::Mul(to.y, to_share), hn::Mul(to.z, to_share)};
+    if (!kFromProbe) {
+      at.x = hn::Add(hn::Mul(from.x, from_share), at.x);
+      at.y = hn::Add(hn::Mul(from.y, from_share), at.y);
+      at.z = hn::Add(hn::Mul(from.z, from_share), at.z);
+    }
+    for (int e = 0; e < 3; ++e) met = hn::And(met, hn::Le(dot(outward[e], at), hn::Mul(reach[e], scale)));
+    if (hn::AllFalse(d, met)) return 0;
+    met = hn::And(met, hn::Le(hn::Abs(hn::Sub(at.x, hn::Mul(center.x, scale))), hn::Mul(extent.x, scale)));
+    met = hn::And(met, hn::Le(hn::Abs(hn::Sub(at.y, hn::Mul(center.y, scale))), hn::Mul(extent.y, scale)));
+    met = hn::And(met, hn::Le(hn::Abs(hn::Sub(at.z, hn::Mul(center.z, scale))), hn::Mul(extent.z, scale)));
+    return bits(met);
+  }
+
+  Vectors normal, outward[3], center, extent;
+  Floats offset, reach[3];
+};
+
+constexpr uint32_t kAllLanes = (1u << kPacketLanes) - 1;
+constexpr uint32_t kAllChildren = (1u << kTreeWidth) - 1;
+
+// Calls visit(i) for the set bits, lowest first.
+template <class Visit>
+HWY_INLINE void forEachBit(uint32_t word, const Visit& visit) {
+  for (; word != 0; word &= word - 1) visit(static_cast<uint32_t>(__builtin_ctz(word)));
+}
+
+HWY_INLINE uint32_t touchingChildren(const WideTriangle& triangle, const Boxes& nodes, size_t first) {
+  uint32_t touched = 0;
+  for (size_t i = 0; i < kTreeWidth; i += hn::Lanes(Tag())) touched |= triangle.touches(nodes, first + i) << i;
+  return touched & kAllChildren;
+}
+
+void sortIntoLeaves(const PacketTree& tree, const std::vector<LocalTriangle>& triangles,
+                    std::array<std::vector<uint32_t>, kLeafCount>* leaves) {
+  for (std::vector<uint32_t>& list : *leaves) list.clear();
+  for (uint32_t t = 0; t < triangles.size(); ++t) {
+    const WideTriangle triangle(triangles[t]);
+    forEachBit(touchingChildren(triangle, tree.nodes, 0), [&](uint32_t i) {
+      forEachBit(touchingChildren(triangle, tree.nodes, kTreeWidth * (i + 1)), [&](uint32_t j) {
+        const uint32_t node = kTreeWidth * (i + 1) + j, first_leaf = kTreeWidth * (node + 1);
+        forEachBit(touchingChildren(triangle, tree.nodes, first_leaf),
+                   [&](uint32_t k) { (*leaves)[first_leaf - kFirstLeaf + k].push_back(t); });
+      });
+    });
+  }
+}
+
+uint64_t blockLinksVectors(const LinkPackets& links, const std::vector<LocalTriangle>& triangles, LinkScratch* scratch,
+                           uint16_t* HWY_RESTRICT blocked) {
+  const PacketTree& tree = links.tree;
+  std::fill(blocked, blocked + tree.packetCount(), uint16_t{0});
+  sortIntoLeaves(tree, triangles, &scratch->triangles_of_leaf);
+  const size_t lanes = hn::Lanes(Tag());
+  uint64_t test_count = 0;
+  for (uint32_t leaf = 0; leaf < kLeafCount; ++leaf) {
+    const std::vector<uint32_t>& list = scratch->triangles_of_leaf[leaf];
+    if (list.empty()) continue;
+    const uint32_t first = tree.first_packet[leaf], end = tree.first_packet[leaf + 1];
+    for (const uint32_t t : list) {
+      const WideTriangle triangle(triangles[t]);
+      for (uint32_t begin = first; begin < end; begin += static_cast<uint32_t>(lanes)) {
+        uint32_t touched = triangle.touches(tree.packets, begin);
+        if (end - begin < lanes) touched &= (1u << (end - begin)) - 1;
+        forEachBit(touched, [&](uint32_t i) {
+          const uint32_t packet = begin + i;
+          if (blocked[packet] == kAllLanes) return;
+          uint32_t met = 0;
+          for (size_t k = 0; k < kPacketLanes; k += lanes) {
+            const size_t place = size_t{packet} * kPacketLanes + k;
+            met |= triangle.template meets<false>(load(links.from, place), load(links.to, place)) << k;
+          }
+          blocked[packet] |= static_cast<uint16_t>(met);
+          ++test_count;
+        });
+      }
+    }
+  }
+  return test_count;
+}
+
+// The shadow of a triangle, seen from the local origin: four half-spaces. Linear in the point, so that boxes can be told to lie
+// wholly outside or wholly inside.
+struct Shadow {
+  explicit HWY_INLINE Shadow(const LocalTriangle& t) {
+    const float sign = t.offset < 0.0f ? -1.0f : 1.0f, distance = std::fabs(t.offset);
+    // behind the plane: sign · normal · x > distance
+    float plane[4][3], limit[4], margin[4];
+    for (int axis = 0; axis < 3; ++axis) plane[3][axis] = -sign * t.normal[axis];
+    limit[3] = -distance;
+    margin[3] = kBoxMargin;
+    // inside the edges: the crossing is x · distance / (sign · normal · x)
+    for (int e = 0; e < 3; ++e) {
+      for (int axis = 0; axis < 3; ++axis) {
+        plane[e][axis] = distance * t.outward[e][axis] - t.reach[e] * sign * t.normal[axis];
+      }
+      limit[e] = 0.0f;
+      margin[e] = kBoxMargin * (distance + std::fabs(t.reach[e]));
+    }
+    // a plane through the very origin is met on both sides: nothing is left out
+    const float unknown = distance == 0.0f ? std::numeric_limits<float>::infinity() : 0.0f;
+    for (int h = 0; h < 4; ++h) {
+      half_space[h] = broadcast(plane[h]);
+      outside[h] = hn::Set(Tag(), limit[h] + margin[h] + unknown);
+      inside[h] = hn::Set(Tag(), limit[h] - margin[h] - unknown);
+    }
+  }
+
+  // Boxes from `first` on: `some` may hold points in the shadow, `all` hold no other.
+  HWY_INLINE void judge(const Boxes& boxes, size_t first, uint32_t* some, uint32_t* all) const {
+    const Tag d;
+    const Vectors at = load(boxes.center, first), half = load(boxes.extent, first);
+    Mask may = hn::MaskFromVec(hn::Zero(d)), must = may;
+    for (int h = 0; h < 4; ++h) {
+      const Floats middle = dot(half_space[h], at), spread = dot(abs(half_space[h]), half);
+      const Mask may_h = hn::Le(hn::Sub(middle, spread), outside[h]), must_h = hn::Le(hn::Add(middle, spread), inside[h]);
+      may = h == 0 ? may_h : hn::And(may, may_h);
+      must = h == 0 ? must_h : hn::And(must, must_h);
+    }
+    *some = bits(may);
+    *all = bits(must);
+  }
+
+  Vectors half_space[4];
+  Floats outside[4], inside[4];
+};
+
+void blockProbeRaysVectors(const PointPackets& points, const std::vector<LocalTriangle>& triangles,
+                           uint16_t* HWY_RESTRICT blocked) {
+  const PacketTree& tree = points.tree;
+  std::fill(blocked, blocked + tree.packetCount(), uint16_t{0});
+  const size_t lanes = hn::Lanes(Tag());
+  const auto blockAll = [&](uint32_t first_leaf, uint32_t leaf_count) {
+    std::fill(blocked + tree.first_packet[first_leaf], blocked + tree.first_packet[first_leaf + leaf_count], uint16_t{kAllLanes});
+  };
+  for (const LocalTriangle& local : triangles) {
+    const WideTriangle triangle(local);
+    const Shadow shadow(local);
+    const auto judgeChildren = [&](size_t first, uint32_t* some, uint32_t* all) {
+      *some = *all = 0;
+      for (size_t i = 0; i < kTreeWidth; i += lanes) {
+        uint32_t some_lanes, all_lanes;
+        shadow.judge(tree.nodes, first + i, &some_lanes, &all_lanes);
+        *some |= some_lanes << i;
+        *all |= all_lanes << i;
+      }
+      *some &= kAllChildren & ~*all;
+      *all &= kAllChildren;
+    };
+    const auto testLeaf = [&](uint32_t leaf) {
+      for (uint32_t packet = tree.first_packet[leaf]; packet < tree.first_packet[leaf + 1]; ++packet) {
+        if (blocked[packet] == kAllLanes) continue;
+        uint32_t met = 0;
+        for (size_t k = 0; k < kPacketLanes; k += lanes) {
+          const Vectors to = load(points.at, size_t{packet} * kPacketLanes + k);
+          met |= triangle.template meets<true>(to, to) << k;
+        }
+        blocked[packet] |= static_cast<uint16_t>(met);
+      }
+    };
+    uint32_t some, all;
+    judgeChildren(0, &some, &all);
+    forEachBit(all, [&](uint32_t i) { blockAll(64 * i, 64); });
+    forEachBit(some, [&](uint32_t i) {
+      uint32_t some_inner, all_inner;
+      judgeChildren(kTreeWidth * (i + 1), &some_inner, &all_inner);
+      forEachBit(all_inner, [&](uint32_t j) { blockAll(64 * i + 8 * j, 8); });
+      forEachBit(some_inner, [&](uint32_t j) {
+        const uint32_t first_leaf = 64 * i + 8 * j;
+        uint32_t some_leaves, all_leaves;
+        judgeChildren(kFirstLeaf + first_leaf, &some_leaves, &all_leaves);
+        forEachBit(all_leaves, [&](uint32_t k) { blockAll(first_leaf + k, 1); });
+        forEachBit(some_leaves, [&](uint32_t k) { testLeaf(first_leaf + k); });
+      });
+    });
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace nlg
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace nlg {
+
+HWY_EXPORT(blockProbeRaysVectors);
+HWY_EXPORT(blockLinksVectors);
+
+bool segmentMeets(const LocalTriangle& triangle, const LocalPoint& from, const LocalPoint& to) {
+  const auto dot = [](const float* a, const LocalPoint& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; };
+  const float from_side = dot(triangle.normal, from) - triangle.offset, to_side = dot(triangle.normal, to) - triangle.offset;
+  const bool crosses = (from_side >= 0 && to_side <= 0) || (from_side <= 0 && to_side >= 0);
+  if (!crosses || from_side == to_side) return false;
+  const float from_share = std::fabs(to_side), to_share = std::fabs(from_side), scale = from_share + to_share;
+  LocalPoint at;  // where it crosses the plane, times scale
+  for (int axis = 0; axis < 3; ++axis) at[axis] = from[axis] * from_share + to[axis] * to_share;
+  for (int e = 0; e < 3; ++e) {
+    if (dot(triangle.outward[e], at) > triangle.reach[e] * scale) return false;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::fabs(at[axis] - triangle.center[axis] * scale) > triangle.extent[axis] * scale) return false;
+  }
+  return true;
+}
+
+void blockProbeRays(const PointPackets& points, const std::vector<LocalTriangle>& triangles, uint16_t* blocked) {
+  HWY_DYNAMIC_DISPATCH(blockProbeRaysVectors)(points, triangles, blocked);
+}
+
+uint64_t blockLinks(const LinkPackets& links, const std::vector<LocalTriangle>& triangles, LinkScratch* scratch,
+                    uint16_t* blocked) {
+  return HWY_DYNAMIC_DISPATCH(blockLinksVectors)(links, triangles, scratch, blocked);
+}
+
+}  // namespace nlg
+#endif  // HWY_ONCE

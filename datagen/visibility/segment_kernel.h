@@ -1,0 +1,47 @@
+// The segment tests of a support, vectorised: which links and which rays from the probe meet which triangles.
+//
+// What counts as meeting is segmentMeets, a pure function of one segment and one triangle; everything here only leaves out pairs
+// that it would say no to. The same bits on every SIMD target: no fused multiply-adds. Rules and figures: docs/visibility.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "datagen/visibility/local_triangles.h"
+#include "datagen/visibility/packet_tree.h"
+#include "runtime_eval/support/support_pattern.h"
+
+namespace nlg {
+
+// Does the segment meet the triangle? Its ends count, and so does the triangle's rim, widened by kEdgeReach; a segment that lies
+// in the triangle's plane does not meet it. The same for (to, from).
+bool segmentMeets(const LocalTriangle& triangle, const LocalPoint& from, const LocalPoint& to);
+
+// The fixed segments of the support by place of their tree.
+struct LinkPackets {
+  PacketTree tree;
+  std::array<AlignedFloats, 3> from, to;  // local coordinates
+  std::vector<uint32_t> from_point, to_point;
+};
+struct PointPackets {
+  PacketTree tree;
+  std::array<AlignedFloats, 3> at;
+};
+
+// Kept between probes so that none of them allocates.
+struct LinkScratch {
+  std::array<std::vector<uint32_t>, kLeafCount> triangles_of_leaf;
+};
+
+// Sets bit i of blocked[p] when the segment from the local origin to the point at place 16 p + i meets a triangle.
+// blocked   a word a packet, all written
+void blockProbeRays(const PointPackets& points, const std::vector<LocalTriangle>& triangles, uint16_t* blocked);
+
+// Sets bit i of blocked[p] when the link at place 16 p + i meets a triangle.
+// blocked   a word a packet, all written
+// returns   how many pairs of packet and triangle were tested
+uint64_t blockLinks(const LinkPackets& links, const std::vector<LocalTriangle>& triangles, LinkScratch* scratch,
+                    uint16_t* blocked);
+
+}  // namespace nlg

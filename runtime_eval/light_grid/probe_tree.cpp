@@ -1,0 +1,117 @@
+#include "runtime_eval/light_grid/probe_tree.h"
+
+#include <bit>
+
+#include "runtime_eval/light_grid/morton.h"
+
+namespace nlg {
+
+size_t ProbeTree::byteCount() const {
+  return sizeof(*this) + nodes_.capacity() * sizeof(Node) + slots_.capacity() * sizeof(uint32_t) +
+         probe_keys_.capacity() * sizeof(uint64_t) + probe_log2_.capacity();
+}
+
+LatticePoint ProbeTree::probeLattice(size_t index) const { return latticeFromMorton(probe_keys_[index]); }
+
+PositionM ProbeTree::probePosition(size_t index) const {
+  const LatticePoint lattice = probeLattice(index);
+  PositionM position_m;
+  for (int axis = 0; axis < 3; ++axis) position_m[axis] = frame_.first_m[axis] + frame_.spacing_m * lattice[axis];
+  return position_m;
+}
+
+float ProbeTree::probeSpacing(size_t index) const { return static_cast<float>(frame_.spacing_m * (1 << probe_log2_[index])); }
+
+bool ProbeTree::lookUp(const PositionM& position_m, ProbesAround* around) const {
+  PositionM units;
+  LatticePoint unit;
+  for (int axis = 0; axis < 3; ++axis) {
+    units[axis] = (position_m[axis] - frame_.first_m[axis]) / frame_.spacing_m;
+    // compared as a double, so that what is huge or not a number never becomes an integer
+    if (!(units[axis] >= 0.0 && units[axis] < kRootSide * frame_.root_count[axis])) return false;
+    unit[axis] = static_cast<int32_t>(units[axis]);
+  }
+  const auto root = [&](int axis) { return static_cast<uint32_t>(unit[axis] / kRootSide); };
+  const auto roots = [&](int axis) { return static_cast<uint32_t>(frame_.root_count[axis]); };
+  const Node* node = &nodes_[(root(2) * roots(1) + root(1)) * roots(0) + root(0)];
+
+  // down while the cell is a child
+  std::array<uint32_t, 3> in_node;
+  uint64_t cell_bit;
+  for (;;) {
+    for (int axis = 0; axis < 3; ++axis)
+      in_node[axis] = static_cast<uint32_t>(unit[axis] >> node->cell_log2) & (node->cell_count - 1u);
+    cell_bit = uint64_t{1} << (in_node[0] + 4 * in_node[1] + 16 * in_node[2]);
+    if (!(node->child_mask & cell_bit)) break;
+    node = &nodes_[node->first_child + static_cast<uint32_t>(std::popcount(node->child_mask & (cell_bit - 1)))];
+  }
+  if (!(node->used_mask & cell_bit)) return false;
+
+  around->cell.side = 1 << node->cell_log2;
+  LocalPoint from_low;  // in shares of the cell, [0, 1]
+  for (int axis = 0; axis < 3; ++axis) {
+    around->cell.low[axis] = unit[axis] & -around->cell.side;
+    from_low[axis] = static_cast<float>((units[axis] - around->cell.low[axis]) / around->cell.side);
+  }
+  const uint32_t edge = node->cell_count + 1u;
+  const uint32_t* slot = &slots_[node->first_slot + (in_node[2] * edge + in_node[1]) * edge + in_node[0]];
+  for (uint32_t c = 0; c < 8; ++c) {
+    ProbeAround& corner = around->corners[c];
+    corner.probe = slot[(c & 1) + (c >> 1 & 1) * edge + (c >> 2) * edge * edge];
+    // a power of two, 1 inside one level
+    const float cell_per_spacing = 1.0f / static_cast<float>(1 << (probe_log2_[corner.probe] - node->cell_log2));
+    corner.tent_ratio = 1.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool is_high = c >> axis & 1;
+      const float distance = is_high ? 1.0f - from_low[axis] : from_low[axis];
+      const float local = distance * cell_per_spacing;
+      corner.local[axis] = is_high ? -local : local;
+      if (cell_per_spacing < 1.0f) corner.tent_ratio *= (1.0f - distance) / (1.0f - local);
+    }
+  }
+  return true;
+}
+
+ProbeCell ProbeTree::cellOf(const LatticePoint& node_low, int bit, int cell_log2) {
+  ProbeCell cell{node_low, 1 << cell_log2};
+  for (int axis = 0; axis < 3; ++axis) cell.low[axis] += cell.side * (bit >> 2 * axis & 3);
+  return cell;
+}
+
+void ProbeTree::visitNodes(uint32_t node_idx, const ProbeNode& place, const NodeVisit& visit) const {
+  const Node& node = nodes_[node_idx];
+  visit(place, node);
+  uint32_t child_idx = node.first_child;
+  for (uint64_t mask = node.child_mask; mask != 0; mask &= mask - 1) {
+    const ProbeCell child = cellOf(place.low, std::countr_zero(mask), node.cell_log2);
+    visitNodes(child_idx, {child.low, child.side, place.level + 1, nodes_[child_idx].cell_count + 1}, visit);
+    ++child_idx;
+  }
+}
+
+void ProbeTree::visitAllNodes(const NodeVisit& visit) const {
+  uint32_t root_idx = 0;
+  for (int32_t z = 0; z < frame_.root_count[2]; ++z) {
+    for (int32_t y = 0; y < frame_.root_count[1]; ++y) {
+      for (int32_t x = 0; x < frame_.root_count[0]; ++x, ++root_idx) {
+        const Node& root = nodes_[root_idx];
+        const bool is_needed = (root.child_mask | root.used_mask) != 0;
+        visitNodes(root_idx, {{x * kRootSide, y * kRootSide, z * kRootSide}, kRootSide, 0, is_needed ? root.cell_count + 1 : 0},
+                   visit);
+      }
+    }
+  }
+}
+
+void ProbeTree::forEachNode(const std::function<void(const ProbeNode&)>& visit) const {
+  visitAllNodes([&](const ProbeNode& place, const Node&) { visit(place); });
+}
+
+void ProbeTree::forEachCell(const std::function<void(const ProbeCell&)>& visit) const {
+  visitAllNodes([&](const ProbeNode& place, const Node& node) {
+    for (uint64_t mask = node.used_mask; mask != 0; mask &= mask - 1)
+      visit(cellOf(place.low, std::countr_zero(mask), node.cell_log2));
+  });
+}
+
+}  // namespace nlg
