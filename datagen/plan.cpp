@@ -13,7 +13,7 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kSampleFunctions = 400;               // made, duplicates included
+constexpr uint64_t kSampleFunctions = 1000;              // made, duplicates included
 constexpr uint64_t kSampleProbes = 20000;                // at most: most probes of a sparse scene cost next to nothing
 constexpr double kFileBytes = 30e3;                      // attributes and HDF5's own bookkeeping
 constexpr double kIndexBytes = 200.0 / kChunkFunctions;  // HDF5's bookkeeping a chunk, nine arrays
