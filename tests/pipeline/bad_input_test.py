@@ -220,7 +220,7 @@ def check_shards():
 def check_plans():
     refuses(USAGE_ERROR, [], [], "nlg-datagen", "plan")
     refuses(INPUT_ERROR, ["missing.glb"], [], "nlg-datagen", "plan", "--scene", "missing.glb")
-    refuses(USAGE_ERROR, ["max_functions"], [], "nlg-datagen", "plan", "--scene", "house:1", "--max-functions=0")
+    refuses(USAGE_ERROR, ["--max-functions"], [], "nlg-datagen", "plan", "--scene", "house:1", "--max-functions=0")
     for command in ["plan", "--plan"]:
         must("nlg-datagen", command, "--config", "good.yaml", "--scene", "house:1", "--json")
 
