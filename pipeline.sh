@@ -1,16 +1,22 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, and runs the whole pipeline: levels → data set → generators → report.
 #
-#   ./pipeline.sh [CONFIG [LEVELS]]
+#   ./pipeline.sh [--plan] [CONFIG [LEVELS]]
 #
+# --plan   only say how many probes, functions, bytes and core-hours the data set will take
 # CONFIG   pipeline.yaml (the default), configs/smoke.yaml, configs/levels.yaml, configs/openarena.yaml or one of yours
 # LEVELS   a folder of .glb or .gltf levels, in place of the configuration's scenes.folder
 # A run that was stopped goes on where it was when it is started again.
 set -euo pipefail
 
 case "${1:-}" in
-  -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
+plan=
+if [ "${1:-}" = --plan ]; then
+  plan=yes
+  shift
+fi
 config=$(realpath -m "${1:-$(dirname "$0")/pipeline.yaml}")
 [ -f "$config" ] || { echo "pipeline.sh: $config: expected a configuration file, got none" >&2; exit 2; }
 if [ $# -ge 2 ]; then
@@ -23,11 +29,22 @@ cd "$(dirname "$0")"
 source workflow/setup.sh
 mkdir -p build
 install_packages
-build nlg-datagen nlg-pca nlg-train nlg-export nlg-validate
+if [ -n "$plan" ]; then build nlg-datagen; else build nlg-datagen nlg-pca nlg-train nlg-export nlg-validate; fi
 # our own lock instead of snakemake's, which outlives a killed run: this one is gone with the last process that holds it
 exec 9> build/pipeline.lock
 flock -n 9 || { echo "pipeline.sh: another run of this checkout is at work" >&2; exit 2; }
-/usr/bin/snakemake -s workflow/Snakefile --configfile "$config" --cores "$(nproc)" --rerun-incomplete --nolock \
-  --rerun-triggers mtime params input --quiet rules
 name=$(/usr/bin/python3 -c 'import sys, yaml; print(yaml.safe_load(open(sys.argv[1]))["name"])' "$config")
-echo "The report: $(realpath "${NLG_OUT:-out}/$name/report.html")"
+run=${NLG_OUT:-out}/$name
+workflow() {
+  /usr/bin/snakemake -s workflow/Snakefile --configfile "$config" --cores "$(nproc)" --rerun-incomplete --nolock \
+    --rerun-triggers mtime params input --quiet rules -- "$@"
+}
+if [ -n "$plan" ]; then
+  workflow plan
+  exit
+fi
+# damaged shards go, and are asked for by name: what nothing out of date needs, snakemake would not miss
+removed=$(workflow/check_shards.sh "${NLG_BIN:-build/release/bin}" "$run/dataset")
+mapfile -t again <<<"$removed"
+workflow ${removed:+"${again[@]}"} all
+echo "The report: $(realpath "$run/report.html")"

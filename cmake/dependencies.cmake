@@ -24,6 +24,13 @@ if(NLG_BUILD_TOOLS)
   find_package(Eigen3 3.4 CONFIG REQUIRED)
   find_package(BLAS REQUIRED)
   find_package(HDF5 REQUIRED COMPONENTS C)
+  # Debian's libdeflate brings no CMake package
+  find_library(NLG_DEFLATE_LIBRARY deflate REQUIRED)
+  find_path(NLG_DEFLATE_INCLUDE libdeflate.h REQUIRED)
+  add_library(nlg_deflate INTERFACE)
+  add_library(nlg::deflate ALIAS nlg_deflate)
+  target_include_directories(nlg_deflate SYSTEM INTERFACE ${NLG_DEFLATE_INCLUDE})
+  target_link_libraries(nlg_deflate INTERFACE ${NLG_DEFLATE_LIBRARY})
   find_package(Torch REQUIRED)
   # libtorch as one target, its headers as system headers: their warnings are not ours
   add_library(nlg_torch INTERFACE)

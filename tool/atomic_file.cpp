@@ -9,6 +9,8 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -49,10 +51,21 @@ class FileDescriptor {
   int fd_;
 };
 
+std::string hostName() {
+  char name[256] = {};
+  if (::gethostname(name, sizeof name - 1) != 0 || name[0] == '\0') return "host";
+  std::string text = name;
+  std::replace(text.begin(), text.end(), '/', '_');
+  return text;
+}
+
+// Everything that this machine's processes write for path begins so: a process id means something on its own machine only.
+std::string temporaryPrefixFor(const std::string& path) { return path + ".tmp." + hostName() + "."; }
+
 // A path beside the final one: rename is atomic only inside one file system.
 std::string temporaryPathFor(const std::string& path) {
   static std::atomic<uint64_t> counter{0};
-  return path + ".tmp." + std::to_string(::getpid()) + "." + std::to_string(counter++);
+  return temporaryPrefixFor(path) + std::to_string(::getpid()) + "." + std::to_string(counter++);
 }
 
 std::string folderOf(const std::string& path) {
@@ -64,6 +77,23 @@ void makeFolder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(folderOf(path), error);
   if (error) throw OutputError(path, "folder " + folderOf(path) + ": " + reasonOf(error.value()));
+}
+
+// Removes what processes of this machine that are gone left behind for path. Whatever cannot be removed stays: it harms nobody.
+void removeStaleTemporaries(const std::string& path) {
+  const std::string prefix = std::filesystem::path(temporaryPrefixFor(path)).filename().string();
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folderOf(path), error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.rfind(prefix, 0) != 0) continue;
+    const char* const first = name.c_str() + prefix.size();
+    char* last = nullptr;
+    const long process = std::strtol(first, &last, 10);
+    if (last == first || *last != '.' || process <= 0) continue;
+    if (::kill(static_cast<pid_t>(process), 0) == 0 || errno != ESRCH) continue;
+    std::error_code ignored;
+    std::filesystem::remove(entry->path(), ignored);
+  }
 }
 
 void syncFile(const std::string& temporary_path, const std::string& path) {
@@ -114,14 +144,18 @@ class Sha256 {
   }
   void add(const char* bytes, size_t count) { NLG_CHECK(EVP_DigestUpdate(context_.get(), bytes, count), ==, 1); }
 
-  std::string hexadecimal() {
+  std::vector<uint8_t> bytes() {
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
     unsigned int length = 0;
     NLG_CHECK(EVP_DigestFinal_ex(context_.get(), digest.data(), &length), ==, 1);
+    return {digest.begin(), digest.begin() + length};
+  }
+
+  std::string hexadecimal() {
     std::string text;
-    for (unsigned int i = 0; i < length; ++i) {
-      text += "0123456789abcdef"[digest[i] >> 4];
-      text += "0123456789abcdef"[digest[i] & 15];
+    for (const uint8_t byte : bytes()) {
+      text += "0123456789abcdef"[byte >> 4];
+      text += "0123456789abcdef"[byte & 15];
     }
     return text;
   }
@@ -140,6 +174,7 @@ void writeAtomically(const std::string& path, const std::function<void(const std
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     throw OutputError(path, std::filesystem::is_directory(status) ? "it is a directory" : "it exists and is not a regular file");
   }
+  removeStaleTemporaries(path);
   const std::string temporary_path = temporaryPathFor(path);
   try {
     write(temporary_path);
@@ -175,6 +210,19 @@ std::string fileSha256(const std::string& path) {
   Sha256 hash;
   forEachBlock(path, [&](const char* block, size_t count) { hash.add(block, count); });
   return hash.hexadecimal();
+}
+
+std::vector<uint8_t> fileSha256Bytes(const std::string& path, ByteRange zeroed) {
+  Sha256 hash;
+  uint64_t position = 0;
+  forEachBlock(path, [&](char* block, size_t count) {
+    const uint64_t first = std::clamp<uint64_t>(zeroed.first, position, position + count);
+    const uint64_t last = std::clamp<uint64_t>(zeroed.first + zeroed.count, position, position + count);
+    std::fill(block + (first - position), block + (std::max(first, last) - position), '\0');
+    hash.add(block, count);
+    position += count;
+  });
+  return hash.bytes();
 }
 
 std::string sha256(std::string_view bytes) {

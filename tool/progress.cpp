@@ -34,10 +34,13 @@ Progress::~Progress() {
   if (printed_) std::fputs("\r\033[K", stderr);
 }
 
+bool Progress::due() const {
+  return terminal_ && (!printed_ || std::chrono::steady_clock::now() - last_print_ >= kPrintInterval);
+}
+
 void Progress::update(int64_t done, const std::string& note) {
-  if (!terminal_) return;
+  if (!due()) return;
   const auto now = std::chrono::steady_clock::now();
-  if (printed_ && now - last_print_ < kPrintInterval) return;
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
   const double rate = elapsed_s > 0 ? static_cast<double>(done) / elapsed_s : 0;
   std::string line = fmt::format("{}: {} of {}", what_, done, total_);

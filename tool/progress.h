@@ -13,6 +13,10 @@ class Progress {
   Progress(std::string what, int64_t total);
   ~Progress();  // clears the line
 
+  // The total as it is known by now, where it is only an estimate at first.
+  void setTotal(int64_t total) { total_ = total; }
+  // Whether update would print now: lets a fast loop save the making of its note.
+  bool due() const;
   // Says how many are done; prints at most ten times a second: count, share, rate, time left, and note.
   void update(int64_t done, const std::string& note = "");
 

@@ -9,19 +9,6 @@
 namespace nlg {
 namespace {
 
-std::string functionKey(const Shard& shard, uint64_t n) {
-  const size_t points = shard.point_count;
-  std::string bytes(reinterpret_cast<const char*>(&shard.phi[n * points]), points);
-  bytes.append(reinterpret_cast<const char*>(&shard.validity[n * points / 8]), points / 8);
-  return sha256(bytes);
-}
-
-// Moves row `from` of an N x width array to row `to`.
-template <class T>
-void moveRow(std::vector<T>& rows, size_t width, uint64_t from, uint64_t to) {
-  std::copy_n(rows.begin() + from * width, width, rows.begin() + to * width);
-}
-
 // Every shard must be of the first one's kind: same points, and the same points that no fit sees.
 void checkSameKind(const std::string& path, const Shard& shard, const FunctionSet& set) {
   const auto require = [&](const char* attribute, uint64_t expected, uint64_t got) {
@@ -92,26 +79,12 @@ void addCounts(const ShardCounts& from, ShardCounts* to) {
   to->empty += from.empty;
 }
 
-void DuplicateFilter::removeKnown(Shard* shard) {
-  uint64_t kept = 0;
-  const uint64_t count = shard->functionCount();
-  for (uint64_t n = 0; n < count; ++n) {
-    if (!known_.insert(functionKey(*shard, n)).second) continue;
-    if (n != kept) {
-      forEachArray(*shard, [&](const char*, auto& rows, const auto& columns) { moveRow(rows, rowWidth(columns), n, kept); });
-    }
-    ++kept;
-  }
-  forEachArray(*shard, [&](const char*, auto& rows, const auto& columns) { rows.resize(kept * rowWidth(columns)); });
-  shard->counts.functions -= count - kept;
-  shard->counts.duplicates += count - kept;
-}
-
 FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash, int point_count) {
   if (paths.empty()) throw InputError("shards", "files", "at least one", "none");
   FunctionSet set;
   prepare(paths, pattern_hash, point_count, set);
-  DuplicateFilter filter;
+  const uint64_t P = static_cast<uint64_t>(set.point_count);
+  DuplicateFilter filter([&](uint64_t id) { return FunctionSamples{&set.phi[id * P], &set.validity[id * P / 8]}; });
   std::string hashes;
   for (const std::string& path : paths) {
     Shard shard = readShard(path, pattern_hash, point_count);

@@ -1,10 +1,11 @@
 // All functions of several shards in memory: what training, export and validation read.
 #pragma once
 
+#include <memory>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
+#include "datagen/dataset/duplicate_index.h"
 #include "datagen/dataset/shard.h"
 
 namespace nlg {
@@ -25,20 +26,32 @@ struct FunctionSet {
   uint64_t functionCount() const { return scene_idx.size(); }
 };
 
-// Drops from shards what earlier shards hold already: same samples and validity, byte for byte.
+// Drops from shards what earlier shards hold already, by the rule that the shards themselves were made with (DuplicateRule).
+//
+// Exact, as DuplicateIndex says. Memory: at most about 160 bytes a function; samples of earlier shards are read again from their
+// files when a function comes near enough to need them.
 class DuplicateFilter {
  public:
+  // earlier   gives the samples of the id-th function kept in earlier shards; without it they are read from the shards' files
+  explicit DuplicateFilter(DuplicateIndex::Fetch earlier = nullptr);
+  ~DuplicateFilter();
+  DuplicateFilter(const DuplicateFilter&) = delete;
+  DuplicateFilter& operator=(const DuplicateFilter&) = delete;
+
   // Takes the known functions out of the shard's arrays and moves them from counts.functions to counts.duplicates.
+  // shard    as readShard gave it: its path and rows name the place where its functions are found again
+  // throws   InputError when its rule is not that of the first shard; when an earlier shard cannot be read any more
   void removeKnown(Shard* shard);
 
  private:
-  std::unordered_set<std::string> known_;  // SHA-256 of samples and validity
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 // Adds every count of `from` to `to`.
 void addCounts(const ShardCounts& from, ShardCounts* to);
 
-// Reads shards one after another; a function that an earlier shard holds byte for byte is dropped and counted as a duplicate.
+// Reads shards one after another; a function that duplicates one of an earlier shard is dropped and counted.
 // throws   InputError as readShard does; when shards disagree in pattern or unseen points; when paths is empty
 FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash, int point_count = 0);
 

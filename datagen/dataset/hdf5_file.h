@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,13 +24,34 @@ class Hdf5Writer {
   void write(const std::string& name, const std::vector<uint64_t>& shape, const T* data);
   void writeAttribute(const std::string& name, const std::string& value);
   void writeAttribute(const std::string& name, uint64_t value);
+  void writeAttribute(const std::string& name, double value);
+
+  // An array of no rows yet that grows by chunks of chunk_rows rows, stored as encodeChunk (chunk_codec.h) makes them.
+  // columns   none: one value a row; otherwise the row's shape, without zeros
+  template <class T>
+  void makeGrowing(const std::string& name, const std::vector<uint64_t>& columns, uint64_t chunk_rows);
+  // Appends to the array that makeGrowing made. encoded holds chunk_rows rows, of which the first row_count count; only the
+  // last chunk of an array may have fewer than chunk_rows.
+  void appendChunk(const std::string& name, const std::vector<uint8_t>& encoded, uint64_t row_count);
+
+  // Adds the array `file_sha256` (32 bytes): the SHA-256 of the whole file with these 32 bytes taken as zeros; then closes.
+  void closeWithDigest();
 
   // Flushes and closes; call it to learn of a full disk (the destructor closes silently).
   void close();
 
  private:
+  struct Growing {
+    int64_t dataset;
+    uint64_t chunk_rows, row_count;
+    std::vector<uint64_t> columns;
+  };
+  // returns whether all of them could be closed
+  bool closeGrowing();
+
   std::string path_;
   int64_t file_ = -1;
+  std::map<std::string, Growing> growing_;
 };
 
 class Hdf5Reader {
@@ -47,14 +69,22 @@ class Hdf5Reader {
   // array that claims more than its stored bytes can hold (deflate: 1 to 1032), before any memory is taken
   template <class T>
   std::vector<T> read(const std::string& name, const std::vector<uint64_t>& expected_shape) const;
+  // Rows [first, first + count) of such an array, into values (count rows); decodes only the chunks that hold them.
+  template <class T>
+  void readRows(const std::string& name, const std::vector<uint64_t>& expected_shape, uint64_t first, uint64_t count,
+                T* values) const;
+  // Compares every byte of the file with the digest that closeWithDigest stored. throws InputError
+  void verifyDigest() const;
+  uint64_t storedBytes(const std::string& name) const;  // compressed size of an array
   std::string readTextAttribute(const std::string& name) const;
   uint64_t readIntegerAttribute(const std::string& name) const;
+  double readRealAttribute(const std::string& name) const;  // finite
 
  private:
   std::string path_;
   int64_t file_ = -1;
 };
 
-// write and read exist for T = uint8_t, uint32_t, int32_t, uint64_t, float, double.
+// write, makeGrowing, read and readRows exist for T = uint8_t, uint32_t, int32_t, uint64_t, float, double.
 
 }  // namespace nlg

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include "datagen/dataset/duplicate_rule.h"
 
 namespace nlg {
 
@@ -26,11 +26,14 @@ struct ShardCounts {
   uint64_t functions = 0;       // stored: N
   uint64_t free_space = 0;      // no triangle in the support: the bare tent
   uint64_t in_solid = 0;        // the probe itself lies in solid
-  uint64_t duplicates = 0;      // same phi and validity, byte for byte, as an earlier function of the shard
+  uint64_t duplicates = 0;      // by the shard's duplicate rule, of an earlier function of the shard
   uint64_t empty = 0;           // phi is zero at every support point
 };
 
 struct Shard {
+  std::string path;             // of the file that it was read from; empty for one that was made in memory
+  uint64_t schema_version = 2;  // of that file
+  uint64_t first_function = 0;  // of that file, that the arrays' first row holds: ShardReader::read
   std::string scene_id;
   std::string family;  // procedural family, or "level"
   uint64_t jitter = 0;
@@ -39,7 +42,8 @@ struct Shard {
   int point_count = 0;         // P
   int unseen_point_count = 0;  // U
   ShardCounts counts;
-  std::string provenance_json;  // tool/provenance.h
+  DuplicateRule duplicate_rule;  // that no two of its functions satisfy
+  std::string provenance_json;   // tool/provenance.h
 
   std::vector<uint8_t> phi;              // N x P, round(255 phi)
   std::vector<uint8_t> validity;         // N x P/8, bit i of byte b is point 8 b + i
@@ -55,11 +59,18 @@ struct Shard {
   uint64_t functionCount() const { return flags.size(); }
 };
 
-// Writes the shard atomically: chunked, shuffled by nothing, gzip 1, Fletcher-32 a chunk, no time stamps: the same shard gives
-// the same bytes. throws OutputError
+// Distinct functions a visited probe: the stored ones, and free space as one more when there is any, over all probes that were
+// looked at, those in solid included. 0 when there were none.
+double functionsPerProbe(const ShardCounts& counts);
+
+// Functions a chunk of every array in the file: the unit in which shards are written and read.
+inline constexpr uint64_t kChunkFunctions = 32;
+
+// Writes the shard atomically: deflate and Fletcher-32 a chunk, SHA-256 over the file, no time stamps: the same shard gives the
+// same bytes. For shards that fit in memory; ShardWriter (shard_writer.h) takes the others. throws OutputError
 void writeShard(const std::string& path, const Shard& shard);
 
-// Reads a shard back, checks every shape against the attributes and the checksums against the bytes.
+// Reads a shard back, checks every shape against the attributes and the checksums against the bytes. Schema versions 1 and 2.
 // pattern_hash   the pattern that the caller works with; 0 takes any
 // point_count    its points; 0 takes any number
 // throws         InputError on a missing, truncated or damaged file, another schema version or another pattern

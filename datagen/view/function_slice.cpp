@@ -14,7 +14,7 @@ struct Candidate {
   PixelKind kind = PixelKind::unknown;
 };
 
-std::vector<Candidate> allPoints(const FunctionSamples& function) {
+std::vector<Candidate> allPoints(const FunctionRow& function) {
   const std::vector<LocalPoint>& points = supportPattern().points;
   std::vector<Candidate> result(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
@@ -144,8 +144,7 @@ PlaneView planeView(int normal) {
   return {2, 0, 1, 1.0};
 }
 
-FunctionSlice makeFunctionSlice(const FunctionSamples& function, int normal, int size,
-                                const std::vector<ViewTriangle>* triangles) {
+FunctionSlice makeFunctionSlice(const FunctionRow& function, int normal, int size, const std::vector<ViewTriangle>* triangles) {
   FunctionSlice slice;
   slice.plane = planeView(normal);
   slice.size = size;
@@ -160,7 +159,7 @@ FunctionSlice makeFunctionSlice(const FunctionSamples& function, int normal, int
   return slice;
 }
 
-int mostTellingPlane(const FunctionSamples& function) {
+int mostTellingPlane(const FunctionRow& function) {
   constexpr float kSlab = 0.08f;
   const std::vector<LocalPoint>& points = supportPattern().points;
   double score[3] = {};

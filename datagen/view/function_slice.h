@@ -12,7 +12,7 @@
 namespace nlg {
 
 // One function of a shard; the pointers must outlive the view.
-struct FunctionSamples {
+struct FunctionRow {
   const uint8_t* phi = nullptr;       // P, round(255 phi), pattern order
   const uint8_t* validity = nullptr;  // P / 8, bit i of byte b is point 8 b + i
   const uint8_t* seen = nullptr;      // P / 8
@@ -57,12 +57,11 @@ struct FunctionSlice {
 // every pixel takes its nearest support point.
 //
 // triangles   those near the probe, in local coordinates
-FunctionSlice makeFunctionSlice(const FunctionSamples& function, int normal, int size,
-                                const std::vector<ViewTriangle>* triangles);
+FunctionSlice makeFunctionSlice(const FunctionRow& function, int normal, int size, const std::vector<ViewTriangle>* triangles);
 
 inline constexpr double kSliceReach = 0.2;  // shares of the spacing; the points stand 0.1 apart
 
 // The normal of the plane in which the function differs most from the bare tent, summed over the points near it.
-int mostTellingPlane(const FunctionSamples& function);
+int mostTellingPlane(const FunctionRow& function);
 
 }  // namespace nlg

@@ -15,7 +15,7 @@ double shareOfBits(const uint8_t* bytes) {
 
 }  // namespace
 
-FunctionSamples ViewedShard::function(uint64_t idx) const {
+FunctionRow ViewedShard::function(uint64_t idx) const {
   NLG_CHECK(idx, <, shard.functionCount());
   return {&shard.phi[idx * kSupportPointCount], &shard.validity[idx * kValidityByteCount], &shard.seen[idx * kValidityByteCount]};
 }

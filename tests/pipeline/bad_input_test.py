@@ -4,11 +4,14 @@
     bad_input_test.py BIN_FOLDER MAKE_NARROW_SHARD
 """
 import os
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import zipfile
+import time
 
 USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR, CHECK_FAILED = 2, 3, 5, 6  # tool/error.h
 
@@ -41,7 +44,9 @@ def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):
         failures.append(f"{command}: still running after {expired.timeout} s")
         return
     lines = result.stderr.splitlines()
-    errors = [line for line in lines if line.startswith(f"{tool}: error: ")]
+    # a command of a tool names itself: "nlg-datagen info: error: "
+    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan") else tool
+    errors = [line for line in lines if line.startswith(f"{name}: error: ")]
     if result.returncode != exit_code:
         failures.append(f"{command}: exit code {result.returncode}, expected {exit_code}\n    {result.stderr.strip()}")
     elif len(lines) != 1 or len(errors) != 1:
@@ -294,6 +299,60 @@ def check_workflow():
         is_taken, text = workflow(scenes, split)
         if is_taken or words not in text:
             failures.append(f"workflow with {scenes}, {split}: expected a refusal with '{words}', got\n    {text.strip()[-600:]}")
+def check_shards():
+    """nlg-datagen info: every damage, anywhere; and a shard whose functions repeat."""
+    for bad in ["missing.h5", "folder", "basis.h5", "weights.safetensors", *damaged_copies("held_out.h5")]:
+        refuses(INPUT_ERROR, [bad], [], "nlg-datagen", "info", bad)
+    whole = open("training.h5", "rb").read()
+    for place in [9, 700, len(whole) // 3, len(whole) - 3]:
+        write("flipped.h5", whole[:place] + bytes([whole[place] ^ 16]) + whole[place + 1 :])
+        refuses(INPUT_ERROR, ["flipped.h5"], [], "nlg-datagen", "info", "--quiet", "flipped.h5")
+    subprocess.run([MAKE_NARROW_SHARD, "repeating.h5", "repeating"], check=True)
+    refuses(INPUT_ERROR, ["repeating.h5", "duplicates"], [], "nlg-datagen", "info", "repeating.h5")
+    refuses(USAGE_ERROR, [], [], "nlg-datagen", "info")
+    must("nlg-datagen", "info", "--json", "training.h5", "held_out.h5")
+
+
+def check_plans():
+    refuses(USAGE_ERROR, [], [], "nlg-datagen", "plan")
+    refuses(INPUT_ERROR, ["missing.glb"], [], "nlg-datagen", "plan", "--scene", "missing.glb")
+    refuses(USAGE_ERROR, ["--max-functions"], [], "nlg-datagen", "plan", "--scene", "house:1", "--max-functions=0")
+    for command in ["plan", "--plan"]:
+        must("nlg-datagen", command, "--config", "good.yaml", "--scene", "house:1", "--json")
+
+
+def check_full_disk():
+    """A shard larger than any file may be: nothing stays, and the line says what it needs."""
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (300000, 300000))
+
+    before = set(os.listdir("."))
+    result = subprocess.run([os.path.join(BIN, "nlg-datagen"), "--scene", "house:1", "--out", "large.h5"], capture_output=True, text=True,
+                            preexec_fn=limit, timeout=60)
+    if result.returncode != OUTPUT_ERROR or set(os.listdir(".")) != before:
+        failures.append(f"file size limit: exit code {result.returncode}, left {set(os.listdir('.')) - before}")
+    for words in ["large.h5", "it needs", "are free"]:
+        if words not in result.stderr:
+            failures.append(f"file size limit: stderr does not say '{words}'\n    {result.stderr.strip()}")
+
+
+def check_killed_run():
+    """kill -9 midway: no shard, no half of one under its name; the next run sweeps up what was left."""
+    process = subprocess.Popen([os.path.join(BIN, "nlg-datagen"), "--scene", "cave:1", "--spacing-min-m", ".7", "--spacing-max-m", ".7",
+                                "--max-functions", "1000000", "--out", "killed/shard.h5"], stdout=subprocess.DEVNULL)
+    for _ in range(600):
+        if os.path.isdir("killed") and os.listdir("killed"):
+            break
+        time.sleep(0.05)
+    process.kill()
+    process.wait()
+    left = os.listdir("killed")
+    if "shard.h5" in left or not left:
+        failures.append(f"killed run: left {left}, expected a temporary file alone")
+    must("nlg-datagen", "--config", "good.yaml", "--scene", "house:1", "--out", "killed/shard.h5")
+    if os.listdir("killed") != ["shard.h5"]:
+        failures.append(f"after a killed run: {os.listdir('killed')}")
 
 
 def check_inputs_that_do_not_belong_together():
@@ -360,6 +419,10 @@ def main():
         check_scenes()
         check_levels()
         check_workflow()
+        check_shards()
+        check_plans()
+        check_full_disk()
+        check_killed_run()
         check_inputs_that_do_not_belong_together()
         check_held_out_sets()
         check_shards_whose_width_lies()

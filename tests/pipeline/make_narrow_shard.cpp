@@ -1,9 +1,10 @@
 // Writes a shard that bears the support pattern's hash but rows of 16 points: what no tool of ours makes, and none may believe.
+// With a second argument its functions are all the same one.
 #include "datagen/dataset/shard.h"
 #include "runtime_eval/support/support_pattern.h"
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc != 2 && argc != 3) return 2;
   constexpr size_t kFunctions = 3, kPoints = 16;
   nlg::Shard shard;
   shard.scene_id = "narrow";
@@ -11,9 +12,9 @@ int main(int argc, char** argv) {
   shard.pattern_hash = nlg::supportPattern().hash;
   shard.unseen_pattern_hash = nlg::hashPoints({});
   shard.point_count = kPoints;
-  shard.counts.functions = kFunctions;
+  shard.counts.grid_probes = shard.counts.visited_probes = shard.counts.functions = kFunctions;
   shard.provenance_json = "{}";
-  for (size_t i = 0; i < kFunctions * kPoints; ++i) shard.phi.push_back(static_cast<uint8_t>(i));
+  for (size_t i = 0; i < kFunctions * kPoints; ++i) shard.phi.push_back(static_cast<uint8_t>(argc == 3 ? 9 : i));
   shard.validity.assign(kFunctions * kPoints / 8, 0xff);
   shard.seen = shard.validity;
   shard.probe_position_m.assign(kFunctions * 3, 0.0);

@@ -8,6 +8,8 @@
 #include <limits>
 
 #include "datagen/dataset/hdf5_file.h"
+#include "datagen/dataset/shard_reader.h"
+#include "datagen/dataset/shard_writer.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -29,6 +31,7 @@ Shard shardOf(uint64_t N, int P, int U) {
   shard.point_count = P;
   shard.unseen_point_count = U;
   shard.counts = {1000, 900, N, 5, 6, 7, 8};
+  shard.duplicate_rule = {0.75, 12};
   shard.provenance_json = R"({"tool":"nlg-datagen"})";
   const auto fill = [N](int points, std::vector<uint8_t>* phi, std::vector<uint8_t>* validity, std::vector<uint8_t>* seen) {
     const auto count = N * static_cast<uint64_t>(points);
@@ -57,6 +60,7 @@ void expectEqualHeaders(const Shard& a, const Shard& b) {
   EXPECT_EQ(a.unseen_pattern_hash, b.unseen_pattern_hash);
   EXPECT_EQ(a.point_count, b.point_count);
   EXPECT_EQ(a.unseen_point_count, b.unseen_point_count);
+  EXPECT_EQ(a.duplicate_rule, b.duplicate_rule);
   EXPECT_EQ(a.provenance_json, b.provenance_json);
   EXPECT_EQ(a.counts.grid_probes, b.counts.grid_probes);
   EXPECT_EQ(a.counts.visited_probes, b.counts.visited_probes);
@@ -122,6 +126,10 @@ void writeByHand(const std::string& path, Shard shard, uint64_t version, const s
   file.writeAttribute("unseen_pattern_hash", shard.unseen_pattern_hash);
   file.writeAttribute("point_count", static_cast<uint64_t>(shard.point_count));
   file.writeAttribute("unseen_point_count", static_cast<uint64_t>(shard.unseen_point_count));
+  if (version >= 2) {
+    file.writeAttribute("duplicate_rms", shard.duplicate_rule.rms);
+    file.writeAttribute("duplicate_validity_points", shard.duplicate_rule.validity_points);
+  }
   file.writeAttribute("count_functions", shard.counts.functions);
   for (const char* name : {"grid_probes", "visited_probes", "free_space", "in_solid", "duplicates", "empty"}) {
     file.writeAttribute(std::string("count_") + name, uint64_t{0});
@@ -168,8 +176,9 @@ TEST_F(ShardFile, RefusesAMissingFile) {
 }
 
 TEST_F(ShardFile, RefusesWhatBreaksTheContract) {
+  uint64_t version = 1;
   const auto refusalOf = [&](const auto& change) {
-    writeByHand(path_, shardOf(4, 16, 8), 1, "nlg-weighting-functions", change);
+    writeByHand(path_, shardOf(4, 16, 8), version, "nlg-weighting-functions", change);
     return refusal();
   };
   EXPECT_EQ(refusalOf([](Shard*) {}), "taken");
@@ -200,12 +209,28 @@ TEST_F(ShardFile, RefusesWhatBreaksTheContract) {
               s->phi_unseen[31] = 255;
             }),
             "dataset phi_unseen: function 3, point 7: expected 0 at an invalid point, got 255");
+  version = 2;
+  EXPECT_EQ(refusalOf([](Shard*) {}), "taken");
+  EXPECT_EQ(refusalOf([](Shard* s) { s->duplicate_rule.rms = -1; }),
+            "attribute duplicate_rms: expected a number from 0 to 255, got -1");
+  EXPECT_EQ(refusalOf([](Shard* s) { s->duplicate_rule.rms = std::numeric_limits<double>::quiet_NaN(); }),
+            "attribute duplicate_rms: expected a finite number, got nan");
+}
+
+TEST_F(ShardFile, OfVersionOneIsStillRead) {
+  const Shard shard = shardOf(40, 64, 8);
+  writeByHand(path_, shard, 1, "nlg-weighting-functions", [](Shard*) {});
+  const Shard read = readShard(path_, 0);
+  EXPECT_EQ(read.phi, shard.phi);
+  EXPECT_EQ(read.seen_unseen, shard.seen_unseen);
+  EXPECT_EQ(read.duplicate_rule, DuplicateRule{});
+  EXPECT_FALSE(ShardReader(path_).verifyDigest());
 }
 
 TEST_F(ShardFile, RefusesAnotherKindOrVersion) {
   const auto keep = [](Shard*) {};
-  writeByHand(path_, shardOf(1, 8, 0), 2, "nlg-weighting-functions", keep);
-  EXPECT_EQ(refusal(), "attribute schema_version: expected 1, got 2");
+  writeByHand(path_, shardOf(1, 8, 0), 3, "nlg-weighting-functions", keep);
+  EXPECT_EQ(refusal(), "attribute schema_version: expected 1 or 2, got 3");
   writeByHand(path_, shardOf(1, 8, 0), 1, "nlg-basis", keep);
   EXPECT_EQ(refusal(), "attribute kind: expected nlg-weighting-functions, got nlg-basis");
   {
@@ -245,6 +270,42 @@ TEST_F(ShardFile, RefusesOrReadsFaithfullyEveryFlippedByte) {
     ASSERT_FALSE(HasFailure()) << "byte " << i;
   }
   EXPECT_GT(refused, tried / 4) << "of " << tried << " in " << whole.size() << " bytes";
+}
+
+TEST_F(ShardFile, FindsEveryFlippedBitByItsDigest) {
+  writeShard(path_, shardOf(2, 64, 8));
+  EXPECT_TRUE(ShardReader(path_).verifyDigest());
+  const std::string whole = readFile(path_);
+  for (size_t i = 0; i < whole.size(); i += i < 2048 ? 1 : 7) {
+    std::string damaged = whole;
+    damaged[i] = static_cast<char>(damaged[i] ^ (1 << i % 8));
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << damaged;
+    EXPECT_THROW(ShardReader(path_).verifyDigest(), InputError) << "byte " << i << " of " << whole.size();
+  }
+}
+
+TEST_F(ShardFile, IsReadInAnyPieces) {
+  const Shard shard = shardOf(100, 64, 8);
+  writeShard(path_, shard);
+  const ShardReader reader(path_);
+  for (const auto& [first, count] : {std::pair{0, 100}, {0, 1}, {31, 2}, {32, 32}, {5, 90}, {99, 1}, {50, 0}}) {
+    const Shard piece = reader.read(first, count);
+    EXPECT_EQ(piece.phi, std::vector<uint8_t>(shard.phi.begin() + first * 64, shard.phi.begin() + (first + count) * 64))
+        << first << " + " << count;
+    EXPECT_EQ(piece.spacing_m, std::vector<float>(shard.spacing_m.begin() + first, shard.spacing_m.begin() + first + count));
+  }
+}
+
+TEST_F(ShardFile, IsTheSameWrittenPieceByPiece) {
+  const Shard shard = shardOf(100, 64, 8);
+  writeShard(path_, shard);
+  const std::string whole = readFile(path_);
+  ShardWriter writer(path_, shard);
+  for (uint64_t first = 0; first < 100; first += kChunkFunctions) {
+    writer.append(encodeFunctions(shard, first, std::min<uint64_t>(kChunkFunctions, 100 - first)));
+  }
+  writer.finish(shard.counts);
+  EXPECT_TRUE(readFile(path_) == whole);
 }
 
 TEST_F(ShardFile, LeavesTheOldShardWhenTheNewOneCannotBeWritten) {

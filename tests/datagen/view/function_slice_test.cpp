@@ -27,7 +27,7 @@ struct MadeFunction {
       phi[i] = static_cast<uint8_t>(std::lround(255 * value(point)));
     }
   }
-  FunctionSamples samples() const { return {phi.data(), validity.data(), seen.data()}; }
+  FunctionRow samples() const { return {phi.data(), validity.data(), seen.data()}; }
 };
 
 PixelKind alwaysSeen(const LocalPoint&) { return PixelKind::seen; }

@@ -1,0 +1,64 @@
+// Finds among many functions one that a new function duplicates.
+//
+// Exact: what it says follows from the samples themselves, and it misses nothing. Of any two functions that were both added,
+// neither is a duplicate of the other, and every function that was refused has its match among those that were added. The search
+// looks only at functions whose sums over groups of points are near enough, and that can be no reason to miss one: the triangle
+// and Cauchy-Schwarz inequalities bound how far the sums of duplicates may lie apart (docs/formats.md, "Duplicates").
+//
+// Memory: at most about 150 bytes a function; the samples themselves stay wherever the caller keeps them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "datagen/dataset/duplicate_rule.h"
+
+namespace nlg {
+
+class DuplicateIndex {
+ public:
+  // Gives the samples of the id-th function that was added; they need to last until the next call.
+  using Fetch = std::function<FunctionSamples(uint64_t id)>;
+  struct Match {
+    uint64_t id;            // of the function that is there already
+    double rms_difference;  // in 1/255
+  };
+
+  // point_count   P, a multiple of 8, at most 65536
+  DuplicateIndex(const DuplicateRule& rule, int point_count, Fetch fetch);
+
+  // The match of a function, if there is one. Otherwise adds it, with the number of functions added before as its id: the caller
+  // keeps its samples for fetch.
+  std::optional<Match> findOrAdd(const FunctionSamples& function);
+
+  uint64_t functionCount() const { return function_count_; }
+  uint64_t comparedCount() const { return compared_count_; }  // calls of fetch so far
+
+ private:
+  static constexpr int kGroupCount = 32, kSumCount = 4;
+  struct Entry {
+    std::array<uint16_t, kGroupCount> group_sums;
+    uint16_t valid_count;
+    uint32_t id;
+  };
+  using Sums = std::array<int64_t, kSumCount>;
+
+  Entry sketch(const FunctionSamples& function) const;
+  static Sums signedSums(const Entry& entry);
+  bool mayMatch(const Entry& a, const Entry& b) const;
+  std::optional<Match> findInCell(uint64_t cell, const Entry& entry, const FunctionSamples& function);
+
+  DuplicateRule rule_;
+  int point_count_;
+  Fetch fetch_;
+  int64_t reach_, cell_width_;     // of signed sums: how far those of duplicates lie apart at most, and the side of a cell
+  uint64_t max_squared_distance_;  // of the group sums of duplicates
+  uint64_t function_count_ = 0, compared_count_ = 0;
+  std::unordered_map<uint64_t, std::vector<Entry>> cells_;
+};
+
+}  // namespace nlg

@@ -1,0 +1,93 @@
+#include "datagen/dataset/shard_check.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kMaxPointCount = 65536;
+
+// For every byte of eight validity bits: eight bytes, 0xff where the bit is 0.
+std::array<uint64_t, 256> makeInvalidMasks() {
+  std::array<uint64_t, 256> masks{};
+  for (size_t bits = 0; bits < masks.size(); ++bits) {
+    std::array<uint8_t, 8> bytes{};
+    for (size_t b = 0; b < 8; ++b) bytes[b] = (bits >> b & 1) != 0 ? 0 : 0xff;
+    std::memcpy(&masks[bits], bytes.data(), 8);
+  }
+  return masks;
+}
+
+// phi of a point in solid is 0: every user may sum over all points without looking at validity.
+Fault hiddenValueFault(const std::string& name, const std::vector<uint8_t>& phi, const std::vector<uint8_t>& validity,
+                       uint64_t columns, uint64_t first_function) {
+  static const std::array<uint64_t, 256> invalid_masks = makeInvalidMasks();
+  for (size_t byte = 0; byte < validity.size(); ++byte) {
+    uint64_t samples = 0;
+    std::memcpy(&samples, &phi[8 * byte], 8);
+    if ((samples & invalid_masks[validity[byte]]) == 0) continue;
+    size_t i = 8 * byte;
+    while (phi[i] == 0 || (validity[byte] >> i % 8 & 1) != 0) ++i;
+    return {fmt::format("dataset {}: function {}, point {}", name, first_function + i / columns, i % columns),
+            "0 at an invalid point", std::to_string(phi[i])};
+  }
+  return {};
+}
+
+Fault placementFault(const Shard& shard, uint64_t first_function) {
+  for (size_t i = 0; i < shard.spacing_m.size(); ++i) {
+    const float spacing_m = shard.spacing_m[i];
+    if (std::isfinite(spacing_m) && spacing_m > 0) continue;
+    return {fmt::format("dataset spacing_m: function {}", first_function + i), "a finite number above 0",
+            fmt::format("{}", spacing_m)};
+  }
+  for (size_t i = 0; i < shard.probe_position_m.size(); ++i) {
+    if (std::isfinite(shard.probe_position_m[i])) continue;
+    return {fmt::format("dataset probe_position_m: function {}", first_function + i / 3), "finite numbers",
+            fmt::format("{}", shard.probe_position_m[i])};
+  }
+  return {};
+}
+
+}  // namespace
+
+double functionsPerProbe(const ShardCounts& counts) {
+  if (counts.visited_probes == 0) return 0.0;
+  return static_cast<double>(counts.functions + (counts.free_space > 0 ? 1 : 0)) / static_cast<double>(counts.visited_probes);
+}
+
+std::vector<uint64_t> withRows(uint64_t rows, std::vector<uint64_t> columns) {
+  columns.insert(columns.begin(), rows);
+  return columns;
+}
+
+Fault pointCountFault(uint64_t point_count, uint64_t unseen_point_count) {
+  const std::string expected = fmt::format("a multiple of 8, at most {}", kMaxPointCount);
+  if (point_count == 0 || point_count > kMaxPointCount || point_count % 8 != 0) {
+    return {"attribute point_count", expected + ", not 0", std::to_string(point_count)};
+  }
+  if (unseen_point_count > kMaxPointCount || unseen_point_count % 8 != 0) {
+    return {"attribute unseen_point_count", expected, std::to_string(unseen_point_count)};
+  }
+  return {};
+}
+
+Fault duplicateRuleFault(const DuplicateRule& rule) {
+  if (std::isfinite(rule.rms) && rule.rms >= 0.0 && rule.rms <= 255.0) return {};
+  return {"attribute duplicate_rms", "a number from 0 to 255", fmt::format("{}", rule.rms)};
+}
+
+Fault valueFault(const Shard& shard, uint64_t first_function) {
+  Fault fault = placementFault(shard, first_function);
+  if (!fault.place.empty()) return fault;
+  fault = hiddenValueFault("phi", shard.phi, shard.validity, static_cast<uint64_t>(shard.point_count), first_function);
+  if (!fault.place.empty()) return fault;
+  return hiddenValueFault("phi_unseen", shard.phi_unseen, shard.validity_unseen, static_cast<uint64_t>(shard.unseen_point_count),
+                          first_function);
+}
+
+}  // namespace nlg

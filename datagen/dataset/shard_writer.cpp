@@ -1,0 +1,112 @@
+#include "datagen/dataset/shard_writer.h"
+
+#include "datagen/dataset/chunk_codec.h"
+#include "datagen/dataset/shard_check.h"
+#include "datagen/dataset/shard_fields.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+template <class Values>
+using ElementOf = typename std::remove_reference_t<Values>::value_type;
+
+bool isEmptyRow(const std::vector<uint64_t>& columns) { return rowWidth(columns) == 0; }
+
+// The writer's promises: a shard that readShard would refuse is a bug of whoever made it.
+void checkOwnPromises(const Shard& shard) {
+  forEachArray(shard, [&](const char*, const auto& values, const std::vector<uint64_t>& columns) {
+    NLG_CHECK(values.size(), ==, shard.functionCount() * rowWidth(columns));
+  });
+  NLG_CHECK(valueFault(shard).place, ==, "");
+}
+
+}  // namespace
+
+EncodedFunctions encodeFunctions(const Shard& shard, uint64_t first, uint64_t count) {
+  NLG_CHECK(count, >=, 1u);
+  NLG_CHECK(count, <=, kChunkFunctions);
+  EncodedFunctions encoded{count, {}};
+  forEachArray(shard, [&](const char*, const auto& values, const std::vector<uint64_t>& columns) {
+    if (isEmptyRow(columns)) {
+      encoded.arrays.emplace_back();
+      return;
+    }
+    const size_t width = rowWidth(columns), row_bytes = width * sizeof(ElementOf<decltype(values)>);
+    const auto* const bytes = reinterpret_cast<const uint8_t*>(values.data() + first * width);
+    if (count == kChunkFunctions) {
+      encoded.arrays.push_back(encodeChunk(bytes, count * row_bytes));
+      return;
+    }
+    // HDF5 stores whole chunks: zeros behind the last function
+    std::vector<uint8_t> padded(bytes, bytes + count * row_bytes);
+    padded.resize(kChunkFunctions * row_bytes, 0);
+    encoded.arrays.push_back(encodeChunk(padded.data(), padded.size()));
+  });
+  return encoded;
+}
+
+ShardWriter::ShardWriter(const std::string& path, const Shard& header)
+    : file_(path), point_count_(header.point_count), unseen_point_count_(header.unseen_point_count) {
+  NLG_CHECK(point_count_, >=, 0);
+  NLG_CHECK(unseen_point_count_, >=, 0);
+  const Fault fault = pointCountFault(static_cast<uint64_t>(point_count_), static_cast<uint64_t>(unseen_point_count_));
+  NLG_CHECK(fault.place, ==, "");
+  NLG_CHECK(duplicateRuleFault(header.duplicate_rule).place, ==, "");
+  file_.writeAttribute("kind", std::string(kShardKind));
+  file_.writeAttribute("schema_version", kSchemaVersion);
+  file_.writeAttribute("scene_id", header.scene_id);
+  file_.writeAttribute("family", header.family);
+  file_.writeAttribute("jitter", header.jitter);
+  file_.writeAttribute("pattern_hash", header.pattern_hash);
+  file_.writeAttribute("unseen_pattern_hash", header.unseen_pattern_hash);
+  file_.writeAttribute("point_count", static_cast<uint64_t>(header.point_count));
+  file_.writeAttribute("unseen_point_count", static_cast<uint64_t>(header.unseen_point_count));
+  file_.writeAttribute("duplicate_rms", header.duplicate_rule.rms);
+  file_.writeAttribute("duplicate_validity_points", header.duplicate_rule.validity_points);
+  file_.writeAttribute("provenance_json", header.provenance_json);
+  forEachArray(header, [&](const char* name, const auto& values, const std::vector<uint64_t>& columns) {
+    if (!isEmptyRow(columns)) file_.makeGrowing<ElementOf<decltype(values)>>(name, columns, kChunkFunctions);
+  });
+}
+
+void ShardWriter::append(const EncodedFunctions& functions) {
+  Shard shape;
+  shape.point_count = point_count_;
+  shape.unseen_point_count = unseen_point_count_;
+  size_t array = 0;
+  forEachArray(shape, [&](const char* name, const auto&, const std::vector<uint64_t>& columns) {
+    const std::vector<uint8_t>& encoded = functions.arrays.at(array++);
+    if (isEmptyRow(columns)) return;
+    file_.appendChunk(name, encoded, functions.function_count);
+    byte_count_ += encoded.size();
+  });
+  function_count_ += functions.function_count;
+}
+
+void ShardWriter::finish(const ShardCounts& counts) {
+  NLG_CHECK(counts.functions, ==, function_count_);
+  Shard shape;
+  shape.point_count = point_count_;
+  shape.unseen_point_count = unseen_point_count_;
+  forEachArray(shape, [&](const char* name, const auto& values, const std::vector<uint64_t>& columns) {
+    if (isEmptyRow(columns)) file_.write(name, withRows(function_count_, columns), values.data());
+  });
+  forEachCount(counts, [&](const char* name, uint64_t count) { file_.writeAttribute(name, count); });
+  file_.closeWithDigest();
+}
+
+void writeShard(const std::string& path, const Shard& shard) {
+  NLG_CHECK(shard.counts.functions, ==, shard.functionCount());
+  checkOwnPromises(shard);
+  writeAtomically(path, [&](const std::string& temporary_path) {
+    ShardWriter writer(temporary_path, shard);
+    for (uint64_t first = 0; first < shard.functionCount(); first += kChunkFunctions) {
+      writer.append(encodeFunctions(shard, first, std::min(kChunkFunctions, shard.functionCount() - first)));
+    }
+    writer.finish(shard.counts);
+  });
+}
+
+}  // namespace nlg

@@ -1,0 +1,44 @@
+// Writes a shard piece by piece, so that it need not fit in memory.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "datagen/dataset/hdf5_file.h"
+#include "datagen/dataset/shard.h"
+
+namespace nlg {
+
+// Up to kChunkFunctions functions as they lie in the file.
+struct EncodedFunctions {
+  uint64_t function_count = 0;
+  std::vector<std::vector<uint8_t>> arrays;  // in the order of forEachArray (shard_fields.h)
+};
+
+// Compresses functions [first, first + count) of a shard's arrays; 1 <= count <= kChunkFunctions. Any number of threads may do so
+// at the same time.
+EncodedFunctions encodeFunctions(const Shard& shard, uint64_t first, uint64_t count);
+
+class ShardWriter {
+ public:
+  // Creates path: the temporary name of writeAtomically.
+  // header   everything but counts and arrays, which are not looked at
+  // throws   OutputError, as every function here does when the disk refuses
+  ShardWriter(const std::string& path, const Shard& header);
+
+  // All but the last call bring kChunkFunctions functions.
+  void append(const EncodedFunctions& functions);
+  // Writes what is known only in the end, and the digest of the file. counts.functions must be what was appended.
+  void finish(const ShardCounts& counts);
+
+  uint64_t functionCount() const { return function_count_; }
+  uint64_t byteCount() const { return byte_count_; }  // of compressed arrays so far
+
+ private:
+  Hdf5Writer file_;
+  int point_count_, unseen_point_count_;
+  uint64_t function_count_ = 0, byte_count_ = 0;
+};
+
+}  // namespace nlg

@@ -1,0 +1,130 @@
+#include "datagen/info.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+#include "datagen/dataset/function_set.h"
+#include "datagen/dataset/shard_reader.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr uint64_t kPieceFunctions = 1024;  // about 10 MB at a time
+
+// What only a look at all functions tells.
+struct Statistics {
+  uint64_t open_shell = 0, few_seen = 0;
+  float spacing_min_m = std::numeric_limits<float>::infinity(), spacing_max_m = 0.0f;
+};
+
+void requireCountsThatAddUp(const Shard& header) {
+  const ShardCounts& c = header.counts;
+  const uint64_t sum = c.functions + c.free_space + c.in_solid + c.duplicates + c.empty;
+  if (sum == c.visited_probes && c.visited_probes <= c.grid_probes) return;
+  throw InputError(header.path, "attribute count_visited_probes",
+                   fmt::format("{}, what the probes' outcomes add up to, of {} probes", sum, c.grid_probes),
+                   std::to_string(c.visited_probes));
+}
+
+void addTo(const Shard& piece, Statistics& statistics) {
+  for (const uint8_t flags : piece.flags) {
+    statistics.open_shell += (flags & kFlagOpenShell) != 0;
+    statistics.few_seen += (flags & kFlagFewSeen) != 0;
+  }
+  for (const float spacing_m : piece.spacing_m) {
+    statistics.spacing_min_m = std::min(statistics.spacing_min_m, spacing_m);
+    statistics.spacing_max_m = std::max(statistics.spacing_max_m, spacing_m);
+  }
+}
+
+Statistics verify(const ShardReader& reader) {
+  requireCountsThatAddUp(reader.header());
+  reader.verifyDigest();
+  Statistics statistics;
+  DuplicateFilter filter;
+  for (uint64_t first = 0; first < reader.functionCount(); first += kPieceFunctions) {
+    Shard piece = reader.read(first, std::min(kPieceFunctions, reader.functionCount() - first));
+    addTo(piece, statistics);
+    const uint64_t count = piece.functionCount();
+    filter.removeKnown(&piece);
+    if (piece.functionCount() == count) continue;
+    throw InputError(reader.header().path, fmt::format("functions {} to {}", first, first + count - 1),
+                     "no duplicates of each other or of earlier ones", fmt::format("{} of them", count - piece.functionCount()));
+  }
+  return statistics;
+}
+
+Json shardJson(const ShardReader& reader, const Statistics& statistics) {
+  const Shard& s = reader.header();
+  const ShardCounts& c = s.counts;
+  const double functions = static_cast<double>(std::max<uint64_t>(c.functions, 1));
+  const uint64_t bytes = std::filesystem::file_size(s.path);
+  const Json origin = Json::parse(s.provenance_json, nullptr, false);
+  return {{"file", s.path},
+          {"schema_version", s.schema_version},
+          {"scene", s.scene_id},
+          {"family", s.family},
+          {"jitter", s.jitter},
+          {"grid_probes", c.grid_probes},
+          {"visited_probes", c.visited_probes},
+          {"functions", c.functions},
+          {"free_space", c.free_space},
+          {"in_solid", c.in_solid},
+          {"duplicates", c.duplicates},
+          {"empty", c.empty},
+          {"functions_per_probe", functionsPerProbe(c)},
+          {"duplicate_rms", s.duplicate_rule.rms},
+          {"duplicate_validity_points", s.duplicate_rule.validity_points},
+          {"flagged_open_shell", statistics.open_shell},
+          {"flagged_few_seen", statistics.few_seen},
+          {"spacing_min_m", c.functions > 0 ? statistics.spacing_min_m : 0.0f},
+          {"spacing_max_m", statistics.spacing_max_m},
+          {"points", s.point_count},
+          {"unseen_points", s.unseen_point_count},
+          {"pattern_hash", fmt::format("{:016x}", s.pattern_hash)},
+          {"unseen_pattern_hash", fmt::format("{:016x}", s.unseen_pattern_hash)},
+          {"bytes", bytes},
+          {"bytes_per_function", static_cast<double>(bytes) / functions},
+          {"sha256", fileSha256(s.path)},
+          {"verified", s.schema_version >= 2 ? "every byte (SHA-256)" : "checksums of arrays (version 1 has no SHA-256)"},
+          {"origin", origin.is_discarded() ? Json(s.provenance_json) : origin}};
+}
+
+void print(const Json& shard) {
+  for (const auto& [key, value] : shard.items()) {
+    if (key == "origin" && value.is_object()) {
+      for (const auto& [name, part] : value.items())
+        std::cout << fmt::format("  {:<26}{}\n", name, part.is_string() ? part.get<std::string>() : part.dump());
+    } else if (key == "file") {
+      std::cout << fmt::format("{}\n", value.get<std::string>());
+    } else {
+      std::cout << fmt::format("  {:<26}{}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    }
+  }
+}
+
+}  // namespace
+
+void describeShards(const InfoRequest& request) {
+  for (const std::string& path : request.paths) {
+    const ShardReader reader(path);
+    const Json shard = shardJson(reader, verify(reader));
+    if (request.quiet) continue;
+    if (request.json)
+      std::cout << shard.dump() << '\n';
+    else
+      print(shard);
+  }
+}
+
+}  // namespace nlg

@@ -1,0 +1,139 @@
+#include "datagen/plan.h"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kSampleFunctions = 1000;              // made, duplicates included
+constexpr uint64_t kSampleProbes = 20000;                // at most: most probes of a sparse scene cost next to nothing
+constexpr double kFileBytes = 30e3;                      // attributes and HDF5's own bookkeeping
+constexpr double kIndexBytes = 200.0 / kChunkFunctions;  // HDF5's bookkeeping a chunk, nine arrays
+
+double threadSeconds() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+struct Sample {
+  ShardCounts counts;
+  uint64_t half_made = 0, half_kept = 0;  // functions made and kept in the first half of the sample
+  double bytes = 0, seconds = 0;
+  bool whole = false;  // the limits or the probes ended before the sample did
+
+  uint64_t made() const { return counts.functions + counts.duplicates; }
+};
+
+Sample takeSample(const ShardJob& job) {
+  Sample sample;
+  ShardCollector collector(job.header(), job.limits(), std::filesystem::temp_directory_path().string());
+  const ShardPipeline pipeline = job.pipeline();
+  const auto generate = pipeline.makeGenerator();
+  const double start = threadSeconds();
+  const auto encode = [&](const Shard& chunk) {
+    if (chunk.functionCount() == 0) return;
+    for (const auto& array : encodeFunctions(chunk, 0, chunk.functionCount()).arrays)
+      sample.bytes += static_cast<double>(array.size());
+  };
+  while (sample.made() < kSampleFunctions && sample.counts.visited_probes < kSampleProbes) {
+    const std::vector<uint64_t> probes = pipeline.nextProbes();
+    sample.whole = probes.empty() || collector.full();
+    if (sample.whole) break;
+    ProbeBlock block;
+    generate(probes, &block);
+    for (const Shard& chunk : collector.add(block)) encode(chunk);
+    sample.counts = collector.counts();
+    if (sample.made() <= kSampleFunctions / 2) {
+      sample.half_made = sample.made();
+      sample.half_kept = sample.counts.functions;
+    }
+  }
+  sample.seconds = threadSeconds() - start;
+  encode(collector.takeRest());
+  return sample;
+}
+
+// The exponent of Heaps' law over the second half of the sample.
+double growthExponent(const Sample& sample) {
+  if (sample.half_kept == 0 || sample.half_made == sample.made()) return 1.0;
+  const double kept = static_cast<double>(sample.counts.functions) / static_cast<double>(sample.half_kept);
+  const double made = static_cast<double>(sample.made()) / static_cast<double>(sample.half_made);
+  return std::clamp(std::log(kept) / std::log(made), 0.2, 1.0);
+}
+
+// Takes the sample to the shard's limits: visited probes, functions and the error of what remains open.
+void extrapolate(const Sample& sample, const CollectorLimits& limits, ShardPlan* plan) {
+  const auto visited = static_cast<double>(sample.counts.visited_probes), made = static_cast<double>(sample.made()),
+             kept = static_cast<double>(sample.counts.functions);
+  plan->visited_probes = visited;
+  plan->functions = kept;
+  if (sample.whole) return;
+  plan->visited_probes = static_cast<double>(limits.visited_probes);
+  // no function in thousands of probes: fewer than three in so many, by the rule of three
+  if (made == 0.0) return;
+  const double exponent = growthExponent(sample), most = static_cast<double>(limits.functions);
+  plan->functions = kept * std::pow(plan->visited_probes / visited, exponent);
+  const double share = made / visited, distinct = kept / made;
+  double exponent_error = std::sqrt(2.0 * (1.0 - distinct) / (distinct * made)) / std::log(2.0);
+  double growth = 1.0;
+  if (plan->functions > most) {
+    plan->functions = most;
+    plan->visited_probes = std::min(plan->visited_probes, visited * std::pow(most / kept, 1.0 / exponent));
+    growth = 1.0 / exponent;
+  }
+  exponent_error *= growth * std::abs(std::log(plan->visited_probes / visited));
+  plan->uncertainty = 2.0 * std::hypot(growth * std::sqrt((1.0 - share) / made), exponent_error);
+}
+
+}  // namespace
+
+ShardPlan planShard(const ShardRequest& request, const DatagenOptions& options, const OptionTable& table) {
+  const double start = threadSeconds();
+  const ShardJob job(request, options, table);
+  const double prepared = threadSeconds();
+  const Sample sample = takeSample(job);
+  ShardPlan plan;
+  plan.grid_probes = job.probeCount();
+  plan.sampled_probes = sample.counts.visited_probes;
+  extrapolate(sample, job.limits(), &plan);
+  const double sampled = std::max<double>(1.0, static_cast<double>(sample.counts.visited_probes));
+  const double kept = std::max<double>(1.0, static_cast<double>(sample.counts.functions));
+  plan.core_seconds = prepared - start + sample.seconds * plan.visited_probes / sampled;
+  plan.bytes = kFileBytes + (sample.bytes / kept + kIndexBytes) * plan.functions;
+  plan.scratch_bytes = static_cast<double>(kSupportPointCount) * 9 / 8 * plan.functions;
+  return plan;
+}
+
+void printPlan(const ShardRequest& request, const ShardPlan& plan, PlanFormat format) {
+  if (format == PlanFormat::json) {
+    const nlohmann::ordered_json line = {{"scene", request.scene},
+                                         {"jitter", request.jitter},
+                                         {"grid_probes", plan.grid_probes},
+                                         {"visited_probes", std::llround(plan.visited_probes)},
+                                         {"functions", std::llround(plan.functions)},
+                                         {"bytes", std::llround(plan.bytes)},
+                                         {"scratch_bytes", std::llround(plan.scratch_bytes)},
+                                         {"core_seconds", plan.core_seconds},
+                                         {"sampled_probes", plan.sampled_probes},
+                                         {"uncertainty", plan.uncertainty}};
+    std::cout << line.dump() << '\n';
+    return;
+  }
+  std::cout << fmt::format(
+      "{}, jitter {}: plan from {} of {} probes, +- {:.0f} %\n"
+      "  visited probes  {:.0f}\n  functions       {:.0f}\n  file            {:.2f} MB\n  scratch         {:.2f} MB\n"
+      "  one core        {:.1f} s\n",
+      request.scene, request.jitter, plan.sampled_probes, plan.grid_probes, 100.0 * plan.uncertainty, plan.visited_probes,
+      plan.functions, plan.bytes / 1e6, plan.scratch_bytes / 1e6, plan.core_seconds);
+}
+
+}  // namespace nlg

@@ -1,0 +1,152 @@
+// A shard from its scene to its file: pipeline, collector, damage, full disks.
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+
+#include "datagen/dataset/shard_reader.h"
+#include "datagen/shard_job.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+class GeneratedShard : public testing::Test {
+ protected:
+  GeneratedShard() : folder_(fs::temp_directory_path() / ("nlg_generate_" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+    describe(options_, table_);
+    options_.max_functions = 100;
+    options_.unseen_points = 64;
+  }
+  ~GeneratedShard() override { fs::remove_all(folder_); }
+
+  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+
+  // The shard as run with these limits and threads writes it.
+  std::string make(const CollectorLimits& limits, int threads) {
+    const ShardJob job({"house:1", 0, true}, options_, table_);
+    ShardCollector collector(job.header(), limits, folder_.string());
+    ShardWriter writer(at("shard.h5"), job.header());
+    job.pipeline().run(threads, collector, writer);
+    ShardCounts counts = collector.counts();
+    counts.grid_probes = job.probeCount();
+    writer.finish(counts);
+    return at("shard.h5");
+  }
+
+  fs::path folder_;
+  DatagenOptions options_;
+  OptionTable table_{"datagen"};
+};
+
+TEST_F(GeneratedShard, IsTheSameForAnyNumberOfThreads) {
+  const std::string one = readFile(make({100, 100000}, 1));
+  EXPECT_EQ(ShardReader(at("shard.h5")).functionCount(), 100u);
+  for (const int threads : {2, 3, 16}) {
+    options_.threads = threads;
+    EXPECT_TRUE(readFile(make({100, 100000}, threads)) == one) << threads << " threads";
+  }
+}
+
+// 64 probes are a block, 32 functions a chunk: the limits lie inside and at the edges of both.
+TEST_F(GeneratedShard, StopsExactlyAtItsLimits) {
+  Shard longest = readShard(make({150, 100000}, 2), 0);
+  ASSERT_EQ(longest.functionCount(), 150u);
+  for (const uint64_t functions : {1u, 31u, 32u, 33u, 64u, 100u}) {
+    const Shard shard = readShard(make({functions, 100000}, 2), 0);
+    ASSERT_EQ(shard.functionCount(), functions);
+    EXPECT_TRUE(std::equal(shard.phi.begin(), shard.phi.end(), longest.phi.begin())) << functions;
+    EXPECT_LE(shard.counts.visited_probes, longest.counts.visited_probes);
+  }
+  for (const uint64_t probes : {1u, 63u, 64u, 65u, 300u}) {
+    const Shard shard = readShard(make({100000, probes}, 2), 0);
+    const ShardCounts& c = shard.counts;
+    EXPECT_EQ(c.visited_probes, probes);
+    EXPECT_EQ(c.functions + c.free_space + c.in_solid + c.duplicates + c.empty, probes);
+  }
+}
+
+TEST_F(GeneratedShard, HoldsNoTwoFunctionsWithinTheTolerance) {
+  const Shard exact = readShard(make({100000, 700}, 2), 0);
+  options_.duplicate_rms = 4.0;
+  options_.duplicate_validity_points = 200;
+  const Shard shard = readShard(make({100000, 700}, 2), 0);
+  EXPECT_EQ(shard.duplicate_rule, (DuplicateRule{4.0, 200}));
+  EXPECT_LT(shard.functionCount(), exact.functionCount());
+  const auto samples = [](const Shard& s, uint64_t n) {
+    return FunctionSamples{&s.phi[n * kSupportPointCount], &s.validity[n * kSupportPointCount / 8]};
+  };
+  for (uint64_t a = 0; a < shard.functionCount(); ++a) {
+    for (uint64_t b = 0; b < a; ++b) {
+      ASSERT_FALSE(duplicateDistance(shard.duplicate_rule, samples(shard, a), samples(shard, b), kSupportPointCount))
+          << a << ", " << b;
+    }
+  }
+  // whatever was dropped has its like among the kept
+  for (uint64_t n = 0; n < exact.functionCount(); ++n) {
+    bool found = false;
+    for (uint64_t k = 0; k < shard.functionCount() && !found; ++k) {
+      found = duplicateDistance(shard.duplicate_rule, samples(exact, n), samples(shard, k), kSupportPointCount).has_value();
+    }
+    EXPECT_TRUE(found) << "function " << n;
+  }
+}
+
+TEST_F(GeneratedShard, ReportsWhatAThreadThrows) {
+  const ShardJob job({"house:1", 0, false}, options_, table_);
+  for (const int threads : {1, 3}) {
+    ShardCollector collector(job.header(), {1000, 100000}, folder_.string());
+    ShardWriter writer(at("shard.h5"), job.header());
+    ShardPipeline pipeline = job.pipeline();
+    pipeline.makeGenerator = [calls = std::make_shared<std::atomic<int>>(0)] {
+      return [calls](const std::vector<uint64_t>& probes, ProbeBlock* block) {
+        if (++*calls == 5) throw InputError("scene", "probe", "a place", "none");
+        block->outcomes.assign(probes.size(), ProbeOutcome::in_solid);
+      };
+    };
+    EXPECT_THROW(pipeline.run(threads, collector, writer), InputError) << threads << " threads";
+  }
+}
+
+TEST_F(GeneratedShard, EndsADiskThatRefusesAsOutputErrorWhicheverThreadMeetsIt) {
+  // files of at most 200 kB: samples under construction or the shard itself meet the limit first
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{200000, 200000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      make({100, 100000}, 2);
+    } catch (const OutputError&) {
+      ::_exit(7);
+    } catch (...) {
+    }
+    ::_exit(1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 7);
+}
+
+TEST(DifferenceStatistics, GiveMeanWorstAndPercentile) {
+  DifferenceStatistics statistics(2.0);
+  for (int i = 1; i <= 100; ++i) statistics.add(0.01 * i);
+  EXPECT_NEAR(statistics.mean(), 0.505, 1e-12);
+  EXPECT_EQ(statistics.worst(), 1.0);
+  EXPECT_NEAR(statistics.percentile(0.95), 0.95, 2.0 / 256);
+  EXPECT_EQ(DifferenceStatistics(0.0).percentile(0.95), 0.0);
+}
+
+}  // namespace
+}  // namespace nlg
