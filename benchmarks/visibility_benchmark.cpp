@@ -10,8 +10,8 @@
 #include <functional>
 #include <memory>
 
-#include "datagen/probes/probe_grid.h"
 #include "datagen/probes/probe_placement.h"
+#include "datagen/probes/shuffled_order.h"
 #include "datagen/scene/gltf_reader.h"
 #include "datagen/scene/procedural.h"
 #include "datagen/weighting/weighting_builder.h"
@@ -113,8 +113,10 @@ void embreeAllLinks(benchmark::State& state, const Level& level) {
   state.counters["functions/s"] = rate(functions);
 }
 
-// Visibility of the probes that have a function, for the comparison; and diffusion by itself, timed function by function.
-void ofFunctions(benchmark::State& state, const Level& level, bool diffusion) {
+enum class Part { visibility, diffusion, both };
+
+// Of the probes that have a function, timed function by function.
+void ofFunctions(benchmark::State& state, const Level& level, Part part) {
   WeightingBuilder builder(level.rays, level.links, {});
   GeneratedFunction function;
   double functions = 0.0;
@@ -125,7 +127,8 @@ void ofFunctions(benchmark::State& state, const Level& level, bool diffusion) {
       if (builder.see(place.position_m, place.spacing_m) != ProbeOutcome::function) continue;
       const Clock::time_point seen = Clock::now();
       builder.generate(&function);
-      spent += diffusion ? Clock::now() - seen : seen - begin;
+      const Clock::time_point end = Clock::now();
+      spent += (part == Part::visibility ? seen : end) - (part == Part::diffusion ? seen : begin);
       functions += 1.0;
     }
     state.SetIterationTime(std::chrono::duration<double>(spent).count());
@@ -143,7 +146,7 @@ const bool kRegistered = [] {
     };
     const auto at = [&](const char* unit) { return std::string(unit) + "/" + name; };
     benchmark::RegisterBenchmark(at("visibility/functions").c_str(),
-                                 [prepared](benchmark::State& state) { ofFunctions(state, prepared(), false); })
+                                 [prepared](benchmark::State& state) { ofFunctions(state, prepared(), Part::visibility); })
         ->UseManualTime()
         ->Unit(benchmark::kMillisecond);
     benchmark::RegisterBenchmark(at("visibility/embree_all_links").c_str(),
@@ -157,7 +160,11 @@ const bool kRegistered = [] {
         ->UseRealTime()
         ->Unit(benchmark::kMillisecond);
     benchmark::RegisterBenchmark(at("weighting/diffusion").c_str(),
-                                 [prepared](benchmark::State& state) { ofFunctions(state, prepared(), true); })
+                                 [prepared](benchmark::State& state) { ofFunctions(state, prepared(), Part::diffusion); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
+    benchmark::RegisterBenchmark(at("weighting/build").c_str(),
+                                 [prepared](benchmark::State& state) { ofFunctions(state, prepared(), Part::both); })
         ->UseManualTime()
         ->Unit(benchmark::kMillisecond);
   };

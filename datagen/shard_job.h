@@ -4,8 +4,8 @@
 #include <string>
 
 #include "datagen/dataset/shard.h"
-#include "datagen/probes/probe_grid.h"
 #include "datagen/probes/probe_placement.h"
+#include "datagen/probes/shuffled_order.h"
 #include "datagen/scene/jitter.h"
 #include "datagen/scene/scene_source.h"
 #include "datagen/shard_pipeline.h"

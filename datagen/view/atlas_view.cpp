@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "datagen/probes/probe_grid.h"
+#include "datagen/probes/shuffled_order.h"
 #include "datagen/view/font.h"
 #include "datagen/view/legend.h"
 #include "datagen/view/png_file.h"
