@@ -96,6 +96,31 @@ TEST_F(FunctionSetFiles, KeepFunctionsThatDifferInValidityAlone) {
   EXPECT_EQ(readFunctionSet({write(shardOf("a", 1, 10)), write(other), write(third)}, kPattern).functionCount(), 3u);
 }
 
+// Neighbouring functions differ by 1 in every sample.
+TEST_F(FunctionSetFiles, DropDuplicatesByTheRuleOfTheirShards) {
+  const auto ruled = [](Shard shard, double rms) {
+    shard.duplicate_rule = {rms, 0};
+    return shard;
+  };
+  const std::string a = write(ruled(shardOf("a", 1, 10), 1.5)), b = write(ruled(shardOf("b", 3, 11), 1.5)),
+                    c = write(ruled(shardOf("c", 40, 60), 0.5)), d = write(ruled(shardOf("d", 70, 50), 0.5));
+  const FunctionSet set = readFunctionSet({a, b}, kPattern);
+  ASSERT_EQ(set.functionCount(), 2u) << "10 | 11 is like 10, 12 stays, 13 is like 12";
+  EXPECT_EQ(set.phi[kPoints], 12);
+  EXPECT_EQ(readFunctionSet({c, d}, kPattern).functionCount(), 70u) << "50 to 119; nothing within half a step";
+  EXPECT_THROW(readFunctionSet({a, c}, kPattern), InputError) << "two rules";
+  // the filter that reads earlier shards from their files drops the same
+  DuplicateFilter filter;
+  Shard first = readShard(c, kPattern), second = readShard(d, kPattern);
+  filter.removeKnown(&first);
+  filter.removeKnown(&second);
+  EXPECT_EQ(first.functionCount(), 40u);
+  ASSERT_EQ(second.functionCount(), 30u);
+  EXPECT_EQ(second.phi[9 * kPoints], 59);
+  EXPECT_EQ(second.phi[10 * kPoints], 100);
+  EXPECT_EQ(second.counts.duplicates, 7u + 40u);
+}
+
 TEST_F(FunctionSetFiles, TakeShardsWithoutFunctions) {
   const FunctionSet set =
       readFunctionSet({write(shardOf("a", 0, 0)), write(shardOf("b", 2, 5)), write(shardOf("c", 0, 0))}, kPattern);
