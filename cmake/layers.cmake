@@ -12,11 +12,13 @@ set(NLG_MAY_LINK_scene         nlg::tool nlg::runtime_eval glm::glm TinyGLTF::Ti
 set(NLG_MAY_LINK_probes        nlg::scene nlg::runtime_eval)
 set(NLG_MAY_LINK_visibility    nlg::scene nlg::runtime_eval embree)
 set(NLG_MAY_LINK_weighting     nlg::visibility nlg::probes nlg::runtime_eval)
+set(NLG_MAY_LINK_solved        nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_basis         nlg::dataset nlg::runtime_eval Eigen3::Eigen BLAS::BLAS Threads::Threads)
 set(NLG_MAY_LINK_generator     nlg::basis nlg::dataset nlg::runtime_eval nlg::torch)
 set(NLG_MAY_LINK_validation    nlg::dataset nlg::runtime_eval nlg::weights_file Threads::Threads)
 # tools: the stage's own libraries, and what all tools share
 set(NLG_MAY_LINK_nlg-datagen   nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-solve     nlg::solved nlg::tool)
 set(NLG_MAY_LINK_nlg-pca       nlg::basis nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch)
 set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch)

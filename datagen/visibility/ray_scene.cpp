@@ -14,8 +14,12 @@ struct RayScene::Impl {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   std::vector<uint8_t> double_sided;  // by triangle
+  std::vector<uint32_t> material;     // by triangle
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+
+  RTCRayHit firstRayHit(const glm::vec3& origin, const glm::vec3& direction) const;
+  glm::vec3 normal(uint32_t triangle) const;  // not normalised
 
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
@@ -78,6 +82,7 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   for (const uint32_t material : scene.triangle_material) {
     impl_->double_sided.push_back(scene.materials[material].double_sided);
   }
+  impl_->material = scene.triangle_material;
   impl_->device = rtcNewDevice("threads=1");
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
@@ -127,7 +132,7 @@ uint32_t RayScene::occluded(const SegmentPacket& segments, int count) const {
   return hits;
 }
 
-Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction) const {
+RTCRayHit RayScene::Impl::firstRayHit(const glm::vec3& origin, const glm::vec3& direction) const {
   RTCRayHit hit{};
   hit.ray = {
       origin.x, origin.y, origin.z, 0.0f, direction.x, direction.y, direction.z, 0.0f, std::numeric_limits<float>::infinity(),
@@ -135,13 +140,27 @@ Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcIntersect1(impl_->scene, &context, &hit);
+  rtcIntersect1(scene, &context, &hit);
+  return hit;
+}
+
+glm::vec3 RayScene::Impl::normal(uint32_t triangle) const {
+  const glm::uvec3& corners = triangles[triangle];
+  return glm::cross(positions[corners.y] - positions[corners.x], positions[corners.z] - positions[corners.x]);
+}
+
+Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction) const {
+  const RTCRayHit hit = impl_->firstRayHit(origin, direction);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return Facing::nothing;
   if (impl_->double_sided[hit.hit.primID]) return Facing::both;
-  const glm::uvec3& triangle = impl_->triangles[hit.hit.primID];
-  const glm::vec3 corner = impl_->positions[triangle.x];
-  const glm::vec3 normal = glm::cross(impl_->positions[triangle.y] - corner, impl_->positions[triangle.z] - corner);
-  return glm::dot(normal, direction) < 0.0f ? Facing::front : Facing::back;
+  return glm::dot(impl_->normal(hit.hit.primID), direction) < 0.0f ? Facing::front : Facing::back;
+}
+
+std::optional<SurfaceHit> RayScene::firstHit(const glm::vec3& origin, const glm::vec3& direction) const {
+  const RTCRayHit hit = impl_->firstRayHit(origin, direction);
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const glm::vec3 normal = glm::normalize(impl_->normal(hit.hit.primID));
+  return SurfaceHit{hit.ray.tfar, glm::dot(normal, direction) < 0.0f ? normal : -normal, impl_->material[hit.hit.primID]};
 }
 
 bool RayScene::anyTriangleInCube(const glm::vec3& center, float half_side) const {
