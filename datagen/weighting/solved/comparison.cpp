@@ -92,6 +92,7 @@ double stepP99(const SolvedScene& scene, const Weights& w) {
   const float pixel_m = scene.small.lattice.spacing_m / kSlicePixelsACell;
   std::vector<double> steps;
   for (const PointLinks::Link& link : scene.links.links) {
+    if (!scene.in_shadow[link.a] && !scene.in_shadow[link.b]) continue;
     const bool on_slice = scene.points.use[link.a] == PointUse::slice && scene.points.use[link.b] == PointUse::slice;
     if (on_slice && link.distance_m < 1.1f * pixel_m) steps.push_back(change(scene.points, w, link.a, link.b));
   }

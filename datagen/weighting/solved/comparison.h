@@ -39,7 +39,7 @@ struct Quality {
   double rmse_shadow = 0.0;      // at points in shadow
   double unlit_share = 0.0;      // of the points in shadow: no probe around has weight; they count as black
   double leak = 0.0;             // points in shadow: mean weight of probes behind a wall (unseen, and no way below 2 spacings)
-  double step_p99 = 0.0;         // half the sum of |changes of w| from one slice pixel to the next that it sees
+  double step_p99 = 0.0;         // half the sum of |changes of w| between slice pixels that see each other, one of them in shadow
   double distance_solved = 0.0;  // root mean square over points in shadow, and their probes, of w − solved w
 };
 

@@ -36,15 +36,15 @@ void describe(SolveSetup& o, OptionTable& table) {
 // The rules that are compared; the first of `none` baseline is the present one.
 std::vector<DiffusionRule> rules() {
   std::vector<DiffusionRule> list = {{"bare tent", Baseline::bare_tent}, {"seen tent", Baseline::visible_tent}, {"present"}};
-  for (const int passes : {1, 2, 3, 4, 8, 16}) {
-    for (const double sigma : {0.05, 0.1, 0.2, 0.3}) {
-      for (const double falloff : {1.0, 2.0, 4.0, kNoFalloff}) {
-        list.push_back({"weight", Baseline::none, Carry::weight, passes, sigma, falloff});
-        list.push_back({"share", Baseline::none, Carry::share, passes, sigma, falloff});
-      }
+  const auto add = [&](const std::string& name, Carry carry, int passes, double sigma, double falloff, double power) {
+    list.push_back({name, Baseline::none, carry, passes, sigma, falloff, power});
+  };
+  for (const int passes : {1, 2, 3, 4, 16}) {
+    for (const double falloff : {0.25, 0.5, 1.0, 2.0, 4.0, kNoFalloff}) {
+      for (const double sigma : {0.05, 0.1, 0.2, 0.3}) add("weight", Carry::weight, passes, sigma, falloff, 0.0);
+      add("share", Carry::share, passes, 0.1, falloff, 0.0);
     }
-    for (const double power : {1.0, 2.0, 4.0, 8.0})
-      list.push_back({"path", Baseline::none, Carry::path, passes, 0.1, 2.0, power});
+    for (const double power : {1.0, 2.0, 4.0, 8.0, 16.0}) add("path", Carry::path, passes, 0.1, 0.0, power);
   }
   return list;
 }
@@ -109,8 +109,8 @@ Json slicesJson(const SolvedScene& scene) {
       {"solved", scene.solved.weights},
       {"seen tent", normalised(seen)},
       {"present", normalised(weightsOf({""}))},
-      {"share", normalised(weightsOf({"", Baseline::none, Carry::share, 4, 0.1, 2.0}))},
-      {"path", normalised(weightsOf({"", Baseline::none, Carry::path, 4, 0.1, 2.0, 4.0}))}};
+      {"falloff 1", normalised(weightsOf({"", Baseline::none, Carry::weight, 2, 0.1, 1.0}))},
+      {"path", normalised(weightsOf({"", Baseline::none, Carry::path, 2, 0.1, 0.0, 8.0}))}};
   slice["functions"] = Json::array();
   for (const int probe : picturedProbes(scene, seen)) {
     const glm::vec3 at = scene.points.probe_position_m[probe];
