@@ -58,20 +58,20 @@ Weights normalised(const Weights& weights) {
   return result;
 }
 
-std::vector<uint8_t> pointsOf(const SamplePoints& points, std::initializer_list<PointUse> uses) {
-  std::vector<uint8_t> used(points.count());
-  for (size_t i = 0; i < used.size(); ++i) used[i] = std::find(uses.begin(), uses.end(), points.use[i]) != uses.end();
-  return used;
+std::vector<float> pointsOf(const SamplePoints& points, std::initializer_list<PointUse> uses) {
+  std::vector<float> counts(points.count());
+  for (size_t i = 0; i < counts.size(); ++i) counts[i] = std::find(uses.begin(), uses.end(), points.use[i]) != uses.end();
+  return counts;
 }
 
 std::vector<float> solveProbes(const SamplePoints& points, const Weights& weights, const Signals& signals,
-                               const std::vector<uint8_t>& used) {
+                               const std::vector<float>& counts) {
   const size_t n = points.probe_position_m.size(), width = signals.count;
   std::vector<double> matrix(n * n, 0.0), right(n * width, 0.0);
   for (size_t i = 0; i < points.count(); ++i) {
-    if (!used[i]) continue;
+    if (counts[i] == 0.0f) continue;
     for (int c = 0; c < kCornerCount; ++c) {
-      const double w = weights[i][c];
+      const double w = double{counts[i]} * weights[i][c];
       if (w == 0.0) continue;
       const size_t row = points.probe[i][c];
       for (int d = 0; d < kCornerCount; ++d) {

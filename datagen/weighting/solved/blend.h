@@ -11,17 +11,17 @@ using Weights = std::vector<std::array<float, kCornerCount>>;
 // Every point's weights divided by their sum; points whose sum is below 1e-6 keep zeros: no probe lights them.
 Weights normalised(const Weights& weights);
 
-// Points of one use, or of all.
-std::vector<uint8_t> pointsOf(const SamplePoints& points, std::initializer_list<PointUse> uses);
+// N: 1 at the points of these uses, 0 at others.
+std::vector<float> pointsOf(const SamplePoints& points, std::initializer_list<PointUse> uses);
 
-// Probe values that minimise the squared error of the blend at the points of `used`, for each signal by itself (linear least
+// Probe values that minimise the squared error of the blend over the points, for each signal by itself (linear least
 // squares by Cholesky, with a ridge of 1e-7 of the mean diagonal so that probes without any weight get 0).
 //
 // weights   N x 8, normalised
-// used      N, 0 or 1
+// counts    N, >= 0: how much the error at each point counts
 // returns   probes x S, row-major
 std::vector<float> solveProbes(const SamplePoints& points, const Weights& weights, const Signals& signals,
-                               const std::vector<uint8_t>& used);
+                               const std::vector<float>& counts);
 
 // The blend at one point: S numbers to `out`.
 void blend(const std::array<int, kCornerCount>& probe, const std::array<float, kCornerCount>& weights,

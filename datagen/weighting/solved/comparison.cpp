@@ -123,7 +123,7 @@ SolvedScene::SolvedScene(const std::string& name, const SolveSetup& setup)
   }
 }
 
-Quality judge(const SolvedScene& scene, const Weights& weights) {
+Quality judge(const SolvedScene& scene, const Weights& weights, PointUse at) {
   const SamplePoints& points = scene.points;
   const Weights w = normalised(weights);
   const std::vector<float> probes = solveProbes(points, w, scene.light.held_out, pointsOf(points, {PointUse::fit}));
@@ -131,7 +131,7 @@ Quality judge(const SolvedScene& scene, const Weights& weights) {
   double all = 0.0, shadow = 0.0, unlit = 0.0, leak = 0.0, distance = 0.0;
   size_t count = 0, shadow_count = 0, pair_count = 0;
   for (size_t i = 0; i < points.count(); ++i) {
-    if (points.use[i] != PointUse::held_out) continue;
+    if (points.use[i] != at) continue;
     ++count;
     all += errors[i];
     if (!scene.in_shadow[i]) continue;

@@ -44,6 +44,7 @@ struct Quality {
 };
 
 // weights   N x 8, not normalised
-Quality judge(const SolvedScene& scene, const Weights& weights);
+// at        the points that figures are taken at
+Quality judge(const SolvedScene& scene, const Weights& weights, PointUse at = PointUse::held_out);
 
 }  // namespace nlg

@@ -46,7 +46,7 @@ void carryToHeldOut(const SamplePoints& points, const PointLinks& links, Weights
     double total = 0.0;
     for (uint32_t e = links.first[i]; e < links.first[i + 1]; ++e) {
       const uint32_t other = links.other(links.of[e], i);
-      if (points.use[other] == PointUse::held_out) continue;
+      if (points.use[other] == PointUse::held_out || points.use[other] == PointUse::probe) continue;
       const double ratio = links.links[links.of[e]].distance_m / kCarryDeviation_m, gaussian = std::exp(-0.5 * ratio * ratio);
       const std::array<int8_t, kCornerCount> same = sameProbes(points, i, other);
       for (int c = 0; c < kCornerCount; ++c) {
@@ -64,21 +64,26 @@ void carryToHeldOut(const SamplePoints& points, const PointLinks& links, Weights
 
 }  // namespace
 
-JointProblem::JointProblem(const SamplePoints& points, const PointLinks& links, const Signals& signals, double smoothness)
-    : points_(points), signals_(signals), used_(pointsOf(points, {PointUse::fit, PointUse::slice})) {
+JointProblem::JointProblem(const SamplePoints& points, const PointLinks& links, const Signals& signals,
+                           const SolveOptions& options)
+    : points_(points), signals_(signals), counts_(pointsOf(points, {PointUse::fit, PointUse::slice})) {
   std::vector<int> degree(points.count());
-  const auto isUsed = [&](const PointLinks::Link& link) { return used_[link.a] && used_[link.b]; };
+  const auto isUsed = [&](const PointLinks::Link& link) { return counts_[link.a] > 0 && counts_[link.b] > 0; };
   for (const PointLinks::Link& link : links.links) {
     if (isUsed(link)) ++degree[link.a], ++degree[link.b];
   }
-  for (const uint8_t used : used_) used_count_ += used;
+  for (const float count : counts_) used_count_ += count > 0;
   for (const PointLinks::Link& link : links.links) {
     if (!isUsed(link)) continue;
     const double distance = std::max(link.distance_m, kSlopeFloor_m);
     // three times the mean square of slopes in all directions is the squared gradient
     const double share = 3.0 * 0.5 * (1.0 / degree[link.a] + 1.0 / degree[link.b]) / (distance * distance);
-    slopes_.push_back({link.a, link.b, static_cast<float>(smoothness * share / static_cast<double>(used_count_)),
+    slopes_.push_back({link.a, link.b, static_cast<float>(options.smoothness * share / static_cast<double>(used_count_)),
                        sameProbes(points, link.a, link.b)});
+  }
+  const double anchor = options.anchor * static_cast<double>(used_count_) / static_cast<double>(points.probe_position_m.size());
+  for (size_t i = 0; i < points.count(); ++i) {
+    if (points.use[i] == PointUse::probe) counts_[i] = static_cast<float>(anchor);
   }
 }
 
@@ -89,11 +94,12 @@ double JointProblem::addLight(const Weights& w, const std::vector<float>& probes
   std::vector<float> residual(signal_count);
   double sum = 0.0;
   for (size_t i = 0; i < points_.count(); ++i) {
-    if (!used_[i]) continue;
+    if (counts_[i] == 0.0f) continue;
     blend(points_.probe[i], w[i], probes, signal_count, residual.data());
     const float* target = signals_.row(i);
     for (int s = 0; s < signal_count; ++s) residual[s] -= target[s];
-    sum += dot(residual.data(), residual.data(), signal_count);
+    sum += double{counts_[i]} * dot(residual.data(), residual.data(), signal_count);
+    for (float& r : residual) r *= counts_[i];
     for (int c = 0; c < kCornerCount; ++c) {
       if (points_.probe[i][c] < 0) continue;
       const size_t row = size_t(points_.probe[i][c]) * signal_count;
@@ -138,7 +144,10 @@ double JointProblem::evaluate(const Weights& phi, const std::vector<float>& prob
   if (!by_phi) return value;
   // from w to φ: w_p = φ_p / Σ φ
   for (size_t i = 0; i < phi.size(); ++i) {
-    if (!used_[i]) continue;
+    if (points_.use[i] == PointUse::held_out || points_.use[i] == PointUse::probe) {
+      (*by_phi)[i] = {};  // they do not move
+      continue;
+    }
     float sum = 0.0f, mean = 0.0f;
     for (int c = 0; c < kCornerCount; ++c) sum += phi[i][c], mean += w[i][c] * (*by_phi)[i][c];
     for (int c = 0; c < kCornerCount; ++c) {
@@ -149,13 +158,13 @@ double JointProblem::evaluate(const Weights& phi, const std::vector<float>& prob
 }
 
 std::vector<float> JointProblem::bestProbes(const Weights& phi) const {
-  return solveProbes(points_, normalised(phi), signals_, used_);
+  return solveProbes(points_, normalised(phi), signals_, counts_);
 }
 
 SolvedFunctions solveFunctions(const SamplePoints& points, const PointLinks& links, const Signals& signals,
                                const SolveOptions& options) {
   constexpr double kMeanDecay = 0.9, kSquareDecay = 0.99, kPi = 3.141592653589793;
-  const JointProblem problem(points, links, signals, options.smoothness);
+  const JointProblem problem(points, links, signals, options);
   const double per_point = static_cast<double>(points.count());  // gradients of the size of a point's own error
   SolvedFunctions solved;
   Weights phi = normalised(points.tent()), gradient, mean(phi.size()), square(phi.size());
@@ -165,7 +174,7 @@ SolvedFunctions solveFunctions(const SamplePoints& points, const PointLinks& lin
     const double rate = options.rate * 0.5 * (1.0 + std::cos(kPi * step / options.steps));
     const double mean_share = 1.0 - std::pow(kMeanDecay, step + 1), square_share = 1.0 - std::pow(kSquareDecay, step + 1);
     for (size_t i = 0; i < phi.size(); ++i) {
-      if (points.use[i] == PointUse::held_out) continue;
+      if (points.use[i] == PointUse::held_out || points.use[i] == PointUse::probe) continue;
       for (int c = 0; c < kCornerCount; ++c) {
         const double g = per_point * gradient[i][c];
         mean[i][c] = static_cast<float>(kMeanDecay * mean[i][c] + (1 - kMeanDecay) * g);

@@ -1,9 +1,10 @@
 // Lighting at points of a small scene, under many lamps one at a time: what solved weighting functions have to reproduce.
 //
 // Surfaces are diffuse. Every surface is cut into elements (voxels of half a metre by the way they face); their radiosity comes
-// from rays between them, with 16 bounces; rays from a point gather it. A lamp is a patch of surface of about a metre and a half
-// that shines by itself: wherever light can come from, some lamp has it come from there. Points gather what surfaces send back,
-// not the lamp's own light: near a lamp that varies faster than any blend of probes a metre apart, and it would rule the squares.
+// from rays between them, with 16 bounces; rays from a point gather it. A lamp is a patch of surface of about a metre and a
+// quarter that shines by itself: wherever light can come from, some lamp has it come from there. Points gather what surfaces send
+// back, not the lamp's own light: near a lamp that varies faster than any blend of probes a metre apart, and it would rule the
+// squares.
 #pragma once
 
 #include "datagen/weighting/solved/sample_points.h"
@@ -25,8 +26,8 @@ struct LightOptions {
   int rays_per_point = 1024;
   int rays_per_element = 512;
   float element_m = 0.5f;
-  double lamp_m = 1.5;
-  int fit_lamps = 40;      // at most; scenes with fewer patches have fewer
+  double lamp_m = 1.25;  // and element_m: no multiple of either may lie beside a thin wall, or its voxels hold both sides' floor
+  int fit_lamps = 40;    // at most; scenes with fewer patches have fewer
   int held_out_lamps = 8;  // no solve sees these
   uint64_t seed = 1;
 };

@@ -30,6 +30,7 @@ void describe(SolveSetup& o, OptionTable& table) {
   table.add("held_out_lamps", &o.light.held_out_lamps, "lamps that figures are taken under", 1, 1024);
   table.add("steps", &o.solve.steps, "steps of Adam", 0, 100000);
   table.add("rate", &o.solve.rate, "learning rate", 1e-6, 1.0);
+  table.add("anchor", &o.solve.anchor, "weight of the error at the probes themselves", 0.0, 1e3);
   table.add("smoothness", &o.solve.smoothness, "weight of the squared slope of functions, square metres", 0.0, 1e3);
 }
 
@@ -50,7 +51,7 @@ std::vector<DiffusionRule> rules() {
 }
 
 std::string row(const std::string& scene, const DiffusionRule& rule, const Quality& q) {
-  const bool is_diffused = rule.baseline == Baseline::none && rule.name != "solved";
+  const bool is_diffused = rule.baseline == Baseline::none;
   const std::string constants = !is_diffused                ? ",,,"
                                 : rule.carry == Carry::path ? fmt::format("{},,,{}", rule.passes, rule.path_power)
                                                             : fmt::format("{},{},{},", rule.passes, rule.sigma, rule.falloff);
@@ -124,7 +125,9 @@ Json slicesJson(const SolvedScene& scene) {
 void solve(const Request& request, const SolveSetup& setup) {
   const SolvedScene scene(request.scene, setup);
   std::string csv = "scene,rule,passes,sigma,falloff,path_power,rmse,rmse_shadow,unlit_share,leak,step_p99,distance_solved\n";
-  csv += row(request.scene, {"solved"}, judge(scene, scene.solved.weights));
+  csv +=
+      row(request.scene, {"solved at its own points", Baseline::visible_tent}, judge(scene, scene.solved.weights, PointUse::fit));
+  csv += row(request.scene, {"solved", Baseline::visible_tent}, judge(scene, scene.solved.weights));
   for (const DiffusionRule& rule : rules()) {
     csv += row(request.scene, rule, judge(scene, generateWeights(scene.table, scene.views, scene.points, rule)));
   }

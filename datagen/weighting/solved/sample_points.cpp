@@ -24,6 +24,8 @@ void addCellPoints(const SmallScene& small, const SampleOptions& options, Sample
     const bool is_held_out = rank / volume_count != (rank + options.held_out_points) / volume_count;
     points.cell_use.push_back(is_held_out ? PointUse::held_out : PointUse::fit);
   }
+  points.cell_points.push_back({0, 0, 0});
+  points.cell_use.push_back(PointUse::probe);
   const int axis = small.slice_axis, u = (axis + 1) % 3, v = (axis + 2) % 3;
   const float layer = (small.slice_m - small.lattice.first_m[axis]) / small.lattice.spacing_m;
   for (int i = 0; i < kSlicePixelsACell * kSlicePixelsACell; ++i) {

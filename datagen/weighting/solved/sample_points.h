@@ -12,7 +12,8 @@
 
 namespace nlg {
 
-enum class PointUse : uint8_t { fit, held_out, slice };  // held_out: no solve sees it; slice: on the plane of the pictures
+// held_out: no solve sees it; slice: on the plane of the pictures; probe: where a probe stands
+enum class PointUse : uint8_t { fit, held_out, slice, probe };
 
 inline constexpr int kCornerCount = 8;        // probes around a point; bit 0, 1, 2 of a corner: on the upper side in x, y, z
 inline constexpr int kSlicePixelsACell = 16;  // along each side

@@ -31,12 +31,12 @@ SmallScene makeRoom(const std::string& name, const glm::vec3& low, const glm::ve
 SmallScene makeTwoRooms(const std::string& name, bool with_doorway) {
   SmallScene small = makeRoom(name, {0.35f, 0.0f, 0.35f}, {5.65f, 2.7f, 3.65f});
   if (!with_doorway) {
-    small.solids.push_back({{2.58f, 0.0f, 0.35f}, {2.66f, 2.7f, 3.65f}});
+    small.solids.push_back({{2.46f, 0.0f, 0.35f}, {2.54f, 2.7f, 3.65f}});
     return small;
   }
-  small.solids.push_back({{2.58f, 0.0f, 0.35f}, {2.66f, 2.7f, 1.4f}});
-  small.solids.push_back({{2.58f, 0.0f, 2.4f}, {2.66f, 2.7f, 3.65f}});
-  small.solids.push_back({{2.58f, 2.05f, 1.4f}, {2.66f, 2.7f, 2.4f}});
+  small.solids.push_back({{2.46f, 0.0f, 0.35f}, {2.54f, 2.7f, 1.4f}});
+  small.solids.push_back({{2.46f, 0.0f, 2.4f}, {2.54f, 2.7f, 3.65f}});
+  small.solids.push_back({{2.46f, 2.05f, 1.4f}, {2.54f, 2.7f, 2.4f}});
   return small;
 }
 
