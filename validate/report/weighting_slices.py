@@ -21,6 +21,8 @@ TITLES = {"seen tent": "seen tent (no pass)", "present": "generated: present rul
           "path": "generated: path⁸", "solved": "solved"}
 DIFFERENCE_LIMIT = 0.5
 PROBES_A_SCENE = 3
+REACH_M = 1.15  # shown on each side of the probe: its support is one metre
+CELL = 2.1  # inches
 FIGURES = ("rmse", "rmse_shadow", "unlit_share", "leak", "step_p99", "distance_solved")
 
 
@@ -39,14 +41,13 @@ def picture(scene, values, colours, low, high):
 
 def draw(scene, path):
     functions = scene["functions"][:PROBES_A_SCENE]
-    u0, u1, v0, v1 = scene["room"]
-    width, height = 2.5, 2.5 * (v1 - v0) / (u1 - u0)
+    u0, _, v0, _ = scene["room"]
     count = len(KINDS) + 1
-    figure, grid = plt.subplots(len(functions), count, figsize=(width * count, height * len(functions) + 0.5), squeeze=False,
+    figure, grid = plt.subplots(len(functions), count, figsize=(CELL * count, CELL * len(functions) + 0.3), squeeze=False,
                                 layout="constrained")
     size = scene["pixel_m"]
     left, bottom = np.floor(u0 / size) * size, np.floor(v0 / size) * size
-    for axes_row, function in zip(grid, functions):
+    for row, (axes_row, function) in enumerate(zip(grid, functions)):
         images = [(TITLES[kind], picture(scene, np.sqrt(function[kind]), WEIGHT_MAP, 0, 1)) for kind in KINDS]
         difference = np.array(function["present"]) - np.array(function["solved"])
         images.append(("present − solved", picture(scene, difference, DIFFERENCE_MAP, -DIFFERENCE_LIMIT, DIFFERENCE_LIMIT)))
@@ -55,8 +56,9 @@ def draw(scene, path):
                         interpolation="nearest")
             axes.plot(*function["at"], "o", markersize=6, markerfacecolor="none", markeredgecolor="black", markeredgewidth=2.4)
             axes.plot(*function["at"], "o", markersize=6, markerfacecolor="none", markeredgecolor="white", markeredgewidth=1.0)
-            axes.set_axis_off()
-            if axes_row is grid[0]:
+            axes.set(xlim=(function["at"][0] - REACH_M, function["at"][0] + REACH_M), xticks=[], yticks=[],
+                     ylim=(function["at"][1] - REACH_M, function["at"][1] + REACH_M), facecolor="#dbe0e4")
+            if row == 0:
                 axes.set_title(title, fontsize=10)
     figure.savefig(path, dpi=80, facecolor="white", metadata={"Software": None})
     plt.close(figure)
