@@ -125,8 +125,6 @@ Json slicesJson(const SolvedScene& scene) {
 void solve(const Request& request, const SolveSetup& setup) {
   const SolvedScene scene(request.scene, setup);
   std::string csv = "scene,rule,passes,sigma,falloff,path_power,rmse,rmse_shadow,unlit_share,leak,step_p99,distance_solved\n";
-  csv +=
-      row(request.scene, {"solved at its own points", Baseline::visible_tent}, judge(scene, scene.solved.weights, PointUse::fit));
   const DiffusionRule tent{"bare tent", Baseline::bare_tent}, seen{"seen tent", Baseline::visible_tent}, present{"present"};
   const auto weightsOf = [&](const DiffusionRule& rule) { return generateWeights(scene.table, scene.views, scene.points, rule); };
   // functions are solved for at the fit points only: elsewhere they are carried over, which costs some of their quality
