@@ -79,7 +79,8 @@ void WeightingBuilder::diffuse(int pass, GeneratedFunction* result) {
       lit_sum += gaussian_[entry];
       weighted += gaussian_[entry] * result->phi[edge.point];
     }
-    if (lit_sum > 0.0) result->phi[p] = static_cast<float>(weighted / lit_sum * std::min(1.0, 2.0 * lit_sum / open_sum));
+    if (lit_sum > 0.0)
+      result->phi[p] = static_cast<float>(weighted / lit_sum * std::min(1.0, options_.falloff * lit_sum / open_sum));
     lit_[p] = static_cast<uint8_t>(pass + 1);
   }
 }

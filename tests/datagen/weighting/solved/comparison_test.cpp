@@ -24,16 +24,19 @@ const SolvedScene& doorway() {
   return scene;
 }
 
-TEST(DiffusionRule, OfTheDefaultsIsWhatTheBuilderBuilds) {
+TEST(DiffusionRule, OfTheBuildersOptionsIsWhatTheBuilderBuilds) {
   const SolvedScene& scene = doorway();
-  WeightingBuilder builder(scene.rays, scene.table, {});
   GeneratedFunction function;
-  for (size_t probe = 0; probe < scene.views.size(); probe += 5) {
-    const std::vector<float> phi = generate(scene.table, scene.views[probe], {});
-    if (builder.build(scene.points.probe_position_m[probe], 1.0f, &function) == ProbeOutcome::free_space) continue;
-    // Gaussians are floats in one and doubles in the other; a value is an average of values up to 1, over two passes
-    for (size_t p = 0; p < phi.size(); ++p) {
-      ASSERT_NEAR(phi[p], function.valid[p] ? function.phi[p] : 0.0f, 24 * 0x1p-24) << "probe " << probe << ", point " << p;
+  for (const DiffusionOptions& options : {DiffusionOptions{}, DiffusionOptions{3, 0.2, 1.0}}) {
+    WeightingBuilder builder(scene.rays, scene.table, options);
+    const DiffusionRule rule{"", Baseline::none, Carry::weight, options.passes, options.sigma, options.falloff};
+    for (size_t probe = 0; probe < scene.views.size(); probe += 5) {
+      const std::vector<float> phi = generate(scene.table, scene.views[probe], rule);
+      if (builder.build(scene.points.probe_position_m[probe], 1.0f, &function) == ProbeOutcome::free_space) continue;
+      // Gaussians are floats in one and doubles in the other; a value is an average of values up to 1, pass after pass
+      for (size_t p = 0; p < phi.size(); ++p) {
+        ASSERT_NEAR(phi[p], function.valid[p] ? function.phi[p] : 0.0f, 12 * options.passes * 0x1p-24) << "point " << p;
+      }
     }
   }
 }
