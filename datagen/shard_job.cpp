@@ -83,6 +83,8 @@ void describe(DatagenOptions& o, OptionTable& table) {
             1.0);
   table.add("diffusion_passes", &o.diffusion.passes, "passes that carry weight round corners", 0, 16);
   table.add("diffusion_sigma", &o.diffusion.sigma, "deviation of the diffusion's Gaussian, shares of the spacing", 1e-3, 10.0);
+  table.add("diffusion_falloff", &o.diffusion.falloff,
+            "a point's weight fades below a lit share of 1 over this of its open neighbourhood", 0.0, 1e6);
 }
 
 ShardJob::ShardJob(const ShardRequest& request, const DatagenOptions& options, const OptionTable& table)

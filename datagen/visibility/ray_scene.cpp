@@ -14,8 +14,12 @@ struct RayScene::Impl {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   std::vector<uint8_t> double_sided;  // by triangle
+  std::vector<uint32_t> material;     // by triangle
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+
+  RTCRayHit firstRayHit(const glm::vec3& origin, const glm::vec3& direction) const;
+  glm::vec3 normal(uint32_t triangle) const;  // not normalised
 
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
@@ -51,6 +55,7 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   for (const uint32_t material : scene.triangle_material) {
     impl_->double_sided.push_back(scene.materials[material].double_sided);
   }
+  impl_->material = scene.triangle_material;
   impl_->device = rtcNewDevice("threads=1");
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
@@ -102,10 +107,7 @@ uint32_t RayScene::occluded(const SegmentPacket& segments, int count) const {
 
 Facing RayScene::facing(uint32_t triangle, const glm::vec3& direction) const {
   if (impl_->double_sided[triangle]) return Facing::both;
-  const glm::uvec3& corners = impl_->triangles[triangle];
-  const glm::vec3 first = impl_->positions[corners.x];
-  const glm::vec3 normal = glm::cross(impl_->positions[corners.y] - first, impl_->positions[corners.z] - first);
-  return glm::dot(normal, direction) < 0.0f ? Facing::front : Facing::back;
+  return glm::dot(impl_->normal(triangle), direction) < 0.0f ? Facing::front : Facing::back;
 }
 
 void RayScene::collectFacing(const RTCFilterFunctionNArguments* arguments) {
@@ -117,7 +119,7 @@ void RayScene::collectFacing(const RTCFilterFunctionNArguments* arguments) {
   arguments->valid[0] = 0;  // go on to the next one
 }
 
-Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction) const {
+RTCRayHit RayScene::Impl::firstRayHit(const glm::vec3& origin, const glm::vec3& direction) const {
   RTCRayHit hit{};
   hit.ray = {
       origin.x, origin.y, origin.z, 0.0f, direction.x, direction.y, direction.z, 0.0f, std::numeric_limits<float>::infinity(),
@@ -125,7 +127,17 @@ Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcIntersect1(impl_->scene, &context, &hit);
+  rtcIntersect1(scene, &context, &hit);
+  return hit;
+}
+
+glm::vec3 RayScene::Impl::normal(uint32_t triangle) const {
+  const glm::uvec3& corners = triangles[triangle];
+  return glm::cross(positions[corners.y] - positions[corners.x], positions[corners.z] - positions[corners.x]);
+}
+
+Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction) const {
+  RTCRayHit hit = impl_->firstRayHit(origin, direction);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return Facing::nothing;
   // which of coincident faces comes first is up to the traversal: ask for all of them
   FacingCollector collector{{}, this, direction};
@@ -138,6 +150,13 @@ Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction
   rtcIntersect1(impl_->scene, &collector.context, &hit);
   if (collector.both || (collector.front && collector.back)) return Facing::both;
   return collector.back ? Facing::back : Facing::front;
+}
+
+std::optional<SurfaceHit> RayScene::firstHit(const glm::vec3& origin, const glm::vec3& direction) const {
+  const RTCRayHit hit = impl_->firstRayHit(origin, direction);
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const glm::vec3 normal = glm::normalize(impl_->normal(hit.hit.primID));
+  return SurfaceHit{hit.ray.tfar, glm::dot(normal, direction) < 0.0f ? normal : -normal, impl_->material[hit.hit.primID]};
 }
 
 void RayScene::trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const {

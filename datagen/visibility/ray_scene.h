@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -23,6 +24,13 @@ struct SegmentPacket {
 
 enum class Facing : uint8_t { nothing, front, back, both };  // both: a double-sided material, or faces that coincide
 
+// Where a ray first meets a face.
+struct SurfaceHit {
+  float distance = 0.0f;   // in lengths of the ray's direction
+  glm::vec3 normal{0.0f};  // unit, of the side that the ray meets: it points against the ray
+  uint32_t material = 0;   // index into the scene's materials
+};
+
 class RayScene {
  public:
   // Copies what it needs of the scene. throws InputError when Embree cannot build (out of memory)
@@ -39,6 +47,9 @@ class RayScene {
   // Which side of the first face a ray from origin meets. A front and a back in one place (within 2^-18 of the way) say `both`,
   // whichever of them the traversal finds first.
   Facing firstFacing(const glm::vec3& origin, const glm::vec3& direction) const;
+
+  // The first face a ray from origin meets, of either side; nothing when it meets none.
+  std::optional<SurfaceHit> firstHit(const glm::vec3& origin, const glm::vec3& direction) const;
 
   // Every triangle that touches the axis-aligned cube around center, rising, and perhaps some that only come near.
   void trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const;

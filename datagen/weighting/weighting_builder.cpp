@@ -75,7 +75,7 @@ void WeightingBuilder::diffuse(int pass, GeneratedFunction* result) {
       weighted += gaussian[k] * result->phi[edge.point];
     }
     if (lit_sum == 0.0) return false;
-    result->phi[point] = static_cast<float>(weighted / lit_sum * std::min(1.0, 2.0 * lit_sum / open_sum));
+    result->phi[point] = static_cast<float>(weighted / lit_sum * std::min(1.0, options_.falloff * lit_sum / open_sum));
     lit_[point] = static_cast<uint8_t>(pass + 1);
     return true;
   });

@@ -11,7 +11,8 @@ namespace nlg {
 
 struct DiffusionOptions {
   int passes = 2;
-  double sigma = 0.1;  // deviation of the Gaussian, local units (shares of the spacing)
+  double sigma = 0.1;    // deviation of the Gaussian, local units (shares of the spacing)
+  double falloff = 2.0;  // a point's weight fades below a lit share of 1 / falloff of its open neighbourhood
 };
 
 enum class ProbeOutcome {

@@ -63,7 +63,7 @@ std::vector<double> diffusedNaively(const Scene& scene, const GeneratedFunction&
         open_sum += gaussian;
         if (lit_before[edge.point]) lit_sum += gaussian, weighted += gaussian * phi_before[edge.point];
       }
-      if (lit_sum > 0) phi[p] = weighted / lit_sum * std::min(1.0, 2.0 * lit_sum / open_sum), lit[p] = true;
+      if (lit_sum > 0) phi[p] = weighted / lit_sum * std::min(1.0, options.falloff * lit_sum / open_sum), lit[p] = true;
     }
   }
   return phi;
@@ -71,7 +71,7 @@ std::vector<double> diffusedNaively(const Scene& scene, const GeneratedFunction&
 
 TEST(WeightingBuilder, FollowsTheDefinition) {
   for (const Scene& scene : scenes()) {
-    for (const DiffusionOptions& options : {DiffusionOptions{}, DiffusionOptions{4, 0.05}, DiffusionOptions{1, 3.0}}) {
+    for (const DiffusionOptions& options : {DiffusionOptions{}, DiffusionOptions{4, 0.05, 1.0}, DiffusionOptions{1, 3.0, 4.0}}) {
       const Built built = build(scene, options);
       ASSERT_EQ(built.outcome, ProbeOutcome::function);
       const std::vector<double> expected = diffusedNaively(scene, built.function, options);
