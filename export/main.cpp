@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "export/weights_file/weights_file.h"
 #include "runtime_eval/evaluator/evaluate.h"
 #include "tool/atomic_file.h"

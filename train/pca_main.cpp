@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include <nlohmann/json.hpp>
+
 #include "datagen/dataset/function_set.h"
 #include "tool/atomic_file.h"
 #include "tool/progress.h"

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include <nlohmann/json.hpp>
+
 #include "tool/atomic_file.h"
 #include "tool/tool_main.h"
 #include "train/generator/trainer.h"

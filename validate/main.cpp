@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include <nlohmann/json.hpp>
+
 #include "tool/atomic_file.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
