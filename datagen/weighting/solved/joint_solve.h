@@ -3,7 +3,6 @@
 // Minimised over probe values L and functions φ >= 0, sampled at the points, with w = φ / Σ_p φ (docs/weighting_functions.md):
 //
 //   mean over points and signals of (Σ_p w_p(x) L_p − E(x))²  +  smoothness · mean over points of |∇w|²
-//
 //   +  anchor · mean over probes of (L_p − E(x_p))²
 //
 // where the slope is that to the points' neighbours which they see, and a probe that is not around a neighbour counts as
@@ -20,7 +19,7 @@ struct SolveOptions {
   int steps = 120;
   double rate = 0.03;        // of Adam, falling to 0 as a half cosine
   double smoothness = 1e-2;  // square metres
-  double anchor = 0.1;
+  double anchor = 0.1;       // weight of the error at the probes themselves
 };
 
 // The function that is minimised. Points that are held out do not enter it.

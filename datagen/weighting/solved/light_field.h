@@ -26,8 +26,8 @@ struct LightOptions {
   int rays_per_point = 1024;
   int rays_per_element = 512;
   float element_m = 0.5f;
-  double lamp_m = 1.25;  // and element_m: no multiple of either may lie beside a thin wall, or its voxels hold both sides' floor
-  int fit_lamps = 40;    // at most; scenes with fewer patches have fewer
+  double lamp_m = 1.25;    // a thin wall must stand on a multiple of both sides, or a voxel holds the floor of two rooms
+  int fit_lamps = 40;      // at most; scenes with fewer patches have fewer
   int held_out_lamps = 8;  // no solve sees these
   uint64_t seed = 1;
 };
