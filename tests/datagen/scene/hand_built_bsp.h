@@ -135,11 +135,12 @@ inline std::string writeZip(const std::string& path, const std::vector<std::pair
   zip_t* zip = zip_open(path.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code);
   if (zip == nullptr) throw std::runtime_error("zip_open");
   for (const auto& [name, bytes] : files) {
-    zip_source_t* source = zip_source_buffer(zip, bytes.data(), bytes.size(), 0);
-    const zip_int64_t idx =
-        name.back() == '/' && bytes.empty() ? zip_dir_add(zip, name.c_str(), 0) : zip_file_add(zip, name.c_str(), source, 0);
+    if (name.back() == '/') {
+      if (zip_dir_add(zip, name.c_str(), 0) < 0) throw std::runtime_error("zip_dir_add");
+      continue;
+    }
+    const zip_int64_t idx = zip_file_add(zip, name.c_str(), zip_source_buffer(zip, bytes.data(), bytes.size(), 0), 0);
     if (idx < 0) throw std::runtime_error("zip_file_add");
-    if (name.back() == '/') continue;
     zip_set_file_compression(zip, idx, options.method, 0);
     if (options.encrypted && zip_file_set_encryption(zip, idx, ZIP_EM_AES_128, "secret") != 0)
       throw std::runtime_error("encryption");

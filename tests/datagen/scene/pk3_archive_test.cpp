@@ -34,7 +34,7 @@ class Pk3ArchivesTest : public testing::Test {
 
 TEST_F(Pk3ArchivesTest, GivesBackWhatWasPacked) {
   std::string large;
-  for (int i = 0; i < 100000; ++i) large += static_cast<char>(i * i >> 3);
+  for (int i = 0; i < 100000; ++i) large += static_cast<char>((i % 1009) * (i % 1009) >> 3);
   for (const int method : {ZIP_CM_STORE, ZIP_CM_DEFLATE}) {
     const std::string path = writeZip(
         folder_ / "a.pk3", {{"a.txt", "alpha"}, {"sub/large.bin", large}, {"empty", ""}, {"folder/", ""}}, {false, method});
