@@ -75,7 +75,8 @@ nlohmann::ordered_json resultJson(const ShardJob& job, const ShardCollector& col
       {"duplicate_rmse",
        {{"mean", differences.mean() / 255}, {"p95", differences.percentile(0.95) / 255}, {"worst", differences.worst() / 255}}},
       {"bytes", file_bytes},
-      {"dropped_triangles", job.scene().dropped_triangle_count}};
+      {"dropped_triangles", job.scene().dropped_triangle_count},
+      {"dropped_faces", job.droppedFaces()}};
 }
 
 void warn(const ShardJob& job, const ShardCounts& counts) {

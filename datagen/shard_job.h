@@ -1,6 +1,7 @@
 // One scene under one jitter, ready for its first probe: what generating a shard and planning it share.
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "datagen/dataset/shard.h"
@@ -48,6 +49,7 @@ class ShardJob {
 
   const Shard& header() const { return header_; }  // everything but counts and arrays
   const Scene& scene() const { return scene_; }
+  const std::map<std::string, uint32_t>& droppedFaces() const { return dropped_faces_; }  // of a .bsp, by why: bsp_reader.h
   uint64_t probeCount() const { return tree_.probeCount(); }
   CollectorLimits limits() const;
 
@@ -60,6 +62,7 @@ class ShardJob {
 
   DatagenOptions options_;
   Shard header_;
+  std::map<std::string, uint32_t> dropped_faces_;
   uint64_t seed_;
   Scene scene_;
   ProbeTree tree_;
