@@ -169,7 +169,7 @@ std::vector<uint64_t> evenChoice(uint64_t count, uint64_t wanted) {
 // Counts over training and held-out shards together; a function that two shards hold is one function.
 struct DataSetCounts {
   ShardCounts all;
-  uint64_t held_out_in_training = 0;  // held-out functions that some training scene has too, byte for byte
+  uint64_t held_out_in_training = 0;  // held-out functions that some training scene has too, by the rule for duplicates
 };
 
 DataSetCounts countAll(const Request& request, uint64_t held_out_count) {
