@@ -44,9 +44,9 @@ void SupportVisibility::beginProbe(const glm::dvec3& position_m, float spacing_m
   collectLocalTriangles(scene_.positions(), scene_.triangles(), candidates_, position_m, spacing_, &triangles_);
 }
 
-SolidVote SupportVisibility::vote(const glm::dvec3& local) const {
+SolidVote SupportVisibility::voteAt(const glm::dvec3& position_m) const {
   SolidVote vote;
-  const glm::vec3 origin(position_ + spacing_ * local);
+  const glm::vec3 origin(position_m);
   for (const glm::vec3& direction : voteDirections()) {
     const Facing facing = scene_.firstFacing(origin, direction);
     vote.front += facing == Facing::front;
@@ -55,8 +55,6 @@ SolidVote SupportVisibility::vote(const glm::dvec3& local) const {
   ray_count_ += voteDirections().size();
   return vote;
 }
-
-SolidVote SupportVisibility::probeVote() const { return vote(glm::dvec3(0.0)); }
 
 void SupportVisibility::traceProbeRays() {
   const PacketTree& tree = table_.point_packets.tree;
@@ -105,7 +103,7 @@ SolidVote SupportVisibility::groupVote(const std::vector<uint32_t>& members) con
   const size_t stride = std::max<size_t>(1, members.size() / 3);
   for (size_t i = 0; i < members.size() && !total.unanimous(); i += stride) {
     const LocalPoint& local = table_.points[members[i]];
-    const SolidVote one = vote({local[0], local[1], local[2]});
+    const SolidVote one = voteAt(position_ + spacing_ * glm::dvec3(local[0], local[1], local[2]));
     total.front += one.front;
     total.back += one.back;
   }

@@ -34,13 +34,17 @@ class SupportVisibility {
   // Both must outlive this object. One object serves many probes, one after another.
   SupportVisibility(const RayScene& scene, const LinkTable& links);
 
+  // The rays of one place, of a probe for instance that has not been begun: most of those in solid need no more than this.
+  // position_m   relative to the scene's origin
+  SolidVote voteAt(const glm::dvec3& position_m) const;
+
   // Moves to another probe, forgets everything about the last, and collects the triangles of the support.
   // position_m   relative to the scene's origin; spacing_m > 0
   void beginProbe(const glm::dvec3& position_m, float spacing_m);
 
   bool supportIsEmpty() const { return triangles_.empty(); }  // no triangle touches the support
   const std::vector<LocalTriangle>& triangles() const { return triangles_; }
-  SolidVote probeVote() const;  // is the probe itself in solid?
+  SolidVote probeVote() const { return voteAt(position_); }  // is the probe itself in solid?
 
   // Which points the probe sees; call once a probe, before the rest.
   void traceProbeRays();
@@ -63,7 +67,6 @@ class SupportVisibility {
  private:
   enum class State : uint8_t { unknown, valid, solid };
 
-  SolidVote vote(const glm::dvec3& local) const;
   SolidVote groupVote(const std::vector<uint32_t>& members) const;
   bool reachesValid(uint32_t point) const;
   void flood(State carried, std::vector<uint32_t>* members);

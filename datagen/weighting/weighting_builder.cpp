@@ -22,9 +22,9 @@ ProbeOutcome WeightingBuilder::build(const glm::dvec3& position_m, float spacing
 }
 
 ProbeOutcome WeightingBuilder::see(const glm::dvec3& position_m, float spacing_m) {
-  visibility_.beginProbe(position_m, spacing_m);
-  const SolidVote probe_vote = visibility_.probeVote();
+  const SolidVote probe_vote = visibility_.voteAt(position_m);
   if (probe_vote.solid()) return ProbeOutcome::in_solid;
+  visibility_.beginProbe(position_m, spacing_m);
   if (visibility_.supportIsEmpty()) return ProbeOutcome::free_space;
   visibility_.traceProbeRays();
   visibility_.testLinks();
