@@ -136,6 +136,49 @@ void ofFunctions(benchmark::State& state, const Level& level, Part part) {
   state.counters["functions/s"] = rate(functions);
 }
 
+// Where the time goes: microseconds of each step, a probe for the first two, a function for the others.
+void stages(benchmark::State& state, const Level& level) {
+  SupportVisibility visibility(level.rays, level.links);
+  double probes = 0.0, functions = 0.0, triangles = 0.0;
+  Clock::duration vote{0}, collect{0}, rays{0}, links{0}, validity{0};
+  Clock::time_point last;
+  const auto lap = [&last](Clock::duration& stage) {
+    const Clock::time_point now = Clock::now();
+    stage += now - last;
+    last = now;
+  };
+  for (auto _ : state) {
+    for (const Place& place : level.places) {
+      last = Clock::now();
+      const bool in_solid = visibility.voteAt(place.position_m).solid();
+      lap(vote);
+      probes += 1.0;
+      if (in_solid) continue;
+      visibility.beginProbe(place.position_m, place.spacing_m);
+      lap(collect);
+      if (visibility.supportIsEmpty()) continue;
+      visibility.traceProbeRays();
+      lap(rays);
+      visibility.testLinks();
+      lap(links);
+      visibility.findValidity();
+      lap(validity);
+      functions += 1.0;
+      triangles += static_cast<double>(visibility.triangles().size());
+    }
+  }
+  const auto each = [](Clock::duration stage, double count) {
+    return std::chrono::duration<double, std::micro>(stage).count() / count;
+  };
+  state.counters["vote_us/probe"] = each(vote, probes);
+  state.counters["collect_us/probe"] = each(collect, probes);
+  state.counters["rays_us"] = each(rays, functions);
+  state.counters["links_us"] = each(links, functions);
+  state.counters["validity_us"] = each(validity, functions);
+  state.counters["triangles"] = triangles / functions;
+  state.counters["functions/probe"] = functions / probes;
+}
+
 const bool kRegistered = [] {
   // a level is prepared when its first case runs
   const auto add = [](const std::string& name, const std::function<Scene()>& load) {
@@ -157,6 +200,10 @@ const bool kRegistered = [] {
                                  [prepared](benchmark::State& state) { visibility(state, prepared()); })
         ->Threads(1)
         ->Threads(2)
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+    benchmark::RegisterBenchmark(at("visibility/stages").c_str(),
+                                 [prepared](benchmark::State& state) { stages(state, prepared()); })
         ->UseRealTime()
         ->Unit(benchmark::kMillisecond);
     benchmark::RegisterBenchmark(at("weighting/diffusion").c_str(),
