@@ -11,14 +11,14 @@
 namespace nlg {
 namespace {
 
+constexpr uint64_t kMaxPointCount = 65536;
 constexpr int kMaxGroupPoints = 256;  // 256 * 255 fits 16 bits; a group of more points sums its first 256
 
-int64_t floorDivide(int64_t a, int64_t b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
-
-// 16 bits a coordinate.
-uint64_t cellKey(const std::array<int64_t, 4>& cell) {
+// Two cells of one key only make a search longer.
+template <class Cell>
+uint64_t cellKey(const Cell& cell) {
   uint64_t key = 0;
-  for (const int64_t c : cell) key = key << 16 | (static_cast<uint64_t>(c) & 0xffff);
+  for (const int64_t c : cell) key = (key ^ static_cast<uint64_t>(c)) * 0x9e3779b97f4a7c15u + (key >> 29);
   return key;
 }
 
@@ -29,9 +29,15 @@ DuplicateIndex::DuplicateIndex(const DuplicateRule& rule, int point_count, Fetch
   NLG_CHECK(point_count % 8, ==, 0);
   // duplicates: sum of squared differences <= rms^2 P =: D^2
   const double squared = rule.rms * rule.rms * point_count;
-  // a signed sum over at most P points: |difference| <= sqrt(P) D = rms P; one more for rounding
-  reach_ = rule.rms == 0.0 ? 0 : static_cast<int64_t>(std::ceil(rule.rms * point_count)) + 1;
-  cell_width_ = std::max<int64_t>({2 * reach_, point_count / 4, 1});
+  // the validity of duplicates differs in few points, in an octant as in all; cells are wide enough that a search seldom leaves
+  // its own, and one of all points splits what octants leave together
+  const auto validity_reach = static_cast<int64_t>(std::min<uint64_t>(rule.validity_points, kMaxPointCount));
+  reach_.fill(validity_reach);
+  cell_width_.fill(std::max<int64_t>(2 * validity_reach, point_count / 32));
+  cell_width_[kOctantCount] = std::max<int64_t>(2 * validity_reach, point_count / 128);
+  // a sum over at most P points: |difference| <= sqrt(P) D = rms P; one more for rounding
+  reach_.back() = rule.rms == 0.0 ? 0 : static_cast<int64_t>(std::ceil(rule.rms * point_count)) + 1;
+  cell_width_.back() = std::max<int64_t>({2 * reach_.back(), point_count / 4, 1});
   // sums over groups of n points: sum of (difference of sum)^2 <= n D^2
   max_squared_distance_ = rule.rms == 0.0 ? 0 : static_cast<uint64_t>(std::ceil(kMaxGroupPoints * squared)) + 1;
 }
@@ -45,27 +51,32 @@ DuplicateIndex::Entry DuplicateIndex::sketch(const FunctionSamples& function) co
     for (int i = first; i < std::min(end, first + kMaxGroupPoints); ++i) sum += function.phi[i];
     entry.group_sums[static_cast<size_t>(g)] = static_cast<uint16_t>(sum);
   }
-  int valid_count = 0;
-  for (int i = 0; i < point_count_ / 8; ++i) valid_count += std::popcount(function.validity[i]);
-  // 65536 valid points of 65536 do not fit: all of them and one less look the same, which only lets one more through
-  entry.valid_count = static_cast<uint16_t>(std::min(valid_count, 65535));
+  for (int o = 0; o < kOctantCount; ++o) {
+    int valid_count = 0;
+    const int end = static_cast<int>(int64_t{o + 1} * (point_count_ / 8) / kOctantCount);
+    for (int i = static_cast<int>(int64_t{o} * (point_count_ / 8) / kOctantCount); i < end; ++i) {
+      valid_count += std::popcount(function.validity[i]);
+    }
+    entry.valid_counts[static_cast<size_t>(o)] = static_cast<uint16_t>(valid_count);
+  }
   return entry;
 }
 
-// The sum over all groups, and the differences between the halves along each axis: groups are octants of the support in fours.
-DuplicateIndex::Sums DuplicateIndex::signedSums(const Entry& entry) {
-  Sums sums{};
-  for (int g = 0; g < kGroupCount; ++g) {
-    const int64_t sum = entry.group_sums[static_cast<size_t>(g)];
-    const int octant = g / 4;
-    sums[0] += sum;
-    for (int axis = 0; axis < 3; ++axis) sums[static_cast<size_t>(axis) + 1] += (octant >> axis & 1) != 0 ? -sum : sum;
+DuplicateIndex::Features DuplicateIndex::features(const Entry& entry) {
+  Features features{};
+  for (size_t o = 0; o < kOctantCount; ++o) {
+    features[o] = entry.valid_counts[o];
+    features[kOctantCount] += entry.valid_counts[o];
   }
-  return sums;
+  for (const uint16_t sum : entry.group_sums) features.back() += sum;
+  return features;
 }
 
 bool DuplicateIndex::mayMatch(const Entry& a, const Entry& b) const {
-  if (static_cast<uint64_t>(std::abs(int{a.valid_count} - int{b.valid_count})) > rule_.validity_points) return false;
+  uint64_t differing = 0;
+  for (size_t o = 0; o < kOctantCount; ++o)
+    differing += static_cast<uint64_t>(std::abs(int{a.valid_counts[o]} - int{b.valid_counts[o]}));
+  if (differing > rule_.validity_points) return false;
   uint64_t squared = 0;
   for (size_t g = 0; g < kGroupCount; ++g) {
     const int64_t difference = int64_t{a.group_sums[g]} - int64_t{b.group_sums[g]};
@@ -89,20 +100,20 @@ std::optional<DuplicateIndex::Match> DuplicateIndex::findInCell(uint64_t cell, c
 
 std::optional<DuplicateIndex::Match> DuplicateIndex::findOrAdd(const FunctionSamples& function) {
   Entry entry = sketch(function);
-  const Sums sums = signedSums(entry);
-  std::array<int64_t, kSumCount> home{}, low{}, high{};
-  for (size_t i = 0; i < kSumCount; ++i) {
-    home[i] = floorDivide(sums[i], cell_width_);
-    low[i] = floorDivide(sums[i] - reach_, cell_width_);
-    high[i] = floorDivide(sums[i] + reach_, cell_width_);
+  const Features place = features(entry);
+  Features home{}, low{}, high{};
+  for (size_t i = 0; i < kFeatureCount; ++i) {
+    home[i] = place[i] / cell_width_[i];
+    low[i] = std::max<int64_t>(0, place[i] - reach_[i]) / cell_width_[i];
+    high[i] = (place[i] + reach_[i]) / cell_width_[i];
   }
   // the function's own cell first: most matches lie there
   std::optional<Match> match = findInCell(cellKey(home), entry, function);
-  for (std::array<int64_t, kSumCount> cell = low; !match;) {
+  for (Features cell = low; !match;) {
     if (cell != home) match = findInCell(cellKey(cell), entry, function);
     size_t i = 0;
-    for (; i < kSumCount && cell[i] == high[i]; ++i) cell[i] = low[i];
-    if (i == kSumCount) break;
+    for (; i < kFeatureCount && cell[i] == high[i]; ++i) cell[i] = low[i];
+    if (i == kFeatureCount) break;
     ++cell[i];
   }
   if (match) return match;

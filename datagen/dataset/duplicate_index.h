@@ -2,10 +2,11 @@
 //
 // Exact: what it says follows from the samples themselves, and it misses nothing. Of any two functions that were both added,
 // neither is a duplicate of the other, and every function that was refused has its match among those that were added. The search
-// looks only at functions whose sums over groups of points are near enough, and that can be no reason to miss one: the triangle
-// and Cauchy-Schwarz inequalities bound how far the sums of duplicates may lie apart (docs/formats.md, "Duplicates").
+// looks only at functions whose counts of valid points, octant by octant, and whose sums over groups of points are near enough,
+// and that can be no reason to miss one: the rule itself, the triangle and the Cauchy-Schwarz inequality bound how far those of
+// duplicates may lie apart (docs/formats.md, "Duplicates").
 //
-// Memory: at most about 150 bytes a function; the samples themselves stay wherever the caller keeps them.
+// Memory: at most about 160 bytes a function; the samples themselves stay wherever the caller keeps them.
 #pragma once
 
 #include <array>
@@ -39,23 +40,25 @@ class DuplicateIndex {
   uint64_t comparedCount() const { return compared_count_; }  // calls of fetch so far
 
  private:
-  static constexpr int kGroupCount = 32, kSumCount = 4;
+  static constexpr int kGroupCount = 32, kOctantCount = 8;
   struct Entry {
+    std::array<uint16_t, kOctantCount> valid_counts;
     std::array<uint16_t, kGroupCount> group_sums;
-    uint16_t valid_count;
     uint32_t id;
   };
-  using Sums = std::array<int64_t, kSumCount>;
+  // What cells are made of: valid points in all and by octant, and the sum over all groups.
+  static constexpr int kFeatureCount = kOctantCount + 2;
+  using Features = std::array<int64_t, kFeatureCount>;
 
   Entry sketch(const FunctionSamples& function) const;
-  static Sums signedSums(const Entry& entry);
+  static Features features(const Entry& entry);
   bool mayMatch(const Entry& a, const Entry& b) const;
   std::optional<Match> findInCell(uint64_t cell, const Entry& entry, const FunctionSamples& function);
 
   DuplicateRule rule_;
   int point_count_;
   Fetch fetch_;
-  int64_t reach_, cell_width_;     // of signed sums: how far those of duplicates lie apart at most, and the side of a cell
+  Features reach_, cell_width_;    // how far the features of duplicates lie apart at most, and the sides of a cell
   uint64_t max_squared_distance_;  // of the group sums of duplicates
   uint64_t function_count_ = 0, compared_count_ = 0;
   std::unordered_map<uint64_t, std::vector<Entry>> cells_;

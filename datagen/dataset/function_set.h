@@ -28,19 +28,18 @@ struct FunctionSet {
 
 // Drops from shards what earlier shards hold already, by the rule that the shards themselves were made with (DuplicateRule).
 //
-// Exact, as DuplicateIndex says. Memory: at most about 160 bytes a function; samples of earlier shards are read again from their
-// files when a function comes near enough to need them.
+// Exact, as DuplicateIndex says. Memory: at most about 150 bytes a function; the samples of what was kept lie in a nameless file
+// in the folder for temporary files (TMPDIR), 9216 bytes a function, unless the caller has them.
 class DuplicateFilter {
  public:
-  // earlier   gives the samples of the id-th function kept in earlier shards; without it they are read from the shards' files
+  // earlier   gives the samples of the id-th function kept in earlier shards; without it a copy goes to the temporary file
   explicit DuplicateFilter(DuplicateIndex::Fetch earlier = nullptr);
   ~DuplicateFilter();
   DuplicateFilter(const DuplicateFilter&) = delete;
   DuplicateFilter& operator=(const DuplicateFilter&) = delete;
 
   // Takes the known functions out of the shard's arrays and moves them from counts.functions to counts.duplicates.
-  // shard    as readShard gave it: its path and rows name the place where its functions are found again
-  // throws   InputError when its rule is not that of the first shard; when an earlier shard cannot be read any more
+  // throws   InputError when its rule is not that of the first shard; OutputError when the temporary file cannot be written
   void removeKnown(Shard* shard);
 
  private:

@@ -14,7 +14,7 @@ namespace nlg {
 namespace {
 
 [[noreturn]] void fail(const std::string& folder, int error_number) {
-  throw OutputError(folder + "/(rows of a shard under construction)", std::generic_category().message(error_number));
+  throw OutputError(folder + "/(samples of functions, for comparison)", std::generic_category().message(error_number));
 }
 
 }  // namespace

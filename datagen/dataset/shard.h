@@ -33,7 +33,6 @@ struct ShardCounts {
 struct Shard {
   std::string path;             // of the file that it was read from; empty for one that was made in memory
   uint64_t schema_version = 2;  // of that file
-  uint64_t first_function = 0;  // of that file, that the arrays' first row holds: ShardReader::read
   std::string scene_id;
   std::string family;  // procedural family, or "level"
   uint64_t jitter = 0;

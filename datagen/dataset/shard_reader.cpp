@@ -67,7 +67,6 @@ ShardReader::ShardReader(const std::string& path, uint64_t pattern_hash, int poi
 Shard ShardReader::read(uint64_t first, uint64_t count) const {
   NLG_CHECK(first + count, <=, functionCount());
   Shard shard = header_;
-  shard.first_function = first;
   forEachArray(shard, [&](const char* name, auto& values, const std::vector<uint64_t>& columns) {
     using Element = typename std::remove_reference_t<decltype(values)>::value_type;
     const std::vector<uint64_t> shape = withRows(functionCount(), columns);
