@@ -76,7 +76,8 @@ nlohmann::ordered_json resultJson(const ShardJob& job, const ShardCollector& col
        {{"mean", differences.mean() / 255}, {"p95", differences.percentile(0.95) / 255}, {"worst", differences.worst() / 255}}},
       {"bytes", file_bytes},
       {"dropped_triangles", job.scene().dropped_triangle_count},
-      {"dropped_faces", job.droppedFaces()}};
+      {"dropped_faces", job.droppedFaces()},
+      {"materials_without_texture", job.materialsWithoutTexture()}};
 }
 
 void warn(const ShardJob& job, const ShardCounts& counts) {

@@ -2,6 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
 
 #include "datagen/generate.h"
 #include "datagen/info.h"
@@ -18,8 +21,17 @@ void addRequest(CLI::App& app, ShardRequest& request) {
                  "a .glb, .gltf or .bsp file, FOLDER:MAP for a level in .pk3 archives, or FAMILY:SEED (house, maze, colonnade, "
                  "stairs, clutter, outdoor, cave)")
       ->required();
-  app.add_option("--jitter", request.jitter, "which variant; 0 is the scene as it is");
+  app.add_option("--jitter", request.jitter, "which variant; 0 is the scene as it is")->check(CLI::Range(0.0, 0x1p53));
   app.add_flag("--held-out", request.held_out, "the scene is for validation: add points that no fit sees");
+}
+
+// An output that is an input would be gone for good.
+void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs) {
+  if (out.empty()) throw UsageError("--out", "the name of a file", "an empty text");
+  for (const std::string& input : inputs) {
+    std::error_code error;
+    if (std::filesystem::equivalent(out, input, error)) throw UsageError("--out", "a file that is no input", out);
+  }
 }
 
 int generateMain(int argc, char** argv) {
@@ -35,11 +47,14 @@ int generateMain(int argc, char** argv) {
   describe(options, table);
   addRequest(app, request);
   app.add_option("--out", out, "the shard to write (.h5)")->required();
-  return runTool(argc, argv, app, table, [&] { generate(request, out, options, table); });
+  return runTool(argc, argv, app, table, [&] {
+    refuseToReplaceInputs(out, {request.scene});
+    generate(request, out, options, table);
+  });
 }
 
 int planMain(int argc, char** argv) {
-  CLI::App app{"Says what generating a shard will take, from a sample of its probes; writes nothing.", "nlg-datagen plan"};
+  CLI::App app{"Says what generating a shard will take, from a sample of its probes; leaves nothing behind.", "nlg-datagen plan"};
   ShardRequest request;
   DatagenOptions options;
   bool json = false;
@@ -71,18 +86,20 @@ int viewMain(int argc, char** argv) {
   OptionTable table("datagen");
   app.add_option("shard", shard, "the shard (.h5)")->required();
   CLI::App* picture = app.add_option_group("picture", "one of");
-  CLI::Option* probe = picture->add_option("--probe", probe_idx, "three slices through the function of this index");
+  CLI::Option* probe = picture->add_option("--probe", probe_idx, "three slices through the function of this index")
+                           ->check(CLI::Range(0.0, 0x1p53));
   picture->add_flag("--atlas", is_atlas, "64 functions drawn at random");
   picture->add_flag("--top", is_top, "the level from above, cut open, with its probe tree");
   picture->require_option(1);
   app.add_option("--out", out, "the picture to write (.png)")->required();
   app.add_option("--scene", options.scene, "the level's file; a procedural scene is made again by itself");
-  app.add_option("--seed", options.seed, "--atlas: which functions");
+  app.add_option("--seed", options.seed, "--atlas: which functions")->check(CLI::Range(0.0, 0x1p53));
   app.add_option("--height", options.height, "--top: where to cut, in metres (2.5) or as a share of the height (40%)");
   app.add_option("--slice-px", options.slice_px, "--probe: side of a slice");
   app.add_option("--cell-px", options.cell_px, "--atlas: side of a slice");
   app.add_option("--level-px", options.level_px, "--top: longer side of the map");
   return runTool(argc, argv, app, table, [&] {
+    refuseToReplaceInputs(out, {shard, options.scene});
     if (probe->count() > 0) return viewProbe(shard, probe_idx, options, out);
     if (is_atlas) return viewAtlas(shard, options, out);
     viewTop(shard, options, out);

@@ -5,17 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iostream>
 
 #include <nlohmann/json.hpp>
+
+#include "datagen/dataset/row_spool.h"
 
 namespace nlg {
 namespace {
 
 constexpr uint64_t kSampleFunctions = 1000;              // made, duplicates included
 constexpr uint64_t kSampleProbes = 20000;                // at most: most probes of a sparse scene cost next to nothing
-constexpr double kFileBytes = 30e3;                      // attributes and HDF5's own bookkeeping
+constexpr double kFileBytes = 7.4e3;                     // attributes and HDF5's own bookkeeping
 constexpr double kIndexBytes = 200.0 / kChunkFunctions;  // HDF5's bookkeeping a chunk, nine arrays
 
 double threadSeconds() {
@@ -35,7 +36,7 @@ struct Sample {
 
 Sample takeSample(const ShardJob& job) {
   Sample sample;
-  ShardCollector collector(job.header(), job.limits(), std::filesystem::temp_directory_path().string());
+  ShardCollector collector(job.header(), job.limits(), temporaryFolder());
   const ShardPipeline pipeline = job.pipeline();
   const auto generate = pipeline.makeGenerator();
   const double start = threadSeconds();
@@ -78,8 +79,10 @@ void extrapolate(const Sample& sample, const CollectorLimits& limits, ShardPlan*
   plan->functions = kept;
   if (sample.whole) return;
   plan->visited_probes = static_cast<double>(limits.visited_probes);
-  // no function in thousands of probes: fewer than three in so many, by the rule of three
-  if (made == 0.0) return;
+  if (made == 0.0) {
+    plan->uncertainty = 1.0;  // nothing is known but that functions are rare
+    return;
+  }
   const double exponent = growthExponent(sample), most = static_cast<double>(limits.functions);
   plan->functions = kept * std::pow(plan->visited_probes / visited, exponent);
   const double share = made / visited, distinct = kept / made;

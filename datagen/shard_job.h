@@ -50,6 +50,7 @@ class ShardJob {
   const Shard& header() const { return header_; }  // everything but counts and arrays
   const Scene& scene() const { return scene_; }
   const std::map<std::string, uint32_t>& droppedFaces() const { return dropped_faces_; }  // of a .bsp, by why: bsp_reader.h
+  uint32_t materialsWithoutTexture() const { return materials_without_texture_; }
   uint64_t probeCount() const { return tree_.probeCount(); }
   CollectorLimits limits() const;
 
@@ -63,6 +64,7 @@ class ShardJob {
   DatagenOptions options_;
   Shard header_;
   std::map<std::string, uint32_t> dropped_faces_;
+  uint32_t materials_without_texture_;
   uint64_t seed_;
   Scene scene_;
   ProbeTree tree_;

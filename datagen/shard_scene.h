@@ -12,7 +12,7 @@
 
 namespace nlg {
 
-// The seed of every random choice of one shard: jitter, probe grid, order of the probes.
+// The seed of every random choice of one shard: jitter, probe tree, order of the probes.
 // run_seed   option `seed` of the run
 uint64_t shardSeed(uint64_t run_seed, const std::string& scene_id, uint64_t jitter);
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -48,7 +47,7 @@ void DuplicateFilter::removeKnown(Shard* shard) {
   Impl& m = *impl_;
   if (!m.index) {
     m.rule = shard->duplicate_rule;
-    if (!m.earlier) m.spool.emplace(std::filesystem::temp_directory_path(), shard->point_count);
+    if (!m.earlier) m.spool.emplace(temporaryFolder(), shard->point_count);
     m.index.emplace(m.rule, shard->point_count, [&m](uint64_t id) { return m.samples(id); });
   }
   if (!(shard->duplicate_rule == m.rule)) {

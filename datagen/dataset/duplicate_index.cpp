@@ -33,8 +33,8 @@ DuplicateIndex::DuplicateIndex(const DuplicateRule& rule, int point_count, Fetch
   // its own, and one of all points splits what octants leave together
   const auto validity_reach = static_cast<int64_t>(std::min<uint64_t>(rule.validity_points, kMaxPointCount));
   reach_.fill(validity_reach);
-  cell_width_.fill(std::max<int64_t>(2 * validity_reach, point_count / 32));
-  cell_width_[kOctantCount] = std::max<int64_t>(2 * validity_reach, point_count / 128);
+  cell_width_.fill(std::max<int64_t>({2 * validity_reach, point_count / 32, 1}));
+  cell_width_[kOctantCount] = std::max<int64_t>({2 * validity_reach, point_count / 128, 1});
   // a sum over at most P points: |difference| <= sqrt(P) D = rms P; one more for rounding
   reach_.back() = rule.rms == 0.0 ? 0 : static_cast<int64_t>(std::ceil(rule.rms * point_count)) + 1;
   cell_width_.back() = std::max<int64_t>({2 * reach_.back(), point_count / 4, 1});

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <filesystem>
 #include <system_error>
 
 #include "tool/error.h"
@@ -18,6 +19,14 @@ namespace {
 }
 
 }  // namespace
+
+std::string temporaryFolder() {
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  if (!error) return folder;
+  const char* name = std::getenv("TMPDIR");
+  throw OutputError(name == nullptr ? "/tmp" : name, error.message() + " (TMPDIR, the folder for temporary files)");
+}
 
 RowSpool::RowSpool(const std::string& folder, int point_count)
     : folder_(folder), point_count_(static_cast<size_t>(point_count)), row_(point_count_ + point_count_ / 8) {

@@ -11,6 +11,9 @@
 
 namespace nlg {
 
+// The folder for temporary files: TMPDIR, or /tmp. throws OutputError when there is none
+std::string temporaryFolder();
+
 class RowSpool {
  public:
   // point_count   P: a function takes P + P/8 bytes of disk

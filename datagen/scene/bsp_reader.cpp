@@ -33,9 +33,7 @@ class BspConverter {
  public:
   // looks    null when there are no archives
   BspConverter(const std::string& path, const std::string& bytes, const LevelLooks* looks)
-      : path_(path), file_(parseBsp(path, bytes)), looks_(looks), material_of_shader_(file_.shaders.size()) {
-    level_.sha256 = sha256(bytes);
-  }
+      : path_(path), file_(parseBsp(path, bytes)), looks_(looks), material_of_shader_(file_.shaders.size()) {}
 
   BspLevel convert(const std::string& id) {
     level_.scene.id = id;

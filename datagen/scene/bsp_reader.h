@@ -10,8 +10,7 @@
 namespace nlg {
 
 struct BspLevel {
-  Scene scene;         // its id is the map's name
-  std::string sha256;  // of the .bsp's bytes
+  Scene scene;  // its id is the map's name
   // faces that are no geometry, by why: "sky", "nodraw", "fog", "liquid", "clip", "translucent", "flare"
   std::map<std::string, uint32_t> dropped_faces;
   uint32_t materials_without_texture = 0;  // have the default colour: no image of theirs is in the archives, or it is damaged

@@ -5,6 +5,8 @@
 #include <bit>
 #include <numeric>
 
+#include "tool/atomic_file.h"
+
 namespace nlg {
 namespace {
 
@@ -176,6 +178,21 @@ void finishScene(Scene& scene, const std::vector<glm::dvec3>& world_positions_m)
   scene.positions.reserve(world_positions_m.size());
   for (const glm::dvec3& p : world_positions_m) scene.positions.emplace_back(p - scene.origin_m);
   dropFlatTriangles(scene);
+}
+
+std::string sceneSha256(const Scene& scene) {
+  std::string bytes;
+  const auto append = [&](const void* values, size_t size) { bytes.append(static_cast<const char*>(values), size); };
+  append(&scene.origin_m, sizeof(scene.origin_m));
+  append(scene.positions.data(), scene.positions.size() * sizeof(glm::vec3));
+  append(scene.triangles.data(), scene.triangles.size() * sizeof(glm::uvec3));
+  for (const uint32_t material : scene.triangle_material) bytes.push_back(scene.materials[material].double_sided ? 1 : 0);
+  for (const SceneObject& object : scene.objects) {
+    append(&object.first_triangle, sizeof(object.first_triangle));
+    append(&object.triangle_count, sizeof(object.triangle_count));
+    bytes.push_back(object.movable ? 1 : 0);
+  }
+  return sha256(bytes);
 }
 
 void splitConnectedComponents(Scene& scene, double structure_share) {

@@ -47,6 +47,10 @@ struct Bounds {
 Bounds objectBounds(const Scene& scene, const SceneObject& object);
 Bounds sceneBounds(const Scene& scene);
 
+// SHA-256 of what weighting functions can depend on, as it was read from whatever files: positions, triangles, which of them are
+// double-sided, objects, and the origin. Colours do not count.
+std::string sceneSha256(const Scene& scene);
+
 // Splits every object into its connected components: triangles that share a vertex position bit for bit. Triangle order within
 // a component stays. A component whose largest side exceeds structure_share of the scene's largest side becomes not movable.
 // An object that is not movable already stays whole.

@@ -28,8 +28,8 @@ size_t archiveColon(const std::string& request) {
 SceneSource sourceOf(BspLevel level) {
   SceneSource source;
   source.id = level.scene.id;
-  source.sha256 = level.sha256;
   source.scene = std::move(level.scene);
+  source.sha256 = sceneSha256(source.scene);
   source.dropped_faces = std::move(level.dropped_faces);
   source.materials_without_texture = level.materials_without_texture;
   return source;
@@ -55,7 +55,7 @@ SceneSource loadScene(const std::string& request) {
   if (lowerCase(fs::path(request).extension().string()) == ".bsp") return sourceOf(readBsp(request));
   source.scene = readGltf(request);
   source.id = source.scene.id;
-  source.sha256 = fileSha256(request);
+  source.sha256 = sceneSha256(source.scene);
   return source;
 }
 

@@ -12,7 +12,7 @@ namespace nlg {
 struct SceneSource {
   std::string family = "level";  // procedural family, or "level"
   std::string id;                // "house_3", the file's stem, or the map's name in lower case
-  std::string sha256;            // of the file, in an archive too; empty for a procedural scene
+  std::string sha256;            // of the scene as it was read: sceneSha256; empty for a procedural one
   Scene scene;
   std::map<std::string, uint32_t> dropped_faces;  // of a .bsp, by why: bsp_reader.h
   uint32_t materials_without_texture = 0;         // of a .bsp: these have the default colour

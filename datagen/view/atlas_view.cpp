@@ -39,7 +39,9 @@ void drawCell(Image& image, const ViewedShard& viewed, uint64_t idx, int size, i
   const std::string marks = std::string(flags & kFlagOpenShell ? " open" : "") + (flags & kFlagFewSeen ? " few" : "");
   drawText(image, x, y + size + 2, fmt::format("{} {}", idx, kPlanes[slice.plane.normal]), kInk);
   drawText(image, x + size - textWidth(marks), y + size + 2, marks, kWarning);
-  const std::string sizes = fixed(viewed.shard.spacing_m[idx], 2) + " m, seen " + percent(viewed.seenShare(idx));
+  const std::string spacing = fixed(viewed.shard.spacing_m[idx], 2) + " m", seen = percent(viewed.seenShare(idx));
+  std::string sizes = spacing + ", seen " + seen;
+  if (textWidth(sizes) > size) sizes = seen;
   drawText(image, x, y + size + 2 + kGlyphHeight, sizes, kPaleInk);
 }
 

@@ -45,7 +45,7 @@ def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):
         return
     lines = result.stderr.splitlines()
     # a command of a tool names itself: "nlg-datagen info: error: "
-    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan") else tool
+    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view") else tool
     errors = [line for line in lines if line.startswith(f"{name}: error: ")]
     if result.returncode != exit_code:
         failures.append(f"{command}: exit code {result.returncode}, expected {exit_code}\n    {result.stderr.strip()}")
@@ -256,8 +256,8 @@ def check_workflow():
     accepted = [
         (basis, held_out, ["--scene house:0"]),
         (game, held_out + ", test: [two]", ["/game:one", "dataset/test/two.0.h5", "dataset/training/one.0.h5", "/game:two --jitter 0 --held-out"]),
-        (basis + ", by_scene: {'house_*': {max_functions: 3, scale: 0.5}, house_1: {max_functions: 4}}", held_out,
-         ["--max-functions=3 --scale=0.5", "--max-functions=4 --scale=0.5"]),
+        (basis + ", by_scene: {'house_*': {max_functions: 3, scale: 0.5}, house_1: {max_functions: 4, extent_m: [0, 0, 0, 3, 3, 3]}}", held_out,
+         ["--max-functions=3 --scale=0.5", "--extent-m=0,0,0,3,3,3 --max-functions=4 --scale=0.5"]),
     ]
     for scenes, split, words in accepted:
         cases += 1
@@ -291,7 +291,7 @@ def check_workflow():
         (*archives("{folder: /text_game, maps: ['*']}"), "text_game/a.pk3"),
         (basis + ", by_scene: {castle: {max_functions: 3}}", held_out, "expected a pattern of some scene, got 'castle'"),
         (basis + ", by_scene: {house_1: {out: x}}", held_out, "an option of the datagen section"),
-        (basis + ", by_scene: {house_1: {seed: [1]}}", held_out, "a number or a text"),
+        (basis + ", by_scene: {house_1: {seed: [x]}}", held_out, "a number, a text or a list of numbers"),
         (basis + ", by_scene: {house_1: 3}", held_out, "options of nlg-datagen"),
     ]
     for scenes, split, words in refused:
@@ -317,6 +317,10 @@ def check_plans():
     refuses(USAGE_ERROR, [], [], "nlg-datagen", "plan")
     refuses(INPUT_ERROR, ["missing.glb"], [], "nlg-datagen", "plan", "--scene", "missing.glb")
     refuses(USAGE_ERROR, ["--max-functions"], [], "nlg-datagen", "plan", "--scene", "house:1", "--max-functions=0")
+    refuses(USAGE_ERROR, ["--jitter"], [], "nlg-datagen", "plan", "--scene", "house:1", "--jitter", "-1")
+    os.environ["TMPDIR"] = "/nowhere"
+    refuses(OUTPUT_ERROR, ["/nowhere", "TMPDIR"], [], "nlg-datagen", "plan", "--scene", "house:1")
+    del os.environ["TMPDIR"]
     for command in ["plan", "--plan"]:
         must("nlg-datagen", command, "--config", "good.yaml", "--scene", "house:1", "--json")
 
@@ -396,6 +400,11 @@ def check_shards_whose_width_lies():
 
 def check_outputs():
     write("file", "")
+    refuses(USAGE_ERROR, ["--out", "empty"], [], "nlg-datagen", "--scene", "house:1", "--out", "")
+    write("level.glb", "")
+    refuses(USAGE_ERROR, ["--out", "no input"], [], "nlg-datagen", "--scene", "level.glb", "--out", "./level.glb")
+    refuses(USAGE_ERROR, ["--out", "no input"], [], "nlg-datagen", "view", "training.h5", "--probe", "0", "--out", "training.h5")
+    refuses(USAGE_ERROR, ["--probe"], [], "nlg-datagen", "view", "training.h5", "--probe", "-1", "--out", "x.png")
     for tool in TOOLS:
         if tool == "nlg-validate":
             arguments = arguments_of(tool)[0][:-1] + ["file/bad"]

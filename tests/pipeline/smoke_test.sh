@@ -59,6 +59,21 @@ for name, representation in summary["representations"].items():
         assert a <= b * (1 + 1e-4), f"{name}: {better} has a mean RMSE of {a}, {worse} of {b}"
 PYTHON
 
+# --- what it was said to take beforehand is what it took
+pipeline planned plan
+"$NLG_BIN/nlg-datagen" info --json "$out"/dataset/*/*.h5 >"$temporary/shards.jsonl"
+/usr/bin/python3 - "$temporary/planned.log" "$temporary/shards.jsonl" <<'PYTHON'
+import json, re, sys
+
+row = next(line for line in open(sys.argv[1]) if line.startswith("all "))
+shards, probes, functions, megabytes = (float(text.replace(",", "")) for text in re.sub(r"\+-\d+ %", "", row).split()[1:5])
+made = [json.loads(line) for line in open(sys.argv[2])]
+assert shards == len(made), f"{shards} shards planned, {len(made)} made"
+for name, planned, key, unit in [("probes", probes, "visited_probes", 1), ("functions", functions, "functions", 1), ("MB", megabytes, "bytes", 1e6)]:
+    actual = sum(shard[key] for shard in made) / unit
+    assert abs(planned / actual - 1) < 0.2, f"{name}: {planned} planned, {actual} made"
+PYTHON
+
 # --- nothing changed: nothing to do
 pipeline first
 grep -q "Nothing to be done" "$temporary/first.log" || fail "a second run did something: $(grep -E '^rule|^    rule' "$temporary/first.log")"
