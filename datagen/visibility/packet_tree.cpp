@@ -52,7 +52,7 @@ class TreeBuilder {
       return setNode(depth, path, splitLeaf(begin, end));
     }
     const uint32_t middle = begin + (end - begin + 1) / 2;
-    sortWidest(begin, end);
+    divide(begin, middle, end);
     ItemBox box = split(begin, middle, depth + 1, 2 * path);
     grow(box, split(middle, end, depth + 1, 2 * path + 1));
     return depth % 3 == 0 && depth > 0 ? setNode(depth, path, box) : box;
@@ -62,11 +62,13 @@ class TreeBuilder {
     if (begin == end) return kNothing;
     if (end - begin > 1) {
       const uint32_t middle = begin + (end - begin) / 2;
-      sortWidest(begin, end);
+      divide(begin, middle, end);
       ItemBox box = splitLeaf(begin, middle);
       grow(box, splitLeaf(middle, end));
       return box;
     }
+    // halves are the same whatever the library's order inside them; this makes packets the same
+    std::sort(tree_.order.begin() + begin * kPacketLanes, tree_.order.begin() + static_cast<ptrdiff_t>(lastItem(end)));
     const ItemBox box = boxOf(begin, end);
     tree_.packets.set(begin, box.low, box.high);
     return box;
@@ -89,9 +91,9 @@ class TreeBuilder {
     return box;
   }
 
-  // Sorts the items of packets [begin, end) by their centres along the widest axis; equal ones keep to their index.
-  void sortWidest(uint32_t begin, uint32_t end) {
-    if (begin == end) return;
+  // Puts the items of smaller centres along the widest axis into packets [begin, middle); of equal ones those of lower index.
+  void divide(uint32_t begin, uint32_t middle, uint32_t end) {
+    if (begin == end || lastItem(middle) == lastItem(end)) return;
     ItemBox centers = kNothing;
     for (size_t i = begin * kPacketLanes; i < lastItem(end); ++i) {
       const LocalPoint center = centerOf(items_[tree_.order[i]]);
@@ -101,7 +103,8 @@ class TreeBuilder {
     for (int axis = 1; axis < 3; ++axis) {
       if (centers.high[axis] - centers.low[axis] > centers.high[widest] - centers.low[widest]) widest = axis;
     }
-    std::sort(tree_.order.begin() + begin * kPacketLanes, tree_.order.begin() + lastItem(end), [&](uint32_t a, uint32_t b) {
+    const auto at = [&](size_t item) { return tree_.order.begin() + static_cast<ptrdiff_t>(item); };
+    std::nth_element(at(begin * kPacketLanes), at(lastItem(middle)), at(lastItem(end)), [&](uint32_t a, uint32_t b) {
       const float ca = centerOf(items_[a])[widest], cb = centerOf(items_[b])[widest];
       return ca != cb ? ca < cb : a < b;
     });
