@@ -116,6 +116,22 @@ inline Scene slivers() {
   return faces.finish();
 }
 
+// Two boxes that reach into each other, neither cut to the other.
+inline Scene crossingBoxes() {
+  SceneOfFaces faces;
+  faces.addBox({0.21f, -0.9f, -0.43f}, {0.47f, 0.33f, 0.31f});
+  faces.addBox({-0.37f, -0.31f, 0.11f}, {0.83f, 0.07f, 0.57f});
+  return faces.finish();
+}
+
+// A crate with a sheet that stands on one of its edges: three faces meet there, and the sheet has no thickness.
+inline Scene crateWithFin() {
+  SceneOfFaces faces;
+  faces.addBox({0.19f, -0.81f, -0.4f}, {0.71f, -0.13f, 0.4f});
+  faces.addQuad({0.19f, -0.13f, -0.4f}, {0.19f, -0.13f, 0.4f}, {0.19f, 0.6f, 0.4f}, {0.19f, 0.6f, -0.4f});
+  return faces.finish();
+}
+
 // Ground at y = height, looking up; nothing else.
 inline Scene terrainSheet(float height, Sides sides) {
   SceneOfFaces faces;

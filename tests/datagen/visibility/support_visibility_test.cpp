@@ -37,7 +37,9 @@ std::vector<NamedScene> scenes() {
           {"slivers", slivers()},
           {"room", room.finish()},
           {"crate", crate.finish()},
-          {"terrain", terrainSheet(-0.3f, Sides::one)}};
+          {"terrain", terrainSheet(-0.3f, Sides::one)},
+          {"boxes that cross", crossingBoxes()},
+          {"crate with a fin", crateWithFin()}};
 }
 
 // One segment by itself.
@@ -243,6 +245,17 @@ TEST(SupportVisibility, TakesAFlippedCrateForAirInside) {
     ASSERT_EQ(as_made.valid(p), !inside) << "point " << p;
     ASSERT_TRUE(as_flipped.valid(p)) << "point " << p;
     ASSERT_EQ(as_flipped.seen(p), as_made.seen(p)) << "point " << p;
+  }
+}
+
+TEST(SupportVisibility, KnowsTheInsideOfBoxesThatCross) {
+  const RayScene scene(crossingBoxes());
+  const SupportVisibility visibility = judged(scene);
+  for (uint32_t p = 0; p < table().points.size(); ++p) {
+    const LocalPoint& at = table().points[p];
+    const bool in_first = at[0] > 0.21f && at[0] < 0.47f && at[1] > -0.9f && at[1] < 0.33f && at[2] > -0.43f && at[2] < 0.31f;
+    const bool in_second = at[0] > -0.37f && at[0] < 0.83f && at[1] > -0.31f && at[1] < 0.07f && at[2] > 0.11f && at[2] < 0.57f;
+    ASSERT_EQ(visibility.valid(p), !in_first && !in_second) << "point " << p;
   }
 }
 

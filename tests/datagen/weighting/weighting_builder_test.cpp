@@ -32,8 +32,9 @@ Built build(const Scene& scene, const DiffusionOptions& options = {}, const glm:
 std::vector<Scene> scenes() {
   SceneOfFaces room;
   room.addRoom({-0.4f, -0.5f, -0.6f}, {0.7f, 0.45f, 0.55f}, 0.2f);
-  return {infiniteWall(),       halfWall(), wallWithHole(), thinWall(Sides::one),
-          thinWall(Sides::two), slivers(),  room.finish(),  terrainSheet(-0.3f, Sides::one)};
+  return {infiniteWall(),       halfWall(),    wallWithHole(), thinWall(Sides::one),
+          thinWall(Sides::two), slivers(),     room.finish(),  terrainSheet(-0.3f, Sides::one),
+          crossingBoxes(),      crateWithFin()};
 }
 
 // The definition, with every link tested beforehand and nothing left out: docs/math.md §1.
