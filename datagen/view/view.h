@@ -2,7 +2,8 @@
 //
 // All of them are PNG files, written whole or not at all; the same shard, scene and options give the same bytes.
 // They draw the geometry when the scene is at hand: a procedural scene is made again from what the shard says; a level's file has
-// to be named and must be the one that the shard was made from (SHA-256 of its geometry). Without it the pictures say that it is missing.
+// to be named and must be the one that the shard was made from (SHA-256 of its geometry). Without it the pictures say that it is
+// missing.
 //
 // What all functions below throw:
 //   InputError    a shard that is missing, damaged, of another support pattern, or empty; a scene that is not the shard's
