@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "datagen/counts_json.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/progress.h"
@@ -59,25 +60,19 @@ void report(Progress& progress, const ShardCollector& collector, const Collector
 }
 
 nlohmann::ordered_json resultJson(const ShardJob& job, const ShardCollector& collector, uint64_t file_bytes) {
-  const ShardCounts& c = collector.counts();
+  ShardCounts counts = collector.counts();
+  counts.grid_probes = job.probeCount();
   const DifferenceStatistics& differences = collector.differences();
-  return {
-      {"scene", job.header().scene_id},
-      {"jitter", job.header().jitter},
-      {"grid_probes", job.probeCount()},
-      {"visited_probes", c.visited_probes},
-      {"functions", c.functions},
-      {"free_space", c.free_space},
-      {"in_solid", c.in_solid},
-      {"duplicates", c.duplicates},
-      {"empty", c.empty},
-      {"functions_per_probe", functionsPerProbe(c)},
-      {"duplicate_rmse",
-       {{"mean", differences.mean() / 255}, {"p95", differences.percentile(0.95) / 255}, {"worst", differences.worst() / 255}}},
-      {"bytes", file_bytes},
-      {"dropped_triangles", job.scene().dropped_triangle_count},
-      {"dropped_faces", job.droppedFaces()},
-      {"materials_without_texture", job.materialsWithoutTexture()}};
+  nlohmann::ordered_json json = {{"scene", job.header().scene_id}, {"jitter", job.header().jitter}};
+  json.update(countsJson(counts));
+  json.update(
+      {{"duplicate_rmse",
+        {{"mean", differences.mean() / 255}, {"p95", differences.percentile(0.95) / 255}, {"worst", differences.worst() / 255}}},
+       {"bytes", file_bytes},
+       {"dropped_triangles", job.scene().dropped_triangle_count},
+       {"dropped_faces", job.droppedFaces()},
+       {"materials_without_texture", job.materialsWithoutTexture()}});
+  return json;
 }
 
 void warn(const ShardJob& job, const ShardCounts& counts) {

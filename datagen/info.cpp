@@ -1,4 +1,5 @@
 #include "datagen/info.h"
+#include "datagen/counts_json.h"
 
 #include <fmt/format.h>
 
@@ -70,34 +71,25 @@ Json shardJson(const ShardReader& reader, const Statistics& statistics) {
   const double functions = static_cast<double>(std::max<uint64_t>(c.functions, 1));
   const uint64_t bytes = std::filesystem::file_size(s.path);
   const Json origin = Json::parse(s.provenance_json, nullptr, false);
-  return {{"file", s.path},
-          {"schema_version", s.schema_version},
-          {"scene", s.scene_id},
-          {"family", s.family},
-          {"jitter", s.jitter},
-          {"grid_probes", c.grid_probes},
-          {"visited_probes", c.visited_probes},
-          {"functions", c.functions},
-          {"free_space", c.free_space},
-          {"in_solid", c.in_solid},
-          {"duplicates", c.duplicates},
-          {"empty", c.empty},
-          {"functions_per_probe", functionsPerProbe(c)},
-          {"duplicate_rms", s.duplicate_rule.rms},
-          {"duplicate_validity_points", s.duplicate_rule.validity_points},
-          {"flagged_open_shell", statistics.open_shell},
-          {"flagged_few_seen", statistics.few_seen},
-          {"spacing_min_m", c.functions > 0 ? statistics.spacing_min_m : 0.0f},
-          {"spacing_max_m", statistics.spacing_max_m},
-          {"points", s.point_count},
-          {"unseen_points", s.unseen_point_count},
-          {"pattern_hash", fmt::format("{:016x}", s.pattern_hash)},
-          {"unseen_pattern_hash", fmt::format("{:016x}", s.unseen_pattern_hash)},
-          {"bytes", bytes},
-          {"bytes_per_function", static_cast<double>(bytes) / functions},
-          {"sha256", fileSha256(s.path)},
-          {"verified", s.schema_version >= 2 ? "every byte (SHA-256)" : "checksums of arrays (version 1 has no SHA-256)"},
-          {"origin", origin.is_discarded() ? Json(s.provenance_json) : origin}};
+  Json json = {
+      {"file", s.path}, {"schema_version", s.schema_version}, {"scene", s.scene_id}, {"family", s.family}, {"jitter", s.jitter}};
+  json.update(countsJson(c));
+  json.update({{"duplicate_rms", s.duplicate_rule.rms},
+               {"duplicate_validity_points", s.duplicate_rule.validity_points},
+               {"flagged_open_shell", statistics.open_shell},
+               {"flagged_few_seen", statistics.few_seen},
+               {"spacing_min_m", c.functions > 0 ? statistics.spacing_min_m : 0.0f},
+               {"spacing_max_m", statistics.spacing_max_m},
+               {"points", s.point_count},
+               {"unseen_points", s.unseen_point_count},
+               {"pattern_hash", fmt::format("{:016x}", s.pattern_hash)},
+               {"unseen_pattern_hash", fmt::format("{:016x}", s.unseen_pattern_hash)},
+               {"bytes", bytes},
+               {"bytes_per_function", static_cast<double>(bytes) / functions},
+               {"sha256", fileSha256(s.path)},
+               {"verified", s.schema_version >= 2 ? "every byte (SHA-256)" : "checksums of arrays (version 1 has no SHA-256)"},
+               {"origin", origin.is_discarded() ? Json(s.provenance_json) : origin}});
+  return json;
 }
 
 void print(const Json& shard) {
@@ -118,8 +110,9 @@ void print(const Json& shard) {
 void describeShards(const InfoRequest& request) {
   for (const std::string& path : request.paths) {
     const ShardReader reader(path);
-    const Json shard = shardJson(reader, verify(reader));
+    const Statistics statistics = verify(reader);
     if (request.quiet) continue;
+    const Json shard = shardJson(reader, statistics);
     if (request.json)
       std::cout << shard.dump() << '\n';
     else

@@ -6,7 +6,6 @@
 #include "datagen/scene/gltf_reader.h"
 #include "datagen/scene/pk3_archive.h"
 #include "datagen/scene/procedural.h"
-#include "tool/atomic_file.h"
 #include "tool/error.h"
 
 namespace nlg {
