@@ -10,9 +10,9 @@ namespace {
 
 const Theta& start(const Representation& representation) {
   static NormalEquationsKernel kernel;
-  static const Theta mlp = fitStart({false}, tentFunction(), {}, &kernel).theta;
-  static const Theta tent_mlp = fitStart({true}, tentFunction(), {}, &kernel).theta;
-  return representation.tent_factor ? tent_mlp : mlp;
+  static const Theta mlp = fitStart(Representation::mlp(), tentFunction(), {}, &kernel).theta;
+  static const Theta tent_mlp = fitStart(Representation::tentMlp(), tentFunction(), {}, &kernel).theta;
+  return representation.tentFactor() ? tent_mlp : mlp;
 }
 
 void adam(benchmark::State& state, const Representation& representation) {
@@ -22,8 +22,12 @@ void adam(benchmark::State& state, const Representation& representation) {
   for (auto _ : state) fit = fitAdam(representation, function, start(representation), options);
   state.counters["rmse"] = fit.rmse;
 }
-BENCHMARK_CAPTURE(adam, mlp, Representation{false})->Name("fit/adam/mlp")->Arg(200)->Arg(2000)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(adam, tent_mlp, Representation{true})
+BENCHMARK_CAPTURE(adam, mlp, RepresentationRepresentation::mlp())
+    ->Name("fit/adam/mlp")
+    ->Arg(200)
+    ->Arg(2000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(adam, tent_mlp, RepresentationRepresentation::tentMlp())
     ->Name("fit/adam/tent_mlp")
     ->Arg(200)
     ->Arg(2000)
@@ -39,12 +43,12 @@ void levenbergMarquardt(benchmark::State& state, const Representation& represent
   }
   state.counters["rmse"] = fit.rmse;
 }
-BENCHMARK_CAPTURE(levenbergMarquardt, mlp, Representation{false})
+BENCHMARK_CAPTURE(levenbergMarquardt, mlp, RepresentationRepresentation::mlp())
     ->Name("fit/lm/mlp")
     ->Arg(8)
     ->Arg(40)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(levenbergMarquardt, tent_mlp, Representation{true})
+BENCHMARK_CAPTURE(levenbergMarquardt, tent_mlp, RepresentationRepresentation::tentMlp())
     ->Name("fit/lm/tent_mlp")
     ->Arg(8)
     ->Arg(40)

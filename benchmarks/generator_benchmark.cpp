@@ -25,13 +25,13 @@ GeneratorData randomGenerator() {
   fillNormal(data.basis.components, size_t{kWidth} * kOctantPointCount, 1.0 / 32, random);
   data.basis.deviation.assign(kWidth, 1.0f);
   for (int l = 0; l < kLayerCount; ++l) {
-    GeneratorLayer layer{kWidth, l + 1 == kLayerCount ? kThetaCount : kWidth, {}, {}};
+    GeneratorLayer layer{kWidth, l + 1 == kLayerCount ? ThetaLayout::count : kWidth, {}, {}};
     fillNormal(layer.weight, size_t(layer.input_count) * layer.output_count, 1.0 / std::sqrt(kWidth), random);
     fillNormal(layer.bias, layer.output_count, 0.1, random);
     data.layers.push_back(std::move(layer));
   }
-  data.theta0.assign(kThetaCount, 0.0f);
-  data.output_scale.assign(kThetaCount, 1.0f);
+  data.theta0.assign(ThetaLayout::count, 0.0f);
+  data.output_scale.assign(ThetaLayout::count, 1.0f);
   return data;
 }
 
@@ -42,10 +42,10 @@ void generate(benchmark::State& state) {
   std::vector<uint8_t> phi(size_t(count) * kSupportPointCount);
   Random random(2);
   for (uint8_t& sample : phi) sample = static_cast<uint8_t>(random.next() >> 24);
-  std::vector<float> theta(size_t(count) * kThetaCount);
+  std::vector<float> theta(size_t(count) * ThetaLayout::count);
   for (auto _ : state) generator.generate(phi.data(), count, theta.data(), &scratch);
   const double functions = static_cast<double>(count) * static_cast<double>(state.iterations());
-  const double fma = kWidth * kOctantPointCount + (kLayerCount - 1.0) * kWidth * kWidth + kWidth * kThetaCount;
+  const double fma = kWidth * kOctantPointCount + (kLayerCount - 1.0) * kWidth * kWidth + kWidth * ThetaLayout::count;
   state.counters["functions/s"] = benchmark::Counter(functions, benchmark::Counter::kIsRate);
   state.counters["GFLOP/s"] = benchmark::Counter(2e-9 * fma * functions, benchmark::Counter::kIsRate);
 }

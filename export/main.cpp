@@ -64,17 +64,18 @@ Parity compare(const TrainingState& state, const Generator& generator, const Tra
   for (int64_t i = 0; i < parity.functions; ++i) {
     const int64_t index = i * data.functionCount() / parity.functions;
     const torch::Tensor torch_theta = network->forward(coefficientBatch(data, {{index}})).contiguous();
-    float theta[kThetaCount];
-    generator.generate(data.function(index).phi, 1, theta, &scratch);
-    for (int k = 0; k < kThetaCount; ++k) {
+    Theta theta(generator.representation().thetaCount());
+    generator.generate(data.function(index).phi, 1, theta.data(), &scratch);
+    for (size_t k = 0; k < theta.size(); ++k) {
       raise(parity.theta, std::fabs(double{theta[k]} - torch_theta.data_ptr<float>()[k]));
     }
-    evaluate(generator.representation(), points, theta, evaluator_values.data());
+    evaluate(generator.representation(), points, theta.data(), evaluator_values.data());
     evaluate(generator.representation(), points, torch_theta.data_ptr<float>(), torch_values.data());
     for (int p = 0; p < points.count; ++p) {
       raise(parity.output, std::fabs(double{evaluator_values[p]} - torch_values[p]));
     }
-    parity.held_out_rmse += functionRmse(generator.representation(), decodeFunction(data.function(index)), theta);
+    parity.held_out_rmse += functionRmse(
+        generator.representation(), decodeFunction(data.function(index), pointOrder(generator.representation())), theta.data());
   }
   if (parity.functions > 0) parity.held_out_rmse /= static_cast<double>(parity.functions);
   return parity;
@@ -95,7 +96,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   const TrainOptions train_options =
       storedOptions(request.checkpoint, identity.options_json, basis.basis.data.coefficientCount());
   representation.slope = static_cast<float>(train_options.representation_slope);
-  TrainingState state = makeState(train_options, Theta{});
+  TrainingState state = makeState(train_options, Theta(representation.thetaCount()));
   readCheckpoint(request.checkpoint, identity, &state);
 
   // the file is checked as a baker would read it: from its bytes

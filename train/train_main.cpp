@@ -44,7 +44,7 @@ void requireSeparate(const Request& request, const FunctionSet& training, const 
 void run(const Request& request, TrainOptions options, const OptionTable& table) {
   Representation representation;
   if (!findRepresentation(request.representation, &representation)) {
-    throw UsageError("--representation", "mlp or tent_mlp", "'" + request.representation + "'");
+    throw UsageError("--representation", representationNames(), "'" + request.representation + "'");
   }
   representation.slope = static_cast<float>(options.representation_slope);
   at::set_num_threads(options.threads);
@@ -58,7 +58,7 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   requireSeparate(request, training.set(), held_out.set());
 
   const RunIdentity identity{request.representation, table.toJson().dump(), fileSha256(request.basis), training.set().sha256};
-  TrainingState state = makeState(options, Theta{});
+  TrainingState state = makeState(options, Theta(representation.thetaCount()));
   resume(request, identity, &state);
   if (state.step == 0) state = makeState(options, fitTheta0(representation, basis, options.start));
   const TrainReport report = train(options, representation, training, held_out, &state, [&] {
@@ -87,7 +87,7 @@ int main(int argc, char** argv) {
   nlg::TrainOptions options;
   nlg::OptionTable table("train");
   nlg::describeTrainOptions(options, table);
-  app.add_option("--representation", request.representation, "mlp or tent_mlp")->required();
+  app.add_option("--representation", request.representation, nlg::representationNames())->required();
   app.add_option("--shards", request.shards, "training shards")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes, for the validation loss")->required();
   app.add_option("--basis", request.basis, "the basis of nlg-pca")->required();

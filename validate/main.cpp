@@ -78,7 +78,8 @@ MethodResult restrictTo(const MethodResult& method, const std::vector<uint64_t>&
   for (const uint64_t function : functions) {
     result.samples.push_back(method.samples[function]);
     if (generator) {
-      meter.measure(generator->representation(), &theta[function * kThetaCount], function, &result.leaks);
+      meter.measure(generator->representation(),
+                    &theta[function * static_cast<uint64_t>(generator->representation().thetaCount())], function, &result.leaks);
     } else {
       meter.measureTent(function, &result.leaks);
     }
@@ -211,7 +212,8 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
   const MethodResult generated_chosen = restrictTo(generated, chosen, &generator, theta, set);
   const MethodResult tent_chosen = restrictTo(tent_result, chosen, nullptr, theta, set);
 
-  Json json = {{"parameters", kThetaCount}, {"bytes", kThetaCount * sizeof(float)}};
+  Json json = {{"parameters", generator.representation().thetaCount()},
+               {"bytes", static_cast<size_t>(generator.representation().thetaCount()) * sizeof(float)}};
   json["generator"] = methodJson(generated, hard, options);
   json["refined"] = methodJson(policy, hard, options);
   const auto refined_count =
@@ -234,7 +236,8 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
   json["weights_sha256"] = fileSha256(path);
   outputs.summary["representations"][name] = json;
   for (const auto& [which, function] : tellingFunctions(generated, hard)) {
-    const Slice slice = makeSlice(set, function, generator.representation(), &theta[function * kThetaCount], 96);
+    const Slice slice = makeSlice(set, function, generator.representation(),
+                                  &theta[function * static_cast<uint64_t>(generator.representation().thetaCount())], 96);
     Json entry = sliceJson(which, slice, generated.samples[function], set);
     entry["representation"] = name;
     outputs.slices.push_back(entry);

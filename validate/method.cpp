@@ -52,10 +52,9 @@ constexpr const char* kFitNames[kFitCount] = {"refined_adam", "refined_lm", "dir
 std::vector<TimedFit> fitAll(const Generator& generator, const StoredFunction& stored, const Theta& generated,
                              const ValidateOptions& options, uint64_t seed, NormalEquationsKernel* kernel) {
   const Representation& representation = generator.representation();
-  Theta theta0;
-  std::copy_n(generator.theta0(), kThetaCount, theta0.begin());
+  const Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
   const Clock::time_point start = Clock::now();
-  const WeightingFunction function = decodeFunction(stored);
+  const WeightingFunction function = decodeFunction(stored, pointOrder(representation));
   const double decode_us = microsecondsSince(start);
   std::vector<TimedFit> fits;
   const auto add = [&](int method, const FitResult& fit) { fits.push_back({method, fit.theta, decode_us + fit.elapsed_us}); };
@@ -92,19 +91,20 @@ MethodResult measureGenerator(const Generator& generator, const FunctionSet& set
   ErrorMeter meter(set);
   GeneratorScratch scratch(generator);
   const uint64_t count = set.functionCount();
-  theta->resize(count * kThetaCount);
+  const auto D = static_cast<uint64_t>(generator.representation().thetaCount());
+  theta->resize(count * D);
   for (uint64_t begin = 0; begin < count; begin += kBatchCount) {
     const int batch = static_cast<int>(std::min<uint64_t>(kBatchCount, count - begin));
     const Clock::time_point start = Clock::now();
-    generator.generate(&set.phi[begin * kSupportPointCount], batch, theta->data() + begin * kThetaCount, &scratch);
+    generator.generate(&set.phi[begin * kSupportPointCount], batch, theta->data() + begin * D, &scratch);
     const double elapsed_us = microsecondsSince(start) / batch;
-    for (uint64_t i = begin * kThetaCount; i < (begin + batch) * kThetaCount; ++i) {
+    for (uint64_t i = begin * D; i < (begin + batch) * D; ++i) {
       if (!std::isfinite((*theta)[i])) {
-        throw NumericalError("validate", "function " + std::to_string(i / kThetaCount), "generated theta", (*theta)[i]);
+        throw NumericalError("validate", "function " + std::to_string(i / D), "generated theta", (*theta)[i]);
       }
     }
     for (uint64_t i = begin; i < begin + batch; ++i) {
-      const FunctionError error = meter.measure(generator.representation(), theta->data() + i * kThetaCount, i, &result.leaks);
+      const FunctionError error = meter.measure(generator.representation(), theta->data() + i * D, i, &result.leaks);
       result.samples.push_back({i, error, elapsed_us});
     }
   }
@@ -116,18 +116,18 @@ MethodResult measurePolicy(const Generator& generator, const FunctionSet& set, c
   MethodResult result{"refined", generated.samples, {}};
   std::mutex mutex;
   const Representation& representation = generator.representation();
+  const auto D = static_cast<uint64_t>(representation.thetaCount());
   const uint64_t chunk = 64, count = result.samples.size();
   parallelFor((count + chunk - 1) / chunk, threadCount(options), [&](uint64_t c) {
     ErrorMeter meter(set);
     PooledMagnitudes leaks;
     for (uint64_t i = c * chunk; i < std::min(count, (c + 1) * chunk); ++i) {
       MethodSample& sample = result.samples[i];
-      Theta start;
-      std::copy_n(&theta[i * kThetaCount], kThetaCount, start.begin());
+      Theta start(&theta[i * D], &theta[i * D] + D);
       sample.refined = needsRefinement(sample.error, options);
       if (sample.refined) {
         const Clock::time_point begin = Clock::now();
-        const WeightingFunction function = decodeFunction(storedFunction(set, sample.function));
+        const WeightingFunction function = decodeFunction(storedFunction(set, sample.function), pointOrder(representation));
         start = fitAdam(representation, function, start, refinementAdam(representation, options.policy_adam_steps)).theta;
         sample.elapsed_us += microsecondsSince(begin);
       }
@@ -147,13 +147,13 @@ std::vector<MethodResult> measureFits(const Generator& generator, const Function
     results[m].name = kFitNames[m];
     results[m].samples.resize(functions.size());
   }
+  const auto D = static_cast<uint64_t>(generator.representation().thetaCount());
   std::mutex mutex;
   int64_t done = 0;
   parallelFor(functions.size(), threadCount(options), [&](uint64_t i) {
     NormalEquationsKernel kernel;
     ErrorMeter meter(set);
-    Theta generated;
-    std::copy_n(&theta[functions[i] * kThetaCount], kThetaCount, generated.begin());
+    const Theta generated(&theta[functions[i] * D], &theta[functions[i] * D] + D);
     const std::vector<TimedFit> fits =
         fitAll(generator, storedFunction(set, functions[i]), generated, options, mixSeed(options.seed, functions[i]), &kernel);
     const std::lock_guard lock(mutex);

@@ -1,6 +1,6 @@
 #include "runtime_eval/evaluator/evaluate.h"
 
-#include <algorithm>
+#include "runtime_eval/evaluator/product_field.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/evaluator/evaluate.cpp"
@@ -22,7 +22,7 @@ void evaluateVectors(const Representation& representation, const PointSet& point
     Hidden<1> hidden;
     Floats output;
     forwardNetwork<1>(d, theta, slope, &x, &y, &z, hidden, &output);
-    if (representation.tent_factor) output = hn::Mul(output, hn::Load(d, &points.tent[i]));
+    if (representation.tentFactor()) output = hn::Mul(output, hn::Load(d, &points.tent[i]));
     hn::StoreU(output, d, values + i);
   }
 }
@@ -37,10 +37,15 @@ namespace nlg {
 HWY_EXPORT(evaluateVectors);
 
 void evaluate(const Representation& representation, const PointSet& points, const float* theta, float* values) {
+  if (representation.isField()) {
+    evaluateField(representation.resolution, points, theta, values);
+    return;
+  }
   HWY_DYNAMIC_DISPATCH(evaluateVectors)(representation, points, theta, values);
 }
 
 double evaluateReference(const Representation& representation, const LocalPoint& point, const double* theta) {
+  if (representation.isField()) return evaluateFieldReference(representation.resolution, point, theta);
   using L = ThetaLayout;
   const double slope = representation.slope;
   const auto leaky = [slope](double value) { return value > 0 ? value : slope * value; };
@@ -56,7 +61,7 @@ double evaluateReference(const Representation& representation, const LocalPoint&
     for (int i = 0; i < kHiddenCount; ++i) sum += theta[L::w2 + kHiddenCount * j + i] * first[i];
     output += theta[L::w3 + j] * leaky(sum);
   }
-  return representation.tent_factor ? output * tent(point) : output;
+  return representation.tentFactor() ? output * tent(point) : output;
 }
 
 }  // namespace nlg

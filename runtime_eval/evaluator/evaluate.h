@@ -7,7 +7,7 @@
 namespace nlg {
 
 // values   points.padded_count floats: the representation at each point (not clamped)
-// theta    kThetaCount floats
+// theta    D floats
 void evaluate(const Representation& representation, const PointSet& points, const float* theta, float* values);
 
 // The same in double, one point, straight from the formula: what the vector code is tested against.

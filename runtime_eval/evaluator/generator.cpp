@@ -108,7 +108,7 @@ void readLayers(TensorReader& reader, GeneratorData* data) {
   for (int l = 0; l < layer_count && reader.ok(); ++l) {
     GeneratorLayer layer;
     layer.input_count = input_count;
-    layer.output_count = l + 1 == layer_count ? kThetaCount : width;
+    layer.output_count = l + 1 == layer_count ? data->representation.thetaCount() : width;
     const std::string name = "layer." + std::to_string(l);
     const uint64_t outputs = static_cast<uint64_t>(layer.output_count), inputs = static_cast<uint64_t>(layer.input_count);
     layer.weight = reader.tensor(name + ".weight", {outputs, inputs});
@@ -138,8 +138,9 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
   data->slope = static_cast<float>(reader.number("generator_slope", 1e-6, 0.999));
   readBasis(reader, &data->basis);
   if (reader.ok()) readLayers(reader, data);
-  data->theta0 = reader.tensor("theta0", {uint64_t{kThetaCount}});
-  data->output_scale = reader.tensor("output_scale", {uint64_t{kThetaCount}});
+  const std::vector<uint64_t> theta_shape = {static_cast<uint64_t>(data->representation.thetaCount())};
+  data->theta0 = reader.tensor("theta0", theta_shape);
+  data->output_scale = reader.tensor("output_scale", theta_shape);
   return reader.result();
 }
 
@@ -170,8 +171,9 @@ WeightsFile weightsFromGenerator(const GeneratorData& data) {
     file.tensors["layer." + std::to_string(l) + ".weight"] = {{outputs, inputs}, layer.weight};
     file.tensors["layer." + std::to_string(l) + ".bias"] = {{outputs}, layer.bias};
   }
-  file.tensors["theta0"] = {{uint64_t{kThetaCount}}, data.theta0};
-  file.tensors["output_scale"] = {{uint64_t{kThetaCount}}, data.output_scale};
+  const std::vector<uint64_t> theta_shape = {data.theta0.size()};
+  file.tensors["theta0"] = {theta_shape, data.theta0};
+  file.tensors["output_scale"] = {theta_shape, data.output_scale};
   return file;
 }
 
@@ -211,7 +213,7 @@ void Generator::generate(const uint8_t* phi, int count, float* theta, GeneratorS
       const bool last = l + 1 == layers_.size();
       const bool skip = layer.inputCount() == layer.outputCount();
       const Epilogue epilogue = last ? Epilogue::none : skip ? Epilogue::leaky_and_skip : Epilogue::leaky;
-      float* output = last ? theta + size_t(begin) * kThetaCount : next;
+      float* output = last ? theta + size_t(begin) * representation_.thetaCount() : next;
       multiply({current, layer.inputCount()}, batch, layer, biases_[l].data(), epilogue, slope_, output, layer.outputCount());
       std::swap(current, next);
     }

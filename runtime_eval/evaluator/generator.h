@@ -30,7 +30,7 @@ struct GeneratorData {
   Representation representation;
   float slope = 0.01f;  // of the generator's own LeakyReLU
   BasisData basis;
-  std::vector<GeneratorLayer> layers;  // the last one has kThetaCount outputs
+  std::vector<GeneratorLayer> layers;  // the last one has D outputs
   std::vector<float> theta0;           // D
   std::vector<float> output_scale;     // D
 };

@@ -10,17 +10,18 @@ namespace nlg {
 namespace {
 
 struct AdamState {
-  float mean[kThetaCount] = {};
-  float square[kThetaCount] = {};
+  std::vector<float> mean, square;
   double mean_power = 1.0, square_power = 1.0;
 
-  void step(const AdamOptions& options, double learning_rate, const float* gradient, float* theta) {
+  explicit AdamState(size_t count) : mean(count), square(count) {}
+
+  void step(const AdamOptions& options, double learning_rate, const Theta& gradient, Theta& theta) {
     const float beta1 = static_cast<float>(options.beta1), beta2 = static_cast<float>(options.beta2);
     mean_power *= options.beta1;
     square_power *= options.beta2;
     const float rate = static_cast<float>(learning_rate / (1.0 - mean_power));
     const float square_scale = static_cast<float>(1.0 / (1.0 - square_power));
-    for (int i = 0; i < kThetaCount; ++i) {
+    for (size_t i = 0; i < theta.size(); ++i) {
       mean[i] = beta1 * mean[i] + (1.0f - beta1) * gradient[i];
       square[i] = beta2 * square[i] + (1.0f - beta2) * gradient[i] * gradient[i];
       theta[i] -= rate * mean[i] / (std::sqrt(square[i] * square_scale) + 1e-8f);
@@ -28,16 +29,16 @@ struct AdamState {
   }
 };
 
-bool allFinite(const float* values, int count) {
-  return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
+bool allFinite(const Theta& theta) {
+  return std::all_of(theta.begin(), theta.end(), [](float value) { return std::isfinite(value); });
 }
 
-// Strata in a fresh random order every eight steps; strata without a valid point are left out.
-class StratumOrder {
+// Batches in a fresh random order every round; batches without a valid point are left out.
+class BatchOrder {
  public:
-  StratumOrder(const WeightingFunction& function, uint64_t seed) : random_(seed) {
-    for (int k = 0; k < kStratumCount; ++k) {
-      if (function.valid_count[k] > 0) order_.push_back(k);
+  BatchOrder(const WeightingFunction& function, uint64_t seed) : random_(seed) {
+    for (size_t b = 0; b < function.valid_count.size(); ++b) {
+      if (function.valid_count[b] > 0) order_.push_back(static_cast<int>(b));
     }
   }
   bool empty() const { return order_.empty(); }
@@ -45,9 +46,9 @@ class StratumOrder {
     if (position_ == 0) {
       for (size_t i = order_.size(); i > 1; --i) std::swap(order_[i - 1], order_[random_.below(static_cast<uint32_t>(i))]);
     }
-    const int stratum = order_[position_];
+    const int batch = order_[position_];
     position_ = (position_ + 1) % order_.size();
-    return stratum;
+    return batch;
   }
 
  private:
@@ -59,7 +60,7 @@ class StratumOrder {
 FitResult runAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,
                   const AdamOptions& options) {
   FitResult result{start, functionRmse(representation, function, start.data()), 0, FitStop::budget};
-  StratumOrder order(function, options.seed);
+  BatchOrder order(function, options.seed);
   if (order.empty()) {
     result.stop = FitStop::no_points;
     return result;
@@ -69,18 +70,17 @@ FitResult runAdam(const Representation& representation, const WeightingFunction&
     return result;
   }
   Theta theta = start;
-  AdamState state;
-  float gradient[kThetaCount];
-  const PointSet& points = stratifiedSupportPoints();
+  AdamState state(theta.size());
+  Theta gradient(theta.size());
+  const PointOrder& points = pointOrder(representation);
   for (; result.steps < options.steps; ++result.steps) {
-    const int stratum = order.next(), first = stratum * kStratumPointCount;
-    lossAndGradient(representation, points, first, kStratumPointCount, &function.phi[first], &function.mask[first], theta.data(),
-                    gradient);
-    const float scale = 1.0f / static_cast<float>(function.valid_count[stratum]);
+    const int batch = order.next(), first = points.batch_begin[batch];
+    lossAndGradient(representation, batch, &function.phi[first], &function.mask[first], theta.data(), gradient.data());
+    const float scale = 1.0f / static_cast<float>(function.valid_count[batch]);
     for (float& value : gradient) value *= scale;
     const double phase = static_cast<double>(result.steps) / options.steps;
-    state.step(options, options.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase)), gradient, theta.data());
-    if (!allFinite(theta.data(), kThetaCount)) {
+    state.step(options, options.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase)), gradient, theta);
+    if (!allFinite(theta)) {
       result.stop = FitStop::not_finite;
       return result;
     }
@@ -113,15 +113,19 @@ const char* fitStopName(FitStop stop) {
 double functionRmse(const Representation& representation, const WeightingFunction& function, const float* theta) {
   const int valid_count = function.validCount();
   if (valid_count == 0) return 0.0;
-  const double sum =
-      loss(representation, stratifiedSupportPoints(), 0, kSupportPointCount, function.phi.data(), function.mask.data(), theta);
+  const PointOrder& order = pointOrder(representation);
+  double sum = 0.0;
+  for (int b = 0; b < order.batchCount(); ++b) {
+    const int first = order.batch_begin[b];
+    sum += loss(representation, b, &function.phi[first], &function.mask[first], theta);
+  }
   return std::sqrt(sum / valid_count);
 }
 
 AdamOptions refinementAdam(const Representation& representation, int steps) {
   AdamOptions options;
   options.steps = steps;
-  options.learning_rate = representation.tent_factor ? 0.02 : 0.01;
+  options.learning_rate = representation.tentFactor() ? 0.02 : 0.01;
   return options;
 }
 
@@ -137,10 +141,12 @@ FitResult fitAdam(const Representation& representation, const WeightingFunction&
   return timedFit([&] { return runAdam(representation, function, start, options); });
 }
 
-Theta randomTheta(uint64_t seed) {
+namespace {
+
+Theta randomNetworkTheta(uint64_t seed) {
   using L = ThetaLayout;
   Random random(mixSeed(seed, 0x7468657461));
-  Theta theta{};
+  Theta theta(ThetaLayout::count);
   const auto fill = [&](int first, int count, double deviation) {
     for (int i = first; i < first + count; ++i) theta[i] = static_cast<float>(deviation * random.normal());
   };
@@ -150,6 +156,23 @@ Theta randomTheta(uint64_t seed) {
   fill(L::b2, 8, 0.2);
   fill(L::w3, 8, std::sqrt(1.0 / kHiddenCount));
   return theta;
+}
+
+// A field that starts near the tent's height and is free to move: no node beyond the clamp.
+Theta randomFieldTheta(int count, uint64_t seed) {
+  Random random(mixSeed(seed, 0x6669656c64));
+  Theta theta(count);
+  for (int i = 0; i < count; i += 2) {
+    theta[i] = static_cast<float>(random.uniform(0.2, 0.8));
+    theta[i + 1] = static_cast<float>(0.5 * random.normal());
+  }
+  return theta;
+}
+
+}  // namespace
+
+Theta randomTheta(const Representation& representation, uint64_t seed) {
+  return representation.isField() ? randomFieldTheta(representation.thetaCount(), seed) : randomNetworkTheta(seed);
 }
 
 }  // namespace nlg

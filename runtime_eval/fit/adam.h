@@ -1,4 +1,4 @@
-// Adam (Kingma & Ba 2015) on the shared kernel, one stratum of 1024 points a step.
+// Adam (Kingma & Ba 2015) on the shared kernel, one batch of points a step.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ struct AdamOptions {
   double learning_rate = 0.005;  // at the start; falls to 0 along a cosine
   double beta1 = 0.9;
   double beta2 = 0.99;  // short memory: fits last a few hundred to a few thousand steps
-  uint64_t seed = 1;    // order of the strata
+  uint64_t seed = 1;    // order of the batches
 };
 
 // Learning rates that measured best for a start near the solution (docs/measurements.md §1).
@@ -24,7 +24,7 @@ AdamOptions randomStartAdam(int steps);
 FitResult fitAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,
                   const AdamOptions& options);
 
-// A random start: He-normal layers, biases spread over the support.
-Theta randomTheta(uint64_t seed);
+// A random start. Networks: He-normal layers, biases spread over the support. Product fields: A in [.2, .8], B around 0.
+Theta randomTheta(const Representation& representation, uint64_t seed);
 
 }  // namespace nlg

@@ -23,7 +23,7 @@ DirectResult fitDirect(const Representation& representation, const WeightingFunc
   result.best = result.levenberg_from_theta0;
   consider(polished(result.adam_from_theta0));
   for (int restart = 0; restart < options.restarts; ++restart) {
-    const Theta start = randomTheta(mixSeed(options.seed, restart));
+    const Theta start = randomTheta(representation, mixSeed(options.seed, restart));
     const FitResult fit = fitAdam(representation, function, start, randomStartAdam(options.adam_steps));
     if (restart == 0) result.adam_from_random = fit;
     consider(polished(fit));
@@ -35,7 +35,7 @@ FitResult fitStart(const Representation& representation, const WeightingFunction
                    NormalEquationsKernel* kernel) {
   std::vector<FitResult> fits;
   for (int i = 0; i < options.candidates; ++i) {
-    const Theta start = randomTheta(mixSeed(options.seed, i));
+    const Theta start = randomTheta(representation, mixSeed(options.seed, i));
     fits.push_back(fitAdam(representation, function, start, randomStartAdam(options.candidate_steps)));
   }
   const auto by_rmse = [](const FitResult& a, const FitResult& b) { return a.rmse < b.rmse; };

@@ -1,15 +1,12 @@
 // What every fit returns.
 #pragma once
 
-#include <array>
 #include <chrono>
 
 #include "runtime_eval/evaluator/representation.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
-
-using Theta = std::array<float, kThetaCount>;
 
 enum class FitStop {
   budget,      // all steps taken
@@ -22,7 +19,7 @@ enum class FitStop {
 const char* fitStopName(FitStop stop);
 
 struct FitResult {
-  Theta theta{};
+  Theta theta;
   double rmse = 0.0;  // over all valid support points; never above that of the start that the fit was given
   int steps = 0;
   FitStop stop = FitStop::budget;

@@ -29,27 +29,26 @@ class Damping {
 // The damped step; empty when the system cannot be solved. Rows whose diagonal is nearly zero (dead units) get a floor, so that
 // a rank-deficient Jacobian still gives a step.
 std::vector<double> dampedStep(const NormalEquations& equations, double damping) {
-  std::vector<double> matrix = equations.hessian;
-  std::vector<double> step(kThetaCount);
+  SymmetricBand matrix = equations.hessian;
+  const int count = matrix.count();
+  std::vector<double> step(count);
   double largest = 0.0;
-  for (int i = 0; i < kThetaCount; ++i) largest = std::max(largest, matrix[i * kThetaCount + i]);
-  for (int i = 0; i < kThetaCount; ++i) {
-    double& diagonal = matrix[i * kThetaCount + i];
+  for (int i = 0; i < count; ++i) largest = std::max(largest, matrix.at(i, i));
+  for (int i = 0; i < count; ++i) {
+    double& diagonal = matrix.at(i, i);
     diagonal += damping * std::max(diagonal, 1e-6 * largest) + 1e-12;
     step[i] = -equations.gradient[i];
   }
-  if (!solveSymmetric(&matrix, kThetaCount, &step)) step.clear();
+  if (!matrix.solve(step.data())) step.clear();
   return step;
 }
 
 // How much the quadratic model says that the step lowers the sum of squares.
 double predictedGain(const NormalEquations& equations, const std::vector<double>& step) {
+  std::vector<double> product(step.size());
+  equations.hessian.multiply(step.data(), product.data());
   double gain = 0.0;
-  for (int i = 0; i < kThetaCount; ++i) {
-    double product = 0.0;
-    for (int j = 0; j < kThetaCount; ++j) product += equations.hessian[i * kThetaCount + j] * step[j];
-    gain -= step[i] * (2.0 * equations.gradient[i] + product);
-  }
+  for (size_t i = 0; i < step.size(); ++i) gain -= step[i] * (2.0 * equations.gradient[i] + product[i]);
   return gain;
 }
 
@@ -110,32 +109,6 @@ FitResult runLevenbergMarquardt(const Representation& representation, const Weig
 }
 
 }  // namespace
-
-bool solveSymmetric(std::vector<double>* matrix, int count, std::vector<double>* vector) {
-  double* a = matrix->data();
-  double* x = vector->data();
-  for (int i = 0; i < count; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      double sum = a[i * count + j];
-      for (int k = 0; k < j; ++k) sum -= a[i * count + k] * a[j * count + k];
-      if (j < i) {
-        a[i * count + j] = sum / a[j * count + j];
-      } else {
-        if (!(sum > 0.0) || !std::isfinite(sum)) return false;
-        a[i * count + i] = std::sqrt(sum);
-      }
-    }
-  }
-  for (int i = 0; i < count; ++i) {
-    for (int k = 0; k < i; ++k) x[i] -= a[i * count + k] * x[k];
-    x[i] /= a[i * count + i];
-  }
-  for (int i = count - 1; i >= 0; --i) {
-    for (int k = i + 1; k < count; ++k) x[i] -= a[k * count + i] * x[k];
-    x[i] /= a[i * count + i];
-  }
-  return true;
-}
 
 FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
                                 const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel) {

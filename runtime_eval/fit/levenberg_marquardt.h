@@ -17,8 +17,4 @@ struct LevenbergMarquardtOptions {
 FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
                                 const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel);
 
-// Solves A x = b for symmetric positive definite A by Cholesky: matrix is A, count x count, row-major, destroyed; vector is b,
-// then x. Returns false when a pivot is not positive or not finite.
-bool solveSymmetric(std::vector<double>* matrix, int count, std::vector<double>* vector);
-
 }  // namespace nlg

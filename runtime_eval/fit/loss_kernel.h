@@ -1,33 +1,23 @@
-// The shared kernel: loss of one theta against one weighting function, and its gradient.
+// The shared kernel: loss of one theta against one weighting function, and its gradient, for every representation.
 //
-// Direct optimisation, refinement and the trainer all call this one routine; the formulas are in docs/math.md §4.
-// 264 fused multiply-adds a point; the gradient is summed in float over blocks of 256 points, the loss in double over blocks.
+// Direct optimisation, refinement and the trainer all call these two routines.
 #pragma once
 
 #include "runtime_eval/evaluator/representation.h"
-#include "runtime_eval/support/support_pattern.h"
 
 namespace nlg {
 
-// Fused multiply-adds a point, for figures against the machine's peak.
-inline constexpr int kLossKernelFmaPerPoint = 24 + 64 + 8 + 8 + 64 + 8 + 64 + 24;
-
-// Sum over points [first, first + count) of mask * (representation(x) - phi)², and its gradient.
+// Sum over the points of one batch of pointOrder(representation) of mask * (representation(x) - phi)², and its gradient.
 //
-// first, count   multiples of 16, within points.padded_count
-// phi, mask      count floats each; mask 0 leaves a point out (its phi may be anything finite)
-// theta          kThetaCount floats
-// gradient       kThetaCount floats, overwritten with d sum / d theta
-// returns        the sum; divide both by the number of valid points for the mean
-double lossAndGradient(const Representation& representation, const PointSet& points, int first, int count, const float* phi,
-                       const float* mask, const float* theta, float* gradient);
+// batch       < pointOrder(representation).batchCount()
+// phi, mask   as many floats as the batch has places; mask 0 leaves a place out (its phi may be anything finite)
+// theta       D floats
+// gradient    D floats, overwritten with d sum / d theta
+// returns     the sum; divide both by the number of valid points for the mean
+double lossAndGradient(const Representation& representation, int batch, const float* phi, const float* mask, const float* theta,
+                       float* gradient);
 
 // The sum alone.
-double loss(const Representation& representation, const PointSet& points, int first, int count, const float* phi,
-            const float* mask, const float* theta);
-
-// Both in double, straight from the formulas: what the vector code is tested against.
-double lossAndGradientReference(const Representation& representation, const PointSet& points, int first, int count,
-                                const float* phi, const float* mask, const double* theta, double* gradient);
+double loss(const Representation& representation, int batch, const float* phi, const float* mask, const float* theta);
 
 }  // namespace nlg

@@ -1,5 +1,7 @@
 #include "runtime_eval/fit/normal_equations.h"
 
+#include "runtime_eval/fit/field_normal_equations.h"
+
 #include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
@@ -13,7 +15,7 @@
 namespace nlg {
 // D derivative rows, the residual, and zero rows up to a whole number of tiles
 inline constexpr int kJacobianTile = 4;
-inline constexpr int kJacobianRowCount = (kThetaCount + 1 + kJacobianTile - 1) / kJacobianTile * kJacobianTile;
+inline constexpr int kJacobianRowCount = (ThetaLayout::count + 1 + kJacobianTile - 1) / kJacobianTile * kJacobianTile;
 }  // namespace nlg
 #endif
 
@@ -31,7 +33,7 @@ HWY_INLINE void storeJacobianColumn(FloatTag d, const float* HWY_RESTRICT theta,
   Floats output;
   forwardNetwork<1>(d, theta, slope, &position[0], &position[1], &position[2], hidden, &output);
   const Floats scale = hn::Mul(factor, mask);
-  store(kThetaCount, hn::MulSub(scale, output, hn::Mul(mask, phi)));
+  store(ThetaLayout::count, hn::MulSub(scale, output, hn::Mul(mask, phi)));
   store(L::b3, scale);
   Floats second[kHiddenCount];
   for (int j = 0; j < kHiddenCount; ++j) {
@@ -93,7 +95,7 @@ void jacobianProducts(const Representation& representation, const WeightingFunct
     for (int i = 0; i < kStratumPointCount; i += lanes) {
       const int at = first + i;
       const Floats position[3] = {hn::Load(d, &points.x[at]), hn::Load(d, &points.y[at]), hn::Load(d, &points.z[at])};
-      const Floats factor = representation.tent_factor ? hn::Load(d, &points.tent[at]) : one;
+      const Floats factor = representation.tentFactor() ? hn::Load(d, &points.tent[at]) : one;
       storeJacobianColumn(d, theta, slope, position, factor, hn::Load(d, &function.mask[at]), hn::Load(d, &function.phi[at]),
                           jacobian + i);
     }
@@ -122,18 +124,20 @@ NormalEquationsKernel::NormalEquationsKernel() : jacobian_(size_t{kJacobianRowCo
 
 void NormalEquationsKernel::compute(const Representation& representation, const WeightingFunction& function, const float* theta,
                                     NormalEquations* equations) {
+  if (representation.isField()) {
+    fieldNormalEquations(pointOrder(representation), function, theta, equations);
+    return;
+  }
+  constexpr int kCount = ThetaLayout::count;
   double products[kJacobianRowCount * kJacobianRowCount] = {};
   HWY_DYNAMIC_DISPATCH(jacobianProducts)(representation, function, theta, jacobian_.data(), products);
-  equations->hessian.resize(kThetaCount * kThetaCount);
-  equations->gradient.resize(kThetaCount);
-  for (int r = 0; r < kThetaCount; ++r) {
-    for (int c = 0; c <= r; ++c) {
-      const double product = products[r * kJacobianRowCount + c];
-      equations->hessian[r * kThetaCount + c] = equations->hessian[c * kThetaCount + r] = product;
-    }
-    equations->gradient[r] = products[kThetaCount * kJacobianRowCount + r];
+  equations->hessian = SymmetricBand(kCount, kCount - 1);
+  equations->gradient.resize(kCount);
+  for (int r = 0; r < kCount; ++r) {
+    for (int c = 0; c <= r; ++c) equations->hessian.at(r, c) = products[r * kJacobianRowCount + c];
+    equations->gradient[r] = products[kCount * kJacobianRowCount + r];
   }
-  equations->square_sum = products[kThetaCount * kJacobianRowCount + kThetaCount];
+  equations->square_sum = products[kCount * kJacobianRowCount + kCount];
 }
 
 }  // namespace nlg

@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/fit/symmetric_band.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 
 struct NormalEquations {
-  // D x D, row-major, symmetric: sum over valid points of J^T J, J = d representation / d theta
-  std::vector<double> hessian;
+  SymmetricBand hessian;         // D x D: sum over valid points of J^T J, J = d representation / d theta
   std::vector<double> gradient;  // D: sum of J^T r; half the gradient of the loss
   double square_sum = 0.0;       // sum of r², as lossAndGradient returns it
 };

@@ -1,9 +1,10 @@
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
+namespace {
 
+// A stratum: an octant is 1024 samples and 128 validity bytes; bit k of a validity byte belongs to stratum k.
 int decodeStratum(const StoredFunction& stored, int stratum, int mirror, float* phi, float* mask) {
-  // an octant is 1024 samples and 128 validity bytes; bit k of a validity byte belongs to stratum k
   constexpr int kRun = kOctantPointCount / kStratumCount;
   int valid_count = 0;
   for (int m = 0; m < kMirrorCount; ++m) {
@@ -19,29 +20,60 @@ int decodeStratum(const StoredFunction& stored, int stratum, int mirror, float* 
   return valid_count;
 }
 
+}  // namespace
+
+int decodeBatch(const PointOrder& order, int batch, const StoredFunction& stored, int mirror, float* phi, float* mask) {
+  if (order.resolution == 0) return decodeStratum(stored, batch, mirror, phi, mask);
+  int valid_count = 0;
+  const int begin = order.batch_begin[batch], end = order.batch_begin[batch + 1];
+  for (int place = begin; place < end; ++place) {
+    const int pattern = order.pattern_index[place];
+    const int source = pattern ^ (mirror * kOctantPointCount);
+    const int valid = pattern < 0 ? 0 : stored.validity[source / 8] >> (source % 8) & 1;
+    phi[place - begin] = pattern < 0 ? 0.0f : static_cast<float>(stored.phi[source]) * (1.0f / 255.0f);
+    mask[place - begin] = static_cast<float>(valid);
+    valid_count += valid;
+  }
+  return valid_count;
+}
+
 int WeightingFunction::validCount() const {
   int total = 0;
   for (const int count : valid_count) total += count;
   return total;
 }
 
-WeightingFunction decodeFunction(const StoredFunction& stored, int mirror) {
+WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order, int mirror) {
   WeightingFunction function;
-  function.phi.resize(kSupportPointCount);
-  function.mask.resize(kSupportPointCount);
-  for (int k = 0; k < kStratumCount; ++k) {
-    const int first = k * kStratumPointCount;
-    function.valid_count[k] = decodeStratum(stored, k, mirror, &function.phi[first], &function.mask[first]);
+  function.phi.resize(order.placeCount());
+  function.mask.resize(order.placeCount());
+  for (int b = 0; b < order.batchCount(); ++b) {
+    const int begin = order.batch_begin[b];
+    function.valid_count.push_back(decodeBatch(order, b, stored, mirror, &function.phi[begin], &function.mask[begin]));
   }
   return function;
 }
 
-WeightingFunction tentFunction() {
+WeightingFunction functionFromSamples(const std::vector<float>& phi, const std::vector<bool>& valid, const PointOrder& order) {
   WeightingFunction function;
-  function.phi = stratifiedSupportPoints().tent;
-  function.mask.assign(kSupportPointCount, 1.0f);
-  function.valid_count.fill(kStratumPointCount);
+  for (int b = 0; b < order.batchCount(); ++b) {
+    int valid_count = 0;
+    for (int place = order.batch_begin[b]; place < order.batch_begin[b + 1]; ++place) {
+      const int pattern = order.pattern_index[place];
+      const bool used = pattern >= 0 && valid[pattern];
+      function.phi.push_back(pattern < 0 ? 0.0f : phi[pattern]);
+      function.mask.push_back(used ? 1.0f : 0.0f);
+      valid_count += used;
+    }
+    function.valid_count.push_back(valid_count);
+  }
   return function;
+}
+
+WeightingFunction tentFunction(const PointOrder& order) {
+  std::vector<float> phi;
+  for (const LocalPoint& point : supportPattern().points) phi.push_back(tent(point));
+  return functionFromSamples(phi, std::vector<bool>(phi.size(), true), order);
 }
 
 }  // namespace nlg

@@ -1,11 +1,11 @@
-// A weighting function as the fitting kernels read it: samples and mask as floats, in stratum order.
+// A weighting function as the fitting kernels read it: samples and mask as floats, in the order of a representation.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <vector>
 
 #include "runtime_eval/support/aligned.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "runtime_eval/support/point_order.h"
 
 namespace nlg {
 
@@ -15,22 +15,26 @@ struct StoredFunction {
   const uint8_t* validity = nullptr;  // P / 8, bit i of byte b is point 8 b + i
 };
 
-// Decodes one stratum of a stored function, mirrored by `mirror` (bits as in SupportPattern; 0 leaves it as it is).
-// phi, mask   kStratumPointCount each; mask is 1 at valid points, 0 at others; phi is in [0, 1]
-// returns     how many points of the stratum are valid
-int decodeStratum(const StoredFunction& stored, int stratum, int mirror, float* phi, float* mask);
+// Decodes one batch of a stored function, mirrored by `mirror` (bits as in SupportPattern; 0 leaves it as it is).
+// phi, mask   as many as the batch has places; mask is 1 at valid points, 0 at others and at places without a point; phi is in
+//             [0, 1]
+// returns     how many points of the batch are valid
+int decodeBatch(const PointOrder& order, int batch, const StoredFunction& stored, int mirror, float* phi, float* mask);
 
 struct WeightingFunction {
-  AlignedFloats phi;                             // P, stratum order, [0, 1]
-  AlignedFloats mask;                            // P, 1 at valid points, 0 at others
-  std::array<int, kStratumCount> valid_count{};  // by stratum
+  AlignedFloats phi;             // by place of the order, [0, 1]
+  AlignedFloats mask;            // by place, 1 at valid points, 0 at others and where there is no point
+  std::vector<int> valid_count;  // by batch
   int validCount() const;
 };
 
-// All strata of a stored function.
-WeightingFunction decodeFunction(const StoredFunction& stored, int mirror = 0);
+// All batches of a stored function.
+WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order = stratumOrder(), int mirror = 0);
+
+// Any samples, by index into the support pattern: phi in [0, 1], valid false where a point is left out.
+WeightingFunction functionFromSamples(const std::vector<float>& phi, const std::vector<bool>& valid, const PointOrder& order);
 
 // The bare tent, valid everywhere: the function of a probe in free space.
-WeightingFunction tentFunction();
+WeightingFunction tentFunction(const PointOrder& order = stratumOrder());
 
 }  // namespace nlg

@@ -15,7 +15,8 @@ namespace nlg {
 // Half a unit in the last place of 1: the largest relative error of one float operation.
 inline constexpr double kFloatRounding = 0x1p-24;
 
-inline const Representation kBothRepresentations[] = {{false, 0.01f}, {true, 0.01f}, {false, 0.3f}};
+inline const Representation kBothRepresentations[] = {Representation::mlp(0.01f), Representation::tentMlp(0.01f),
+                                                      Representation::mlp(0.3f)};
 
 struct StoredSample {
   std::vector<uint8_t> phi = std::vector<uint8_t>(kSupportPointCount, 0);

@@ -41,7 +41,7 @@ const Bits kAlways = [](int) { return true; };
 
 // A network whose output is the constant `value` everywhere.
 std::vector<float> constantTheta(float value) {
-  std::vector<float> theta(kThetaCount, 0.0f);
+  std::vector<float> theta(ThetaLayout::count, 0.0f);
   theta[ThetaLayout::b3] = value;
   return theta;
 }
@@ -106,7 +106,7 @@ TEST(ErrorMeter, FindsTheTentNearlyRight) {
   EXPECT_LE(error.rmse, 1.0 / 510);
   EXPECT_LE(error.leak_p99, 1.0 / 510) << "zero is stored where the tent is below half a step";
   // and the same through a network that says 1, times the tent
-  const FunctionError network = meter.measure({true, 0.01f}, constantTheta(1.0f).data(), 0, nullptr);
+  const FunctionError network = meter.measure(Representation::tentMlp(0.01f), constantTheta(1.0f).data(), 0, nullptr);
   EXPECT_EQ(network.rmse, error.rmse);
   EXPECT_EQ(network.leak_mean, error.leak_mean);
 }

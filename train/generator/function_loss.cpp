@@ -16,12 +16,15 @@ struct LossInputs {
 
 // Mean squared error of one sample; gradient is D floats.
 float sampleLoss(const LossInputs& inputs, const Sample& sample, const float* theta, float* gradient) {
-  alignas(64) float phi[kStratumPointCount], mask[kStratumPointCount];
-  const int valid_count = decodeStratum(inputs.data->function(sample.function), sample.stratum, sample.mirror, phi, mask);
+  const PointOrder& order = pointOrder(*inputs.representation);
+  thread_local AlignedFloats phi, mask;
+  phi.resize(order.batch_begin[sample.batch + 1] - order.batch_begin[sample.batch]);
+  mask.resize(phi.size());
+  const int valid_count =
+      decodeBatch(order, sample.batch, inputs.data->function(sample.function), sample.mirror, phi.data(), mask.data());
   const float scale = valid_count > 0 ? 1.0f / static_cast<float>(valid_count) : 0.0f;
-  const double sum = lossAndGradient(*inputs.representation, stratifiedSupportPoints(), sample.stratum * kStratumPointCount,
-                                     kStratumPointCount, phi, mask, theta, gradient);
-  for (int i = 0; i < kThetaCount; ++i) gradient[i] *= scale;
+  const double sum = lossAndGradient(*inputs.representation, sample.batch, phi.data(), mask.data(), theta, gradient);
+  for (int i = 0; i < inputs.representation->thetaCount(); ++i) gradient[i] *= scale;
   return static_cast<float>(sum) * scale;
 }
 
@@ -31,14 +34,15 @@ class FunctionLoss : public torch::autograd::Function<FunctionLoss> {
     const LossInputs& inputs = *reinterpret_cast<const LossInputs*>(inputs_address);
     const torch::Tensor contiguous = theta.contiguous();
     const auto count = static_cast<int64_t>(inputs.samples->size());
-    torch::Tensor losses = torch::empty({count}), gradients = torch::empty({count, kThetaCount});
+    torch::Tensor losses = torch::empty({count}), gradients = torch::empty({count, contiguous.size(1)});
     const float* theta_values = contiguous.data_ptr<float>();
     float* loss_values = losses.data_ptr<float>();
     float* gradient_values = gradients.data_ptr<float>();
+    const int64_t theta_count = contiguous.size(1);
     at::parallel_for(0, count, 8, [&](int64_t begin, int64_t end) {
       for (int64_t b = begin; b < end; ++b) {
         loss_values[b] =
-            sampleLoss(inputs, (*inputs.samples)[b], theta_values + b * kThetaCount, gradient_values + b * kThetaCount);
+            sampleLoss(inputs, (*inputs.samples)[b], theta_values + b * theta_count, gradient_values + b * theta_count);
       }
     });
     context->save_for_backward({gradients});

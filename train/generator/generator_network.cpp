@@ -27,7 +27,7 @@ GeneratorNetworkImpl::GeneratorNetworkImpl(const GeneratorShape& shape, const Th
   int input_count = shape.coefficient_count;
   for (int l = 0; l < shape.layer_count; ++l) {
     const bool last = l + 1 == shape.layer_count;
-    const int output_count = last ? kThetaCount : shape.width;
+    const int output_count = last ? static_cast<int>(theta0.size()) : shape.width;
     torch::nn::Linear layer(input_count, output_count);
     // layers beside a skip start small, so that the sum of all of them stays near the scale of the input
     const double gain = last ? 0.0 : input_count == output_count ? 0.5 : 1.0;
@@ -35,7 +35,7 @@ GeneratorNetworkImpl::GeneratorNetworkImpl(const GeneratorShape& shape, const Th
     layers_.push_back(register_module("layer" + std::to_string(l), layer));
     input_count = output_count;
   }
-  torch::Tensor start = torch::empty({kThetaCount});
+  torch::Tensor start = torch::empty({static_cast<int64_t>(theta0.size())});
   std::copy(theta0.begin(), theta0.end(), start.data_ptr<float>());
   theta0_ = register_buffer("theta0", start);
 }
@@ -58,7 +58,7 @@ GeneratorData GeneratorNetworkImpl::toData(const Representation& representation,
                            toVector(layer->weight), toVector(layer->bias)});
   }
   data.theta0 = toVector(theta0_);
-  data.output_scale.assign(kThetaCount, static_cast<float>(shape_.output_scale));
+  data.output_scale.assign(data.theta0.size(), static_cast<float>(shape_.output_scale));
   return data;
 }
 

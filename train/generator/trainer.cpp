@@ -86,18 +86,10 @@ double oneCycleRate(const TrainOptions& options, int64_t step) {
 }
 
 Theta fitTheta0(const Representation& representation, const BasisFile& basis, const StartOptions& options) {
-  WeightingFunction mean;
-  mean.phi.resize(kSupportPointCount);
-  mean.mask.resize(kSupportPointCount);
-  for (int k = 0; k < kStratumCount; ++k) {
-    for (int run = 0; run < kStratumPointCount; ++run) {
-      const int pattern_index = 8 * run + k, at = k * kStratumPointCount + run;
-      const bool known = basis.mean_validity[pattern_index] > 0;
-      mean.phi[at] = basis.mean_function[pattern_index];
-      mean.mask[at] = known ? 1.0f : 0.0f;
-      mean.valid_count[k] += known;
-    }
-  }
+  const std::vector<float> phi(basis.mean_function.begin(), basis.mean_function.end());
+  std::vector<bool> known;
+  for (const auto share : basis.mean_validity) known.push_back(share > 0);
+  const WeightingFunction mean = functionFromSamples(phi, known, pointOrder(representation));
   NormalEquationsKernel kernel;
   return fitStart(representation, mean, options, &kernel).theta;
 }
@@ -132,8 +124,8 @@ double meanRmse(GeneratorNetwork& network, const Representation& representation,
       samples.push_back({i * data.functionCount() / count});
     const torch::Tensor theta = network->forward(coefficientBatch(data, samples)).contiguous();
     for (size_t i = 0; i < samples.size(); ++i) {
-      sum += functionRmse(representation, decodeFunction(data.function(samples[i].function)),
-                          theta.data_ptr<float>() + i * kThetaCount);
+      sum += functionRmse(representation, decodeFunction(data.function(samples[i].function), pointOrder(representation)),
+                          theta.data_ptr<float>() + i * representation.thetaCount());
     }
   }
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
@@ -141,7 +133,7 @@ double meanRmse(GeneratorNetwork& network, const Representation& representation,
 
 TrainReport train(const TrainOptions& options, const Representation& representation, const TrainingData& training,
                   const TrainingData& held_out, TrainingState* state, const std::function<void()>& save) {
-  SampleOrder order(training.functionCount(), options.batch, options.seed);
+  SampleOrder order(training.functionCount(), options.batch, pointOrder(representation).batchCount(), options.seed);
   Progress progress("steps", options.steps);
   TrainReport report;
   const Clock::time_point start = Clock::now();

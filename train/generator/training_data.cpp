@@ -32,8 +32,12 @@ void TrainingData::copyCoefficients(int64_t index, int mirror, float* coefficien
   }
 }
 
-SampleOrder::SampleOrder(int64_t function_count, int batch, uint64_t seed)
-    : function_count_(function_count), batch_(batch), seed_(seed), order_(function_count) {}
+SampleOrder::SampleOrder(int64_t function_count, int batch, int point_batch_count, uint64_t seed)
+    : function_count_(function_count),
+      batch_(batch),
+      point_batch_count_(point_batch_count),
+      seed_(seed),
+      order_(function_count) {}
 
 void SampleOrder::shuffle(int64_t epoch) {
   epoch_ = epoch;
@@ -50,7 +54,7 @@ std::vector<Sample> SampleOrder::samples(int64_t step) {
     if (position / function_count_ != epoch_) shuffle(position / function_count_);
     samples[b].function = order_[position % function_count_];
     samples[b].mirror = static_cast<int>(random.below(kMirrorCount));
-    samples[b].stratum = static_cast<int>(random.below(kStratumCount));
+    samples[b].batch = static_cast<int>(random.below(static_cast<uint32_t>(point_batch_count_)));
   }
   return samples;
 }

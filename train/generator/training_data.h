@@ -32,25 +32,27 @@ class TrainingData {
   std::vector<float> coefficients_;  // N x K
 };
 
-// One sample of a batch: which function, mirrored how, judged on which stratum of its points.
+// One sample of a training step: which function, mirrored how, judged on which batch of its points (point_order.h).
 struct Sample {
   int64_t function = 0;
   int mirror = 0;
-  int stratum = 0;
+  int batch = 0;
 };
 
 // The samples of any training step, a pure function of (seed, step): a resumed run draws what an uninterrupted one would have.
-// Functions come in a fresh random order every epoch; mirror and stratum are drawn for each.
+// Functions come in a fresh random order every epoch; mirror and batch of points are drawn for each.
 class SampleOrder {
  public:
-  SampleOrder(int64_t function_count, int batch, uint64_t seed);
+  // batch               samples a step
+  // point_batch_count   batches of points that there are to draw from
+  SampleOrder(int64_t function_count, int batch, int point_batch_count, uint64_t seed);
   std::vector<Sample> samples(int64_t step);
 
  private:
   void shuffle(int64_t epoch);
 
   int64_t function_count_;
-  int batch_;
+  int batch_, point_batch_count_;
   uint64_t seed_;
   int64_t epoch_ = -1;
   std::vector<uint32_t> order_;

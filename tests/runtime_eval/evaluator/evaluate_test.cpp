@@ -17,7 +17,7 @@ TEST(Evaluate, EqualsTheReferenceOnEveryTarget) {
   forEachTarget([] {
     for (const Representation& representation : kBothRepresentations) {
       for (const int count : kRaggedCounts) {
-        const Theta theta = randomTheta(static_cast<uint64_t>(count));
+        const Theta theta = randomTheta({}, static_cast<uint64_t>(count));
         const std::vector<double> exact = toDouble(theta), absolute = magnitudes(theta);
         const std::vector<LocalPoint> list = unseenPoints(count);
         const PointSet points = makePointSet(list);
@@ -38,26 +38,26 @@ TEST(Evaluate, WritesNothingBehindThePaddedCount) {
   forEachTarget([] {
     const PointSet points = makePointSet(unseenPoints(17));
     AlignedFloats values(points.padded_count + 16, 7.0f);
-    evaluate({}, points, randomTheta(1).data(), values.data());
+    evaluate({}, points, randomTheta({}, 1).data(), values.data());
     for (int i = points.padded_count; i < points.padded_count + 16; ++i) ASSERT_EQ(values[i], 7.0f) << "at " << i;
   });
 }
 
 TEST(Evaluate, GivesTheOutputsBiasWhenAllElseIsZero) {
-  Theta theta{};
+  Theta theta(ThetaLayout::count);
   theta[ThetaLayout::b3] = 0.75f;
   const PointSet points = makePointSet(unseenPoints(40));
   AlignedFloats values(points.padded_count);
-  evaluate({false, 0.01f}, points, theta.data(), values.data());
+  evaluate(Representation::mlp(0.01f), points, theta.data(), values.data());
   for (int i = 0; i < points.count; ++i) ASSERT_EQ(values[i], 0.75f) << "point " << i;
-  evaluate({true, 0.01f}, points, theta.data(), values.data());
+  evaluate(Representation::tentMlp(0.01f), points, theta.data(), values.data());
   for (int i = 0; i < points.count; ++i) ASSERT_EQ(values[i], 0.75f * points.tent[i]) << "point " << i;
 }
 
 TEST(EvaluateReference, FollowsALayoutWrittenOutByHand) {
   // one path through the network: x -> unit 2 -> unit 5 -> output, both units below zero
   using L = ThetaLayout;
-  std::vector<double> theta(kThetaCount, 0.0);
+  std::vector<double> theta(ThetaLayout::count, 0.0);
   theta[L::w1 + 3 * 2 + 0] = -2.0;            // unit 2 of layer 1: -2 x
   theta[L::b1 + 2] = -1.0;                    //                    - 1
   theta[L::w2 + kHiddenCount * 5 + 2] = 4.0;  // unit 5 of layer 2: 4 * that
@@ -65,12 +65,12 @@ TEST(EvaluateReference, FollowsALayoutWrittenOutByHand) {
   theta[L::b3] = 0.5;
   const LocalPoint point{0.25f, 0.5f, -0.5f};
   const double expected = 0.5 + 10.0 * 0.25 * (4.0 * (0.25 * (-2.0 * 0.25 - 1.0)));
-  EXPECT_DOUBLE_EQ(evaluateReference({false, 0.25f}, point, theta.data()), expected);
-  EXPECT_DOUBLE_EQ(evaluateReference({true, 0.25f}, point, theta.data()), expected * 0.75 * 0.5 * 0.5);
+  EXPECT_DOUBLE_EQ(evaluateReference(Representation::mlp(0.25f), point, theta.data()), expected);
+  EXPECT_DOUBLE_EQ(evaluateReference(Representation::tentMlp(0.25f), point, theta.data()), expected * 0.75 * 0.5 * 0.5);
 }
 
 TEST(EvaluateReference, IsContinuousAcrossKinks) {
-  Theta theta = randomTheta(3);
+  Theta theta = randomTheta({}, 3);
   const std::vector<double> exact = toDouble(theta);
   const std::vector<LocalPoint> list = unseenPoints(200);
   for (size_t i = 1; i < list.size(); ++i) {
@@ -90,7 +90,7 @@ TEST(EvaluateReference, IsContinuousAcrossKinks) {
 }
 
 TEST(Representation, IsFoundByItsNameAlone) {
-  Representation representation{true, 0.5f};
+  Representation representation = Representation::tentMlp(0.5f);
   for (const char* name : kRepresentationNames) {
     ASSERT_TRUE(findRepresentation(name, &representation)) << name;
     EXPECT_STREQ(representationName(representation), name);

@@ -15,7 +15,7 @@ namespace {
 std::vector<float> generateAll(const GeneratorData& data, const std::vector<uint8_t>& phi, int count) {
   const Generator generator(data);
   GeneratorScratch scratch(generator);
-  std::vector<float> theta(size_t(count) * kThetaCount);
+  std::vector<float> theta(size_t(count) * ThetaLayout::count);
   generator.generate(phi.data(), count, theta.data(), &scratch);
   return theta;
 }
@@ -30,7 +30,7 @@ WeightsStatus statusOf(const WeightsFile& file) {
 // The status of a good file after a change.
 template <class Change>
 WeightsStatus statusAfter(const Change& change) {
-  WeightsFile file = weightsFromGenerator(sampleGenerator({true, 0.01f}, 24, 3, 1));
+  WeightsFile file = weightsFromGenerator(sampleGenerator(Representation::tentMlp(0.01f), 24, 3, 1));
   change(file);
   return statusOf(file);
 }
@@ -51,10 +51,10 @@ TEST(Generator, EqualsTheReferenceOnRaggedCountsAndEveryTarget) {
     forEachTarget([&] {
       const std::vector<float> theta = generateAll(data, phi, c.count);
       for (int n = 0; n < c.count; ++n) {
-        for (int k = 0; k < kThetaCount; ++k) {
+        for (int k = 0; k < ThetaLayout::count; ++k) {
           // Coefficients: 1028 roundings of terms whose magnitudes add up to at most |class| |row| / deviation <= 32 * 3 / 0.2;
           // layers of random signs keep errors near their input's, and the output's scale is at most 0.2
-          ASSERT_NEAR(theta[size_t(n) * kThetaCount + k], expected[n][k], 1028 * kFloatRounding * (32 * 3 / 0.2) * 0.2)
+          ASSERT_NEAR(theta[size_t(n) * ThetaLayout::count + k], expected[n][k], 1028 * kFloatRounding * (32 * 3 / 0.2) * 0.2)
               << "width " << c.width << ", layers " << c.layers << ", function " << n << " of " << c.count << ", theta " << k;
         }
       }
@@ -71,7 +71,7 @@ TEST(Generator, TreatsEveryFunctionOfABatchAlike) {
       const std::vector<uint8_t> one(phi.begin() + size_t(n) * kSupportPointCount,
                                      phi.begin() + size_t(n + 1) * kSupportPointCount);
       const std::vector<float> alone = generateAll(data, one, 1);
-      EXPECT_TRUE(std::equal(alone.begin(), alone.end(), together.begin() + size_t(n) * kThetaCount)) << "function " << n;
+      EXPECT_TRUE(std::equal(alone.begin(), alone.end(), together.begin() + size_t(n) * ThetaLayout::count)) << "function " << n;
     }
   });
 }
@@ -81,21 +81,21 @@ TEST(Generator, YieldsTheta0WhenItsLastLayerIsZero) {
   std::fill(data.layers.back().weight.begin(), data.layers.back().weight.end(), 0.0f);
   std::fill(data.layers.back().bias.begin(), data.layers.back().bias.end(), 0.0f);
   const std::vector<float> theta = generateAll(data, sampleFunctions(2), 2);
-  for (size_t i = 0; i < theta.size(); ++i) ASSERT_EQ(theta[i], data.theta0[i % kThetaCount]) << i;
+  for (size_t i = 0; i < theta.size(); ++i) ASSERT_EQ(theta[i], data.theta0[i % ThetaLayout::count]) << i;
 }
 
 TEST(Generator, LoadsWhatWasSaved) {
   const std::string path = (std::filesystem::temp_directory_path() / ("nlg_generator_" + std::to_string(::getpid()))).string();
-  const GeneratorData data = sampleGenerator({true, 0.02f}, 24, 3, 8);
+  const GeneratorData data = sampleGenerator(Representation::tentMlp(0.02f), 24, 3, 8);
   std::ofstream(path, std::ios::binary) << serializeWeights(weightsFromGenerator(data));
   Generator generator;
   const WeightsResult result = Generator::load(path, &generator);
   ASSERT_TRUE(result.ok()) << result.detail;
-  EXPECT_TRUE(generator.representation().tent_factor);
+  EXPECT_TRUE(generator.representation().tentFactor());
   EXPECT_EQ(generator.representation().slope, 0.02f);
   const std::vector<uint8_t> phi = sampleFunctions(1);
   GeneratorScratch scratch(generator);
-  std::vector<float> theta(kThetaCount);
+  std::vector<float> theta(ThetaLayout::count);
   generator.generate(phi.data(), 1, theta.data(), &scratch);
   EXPECT_EQ(theta, generateAll(data, phi, 1));
 
@@ -104,7 +104,7 @@ TEST(Generator, LoadsWhatWasSaved) {
   EXPECT_EQ(Generator::load(path, &generator).status, WeightsStatus::too_short);
   std::filesystem::remove(path);
   EXPECT_EQ(Generator::load(path, &generator).status, WeightsStatus::cannot_open);
-  std::vector<float> again(kThetaCount);
+  std::vector<float> again(ThetaLayout::count);
   generator.generate(phi.data(), 1, again.data(), &scratch);
   EXPECT_EQ(again, theta);
 }
@@ -115,7 +115,7 @@ TEST(GeneratorWeights, RoundTrip) {
     GeneratorData read;
     const WeightsResult result = generatorFromWeights(weightsFromGenerator(data), &read);
     ASSERT_TRUE(result.ok()) << result.detail;
-    EXPECT_EQ(read.representation.tent_factor, data.representation.tent_factor);
+    EXPECT_EQ(read.representation.tentFactor(), data.representation.tentFactor());
     EXPECT_EQ(read.representation.slope, data.representation.slope);
     EXPECT_EQ(read.slope, data.slope);
     EXPECT_EQ(read.basis.class_count, data.basis.class_count);

@@ -11,8 +11,8 @@ namespace nlg {
 namespace {
 
 Theta filled(float value) {
-  Theta theta;
-  theta.fill(value);
+  Theta theta(ThetaLayout::count);
+  std::fill(theta.begin(), theta.end(), value);
   return theta;
 }
 
@@ -50,7 +50,7 @@ FitResult expectNeverWorse(const Fitter& fitter, const Representation& represent
 
 TEST(FunctionRmse, IsTheRootOfTheMeanOverValidPoints) {
   const StoredSample sample = wallSample(3);
-  const Theta theta = randomTheta(3);
+  const Theta theta = randomTheta({}, 3);
   double sum = 0.0, magnitude = 0.0;
   int count = 0;
   for (int p = 0; p < kSupportPointCount; ++p) {
@@ -72,15 +72,15 @@ TEST(Fit, NeverReturnsWorseThanItsStart) {
     for (const Representation& representation : kBothRepresentations) {
       for (uint64_t seed = 0; seed < 24; ++seed) {
         const WeightingFunction function = decodeFunction(seed % 3 ? wallSample(seed).view() : noiseSample(seed).view());
-        expectNeverWorse(fitter, representation, function, randomTheta(seed), "seed " + std::to_string(seed));
+        expectNeverWorse(fitter, representation, function, randomTheta({}, seed), "seed " + std::to_string(seed));
       }
     }
   }
 }
 
 TEST(Fit, TakesExtremeStarts) {
-  Theta mixed = randomTheta(1);
-  for (int i = 0; i < kThetaCount; i += 2) mixed[i] *= 1e-30f;
+  Theta mixed = randomTheta({}, 1);
+  for (int i = 0; i < ThetaLayout::count; i += 2) mixed[i] *= 1e-30f;
   const WeightingFunction function = decodeFunction(wallSample(5).view());
   for (const Fitter& fitter : kFitters) {
     for (const Representation& representation : kBothRepresentations) {
@@ -97,7 +97,7 @@ TEST(Fit, ReturnsTheStartWhenNumbersAreNotFinite) {
   for (const Fitter& fitter : kFitters) {
     for (const float bad : {NAN, INFINITY, -INFINITY, 1e30f}) {
       for (const int place : {ThetaLayout::w1, ThetaLayout::b2, ThetaLayout::w3, ThetaLayout::b3}) {
-        Theta start = randomTheta(6);
+        Theta start = randomTheta({}, 6);
         start[place] = bad;
         const FitResult result = fitter.fit({}, function, start);
         EXPECT_EQ(result.stop, FitStop::not_finite) << fitter.name << ", theta " << place << " = " << bad;
@@ -109,13 +109,13 @@ TEST(Fit, ReturnsTheStartWhenNumbersAreNotFinite) {
     for (int i = 0; i < kSupportPointCount; ++i) {
       if (broken.mask[i] != 0.0f) broken.phi[i] = NAN;
     }
-    EXPECT_EQ(fitter.fit({}, broken, randomTheta(6)).stop, FitStop::not_finite) << fitter.name << ", function of NaN";
+    EXPECT_EQ(fitter.fit({}, broken, randomTheta({}, 6)).stop, FitStop::not_finite) << fitter.name << ", function of NaN";
   }
 }
 
 TEST(Fit, ReturnsTheStartWithoutAnyValidPoint) {
   for (const Fitter& fitter : kFitters) {
-    for (const Theta& start : {randomTheta(7), filled(NAN)}) {
+    for (const Theta& start : {randomTheta({}, 7), filled(NAN)}) {
       const FitResult result = fitter.fit({}, withoutPoints(), start);
       EXPECT_EQ(result.stop, FitStop::no_points) << fitter.name;
       EXPECT_EQ(std::memcmp(result.theta.data(), start.data(), sizeof start), 0) << fitter.name;
@@ -126,7 +126,7 @@ TEST(Fit, ReturnsTheStartWithoutAnyValidPoint) {
 
 TEST(Fit, TakesNoStepFromABudgetOfNone) {
   const WeightingFunction function = decodeFunction(wallSample(8).view());
-  const Theta start = randomTheta(8);
+  const Theta start = randomTheta({}, 8);
   NormalEquationsKernel kernel;
   EXPECT_EQ(fitAdam({}, function, start, refinementAdam({}, 0)).theta, start);
   EXPECT_EQ(fitLevenbergMarquardt({}, function, start, {.iterations = 0}, &kernel).theta, start);
@@ -135,8 +135,8 @@ TEST(Fit, TakesNoStepFromABudgetOfNone) {
 TEST(Fit, GivesTheSameBitsEveryTime) {
   const WeightingFunction function = decodeFunction(wallSample(9).view());
   for (const Fitter& fitter : kFitters) {
-    const FitResult a = fitter.fit({true, 0.01f}, function, randomTheta(9)),
-                    b = fitter.fit({true, 0.01f}, function, randomTheta(9));
+    const FitResult a = fitter.fit(Representation::tentMlp(0.01f), function, randomTheta({}, 9)),
+                    b = fitter.fit(Representation::tentMlp(0.01f), function, randomTheta({}, 9));
     EXPECT_EQ(a.theta, b.theta) << fitter.name;
     EXPECT_EQ(a.rmse, b.rmse) << fitter.name;
   }
@@ -146,8 +146,8 @@ TEST(Fit, LowersTheErrorOfARandomStart) {
   // a constant is within reach of every network: predicting the mean already beats a random start, whose output is of size 1
   for (const Fitter& fitter : kFitters) {
     const WeightingFunction function = decodeFunction(wallSample(10).view());
-    const FitResult result = fitter.fit({}, function, randomTheta(10));
-    EXPECT_LT(result.rmse, 0.5 * functionRmse({}, function, randomTheta(10).data())) << fitter.name;
+    const FitResult result = fitter.fit({}, function, randomTheta({}, 10));
+    EXPECT_LT(result.rmse, 0.5 * functionRmse({}, function, randomTheta({}, 10).data())) << fitter.name;
   }
 }
 
@@ -158,8 +158,8 @@ TEST(Fit, IgnoresInvalidPoints) {
     if (!sample.valid(p)) sample.phi[p] = static_cast<uint8_t>(p % 251);
   }
   for (const Fitter& fitter : kFitters) {
-    EXPECT_EQ(fitter.fit({}, function, randomTheta(11)).theta,
-              fitter.fit({}, decodeFunction(sample.view()), randomTheta(11)).theta)
+    EXPECT_EQ(fitter.fit({}, function, randomTheta({}, 11)).theta,
+              fitter.fit({}, decodeFunction(sample.view()), randomTheta({}, 11)).theta)
         << fitter.name;
   }
 }
@@ -168,16 +168,16 @@ TEST(LevenbergMarquardt, ReachesTheTentExactlyWithTheTentFactor) {
   // With theta = 0 only the output's bias has a derivative: one linear unknown, whose error a damping of at most 0.1 divides by
   // at least 11 a step. Eight steps leave 11^-8 < 1e-8 of it, and float stores the rest.
   NormalEquationsKernel kernel;
-  const Representation tent_mlp{true, 0.01f};
+  const Representation tent_mlp = Representation::tentMlp(0.01f);
   const FitResult result = fitLevenbergMarquardt(tent_mlp, tentFunction(), filled(0.0f), {.iterations = 8}, &kernel);
   EXPECT_LE(result.rmse, 1e-7);
   EXPECT_NEAR(result.theta[ThetaLayout::b3], 1.0, 2e-7);
 }
 
 TEST(LevenbergMarquardt, StopsAtASolution) {
-  Theta exact{};
+  Theta exact(ThetaLayout::count);
   exact[ThetaLayout::b3] = 1.0f;
-  const Representation tent_mlp{true, 0.01f};
+  const Representation tent_mlp = Representation::tentMlp(0.01f);
   ASSERT_EQ(functionRmse(tent_mlp, tentFunction(), exact.data()), 0.0);
   NormalEquationsKernel kernel;
   const FitResult result = fitLevenbergMarquardt(tent_mlp, tentFunction(), exact, {}, &kernel);
@@ -195,14 +195,14 @@ TEST(LevenbergMarquardt, TakesARankDeficientJacobian) {
     for (int p = 0; p < valid_points; ++p) sample.validity[9 * p] = static_cast<uint8_t>(1 << (p % 8));
     const WeightingFunction function = decodeFunction(sample.view());
     ASSERT_EQ(function.validCount(), valid_points);
-    expectNeverWorse(kFitters[2], {}, function, randomTheta(12), std::to_string(valid_points) + " points");
+    expectNeverWorse(kFitters[2], {}, function, randomTheta({}, 12), std::to_string(valid_points) + " points");
     // fewer equations than unknowns: there are networks through all points, and 300 iterations must come near one
     NormalEquationsKernel kernel;
-    const FitResult result = fitLevenbergMarquardt({}, function, randomTheta(12), {.iterations = 300}, &kernel);
-    EXPECT_LT(result.rmse, 0.1 * functionRmse({}, function, randomTheta(12).data())) << valid_points << " points";
+    const FitResult result = fitLevenbergMarquardt({}, function, randomTheta({}, 12), {.iterations = 300}, &kernel);
+    EXPECT_LT(result.rmse, 0.1 * functionRmse({}, function, randomTheta({}, 12).data())) << valid_points << " points";
   }
   // units that nothing reads, and units that read nothing
-  Theta dead = randomTheta(13);
+  Theta dead = randomTheta({}, 13);
   for (int j = 0; j < 4; ++j) dead[ThetaLayout::w3 + j] = 0.0f;
   for (int i = 0; i < 4 * kHiddenCount; ++i) dead[ThetaLayout::w2 + i] = 0.0f;
   const WeightingFunction function = decodeFunction(wallSample(13).view());
@@ -262,11 +262,12 @@ TEST(FitDirect, IsTheBestOfItsCandidates) {
   const DirectOptions options{.adam_steps = 60, .levenberg_iterations = 4, .restarts = 1};
   for (uint64_t seed = 0; seed < 4; ++seed) {
     const WeightingFunction function = decodeFunction(wallSample(seed).view());
-    const DirectResult result = fitDirect({true, 0.01f}, function, randomTheta(seed), options, &kernel);
+    const DirectResult result = fitDirect(Representation::tentMlp(0.01f), function, randomTheta({}, seed), options, &kernel);
     for (const FitResult* candidate : {&result.adam_from_theta0, &result.levenberg_from_theta0, &result.adam_from_random}) {
       EXPECT_LE(result.best.rmse, candidate->rmse) << "seed " << seed;
     }
-    EXPECT_EQ(result.best.rmse, functionRmse({true, 0.01f}, function, result.best.theta.data())) << "seed " << seed;
+    EXPECT_EQ(result.best.rmse, functionRmse(Representation::tentMlp(0.01f), function, result.best.theta.data()))
+        << "seed " << seed;
   }
 }
 
@@ -286,7 +287,7 @@ TEST(FitStart, IsAtLeastAsGoodAsEveryShortRandomFit) {
       .candidates = 6, .candidate_steps = 40, .finalists = 2, .final_steps = 40, .levenberg_iterations = 3};
   const FitResult best = fitStart({}, function, options, &kernel);
   for (int i = 0; i < options.candidates; ++i) {
-    const Theta start = randomTheta(mixSeed(options.seed, static_cast<uint64_t>(i)));
+    const Theta start = randomTheta({}, mixSeed(options.seed, static_cast<uint64_t>(i)));
     EXPECT_LE(best.rmse, fitAdam({}, function, start, randomStartAdam(options.candidate_steps)).rmse) << "candidate " << i;
   }
 }

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime_eval/fit/levenberg_marquardt.h"
-#include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/fit/network_loss.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_functions.h"
 
@@ -21,8 +21,9 @@ std::vector<double> derivatives(const Representation& representation, const Poin
                                 const std::vector<double>& theta) {
   const double output = evaluateReference(representation, {set.x[point], set.y[point], set.z[point]}, theta.data());
   const float phi = static_cast<float>(output - 0.5), mask = 1.0f;
-  std::vector<double> gradient(kThetaCount);
-  const double square = lossAndGradientReference(representation, set, point, 1, &phi, &mask, theta.data(), gradient.data());
+  std::vector<double> gradient(ThetaLayout::count);
+  const double square =
+      networkLossAndGradientReference(representation, set, point, 1, &phi, &mask, theta.data(), gradient.data());
   for (double& value : gradient) value /= 2.0 * std::sqrt(square);
   return gradient;
 }
@@ -30,12 +31,12 @@ std::vector<double> derivatives(const Representation& representation, const Poin
 // Sum over valid points of J^T J in double.
 std::vector<double> explicitHessian(const Representation& representation, const PointSet& set, const AlignedFloats& mask,
                                     const std::vector<double>& theta) {
-  std::vector<double> hessian(kThetaCount * kThetaCount, 0.0);
+  std::vector<double> hessian(ThetaLayout::count * ThetaLayout::count, 0.0);
   for (int p = 0; p < kSupportPointCount; ++p) {
     if (mask[p] == 0.0f) continue;
     const std::vector<double> row = derivatives(representation, set, p, theta);
-    for (int a = 0; a < kThetaCount; ++a) {
-      for (int b = 0; b < kThetaCount; ++b) hessian[a * kThetaCount + b] += row[a] * row[b];
+    for (int a = 0; a < ThetaLayout::count; ++a) {
+      for (int b = 0; b < ThetaLayout::count; ++b) hessian[a * ThetaLayout::count + b] += row[a] * row[b];
     }
   }
   return hessian;
@@ -51,16 +52,16 @@ NormalEquations equationsOf(const Representation& representation, const Weightin
 TEST(NormalEquations, EqualTheExplicitProductOnEveryTarget) {
   // the tent at the border of the support vanishes to float's last bits in both: evaluateReference takes the same tent
   for (const Representation& representation : {kBothRepresentations[0], kBothRepresentations[1]}) {
-    const Theta theta = randomTheta(21);
+    const Theta theta = randomTheta({}, 21);
     WeightingFunction function = decodeFunction(wallSample(21).view());
     maskKinks(representation, points(), theta, 1e-3, &function.mask);
     const std::vector<double> expected = explicitHessian(representation, points(), function.mask, toDouble(theta));
     const std::vector<double> magnitude = explicitHessian(representation, magnitudes(points()), function.mask, magnitudes(theta));
     forEachTarget([&] {
       const NormalEquations got = equationsOf(representation, function, theta);
-      for (int i = 0; i < kThetaCount * kThetaCount; ++i) {
+      for (int i = 0; i < ThetaLayout::count * ThetaLayout::count; ++i) {
         ASSERT_NEAR(got.hessian[i], expected[i], kRoundings * kFloatRounding * magnitude[i])
-            << representationName(representation) << ", row " << i / kThetaCount << ", column " << i % kThetaCount;
+            << representationName(representation) << ", row " << i / ThetaLayout::count << ", column " << i % ThetaLayout::count;
       }
     });
   }
@@ -70,21 +71,21 @@ TEST(NormalEquations, HaveHalfTheGradientOfTheLossKernel) {
   const PointSet absolute_points = magnitudes(points());
   for (const Representation& representation : kBothRepresentations) {
     for (uint64_t seed = 30; seed < 33; ++seed) {
-      const Theta theta = randomTheta(seed);
+      const Theta theta = randomTheta({}, seed);
       const WeightingFunction function = decodeFunction(wallSample(seed).view());
       const AlignedFloats minus_phi = negated(function.phi);
-      std::vector<double> magnitude(kThetaCount);
+      std::vector<double> magnitude(ThetaLayout::count);
       const double sum_magnitude =
-          lossAndGradientReference(representation, absolute_points, 0, kSupportPointCount, minus_phi.data(), function.mask.data(),
-                                   magnitudes(theta).data(), magnitude.data());
+          networkLossAndGradientReference(representation, absolute_points, 0, kSupportPointCount, minus_phi.data(),
+                                          function.mask.data(), magnitudes(theta).data(), magnitude.data());
       forEachTarget([&] {
-        float gradient[kThetaCount];
-        const double sum = lossAndGradient(representation, points(), 0, kSupportPointCount, function.phi.data(),
-                                           function.mask.data(), theta.data(), gradient);
+        float gradient[ThetaLayout::count];
+        const double sum = networkLossAndGradient(representation, points(), 0, kSupportPointCount, function.phi.data(),
+                                                  function.mask.data(), theta.data(), gradient);
         const NormalEquations got = equationsOf(representation, function, theta);
         // both share the forward pass, kinks included; each has its own roundings
         EXPECT_NEAR(got.square_sum, sum, 2 * kRoundings * kFloatRounding * sum_magnitude) << "seed " << seed;
-        for (int k = 0; k < kThetaCount; ++k) {
+        for (int k = 0; k < ThetaLayout::count; ++k) {
           ASSERT_NEAR(got.gradient[k], 0.5 * gradient[k], kRoundings * kFloatRounding * magnitude[k])
               << representationName(representation) << ", seed " << seed << ", theta " << k;
         }
@@ -96,23 +97,24 @@ TEST(NormalEquations, HaveHalfTheGradientOfTheLossKernel) {
 TEST(NormalEquations, AreSymmetricAndPositiveSemidefinite) {
   for (const Representation& representation : kBothRepresentations) {
     for (uint64_t seed = 40; seed < 44; ++seed) {
-      const NormalEquations got = equationsOf(representation, decodeFunction(noiseSample(seed).view()), randomTheta(seed));
+      const NormalEquations got = equationsOf(representation, decodeFunction(noiseSample(seed).view()), randomTheta({}, seed));
       double trace = 0.0;
-      for (int i = 0; i < kThetaCount; ++i) {
-        trace += got.hessian[i * kThetaCount + i];
+      for (int i = 0; i < ThetaLayout::count; ++i) {
+        trace += got.hessian[i * ThetaLayout::count + i];
         for (int j = 0; j < i; ++j)
-          ASSERT_EQ(got.hessian[i * kThetaCount + j], got.hessian[j * kThetaCount + i]) << i << ' ' << j;
+          ASSERT_EQ(got.hessian[i * ThetaLayout::count + j], got.hessian[j * ThetaLayout::count + i]) << i << ' ' << j;
       }
       // Rounding of the sums moves eigenvalues by at most 258 u times the trace of J^T J: Cholesky succeeds once that is added.
-      std::vector<double> matrix = got.hessian, vector(kThetaCount, 1.0);
-      for (int i = 0; i < kThetaCount; ++i) matrix[i * kThetaCount + i] += 258 * kFloatRounding * trace;
-      EXPECT_TRUE(solveSymmetric(&matrix, kThetaCount, &vector)) << representationName(representation) << ", seed " << seed;
+      std::vector<double> matrix = got.hessian, vector(ThetaLayout::count, 1.0);
+      for (int i = 0; i < ThetaLayout::count; ++i) matrix[i * ThetaLayout::count + i] += 258 * kFloatRounding * trace;
+      EXPECT_TRUE(solveSymmetric(&matrix, ThetaLayout::count, &vector))
+          << representationName(representation) << ", seed " << seed;
     }
   }
 }
 
 TEST(NormalEquations, IgnoreMaskedPointsAndWhatTheWorkspaceHeld) {
-  const Theta theta = randomTheta(50);
+  const Theta theta = randomTheta({}, 50);
   WeightingFunction function = decodeFunction(wallSample(50).view());
   // one stratum without any valid point: it is skipped, its rows stay in the workspace
   std::fill_n(&function.mask[3 * kStratumPointCount], kStratumPointCount, 0.0f);
@@ -120,7 +122,7 @@ TEST(NormalEquations, IgnoreMaskedPointsAndWhatTheWorkspaceHeld) {
   const NormalEquations fresh = equationsOf({}, function, theta);
   NormalEquationsKernel used;
   NormalEquations equations;
-  used.compute({true, 0.3f}, decodeFunction(noiseSample(51).view()), randomTheta(51).data(), &equations);
+  used.compute(Representation::tentMlp(0.3f), decodeFunction(noiseSample(51).view()), randomTheta({}, 51).data(), &equations);
   for (int i = 0; i < kSupportPointCount; ++i) {
     if (function.mask[i] == 0.0f) function.phi[i] = -1e6f;
   }

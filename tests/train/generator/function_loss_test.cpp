@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
-#include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/fit/network_loss.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"
 
@@ -26,10 +26,10 @@ const TrainingData& data() {
 const std::vector<Sample> kSamples = {{0, 0, 0}, {1, 3, 7}, {2, 7, 2}, {3, 1, 5}, {4, 4, 1}, {0, 2, 6}};
 
 torch::Tensor randomThetaBatch(size_t count) {
-  torch::Tensor batch = torch::empty({static_cast<int64_t>(count), kThetaCount});
+  torch::Tensor batch = torch::empty({static_cast<int64_t>(count), ThetaLayout::count});
   for (size_t b = 0; b < count; ++b) {
-    const Theta theta = randomTheta(60 + b);
-    std::copy(theta.begin(), theta.end(), batch.data_ptr<float>() + b * kThetaCount);
+    const Theta theta = randomTheta({}, 60 + b);
+    std::copy(theta.begin(), theta.end(), batch.data_ptr<float>() + b * ThetaLayout::count);
   }
   return batch;
 }
@@ -37,10 +37,10 @@ torch::Tensor randomThetaBatch(size_t count) {
 // Mean squared error of one sample in double; gradient may be null.
 double meanSquare(const Representation& representation, const Sample& sample, const std::vector<double>& theta) {
   std::vector<float> phi(kStratumPointCount), mask(kStratumPointCount);
-  std::vector<double> gradient(kThetaCount);
+  std::vector<double> gradient(ThetaLayout::count);
   const int count = decodeStratum(data().function(sample.function), sample.stratum, sample.mirror, phi.data(), mask.data());
-  return lossAndGradientReference(representation, stratifiedSupportPoints(), sample.stratum * kStratumPointCount,
-                                  kStratumPointCount, phi.data(), mask.data(), theta.data(), gradient.data()) /
+  return networkLossAndGradientReference(representation, stratifiedSupportPoints(), sample.stratum * kStratumPointCount,
+                                         kStratumPointCount, phi.data(), mask.data(), theta.data(), gradient.data()) /
          count;
 }
 
@@ -53,12 +53,12 @@ TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {
     const torch::Tensor weight = torch::linspace(-1, 2, static_cast<int64_t>(kSamples.size()));
     (functionLoss(theta, representation, data(), kSamples) * weight).sum().backward();
     for (size_t b = 0; b < kSamples.size(); ++b) {
-      const float* row = theta.data_ptr<float>() + b * kThetaCount;
-      const float* gradient = theta.grad().data_ptr<float>() + b * kThetaCount;
-      std::vector<double> exact(row, row + kThetaCount);
+      const float* row = theta.data_ptr<float>() + b * ThetaLayout::count;
+      const float* gradient = theta.grad().data_ptr<float>() + b * ThetaLayout::count;
+      std::vector<double> exact(row, row + ThetaLayout::count);
       float largest = 0.0f;
-      for (int k = 0; k < kThetaCount; ++k) largest = std::max(largest, std::fabs(gradient[k]));
-      for (int k = 0; k < kThetaCount; ++k) {
+      for (int k = 0; k < ThetaLayout::count; ++k) largest = std::max(largest, std::fabs(gradient[k]));
+      for (int k = 0; k < ThetaLayout::count; ++k) {
         const double middle = exact[k];
         exact[k] = middle + step;
         const double above = meanSquare(representation, kSamples[b], exact);
@@ -75,11 +75,11 @@ TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {
 
 TEST(FunctionLoss, IsTheMeanSquaredErrorOfEachSample) {
   const torch::Tensor theta = randomThetaBatch(kSamples.size());
-  const torch::Tensor losses = functionLoss(theta, {true, 0.01f}, data(), kSamples);
+  const torch::Tensor losses = functionLoss(theta, Representation::tentMlp(0.01f), data(), kSamples);
   ASSERT_EQ(losses.sizes(), torch::IntArrayRef({static_cast<int64_t>(kSamples.size())}));
   for (size_t b = 0; b < kSamples.size(); ++b) {
-    const float* row = theta.data_ptr<float>() + b * kThetaCount;
-    const double expected = meanSquare({true, 0.01f}, kSamples[b], {row, row + kThetaCount});
+    const float* row = theta.data_ptr<float>() + b * ThetaLayout::count;
+    const double expected = meanSquare(Representation::tentMlp(0.01f), kSamples[b], {row, row + ThetaLayout::count});
     EXPECT_NEAR(losses[static_cast<int64_t>(b)].item<double>(), expected, 1e-4 * expected + 1e-6) << "sample " << b;
   }
 }

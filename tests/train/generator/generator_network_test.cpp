@@ -31,13 +31,13 @@ void shake(GeneratorNetwork& network) {
 }
 
 TEST(GeneratorNetwork, YieldsTheta0BeforeTraining) {
-  const Theta theta0 = randomTheta(1);
+  const Theta theta0 = randomTheta({}, 1);
   for (const int layers : {1, 2, 6}) {
     GeneratorNetwork network(shapeOf(32, layers), theta0, 7);
     const torch::Tensor theta = network->forward(torch::randn({5, basis().coefficientCount()}));
-    ASSERT_EQ(theta.sizes(), torch::IntArrayRef({5, kThetaCount}));
+    ASSERT_EQ(theta.sizes(), torch::IntArrayRef({5, ThetaLayout::count}));
     for (int64_t i = 0; i < theta.numel(); ++i) {
-      ASSERT_EQ(theta.data_ptr<float>()[i], theta0[i % kThetaCount]) << layers << " layers, entry " << i;
+      ASSERT_EQ(theta.data_ptr<float>()[i], theta0[i % ThetaLayout::count]) << layers << " layers, entry " << i;
     }
   }
 }
@@ -45,7 +45,7 @@ TEST(GeneratorNetwork, YieldsTheta0BeforeTraining) {
 TEST(GeneratorNetwork, StartsFromItsSeedAlone) {
   const auto parameters = [](uint64_t seed) {
     torch::manual_seed(static_cast<uint64_t>(std::rand()));
-    return GeneratorNetwork(shapeOf(32, 3), Theta{}, seed)->parameters();
+    return GeneratorNetwork(shapeOf(32, 3), Theta(ThetaLayout::count), seed)->parameters();
   };
   const auto a = parameters(1), b = parameters(1), c = parameters(2);
   for (size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(torch::equal(a[i], b[i])) << "parameter " << i;
@@ -56,16 +56,16 @@ TEST(GeneratorNetwork, AgreesWithTheEvaluator) {
   const TrainingData data(sampleSet(40, 50), basis());
   for (const int width : {17, 25, 64}) {  // 25 coefficients: the first layer has a skip then
     for (const int layers : {1, 2, 4}) {
-      GeneratorNetwork network(shapeOf(width, layers), randomTheta(4), 8);
+      GeneratorNetwork network(shapeOf(width, layers), randomTheta({}, 4), 8);
       shake(network);
-      const Generator generator(network->toData({true, 0.01f}, basis()));
-      EXPECT_TRUE(generator.representation().tent_factor);
+      const Generator generator(network->toData(Representation::tentMlp(0.01f), basis()));
+      EXPECT_TRUE(generator.representation().tentFactor());
       GeneratorScratch scratch(generator);
       std::vector<Sample> samples;
       for (int64_t n = 0; n < data.functionCount(); ++n) samples.push_back({n});
       torch::NoGradGuard guard;
       const torch::Tensor expected = network->forward(coefficientBatch(data, samples)).contiguous();
-      std::vector<float> theta(samples.size() * kThetaCount);
+      std::vector<float> theta(samples.size() * ThetaLayout::count);
       generator.generate(data.set().phi.data(), static_cast<int>(samples.size()), theta.data(), &scratch);
       for (size_t i = 0; i < theta.size(); ++i) {
         // the tolerance of the export's own check
@@ -80,13 +80,13 @@ TEST(GeneratorNetwork, CopiesItsNumbersIntoTheData) {
   GeneratorShape shape = shapeOf(32, 3);
   shape.slope = 0.2;
   shape.output_scale = 0.3;
-  GeneratorNetwork network(shape, randomTheta(5), 9);
+  GeneratorNetwork network(shape, randomTheta({}, 5), 9);
   const GeneratorData data = network->toData({}, basis());
   ASSERT_EQ(data.layers.size(), 3u);
   EXPECT_EQ(data.layers[0].input_count, basis().coefficientCount());
-  EXPECT_EQ(data.layers[2].output_count, kThetaCount);
+  EXPECT_EQ(data.layers[2].output_count, ThetaLayout::count);
   EXPECT_EQ(data.slope, 0.2f);
-  EXPECT_EQ(data.output_scale, std::vector<float>(kThetaCount, 0.3f));
+  EXPECT_EQ(data.output_scale, std::vector<float>(ThetaLayout::count, 0.3f));
   shake(network);
   EXPECT_NE(network->toData({}, basis()).layers[0].weight, data.layers[0].weight) << "a copy, not a view";
 }

@@ -15,7 +15,7 @@
 namespace nlg {
 namespace {
 
-const Representation kTentMlp{true, 0.01f};
+const Representation kTentMlp = Representation::tentMlp(0.01f);
 const RunIdentity kIdentity{"tent_mlp", R"({"steps":40})", "basis", "training set"};
 
 // A small run: 24 functions, 25 coefficients.
@@ -30,12 +30,12 @@ struct Run {
     options.shape.width = 32;
     options.shape.layer_count = 3;
     theta0[ThetaLayout::b3] = 1.0f;  // the bare tent, and hidden units that can learn
-    const Theta random = randomTheta(2);
+    const Theta random = randomTheta({}, 2);
     for (int i = 0; i < ThetaLayout::b3; ++i) theta0[i] = 0.3f * random[i];
   }
 
   TrainOptions options;
-  Theta theta0{};
+  Theta theta0(ThetaLayout::count);
   TrainingData training, held_out;
 };
 
@@ -163,7 +163,7 @@ TEST_F(Checkpoint, ResumesAKilledRunBitForBit) {
   ASSERT_EQ(killed.step, 20);
 
   // another process knows nothing but the file: even theta0 comes from there
-  TrainingState resumed = makeState(run().options, Theta{});
+  TrainingState resumed = makeState(run().options, Theta(ThetaLayout::count));
   readCheckpoint(path_, kIdentity, &resumed);
   ASSERT_EQ(resumed.step, 20);
   EXPECT_EQ(resumed.log_csv, killed.log_csv);

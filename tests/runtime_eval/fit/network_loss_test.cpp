@@ -1,4 +1,4 @@
-#include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/fit/network_loss.h"
 
 #include <gtest/gtest.h>
 
@@ -15,21 +15,21 @@ constexpr double kRoundings = 24 + 16 + 64 + 2 + 32;
 
 struct Gradient {
   double sum = 0.0;
-  std::vector<double> values = std::vector<double>(kThetaCount);
+  std::vector<double> values = std::vector<double>(ThetaLayout::count);
 };
 
 Gradient reference(const Representation& r, const PointSet& set, int first, int count, const float* phi, const float* mask,
                    const std::vector<double>& theta) {
   Gradient result;
-  result.sum = lossAndGradientReference(r, set, first, count, phi, mask, theta.data(), result.values.data());
+  result.sum = networkLossAndGradientReference(r, set, first, count, phi, mask, theta.data(), result.values.data());
   return result;
 }
 
 Gradient vectorised(const Representation& r, int first, int count, const float* phi, const float* mask, const Theta& theta) {
-  float values[kThetaCount];
+  float values[ThetaLayout::count];
   Gradient result;
-  result.sum = lossAndGradient(r, points(), first, count, phi, mask, theta.data(), values);
-  result.values.assign(values, values + kThetaCount);
+  result.sum = networkLossAndGradient(r, points(), first, count, phi, mask, theta.data(), values);
+  result.values.assign(values, values + ThetaLayout::count);
   return result;
 }
 
@@ -39,7 +39,7 @@ TEST(LossReference, HasTheGradientOfCentralDifferences) {
   // (hidden values and weights stay below 100).
   const double step = 1e-4;
   for (const Representation& representation : kBothRepresentations) {
-    const Theta start = randomTheta(11);
+    const Theta start = randomTheta({}, 11);
     WeightingFunction function = decodeFunction(wallSample(1).view());
     maskKinks(representation, points(), start, 1e-2, &function.mask);
     std::vector<double> theta = toDouble(start);
@@ -48,7 +48,7 @@ TEST(LossReference, HasTheGradientOfCentralDifferences) {
     };
     const Gradient gradient = at();
     ASSERT_GT(gradient.sum, 1.0);
-    for (int k = 0; k < kThetaCount; ++k) {
+    for (int k = 0; k < ThetaLayout::count; ++k) {
       const double middle = theta[k];
       theta[k] = middle + step;
       const double above = at().sum;
@@ -69,7 +69,7 @@ TEST(LossKernel, EqualsTheReferenceOnRaggedRangesAndEveryTarget) {
   const PointSet absolute_points = magnitudes(points());
   for (const Representation& representation : kBothRepresentations) {
     for (uint64_t seed = 0; seed < 3; ++seed) {
-      const Theta theta = randomTheta(seed);
+      const Theta theta = randomTheta({}, seed);
       WeightingFunction function = decodeFunction(seed == 2 ? noiseSample(seed).view() : wallSample(seed).view());
       maskKinks(representation, points(), theta, 1e-3, &function.mask);
       const AlignedFloats minus_phi = negated(function.phi);
@@ -82,11 +82,11 @@ TEST(LossKernel, EqualsTheReferenceOnRaggedRangesAndEveryTarget) {
         forEachTarget([&] {
           const Gradient got = vectorised(representation, range.first, range.count, phi, mask, theta);
           ASSERT_NEAR(got.sum, expected.sum, kRoundings * kFloatRounding * magnitude.sum) << range.first << " + " << range.count;
-          for (int k = 0; k < kThetaCount; ++k) {
+          for (int k = 0; k < ThetaLayout::count; ++k) {
             ASSERT_NEAR(got.values[k], expected.values[k], kRoundings * kFloatRounding * magnitude.values[k])
                 << representationName(representation) << ", points " << range.first << " + " << range.count << ", theta " << k;
           }
-          EXPECT_NEAR(loss(representation, points(), range.first, range.count, phi, mask, theta.data()), expected.sum,
+          EXPECT_NEAR(networkLoss(representation, points(), range.first, range.count, phi, mask, theta.data()), expected.sum,
                       kRoundings * kFloatRounding * magnitude.sum);
         });
       }
@@ -95,7 +95,7 @@ TEST(LossKernel, EqualsTheReferenceOnRaggedRangesAndEveryTarget) {
 }
 
 TEST(LossKernel, IgnoresWhatStandsAtMaskedPoints) {
-  const Theta theta = randomTheta(4);
+  const Theta theta = randomTheta({}, 4);
   const StoredSample sample = wallSample(4);
   const WeightingFunction function = decodeFunction(sample.view());
   ASSERT_LT(function.validCount(), kSupportPointCount);
@@ -117,17 +117,17 @@ TEST(LossKernel, IgnoresWhatStandsAtMaskedPoints) {
 TEST(LossKernel, IsZeroWithoutAnyValidPoint) {
   const AlignedFloats phi(64, 0.5f), mask(64, 0.0f);
   forEachTarget([&] {
-    const Gradient got = vectorised({}, 128, 64, phi.data(), mask.data(), randomTheta(6));
+    const Gradient got = vectorised({}, 128, 64, phi.data(), mask.data(), randomTheta({}, 6));
     EXPECT_EQ(got.sum, 0.0);
-    for (int k = 0; k < kThetaCount; ++k) EXPECT_EQ(got.values[k], 0.0) << "theta " << k;
+    for (int k = 0; k < ThetaLayout::count; ++k) EXPECT_EQ(got.values[k], 0.0) << "theta " << k;
   });
 }
 
 TEST(LossKernel, AddsUpOverStrata) {
-  const Theta theta = randomTheta(7);
+  const Theta theta = randomTheta({}, 7);
   const WeightingFunction function = decodeFunction(wallSample(7).view());
   const auto over = [&](int first, int count) {
-    return vectorised({true, 0.01f}, first, count, &function.phi[first], &function.mask[first], theta);
+    return vectorised(Representation::tentMlp(0.01f), first, count, &function.phi[first], &function.mask[first], theta);
   };
   const Gradient whole = over(0, kSupportPointCount);
   Gradient parts;
@@ -135,16 +135,17 @@ TEST(LossKernel, AddsUpOverStrata) {
   for (int k = 0; k < kStratumCount; ++k) {
     const Gradient part = over(k * kStratumPointCount, kStratumPointCount);
     parts.sum += part.sum;
-    for (int i = 0; i < kThetaCount; ++i)
+    for (int i = 0; i < ThetaLayout::count; ++i)
       parts.values[i] += part.values[i], largest = std::max(largest, std::fabs(part.values[i]));
   }
   // block sums are the same; the loss adds them in double, the gradient in float
   EXPECT_NEAR(whole.sum, parts.sum, 1e-12 * whole.sum);
-  for (int i = 0; i < kThetaCount; ++i) EXPECT_NEAR(whole.values[i], parts.values[i], 64 * kFloatRounding * 8 * largest) << i;
+  for (int i = 0; i < ThetaLayout::count; ++i)
+    EXPECT_NEAR(whole.values[i], parts.values[i], 64 * kFloatRounding * 8 * largest) << i;
 }
 
 TEST(LossKernel, GivesTheSameBitsEveryTime) {
-  const Theta theta = randomTheta(8);
+  const Theta theta = randomTheta({}, 8);
   const WeightingFunction function = decodeFunction(noiseSample(8).view());
   const auto run = [&] { return vectorised({}, 0, kSupportPointCount, function.phi.data(), function.mask.data(), theta); };
   const Gradient first = run(), second = run();

@@ -1,0 +1,21 @@
+// Evaluates product fields: clamp(A(x), 0, 1) * sigmoid(B(x)), A and B trilinear in r³ nodes over [-1, 1]³ (the talk's second
+// representation). representation.h says how theta holds the nodes; positions outside the cube take the value at its border.
+#pragma once
+
+#include "runtime_eval/support/point_order.h"
+
+namespace nlg {
+
+// The field at any points.
+// values   points.padded_count floats
+// theta    2 r³ floats
+void evaluateField(int resolution, const PointSet& points, const float* theta, float* values);
+
+// The field at every place of a cell order, cell after cell: several times faster.
+// values   order.placeCount() floats; at places without a point the value at the cell's centre
+void evaluateFieldCells(const PointOrder& order, const float* theta, float* values);
+
+// In double, one point, straight from the formula: what the vector code is tested against.
+double evaluateFieldReference(int resolution, const LocalPoint& point, const double* theta);
+
+}  // namespace nlg

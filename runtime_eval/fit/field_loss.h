@@ -1,0 +1,24 @@
+// The product fields' part of the shared kernel (loss_kernel.h): loss of one theta of `pf r`, and its gradient.
+#pragma once
+
+#include "runtime_eval/support/point_order.h"
+
+namespace nlg {
+
+// Sum over all places of a cell order of mask * (clamp(A, 0, 1) sigmoid(B) - phi)², and its gradient. Where A lies outside [0, 1]
+// its derivative is 0.
+//
+// order       cellOrder(r)
+// phi, mask   order.placeCount() floats each; mask 0 leaves a place out (its phi may be anything finite)
+// theta       2 r³ floats: representation.h
+// gradient    2 r³ floats, overwritten with d sum / d theta
+double fieldLossAndGradient(const PointOrder& order, const float* phi, const float* mask, const float* theta, float* gradient);
+
+// The sum alone.
+double fieldLoss(const PointOrder& order, const float* phi, const float* mask, const float* theta);
+
+// Both in double, straight from the formulas: what the vector code is tested against.
+double fieldLossAndGradientReference(const PointOrder& order, const float* phi, const float* mask, const double* theta,
+                                     double* gradient);
+
+}  // namespace nlg

@@ -1,0 +1,38 @@
+// The support points in the order in which a representation's kernels read them.
+//
+// Networks read strata (any 1024 of the points will do for a minibatch); product fields read cell after cell of their grid, so
+// that the 8 nodes of a cell are loaded once for all of its points.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "runtime_eval/support/support_pattern.h"
+
+namespace nlg {
+
+// Runs of points are cut into whole groups of so many: the widest vectors.
+inline constexpr int kPointGroup = 16;
+
+struct PointOrder {
+  PointSet points;                 // by place; padded_count places, of which `count` hold a point
+  std::vector<int> pattern_index;  // by place: index into the support pattern, or -1 where a place only fills a group
+  // Batch b holds places [batch_begin[b], batch_begin[b + 1]), multiples of kPointGroup.
+  std::vector<int> batch_begin;
+  // Cell orders only: cell c of (r - 1)³, x fastest, holds places [cell_begin[c], cell_begin[c + 1]), multiples of kPointGroup.
+  std::vector<int> cell_begin;
+  int resolution = 0;  // r of a cell order; 0: strata
+
+  int batchCount() const { return static_cast<int>(batch_begin.size()) - 1; }
+  int placeCount() const { return static_cast<int>(pattern_index.size()); }
+};
+
+// 8 batches of 1024 places, no place empty: stratum k at [k * 1024, (k + 1) * 1024), inside it mirror-major. Place
+// k * 1024 + m * 128 + j is pattern index m * 1024 + 8 j + k.
+const PointOrder& stratumOrder();
+
+// One batch: by cell of a grid of `resolution` nodes an axis over [-1, 1]³, pattern order inside a cell; each cell is filled up
+// to whole groups with places that hold no point (position: the cell's centre). resolution   3, 5, 7 or 9
+const PointOrder& cellOrder(int resolution);
+
+}  // namespace nlg
