@@ -22,12 +22,8 @@ void adam(benchmark::State& state, const Representation& representation) {
   for (auto _ : state) fit = fitAdam(representation, function, start(representation), options);
   state.counters["rmse"] = fit.rmse;
 }
-BENCHMARK_CAPTURE(adam, mlp, RepresentationRepresentation::mlp())
-    ->Name("fit/adam/mlp")
-    ->Arg(200)
-    ->Arg(2000)
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(adam, tent_mlp, RepresentationRepresentation::tentMlp())
+BENCHMARK_CAPTURE(adam, mlp, Representation::mlp())->Name("fit/adam/mlp")->Arg(200)->Arg(2000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(adam, tent_mlp, Representation::tentMlp())
     ->Name("fit/adam/tent_mlp")
     ->Arg(200)
     ->Arg(2000)
@@ -43,12 +39,12 @@ void levenbergMarquardt(benchmark::State& state, const Representation& represent
   }
   state.counters["rmse"] = fit.rmse;
 }
-BENCHMARK_CAPTURE(levenbergMarquardt, mlp, RepresentationRepresentation::mlp())
+BENCHMARK_CAPTURE(levenbergMarquardt, mlp, Representation::mlp())
     ->Name("fit/lm/mlp")
     ->Arg(8)
     ->Arg(40)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(levenbergMarquardt, tent_mlp, RepresentationRepresentation::tentMlp())
+BENCHMARK_CAPTURE(levenbergMarquardt, tent_mlp, Representation::tentMlp())
     ->Name("fit/lm/tent_mlp")
     ->Arg(8)
     ->Arg(40)

@@ -11,7 +11,7 @@
 namespace nlg {
 namespace {
 
-constexpr Representation kMlpRepresentation::mlp(), kTentMlpRepresentation::tentMlp();
+constexpr Representation kMlp = Representation::mlp(), kTentMlp = Representation::tentMlp();
 
 void kernel(benchmark::State& state, const Representation& representation, int point_count) {
   const WeightingFunction function = wallFunction();

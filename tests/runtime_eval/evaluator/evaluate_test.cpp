@@ -96,7 +96,7 @@ TEST(Representation, IsFoundByItsNameAlone) {
     EXPECT_STREQ(representationName(representation), name);
     EXPECT_EQ(representation.slope, Representation{}.slope) << name;
   }
-  for (const char* name : {"", "MLP", "mlp ", "tent", "pf3", "tent_mlpx"})
+  for (const char* name : {"", "MLP", "mlp ", "tent", "pf4", "pf", "tent_mlpx"})
     EXPECT_FALSE(findRepresentation(name, &representation)) << name;
 }
 

@@ -111,7 +111,8 @@ TEST(Generator, LoadsWhatWasSaved) {
 
 TEST(GeneratorWeights, RoundTrip) {
   for (const int layers : {1, 2, 5}) {
-    const GeneratorData data = sampleGenerator({layers % 2 == 0, 0.03f}, 24, layers, 9);
+    const GeneratorData data =
+        sampleGenerator(layers % 2 == 0 ? Representation::tentMlp(0.03f) : Representation::mlp(0.03f), 24, layers, 9);
     GeneratorData read;
     const WeightsResult result = generatorFromWeights(weightsFromGenerator(data), &read);
     ASSERT_TRUE(result.ok()) << result.detail;
@@ -195,7 +196,7 @@ TEST(GeneratorWeights, RefuseMetadataOutOfRange) {
   const auto statusWith = [](const std::string& key, const std::string& value) {
     return statusAfter([&](WeightsFile& f) { f.metadata[key] = value; });
   };
-  for (const char* name : {"", "MLP", "pf3", "mlp\n"}) {
+  for (const char* name : {"", "MLP", "pf4", "mlp\n"}) {
     EXPECT_EQ(statusWith("representation", name), WeightsStatus::value_out_of_range) << name;
   }
   for (const char* key : {"representation_slope", "generator_slope"}) {

@@ -222,41 +222,6 @@ TEST(LevenbergMarquardt, BeatsTheBestConstantFromZero) {
   EXPECT_LE(fitLevenbergMarquardt({}, function, filled(0.0f), {.iterations = 12}, &kernel).rmse, best * (1 + 1e-6));
 }
 
-TEST(SolveSymmetric, SolvesRandomSystems) {
-  for (const int count : {1, 2, 7, 113}) {
-    Random random(static_cast<uint64_t>(count));
-    std::vector<double> root(count * count), matrix(count * count, 0.0), solution(count), vector(count, 0.0);
-    for (double& value : root) value = random.normal();
-    for (double& value : solution) value = random.normal();
-    for (int i = 0; i < count; ++i) {
-      for (int j = 0; j < count; ++j) {
-        for (int k = 0; k < count; ++k) matrix[i * count + j] += root[i * count + k] * root[j * count + k];
-      }
-      matrix[i * count + i] += count;  // eigenvalues between N and about 5 N: a condition below 10
-    }
-    for (int i = 0; i < count; ++i) {
-      for (int j = 0; j < count; ++j) vector[i] += matrix[i * count + j] * solution[j];
-    }
-    ASSERT_TRUE(solveSymmetric(&matrix, count, &vector)) << count;
-    // Cholesky is backward stable: N^2 eps times the condition
-    for (int i = 0; i < count; ++i)
-      EXPECT_NEAR(vector[i], solution[i], 10.0 * count * count * 2.3e-16 * 10) << count << ", row " << i;
-  }
-}
-
-TEST(SolveSymmetric, RefusesWhatIsNotPositiveDefinite) {
-  for (const std::vector<double>& bad : {std::vector<double>{1, 2, 2, 1},
-                                         {0, 0, 0, 0},
-                                         {1, 1, 1, 1},
-                                         {-1, 0, 0, 1},
-                                         {1, NAN, NAN, 1},
-                                         {NAN, 0, 0, 1},
-                                         {INFINITY, 0, 0, 1}}) {
-    std::vector<double> matrix = bad, vector = {1, 1};
-    EXPECT_FALSE(solveSymmetric(&matrix, 2, &vector)) << bad[0] << ' ' << bad[1] << ' ' << bad[2] << ' ' << bad[3];
-  }
-}
-
 TEST(FitDirect, IsTheBestOfItsCandidates) {
   NormalEquationsKernel kernel;
   const DirectOptions options{.adam_steps = 60, .levenberg_iterations = 4, .restarts = 1};

@@ -7,12 +7,12 @@
 namespace nlg {
 namespace {
 
-TEST(DecodeStratum, EqualsTheNaiveDecodeUnderAllMirrors) {
+TEST(DecodeBatch, EqualsTheNaiveDecodeUnderAllMirrors) {
   const StoredSample sample = noiseSample(1);
   for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
     for (int stratum = 0; stratum < kStratumCount; ++stratum) {
       float phi[kStratumPointCount], mask[kStratumPointCount];
-      const int valid_count = decodeStratum(sample.view(), stratum, mirror, phi, mask);
+      const int valid_count = decodeBatch(stratumOrder(), stratum, sample.view(), mirror, phi, mask);
       int expected_count = 0;
       for (int at = 0; at < kStratumPointCount; ++at) {
         // from the definitions: stratum order to pattern order, then the point whose value this one takes
@@ -28,7 +28,7 @@ TEST(DecodeStratum, EqualsTheNaiveDecodeUnderAllMirrors) {
   }
 }
 
-TEST(DecodeStratum, StaysInTheUnitInterval) {
+TEST(DecodeBatch, StaysInTheUnitInterval) {
   StoredSample sample = noiseSample(2);
   for (int p = 0; p < kSupportPointCount; ++p) sample.phi[p] = static_cast<uint8_t>(p % 256);
   const WeightingFunction function = decodeFunction(sample.view());
@@ -37,11 +37,11 @@ TEST(DecodeStratum, StaysInTheUnitInterval) {
 
 TEST(DecodeFunction, JoinsItsStrata) {
   const StoredSample sample = noiseSample(3);
-  const WeightingFunction function = decodeFunction(sample.view(), 5);
+  const WeightingFunction function = decodeFunction(sample.view(), stratumOrder(), 5);
   int total = 0;
   for (int k = 0; k < kStratumCount; ++k) {
     float phi[kStratumPointCount], mask[kStratumPointCount];
-    const int count = decodeStratum(sample.view(), k, 5, phi, mask);
+    const int count = decodeBatch(stratumOrder(), k, sample.view(), 5, phi, mask);
     EXPECT_EQ(function.valid_count[k], count) << "stratum " << k;
     EXPECT_TRUE(std::equal(phi, phi + kStratumPointCount, &function.phi[k * kStratumPointCount])) << "stratum " << k;
     EXPECT_TRUE(std::equal(mask, mask + kStratumPointCount, &function.mask[k * kStratumPointCount])) << "stratum " << k;
@@ -59,8 +59,10 @@ TEST(DecodeFunction, MirroringTwiceIsNothing) {
       mirrored.phi[p] = sample.phi[source];
       if (sample.valid(source)) mirrored.validity[p / 8] |= static_cast<uint8_t>(1 << (p % 8));
     }
-    EXPECT_EQ(decodeFunction(mirrored.view(), mirror).phi, decodeFunction(sample.view()).phi) << "mirror " << mirror;
-    EXPECT_EQ(decodeFunction(mirrored.view(), mirror).mask, decodeFunction(sample.view()).mask) << "mirror " << mirror;
+    EXPECT_EQ(decodeFunction(mirrored.view(), stratumOrder(), mirror).phi, decodeFunction(sample.view()).phi)
+        << "mirror " << mirror;
+    EXPECT_EQ(decodeFunction(mirrored.view(), stratumOrder(), mirror).mask, decodeFunction(sample.view()).mask)
+        << "mirror " << mirror;
   }
 }
 

@@ -38,8 +38,9 @@ torch::Tensor randomThetaBatch(size_t count) {
 double meanSquare(const Representation& representation, const Sample& sample, const std::vector<double>& theta) {
   std::vector<float> phi(kStratumPointCount), mask(kStratumPointCount);
   std::vector<double> gradient(ThetaLayout::count);
-  const int count = decodeStratum(data().function(sample.function), sample.stratum, sample.mirror, phi.data(), mask.data());
-  return networkLossAndGradientReference(representation, stratifiedSupportPoints(), sample.stratum * kStratumPointCount,
+  const int count =
+      decodeBatch(stratumOrder(), sample.batch, data().function(sample.function), sample.mirror, phi.data(), mask.data());
+  return networkLossAndGradientReference(representation, stratifiedSupportPoints(), sample.batch * kStratumPointCount,
                                          kStratumPointCount, phi.data(), mask.data(), theta.data(), gradient.data()) /
          count;
 }
@@ -138,14 +139,14 @@ TEST(TrainingData, FlipsTheSignsOfMirroredFunctions) {
 
 TEST(SampleOrder, VisitsEveryFunctionOnceAnEpoch) {
   for (const auto& [functions, batch] : std::vector<std::pair<int64_t, int>>{{10, 5}, {7, 3}, {3, 8}, {1, 4}}) {
-    SampleOrder order(functions, batch, 5);
+    SampleOrder order(functions, batch, 8, 5);
     std::vector<int64_t> visited;
     for (int64_t step = 0; static_cast<int64_t>(visited.size()) < 20 * functions; ++step) {
       const std::vector<Sample> samples = order.samples(step);
       ASSERT_EQ(samples.size(), static_cast<size_t>(batch));
       for (const Sample& sample : samples) {
         visited.push_back(sample.function);
-        ASSERT_TRUE(sample.mirror >= 0 && sample.mirror < 8 && sample.stratum >= 0 && sample.stratum < 8) << "step " << step;
+        ASSERT_TRUE(sample.mirror >= 0 && sample.mirror < 8 && sample.batch >= 0 && sample.batch < 8) << "step " << step;
       }
     }
     for (int64_t epoch = 0; epoch < 20; ++epoch) {
@@ -160,10 +161,10 @@ TEST(SampleOrder, VisitsEveryFunctionOnceAnEpoch) {
 TEST(SampleOrder, IsAPureFunctionOfSeedAndStep) {
   const auto same = [](const std::vector<Sample>& a, const std::vector<Sample>& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Sample& s, const Sample& t) {
-      return s.function == t.function && s.mirror == t.mirror && s.stratum == t.stratum;
+      return s.function == t.function && s.mirror == t.mirror && s.batch == t.batch;
     });
   };
-  SampleOrder forwards(11, 4, 9), jumping(11, 4, 9), other(11, 4, 10);
+  SampleOrder forwards(11, 4, 8, 9), jumping(11, 4, 8, 9), other(11, 4, 8, 10);
   std::vector<std::vector<Sample>> expected;
   for (int64_t step = 0; step < 40; ++step) expected.push_back(forwards.samples(step));
   int different = 0;

@@ -35,7 +35,7 @@ struct Run {
   }
 
   TrainOptions options;
-  Theta theta0(ThetaLayout::count);
+  Theta theta0 = Theta(ThetaLayout::count);
   TrainingData training, held_out;
 };
 
