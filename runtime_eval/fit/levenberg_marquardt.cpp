@@ -71,7 +71,12 @@ FitResult runLevenbergMarquardt(const Representation& representation, const Weig
     return result;
   }
   NormalEquations equations;
-  kernel->compute(representation, function, result.theta.data(), &equations);
+  int next_batch = 0;
+  const auto computeEquations = [&] {
+    kernel->compute(representation, function, result.theta.data(), &equations, options.hessian_points, next_batch);
+    next_batch += 3;  // prime to the number of batches: all take their turn
+  };
+  computeEquations();
   Damping damping(options.damping);
   double square_sum = result.rmse * result.rmse * valid_count;
   int slow_steps = 0;
@@ -103,7 +108,7 @@ FitResult runLevenbergMarquardt(const Representation& representation, const Weig
       result.stop = FitStop::progress;
       break;
     }
-    if (result.steps < options.iterations) kernel->compute(representation, function, theta.data(), &equations);
+    if (result.steps < options.iterations) computeEquations();
   }
   return result;
 }

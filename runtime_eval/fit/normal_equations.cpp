@@ -1,6 +1,7 @@
 #include "runtime_eval/fit/normal_equations.h"
 
 #include "runtime_eval/fit/field_normal_equations.h"
+#include "runtime_eval/fit/network_loss.h"
 
 #include <algorithm>
 
@@ -82,30 +83,27 @@ HWY_INLINE void tileProducts(FloatTag d, const float* HWY_RESTRICT rows, const f
   }
 }
 
-// products   kJacobianRowCount², lower triangle of tiles: products of all rows, added in double over the strata
-void jacobianProducts(const Representation& representation, const WeightingFunction& function, const float* HWY_RESTRICT theta,
-                      float* HWY_RESTRICT jacobian, double* HWY_RESTRICT products) {
+// products   kJacobianRowCount², lower triangle of tiles: the products of all rows over one stratum are added in double
+void jacobianProducts(int stratum, const Representation& representation, const WeightingFunction& function,
+                      const float* HWY_RESTRICT theta, float* HWY_RESTRICT jacobian, double* HWY_RESTRICT products) {
   const FloatTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Floats slope = hn::Set(d, representation.slope), one = hn::Set(d, 1.0f);
   const PointSet& points = stratifiedSupportPoints();
-  for (int stratum = 0; stratum < kStratumCount; ++stratum) {
-    if (function.valid_count[stratum] == 0) continue;
-    const int first = stratum * kStratumPointCount;
-    for (int i = 0; i < kStratumPointCount; i += lanes) {
-      const int at = first + i;
-      const Floats position[3] = {hn::Load(d, &points.x[at]), hn::Load(d, &points.y[at]), hn::Load(d, &points.z[at])};
-      const Floats factor = representation.tentFactor() ? hn::Load(d, &points.tent[at]) : one;
-      storeJacobianColumn(d, theta, slope, position, factor, hn::Load(d, &function.mask[at]), hn::Load(d, &function.phi[at]),
-                          jacobian + i);
-    }
-    for (int r = 0; r < kJacobianRowCount; r += kJacobianTile) {
-      for (int c = 0; c <= r; c += kJacobianTile) {
-        double sums[kJacobianTile * kJacobianTile];
-        tileProducts(d, jacobian + r * kStratumPointCount, jacobian + c * kStratumPointCount, sums);
-        for (int k = 0; k < kJacobianTile * kJacobianTile; ++k) {
-          products[(r + k / kJacobianTile) * kJacobianRowCount + c + k % kJacobianTile] += sums[k];
-        }
+  const int first = stratum * kStratumPointCount;
+  for (int i = 0; i < kStratumPointCount; i += lanes) {
+    const int at = first + i;
+    const Floats position[3] = {hn::Load(d, &points.x[at]), hn::Load(d, &points.y[at]), hn::Load(d, &points.z[at])};
+    const Floats factor = representation.tentFactor() ? hn::Load(d, &points.tent[at]) : one;
+    storeJacobianColumn(d, theta, slope, position, factor, hn::Load(d, &function.mask[at]), hn::Load(d, &function.phi[at]),
+                        jacobian + i);
+  }
+  for (int r = 0; r < kJacobianRowCount; r += kJacobianTile) {
+    for (int c = 0; c <= r; c += kJacobianTile) {
+      double sums[kJacobianTile * kJacobianTile];
+      tileProducts(d, jacobian + r * kStratumPointCount, jacobian + c * kStratumPointCount, sums);
+      for (int k = 0; k < kJacobianTile * kJacobianTile; ++k) {
+        products[(r + k / kJacobianTile) * kJacobianRowCount + c + k % kJacobianTile] += sums[k];
       }
     }
   }
@@ -123,21 +121,45 @@ HWY_EXPORT(jacobianProducts);
 NormalEquationsKernel::NormalEquationsKernel() : jacobian_(size_t{kJacobianRowCount} * kStratumPointCount, 0.0f) {}
 
 void NormalEquationsKernel::compute(const Representation& representation, const WeightingFunction& function, const float* theta,
-                                    NormalEquations* equations) {
+                                    NormalEquations* equations, int hessian_points, int first_batch) {
   if (representation.isField()) {
     fieldNormalEquations(pointOrder(representation), function, theta, equations);
-    return;
+  } else {
+    computeNetwork(representation, function, theta, hessian_points, first_batch, equations);
   }
-  constexpr int kCount = ThetaLayout::count;
+}
+
+void NormalEquationsKernel::computeNetwork(const Representation& representation, const WeightingFunction& function,
+                                           const float* theta, int hessian_points, int first_batch, NormalEquations* equations) {
+  constexpr int kCount = ThetaLayout::count, kResidual = kCount * kJacobianRowCount;
   double products[kJacobianRowCount * kJacobianRowCount] = {};
-  HWY_DYNAMIC_DISPATCH(jacobianProducts)(representation, function, theta, jacobian_.data(), products);
-  equations->hessian = SymmetricBand(kCount, kCount - 1);
-  equations->gradient.resize(kCount);
-  for (int r = 0; r < kCount; ++r) {
-    for (int c = 0; c <= r; ++c) equations->hessian.at(r, c) = products[r * kJacobianRowCount + c];
-    equations->gradient[r] = products[kCount * kJacobianRowCount + r];
+  int valid_count = 0, used_count = 0;
+  uint32_t used = 0;
+  for (const int count : function.valid_count) valid_count += count;
+  for (int i = 0; i < kStratumCount && used_count < std::min(hessian_points, valid_count); ++i) {
+    const int stratum = (first_batch + i) % kStratumCount;
+    if (function.valid_count[stratum] == 0) continue;
+    HWY_DYNAMIC_DISPATCH(jacobianProducts)(stratum, representation, function, theta, jacobian_.data(), products);
+    used_count += function.valid_count[stratum];
+    used |= 1u << stratum;
   }
-  equations->square_sum = products[kCount * kJacobianRowCount + kCount];
+  const double scale = used_count > 0 ? static_cast<double>(valid_count) / used_count : 1.0;
+  equations->hessian = SymmetricBand(kCount, kCount - 1);
+  equations->gradient.assign(kCount, 0.0);
+  for (int r = 0; r < kCount; ++r) {
+    for (int c = 0; c <= r; ++c) equations->hessian.at(r, c) = scale * products[r * kJacobianRowCount + c];
+    equations->gradient[r] = products[kResidual + r];
+  }
+  equations->square_sum = products[kResidual + kCount];
+  // the strata that the products left out
+  for (int stratum = 0; stratum < kStratumCount; ++stratum) {
+    if ((used >> stratum & 1) != 0 || function.valid_count[stratum] == 0) continue;
+    float gradient[kCount];
+    const int first = stratum * kStratumPointCount;
+    equations->square_sum += networkLossAndGradient(representation, stratifiedSupportPoints(), first, kStratumPointCount,
+                                                    &function.phi[first], &function.mask[first], theta, gradient);
+    for (int i = 0; i < kCount; ++i) equations->gradient[i] += 0.5 * gradient[i];
+  }
 }
 
 }  // namespace nlg

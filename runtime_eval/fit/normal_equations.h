@@ -15,15 +15,23 @@ struct NormalEquations {
   double square_sum = 0.0;       // sum of r², as lossAndGradient returns it
 };
 
-// Over all support points. Products are summed in float over 1024 points, then in double. About 57 million multiply-adds.
-// workspace   kept between calls so that none of them allocates
+// Keeps its workspace between calls, so that none of them allocates.
+//
+// Gradient and sum of squares are over all support points; so is the Hessian of a product field. That of a network costs 6,600
+// multiply-adds a point, most of a Levenberg–Marquardt iteration, and only steers the step: it may be summed over some of the
+// batches of points and scaled up to all. Products are summed in float over 1024 points, then in double.
 class NormalEquationsKernel {
  public:
   NormalEquationsKernel();
+
+  // hessian_points   batches are taken, from number `first_batch` on and round, until they hold so many valid points
   void compute(const Representation& representation, const WeightingFunction& function, const float* theta,
-               NormalEquations* equations);
+               NormalEquations* equations, int hessian_points = kSupportPointCount, int first_batch = 0);
 
  private:
+  void computeNetwork(const Representation& representation, const WeightingFunction& function, const float* theta,
+                      int hessian_points, int first_batch, NormalEquations* equations);
+
   AlignedFloats jacobian_;  // rows of one stratum: D derivatives and the residual, kStratumPointCount each
 };
 

@@ -1,0 +1,117 @@
+#include "runtime_eval/fit/function_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/evaluator/product_field.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "runtime_eval/fit/function_check.cpp"
+#include <hwy/foreach_target.h>
+// after foreach_target.h
+#include <hwy/highway.h>
+
+#ifndef NLG_FUNCTION_CHECK_SUMS
+#define NLG_FUNCTION_CHECK_SUMS
+namespace nlg {
+struct CheckSums {
+  double square = 0.0;                    // of the residuals at valid points
+  double leak = 0.0;                      // of |value| at valid points whose phi is 0
+  int32_t valid = 0, zero = 0, over = 0;  // valid points; of these those whose phi is 0; of these those above tau_leak
+};
+}  // namespace nlg
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace nlg {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Sums over all support points; float inside an octant, double over octants.
+void compareVectors(const float* HWY_RESTRICT values, const StoredFunction& stored, float tau_leak, CheckSums& sums) {
+  const hn::CappedTag<float, 16> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const hn::Rebind<uint8_t, decltype(d)> d8;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto lane_bit = hn::Shl(hn::Set(di, 1), hn::Iota(di, 0));
+  const auto zero = hn::Zero(d), limit = hn::Set(d, tau_leak), scale = hn::Set(d, 1.0f / 255.0f);
+  const auto one = hn::Set(di, 1), none = hn::Zero(di);
+  for (int begin = 0; begin < kSupportPointCount; begin += kOctantPointCount) {
+    auto square = zero, leak = zero;
+    auto valid_count = none, zero_count = none, over_count = none;
+    for (int i = begin; i < begin + kOctantPointCount; i += lanes) {
+      // the bits of these points: lanes divides 8 or is 8 or 16
+      int32_t bits = stored.validity[i / 8] >> (i % 8);
+      if (lanes > 8) bits |= stored.validity[i / 8 + 1] << 8;
+      const auto valid = hn::RebindMask(d, hn::Ne(hn::And(hn::Set(di, bits), lane_bit), none));
+      const auto phi = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d8, stored.phi + i)));
+      const auto value = hn::Load(d, values + i);
+      const auto residual = hn::IfThenElseZero(valid, hn::NegMulAdd(phi, scale, value));
+      square = hn::MulAdd(residual, residual, square);
+      const auto dark = hn::And(valid, hn::Eq(phi, zero));
+      const auto magnitude = hn::IfThenElseZero(dark, hn::Abs(value));
+      leak = hn::Add(leak, magnitude);
+      valid_count = hn::Add(valid_count, hn::IfThenElseZero(hn::RebindMask(di, valid), one));
+      zero_count = hn::Add(zero_count, hn::IfThenElseZero(hn::RebindMask(di, dark), one));
+      over_count = hn::Add(over_count, hn::IfThenElseZero(hn::RebindMask(di, hn::Gt(magnitude, limit)), one));
+    }
+    sums.square += hn::GetLane(hn::SumOfLanes(d, square));
+    sums.leak += hn::GetLane(hn::SumOfLanes(d, leak));
+    sums.valid += hn::GetLane(hn::SumOfLanes(di, valid_count));
+    sums.zero += hn::GetLane(hn::SumOfLanes(di, zero_count));
+    sums.over += hn::GetLane(hn::SumOfLanes(di, over_count));
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace nlg
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace nlg {
+namespace {
+
+const PointSet& patternPoints() {
+  static const PointSet points = makePointSet(supportPattern().points);
+  return points;
+}
+
+}  // namespace
+
+HWY_EXPORT(compareVectors);
+
+double FunctionCheck::trouble(const CheckOptions& options) const {
+  if (!std::isfinite(rmse)) return std::numeric_limits<double>::infinity();
+  return std::max(rmse / options.tau_rmse, leak_share / options.leak_share);
+}
+
+FunctionChecker::FunctionChecker() : values_(kSupportPointCount), cell_values_(cellOrder(kFieldResolutions[3]).placeCount()) {}
+
+FunctionCheck FunctionChecker::check(const Representation& representation, const StoredFunction& stored, const float* theta,
+                                     const CheckOptions& options) {
+  if (representation.isField()) {
+    const PointOrder& order = pointOrder(representation);
+    evaluateFieldCells(order, theta, cell_values_.data());
+    for (int place = 0; place < order.placeCount(); ++place) {
+      if (order.pattern_index[place] >= 0) values_[order.pattern_index[place]] = cell_values_[place];
+    }
+  } else {
+    evaluate(representation, patternPoints(), theta, values_.data());
+  }
+  CheckSums sums;
+  HWY_DYNAMIC_DISPATCH(compareVectors)(values_.data(), stored, static_cast<float>(options.tau_leak), sums);
+  FunctionCheck result;
+  result.valid_count = sums.valid;
+  result.zero_count = sums.zero;
+  if (sums.valid > 0) result.rmse = std::sqrt(sums.square / sums.valid);
+  if (sums.zero > 0) {
+    result.leak_mean = sums.leak / sums.zero;
+    result.leak_share = static_cast<double>(sums.over) / sums.zero;
+  }
+  return result;
+}
+
+}  // namespace nlg
+#endif  // HWY_ONCE

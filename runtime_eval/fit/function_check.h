@@ -1,0 +1,42 @@
+// Whether a theta may stand for its function: the check after the generator (the talk: "if the error is too high …").
+#pragma once
+
+#include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/support/weighting_function.h"
+
+namespace nlg {
+
+struct CheckOptions {
+  double tau_rmse = 0.02;    // RMSE over valid points
+  double tau_leak = 0.1;     // |value| at valid points whose phi is 0 …
+  double leak_share = 0.01;  // … is above tau_leak at no more than this share of them: their 99th percentile is below it
+};
+
+// One theta against one stored function, over all valid support points.
+struct FunctionCheck {
+  double rmse = 0.0;        // 0 when no point is valid; not finite when theta is not
+  double leak_mean = 0.0;   // mean |value| over valid points whose phi is stored as 0; 0 when there are none
+  double leak_share = 0.0;  // share of them above tau_leak
+  int valid_count = 0;
+  int zero_count = 0;  // valid points whose phi is stored as 0
+
+  bool passes(const CheckOptions& options) const { return trouble(options) <= 1.0; }
+  // The larger of error and leak, each over what is allowed; infinite when theta is not finite. Above 1 the check fails.
+  double trouble(const CheckOptions& options) const;
+};
+
+// One of these a thread: it keeps the values between checks, so that none of them allocates.
+class FunctionChecker {
+ public:
+  FunctionChecker();
+
+  // theta   D floats
+  FunctionCheck check(const Representation& representation, const StoredFunction& stored, const float* theta,
+                      const CheckOptions& options);
+
+ private:
+  AlignedFloats values_;       // P, pattern order
+  AlignedFloats cell_values_;  // by place of a cell order
+};
+
+}  // namespace nlg

@@ -1,0 +1,45 @@
+#include "runtime_eval/fit/refinement.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nlg {
+namespace {
+
+// Where phi is stored as 0 the residual counts `weight` times in the sum of squares.
+void weighLeaks(double weight, WeightingFunction* function) {
+  const float factor = static_cast<float>(std::sqrt(weight));
+  for (size_t i = 0; i < function->phi.size(); ++i) {
+    if (function->phi[i] == 0.0f) function->mask[i] *= factor;
+  }
+}
+
+}  // namespace
+
+RefinementResult Refiner::refine(const Representation& representation, const StoredFunction& stored, const Theta& start,
+                                 const RefinementOptions& options) {
+  RefinementResult result{start, checker_.check(representation, stored, start.data(), options.check)};
+  WeightingFunction function = decodeFunction(stored, pointOrder(representation));
+  for (int round = 0; round < options.rounds && !result.check.passes(options.check); ++round) {
+    if (round > 0 && result.check.rmse <= options.check.tau_rmse) weighLeaks(options.leak_weight, &function);
+    const FitResult fit =
+        fitLevenbergMarquardt(representation, function, result.theta, {.iterations = options.iterations}, &kernel_);
+    const FunctionCheck check = checker_.check(representation, stored, fit.theta.data(), options.check);
+    result.steps += fit.steps;
+    result.stop = fit.stop;
+    if (check.trouble(options.check) < result.check.trouble(options.check)) result.theta = fit.theta, result.check = check;
+  }
+  return result;
+}
+
+std::vector<uint32_t> worstFirst(const std::vector<FunctionCheck>& checks, const CheckOptions& options) {
+  std::vector<uint32_t> failed;
+  for (size_t i = 0; i < checks.size(); ++i) {
+    if (!checks[i].passes(options)) failed.push_back(static_cast<uint32_t>(i));
+  }
+  std::stable_sort(failed.begin(), failed.end(),
+                   [&](uint32_t a, uint32_t b) { return checks[a].trouble(options) > checks[b].trouble(options); });
+  return failed;
+}
+
+}  // namespace nlg

@@ -1,0 +1,100 @@
+#include "runtime_eval/fit/function_check.h"
+
+#include <gtest/gtest.h>
+
+#include "runtime_eval/fit/fit_result.h"
+#include "tests/runtime_eval/each_target.h"
+#include "tests/runtime_eval/sample_functions.h"
+
+namespace nlg {
+namespace {
+
+// From the definitions, in double.
+FunctionCheck expectedCheck(const Representation& representation, const StoredSample& sample, const Theta& theta,
+                            const CheckOptions& options) {
+  const std::vector<double> exact = toDouble(theta);
+  FunctionCheck check;
+  double square_sum = 0.0, leak_sum = 0.0;
+  int over = 0;
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    if (!sample.valid(p)) continue;
+    const double value = evaluateReference(representation, supportPattern().points[p], exact.data());
+    square_sum += (value - sample.phi[p] / 255.0) * (value - sample.phi[p] / 255.0);
+    ++check.valid_count;
+    if (sample.phi[p] != 0) continue;
+    ++check.zero_count;
+    leak_sum += std::fabs(value);
+    over += std::fabs(value) > options.tau_leak;
+  }
+  check.rmse = std::sqrt(square_sum / check.valid_count);
+  check.leak_mean = leak_sum / check.zero_count;
+  check.leak_share = static_cast<double>(over) / check.zero_count;
+  return check;
+}
+
+TEST(FunctionCheck, EqualsItsDefinitionOnEveryTarget) {
+  for (const char* name : kRepresentationNames) {
+    Representation representation;
+    ASSERT_TRUE(findRepresentation(name, &representation));
+    for (uint64_t seed = 1; seed < 4; ++seed) {
+      const StoredSample sample = seed == 3 ? noiseSample(seed) : wallSample(seed);
+      const Theta theta = randomTheta(representation, seed);
+      const FunctionCheck expected = expectedCheck(representation, sample, theta, {});
+      forEachTarget([&] {
+        FunctionChecker checker;
+        const FunctionCheck got = checker.check(representation, sample.view(), theta.data(), {});
+        EXPECT_EQ(got.valid_count, expected.valid_count) << name;
+        EXPECT_EQ(got.zero_count, expected.zero_count) << name;
+        // values of a few units, each off by some hundred roundings; sums of 1024 floats
+        EXPECT_NEAR(got.rmse, expected.rmse, 2e-4 * expected.rmse) << name << ", seed " << seed;
+        EXPECT_NEAR(got.leak_mean, expected.leak_mean, 2e-4 * expected.leak_mean) << name << ", seed " << seed;
+        // a value within rounding of tau may fall on either side
+        EXPECT_NEAR(got.leak_share, expected.leak_share, 2.5 / expected.zero_count) << name << ", seed " << seed;
+      });
+    }
+  }
+}
+
+TEST(FunctionCheck, HasTheErrorThatFitsMinimise) {
+  for (const Representation& representation : kBothRepresentations) {
+    const StoredSample sample = wallSample(5);
+    const Theta theta = randomTheta(representation, 5);
+    FunctionChecker checker;
+    const double fitted = functionRmse(representation, decodeFunction(sample.view()), theta.data());
+    EXPECT_NEAR(checker.check(representation, sample.view(), theta.data(), {}).rmse, fitted, 1e-5 * fitted);
+  }
+}
+
+TEST(FunctionCheck, PassesAPerfectThetaAndFailsLeaksAlone) {
+  // the constant .15: on a function of .15 at one in 50 points leaks are small in RMSE, and everywhere above tau_leak
+  Theta theta(ThetaLayout::count, 0.0f);
+  theta[ThetaLayout::b3] = 0.15f;
+  StoredSample sample;
+  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{255});
+  std::fill(sample.phi.begin(), sample.phi.end(), uint8_t{38});
+  FunctionChecker checker;
+  const CheckOptions options;
+  EXPECT_TRUE(checker.check({}, sample.view(), theta.data(), options).passes(options));
+  for (int p = 0; p < kSupportPointCount; p += 512) sample.phi[p] = 0;
+  const FunctionCheck leaking = checker.check({}, sample.view(), theta.data(), options);
+  EXPECT_LT(leaking.rmse, options.tau_rmse);
+  EXPECT_EQ(leaking.leak_share, 1.0);
+  EXPECT_FALSE(leaking.passes(options));
+  EXPECT_DOUBLE_EQ(leaking.trouble(options), 1.0 / options.leak_share);
+}
+
+TEST(FunctionCheck, HandlesNoValidPointAndBrokenTheta) {
+  StoredSample sample = noiseSample(6);
+  FunctionChecker checker;
+  const CheckOptions options;
+  const Theta broken(ThetaLayout::count, NAN);
+  EXPECT_FALSE(checker.check({}, sample.view(), broken.data(), options).passes(options));
+  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0});
+  const FunctionCheck check = checker.check({}, sample.view(), randomTheta({}, 6).data(), options);
+  EXPECT_EQ(check.valid_count, 0);
+  EXPECT_EQ(check.rmse, 0.0);
+  EXPECT_TRUE(check.passes(options));
+}
+
+}  // namespace
+}  // namespace nlg
