@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/fit/last_layer.h"
+
 namespace nlg {
 namespace {
 
@@ -26,6 +28,10 @@ class Damping {
   double value_, growth_ = 2.0;
 };
 
+// Damping of a diagonal entry is relative to it, and to this share of the largest one where that is more: parameters that hardly
+// matter yet (units that are nearly dead) must not take steps of any length.
+constexpr double kDampingFloor = 1e-3;
+
 // The damped step; empty when the system cannot be solved. Rows whose diagonal is nearly zero (dead units) get a floor, so that
 // a rank-deficient Jacobian still gives a step.
 std::vector<double> dampedStep(const NormalEquations& equations, double damping) {
@@ -36,7 +42,7 @@ std::vector<double> dampedStep(const NormalEquations& equations, double damping)
   for (int i = 0; i < count; ++i) largest = std::max(largest, matrix.at(i, i));
   for (int i = 0; i < count; ++i) {
     double& diagonal = matrix.at(i, i);
-    diagonal += damping * std::max(diagonal, 1e-6 * largest) + 1e-12;
+    diagonal += damping * std::max(diagonal, kDampingFloor * largest) + 1e-12;
     step[i] = -equations.gradient[i];
   }
   if (!matrix.solve(step.data())) step.clear();
@@ -89,6 +95,9 @@ FitResult runLevenbergMarquardt(const Representation& representation, const Weig
     const std::vector<double> step = dampedStep(equations, damping.value());
     Theta theta = result.theta;
     for (size_t i = 0; i < step.size(); ++i) theta[i] += static_cast<float>(step[i]);
+    // the last layer is linear: for these hidden units there is nothing to iterate (when it cannot be solved the step stands
+    // alone)
+    if (!representation.isField()) solveLastLayer(representation, function, theta.data());
     const double rmse = step.empty() ? INFINITY : functionRmse(representation, function, theta.data());
     const double next_sum = rmse * rmse * valid_count;
     if (!(next_sum < square_sum)) {

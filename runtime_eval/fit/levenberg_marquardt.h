@@ -8,8 +8,8 @@ namespace nlg {
 
 struct LevenbergMarquardtOptions {
   int iterations = 20;
-  double damping = 1.0;              // at the start, relative to the diagonal of J^T J
-  int hessian_points = 8192;         // networks: valid points that J^T J is summed over, other ones in every iteration
+  double damping = 0.1;              // at the start, relative to the diagonal of J^T J
+  int hessian_points = 2000;         // networks: valid points that J^T J is summed over, other ones in every iteration
   double gradient_tolerance = 1e-9;  // ends when max |J^T r| / valid points falls below
   double progress_tolerance = 1e-6;  // ends when three accepted iterations in a row lower the loss by less than this share
 };

@@ -10,13 +10,13 @@
 #include <hwy/foreach_target.h>
 // after foreach_target.h
 #include "runtime_eval/evaluator/tiny_network-inl.h"
+#include "runtime_eval/fit/gram-inl.h"
 
 #ifndef NLG_NORMAL_EQUATIONS_CONSTANTS
 #define NLG_NORMAL_EQUATIONS_CONSTANTS
 namespace nlg {
 // D derivative rows, the residual, and zero rows up to a whole number of tiles
-inline constexpr int kJacobianTile = 4;
-inline constexpr int kJacobianRowCount = (ThetaLayout::count + 1 + kJacobianTile - 1) / kJacobianTile * kJacobianTile;
+inline constexpr int kJacobianRowCount = (ThetaLayout::count + 1 + 3) / 4 * 4;
 }  // namespace nlg
 #endif
 
@@ -55,34 +55,6 @@ HWY_INLINE void storeJacobianColumn(FloatTag d, const float* HWY_RESTRICT theta,
   }
 }
 
-// One tile of products of Jacobian rows r and c, summed over the stratum.
-HWY_INLINE void tileProducts(FloatTag d, const float* HWY_RESTRICT rows, const float* HWY_RESTRICT columns, double* sums) {
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  constexpr int kTile = kJacobianTile;
-  Floats accumulator[kTile][kTile];
-#pragma GCC unroll 4
-  for (int r = 0; r < kTile; ++r) {
-#pragma GCC unroll 4
-    for (int c = 0; c < kTile; ++c) accumulator[r][c] = hn::Zero(d);
-  }
-  for (int i = 0; i < kStratumPointCount; i += lanes) {
-    Floats column[kTile];
-#pragma GCC unroll 4
-    for (int c = 0; c < kTile; ++c) column[c] = hn::Load(d, columns + c * kStratumPointCount + i);
-#pragma GCC unroll 4
-    for (int r = 0; r < kTile; ++r) {
-      const Floats row = hn::Load(d, rows + r * kStratumPointCount + i);
-#pragma GCC unroll 4
-      for (int c = 0; c < kTile; ++c) accumulator[r][c] = hn::MulAdd(row, column[c], accumulator[r][c]);
-    }
-  }
-#pragma GCC unroll 4
-  for (int r = 0; r < kTile; ++r) {
-#pragma GCC unroll 4
-    for (int c = 0; c < kTile; ++c) sums[r * kTile + c] = hn::GetLane(hn::SumOfLanes(d, accumulator[r][c]));
-  }
-}
-
 // products   kJacobianRowCount², lower triangle of tiles: the products of all rows over one stratum are added in double
 void jacobianProducts(int stratum, const Representation& representation, const WeightingFunction& function,
                       const float* HWY_RESTRICT theta, float* HWY_RESTRICT jacobian, double* HWY_RESTRICT products) {
@@ -98,15 +70,7 @@ void jacobianProducts(int stratum, const Representation& representation, const W
     storeJacobianColumn(d, theta, slope, position, factor, hn::Load(d, &function.mask[at]), hn::Load(d, &function.phi[at]),
                         jacobian + i);
   }
-  for (int r = 0; r < kJacobianRowCount; r += kJacobianTile) {
-    for (int c = 0; c <= r; c += kJacobianTile) {
-      double sums[kJacobianTile * kJacobianTile];
-      tileProducts(d, jacobian + r * kStratumPointCount, jacobian + c * kStratumPointCount, sums);
-      for (int k = 0; k < kJacobianTile * kJacobianTile; ++k) {
-        products[(r + k / kJacobianTile) * kJacobianRowCount + c + k % kJacobianTile] += sums[k];
-      }
-    }
-  }
+  addGram(jacobian, kJacobianRowCount, kStratumPointCount, kStratumPointCount, products);
 }
 
 }  // namespace HWY_NAMESPACE
