@@ -125,7 +125,7 @@ double functionRmse(const Representation& representation, const WeightingFunctio
 AdamOptions refinementAdam(const Representation& representation, int steps) {
   AdamOptions options;
   options.steps = steps;
-  options.learning_rate = representation.tentFactor() ? 0.02 : 0.01;
+  options.learning_rate = representation.tentFactor() ? 0.03 : 0.02;
   return options;
 }
 

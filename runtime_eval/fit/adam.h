@@ -10,7 +10,7 @@ namespace nlg {
 struct AdamOptions {
   int steps = 2000;
   double learning_rate = 0.005;  // at the start; falls to 0 along a cosine
-  double beta1 = 0.9;
+  double beta1 = 0.8;
   double beta2 = 0.99;  // short memory: fits last a few hundred to a few thousand steps
   uint64_t seed = 1;    // order of the batches
 };

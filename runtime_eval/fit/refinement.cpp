@@ -19,17 +19,27 @@ void weighLeaks(double weight, WeightingFunction* function) {
 RefinementResult Refiner::refine(const Representation& representation, const StoredFunction& stored, const Theta& start,
                                  const RefinementOptions& options) {
   RefinementResult result{start, checker_.check(representation, stored, start.data(), options.check)};
+  if (result.check.passes(options.check)) return result;
   WeightingFunction function = decodeFunction(stored, pointOrder(representation));
-  for (int round = 0; round < options.rounds && !result.check.passes(options.check); ++round) {
-    if (round > 0 && result.check.rmse <= options.check.tau_rmse) weighLeaks(options.leak_weight, &function);
-    const FitResult fit =
-        fitLevenbergMarquardt(representation, function, result.theta, {.iterations = options.iterations}, &kernel_);
+  weighLeaks(options.leak_weight, &function);
+  int steps = options.first_steps;
+  for (int round = 0; round < options.rounds && !result.check.passes(options.check); ++round, steps *= options.growth) {
+    const FitResult fit = fitOn(representation, function, result.theta, steps);
     const FunctionCheck check = checker_.check(representation, stored, fit.theta.data(), options.check);
     result.steps += fit.steps;
     result.stop = fit.stop;
     if (check.trouble(options.check) < result.check.trouble(options.check)) result.theta = fit.theta, result.check = check;
+    if (fit.stop != FitStop::budget) break;
   }
   return result;
+}
+
+FitResult Refiner::fitOn(const Representation& representation, const WeightingFunction& function, const Theta& start, int steps) {
+  // a field's normal equations are a band: there a step of Levenberg–Marquardt costs little more than one of Adam
+  if (representation.isField()) {
+    return fitLevenbergMarquardt(representation, function, start, {.iterations = std::max(1, steps / 8)}, &kernel_);
+  }
+  return fitAdam(representation, function, start, refinementAdam(representation, steps));
 }
 
 std::vector<uint32_t> worstFirst(const std::vector<FunctionCheck>& checks, const CheckOptions& options) {

@@ -10,7 +10,7 @@ namespace {
 TEST(Refiner, IsNeverInMoreTroubleThanItsStart) {
   Refiner refiner;
   FunctionChecker checker;
-  const RefinementOptions options{.iterations = 3};
+  const RefinementOptions options{.rounds = 2, .first_steps = 20};
   for (const Representation& representation : kBothRepresentations) {
     for (uint64_t seed = 1; seed < 8; ++seed) {
       const StoredSample sample = seed % 3 == 0 ? noiseSample(seed) : wallSample(seed);
@@ -42,7 +42,7 @@ TEST(Refiner, LeavesAloneWhatPasses) {
 
 TEST(Refiner, BringsMostWallsUnderTheThreshold) {
   Refiner refiner;
-  const RefinementOptions options{.iterations = 30};
+  const RefinementOptions options{.rounds = 2};
   int passed = 0;
   for (uint64_t seed = 20; seed < 30; ++seed) {
     const RefinementResult result =
