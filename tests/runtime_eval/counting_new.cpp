@@ -1,5 +1,6 @@
 #include "tests/runtime_eval/counting_new.h"
 
+#include <cstddef>
 #include <cstdlib>
 #include <new>
 
