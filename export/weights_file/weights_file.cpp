@@ -197,6 +197,8 @@ const char* weightsStatusName(WeightsStatus status) {
       return "version_unknown";
     case WeightsStatus::pattern_unknown:
       return "pattern_unknown";
+    case WeightsStatus::simd_unavailable:
+      return "simd_unavailable";
   }
   return "unknown";
 }

@@ -30,7 +30,8 @@ enum class WeightsStatus {
   value_not_finite,
   value_out_of_range,
   version_unknown,
-  pattern_unknown,  // made for another support pattern
+  pattern_unknown,   // made for another support pattern
+  simd_unavailable,  // NLG_SIMD names a target that this build or machine does not have
 };
 
 // A short English name of a status, for messages: "tensor_missing".

@@ -41,28 +41,48 @@ WeightsFile weightsFromGenerator(const GeneratorData& data);
 
 class GeneratorScratch;
 
+// What a function's theta is depends on the function, the weights, the precision and (float32 only) the SIMD target: not on the
+// batch it stands in, its place there, the thread, or on whether its samples come as bytes or as the floats byte / 255 (int16
+// only; in float32 the two differ by rounding).
 class Generator {
  public:
   Generator() = default;
-  explicit Generator(const GeneratorData& data);
+  explicit Generator(const GeneratorData& data, GeneratorPrecision precision = GeneratorPrecision::float32);
 
-  // Reads a file and prepares the generator; *generator is changed only on success.
-  static WeightsResult load(const std::string& path, Generator* generator);
+  // Reads a file and prepares the generator; *generator is changed only on success. Obeys NLG_SIMD (simd_target.h): a name that
+  // is no target of this build and machine is refused (simd_unavailable), so the first call should precede other threads' work.
+  static WeightsResult load(const std::string& path, GeneratorPrecision precision, Generator* generator);
+  static WeightsResult load(const std::string& path, Generator* generator) {
+    return load(path, GeneratorPrecision::float32, generator);
+  }
 
   const Representation& representation() const { return representation_; }
+  GeneratorPrecision precision() const { return precision_; }
   const float* theta0() const { return theta0_.data(); }
 
-  // theta of any number of stored functions, in batches of kBatchCount.
-  // phi     count x P, round(255 phi), pattern order
+  // theta of any number of functions, in batches of kBatchCount. Any number of threads may call it at once, each with a scratch
+  // of its own.
+  // phi     count x P in pattern order; bytes: round(255 phi); floats: phi in [0, 1]
   // theta   count x D
   void generate(const uint8_t* phi, int count, float* theta, GeneratorScratch* scratch) const;
+  void generate(const float* phi, int count, float* theta, GeneratorScratch* scratch) const;
 
  private:
   friend class GeneratorScratch;
+  struct Width {
+    int inputs, outputs;
+  };
+  template <class Sample>
+  void generateAll(const Sample* phi, int count, float* theta, GeneratorScratch* scratch) const;
+  void runLayers(int batch, float* theta, GeneratorScratch* scratch) const;
+
+  GeneratorPrecision precision_ = GeneratorPrecision::float32;
   Representation representation_;
   float slope_ = 0.01f;
   Projection projection_;
-  std::vector<PackedMatrix> layers_;
+  std::vector<Width> widths_;  // of the layers
+  std::vector<PackedMatrix> float_layers_;
+  std::vector<PackedIntegerMatrix> integer_layers_;
   std::vector<AlignedFloats> biases_;
   std::vector<float> theta0_;
 };
@@ -74,7 +94,13 @@ class GeneratorScratch {
 
  private:
   friend class Generator;
-  AlignedFloats classes_, activations_[2];
+  // rows of integers begin at cache lines, and not all in the same set of the first-level cache
+  static int integerStride(int width) { return (width + 31) / 32 * 32 + 32; }
+
+  ProjectionScratch projection_;
+  AlignedFloats activations_[2];
+  AlignedIntegers integers_;
+  AlignedFloats scales_;
 };
 
 // theta of one function in double, straight from the formulas: what the vector code is tested against. phi: P, in [0, 1].

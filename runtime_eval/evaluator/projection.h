@@ -8,12 +8,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "runtime_eval/evaluator/integer_product.h"
 #include "runtime_eval/evaluator/matrix_product.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "runtime_eval/evaluator/parity_transform.h"
 
 namespace nlg {
-
-inline constexpr int kParityClassCount = 8;
 
 // The numbers of a basis as its file holds them.
 struct BasisData {
@@ -27,32 +26,48 @@ struct BasisData {
 // The largest batch that one call projects; scratch is sized for it.
 inline constexpr int kBatchCount = 96;
 
+// What the products of a generator are made of; docs/inference.md has the errors and the speeds of both.
+enum class GeneratorPrecision {
+  float32,
+  int16,  // fixed point with exact sums: the same bits on every SIMD target
+};
+
+// Working memory of one thread.
+class ProjectionScratch {
+ public:
+  explicit ProjectionScratch(GeneratorPrecision precision);
+
+ private:
+  friend class Projection;
+  AlignedFloats float_classes_;
+  AlignedIntegers integer_classes_;
+};
+
 class Projection {
  public:
   Projection() = default;
-  explicit Projection(const BasisData& basis);
+  explicit Projection(const BasisData& basis, GeneratorPrecision precision = GeneratorPrecision::float32);
 
   int coefficientCount() const { return coefficient_count_; }
-  static constexpr int kScratchFloats = kBatchCount * kSupportPointCount;
 
-  // Standardised coefficients (mean 0, deviation 1 over the training set) of stored functions.
-  // phi           count x P, round(255 phi), pattern order
+  // Standardised coefficients (mean 0, deviation 1 over the training set) of functions.
+  // phi           count x P in pattern order; bytes: round(255 phi); floats: phi in [0, 1]
   // count         0 <= count <= kBatchCount
   // coefficients  count x K
-  // scratch       kScratchFloats floats, 64-byte aligned
-  void project(const uint8_t* phi, int count, float* coefficients, float* scratch) const;
+  // scratch       made for this projection's precision
+  void project(const uint8_t* phi, int count, float* coefficients, ProjectionScratch* scratch) const;
+  void project(const float* phi, int count, float* coefficients, ProjectionScratch* scratch) const;
 
  private:
+  template <class Sample>
+  void projectSamples(const Sample* phi, int count, float* coefficients, ProjectionScratch* scratch) const;
+
+  GeneratorPrecision precision_ = GeneratorPrecision::float32;
   int coefficient_count_ = 0;
-  std::array<PackedMatrix, kParityClassCount> components_;  // dequantisation, 1/sqrt(8) and standardisation folded in
-  AlignedFloats bias_;                                      // minus the mean's coefficients
+  // dequantisation, 1/sqrt(8) and standardisation folded in; those of the other precision stay empty
+  std::array<PackedMatrix, kParityClassCount> float_components_;
+  std::array<PackedIntegerMatrix, kParityClassCount> integer_components_;
+  AlignedFloats bias_;  // minus the mean's coefficients
 };
-
-// Splits stored functions into parity classes, unscaled: classes(n, c, i) = Σ_m (-1)^popcount(c & m) phi(n, m, i).
-// phi      count x P;  classes  count x 8 x 1024 floats
-void parityTransform(const uint8_t* phi, int count, float* classes);
-
-// +1 or -1: what mirroring a function by `mirror` does to its coefficients of parity class `parity_class`.
-inline float mirrorSign(int parity_class, int mirror) { return __builtin_popcount(parity_class & mirror) & 1 ? -1.0f : 1.0f; }
 
 }  // namespace nlg

@@ -1,21 +1,21 @@
-// Runs a check on every SIMD target that this machine supports, one after another.
+// Runs a check on every SIMD target of this build and machine, one after another.
 #pragma once
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
+
+#include "runtime_eval/support/simd_target.h"
 
 namespace nlg {
 
 template <class Check>
 void forEachTarget(const Check& check) {
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    SCOPED_TRACE(hwy::TargetName(target));
+  const std::string before(chosenSimdTarget());
+  for (const std::string_view target : availableSimdTargets()) {
+    ASSERT_EQ(forceSimdTarget(target), SimdStatus::ok) << target;
+    SCOPED_TRACE(target);
     check();
   }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  ASSERT_EQ(forceSimdTarget(before), SimdStatus::ok) << before;
 }
 
 }  // namespace nlg

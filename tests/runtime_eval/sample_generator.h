@@ -37,7 +37,7 @@ inline GeneratorData sampleGenerator(const Representation& representation, int w
   data.basis = sampleBasis(kSampleClasses, seed + 1);
   int inputs = data.basis.coefficientCount();
   for (int l = 0; l < layer_count; ++l) {
-    GeneratorLayer layer{inputs, l + 1 == layer_count ? ThetaLayout::count : width, {}, {}};
+    GeneratorLayer layer{inputs, l + 1 == layer_count ? representation.thetaCount() : width, {}, {}};
     for (int i = 0; i < layer.output_count * layer.input_count; ++i) {
       layer.weight.push_back(static_cast<float>(random.normal() / std::sqrt(inputs)));
     }
@@ -45,9 +45,9 @@ inline GeneratorData sampleGenerator(const Representation& representation, int w
     inputs = layer.output_count;
     data.layers.push_back(layer);
   }
-  const Theta theta0 = randomTheta({}, seed);
-  data.theta0.assign(theta0.begin(), theta0.end());
-  for (int i = 0; i < ThetaLayout::count; ++i) data.output_scale.push_back(static_cast<float>(random.uniform(0.05, 0.2)));
+  for (int i = 0; i < representation.thetaCount(); ++i) data.theta0.push_back(static_cast<float>(random.normal()));
+  for (int i = 0; i < representation.thetaCount(); ++i)
+    data.output_scale.push_back(static_cast<float>(random.uniform(0.05, 0.2)));
   return data;
 }
 

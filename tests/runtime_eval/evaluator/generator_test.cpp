@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_generator.h"
@@ -12,12 +14,49 @@
 namespace nlg {
 namespace {
 
-std::vector<float> generateAll(const GeneratorData& data, const std::vector<uint8_t>& phi, int count) {
-  const Generator generator(data);
+constexpr GeneratorPrecision kFloat = GeneratorPrecision::float32, kInteger = GeneratorPrecision::int16;
+
+template <class Sample>
+std::vector<float> generateAll(const GeneratorData& data, const std::vector<Sample>& phi, int count,
+                               GeneratorPrecision precision = kFloat) {
+  const Generator generator(data, precision);
   GeneratorScratch scratch(generator);
-  std::vector<float> theta(size_t(count) * ThetaLayout::count);
+  std::vector<float> theta(size_t(count) * data.representation.thetaCount());
   generator.generate(phi.data(), count, theta.data(), &scratch);
   return theta;
+}
+
+std::vector<double> referenceOf(const GeneratorData& data, const uint8_t* phi) {
+  return generateReference(data, unquantised(phi).data());
+}
+
+// Coefficients: 1028 roundings of terms whose magnitudes add up to at most |class| |row| / deviation <= 32 * 3 / 0.2;
+// layers of random signs keep errors near their input's, and the output's scale is at most 0.2.
+constexpr double kFloatBound = 1028 * kFloatRounding * (32 * 3 / 0.2) * 0.2;
+
+// Small networks that have every kind of layer: skips (48 = 48), a first layer as wide as its input (25 coefficients), one layer
+// alone; for networks and a product field, on ragged batches.
+struct RaggedCase {
+  int width, layers, count;
+  Representation representation = Representation::mlp();
+};
+const RaggedCase kRaggedCases[] = {{48, 4, 1},
+                                   {25, 3, 2},
+                                   {48, 3, 7},
+                                   {33, 3, 8},
+                                   {32, 2, 9},
+                                   {7, 3, 31},
+                                   {113, 3, 95},
+                                   {48, 1, 96},
+                                   {48, 3, 97},
+                                   {16, 3, 257},
+                                   {48, 3, 1, Representation::productField(5)},
+                                   {25, 3, 9, Representation::productField(5)},
+                                   {16, 2, 97, Representation::productField(5)}};
+
+std::string describe(const RaggedCase& c) {
+  return std::string(representationName(c.representation)) + ", width " + std::to_string(c.width) + ", layers " +
+         std::to_string(c.layers) + ", " + std::to_string(c.count) + " functions";
 }
 
 WeightsStatus statusOf(const WeightsFile& file) {
@@ -36,44 +75,201 @@ WeightsStatus statusAfter(const Change& change) {
 }
 
 TEST(Generator, EqualsTheReferenceOnRaggedCountsAndEveryTarget) {
-  // widths: skips (48 = 48), a first layer that is as wide as its input (25 coefficients), one layer alone
-  struct Case {
-    int width, layers, count;
-  };
   const std::vector<uint8_t> phi = sampleFunctions(257);
-  for (const Case& c : {Case{48, 4, 1}, Case{25, 3, 2}, Case{48, 3, 7}, Case{33, 3, 8}, Case{32, 2, 9}, Case{7, 3, 31},
-                        Case{113, 3, 95}, Case{48, 1, 96}, Case{48, 3, 97}, Case{16, 3, 257}}) {
-    const GeneratorData data = sampleGenerator({}, c.width, c.layers, 5);
+  for (const RaggedCase& c : kRaggedCases) {
+    const GeneratorData data = sampleGenerator(c.representation, c.width, c.layers, 5);
+    const int theta_count = data.representation.thetaCount();
     std::vector<std::vector<double>> expected;
-    for (int n = 0; n < c.count; ++n) {
-      expected.push_back(generateReference(data, unquantised(&phi[size_t(n) * kSupportPointCount]).data()));
-    }
+    for (int n = 0; n < c.count; ++n) expected.push_back(referenceOf(data, &phi[size_t(n) * kSupportPointCount]));
     forEachTarget([&] {
       const std::vector<float> theta = generateAll(data, phi, c.count);
       for (int n = 0; n < c.count; ++n) {
-        for (int k = 0; k < ThetaLayout::count; ++k) {
-          // Coefficients: 1028 roundings of terms whose magnitudes add up to at most |class| |row| / deviation <= 32 * 3 / 0.2;
-          // layers of random signs keep errors near their input's, and the output's scale is at most 0.2
-          ASSERT_NEAR(theta[size_t(n) * ThetaLayout::count + k], expected[n][k], 1028 * kFloatRounding * (32 * 3 / 0.2) * 0.2)
-              << "width " << c.width << ", layers " << c.layers << ", function " << n << " of " << c.count << ", theta " << k;
+        for (int k = 0; k < theta_count; ++k) {
+          ASSERT_NEAR(theta[size_t(n) * theta_count + k], expected[n][k], kFloatBound)
+              << describe(c) << ": function " << n << ", theta " << k;
         }
       }
     });
   }
 }
 
-TEST(Generator, TreatsEveryFunctionOfABatchAlike) {
-  const GeneratorData data = sampleGenerator({}, 40, 3, 6);
-  const std::vector<uint8_t> phi = sampleFunctions(100);
+// How far int16 may be from the reference when every rounding falls the worst way: intervals, carried through the layers.
+std::vector<double> integerBound(const GeneratorData& data, const uint8_t* phi) {
+  std::vector<int16_t> classes(kClassStride);
+  parityTransform(phi, 1, classes.data());
+  std::vector<double> values, error;
+  int row = 0;
+  for (int c = 0; c < kParityClassCount; ++c) {
+    double total = 0.0;
+    for (int i = 0; i < kOctantPointCount; ++i) total += std::abs(classes[c * kOctantPointCount + i]);
+    const PackedIntegerMatrix matrix(&data.basis.components[size_t(row) * kOctantPointCount], data.basis.class_count[c],
+                                     kOctantPointCount, kLargestClassSum);
+    for (int k = 0; k < data.basis.class_count[c]; ++k, ++row) {
+      const double unit = 255.0 * std::sqrt(8.0) * data.basis.deviation[row];
+      error.push_back(0.5 * matrix.steps()[k] * total / unit);
+    }
+  }
+  // magnitudes of the activations: from the double values of a network that stops after layer l
+  for (size_t l = 0; l < data.layers.size(); ++l) {
+    GeneratorData part = data;
+    part.layers.resize(l + 1);
+    const GeneratorLayer& layer = data.layers[l];
+    // the reference of a first layer that hands its input on is the input
+    GeneratorLayer identity{layer.input_count, layer.input_count,
+                            std::vector<float>(size_t(layer.input_count) * layer.input_count),
+                            std::vector<float>(layer.input_count, 0.0f)};
+    for (int i = 0; i < layer.input_count; ++i) identity.weight[size_t(i) * layer.input_count + i] = 1.0f;
+    part.layers[l] = identity;
+    part.theta0.assign(layer.input_count, 0.0f);
+    part.output_scale.assign(layer.input_count, 1.0f);
+    values = referenceOf(part, phi);
+    double largest = 0.0, total = 0.0;
+    for (int i = 0; i < layer.input_count; ++i) {
+      largest = std::max(largest, std::fabs(values[i]) + error[i]);
+      total += std::fabs(values[i]) + error[i];
+    }
+    const double scale = largest / kActivationLimit;
+    const PackedIntegerMatrix matrix(layer.weight.data(), layer.output_count, layer.input_count, kActivationLimit);
+    std::vector<double> next(layer.output_count);
+    for (int o = 0; o < layer.output_count; ++o) {
+      for (int i = 0; i < layer.input_count; ++i) {
+        next[o] += std::fabs(layer.weight[size_t(o) * layer.input_count + i]) * (error[i] + 0.5 * scale);
+      }
+      next[o] += 0.5 * matrix.steps()[o] * (total + 0.5 * scale * layer.input_count);
+      const bool last = l + 1 == data.layers.size();
+      if (last) next[o] *= data.output_scale[o];
+      if (!last && layer.input_count == layer.output_count) next[o] += error[o];
+    }
+    error = next;
+  }
+  return error;
+}
+
+TEST(Generator, StaysWithinItsRoundingInInt16OnRaggedCountsAndEveryTarget) {
+  const std::vector<uint8_t> phi = sampleFunctions(257);
+  for (const RaggedCase& c : kRaggedCases) {
+    const GeneratorData data = sampleGenerator(c.representation, c.width, c.layers, 5);
+    const int theta_count = data.representation.thetaCount();
+    std::vector<std::vector<double>> expected, bound;
+    for (int n = 0; n < c.count; ++n) {
+      expected.push_back(referenceOf(data, &phi[size_t(n) * kSupportPointCount]));
+      bound.push_back(integerBound(data, &phi[size_t(n) * kSupportPointCount]));
+    }
+    forEachTarget([&] {
+      const std::vector<float> theta = generateAll(data, phi, c.count, kInteger);
+      for (int n = 0; n < c.count; ++n) {
+        for (int k = 0; k < theta_count; ++k) {
+          ASSERT_NEAR(theta[size_t(n) * theta_count + k], expected[n][k], bound[n][k] + kFloatBound)
+              << describe(c) << ": function " << n << ", theta " << k;
+        }
+      }
+    });
+  }
+}
+
+TEST(Generator, GivesTheSameBitsOnEveryTargetInInt16) {
+  const std::vector<uint8_t> phi = sampleFunctions(31);
+  for (const Representation& representation : {Representation::mlp(), Representation::productField(5)}) {
+    const GeneratorData data = sampleGenerator(representation, 48, 4, 12);
+    ASSERT_EQ(forceSimdTarget("scalar"), SimdStatus::ok);
+    const std::vector<float> scalar = generateAll(data, phi, 31, kInteger);
+    forEachTarget([&] { EXPECT_EQ(generateAll(data, phi, 31, kInteger), scalar); });
+    forceSimdTarget("");
+  }
+}
+
+TEST(Generator, TakesFloatSamples) {
+  const GeneratorData data = sampleGenerator({}, 48, 3, 13);
+  Random random(14);
+  std::vector<float> phi;
+  for (int p = 0; p < 2 * kSupportPointCount; ++p) phi.push_back(static_cast<float>(random.uniform(0.0, 1.0)));
+  std::vector<std::vector<double>> expected;
+  for (int n = 0; n < 2; ++n) {
+    const std::vector<double> exact(phi.begin() + n * kSupportPointCount, phi.begin() + (n + 1) * kSupportPointCount);
+    expected.push_back(generateReference(data, exact.data()));
+  }
   forEachTarget([&] {
-    const std::vector<float> together = generateAll(data, phi, 100);
-    for (int n = 0; n < 100; n += 33) {
-      const std::vector<uint8_t> one(phi.begin() + size_t(n) * kSupportPointCount,
-                                     phi.begin() + size_t(n + 1) * kSupportPointCount);
-      const std::vector<float> alone = generateAll(data, one, 1);
-      EXPECT_TRUE(std::equal(alone.begin(), alone.end(), together.begin() + size_t(n) * ThetaLayout::count)) << "function " << n;
+    const std::vector<float> theta = generateAll(data, phi, 2);
+    for (int n = 0; n < 2; ++n) {
+      // four roundings a class more than bytes have
+      for (int k = 0; k < ThetaLayout::count; ++k) {
+        ASSERT_NEAR(theta[n * ThetaLayout::count + k], expected[n][k], kFloatBound * 1032 / 1028) << n << ", theta " << k;
+      }
     }
   });
+}
+
+TEST(Generator, GivesTheSameBitsForBytesAndTheirFloatsInInt16) {
+  const GeneratorData data = sampleGenerator({}, 48, 3, 15);
+  const std::vector<uint8_t> phi = sampleFunctions(7);
+  std::vector<float> samples;
+  for (const uint8_t byte : phi) samples.push_back(byte / 255.0f);
+  forEachTarget([&] { EXPECT_EQ(generateAll(data, samples, 7, kInteger), generateAll(data, phi, 7, kInteger)); });
+}
+
+TEST(Generator, GivesAFunctionTheSameBitsInEveryBatch) {
+  constexpr int kCount = 257;
+  const std::vector<uint8_t> phi = sampleFunctions(kCount);
+  for (const Representation& representation : {Representation::mlp(), Representation::productField(5)}) {
+    // 600 inputs are more than one block of either product
+    GeneratorData data = sampleGenerator(representation, 600, 3, 6);
+    const int theta_count = data.representation.thetaCount();
+    for (const GeneratorPrecision precision : {kFloat, kInteger}) {
+      const Generator generator(data, precision);
+      GeneratorScratch scratch(generator);
+      forEachTarget([&] {
+        if (chosenSimdTarget() == "scalar" && representation.isField()) return;  // slow, and the same path
+        std::vector<float> together(size_t(kCount) * theta_count), apart(together.size());
+        generator.generate(phi.data(), kCount, together.data(), &scratch);
+        // batches that end in the rows left over from tiles of every size
+        const int batches[] = {1, 2, 3, 5, 6, 7, 11, 12, 13, 23, 31, 96};
+        for (int n = 0, b = 0; n < kCount; ++b) {
+          const int batch = std::min(batches[b % 12], kCount - n);
+          generator.generate(&phi[size_t(n) * kSupportPointCount], batch, &apart[size_t(n) * theta_count], &scratch);
+          n += batch;
+        }
+        EXPECT_EQ(together, apart);
+      });
+    }
+  }
+}
+
+TEST(Generator, GivesTheSameBitsOnSeveralThreads) {
+  constexpr int kCount = 100, kThreads = 4;
+  const std::vector<uint8_t> phi = sampleFunctions(kCount);
+  for (const GeneratorPrecision precision : {kFloat, kInteger}) {
+    const GeneratorData data = sampleGenerator({}, 40, 3, 16);
+    const Generator generator(data, precision);
+    const std::vector<float> expected = generateAll(data, phi, kCount, precision);
+    std::vector<float> theta(expected.size());
+    std::vector<std::thread> threads;
+    for (int t = 0; t < kThreads; ++t) {
+      threads.emplace_back([&, t] {
+        GeneratorScratch scratch(generator);
+        for (int n = t; n < kCount; n += kThreads) {
+          generator.generate(&phi[size_t(n) * kSupportPointCount], 1, &theta[size_t(n) * ThetaLayout::count], &scratch);
+        }
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(theta, expected);
+  }
+}
+
+[[noreturn]] void loadUnder(const char* simd) {
+  ::setenv("NLG_SIMD", simd, 1);
+  Generator generator;
+  const WeightsResult result = Generator::load("/nowhere/weights", &generator);
+  std::fprintf(stderr, "%s\n", result.detail.c_str());
+  std::_Exit(static_cast<int>(result.status));
+}
+
+TEST(GeneratorDeathTest, IsNotLoadedUnderATargetThatIsNotThere) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(loadUnder("avx9"), testing::ExitedWithCode(static_cast<int>(WeightsStatus::simd_unavailable)),
+              "NLG_SIMD: SIMD target 'avx9' is unknown; expected one of ");
+  // past the target: the file is missing
+  EXPECT_EXIT(loadUnder("scalar"), testing::ExitedWithCode(static_cast<int>(WeightsStatus::cannot_open)), "");
 }
 
 TEST(Generator, YieldsTheta0WhenItsLastLayerIsZero) {

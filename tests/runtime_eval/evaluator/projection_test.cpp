@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
-
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_generator.h"
 
@@ -34,49 +32,6 @@ std::vector<double> projectNaively(const BasisData& basis, const std::vector<dou
   return coefficients;
 }
 
-TEST(ParityTransform, EqualsTheDefinitionOnEveryTarget) {
-  const int count = 3;
-  const std::vector<uint8_t> phi = sampleFunctions(count);
-  forEachTarget([&] {
-    std::vector<float> classes(size_t(count) * kSupportPointCount);
-    parityTransform(phi.data(), count, classes.data());
-    for (int n = 0; n < count; ++n) {
-      for (int c = 0; c < kParityClassCount; ++c) {
-        for (int i = 0; i < kOctantPointCount; ++i) {
-          int sum = 0;
-          for (int m = 0; m < kMirrorCount; ++m) {
-            const int sign = std::popcount(static_cast<unsigned>(c & m)) % 2 ? -1 : 1;
-            sum += sign * phi[size_t(n) * kSupportPointCount + m * kOctantPointCount + i];
-          }
-          // whole numbers up to 8 * 255: exact in float
-          ASSERT_EQ(classes[size_t(n) * kSupportPointCount + c * kOctantPointCount + i], sum)
-              << n << ", class " << c << ", " << i;
-        }
-      }
-    }
-  });
-}
-
-TEST(ParityTransform, KeepsEnergy) {
-  // Parseval: the transform over 8 mirrors, unscaled, multiplies the sum of squares by 8; whole numbers, so exactly
-  const std::vector<uint8_t> phi = sampleFunctions(3);
-  std::vector<float> classes(phi.size());
-  parityTransform(phi.data(), 3, classes.data());
-  double energy = 0.0, transformed = 0.0;
-  for (const uint8_t value : phi) energy += double(value) * value;
-  for (const float value : classes) transformed += double{value} * value;
-  EXPECT_EQ(transformed, 8.0 * energy);
-}
-
-TEST(ParityTransform, TakesTheExtremesOfBytes) {
-  std::vector<uint8_t> phi(kSupportPointCount, 255);
-  std::vector<float> classes(kSupportPointCount);
-  forEachTarget([&] {
-    parityTransform(phi.data(), 1, classes.data());
-    for (int p = 0; p < kSupportPointCount; ++p) ASSERT_EQ(classes[p], p < kOctantPointCount ? 8 * 255.0f : 0.0f) << p;
-  });
-}
-
 TEST(Projection, EqualsTheDefinitionOnRaggedCountsAndEveryTarget) {
   const BasisData basis = sampleBasis(kSampleClasses, 7);
   const int K = basis.coefficientCount(), largest = kBatchCount;
@@ -85,12 +40,12 @@ TEST(Projection, EqualsTheDefinitionOnRaggedCountsAndEveryTarget) {
   for (int n = 0; n < largest; ++n) {
     expected.push_back(projectNaively(basis, unquantised(&phi[size_t(n) * kSupportPointCount]), &magnitude[n]));
   }
-  AlignedFloats scratch(Projection::kScratchFloats);
+  ProjectionScratch scratch(GeneratorPrecision::float32);
   forEachTarget([&] {
     const Projection projection(basis);
     for (const int count : {0, 1, 2, 7, 8, 9, 31, 95, 96}) {
       std::vector<float> coefficients(size_t(largest) * K, 99.0f);
-      projection.project(phi.data(), count, coefficients.data(), scratch.data());
+      projection.project(phi.data(), count, coefficients.data(), &scratch);
       for (int n = 0; n < largest; ++n) {
         for (int k = 0; k < K; ++k) {
           const float got = coefficients[size_t(n) * K + k];
@@ -115,8 +70,8 @@ TEST(Projection, GivesZeroForTheMean) {
   projectNaively(basis, unquantised(phi.data()), &magnitude);
   const Projection projection(basis);
   std::vector<float> coefficients(basis.coefficientCount());
-  AlignedFloats scratch(Projection::kScratchFloats);
-  projection.project(phi.data(), 1, coefficients.data(), scratch.data());
+  ProjectionScratch scratch(GeneratorPrecision::float32);
+  projection.project(phi.data(), 1, coefficients.data(), &scratch);
   for (int k = 0; k < basis.coefficientCount(); ++k) EXPECT_NEAR(coefficients[k], 0.0, 1028 * kFloatRounding * magnitude[k]) << k;
 }
 
@@ -124,13 +79,13 @@ TEST(Projection, FlipsSignsForAMirroredFunction) {
   BasisData basis = sampleBasis(kSampleClasses, 9);
   const Projection projection(basis);
   const std::vector<uint8_t> phi = sampleFunctions(1);
-  AlignedFloats scratch(Projection::kScratchFloats);
+  ProjectionScratch scratch(GeneratorPrecision::float32);
   std::vector<float> plain(basis.coefficientCount()), mirrored(basis.coefficientCount());
-  projection.project(phi.data(), 1, plain.data(), scratch.data());
+  projection.project(phi.data(), 1, plain.data(), &scratch);
   for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
     std::vector<uint8_t> image(kSupportPointCount);
     for (int p = 0; p < kSupportPointCount; ++p) image[p] = phi[p ^ (mirror * kOctantPointCount)];
-    projection.project(image.data(), 1, mirrored.data(), scratch.data());
+    projection.project(image.data(), 1, mirrored.data(), &scratch);
     int k = 0;
     for (int c = 0; c < kParityClassCount; ++c) {
       // classes are whole numbers that only change sign, and so do all products: exactly, where there is no mean to subtract

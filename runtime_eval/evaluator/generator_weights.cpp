@@ -1,0 +1,180 @@
+#include "runtime_eval/evaluator/generator.h"
+
+#include <algorithm>
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace nlg {
+namespace {
+
+constexpr int kLargestWidth = 8192;
+constexpr int kLargestLayerCount = 32;
+
+std::string hexadecimal(uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016" PRIx64, value);
+  return text;
+}
+
+std::string shapeText(const std::vector<uint64_t>& shape) {
+  std::string text;
+  for (const uint64_t extent : shape) {
+    if (!text.empty()) text += " x ";
+    text += std::to_string(extent);
+  }
+  return text;
+}
+
+// Reads what a generator needs from a file and remembers the first thing that was wrong.
+class TensorReader {
+ public:
+  explicit TensorReader(const WeightsFile& file) : file_(file) {}
+
+  bool ok() const { return result_.ok(); }
+  const WeightsResult& result() const { return result_; }
+
+  void fail(WeightsStatus status, const std::string& detail) {
+    if (ok()) result_ = {status, detail};
+  }
+
+  std::vector<float> tensor(const std::string& name, const std::vector<uint64_t>& shape) {
+    const auto found = file_.tensors.find(name);
+    if (found == file_.tensors.end()) {
+      fail(WeightsStatus::tensor_missing, "no tensor " + name);
+    } else if (found->second.shape != shape) {
+      fail(WeightsStatus::tensor_unexpected,
+           name + ": expected shape " + shapeText(shape) + ", got " + shapeText(found->second.shape));
+    } else if (!std::all_of(found->second.values.begin(), found->second.values.end(), [](float v) { return std::isfinite(v); })) {
+      fail(WeightsStatus::value_not_finite, name + ": a value is not finite");
+    } else {
+      return found->second.values;
+    }
+    return {};
+  }
+
+  std::string text(const std::string& key) {
+    const auto found = file_.metadata.find(key);
+    if (found != file_.metadata.end()) return found->second;
+    fail(WeightsStatus::tensor_missing, "no metadata key " + key);
+    return {};
+  }
+
+  double number(const std::string& key, double low, double high) {
+    const std::string value = text(key);
+    char* end = nullptr;
+    const double parsed = std::strtod(value.c_str(), &end);
+    if (value.empty() || *end != '\0' || !(parsed >= low && parsed <= high)) {
+      fail(WeightsStatus::value_out_of_range, "metadata " + key + ": expected a number from " + std::to_string(low) + " to " +
+                                                  std::to_string(high) + ", got '" + value.substr(0, 40) + "'");
+      return low;
+    }
+    return parsed;
+  }
+
+  int integer(const std::string& key, int low, int high) {
+    const double value = number(key, low, high);
+    if (value != std::floor(value)) fail(WeightsStatus::value_out_of_range, "metadata " + key + ": expected an integer");
+    return static_cast<int>(value);
+  }
+
+ private:
+  const WeightsFile& file_;
+  WeightsResult result_;
+};
+
+void readBasis(TensorReader& reader, BasisData* basis) {
+  int coefficient_count = 0;
+  for (int c = 0; c < kParityClassCount; ++c) {
+    basis->class_count[c] = reader.integer("class_count." + std::to_string(c), 0, kOctantPointCount);
+    coefficient_count += basis->class_count[c];
+  }
+  if (coefficient_count == 0) reader.fail(WeightsStatus::value_out_of_range, "the basis has no component");
+  const uint64_t octant = kOctantPointCount, count = static_cast<uint64_t>(coefficient_count);
+  basis->mean = reader.tensor("basis.mean", {uint64_t{kParityClassCount}, octant});
+  basis->components = reader.tensor("basis.components", {count, octant});
+  basis->deviation = reader.tensor("basis.deviation", {count});
+  for (const float deviation : basis->deviation) {
+    // its inverse is folded into the components: far below any real deviation that would no longer be finite
+    if (!(deviation >= 1e-30f)) reader.fail(WeightsStatus::value_out_of_range, "basis.deviation: expected values from 1e-30 on");
+  }
+}
+
+void readLayers(TensorReader& reader, GeneratorData* data) {
+  const int layer_count = reader.integer("layer_count", 1, kLargestLayerCount);
+  const int width = reader.integer("width", 1, kLargestWidth);
+  int input_count = data->basis.coefficientCount();
+  for (int l = 0; l < layer_count && reader.ok(); ++l) {
+    GeneratorLayer layer;
+    layer.input_count = input_count;
+    layer.output_count = l + 1 == layer_count ? data->representation.thetaCount() : width;
+    const std::string name = "layer." + std::to_string(l);
+    const uint64_t outputs = static_cast<uint64_t>(layer.output_count), inputs = static_cast<uint64_t>(layer.input_count);
+    layer.weight = reader.tensor(name + ".weight", {outputs, inputs});
+    layer.bias = reader.tensor(name + ".bias", {outputs});
+    input_count = layer.output_count;
+    data->layers.push_back(std::move(layer));
+  }
+}
+
+}  // namespace
+
+WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data) {
+  *data = {};
+  TensorReader reader(file);
+  const int version = reader.integer("version", 1, 1 << 20);
+  if (version > kWeightsVersion) {
+    reader.fail(WeightsStatus::version_unknown,
+                "version " + std::to_string(version) + " is newer than this reader's " + std::to_string(kWeightsVersion));
+  }
+  const std::string pattern = reader.text("pattern_hash"), own = hexadecimal(supportPattern().hash);
+  if (pattern != own) reader.fail(WeightsStatus::pattern_unknown, "support pattern " + pattern + ", expected " + own);
+  const std::string representation = reader.text("representation");
+  if (!findRepresentation(representation, &data->representation)) {
+    reader.fail(WeightsStatus::value_out_of_range, "metadata representation: unknown '" + representation.substr(0, 40) + "'");
+  }
+  data->representation.slope = static_cast<float>(reader.number("representation_slope", 1e-6, 0.999));
+  data->slope = static_cast<float>(reader.number("generator_slope", 1e-6, 0.999));
+  readBasis(reader, &data->basis);
+  if (reader.ok()) readLayers(reader, data);
+  const std::vector<uint64_t> theta_shape = {static_cast<uint64_t>(data->representation.thetaCount())};
+  data->theta0 = reader.tensor("theta0", theta_shape);
+  data->output_scale = reader.tensor("output_scale", theta_shape);
+  return reader.result();
+}
+
+WeightsFile weightsFromGenerator(const GeneratorData& data) {
+  WeightsFile file;
+  const uint64_t octant = kOctantPointCount, count = static_cast<uint64_t>(data.basis.coefficientCount());
+  const auto number = [](double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.9g", value);
+    return std::string(text);
+  };
+  file.metadata["version"] = std::to_string(kWeightsVersion);
+  file.metadata["pattern_hash"] = hexadecimal(supportPattern().hash);
+  file.metadata["representation"] = representationName(data.representation);
+  file.metadata["representation_slope"] = number(data.representation.slope);
+  file.metadata["generator_slope"] = number(data.slope);
+  file.metadata["layer_count"] = std::to_string(data.layers.size());
+  file.metadata["width"] = std::to_string(data.layers.front().output_count);
+  for (int c = 0; c < kParityClassCount; ++c) {
+    file.metadata["class_count." + std::to_string(c)] = std::to_string(data.basis.class_count[c]);
+  }
+  file.tensors["basis.mean"] = {{uint64_t{kParityClassCount}, octant}, data.basis.mean};
+  file.tensors["basis.components"] = {{count, octant}, data.basis.components};
+  file.tensors["basis.deviation"] = {{count}, data.basis.deviation};
+  for (size_t l = 0; l < data.layers.size(); ++l) {
+    const GeneratorLayer& layer = data.layers[l];
+    const uint64_t outputs = static_cast<uint64_t>(layer.output_count), inputs = static_cast<uint64_t>(layer.input_count);
+    file.tensors["layer." + std::to_string(l) + ".weight"] = {{outputs, inputs}, layer.weight};
+    file.tensors["layer." + std::to_string(l) + ".bias"] = {{outputs}, layer.bias};
+  }
+  const std::vector<uint64_t> theta_shape = {data.theta0.size()};
+  file.tensors["theta0"] = {theta_shape, data.theta0};
+  file.tensors["output_scale"] = {theta_shape, data.output_scale};
+  return file;
+}
+
+}  // namespace nlg

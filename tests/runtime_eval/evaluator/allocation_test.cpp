@@ -1,0 +1,37 @@
+// The hot calls allocate nothing.
+#include <gtest/gtest.h>
+
+#include "tests/runtime_eval/counting_new.h"
+#include "tests/runtime_eval/sample_generator.h"
+
+namespace nlg {
+namespace {
+
+TEST(AllocationCount, CountsVectors) {
+  const long before = allocationCount();
+  const std::vector<float> plain(10);
+  const AlignedFloats aligned(10);
+  EXPECT_EQ(allocationCount(), before + 2) << plain.size() << aligned.size();
+}
+
+TEST(Generator, AllocatesNothingAfterLoad) {
+  constexpr int kCount = 97;
+  const std::vector<uint8_t> bytes = sampleFunctions(kCount);
+  const std::vector<float> floats(bytes.size(), 0.5f);
+  for (const Representation& representation : {Representation::mlp(), Representation::productField(5)}) {
+    for (const GeneratorPrecision precision : {GeneratorPrecision::float32, GeneratorPrecision::int16}) {
+      const Generator generator(sampleGenerator(representation, 48, 3, 1), precision);
+      GeneratorScratch scratch(generator);
+      std::vector<float> theta(size_t(kCount) * representation.thetaCount());
+      // the very first calls, as an engine makes them
+      const long before = allocationCount();
+      generator.generate(bytes.data(), kCount, theta.data(), &scratch);
+      generator.generate(floats.data(), kCount, theta.data(), &scratch);
+      generator.generate(bytes.data(), 1, theta.data(), &scratch);
+      EXPECT_EQ(allocationCount(), before) << representationName(representation);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,116 @@
+#include "runtime_eval/evaluator/parity_transform.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+
+#include "tests/runtime_eval/each_target.h"
+#include "tests/runtime_eval/sample_generator.h"
+
+namespace nlg {
+namespace {
+
+// 255 times the classes, from the definition, in the order of phi.
+std::vector<double> classesNaively(const std::vector<double>& phi) {
+  std::vector<double> classes;
+  for (int c = 0; c < kParityClassCount; ++c) {
+    for (int i = 0; i < kOctantPointCount; ++i) {
+      double sum = 0.0;
+      for (int m = 0; m < kMirrorCount; ++m) {
+        sum += (std::popcount(static_cast<unsigned>(c & m)) % 2 ? -255.0 : 255.0) * phi[m * kOctantPointCount + i];
+      }
+      classes.push_back(sum);
+    }
+  }
+  return classes;
+}
+
+std::vector<float> asFloats(const std::vector<double>& values) { return {values.begin(), values.end()}; }
+
+constexpr int kCount = 3;
+
+TEST(ParityTransform, EqualsTheDefinitionOnEveryTarget) {
+  const std::vector<uint8_t> phi = sampleFunctions(kCount);
+  forEachTarget([&] {
+    std::vector<float> floats(size_t(kCount) * kClassStride);
+    std::vector<int16_t> integers(floats.size());
+    parityTransform(phi.data(), kCount, floats.data());
+    parityTransform(phi.data(), kCount, integers.data());
+    for (int n = 0; n < kCount; ++n) {
+      const std::vector<double> expected = classesNaively(unquantised(&phi[size_t(n) * kSupportPointCount]));
+      for (int j = 0; j < kSupportPointCount; ++j) {
+        // whole numbers up to 8 * 255: exact in both forms
+        const long whole = std::lround(expected[j]);
+        ASSERT_EQ(floats[size_t(n) * kClassStride + j], whole) << n << ", class " << j / 1024 << ", " << j % 1024;
+        ASSERT_EQ(integers[size_t(n) * kClassStride + j], whole - (j < kOctantPointCount ? kLargestClassSum : 0))
+            << n << ", class " << j / 1024 << ", " << j % 1024;
+      }
+    }
+  });
+}
+
+TEST(ParityTransform, TakesFloatsOnEveryTarget) {
+  std::vector<double> phi;
+  Random random(11);
+  for (int p = 0; p < kSupportPointCount; ++p) phi.push_back(static_cast<float>(random.uniform(0.0, 1.0)));
+  const std::vector<float> samples = asFloats(phi);
+  const std::vector<double> expected = classesNaively(phi);
+  forEachTarget([&] {
+    std::vector<float> floats(kClassStride);
+    std::vector<int16_t> integers(kClassStride);
+    parityTransform(samples.data(), 1, floats.data());
+    parityTransform(samples.data(), 1, integers.data());
+    for (int j = 0; j < kSupportPointCount; ++j) {
+      // a product and three sums, no intermediate above 8 * 255; an integer is half a unit away, and one sum more
+      ASSERT_NEAR(floats[j], expected[j], 4 * kFloatRounding * 2040) << j;
+      ASSERT_NEAR(integers[j] + (j < kOctantPointCount ? kLargestClassSum : 0), expected[j], 0.5 + 5 * kFloatRounding * 2040)
+          << j;
+    }
+  });
+}
+
+TEST(ParityTransform, GivesTheSameIntegersForBytesAndTheirFloats) {
+  const std::vector<uint8_t> phi = sampleFunctions(kCount);
+  std::vector<float> samples;
+  for (const uint8_t byte : phi) samples.push_back(byte / 255.0f);
+  forEachTarget([&] {
+    std::vector<int16_t> of_bytes(size_t(kCount) * kClassStride), of_floats(of_bytes.size());
+    parityTransform(phi.data(), kCount, of_bytes.data());
+    parityTransform(samples.data(), kCount, of_floats.data());
+    EXPECT_EQ(of_bytes, of_floats);
+  });
+}
+
+TEST(ParityTransform, ClampsFloatsOutsideTheRange) {
+  const std::vector<float> high(kSupportPointCount, 100.0f), low(kSupportPointCount, -100.0f);
+  forEachTarget([&] {
+    std::vector<int16_t> classes(kClassStride);
+    parityTransform(high.data(), 1, classes.data());
+    for (int j = 0; j < kSupportPointCount; ++j) ASSERT_EQ(classes[j], j < kOctantPointCount ? kLargestClassSum : 0) << j;
+    parityTransform(low.data(), 1, classes.data());
+    for (int j = 0; j < kSupportPointCount; ++j) ASSERT_EQ(classes[j], j < kOctantPointCount ? -kLargestClassSum : 0) << j;
+  });
+}
+
+TEST(ParityTransform, KeepsEnergy) {
+  // Parseval: the transform over 8 mirrors, unscaled, multiplies the sum of squares by 8; whole numbers, so exactly
+  const std::vector<uint8_t> phi = sampleFunctions(kCount);
+  std::vector<float> classes(size_t(kCount) * kClassStride);
+  parityTransform(phi.data(), kCount, classes.data());
+  double energy = 0.0, transformed = 0.0;
+  for (const uint8_t value : phi) energy += double(value) * value;
+  for (const float value : classes) transformed += double{value} * value;  // what lies between functions stays zero
+  EXPECT_EQ(transformed, 8.0 * energy);
+}
+
+TEST(ParityTransform, TakesTheExtremesOfBytes) {
+  std::vector<uint8_t> phi(kSupportPointCount, 255);
+  std::vector<float> classes(kClassStride);
+  forEachTarget([&] {
+    parityTransform(phi.data(), 1, classes.data());
+    for (int p = 0; p < kSupportPointCount; ++p) ASSERT_EQ(classes[p], p < kOctantPointCount ? 8 * 255.0f : 0.0f) << p;
+  });
+}
+
+}  // namespace
+}  // namespace nlg
