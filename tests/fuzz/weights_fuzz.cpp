@@ -1,0 +1,128 @@
+// Hostile weights files for libFuzzer: whatever the bytes, the reader answers with a status and a reason, or with a generator
+// that works. How to run it: CONTRIBUTING.md.
+//
+// A file that loads has 40 kB and more, and hardly any mutation of it hits the header. So an input comes in one of three forms,
+// told apart by its first byte, and the last two are made whole files here:
+//
+//     any other     the file's bytes themselves
+//     '{'           a header as it stands, and behind a zero byte the data's beginning: length, alignment and data are supplied
+//     '['           the same header without the bracket, of which only names, shapes and texts count: tensors are laid out anew
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "export/weights_file/header_parser.h"
+#include "export/weights_file/weights_file.h"
+#include "runtime_eval/evaluator/generator.h"
+
+namespace nlg {
+namespace {
+
+// Larger tensors are left to the form that holds its own bytes.
+constexpr uint64_t kMaxDataBytes = uint64_t{1} << 18;
+
+#define FUZZ_CHECK(condition, text) \
+  ((condition) ? void() : (std::fprintf(stderr, "%s does not hold: %s\n", #condition, std::string(text).c_str()), std::abort()))
+
+// The data that stands in for a file's: the input's own bytes over and over, or ones.
+std::string filled(std::string_view pattern, uint64_t bytes) {
+  const float one = 1.0f;
+  if (pattern.empty()) pattern = std::string_view(reinterpret_cast<const char*>(&one), sizeof one);
+  std::string data(pattern.substr(0, bytes));
+  data.reserve(bytes);
+  // whole repeats of the pattern, as many again each time
+  while (data.size() < bytes) data.append(data.data(), std::min<size_t>(data.size(), bytes - data.size()));
+  return data;
+}
+
+// A whole file around a header: spaces up to the alignment, and as much data as the header speaks of.
+std::string fileAround(std::string_view text, std::string_view pattern) {
+  WeightsHeader header;
+  uint64_t data_bytes = 0;
+  if (parseWeightsHeader(text, &header).empty()) {
+    for (const auto& [name, tensor] : header.tensors) data_bytes = std::max(data_bytes, tensor.end);
+  }
+  std::string padded(text);
+  padded.append((64 - (sizeof(uint64_t) + padded.size()) % 64) % 64, ' ');
+  const uint64_t length = padded.size();
+  std::string bytes(reinterpret_cast<const char*>(&length), sizeof length);
+  return bytes + padded + filled(pattern, std::min(data_bytes, kMaxDataBytes));
+}
+
+// A well-formed file of a header's names, shapes and texts; an empty one when that would be too large.
+std::string laidOut(std::string_view text, std::string_view pattern) {
+  WeightsHeader header;
+  if (!parseWeightsHeader(text, &header).empty()) return {};
+  WeightsFile file;
+  file.metadata = header.metadata;
+  uint64_t left = kMaxDataBytes / sizeof(float);
+  for (const auto& [name, tensor] : header.tensors) {
+    if (name.rfind("padding.", 0) == 0) continue;
+    uint64_t count = 1;
+    for (const uint64_t extent : tensor.shape) {
+      if (extent > left || count * extent > left) return {};
+      count *= extent;
+    }
+    left -= count;
+    const std::string data = filled(pattern, count * sizeof(float));
+    WeightsTensor& values = file.tensors[name];
+    values.shape = tensor.shape;
+    values.values.resize(count);
+    if (count > 0) std::memcpy(values.values.data(), data.data(), data.size());
+  }
+  const std::string bytes = serializeWeights(file);
+  WeightsFile read;
+  const WeightsResult result = parseWeights(bytes, &read);
+  FUZZ_CHECK(result.ok() || result.status == WeightsStatus::value_not_finite, "what was written is read: " + result.detail);
+  return bytes;
+}
+
+std::string wholeFile(std::string_view input) {
+  if (input.empty() || (input[0] != '{' && input[0] != '[')) return std::string(input);
+  const bool lay_out = input[0] == '[';
+  if (lay_out) input.remove_prefix(1);
+  const size_t end = std::min(input.find('\0'), input.size());
+  const std::string_view text = input.substr(0, end), pattern = input.substr(std::min(end + 1, input.size()));
+  return lay_out ? laidOut(text, pattern) : fileAround(text, pattern);
+}
+
+void checkRefusal(const WeightsResult& result) {
+  FUZZ_CHECK(!result.detail.empty(), weightsStatusName(result.status));
+  FUZZ_CHECK(std::strcmp(weightsStatusName(result.status), "unknown") != 0, result.detail);
+  for (const char c : result.detail) FUZZ_CHECK(static_cast<unsigned char>(c) >= 0x20, "one line: " + result.detail);
+}
+
+void load(std::string_view bytes) {
+  WeightsFile file;
+  GeneratorData data;
+  WeightsResult result = parseWeights(bytes, &file);
+  FUZZ_CHECK(result.ok() || (file.tensors.empty() && file.metadata.empty()), "a refused file is left empty");
+  if (result.ok()) result = generatorFromWeights(file, &data);
+  if (!result.ok()) return checkRefusal(result);
+  FUZZ_CHECK(result.detail.empty(), result.detail);
+
+  static const std::string phi = filled("\x01\x80\xff\x7f\x33", kSupportPointCount);
+  const Generator generator(data);
+  GeneratorScratch scratch(generator);
+  std::vector<float> theta(data.theta0.size());
+  generator.generate(reinterpret_cast<const uint8_t*>(phi.data()), 1, theta.data(), &scratch);
+}
+
+}  // namespace
+}  // namespace nlg
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  nlg::supportPattern();  // a tenth of a second that no single input shall be charged with
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
+  nlg::load(nlg::wholeFile({reinterpret_cast<const char*>(bytes), size}));
+  return 0;
+}
