@@ -17,12 +17,13 @@ GeneratorData smallGenerator(const char* representation, int component_count, in
   data.basis.mean.resize(size_t{kParityClassCount} * kOctantPointCount);
   data.basis.components.resize(size_t(component_count) * kOctantPointCount);
   data.basis.deviation.resize(component_count, 1.0f);
+  const int theta_count = data.representation.thetaCount();
   for (int l = 0; l < layer_count; ++l) {
-    const int inputs = l == 0 ? component_count : width, outputs = l + 1 == layer_count ? kThetaCount : width;
+    const int inputs = l == 0 ? component_count : width, outputs = l + 1 == layer_count ? theta_count : width;
     data.layers.push_back({inputs, outputs, std::vector<float>(size_t(inputs) * outputs), std::vector<float>(outputs)});
   }
-  data.theta0.resize(kThetaCount);
-  data.output_scale.resize(kThetaCount);
+  data.theta0.resize(theta_count);
+  data.output_scale.resize(theta_count);
   return data;
 }
 
