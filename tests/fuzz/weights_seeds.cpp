@@ -59,7 +59,11 @@ bool writeSeeds(const std::string& folder) {
       const GeneratorData data = smallGenerator(representation, size.component_count, size.layer_count, size.width);
       const std::string header = headerOf(serializeWeights(weightsFromGenerator(data)));
       const std::string name = folder + "/" + representation + "_" + std::to_string(size.layer_count);
-      written = written && write(name + "_header", header) && write(name + "_shapes", "[" + header);
+      // behind a zero byte: how much longer the data is than the header says, and what fills it
+      written = written && write(name + "_header", header) && write(name + "_shapes", "[" + header) &&
+                write(name + "_long", header + std::string("\0\4", 2)) &&
+                write(name + "_short", header + std::string("\0\xfc", 2)) &&
+                write(name + "_filled", header + std::string("\0\0", 2) + "\x33\x33\xb3\x3e");
     }
   }
   return written;

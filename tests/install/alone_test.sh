@@ -11,7 +11,7 @@ trap 'rm -rf "$work"' EXIT
 mapfile -t packages < <(sed -n 's/^ *find_package(\([A-Za-z0-9_-]*\).*/\1/p' cmake/dependencies.cmake | sort -u)
 [ "${#packages[@]}" -gt 5 ] || { echo "alone_test: no packages found in cmake/dependencies.cmake" >&2; exit 1; }
 configure() {
-  "$cmake" -S . -B "$work/$1" -G "$generator" -DCMAKE_CXX_COMPILER="$cxx" "${packages[@]/#/-DCMAKE_DISABLE_FIND_PACKAGE_}" "${@:2}"
+  "$cmake" --no-warn-unused-cli -S . -B "$work/$1" -G "$generator" -DCMAKE_CXX_COMPILER="$cxx" "${packages[@]/#/-DCMAKE_DISABLE_FIND_PACKAGE_}" "${@:2}"
 }
 packages=("${packages[@]/%/=ON}")
 configure library -DNLG_BUILD_TOOLS=OFF -DNLG_BUILD_TESTS=OFF -DNLG_BUILD_BENCHMARKS=OFF
