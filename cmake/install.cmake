@@ -27,6 +27,8 @@ set(NLG_PUBLIC_HEADERS
   fit/adam.h
   fit/levenberg_marquardt.h
   fit/direct.h
+  fit/function_check.h
+  fit/refinement.h
   light_grid/probe_tree.h)
 list(TRANSFORM NLG_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/runtime_eval/)
 target_sources(nlg_runtime_eval PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${NLG_PUBLIC_HEADERS})

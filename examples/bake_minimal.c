@@ -10,7 +10,8 @@
 
 int main(int argc, char** argv) {
   static uint8_t phi[NLG_SUPPORT_POINT_COUNT];
-  static float x[NLG_SUPPORT_POINT_COUNT], y[NLG_SUPPORT_POINT_COUNT], z[NLG_SUPPORT_POINT_COUNT], values[NLG_SUPPORT_POINT_COUNT];
+  static float x[NLG_SUPPORT_POINT_COUNT], y[NLG_SUPPORT_POINT_COUNT], z[NLG_SUPPORT_POINT_COUNT];
+  static float values[NLG_SUPPORT_POINT_COUNT];
   nlg_generator* generator;
   nlg_scratch* scratch;
   const float* points;

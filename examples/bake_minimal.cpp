@@ -1,4 +1,5 @@
-// The smallest bake: the weighting function of one probe beside a wall becomes theta; refined when the generator missed it.
+// The smallest bake: the weighting function of one probe beside a wall becomes theta, which is checked, and refined when it
+// fails.
 //
 //   bake_minimal WEIGHTS.safetensors
 #include <cmath>
@@ -7,12 +8,9 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/fit/adam.h"
+#include "runtime_eval/fit/refinement.h"
 
 namespace {
-
-constexpr double kLargestRmse = 0.02;
-constexpr int kRefinementSteps = 400;
 
 // What an engine finds out by tracing rays: how much the probe counts at each support point, and which points lie in solid.
 struct SampledFunction {
@@ -32,6 +30,10 @@ SampledFunction besideAWall() {
   return function;
 }
 
+void print(const char* what, const nlg::FunctionCheck& check) {
+  std::printf("%s: RMSE %.5f, leaking points %.2f %%\n", what, check.rmse, 100.0 * check.leak_share);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -48,14 +50,16 @@ int main(int argc, char** argv) {
   nlg::Theta theta(representation.thetaCount());
   generator.generate(sampled.phi.data(), 1, theta.data(), &scratch);
 
-  const nlg::WeightingFunction function =
-      nlg::decodeFunction({sampled.phi.data(), sampled.validity.data()}, nlg::pointOrder(representation));
-  const double rmse = nlg::functionRmse(representation, function, theta.data());
-  std::printf("generated: RMSE %.5f\n", rmse);
-  if (rmse <= kLargestRmse) return 0;
+  const nlg::StoredFunction function = {sampled.phi.data(), sampled.validity.data()};
+  nlg::FunctionChecker checker;
+  const nlg::RefinementOptions policy;
+  const nlg::FunctionCheck generated = checker.check(representation, function, theta.data(), policy.check);
+  print("generated", generated);
+  if (generated.passes(policy.check)) return 0;
 
-  const nlg::FitResult refined =
-      nlg::fitAdam(representation, function, theta, nlg::refinementAdam(representation, kRefinementSteps));
-  std::printf("refined: RMSE %.5f after %d steps\n", refined.rmse, refined.steps);
+  nlg::Refiner refiner;
+  const nlg::RefinementResult refined = refiner.refine(representation, function, theta, policy);
+  print("refined", refined.check);
+  std::printf("%d steps, %s\n", refined.steps, refined.check.passes(policy.check) ? "accepted" : "still failing");
   return 0;
 }
