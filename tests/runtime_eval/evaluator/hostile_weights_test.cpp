@@ -1,7 +1,7 @@
 // Weights files that mean harm, as tests/fuzz found them.
 #include <gtest/gtest.h>
 
-#include <clocale>
+#include <locale>
 
 #include "tests/runtime_eval/sample_generator.h"
 
@@ -31,17 +31,19 @@ TEST(HostileWeights, HaveNumbersThatEndWithTheirText) {
   }
 }
 
-// In a locale that writes 0,5 for a half; skipped where none of these is installed.
+// 0,5 for a half, as an engine's global locale may have it.
+struct DecimalComma : std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
 TEST(Weights, AreReadAlikeInEveryLocale) {
-  const std::string before = std::setlocale(LC_NUMERIC, nullptr);
-  const char* chosen = nullptr;
-  for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "sv_SE.UTF-8"}) {
-    if (chosen == nullptr) chosen = std::setlocale(LC_NUMERIC, name);
-  }
-  if (chosen == nullptr) GTEST_SKIP() << "no locale with a decimal comma is installed";
-  const WeightsResult result = resultWith("generator_slope", "0.05");
-  std::setlocale(LC_NUMERIC, before.c_str());
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new DecimalComma));
+  const WeightsResult result = resultWith("generator_slope", "0.05"), wide = resultWith("width", "1.024");
+  std::locale::global(before);
   EXPECT_TRUE(result.ok()) << result.detail;
+  EXPECT_EQ(wide.status, WeightsStatus::value_out_of_range) << wide.detail;
 }
 
 }  // namespace
