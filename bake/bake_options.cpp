@@ -1,0 +1,44 @@
+#include "bake/bake_options.h"
+
+namespace nlg {
+
+void describe(BakeOptions& o, OptionTable& table) {
+  table.add("seed", &o.seed, "seed of the shift of the probes' lattice");
+  table.add("spacing_m", &o.spacing_m, "finest probe spacing, metres", 1e-4, 1e5);
+  table.add("density_growth", &o.density_growth,
+            "probe spacing over distance from the nearest triangle; 0: finest everywhere", 0.0, 1e3);
+  table.add("extent_m", &o.extent_m,
+            "where there are probes: low x, y, z, high x, y, z, metres, world coordinates; none: the scene's bounds");
+  table.add("diffusion_passes", &o.diffusion.passes, "passes that carry weight round corners", 0, 16);
+  table.add("diffusion_sigma", &o.diffusion.sigma, "deviation of the diffusion's Gaussian, shares of the spacing", 1e-3, 10.0);
+  table.add("diffusion_falloff", &o.diffusion.falloff,
+            "a point's weight fades below a lit share of 1 over this of its open neighbourhood", 0.0, 1e6);
+  table.add("duplicate_rms", &o.duplicate_rms,
+            "functions that differ by no more than this RMS, in steps of 1/255, share one theta; 0: the same bytes", 0.0, 16.0);
+  table.add("duplicate_validity_points", &o.duplicate_validity_points,
+            "and whose validity differs in no more than so many support points", 0, 8192);
+  table.add("tau_rmse", &o.refinement.check.tau_rmse, "a theta whose RMSE is above needs refinement", 1e-6, 1e3);
+  table.add("tau_leak", &o.refinement.check.tau_leak, "weight that counts as a leak where the function is 0", 1e-6, 1e3);
+  table.add("leak_share", &o.refinement.check.leak_share, "a theta that leaks at a larger share of those points needs refinement",
+            1e-6, 1.0);
+  table.add("refine_rounds", &o.refinement.rounds, "rounds of refinement at most; 0: none", 0, 16);
+  table.add("refine_first_steps", &o.refinement.first_steps, "steps of Adam in the first round", 1, 100000);
+  table.add("refine_growth", &o.refinement.growth, "steps of a round over those of the round before", 1, 100);
+  table.add("refine_leak_weight", &o.refinement.leak_weight, "weight of points where the function is 0", 1.0, 1e6);
+  table.add("refine_seconds", &o.refine_seconds,
+            "time for all refinement, spent on the worst functions first; 0: as long as it takes, the only setting whose result "
+            "does not depend on the machine's speed",
+            0.0, 1e9);
+  table.add("choice_flat_ratio", &o.choice.flat_ratio,
+            "several weights: an error up to so many times that of a larger representation is no reason to take the larger", 1.0,
+            1e6);
+  table.add("choice_enough_rmse", &o.choice.enough_rmse, "several weights: an error that needs no larger representation", 0.0,
+            1e3);
+  table.add("generator_precision", &o.generator_precision, "float32, or int16: fixed point, faster");
+  table.add("theta_precision", &o.theta_precision, "float32 or float16, in the light grid's file");
+  table.add("simd", &o.simd, "vector instructions to use (sse4, avx2, avx512, …); none: the best");
+  table.add("threads", &o.threads, "threads; 0: as many as the machine runs at once. The light grid does not depend on them", 0,
+            1024);
+}
+
+}  // namespace nlg
