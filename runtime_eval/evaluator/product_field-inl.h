@@ -97,14 +97,24 @@ HWY_INLINE Nodes sumsOfLanes(FloatTag d, Floats s0, Floats s1, Floats s2, Floats
 }
 #endif
 
+// The value limited to [low, high]; what is no number stays so.
+HWY_INLINE Floats limit(Floats value, Floats low, Floats high) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+  return hn::Max(low, hn::Min(high, value));  // of these, NaN in the second argument is the result
+#else
+  value = hn::IfThenElse(hn::Gt(value, high), high, value);
+  return hn::IfThenElse(hn::Lt(value, low), low, value);
+#endif
+}
+
 struct Sigmoid {
   Floats value, complement;  // sigmoid(b) and 1 - sigmoid(b), each to its own relative accuracy
 };
 
 // 1 / (1 + exp(-b)) to 3 units in the last place for |b| <= 87, constant beyond: 1, or 1.6e-38. Not finite only where b is NaN.
 HWY_INLINE Sigmoid sigmoid(FloatTag d, Floats b) {
-  // exp(-b) = 2^n exp(-r), r = b + n ln 2, |r| <= ln 2 / 2. The limit is the first argument, so that NaN passes (x86).
-  const Floats limited = hn::Max(hn::Set(d, -87.0f), hn::Min(hn::Set(d, 87.0f), b));
+  // exp(-b) = 2^n exp(-r), r = b + n ln 2, |r| <= ln 2 / 2.
+  const Floats limited = limit(b, hn::Set(d, -87.0f), hn::Set(d, 87.0f));
   // added to a number below 2^22, this leaves its nearest integer in the low bits, here with the exponent's bias of 127
   const Floats shift = hn::Set(d, 0x1.8p23f + 127.0f);
   const Floats shifted = hn::NegMulAdd(limited, hn::Set(d, 1.44269504f), shift);
@@ -207,7 +217,7 @@ HWY_INLINE Floats cellValue(FloatTag d, const CellPolynomials& polynomials, cons
   return hn::MulAdd(hn::MulAdd(alongX(3), at.y, alongX(2)), at.z, hn::MulAdd(alongX(1), at.y, alongX(0)));
 }
 
-HWY_INLINE Floats clampToUnit(FloatTag d, Floats a) { return hn::Max(hn::Zero(d), hn::Min(hn::Set(d, 1.0f), a)); }
+HWY_INLINE Floats clampToUnit(FloatTag d, Floats a) { return limit(a, hn::Zero(d), hn::Set(d, 1.0f)); }
 
 // The field and its derivatives by A and B at one vector of points.
 struct FieldPoint {
