@@ -5,8 +5,8 @@ namespace nlg {
 void describe(BakeOptions& o, OptionTable& table) {
   table.add("seed", &o.seed, "seed of the shift of the probes' lattice");
   table.add("spacing_m", &o.spacing_m, "finest probe spacing, metres", 1e-4, 1e5);
-  table.add("density_growth", &o.density_growth,
-            "probe spacing over distance from the nearest triangle; 0: finest everywhere", 0.0, 1e3);
+  table.add("density_growth", &o.density_growth, "probe spacing over distance from the nearest triangle; 0: finest everywhere",
+            0.0, 1e3);
   table.add("extent_m", &o.extent_m,
             "where there are probes: low x, y, z, high x, y, z, metres, world coordinates; none: the scene's bounds");
   table.add("diffusion_passes", &o.diffusion.passes, "passes that carry weight round corners", 0, 16);

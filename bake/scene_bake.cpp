@@ -29,9 +29,9 @@ struct BakeThread {
       theta.emplace_back(static_cast<size_t>(kBatchCount) * generator.representation().thetaCount());
     }
   }
-  std::vector<GeneratorScratch> scratch;    // by generator
-  std::vector<std::vector<float>> theta;    // by generator: one batch
-  std::vector<uint8_t> phi;                 // one batch
+  std::vector<GeneratorScratch> scratch;  // by generator
+  std::vector<std::vector<float>> theta;  // by generator: one batch
+  std::vector<uint8_t> phi;               // one batch
   FunctionChecker checker;
   Refiner refiner;
   std::vector<uint8_t> samples;
@@ -86,7 +86,8 @@ class SceneBake {
     const Clock::time_point check_start = Clock::now();
     std::vector<FunctionCheck> checks(generators_.size());
     for (int i = 0; i < count; ++i) {
-      for (size_t g = 0; g < generators_.size(); ++g) checks[g] = check(made.functions[begin + i], g, thetaOf(thread, g, i), thread);
+      for (size_t g = 0; g < generators_.size(); ++g)
+        checks[g] = check(made.functions[begin + i], g, thetaOf(thread, g, i), thread);
       const int chosen = chooseRepresentation(checks, options_.refinement.check, options_.choice);
       const float* theta = thetaOf(thread, chosen, i);
       const uint64_t number = made.first + begin + i;
@@ -127,8 +128,7 @@ class SceneBake {
       if (g > first) generators_[g].generate(stored.phi, 1, thread.theta[g].data(), &thread.scratch[g]);
       const float* generated = thetaOf(thread, g, 0);
       const Theta begin = g == first ? fitted_[number].theta : Theta(generated, generated + thetaCount(g));
-      const RefinementResult refined =
-          thread.refiner.refine(generators_[g].representation(), stored, begin, options_.refinement);
+      const RefinementResult refined = thread.refiner.refine(generators_[g].representation(), stored, begin, options_.refinement);
       const double trouble = refined.check.trouble(options_.refinement.check);
       if (!(trouble < least_trouble)) continue;
       least_trouble = trouble;
@@ -149,9 +149,8 @@ class SceneBake {
       statistics_.refinement_s += thread->refinement_s;
     }
     const auto failing = [this](const std::vector<FunctionCheck>& checks) {
-      return static_cast<uint64_t>(std::count_if(checks.begin(), checks.end(), [this](const FunctionCheck& check) {
-        return !check.passes(options_.refinement.check);
-      }));
+      return static_cast<uint64_t>(std::count_if(
+          checks.begin(), checks.end(), [this](const FunctionCheck& check) { return !check.passes(options_.refinement.check); }));
     };
     statistics_.failed_check = failing(statistics_.generated);
     statistics_.still_failing = failing(checks_);

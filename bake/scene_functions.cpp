@@ -117,7 +117,8 @@ SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<ProbeBloc
         continue;
       }
       const uint64_t n = row++;
-      const FunctionSamples samples{&block.functions.phi[n * kSupportPointCount], &block.functions.validity[n * kValidityByteCount]};
+      const FunctionSamples samples{&block.functions.phi[n * kSupportPointCount],
+                                    &block.functions.validity[n * kValidityByteCount]};
       const auto match = index_.findOrAdd(samples);
       probe_function_.push_back(static_cast<uint32_t>(match ? match->id : counts_.functions));
       counts_.duplicates += match.has_value();

@@ -2,13 +2,12 @@
 
 #include "runtime_eval/support/random.h"
 #include "tool/error.h"
+#include "tool/parallel_for.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <mutex>
-#include <thread>
 
 namespace nlg {
 namespace {
@@ -23,21 +22,7 @@ StoredFunction storedFunction(const FunctionSet& set, uint64_t index) {
   return {&set.phi[index * kSupportPointCount], &set.validity[index * kValidityByteCount]};
 }
 
-// Runs work(i) for i in [0, count) on some threads; results must go to places of their own.
-void parallelFor(uint64_t count, int thread_count, const std::function<void(uint64_t)>& work) {
-  std::atomic<uint64_t> next{0};
-  std::vector<std::thread> threads;
-  for (int t = 0; t < thread_count; ++t) {
-    threads.emplace_back([&] {
-      for (uint64_t i = next++; i < count; i = next++) work(i);
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-}
-
-int threadCount(const ValidateOptions& options) {
-  return options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
+int threadCount(const ValidateOptions& options) { return options.threads > 0 ? options.threads : machineThreadCount(); }
 
 // One fit of one function: what it is called, and theta from the function.
 struct TimedFit {
@@ -118,7 +103,7 @@ MethodResult measurePolicy(const Generator& generator, const FunctionSet& set, c
   const Representation& representation = generator.representation();
   const auto D = static_cast<uint64_t>(representation.thetaCount());
   const uint64_t chunk = 64, count = result.samples.size();
-  parallelFor((count + chunk - 1) / chunk, threadCount(options), [&](uint64_t c) {
+  parallelFor((count + chunk - 1) / chunk, threadCount(options), [&](uint64_t c, int) {
     ErrorMeter meter(set);
     PooledMagnitudes leaks;
     for (uint64_t i = c * chunk; i < std::min(count, (c + 1) * chunk); ++i) {
@@ -150,7 +135,7 @@ std::vector<MethodResult> measureFits(const Generator& generator, const Function
   const auto D = static_cast<uint64_t>(generator.representation().thetaCount());
   std::mutex mutex;
   int64_t done = 0;
-  parallelFor(functions.size(), threadCount(options), [&](uint64_t i) {
+  parallelFor(functions.size(), threadCount(options), [&](uint64_t i, int) {
     NormalEquationsKernel kernel;
     ErrorMeter meter(set);
     const Theta generated(&theta[functions[i] * D], &theta[functions[i] * D] + D);

@@ -12,8 +12,8 @@
 namespace nlg {
 
 struct ChoiceOptions {
-  double flat_ratio = 1.5;      // an error up to so many times that of the best larger representation is flat
-  double enough_rmse = 0.004;   // … and so is any error below this
+  double flat_ratio = 1.5;     // an error up to so many times that of the best larger representation is flat
+  double enough_rmse = 0.004;  // … and so is any error below this
 };
 
 // checks    of one function, one a representation, by rising number of parameters; at least one

@@ -1,0 +1,60 @@
+#include "runtime_eval/evaluator/evaluate_point.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nlg {
+namespace {
+
+float leaky(float value, float slope) { return std::max(value, slope * value); }
+
+float evaluateNetwork(float slope, const LocalPoint& point, const float* theta) {
+  using L = ThetaLayout;
+  float first[kHiddenCount];
+  for (int j = 0; j < kHiddenCount; ++j) {
+    const float* w1 = theta + L::w1 + 3 * j;
+    first[j] = leaky(theta[L::b1 + j] + w1[0] * point[0] + w1[1] * point[1] + w1[2] * point[2], slope);
+  }
+  float output = theta[L::b3];
+  for (int j = 0; j < kHiddenCount; ++j) {
+    const float* w2 = theta + L::w2 + kHiddenCount * j;
+    // two chains, each half as long
+    float even = theta[L::b2 + j], odd = 0.0f;
+    for (int i = 0; i < kHiddenCount; i += 2) {
+      even += w2[i] * first[i];
+      odd += w2[i + 1] * first[i + 1];
+    }
+    output += theta[L::w3 + j] * leaky(even + odd, slope);
+  }
+  return output;
+}
+
+// theta holds pairs (A, B); x is the fastest axis of the nodes
+float evaluateFieldPoint(int resolution, const LocalPoint& point, const float* theta) {
+  int node[3];
+  float share[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const float position = std::clamp((point[axis] + 1.0f) * 0.5f, 0.0f, 1.0f) * static_cast<float>(resolution - 1);
+    node[axis] = std::min(static_cast<int>(position), resolution - 2);
+    share[axis] = position - static_cast<float>(node[axis]);
+  }
+  const float* low = theta + 2 * ((node[2] * resolution + node[1]) * resolution + node[0]);
+  float a = 0.0f, b = 0.0f;
+  for (int zy = 0; zy < 4; ++zy) {
+    const float weight = (zy & 1 ? share[1] : 1.0f - share[1]) * (zy >> 1 ? share[2] : 1.0f - share[2]);
+    const float* pair = low + 2 * ((zy >> 1) * resolution + (zy & 1)) * resolution;
+    a += weight * ((1.0f - share[0]) * pair[0] + share[0] * pair[2]);
+    b += weight * ((1.0f - share[0]) * pair[1] + share[0] * pair[3]);
+  }
+  return std::clamp(a, 0.0f, 1.0f) / (1.0f + std::exp(-b));
+}
+
+}  // namespace
+
+float evaluatePoint(const Representation& representation, const LocalPoint& point, const float* theta) {
+  if (representation.isField()) return evaluateFieldPoint(representation.resolution, point, theta);
+  const float output = evaluateNetwork(representation.slope, point, theta);
+  return representation.tentFactor() ? output * tent(point) : output;
+}
+
+}  // namespace nlg

@@ -1,0 +1,14 @@
+// A representation at one point: the look-up of a light grid evaluates 8 thetas at one point each, where evaluate.h has one theta
+// and many points.
+#pragma once
+
+#include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/support/support_pattern.h"
+
+namespace nlg {
+
+// phi at a point of [-1, 1]³, not clamped. Takes no memory.
+// theta   D floats
+float evaluatePoint(const Representation& representation, const LocalPoint& point, const float* theta);
+
+}  // namespace nlg

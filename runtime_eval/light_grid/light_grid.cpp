@@ -1,0 +1,102 @@
+#include "runtime_eval/light_grid/light_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "runtime_eval/evaluator/evaluate_point.h"
+
+namespace nlg {
+namespace {
+
+WeightsResult refuse(WeightsStatus status, std::string detail) { return {status, std::move(detail)}; }
+
+std::string sized(const char* what, size_t size, const char* expected, size_t count) {
+  return std::string(what) + " has " + std::to_string(size) + " entries; expected " + expected + ": " + std::to_string(count);
+}
+
+WeightsResult checkRepresentations(const LightGrid& grid) {
+  const size_t count = grid.representations.size();
+  if (count > kMaxGridRepresentations)
+    return refuse(WeightsStatus::value_out_of_range, std::to_string(count) + " representations; expected at most 256");
+  for (size_t i = 0; i < count; ++i) {
+    const Representation& representation = grid.representations[i];
+    const std::string place = "representation " + std::to_string(i);
+    Representation known;
+    if (!findRepresentation(representationName(representation), &known))
+      return refuse(WeightsStatus::value_out_of_range, place + ": expected " + representationNames());
+    if (!representation.isField() && !(representation.slope > 0.0f && representation.slope < 1.0f))
+      return refuse(WeightsStatus::value_out_of_range, place + ": slope lies outside (0, 1)");
+  }
+  return {};
+}
+
+WeightsResult checkFunctions(const LightGrid& grid) {
+  const size_t count = grid.functionCount();
+  if (count > kMaxGridFunctions) return refuse(WeightsStatus::value_out_of_range, std::to_string(count) + " functions");
+  if (grid.theta_begin.size() != count + 1)
+    return refuse(WeightsStatus::tensor_unexpected, sized("theta_begin", grid.theta_begin.size(), "functions + 1", count + 1));
+  uint64_t begin = 0;
+  for (size_t function = 0; function < count; ++function) {
+    const std::string place = "function " + std::to_string(function);
+    if (grid.function_representation[function] >= grid.representations.size())
+      return refuse(WeightsStatus::value_out_of_range, place + ": representation does not exist");
+    if (grid.theta_begin[function] != begin) return refuse(WeightsStatus::value_out_of_range, place + ": theta_begin");
+    begin += static_cast<uint64_t>(grid.representations[grid.function_representation[function]].thetaCount());
+  }
+  if (grid.theta_begin[count] != begin) return refuse(WeightsStatus::value_out_of_range, "theta_begin: its last entry");
+  if (grid.theta.size() != begin)
+    return refuse(WeightsStatus::tensor_unexpected, sized("theta", grid.theta.size(), "what its functions need", begin));
+  return {};
+}
+
+}  // namespace
+
+uint32_t LightGrid::addFunction(uint8_t representation, const float* theta_D) {
+  theta.insert(theta.end(), theta_D, theta_D + representations[representation].thetaCount());
+  theta_begin.push_back(theta.size());
+  function_representation.push_back(representation);
+  return static_cast<uint32_t>(functionCount() - 1);
+}
+
+WeightsResult checkLightGrid(const LightGrid& grid) {
+  const size_t probes = grid.tree.probeCount();
+  if (grid.probe_function.size() != probes)
+    return refuse(WeightsStatus::tensor_unexpected, sized("probe_function", grid.probe_function.size(), "probes", probes));
+  WeightsResult result = checkRepresentations(grid);
+  if (result.ok()) result = checkFunctions(grid);
+  if (!result.ok()) return result;
+  for (size_t probe = 0; probe < probes; ++probe) {
+    const uint32_t function = grid.probe_function[probe];
+    if (function < grid.functionCount() || function == kFreeSpace || function == kNoWeight) continue;
+    return refuse(WeightsStatus::value_out_of_range, "probe " + std::to_string(probe) + ": function " + std::to_string(function) +
+                                                         " of " + std::to_string(grid.functionCount()));
+  }
+  for (size_t i = 0; i < grid.theta.size(); ++i) {
+    if (std::abs(grid.theta[i]) <= kMaxGridTheta) continue;
+    const bool finite = std::isfinite(grid.theta[i]);
+    return refuse(finite ? WeightsStatus::value_out_of_range : WeightsStatus::value_not_finite,
+                  "theta: value " + std::to_string(i));
+  }
+  return {};
+}
+
+bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights) {
+  ProbesAround around;
+  if (!grid.tree.lookUp(position_m, &around)) return false;
+  weights->count = 0;
+  for (const ProbeAround& corner : around.corners) {
+    const uint32_t function = grid.probe_function[corner.probe];
+    if (function == kNoWeight) continue;
+    const float phi = function == kFreeSpace ? tent(corner.local)
+                                             : evaluatePoint(grid.representations[grid.function_representation[function]],
+                                                             corner.local, grid.functionTheta(function));
+    const float weight = phi * corner.tent_ratio;
+    if (!(weight > 0.0f)) continue;
+    weights->probe[weights->count] = corner.probe;
+    weights->weight[weights->count++] = weight;
+  }
+  return true;
+}
+
+}  // namespace nlg

@@ -1,0 +1,60 @@
+// The light grid that a bake leaves behind, without light: where probes stand, and a weighting function for each of them.
+//
+// Lighting at a position is the normalised sum over the probes around it, each with the weight that the look-up gives. Many
+// probes share a function; free space has none at all. Only a compiler is needed to look up; light_grid_file.h reads and writes
+// grids.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "export/weights_file/weights_file.h"
+#include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/light_grid/probe_tree.h"
+
+namespace nlg {
+
+// Instead of a function's index:
+inline constexpr uint32_t kFreeSpace = 0xffffffffu;  // the bare tent, nothing stored
+inline constexpr uint32_t kNoWeight = 0xfffffffeu;   // the probe lies in solid, or its function is 0 everywhere
+
+inline constexpr size_t kMaxGridFunctions = kNoWeight;
+inline constexpr size_t kMaxGridRepresentations = 256;
+inline constexpr float kMaxGridTheta = 1e9f;  // of |theta|: no look-up overflows below it
+
+struct LightGrid {
+  ProbeTree tree;
+  std::vector<uint32_t> probe_function;          // by probe: a function's index, kFreeSpace or kNoWeight
+  std::vector<Representation> representations;   // those that functions use
+  std::vector<uint8_t> function_representation;  // by function: index into representations
+  std::vector<uint64_t> theta_begin{0};          // by function, into theta; functionCount() + 1 numbers, the last is theta's size
+  std::vector<float> theta;                      // D floats a function, one after another
+
+  size_t functionCount() const { return function_representation.size(); }
+  // D floats. function   < functionCount()
+  const float* functionTheta(size_t function) const { return &theta[theta_begin[function]]; }
+  // Adds a function and returns its index.
+  // representation   index into representations
+  // theta_D          D floats of that representation
+  uint32_t addFunction(uint8_t representation, const float* theta_D);
+};
+
+// Whether all parts belong together: sizes, indices, known representations with slopes in (0, 1), |theta| <= kMaxGridTheta.
+// The look-up is for grids that pass; what light_grid_file.h read has passed.
+// returns   ok; or tensor_unexpected (a size), value_out_of_range, value_not_finite, and in one line what is wrong
+WeightsResult checkLightGrid(const LightGrid& grid);
+
+// The probes that count at a position, in the order of ProbesAround's corners.
+struct ProbeWeights {
+  uint32_t probe[8] = {};
+  float weight[8] = {};  // > 0, finite; not normalised: in free space they sum to 1
+  int count = 0;         // 0 … 8; 0 where every probe around has weight 0, as inside solid
+};
+
+// The weights of the 8 probes around a position: max(0, phi(local)) * tent_ratio (docs/probes.md); those of weight 0 are left
+// out. Takes no memory, cannot fail; any number of threads may look up in one grid. returns   false, *weights unchanged, where
+// ProbeTree::lookUp is: outside
+bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights);
+
+}  // namespace nlg
