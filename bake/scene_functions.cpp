@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "datagen/probes/probe_placement.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
