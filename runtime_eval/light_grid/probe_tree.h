@@ -111,6 +111,7 @@ class ProbeTree {
 
  private:
   friend class ProbeTreeBuilder;
+  friend class ProbeTreeAccess;  // probe_tree_data.h
 
   static constexpr int kIndexBits = 27;
   static_assert(kMaxTreeProbes == uint64_t{1} << kIndexBits);

@@ -1,0 +1,271 @@
+#include "runtime_eval/light_grid/light_grid_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "export/weights_file/tensor_file.h"
+#include "runtime_eval/light_grid/probe_tree_data.h"
+
+namespace nlg {
+namespace {
+
+constexpr const char* kKind = "nlg-light-grid";
+constexpr const char* kVersion = "1";
+constexpr std::string_view kRepresentationPrefix = "representation.", kSlopePrefix = "slope.";
+
+WeightsResult refuse(WeightsStatus status, std::string detail) { return {status, std::move(detail)}; }
+
+std::string numbered(std::string_view prefix, size_t index) { return std::string(prefix) + std::to_string(index); }
+
+std::string patternHash() {
+  char text[16];
+  const auto end = std::to_chars(text, text + sizeof text, supportPattern().hash, 16).ptr;
+  const std::string digits(text, end);
+  return std::string(sizeof text - digits.size(), '0') + digits;
+}
+
+// The shortest text that reads as the same number.
+std::string slopeText(float slope) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, slope).ptr};
+}
+
+bool isOwnKey(std::string_view key) {
+  for (const std::string_view own : {"kind", "version", "pattern_hash", "representation_count"})
+    if (key == own) return true;
+  return key.substr(0, kRepresentationPrefix.size()) == kRepresentationPrefix ||
+         key.substr(0, kSlopePrefix.size()) == kSlopePrefix;
+}
+
+// The file's own keys beside the caller's.
+WeightsResult addOwnMetadata(const LightGrid& grid, GridMetadata* metadata) {
+  for (const auto& [key, text] : *metadata) {
+    if (isOwnKey(key)) return refuse(WeightsStatus::value_out_of_range, "metadata " + key + ": a key of the file's own");
+  }
+  (*metadata)["kind"] = kKind;
+  (*metadata)["version"] = kVersion;
+  (*metadata)["pattern_hash"] = patternHash();
+  (*metadata)["representation_count"] = std::to_string(grid.representations.size());
+  for (size_t i = 0; i < grid.representations.size(); ++i) {
+    const Representation& representation = grid.representations[i];
+    (*metadata)[numbered(kRepresentationPrefix, i)] = representationName(representation);
+    if (!representation.isField()) (*metadata)[numbered(kSlopePrefix, i)] = slopeText(representation.slope);
+  }
+  return {};
+}
+
+WeightsResult halvesOf(const LightGrid& grid, std::vector<Half>* halves) {
+  halves->resize(grid.theta.size());
+  for (size_t i = 0; i < grid.theta.size(); ++i) {
+    if (halfFromFloat(grid.theta[i], &(*halves)[i])) continue;
+    const auto next = std::upper_bound(grid.theta_begin.begin(), grid.theta_begin.end(), i);
+    const auto function = static_cast<size_t>(next - grid.theta_begin.begin() - 1);
+    return refuse(WeightsStatus::value_out_of_range, "function " + std::to_string(function) + ": theta " +
+                                                         std::to_string(i - grid.theta_begin[function]) + " is " +
+                                                         std::to_string(grid.theta[i]) + "; float16 holds up to 65504");
+  }
+  return {};
+}
+
+void takeFirst(WeightsResult* result, WeightsResult next) {
+  if (result->ok()) *result = std::move(next);
+}
+
+// A tensor of exactly three numbers, or one.
+template <size_t kCount, class T>
+WeightsResult readNumbers(const TensorFileReader& reader, const std::string& name, T* numbers) {
+  std::vector<T> values;
+  const WeightsResult result = reader.read(name, &values);
+  if (!result.ok()) return result;
+  if (values.size() != kCount) {
+    return refuse(WeightsStatus::tensor_unexpected,
+                  name + ": expected " + std::to_string(kCount) + " values, got " + std::to_string(values.size()));
+  }
+  std::copy(values.begin(), values.end(), numbers);
+  return {};
+}
+
+WeightsResult readTree(const TensorFileReader& reader, ProbeTree* tree) {
+  ProbeTreeData data;
+  WeightsResult result;
+  takeFirst(&result, readNumbers<3>(reader, "frame.first_m", data.frame.first_m.data()));
+  takeFirst(&result, readNumbers<1>(reader, "frame.spacing_m", &data.frame.spacing_m));
+  takeFirst(&result, readNumbers<3>(reader, "frame.root_count", data.frame.root_count.data()));
+  takeFirst(&result, reader.read("node.child_mask", &data.child_mask));
+  takeFirst(&result, reader.read("node.used_mask", &data.used_mask));
+  takeFirst(&result, reader.read("node.first_child", &data.first_child));
+  takeFirst(&result, reader.read("node.first_slot", &data.first_slot));
+  takeFirst(&result, reader.read("node.cell_log2", &data.cell_log2));
+  takeFirst(&result, reader.read("node.cell_count", &data.cell_count));
+  takeFirst(&result, reader.read("slots", &data.slots));
+  takeFirst(&result, reader.read("probe.key", &data.probe_keys));
+  takeFirst(&result, reader.read("probe.log2", &data.probe_log2));
+  if (!result.ok()) return result;
+  const std::string fault = makeProbeTree(std::move(data), tree);
+  if (!fault.empty()) return refuse(WeightsStatus::value_out_of_range, "probe tree: " + fault);
+  return {};
+}
+
+template <class T>
+bool parseNumber(const std::string& text, T* number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+// Takes one of the file's own keys out of the metadata.
+WeightsResult takeText(GridMetadata* metadata, const std::string& key, std::string* text) {
+  const auto found = metadata->find(key);
+  if (found == metadata->end()) return refuse(WeightsStatus::tensor_missing, "no metadata key " + key);
+  *text = std::move(found->second);
+  metadata->erase(found);
+  return {};
+}
+
+WeightsResult refuseText(WeightsStatus status, const std::string& key, const std::string& expected, const std::string& got) {
+  return refuse(status,
+                "metadata " + key + ": expected " + expected + ", got " + jsonQuoted(std::string_view(got).substr(0, 40)));
+}
+
+WeightsResult takeIdentity(GridMetadata* metadata) {
+  std::string kind, version, pattern;
+  WeightsResult result = takeText(metadata, "kind", &kind);
+  takeFirst(&result, takeText(metadata, "version", &version));
+  takeFirst(&result, takeText(metadata, "pattern_hash", &pattern));
+  if (!result.ok()) return result;
+  if (kind != kKind) return refuseText(WeightsStatus::value_out_of_range, "kind", kKind, kind);
+  if (version != kVersion) return refuseText(WeightsStatus::version_unknown, "version", kVersion, version);
+  if (pattern != patternHash()) return refuseText(WeightsStatus::pattern_unknown, "pattern_hash", patternHash(), pattern);
+  return {};
+}
+
+WeightsResult takeRepresentations(GridMetadata* metadata, std::vector<Representation>* representations) {
+  std::string text;
+  WeightsResult result = takeText(metadata, "representation_count", &text);
+  if (!result.ok()) return result;
+  size_t count = 0;
+  if (!parseNumber(text, &count) || count > kMaxGridRepresentations)
+    return refuseText(WeightsStatus::value_out_of_range, "representation_count", "0 to 256", text);
+  for (size_t i = 0; i < count; ++i) {
+    Representation representation;
+    const std::string key = numbered(kRepresentationPrefix, i), slope_key = numbered(kSlopePrefix, i);
+    result = takeText(metadata, key, &text);
+    if (!result.ok()) return result;
+    if (!findRepresentation(text, &representation))
+      return refuseText(WeightsStatus::value_out_of_range, key, representationNames(), text);
+    if (!representation.isField()) {
+      result = takeText(metadata, slope_key, &text);
+      if (!result.ok()) return result;
+      if (!parseNumber(text, &representation.slope))
+        return refuseText(WeightsStatus::value_out_of_range, slope_key, "a number in (0, 1)", text);
+    }
+    representations->push_back(representation);
+  }
+  return {};
+}
+
+WeightsResult readFunctions(const TensorFileReader& reader, LightGrid* grid) {
+  WeightsResult result = reader.read("probe.function", &grid->probe_function);
+  takeFirst(&result, reader.read("function.representation", &grid->function_representation));
+  if (!result.ok()) return result;
+  for (const uint8_t representation : grid->function_representation) {
+    // those that do not exist are for checkLightGrid to name
+    const int count = representation < grid->representations.size() ? grid->representations[representation].thetaCount() : 0;
+    grid->theta_begin.push_back(grid->theta_begin.back() + static_cast<uint64_t>(count));
+  }
+  if (reader.dtypeOf("theta") != tensorDtype<Half>()) return reader.read("theta", &grid->theta);
+  std::vector<Half> halves;
+  result = reader.read("theta", &halves);
+  if (!result.ok()) return result;
+  grid->theta.resize(halves.size());
+  std::transform(halves.begin(), halves.end(), grid->theta.begin(), floatFromHalf);
+  return {};
+}
+
+WeightsResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
+  *metadata = reader.metadata();
+  WeightsResult result = takeIdentity(metadata);
+  if (result.ok()) result = takeRepresentations(metadata, &grid->representations);
+  if (!result.ok()) return result;
+  for (const auto& [key, text] : *metadata) {
+    if (isOwnKey(key)) return refuse(WeightsStatus::value_out_of_range, "metadata " + key + ": expected no such key");
+  }
+  result = readTree(reader, &grid->tree);
+  if (result.ok()) result = readFunctions(reader, grid);
+  return result.ok() ? checkLightGrid(*grid) : result;
+}
+
+// Nothing half-read reaches the caller.
+WeightsResult finish(WeightsResult result, const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
+  *grid = {};
+  metadata->clear();
+  if (!result.ok()) return result;
+  LightGrid read_grid;
+  GridMetadata read_metadata;
+  result = readGrid(reader, &read_grid, &read_metadata);
+  if (!result.ok()) return result;
+  *grid = std::move(read_grid);
+  *metadata = std::move(read_metadata);
+  return {};
+}
+
+}  // namespace
+
+WeightsResult serializeLightGrid(const LightGrid& grid, ThetaPrecision precision, const GridMetadata& metadata,
+                                 std::string* bytes) {
+  bytes->clear();
+  WeightsResult result = checkLightGrid(grid);
+  GridMetadata texts = metadata;
+  takeFirst(&result, addOwnMetadata(grid, &texts));
+  std::vector<Half> halves;
+  if (precision == ThetaPrecision::float16) takeFirst(&result, halvesOf(grid, &halves));
+  if (!result.ok()) return result;
+
+  const ProbeTreeData tree = probeTreeData(grid.tree);
+  const std::vector<double> first_m(tree.frame.first_m.begin(), tree.frame.first_m.end()), spacing_m{tree.frame.spacing_m};
+  const std::vector<int32_t> root_count(tree.frame.root_count.begin(), tree.frame.root_count.end());
+  TensorFileWriter writer;
+  writer.add("frame.first_m", first_m);
+  writer.add("frame.spacing_m", spacing_m);
+  writer.add("frame.root_count", root_count);
+  writer.add("node.child_mask", tree.child_mask);
+  writer.add("node.used_mask", tree.used_mask);
+  writer.add("node.first_child", tree.first_child);
+  writer.add("node.first_slot", tree.first_slot);
+  writer.add("node.cell_log2", tree.cell_log2);
+  writer.add("node.cell_count", tree.cell_count);
+  writer.add("slots", tree.slots);
+  writer.add("probe.key", tree.probe_keys);
+  writer.add("probe.log2", tree.probe_log2);
+  writer.add("probe.function", grid.probe_function);
+  writer.add("function.representation", grid.function_representation);
+  if (precision == ThetaPrecision::float16) {
+    writer.add("theta", halves);
+  } else {
+    writer.add("theta", grid.theta);
+  }
+  return writer.serialize(texts, bytes);
+}
+
+WeightsResult readLightGridFile(const std::string& path, LightGrid* grid, GridMetadata* metadata) {
+  TensorFileReader reader;
+  const WeightsResult opened = reader.openFile(path);
+  WeightsResult result = finish(opened, reader, grid, metadata);
+  if (!result.ok()) result.detail = path + ": " + result.detail;
+  return result;
+}
+
+WeightsResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata* metadata) {
+  TensorFileReader reader;
+  const WeightsResult opened = reader.openBytes(bytes);
+  return finish(opened, reader, grid, metadata);
+}
+
+LightGridBytes lightGridBytes(const LightGrid& grid, ThetaPrecision precision) {
+  return {.theta = grid.theta.size() * (precision == ThetaPrecision::float16 ? sizeof(Half) : sizeof(float)),
+          .functions = grid.function_representation.size() * sizeof(uint8_t),
+          .probe_function = grid.probe_function.size() * sizeof(uint32_t),
+          .tree = probeTreeData(grid.tree).byteCount()};
+}
+
+}  // namespace nlg

@@ -1,0 +1,48 @@
+// The file of a light grid: safetensors, written by nlg-bake, read by engines. What the tensors mean: docs/formats.md.
+//
+// Neither direction throws; results are those of weights_file.h, with one line that says where and why.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "export/weights_file/weights_file.h"
+#include "runtime_eval/light_grid/light_grid.h"
+
+namespace nlg {
+
+enum class ThetaPrecision { float32, float16 };
+
+// Texts for people, by key: scene, options, revision, hash of the weights. Any UTF-8, but for the keys that the file itself uses:
+// kind, version, pattern_hash, representation_count, representation.N, slope.N.
+using GridMetadata = std::map<std::string, std::string>;
+
+// The bytes of a file; the same grid, precision and texts give the same bytes.
+// float16 rounds every number of theta to the nearest half, ties to even: the error that this adds is the caller's to measure.
+//
+// grid      one that checkLightGrid accepts; others are refused with its result
+// returns   ok; also refused: with float16 a |theta| > 65504 (value_out_of_range, names function and value), a key of the file's
+//           own (value_out_of_range), texts that are no UTF-8 (header_malformed) or too long (header_too_large).
+//           *bytes is empty then.
+WeightsResult serializeLightGrid(const LightGrid& grid, ThetaPrecision precision, const GridMetadata& metadata,
+                                 std::string* bytes);
+
+// Reads a file, or bytes in memory. Every byte is checked: what is accepted passes checkLightGrid, and its tree is one that
+// ProbeTree::build gives, so that no look-up can leave it. Nothing is allocated that the bytes do not cover.
+// returns   ok; otherwise *grid and *metadata are empty
+WeightsResult readLightGridFile(const std::string& path, LightGrid* grid, GridMetadata* metadata);
+WeightsResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata* metadata);
+
+// Where a file's bytes go, without header and fillers.
+struct LightGridBytes {
+  size_t theta = 0;
+  size_t functions = 0;       // which representation each has
+  size_t probe_function = 0;  // which function each probe has
+  size_t tree = 0;            // where probes stand
+  size_t total() const { return theta + functions + probe_function + tree; }
+};
+LightGridBytes lightGridBytes(const LightGrid& grid, ThetaPrecision precision);
+
+}  // namespace nlg
