@@ -9,11 +9,6 @@
 
 namespace nlg {
 
-// What storing theta in fewer bits changed, over all functions.
-struct RoundingError {
-  double mean_rmse_added = 0.0, worst_rmse_added = 0.0;  // RMSE after rounding minus RMSE before
-};
-
 struct BakeReport {
   std::string scene;
   std::vector<std::string> representations;  // in the order of BakeStatistics::chosen

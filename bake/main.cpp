@@ -52,7 +52,8 @@ std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, Gen
     if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "the weights of a generator", result.detail);
     for (const Generator& other : generators) {
       const std::string name = representationName(generator.representation());
-      if (name == representationName(other.representation())) throw UsageError("--weights", "one file a representation", "two of " + name);
+      if (name == representationName(other.representation()))
+        throw UsageError("--weights", "one file a representation", "two of " + name);
     }
     generators.push_back(std::move(generator));
   }
@@ -83,7 +84,8 @@ std::map<std::string, std::string> metadata(const Request& request, const BakeSc
   options.erase("threads");
   std::map<std::string, std::string> inputs;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
-  for (const std::string& path : request.weights) inputs["weights " + std::filesystem::path(path).filename().string()] = fileSha256(path);
+  for (const std::string& path : request.weights)
+    inputs["weights " + std::filesystem::path(path).filename().string()] = fileSha256(path);
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
@@ -107,12 +109,14 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
 
   BakeReport report;
   report.scene = scene.source.id;
-  for (const Generator& generator : generators) report.representations.emplace_back(representationName(generator.representation()));
+  for (const Generator& generator : generators)
+    report.representations.emplace_back(representationName(generator.representation()));
   report.statistics = std::move(bake.statistics);
   report.statistics.load_wall_s = load_s;
+  report.rounding = bake.rounding;
   report.check = options.refinement.check;
   report.file_bytes = bytes.size();
-  report.theta_bytes = bake.grid.theta.size() * (theta_precision == ThetaPrecision::float16 ? 2 : 4);
+  report.theta_bytes = lightGridBytes(bake.grid, theta_precision).theta;
   report.peak_memory_bytes = peakMemoryBytes();
   report.threads = options.threads > 0 ? options.threads : machineThreadCount();
   report.simd = chosenSimdTarget();

@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cstring>
 
+#include "export/weights_file/half.h"
 #include "runtime_eval/fit/refinement.h"
+#include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 
@@ -41,10 +43,11 @@ struct BakeThread {
 class SceneBake {
  public:
   SceneBake(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-            const std::string& spool_folder)
+            ThetaPrecision theta_precision, const std::string& spool_folder)
       : scene_(scene),
         generators_(generators),
         options_(options),
+        theta_precision_(theta_precision),
         thread_count_(options.threads > 0 ? options.threads : machineThreadCount()),
         functions_(scene, options, thread_count_, spool_folder) {
     for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(generators));
@@ -58,9 +61,10 @@ class SceneBake {
     const Clock::time_point refinement_start = Clock::now();
     refineWorstFirst();
     statistics_.refinement_wall_s = secondsSince(refinement_start);
+    const RoundingError rounding = theta_precision_ == ThetaPrecision::float16 ? roundTheta() : RoundingError{};
     finishStatistics();
     statistics_.wall_s = secondsSince(start);
-    return {makeGrid(), std::move(statistics_)};
+    return {makeGrid(), rounding, std::move(statistics_)};
   }
 
  private:
@@ -139,6 +143,31 @@ class SceneBake {
     thread.refinement_s += secondsSince(start);
   }
 
+  // Rounds theta of all functions to float16 and checks what that makes of them.
+  RoundingError roundTheta() {
+    std::vector<double> before;
+    for (const FunctionCheck& check : checks_) before.push_back(check.rmse);
+    parallelFor(fitted_.size(), thread_count_, [&](uint64_t number, int thread) {
+      FittedFunction& function = fitted_[number];
+      for (float& value : function.theta) {
+        Half half;
+        if (!halfFromFloat(value, &half)) {
+          throw NumericalError("bake", "function " + std::to_string(number), "theta, for float16,", value);
+        }
+        value = floatFromHalf(half);
+      }
+      const StoredFunction stored = functions_.read(number, &threads_[thread]->samples);
+      checks_[number] = check(stored, function.generator, function.theta.data(), *threads_[thread]);
+    });
+    RoundingError error;
+    for (size_t i = 0; i < checks_.size(); ++i) {
+      const double added = checks_[i].rmse - before[i];
+      error.mean_rmse_added += added / static_cast<double>(checks_.size());
+      error.worst_rmse_added = std::max(error.worst_rmse_added, added);
+    }
+    return error;
+  }
+
   void finishStatistics() {
     statistics_.counts = functions_.counts();
     statistics_.function_times = functions_.times();
@@ -171,11 +200,8 @@ class SceneBake {
       grid.representations.push_back(generators_[g].representation());
     }
     for (const FittedFunction& function : fitted_) {
-      grid.function_representation.push_back(index_of_generator[function.generator]);
-      grid.theta_begin.push_back(grid.theta.size());
-      grid.theta.insert(grid.theta.end(), function.theta.begin(), function.theta.end());
+      grid.addFunction(index_of_generator[function.generator], function.theta.data());
     }
-    grid.theta_begin.push_back(grid.theta.size());
     return grid;
   }
 
@@ -188,6 +214,7 @@ class SceneBake {
   const BakeScene& scene_;
   const std::vector<Generator>& generators_;
   BakeOptions options_;
+  ThetaPrecision theta_precision_;
   int thread_count_;
   SceneFunctions functions_;
   std::vector<std::unique_ptr<BakeThread>> threads_;
@@ -200,8 +227,8 @@ class SceneBake {
 }  // namespace
 
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder) {
-  return SceneBake(scene, generators, options, spool_folder).run();
+               ThetaPrecision theta_precision, const std::string& spool_folder) {
+  return SceneBake(scene, generators, options, theta_precision, spool_folder).run();
 }
 
 }  // namespace nlg

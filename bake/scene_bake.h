@@ -6,6 +6,7 @@
 
 #include "bake/scene_functions.h"
 #include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
 
 namespace nlg {
 
@@ -24,14 +25,21 @@ struct BakeStatistics {
   std::vector<FunctionCheck> generated, stored;  // by function: after the generator, and of what the grid holds
 };
 
+// What storing theta in fewer bits changed, over all functions: RMSE after rounding minus RMSE before.
+struct RoundingError {
+  double mean_rmse_added = 0.0, worst_rmse_added = 0.0;
+};
+
 struct Bake {
   LightGrid grid;
+  RoundingError rounding;
   BakeStatistics statistics;
 };
 
-// generators   one a representation, by rising D; at least one
-// throws       as BakeScene and SceneFunctions do
+// generators        one a representation, by rising D; at least one
+// theta_precision   theta of the grid are rounded to it
+// throws            as SceneFunctions does; NumericalError when a theta is beyond float16
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder);
+               ThetaPrecision theta_precision, const std::string& spool_folder);
 
 }  // namespace nlg
