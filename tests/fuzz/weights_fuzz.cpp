@@ -116,10 +116,12 @@ void load(std::string_view bytes) {
   FUZZ_CHECK(result.detail.empty(), result.detail);
 
   static const std::string phi = filled("\x01\x80\xff\x7f\x33", kSupportPointCount);
-  const Generator generator(data);
-  GeneratorScratch scratch(generator);
-  std::vector<float> theta(data.theta0.size());
-  generator.generate(reinterpret_cast<const uint8_t*>(phi.data()), 1, theta.data(), &scratch);
+  for (const GeneratorPrecision precision : {GeneratorPrecision::float32, GeneratorPrecision::int16}) {
+    const Generator generator(data, precision);
+    GeneratorScratch scratch(generator);
+    std::vector<float> theta(data.theta0.size());
+    generator.generate(reinterpret_cast<const uint8_t*>(phi.data()), 1, theta.data(), &scratch);
+  }
 }
 
 // Begin and length of every number of a text, or of every text in quotes, the quotes included.

@@ -27,7 +27,7 @@ struct Loaded {
   nlg_generator* generator = nullptr;
   nlg_scratch* scratch = nullptr;
   Loaded() {
-    EXPECT_EQ(nlg_generator_load_bytes(sampleBytes().data(), sampleBytes().size(), &generator, nullptr, 0), NLG_OK);
+    EXPECT_EQ(nlg_generator_load_bytes(sampleBytes().data(), sampleBytes().size(), NLG_FLOAT32, &generator, nullptr, 0), NLG_OK);
     EXPECT_EQ(nlg_scratch_create(generator, &scratch), NLG_OK);
   }
   ~Loaded() {
@@ -60,6 +60,25 @@ TEST(CApi, GivesAnEngineInCTheNumbersOfTheLibrary) {
   }
   std::free(theta);
   std::free(values);
+}
+
+TEST(CApi, LoadsInThePrecisionAskedFor) {
+  nlg_generator* generator = nullptr;
+  nlg_scratch* c_scratch = nullptr;
+  ASSERT_EQ(nlg_generator_load_bytes(sampleBytes().data(), sampleBytes().size(), NLG_INT16, &generator, nullptr, 0), NLG_OK);
+  ASSERT_EQ(nlg_scratch_create(generator, &c_scratch), NLG_OK);
+  const std::vector<uint8_t> phi = sampleFunctions(1);
+  std::vector<float> theta(ThetaLayout::count), int16(theta), float32(theta);
+  nlg_generate(generator, phi.data(), 1, theta.data(), c_scratch);
+  nlg_scratch_free(c_scratch);
+  nlg_generator_free(generator);
+  for (const GeneratorPrecision precision : {GeneratorPrecision::int16, GeneratorPrecision::float32}) {
+    const Generator expected(sampleData(), precision);
+    GeneratorScratch scratch(expected);
+    expected.generate(phi.data(), 1, (precision == GeneratorPrecision::int16 ? int16 : float32).data(), &scratch);
+  }
+  EXPECT_EQ(theta, int16);
+  EXPECT_NE(theta, float32);
 }
 
 TEST(CApi, DescribesWhatItLoaded) {
@@ -102,14 +121,14 @@ TEST(CApi, RefusesWithAStatusAndAReason) {
   char detail[256];
   const auto statusOf = [&](const std::string& bytes) {
     generator = reinterpret_cast<nlg_generator*>(&detail);
-    return nlg_generator_load_bytes(bytes.data(), bytes.size(), &generator, detail, sizeof detail);
+    return nlg_generator_load_bytes(bytes.data(), bytes.size(), NLG_FLOAT32, &generator, detail, sizeof detail);
   };
   EXPECT_EQ(statusOf(sampleBytes().substr(0, 5)), NLG_TOO_SHORT);
   EXPECT_EQ(generator, nullptr);
   EXPECT_STREQ(detail, "no 8 bytes for the header's length");
   EXPECT_EQ(statusOf(sampleBytes() + "x"), NLG_TENSOR_MALFORMED);
   EXPECT_EQ(statusOf(serializeWeights({})), NLG_TENSOR_MISSING);
-  EXPECT_EQ(nlg_generator_load("/no/such/file", &generator, detail, sizeof detail), NLG_CANNOT_OPEN);
+  EXPECT_EQ(nlg_generator_load("/no/such/file", NLG_FLOAT32, &generator, detail, sizeof detail), NLG_CANNOT_OPEN);
   EXPECT_EQ(std::string(detail).find("/no/such/file: "), 0u) << detail;
   EXPECT_EQ(statusOf(sampleBytes()), NLG_OK);
   EXPECT_STREQ(detail, "");
@@ -120,23 +139,23 @@ TEST(CApi, CutsTheReasonToTheBufferBetweenCharacters) {
   nlg_generator* generator = nullptr;
   const std::string path = "/né";
   char detail[8] = "unsized";
-  nlg_generator_load(path.c_str(), &generator, nullptr, 0);
+  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, nullptr, 0);
   EXPECT_STREQ(detail, "unsized");
-  nlg_generator_load(path.c_str(), &generator, detail, 1);
+  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, detail, 1);
   EXPECT_STREQ(detail, "");
-  nlg_generator_load(path.c_str(), &generator, detail, 4);  // room for three bytes; é has two
+  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, detail, 4);  // room for three bytes; é has two
   EXPECT_STREQ(detail, "/n");
-  nlg_generator_load(path.c_str(), &generator, detail, 5);
+  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, detail, 5);
   EXPECT_STREQ(detail, "/né");
 }
 
 TEST(CApi, NamesEveryStatus) {
-  for (int status = NLG_OK; status <= NLG_PATTERN_UNKNOWN; ++status) {
+  for (int status = NLG_OK; status <= NLG_SIMD_UNAVAILABLE; ++status) {
     EXPECT_STRNE(nlg_status_name(static_cast<nlg_status>(status)), "unknown") << status;
   }
   EXPECT_STREQ(nlg_status_name(NLG_TENSOR_MISSING), "tensor_missing");
   EXPECT_STREQ(nlg_status_name(NLG_OUT_OF_MEMORY), "out_of_memory");
-  EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_PATTERN_UNKNOWN + 1)), "unknown");
+  EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_SIMD_UNAVAILABLE + 1)), "unknown");
 }
 
 TEST(CApi, FreesNothingWhenThereIsNothing) {
