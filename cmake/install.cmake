@@ -32,7 +32,9 @@ set(NLG_PUBLIC_HEADERS
   fit/direct.h
   fit/function_check.h
   fit/refinement.h
-  light_grid/probe_tree.h)
+  fit/representation_choice.h
+  light_grid/probe_tree.h
+  light_grid/light_grid.h)
 list(TRANSFORM NLG_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/runtime_eval/)
 target_sources(nlg_runtime_eval PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${NLG_PUBLIC_HEADERS})
 

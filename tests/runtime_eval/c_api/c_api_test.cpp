@@ -18,6 +18,11 @@ const GeneratorData& sampleData() {
   static const GeneratorData data = sampleGenerator(Representation::tentMlp(0.02f), 24, 3, 8);
   return data;
 }
+// Of another length of theta.
+const GeneratorData& fieldData() {
+  static const GeneratorData data = sampleGenerator(Representation::productField(5), 24, 3, 9);
+  return data;
+}
 const std::string& sampleBytes() {
   static const std::string bytes = serializeWeights(weightsFromGenerator(sampleData()));
   return bytes;
@@ -26,8 +31,9 @@ const std::string& sampleBytes() {
 struct Loaded {
   nlg_generator* generator = nullptr;
   nlg_scratch* scratch = nullptr;
-  Loaded() {
-    EXPECT_EQ(nlg_generator_load_bytes(sampleBytes().data(), sampleBytes().size(), NLG_FLOAT32, &generator, nullptr, 0), NLG_OK);
+  explicit Loaded(const GeneratorData& data) {
+    const std::string bytes = serializeWeights(weightsFromGenerator(data));
+    EXPECT_EQ(nlg_generator_load_bytes(bytes.data(), bytes.size(), NLG_FLOAT32, &generator, nullptr, 0), NLG_OK);
     EXPECT_EQ(nlg_scratch_create(generator, &scratch), NLG_OK);
   }
   ~Loaded() {
@@ -82,7 +88,9 @@ TEST(CApi, LoadsInThePrecisionAskedFor) {
 }
 
 TEST(CApi, DescribesWhatItLoaded) {
-  const Loaded loaded;
+  const Loaded loaded(sampleData()), field(fieldData());
+  EXPECT_STREQ(nlg_representation_name(field.generator), "pf5");
+  EXPECT_EQ(nlg_theta_count(field.generator), 250u);
   EXPECT_STREQ(nlg_representation_name(loaded.generator), "tent_mlp");
   EXPECT_EQ(nlg_representation_slope(loaded.generator), 0.02f);
   ASSERT_EQ(nlg_theta_count(loaded.generator), sampleData().theta0.size());
@@ -100,20 +108,34 @@ TEST(CApi, NamesTheSupportPointsAndTheirHash) {
 }
 
 TEST(CApi, EvaluatesAnyNumberOfPointsAndWritesNoMore) {
-  const Loaded loaded;
-  const float* theta = nlg_theta0(loaded.generator);
   const std::vector<LocalPoint> points = unseenPoints(1025);
   std::vector<float> x, y, z;
   for (const LocalPoint& point : points) x.push_back(point[0]), y.push_back(point[1]), z.push_back(point[2]);
-  for (const size_t count : {0, 1, 15, 16, 17, 511, 512, 513, 1025}) {
-    std::vector<float> values(count + 1, -7.0f);
-    nlg_evaluate(loaded.generator, theta, count, x.data(), y.data(), z.data(), values.data(), loaded.scratch);
-    const PointSet set = makePointSet({points.begin(), points.begin() + static_cast<int>(count)});
-    AlignedFloats expected(set.padded_count);
-    evaluate(sampleData().representation, set, theta, expected.data());
-    EXPECT_TRUE(std::equal(values.begin(), values.end() - 1, expected.begin())) << count;
-    EXPECT_EQ(values.back(), -7.0f) << count;
+  for (const GeneratorData* data : {&sampleData(), &fieldData()}) {
+    const Loaded loaded(*data);
+    const float* theta = nlg_theta0(loaded.generator);
+    for (const size_t count : {0, 1, 15, 16, 17, 511, 512, 513, 1025}) {
+      std::vector<float> values(count + 1, -7.0f);
+      nlg_evaluate(loaded.generator, theta, count, x.data(), y.data(), z.data(), values.data(), loaded.scratch);
+      const PointSet set = makePointSet({points.begin(), points.begin() + static_cast<int>(count)});
+      AlignedFloats expected(set.padded_count);
+      evaluate(data->representation, set, theta, expected.data());
+      EXPECT_TRUE(std::equal(values.begin(), values.end() - 1, expected.begin())) << count;
+      EXPECT_EQ(values.back(), -7.0f) << count;
+    }
   }
+}
+
+TEST(CApi, GeneratesThetaOfAnyLength) {
+  const Loaded loaded(fieldData());
+  const std::vector<uint8_t> phi = sampleFunctions(5);
+  std::vector<float> theta(5 * 250 + 1, -7.0f), expected(5 * 250);
+  nlg_generate(loaded.generator, phi.data(), 5, theta.data(), loaded.scratch);
+  const Generator generator(fieldData());
+  GeneratorScratch scratch(generator);
+  generator.generate(phi.data(), 5, expected.data(), &scratch);
+  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), theta.begin()));
+  EXPECT_EQ(theta.back(), -7.0f);
 }
 
 TEST(CApi, RefusesWithAStatusAndAReason) {
