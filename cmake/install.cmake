@@ -16,9 +16,12 @@ set(NLG_PUBLIC_HEADERS
   support/support_pattern.h
   support/point_order.h
   support/weighting_function.h
+  support/simd_target.h
   evaluator/representation.h
   evaluator/evaluate.h
   evaluator/matrix_product.h
+  evaluator/integer_product.h
+  evaluator/parity_transform.h
   evaluator/projection.h
   evaluator/generator.h
   fit/fit_result.h
@@ -29,7 +32,9 @@ set(NLG_PUBLIC_HEADERS
   fit/direct.h
   fit/function_check.h
   fit/refinement.h
-  light_grid/probe_tree.h)
+  fit/representation_choice.h
+  light_grid/probe_tree.h
+  light_grid/light_grid.h)
 list(TRANSFORM NLG_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/runtime_eval/)
 target_sources(nlg_runtime_eval PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${NLG_PUBLIC_HEADERS})
 

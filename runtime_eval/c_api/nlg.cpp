@@ -1,6 +1,7 @@
 #include "runtime_eval/c_api/nlg.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/support/simd_target.h"
 
 namespace {
 
@@ -30,7 +32,10 @@ NLG_SAME(NLG_VALUE_NOT_FINITE, value_not_finite);
 NLG_SAME(NLG_VALUE_OUT_OF_RANGE, value_out_of_range);
 NLG_SAME(NLG_VERSION_UNKNOWN, version_unknown);
 NLG_SAME(NLG_PATTERN_UNKNOWN, pattern_unknown);
+NLG_SAME(NLG_SIMD_UNAVAILABLE, simd_unavailable);
 #undef NLG_SAME
+static_assert(NLG_FLOAT32 == static_cast<int>(nlg::GeneratorPrecision::float32));
+static_assert(NLG_INT16 == static_cast<int>(nlg::GeneratorPrecision::int16));
 static_assert(NLG_SUPPORT_POINT_COUNT == nlg::kSupportPointCount);
 static_assert(sizeof(nlg::LocalPoint) == 3 * sizeof(float));
 
@@ -111,12 +116,17 @@ nlg_status loadGenerator(const Load& load, nlg_generator** generator, char* deta
   return status;
 }
 
-nlg::WeightsResult loadBytes(std::string_view bytes, nlg::Generator* generator) {
+// As Generator::load does with a file.
+nlg::WeightsResult loadBytes(std::string_view bytes, nlg::GeneratorPrecision precision, nlg::Generator* generator) {
+  const nlg::SimdStatus simd = nlg::forceSimdTargetFromEnvironment();
+  if (simd != nlg::SimdStatus::ok) {
+    return {WeightsStatus::simd_unavailable, "NLG_SIMD: " + nlg::simdRefusal(std::getenv("NLG_SIMD"), simd)};
+  }
   nlg::WeightsFile file;
   nlg::GeneratorData data;
   nlg::WeightsResult result = nlg::parseWeights(bytes, &file);
   if (result.ok()) result = nlg::generatorFromWeights(file, &data);
-  if (result.ok()) *generator = nlg::Generator(data);
+  if (result.ok()) *generator = nlg::Generator(data, precision);
   return result;
 }
 
@@ -129,15 +139,19 @@ const char* nlg_status_name(nlg_status status) {
   return nlg::weightsStatusName(static_cast<WeightsStatus>(status));
 }
 
-nlg_status nlg_generator_load(const char* path, nlg_generator** generator, char* detail, size_t detail_size) {
-  return loadGenerator([&](nlg::Generator* loaded) { return nlg::Generator::load(path, loaded); }, generator, detail,
-                       detail_size);
+nlg_status nlg_generator_load(const char* path, nlg_precision precision, nlg_generator** generator, char* detail,
+                              size_t detail_size) {
+  return loadGenerator(
+      [&](nlg::Generator* loaded) { return nlg::Generator::load(path, static_cast<nlg::GeneratorPrecision>(precision), loaded); },
+      generator, detail, detail_size);
 }
 
-nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_generator** generator, char* detail,
-                                    size_t detail_size) {
+nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_precision precision, nlg_generator** generator,
+                                    char* detail, size_t detail_size) {
   const std::string_view view(static_cast<const char*>(bytes), byte_count);
-  return loadGenerator([&](nlg::Generator* loaded) { return loadBytes(view, loaded); }, generator, detail, detail_size);
+  return loadGenerator(
+      [&](nlg::Generator* loaded) { return loadBytes(view, static_cast<nlg::GeneratorPrecision>(precision), loaded); }, generator,
+      detail, detail_size);
 }
 
 void nlg_generator_free(nlg_generator* generator) { delete generator; }

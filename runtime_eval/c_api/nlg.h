@@ -34,7 +34,8 @@ typedef enum nlg_status {
   NLG_VALUE_NOT_FINITE = 9,
   NLG_VALUE_OUT_OF_RANGE = 10,
   NLG_VERSION_UNKNOWN = 11,
-  NLG_PATTERN_UNKNOWN = 12, /* made for another support pattern */
+  NLG_PATTERN_UNKNOWN = 12,  /* made for another support pattern */
+  NLG_SIMD_UNAVAILABLE = 13, /* the environment variable NLG_SIMD names a target that this build or machine does not have */
   NLG_OUT_OF_MEMORY = 100
 } nlg_status;
 
@@ -47,14 +48,21 @@ typedef struct nlg_generator nlg_generator;
 /* Working memory of one thread for one generator. */
 typedef struct nlg_scratch nlg_scratch;
 
+/* What the products of a generator are made of: docs/inference.md has the errors and the speeds. */
+typedef enum nlg_precision {
+  NLG_FLOAT32 = 0,
+  NLG_INT16 = 1 /* fixed point with exact sums: the same bits on every SIMD target */
+} nlg_precision;
+
 /* Loads a weights file, from a path or from bytes that are needed only during the call.
  *
  * generator     receives the handle; null on failure
  * detail        receives, on failure, where and why in one line of UTF-8, cut to fit and ended by a zero; an empty text on
  * success. May be null when detail_size is 0 */
-nlg_status nlg_generator_load(const char* path, nlg_generator** generator, char* detail, size_t detail_size);
-nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_generator** generator, char* detail,
-                                    size_t detail_size);
+nlg_status nlg_generator_load(const char* path, nlg_precision precision, nlg_generator** generator, char* detail,
+                              size_t detail_size);
+nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_precision precision, nlg_generator** generator,
+                                    char* detail, size_t detail_size);
 void nlg_generator_free(nlg_generator* generator);
 
 /* "mlp", "tent_mlp", "pf5", …: what theta stands for (docs/formats.md). Lives for ever. */

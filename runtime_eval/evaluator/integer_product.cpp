@@ -40,7 +40,7 @@ HWY_INLINE Sums addPairs(int32_t pair, const int16_t* HWY_RESTRICT column, Sums 
   return sum;
 }
 HWY_INLINE Sums wholeSum(Sums sum, Sums) { return sum; }
-#elif HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+#elif HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 HWY_INLINE Sums addPairs(int32_t pair, const int16_t* HWY_RESTRICT column, Sums sum, Sums& other) {
   const SumTag d;
   const hn::Repartition<int16_t, SumTag> d16;

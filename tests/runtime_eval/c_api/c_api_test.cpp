@@ -18,6 +18,11 @@ const GeneratorData& sampleData() {
   static const GeneratorData data = sampleGenerator(Representation::tentMlp(0.02f), 24, 3, 8);
   return data;
 }
+// Of another length of theta.
+const GeneratorData& fieldData() {
+  static const GeneratorData data = sampleGenerator(Representation::productField(5), 24, 3, 9);
+  return data;
+}
 const std::string& sampleBytes() {
   static const std::string bytes = serializeWeights(weightsFromGenerator(sampleData()));
   return bytes;
@@ -26,8 +31,9 @@ const std::string& sampleBytes() {
 struct Loaded {
   nlg_generator* generator = nullptr;
   nlg_scratch* scratch = nullptr;
-  Loaded() {
-    EXPECT_EQ(nlg_generator_load_bytes(sampleBytes().data(), sampleBytes().size(), &generator, nullptr, 0), NLG_OK);
+  explicit Loaded(const GeneratorData& data) {
+    const std::string bytes = serializeWeights(weightsFromGenerator(data));
+    EXPECT_EQ(nlg_generator_load_bytes(bytes.data(), bytes.size(), NLG_FLOAT32, &generator, nullptr, 0), NLG_OK);
     EXPECT_EQ(nlg_scratch_create(generator, &scratch), NLG_OK);
   }
   ~Loaded() {
@@ -62,8 +68,29 @@ TEST(CApi, GivesAnEngineInCTheNumbersOfTheLibrary) {
   std::free(values);
 }
 
+TEST(CApi, LoadsInThePrecisionAskedFor) {
+  nlg_generator* generator = nullptr;
+  nlg_scratch* c_scratch = nullptr;
+  ASSERT_EQ(nlg_generator_load_bytes(sampleBytes().data(), sampleBytes().size(), NLG_INT16, &generator, nullptr, 0), NLG_OK);
+  ASSERT_EQ(nlg_scratch_create(generator, &c_scratch), NLG_OK);
+  const std::vector<uint8_t> phi = sampleFunctions(1);
+  std::vector<float> theta(ThetaLayout::count), int16(theta), float32(theta);
+  nlg_generate(generator, phi.data(), 1, theta.data(), c_scratch);
+  nlg_scratch_free(c_scratch);
+  nlg_generator_free(generator);
+  for (const GeneratorPrecision precision : {GeneratorPrecision::int16, GeneratorPrecision::float32}) {
+    const Generator expected(sampleData(), precision);
+    GeneratorScratch scratch(expected);
+    expected.generate(phi.data(), 1, (precision == GeneratorPrecision::int16 ? int16 : float32).data(), &scratch);
+  }
+  EXPECT_EQ(theta, int16);
+  EXPECT_NE(theta, float32);
+}
+
 TEST(CApi, DescribesWhatItLoaded) {
-  const Loaded loaded;
+  const Loaded loaded(sampleData()), field(fieldData());
+  EXPECT_STREQ(nlg_representation_name(field.generator), "pf5");
+  EXPECT_EQ(nlg_theta_count(field.generator), 250u);
   EXPECT_STREQ(nlg_representation_name(loaded.generator), "tent_mlp");
   EXPECT_EQ(nlg_representation_slope(loaded.generator), 0.02f);
   ASSERT_EQ(nlg_theta_count(loaded.generator), sampleData().theta0.size());
@@ -81,20 +108,34 @@ TEST(CApi, NamesTheSupportPointsAndTheirHash) {
 }
 
 TEST(CApi, EvaluatesAnyNumberOfPointsAndWritesNoMore) {
-  const Loaded loaded;
-  const float* theta = nlg_theta0(loaded.generator);
   const std::vector<LocalPoint> points = unseenPoints(1025);
   std::vector<float> x, y, z;
   for (const LocalPoint& point : points) x.push_back(point[0]), y.push_back(point[1]), z.push_back(point[2]);
-  for (const size_t count : {0, 1, 15, 16, 17, 511, 512, 513, 1025}) {
-    std::vector<float> values(count + 1, -7.0f);
-    nlg_evaluate(loaded.generator, theta, count, x.data(), y.data(), z.data(), values.data(), loaded.scratch);
-    const PointSet set = makePointSet({points.begin(), points.begin() + static_cast<int>(count)});
-    AlignedFloats expected(set.padded_count);
-    evaluate(sampleData().representation, set, theta, expected.data());
-    EXPECT_TRUE(std::equal(values.begin(), values.end() - 1, expected.begin())) << count;
-    EXPECT_EQ(values.back(), -7.0f) << count;
+  for (const GeneratorData* data : {&sampleData(), &fieldData()}) {
+    const Loaded loaded(*data);
+    const float* theta = nlg_theta0(loaded.generator);
+    for (const size_t count : {0, 1, 15, 16, 17, 511, 512, 513, 1025}) {
+      std::vector<float> values(count + 1, -7.0f);
+      nlg_evaluate(loaded.generator, theta, count, x.data(), y.data(), z.data(), values.data(), loaded.scratch);
+      const PointSet set = makePointSet({points.begin(), points.begin() + static_cast<int>(count)});
+      AlignedFloats expected(set.padded_count);
+      evaluate(data->representation, set, theta, expected.data());
+      EXPECT_TRUE(std::equal(values.begin(), values.end() - 1, expected.begin())) << count;
+      EXPECT_EQ(values.back(), -7.0f) << count;
+    }
   }
+}
+
+TEST(CApi, GeneratesThetaOfAnyLength) {
+  const Loaded loaded(fieldData());
+  const std::vector<uint8_t> phi = sampleFunctions(5);
+  std::vector<float> theta(5 * 250 + 1, -7.0f), expected(5 * 250);
+  nlg_generate(loaded.generator, phi.data(), 5, theta.data(), loaded.scratch);
+  const Generator generator(fieldData());
+  GeneratorScratch scratch(generator);
+  generator.generate(phi.data(), 5, expected.data(), &scratch);
+  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), theta.begin()));
+  EXPECT_EQ(theta.back(), -7.0f);
 }
 
 TEST(CApi, RefusesWithAStatusAndAReason) {
@@ -102,14 +143,14 @@ TEST(CApi, RefusesWithAStatusAndAReason) {
   char detail[256];
   const auto statusOf = [&](const std::string& bytes) {
     generator = reinterpret_cast<nlg_generator*>(&detail);
-    return nlg_generator_load_bytes(bytes.data(), bytes.size(), &generator, detail, sizeof detail);
+    return nlg_generator_load_bytes(bytes.data(), bytes.size(), NLG_FLOAT32, &generator, detail, sizeof detail);
   };
   EXPECT_EQ(statusOf(sampleBytes().substr(0, 5)), NLG_TOO_SHORT);
   EXPECT_EQ(generator, nullptr);
   EXPECT_STREQ(detail, "no 8 bytes for the header's length");
   EXPECT_EQ(statusOf(sampleBytes() + "x"), NLG_TENSOR_MALFORMED);
   EXPECT_EQ(statusOf(serializeWeights({})), NLG_TENSOR_MISSING);
-  EXPECT_EQ(nlg_generator_load("/no/such/file", &generator, detail, sizeof detail), NLG_CANNOT_OPEN);
+  EXPECT_EQ(nlg_generator_load("/no/such/file", NLG_FLOAT32, &generator, detail, sizeof detail), NLG_CANNOT_OPEN);
   EXPECT_EQ(std::string(detail).find("/no/such/file: "), 0u) << detail;
   EXPECT_EQ(statusOf(sampleBytes()), NLG_OK);
   EXPECT_STREQ(detail, "");
@@ -120,23 +161,23 @@ TEST(CApi, CutsTheReasonToTheBufferBetweenCharacters) {
   nlg_generator* generator = nullptr;
   const std::string path = "/né";
   char detail[8] = "unsized";
-  nlg_generator_load(path.c_str(), &generator, nullptr, 0);
+  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, nullptr, 0);
   EXPECT_STREQ(detail, "unsized");
-  nlg_generator_load(path.c_str(), &generator, detail, 1);
+  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, detail, 1);
   EXPECT_STREQ(detail, "");
-  nlg_generator_load(path.c_str(), &generator, detail, 4);  // room for three bytes; é has two
+  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, detail, 4);  // room for three bytes; é has two
   EXPECT_STREQ(detail, "/n");
-  nlg_generator_load(path.c_str(), &generator, detail, 5);
+  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, detail, 5);
   EXPECT_STREQ(detail, "/né");
 }
 
 TEST(CApi, NamesEveryStatus) {
-  for (int status = NLG_OK; status <= NLG_PATTERN_UNKNOWN; ++status) {
+  for (int status = NLG_OK; status <= NLG_SIMD_UNAVAILABLE; ++status) {
     EXPECT_STRNE(nlg_status_name(static_cast<nlg_status>(status)), "unknown") << status;
   }
   EXPECT_STREQ(nlg_status_name(NLG_TENSOR_MISSING), "tensor_missing");
   EXPECT_STREQ(nlg_status_name(NLG_OUT_OF_MEMORY), "out_of_memory");
-  EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_PATTERN_UNKNOWN + 1)), "unknown");
+  EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_SIMD_UNAVAILABLE + 1)), "unknown");
 }
 
 TEST(CApi, FreesNothingWhenThereIsNothing) {
