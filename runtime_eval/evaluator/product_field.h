@@ -15,6 +15,12 @@ void evaluateField(int resolution, const PointSet& points, const float* theta, f
 // values   order.placeCount() floats; at places without a point the value at the cell's centre
 void evaluateFieldCells(const PointOrder& order, const float* theta, float* values);
 
+// A field on a grid of another resolution: A and B at the new nodes. Where the new grid holds all nodes of the old one (3 to 5, 7
+// and 9; 5 to 9) it is the same field, so that a fit can go on with more nodes where it had come to its end with few.
+// theta    2 from³ floats
+// result   2 to³ floats
+void resampleField(int from, const float* theta, int to, float* result);
+
 // In double, one point, straight from the formula: what the vector code is tested against.
 double evaluateFieldReference(int resolution, const LocalPoint& point, const double* theta);
 
