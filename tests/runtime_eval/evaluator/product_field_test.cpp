@@ -166,6 +166,19 @@ TEST(ProductField, TakesTheOldFieldsValuesAtTheNodesOfAnyOtherGrid) {
   }
 }
 
+TEST(ProductField, StaysInTheUnitIntervalHoweverLargeItsNodes) {
+  for (const int resolution : kFieldResolutions) {
+    Theta theta = randomField(resolution, 17, -1.0, 1.0);
+    for (float& node : theta) node = std::copysign(1e37f, node);
+    const std::vector<LocalPoint> points = unseenPoints(1000);
+    forEachTarget([&] {
+      std::vector<float> values = evaluatedCells(resolution, theta);
+      for (const float value : evaluatedAt(resolution, points, theta)) values.push_back(value);
+      for (const float value : values) ASSERT_TRUE(value >= 0.0f && value <= 1.0f) << resolution << ": " << value;
+    });
+  }
+}
+
 // functionRmse tells from the values that a theta is not finite.
 TEST(ProductField, IsNoNumberWhereANodeIsNone) {
   for (const int node : {0, 26}) {
