@@ -97,6 +97,27 @@ void evaluateFieldCells(const PointOrder& order, const float* theta, float* valu
   HWY_DYNAMIC_DISPATCH(evaluateCells)(order, theta, values);
 }
 
+void resampleField(int from, const float* theta, int to, float* result) {
+  for (int i = 0; i < to * to * to; ++i) {
+    const int along[3] = {i % to, i / to % to, i / (to * to)};
+    double sums[2] = {};
+    for (int corner = 0; corner < 8; ++corner) {
+      double weight = 1.0;
+      int index = 0, stride = 1;
+      for (int axis = 0; axis < 3; ++axis, stride *= from) {
+        // in integers, so that a node of both grids takes its value from one node alone
+        const int position = along[axis] * (from - 1), low = std::min(position / (to - 1), from - 2);
+        const double share = static_cast<double>(position - low * (to - 1)) / (to - 1);
+        const int high = corner >> axis & 1;
+        weight *= high ? share : 1.0 - share;
+        index += (low + high) * stride;
+      }
+      for (int channel = 0; channel < 2; ++channel) sums[channel] += weight * theta[2 * index + channel];
+    }
+    for (int channel = 0; channel < 2; ++channel) result[2 * i + channel] = static_cast<float>(sums[channel]);
+  }
+}
+
 double evaluateFieldReference(int resolution, const LocalPoint& point, const double* theta) {
   int node[3];
   double share[3];

@@ -213,6 +213,7 @@ bool SymmetricBand::operator==(const SymmetricBand& other) const {
 }
 
 void SymmetricBand::multiply(const double* vector, double* result) const {
+  // multiplyBand only reads
   const Band band{paddedCount(count_), bandwidth_, stride_, const_cast<double*>(entries_.data())};
   HWY_DYNAMIC_DISPATCH(multiplyBand)(band, count_, vector, result);
 }

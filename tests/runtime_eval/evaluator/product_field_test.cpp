@@ -132,6 +132,53 @@ TEST(ProductField, IsConstantWhereItsNodesAreEqual) {
   }
 }
 
+TEST(ProductField, StaysTheSameOnAGridThatHoldsAllItsNodes) {
+  constexpr int kNested[][2] = {{3, 3}, {3, 5}, {3, 7}, {3, 9}, {5, 9}};
+  for (const auto [from, to] : kNested) {
+    SCOPED_TRACE(testing::Message() << from << " to " << to);
+    const Theta theta = randomField(from, 15, -0.5, 1.5);
+    Theta finer(Representation::productField(to).thetaCount());
+    resampleField(from, theta.data(), to, finer.data());
+    const std::vector<double> exact = toDouble(theta), exact_finer = toDouble(finer);
+    for (const LocalPoint& point : unseenPoints(500)) {
+      // one rounding of each new node
+      ASSERT_NEAR(evaluateFieldReference(to, point, exact_finer.data()), evaluateFieldReference(from, point, exact.data()),
+                  fieldError(from, theta));
+    }
+  }
+}
+
+TEST(ProductField, TakesTheOldFieldsValuesAtTheNodesOfAnyOtherGrid) {
+  constexpr int kPairs[][2] = {{5, 7}, {7, 5}, {9, 3}, {7, 9}};
+  for (const auto [from, to] : kPairs) {
+    SCOPED_TRACE(testing::Message() << from << " to " << to);
+    const Theta theta = randomField(from, 16, 0.0, 1.0);
+    Theta other(Representation::productField(to).thetaCount());
+    resampleField(from, theta.data(), to, other.data());
+    const std::vector<double> exact = toDouble(theta);
+    for (int i = 0; i < to * to * to; ++i) {
+      const auto along = [&](int node) { return static_cast<float>(2.0 * node / (to - 1) - 1.0); };
+      const double expected =
+          evaluateFieldReference(from, {along(i % to), along(i / to % to), along(i / (to * to))}, exact.data());
+      ASSERT_NEAR(other[2 * i] / (1.0 + std::exp(-static_cast<double>(other[2 * i + 1]))), expected, fieldError(from, theta))
+          << i;
+    }
+  }
+}
+
+TEST(ProductField, StaysInTheUnitIntervalHoweverLargeItsNodes) {
+  for (const int resolution : kFieldResolutions) {
+    Theta theta = randomField(resolution, 17, -1.0, 1.0);
+    for (float& node : theta) node = std::copysign(1e37f, node);
+    const std::vector<LocalPoint> points = unseenPoints(1000);
+    forEachTarget([&] {
+      std::vector<float> values = evaluatedCells(resolution, theta);
+      for (const float value : evaluatedAt(resolution, points, theta)) values.push_back(value);
+      for (const float value : values) ASSERT_TRUE(value >= 0.0f && value <= 1.0f) << resolution << ": " << value;
+    });
+  }
+}
+
 // functionRmse tells from the values that a theta is not finite.
 TEST(ProductField, IsNoNumberWhereANodeIsNone) {
   for (const int node : {0, 26}) {
