@@ -16,9 +16,12 @@ set(NLG_PUBLIC_HEADERS
   support/support_pattern.h
   support/point_order.h
   support/weighting_function.h
+  support/simd_target.h
   evaluator/representation.h
   evaluator/evaluate.h
   evaluator/matrix_product.h
+  evaluator/integer_product.h
+  evaluator/parity_transform.h
   evaluator/projection.h
   evaluator/generator.h
   fit/fit_result.h

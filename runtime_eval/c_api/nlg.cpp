@@ -30,6 +30,7 @@ NLG_SAME(NLG_VALUE_NOT_FINITE, value_not_finite);
 NLG_SAME(NLG_VALUE_OUT_OF_RANGE, value_out_of_range);
 NLG_SAME(NLG_VERSION_UNKNOWN, version_unknown);
 NLG_SAME(NLG_PATTERN_UNKNOWN, pattern_unknown);
+NLG_SAME(NLG_SIMD_UNAVAILABLE, simd_unavailable);
 #undef NLG_SAME
 static_assert(NLG_SUPPORT_POINT_COUNT == nlg::kSupportPointCount);
 static_assert(sizeof(nlg::LocalPoint) == 3 * sizeof(float));
@@ -111,15 +112,6 @@ nlg_status loadGenerator(const Load& load, nlg_generator** generator, char* deta
   return status;
 }
 
-nlg::WeightsResult loadBytes(std::string_view bytes, nlg::Generator* generator) {
-  nlg::WeightsFile file;
-  nlg::GeneratorData data;
-  nlg::WeightsResult result = nlg::parseWeights(bytes, &file);
-  if (result.ok()) result = nlg::generatorFromWeights(file, &data);
-  if (result.ok()) *generator = nlg::Generator(data);
-  return result;
-}
-
 }  // namespace
 
 extern "C" {
@@ -137,7 +129,9 @@ nlg_status nlg_generator_load(const char* path, nlg_generator** generator, char*
 nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_generator** generator, char* detail,
                                     size_t detail_size) {
   const std::string_view view(static_cast<const char*>(bytes), byte_count);
-  return loadGenerator([&](nlg::Generator* loaded) { return loadBytes(view, loaded); }, generator, detail, detail_size);
+  return loadGenerator(
+      [&](nlg::Generator* loaded) { return nlg::Generator::parse(view, nlg::GeneratorPrecision::float32, loaded); }, generator,
+      detail, detail_size);
 }
 
 void nlg_generator_free(nlg_generator* generator) { delete generator; }

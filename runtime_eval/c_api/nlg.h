@@ -34,7 +34,8 @@ typedef enum nlg_status {
   NLG_VALUE_NOT_FINITE = 9,
   NLG_VALUE_OUT_OF_RANGE = 10,
   NLG_VERSION_UNKNOWN = 11,
-  NLG_PATTERN_UNKNOWN = 12, /* made for another support pattern */
+  NLG_PATTERN_UNKNOWN = 12,  /* made for another support pattern */
+  NLG_SIMD_UNAVAILABLE = 13, /* NLG_SIMD names a target that this build or machine does not have */
   NLG_OUT_OF_MEMORY = 100
 } nlg_status;
 

@@ -131,12 +131,12 @@ TEST(CApi, CutsTheReasonToTheBufferBetweenCharacters) {
 }
 
 TEST(CApi, NamesEveryStatus) {
-  for (int status = NLG_OK; status <= NLG_PATTERN_UNKNOWN; ++status) {
+  for (int status = NLG_OK; status <= NLG_SIMD_UNAVAILABLE; ++status) {
     EXPECT_STRNE(nlg_status_name(static_cast<nlg_status>(status)), "unknown") << status;
   }
   EXPECT_STREQ(nlg_status_name(NLG_TENSOR_MISSING), "tensor_missing");
   EXPECT_STREQ(nlg_status_name(NLG_OUT_OF_MEMORY), "out_of_memory");
-  EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_PATTERN_UNKNOWN + 1)), "unknown");
+  EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_SIMD_UNAVAILABLE + 1)), "unknown");
 }
 
 TEST(CApi, FreesNothingWhenThereIsNothing) {
