@@ -116,20 +116,6 @@ nlg_status loadGenerator(const Load& load, nlg_generator** generator, char* deta
   return status;
 }
 
-// As Generator::load does with a file.
-nlg::WeightsResult loadBytes(std::string_view bytes, nlg::GeneratorPrecision precision, nlg::Generator* generator) {
-  const nlg::SimdStatus simd = nlg::forceSimdTargetFromEnvironment();
-  if (simd != nlg::SimdStatus::ok) {
-    return {WeightsStatus::simd_unavailable, "NLG_SIMD: " + nlg::simdRefusal(std::getenv("NLG_SIMD"), simd)};
-  }
-  nlg::WeightsFile file;
-  nlg::GeneratorData data;
-  nlg::WeightsResult result = nlg::parseWeights(bytes, &file);
-  if (result.ok()) result = nlg::generatorFromWeights(file, &data);
-  if (result.ok()) *generator = nlg::Generator(data, precision);
-  return result;
-}
-
 }  // namespace
 
 extern "C" {
@@ -150,8 +136,10 @@ nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_pr
                                     char* detail, size_t detail_size) {
   const std::string_view view(static_cast<const char*>(bytes), byte_count);
   return loadGenerator(
-      [&](nlg::Generator* loaded) { return loadBytes(view, static_cast<nlg::GeneratorPrecision>(precision), loaded); }, generator,
-      detail, detail_size);
+      [&](nlg::Generator* loaded) {
+        return nlg::Generator::parse(view, static_cast<nlg::GeneratorPrecision>(precision), loaded);
+      },
+      generator, detail, detail_size);
 }
 
 void nlg_generator_free(nlg_generator* generator) { delete generator; }

@@ -138,7 +138,8 @@ void multiplyAll(RowMatrix input, int row_count, const PackedMatrix& matrix, con
     tile.panel = matrix.panel(first / PackedMatrix::kPanelWidth) + first % PackedMatrix::kPanelWidth;
     tile.input_count = matrix.inputCount();
     const int next = std::min((first + kTileColumns) / PackedMatrix::kPanelWidth, matrix.panelCount() - 1);
-    tile.ahead = matrix.panel(next);
+    // few rows stream every panel once, which the hardware foresees by itself
+    tile.ahead = row_count < kTileRows ? tile.panel : matrix.panel(next);
     tile.skip = epilogue == Epilogue::leaky_and_skip ? input.values + first : nullptr;
     tile.slope = slope;
     tile.output = output + first;
