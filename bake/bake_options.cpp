@@ -1,5 +1,7 @@
 #include "bake/bake_options.h"
 
+#include "bake/refinement_options.h"
+
 namespace nlg {
 
 void describe(BakeOptions& o, OptionTable& table) {
@@ -17,14 +19,7 @@ void describe(BakeOptions& o, OptionTable& table) {
             "functions that differ by no more than this RMS, in steps of 1/255, share one theta; 0: the same bytes", 0.0, 16.0);
   table.add("duplicate_validity_points", &o.duplicate_validity_points,
             "and whose validity differs in no more than so many support points", 0, 8192);
-  table.add("tau_rmse", &o.refinement.check.tau_rmse, "a theta whose RMSE is above needs refinement", 1e-6, 1e3);
-  table.add("tau_leak", &o.refinement.check.tau_leak, "weight that counts as a leak where the function is 0", 1e-6, 1e3);
-  table.add("leak_share", &o.refinement.check.leak_share, "a theta that leaks at a larger share of those points needs refinement",
-            1e-6, 1.0);
-  table.add("refine_rounds", &o.refinement.rounds, "rounds of refinement at most; 0: none", 0, 16);
-  table.add("refine_first_steps", &o.refinement.first_steps, "steps of Adam in the first round", 1, 100000);
-  table.add("refine_growth", &o.refinement.growth, "steps of a round over those of the round before", 1, 100);
-  table.add("refine_leak_weight", &o.refinement.leak_weight, "weight of points where the function is 0", 1.0, 1e6);
+  describeRefinement(o.refinement, table);
   table.add("refine_seconds", &o.refine_seconds,
             "time for all refinement, spent on the worst functions first; 0: as long as it takes, the only setting whose result "
             "does not depend on the machine's speed",

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bake/refinement_options.h"
 #include "tool/atomic_file.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
@@ -29,9 +30,7 @@ void describe(ValidateOptions& o, OptionTable& table) {
   table.add("direct_functions", &o.direct_functions, "held-out functions that fits are measured on", 1, 1000000);
   table.add("adam_refine_steps", &o.adam_refine_steps, "Adam steps when every function is refined", 0, 1000000);
   table.add("lm_refine_iterations", &o.lm_refine_iterations, "LM iterations when every function is refined", 0, 100000);
-  table.add("policy_adam_steps", &o.policy_adam_steps, "Adam steps for functions over tau", 0, 1000000);
-  table.add("tau_rmse", &o.tau_rmse, "a function with a larger RMSE needs refinement", 0.0, 1.0);
-  table.add("tau_leak", &o.tau_leak, "… or with a larger leak (99th percentile)", 0.0, 1.0);
+  describeRefinement(o.refinement, table);
   table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);
   table.add("direct_adam_steps", &o.direct.adam_steps, "direct optimisation: Adam steps a start", 0, 10000000);
   table.add("direct_lm_iterations", &o.direct.levenberg_iterations, "direct optimisation: LM iterations a start", 0, 100000);
@@ -276,8 +275,9 @@ void validate(const Request& request, const ValidateOptions& options, const Opti
                                   {"held_out_in_training", data_set.held_out_in_training},
                                   {"held_out_scenes", set.scene_ids.size()},
                                   {"hard", std::count(hard.begin(), hard.end(), true)}};
-  outputs.summary["tau"] = {
-      {"rmse", options.tau_rmse}, {"leak_p99", options.tau_leak}, {"hard_tent_rmse", options.hard_tent_rmse}};
+  outputs.summary["tau"] = {{"rmse", options.refinement.check.tau_rmse},
+                            {"leak_p99", options.refinement.check.tau_leak},
+                            {"hard_tent_rmse", options.hard_tent_rmse}};
   outputs.summary["tent"] = methodJson(tent_result, hard, options);
   appendCsv(outputs.csv, "tent", tent_result, set, hard);
   for (const std::string& path : request.weights) validateGenerator(path, set, tent_result, hard, options, outputs);

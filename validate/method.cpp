@@ -61,7 +61,7 @@ std::vector<TimedFit> fitAll(const Generator& generator, const StoredFunction& s
 }  // namespace
 
 bool needsRefinement(const FunctionError& error, const ValidateOptions& options) {
-  return error.rmse > options.tau_rmse || error.leak_p99 > options.tau_leak;
+  return error.rmse > options.refinement.check.tau_rmse || error.leak_p99 > options.refinement.check.tau_leak;
 }
 
 MethodResult measureTent(const FunctionSet& set) {
@@ -105,18 +105,19 @@ MethodResult measurePolicy(const Generator& generator, const FunctionSet& set, c
   const uint64_t chunk = 64, count = result.samples.size();
   parallelFor((count + chunk - 1) / chunk, threadCount(options), [&](uint64_t c, int) {
     ErrorMeter meter(set);
+    FunctionChecker checker;
+    Refiner refiner;
     PooledMagnitudes leaks;
     for (uint64_t i = c * chunk; i < std::min(count, (c + 1) * chunk); ++i) {
       MethodSample& sample = result.samples[i];
-      Theta start(&theta[i * D], &theta[i * D] + D);
-      sample.refined = needsRefinement(sample.error, options);
-      if (sample.refined) {
-        const Clock::time_point begin = Clock::now();
-        const WeightingFunction function = decodeFunction(storedFunction(set, sample.function), pointOrder(representation));
-        start = fitAdam(representation, function, start, refinementAdam(representation, options.policy_adam_steps)).theta;
-        sample.elapsed_us += microsecondsSince(begin);
-      }
-      sample.error = meter.measure(representation, start.data(), sample.function, &leaks);
+      Theta fitted(&theta[i * D], &theta[i * D] + D);
+      const StoredFunction stored = storedFunction(set, sample.function);
+      const Clock::time_point begin = Clock::now();
+      const FunctionCheck check = checker.check(representation, stored, fitted.data(), options.refinement.check);
+      sample.refined = !check.passes(options.refinement.check);
+      if (sample.refined) fitted = refiner.refine(representation, stored, fitted, options.refinement).theta;
+      sample.elapsed_us += microsecondsSince(begin);
+      sample.error = meter.measure(representation, fitted.data(), sample.function, &leaks);
     }
     const std::lock_guard lock(mutex);
     result.leaks.add(leaks);

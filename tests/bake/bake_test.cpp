@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the wall of writeWall stands: x of its plane, metres.
-constexpr double kWallX = 0.25;
+// Where the wall of writeWall stands: x of its plane, metres; far from the origin, as the middle of a level may be.
+constexpr double kWallX = 1000.25;
 
 class SceneBakeTest : public testing::Test {
  protected:
@@ -41,8 +41,8 @@ class SceneBakeTest : public testing::Test {
     return write("wall.gltf",
                  R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
                  R"("materials":[{"doubleSided":true}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],)"
-                 R"("accessors":[{"bufferView":0,"componentType":5126,"count":6,"type":"VEC3","min":[0.25,-40,-40],)"
-                 R"("max":[0.25,40,40]}],"bufferViews":[{"buffer":0,"byteLength":72}],)"
+                 R"("accessors":[{"bufferView":0,"componentType":5126,"count":6,"type":"VEC3","min":[1000.25,-40,-40],)"
+                 R"("max":[1000.25,40,40]}],"bufferViews":[{"buffer":0,"byteLength":72}],)"
                  R"("buffers":[{"uri":"wall.bin","byteLength":72}]})");
   }
   std::string write(const std::string& name, const std::string& text) const {
@@ -65,7 +65,7 @@ class SceneBakeTest : public testing::Test {
     BakeOptions options;
     options.spacing_m = 1.0;
     options.density_growth = 0.0;
-    options.extent_m = {"-5", "-2", "-2", "5", "2", "2"};
+    options.extent_m = {"995", "-2", "-2", "1005", "2", "2"};
     options.threads = 2;
     return options;
   }
@@ -124,7 +124,7 @@ TEST_F(SceneBakeTest, WeightsSumToOneInFreeSpaceAndKeepToTheirSideOfAWall) {
   double leak_sum = 0.0, bare_leak_sum = 0.0, weight_sum = 0.0;
   int free_count = 0, wall_count = 0;
   for (int i = 0; i < 4000; ++i) {
-    const PositionM at = {random.uniform(-4.9, 4.9), random.uniform(-1.9, 1.9), random.uniform(-1.9, 1.9)};
+    const PositionM at = {random.uniform(995.1, 1004.9), random.uniform(-1.9, 1.9), random.uniform(-1.9, 1.9)};
     ProbeWeights weights;
     ASSERT_TRUE(lookUpWeights(wall.grid, at, &weights)) << at[0] << " " << at[1] << " " << at[2];
     const double sum = std::accumulate(weights.weight, weights.weight + weights.count, 0.0);

@@ -86,7 +86,7 @@ def make_good_files():
     write("good.yaml", "datagen: {max_functions: 12, unseen_points: 64}\nbasis: {components: 8}\n"
           "train: {steps: 4, batch: 4, checkpoint_steps: 2, start_candidates: 1, width: 16, layers: 2}\n"
           "bake: {spacing_m: 1.5, extent_m: [0, 0, 0, 2, 2, 2], refine_rounds: 0}\n"
-          "validate: {direct_functions: 1, direct_adam_steps: 2, direct_lm_iterations: 1, direct_restarts: 1, policy_adam_steps: 2}\n")
+          "validate: {direct_functions: 1, direct_adam_steps: 2, direct_lm_iterations: 1, direct_restarts: 1, refine_first_steps: 2}\n")
     must("nlg-datagen", "--config", "good.yaml", "--scene", "house:1", "--out", "training.h5")
     must("nlg-datagen", "--config", "good.yaml", "--scene", "house:2", "--held-out", "--out", "held_out.h5")
     must("nlg-pca", "--config", "good.yaml", "--shards", "training.h5", "--held-out", "held_out.h5", "--out", "basis.h5")

@@ -1,0 +1,433 @@
+#include "runtime_eval/light_grid/light_grid_file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "export/weights_file/half.h"
+#include "runtime_eval/light_grid/probe_tree_data.h"
+#include "tests/runtime_eval/light_grid/random_grid.h"
+
+namespace nlg {
+namespace {
+
+constexpr ThetaPrecision kBothPrecisions[] = {ThetaPrecision::float32, ThetaPrecision::float16};
+
+const GridMetadata kMetadata = {{"scene", "house_3"}, {"options", R"({"tau": 0.02, "note": "é"})"}, {"weights_sha256", "00ff"}};
+
+std::string bytesOf(const LightGrid& grid, ThetaPrecision precision = ThetaPrecision::float32,
+                    const GridMetadata& metadata = kMetadata) {
+  std::string bytes;
+  const WeightsResult result = serializeLightGrid(grid, precision, metadata, &bytes);
+  EXPECT_TRUE(result.ok()) << result.detail;
+  return bytes;
+}
+
+// Parses into a grid that holds something; what is refused must leave it empty.
+WeightsResult parse(std::string_view bytes, LightGrid* grid) {
+  GridMetadata metadata = kMetadata;
+  *grid = {};
+  grid->theta = {1.0f};
+  const WeightsResult result = parseLightGrid(bytes, grid, &metadata);
+  EXPECT_EQ(result.ok(), result.detail.empty()) << result.detail;
+  EXPECT_EQ(result.detail.find('\n'), std::string::npos) << result.detail;
+  if (!result.ok()) {
+    EXPECT_TRUE(grid->theta.empty() && grid->probe_function.empty() && metadata.empty()) << result.detail;
+    EXPECT_EQ(grid->tree.probeCount() + grid->tree.nodeCount(), 0u) << result.detail;
+  }
+  return result;
+}
+
+void expectSameTree(const ProbeTree& a, const ProbeTree& b) {
+  const ProbeTreeData x = probeTreeData(a), y = probeTreeData(b);
+  EXPECT_EQ(x.frame.first_m, y.frame.first_m);
+  EXPECT_EQ(x.frame.spacing_m, y.frame.spacing_m);
+  EXPECT_EQ(x.frame.root_count, y.frame.root_count);
+  EXPECT_EQ(x.child_mask, y.child_mask);
+  EXPECT_EQ(x.used_mask, y.used_mask);
+  EXPECT_EQ(x.first_child, y.first_child);
+  EXPECT_EQ(x.first_slot, y.first_slot);
+  EXPECT_EQ(x.cell_log2, y.cell_log2);
+  EXPECT_EQ(x.cell_count, y.cell_count);
+  EXPECT_EQ(x.slots, y.slots);
+  EXPECT_EQ(x.probe_keys, y.probe_keys);
+  EXPECT_EQ(x.probe_log2, y.probe_log2);
+  EXPECT_EQ(a.cellCount(), b.cellCount());
+}
+
+void expectSameGrid(const LightGrid& a, const LightGrid& b) {
+  expectSameTree(a.tree, b.tree);
+  EXPECT_EQ(a.probe_function, b.probe_function);
+  EXPECT_EQ(a.function_representation, b.function_representation);
+  EXPECT_EQ(a.theta_begin, b.theta_begin);
+  EXPECT_EQ(a.theta, b.theta);
+  ASSERT_EQ(a.representations.size(), b.representations.size());
+  for (size_t i = 0; i < a.representations.size(); ++i) {
+    EXPECT_STREQ(representationName(a.representations[i]), representationName(b.representations[i]));
+    EXPECT_EQ(a.representations[i].slope, b.representations[i].slope);
+  }
+}
+
+// Nothing may be read out of bounds: the sanitizers watch.
+void lookUpEverywhere(const LightGrid& grid, uint64_t seed) {
+  Random random(seed);
+  for (int i = 0; i < 20; ++i) {
+    ProbeWeights weights;
+    if (!lookUpWeights(grid, randomPosition(grid.tree.frame(), random), &weights)) continue;
+    for (int k = 0; k < weights.count; ++k)
+      ASSERT_TRUE(weights.probe[k] < grid.tree.probeCount() && weights.weight[k] > 0.0f && weights.weight[k] < 1e38f);
+  }
+}
+
+// Where a tensor's bytes begin in a file, and how many there are, by the format alone.
+struct Place {
+  size_t begin = 0, count = 0;
+};
+std::map<std::string, Place> placesIn(const std::string& bytes) {
+  uint64_t length = 0;
+  std::memcpy(&length, bytes.data(), sizeof length);
+  std::map<std::string, Place> places;
+  const nlohmann::json header = nlohmann::json::parse(bytes.substr(8, length));
+  for (const auto& [name, entry] : header.items()) {
+    if (name == "__metadata__") continue;
+    const size_t begin = entry["data_offsets"][0], end = entry["data_offsets"][1];
+    places[name] = {8 + length + begin, end - begin};
+  }
+  return places;
+}
+
+template <class T>
+void put(std::string& bytes, const std::string& tensor, size_t index, T value) {
+  const Place place = placesIn(bytes).at(tensor);
+  ASSERT_LE((index + 1) * sizeof(T), place.count) << tensor;
+  std::memcpy(bytes.data() + place.begin + index * sizeof(T), &value, sizeof value);
+}
+
+template <class T>
+T at(const std::string& bytes, const std::string& tensor, size_t index) {
+  T value;
+  std::memcpy(&value, bytes.data() + placesIn(bytes).at(tensor).begin + index * sizeof(T), sizeof value);
+  return value;
+}
+
+TEST(LightGridFile, ReadsBackWhatWasWritten) {
+  for (uint64_t seed = 0; seed < 4; ++seed) {
+    LightGrid grid = randomGrid(seed == 0 ? smallTree() : randomTree(seed).tree, seed), read;
+    GridMetadata metadata;
+    const WeightsResult result = parseLightGrid(bytesOf(grid), &read, &metadata);
+    ASSERT_TRUE(result.ok()) << result.detail;
+    expectSameGrid(read, grid);
+    EXPECT_EQ(metadata, kMetadata);
+  }
+}
+
+TEST(LightGridFile, ReadsBackAnEmptyGrid) {
+  LightGrid read;
+  GridMetadata metadata;
+  const WeightsResult result = parseLightGrid(bytesOf(LightGrid{}, ThetaPrecision::float16, {}), &read, &metadata);
+  ASSERT_TRUE(result.ok()) << result.detail;
+  expectSameGrid(read, {});
+  EXPECT_TRUE(metadata.empty());
+}
+
+TEST(LightGridFile, RoundsThetaToTheNearestHalf) {
+  LightGrid grid = randomGrid(smallTree(), 2), read;
+  GridMetadata metadata;
+  ASSERT_TRUE(parseLightGrid(bytesOf(grid, ThetaPrecision::float16), &read, &metadata).ok());
+  for (float& value : grid.theta) {
+    Half half;
+    ASSERT_TRUE(halfFromFloat(value, &half));
+    value = floatFromHalf(half);
+  }
+  expectSameGrid(read, grid);
+}
+
+TEST(LightGridFile, RefusesToWriteAThetaThatHalfCannotHold) {
+  LightGrid grid = randomGrid(smallTree(), 2);
+  grid.theta[grid.theta_begin[3] + 5] = -65505.0f;
+  std::string bytes = "before";
+  const WeightsResult result = serializeLightGrid(grid, ThetaPrecision::float16, {}, &bytes);
+  EXPECT_EQ(result.status, WeightsStatus::value_out_of_range);
+  EXPECT_EQ(result.detail.substr(0, 27), "function 3: theta 5 is -655") << result.detail;
+  EXPECT_TRUE(bytes.empty());
+  EXPECT_TRUE(serializeLightGrid(grid, ThetaPrecision::float32, {}, &bytes).ok());
+}
+
+TEST(LightGridFile, RefusesToWriteWhatItWouldNotRead) {
+  LightGrid grid = randomGrid(smallTree(), 2);
+  std::string bytes;
+  for (const char* key : {"kind", "version", "pattern_hash", "representation_count", "representation.0", "slope.7"}) {
+    EXPECT_EQ(serializeLightGrid(grid, ThetaPrecision::float32, {{key, ""}}, &bytes).status, WeightsStatus::value_out_of_range)
+        << key;
+  }
+  EXPECT_EQ(serializeLightGrid(grid, ThetaPrecision::float32, {{"scene", "\xc0"}}, &bytes).status,
+            WeightsStatus::header_malformed);
+  grid.probe_function[0] = 1000;
+  EXPECT_EQ(serializeLightGrid(grid, ThetaPrecision::float32, {}, &bytes).status, WeightsStatus::value_out_of_range);
+  EXPECT_TRUE(bytes.empty());
+}
+
+TEST(LightGridFile, IsTheSameBytesForTheSameGrid) {
+  for (const ThetaPrecision precision : kBothPrecisions) {
+    const std::string bytes = bytesOf(randomGrid(smallTree(), 5), precision);
+    EXPECT_EQ(bytes, bytesOf(randomGrid(smallTree(), 5), precision));
+    // … and of the grid that was read from them
+    LightGrid read;
+    ASSERT_TRUE(parse(bytes, &read).ok());
+    EXPECT_EQ(bytes, bytesOf(read, precision));
+  }
+}
+
+TEST(LightGridFile, AlignsEveryTensor) {
+  for (const ThetaPrecision precision : kBothPrecisions) {
+    for (const auto& [name, place] : placesIn(bytesOf(randomGrid(smallTree(), 5), precision))) {
+      const bool is_padding = name.substr(0, 8) == "padding.";
+      EXPECT_TRUE(is_padding || place.begin % 64 == 0) << name;
+    }
+  }
+}
+
+TEST(LightGridFile, AccountsForItsBytes) {
+  const LightGrid grid = randomGrid(smallTree(), 5);
+  for (const ThetaPrecision precision : kBothPrecisions) {
+    const LightGridBytes counted = lightGridBytes(grid, precision);
+    std::map<std::string, Place> places = placesIn(bytesOf(grid, precision));
+    EXPECT_EQ(counted.theta, places["theta"].count);
+    EXPECT_EQ(counted.functions, places["function.representation"].count);
+    EXPECT_EQ(counted.probe_function, places["probe.function"].count);
+    size_t all = 0;
+    for (const auto& [name, place] : places) all += name.substr(0, 8) == "padding." ? 0 : place.count;
+    EXPECT_EQ(counted.total(), all);
+  }
+}
+
+TEST(LightGridFile, IsReadFromAFile) {
+  const std::string path = testing::TempDir() + "light_grid_" + std::to_string(getpid()) + ".safetensors";
+  const LightGrid grid = randomGrid(smallTree(), 6);
+  const std::string bytes = bytesOf(grid);
+  std::ofstream(path, std::ios::binary) << bytes;
+  LightGrid read;
+  GridMetadata metadata;
+  WeightsResult result = readLightGridFile(path, &read, &metadata);
+  ASSERT_TRUE(result.ok()) << result.detail;
+  expectSameGrid(read, grid);
+  std::filesystem::resize_file(path, bytes.size() - 1);
+  result = readLightGridFile(path, &read, &metadata);
+  EXPECT_EQ(result.status, WeightsStatus::too_short);
+  EXPECT_EQ(result.detail.substr(0, path.size()), path);
+  std::filesystem::remove(path);
+  EXPECT_EQ(readLightGridFile(path, &read, &metadata).status, WeightsStatus::cannot_open);
+}
+
+TEST(LightGridFile, RefusesEveryTruncation) {
+  const std::string bytes = bytesOf(randomGrid(smallTree(), 1), ThetaPrecision::float16);
+  LightGrid grid;
+  for (size_t length = 0; length < bytes.size(); ++length)
+    ASSERT_FALSE(parse(std::string_view(bytes).substr(0, length), &grid).ok()) << length << " of " << bytes.size() << " bytes";
+  EXPECT_FALSE(parse(bytes + '\0', &grid).ok());
+}
+
+TEST(LightGridFile, SurvivesDamagedBytes) {
+  for (const ThetaPrecision precision : kBothPrecisions) {
+    const std::string bytes = bytesOf(randomGrid(smallTree(), 1), precision);
+    Random random(1);
+    int refused = 0, accepted = 0;
+    for (size_t i = 0; i < bytes.size(); i += precision == ThetaPrecision::float16 ? 1 : 7) {
+      std::string damaged = bytes;
+      damaged[i] = static_cast<char>(damaged[i] ^ (1 + random.below(255)));
+      LightGrid grid;
+      if (parse(damaged, &grid).ok()) {
+        ++accepted;
+        ASSERT_TRUE(checkLightGrid(grid).ok()) << "byte " << i;
+        lookUpEverywhere(grid, i);
+        if (HasFatalFailure()) FAIL() << "byte " << i;
+      } else {
+        ++refused;
+      }
+    }
+    EXPECT_GT(refused, 1000);
+    EXPECT_GT(accepted, 1000);  // values of theta
+  }
+}
+
+// Not of used_mask: a cell less, where all its probes are read by others, is a good tree too.
+TEST(LightGridFile, RefusesEveryDamagedByteOfTheTree) {
+  const std::string bytes = bytesOf(randomGrid(smallTree(), 1));
+  Random random(2);
+  for (const auto& [name, place] : placesIn(bytes)) {
+    const bool is_node = name.substr(0, 5) == "node." && name != "node.used_mask";
+    const bool is_tree = is_node || name == "slots" || name == "probe.key" || name == "probe.log2";
+    if (!is_tree) continue;
+    for (size_t i = place.begin; i < place.begin + place.count; ++i) {
+      std::string damaged = bytes;
+      damaged[i] = static_cast<char>(damaged[i] ^ (1 << random.below(8)));
+      LightGrid grid;
+      ASSERT_FALSE(parse(damaged, &grid).ok()) << name << ", byte " << i - place.begin;
+    }
+  }
+}
+
+// One number changed, and what the reader says.
+struct Hostile {
+  const char* what;
+  WeightsStatus status;
+  const char* detail;  // its beginning
+  std::function<void(std::string&)> spoil;
+};
+
+TEST(LightGridFile, NamesHostileNumbers) {
+  constexpr WeightsStatus kRange = WeightsStatus::value_out_of_range;
+  const uint64_t all_bits = ~uint64_t{0};
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const Hostile cases[] = {
+      {"far origin", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.first_m", 1, infinity); }},
+      {"no origin", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.first_m", 2, nan); }},
+      {"spacing 0", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.spacing_m", 0, 0.0); }},
+      {"spacing NaN", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.spacing_m", 0, nan); }},
+      {"-1 roots", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.root_count", 0, int32_t{-1}); }},
+      {"many roots", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.root_count", 0, int32_t{1} << 30); }},
+      {"more roots than nodes", kRange, "probe tree: frame",
+       [=](std::string& b) {
+         for (size_t axis = 0; axis < 3; ++axis) put(b, "frame.root_count", axis, int32_t{32767});
+       }},
+      {"no roots", kRange, "probe tree: nodes", [=](std::string& b) { put(b, "frame.root_count", 0, int32_t{0}); }},
+      {"a child outside", kRange, "probe tree: node 0", [=](std::string& b) { put(b, "node.first_child", 0, uint32_t{1000}); }},
+      {"its own child", kRange, "probe tree: node 0", [=](std::string& b) { put(b, "node.first_child", 0, uint32_t{0}); }},
+      {"64 children", kRange, "probe tree: node 1",
+       [=](std::string& b) {
+         put(b, "node.child_mask", 1, all_bits);
+         put(b, "node.used_mask", 1, uint64_t{0});
+       }},
+      {"children below the last level", kRange, "probe tree: node 2: expected no children",
+       [=](std::string& b) {
+         put(b, "node.child_mask", 2, uint64_t{1});
+         put(b, "node.used_mask", 2, all_bits - 1);
+       }},
+      {"no cells", kRange, "probe tree: node 2: expected a cell_count",
+       [=](std::string& b) { put(b, "node.cell_count", 2, uint8_t{0}); }},
+      {"whole cells below the roots", kRange, "probe tree: node 2: expected a cell_count",
+       [=](std::string& b) { put(b, "node.cell_count", 2, uint8_t{1}); }},
+      {"too large cells", kRange, "probe tree: node 2: expected the cell_log2",
+       [=](std::string& b) { put(b, "node.cell_log2", 2, uint8_t{200}); }},
+      {"a brick outside", kRange, "probe tree: node 2: expected first_slot",
+       [=](std::string& b) { put(b, "node.first_slot", 2, uint32_t{0xfffffff0u}); }},
+      {"a probe that is not there", kRange, "probe tree: slot 1: expected a probe",
+       [=](std::string& b) { put(b, "slots", 1, uint32_t{100000}); }},
+      {"no probe where one is read", kRange, "probe tree: slot 1: expected a probe",
+       [=](std::string& b) { put(b, "slots", 1, kNoProbe); }},
+      {"a probe where none is read", kRange, "probe tree: slot 0: expected no probe",
+       [=](std::string& b) { put(b, "slots", 0, at<uint32_t>(b, "slots", 1)); }},
+      {"another's probe", kRange, "probe tree: slot 2: expected the probe at this lattice point",
+       [=](std::string& b) { put(b, "slots", 2, at<uint32_t>(b, "slots", 3)); }},
+      {"a key out of order", kRange, "probe tree: slot", [=](std::string& b) { put(b, "probe.key", 1, all_bits); }},
+      {"a small spacing", kRange, "probe tree: slot", [=](std::string& b) { put(b, "probe.log2", 0, uint8_t{31}); }},
+      {"no such function", kRange, "probe 3: function 12 of 12",
+       [=](std::string& b) { put(b, "probe.function", 3, uint32_t{12}); }},
+      {"no such representation", kRange, "function 4: representation does not exist",
+       [=](std::string& b) { put(b, "function.representation", 4, uint8_t{6}); }},
+      {"another representation", WeightsStatus::tensor_unexpected, "theta has",
+       [=](std::string& b) { put(b, "function.representation", 4, uint8_t{5}); }},
+      {"theta NaN", WeightsStatus::value_not_finite, "theta: value 9",
+       [=](std::string& b) { put(b, "theta", 9, std::nanf("")); }},
+      {"theta 2e9", kRange, "theta: value 9", [=](std::string& b) { put(b, "theta", 9, 2e9f); }},
+  };
+  const std::string bytes = bytesOf(randomGrid(smallTree(), 1));
+  ASSERT_EQ(at<uint32_t>(bytes, "slots", 0), kNoProbe) << "the low corner of a child";
+  for (const Hostile& hostile : cases) {
+    std::string spoilt = bytes;
+    hostile.spoil(spoilt);
+    LightGrid grid;
+    const WeightsResult result = parse(spoilt, &grid);
+    EXPECT_EQ(result.status, hostile.status) << hostile.what << ": " << result.detail;
+    EXPECT_EQ(result.detail.substr(0, std::strlen(hostile.detail)), hostile.detail) << hostile.what;
+  }
+}
+
+TEST(LightGridFile, RefusesInfiniteHalves) {
+  std::string bytes = bytesOf(randomGrid(smallTree(), 1), ThetaPrecision::float16);
+  put(bytes, "theta", 9, uint16_t{0x7c00});
+  LightGrid grid;
+  EXPECT_EQ(parse(bytes, &grid).status, WeightsStatus::value_not_finite);
+}
+
+TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
+  struct Edit {
+    const char *from, *to;  // of one length, so that the file stays whole
+    WeightsStatus status;
+  };
+  const Edit edits[] = {
+      {R"("kind":"nlg-light-grid")", R"("kind":"nlg-light-grod")", WeightsStatus::value_out_of_range},
+      {R"("kind":)", R"("kin_":)", WeightsStatus::tensor_missing},
+      {R"("version":"1")", R"("version":"2")", WeightsStatus::version_unknown},
+      {R"("pattern_hash":")", R"("pattern_hash":"\)", WeightsStatus::header_malformed},
+      {R"("representation_count":"6")", R"("representation_count":"7")", WeightsStatus::tensor_missing},
+      {R"("representation_count":"6")", R"("representation_count":"5")", WeightsStatus::value_out_of_range},
+      {R"("representation_count":"6")", R"("representation_count":"x")", WeightsStatus::value_out_of_range},
+      {R"("representation.2":"pf3")", R"("representation.2":"pf4")", WeightsStatus::value_out_of_range},
+      {R"("slope.1":"0.3")", R"("slope.1":"0.x")", WeightsStatus::value_out_of_range},
+      {R"("slope.1":"0.3")", R"("slope.1":"3.3")", WeightsStatus::value_out_of_range},
+      {R"("slope.1":"0.3")", R"("slope.1":"nan")", WeightsStatus::value_out_of_range},
+      {R"("slope.1":"0.3")", R"("slope.2":"0.3")", WeightsStatus::tensor_missing},
+      {R"("slots":{)", R"("slits":{)", WeightsStatus::tensor_missing},
+      {R"("probe.log2":{"dtype":"U8")", R"("probe.log2":{"dtype":"V8")", WeightsStatus::tensor_malformed},
+      {R"("slots":{"dtype":"U32")", R"("slots":{"dtype":"I32")", WeightsStatus::tensor_unexpected},
+      {R"("frame.spacing_m":{"dtype":"F64","shape":[1])", R"("frame.spacing_m":{"dtype":"F32","shape":[2])",
+       WeightsStatus::tensor_unexpected},
+  };
+  const std::string bytes = bytesOf(randomGrid(smallTree(), 1));
+  for (const Edit& edit : edits) {
+    std::string edited = bytes;
+    const size_t place = edited.find(edit.from);
+    ASSERT_NE(place, std::string::npos) << edit.from;
+    edited.replace(place, std::strlen(edit.from), edit.to);
+    LightGrid grid;
+    const WeightsResult result = parse(edited, &grid);
+    EXPECT_EQ(result.status, edit.status) << edit.to << ": " << result.detail;
+  }
+  std::string other_pattern = bytes;
+  char& digit = other_pattern[other_pattern.find(R"("pattern_hash":")") + 16];
+  digit = digit == '0' ? '1' : '0';
+  LightGrid grid;
+  EXPECT_EQ(parse(other_pattern, &grid).status, WeightsStatus::pattern_unknown);
+}
+
+TEST(ProbeTreeData, AcceptsEveryBuiltTree) {
+  for (uint64_t seed = 0; seed < 12; ++seed) {
+    const RandomTree built = randomTree(seed);
+    ProbeTree tree;
+    ASSERT_EQ(makeProbeTree(probeTreeData(built.tree), &tree), "") << built.name;
+    expectSameTree(tree, built.tree);
+  }
+}
+
+TEST(ProbeTreeData, RefusesListsOfDifferentLengths) {
+  const auto expectRefused = [](auto spoil) {
+    ProbeTreeData data = probeTreeData(smallTree());
+    spoil(data);
+    ProbeTree tree = smallTree();
+    EXPECT_NE(makeProbeTree(std::move(data), &tree), "");
+    EXPECT_EQ(tree.nodeCount(), 0u);
+  };
+  expectRefused([](ProbeTreeData& d) { d.child_mask.pop_back(); });
+  expectRefused([](ProbeTreeData& d) { d.used_mask.clear(); });
+  expectRefused([](ProbeTreeData& d) { d.first_child.pop_back(); });
+  expectRefused([](ProbeTreeData& d) { d.first_slot.pop_back(); });
+  expectRefused([](ProbeTreeData& d) { d.cell_log2.push_back(0); });
+  expectRefused([](ProbeTreeData& d) { d.cell_count.clear(); });
+  expectRefused([](ProbeTreeData& d) { d.slots.pop_back(); });
+  expectRefused([](ProbeTreeData& d) { d.slots.push_back(kNoProbe); });
+  expectRefused([](ProbeTreeData& d) { d.probe_keys.pop_back(); });
+  expectRefused([](ProbeTreeData& d) { d.probe_log2.pop_back(); });
+  expectRefused([](ProbeTreeData& d) {  // a probe that no cell reads
+    d.probe_keys.push_back(d.probe_keys.back() + 1);
+    d.probe_log2.push_back(0);
+  });
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,269 @@
+#include "runtime_eval/light_grid/light_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <thread>
+
+#include "runtime_eval/evaluator/evaluate_point.h"
+#include "tests/runtime_eval/counting_new.h"
+#include "tests/runtime_eval/light_grid/random_grid.h"
+#include "tests/runtime_eval/sample_functions.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kGridCount = 6;
+
+// What one value of a representation may lose to float, with evaluatePoint's operations counted:
+double errorBound(const Representation& representation, const LocalPoint& point, const Theta& theta) {
+  if (!representation.isField()) {
+    // 3 + 3 and a slope, 1 + 5 and a slope, 1 + 9, the tent's 5 and its product: 30 roundings on the network of magnitudes
+    return 30 * kFloatRounding * evaluateReference(representation, magnitudes(point), magnitudes(theta).data());
+  }
+  // A share is off by 3 roundings of a position up to r - 1 on each axis, along which A and B change by at most twice the largest
+  // node; the weights and sums add 12 roundings. sigmoid has slope 1/4 and 5 roundings of its own.
+  double largest = 0.0;
+  for (const float value : theta) largest = std::max(largest, std::fabs(double{value}));
+  const double trilinear = (3 * 2 * 3 * (representation.resolution - 1) + 12) * kFloatRounding * largest;
+  return 1.25 * trilinear + 5 * kFloatRounding;
+}
+
+Theta thetaOf(const LightGrid& grid, uint32_t function) {
+  const float* first = grid.functionTheta(function);
+  return {first, first + grid.representations[grid.function_representation[function]].thetaCount()};
+}
+
+// Of one corner, by the header's words in double; *bound is what float may lose.
+double expectedWeight(const LightGrid& grid, const ProbeAround& corner, double* bound) {
+  const uint32_t function = grid.probe_function[corner.probe];
+  *bound = 6 * kFloatRounding;
+  if (function == kNoWeight) return 0.0;
+  if (function == kFreeSpace) return double{tent(corner.local)} * corner.tent_ratio;
+  const Representation& representation = grid.representations[grid.function_representation[function]];
+  const Theta theta = thetaOf(grid, function);
+  const double phi = evaluateReference(representation, corner.local, toDouble(theta).data());
+  *bound = (errorBound(representation, corner.local, theta) + std::fabs(phi) * kFloatRounding) * corner.tent_ratio;
+  return std::max(0.0, phi) * corner.tent_ratio;
+}
+
+float weightOf(const ProbeWeights& weights, uint32_t probe) {
+  for (int i = 0; i < weights.count; ++i)
+    if (weights.probe[i] == probe) return weights.weight[i];
+  return 0.0f;
+}
+
+bool sameWeights(const ProbeWeights& a, const ProbeWeights& b) {
+  return a.count == b.count && std::equal(a.probe, a.probe + a.count, b.probe) &&
+         std::equal(a.weight, a.weight + a.count, b.weight);
+}
+
+// Calls check with positions in and around grids with level borders of every kind, after prepare has changed them.
+template <class Prepare, class Check>
+void forManyPositions(const Prepare& prepare, const Check& check) {
+  for (uint64_t seed = 0; seed < kGridCount; ++seed) {
+    RandomTree random_tree = randomTree(seed);
+    SCOPED_TRACE(random_tree.name);
+    LightGrid grid = randomGrid(std::move(random_tree.tree), seed);
+    prepare(grid);
+    ASSERT_TRUE(checkLightGrid(grid).ok()) << checkLightGrid(grid).detail;
+    Random random(seed);
+    for (int i = 0; i < 4000; ++i) {
+      check(grid, randomPosition(grid.tree.frame(), random));
+      if (testing::Test::HasFatalFailure()) return;
+    }
+  }
+}
+
+TEST(EvaluatePoint, EqualsTheReference) {
+  for (const Representation& representation : kGridRepresentations) {
+    for (uint64_t seed = 0; seed < 20; ++seed) {
+      const Theta theta = randomTheta(representation, seed);
+      std::vector<LocalPoint> points = unseenPoints(50);
+      for (const float x : {-1.0f, 0.0f, 1.0f}) points.push_back({x, -x, 1.0f});
+      for (const LocalPoint& point : points) {
+        ASSERT_NEAR(evaluatePoint(representation, point, theta.data()),
+                    evaluateReference(representation, point, toDouble(theta).data()), errorBound(representation, point, theta))
+            << representationName(representation) << ", seed " << seed << " at " << point[0] << ", " << point[1] << ", "
+            << point[2];
+      }
+    }
+  }
+}
+
+TEST(LightGrid, LooksUpTheWeightsOfItsDefinition) {
+  int64_t found = 0, counted = 0;
+  forManyPositions([](LightGrid&) {},
+                   [&](const LightGrid& grid, const PositionM& position_m) {
+                     ProbesAround around;
+                     ProbeWeights weights;
+                     const bool inside = lookUpWeights(grid, position_m, &weights);
+                     ASSERT_EQ(inside, grid.tree.lookUp(position_m, &around));
+                     if (!inside) return;
+                     ++found;
+                     int next = 0;
+                     for (const ProbeAround& corner : around.corners) {
+                       double bound = 0.0;
+                       const double expected = expectedWeight(grid, corner, &bound);
+                       ASSERT_NEAR(weightOf(weights, corner.probe), expected, bound) << "probe " << corner.probe;
+                       if (next < weights.count && weights.probe[next] == corner.probe) ++next;
+                     }
+                     ASSERT_EQ(next, weights.count) << "every probe is a corner, in the order of corners";
+                     for (int i = 0; i < weights.count; ++i)
+                       ASSERT_TRUE(weights.weight[i] > 0.0f && std::isfinite(weights.weight[i]));
+                     counted += weights.count;
+                   });
+  EXPECT_GT(found, 1000);
+  EXPECT_GT(counted, found);
+}
+
+TEST(LightGrid, AddsUpToOneInFreeSpace) {
+  int64_t found = 0;
+  const auto allFree = [](LightGrid& grid) { std::fill(grid.probe_function.begin(), grid.probe_function.end(), kFreeSpace); };
+  forManyPositions(allFree, [&](const LightGrid& grid, const PositionM& position_m) {
+    ProbeWeights weights;
+    if (!lookUpWeights(grid, position_m, &weights)) return;
+    double sum = 0.0;
+    for (int i = 0; i < weights.count; ++i) sum += double{weights.weight[i]};
+    // per weight 3 factors of at most 4 roundings, their products, and weights that add up to 1
+    ASSERT_NEAR(sum, 1.0, 20 * kFloatRounding);
+    ++found;
+  });
+  EXPECT_GT(found, 1000);
+}
+
+TEST(LightGrid, GivesNoWeightToProbesWithout) {
+  LightGrid grid = randomGrid(smallTree(), 1);
+  std::fill(grid.probe_function.begin(), grid.probe_function.end(), kNoWeight);
+  Random random(1);
+  int found = 0;
+  for (int i = 0; i < 1000; ++i) {
+    ProbeWeights weights;
+    weights.count = 8;
+    if (!lookUpWeights(grid, randomPosition(grid.tree.frame(), random), &weights)) continue;
+    ASSERT_EQ(weights.count, 0);
+    ++found;
+  }
+  EXPECT_GT(found, 100);
+}
+
+TEST(LightGrid, LeavesNegativeWeightsOut) {
+  LightGrid grid = randomGrid(smallTree(), 1);
+  const Theta negative = [] {
+    Theta theta(ThetaLayout::count);
+    theta[ThetaLayout::b3] = -0.5f;
+    return theta;
+  }();
+  const uint32_t function = grid.addFunction(0, negative.data());
+  std::fill(grid.probe_function.begin(), grid.probe_function.end(), function);
+  ASSERT_TRUE(checkLightGrid(grid).ok());
+  ProbeWeights weights;
+  ASSERT_TRUE(lookUpWeights(grid, grid.tree.probePosition(0), &weights));
+  EXPECT_EQ(weights.count, 0);
+}
+
+TEST(LightGrid, FindsNothingOutside) {
+  const LightGrid grid = randomGrid(smallTree(), 1);
+  ProbeWeights weights;
+  weights.count = 5;
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const PositionM first = grid.tree.frame().first_m;
+  for (const double x : {first[0] - 1.0, first[0] + 33.0, nan, infinity, -infinity, 1e300}) {
+    EXPECT_FALSE(lookUpWeights(grid, {x, first[1] + 1.0, first[2] + 1.0}, &weights)) << x;
+    EXPECT_EQ(weights.count, 5) << x;
+  }
+  EXPECT_FALSE(lookUpWeights(LightGrid{}, {0, 0, 0}, &weights));
+}
+
+TEST(LightGrid, StaysFiniteUpToTheLargestTheta) {
+  LightGrid grid = randomGrid(smallTree(), 1);
+  for (float& value : grid.theta) value = value < 0 ? -kMaxGridTheta : kMaxGridTheta;
+  for (size_t function = 0; function < 2; ++function)
+    std::fill_n(grid.theta.begin() + static_cast<int64_t>(grid.theta_begin[function]), ThetaLayout::count, kMaxGridTheta);
+  ASSERT_TRUE(checkLightGrid(grid).ok());
+  Random random(2);
+  float largest = 0.0f;
+  for (int i = 0; i < 4000; ++i) {
+    ProbeWeights weights;
+    if (!lookUpWeights(grid, randomPosition(grid.tree.frame(), random), &weights)) continue;
+    for (int k = 0; k < weights.count; ++k) {
+      ASSERT_TRUE(std::isfinite(weights.weight[k])) << "probe " << weights.probe[k];
+      largest = std::max(largest, weights.weight[k]);
+    }
+  }
+  EXPECT_GT(largest, 1e20f);
+}
+
+TEST(LightGrid, AllocatesNothingInALookUp) {
+  const LightGrid grid = randomGrid(smallTree(), 3);
+  Random random(3);
+  int found = 0;
+  const long before = allocationCount();
+  for (int i = 0; i < 1000; ++i) {
+    ProbeWeights weights;
+    found += lookUpWeights(grid, randomPosition(grid.tree.frame(), random), &weights);
+  }
+  EXPECT_EQ(allocationCount(), before);
+  EXPECT_GT(found, 100);
+}
+
+TEST(LightGrid, GivesTheSameToTwoThreadsAtOnce) {
+  const LightGrid grid = randomGrid(smallTree(), 4);
+  std::vector<PositionM> positions;
+  Random random(4);
+  for (int i = 0; i < 20000; ++i) positions.push_back(randomPosition(grid.tree.frame(), random));
+  const auto lookUpAll = [&](std::vector<ProbeWeights>* all) {
+    for (const PositionM& position_m : positions) lookUpWeights(grid, position_m, &all->emplace_back());
+  };
+  std::vector<ProbeWeights> alone, one, other;
+  lookUpAll(&alone);
+  std::thread thread(lookUpAll, &one);
+  lookUpAll(&other);
+  thread.join();
+  for (size_t i = 0; i < positions.size(); ++i)
+    ASSERT_TRUE(sameWeights(alone[i], one[i]) && sameWeights(alone[i], other[i])) << "position " << i;
+}
+
+// A good grid with one thing wrong, and what the check says to it.
+struct WrongGrid {
+  const char* what;
+  WeightsStatus status;
+  void (*spoil)(LightGrid&);
+};
+
+TEST(LightGridCheck, NamesWhatDoesNotBelongTogether) {
+  const WrongGrid cases[] = {
+      {"a probe too few", WeightsStatus::tensor_unexpected, [](LightGrid& g) { g.probe_function.pop_back(); }},
+      {"no such function", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.probe_function[7] = 12; }},
+      {"just below kNoWeight", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.probe_function[7] = kNoWeight - 1; }},
+      {"no such representation", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.function_representation[3] = 6; }},
+      {"another representation", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.function_representation[3] = 4; }},
+      {"a function too few", WeightsStatus::tensor_unexpected, [](LightGrid& g) { g.function_representation.pop_back(); }},
+      {"theta too short", WeightsStatus::tensor_unexpected, [](LightGrid& g) { g.theta.pop_back(); }},
+      {"theta too long", WeightsStatus::tensor_unexpected, [](LightGrid& g) { g.theta.push_back(0.0f); }},
+      {"theta_begin shifted", WeightsStatus::value_out_of_range, [](LightGrid& g) { ++g.theta_begin[2]; }},
+      {"theta_begin's end", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.theta_begin.back() = 1u << 30; }},
+      {"no theta_begin", WeightsStatus::tensor_unexpected, [](LightGrid& g) { g.theta_begin.clear(); }},
+      {"NaN", WeightsStatus::value_not_finite, [](LightGrid& g) { g.theta[5] = std::numeric_limits<float>::quiet_NaN(); }},
+      {"infinity", WeightsStatus::value_not_finite, [](LightGrid& g) { g.theta[5] = std::numeric_limits<float>::infinity(); }},
+      {"too large", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.theta[5] = -1.0001e9f; }},
+      {"slope 1", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.representations[0].slope = 1.0f; }},
+      {"slope NaN", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.representations[1].slope = std::nanf(""); }},
+      {"pf4", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.representations[3].resolution = 4; }},
+      {"many representations", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.representations.resize(257); }},
+  };
+  ASSERT_TRUE(checkLightGrid(LightGrid{}).ok());
+  for (const WrongGrid& wrong : cases) {
+    LightGrid grid = randomGrid(smallTree(), 1);
+    ASSERT_TRUE(checkLightGrid(grid).ok());
+    wrong.spoil(grid);
+    const WeightsResult result = checkLightGrid(grid);
+    EXPECT_EQ(result.status, wrong.status) << wrong.what << ": " << weightsStatusName(result.status);
+    EXPECT_FALSE(result.detail.empty()) << wrong.what;
+    EXPECT_EQ(result.detail.find('\n'), std::string::npos) << result.detail;
+  }
+}
+
+}  // namespace
+}  // namespace nlg

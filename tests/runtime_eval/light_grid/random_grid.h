@@ -1,0 +1,54 @@
+// Light grids with functions of every representation drawn at random, for tests.
+#pragma once
+
+#include <utility>
+
+#include "runtime_eval/fit/adam.h"
+#include "runtime_eval/light_grid/light_grid.h"
+#include "tests/runtime_eval/light_grid/random_tree.h"
+
+namespace nlg {
+
+inline const Representation kGridRepresentations[] = {Representation::mlp(0.013f),     Representation::tentMlp(0.3f),
+                                                      Representation::productField(3), Representation::productField(5),
+                                                      Representation::productField(7), Representation::productField(9)};
+
+// One root with a brick at every level around one corner, and cells of 16, 4 and 1 units: some 300 probes.
+inline ProbeTree smallTree() {
+  ProbeTree tree;
+  const CellJudge judge = [](const ProbeCell& cell) {
+    bool holds_point = true;
+    for (const int32_t low : cell.low) holds_point = holds_point && low <= 5 && 5 < low + cell.side;
+    if (holds_point) return CellVerdict::too_coarse;
+    return cell.side > 16 || cell.low[2] < 40 ? CellVerdict::fits : CellVerdict::unneeded;
+  };
+  ProbeTree::build({{-3.0, 1e4, 0.25}, 0.5, {1, 1, 1}}, judge, kMaxTreeProbes, &tree);
+  return tree;
+}
+
+// Two functions of each representation; probes have one of them, free space or no weight.
+inline LightGrid randomGrid(ProbeTree tree, uint64_t seed) {
+  Random random(mixSeed(seed, 0x67726964));
+  LightGrid grid;
+  grid.tree = std::move(tree);
+  for (const Representation& representation : kGridRepresentations) grid.representations.push_back(representation);
+  for (uint8_t i = 0; i < 2 * grid.representations.size(); ++i) {
+    const uint8_t representation = i % static_cast<uint8_t>(grid.representations.size());
+    grid.addFunction(representation, randomTheta(grid.representations[representation], mixSeed(seed, i)).data());
+  }
+  const auto functions = static_cast<uint32_t>(grid.functionCount());
+  for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) {
+    const uint32_t drawn = random.below(functions + 4);
+    grid.probe_function.push_back(drawn < functions ? drawn : drawn < functions + 2 ? kFreeSpace : kNoWeight);
+  }
+  return grid;
+}
+
+// Anywhere in the box of the roots, and a little outside.
+inline PositionM randomPosition(const ProbeTreeFrame& frame, Random& random) {
+  std::array<double, 3> units;
+  for (int axis = 0; axis < 3; ++axis) units[axis] = kRootSide * frame.root_count[axis] * random.uniform(-0.01, 1.01);
+  return positionAt(frame, units);
+}
+
+}  // namespace nlg
