@@ -80,7 +80,7 @@ assert half["theta_bytes"] * 2 == one["theta_bytes"], (one["theta_bytes"], half[
 assert one["rmse_added_by_rounding"]["worst"] == 0 < half["rmse_added_by_rounding"]["worst"] < 0.01, half
 assert str(one["probes"]) in table and str(one["functions"]) in table, table
 PYTHON
-"$NLG_BIN/nlg-bake" cave:1 "${bake[@]:0:3}" --spacing-m 0.5 --out "$temporary/killed.safetensors" >/dev/null 2>&1 &
+"$NLG_BIN/nlg-bake" cave:1 "${bake[@]:0:3}" --spacing-m 0.15 --density-growth 0 --threads 1 --out "$temporary/killed.safetensors" >/dev/null 2>&1 &
 sleep 1
 kill -9 $!
 ! wait $! || fail "a bake of a whole cave was over within a second: nothing was killed"
