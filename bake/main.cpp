@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 
@@ -38,9 +39,15 @@ ThetaPrecision thetaPrecision(const std::string& name) {
 }
 
 void chooseSimd(const std::string& name) {
-  const SimdStatus status = name.empty() ? forceSimdTargetFromEnvironment() : forceSimdTarget(name);
-  if (status == SimdStatus::ok) return;
-  throw UsageError(name.empty() ? "NLG_SIMD" : "--simd", "a SIMD target of this machine", simdRefusal(name, status));
+  // the variable first, whatever the option says: later Generator::load would read it and override the option
+  const SimdStatus inherited = forceSimdTargetFromEnvironment();
+  if (inherited != SimdStatus::ok) {
+    const char* variable = std::getenv("NLG_SIMD");
+    throw UsageError("NLG_SIMD", "a SIMD target of this machine", simdRefusal(variable ? variable : "", inherited));
+  }
+  if (name.empty()) return;
+  const SimdStatus status = forceSimdTarget(name);
+  if (status != SimdStatus::ok) throw UsageError("--simd", "a SIMD target of this machine", simdRefusal(name, status));
 }
 
 // By rising number of parameters, as the choice between them reads them.
@@ -80,8 +87,9 @@ uint64_t peakMemoryBytes() {
 
 std::map<std::string, std::string> metadata(const Request& request, const BakeScene& scene, const OptionTable& table) {
   nlohmann::ordered_json options = table.toJson();
-  // what the grid holds does not depend on it
+  // what the grid holds does not depend on the threads, but on the instructions that were chosen
   options.erase("threads");
+  options["simd"] = chosenSimdTarget();
   std::map<std::string, std::string> inputs;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
   for (const std::string& path : request.weights)

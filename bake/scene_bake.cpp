@@ -204,6 +204,9 @@ class SceneBake {
   LightGrid makeGrid() {
     LightGrid grid;
     grid.tree = scene_.tree;
+    // engines look up in the world's coordinates; the scene's are relative to its middle
+    const glm::dvec3& origin_m = scene_.source.scene.origin_m;
+    grid.tree.moveBy({origin_m.x, origin_m.y, origin_m.z});
     grid.probe_function = functions_.probeFunction();
     // only the representations that some function uses
     std::vector<uint8_t> index_of_generator(generators_.size());
