@@ -24,11 +24,7 @@ void describe(BakeOptions& o, OptionTable& table) {
             "time for all refinement, spent on the worst functions first; 0: as long as it takes, the only setting whose result "
             "does not depend on the machine's speed",
             0.0, 1e9);
-  table.add("choice_flat_ratio", &o.choice.flat_ratio,
-            "several weights: an error up to so many times that of a larger representation is no reason to take the larger", 1.0,
-            1e6);
-  table.add("choice_enough_rmse", &o.choice.enough_rmse, "several weights: an error that needs no larger representation", 0.0,
-            1e3);
+  describeChoice(o.choice, table);
   table.add("generator_precision", &o.generator_precision, "float32, or int16: fixed point, faster");
   table.add("theta_precision", &o.theta_precision, "float32 or float16, in the light grid's file");
   table.add("simd", &o.simd, "vector instructions to use (sse4, avx2, avx512, …); none: the best");

@@ -13,4 +13,11 @@ void describeRefinement(RefinementOptions& o, OptionTable& table) {
   table.add("refine_leak_weight", &o.leak_weight, "weight of points where the function is 0", 1.0, 1e6);
 }
 
+void describeChoice(ChoiceOptions& o, OptionTable& table) {
+  table.add("choice_flat_ratio", &o.flat_ratio,
+            "several weights: an error up to so many times that of a larger representation is no reason to take the larger", 1.0,
+            1e6);
+  table.add("choice_enough_rmse", &o.enough_rmse, "several weights: an error that needs no larger representation", 0.0, 1e3);
+}
+
 }  // namespace nlg

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "export/weights_file/half.h"
+#include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/fit/refinement.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
@@ -129,9 +130,7 @@ class SceneBake {
     const size_t first = fitted_[number].generator;
     double least_trouble = checks_[number].trouble(options_.refinement.check);
     for (size_t g = first; g < generators_.size() && least_trouble > 1.0; ++g) {
-      if (g > first) generators_[g].generate(stored.phi, 1, thread.theta[g].data(), &thread.scratch[g]);
-      const float* generated = thetaOf(thread, g, 0);
-      const Theta begin = g == first ? fitted_[number].theta : Theta(generated, generated + thetaCount(g));
+      const Theta begin = g == first ? fitted_[number].theta : raisedStart(stored, number, g, thread);
       const RefinementResult refined = thread.refiner.refine(generators_[g].representation(), stored, begin, options_.refinement);
       const double trouble = refined.check.trouble(options_.refinement.check);
       if (!(trouble < least_trouble)) continue;
@@ -141,6 +140,20 @@ class SceneBake {
     }
     if (fitted_[number].generator != first) ++raised_;
     thread.refinement_s += secondsSince(start);
+  }
+
+  // Where a larger representation starts: its own generator's theta, or a field that is smaller so far, on its finer grid.
+  Theta raisedStart(const StoredFunction& stored, uint32_t number, size_t g, BakeThread& thread) const {
+    generators_[g].generate(stored.phi, 1, thread.theta[g].data(), &thread.scratch[g]);
+    const float* generated = thetaOf(thread, g, 0);
+    Theta start(generated, generated + thetaCount(g));
+    const Representation &raised = generators_[g].representation(),
+                         &present = generators_[fitted_[number].generator].representation();
+    if (!raised.isField() || !present.isField()) return start;
+    Theta finer(thetaCount(g));
+    resampleField(present.resolution, fitted_[number].theta.data(), raised.resolution, finer.data());
+    const bool finer_is_better = check(stored, g, finer.data(), thread).rmse < check(stored, g, start.data(), thread).rmse;
+    return finer_is_better ? finer : start;
   }
 
   // Rounds theta of all functions to float16 and checks what that makes of them.

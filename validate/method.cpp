@@ -44,8 +44,8 @@ std::vector<TimedFit> fitAll(const Generator& generator, const StoredFunction& s
   std::vector<TimedFit> fits;
   const auto add = [&](int method, const FitResult& fit) { fits.push_back({method, fit.theta, decode_us + fit.elapsed_us}); };
   add(kRefinedAdam, fitAdam(representation, function, generated, refinementAdam(representation, options.adam_refine_steps)));
-  add(kRefinedLm,
-      fitLevenbergMarquardt(representation, function, generated, {.iterations = options.lm_refine_iterations}, kernel));
+  add(kRefinedLm, fitLevenbergMarquardt(representation, function, generated,
+                                        refinementLevenbergMarquardt(representation, options.lm_refine_iterations), kernel));
   DirectOptions direct_options = options.direct;
   direct_options.seed = seed;
   const Clock::time_point direct_start = Clock::now();

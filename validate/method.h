@@ -8,6 +8,7 @@
 #include "runtime_eval/evaluator/generator.h"
 #include "runtime_eval/fit/direct.h"
 #include "runtime_eval/fit/refinement.h"
+#include "runtime_eval/fit/representation_choice.h"
 #include "validate/function_error.h"
 
 namespace nlg {
@@ -17,6 +18,7 @@ struct ValidateOptions {
   int adam_refine_steps = 200;   // refinement of every function by Adam
   int lm_refine_iterations = 8;  // … and by LM
   RefinementOptions refinement;  // the bake's policy
+  ChoiceOptions choice;          // … and its choice between product fields
   double hard_tent_rmse = 0.01;  // functions whose bare tent is at least so wrong are hard
   DirectOptions direct;
   int threads = 0;  // 0: as many as the machine has

@@ -52,7 +52,7 @@ class TensorFileReader {
   WeightsResult read(const std::string& name, std::vector<T>* values) const {
     static_assert(std::is_trivially_copyable_v<T>);
     const TensorEntry* entry = nullptr;
-    const WeightsResult result = find(name, tensorDtype<T>(), &entry);
+    WeightsResult result = find(name, tensorDtype<T>(), &entry);
     if (!result.ok()) return result;
     values->resize((entry->end - entry->begin) / sizeof(T));
     return fetch(name, *entry, values->data());

@@ -81,7 +81,7 @@ void multiplyRows(Tile& tile, int& row, int row_count) {
     multiplyTile<kRows, kVectors>(tile);
     tile.input += kRows * tile.input_stride;
     // the first two tiles fetch the panel that comes next; the others what is there already
-    tile.ahead = row < 2 * kRows ? tile.ahead + size_t(tile.input_count) * kLineFloats : tile.panel;
+    tile.ahead = row == 0 ? tile.ahead + size_t(tile.input_count) * kLineFloats : tile.panel;
     tile.output += kRows * tile.output_stride;
     if (tile.skip) tile.skip += kRows * tile.input_stride;
   }

@@ -76,7 +76,7 @@ void takeFirst(WeightsResult* result, WeightsResult next) {
 template <size_t kCount, class T>
 WeightsResult readNumbers(const TensorFileReader& reader, const std::string& name, T* numbers) {
   std::vector<T> values;
-  const WeightsResult result = reader.read(name, &values);
+  WeightsResult result = reader.read(name, &values);
   if (!result.ok()) return result;
   if (values.size() != kCount) {
     return refuse(WeightsStatus::tensor_unexpected,
