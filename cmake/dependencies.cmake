@@ -1,9 +1,7 @@
 # Every package, found in one place. Debian's names stand in cmake/packages.txt.
-find_package(HWY CONFIG QUIET)
+include(highway)
 if(NOT TARGET hwy::hwy)
-  find_package(PkgConfig REQUIRED)
-  pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
-  add_library(hwy::hwy ALIAS PkgConfig::HWY)
+  message(FATAL_ERROR "Highway was found neither as a CMake package nor by pkg-config (Debian: libhwy-dev)")
 endif()
 
 if(NLG_BUILD_TOOLS)

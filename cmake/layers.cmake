@@ -6,7 +6,7 @@
 # Layers, lowest first. A library links what its own line names, nothing else.
 set(NLG_MAY_LINK_weights_file  "")
 set(NLG_MAY_LINK_runtime_eval  nlg::weights_file hwy::hwy)
-set(NLG_MAY_LINK_tool          yaml-cpp CLI11::CLI11 nlohmann_json::nlohmann_json fmt::fmt OpenSSL::Crypto)
+set(NLG_MAY_LINK_tool          yaml-cpp CLI11::CLI11 nlohmann_json::nlohmann_json fmt::fmt OpenSSL::Crypto Threads::Threads)
 set(NLG_MAY_LINK_dataset       nlg::tool hdf5::hdf5 nlg::deflate)
 set(NLG_MAY_LINK_scene         nlg::tool nlg::runtime_eval glm::glm TinyGLTF::TinyGLTF PkgConfig::LIBZIP JPEG::JPEG)
 set(NLG_MAY_LINK_probes        nlg::scene nlg::runtime_eval)
@@ -18,14 +18,17 @@ set(NLG_MAY_LINK_view          nlg::shard_scene nlg::scene nlg::probes nlg::data
 set(NLG_MAY_LINK_solved        nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_basis         nlg::dataset nlg::runtime_eval Eigen3::Eigen BLAS::BLAS Threads::Threads)
 set(NLG_MAY_LINK_generator     nlg::basis nlg::dataset nlg::runtime_eval nlg::torch)
-set(NLG_MAY_LINK_validation    nlg::dataset nlg::runtime_eval nlg::weights_file Threads::Threads)
+set(NLG_MAY_LINK_validation    nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
+set(NLG_MAY_LINK_refinement_options nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_bake          nlg::refinement_options nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::shard_job nlg::runtime_eval nlg::weights_file nlg::tool)
 # tools: the stage's own libraries, and what all tools share
 set(NLG_MAY_LINK_nlg-datagen   nlg::shard_job nlg::view nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-solve     nlg::solved nlg::tool)
 set(NLG_MAY_LINK_nlg-pca       nlg::basis nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch)
 set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch)
-set(NLG_MAY_LINK_nlg-validate  nlg::validation nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-validate  nlg::validation nlg::refinement_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 
 function(nlg_check_links name)
   if(NOT DEFINED NLG_MAY_LINK_${name})

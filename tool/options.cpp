@@ -322,8 +322,8 @@ nlohmann::ordered_json OptionTable::toJson() const {
 }
 
 const std::vector<std::string>& pipelineSections() {
-  static const std::vector<std::string> sections = {"name",  "scenes", "split",  "representations", "datagen",
-                                                    "basis", "train",  "export", "validate"};
+  static const std::vector<std::string> sections = {"name",  "scenes", "split", "representations", "datagen", "basis",
+                                                    "train", "export", "bake",  "validate"};
   return sections;
 }
 

@@ -7,10 +7,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bake/refinement_options.h"
 #include "tool/atomic_file.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
+#include "validate/choice.h"
 #include "validate/method.h"
 #include "validate/slice.h"
 
@@ -29,9 +31,8 @@ void describe(ValidateOptions& o, OptionTable& table) {
   table.add("direct_functions", &o.direct_functions, "held-out functions that fits are measured on", 1, 1000000);
   table.add("adam_refine_steps", &o.adam_refine_steps, "Adam steps when every function is refined", 0, 1000000);
   table.add("lm_refine_iterations", &o.lm_refine_iterations, "LM iterations when every function is refined", 0, 100000);
-  table.add("policy_adam_steps", &o.policy_adam_steps, "Adam steps for functions over tau", 0, 1000000);
-  table.add("tau_rmse", &o.tau_rmse, "a function with a larger RMSE needs refinement", 0.0, 1.0);
-  table.add("tau_leak", &o.tau_leak, "… or with a larger leak (99th percentile)", 0.0, 1.0);
+  describeRefinement(o.refinement, table);
+  describeChoice(o.choice, table);
   table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);
   table.add("direct_adam_steps", &o.direct.adam_steps, "direct optimisation: Adam steps a start", 0, 10000000);
   table.add("direct_lm_iterations", &o.direct.levenberg_iterations, "direct optimisation: LM iterations a start", 0, 100000);
@@ -193,7 +194,14 @@ struct Outputs {
   Json summary;
   Json slices = Json::array();
   std::ostringstream csv;
+  std::vector<ChoiceColumn> fields;  // product fields
 };
+
+std::vector<FunctionError> errorsOf(const MethodResult& method) {
+  std::vector<FunctionError> errors;
+  for (const MethodSample& sample : method.samples) errors.push_back(sample.error);
+  return errors;
+}
 
 void validateGenerator(const std::string& path, const FunctionSet& set, const MethodResult& tent_result,
                        const std::vector<bool>& hard, const ValidateOptions& options, Outputs& outputs) {
@@ -227,6 +235,9 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
     json[fit.name] = methodJson(fit, hard, options);
     appendCsv(outputs.csv, name, fit, set, hard);
     if (fit.name != "direct") continue;
+    if (generator.representation().isField()) {
+      outputs.fields.push_back({name, generator.representation().thetaCount(), errorsOf(generated_chosen), errorsOf(fit)});
+    }
     json["generator_to_direct"] = {{"reference", "direct: best of Adam and LM from theta0 and from random starts, per function"},
                                    {"median", medianRatio(generated_chosen, fit, nullptr)},
                                    {"median_hard", medianRatio(generated_chosen, fit, &hard)}};
@@ -276,12 +287,18 @@ void validate(const Request& request, const ValidateOptions& options, const Opti
                                   {"held_out_in_training", data_set.held_out_in_training},
                                   {"held_out_scenes", set.scene_ids.size()},
                                   {"hard", std::count(hard.begin(), hard.end(), true)}};
-  outputs.summary["tau"] = {
-      {"rmse", options.tau_rmse}, {"leak_p99", options.tau_leak}, {"hard_tent_rmse", options.hard_tent_rmse}};
+  outputs.summary["tau"] = {{"rmse", options.refinement.check.tau_rmse},
+                            {"leak_p99", options.refinement.check.tau_leak},
+                            {"hard_tent_rmse", options.hard_tent_rmse}};
   outputs.summary["tent"] = methodJson(tent_result, hard, options);
   appendCsv(outputs.csv, "tent", tent_result, set, hard);
   for (const std::string& path : request.weights) validateGenerator(path, set, tent_result, hard, options, outputs);
 
+  if (outputs.fields.size() > 1) {
+    std::sort(outputs.fields.begin(), outputs.fields.end(),
+              [](const ChoiceColumn& a, const ChoiceColumn& b) { return a.theta_count < b.theta_count; });
+    outputs.summary["choice"] = choiceJson(outputs.fields, options.refinement.check, options.choice);
+  }
   writeFileAtomically(request.out_dir + "/functions.csv", outputs.csv.str());
   writeFileAtomically(request.out_dir + "/slices.json", outputs.slices.dump());
   writeFileAtomically(request.out_dir + "/summary.json", outputs.summary.dump(1) + "\n");

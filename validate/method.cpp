@@ -2,13 +2,12 @@
 
 #include "runtime_eval/support/random.h"
 #include "tool/error.h"
+#include "tool/parallel_for.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <mutex>
-#include <thread>
 
 namespace nlg {
 namespace {
@@ -23,21 +22,7 @@ StoredFunction storedFunction(const FunctionSet& set, uint64_t index) {
   return {&set.phi[index * kSupportPointCount], &set.validity[index * kValidityByteCount]};
 }
 
-// Runs work(i) for i in [0, count) on some threads; results must go to places of their own.
-void parallelFor(uint64_t count, int thread_count, const std::function<void(uint64_t)>& work) {
-  std::atomic<uint64_t> next{0};
-  std::vector<std::thread> threads;
-  for (int t = 0; t < thread_count; ++t) {
-    threads.emplace_back([&] {
-      for (uint64_t i = next++; i < count; i = next++) work(i);
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-}
-
-int threadCount(const ValidateOptions& options) {
-  return options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
+int threadCount(const ValidateOptions& options) { return options.threads > 0 ? options.threads : machineThreadCount(); }
 
 // One fit of one function: what it is called, and theta from the function.
 struct TimedFit {
@@ -59,8 +44,8 @@ std::vector<TimedFit> fitAll(const Generator& generator, const StoredFunction& s
   std::vector<TimedFit> fits;
   const auto add = [&](int method, const FitResult& fit) { fits.push_back({method, fit.theta, decode_us + fit.elapsed_us}); };
   add(kRefinedAdam, fitAdam(representation, function, generated, refinementAdam(representation, options.adam_refine_steps)));
-  add(kRefinedLm,
-      fitLevenbergMarquardt(representation, function, generated, {.iterations = options.lm_refine_iterations}, kernel));
+  add(kRefinedLm, fitLevenbergMarquardt(representation, function, generated,
+                                        refinementLevenbergMarquardt(representation, options.lm_refine_iterations), kernel));
   DirectOptions direct_options = options.direct;
   direct_options.seed = seed;
   const Clock::time_point direct_start = Clock::now();
@@ -76,7 +61,7 @@ std::vector<TimedFit> fitAll(const Generator& generator, const StoredFunction& s
 }  // namespace
 
 bool needsRefinement(const FunctionError& error, const ValidateOptions& options) {
-  return error.rmse > options.tau_rmse || error.leak_p99 > options.tau_leak;
+  return error.rmse > options.refinement.check.tau_rmse || error.leak_p99 > options.refinement.check.tau_leak;
 }
 
 MethodResult measureTent(const FunctionSet& set) {
@@ -118,20 +103,21 @@ MethodResult measurePolicy(const Generator& generator, const FunctionSet& set, c
   const Representation& representation = generator.representation();
   const auto D = static_cast<uint64_t>(representation.thetaCount());
   const uint64_t chunk = 64, count = result.samples.size();
-  parallelFor((count + chunk - 1) / chunk, threadCount(options), [&](uint64_t c) {
+  parallelFor((count + chunk - 1) / chunk, threadCount(options), [&](uint64_t c, int) {
     ErrorMeter meter(set);
+    FunctionChecker checker;
+    Refiner refiner;
     PooledMagnitudes leaks;
     for (uint64_t i = c * chunk; i < std::min(count, (c + 1) * chunk); ++i) {
       MethodSample& sample = result.samples[i];
-      Theta start(&theta[i * D], &theta[i * D] + D);
-      sample.refined = needsRefinement(sample.error, options);
-      if (sample.refined) {
-        const Clock::time_point begin = Clock::now();
-        const WeightingFunction function = decodeFunction(storedFunction(set, sample.function), pointOrder(representation));
-        start = fitAdam(representation, function, start, refinementAdam(representation, options.policy_adam_steps)).theta;
-        sample.elapsed_us += microsecondsSince(begin);
-      }
-      sample.error = meter.measure(representation, start.data(), sample.function, &leaks);
+      Theta fitted(&theta[i * D], &theta[i * D] + D);
+      const StoredFunction stored = storedFunction(set, sample.function);
+      const Clock::time_point begin = Clock::now();
+      const FunctionCheck check = checker.check(representation, stored, fitted.data(), options.refinement.check);
+      sample.refined = !check.passes(options.refinement.check);
+      if (sample.refined) fitted = refiner.refine(representation, stored, fitted, options.refinement).theta;
+      sample.elapsed_us += microsecondsSince(begin);
+      sample.error = meter.measure(representation, fitted.data(), sample.function, &leaks);
     }
     const std::lock_guard lock(mutex);
     result.leaks.add(leaks);
@@ -150,7 +136,7 @@ std::vector<MethodResult> measureFits(const Generator& generator, const Function
   const auto D = static_cast<uint64_t>(generator.representation().thetaCount());
   std::mutex mutex;
   int64_t done = 0;
-  parallelFor(functions.size(), threadCount(options), [&](uint64_t i) {
+  parallelFor(functions.size(), threadCount(options), [&](uint64_t i, int) {
     NormalEquationsKernel kernel;
     ErrorMeter meter(set);
     const Theta generated(&theta[functions[i] * D], &theta[functions[i] * D] + D);

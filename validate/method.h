@@ -7,6 +7,8 @@
 
 #include "runtime_eval/evaluator/generator.h"
 #include "runtime_eval/fit/direct.h"
+#include "runtime_eval/fit/refinement.h"
+#include "runtime_eval/fit/representation_choice.h"
 #include "validate/function_error.h"
 
 namespace nlg {
@@ -15,9 +17,8 @@ struct ValidateOptions {
   int direct_functions = 300;    // held-out functions that direct optimisation and refinement of all run on
   int adam_refine_steps = 200;   // refinement of every function by Adam
   int lm_refine_iterations = 8;  // … and by LM
-  int policy_adam_steps = 400;   // the bake's policy: functions over tau are refined so long
-  double tau_rmse = 0.02;        // a function above either needs refinement
-  double tau_leak = 0.1;         // leak p99 of the function
+  RefinementOptions refinement;  // the bake's policy
+  ChoiceOptions choice;          // … and its choice between product fields
   double hard_tent_rmse = 0.01;  // functions whose bare tent is at least so wrong are hard
   DirectOptions direct;
   int threads = 0;  // 0: as many as the machine has
@@ -29,7 +30,7 @@ struct MethodSample {
   uint64_t function = 0;
   FunctionError error;
   double elapsed_us = 0.0;
-  bool refined = false;  // policy only: this function was over tau
+  bool refined = false;  // policy only: this function failed the check
 };
 
 struct MethodResult {
@@ -46,8 +47,8 @@ MethodResult measureTent(const FunctionSet& set);
 // Generator alone on every function, in batches as a bake runs it; theta receives N x D.
 MethodResult measureGenerator(const Generator& generator, const FunctionSet& set, std::vector<float>* theta);
 
-// The bake's policy on every function: what is over tau after the generator is refined by Adam. elapsed_us is the generator's
-// share plus the refinement's.
+// The bake's policy on every function: what fails the check after the generator is refined. elapsed_us is the generator's share
+// plus the check's and the refinement's.
 MethodResult measurePolicy(const Generator& generator, const FunctionSet& set, const MethodResult& generated,
                            const std::vector<float>& theta, const ValidateOptions& options);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 #include "runtime_eval/support/simd_target.h"
 
@@ -32,15 +33,35 @@ Generator::Generator(const GeneratorData& data, GeneratorPrecision precision)
   }
 }
 
-WeightsResult Generator::load(const std::string& path, GeneratorPrecision precision, Generator* generator) {
+namespace {
+
+WeightsResult obeyEnvironment() {
   const SimdStatus simd = forceSimdTargetFromEnvironment();
-  if (simd != SimdStatus::ok) return {WeightsStatus::simd_unavailable, "NLG_SIMD: " + simdRefusal(std::getenv("NLG_SIMD"), simd)};
-  WeightsFile file;
-  WeightsResult result = readWeightsFile(path, &file);
+  if (simd == SimdStatus::ok) return {};
+  return {WeightsStatus::simd_unavailable, "NLG_SIMD: " + simdRefusal(std::getenv("NLG_SIMD"), simd)};
+}
+
+WeightsResult prepare(WeightsResult result, const WeightsFile& file, GeneratorPrecision precision, Generator* generator) {
   GeneratorData data;
   if (result.ok()) result = generatorFromWeights(file, &data);
   if (result.ok()) *generator = Generator(data, precision);
   return result;
+}
+
+}  // namespace
+
+WeightsResult Generator::load(const std::string& path, GeneratorPrecision precision, Generator* generator) {
+  WeightsFile file;
+  WeightsResult result = obeyEnvironment();
+  if (result.ok()) result = readWeightsFile(path, &file);
+  return prepare(std::move(result), file, precision, generator);
+}
+
+WeightsResult Generator::parse(std::string_view bytes, GeneratorPrecision precision, Generator* generator) {
+  WeightsFile file;
+  WeightsResult result = obeyEnvironment();
+  if (result.ok()) result = parseWeights(bytes, &file);
+  return prepare(std::move(result), file, precision, generator);
 }
 
 template <class Sample>

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "export/weights_file/weights_file.h"
@@ -49,12 +50,14 @@ class Generator {
   Generator() = default;
   explicit Generator(const GeneratorData& data, GeneratorPrecision precision = GeneratorPrecision::float32);
 
-  // Reads a file and prepares the generator; *generator is changed only on success. Obeys NLG_SIMD (simd_target.h): a name that
-  // is no target of this build and machine is refused (simd_unavailable), so the first call should precede other threads' work.
+  // Reads a file, or its bytes, and prepares the generator; *generator is changed only on success. Obeys NLG_SIMD
+  // (simd_target.h): a name that is no target of this build and machine is refused (simd_unavailable), so the first call should
+  // precede other threads' work.
   static WeightsResult load(const std::string& path, GeneratorPrecision precision, Generator* generator);
   static WeightsResult load(const std::string& path, Generator* generator) {
     return load(path, GeneratorPrecision::float32, generator);
   }
+  static WeightsResult parse(std::string_view bytes, GeneratorPrecision precision, Generator* generator);
 
   const Representation& representation() const { return representation_; }
   GeneratorPrecision precision() const { return precision_; }

@@ -4,7 +4,10 @@
 #include <cinttypes>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
+#include <locale>
+#include <sstream>
+
+#include "export/weights_file/header_parser.h"
 
 namespace nlg {
 namespace {
@@ -26,6 +29,9 @@ std::string shapeText(const std::vector<uint64_t>& shape) {
   }
   return text;
 }
+
+// The file's own text in a message: one line, and no longer than a line.
+std::string shown(const std::string& text) { return jsonQuoted(text.substr(0, 40)); }
 
 // Reads what a generator needs from a file and remembers the first thing that was wrong.
 class TensorReader {
@@ -63,11 +69,14 @@ class TensorReader {
 
   double number(const std::string& key, double low, double high) {
     const std::string value = text(key);
-    char* end = nullptr;
-    const double parsed = std::strtod(value.c_str(), &end);
-    if (value.empty() || *end != '\0' || !(parsed >= low && parsed <= high)) {
+    // strtod would read numbers as the engine's locale writes them, and end at a zero byte
+    std::istringstream stream(value);
+    stream.imbue(std::locale::classic());
+    double parsed = 0.0;
+    const bool is_number = static_cast<bool>(stream >> std::noskipws >> parsed) && stream.peek() == EOF;
+    if (!is_number || !(parsed >= low && parsed <= high)) {
       fail(WeightsStatus::value_out_of_range, "metadata " + key + ": expected a number from " + std::to_string(low) + " to " +
-                                                  std::to_string(high) + ", got '" + value.substr(0, 40) + "'");
+                                                  std::to_string(high) + ", got " + shown(value));
       return low;
     }
     return parsed;
@@ -129,10 +138,10 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
                 "version " + std::to_string(version) + " is newer than this reader's " + std::to_string(kWeightsVersion));
   }
   const std::string pattern = reader.text("pattern_hash"), own = hexadecimal(supportPattern().hash);
-  if (pattern != own) reader.fail(WeightsStatus::pattern_unknown, "support pattern " + pattern + ", expected " + own);
+  if (pattern != own) reader.fail(WeightsStatus::pattern_unknown, "support pattern " + shown(pattern) + ", expected " + own);
   const std::string representation = reader.text("representation");
   if (!findRepresentation(representation, &data->representation)) {
-    reader.fail(WeightsStatus::value_out_of_range, "metadata representation: unknown '" + representation.substr(0, 40) + "'");
+    reader.fail(WeightsStatus::value_out_of_range, "metadata representation: unknown " + shown(representation));
   }
   data->representation.slope = static_cast<float>(reader.number("representation_slope", 1e-6, 0.999));
   data->slope = static_cast<float>(reader.number("generator_slope", 1e-6, 0.999));

@@ -40,7 +40,7 @@ HWY_INLINE Sums addPairs(int32_t pair, const int16_t* HWY_RESTRICT column, Sums 
   return sum;
 }
 HWY_INLINE Sums wholeSum(Sums sum, Sums) { return sum; }
-#elif HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+#elif HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 HWY_INLINE Sums addPairs(int32_t pair, const int16_t* HWY_RESTRICT column, Sums sum, Sums& other) {
   const SumTag d;
   const hn::Repartition<int16_t, SumTag> d16;
@@ -67,15 +67,15 @@ HWY_INLINE Sums wholeSum(Sums sum, Sums) { return sum; }
 #endif
 
 // sums: kRows x kTileColumns, dense; added to
-template <int kRows>
+template <int kRows, int kVectors>
 HWY_INLINE void sumTile(const int16_t* HWY_RESTRICT input, int stride, const int16_t* HWY_RESTRICT panel, int pair_count,
                         int32_t* HWY_RESTRICT sums) {
   const SumTag d;
-  Sums sum[kRows][kTileVectors], other[kRows][kTileVectors];
+  Sums sum[kRows][kVectors], other[kRows][kVectors];
 #pragma GCC unroll 12
   for (int r = 0; r < kRows; ++r) {
 #pragma GCC unroll 2
-    for (int v = 0; v < kTileVectors; ++v) {
+    for (int v = 0; v < kVectors; ++v) {
       sum[r][v] = hn::Zero(d);
       other[r][v] = hn::Zero(d);
     }
@@ -86,13 +86,13 @@ HWY_INLINE void sumTile(const int16_t* HWY_RESTRICT input, int stride, const int
       int32_t pair;
       std::memcpy(&pair, input + r * stride + 2 * p, sizeof pair);
 #pragma GCC unroll 2
-      for (int v = 0; v < kTileVectors; ++v) sum[r][v] = addPairs(pair, panel + 2 * v * kLanes, sum[r][v], other[r][v]);
+      for (int v = 0; v < kVectors; ++v) sum[r][v] = addPairs(pair, panel + 2 * v * kLanes, sum[r][v], other[r][v]);
     }
   }
 #pragma GCC unroll 12
   for (int r = 0; r < kRows; ++r) {
 #pragma GCC unroll 2
-    for (int v = 0; v < kTileVectors; ++v) {
+    for (int v = 0; v < kVectors; ++v) {
       int32_t* to = sums + r * kTileColumns + v * kLanes;
       hn::Store(hn::Add(hn::Load(d, to), wholeSum(sum[r][v], other[r][v])), d, to);
     }
@@ -130,12 +130,12 @@ void finishRow(const Strip& strip, const int32_t* HWY_RESTRICT sums, float scale
 }
 
 // The rows from `row` on by tiles of kRows, what is left by smaller ones.
-template <int kRows>
+template <int kRows, int kVectors>
 void sumRows(const int16_t* input, int stride, int row, int row_count, const int16_t* panel, int pair_count, int32_t* sums) {
   for (; row + kRows <= row_count; row += kRows) {
-    sumTile<kRows>(input + row * stride, stride, panel, pair_count, sums + row * kTileColumns);
+    sumTile<kRows, kVectors>(input + row * stride, stride, panel, pair_count, sums + row * kTileColumns);
   }
-  if constexpr (kRows > 1) sumRows<kRows / 2>(input, stride, row, row_count, panel, pair_count, sums);
+  if constexpr (kRows > 1) sumRows<kRows / 2, kVectors>(input, stride, row, row_count, panel, pair_count, sums);
 }
 
 void multiplyAll(IntegerRows input, int row_count, const PackedIntegerMatrix& matrix, const float* bias, Epilogue epilogue,
@@ -156,7 +156,13 @@ void multiplyAll(IntegerRows input, int row_count, const PackedIntegerMatrix& ma
       std::fill_n(sums, rows * kTileColumns, 0);
       for (int pair = 0; pair < matrix.pairCount(); pair += kBlockPairs) {
         const int pairs = std::min(kBlockPairs, matrix.pairCount() - pair);
-        sumRows<kTileRows>(values + 2 * pair, input.stride, 0, rows, panel + size_t(pair) * 2 * kPanelWidth, pairs, sums);
+        const int16_t* block = panel + size_t(pair) * 2 * kPanelWidth;
+        // a class of the basis often ends in a few outputs: half a tile costs half
+        if (strip.columns <= kTileColumns / 2) {
+          sumRows<kTileRows, kTileVectors / 2>(values + 2 * pair, input.stride, 0, rows, block, pairs, sums);
+        } else {
+          sumRows<kTileRows, kTileVectors>(values + 2 * pair, input.stride, 0, rows, block, pairs, sums);
+        }
       }
       for (int r = 0; r < rows; ++r) {
         const size_t n = size_t(begin) + r;

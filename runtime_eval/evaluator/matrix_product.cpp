@@ -4,6 +4,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/evaluator/matrix_product.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 // after foreach_target.h
 #include <hwy/highway.h>
@@ -22,11 +23,14 @@ constexpr int kTileVectors = kLanes == 16 ? 2 : 4;
 constexpr int kTileRows = kLanes == 16 ? 12 : 3;
 constexpr int kTileColumns = kTileVectors * kLanes;
 
+constexpr int kLineFloats = 16;
+
 struct Tile {
   const float* HWY_RESTRICT input;
   int input_stride;
   const float* HWY_RESTRICT panel;
   int input_count;
+  const float* ahead;  // cache lines to fetch meanwhile, one an input
   const float* HWY_RESTRICT bias;
   const float* HWY_RESTRICT skip;  // input at the tile's columns; null without skip
   bool leaky;
@@ -35,32 +39,33 @@ struct Tile {
   int output_stride;
 };
 
-template <int kRows>
+template <int kRows, int kVectors>
 HWY_INLINE void multiplyTile(const Tile& tile) {
   const FloatTag d;
-  Floats sum[kRows][kTileVectors];
+  Floats sum[kRows][kVectors];
 #pragma GCC unroll 12
   for (int r = 0; r < kRows; ++r) {
 #pragma GCC unroll 4
-    for (int v = 0; v < kTileVectors; ++v) sum[r][v] = hn::LoadU(d, tile.bias + v * kLanes);
+    for (int v = 0; v < kVectors; ++v) sum[r][v] = hn::LoadU(d, tile.bias + v * kLanes);
   }
   const float* HWY_RESTRICT panel = tile.panel;
   for (int k = 0; k < tile.input_count; ++k, panel += PackedMatrix::kPanelWidth) {
-    Floats column[kTileVectors];
+    Floats column[kVectors];
 #pragma GCC unroll 4
-    for (int v = 0; v < kTileVectors; ++v) column[v] = hn::Load(d, panel + v * kLanes);
+    for (int v = 0; v < kVectors; ++v) column[v] = hn::Load(d, panel + v * kLanes);
+    hwy::Prefetch(tile.ahead + size_t(k) * kLineFloats);
 #pragma GCC unroll 12
     for (int r = 0; r < kRows; ++r) {
       const Floats value = hn::Set(d, tile.input[r * tile.input_stride + k]);
 #pragma GCC unroll 4
-      for (int v = 0; v < kTileVectors; ++v) sum[r][v] = hn::MulAdd(value, column[v], sum[r][v]);
+      for (int v = 0; v < kVectors; ++v) sum[r][v] = hn::MulAdd(value, column[v], sum[r][v]);
     }
   }
   const Floats slope = hn::Set(d, tile.slope);
 #pragma GCC unroll 12
   for (int r = 0; r < kRows; ++r) {
 #pragma GCC unroll 4
-    for (int v = 0; v < kTileVectors; ++v) {
+    for (int v = 0; v < kVectors; ++v) {
       Floats value = sum[r][v];
       if (tile.leaky) value = hn::Max(value, hn::Mul(slope, value));
       if (tile.skip) value = hn::Add(value, hn::LoadU(d, tile.skip + r * tile.input_stride + v * kLanes));
@@ -70,20 +75,22 @@ HWY_INLINE void multiplyTile(const Tile& tile) {
 }
 
 // The rows that are left over after whole tiles, by tiles of falling size.
-template <int kRows>
+template <int kRows, int kVectors>
 void multiplyRows(Tile& tile, int& row, int row_count) {
   for (; row + kRows <= row_count; row += kRows) {
-    multiplyTile<kRows>(tile);
+    multiplyTile<kRows, kVectors>(tile);
     tile.input += kRows * tile.input_stride;
+    // the first two tiles fetch the panel that comes next; the others what is there already
+    tile.ahead = row == 0 ? tile.ahead + size_t(tile.input_count) * kLineFloats : tile.panel;
     tile.output += kRows * tile.output_stride;
     if (tile.skip) tile.skip += kRows * tile.input_stride;
   }
-  if constexpr (kRows > 1) multiplyRows<kRows / 2>(tile, row, row_count);
+  if constexpr (kRows > 1) multiplyRows<kRows / 2, kVectors>(tile, row, row_count);
 }
 
 // One strip of at most kTileColumns outputs. A strip that the outputs do not fill goes through a buffer.
 void multiplyStrip(Tile tile, int row_count, int columns, Epilogue epilogue, const float* bias) {
-  constexpr int kBufferRows = 32;
+  constexpr int kBufferRows = 96;
   alignas(64) float padded_bias[kTileColumns] = {};
   alignas(64) float buffer[kBufferRows * kTileColumns];
   alignas(64) float skip_buffer[kTileColumns];
@@ -93,7 +100,7 @@ void multiplyStrip(Tile tile, int row_count, int columns, Epilogue epilogue, con
   tile.leaky = epilogue != Epilogue::none;
   if (whole) {
     int row = 0;
-    multiplyRows<kTileRows>(tile, row, row_count);
+    multiplyRows<kTileRows, kTileVectors>(tile, row, row_count);
     return;
   }
   const float* skip = tile.skip;
@@ -107,7 +114,12 @@ void multiplyStrip(Tile tile, int row_count, int columns, Epilogue epilogue, con
     part.output = buffer;
     part.output_stride = kTileColumns;
     int row = 0;
-    multiplyRows<kTileRows>(part, row, rows);
+    // a class of the basis often ends in a few outputs: half a tile costs half
+    if (columns <= kTileColumns / 2) {
+      multiplyRows<kTileRows, kTileVectors / 2>(part, row, rows);
+    } else {
+      multiplyRows<kTileRows, kTileVectors>(part, row, rows);
+    }
     for (int r = 0; r < rows; ++r) {
       std::fill_n(skip_buffer, columns, 0.0f);
       if (skip) std::copy_n(skip + (begin + r) * tile.input_stride, columns, skip_buffer);
@@ -125,6 +137,9 @@ void multiplyAll(RowMatrix input, int row_count, const PackedMatrix& matrix, con
     tile.input_stride = input.stride;
     tile.panel = matrix.panel(first / PackedMatrix::kPanelWidth) + first % PackedMatrix::kPanelWidth;
     tile.input_count = matrix.inputCount();
+    const int next = std::min((first + kTileColumns) / PackedMatrix::kPanelWidth, matrix.panelCount() - 1);
+    // few rows stream every panel once, which the hardware foresees by itself
+    tile.ahead = row_count < kTileRows ? tile.panel : matrix.panel(next);
     tile.skip = epilogue == Epilogue::leaky_and_skip ? input.values + first : nullptr;
     tile.slope = slope;
     tile.output = output + first;

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/support/random.h"
 
 namespace nlg {
 
 DirectResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,
                        const DirectOptions& options, NormalEquationsKernel* kernel) {
-  const LevenbergMarquardtOptions polish{.iterations = options.levenberg_iterations};
+  const LevenbergMarquardtOptions polish = refinementLevenbergMarquardt(representation, options.levenberg_iterations);
   DirectResult result;
   const auto consider = [&](const FitResult& candidate) {
     // also when the best so far is not finite, which a theta0 of NaN would make it
@@ -28,11 +29,51 @@ DirectResult fitDirect(const Representation& representation, const WeightingFunc
     if (restart == 0) result.adam_from_random = fit;
     consider(polished(fit));
   }
+  if (representation.isField()) consider(fitNested(representation, function, options.levenberg_iterations, kernel));
   return result;
+}
+
+namespace {
+
+// The tent, in A; B far enough on its flat side to matter little, and near enough to be moved.
+Theta tentField() {
+  constexpr int kResolution = 3;
+  Theta theta;
+  for (int node = 0; node < kResolution * kResolution * kResolution; ++node) {
+    // the tent is 1 at the middle node and 0 at all others
+    theta.push_back(node == 13 ? 1.0f : 0.0f);
+    theta.push_back(2.0f);
+  }
+  return theta;
+}
+
+}  // namespace
+
+FitResult fitNested(const Representation& representation, const WeightingFunction& function, int iterations,
+                    NormalEquationsKernel* kernel) {
+  return timedFit([&] {
+    const PointOrder& order = pointOrder(representation);
+    FitResult fit;
+    fit.theta = tentField();
+    int resolution = 3, steps = 0;
+    while (true) {
+      const Representation grid = Representation::productField(resolution);
+      fit = fitLevenbergMarquardt(grid, reordered(function, order, pointOrder(grid)), fit.theta,
+                                  refinementLevenbergMarquardt(grid, iterations), kernel);
+      fit.steps = steps += fit.steps;
+      if (resolution == representation.resolution) return fit;
+      const int next = resolution == 3 && representation.resolution == 9 ? 5 : representation.resolution;
+      Theta finer(Representation::productField(next).thetaCount());
+      resampleField(resolution, fit.theta.data(), next, finer.data());
+      fit.theta = finer;
+      resolution = next;
+    }
+  });
 }
 
 FitResult fitStart(const Representation& representation, const WeightingFunction& function, const StartOptions& options,
                    NormalEquationsKernel* kernel) {
+  if (representation.isField()) return fitNested(representation, function, options.levenberg_iterations, kernel);
   std::vector<FitResult> fits;
   for (int i = 0; i < options.candidates; ++i) {
     const Theta start = randomTheta(representation, mixSeed(options.seed, i));
@@ -43,7 +84,8 @@ FitResult fitStart(const Representation& representation, const WeightingFunction
   fits.resize(std::min<size_t>(fits.size(), options.finalists));
   for (FitResult& fit : fits) {
     fit = fitAdam(representation, function, fit.theta, refinementAdam(representation, options.final_steps));
-    fit = fitLevenbergMarquardt(representation, function, fit.theta, {.iterations = options.levenberg_iterations}, kernel);
+    fit = fitLevenbergMarquardt(representation, function, fit.theta,
+                                refinementLevenbergMarquardt(representation, options.levenberg_iterations), kernel);
   }
   return *std::min_element(fits.begin(), fits.end(), by_rmse);
 }

@@ -23,9 +23,16 @@ struct DirectResult {
   FitResult adam_from_random;  // the first random start, Adam alone: what a fixed budget from scratch reaches
 };
 
-// Best of: Adam from theta0, then LM; LM from theta0; Adam from each random start, then LM.
+// Best of: Adam from theta0, then LM; LM from theta0; Adam from each random start, then LM; for product fields also fitNested.
 DirectResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,
                        const DirectOptions& options, NormalEquationsKernel* kernel);
+
+// A product field from coarse to fine: LM on 3³ nodes from the tent, then on grids that hold the nodes of the one before (3, 5, 9
+// or 3, 7), each from the field that stands. Ends far lower than a fit of all nodes at once.
+// function     in the order of `representation`, a field
+// iterations   of LM on every grid
+FitResult fitNested(const Representation& representation, const WeightingFunction& function, int iterations,
+                    NormalEquationsKernel* kernel);
 
 struct StartOptions {
   int candidates = 256;  // random starts; most of them end in poor minima, so many are tried shortly
@@ -36,7 +43,7 @@ struct StartOptions {
   uint64_t seed = 1;
 };
 
-// theta0: a network fitted to one function from nothing, as well as many random starts allow. The start of every other fit, and
+// theta0: a network fitted to one function from nothing, as well as many random starts allow, or a field from coarse to fine. The start of every other fit, and
 // the constant part of the generator's output.
 FitResult fitStart(const Representation& representation, const WeightingFunction& function, const StartOptions& options,
                    NormalEquationsKernel* kernel);

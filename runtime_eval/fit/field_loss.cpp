@@ -1,24 +1,134 @@
 #include "runtime_eval/fit/field_loss.h"
 
 #include <algorithm>
-#include <vector>
+#include <cmath>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "runtime_eval/fit/field_loss.cpp"
+#include <hwy/foreach_target.h>
+// after foreach_target.h
+#include "runtime_eval/evaluator/product_field-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace nlg {
+namespace HWY_NAMESPACE {
+
+double fieldLossAndGradientVectors(const PointOrder& order, const float* HWY_RESTRICT phi, const float* HWY_RESTRICT mask,
+                                   const float* HWY_RESTRICT theta, float* HWY_RESTRICT gradient) {
+  const FloatTag d;
+  const int lanes = static_cast<int>(hn::Lanes(d)), resolution = order.resolution;
+  const int cell_count = static_cast<int>(order.cell_begin.size()) - 1;
+  const Floats scale = hn::Set(d, static_cast<float>(resolution - 1));
+  std::fill_n(gradient, 2 * resolution * resolution * resolution, 0.0f);
+  double total = 0.0;
+  for (int c = 0; c < cell_count; ++c) {
+    const Cell cell = cellAt(resolution, c);
+    CellPolynomials polynomials;
+    loadCell(resolution, cell, theta, polynomials);
+    MomentSums moments;
+    clearMoments(d, moments);
+    Floats square_sum = hn::Zero(d);
+    for (int place = order.cell_begin[c]; place < order.cell_begin[c + 1]; place += lanes) {
+      const CellPosition at = cellPosition(d, order, cell, scale, place);
+      const FieldPoint field = fieldPoint(d, polynomials, at);
+      const Floats residual = hn::Mul(hn::LoadU(d, mask + place), hn::Sub(field.value, hn::LoadU(d, phi + place)));
+      square_sum = hn::MulAdd(residual, residual, square_sum);
+      const Floats delta = hn::Add(residual, residual);
+      addMoments(at, hn::Mul(delta, field.by_a), hn::Mul(delta, field.by_b), moments);
+    }
+    Nodes sums[4];
+    sumMoments(d, moments, sums);
+    addCellGradient(resolution, cell, sums, gradient);
+    total += hn::GetLane(hn::SumOfLanes(d, square_sum));
+  }
+  return total;
+}
+
+double fieldLossVectors(const PointOrder& order, const float* HWY_RESTRICT phi, const float* HWY_RESTRICT mask,
+                        const float* HWY_RESTRICT theta) {
+  const FloatTag d;
+  const int lanes = static_cast<int>(hn::Lanes(d)), cell_count = static_cast<int>(order.cell_begin.size()) - 1;
+  const Floats scale = hn::Set(d, static_cast<float>(order.resolution - 1));
+  double total = 0.0;
+  for (int c = 0; c < cell_count; ++c) {
+    const Cell cell = cellAt(order.resolution, c);
+    CellPolynomials polynomials;
+    loadCell(order.resolution, cell, theta, polynomials);
+    Floats square_sum = hn::Zero(d);
+    for (int place = order.cell_begin[c]; place < order.cell_begin[c + 1]; place += lanes) {
+      const CellPosition at = cellPosition(d, order, cell, scale, place);
+      const Floats value = fieldPoint(d, polynomials, at).value;
+      const Floats residual = hn::Mul(hn::LoadU(d, mask + place), hn::Sub(value, hn::LoadU(d, phi + place)));
+      square_sum = hn::MulAdd(residual, residual, square_sum);
+    }
+    total += hn::GetLane(hn::SumOfLanes(d, square_sum));
+  }
+  return total;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace nlg
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace nlg {
 
+HWY_EXPORT(fieldLossAndGradientVectors);
+HWY_EXPORT(fieldLossVectors);
+
 double fieldLossAndGradient(const PointOrder& order, const float* phi, const float* mask, const float* theta, float* gradient) {
-  const int count = 2 * order.resolution * order.resolution * order.resolution;
-  const std::vector<double> exact(theta, theta + count);
-  std::vector<double> sums(count);
-  const double sum = fieldLossAndGradientReference(order, phi, mask, exact.data(), sums.data());
-  std::copy(sums.begin(), sums.end(), gradient);
-  return sum;
+  return HWY_DYNAMIC_DISPATCH(fieldLossAndGradientVectors)(order, phi, mask, theta, gradient);
 }
 
 double fieldLoss(const PointOrder& order, const float* phi, const float* mask, const float* theta) {
-  std::vector<float> gradient(2 * order.resolution * order.resolution * order.resolution);
-  return fieldLossAndGradient(order, phi, mask, theta, gradient.data());
+  return HWY_DYNAMIC_DISPATCH(fieldLossVectors)(order, phi, mask, theta);
 }
 
-double fieldLossAndGradientReference(const PointOrder&, const float*, const float*, const double*, double*) { return 0; }
+FieldDerivative fieldDerivativeReference(int resolution, const LocalPoint& point, const double* theta) {
+  FieldDerivative result{};
+  int node[3];
+  double share[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double position = (static_cast<double>(point[axis]) + 1.0) * 0.5 * (resolution - 1);
+    node[axis] = std::clamp(static_cast<int>(position), 0, resolution - 2);
+    share[axis] = position - node[axis];
+  }
+  double a = 0.0, b = 0.0, weight[8];
+  for (int corner = 0; corner < 8; ++corner) {
+    weight[corner] = 1.0;
+    for (int axis = 2; axis >= 0; --axis) {
+      const int high = corner >> axis & 1;
+      weight[corner] *= high ? share[axis] : 1.0 - share[axis];
+      result.node[corner] = result.node[corner] * resolution + node[axis] + high;
+    }
+    a += weight[corner] * theta[2 * result.node[corner]];
+    b += weight[corner] * theta[2 * result.node[corner] + 1];
+  }
+  const double s = 1.0 / (1.0 + std::exp(-b));
+  result.value = std::clamp(a, 0.0, 1.0) * s;
+  for (int corner = 0; corner < 8; ++corner) {
+    result.by_a[corner] = a >= 0.0 && a <= 1.0 ? weight[corner] * s : 0.0;
+    result.by_b[corner] = weight[corner] * result.value / (1.0 + std::exp(b));
+  }
+  return result;
+}
+
+double fieldLossAndGradientReference(const PointOrder& order, const float* phi, const float* mask, const double* theta,
+                                     double* gradient) {
+  std::fill_n(gradient, 2 * order.resolution * order.resolution * order.resolution, 0.0);
+  double total = 0.0;
+  for (int place = 0; place < order.placeCount(); ++place) {
+    const LocalPoint point = {order.points.x[place], order.points.y[place], order.points.z[place]};
+    const FieldDerivative field = fieldDerivativeReference(order.resolution, point, theta);
+    const double residual = mask[place] * (field.value - phi[place]);
+    total += residual * residual;
+    for (int corner = 0; corner < 8; ++corner) {
+      gradient[2 * field.node[corner]] += 2 * residual * field.by_a[corner];
+      gradient[2 * field.node[corner] + 1] += 2 * residual * field.by_b[corner];
+    }
+  }
+  return total;
+}
 
 }  // namespace nlg
+#endif  // HWY_ONCE

@@ -6,7 +6,7 @@
 namespace nlg {
 
 // Sum over all places of a cell order of mask * (clamp(A, 0, 1) sigmoid(B) - phi)², and its gradient. Where A lies outside [0, 1]
-// its derivative is 0.
+// its derivative is 0; at 0 and 1 themselves it is 1, so that a field whose nodes start there can leave.
 //
 // order       cellOrder(r)
 // phi, mask   order.placeCount() floats each; mask 0 leaves a place out (its phi may be anything finite)
@@ -16,6 +16,15 @@ double fieldLossAndGradient(const PointOrder& order, const float* phi, const flo
 
 // The sum alone.
 double fieldLoss(const PointOrder& order, const float* phi, const float* mask, const float* theta);
+
+// One point in double, straight from the formula: the field, and its derivatives by A and B of the 8 nodes of the point's cell.
+// point   in [-1, 1]³
+struct FieldDerivative {
+  double value;
+  int node[8];
+  double by_a[8], by_b[8];
+};
+FieldDerivative fieldDerivativeReference(int resolution, const LocalPoint& point, const double* theta);
 
 // Both in double, straight from the formulas: what the vector code is tested against.
 double fieldLossAndGradientReference(const PointOrder& order, const float* phi, const float* mask, const double* theta,

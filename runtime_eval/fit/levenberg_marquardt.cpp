@@ -124,6 +124,13 @@ FitResult runLevenbergMarquardt(const Representation& representation, const Weig
 
 }  // namespace
 
+LevenbergMarquardtOptions refinementLevenbergMarquardt(const Representation& representation, int iterations) {
+  LevenbergMarquardtOptions options;
+  options.iterations = iterations;
+  options.damping = representation.isField() ? 0.01 : 0.1;
+  return options;
+}
+
 FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
                                 const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel) {
   return timedFit([&] { return runLevenbergMarquardt(representation, function, start, options, kernel); });

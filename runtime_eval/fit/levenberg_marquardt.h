@@ -14,6 +14,9 @@ struct LevenbergMarquardtOptions {
   double progress_tolerance = 1e-6;  // ends when three accepted iterations in a row lower the loss by less than this share
 };
 
+// Damping that measured best for a start near the solution (docs/measurements.md §7).
+LevenbergMarquardtOptions refinementLevenbergMarquardt(const Representation& representation, int iterations);
+
 // Fits theta to the function from `start`; every accepted step lowers the loss, so the result is never worse than the start.
 FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
                                 const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel);

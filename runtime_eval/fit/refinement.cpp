@@ -37,7 +37,8 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
 FitResult Refiner::fitOn(const Representation& representation, const WeightingFunction& function, const Theta& start, int steps) {
   // a field's normal equations are a band: there a step of Levenberg–Marquardt costs little more than one of Adam
   if (representation.isField()) {
-    return fitLevenbergMarquardt(representation, function, start, {.iterations = std::max(1, steps / 8)}, &kernel_);
+    return fitLevenbergMarquardt(representation, function, start,
+                                 refinementLevenbergMarquardt(representation, std::max(1, steps / 8)), &kernel_);
   }
   return fitAdam(representation, function, start, refinementAdam(representation, steps));
 }

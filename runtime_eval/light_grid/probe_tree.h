@@ -87,6 +87,12 @@ class ProbeTree {
   // On failure *tree is empty.
   static ProbeTreeStatus build(const ProbeTreeFrame& frame, const CellJudge& judge, uint64_t probe_limit, ProbeTree* tree);
 
+  // Moves all probes: a tree that was built around a scene's middle into the world's coordinates.
+  // by_m   finite, and so is the frame's first_m after it
+  void moveBy(const PositionM& by_m) {
+    for (int axis = 0; axis < 3; ++axis) frame_.first_m[axis] += by_m[axis];
+  }
+
   const ProbeTreeFrame& frame() const { return frame_; }
   size_t probeCount() const { return probe_keys_.size(); }
   size_t nodeCount() const { return nodes_.size(); }

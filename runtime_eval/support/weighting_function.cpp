@@ -70,6 +70,23 @@ WeightingFunction functionFromSamples(const std::vector<float>& phi, const std::
   return function;
 }
 
+WeightingFunction reordered(const WeightingFunction& function, const PointOrder& from, const PointOrder& to) {
+  std::vector<float> phi(kSupportPointCount), mask(kSupportPointCount);
+  for (int place = 0; place < from.placeCount(); ++place) {
+    const int pattern = from.pattern_index[place];
+    if (pattern < 0) continue;
+    phi[pattern] = function.phi[place];
+    mask[pattern] = function.mask[place];
+  }
+  WeightingFunction result = functionFromSamples(phi, std::vector<bool>(mask.begin(), mask.end()), to);
+  // the mask may weigh points, not only leave them out
+  for (int place = 0; place < to.placeCount(); ++place) {
+    const int pattern = to.pattern_index[place];
+    if (pattern >= 0) result.mask[place] = mask[pattern];
+  }
+  return result;
+}
+
 WeightingFunction tentFunction(const PointOrder& order) {
   std::vector<float> phi;
   for (const LocalPoint& point : supportPattern().points) phi.push_back(tent(point));

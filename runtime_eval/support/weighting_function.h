@@ -34,6 +34,9 @@ WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder&
 // Any samples, by index into the support pattern: phi in [0, 1], valid false where a point is left out.
 WeightingFunction functionFromSamples(const std::vector<float>& phi, const std::vector<bool>& valid, const PointOrder& order);
 
+// The same function in another order.
+WeightingFunction reordered(const WeightingFunction& function, const PointOrder& from, const PointOrder& to);
+
 // The bare tent, valid everywhere: the function of a probe in free space.
 WeightingFunction tentFunction(const PointOrder& order = stratumOrder());
 

@@ -283,7 +283,7 @@ TEST(WeightsReader, RefusesNumbersThatAreNotFinite) {
 }
 
 TEST(WeightsStatus, HasANameForEachValue) {
-  for (int i = 0; i <= static_cast<int>(WeightsStatus::pattern_unknown); ++i) {
+  for (int i = 0; i <= static_cast<int>(WeightsStatus::simd_unavailable); ++i) {
     EXPECT_STRNE(weightsStatusName(static_cast<WeightsStatus>(i)), "unknown") << i;
   }
 }

@@ -85,7 +85,8 @@ def damaged_copies(path):
 def make_good_files():
     write("good.yaml", "datagen: {max_functions: 12, unseen_points: 64}\nbasis: {components: 8}\n"
           "train: {steps: 4, batch: 4, checkpoint_steps: 2, start_candidates: 1, width: 16, layers: 2}\n"
-          "validate: {direct_functions: 1, direct_adam_steps: 2, direct_lm_iterations: 1, direct_restarts: 1, policy_adam_steps: 2}\n")
+          "bake: {spacing_m: 1.5, extent_m: [0, 0, 0, 2, 2, 2], refine_rounds: 0}\n"
+          "validate: {direct_functions: 1, direct_adam_steps: 2, direct_lm_iterations: 1, direct_restarts: 1, refine_first_steps: 2}\n")
     must("nlg-datagen", "--config", "good.yaml", "--scene", "house:1", "--out", "training.h5")
     must("nlg-datagen", "--config", "good.yaml", "--scene", "house:2", "--held-out", "--out", "held_out.h5")
     must("nlg-pca", "--config", "good.yaml", "--shards", "training.h5", "--held-out", "held_out.h5", "--out", "basis.h5")
@@ -104,6 +105,7 @@ TOOLS = {
     "nlg-pca": (["--shards", "training.h5"], ["bad.h5"]),
     "nlg-train": (TRAIN_INPUTS + ["--state", "bad.state", "--log", "bad.csv"], TRAIN_OUTPUTS),
     "nlg-export": (EXPORT_INPUTS, ["bad.safetensors"]),
+    "nlg-bake": (["house:1", "--weights", "weights.safetensors"], ["bad_grid.safetensors"]),
     "nlg-validate": (["--weights", "weights.safetensors", "--held-out", "held_out.h5"], ["bad_validation"]),
 }
 
@@ -123,6 +125,7 @@ def check_command_lines():
         "nlg-train": [("--steps", "0"), ("--batch", "-5"), ("--learning-rate", "nan"), ("--width", "1000000"), ("--layers", "0"),
                       ("--threads", "many")],
         "nlg-export": [("--parity-functions", "0"), ("--parity-tolerance", "-1")],
+        "nlg-bake": [("--spacing-m", "0"), ("--threads", "-1"), ("--refine-seconds", "nan"), ("--simd", "sse9"), ("--extent-m", "1,2,3")],
         "nlg-validate": [("--tau-rmse", "2"), ("--direct-functions", "0"), ("--threads", "1.5")],
     }
     for tool in TOOLS:
@@ -131,7 +134,7 @@ def check_command_lines():
         refuses(USAGE_ERROR, ["--no-such-flag"], outputs, tool, *arguments, "--no-such-flag")
         for flag, value in flags[tool]:
             # "=" so that a negative number is no flag of its own
-            refuses(USAGE_ERROR, [flag.lstrip("-").replace("-", "_") if flag == "--unseen-points" else flag], outputs, tool, *arguments, f"{flag}={value}")
+            refuses(USAGE_ERROR, [flag.lstrip("-").replace("-", "_") if flag in ("--unseen-points", "--extent-m") else flag], outputs, tool, *arguments, f"{flag}={value}")
     arguments, outputs = arguments_of("nlg-datagen")
     refuses(USAGE_ERROR, ["spacing_max_m"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "3", "--spacing-max-m", "2")
     refuses(USAGE_ERROR, ["134217728", "spacing_min_m"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "0.0001", "--spacing-max-m", "0.0001")
@@ -144,7 +147,8 @@ def check_command_lines():
 
 
 def check_configurations():
-    section = {"nlg-datagen": "datagen", "nlg-pca": "basis", "nlg-train": "train", "nlg-export": "export", "nlg-validate": "validate"}
+    section = {"nlg-datagen": "datagen", "nlg-pca": "basis", "nlg-train": "train", "nlg-export": "export", "nlg-bake": "bake",
+               "nlg-validate": "validate"}
     for tool in TOOLS:
         arguments, outputs = arguments_of(tool)
         name = section[tool]
@@ -170,6 +174,7 @@ def check_inputs():
         "nlg-pca": ["training.h5"],
         "nlg-train": ["basis.h5", "training.h5", "held_out.h5"],
         "nlg-export": ["run.ckpt", "basis.h5", "held_out.h5"],
+        "nlg-bake": ["weights.safetensors"],
         "nlg-validate": ["weights.safetensors", "held_out.h5"],
     }
     foreign = {"training.h5": "basis.h5", "held_out.h5": "weights.safetensors", "basis.h5": "training.h5", "run.ckpt": "basis.h5",
@@ -313,6 +318,28 @@ def check_shards():
     must("nlg-datagen", "info", "--json", "training.h5", "held_out.h5")
 
 
+def check_bakes():
+    """What only nlg-bake can be given: several weights, weights for its output, scenes with nothing in them, a machine's SIMD."""
+    write("bare.gltf", '{"asset": {"version": "2.0"}}')
+    shutil.copy("weights.safetensors", "again.safetensors")
+    out = ["--out", "bad_grid.safetensors"]
+    refuses(USAGE_ERROR, ["--weights", "tent_mlp"], ["bad_grid.safetensors"], "nlg-bake", "house:1", "--weights", "weights.safetensors", "again.safetensors", *out)
+    refuses(USAGE_ERROR, ["--out", "no input"], [], "nlg-bake", "house:1", "--weights", "weights.safetensors", "--out", "./weights.safetensors")
+    refuses(USAGE_ERROR, ["--weights"], ["bad_grid.safetensors"], "nlg-bake", "house:1", *out)
+    arguments, outputs = arguments_of("nlg-bake", {"house:1": "bare.gltf"})
+    refuses(INPUT_ERROR, ["bare.gltf", "triangle"], outputs, "nlg-bake", *arguments)
+    for scene in ["missing.glb", "castle:3", "folder"]:
+        arguments, outputs = arguments_of("nlg-bake", {"house:1": scene})
+        refuses(INPUT_ERROR, [scene], outputs, "nlg-bake", *arguments)
+    arguments, outputs = arguments_of("nlg-bake")
+    for flag, value in [("theta_precision", "float8"), ("generator_precision", "int3")]:
+        refuses(USAGE_ERROR, [flag, value], outputs, "nlg-bake", *arguments, f"--{flag.replace('_', '-')}", value)
+    refuses(USAGE_ERROR, ["134217728"], outputs, "nlg-bake", *arguments, "--spacing-m", "0.0001")
+    os.environ["NLG_SIMD"] = "sse9"
+    refuses(USAGE_ERROR, ["NLG_SIMD", "sse9"], outputs, "nlg-bake", *arguments)
+    del os.environ["NLG_SIMD"]
+
+
 def check_plans():
     refuses(USAGE_ERROR, [], [], "nlg-datagen", "plan")
     refuses(INPUT_ERROR, ["missing.glb"], [], "nlg-datagen", "plan", "--scene", "missing.glb")
@@ -429,6 +456,7 @@ def main():
         check_levels()
         check_workflow()
         check_shards()
+        check_bakes()
         check_plans()
         check_full_disk()
         check_killed_run()

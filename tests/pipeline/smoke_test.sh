@@ -59,6 +59,33 @@ for name, representation in summary["representations"].items():
         assert a <= b * (1 + 1e-4), f"{name}: {better} has a mean RMSE of {a}, {worse} of {b}"
 PYTHON
 
+# --- a bake with the generators that it made: the same bytes on any number of threads, and figures that add up
+weights=("$out/weights/tent_mlp.safetensors" "$out/weights/mlp.safetensors")
+bake=(--weights "${weights[@]}" --spacing-m 1.5 --extent-m=0,0,0,6,6,3 --refine-rounds 1 --refine-first-steps 10)
+"$NLG_BIN/nlg-bake" house:3 "${bake[@]}" --threads 1 --out "$temporary/one.safetensors" >"$temporary/one.json" 2>"$temporary/one.txt"
+"$NLG_BIN/nlg-bake" house:3 "${bake[@]}" --threads 2 --out "$temporary/two.safetensors" >/dev/null 2>&1
+cmp "$temporary/one.safetensors" "$temporary/two.safetensors" || fail "two threads baked another light grid than one"
+"$NLG_BIN/nlg-bake" house:3 "${bake[@]}" --theta-precision float16 --out "$temporary/half.safetensors" >"$temporary/half.json" 2>/dev/null
+/usr/bin/python3 - "$temporary"/{one,half}.{json,safetensors} "$temporary/one.txt" <<'PYTHON'
+import json, os, sys
+
+one, one_file, half, half_file, table = sys.argv[1], sys.argv[2], sys.argv[3], sys.argv[4], open(sys.argv[5]).read()
+one, half = json.load(open(one)), json.load(open(half))
+parts = ["functions", "free_space", "in_solid", "empty", "duplicates"]
+assert sum(one[part] for part in parts) == one["probes"] > one["functions"] > 0, one
+assert sum(one["representations"].values()) == one["functions"], one
+assert one["rmse_stored"]["mean"] <= one["rmse_generated"]["mean"], one
+assert one["bytes"] == os.path.getsize(one_file) and half["bytes"] == os.path.getsize(half_file), (one, half)
+assert half["theta_bytes"] * 2 == one["theta_bytes"], (one["theta_bytes"], half["theta_bytes"])
+assert one["rmse_added_by_rounding"]["worst"] == 0 < half["rmse_added_by_rounding"]["worst"] < 0.01, half
+assert str(one["probes"]) in table and str(one["functions"]) in table, table
+PYTHON
+"$NLG_BIN/nlg-bake" cave:1 "${bake[@]:0:3}" --spacing-m 0.5 --out "$temporary/killed.safetensors" >/dev/null 2>&1 &
+sleep 1
+kill -9 $!
+! wait $! || fail "a bake of a whole cave was over within a second: nothing was killed"
+[ ! -e "$temporary/killed.safetensors" ] || fail "a killed bake left a light grid"
+
 # --- what it was said to take beforehand is what it took
 pipeline planned plan
 "$NLG_BIN/nlg-datagen" info --json "$out"/dataset/*/*.h5 >"$temporary/shards.jsonl"

@@ -127,7 +127,7 @@ TEST(ErrorMeter, ReadsTheFunctionThatItIsAskedFor) {
 
 TEST(NeedsRefinement, IsToldByEitherThreshold) {
   ValidateOptions options;
-  options.tau_rmse = 0.02, options.tau_leak = 0.1;
+  options.refinement.check.tau_rmse = 0.02, options.refinement.check.tau_leak = 0.1;
   FunctionError error;
   EXPECT_FALSE(needsRefinement(error, options));
   error.rmse = 0.021;

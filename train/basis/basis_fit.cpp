@@ -36,7 +36,7 @@ void forEachClass(const Work& work) {
 Matrix classRows(const std::vector<float>& classes, int count, int c) {
   Matrix rows(count, kSize);
   for (int n = 0; n < count; ++n) {
-    const float* source = &classes[size_t(n) * kSupportPointCount + size_t(c) * kSize];
+    const float* source = &classes[size_t(n) * kClassStride + size_t(c) * kSize];
     for (int i = 0; i < kSize; ++i) rows(n, i) = kClassScale * source[i];
   }
   return rows;
@@ -56,7 +56,7 @@ BasisFit::BasisFit() : sum_(kSize, 0.0) {
 void BasisFit::add(const uint8_t* phi, uint64_t count) {
   for (uint64_t begin = 0; begin < count; begin += kBlockCount) {
     const int block = static_cast<int>(std::min<uint64_t>(kBlockCount, count - begin));
-    std::vector<float> classes(size_t(block) * kSupportPointCount);
+    std::vector<float> classes(size_t(block) * kClassStride);
     parityTransform(phi + begin * kSupportPointCount, block, classes.data());
     if (shift_.empty()) {
       const Matrix rows = classRows(classes, block, 0);
@@ -158,7 +158,7 @@ std::vector<double> keptVariance(const Basis& basis, const uint8_t* phi, uint64_
   double total = 0.0;
   for (uint64_t begin = 0; begin < function_count; begin += kBlockCount) {
     const int block = static_cast<int>(std::min<uint64_t>(kBlockCount, function_count - begin));
-    std::vector<float> classes(size_t(block) * kSupportPointCount);
+    std::vector<float> classes(size_t(block) * kClassStride);
     parityTransform(phi + begin * kSupportPointCount, block, classes.data());
     int first = 0;
     for (int c = 0; c < kParityClassCount; ++c) {

@@ -10,13 +10,13 @@ namespace nlg {
 TrainingData::TrainingData(FunctionSet set, const BasisData& basis)
     : set_(std::move(set)), coefficient_count_(basis.coefficientCount()), class_count_(basis.class_count) {
   const Projection projection(basis);
-  AlignedFloats scratch(Projection::kScratchFloats);
+  ProjectionScratch scratch(GeneratorPrecision::float32);
   const auto count = static_cast<int64_t>(set_.functionCount());
   coefficients_.resize(size_t(count) * coefficient_count_);
   for (int64_t begin = 0; begin < count; begin += kBatchCount) {
     const int batch = static_cast<int>(std::min<int64_t>(kBatchCount, count - begin));
     projection.project(&set_.phi[size_t(begin) * kSupportPointCount], batch, &coefficients_[size_t(begin) * coefficient_count_],
-                       scratch.data());
+                       &scratch);
   }
 }
 

@@ -117,7 +117,8 @@ class Findings:
         """What each fit was given, from validate's own options."""
         option_value = lambda key: self.inputs.summary["provenance"]["options"][key].count()
         option = lambda key: grouped(option_value(key))
-        return (f"{NAMES['refined']}: {option('policy_adam_steps')} Adam steps for those functions only; {NAMES['refined_adam']}: "
+        return (f"{NAMES['refined']}: for those functions only, up to {plural(option_value('refine_rounds'), 'round')} of Adam, the first of "
+                f"{option('refine_first_steps')} steps and each {option('refine_growth')} times as long as the one before; {NAMES['refined_adam']}: "
                 f"{option('adam_refine_steps')} steps for every function; {NAMES['refined_lm']}: {option('lm_refine_iterations')} iterations; "
                 f"{NAMES['adam_theta0']} and {NAMES['adam_random']}: {option('direct_adam_steps')} steps; {NAMES['lm_theta0']}: "
                 f"{option('direct_lm_iterations')} iterations; direct: the best of LM from θ₀, Adam from θ₀ and Adam from "

@@ -291,7 +291,7 @@ def check_summary(summary):
         method["share_over_tau"].number(), method["us_per_function"].number()
     origin = summary["provenance"]
     origin["tool"].text(), origin["revision"].text(), [node.text() for _, node in origin["inputs"].entries()]
-    for key in ("adam_refine_steps", "lm_refine_iterations", "policy_adam_steps", "direct_adam_steps", "direct_lm_iterations", "direct_restarts"):
+    for key in ("adam_refine_steps", "lm_refine_iterations", "refine_rounds", "refine_first_steps", "refine_growth", "direct_adam_steps", "direct_lm_iterations", "direct_restarts"):
         origin["options"][key].count()
 
 

@@ -295,6 +295,16 @@ TEST(Generator, LoadsWhatWasSaved) {
   generator.generate(phi.data(), 1, theta.data(), &scratch);
   EXPECT_EQ(theta, generateAll(data, phi, 1));
 
+  // the same from its bytes
+  Generator parsed;
+  const WeightsResult of_bytes = Generator::parse(serializeWeights(weightsFromGenerator(data)), kInteger, &parsed);
+  ASSERT_TRUE(of_bytes.ok()) << of_bytes.detail;
+  EXPECT_EQ(parsed.precision(), kInteger);
+  GeneratorScratch parsed_scratch(parsed);
+  std::vector<float> parsed_theta(ThetaLayout::count);
+  parsed.generate(phi.data(), 1, parsed_theta.data(), &parsed_scratch);
+  EXPECT_EQ(parsed_theta, generateAll(data, phi, 1, kInteger));
+
   // a failing load leaves the generator as it was
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
   EXPECT_EQ(Generator::load(path, &generator).status, WeightsStatus::too_short);

@@ -124,12 +124,12 @@ TEST(TrainingData, FlipsTheSignsOfMirroredFunctions) {
   const int K = data().coefficientCount();
   std::vector<float> plain(K), mirrored(K), expected(K);
   const Projection projection(sampleBasis(kSampleClasses, 1));
-  AlignedFloats scratch(Projection::kScratchFloats);
+  ProjectionScratch scratch(GeneratorPrecision::float32);
   for (int64_t n = 0; n < 5; ++n) {
     for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
       std::vector<uint8_t> image(kSupportPointCount);
       for (int p = 0; p < kSupportPointCount; ++p) image[p] = data().function(n).phi[p ^ (mirror * kOctantPointCount)];
-      projection.project(image.data(), 1, expected.data(), scratch.data());
+      projection.project(image.data(), 1, expected.data(), &scratch);
       data().copyCoefficients(n, mirror, mirrored.data());
       // the mean lies in class 0 alone, which no mirror changes
       for (int k = 0; k < K; ++k) ASSERT_EQ(mirrored[k], expected[k]) << "function " << n << ", mirror " << mirror << ", " << k;

@@ -1,0 +1,35 @@
+#include "bake/bake_options.h"
+
+#include "bake/refinement_options.h"
+
+namespace nlg {
+
+void describe(BakeOptions& o, OptionTable& table) {
+  table.add("seed", &o.seed, "seed of the shift of the probes' lattice");
+  table.add("spacing_m", &o.spacing_m, "finest probe spacing, metres", 1e-4, 1e5);
+  table.add("density_growth", &o.density_growth, "probe spacing over distance from the nearest triangle; 0: finest everywhere",
+            0.0, 1e3);
+  table.add("extent_m", &o.extent_m,
+            "where there are probes: low x, y, z, high x, y, z, metres, world coordinates; none: the scene's bounds");
+  table.add("diffusion_passes", &o.diffusion.passes, "passes that carry weight round corners", 0, 16);
+  table.add("diffusion_sigma", &o.diffusion.sigma, "deviation of the diffusion's Gaussian, shares of the spacing", 1e-3, 10.0);
+  table.add("diffusion_falloff", &o.diffusion.falloff,
+            "a point's weight fades below a lit share of 1 over this of its open neighbourhood", 0.0, 1e6);
+  table.add("duplicate_rms", &o.duplicate_rms,
+            "functions that differ by no more than this RMS, in steps of 1/255, share one theta; 0: the same bytes", 0.0, 16.0);
+  table.add("duplicate_validity_points", &o.duplicate_validity_points,
+            "and whose validity differs in no more than so many support points", 0, 8192);
+  describeRefinement(o.refinement, table);
+  table.add("refine_seconds", &o.refine_seconds,
+            "time for all refinement, spent on the worst functions first; 0: as long as it takes, the only setting whose result "
+            "does not depend on the machine's speed",
+            0.0, 1e9);
+  describeChoice(o.choice, table);
+  table.add("generator_precision", &o.generator_precision, "float32, or int16: fixed point, faster");
+  table.add("theta_precision", &o.theta_precision, "float32 or float16, in the light grid's file");
+  table.add("simd", &o.simd, "vector instructions to use (sse4, avx2, avx512, …); none: the best");
+  table.add("threads", &o.threads, "threads; 0: as many as the machine runs at once. The light grid does not depend on them", 0,
+            1024);
+}
+
+}  // namespace nlg

@@ -1,0 +1,30 @@
+// What a bake says of itself: one line of JSON for programs, the talk's table for people.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "bake/scene_bake.h"
+
+namespace nlg {
+
+struct BakeReport {
+  std::string scene;
+  std::vector<std::string> representations;  // in the order of BakeStatistics::chosen
+  BakeStatistics statistics;
+  CheckOptions check;
+  uint64_t file_bytes = 0, theta_bytes = 0;
+  RoundingError rounding;
+  uint64_t peak_memory_bytes = 0;
+  int threads = 1;
+  std::string simd;
+};
+
+// Keys: docs/bake.md.
+nlohmann::ordered_json toJson(const BakeReport& report);
+
+// A few lines of text, the talk's columns first.
+std::string toTable(const BakeReport& report);
+
+}  // namespace nlg

@@ -1,0 +1,155 @@
+// nlg-bake: one scene and trained generators → a light grid of weighting functions.
+
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+
+#include "bake/bake_report.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/support/simd_target.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+#include "tool/parallel_for.h"
+#include "tool/provenance.h"
+#include "tool/tool_main.h"
+
+namespace nlg {
+namespace {
+
+struct Request {
+  std::string scene, out;
+  std::vector<std::string> weights;
+};
+
+GeneratorPrecision generatorPrecision(const std::string& name) {
+  if (name == "float32") return GeneratorPrecision::float32;
+  if (name == "int16") return GeneratorPrecision::int16;
+  throw UsageError("generator_precision", "float32 or int16", "'" + name + "'");
+}
+
+ThetaPrecision thetaPrecision(const std::string& name) {
+  if (name == "float32") return ThetaPrecision::float32;
+  if (name == "float16") return ThetaPrecision::float16;
+  throw UsageError("theta_precision", "float32 or float16", "'" + name + "'");
+}
+
+void chooseSimd(const std::string& name) {
+  // the variable first, whatever the option says: later Generator::load would read it and override the option
+  const SimdStatus inherited = forceSimdTargetFromEnvironment();
+  if (inherited != SimdStatus::ok) {
+    const char* variable = std::getenv("NLG_SIMD");
+    throw UsageError("NLG_SIMD", "a SIMD target of this machine", simdRefusal(variable ? variable : "", inherited));
+  }
+  if (name.empty()) return;
+  const SimdStatus status = forceSimdTarget(name);
+  if (status != SimdStatus::ok) throw UsageError("--simd", "a SIMD target of this machine", simdRefusal(name, status));
+}
+
+// By rising number of parameters, as the choice between them reads them.
+std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, GeneratorPrecision precision) {
+  std::vector<Generator> generators;
+  for (const std::string& path : paths) {
+    Generator generator;
+    const WeightsResult result = Generator::load(path, precision, &generator);
+    if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "the weights of a generator", result.detail);
+    for (const Generator& other : generators) {
+      const std::string name = representationName(generator.representation());
+      if (name == representationName(other.representation()))
+        throw UsageError("--weights", "one file a representation", "two of " + name);
+    }
+    generators.push_back(std::move(generator));
+  }
+  std::stable_sort(generators.begin(), generators.end(), [](const Generator& a, const Generator& b) {
+    return a.representation().thetaCount() < b.representation().thetaCount();
+  });
+  return generators;
+}
+
+void refuseToReplaceInputs(const Request& request) {
+  std::vector<std::string> inputs = request.weights;
+  inputs.push_back(request.scene);
+  for (const std::string& input : inputs) {
+    std::error_code error;
+    if (std::filesystem::equivalent(request.out, input, error)) throw UsageError("--out", "a file that is no input", request.out);
+  }
+}
+
+uint64_t peakMemoryBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::map<std::string, std::string> metadata(const Request& request, const BakeScene& scene, const OptionTable& table) {
+  nlohmann::ordered_json options = table.toJson();
+  // what the grid holds does not depend on the threads, but on the instructions that were chosen
+  options.erase("threads");
+  options["simd"] = chosenSimdTarget();
+  std::map<std::string, std::string> inputs;
+  if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
+  for (const std::string& path : request.weights)
+    inputs["weights " + std::filesystem::path(path).filename().string()] = fileSha256(path);
+  return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
+}
+
+void run(const Request& request, const BakeOptions& options, const OptionTable& table) {
+  if (request.out.empty()) throw UsageError("--out", "the name of a file", "an empty text");
+  refuseToReplaceInputs(request);
+  const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
+  const ThetaPrecision theta_precision = thetaPrecision(options.theta_precision);
+  chooseSimd(options.simd);
+  const std::vector<Generator> generators = loadGenerators(request.weights, precision);
+
+  const auto start = std::chrono::steady_clock::now();
+  const BakeScene scene(request.scene, options);
+  const double load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  Bake bake = bakeScene(scene, generators, options, theta_precision, temporaryFolder());
+
+  std::string bytes;
+  const WeightsResult result = serializeLightGrid(bake.grid, theta_precision, metadata(request, scene, table), &bytes);
+  if (!result.ok()) throw NumericalError("bake", "light grid", result.detail, 0.0);
+  writeFileAtomically(request.out, bytes);
+
+  BakeReport report;
+  report.scene = scene.source.id;
+  for (const Generator& generator : generators)
+    report.representations.emplace_back(representationName(generator.representation()));
+  report.statistics = std::move(bake.statistics);
+  report.statistics.load_wall_s = load_s;
+  report.rounding = bake.rounding;
+  report.check = options.refinement.check;
+  report.file_bytes = bytes.size();
+  report.theta_bytes = lightGridBytes(bake.grid, theta_precision).theta;
+  report.peak_memory_bytes = peakMemoryBytes();
+  report.threads = options.threads > 0 ? options.threads : machineThreadCount();
+  report.simd = chosenSimdTarget();
+  std::cerr << toTable(report);
+  std::cout << toJson(report).dump() << '\n';
+}
+
+}  // namespace
+}  // namespace nlg
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Bakes the weighting functions of one scene: probes, visibility, functions, generator, check, refinement → a light grid.",
+      "nlg-bake"};
+  nlg::Request request;
+  nlg::BakeOptions options;
+  nlg::OptionTable table("bake");
+  nlg::describe(options, table);
+  app.add_option("scene", request.scene,
+                 "a .glb, .gltf or .bsp file, FOLDER:MAP for a level in .pk3 archives, or FAMILY:SEED (house, maze, colonnade, "
+                 "stairs, clutter, outdoor, cave)")
+      ->required();
+  app.add_option("--weights", request.weights,
+                 "weights of nlg-export; of several, the bake chooses a representation for every function")
+      ->required();
+  app.add_option("--out", request.out, "the light grid to write (.safetensors)")->required();
+  return nlg::runTool(argc, argv, app, table, [&] { nlg::run(request, options, table); });
+}

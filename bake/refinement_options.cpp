@@ -1,0 +1,23 @@
+#include "bake/refinement_options.h"
+
+namespace nlg {
+
+void describeRefinement(RefinementOptions& o, OptionTable& table) {
+  table.add("tau_rmse", &o.check.tau_rmse, "a theta whose RMSE is above needs refinement", 1e-6, 1e3);
+  table.add("tau_leak", &o.check.tau_leak, "weight that counts as a leak where the function is 0", 1e-6, 1e3);
+  table.add("leak_share", &o.check.leak_share, "a theta that leaks at a larger share of those points needs refinement", 1e-6,
+            1.0);
+  table.add("refine_rounds", &o.rounds, "rounds of refinement at most; 0: none", 0, 16);
+  table.add("refine_first_steps", &o.first_steps, "steps of Adam in the first round", 1, 100000);
+  table.add("refine_growth", &o.growth, "steps of a round over those of the round before", 1, 100);
+  table.add("refine_leak_weight", &o.leak_weight, "weight of points where the function is 0", 1.0, 1e6);
+}
+
+void describeChoice(ChoiceOptions& o, OptionTable& table) {
+  table.add("choice_flat_ratio", &o.flat_ratio,
+            "several weights: an error up to so many times that of a larger representation is no reason to take the larger", 1.0,
+            1e6);
+  table.add("choice_enough_rmse", &o.enough_rmse, "several weights: an error that needs no larger representation", 0.0, 1e3);
+}
+
+}  // namespace nlg

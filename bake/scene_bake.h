@@ -1,0 +1,45 @@
+// The bake of one scene without light: functions, generators, check, refinement → a light grid.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bake/scene_functions.h"
+#include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+
+namespace nlg {
+
+// The talk's columns and what else a bake can say of itself. Seconds of stages are core seconds: summed over threads.
+struct BakeStatistics {
+  ShardCounts counts;
+  FunctionTimes function_times;
+  double generator_s = 0.0, check_s = 0.0, refinement_s = 0.0;
+  double wall_s = 0.0, load_wall_s = 0.0, functions_wall_s = 0.0, refinement_wall_s = 0.0;  // functions: generators included
+  uint64_t failed_check = 0;     // functions whose generated theta failed
+  uint64_t refined = 0;          // of these were refined
+  uint64_t left_for_time = 0;    // were not: refine_seconds were over
+  uint64_t still_failing = 0;    // functions whose theta in the grid fails the check
+  uint64_t raised = 0;           // refined functions that ended with a larger representation than was chosen first
+  std::vector<uint64_t> chosen;  // functions by representation, in the order of the generators
+  std::vector<FunctionCheck> generated, stored;  // by function: after the generator, and of what the grid holds
+};
+
+// What storing theta in fewer bits changed, over all functions: RMSE after rounding minus RMSE before.
+struct RoundingError {
+  double mean_rmse_added = 0.0, worst_rmse_added = 0.0;
+};
+
+struct Bake {
+  LightGrid grid;
+  RoundingError rounding;
+  BakeStatistics statistics;
+};
+
+// generators        one a representation, by rising D; at least one
+// theta_precision   theta of the grid are rounded to it
+// throws            as SceneFunctions does; NumericalError when a theta is beyond float16
+Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
+               ThetaPrecision theta_precision, const std::string& spool_folder);
+
+}  // namespace nlg

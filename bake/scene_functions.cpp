@@ -1,0 +1,151 @@
+#include "bake/scene_functions.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+#include "datagen/probes/probe_placement.h"
+#include "tool/error.h"
+#include "tool/parallel_for.h"
+#include "tool/progress.h"
+
+namespace nlg {
+namespace {
+
+// A window is held in memory whole, at most 10 kB a probe; between windows threads wait for one another.
+constexpr uint64_t kBlockProbes = 64, kWindowProbes = 8192;
+
+using Clock = std::chrono::steady_clock;
+double secondsBetween(Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double>(to - from).count(); }
+
+ProbeTree placeProbes(const Scene& scene, const BakeOptions& options) {
+  ProbePlacementOptions placement;
+  placement.spacing_min_m = placement.spacing_max_m = options.spacing_m;
+  placement.density_growth = options.density_growth;
+  placement.extent = extentFromNumbers(options.extent_m);
+  return placeProbes(scene, placement, options.seed);
+}
+
+SceneSource loadWithTriangles(const std::string& request) {
+  SceneSource source = loadScene(request);
+  if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
+  return source;
+}
+
+}  // namespace
+
+BakeScene::BakeScene(const std::string& request, const BakeOptions& options)
+    : source(loadWithTriangles(request)),
+      tree(placeProbes(source.scene, options)),
+      links(makeLinkTable({})),
+      rays(source.scene) {}
+
+struct SceneFunctions::ThreadState {
+  ThreadState(const BakeScene& scene, const BakeOptions& options) : builder(scene.rays, scene.links, options.diffusion) {}
+  WeightingBuilder builder;
+  GeneratedFunction function;
+  double visibility_s = 0.0, functions_s = 0.0;
+};
+
+SceneFunctions::SceneFunctions(const BakeScene& scene, const BakeOptions& options, int thread_count,
+                               const std::string& spool_folder)
+    : scene_(scene),
+      options_(options),
+      thread_count_(thread_count),
+      spool_(spool_folder, kSupportPointCount),
+      index_({options.duplicate_rms, static_cast<uint64_t>(options.duplicate_validity_points)}, kSupportPointCount,
+             [this](uint64_t id) { return spool_.read(id); }) {
+  for (int t = 0; t < thread_count; ++t) threads_.push_back(std::make_unique<ThreadState>(scene, options));
+  counts_.grid_probes = scene.tree.probeCount();
+}
+
+SceneFunctions::~SceneFunctions() = default;
+
+FunctionTimes SceneFunctions::times() const {
+  FunctionTimes times;
+  for (const auto& thread : threads_) {
+    times.visibility_s += thread->visibility_s;
+    times.functions_s += thread->functions_s;
+  }
+  times.duplicates_s = duplicates_s_;
+  return times;
+}
+
+StoredFunction SceneFunctions::read(uint64_t number, std::vector<uint8_t>* samples) {
+  samples->resize(kSupportPointCount + kValidityByteCount);
+  const std::lock_guard lock(spool_mutex_);
+  const FunctionSamples row = spool_.read(number);
+  std::memcpy(samples->data(), row.phi, kSupportPointCount);
+  std::memcpy(samples->data() + kSupportPointCount, row.validity, kValidityByteCount);
+  return {samples->data(), samples->data() + kSupportPointCount};
+}
+
+void SceneFunctions::makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadState& state, ProbeBlock* block) const {
+  block->functions.point_count = kSupportPointCount;
+  for (uint64_t probe = first_probe; probe < end_probe; ++probe) {
+    const auto [x, y, z] = scene_.tree.probePosition(probe);
+    const glm::dvec3 position(x, y, z);
+    const float spacing_m = scene_.tree.probeSpacing(probe);
+    const Clock::time_point start = Clock::now();
+    ProbeOutcome outcome = state.builder.see(position, spacing_m);
+    const Clock::time_point seen = Clock::now();
+    state.visibility_s += secondsBetween(start, seen);
+    if (outcome == ProbeOutcome::function) {
+      outcome = state.builder.generate(&state.function);
+      if (outcome == ProbeOutcome::function) {
+        appendFunction(state.function, scene_.source.scene.origin_m + position, spacing_m, &block->functions);
+      }
+      state.functions_s += secondsBetween(seen, Clock::now());
+    }
+    block->outcomes.push_back(outcome);
+  }
+}
+
+SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<ProbeBlock>& window) {
+  const Clock::time_point start = Clock::now();
+  NewFunctions result;
+  result.first = counts_.functions;
+  for (const ProbeBlock& block : window) {
+    uint64_t row = 0;
+    for (const ProbeOutcome outcome : block.outcomes) {
+      ++counts_.visited_probes;
+      counts_.free_space += outcome == ProbeOutcome::free_space;
+      counts_.in_solid += outcome == ProbeOutcome::in_solid;
+      counts_.empty += outcome == ProbeOutcome::empty;
+      if (outcome != ProbeOutcome::function) {
+        probe_function_.push_back(outcome == ProbeOutcome::free_space ? kFreeSpace : kNoWeight);
+        continue;
+      }
+      const uint64_t n = row++;
+      const FunctionSamples samples{&block.functions.phi[n * kSupportPointCount],
+                                    &block.functions.validity[n * kValidityByteCount]};
+      const auto match = index_.findOrAdd(samples);
+      probe_function_.push_back(static_cast<uint32_t>(match ? match->id : counts_.functions));
+      counts_.duplicates += match.has_value();
+      if (match) continue;
+      ++counts_.functions;
+      spool_.append(samples);
+      result.functions.push_back({samples.phi, samples.validity});
+    }
+  }
+  duplicates_s_ += secondsBetween(start, Clock::now());
+  return result;
+}
+
+void SceneFunctions::makeAll(const std::function<void(const NewFunctions&)>& use) {
+  const uint64_t probe_count = scene_.tree.probeCount();
+  Progress progress("probes", static_cast<int64_t>(probe_count));
+  for (uint64_t begin = 0; begin < probe_count; begin += kWindowProbes) {
+    const uint64_t end = std::min(begin + kWindowProbes, probe_count);
+    std::vector<ProbeBlock> window((end - begin + kBlockProbes - 1) / kBlockProbes);
+    parallelFor(window.size(), thread_count_, [&](uint64_t b, int thread) {
+      const uint64_t first = begin + b * kBlockProbes;
+      makeBlock(first, std::min(first + kBlockProbes, end), *threads_[thread], &window[b]);
+    });
+    use(collect(window));
+    progress.update(static_cast<int64_t>(end));
+  }
+}
+
+}  // namespace nlg

@@ -1,0 +1,79 @@
+// The distinct weighting functions of all probes of a scene, made window after window of probes.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "bake/bake_options.h"
+#include "datagen/dataset/duplicate_index.h"
+#include "datagen/dataset/row_spool.h"
+#include "datagen/dataset/shard.h"
+#include "datagen/probe_block.h"
+#include "datagen/scene/scene_source.h"
+#include "datagen/visibility/link_table.h"
+#include "datagen/visibility/ray_scene.h"
+#include "runtime_eval/light_grid/light_grid.h"
+
+namespace nlg {
+
+// A scene ready for its first probe.
+struct BakeScene {
+  // throws   UsageError on a setting that cannot be used; InputError when the scene cannot be read or has no triangle
+  BakeScene(const std::string& request, const BakeOptions& options);
+
+  SceneSource source;
+  ProbeTree tree;
+  LinkTable links;
+  RayScene rays;
+};
+
+// Core seconds: summed over threads.
+struct FunctionTimes {
+  double visibility_s = 0.0, functions_s = 0.0, duplicates_s = 0.0;
+};
+
+class SceneFunctions {
+ public:
+  // spool_folder   where samples lie meanwhile: 9 kB a distinct function, in a file without a name
+  SceneFunctions(const BakeScene& scene, const BakeOptions& options, int thread_count, const std::string& spool_folder);
+  ~SceneFunctions();
+
+  // A run of distinct functions: numbers first … first + count - 1, by their samples.
+  struct NewFunctions {
+    uint64_t first = 0;
+    std::vector<StoredFunction> functions;
+  };
+  // Makes the functions of all probes. use is called with the new ones of every window, whose samples last until it returns.
+  // The same functions in the same order for any number of threads. throws OutputError when the spool's disk refuses
+  void makeAll(const std::function<void(const NewFunctions&)>& use);
+
+  // By probe: a function's number, kFreeSpace or kNoWeight.
+  const std::vector<uint32_t>& probeFunction() const { return probe_function_; }
+  const ShardCounts& counts() const { return counts_; }
+  FunctionTimes times() const;
+  // The samples of a function that was made; `samples` holds them. Any thread may call it.
+  StoredFunction read(uint64_t number, std::vector<uint8_t>* samples);
+
+ private:
+  struct ThreadState;
+
+  void makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadState& state, ProbeBlock* block) const;
+  NewFunctions collect(const std::vector<ProbeBlock>& window);
+
+  const BakeScene& scene_;
+  BakeOptions options_;
+  int thread_count_;
+  std::vector<std::unique_ptr<ThreadState>> threads_;
+  RowSpool spool_;
+  std::mutex spool_mutex_;
+  DuplicateIndex index_;
+  std::vector<uint32_t> probe_function_;
+  ShardCounts counts_;
+  double duplicates_s_ = 0.0;
+};
+
+}  // namespace nlg

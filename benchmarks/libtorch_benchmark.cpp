@@ -1,0 +1,201 @@
+// Our kernels beside libtorch on the same work, one thread each: the generator, and Adam on tiny networks.
+//
+// libtorch gets what helps it: scales folded into its weights, one product for the whole basis, inference mode, and functions
+// batched 256 at a time in its second form of Adam. OpenBLAS needs OPENBLAS_CORETYPE=SkylakeX where it does not know the machine.
+
+#include <benchmark/benchmark.h>
+#include <torch/torch.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "benchmarks/random_generator.h"
+#include "benchmarks/sample_function.h"
+#include "runtime_eval/fit/adam.h"
+
+namespace nlg {
+namespace {
+
+constexpr int kPeerBatch = 256, kAdamSteps = 500;
+constexpr double kAdamRate = 0.01;
+
+void useOneThread() {
+  static const bool once = [] {
+    torch::set_num_threads(1);
+    return true;
+  }();
+  benchmark::DoNotOptimize(once);
+}
+
+void countFunctions(benchmark::State& state, double functions) {
+  state.counters["functions/s"] =
+      benchmark::Counter(functions * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
+// The generator as a chain of libtorch's products.
+struct TorchGenerator {
+  torch::Tensor basis, basis_bias;  // 8192 x K, K
+  std::vector<torch::Tensor> weights, biases;
+  double slope;
+
+  explicit TorchGenerator(const GeneratorData& data) : slope(data.slope) {
+    const int64_t count = data.basis.coefficientCount();
+    basis = torch::zeros({kSupportPointCount, count});
+    basis_bias = torch::zeros({count});
+    auto dense = basis.accessor<float, 2>();
+    for (int64_t k = 0, c = 0, in_class = 0; k < count; ++k, ++in_class) {
+      while (in_class == data.basis.class_count[c]) ++c, in_class = 0;
+      const float* component = &data.basis.components[size_t(k) * kOctantPointCount];
+      double mean = 0.0;
+      for (int i = 0; i < kOctantPointCount; ++i) mean += double{data.basis.mean[c * kOctantPointCount + i]} * component[i];
+      basis_bias[k] = -mean / data.basis.deviation[k];
+      for (int p = 0; p < kSupportPointCount; ++p) {
+        const double sign = mirrorSign(static_cast<int>(c), p / kOctantPointCount);
+        dense[p][k] =
+            static_cast<float>(sign * component[p % kOctantPointCount] / (255.0 * std::sqrt(8.0) * data.basis.deviation[k]));
+      }
+    }
+    for (const GeneratorLayer& layer : data.layers) {
+      weights.push_back(torch::tensor(layer.weight).view({layer.output_count, layer.input_count}).t().contiguous());
+      biases.push_back(torch::tensor(layer.bias));
+    }
+  }
+
+  // phi: N x 8192 bytes. theta0 and the output's scale are 0 and 1 in the generator of these benchmarks.
+  torch::Tensor forward(const torch::Tensor& phi) const {
+    torch::Tensor values = torch::addmm(basis_bias, phi.to(torch::kFloat32), basis);
+    for (size_t l = 0; l + 1 < weights.size(); ++l) {
+      values = torch::leaky_relu(torch::addmm(biases[l], values, weights[l]), slope).add_(values);
+    }
+    return torch::addmm(biases.back(), values, weights.back());
+  }
+};
+
+void generateByTorch(benchmark::State& state) {
+  useOneThread();
+  const torch::InferenceMode guard;
+  const GeneratorData data = randomGenerator();
+  const TorchGenerator peer(data);
+  std::vector<uint8_t> phi = randomBytes(size_t{kPeerBatch} * kSupportPointCount);
+  const torch::Tensor input = torch::from_blob(phi.data(), {kPeerBatch, kSupportPointCount}, torch::kUInt8);
+  torch::Tensor theta;
+  for (auto _ : state) theta = peer.forward(input);
+  countFunctions(state, kPeerBatch);
+  // both compute the same
+  const Generator generator(data);
+  GeneratorScratch scratch(generator);
+  torch::Tensor own = torch::empty_like(theta);
+  generator.generate(phi.data(), kPeerBatch, own.data_ptr<float>(), &scratch);
+  state.counters["difference/theta"] = ((own - theta).norm() / theta.norm()).item<double>();
+}
+BENCHMARK(generateByTorch)->Name("peer/generator/libtorch_float32")->Unit(benchmark::kMillisecond);
+
+void generateByUs(benchmark::State& state, GeneratorPrecision precision) {
+  const Generator generator(randomGenerator(), precision);
+  GeneratorScratch scratch(generator);
+  const std::vector<uint8_t> phi = randomBytes(size_t{kPeerBatch} * kSupportPointCount);
+  std::vector<float> theta(size_t{kPeerBatch} * ThetaLayout::count);
+  for (auto _ : state) generator.generate(phi.data(), kPeerBatch, theta.data(), &scratch);
+  countFunctions(state, kPeerBatch);
+}
+BENCHMARK_CAPTURE(generateByUs, float32, GeneratorPrecision::float32)
+    ->Name("peer/generator/ours_float32")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(generateByUs, int16, GeneratorPrecision::int16)
+    ->Name("peer/generator/ours_int16")
+    ->Unit(benchmark::kMillisecond);
+
+// `count` copies of the tiny network, points along the last axis: x 1 x 3 x P, values count x 1 x P.
+struct TorchNetworks {
+  torch::Tensor w1, b1, w2, b2, w3, b3;
+
+  explicit TorchNetworks(int64_t count) {
+    const Theta start = randomTheta(Representation::mlp(), 1);
+    const auto part = [&](int first, int64_t rows, int64_t columns) {
+      const std::vector<float> values(start.begin() + first, start.begin() + first + rows * columns);
+      return torch::tensor(values).view({1, rows, columns}).repeat({count, 1, 1}).requires_grad_();
+    };
+    using L = ThetaLayout;
+    w1 = part(L::w1, kHiddenCount, 3), b1 = part(L::b1, kHiddenCount, 1);
+    w2 = part(L::w2, kHiddenCount, kHiddenCount), b2 = part(L::b2, kHiddenCount, 1);
+    w3 = part(L::w3, 1, kHiddenCount), b3 = part(L::b3, 1, 1);
+  }
+
+  std::vector<torch::Tensor> parameters() const { return {w1, b1, w2, b2, w3, b3}; }
+
+  torch::Tensor forward(const torch::Tensor& x) const {
+    const torch::Tensor first = torch::leaky_relu(torch::baddbmm(b1, w1, x), 0.01);
+    return torch::baddbmm(b3, w3, torch::leaky_relu(torch::baddbmm(b2, w2, first), 0.01));
+  }
+};
+
+struct TorchStratum {
+  torch::Tensor x, phi, mask;  // count x 3 x P, 1 x 1 x P, 1 x 1 x P (already divided by the number of valid points)
+};
+
+TorchStratum torchStratum(const WeightingFunction& function, int stratum, int64_t count) {
+  const PointSet& points = stratifiedSupportPoints();
+  const int begin = stratum * kStratumPointCount;
+  TorchStratum result{torch::empty({1, 3, kStratumPointCount}), torch::empty({1, 1, kStratumPointCount}),
+                      torch::empty({1, 1, kStratumPointCount})};
+  float* x = result.x.data_ptr<float>();
+  std::copy_n(&points.x[begin], kStratumPointCount, x);
+  std::copy_n(&points.y[begin], kStratumPointCount, x + kStratumPointCount);
+  std::copy_n(&points.z[begin], kStratumPointCount, x + 2 * kStratumPointCount);
+  std::copy_n(&function.phi[begin], kStratumPointCount, result.phi.data_ptr<float>());
+  std::copy_n(&function.mask[begin], kStratumPointCount, result.mask.data_ptr<float>());
+  result.mask /= function.valid_count[stratum];
+  result.x = result.x.expand({count, 3, kStratumPointCount}).contiguous();
+  return result;
+}
+
+// RMSE over all support points of the first of the networks.
+double torchRmse(const TorchNetworks& networks, const std::vector<TorchStratum>& strata, const WeightingFunction& function) {
+  const torch::NoGradGuard guard;
+  double sum = 0.0;
+  for (int k = 0; k < kStratumCount; ++k) {
+    const torch::Tensor error = ((networks.forward(strata[k].x) - strata[k].phi).square() * strata[k].mask)[0].sum();
+    sum += error.item<double>() * function.valid_count[k];
+  }
+  return std::sqrt(sum / function.validCount());
+}
+
+void adamByTorch(benchmark::State& state) {
+  useOneThread();
+  const int64_t count = state.range(0);
+  const WeightingFunction function = wallFunction();
+  std::vector<TorchStratum> strata;
+  for (int k = 0; k < kStratumCount; ++k) strata.push_back(torchStratum(function, k, count));
+  TorchNetworks networks(count);
+  for (auto _ : state) {
+    networks = TorchNetworks(count);
+    torch::optim::Adam adam(networks.parameters(), torch::optim::AdamOptions(kAdamRate).betas({0.9, 0.99}));
+    for (int step = 0; step < kAdamSteps; ++step) {
+      const TorchStratum& stratum = strata[step % kStratumCount];
+      const double rate = kAdamRate * 0.5 * (1.0 + std::cos(M_PI * step / kAdamSteps));
+      static_cast<torch::optim::AdamOptions&>(adam.param_groups()[0].options()).lr(rate);
+      adam.zero_grad();
+      ((networks.forward(stratum.x) - stratum.phi).square() * stratum.mask).sum().backward();
+      adam.step();
+    }
+  }
+  countFunctions(state, static_cast<double>(count));
+  state.counters["rmse"] = torchRmse(networks, strata, function);
+}
+BENCHMARK(adamByTorch)->Name("peer/adam_500_steps/libtorch/functions")->Arg(1)->Arg(kPeerBatch)->Unit(benchmark::kMillisecond);
+
+void adamByUs(benchmark::State& state) {
+  const WeightingFunction function = wallFunction();
+  const Theta start = randomTheta(Representation::mlp(), 1);
+  AdamOptions options;
+  options.steps = kAdamSteps;
+  options.learning_rate = kAdamRate;
+  FitResult result;
+  for (auto _ : state) result = fitAdam(Representation::mlp(), function, start, options);
+  countFunctions(state, 1.0);
+  state.counters["rmse"] = result.rmse;
+}
+BENCHMARK(adamByUs)->Name("peer/adam_500_steps/ours")->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace nlg

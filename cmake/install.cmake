@@ -1,0 +1,53 @@
+# What `cmake --install` leaves: the bake-time library for find_package(nlg), nothing of the tools.
+#
+#   PREFIX/include/nlg/           the include directory; below it headers lie as in the repository
+#   PREFIX/lib/libnlg_*.a
+#   PREFIX/lib/cmake/nlg/         nlg-config.cmake; no path of the build is in it, so that the prefix can be moved
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+# Headers that a baker includes, and those that these include. Kernels (-inl.h), the parts of the loss and what only files or tests
+# need stay behind.
+target_sources(nlg_weights_file PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES
+  ${PROJECT_SOURCE_DIR}/export/weights_file/weights_file.h)
+set(NLG_PUBLIC_HEADERS
+  c_api/nlg.h
+  support/aligned.h
+  support/support_pattern.h
+  support/point_order.h
+  support/weighting_function.h
+  support/simd_target.h
+  evaluator/representation.h
+  evaluator/evaluate.h
+  evaluator/matrix_product.h
+  evaluator/integer_product.h
+  evaluator/parity_transform.h
+  evaluator/projection.h
+  evaluator/generator.h
+  fit/fit_result.h
+  fit/symmetric_band.h
+  fit/normal_equations.h
+  fit/adam.h
+  fit/levenberg_marquardt.h
+  fit/direct.h
+  fit/function_check.h
+  fit/refinement.h
+  fit/representation_choice.h
+  light_grid/probe_tree.h
+  light_grid/light_grid.h
+  light_grid/light_grid_file.h)
+list(TRANSFORM NLG_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/runtime_eval/)
+target_sources(nlg_runtime_eval PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${NLG_PUBLIC_HEADERS})
+
+set(NLG_PACKAGE_FOLDER ${CMAKE_INSTALL_LIBDIR}/cmake/nlg)
+set_target_properties(nlg_runtime_eval PROPERTIES EXPORT_NAME runtime_eval)
+set_target_properties(nlg_weights_file PROPERTIES EXPORT_NAME weights_file)
+# INCLUDES: a CMake before 3.23 reads no file sets
+install(TARGETS nlg_weights_file nlg_runtime_eval EXPORT nlg-targets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/nlg
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/nlg)
+install(EXPORT nlg-targets NAMESPACE nlg:: DESTINATION ${NLG_PACKAGE_FOLDER})
+# before 1.0 every minor version may change what headers hold
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/nlg-config-version.cmake VERSION ${PROJECT_VERSION}
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_SOURCE_DIR}/cmake/nlg-config.cmake ${PROJECT_SOURCE_DIR}/cmake/highway.cmake
+  ${PROJECT_BINARY_DIR}/nlg-config-version.cmake DESTINATION ${NLG_PACKAGE_FOLDER})

@@ -1,0 +1,51 @@
+/* The same from C, as far as the C interface goes: the function of a probe beside a wall, generated and checked.
+ *
+ *   bake_minimal_c WEIGHTS.safetensors
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "runtime_eval/c_api/nlg.h"
+
+int main(int argc, char** argv) {
+  static uint8_t phi[NLG_SUPPORT_POINT_COUNT];
+  static float x[NLG_SUPPORT_POINT_COUNT], y[NLG_SUPPORT_POINT_COUNT], z[NLG_SUPPORT_POINT_COUNT];
+  static float values[NLG_SUPPORT_POINT_COUNT];
+  nlg_generator* generator;
+  nlg_scratch* scratch;
+  const float* points;
+  uint64_t pattern_hash;
+  char detail[256];
+  if (argc != 2) return fprintf(stderr, "usage: bake_minimal_c WEIGHTS.safetensors\n"), 2;
+  nlg_status status = nlg_generator_load(argv[1], NLG_FLOAT32, &generator, detail, sizeof detail);
+  if (status != NLG_OK) return fprintf(stderr, "%s (%s)\n", detail, nlg_status_name(status)), 3;
+  if (nlg_scratch_create(generator, &scratch) != NLG_OK || nlg_support_pattern(&points, &pattern_hash) != NLG_OK) return 1;
+  printf("%s, %zu numbers a function\n", nlg_representation_name(generator), nlg_theta_count(generator));
+
+  /* a wall from x = 0.3 to 0.4: the tent on the probe's side of it, nothing behind */
+  for (int p = 0; p < NLG_SUPPORT_POINT_COUNT; ++p) {
+    x[p] = points[3 * p];
+    y[p] = points[3 * p + 1];
+    z[p] = points[3 * p + 2];
+    const float tent = (1.0f - fabsf(x[p])) * (1.0f - fabsf(y[p])) * (1.0f - fabsf(z[p]));
+    phi[p] = x[p] < 0.3f ? (uint8_t)lroundf(255.0f * tent) : 0;
+  }
+  float* theta = malloc(nlg_theta_count(generator) * sizeof(float));
+  if (theta == NULL) return 1;
+  nlg_generate(generator, phi, 1, theta, scratch);
+  nlg_evaluate(generator, theta, NLG_SUPPORT_POINT_COUNT, x, y, z, values, scratch);
+
+  double square_sum = 0.0;
+  int valid_count = 0;
+  for (int p = 0; p < NLG_SUPPORT_POINT_COUNT; ++p) {
+    if (x[p] >= 0.3f && x[p] <= 0.4f) continue; /* inside the wall */
+    square_sum += pow(values[p] - phi[p] / 255.0, 2.0);
+    ++valid_count;
+  }
+  printf("generated: RMSE %.5f\n", sqrt(square_sum / valid_count));
+  free(theta);
+  nlg_scratch_free(scratch);
+  nlg_generator_free(generator);
+  return 0;
+}

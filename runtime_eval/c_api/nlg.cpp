@@ -1,0 +1,190 @@
+#include "runtime_eval/c_api/nlg.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/support/simd_target.h"
+
+namespace {
+
+using nlg::WeightsStatus;
+
+// a status goes through the border as the same number
+#define NLG_SAME(c_name, name) static_assert(c_name == static_cast<int>(WeightsStatus::name))
+NLG_SAME(NLG_OK, ok);
+NLG_SAME(NLG_CANNOT_OPEN, cannot_open);
+NLG_SAME(NLG_CANNOT_READ, cannot_read);
+NLG_SAME(NLG_TOO_SHORT, too_short);
+NLG_SAME(NLG_HEADER_TOO_LARGE, header_too_large);
+NLG_SAME(NLG_HEADER_MALFORMED, header_malformed);
+NLG_SAME(NLG_TENSOR_MALFORMED, tensor_malformed);
+NLG_SAME(NLG_TENSOR_MISSING, tensor_missing);
+NLG_SAME(NLG_TENSOR_UNEXPECTED, tensor_unexpected);
+NLG_SAME(NLG_VALUE_NOT_FINITE, value_not_finite);
+NLG_SAME(NLG_VALUE_OUT_OF_RANGE, value_out_of_range);
+NLG_SAME(NLG_VERSION_UNKNOWN, version_unknown);
+NLG_SAME(NLG_PATTERN_UNKNOWN, pattern_unknown);
+NLG_SAME(NLG_SIMD_UNAVAILABLE, simd_unavailable);
+#undef NLG_SAME
+static_assert(NLG_FLOAT32 == static_cast<int>(nlg::GeneratorPrecision::float32));
+static_assert(NLG_INT16 == static_cast<int>(nlg::GeneratorPrecision::int16));
+static_assert(NLG_SUPPORT_POINT_COUNT == nlg::kSupportPointCount);
+static_assert(sizeof(nlg::LocalPoint) == 3 * sizeof(float));
+
+// Functions of one generate() call and points of one evaluate() call: what the caller gives is cut into such pieces.
+constexpr size_t kFunctionsAtOnce = 4096;
+constexpr size_t kPointsAtOnce = 512;
+
+// Memory is the only thing that runtime_eval may throw about; anything else would be our bug, and noexcept ends it here.
+template <class Body>
+nlg_status withMemory(const Body& body) noexcept {
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    return NLG_OUT_OF_MEMORY;
+  }
+}
+
+void fillDetail(std::string_view text, char* detail, size_t detail_size) {
+  if (detail_size == 0) return;
+  size_t length = std::min(text.size(), detail_size - 1);
+  // no half of a UTF-8 sequence
+  while (length > 0 && length < text.size() && (static_cast<unsigned char>(text[length]) & 0xc0) == 0x80) --length;
+  std::memcpy(detail, text.data(), length);
+  detail[length] = '\0';
+}
+
+}  // namespace
+
+struct nlg_generator {
+  nlg::Generator generator;
+};
+
+struct nlg_scratch {
+  explicit nlg_scratch(const nlg::Generator& of) : generator(of), points(emptyPoints()), values(kPointsAtOnce) {}
+  static nlg::PointSet emptyPoints() { return nlg::makePointSet(std::vector<nlg::LocalPoint>(kPointsAtOnce)); }
+  nlg::GeneratorScratch generator;
+  nlg::PointSet points;
+  nlg::AlignedFloats values;
+};
+
+namespace {
+
+void generateAll(const nlg::Generator& generator, const uint8_t* phi, size_t count, float* theta,
+                 nlg::GeneratorScratch* scratch) noexcept {
+  const auto theta_count = static_cast<size_t>(generator.representation().thetaCount());
+  for (size_t first = 0; first < count; first += kFunctionsAtOnce) {
+    const int piece = static_cast<int>(std::min(kFunctionsAtOnce, count - first));
+    generator.generate(phi + first * nlg::kSupportPointCount, piece, theta + first * theta_count, scratch);
+  }
+}
+
+// At most kPointsAtOnce points. Places between points.count and padded_count keep what they held: nobody reads what they yield.
+void evaluatePiece(const nlg::Representation& representation, const float* theta, size_t count, const float* x, const float* y,
+                   const float* z, float* values, nlg_scratch* scratch) noexcept {
+  nlg::PointSet& points = scratch->points;
+  points.count = static_cast<int>(count);
+  points.padded_count = (points.count + nlg::kPointGroup - 1) / nlg::kPointGroup * nlg::kPointGroup;
+  std::copy_n(x, count, points.x.begin());
+  std::copy_n(y, count, points.y.begin());
+  std::copy_n(z, count, points.z.begin());
+  for (size_t i = 0; i < count; ++i) points.tent[i] = nlg::tent({x[i], y[i], z[i]});
+  nlg::evaluate(representation, points, theta, scratch->values.data());
+  std::copy_n(scratch->values.begin(), count, values);
+}
+
+// load(nlg::Generator*) returns a WeightsResult.
+template <class Load>
+nlg_status loadGenerator(const Load& load, nlg_generator** generator, char* detail, size_t detail_size) noexcept {
+  *generator = nullptr;
+  const nlg_status status = withMemory([&] {
+    nlg::Generator loaded;
+    const nlg::WeightsResult result = load(&loaded);
+    fillDetail(result.detail, detail, detail_size);
+    if (result.ok()) *generator = new nlg_generator{std::move(loaded)};
+    return static_cast<nlg_status>(result.status);
+  });
+  if (status == NLG_OUT_OF_MEMORY) fillDetail("out of memory", detail, detail_size);
+  return status;
+}
+
+}  // namespace
+
+extern "C" {
+
+const char* nlg_status_name(nlg_status status) {
+  if (status == NLG_OUT_OF_MEMORY) return "out_of_memory";
+  return nlg::weightsStatusName(static_cast<WeightsStatus>(status));
+}
+
+nlg_status nlg_generator_load(const char* path, nlg_precision precision, nlg_generator** generator, char* detail,
+                              size_t detail_size) {
+  return loadGenerator(
+      [&](nlg::Generator* loaded) { return nlg::Generator::load(path, static_cast<nlg::GeneratorPrecision>(precision), loaded); },
+      generator, detail, detail_size);
+}
+
+nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_precision precision, nlg_generator** generator,
+                                    char* detail, size_t detail_size) {
+  const std::string_view view(static_cast<const char*>(bytes), byte_count);
+  return loadGenerator(
+      [&](nlg::Generator* loaded) {
+        return nlg::Generator::parse(view, static_cast<nlg::GeneratorPrecision>(precision), loaded);
+      },
+      generator, detail, detail_size);
+}
+
+void nlg_generator_free(nlg_generator* generator) { delete generator; }
+
+const char* nlg_representation_name(const nlg_generator* generator) {
+  return nlg::representationName(generator->generator.representation());
+}
+
+float nlg_representation_slope(const nlg_generator* generator) { return generator->generator.representation().slope; }
+
+size_t nlg_theta_count(const nlg_generator* generator) {
+  return static_cast<size_t>(generator->generator.representation().thetaCount());
+}
+
+const float* nlg_theta0(const nlg_generator* generator) { return generator->generator.theta0(); }
+
+nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash) {
+  return withMemory([&] {
+    const nlg::SupportPattern& pattern = nlg::supportPattern();
+    *points_xyz = pattern.points.front().data();
+    *pattern_hash = pattern.hash;
+    return NLG_OK;
+  });
+}
+
+nlg_status nlg_scratch_create(const nlg_generator* generator, nlg_scratch** scratch) {
+  *scratch = nullptr;
+  return withMemory([&] {
+    *scratch = new nlg_scratch(generator->generator);
+    return NLG_OK;
+  });
+}
+
+void nlg_scratch_free(nlg_scratch* scratch) { delete scratch; }
+
+void nlg_generate(const nlg_generator* generator, const uint8_t* phi, size_t count, float* theta, nlg_scratch* scratch) {
+  generateAll(generator->generator, phi, count, theta, &scratch->generator);
+}
+
+void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t count, const float* x, const float* y,
+                  const float* z, float* values, nlg_scratch* scratch) {
+  for (size_t first = 0; first < count; first += kPointsAtOnce) {
+    const size_t piece = std::min(kPointsAtOnce, count - first);
+    evaluatePiece(generator->generator.representation(), theta, piece, x + first, y + first, z + first, values + first, scratch);
+  }
+}
+
+}  // extern "C"

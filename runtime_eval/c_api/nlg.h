@@ -1,0 +1,109 @@
+/* The bake-time evaluator for engines in other languages: weights in, theta out, and what theta stands for at any point.
+ *
+ * C11. No exception leaves these functions and none of them keeps state, but for the support pattern, which the first of them
+ * that needs it makes once (about 0.1 s; safe from any thread). Words and formats are those of docs/formats.md.
+ *
+ * Threads   A generator is only read once it is loaded: any number of threads may share it. A scratch serves one thread at a
+ * time. Memory    All of it is allocated when something is loaded or created; nlg_generate and nlg_evaluate allocate nothing and
+ *           cannot fail. Free every handle with its own function; a null handle may be freed.
+ * Pointers  Never null, except where it is said. Arrays have no alignment to keep.
+ */
+#ifndef NLG_C_API_NLG_H_
+#define NLG_C_API_NLG_H_
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define NLG_SUPPORT_POINT_COUNT 8192 /* P */
+
+/* Why a file was refused, and what else may go wrong. Values stay what they are; later versions add to them. */
+typedef enum nlg_status {
+  NLG_OK = 0,
+  NLG_CANNOT_OPEN = 1,
+  NLG_CANNOT_READ = 2,       /* the system refused, or the file is larger than 1 GiB */
+  NLG_TOO_SHORT = 3,         /* no header length, or fewer bytes than the tensors need */
+  NLG_HEADER_TOO_LARGE = 4,  /* header above 1 MiB or past the end of the file */
+  NLG_HEADER_MALFORMED = 5,  /* no safetensors header */
+  NLG_TENSOR_MALFORMED = 6,  /* another dtype, shape and bytes disagree, overlap, hole, misaligned, bytes behind the last one */
+  NLG_TENSOR_MISSING = 7,    /* a tensor or metadata key that a generator needs is not there */
+  NLG_TENSOR_UNEXPECTED = 8, /* a tensor of another shape than the generator's */
+  NLG_VALUE_NOT_FINITE = 9,
+  NLG_VALUE_OUT_OF_RANGE = 10,
+  NLG_VERSION_UNKNOWN = 11,
+  NLG_PATTERN_UNKNOWN = 12,  /* made for another support pattern */
+  NLG_SIMD_UNAVAILABLE = 13, /* the environment variable NLG_SIMD names a target that this build or machine does not have */
+  NLG_OUT_OF_MEMORY = 100
+} nlg_status;
+
+/* A short English name for messages: "tensor_missing"; "unknown" for a value that is none. Lives for ever. */
+const char* nlg_status_name(nlg_status status);
+
+/* A loaded weights file, ready to run. */
+typedef struct nlg_generator nlg_generator;
+
+/* Working memory of one thread for one generator. */
+typedef struct nlg_scratch nlg_scratch;
+
+/* What the products of a generator are made of: docs/inference.md has the errors and the speeds. */
+typedef enum nlg_precision {
+  NLG_FLOAT32 = 0,
+  NLG_INT16 = 1 /* fixed point with exact sums: the same bits on every SIMD target */
+} nlg_precision;
+
+/* Loads a weights file, from a path or from bytes that are needed only during the call.
+ *
+ * generator     receives the handle; null on failure
+ * detail        receives, on failure, where and why in one line of UTF-8, cut to fit and ended by a zero; an empty text on
+ * success. May be null when detail_size is 0 */
+nlg_status nlg_generator_load(const char* path, nlg_precision precision, nlg_generator** generator, char* detail,
+                              size_t detail_size);
+nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_precision precision, nlg_generator** generator,
+                                    char* detail, size_t detail_size);
+void nlg_generator_free(nlg_generator* generator);
+
+/* "mlp", "tent_mlp", "pf5", …: what theta stands for (docs/formats.md). Lives for ever. */
+const char* nlg_representation_name(const nlg_generator* generator);
+/* Networks: the slope of their LeakyReLU, in (0, 1), which a look-up in the game needs. */
+float nlg_representation_slope(const nlg_generator* generator);
+/* D: how many floats one theta has. */
+size_t nlg_theta_count(const nlg_generator* generator);
+/* D floats, as long as the generator lives: the theta that the training started from. */
+const float* nlg_theta0(const nlg_generator* generator);
+
+/* The points at which an engine samples its functions.
+ *
+ * points_xyz    receives P x 3 floats in local coordinates, (-1, 1), one unit being one probe spacing; they live for ever
+ * pattern_hash  receives what every file that was made for these points carries
+ * returns       NLG_OK or NLG_OUT_OF_MEMORY; cannot fail any more once a generator has been loaded */
+nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash);
+
+/* scratch   receives the handle; null on failure. The generator must outlive it
+ * returns   NLG_OK or NLG_OUT_OF_MEMORY */
+nlg_status nlg_scratch_create(const nlg_generator* generator, nlg_scratch** scratch);
+void nlg_scratch_free(nlg_scratch* scratch);
+
+/* theta of any number of functions. Every function has the same theta whatever stands beside it in the call.
+ *
+ * phi     count x P bytes, round(255 phi) at the support points in their order; 0 at points inside solid
+ * theta   count x D floats, overwritten
+ * scratch of this generator */
+void nlg_generate(const nlg_generator* generator, const uint8_t* phi, size_t count, float* theta, nlg_scratch* scratch);
+
+/* What one theta stands for at any points.
+ *
+ * theta    D floats, all finite
+ * x, y, z  count floats each, local coordinates, all finite
+ * values   count floats, overwritten; not clamped
+ * scratch  of this generator */
+void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t count, const float* x, const float* y,
+                  const float* z, float* values, nlg_scratch* scratch);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* NLG_C_API_NLG_H_ */

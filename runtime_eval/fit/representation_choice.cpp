@@ -1,0 +1,28 @@
+#include "runtime_eval/fit/representation_choice.h"
+
+#include <algorithm>
+
+namespace nlg {
+namespace {
+
+// A check that is not finite is never flat.
+bool isFlat(const std::vector<FunctionCheck>& checks, size_t index, const ChoiceOptions& options) {
+  const double rmse = checks[index].rmse;
+  if (rmse <= options.enough_rmse) return true;
+  return std::all_of(checks.begin() + static_cast<ptrdiff_t>(index) + 1, checks.end(),
+                     [&](const FunctionCheck& larger) { return rmse <= options.flat_ratio * larger.rmse; });
+}
+
+}  // namespace
+
+int chooseRepresentation(const std::vector<FunctionCheck>& checks, const CheckOptions& check, const ChoiceOptions& options) {
+  int first_flat = -1;
+  for (size_t i = 0; i < checks.size(); ++i) {
+    if (!isFlat(checks, i, options)) continue;
+    if (checks[i].passes(check)) return static_cast<int>(i);
+    if (first_flat < 0) first_flat = static_cast<int>(i);
+  }
+  return std::max(first_flat, 0);
+}
+
+}  // namespace nlg

@@ -1,0 +1,23 @@
+// Which of several representations stands for a function: the smallest whose error would hardly fall with a larger one.
+//
+// The talk evaluates product fields of all resolutions and takes the point where their errors flatten. Here that is done over any
+// representations, on the errors of the check; how often it agrees with the choice that direct optimisation would make is in
+// docs/measurements.md.
+#pragma once
+
+#include <vector>
+
+#include "runtime_eval/fit/function_check.h"
+
+namespace nlg {
+
+struct ChoiceOptions {
+  double flat_ratio = 1.5;     // an error up to so many times that of the best larger representation is flat
+  double enough_rmse = 0.004;  // … and so is any error below this
+};
+
+// checks    of one function, one a representation, by rising number of parameters; at least one
+// returns   the first that passes the check and is flat; the first that is flat when none of those passes
+int chooseRepresentation(const std::vector<FunctionCheck>& checks, const CheckOptions& check, const ChoiceOptions& options);
+
+}  // namespace nlg

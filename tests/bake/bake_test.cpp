@@ -1,0 +1,260 @@
+// A whole bake: a wall of which everything is known, and a procedural house.
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <numeric>
+
+#include "bake/bake_report.h"
+#include "bake/scene_bake.h"
+#include "runtime_eval/support/random.h"
+#include "tests/runtime_eval/sample_generator.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Where the wall of writeWall stands: x of its plane, metres; far from the origin, as the middle of a level may be.
+constexpr double kWallX = 1000.25;
+
+class SceneBakeTest : public testing::Test {
+ protected:
+  SceneBakeTest() : folder_(fs::temp_directory_path() / ("nlg_bake_" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~SceneBakeTest() override { fs::remove_all(folder_); }
+
+  // A wall of 80 x 80 metres, seen from both sides.
+  std::string writeWall() const {
+    const float x = static_cast<float>(kWallX), s = 40.0f;
+    const float corners[18] = {x, -s, -s, x, s, -s, x, s, s, x, -s, -s, x, s, s, x, -s, s};
+    std::string bytes(sizeof(corners), '\0');
+    std::memcpy(bytes.data(), corners, sizeof(corners));
+    writeFileAtomically((folder_ / "wall.bin").string(), bytes);
+    return write("wall.gltf",
+                 R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+                 R"("materials":[{"doubleSided":true}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],)"
+                 R"("accessors":[{"bufferView":0,"componentType":5126,"count":6,"type":"VEC3","min":[1000.25,-40,-40],)"
+                 R"("max":[1000.25,40,40]}],"bufferViews":[{"buffer":0,"byteLength":72}],)"
+                 R"("buffers":[{"uri":"wall.bin","byteLength":72}]})");
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    writeFileAtomically((folder_ / name).string(), text);
+    return (folder_ / name).string();
+  }
+
+  static std::vector<Generator> generators(const std::vector<std::string>& names) {
+    std::vector<Generator> result;
+    for (const std::string& name : names) {
+      Representation representation;
+      EXPECT_TRUE(findRepresentation(name, &representation)) << name;
+      result.emplace_back(sampleGenerator(representation, 24, 3, 1));
+    }
+    return result;
+  }
+
+  // Probes at every metre, 5 metres to each side of the wall and along it.
+  static BakeOptions wallOptions() {
+    BakeOptions options;
+    options.spacing_m = 1.0;
+    options.density_growth = 0.0;
+    options.extent_m = {"995", "-2", "-2", "1005", "2", "2"};
+    options.threads = 2;
+    return options;
+  }
+  // A corner of a house, refined for next to no time.
+  static BakeOptions houseOptions() {
+    BakeOptions options;
+    options.spacing_m = 1.5;
+    options.extent_m = {"0", "0", "0", "6", "6", "3"};
+    options.refinement.rounds = 1;
+    options.refinement.first_steps = 4;
+    options.threads = 2;
+    return options;
+  }
+
+  Bake bake(const std::string& scene, const std::vector<Generator>& generators, const BakeOptions& options,
+            ThetaPrecision precision = ThetaPrecision::float32) const {
+    return bakeScene(BakeScene(scene, options), generators, options, precision, folder_.string());
+  }
+
+  fs::path folder_;
+};
+
+std::string fileBytes(const LightGrid& grid, ThetaPrecision precision) {
+  std::string bytes;
+  const WeightsResult result = serializeLightGrid(grid, precision, {}, &bytes);
+  EXPECT_TRUE(result.ok()) << result.detail;
+  return bytes;
+}
+
+TEST_F(SceneBakeTest, WallHasOneFunctionForEachColumnOfProbesBesideIt) {
+  const Bake wall = bake(writeWall(), generators({"tent_mlp"}), wallOptions());
+  const ShardCounts& counts = wall.statistics.counts;
+  // supports of half a side of 1 m: the wall cuts those of the nearest column on either side; 2 functions, whatever the shift of
+  // the lattice. Symmetric to one another only by chance
+  EXPECT_EQ(counts.functions, 2u);
+  EXPECT_EQ(wall.grid.functionCount(), 2u);
+  EXPECT_EQ(counts.in_solid, 0u);
+  EXPECT_EQ(counts.empty, 0u);
+  EXPECT_EQ(counts.visited_probes, counts.grid_probes);
+  for (size_t p = 0; p < wall.grid.tree.probeCount(); ++p) {
+    const double distance_m = std::abs(wall.grid.tree.probePosition(p)[0] - kWallX);
+    if (std::abs(distance_m - 1.0) < 1e-3) continue;  // the wall grazes the support's face
+    EXPECT_EQ(wall.grid.probe_function[p] == kFreeSpace, distance_m > 1.0) << "probe " << p << ", " << distance_m << " m away";
+  }
+}
+
+TEST_F(SceneBakeTest, WeightsSumToOneInFreeSpaceAndKeepToTheirSideOfAWall) {
+  const Bake wall = bake(writeWall(), generators({"tent_mlp"}), wallOptions());
+  ASSERT_EQ(wall.statistics.still_failing, 0u);  // refined from numbers at random to within the check's limits
+  Random random(3);
+  LightGrid bare = wall.grid;  // the same probes, as if nothing stood among them
+  std::fill(bare.probe_function.begin(), bare.probe_function.end(), kFreeSpace);
+  const auto sameSide = [&](uint32_t probe, const PositionM& at) {
+    return (wall.grid.tree.probePosition(probe)[0] < kWallX) == (at[0] < kWallX);
+  };
+  double leak_sum = 0.0, bare_leak_sum = 0.0, weight_sum = 0.0;
+  int free_count = 0, wall_count = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const PositionM at = {random.uniform(995.1, 1004.9), random.uniform(-1.9, 1.9), random.uniform(-1.9, 1.9)};
+    ProbeWeights weights;
+    ASSERT_TRUE(lookUpWeights(wall.grid, at, &weights)) << at[0] << " " << at[1] << " " << at[2];
+    const double sum = std::accumulate(weights.weight, weights.weight + weights.count, 0.0);
+    if (std::abs(at[0] - kWallX) > 2.0) {
+      // all 8 probes are more than 1 m away from the wall: tents, and a sum of 8 floats of at most 1
+      EXPECT_NEAR(sum, 1.0, 8 * 1.2e-7) << at[0];
+      ++free_count;
+    } else {
+      for (int c = 0; c < weights.count; ++c) {
+        (sameSide(weights.probe[c], at) ? weight_sum : leak_sum) += weights.weight[c];
+      }
+      ASSERT_TRUE(lookUpWeights(bare, at, &weights));
+      for (int c = 0; c < weights.count; ++c) bare_leak_sum += sameSide(weights.probe[c], at) ? 0.0 : weights.weight[c];
+      ++wall_count;
+    }
+  }
+  EXPECT_GT(free_count, 1000);
+  EXPECT_GT(wall_count, 1000);
+  // a bare tent knows of no wall; the check lets a theta be above tau_leak at no more than 1 % of the points behind it
+  EXPECT_LT(leak_sum, 0.05 * bare_leak_sum);
+  EXPECT_GT(weight_sum, 0.0);
+}
+
+TEST_F(SceneBakeTest, GivesTheSameBytesOnAnyNumberOfThreads) {
+  BakeOptions options = houseOptions();
+  const std::vector<Generator> both = generators({"tent_mlp", "mlp"});
+  options.threads = 1;
+  const Bake one = bake("house:3", both, options);
+  ASSERT_GT(one.grid.functionCount(), 20u);
+  const std::string bytes = fileBytes(one.grid, ThetaPrecision::float32);
+  for (const int threads : {2, 5}) {
+    options.threads = threads;
+    EXPECT_TRUE(fileBytes(bake("house:3", both, options).grid, ThetaPrecision::float32) == bytes) << threads << " threads";
+  }
+}
+
+TEST_F(SceneBakeTest, CountsEveryProbeOnce) {
+  const Bake house = bake("house:3", generators({"tent_mlp", "mlp"}), houseOptions());
+  const BakeStatistics& s = house.statistics;
+  const ShardCounts& c = s.counts;
+  EXPECT_GT(c.free_space, 0u);
+  EXPECT_EQ(c.visited_probes, house.grid.tree.probeCount());
+  EXPECT_EQ(c.functions + c.free_space + c.in_solid + c.duplicates + c.empty, c.visited_probes);
+  const auto& probes = house.grid.probe_function;
+  EXPECT_EQ(static_cast<uint64_t>(std::count(probes.begin(), probes.end(), kFreeSpace)), c.free_space);
+  EXPECT_EQ(static_cast<uint64_t>(std::count(probes.begin(), probes.end(), kNoWeight)), c.in_solid + c.empty);
+  EXPECT_EQ(std::accumulate(s.chosen.begin(), s.chosen.end(), uint64_t{0}), c.functions);
+  EXPECT_EQ(s.failed_check, s.refined + s.left_for_time);
+  const WeightsResult result = checkLightGrid(house.grid);
+  EXPECT_TRUE(result.ok()) << result.detail;
+}
+
+// The functions are made once more, by themselves, and each is compared with the theta that the grid has for it.
+class StoredThetaTest : public SceneBakeTest, public testing::WithParamInterface<ThetaPrecision> {};
+
+TEST_P(StoredThetaTest, HasTheErrorThatTheBakeReports) {
+  const BakeOptions options = houseOptions();
+  const BakeScene scene("house:3", options);
+  const Bake house = bakeScene(scene, generators({"tent_mlp", "mlp"}), options, GetParam(), folder_.string());
+  SceneFunctions functions(scene, options, 2, folder_.string());
+  functions.makeAll([](const SceneFunctions::NewFunctions&) {});
+  ASSERT_EQ(functions.counts().functions, house.grid.functionCount());
+  EXPECT_EQ(functions.probeFunction(), house.grid.probe_function);
+  ASSERT_EQ(house.statistics.stored.size(), house.grid.functionCount());
+  FunctionChecker checker;
+  std::vector<uint8_t> samples;
+  uint64_t failing = 0;
+  for (size_t f = 0; f < house.grid.functionCount(); ++f) {
+    const Representation& representation = house.grid.representations[house.grid.function_representation[f]];
+    const FunctionCheck check =
+        checker.check(representation, functions.read(f, &samples), house.grid.functionTheta(f), options.refinement.check);
+    EXPECT_EQ(check.rmse, house.statistics.stored[f].rmse) << "function " << f;
+    failing += !check.passes(options.refinement.check);
+    // a theta never gets worse on its way through refinement
+    if (GetParam() == ThetaPrecision::float32) {
+      EXPECT_LE(check.trouble(options.refinement.check), house.statistics.generated[f].trouble(options.refinement.check)) << f;
+    }
+  }
+  EXPECT_EQ(failing, house.statistics.still_failing);
+}
+std::string precisionName(const testing::TestParamInfo<ThetaPrecision>& precision) {
+  return precision.param == ThetaPrecision::float32 ? "float32" : "float16";
+}
+INSTANTIATE_TEST_SUITE_P(Precisions, StoredThetaTest, testing::Values(ThetaPrecision::float32, ThetaPrecision::float16),
+                         precisionName);
+
+TEST_F(SceneBakeTest, ThetaOfFloat16IsWhatTheFileHolds) {
+  const Bake house = bake("house:3", generators({"tent_mlp"}), houseOptions(), ThetaPrecision::float16);
+  LightGrid read;
+  GridMetadata metadata;
+  ASSERT_TRUE(parseLightGrid(fileBytes(house.grid, ThetaPrecision::float16), &read, &metadata).ok());
+  EXPECT_EQ(read.theta, house.grid.theta);
+  EXPECT_GT(house.rounding.worst_rmse_added, 0.0);
+  EXPECT_LE(house.rounding.mean_rmse_added, house.rounding.worst_rmse_added);
+  // theta of these generators are of order 1: a relative step of 2^-11 in each cannot move the output by more than a percent
+  EXPECT_LT(house.rounding.worst_rmse_added, 0.01);
+}
+
+TEST_F(SceneBakeTest, LeavesFunctionsThatItHasNoTimeForAndSaysSo) {
+  BakeOptions options = houseOptions();
+  options.refine_seconds = 1e-9;
+  const Bake house = bake("house:3", generators({"tent_mlp"}), options);
+  const BakeStatistics& s = house.statistics;
+  EXPECT_GT(s.failed_check, 0u);
+  EXPECT_EQ(s.left_for_time, s.failed_check);
+  EXPECT_EQ(s.refined, 0u);
+  EXPECT_EQ(s.still_failing, s.failed_check);
+}
+
+TEST_F(SceneBakeTest, ReportHoldsTheSameNumbersForProgramsAndPeople) {
+  Bake wall = bake(writeWall(), generators({"tent_mlp"}), wallOptions());
+  BakeReport report;
+  report.scene = "wall";
+  report.representations = {"tent_mlp"};
+  report.statistics = wall.statistics;
+  report.file_bytes = 123456;
+  report.simd = "none";
+  const auto json = toJson(report);
+  EXPECT_EQ(json.at("functions"), 2);
+  EXPECT_EQ(json.at("probes"), wall.grid.tree.probeCount());
+  EXPECT_DOUBLE_EQ(json.at("bytes_per_probe").get<double>() * static_cast<double>(wall.grid.tree.probeCount()), 123456.0);
+  const std::string table = toTable(report);
+  EXPECT_NE(table.find(std::to_string(wall.grid.tree.probeCount())), std::string::npos) << table;
+}
+
+TEST_F(SceneBakeTest, RefusesASceneWithoutATriangle) {
+  const std::string path = write("none.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{}]})");
+  EXPECT_THROW(BakeScene(path, wallOptions()), InputError);
+  EXPECT_THROW(BakeScene("castle:3", wallOptions()), InputError);
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,191 @@
+// Hostile weights files for libFuzzer: whatever the bytes, the reader answers with a status and a reason, or with a generator
+// that works. How to run it: CONTRIBUTING.md.
+//
+// A file that loads has 40 kB and more, and hardly any mutation of it hits the header. So an input comes in one of three forms,
+// told apart by its first byte, and the last two are made whole files here:
+//
+//     any other     the file's bytes themselves
+//     '{'           a header as it stands; its length, alignment and as much data as it speaks of are supplied
+//     '['           a header behind the bracket, of which only names, shapes and texts count: tensors are laid out anew
+//
+// A zero byte may end the header in the last two. Behind it: one signed byte, by which the data is longer than the header says,
+// and bytes that fill the data over and over.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "export/weights_file/header_parser.h"
+#include "export/weights_file/weights_file.h"
+#include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/support/random.h"
+
+namespace nlg {
+namespace {
+
+// The seeds fit in; above it the sanitizer maps new pages for every input. Larger data is left to the first form.
+constexpr uint64_t kMaxDataBytes = uint64_t{1} << 17;
+
+#define FUZZ_CHECK(condition, text) \
+  ((condition) ? void() : (std::fprintf(stderr, "%s does not hold: %s\n", #condition, std::string(text).c_str()), std::abort()))
+
+// The data that stands in for a file's: the input's own bytes over and over, or ones.
+std::string filled(std::string_view pattern, uint64_t bytes) {
+  const float one = 1.0f;
+  if (pattern.empty()) pattern = std::string_view(reinterpret_cast<const char*>(&one), sizeof one);
+  std::string data(pattern.substr(0, bytes));
+  data.reserve(bytes);
+  // whole repeats of the pattern, as many again each time
+  while (data.size() < bytes) data.append(data.data(), std::min<size_t>(data.size(), bytes - data.size()));
+  return data;
+}
+
+// A whole file around a header: spaces up to the alignment, and as much data as the header speaks of, and `longer` bytes.
+std::string fileAround(std::string_view text, int longer, std::string_view pattern) {
+  WeightsHeader header;
+  uint64_t data_bytes = 0;
+  if (parseWeightsHeader(text, &header).empty()) {
+    for (const auto& [name, tensor] : header.tensors) data_bytes = std::max(data_bytes, tensor.end);
+  }
+  std::string padded(text);
+  padded.append((64 - (sizeof(uint64_t) + padded.size()) % 64) % 64, ' ');
+  const uint64_t length = padded.size();
+  std::string bytes(reinterpret_cast<const char*>(&length), sizeof length);
+  const int64_t wanted = static_cast<int64_t>(std::min(data_bytes, kMaxDataBytes)) + longer;
+  return bytes + padded + filled(pattern, static_cast<uint64_t>(std::max<int64_t>(wanted, 0)));
+}
+
+// A well-formed file of a header's names, shapes and texts; an empty one when that would be too large.
+std::string laidOut(std::string_view text, std::string_view pattern) {
+  WeightsHeader header;
+  if (!parseWeightsHeader(text, &header).empty()) return {};
+  WeightsFile file;
+  file.metadata = header.metadata;
+  uint64_t left = kMaxDataBytes / sizeof(float);
+  for (const auto& [name, tensor] : header.tensors) {
+    if (name.rfind("padding.", 0) == 0) continue;
+    uint64_t count = 1;
+    for (const uint64_t extent : tensor.shape) {
+      if (extent > left || count * extent > left) return {};
+      count *= extent;
+    }
+    left -= count;
+    const std::string data = filled(pattern, count * sizeof(float));
+    WeightsTensor& values = file.tensors[name];
+    values.shape = tensor.shape;
+    values.values.resize(count);
+    if (count > 0) std::memcpy(values.values.data(), data.data(), data.size());
+  }
+  return serializeWeights(file);
+}
+
+std::string wholeFile(std::string_view input) {
+  if (input.empty() || (input[0] != '{' && input[0] != '[')) return std::string(input);
+  const bool lay_out = input[0] == '[';
+  if (lay_out) input.remove_prefix(1);
+  const size_t end = std::min(input.find('\0'), input.size());
+  const int longer = end + 1 < input.size() ? static_cast<signed char>(input[end + 1]) : 0;
+  const std::string_view text = input.substr(0, end), pattern = input.substr(std::min(end + 2, input.size()));
+  return lay_out ? laidOut(text, pattern) : fileAround(text, longer, pattern);
+}
+
+void checkRefusal(const WeightsResult& result) {
+  FUZZ_CHECK(!result.detail.empty(), weightsStatusName(result.status));
+  FUZZ_CHECK(std::strcmp(weightsStatusName(result.status), "unknown") != 0, result.detail);
+  for (const char c : result.detail) FUZZ_CHECK(static_cast<unsigned char>(c) >= 0x20, "one line: " + result.detail);
+}
+
+// laid_out   the bytes are what our own writer made
+void load(std::string_view bytes, bool laid_out) {
+  WeightsFile file;
+  GeneratorData data;
+  WeightsResult result = parseWeights(bytes, &file);
+  FUZZ_CHECK(!laid_out || result.ok() || result.status == WeightsStatus::value_not_finite, "written, yet " + result.detail);
+  FUZZ_CHECK(result.ok() || (file.tensors.empty() && file.metadata.empty()), "a refused file is left empty");
+  if (result.ok()) result = generatorFromWeights(file, &data);
+  if (!result.ok()) return checkRefusal(result);
+  FUZZ_CHECK(result.detail.empty(), result.detail);
+
+  static const std::string phi = filled("\x01\x80\xff\x7f\x33", kSupportPointCount);
+  for (const GeneratorPrecision precision : {GeneratorPrecision::float32, GeneratorPrecision::int16}) {
+    const Generator generator(data, precision);
+    GeneratorScratch scratch(generator);
+    std::vector<float> theta(data.theta0.size());
+    generator.generate(reinterpret_cast<const uint8_t*>(phi.data()), 1, theta.data(), &scratch);
+  }
+}
+
+// Begin and length of every number of a text, or of every text in quotes, the quotes included.
+std::vector<std::pair<size_t, size_t>> numbersOf(std::string_view text) {
+  std::vector<std::pair<size_t, size_t>> found;
+  for (size_t i = 0; (i = text.find_first_of("0123456789", i)) != text.npos; i += found.back().second) {
+    found.emplace_back(i, std::min(text.find_first_not_of("0123456789", i), text.size()) - i);
+  }
+  return found;
+}
+std::vector<std::pair<size_t, size_t>> quotedOf(std::string_view text) {
+  std::vector<std::pair<size_t, size_t>> found;
+  for (size_t i = 0; (i = text.find('"', i)) != text.npos; i += found.back().second) {
+    found.emplace_back(i, std::min(text.find('"', i + 1), text.size() - 1) + 1 - i);
+  }
+  return found;
+}
+
+// Something near a number, or at a limit.
+std::string neighbour(std::string_view digits, Random& random) {
+  uint64_t value = 0;
+  for (const char digit : digits) value = 10 * value + static_cast<uint64_t>(digit - '0');
+  const uint64_t choices[] = {value + 1, value - 1, value + 4 * random.below(32),   value - 4 * random.below(32),
+                              value / 2, 0,         uint64_t{1} << random.below(64)};
+  return std::to_string(choices[random.below(std::size(choices))]);
+}
+
+// Puts a neighbour, or another one of the text's own, in the place of one number or quoted text.
+std::string mutated(const std::string& text, Random& random) {
+  const bool number = random.chance(0.7);
+  const auto parts = number ? numbersOf(text) : quotedOf(text);
+  if (parts.empty()) return text;
+  const auto part = [&] { return parts[random.below(static_cast<uint32_t>(parts.size()))]; };
+  const auto [begin, length] = part();
+  const auto [other_begin, other_length] = part();
+  const bool own = !number || random.chance(0.3);
+  const std::string_view view = text;
+  std::string result = text;
+  return result.replace(begin, length,
+                        own ? text.substr(other_begin, other_length) : neighbour(view.substr(begin, length), random));
+}
+
+}  // namespace
+}  // namespace nlg
+
+extern "C" size_t LLVMFuzzerMutate(uint8_t* bytes, size_t size, size_t max_size);
+
+// Blind mutations hardly ever change a number of a header and leave it a header: every other one does no more than that.
+extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* bytes, size_t size, size_t max_size, unsigned int seed) {
+  nlg::Random random(seed);
+  if (random.chance(0.5)) return LLVMFuzzerMutate(bytes, size, max_size);
+  const std::string result = nlg::mutated(std::string(reinterpret_cast<const char*>(bytes), size), random);
+  if (result.size() > max_size) return LLVMFuzzerMutate(bytes, size, max_size);
+  std::memcpy(bytes, result.data(), result.size());
+  return result.size();
+}
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  nlg::supportPattern();  // a tenth of a second that no single input shall be charged with
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
+  const std::string file = nlg::wholeFile({reinterpret_cast<const char*>(bytes), size});
+  // a string may own more than its text: a read past the end shall leave the allocation
+  const std::vector<char> exact(file.begin(), file.end());
+  nlg::load({exact.data(), exact.size()}, size > 0 && bytes[0] == '[' && !exact.empty());
+  return 0;
+}

@@ -1,0 +1,75 @@
+// Writes the inputs that weights_fuzz starts from into a folder: headers of the smallest generators in both forms that the target
+// completes, and small files that are whole. Their numbers do not matter; names, shapes and texts do.
+#include <cstring>
+#include <fstream>
+#include <string>
+
+#include "runtime_eval/evaluator/generator.h"
+
+namespace nlg {
+namespace {
+
+GeneratorData smallGenerator(const char* representation, int component_count, int layer_count, int width) {
+  GeneratorData data;
+  findRepresentation(representation, &data.representation);
+  // every class has its turn, so that one of them may be empty
+  for (int k = 0; k < component_count; ++k) ++data.basis.class_count[k % kParityClassCount];
+  data.basis.mean.resize(size_t{kParityClassCount} * kOctantPointCount);
+  data.basis.components.resize(size_t(component_count) * kOctantPointCount);
+  data.basis.deviation.resize(component_count, 1.0f);
+  const int theta_count = data.representation.thetaCount();
+  for (int l = 0; l < layer_count; ++l) {
+    const int inputs = l == 0 ? component_count : width, outputs = l + 1 == layer_count ? theta_count : width;
+    data.layers.push_back({inputs, outputs, std::vector<float>(size_t(inputs) * outputs), std::vector<float>(outputs)});
+  }
+  data.theta0.resize(theta_count);
+  data.output_scale.resize(theta_count);
+  return data;
+}
+
+std::string headerOf(const std::string& bytes) {
+  uint64_t length = 0;
+  std::memcpy(&length, bytes.data(), sizeof length);
+  const std::string padded = bytes.substr(sizeof length, length);
+  return padded.substr(0, padded.rfind('}') + 1);
+}
+
+WeightsFile smallFile() {
+  WeightsFile file;
+  file.tensors["empty"] = {{0, 5}, {}};
+  file.tensors["layer"] = {{2, 2}, {0.0f, -1.0f, 2.5f, 1e-20f}};
+  file.tensors["scalar"] = {{}, {0.01f}};
+  file.metadata = {{"note", "quote \" back\\slash\n\x01 é 𝄞"}, {"", "empty key"}};
+  return file;
+}
+
+bool write(const std::string& path, const std::string& bytes) {
+  std::ofstream stream(path, std::ios::binary);
+  stream << bytes;
+  return static_cast<bool>(stream.flush());
+}
+
+bool writeSeeds(const std::string& folder) {
+  bool written = write(folder + "/whole", serializeWeights(smallFile())) && write(folder + "/whole_empty", serializeWeights({}));
+  struct Size {
+    int component_count, layer_count, width;
+  };
+  for (const Size& size : {Size{1, 1, 1}, Size{2, 2, 1}, Size{3, 3, 3}, Size{9, 4, 2}}) {
+    for (const char* representation : kRepresentationNames) {
+      const GeneratorData data = smallGenerator(representation, size.component_count, size.layer_count, size.width);
+      const std::string header = headerOf(serializeWeights(weightsFromGenerator(data)));
+      const std::string name = folder + "/" + representation + "_" + std::to_string(size.layer_count);
+      // behind a zero byte: how much longer the data is than the header says, and what fills it
+      written = written && write(name + "_header", header) && write(name + "_shapes", "[" + header) &&
+                write(name + "_long", header + std::string("\0\4", 2)) &&
+                write(name + "_short", header + std::string("\0\xfc", 2)) &&
+                write(name + "_filled", header + std::string("\0\0", 2) + "\x33\x33\xb3\x3e");
+    }
+  }
+  return written;
+}
+
+}  // namespace
+}  // namespace nlg
+
+int main(int argc, char** argv) { return argc == 2 && nlg::writeSeeds(argv[1]) ? 0 : 2; }

@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# The installed package, as an engine meets it: in another place than it was installed to, with the examples built against it.
+#
+#   install_test.sh BUILD_FOLDER MAKE_WEIGHTS CMAKE GENERATOR CONFIGURATION CC CXX CXX_FLAGS
+set -euo pipefail
+build=$1 make_weights=$2 cmake=$3 generator=$4 configuration=$5 cc=$6 cxx=$7 cxx_flags=$8
+source=$(cd "$(dirname "$0")/../.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+fail() { echo "install_test: $*" >&2; exit 1; }
+
+"$cmake" --install "$build" --prefix "$work/first" > "$work/install.log" || { cat "$work/install.log"; exit 1; }
+mv "$work/first" "$work/moved"
+prefix=$work/moved
+headers=$prefix/include/nlg
+
+# no path of this machine in what CMake will read
+if grep -rn -e "$source" -e "$build" -e "$work" "$prefix" --include='*.cmake'; then fail "paths of the build are installed"; fi
+
+# every header by itself, with nothing but the package to include from
+while read -r header; do
+  echo "#include \"$header\"" > "$work/one.cpp"
+  "$cxx" -std=c++20 -Wall -Wextra -Wpedantic -Werror -fsyntax-only -I "$headers" "$work/one.cpp" || fail "$header cannot be included"
+done < <(cd "$headers" && find . -name '*.h' | sed 's#^\./##' | sort)
+# what the documentation tells engines to include is there, needed by another header or not
+while read -r header; do
+  [ -f "$headers/$header" ] || fail "docs/library.md names $header, which is not installed"
+done < <(grep -oE '(runtime_eval|export)/[a-z_/]+\.h' "$source/docs/library.md" | sort -u)
+"$cc" -x c -std=c11 -Wall -Wextra -Wpedantic -Werror -fsyntax-only "$headers/runtime_eval/c_api/nlg.h" || fail "nlg.h is no C"
+
+"$cmake" -S "$source/examples" -B "$work/build" -G "$generator" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE="$configuration" \
+  -DCMAKE_C_COMPILER="$cc" -DCMAKE_CXX_COMPILER="$cxx" -DCMAKE_CXX_FLAGS="$cxx_flags" > "$work/configure.log" ||
+  { cat "$work/configure.log"; fail "find_package(nlg) does not work"; }
+"$cmake" --build "$work/build" > "$work/build.log" || { cat "$work/build.log"; fail "the examples do not build"; }
+
+for representation in mlp tent_mlp pf5; do
+  "$make_weights" "$work/weights.safetensors" "$representation"
+  output=$("$work/build/bake_minimal" "$work/weights.safetensors")
+  echo "$output"
+  grep -q "^$representation, [1-9][0-9]* numbers" <<< "$output" || fail "bake_minimal names another representation"
+  generated=$(sed -n 's/^generated: RMSE \([0-9.]*\),.*/\1/p' <<< "$output")
+  refined=$(sed -n 's/^refined: RMSE \([0-9.]*\),.*/\1/p' <<< "$output")
+  awk -v g="$generated" -v r="$refined" 'BEGIN { exit !(g > 0.02 && r > 0 && r < g) }' || fail "refinement: '$generated' to '$refined'"
+  # C and C++ sum the same numbers in another order
+  in_c=$("$work/build/bake_minimal_c" "$work/weights.safetensors" | sed -n 's/^generated: RMSE //p')
+  awk -v g="$generated" -v c="$in_c" 'BEGIN { exit !(c > 0 && g - c < 2e-5 && c - g < 2e-5) }' || fail "C: '$in_c', C++: '$generated'"
+done
+
+head -c 1000 "$work/weights.safetensors" > "$work/cut.safetensors"
+for example in bake_minimal bake_minimal_c; do
+  status=0
+  "$work/build/$example" "$work/cut.safetensors" 2> "$work/stderr" || status=$?
+  [ "$status" -eq 3 ] || fail "$example: a cut file gives exit code $status"
+  grep -q "_" "$work/stderr" || fail "$example: a cut file is refused without a reason"
+done

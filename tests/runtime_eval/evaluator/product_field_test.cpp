@@ -1,0 +1,199 @@
+#include "runtime_eval/evaluator/product_field.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/runtime_eval/each_target.h"
+#include "tests/runtime_eval/sample_fields.h"
+
+namespace nlg {
+namespace {
+
+std::vector<float> evaluatedAt(int resolution, const std::vector<LocalPoint>& points, const Theta& theta) {
+  const PointSet set = makePointSet(points);
+  std::vector<float> values(set.padded_count);
+  evaluateField(resolution, set, theta.data(), values.data());
+  values.resize(points.size());
+  return values;
+}
+
+std::vector<float> evaluatedCells(int resolution, const Theta& theta) {
+  std::vector<float> values(cellOrder(resolution).placeCount());
+  evaluateFieldCells(cellOrder(resolution), theta.data(), values.data());
+  return values;
+}
+
+TEST(ProductField, AgreesWithTheReferenceInEveryCell) {
+  for (const int resolution : kFieldResolutions) {
+    SCOPED_TRACE(resolution);
+    const PointOrder& order = cellOrder(resolution);
+    const Theta theta = randomField(resolution, 11, -0.5, 1.5);
+    const std::vector<double> exact = toDouble(theta);
+    const double bound = fieldError(resolution, theta);
+    forEachTarget([&] {
+      const std::vector<float> values = evaluatedCells(resolution, theta);
+      for (int place = 0; place < order.placeCount(); ++place) {
+        ASSERT_NEAR(values[place], evaluateFieldReference(resolution, placePosition(order, place), exact.data()), bound)
+            << "place " << place;
+      }
+    });
+  }
+}
+
+TEST(ProductField, AgreesWithTheReferenceAtAnyPoints) {
+  for (const int resolution : kFieldResolutions) {
+    for (const int count : {1, 15, 16, 17, 127, 129, 1000}) {
+      SCOPED_TRACE(testing::Message() << "resolution " << resolution << ", points " << count);
+      const std::vector<LocalPoint> points = unseenPoints(count);
+      const Theta theta = randomField(resolution, 12, -0.5, 1.5);
+      const std::vector<double> exact = toDouble(theta);
+      const double bound = fieldError(resolution, theta);
+      forEachTarget([&] {
+        const std::vector<float> values = evaluatedAt(resolution, points, theta);
+        for (int i = 0; i < count; ++i) {
+          ASSERT_NEAR(values[i], evaluateFieldReference(resolution, points[i], exact.data()), bound) << "point " << i;
+        }
+      });
+    }
+  }
+}
+
+TEST(ProductField, TakesTheNodesValuesAtNodes) {
+  for (const int resolution : kFieldResolutions) {
+    SCOPED_TRACE(resolution);
+    const Theta theta = randomField(resolution, 13, 0.0, 1.0);
+    std::vector<LocalPoint> nodes;
+    const auto along = [&](int i) { return static_cast<float>(2.0 * i / (resolution - 1) - 1.0); };
+    for (int z = 0; z < resolution; ++z) {
+      for (int y = 0; y < resolution; ++y) {
+        for (int x = 0; x < resolution; ++x) nodes.push_back({along(x), along(y), along(z)});
+      }
+    }
+    forEachTarget([&] {
+      const std::vector<float> values = evaluatedAt(resolution, nodes, theta);
+      for (size_t i = 0; i < nodes.size(); ++i) {
+        EXPECT_NEAR(values[i], theta[2 * i] / (1.0 + std::exp(-static_cast<double>(theta[2 * i + 1]))),
+                    fieldError(resolution, theta))
+            << "node " << i;
+      }
+    });
+  }
+}
+
+TEST(ProductField, TakesTheBordersValueOutside) {
+  const std::vector<LocalPoint> outside = {
+      {-1.5f, 0.25f, 0.5f}, {7.0f, -3.0f, 0.125f}, {1e30f, -1e30f, 1e30f}, {0.5f, 0.5f, 1.0001f}};
+  std::vector<LocalPoint> border = outside;
+  for (LocalPoint& point : border) {
+    for (float& coordinate : point) coordinate = std::clamp(coordinate, -1.0f, 1.0f);
+  }
+  for (const int resolution : kFieldResolutions) {
+    const Theta theta = randomField(resolution, 14, 0.0, 1.0);
+    forEachTarget(
+        [&] { EXPECT_EQ(evaluatedAt(resolution, outside, theta), evaluatedAt(resolution, border, theta)) << resolution; });
+  }
+}
+
+// A = 1 and B = b everywhere: interpolation is exact, the field is the sigmoid alone.
+float sigmoidOf(float b) { return evaluatedAt(3, {{0.3f, -0.6f, 0.1f}}, constantField(3, 1.0f, b))[0]; }
+
+TEST(ProductField, HasASigmoidWithinThreeUnitsInTheLastPlace) {
+  forEachTarget([&] {
+    for (int i = -8700; i <= 8700; ++i) {
+      const float b = static_cast<float>(i) * 0.01f, value = sigmoidOf(b);
+      const double expected = 1.0 / (1.0 + std::exp(-static_cast<double>(b)));
+      const float rounded = static_cast<float>(expected);
+      const double unit = std::nextafter(rounded, 2.0f) - static_cast<double>(rounded);
+      ASSERT_LE(std::fabs(value - expected), 3.0 * unit) << "b = " << b;
+    }
+    for (float b = 1e-40f; b < 80.0f; b *= 3.7f) {
+      ASSERT_NEAR(sigmoidOf(b), 1.0 / (1.0 + std::exp(-static_cast<double>(b))), 3 * 0x1p-24) << "b = " << b;
+      ASSERT_NEAR(sigmoidOf(-b), 1.0 / (1.0 + std::exp(static_cast<double>(b))), 3 * 0x1p-24) << "b = " << -b;
+    }
+  });
+}
+
+TEST(ProductField, HasASigmoidThatSaturatesWithoutOverflow) {
+  forEachTarget([&] {
+    for (const float b : {88.0f, 89.0f, 104.0f, 1e4f, 1e30f, 3e38f}) {
+      EXPECT_EQ(sigmoidOf(b), 1.0f) << b;
+      EXPECT_GE(sigmoidOf(-b), 0.0f) << b;
+      EXPECT_LE(sigmoidOf(-b), 2e-38f) << b;
+    }
+  });
+}
+
+TEST(ProductField, IsConstantWhereItsNodesAreEqual) {
+  for (const int resolution : kFieldResolutions) {
+    forEachTarget([&] {
+      for (const float value : evaluatedCells(resolution, constantField(resolution, 0.7f, 1e3f))) ASSERT_EQ(value, 0.7f);
+      for (const float value : evaluatedCells(resolution, constantField(resolution, -3.0f, 2.0f))) ASSERT_EQ(value, 0.0f);
+      for (const float value : evaluatedCells(resolution, constantField(resolution, 4.0f, 0.0f))) ASSERT_EQ(value, 0.5f);
+    });
+  }
+}
+
+TEST(ProductField, StaysTheSameOnAGridThatHoldsAllItsNodes) {
+  constexpr int kNested[][2] = {{3, 3}, {3, 5}, {3, 7}, {3, 9}, {5, 9}};
+  for (const auto [from, to] : kNested) {
+    SCOPED_TRACE(testing::Message() << from << " to " << to);
+    const Theta theta = randomField(from, 15, -0.5, 1.5);
+    Theta finer(Representation::productField(to).thetaCount());
+    resampleField(from, theta.data(), to, finer.data());
+    const std::vector<double> exact = toDouble(theta), exact_finer = toDouble(finer);
+    for (const LocalPoint& point : unseenPoints(500)) {
+      // one rounding of each new node
+      ASSERT_NEAR(evaluateFieldReference(to, point, exact_finer.data()), evaluateFieldReference(from, point, exact.data()),
+                  fieldError(from, theta));
+    }
+  }
+}
+
+TEST(ProductField, TakesTheOldFieldsValuesAtTheNodesOfAnyOtherGrid) {
+  constexpr int kPairs[][2] = {{5, 7}, {7, 5}, {9, 3}, {7, 9}};
+  for (const auto [from, to] : kPairs) {
+    SCOPED_TRACE(testing::Message() << from << " to " << to);
+    const Theta theta = randomField(from, 16, 0.0, 1.0);
+    Theta other(Representation::productField(to).thetaCount());
+    resampleField(from, theta.data(), to, other.data());
+    const std::vector<double> exact = toDouble(theta);
+    for (int i = 0; i < to * to * to; ++i) {
+      const auto along = [&](int node) { return static_cast<float>(2.0 * node / (to - 1) - 1.0); };
+      const double expected =
+          evaluateFieldReference(from, {along(i % to), along(i / to % to), along(i / (to * to))}, exact.data());
+      ASSERT_NEAR(other[2 * i] / (1.0 + std::exp(-static_cast<double>(other[2 * i + 1]))), expected, fieldError(from, theta))
+          << i;
+    }
+  }
+}
+
+TEST(ProductField, StaysInTheUnitIntervalHoweverLargeItsNodes) {
+  for (const int resolution : kFieldResolutions) {
+    Theta theta = randomField(resolution, 17, -1.0, 1.0);
+    for (float& node : theta) node = std::copysign(1e37f, node);
+    const std::vector<LocalPoint> points = unseenPoints(1000);
+    forEachTarget([&] {
+      std::vector<float> values = evaluatedCells(resolution, theta);
+      for (const float value : evaluatedAt(resolution, points, theta)) values.push_back(value);
+      for (const float value : values) ASSERT_TRUE(value >= 0.0f && value <= 1.0f) << resolution << ": " << value;
+    });
+  }
+}
+
+// functionRmse tells from the values that a theta is not finite.
+TEST(ProductField, IsNoNumberWhereANodeIsNone) {
+  for (const int node : {0, 26}) {
+    for (const int channel : {0, 1}) {
+      Theta theta = constantField(3, 0.5f, 0.0f);
+      theta[2 * node + channel] = std::numeric_limits<float>::quiet_NaN();
+      forEachTarget([&] {
+        const float at = node == 0 ? -0.5f : 0.5f;
+        EXPECT_TRUE(std::isnan(evaluatedAt(3, {{at, at, at}}, theta)[0])) << node << ' ' << channel;
+        const std::vector<float> values = evaluatedCells(3, theta);
+        EXPECT_TRUE(std::isnan(node == 0 ? values.front() : values.back())) << node << ' ' << channel;
+      });
+    }
+  }
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,196 @@
+#include "runtime_eval/fit/symmetric_band.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "runtime_eval/support/random.h"
+#include "tests/runtime_eval/each_target.h"
+
+namespace nlg {
+namespace {
+
+constexpr double kDoubleRounding = 0x1p-53;
+
+// Positive definite: the diagonal outweighs the rest of its row.
+SymmetricBand randomBand(int count, int bandwidth, uint64_t seed) {
+  Random random(seed);
+  SymmetricBand band(count, bandwidth);
+  for (int row = 0; row < count; ++row) {
+    for (int column = std::max(0, row - bandwidth); column < row; ++column) band.at(row, column) = random.uniform(-1.0, 1.0);
+    band.at(row, row) = random.uniform(1.0, 2.0) + 2.0 * std::min(bandwidth, count - 1);
+  }
+  return band;
+}
+
+double entry(const SymmetricBand& band, int row, int column) {
+  if (std::abs(row - column) > band.bandwidth()) return 0.0;
+  return row < column ? band.at(column, row) : band.at(row, column);
+}
+
+std::vector<double> randomVector(int count, uint64_t seed) {
+  Random random(seed);
+  std::vector<double> vector(count);
+  for (double& value : vector) value = random.normal();
+  return vector;
+}
+
+// The matrix times a vector, term by term; `largest`: the sum of magnitudes of the row's terms.
+double rowProduct(const SymmetricBand& band, int row, const std::vector<double>& vector, double* largest) {
+  double sum = 0.0;
+  *largest = 0.0;
+  for (int column = 0; column < band.count(); ++column) {
+    const double term = entry(band, row, column) * vector[column];
+    sum += term;
+    *largest += std::fabs(term);
+  }
+  return sum;
+}
+
+template <class Check>
+void forEachShape(const Check& check) {
+  for (int count = 1; count <= 113; count += count < 34 ? 1 : 5) {
+    std::vector<int> bandwidths = {0, 1, 2, 3, 7, 8, 9, 15, 16, 17, count / 2, count - 2, count - 1};
+    std::sort(bandwidths.begin(), bandwidths.end());
+    bandwidths.erase(std::unique(bandwidths.begin(), bandwidths.end()), bandwidths.end());
+    for (const int bandwidth : bandwidths) {
+      if (bandwidth < 0 || bandwidth >= count) continue;
+      SCOPED_TRACE(testing::Message() << "count " << count << ", bandwidth " << bandwidth);
+      check(count, bandwidth);
+    }
+  }
+  SCOPED_TRACE("the band of pf5");
+  check(250, 63);
+}
+
+TEST(SymmetricBand, MultipliesAsTheFullMatrix) {
+  forEachTarget([] {
+    forEachShape([](int count, int bandwidth) {
+      const SymmetricBand band = randomBand(count, bandwidth, 1);
+      const std::vector<double> vector = randomVector(count, 2);
+      std::vector<double> result(count, 1e300);
+      band.multiply(vector.data(), result.data());
+      for (int row = 0; row < count; ++row) {
+        double largest;
+        const double expected = rowProduct(band, row, vector, &largest);
+        // either sum has at most 2 count roundings
+        EXPECT_NEAR(result[row], expected, 4 * count * kDoubleRounding * largest) << "row " << row;
+      }
+    });
+  });
+}
+
+TEST(SymmetricBand, SolvesWithASmallResidual) {
+  forEachTarget([] {
+    forEachShape([](int count, int bandwidth) {
+      const SymmetricBand band = randomBand(count, bandwidth, 3);
+      const std::vector<double> right = randomVector(count, 4);
+      std::vector<double> x = right;
+      SymmetricBand destroyed = band;
+      ASSERT_TRUE(destroyed.solve(x.data()));
+      // Higham, Accuracy and Stability of Numerical Algorithms (2002), theorem 10.4: (A + E) x = b, |E| <= g |U^T| |U|, g =
+      // (3 n + 1) roundings; a row of |U^T| |U| adds up to at most sqrt(n) times the largest row sum of |A| for such matrices.
+      double largest_row = 0.0, largest_x = 0.0;
+      for (int row = 0; row < count; ++row) {
+        double sum = 0.0;
+        for (int column = 0; column < count; ++column) sum += std::fabs(entry(band, row, column));
+        largest_row = std::max(largest_row, sum);
+        largest_x = std::max(largest_x, std::fabs(x[row]));
+      }
+      const double bound = (3 * count + 1) * kDoubleRounding * std::sqrt(count) * largest_row * largest_x;
+      for (int row = 0; row < count; ++row) {
+        double largest;
+        EXPECT_NEAR(rowProduct(band, row, x, &largest), right[row], bound) << "row " << row;
+      }
+    });
+  });
+}
+
+TEST(SymmetricBand, RefusesAPivotThatIsNotPositiveOrNotFiniteAndLeavesTheVector) {
+  const double bad[] = {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()};
+  forEachTarget([&] {
+    for (const int count : {1, 5, 8, 17, 40}) {
+      for (const int place : {0, count / 2, count - 1}) {
+        for (const double value : bad) {
+          SymmetricBand band = randomBand(count, std::min(3, count - 1), 5);
+          band.at(place, place) = value;
+          std::vector<double> vector = randomVector(count, 6);
+          EXPECT_FALSE(band.solve(vector.data())) << count << ' ' << place << ' ' << value;
+          EXPECT_EQ(vector, randomVector(count, 6));
+        }
+      }
+    }
+  });
+}
+
+TEST(SymmetricBand, RefusesAnEntryThatIsNotFiniteBesideTheDiagonal) {
+  forEachTarget([&] {
+    for (const double value : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+      for (const int row : {3, 9, 39}) {
+        SymmetricBand band = randomBand(40, 12, 7);
+        band.at(row, row - 2) = value;
+        std::vector<double> vector = randomVector(40, 8);
+        EXPECT_FALSE(band.solve(vector.data())) << row << ' ' << value;
+      }
+    }
+  });
+}
+
+TEST(SymmetricBand, RefusesAMatrixThatIsNotPositiveDefinite) {
+  // its smallest eigenvalue is 1 - off
+  for (const double off : {0.9, 1.1}) {
+    SymmetricBand band(20, 3);
+    for (int i = 0; i < 20; ++i) band.at(i, i) = 1.0;
+    band.at(12, 9) = off;
+    std::vector<double> vector(20, 1.0);
+    forEachTarget([&] {
+      SymmetricBand destroyed = band;
+      std::vector<double> x = vector;
+      EXPECT_EQ(destroyed.solve(x.data()), off < 1.0) << off;
+    });
+  }
+}
+
+TEST(SymmetricBand, SolvesTheSameTwice) {
+  forEachTarget([] {
+    std::vector<double> first = randomVector(113, 9), second = first;
+    SymmetricBand(randomBand(113, 112, 10)).solve(first.data());
+    SymmetricBand(randomBand(113, 112, 10)).solve(second.data());
+    EXPECT_EQ(first, second);
+  });
+}
+
+TEST(SymmetricBand, IsZeroAfterResetWhateverItHeld) {
+  SymmetricBand band = randomBand(60, 20, 11);
+  std::vector<double> vector(60, 1.0);
+  ASSERT_TRUE(band.solve(vector.data()));
+  band.reset(50, 30);
+  EXPECT_EQ(band, SymmetricBand(50, 30));
+  EXPECT_EQ(band.count(), 50);
+  EXPECT_EQ(band.bandwidth(), 30);
+  // no trace of the old factors where vectors reach over the band
+  const SymmetricBand fresh = randomBand(50, 30, 12);
+  for (int row = 0; row < 50; ++row) {
+    for (int column = std::max(0, row - 30); column <= row; ++column) band.at(row, column) = fresh.at(row, column);
+  }
+  SymmetricBand copy = fresh;
+  std::vector<double> x(50, 1.0), expected(50, 1.0);
+  ASSERT_TRUE(band.solve(x.data()));
+  ASSERT_TRUE(copy.solve(expected.data()));
+  EXPECT_EQ(x, expected);
+}
+
+TEST(SymmetricBand, IsEqualOnlyWhenShapeAndEntriesAre) {
+  const SymmetricBand band = randomBand(20, 5, 13);
+  EXPECT_EQ(band, randomBand(20, 5, 13));
+  EXPECT_FALSE(SymmetricBand(20, 5) == SymmetricBand(20, 6));
+  EXPECT_FALSE(SymmetricBand(20, 5) == SymmetricBand(21, 5));
+  for (const int column : {0, 7, 14}) {
+    SymmetricBand other = band;
+    other.at(column + 5, column) += 1.0;
+    EXPECT_FALSE(other == band) << column;
+  }
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,92 @@
+#include "runtime_eval/support/point_order.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/runtime_eval/sample_fields.h"
+#include "tests/runtime_eval/sample_functions.h"
+
+namespace nlg {
+namespace {
+
+std::vector<const PointOrder*> allOrders() {
+  std::vector<const PointOrder*> orders = {&stratumOrder()};
+  for (const int resolution : kFieldResolutions) orders.push_back(&cellOrder(resolution));
+  return orders;
+}
+
+TEST(PointOrder, HoldsEverySupportPointExactlyOnce) {
+  for (const PointOrder* order : allOrders()) {
+    SCOPED_TRACE(order->resolution);
+    std::vector<int> times(kSupportPointCount, 0);
+    ASSERT_EQ(order->placeCount(), order->points.padded_count);
+    for (int place = 0; place < order->placeCount(); ++place) {
+      const int p = order->pattern_index[place];
+      if (p < 0) continue;
+      ++times[p];
+      const LocalPoint& point = supportPattern().points[p];
+      ASSERT_EQ(placePosition(*order, place), point) << "place " << place;
+      ASSERT_EQ(order->points.tent[place], tent(point)) << "place " << place;
+    }
+    EXPECT_EQ(times, std::vector<int>(kSupportPointCount, 1));
+    EXPECT_EQ(order->points.count, kSupportPointCount);
+  }
+}
+
+TEST(PointOrder, CutsBatchesAndCellsIntoWholeGroups) {
+  for (const PointOrder* order : allOrders()) {
+    SCOPED_TRACE(order->resolution);
+    for (const std::vector<int>* begins : {&order->batch_begin, &order->cell_begin}) {
+      if (begins->empty()) continue;
+      EXPECT_EQ(begins->front(), 0);
+      EXPECT_EQ(begins->back(), order->placeCount());
+      for (size_t i = 0; i < begins->size(); ++i) {
+        EXPECT_EQ((*begins)[i] % kPointGroup, 0) << i;
+        EXPECT_LE((*begins)[i == 0 ? 0 : i - 1], (*begins)[i]) << i;
+      }
+    }
+  }
+}
+
+TEST(CellOrder, HoldsEachPlaceInItsCell) {
+  for (const int resolution : kFieldResolutions) {
+    SCOPED_TRACE(resolution);
+    const PointOrder& order = cellOrder(resolution);
+    const int cells = resolution - 1;
+    ASSERT_EQ(order.cell_begin.size(), static_cast<size_t>(cells) * cells * cells + 1);
+    for (int cell = 0; cell < cells * cells * cells; ++cell) {
+      const int along[3] = {cell % cells, cell / cells % cells, cell / (cells * cells)};
+      int filled = 0;
+      for (int place = order.cell_begin[cell]; place < order.cell_begin[cell + 1]; ++place) {
+        filled += order.pattern_index[place] < 0;
+        for (int axis = 0; axis < 3; ++axis) {
+          const double low = 2.0 * along[axis] / cells - 1.0, position = placePosition(order, place)[axis];
+          ASSERT_TRUE(position > low && position < low + 2.0 / cells) << "cell " << cell << ", place " << place;
+        }
+      }
+      EXPECT_LT(filled, kPointGroup) << "cell " << cell;
+    }
+  }
+}
+
+TEST(PointOrder, DecodesAMirroredFunctionAsTheMirrorOfWhatIsStored) {
+  const StoredSample sample = noiseSample(7);
+  for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
+    StoredSample mirrored;
+    for (int p = 0; p < kSupportPointCount; ++p) {
+      const int source = p ^ (mirror * kOctantPointCount);
+      mirrored.phi[p] = sample.phi[source];
+      if (sample.valid(source)) mirrored.validity[p / 8] |= static_cast<uint8_t>(1 << (p % 8));
+    }
+    for (const PointOrder* order : allOrders()) {
+      SCOPED_TRACE(testing::Message() << "mirror " << mirror << ", resolution " << order->resolution);
+      const WeightingFunction expected = decodeFunction(mirrored.view(), *order),
+                              got = decodeFunction(sample.view(), *order, mirror);
+      EXPECT_EQ(got.phi, expected.phi);
+      EXPECT_EQ(got.mask, expected.mask);
+      EXPECT_EQ(got.valid_count, expected.valid_count);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace nlg
