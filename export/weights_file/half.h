@@ -19,9 +19,9 @@ inline bool halfFromFloat(float value, Half* half) {
   const uint32_t bits = std::bit_cast<uint32_t>(value);
   const uint32_t magnitude = bits & 0x7fffffffu, exponent = magnitude >> 23;
   if (magnitude > std::bit_cast<uint32_t>(kMaxHalf)) return false;
-  // the number of units of the result, before rounding, is scaled >> shift
+  // scaled / 2^shift is the result's bits before rounding: exponent and mantissa are one integer, so a carry is right by itself
   uint32_t scaled = magnitude - (112u << 23), shift = 13;
-  if (exponent < 113) {  // below 2^-14: units of 2^-24; from 2^-25 down the sum below is less than one unit
+  if (exponent < 113) {  // below 2^-14: units of 2^-24; what is less than half of one is shifted out
     scaled = (magnitude & 0x7fffffu) | (exponent > 0 ? 0x800000u : 0u);
     shift = exponent > 101 ? 126 - exponent : 25;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <system_error>
 #include <utility>
 
 #include "export/weights_file/tensor_file.h"
@@ -72,7 +73,7 @@ void takeFirst(WeightsResult* result, WeightsResult next) {
   if (result->ok()) *result = std::move(next);
 }
 
-// A tensor of exactly three numbers, or one.
+// A tensor of exactly kCount numbers.
 template <size_t kCount, class T>
 WeightsResult readNumbers(const TensorFileReader& reader, const std::string& name, T* numbers) {
   std::vector<T> values;

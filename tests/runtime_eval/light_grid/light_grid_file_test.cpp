@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "export/weights_file/half.h"
-#include "runtime_eval/light_grid/probe_tree_data.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 
 namespace nlg {
@@ -41,23 +40,6 @@ WeightsResult parse(std::string_view bytes, LightGrid* grid) {
     EXPECT_EQ(grid->tree.probeCount() + grid->tree.nodeCount(), 0u) << result.detail;
   }
   return result;
-}
-
-void expectSameTree(const ProbeTree& a, const ProbeTree& b) {
-  const ProbeTreeData x = probeTreeData(a), y = probeTreeData(b);
-  EXPECT_EQ(x.frame.first_m, y.frame.first_m);
-  EXPECT_EQ(x.frame.spacing_m, y.frame.spacing_m);
-  EXPECT_EQ(x.frame.root_count, y.frame.root_count);
-  EXPECT_EQ(x.child_mask, y.child_mask);
-  EXPECT_EQ(x.used_mask, y.used_mask);
-  EXPECT_EQ(x.first_child, y.first_child);
-  EXPECT_EQ(x.first_slot, y.first_slot);
-  EXPECT_EQ(x.cell_log2, y.cell_log2);
-  EXPECT_EQ(x.cell_count, y.cell_count);
-  EXPECT_EQ(x.slots, y.slots);
-  EXPECT_EQ(x.probe_keys, y.probe_keys);
-  EXPECT_EQ(x.probe_log2, y.probe_log2);
-  EXPECT_EQ(a.cellCount(), b.cellCount());
 }
 
 void expectSameGrid(const LightGrid& a, const LightGrid& b) {
@@ -394,39 +376,6 @@ TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
   digit = digit == '0' ? '1' : '0';
   LightGrid grid;
   EXPECT_EQ(parse(other_pattern, &grid).status, WeightsStatus::pattern_unknown);
-}
-
-TEST(ProbeTreeData, AcceptsEveryBuiltTree) {
-  for (uint64_t seed = 0; seed < 12; ++seed) {
-    const RandomTree built = randomTree(seed);
-    ProbeTree tree;
-    ASSERT_EQ(makeProbeTree(probeTreeData(built.tree), &tree), "") << built.name;
-    expectSameTree(tree, built.tree);
-  }
-}
-
-TEST(ProbeTreeData, RefusesListsOfDifferentLengths) {
-  const auto expectRefused = [](auto spoil) {
-    ProbeTreeData data = probeTreeData(smallTree());
-    spoil(data);
-    ProbeTree tree = smallTree();
-    EXPECT_NE(makeProbeTree(std::move(data), &tree), "");
-    EXPECT_EQ(tree.nodeCount(), 0u);
-  };
-  expectRefused([](ProbeTreeData& d) { d.child_mask.pop_back(); });
-  expectRefused([](ProbeTreeData& d) { d.used_mask.clear(); });
-  expectRefused([](ProbeTreeData& d) { d.first_child.pop_back(); });
-  expectRefused([](ProbeTreeData& d) { d.first_slot.pop_back(); });
-  expectRefused([](ProbeTreeData& d) { d.cell_log2.push_back(0); });
-  expectRefused([](ProbeTreeData& d) { d.cell_count.clear(); });
-  expectRefused([](ProbeTreeData& d) { d.slots.pop_back(); });
-  expectRefused([](ProbeTreeData& d) { d.slots.push_back(kNoProbe); });
-  expectRefused([](ProbeTreeData& d) { d.probe_keys.pop_back(); });
-  expectRefused([](ProbeTreeData& d) { d.probe_log2.pop_back(); });
-  expectRefused([](ProbeTreeData& d) {  // a probe that no cell reads
-    d.probe_keys.push_back(d.probe_keys.back() + 1);
-    d.probe_log2.push_back(0);
-  });
 }
 
 }  // namespace

@@ -1,10 +1,13 @@
 // Light grids with functions of every representation drawn at random, for tests.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <utility>
 
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/light_grid/light_grid.h"
+#include "runtime_eval/light_grid/probe_tree_data.h"
 #include "tests/runtime_eval/light_grid/random_tree.h"
 
 namespace nlg {
@@ -49,6 +52,24 @@ inline PositionM randomPosition(const ProbeTreeFrame& frame, Random& random) {
   std::array<double, 3> units;
   for (int axis = 0; axis < 3; ++axis) units[axis] = kRootSide * frame.root_count[axis] * random.uniform(-0.01, 1.01);
   return positionAt(frame, units);
+}
+
+// List by list.
+inline void expectSameTree(const ProbeTree& a, const ProbeTree& b) {
+  const ProbeTreeData x = probeTreeData(a), y = probeTreeData(b);
+  EXPECT_EQ(x.frame.first_m, y.frame.first_m);
+  EXPECT_EQ(x.frame.spacing_m, y.frame.spacing_m);
+  EXPECT_EQ(x.frame.root_count, y.frame.root_count);
+  EXPECT_EQ(x.child_mask, y.child_mask);
+  EXPECT_EQ(x.used_mask, y.used_mask);
+  EXPECT_EQ(x.first_child, y.first_child);
+  EXPECT_EQ(x.first_slot, y.first_slot);
+  EXPECT_EQ(x.cell_log2, y.cell_log2);
+  EXPECT_EQ(x.cell_count, y.cell_count);
+  EXPECT_EQ(x.slots, y.slots);
+  EXPECT_EQ(x.probe_keys, y.probe_keys);
+  EXPECT_EQ(x.probe_log2, y.probe_log2);
+  EXPECT_EQ(a.cellCount(), b.cellCount());
 }
 
 }  // namespace nlg

@@ -1,0 +1,49 @@
+// Writes the files that light_grid_fuzz starts from into a folder: small grids with trees of one, two and three levels, in both
+// precisions.
+#include <fstream>
+#include <string>
+
+#include "runtime_eval/light_grid/light_grid_file.h"
+
+namespace nlg {
+namespace {
+
+// Too coarse around one point down to cells of `finest` units, nothing in the upper half.
+CellJudge aroundOnePoint(int32_t finest) {
+  return [finest](const ProbeCell& cell) {
+    bool holds_point = true;
+    for (const int32_t low : cell.low) holds_point = holds_point && low <= 5 && 5 < low + cell.side;
+    if (holds_point && cell.side > finest) return CellVerdict::too_coarse;
+    return cell.low[2] < 32 ? CellVerdict::fits : CellVerdict::unneeded;
+  };
+}
+
+LightGrid smallGrid(int32_t finest) {
+  LightGrid grid;
+  ProbeTree::build({{0.0, 1.0, 2.0}, 0.5, {1, 1, 1}}, aroundOnePoint(finest), kMaxTreeProbes, &grid.tree);
+  grid.representations = {Representation::mlp(), Representation::productField(3)};
+  const std::vector<float> theta(kMaxThetaCount, 0.25f);
+  const uint32_t choices[] = {grid.addFunction(0, theta.data()), grid.addFunction(1, theta.data()), kFreeSpace, kNoWeight};
+  for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) grid.probe_function.push_back(choices[probe % 4]);
+  return grid;
+}
+
+bool writeSeeds(const std::string& folder) {
+  bool written = true;
+  for (const int32_t finest : {32, 8, 2}) {
+    for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::float16}) {
+      std::string bytes;
+      written = written && serializeLightGrid(smallGrid(finest), precision, {{"scene", "house"}}, &bytes).ok();
+      const char* name = precision == ThetaPrecision::float16 ? "/half_" : "/float_";
+      std::ofstream stream(folder + name + std::to_string(finest), std::ios::binary);
+      stream << bytes;
+      written = written && stream.flush();
+    }
+  }
+  return written;
+}
+
+}  // namespace
+}  // namespace nlg
+
+int main(int argc, char** argv) { return argc == 2 && nlg::writeSeeds(argv[1]) ? 0 : 2; }
