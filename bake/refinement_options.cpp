@@ -3,8 +3,8 @@
 namespace nlg {
 
 void describeRefinement(RefinementOptions& o, OptionTable& table) {
-  table.add("tau_rmse", &o.check.tau_rmse, "a theta whose RMSE is above needs refinement", 1e-6, 1e3);
-  table.add("tau_leak", &o.check.tau_leak, "weight that counts as a leak where the function is 0", 1e-6, 1e3);
+  table.add("tau_rmse", &o.check.tau_rmse, "a theta whose RMSE is above needs refinement", 1e-6, 1.0);
+  table.add("tau_leak", &o.check.tau_leak, "weight that counts as a leak where the function is 0", 1e-6, 1.0);
   table.add("leak_share", &o.check.leak_share, "a theta that leaks at a larger share of those points needs refinement", 1e-6,
             1.0);
   table.add("refine_rounds", &o.rounds, "rounds of refinement at most; 0: none", 0, 16);

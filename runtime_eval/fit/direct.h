@@ -43,8 +43,8 @@ struct StartOptions {
   uint64_t seed = 1;
 };
 
-// theta0: a network fitted to one function from nothing, as well as many random starts allow, or a field from coarse to fine. The start of every other fit, and
-// the constant part of the generator's output.
+// theta0: a network fitted to one function from nothing, as well as many random starts allow, or a field from coarse to fine. The
+// start of every other fit, and the constant part of the generator's output.
 FitResult fitStart(const Representation& representation, const WeightingFunction& function, const StartOptions& options,
                    NormalEquationsKernel* kernel);
 

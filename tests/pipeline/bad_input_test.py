@@ -142,8 +142,8 @@ def check_command_lines():
         refuses(USAGE_ERROR, ["extent_m"], outputs, "nlg-datagen", *arguments, f"--extent-m={extent}")
     for seed in ["", "x", "-1", "1.5", "9" * 30]:
         refuses(USAGE_ERROR, ["--scene"], outputs, "nlg-datagen", "--scene", f"house:{seed}", "--out", "bad.h5")
-    arguments, outputs = arguments_of("nlg-train", {"tent_mlp": "pf3"})
-    refuses(USAGE_ERROR, ["--representation", "pf3"], outputs, "nlg-train", *arguments)
+    arguments, outputs = arguments_of("nlg-train", {"tent_mlp": "pf4"})
+    refuses(USAGE_ERROR, ["--representation", "pf4"], outputs, "nlg-train", *arguments)
 
 
 def check_configurations():
