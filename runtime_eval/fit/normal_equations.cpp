@@ -17,6 +17,8 @@
 namespace nlg {
 // D derivative rows, the residual, and zero rows up to a whole number of tiles
 inline constexpr int kJacobianRowCount = (ThetaLayout::count + 1 + 3) / 4 * 4;
+// rows a power of two apart would all fall into the same set of the first-level cache
+inline constexpr int kJacobianStride = kStratumPointCount + 16;
 }  // namespace nlg
 #endif
 
@@ -28,7 +30,7 @@ namespace HWY_NAMESPACE {
 HWY_INLINE void storeJacobianColumn(FloatTag d, const float* HWY_RESTRICT theta, Floats slope, const Floats* position,
                                     Floats factor, Floats mask, Floats phi, float* HWY_RESTRICT column) {
   using L = ThetaLayout;
-  const auto store = [&](int row, Floats value) { hn::Store(value, d, column + row * kStratumPointCount); };
+  const auto store = [&](int row, Floats value) { hn::Store(value, d, column + row * kJacobianStride); };
   const Floats one = hn::Set(d, 1.0f), zero = hn::Zero(d);
   Hidden<1> hidden;
   Floats output;
@@ -70,7 +72,7 @@ void jacobianProducts(int stratum, const Representation& representation, const W
     storeJacobianColumn(d, theta, slope, position, factor, hn::Load(d, &function.mask[at]), hn::Load(d, &function.phi[at]),
                         jacobian + i);
   }
-  addGram(jacobian, kJacobianRowCount, kStratumPointCount, kStratumPointCount, products);
+  addGram(jacobian, kJacobianRowCount, kJacobianStride, kStratumPointCount, products);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -82,7 +84,7 @@ namespace nlg {
 
 HWY_EXPORT(jacobianProducts);
 
-NormalEquationsKernel::NormalEquationsKernel() : jacobian_(size_t{kJacobianRowCount} * kStratumPointCount, 0.0f) {}
+NormalEquationsKernel::NormalEquationsKernel() : jacobian_(size_t{kJacobianRowCount} * kJacobianStride, 0.0f) {}
 
 void NormalEquationsKernel::compute(const Representation& representation, const WeightingFunction& function, const float* theta,
                                     NormalEquations* equations, int hessian_points, int first_batch) {

@@ -32,7 +32,7 @@ class NormalEquationsKernel {
   void computeNetwork(const Representation& representation, const WeightingFunction& function, const float* theta,
                       int hessian_points, int first_batch, NormalEquations* equations);
 
-  AlignedFloats jacobian_;  // rows of one stratum: D derivatives and the residual, kStratumPointCount each
+  AlignedFloats jacobian_;  // rows of one stratum: D derivatives and the residual
 };
 
 }  // namespace nlg
