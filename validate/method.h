@@ -15,7 +15,7 @@ namespace nlg {
 
 struct ValidateOptions {
   int direct_functions = 300;    // held-out functions that direct optimisation and refinement of all run on
-  int adam_refine_steps = 200;   // refinement of every function by Adam
+  int adam_refine_steps = 800;   // refinement of every function by Adam
   int lm_refine_iterations = 8;  // … and by LM
   RefinementOptions refinement;  // the bake's policy
   ChoiceOptions choice;          // … and its choice between product fields

@@ -33,34 +33,42 @@ bool allFinite(const Theta& theta) {
   return std::all_of(theta.begin(), theta.end(), [](float value) { return std::isfinite(value); });
 }
 
-// Batches in a fresh random order every round; batches without a valid point are left out.
-class BatchOrder {
+// A minibatch: places from `first` on, and how many of them are valid.
+struct Minibatch {
+  int first = 0, valid_count = 0;
+};
+
+// Minibatches in a fresh random order every round; those without a valid point are left out.
+class MinibatchOrder {
  public:
-  BatchOrder(const WeightingFunction& function, uint64_t seed) : random_(seed) {
-    for (size_t b = 0; b < function.valid_count.size(); ++b) {
-      if (function.valid_count[b] > 0) order_.push_back(static_cast<int>(b));
+  MinibatchOrder(const PointOrder& points, const WeightingFunction& function, uint64_t seed) : random_(seed) {
+    for (int first = 0; first < points.placeCount(); first += points.minibatch_places) {
+      Minibatch batch{first, 0};
+      for (int i = first; i < first + points.minibatch_places; ++i) batch.valid_count += function.mask[i] > 0.0f;
+      if (batch.valid_count > 0) order_.push_back(batch);
     }
   }
   bool empty() const { return order_.empty(); }
-  int next() {
+  Minibatch next() {
     if (position_ == 0) {
       for (size_t i = order_.size(); i > 1; --i) std::swap(order_[i - 1], order_[random_.below(static_cast<uint32_t>(i))]);
     }
-    const int batch = order_[position_];
+    const Minibatch batch = order_[position_];
     position_ = (position_ + 1) % order_.size();
     return batch;
   }
 
  private:
   Random random_;
-  std::vector<int> order_;
+  std::vector<Minibatch> order_;
   size_t position_ = 0;
 };
 
 FitResult runAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,
                   const AdamOptions& options) {
   FitResult result{start, functionRmse(representation, function, start.data()), 0, FitStop::budget};
-  BatchOrder order(function, options.seed);
+  const PointOrder& points = pointOrder(representation);
+  MinibatchOrder order(points, function, options.seed);
   if (order.empty()) {
     result.stop = FitStop::no_points;
     return result;
@@ -72,11 +80,11 @@ FitResult runAdam(const Representation& representation, const WeightingFunction&
   Theta theta = start;
   AdamState state(theta.size());
   Theta gradient(theta.size());
-  const PointOrder& points = pointOrder(representation);
   for (; result.steps < options.steps; ++result.steps) {
-    const int batch = order.next(), first = points.batch_begin[batch];
-    lossAndGradient(representation, batch, &function.phi[first], &function.mask[first], theta.data(), gradient.data());
-    const float scale = 1.0f / static_cast<float>(function.valid_count[batch]);
+    const Minibatch batch = order.next();
+    lossAndGradient(representation, batch.first, points.minibatch_places, &function.phi[batch.first], &function.mask[batch.first],
+                    theta.data(), gradient.data());
+    const float scale = 1.0f / static_cast<float>(batch.valid_count);
     for (float& value : gradient) value *= scale;
     const double phase = static_cast<double>(result.steps) / options.steps;
     state.step(options, options.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase)), gradient, theta);
@@ -114,18 +122,14 @@ double functionRmse(const Representation& representation, const WeightingFunctio
   const int valid_count = function.validCount();
   if (valid_count == 0) return 0.0;
   const PointOrder& order = pointOrder(representation);
-  double sum = 0.0;
-  for (int b = 0; b < order.batchCount(); ++b) {
-    const int first = order.batch_begin[b];
-    sum += loss(representation, b, &function.phi[first], &function.mask[first], theta);
-  }
+  const double sum = loss(representation, 0, order.placeCount(), function.phi.data(), function.mask.data(), theta);
   return std::sqrt(sum / valid_count);
 }
 
 AdamOptions refinementAdam(const Representation& representation, int steps) {
   AdamOptions options;
   options.steps = steps;
-  options.learning_rate = representation.tentFactor() ? 0.03 : 0.02;
+  options.learning_rate = representation.isField() ? 0.1 : 0.02;
   return options;
 }
 

@@ -1,4 +1,4 @@
-// Adam (Kingma & Ba 2015) on the shared kernel, one batch of points a step.
+// Adam (Kingma & Ba 2015) on the shared kernel, one minibatch of points a step (networks: 256; product fields: all).
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 namespace nlg {
 
 struct AdamOptions {
-  int steps = 2000;
+  int steps = 8000;
   double learning_rate = 0.005;  // at the start; falls to 0 along a cosine
   double beta1 = 0.8;
   double beta2 = 0.99;  // short memory: fits last a few hundred to a few thousand steps

@@ -9,7 +9,7 @@
 namespace nlg {
 
 struct DirectOptions {
-  int adam_steps = 8000;          // from theta0, and from every random start
+  int adam_steps = 32000;         // from theta0, and from every random start
   int levenberg_iterations = 40;  // from theta0, and after every Adam
   int restarts = 2;               // random starts
   uint64_t seed = 1;
@@ -36,9 +36,9 @@ FitResult fitNested(const Representation& representation, const WeightingFunctio
 
 struct StartOptions {
   int candidates = 256;  // random starts; most of them end in poor minima, so many are tried shortly
-  int candidate_steps = 600;
+  int candidate_steps = 2400;
   int finalists = 8;  // of these the best are fitted on
-  int final_steps = 6000;
+  int final_steps = 24000;
   int levenberg_iterations = 100;
   uint64_t seed = 1;
 };

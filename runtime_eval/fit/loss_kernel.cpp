@@ -5,20 +5,18 @@
 
 namespace nlg {
 
-double lossAndGradient(const Representation& representation, int batch, const float* phi, const float* mask, const float* theta,
-                       float* gradient) {
+// A field has one minibatch, all of its places: there first is 0 and count all.
+double lossAndGradient(const Representation& representation, int first, int count, const float* phi, const float* mask,
+                       const float* theta, float* gradient) {
   const PointOrder& order = pointOrder(representation);
   if (representation.isField()) return fieldLossAndGradient(order, phi, mask, theta, gradient);
-  const int first = order.batch_begin[batch];
-  return networkLossAndGradient(representation, order.points, first, order.batch_begin[batch + 1] - first, phi, mask, theta,
-                                gradient);
+  return networkLossAndGradient(representation, order.points, first, count, phi, mask, theta, gradient);
 }
 
-double loss(const Representation& representation, int batch, const float* phi, const float* mask, const float* theta) {
+double loss(const Representation& representation, int first, int count, const float* phi, const float* mask, const float* theta) {
   const PointOrder& order = pointOrder(representation);
   if (representation.isField()) return fieldLoss(order, phi, mask, theta);
-  const int first = order.batch_begin[batch];
-  return networkLoss(representation, order.points, first, order.batch_begin[batch + 1] - first, phi, mask, theta);
+  return networkLoss(representation, order.points, first, count, phi, mask, theta);
 }
 
 }  // namespace nlg

@@ -7,17 +7,17 @@
 
 namespace nlg {
 
-// Sum over the points of one batch of pointOrder(representation) of mask * (representation(x) - phi)², and its gradient.
+// Sum over places [first, first + count) of pointOrder(representation) of mask * (representation(x) - phi)², and its gradient.
 //
-// batch       < pointOrder(representation).batchCount()
-// phi, mask   as many floats as the batch has places; mask 0 leaves a place out (its phi may be anything finite)
-// theta       D floats
-// gradient    D floats, overwritten with d sum / d theta
-// returns     the sum; divide both by the number of valid points for the mean
-double lossAndGradient(const Representation& representation, int batch, const float* phi, const float* mask, const float* theta,
-                       float* gradient);
+// first, count   whole minibatches of the order
+// phi, mask      count floats each; mask 0 leaves a place out (its phi may be anything finite)
+// theta          D floats
+// gradient       D floats, overwritten with d sum / d theta
+// returns        the sum; divide both by the number of valid points for the mean
+double lossAndGradient(const Representation& representation, int first, int count, const float* phi, const float* mask,
+                       const float* theta, float* gradient);
 
 // The sum alone.
-double loss(const Representation& representation, int batch, const float* phi, const float* mask, const float* theta);
+double loss(const Representation& representation, int first, int count, const float* phi, const float* mask, const float* theta);
 
 }  // namespace nlg

@@ -38,7 +38,7 @@ FitResult Refiner::fitOn(const Representation& representation, const WeightingFu
   // a field's normal equations are a band: there a step of Levenberg–Marquardt costs little more than one of Adam
   if (representation.isField()) {
     return fitLevenbergMarquardt(representation, function, start,
-                                 refinementLevenbergMarquardt(representation, std::max(1, steps / 8)), &kernel_);
+                                 refinementLevenbergMarquardt(representation, std::max(1, steps / 32)), &kernel_);
   }
   return fitAdam(representation, function, start, refinementAdam(representation, steps));
 }

@@ -17,7 +17,7 @@ namespace nlg {
 struct RefinementOptions {
   CheckOptions check;
   int rounds = 3;            // a function that fails after so many stays as it is then, and is counted
-  int first_steps = 200;     // of Adam in the first round (product fields: an eighth of it, of Levenberg–Marquardt)
+  int first_steps = 800;     // of Adam in the first round (product fields: a thirty-second of it, of Levenberg–Marquardt)
   int growth = 4;            // steps of a round over those of the round before
   double leak_weight = 4.0;  // of squared residuals where phi is 0, over those elsewhere
 };

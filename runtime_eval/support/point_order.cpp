@@ -11,8 +11,9 @@ PointOrder makeStratumOrder() {
   order.points = stratifiedSupportPoints();
   for (int k = 0; k < kStratumCount; ++k) {
     order.batch_begin.push_back(k * kStratumPointCount);
-    for (int run = 0; run < kStratumPointCount; ++run) order.pattern_index.push_back(8 * run + k);
   }
+  for (int place = 0; place < kSupportPointCount; ++place) order.pattern_index.push_back(stratifiedPatternIndex(place));
+  order.minibatch_places = kMinibatchPointCount;
   order.batch_begin.push_back(kSupportPointCount);
   return order;
 }
@@ -48,6 +49,7 @@ PointOrder makeCellOrder(int resolution) {
   }
   order.cell_begin.push_back(static_cast<int>(points.size()));
   order.batch_begin = {0, static_cast<int>(points.size())};
+  order.minibatch_places = static_cast<int>(points.size());
   order.points = makePointSet(points);
   order.points.count = kSupportPointCount;
   return order;

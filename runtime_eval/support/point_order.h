@@ -1,7 +1,7 @@
 // The support points in the order in which a representation's kernels read them.
 //
-// Networks read strata (any 1024 of the points will do for a minibatch); product fields read cell after cell of their grid, so
-// that the 8 nodes of a cell are loaded once for all of its points.
+// Networks read strata (some hundred well-spread points will do for a minibatch); product fields read cell after cell of their
+// grid, so that the 8 nodes of a cell are loaded once for all of its points.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +19,7 @@ struct PointOrder {
   std::vector<int> pattern_index;  // by place: index into the support pattern, or -1 where a place only fills a group
   // Batch b holds places [batch_begin[b], batch_begin[b + 1]), multiples of kPointGroup.
   std::vector<int> batch_begin;
+  int minibatch_places = 0;  // what one step of Adam reads: batches are made of so many places each
   // Cell orders only: cell c of (r - 1)³, x fastest, holds places [cell_begin[c], cell_begin[c + 1]), multiples of kPointGroup.
   std::vector<int> cell_begin;
   int resolution = 0;  // r of a cell order; 0: strata
@@ -27,8 +28,7 @@ struct PointOrder {
   int placeCount() const { return static_cast<int>(pattern_index.size()); }
 };
 
-// 8 batches of 1024 places, no place empty: stratum k at [k * 1024, (k + 1) * 1024), inside it mirror-major. Place
-// k * 1024 + m * 128 + j is pattern index m * 1024 + 8 j + k.
+// 8 batches of 1024 places, no place empty, minibatches of 256: stratifiedSupportPoints (support_pattern.h).
 const PointOrder& stratumOrder();
 
 // One batch: by cell of a grid of `resolution` nodes an axis over [-1, 1]³, pattern order inside a cell; each cell is filled up

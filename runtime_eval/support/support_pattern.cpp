@@ -137,14 +137,17 @@ PointSet makePointSet(const std::vector<LocalPoint>& points) {
   return set;
 }
 
+int stratifiedPatternIndex(int place) {
+  const int k = place / kStratumPointCount, s = place / kMinibatchPointCount % 4, m = place / 32 % kMirrorCount, t = place % 32;
+  return m * kOctantPointCount + 32 * t + 8 * s + k;
+}
+
 const PointSet& stratifiedSupportPoints() {
   static const PointSet set = [] {
     const std::vector<LocalPoint>& points = supportPattern().points;
     std::vector<LocalPoint> stratified;
     stratified.reserve(points.size());
-    for (int k = 0; k < kStratumCount; ++k) {
-      for (int run = 0; run < kStratumPointCount; ++run) stratified.push_back(points[8 * run + k]);
-    }
+    for (int place = 0; place < kSupportPointCount; ++place) stratified.push_back(points[stratifiedPatternIndex(place)]);
     return makePointSet(stratified);
   }();
   return set;

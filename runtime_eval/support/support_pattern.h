@@ -5,7 +5,8 @@
 // the Walsh–Hadamard transform over m splits any function into 8 parity classes (docs/math.md §2).
 //
 // Inside an octant the points follow a Morton curve: neighbours in memory are neighbours in space. Every eighth of them is again
-// well spread: stratum k holds the points with i % 8 == k of all mirrors, 1024 points, and is what one minibatch reads.
+// well spread: stratum k holds the points with i % 8 == k of all mirrors, 1024 points. So is every 32nd: a quarter of a stratum,
+// 256 points, is what one minibatch reads.
 #pragma once
 
 #include <array>
@@ -21,6 +22,7 @@ inline constexpr int kMirrorCount = 8;
 inline constexpr int kSupportPointCount = kOctantPointCount * kMirrorCount;  // P
 inline constexpr int kStratumCount = 8;
 inline constexpr int kStratumPointCount = kSupportPointCount / kStratumCount;
+inline constexpr int kMinibatchPointCount = kStratumPointCount / 4;
 inline constexpr int kValidityByteCount = kSupportPointCount / 8;
 
 // A point in local coordinates; one unit is one probe spacing.
@@ -52,8 +54,9 @@ struct PointSet {
 };
 PointSet makePointSet(const std::vector<LocalPoint>& points);
 
-// The support points in stratum order: stratum k occupies [k * 1024, (k + 1) * 1024), inside it mirror-major.
-// Stratum order index k * 1024 + m * 128 + j is pattern index m * 1024 + 8 j + k.
+// The support points in stratum order: stratum k occupies [k * 1024, (k + 1) * 1024), inside it quarter after quarter, a quarter
+// mirror-major. Stratum order index k * 1024 + s * 256 + m * 32 + t is pattern index m * 1024 + 32 t + 8 s + k.
+int stratifiedPatternIndex(int place);
 const PointSet& stratifiedSupportPoints();
 
 }  // namespace nlg

@@ -5,16 +5,18 @@ namespace {
 
 // A stratum: an octant is 1024 samples and 128 validity bytes; bit k of a validity byte belongs to stratum k.
 int decodeStratum(const StoredFunction& stored, int stratum, int mirror, float* phi, float* mask) {
-  constexpr int kRun = kOctantPointCount / kStratumCount;
+  constexpr int kQuarters = kStratumPointCount / kMinibatchPointCount, kRun = kMinibatchPointCount / kMirrorCount;
   int valid_count = 0;
-  for (int m = 0; m < kMirrorCount; ++m) {
-    const uint8_t* source = stored.phi + (m ^ mirror) * kOctantPointCount + stratum;
-    const uint8_t* bits = stored.validity + (m ^ mirror) * kRun;
-    for (int j = 0; j < kRun; ++j) {
-      const int valid = (bits[j] >> stratum) & 1;
-      phi[m * kRun + j] = static_cast<float>(source[8 * j]) * (1.0f / 255.0f);
-      mask[m * kRun + j] = static_cast<float>(valid);
-      valid_count += valid;
+  for (int s = 0; s < kQuarters; ++s) {
+    for (int m = 0; m < kMirrorCount; ++m) {
+      const int octant = (m ^ mirror) * kOctantPointCount;
+      for (int t = 0; t < kRun; ++t) {
+        const int source = octant + 8 * (kQuarters * t + s);
+        const int valid = (stored.validity[source / 8] >> stratum) & 1;
+        *phi++ = static_cast<float>(stored.phi[source + stratum]) * (1.0f / 255.0f);
+        *mask++ = static_cast<float>(valid);
+        valid_count += valid;
+      }
     }
   }
   return valid_count;

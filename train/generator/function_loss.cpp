@@ -18,12 +18,13 @@ struct LossInputs {
 float sampleLoss(const LossInputs& inputs, const Sample& sample, const float* theta, float* gradient) {
   const PointOrder& order = pointOrder(*inputs.representation);
   thread_local AlignedFloats phi, mask;
-  phi.resize(order.batch_begin[sample.batch + 1] - order.batch_begin[sample.batch]);
-  mask.resize(phi.size());
+  const int first = order.batch_begin[sample.batch], count = order.batch_begin[sample.batch + 1] - first;
+  phi.resize(count);
+  mask.resize(count);
   const int valid_count =
       decodeBatch(order, sample.batch, inputs.data->function(sample.function), sample.mirror, phi.data(), mask.data());
   const float scale = valid_count > 0 ? 1.0f / static_cast<float>(valid_count) : 0.0f;
-  const double sum = lossAndGradient(*inputs.representation, sample.batch, phi.data(), mask.data(), theta, gradient);
+  const double sum = lossAndGradient(*inputs.representation, first, count, phi.data(), mask.data(), theta, gradient);
   for (int i = 0; i < inputs.representation->thetaCount(); ++i) gradient[i] *= scale;
   return static_cast<float>(sum) * scale;
 }

@@ -10,7 +10,7 @@ namespace {
 TEST(Refiner, IsNeverInMoreTroubleThanItsStart) {
   Refiner refiner;
   FunctionChecker checker;
-  const RefinementOptions options{.rounds = 2, .first_steps = 20};
+  const RefinementOptions options{.rounds = 2, .first_steps = 80};
   for (const Representation& representation : kBothRepresentations) {
     for (uint64_t seed = 1; seed < 8; ++seed) {
       const StoredSample sample = seed % 3 == 0 ? noiseSample(seed) : wallSample(seed);

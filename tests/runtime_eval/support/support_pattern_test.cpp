@@ -83,7 +83,9 @@ TEST(Strata, PartitionTheSupport) {
   for (int k = 0; k < kStratumCount; ++k) {
     for (int m = 0; m < kMirrorCount; ++m) {
       for (int j = 0; j < 128; ++j) {
-        const int at = k * kStratumPointCount + m * 128 + j, index = m * kOctantPointCount + 8 * j + k;
+        const int at = k * kStratumPointCount + j % 4 * kMinibatchPointCount + m * 32 + j / 4;
+        const int index = m * kOctantPointCount + 8 * j + k;
+        ASSERT_EQ(stratifiedPatternIndex(at), index);
         seen.insert(index);
         ASSERT_EQ((LocalPoint{set.x[at], set.y[at], set.z[at]}), points()[index]) << "stratum order " << at;
         ASSERT_EQ(set.tent[at], tent(points()[index])) << "stratum order " << at;

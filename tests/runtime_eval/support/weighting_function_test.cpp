@@ -16,7 +16,7 @@ TEST(DecodeBatch, EqualsTheNaiveDecodeUnderAllMirrors) {
       int expected_count = 0;
       for (int at = 0; at < kStratumPointCount; ++at) {
         // from the definitions: stratum order to pattern order, then the point whose value this one takes
-        const int index = (at / 128) * kOctantPointCount + 8 * (at % 128) + stratum;
+        const int index = (at / 32 % 8) * kOctantPointCount + 32 * (at % 32) + 8 * (at / 256) + stratum;
         const int source = index ^ (mirror * kOctantPointCount);
         ASSERT_EQ(mask[at], sample.valid(source) ? 1.0f : 0.0f) << "mirror " << mirror << ", stratum " << stratum << ", " << at;
         // one product of floats: within half a unit in the last place of the constant and of the product
