@@ -3,31 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/fit/adam_update.h"
 #include "runtime_eval/fit/loss_kernel.h"
 #include "runtime_eval/support/random.h"
 
 namespace nlg {
 namespace {
-
-struct AdamState {
-  std::vector<float> mean, square;
-  double mean_power = 1.0, square_power = 1.0;
-
-  explicit AdamState(size_t count) : mean(count), square(count) {}
-
-  void step(const AdamOptions& options, double learning_rate, const Theta& gradient, Theta& theta) {
-    const float beta1 = static_cast<float>(options.beta1), beta2 = static_cast<float>(options.beta2);
-    mean_power *= options.beta1;
-    square_power *= options.beta2;
-    const float rate = static_cast<float>(learning_rate / (1.0 - mean_power));
-    const float square_scale = static_cast<float>(1.0 / (1.0 - square_power));
-    for (size_t i = 0; i < theta.size(); ++i) {
-      mean[i] = beta1 * mean[i] + (1.0f - beta1) * gradient[i];
-      square[i] = beta2 * square[i] + (1.0f - beta2) * gradient[i] * gradient[i];
-      theta[i] -= rate * mean[i] / (std::sqrt(square[i] * square_scale) + 1e-8f);
-    }
-  }
-};
 
 bool allFinite(const Theta& theta) {
   return std::all_of(theta.begin(), theta.end(), [](float value) { return std::isfinite(value); });
@@ -78,16 +59,16 @@ FitResult runAdam(const Representation& representation, const WeightingFunction&
     return result;
   }
   Theta theta = start;
-  AdamState state(theta.size());
+  AdamMoments moments(static_cast<int>(theta.size()));
   Theta gradient(theta.size());
   for (; result.steps < options.steps; ++result.steps) {
     const Minibatch batch = order.next();
     lossAndGradient(representation, batch.first, points.minibatch_places, &function.phi[batch.first], &function.mask[batch.first],
                     theta.data(), gradient.data());
     const float scale = 1.0f / static_cast<float>(batch.valid_count);
-    for (float& value : gradient) value *= scale;
     const double phase = static_cast<double>(result.steps) / options.steps;
-    state.step(options, options.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase)), gradient, theta);
+    const double rate = options.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase));
+    moments.step(rate, options.beta1, options.beta2, scale, gradient.data(), theta.data());
     if (!allFinite(theta)) {
       result.stop = FitStop::not_finite;
       return result;
