@@ -11,6 +11,7 @@
 
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/fit/refinement.h"
 #include "runtime_eval/support/simd_target.h"
 
 namespace {
@@ -74,6 +75,8 @@ struct nlg_scratch {
   nlg::GeneratorScratch generator;
   nlg::PointSet points;
   nlg::AlignedFloats values;
+  nlg::FunctionChecker checker;
+  nlg::Refiner refiner;
 };
 
 namespace {
@@ -99,6 +102,20 @@ void evaluatePiece(const nlg::Representation& representation, const float* theta
   for (size_t i = 0; i < count; ++i) points.tent[i] = nlg::tent({x[i], y[i], z[i]});
   nlg::evaluate(representation, points, theta, scratch->values.data());
   std::copy_n(scratch->values.begin(), count, values);
+}
+
+nlg::RefinementOptions optionsOf(const nlg_refinement_options& options) {
+  nlg::RefinementOptions result;
+  result.check = {options.tau_rmse, options.tau_leak, options.leak_share};
+  result.rounds = options.rounds;
+  result.first_steps = options.first_steps;
+  result.growth = options.growth;
+  result.leak_weight = options.leak_weight;
+  return result;
+}
+
+nlg_check checkOf(const nlg::FunctionCheck& check, const nlg::CheckOptions& options) {
+  return {check.rmse, check.leak_mean, check.leak_share, check.passes(options) ? 1 : 0};
 }
 
 // load(nlg::Generator*) returns a WeightsResult.
@@ -185,6 +202,31 @@ void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t cou
     const size_t piece = std::min(kPointsAtOnce, count - first);
     evaluatePiece(generator->generator.representation(), theta, piece, x + first, y + first, z + first, values + first, scratch);
   }
+}
+
+nlg_refinement_options nlg_default_refinement(void) {
+  const nlg::RefinementOptions options;
+  return {options.check.tau_rmse, options.check.tau_leak, options.check.leak_share, options.rounds,
+          options.first_steps,    options.growth,         options.leak_weight};
+}
+
+nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const float* theta,
+                          const nlg_refinement_options* options, nlg_scratch* scratch) {
+  const nlg::CheckOptions check = optionsOf(*options).check;
+  return checkOf(scratch->checker.check(generator->generator.representation(), {phi, validity}, theta, check), check);
+}
+
+nlg_status nlg_refine(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, float* theta,
+                      const nlg_refinement_options* options, nlg_check* check, nlg_scratch* scratch) {
+  return withMemory([&] {
+    const nlg::Representation& representation = generator->generator.representation();
+    const nlg::RefinementOptions refinement = optionsOf(*options);
+    const nlg::Theta start(theta, theta + representation.thetaCount());
+    const nlg::RefinementResult result = scratch->refiner.refine(representation, {phi, validity}, start, refinement);
+    std::copy(result.theta.begin(), result.theta.end(), theta);
+    if (check != nullptr) *check = checkOf(result.check, refinement.check);
+    return NLG_OK;
+  });
 }
 
 }  // extern "C"

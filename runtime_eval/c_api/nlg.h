@@ -4,8 +4,8 @@
  * that needs it makes once (about 0.1 s; safe from any thread). Words and formats are those of docs/formats.md.
  *
  * Threads   A generator is only read once it is loaded: any number of threads may share it. A scratch serves one thread at a
- * time. Memory    All of it is allocated when something is loaded or created; nlg_generate and nlg_evaluate allocate nothing and
- *           cannot fail. Free every handle with its own function; a null handle may be freed.
+ * time. Memory    All of it is allocated when something is loaded or created; nlg_generate, nlg_evaluate and nlg_check_theta allocate
+ *           nothing and cannot fail. Free every handle with its own function; a null handle may be freed.
  * Pointers  Never null, except where it is said. Arrays have no alignment to keep.
  */
 #ifndef NLG_C_API_NLG_H_
@@ -101,6 +101,44 @@ void nlg_generate(const nlg_generator* generator, const uint8_t* phi, size_t cou
  * scratch  of this generator */
 void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t count, const float* x, const float* y,
                   const float* z, float* values, nlg_scratch* scratch);
+
+/* When a theta needs refinement, and how it is refined. */
+typedef struct nlg_refinement_options {
+  double tau_rmse;    /* RMSE over valid points above this fails */
+  double tau_leak;    /* |value| above this at a valid point whose phi is 0 is a leak */
+  double leak_share;  /* leaks at a larger share of those points fail */
+  int rounds;         /* of Adam, at most */
+  int first_steps;    /* of the first round */
+  int growth;         /* steps of a round over those of the round before */
+  double leak_weight; /* of squared residuals where phi is 0, over those elsewhere */
+} nlg_refinement_options;
+
+/* The defaults: what docs/measurements.md found best. */
+nlg_refinement_options nlg_default_refinement(void);
+
+/* One theta against its function, over all valid support points. */
+typedef struct nlg_check {
+  double rmse;       /* not finite when theta is not */
+  double leak_mean;  /* mean |value| over valid points whose phi is 0 */
+  double leak_share; /* share of them that leak */
+  int passes;        /* 1 or 0 */
+} nlg_check;
+
+/* Checks a theta of this generator's representation. Allocates nothing, cannot fail.
+ *
+ * phi       P bytes; validity P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid
+ * theta     D floats
+ * scratch   of this generator */
+nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const float* theta,
+                          const nlg_refinement_options* options, nlg_scratch* scratch);
+
+/* Fits on from theta until the check passes or the rounds are used up. Never makes it worse; takes milliseconds.
+ *
+ * theta     D floats, replaced by what the fit came to
+ * check     receives the check of that theta; may be null
+ * returns   NLG_OK or NLG_OUT_OF_MEMORY, theta unchanged then */
+nlg_status nlg_refine(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, float* theta,
+                      const nlg_refinement_options* options, nlg_check* check, nlg_scratch* scratch);
 
 #ifdef __cplusplus
 }

@@ -11,6 +11,9 @@ namespace nlg {
 DirectResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,
                        const DirectOptions& options, NormalEquationsKernel* kernel) {
   const LevenbergMarquardtOptions polish = refinementLevenbergMarquardt(representation, options.levenberg_iterations);
+  // a field's step reads all points: fewer of them for the same work
+  const int adam_steps =
+      options.adam_steps * kMinibatchPointCount / std::min(pointOrder(representation).minibatch_places, kSupportPointCount);
   DirectResult result;
   const auto consider = [&](const FitResult& candidate) {
     // also when the best so far is not finite, which a theta0 of NaN would make it
@@ -20,12 +23,12 @@ DirectResult fitDirect(const Representation& representation, const WeightingFunc
     return fitLevenbergMarquardt(representation, function, fit.theta, polish, kernel);
   };
   result.levenberg_from_theta0 = fitLevenbergMarquardt(representation, function, theta0, polish, kernel);
-  result.adam_from_theta0 = fitAdam(representation, function, theta0, refinementAdam(representation, options.adam_steps));
+  result.adam_from_theta0 = fitAdam(representation, function, theta0, refinementAdam(representation, adam_steps));
   result.best = result.levenberg_from_theta0;
   consider(polished(result.adam_from_theta0));
   for (int restart = 0; restart < options.restarts; ++restart) {
     const Theta start = randomTheta(representation, mixSeed(options.seed, restart));
-    const FitResult fit = fitAdam(representation, function, start, randomStartAdam(options.adam_steps));
+    const FitResult fit = fitAdam(representation, function, start, randomStartAdam(adam_steps));
     if (restart == 0) result.adam_from_random = fit;
     consider(polished(fit));
   }

@@ -87,7 +87,8 @@ double FunctionCheck::trouble(const CheckOptions& options) const {
   return std::max(rmse / options.tau_rmse, leak_share / options.leak_share);
 }
 
-FunctionChecker::FunctionChecker() : values_(kSupportPointCount), cell_values_(cellOrder(kFieldResolutions[3]).placeCount()) {}
+FunctionChecker::FunctionChecker()
+    : values_(patternPoints().padded_count), cell_values_(cellOrder(kFieldResolutions[3]).placeCount()) {}
 
 FunctionCheck FunctionChecker::check(const Representation& representation, const StoredFunction& stored, const float* theta,
                                      const CheckOptions& options) {

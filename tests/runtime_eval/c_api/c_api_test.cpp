@@ -8,6 +8,7 @@
 
 #include "runtime_eval/c_api/nlg.h"
 #include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/fit/refinement.h"
 #include "tests/runtime_eval/c_api/c_engine.h"
 #include "tests/runtime_eval/sample_generator.h"
 
@@ -178,6 +179,36 @@ TEST(CApi, NamesEveryStatus) {
   EXPECT_STREQ(nlg_status_name(NLG_TENSOR_MISSING), "tensor_missing");
   EXPECT_STREQ(nlg_status_name(NLG_OUT_OF_MEMORY), "out_of_memory");
   EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_SIMD_UNAVAILABLE + 1)), "unknown");
+}
+
+TEST(CApi, ChecksAndRefinesAsTheLibraryDoes) {
+  const Loaded loaded(sampleData());
+  const StoredSample sample = wallSample(3);
+  std::vector<float> theta(113);
+  nlg_generate(loaded.generator, sample.phi.data(), 1, theta.data(), loaded.scratch);
+  nlg_refinement_options options = nlg_default_refinement();
+  EXPECT_EQ(options.tau_rmse, RefinementOptions{}.check.tau_rmse);
+  EXPECT_EQ(options.growth, RefinementOptions{}.growth);
+  options.first_steps = 100;
+  RefinementOptions same;
+  same.first_steps = 100;
+  const Representation& representation = Generator(sampleData()).representation();
+  FunctionChecker checker;
+  const FunctionCheck expected = checker.check(representation, sample.view(), theta.data(), same.check);
+  const nlg_check before =
+      nlg_check_theta(loaded.generator, sample.phi.data(), sample.validity.data(), theta.data(), &options, loaded.scratch);
+  EXPECT_EQ(before.rmse, expected.rmse);
+  EXPECT_EQ(before.leak_mean, expected.leak_mean);
+  EXPECT_EQ(before.leak_share, expected.leak_share);
+  EXPECT_EQ(before.passes, 0);
+  const RefinementResult refined = Refiner().refine(representation, sample.view(), theta, same);
+  nlg_check after{};
+  EXPECT_EQ(
+      nlg_refine(loaded.generator, sample.phi.data(), sample.validity.data(), theta.data(), &options, &after, loaded.scratch),
+      NLG_OK);
+  EXPECT_EQ(theta, refined.theta);
+  EXPECT_EQ(after.rmse, refined.check.rmse);
+  EXPECT_LT(after.rmse, before.rmse);
 }
 
 TEST(CApi, FreesNothingWhenThereIsNothing) {
