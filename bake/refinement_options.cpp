@@ -17,7 +17,10 @@ void describeChoice(ChoiceOptions& o, OptionTable& table) {
   table.add("choice_flat_ratio", &o.flat_ratio,
             "several weights: an error up to so many times that of a larger representation is no reason to take the larger", 1.0,
             1e6);
-  table.add("choice_enough_rmse", &o.enough_rmse, "several weights: an error that needs no larger representation", 0.0, 1e3);
+  table.add("choice_enough_rmse", &o.enough_rmse,
+            "several weights: an error of direct optimisation that needs no larger representation", 0.0, 1e3);
+  table.add("choice_generator_excess", &o.generator_excess,
+            "generated errors are about so many times those of direct optimisation", 1.0, 1e3);
 }
 
 }  // namespace nlg

@@ -93,7 +93,7 @@ class SceneBake {
     for (int i = 0; i < count; ++i) {
       for (size_t g = 0; g < generators_.size(); ++g)
         checks[g] = check(made.functions[begin + i], g, thetaOf(thread, g, i), thread);
-      const int chosen = chooseRepresentation(checks, options_.refinement.check, options_.choice);
+      const int chosen = chooseRepresentation(checks, options_.refinement.check, options_.choice.forGenerated());
       const float* theta = thetaOf(thread, chosen, i);
       const uint64_t number = made.first + begin + i;
       fitted_[number] = {static_cast<uint8_t>(chosen), Theta(theta, theta + thetaCount(chosen))};

@@ -129,33 +129,38 @@ struct TorchNetworks {
   }
 };
 
-struct TorchStratum {
+constexpr int kMinibatchCount = kSupportPointCount / kMinibatchPointCount;
+
+struct TorchMinibatch {
   torch::Tensor x, phi, mask;  // count x 3 x P, 1 x 1 x P, 1 x 1 x P (already divided by the number of valid points)
+  double valid_count = 0.0;
 };
 
-TorchStratum torchStratum(const WeightingFunction& function, int stratum, int64_t count) {
+TorchMinibatch torchMinibatch(const WeightingFunction& function, int index, int64_t count) {
   const PointSet& points = stratifiedSupportPoints();
-  const int begin = stratum * kStratumPointCount;
-  TorchStratum result{torch::empty({1, 3, kStratumPointCount}), torch::empty({1, 1, kStratumPointCount}),
-                      torch::empty({1, 1, kStratumPointCount})};
+  const int begin = index * kMinibatchPointCount;
+  TorchMinibatch result{torch::empty({1, 3, kMinibatchPointCount}), torch::empty({1, 1, kMinibatchPointCount}),
+                        torch::empty({1, 1, kMinibatchPointCount})};
   float* x = result.x.data_ptr<float>();
-  std::copy_n(&points.x[begin], kStratumPointCount, x);
-  std::copy_n(&points.y[begin], kStratumPointCount, x + kStratumPointCount);
-  std::copy_n(&points.z[begin], kStratumPointCount, x + 2 * kStratumPointCount);
-  std::copy_n(&function.phi[begin], kStratumPointCount, result.phi.data_ptr<float>());
-  std::copy_n(&function.mask[begin], kStratumPointCount, result.mask.data_ptr<float>());
-  result.mask /= function.valid_count[stratum];
-  result.x = result.x.expand({count, 3, kStratumPointCount}).contiguous();
+  std::copy_n(&points.x[begin], kMinibatchPointCount, x);
+  std::copy_n(&points.y[begin], kMinibatchPointCount, x + kMinibatchPointCount);
+  std::copy_n(&points.z[begin], kMinibatchPointCount, x + 2 * kMinibatchPointCount);
+  std::copy_n(&function.phi[begin], kMinibatchPointCount, result.phi.data_ptr<float>());
+  std::copy_n(&function.mask[begin], kMinibatchPointCount, result.mask.data_ptr<float>());
+  result.valid_count = result.mask.sum().item<float>();
+  result.mask /= result.valid_count;
+  result.x = result.x.expand({count, 3, kMinibatchPointCount}).contiguous();
   return result;
 }
 
 // RMSE over all support points of the first of the networks.
-double torchRmse(const TorchNetworks& networks, const std::vector<TorchStratum>& strata, const WeightingFunction& function) {
+double torchRmse(const TorchNetworks& networks, const std::vector<TorchMinibatch>& minibatches,
+                 const WeightingFunction& function) {
   const torch::NoGradGuard guard;
   double sum = 0.0;
-  for (int k = 0; k < kStratumCount; ++k) {
-    const torch::Tensor error = ((networks.forward(strata[k].x) - strata[k].phi).square() * strata[k].mask)[0].sum();
-    sum += error.item<double>() * function.valid_count[k];
+  for (const TorchMinibatch& batch : minibatches) {
+    const torch::Tensor error = ((networks.forward(batch.x) - batch.phi).square() * batch.mask)[0].sum();
+    sum += error.item<double>() * batch.valid_count;
   }
   return std::sqrt(sum / function.validCount());
 }
@@ -164,23 +169,23 @@ void adamByTorch(benchmark::State& state) {
   useOneThread();
   const int64_t count = state.range(0);
   const WeightingFunction function = wallFunction();
-  std::vector<TorchStratum> strata;
-  for (int k = 0; k < kStratumCount; ++k) strata.push_back(torchStratum(function, k, count));
+  std::vector<TorchMinibatch> minibatches;
+  for (int k = 0; k < kMinibatchCount; ++k) minibatches.push_back(torchMinibatch(function, k, count));
   TorchNetworks networks(count);
   for (auto _ : state) {
     networks = TorchNetworks(count);
-    torch::optim::Adam adam(networks.parameters(), torch::optim::AdamOptions(kAdamRate).betas({0.9, 0.99}));
+    torch::optim::Adam adam(networks.parameters(), torch::optim::AdamOptions(kAdamRate).betas({0.8, 0.99}));
     for (int step = 0; step < kAdamSteps; ++step) {
-      const TorchStratum& stratum = strata[step % kStratumCount];
+      const TorchMinibatch& batch = minibatches[step % kMinibatchCount];
       const double rate = kAdamRate * 0.5 * (1.0 + std::cos(M_PI * step / kAdamSteps));
       static_cast<torch::optim::AdamOptions&>(adam.param_groups()[0].options()).lr(rate);
       adam.zero_grad();
-      ((networks.forward(stratum.x) - stratum.phi).square() * stratum.mask).sum().backward();
+      ((networks.forward(batch.x) - batch.phi).square() * batch.mask).sum().backward();
       adam.step();
     }
   }
   countFunctions(state, static_cast<double>(count));
-  state.counters["rmse"] = torchRmse(networks, strata, function);
+  state.counters["rmse"] = torchRmse(networks, minibatches, function);
 }
 BENCHMARK(adamByTorch)->Name("peer/adam_500_steps/libtorch/functions")->Arg(1)->Arg(kPeerBatch)->Unit(benchmark::kMillisecond);
 

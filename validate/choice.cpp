@@ -29,7 +29,7 @@ nlohmann::ordered_json choiceJson(const std::vector<ChoiceColumn>& columns, cons
       generated.push_back(checkOf(column.generated[i], check));
       direct.push_back(checkOf(column.direct[i], check));
     }
-    const size_t chosen[2] = {static_cast<size_t>(chooseRepresentation(generated, check, options)),
+    const size_t chosen[2] = {static_cast<size_t>(chooseRepresentation(generated, check, options.forGenerated())),
                               static_cast<size_t>(chooseRepresentation(direct, check, options))};
     (chosen[0] == chosen[1] ? agree : chosen[0] < chosen[1] ? smaller : larger) += share;
     ++pairs[{chosen[0], chosen[1]}];

@@ -1,16 +1,19 @@
 #include "runtime_eval/fit/representation_choice.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace nlg {
 namespace {
 
-// A check that is not finite is never flat.
+// An error that is not finite is never flat, and is no reason against a smaller representation.
 bool isFlat(const std::vector<FunctionCheck>& checks, size_t index, const ChoiceOptions& options) {
   const double rmse = checks[index].rmse;
+  if (!std::isfinite(rmse)) return false;
   if (rmse <= options.enough_rmse) return true;
-  return std::all_of(checks.begin() + static_cast<ptrdiff_t>(index) + 1, checks.end(),
-                     [&](const FunctionCheck& larger) { return rmse <= options.flat_ratio * larger.rmse; });
+  return std::all_of(checks.begin() + static_cast<ptrdiff_t>(index) + 1, checks.end(), [&](const FunctionCheck& larger) {
+    return !std::isfinite(larger.rmse) || rmse <= options.flat_ratio * larger.rmse;
+  });
 }
 
 }  // namespace

@@ -12,8 +12,12 @@
 namespace nlg {
 
 struct ChoiceOptions {
-  double flat_ratio = 1.5;     // an error up to so many times that of the best larger representation is flat
-  double enough_rmse = 0.004;  // … and so is any error below this
+  double flat_ratio = 1.5;        // an error up to so many times that of the best larger representation is flat
+  double enough_rmse = 0.004;     // … and so is any error below this, by direct optimisation
+  double generator_excess = 2.5;  // generated errors are about so many times those of direct optimisation
+
+  // The same choice on the errors of generated theta, which have further to fall.
+  ChoiceOptions forGenerated() const { return {flat_ratio, enough_rmse * generator_excess, 1.0}; }
 };
 
 // checks    of one function, one a representation, by rising number of parameters; at least one
