@@ -40,6 +40,7 @@ struct Case {
 struct Method {
   std::string name;
   std::function<FitResult(const Representation&, const Case&, NormalEquationsKernel*)> fit;
+  bool fields_only = false;
 };
 
 FitResult adam(const Representation& representation, const Case& c, const Theta& start, int steps) {
@@ -69,6 +70,13 @@ std::vector<Method> methods() {
            }});
     }
   }
+  for (const int iterations : {5, 10, 20, 40}) {
+    list.push_back({"LM " + std::to_string(iterations) + " from coarse to fine",
+                    [=](const Representation& r, const Case& c, NormalEquationsKernel* k) {
+                      return fitNested(r, c.function, iterations, k);
+                    },
+                    true});
+  }
   for (const int steps : {8000, 32000}) {
     list.push_back({"Adam " + std::to_string(steps) + " from a random start",
                     [=](const Representation& r, const Case& c, NormalEquationsKernel*) {
@@ -89,7 +97,8 @@ void run(const std::string& weights, int function_count, const std::vector<std::
   FunctionChecker checker;
   NormalEquationsKernel kernel;
   const CheckOptions check;
-  const std::vector<Method> all = methods();
+  std::vector<Method> all = methods();
+  if (!representation.isField()) std::erase_if(all, [](const Method& method) { return method.fields_only; });
   std::vector<std::vector<double>> rmse(all.size()), ratio(all.size()), milliseconds(all.size());
   std::vector<int> saved(all.size(), 0);
   std::vector<double> direct_rmse, generated_rmse;

@@ -35,9 +35,9 @@ FitResult fitNested(const Representation& representation, const WeightingFunctio
                     NormalEquationsKernel* kernel);
 
 struct StartOptions {
-  int candidates = 256;  // random starts; most of them end in poor minima, so many are tried shortly
+  int candidates = 1500;  // random starts; most of them end in poor minima, so many are tried shortly
   int candidate_steps = 2400;
-  int finalists = 8;  // of these the best are fitted on
+  int finalists = 16;  // of these the best are fitted on
   int final_steps = 24000;
   int levenberg_iterations = 100;
   uint64_t seed = 1;

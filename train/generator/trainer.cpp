@@ -86,11 +86,13 @@ double oneCycleRate(const TrainOptions& options, int64_t step) {
 }
 
 Theta fitTheta0(const Representation& representation, const BasisFile& basis, const StartOptions& options) {
+  NormalEquationsKernel kernel;
+  // `mlp` has to make the tent itself, and most functions are nearly that; the others have it for nothing
+  if (representation.kind == RepresentationKind::mlp) return fitStart(representation, tentFunction(), options, &kernel).theta;
   const std::vector<float> phi(basis.mean_function.begin(), basis.mean_function.end());
   std::vector<bool> known;
   for (const auto share : basis.mean_validity) known.push_back(share > 0);
   const WeightingFunction mean = functionFromSamples(phi, known, pointOrder(representation));
-  NormalEquationsKernel kernel;
   return fitStart(representation, mean, options, &kernel).theta;
 }
 

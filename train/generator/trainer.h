@@ -35,7 +35,8 @@ void describeTrainOptions(TrainOptions& options, OptionTable& table);
 // Learning rate of a step: linear from 1/25 of the peak over the warm-up, then a cosine down to 1/10000.
 double oneCycleRate(const TrainOptions& options, int64_t step);
 
-// theta0 for a training set: a network fitted to its mean function.
+// theta0 for a training set: fitted to the bare tent for `mlp`, to the mean function of the set for the others
+// (docs/measurements.md §7).
 Theta fitTheta0(const Representation& representation, const BasisFile& basis, const StartOptions& options);
 
 // A fresh state: networks at theta0, optimizer, step 0.
