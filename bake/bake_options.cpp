@@ -9,8 +9,9 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add("spacing_m", &o.spacing_m, "finest probe spacing, metres", 1e-4, 1e5);
   table.add("density_growth", &o.density_growth, "probe spacing over distance from the nearest triangle; 0: finest everywhere",
             0.0, 1e3);
-  table.add("extent_m", &o.extent_m,
-            "where there are probes: low x, y, z, high x, y, z, metres, world coordinates; none: the scene's bounds");
+  table.add(
+      "extent_m", &o.extent_m,
+      "where there are probes, --extent-m=x,y,z,X,Y,Z: low and high corner, metres, world coordinates; none: the scene's bounds");
   table.add("diffusion_passes", &o.diffusion.passes, "passes that carry weight round corners", 0, 16);
   table.add("diffusion_sigma", &o.diffusion.sigma, "deviation of the diffusion's Gaussian, shares of the spacing", 1e-3, 10.0);
   table.add("diffusion_falloff", &o.diffusion.falloff,

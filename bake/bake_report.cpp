@@ -38,6 +38,8 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
   const ShardCounts& counts = s.counts;
   nlohmann::ordered_json chosen;
   for (size_t i = 0; i < report.representations.size(); ++i) chosen[report.representations[i]] = s.chosen[i];
+  nlohmann::ordered_json stops;
+  for (int stop = 0; stop < kFitStopCount; ++stop) stops[fitStopName(static_cast<FitStop>(stop))] = s.refinement_stops[stop];
   return {{"scene", report.scene},
           {"probes", counts.grid_probes},
           {"free_space", counts.free_space},
@@ -46,7 +48,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"duplicates", counts.duplicates},
           {"functions", counts.functions},
           {"representations", chosen},
-          {"core_seconds",
+          {"thread_seconds",
            {{"visibility", s.function_times.visibility_s},
             {"functions", s.function_times.functions_s},
             {"duplicates", s.function_times.duplicates_s},
@@ -60,6 +62,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"tau_rmse", report.check.tau_rmse},
           {"failed_check", s.failed_check},
           {"refined", s.refined},
+          {"refinement_stops", stops},
           {"left_for_time", s.left_for_time},
           {"raised", s.raised},
           {"still_failing", s.still_failing},
@@ -85,8 +88,9 @@ std::string toTable(const BakeReport& report) {
       counts.grid_probes, s.function_times.visibility_s, s.function_times.functions_s, counts.functions, s.generator_s, s.check_s,
       s.refined, 100.0 * share(s.refined, counts.functions), s.refinement_s, static_cast<double>(report.file_bytes) * 1e-6,
       static_cast<double>(report.file_bytes) / std::max<double>(1.0, static_cast<double>(counts.grid_probes)));
-  text += fmt::format("seconds are core seconds; {:.2f} s by the clock on {} threads ({}), {:.2f} s of them to load the scene\n",
-                      s.load_wall_s + s.wall_s, report.threads, report.simd, s.load_wall_s);
+  text += fmt::format(
+      "seconds are summed over threads; {:.2f} s by the clock on {} threads ({}), {:.2f} s of them to load the scene\n",
+      s.load_wall_s + s.wall_s, report.threads, report.simd, s.load_wall_s);
   text += fmt::format("probes: {} free space, {} in solid, {} without weight, {} duplicates ({:.2f} s to find)\n",
                       counts.free_space, counts.in_solid, counts.empty, counts.duplicates, s.function_times.duplicates_s);
   text += fmt::format("RMSE: generated mean {:.4f}, p95 {:.4f}; stored mean {:.4f}, p95 {:.4f}, worst {:.4f}\n",

@@ -22,7 +22,7 @@ namespace nlg {
 namespace {
 
 struct Request {
-  std::string scene, out;
+  std::string scene, out, config;
   std::vector<std::string> weights;
 };
 
@@ -51,7 +51,9 @@ void chooseSimd(const std::string& name) {
 }
 
 // By rising number of parameters, as the choice between them reads them.
-std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, GeneratorPrecision precision) {
+// weights_sha256   receives the hash of each file, by representation
+std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, GeneratorPrecision precision,
+                                      std::map<std::string, std::string>* weights_sha256) {
   std::vector<Generator> generators;
   for (const std::string& path : paths) {
     Generator generator;
@@ -62,6 +64,7 @@ std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, Gen
       if (name == representationName(other.representation()))
         throw UsageError("--weights", "one file a representation", "two of " + name);
     }
+    (*weights_sha256)[representationName(generator.representation())] = fileSha256(path);
     generators.push_back(std::move(generator));
   }
   std::stable_sort(generators.begin(), generators.end(), [](const Generator& a, const Generator& b) {
@@ -73,6 +76,7 @@ std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, Gen
 void refuseToReplaceInputs(const Request& request) {
   std::vector<std::string> inputs = request.weights;
   inputs.push_back(request.scene);
+  inputs.push_back(request.config);
   for (const std::string& input : inputs) {
     std::error_code error;
     if (std::filesystem::equivalent(request.out, input, error)) throw UsageError("--out", "a file that is no input", request.out);
@@ -85,15 +89,15 @@ uint64_t peakMemoryBytes() {
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-std::map<std::string, std::string> metadata(const Request& request, const BakeScene& scene, const OptionTable& table) {
+std::map<std::string, std::string> metadata(const BakeScene& scene, const std::map<std::string, std::string>& weights_sha256,
+                                            const OptionTable& table) {
   nlohmann::ordered_json options = table.toJson();
   // what the grid holds does not depend on the threads, but on the instructions that were chosen
   options.erase("threads");
   options["simd"] = chosenSimdTarget();
   std::map<std::string, std::string> inputs;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
-  for (const std::string& path : request.weights)
-    inputs["weights " + std::filesystem::path(path).filename().string()] = fileSha256(path);
+  for (const auto& [representation, sha256] : weights_sha256) inputs["weights of " + representation] = sha256;
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
@@ -103,7 +107,8 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
   const ThetaPrecision theta_precision = thetaPrecision(options.theta_precision);
   chooseSimd(options.simd);
-  const std::vector<Generator> generators = loadGenerators(request.weights, precision);
+  std::map<std::string, std::string> weights_sha256;
+  const std::vector<Generator> generators = loadGenerators(request.weights, precision, &weights_sha256);
 
   const auto start = std::chrono::steady_clock::now();
   const BakeScene scene(request.scene, options);
@@ -111,7 +116,7 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   Bake bake = bakeScene(scene, generators, options, theta_precision, temporaryFolder());
 
   std::string bytes;
-  const WeightsResult result = serializeLightGrid(bake.grid, theta_precision, metadata(request, scene, table), &bytes);
+  const WeightsResult result = serializeLightGrid(bake.grid, theta_precision, metadata(scene, weights_sha256, table), &bytes);
   if (!result.ok()) throw NumericalError("bake", "light grid", result.detail, 0.0);
   writeFileAtomically(request.out, bytes);
 
@@ -128,6 +133,8 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   report.peak_memory_bytes = peakMemoryBytes();
   report.threads = options.threads > 0 ? options.threads : machineThreadCount();
   report.simd = chosenSimdTarget();
+  if (report.statistics.counts.functions == 0)
+    std::cerr << "nlg-bake: " << report.scene << ": no probe has a weighting function; is extent_m where the scene is?\n";
   std::cerr << toTable(report);
   std::cout << toJson(report).dump() << '\n';
 }
@@ -137,7 +144,8 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Bakes the weighting functions of one scene: probes, visibility, functions, generator, check, refinement → a light grid.",
+      "Bakes the weighting functions of one scene: probes, visibility, functions, generator, check, refinement → a light grid.\n"
+      "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: the scene first, because --weights takes several files.",
       "nlg-bake"};
   nlg::Request request;
   nlg::BakeOptions options;
@@ -151,5 +159,9 @@ int main(int argc, char** argv) {
                  "weights of nlg-export; of several, the bake chooses a representation for every function")
       ->required();
   app.add_option("--out", request.out, "the light grid to write (.safetensors)")->required();
-  return nlg::runTool(argc, argv, app, table, [&] { nlg::run(request, options, table); });
+  return nlg::runTool(argc, argv, app, table, [&] {
+    const CLI::Option* config = app.get_option("--config");
+    if (config->count() > 0) request.config = config->as<std::string>();
+    nlg::run(request, options, table);
+  });
 }

@@ -39,6 +39,7 @@ struct BakeThread {
   Refiner refiner;
   std::vector<uint8_t> samples;
   double generator_s = 0.0, check_s = 0.0, refinement_s = 0.0;
+  std::array<uint64_t, kFitStopCount> stops{};
 };
 
 class SceneBake {
@@ -131,7 +132,9 @@ class SceneBake {
     double least_trouble = checks_[number].trouble(options_.refinement.check);
     for (size_t g = first; g < generators_.size() && least_trouble > 1.0; ++g) {
       const Theta begin = g == first ? fitted_[number].theta : raisedStart(stored, number, g, thread);
-      const RefinementResult refined = thread.refiner.refine(generators_[g].representation(), stored, begin, options_.refinement);
+      const RefinementResult refined =
+          thread.refiner.refine(generators_[g].representation(), stored, begin, theta0Of(g), options_.refinement);
+      ++thread.stops[static_cast<size_t>(refined.stop)];
       const double trouble = refined.check.trouble(options_.refinement.check);
       if (!(trouble < least_trouble)) continue;
       least_trouble = trouble;
@@ -189,6 +192,7 @@ class SceneBake {
       statistics_.generator_s += thread->generator_s;
       statistics_.check_s += thread->check_s;
       statistics_.refinement_s += thread->refinement_s;
+      for (size_t stop = 0; stop < kFitStopCount; ++stop) statistics_.refinement_stops[stop] += thread->stops[stop];
     }
     const auto failing = [this](const std::vector<FunctionCheck>& checks) {
       return static_cast<uint64_t>(std::count_if(
@@ -224,6 +228,7 @@ class SceneBake {
   FunctionCheck check(const StoredFunction& stored, size_t g, const float* theta, BakeThread& thread) const {
     return thread.checker.check(generators_[g].representation(), stored, theta, options_.refinement.check);
   }
+  Theta theta0Of(size_t g) const { return {generators_[g].theta0(), generators_[g].theta0() + thetaCount(g)}; }
   size_t thetaCount(size_t g) const { return static_cast<size_t>(generators_[g].representation().thetaCount()); }
   const float* thetaOf(const BakeThread& thread, size_t g, int i) const { return &thread.theta[g][i * thetaCount(g)]; }
 

@@ -31,7 +31,7 @@ struct BakeScene {
   RayScene rays;
 };
 
-// Core seconds: summed over threads.
+// By the clock, summed over threads.
 struct FunctionTimes {
   double visibility_s = 0.0, functions_s = 0.0, duplicates_s = 0.0;
 };

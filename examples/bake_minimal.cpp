@@ -58,7 +58,8 @@ int main(int argc, char** argv) {
   if (generated.passes(policy.check)) return 0;
 
   nlg::Refiner refiner;
-  const nlg::RefinementResult refined = refiner.refine(representation, function, theta, policy);
+  const nlg::Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
+  const nlg::RefinementResult refined = refiner.refine(representation, function, theta, theta0, policy);
   print("refined", refined.check);
   std::printf("%d steps, %s\n", refined.steps, refined.check.passes(policy.check) ? "accepted" : "still failing");
   return 0;

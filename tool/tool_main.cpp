@@ -74,6 +74,8 @@ int endOfParsing(const CLI::App& app, const CLI::ParseError& error, const std::s
 
 int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run) {
   std::signal(SIGPIPE, SIG_IGN);
+  // past a limit on file sizes write fails with an error, as on a full disk
+  std::signal(SIGXFSZ, SIG_IGN);
   const std::string name = toolName(app, argc, argv);
   try {
     try {

@@ -102,6 +102,7 @@ MethodResult measurePolicy(const Generator& generator, const FunctionSet& set, c
   std::mutex mutex;
   const Representation& representation = generator.representation();
   const auto D = static_cast<uint64_t>(representation.thetaCount());
+  const Theta theta0(generator.theta0(), generator.theta0() + D);
   const uint64_t chunk = 64, count = result.samples.size();
   parallelFor((count + chunk - 1) / chunk, threadCount(options), [&](uint64_t c, int) {
     ErrorMeter meter(set);
@@ -115,7 +116,7 @@ MethodResult measurePolicy(const Generator& generator, const FunctionSet& set, c
       const Clock::time_point begin = Clock::now();
       const FunctionCheck check = checker.check(representation, stored, fitted.data(), options.refinement.check);
       sample.refined = !check.passes(options.refinement.check);
-      if (sample.refined) fitted = refiner.refine(representation, stored, fitted, options.refinement).theta;
+      if (sample.refined) fitted = refiner.refine(representation, stored, fitted, theta0, options.refinement).theta;
       sample.elapsed_us += microsecondsSince(begin);
       sample.error = meter.measure(representation, fitted.data(), sample.function, &leaks);
     }

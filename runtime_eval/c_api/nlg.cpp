@@ -222,7 +222,9 @@ nlg_status nlg_refine(const nlg_generator* generator, const uint8_t* phi, const 
     const nlg::Representation& representation = generator->generator.representation();
     const nlg::RefinementOptions refinement = optionsOf(*options);
     const nlg::Theta start(theta, theta + representation.thetaCount());
-    const nlg::RefinementResult result = scratch->refiner.refine(representation, {phi, validity}, start, refinement);
+    const float* theta0 = generator->generator.theta0();
+    const nlg::RefinementResult result = scratch->refiner.refine(
+        representation, {phi, validity}, start, nlg::Theta(theta0, theta0 + representation.thetaCount()), refinement);
     std::copy(result.theta.begin(), result.theta.end(), theta);
     if (check != nullptr) *check = checkOf(result.check, refinement.check);
     return NLG_OK;

@@ -22,10 +22,10 @@ struct Minibatch {
 // Minibatches in a fresh random order every round; those without a valid point are left out.
 class MinibatchOrder {
  public:
-  MinibatchOrder(const PointOrder& points, const WeightingFunction& function, uint64_t seed) : random_(seed) {
-    for (int first = 0; first < points.placeCount(); first += points.minibatch_places) {
+  MinibatchOrder(const PointOrder& points, int places, const WeightingFunction& function, uint64_t seed) : random_(seed) {
+    for (int first = 0; first < points.placeCount(); first += places) {
       Minibatch batch{first, 0};
-      for (int i = first; i < first + points.minibatch_places; ++i) batch.valid_count += function.mask[i] > 0.0f;
+      for (int i = first; i < first + places; ++i) batch.valid_count += function.mask[i] > 0.0f;
       if (batch.valid_count > 0) order_.push_back(batch);
     }
   }
@@ -49,7 +49,8 @@ FitResult runAdam(const Representation& representation, const WeightingFunction&
                   const AdamOptions& options) {
   FitResult result{start, functionRmse(representation, function, start.data()), 0, FitStop::budget};
   const PointOrder& points = pointOrder(representation);
-  MinibatchOrder order(points, function, options.seed);
+  const int places = options.full_batch ? points.placeCount() : points.minibatch_places;
+  MinibatchOrder order(points, places, function, options.seed);
   if (order.empty()) {
     result.stop = FitStop::no_points;
     return result;
@@ -63,8 +64,8 @@ FitResult runAdam(const Representation& representation, const WeightingFunction&
   Theta gradient(theta.size());
   for (; result.steps < options.steps; ++result.steps) {
     const Minibatch batch = order.next();
-    lossAndGradient(representation, batch.first, points.minibatch_places, &function.phi[batch.first], &function.mask[batch.first],
-                    theta.data(), gradient.data());
+    lossAndGradient(representation, batch.first, places, &function.phi[batch.first], &function.mask[batch.first], theta.data(),
+                    gradient.data());
     const float scale = 1.0f / static_cast<float>(batch.valid_count);
     const double phase = static_cast<double>(result.steps) / options.steps;
     const double rate = options.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase));

@@ -11,11 +11,12 @@ struct AdamOptions {
   int steps = 8000;
   double learning_rate = 0.005;  // at the start; falls to 0 along a cosine
   double beta1 = 0.8;
-  double beta2 = 0.99;  // short memory: fits last a few hundred to a few thousand steps
-  uint64_t seed = 1;    // order of the batches
+  double beta2 = 0.99;      // short memory: fits last a few hundred to a few thousand steps
+  bool full_batch = false;  // every step reads all points
+  uint64_t seed = 1;        // order of the batches
 };
 
-// Learning rates that measured best for a start near the solution (docs/measurements.md §1).
+// Learning rates that measured best for a start near the solution (docs/measurements.md §7).
 AdamOptions refinementAdam(const Representation& representation, int steps);
 // … and for a random start.
 AdamOptions randomStartAdam(int steps);

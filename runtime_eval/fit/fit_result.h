@@ -16,6 +16,7 @@ enum class FitStop {
   no_points,   // no valid point: theta returned as it was given
   not_finite,  // start or function not finite: theta returned as it was given
 };
+inline constexpr int kFitStopCount = 6;
 const char* fitStopName(FitStop stop);
 
 struct FitResult {

@@ -84,7 +84,8 @@ HWY_EXPORT(compareVectors);
 
 double FunctionCheck::trouble(const CheckOptions& options) const {
   if (!std::isfinite(rmse)) return std::numeric_limits<double>::infinity();
-  return std::max(rmse / options.tau_rmse, leak_share / options.leak_share);
+  const double leak = leak_share <= options.leak_share ? leak_share / options.leak_share : 1.0 + leak_share;
+  return std::max(rmse / options.tau_rmse, leak);
 }
 
 FunctionChecker::FunctionChecker()

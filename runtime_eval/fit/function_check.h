@@ -21,7 +21,8 @@ struct FunctionCheck {
   int zero_count = 0;  // valid points whose phi is stored as 0
 
   bool passes(const CheckOptions& options) const { return trouble(options) <= 1.0; }
-  // The larger of error and leak, each over what is allowed; infinite when theta is not finite. Above 1 the check fails.
+  // The larger of error and leak, each over what is allowed; infinite when theta is not finite. Above 1 the check fails. Leaks
+  // alone are never worse than 2, an error of twice what is allowed: they may be a handful of points.
   double trouble(const CheckOptions& options) const;
 };
 

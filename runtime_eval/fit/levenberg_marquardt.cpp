@@ -60,7 +60,10 @@ double predictedGain(const NormalEquations& equations, const std::vector<double>
 
 double largestMagnitude(const std::vector<double>& values) {
   double largest = 0.0;
-  for (const double value : values) largest = std::max(largest, std::fabs(value));
+  for (const double value : values) {
+    if (!std::isfinite(value)) return INFINITY;
+    largest = std::max(largest, std::fabs(value));
+  }
   return largest;
 }
 

@@ -110,7 +110,7 @@ void NormalEquationsKernel::computeNetwork(const Representation& representation,
     used |= 1u << stratum;
   }
   const double scale = used_count > 0 ? static_cast<double>(valid_count) / used_count : 1.0;
-  equations->hessian = SymmetricBand(kCount, kCount - 1);
+  equations->hessian.reset(kCount, kCount - 1);
   equations->gradient.assign(kCount, 0.0);
   for (int r = 0; r < kCount; ++r) {
     for (int c = 0; c <= r; ++c) equations->hessian.at(r, c) = scale * products[r * kJacobianRowCount + c];

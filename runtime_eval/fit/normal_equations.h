@@ -15,7 +15,7 @@ struct NormalEquations {
   double square_sum = 0.0;       // sum of r², as lossAndGradient returns it
 };
 
-// Keeps its workspace between calls, so that none of them allocates.
+// Keeps its workspace between calls; NormalEquations keep theirs while the representation stays the same.
 //
 // Gradient and sum of squares are over all support points; so is the Hessian of a product field. That of a network costs 6,600
 // multiply-adds a point, most of a Levenberg–Marquardt iteration, and only steers the step: it may be summed over some of the

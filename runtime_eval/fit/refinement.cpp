@@ -6,6 +6,8 @@
 namespace nlg {
 namespace {
 
+constexpr int64_t kMostSteps = 1 << 24;  // of one round, whatever the growth
+
 // Where phi is stored as 0 the residual counts `weight` times in the sum of squares.
 void weighLeaks(double weight, WeightingFunction* function) {
   const float factor = static_cast<float>(std::sqrt(weight));
@@ -17,20 +19,26 @@ void weighLeaks(double weight, WeightingFunction* function) {
 }  // namespace
 
 RefinementResult Refiner::refine(const Representation& representation, const StoredFunction& stored, const Theta& start,
-                                 const RefinementOptions& options) {
+                                 const Theta& theta0, const RefinementOptions& options) {
   RefinementResult result{start, checker_.check(representation, stored, start.data(), options.check)};
   if (result.check.passes(options.check)) return result;
   WeightingFunction function = decodeFunction(stored, pointOrder(representation));
   weighLeaks(options.leak_weight, &function);
-  int steps = options.first_steps;
-  for (int round = 0; round < options.rounds && !result.check.passes(options.check); ++round, steps *= options.growth) {
-    const FitResult fit = fitOn(representation, function, result.theta, steps);
+  const auto tryFrom = [&](const Theta& from, int steps) {
+    const FitResult fit = fitOn(representation, function, from, steps);
     const FunctionCheck check = checker_.check(representation, stored, fit.theta.data(), options.check);
     result.steps += fit.steps;
     result.stop = fit.stop;
     if (check.trouble(options.check) < result.check.trouble(options.check)) result.theta = fit.theta, result.check = check;
-    if (fit.stop != FitStop::budget) break;
+  };
+  int64_t steps = options.first_steps, last_steps = 0;
+  for (int round = 0; round < options.rounds && !result.check.passes(options.check); ++round) {
+    last_steps = std::min(steps, kMostSteps);
+    tryFrom(result.theta, static_cast<int>(last_steps));
+    if (result.stop != FitStop::budget) break;
+    steps = last_steps * options.growth;
   }
+  if (last_steps > 0 && !theta0.empty() && !result.check.passes(options.check)) tryFrom(theta0, static_cast<int>(last_steps));
   return result;
 }
 

@@ -1,6 +1,7 @@
 // What a bake does with a theta that fails the check: fits on from it, the worst functions first.
 //
-// Rounds of Adam, each longer than the one before, until the check passes: most functions pass after the first. Points where phi
+// Rounds of Adam (product fields: Levenberg–Marquardt), each longer than the one before, until the check passes: most functions
+// pass after the first. Points where phi
 // is 0 weigh more, which brings leaks under the threshold at no cost in RMSE. Why Adam and not Levenberg–Marquardt, and why these
 // numbers: docs/measurements.md.
 #pragma once
@@ -33,8 +34,10 @@ struct RefinementResult {
 class Refiner {
  public:
   // Fits on from `start` until the check passes or the rounds are used up. The result is never in more trouble than the start.
+  // theta0   where the last round's fit is tried from as well when the check has not passed by then: for a start that is broken
+  //          or stuck. May be empty
   RefinementResult refine(const Representation& representation, const StoredFunction& stored, const Theta& start,
-                          const RefinementOptions& options);
+                          const Theta& theta0, const RefinementOptions& options);
 
  private:
   FitResult fitOn(const Representation& representation, const WeightingFunction& function, const Theta& start, int steps);

@@ -92,7 +92,7 @@ bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeig
                                              : evaluatePoint(grid.representations[grid.function_representation[function]],
                                                              corner.local, grid.functionTheta(function));
     const float weight = phi * corner.tent_ratio;
-    if (!(weight > 0.0f)) continue;
+    if (!(weight >= kLeastWeight)) continue;
     weights->probe[weights->count] = corner.probe;
     weights->weight[weights->count++] = weight;
   }

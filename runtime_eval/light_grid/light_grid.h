@@ -21,6 +21,8 @@ inline constexpr uint32_t kNoWeight = 0xfffffffeu;   // the probe lies in solid,
 
 inline constexpr size_t kMaxGridFunctions = kNoWeight;
 inline constexpr size_t kMaxGridRepresentations = 256;
+// A weight below counts as none: what it would add is not seen, and one over a sum of such could overflow.
+inline constexpr float kLeastWeight = 1e-6f;
 inline constexpr float kMaxGridTheta = 1e9f;  // of |theta|: no look-up overflows below it
 
 struct LightGrid {
@@ -48,13 +50,13 @@ WeightsResult checkLightGrid(const LightGrid& grid);
 // The probes that count at a position, in the order of ProbesAround's corners.
 struct ProbeWeights {
   uint32_t probe[8] = {};
-  float weight[8] = {};  // > 0, finite; not normalised: in free space they sum to 1
+  float weight[8] = {};  // >= kLeastWeight, finite; not normalised: in free space they sum to 1
   int count = 0;         // 0 … 8; 0 where every probe around has weight 0, as inside solid
 };
 
-// The weights of the 8 probes around a position: max(0, phi(local)) * tent_ratio (docs/probes.md); those of weight 0 are left
-// out. Takes no memory, cannot fail; any number of threads may look up in one grid. returns   false, *weights unchanged, where
-// ProbeTree::lookUp is: outside
+// The weights of the 8 probes around a position: max(0, phi(local)) * tent_ratio (docs/probes.md); those below kLeastWeight are
+// left out. Takes no memory, cannot fail; any number of threads may look up in one grid.
+// returns   false, *weights unchanged, where ProbeTree::lookUp is: outside
 bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights);
 
 }  // namespace nlg

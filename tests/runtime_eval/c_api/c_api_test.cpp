@@ -201,7 +201,8 @@ TEST(CApi, ChecksAndRefinesAsTheLibraryDoes) {
   EXPECT_EQ(before.leak_mean, expected.leak_mean);
   EXPECT_EQ(before.leak_share, expected.leak_share);
   EXPECT_EQ(before.passes, 0);
-  const RefinementResult refined = Refiner().refine(representation, sample.view(), theta, same);
+  const RefinementResult refined =
+      Refiner().refine(representation, sample.view(), theta, {sampleData().theta0.begin(), sampleData().theta0.end()}, same);
   nlg_check after{};
   EXPECT_EQ(
       nlg_refine(loaded.generator, sample.phi.data(), sample.validity.data(), theta.data(), &options, &after, loaded.scratch),

@@ -80,7 +80,7 @@ TEST(FunctionCheck, PassesAPerfectThetaAndFailsLeaksAlone) {
   EXPECT_LT(leaking.rmse, options.tau_rmse);
   EXPECT_EQ(leaking.leak_share, 1.0);
   EXPECT_FALSE(leaking.passes(options));
-  EXPECT_DOUBLE_EQ(leaking.trouble(options), 1.0 / options.leak_share);
+  EXPECT_DOUBLE_EQ(leaking.trouble(options), 2.0);
 }
 
 TEST(FunctionCheck, HandlesNoValidPointAndBrokenTheta) {
