@@ -1,4 +1,4 @@
-/* The same from C, as far as the C interface goes: the function of a probe beside a wall, generated and checked.
+/* The same from C: the function of a probe beside a wall, generated, checked and refined.
  *
  *   bake_minimal_c WEIGHTS.safetensors
  */
@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   static uint8_t phi[NLG_SUPPORT_POINT_COUNT];
   static float x[NLG_SUPPORT_POINT_COUNT], y[NLG_SUPPORT_POINT_COUNT], z[NLG_SUPPORT_POINT_COUNT];
   static float values[NLG_SUPPORT_POINT_COUNT];
+  static uint8_t validity[NLG_SUPPORT_POINT_COUNT / 8];
   nlg_generator* generator;
   nlg_scratch* scratch;
   const float* points;
@@ -30,20 +31,20 @@ int main(int argc, char** argv) {
     z[p] = points[3 * p + 2];
     const float tent = (1.0f - fabsf(x[p])) * (1.0f - fabsf(y[p])) * (1.0f - fabsf(z[p]));
     phi[p] = x[p] < 0.3f ? (uint8_t)lroundf(255.0f * tent) : 0;
+    if (x[p] < 0.3f || x[p] > 0.4f) validity[p / 8] |= (uint8_t)(1 << (p % 8));
   }
   float* theta = malloc(nlg_theta_count(generator) * sizeof(float));
   if (theta == NULL) return 1;
   nlg_generate(generator, phi, 1, theta, scratch);
   nlg_evaluate(generator, theta, NLG_SUPPORT_POINT_COUNT, x, y, z, values, scratch);
 
-  double square_sum = 0.0;
-  int valid_count = 0;
-  for (int p = 0; p < NLG_SUPPORT_POINT_COUNT; ++p) {
-    if (x[p] >= 0.3f && x[p] <= 0.4f) continue; /* inside the wall */
-    square_sum += pow(values[p] - phi[p] / 255.0, 2.0);
-    ++valid_count;
-  }
-  printf("generated: RMSE %.5f\n", sqrt(square_sum / valid_count));
+  printf("at the first support point: %.4f, generated %.4f\n", phi[0] / 255.0, values[0]);
+
+  const nlg_refinement_options options = nlg_default_refinement();
+  nlg_check check = nlg_check_theta(generator, phi, validity, theta, &options, scratch);
+  printf("generated: RMSE %.5f, %s\n", check.rmse, check.passes ? "accepted" : "refined");
+  if (!check.passes && nlg_refine(generator, phi, validity, theta, &options, &check, scratch) != NLG_OK) return 1;
+  printf("stored:    RMSE %.5f\n", check.rmse);
   free(theta);
   nlg_scratch_free(scratch);
   nlg_generator_free(generator);

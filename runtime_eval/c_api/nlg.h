@@ -4,8 +4,9 @@
  * that needs it makes once (about 0.1 s; safe from any thread). Words and formats are those of docs/formats.md.
  *
  * Threads   A generator is only read once it is loaded: any number of threads may share it. A scratch serves one thread at a
- * time. Memory    All of it is allocated when something is loaded or created; nlg_generate, nlg_evaluate and nlg_check_theta allocate
- *           nothing and cannot fail. Free every handle with its own function; a null handle may be freed.
+ *           time.
+ * Memory    nlg_generate, nlg_evaluate and nlg_check_theta allocate nothing and cannot fail: all they need comes with the
+ *           generator and the scratch. nlg_refine allocates. Free every handle with its own function; a null handle may be freed.
  * Pointers  Never null, except where it is said. Arrays have no alignment to keep.
  */
 #ifndef NLG_C_API_NLG_H_
@@ -58,7 +59,7 @@ typedef enum nlg_precision {
  *
  * generator     receives the handle; null on failure
  * detail        receives, on failure, where and why in one line of UTF-8, cut to fit and ended by a zero; an empty text on
- * success. May be null when detail_size is 0 */
+ *               success. May be null when detail_size is 0 */
 nlg_status nlg_generator_load(const char* path, nlg_precision precision, nlg_generator** generator, char* detail,
                               size_t detail_size);
 nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_precision precision, nlg_generator** generator,
@@ -107,8 +108,8 @@ typedef struct nlg_refinement_options {
   double tau_rmse;    /* RMSE over valid points above this fails */
   double tau_leak;    /* |value| above this at a valid point whose phi is 0 is a leak */
   double leak_share;  /* leaks at a larger share of those points fail */
-  int rounds;         /* of Adam, at most */
-  int first_steps;    /* of the first round */
+  int rounds;         /* of Adam (product fields: Levenberg-Marquardt), at most */
+  int first_steps;    /* of the first round (product fields: a 32nd of it) */
   int growth;         /* steps of a round over those of the round before */
   double leak_weight; /* of squared residuals where phi is 0, over those elsewhere */
 } nlg_refinement_options;

@@ -31,7 +31,8 @@ WeightsResult serializeLightGrid(const LightGrid& grid, ThetaPrecision precision
 
 // Reads a file, or bytes in memory. Every byte is checked: what is accepted passes checkLightGrid, and its tree is one that
 // ProbeTree::build gives, so that no look-up can leave it. Memory is in proportion to the bytes that are there, whatever they
-// say. returns   ok; otherwise *grid and *metadata are empty
+// say.
+// returns   ok; otherwise *grid and *metadata are empty
 WeightsResult readLightGridFile(const std::string& path, LightGrid* grid, GridMetadata* metadata);
 WeightsResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata* metadata);
 

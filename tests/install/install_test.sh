@@ -42,7 +42,7 @@ for representation in mlp tent_mlp pf5; do
   refined=$(sed -n 's/^refined: RMSE \([0-9.]*\),.*/\1/p' <<< "$output")
   awk -v g="$generated" -v r="$refined" 'BEGIN { exit !(g > 0.02 && r > 0 && r < g) }' || fail "refinement: '$generated' to '$refined'"
   # C and C++ sum the same numbers in another order
-  in_c=$("$work/build/bake_minimal_c" "$work/weights.safetensors" | sed -n 's/^generated: RMSE //p')
+  in_c=$("$work/build/bake_minimal_c" "$work/weights.safetensors" | sed -n 's/^generated: RMSE \([0-9.]*\),.*/\1/p')
   awk -v g="$generated" -v c="$in_c" 'BEGIN { exit !(c > 0 && g - c < 2e-5 && c - g < 2e-5) }' || fail "C: '$in_c', C++: '$generated'"
 done
 
