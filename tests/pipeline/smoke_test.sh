@@ -26,6 +26,10 @@ pipeline() {
 
 pipeline first
 
+# --- the README's own configuration is one that the workflow takes
+NLG_OUT=$temporary/default /usr/bin/snakemake -s workflow/Snakefile --configfile pipeline.yaml --cores 1 --nolock --dryrun --quiet \
+  >"$temporary/default.log" 2>&1 || { cat "$temporary/default.log" >&2; fail "dry run of pipeline.yaml"; }
+
 # --- what it leaves
 [ -s "$out/report.html" ] || fail "no report.html"
 ! grep -Eq '(src|href)="(https?:)?//' "$out/report.html" || fail "report.html loads something from elsewhere"
@@ -61,7 +65,7 @@ PYTHON
 
 # --- a bake with the generators that it made: the same bytes on any number of threads, and figures that add up
 weights=("$out/weights/tent_mlp.safetensors" "$out/weights/mlp.safetensors")
-bake=(--weights "${weights[@]}" --spacing-m 1.5 --extent-m=0,0,0,6,6,3 --refine-rounds 1 --refine-first-steps 10)
+bake=(--weights "${weights[@]}" --config configs/smoke.yaml --extent-m=0,0,0,6,6,3)
 "$NLG_BIN/nlg-bake" house:3 "${bake[@]}" --threads 1 --out "$temporary/one.safetensors" >"$temporary/one.json" 2>"$temporary/one.txt"
 "$NLG_BIN/nlg-bake" house:3 "${bake[@]}" --threads 2 --out "$temporary/two.safetensors" >/dev/null 2>&1
 cmp "$temporary/one.safetensors" "$temporary/two.safetensors" || fail "two threads baked another light grid than one"
