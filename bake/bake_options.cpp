@@ -1,6 +1,7 @@
 #include "bake/bake_options.h"
 
 #include "bake/refinement_options.h"
+#include "datagen/shard_job.h"
 
 namespace nlg {
 
@@ -12,10 +13,7 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add(
       "extent_m", &o.extent_m,
       "where there are probes, --extent-m=x,y,z,X,Y,Z: low and high corner, metres, world coordinates; none: the scene's bounds");
-  table.add("diffusion_passes", &o.diffusion.passes, "passes that carry weight round corners", 0, 16);
-  table.add("diffusion_sigma", &o.diffusion.sigma, "deviation of the diffusion's Gaussian, shares of the spacing", 1e-3, 10.0);
-  table.add("diffusion_falloff", &o.diffusion.falloff,
-            "a point's weight fades below a lit share of 1 over this of its open neighbourhood", 0.0, 1e6);
+  describe(o.diffusion, table);
   table.add("duplicate_rms", &o.duplicate_rms,
             "functions that differ by no more than this RMS, in steps of 1/255, share one theta; 0: the same bytes", 0.0, 16.0);
   table.add("duplicate_validity_points", &o.duplicate_validity_points,

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <filesystem>
 #include <iostream>
 
 #include "bake/bake_report.h"
@@ -14,6 +13,7 @@
 #include "runtime_eval/support/simd_target.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/output_path.h"
 #include "tool/parallel_for.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
@@ -73,16 +73,6 @@ std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, Gen
   return generators;
 }
 
-void refuseToReplaceInputs(const Request& request) {
-  std::vector<std::string> inputs = request.weights;
-  inputs.push_back(request.scene);
-  inputs.push_back(request.config);
-  for (const std::string& input : inputs) {
-    std::error_code error;
-    if (std::filesystem::equivalent(request.out, input, error)) throw UsageError("--out", "a file that is no input", request.out);
-  }
-}
-
 uint64_t peakMemoryBytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -102,8 +92,9 @@ std::map<std::string, std::string> metadata(const BakeScene& scene, const std::m
 }
 
 void run(const Request& request, const BakeOptions& options, const OptionTable& table) {
-  if (request.out.empty()) throw UsageError("--out", "the name of a file", "an empty text");
-  refuseToReplaceInputs(request);
+  std::vector<std::string> inputs = request.weights;
+  inputs.insert(inputs.end(), {request.scene, request.config});
+  refuseToReplaceInputs(request.out, inputs);
   const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
   const ThetaPrecision theta_precision = thetaPrecision(options.theta_precision);
   chooseSimd(options.simd);

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cstring>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "datagen/info.h"
 #include "datagen/plan.h"
 #include "datagen/view/view.h"
+#include "tool/output_path.h"
 #include "tool/tool_main.h"
 
 namespace nlg {
@@ -23,15 +23,6 @@ void addRequest(CLI::App& app, ShardRequest& request) {
       ->required();
   app.add_option("--jitter", request.jitter, "which variant; 0 is the scene as it is")->check(CLI::Range(0.0, 0x1p53));
   app.add_flag("--held-out", request.held_out, "the scene is for validation: add points that no fit sees");
-}
-
-// An output that is an input would be gone for good.
-void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs) {
-  if (out.empty()) throw UsageError("--out", "the name of a file", "an empty text");
-  for (const std::string& input : inputs) {
-    std::error_code error;
-    if (std::filesystem::equivalent(out, input, error)) throw UsageError("--out", "a file that is no input", out);
-  }
 }
 
 int generateMain(int argc, char** argv) {

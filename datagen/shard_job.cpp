@@ -56,6 +56,13 @@ SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& optio
 
 }  // namespace
 
+void describe(DiffusionOptions& o, OptionTable& table) {
+  table.add("diffusion_passes", &o.passes, "passes that carry weight round corners", 0, 16);
+  table.add("diffusion_sigma", &o.sigma, "deviation of the diffusion's Gaussian, shares of the spacing", 1e-3, 10.0);
+  table.add("diffusion_falloff", &o.falloff, "a point's weight fades below a lit share of 1 over this of its open neighbourhood",
+            0.0, 1e6);
+}
+
 void describe(DatagenOptions& o, OptionTable& table) {
   table.add("seed", &o.seed, "seed of every random choice");
   table.add("spacing_min_m", &o.probes.spacing_min_m, "smallest finest probe spacing, metres", 1e-4, 1e5);
@@ -81,10 +88,7 @@ void describe(DatagenOptions& o, OptionTable& table) {
   table.add("drop_share", &o.jitter.drop_share, "jitter: this share of the objects is left out", 0.0, 1.0);
   table.add("structure_share", &o.jitter.structure_share, "components above this share of the scene's side stay in place", 0.0,
             1.0);
-  table.add("diffusion_passes", &o.diffusion.passes, "passes that carry weight round corners", 0, 16);
-  table.add("diffusion_sigma", &o.diffusion.sigma, "deviation of the diffusion's Gaussian, shares of the spacing", 1e-3, 10.0);
-  table.add("diffusion_falloff", &o.diffusion.falloff,
-            "a point's weight fades below a lit share of 1 over this of its open neighbourhood", 0.0, 1e6);
+  describe(o.diffusion, table);
 }
 
 ShardJob::ShardJob(const ShardRequest& request, const DatagenOptions& options, const OptionTable& table)

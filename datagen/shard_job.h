@@ -31,6 +31,9 @@ struct DatagenOptions {
   uint64_t seed = 1;
 };
 
+// Adds the options of the diffusion to a table: for whoever generates functions.
+void describe(DiffusionOptions& options, OptionTable& table);
+
 // Adds every option to the table of the section `datagen`.
 void describe(DatagenOptions& options, OptionTable& table);
 

@@ -32,10 +32,10 @@ class Damping {
 // matter yet (units that are nearly dead) must not take steps of any length.
 constexpr double kDampingFloor = 1e-3;
 
-// The damped step; empty when the system cannot be solved. Rows whose diagonal is nearly zero (dead units) get a floor, so that
-// a rank-deficient Jacobian still gives a step.
-std::vector<double> dampedStep(const NormalEquations& equations, double damping) {
-  SymmetricBand matrix = equations.hessian;
+// The damped step, solved in `matrix`, whose memory is kept from step to step; empty when the system cannot be solved. Rows whose
+// diagonal is nearly zero (dead units) get a floor, so that a rank-deficient Jacobian still gives a step.
+std::vector<double> dampedStep(const NormalEquations& equations, double damping, SymmetricBand& matrix) {
+  matrix = equations.hessian;
   const int count = matrix.count();
   std::vector<double> step(count);
   double largest = 0.0;
@@ -80,6 +80,7 @@ FitResult runLevenbergMarquardt(const Representation& representation, const Weig
     return result;
   }
   NormalEquations equations;
+  SymmetricBand damped;
   int next_batch = 0;
   const auto computeEquations = [&] {
     kernel->compute(representation, function, result.theta.data(), &equations, options.hessian_points, next_batch);
@@ -95,12 +96,12 @@ FitResult runLevenbergMarquardt(const Representation& representation, const Weig
       break;
     }
     ++result.steps;
-    const std::vector<double> step = dampedStep(equations, damping.value());
+    const std::vector<double> step = dampedStep(equations, damping.value(), damped);
     Theta theta = result.theta;
     for (size_t i = 0; i < step.size(); ++i) theta[i] += static_cast<float>(step[i]);
     // the last layer is linear: for these hidden units there is nothing to iterate (when it cannot be solved the step stands
     // alone)
-    if (!representation.isField()) solveLastLayer(representation, function, theta.data());
+    if (!step.empty() && !representation.isField()) solveLastLayer(representation, function, theta.data());
     const double rmse = step.empty() ? INFINITY : functionRmse(representation, function, theta.data());
     const double next_sum = rmse * rmse * valid_count;
     if (!(next_sum < square_sum)) {

@@ -1,0 +1,14 @@
+// Where a tool may write.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace nlg {
+
+// An output that is an input would be gone for good.
+// out, inputs   paths; an input that does not exist is none
+// throws        UsageError naming --out when it is empty or the same file as one of the inputs
+void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs);
+
+}  // namespace nlg
