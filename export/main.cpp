@@ -91,7 +91,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   }
   Representation representation;
   if (!findRepresentation(identity.representation, &representation)) {
-    throw InputError(request.checkpoint, "representation", "mlp or tent_mlp", "'" + identity.representation + "'");
+    throw InputError(request.checkpoint, "representation", representationNames(), "'" + identity.representation + "'");
   }
   const TrainOptions train_options =
       storedOptions(request.checkpoint, identity.options_json, basis.basis.data.coefficientCount());
