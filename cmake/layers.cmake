@@ -16,6 +16,7 @@ set(NLG_MAY_LINK_shard_scene   nlg::scene nlg::probes nlg::dataset nlg::runtime_
 set(NLG_MAY_LINK_shard_job     nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::shard_scene nlg::runtime_eval nlg::tool Threads::Threads)
 set(NLG_MAY_LINK_view          nlg::shard_scene nlg::scene nlg::probes nlg::dataset nlg::runtime_eval nlg::tool PNG::PNG)
 set(NLG_MAY_LINK_solved        nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_onnx_file     nlg::runtime_eval nlg::onnx)
 set(NLG_MAY_LINK_basis         nlg::dataset nlg::runtime_eval Eigen3::Eigen BLAS::BLAS Threads::Threads)
 set(NLG_MAY_LINK_generator     nlg::basis nlg::dataset nlg::runtime_eval nlg::torch)
 set(NLG_MAY_LINK_validation    nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
@@ -26,7 +27,7 @@ set(NLG_MAY_LINK_nlg-datagen   nlg::shard_job nlg::view nlg::scene nlg::probes n
 set(NLG_MAY_LINK_nlg-solve     nlg::solved nlg::tool)
 set(NLG_MAY_LINK_nlg-pca       nlg::basis nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch)
-set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch)
+set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_file nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch)
 set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-validate  nlg::validation nlg::refinement_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 
