@@ -159,7 +159,10 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   std::vector<std::string> inputs = request.shards;
   inputs.insert(inputs.end(), {request.checkpoint, request.basis});
   refuseToReplaceInputs(request.out, inputs);
-  if (!request.onnx.empty()) refuseToReplaceInputs(request.onnx, inputs);
+  if (!request.onnx.empty()) {
+    requireOnnxName(request.onnx);
+    refuseToReplaceInputs(request.onnx, inputs);
+  }
   const BasisFile basis = readBasisFile(request.basis);
   const RunIdentity identity = readIdentity(request.checkpoint);
   const std::string basis_sha256 = fileSha256(request.basis);

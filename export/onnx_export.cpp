@@ -40,6 +40,7 @@ std::vector<GeneratorLayer> correctionLayers(const std::string& weights, const W
 }
 
 void run(const std::string& weights, const std::string& out) {
+  requireOnnxName(out);
   refuseToReplaceInputs(out, {weights});
   WeightsFile file;
   GeneratorData data;
@@ -56,9 +57,12 @@ void run(const std::string& weights, const std::string& out) {
 
 }  // namespace
 
+void requireOnnxName(const std::string& out) {
+  if (!out.ends_with(kEnding)) throw UsageError("ONNX", "a name that ends in .onnx", "'" + out + "'");
+}
+
 std::vector<std::string> writeOnnx(const std::string& weights, const WeightsFile& file, const GeneratorData& data,
                                    const std::string& sha256, const std::string& out) {
-  if (!out.ends_with(kEnding)) throw UsageError("ONNX", "a name that ends in .onnx", "'" + out + "'");
   std::map<std::string, std::string> metadata = file.metadata;
   metadata["weights_sha256"] = sha256;
   std::vector<std::string> written = {out};
