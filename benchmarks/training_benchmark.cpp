@@ -3,7 +3,6 @@
 
 #include <ATen/Parallel.h>
 #include <benchmark/benchmark.h>
-#include <torch/nn/utils/clip_grad.h>
 #include <torch/torch.h>
 
 #include <algorithm>
