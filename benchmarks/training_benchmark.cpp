@@ -73,7 +73,7 @@ struct AutogradLoss {
     mask = torch::empty_like(phi);
   }
 
-  void decode(const std::vector<Sample>& samples) {
+  void decode(const std::vector<Sample>& samples) const {
     at::parallel_for(0, kBatch, 8, [&](int64_t begin, int64_t end) {
       for (int64_t b = begin; b < end; ++b) {
         const WeightingFunction function =
@@ -84,7 +84,7 @@ struct AutogradLoss {
     });
   }
 
-  torch::Tensor operator()(const torch::Tensor& theta, const std::vector<Sample>& samples) {
+  torch::Tensor operator()(const torch::Tensor& theta, const std::vector<Sample>& samples) const {
     decode(samples);
     using L = ThetaLayout;
     const auto part = [&](int first, int64_t rows, int64_t columns) {
