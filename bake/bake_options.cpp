@@ -7,6 +7,7 @@ namespace nlg {
 
 void describe(BakeOptions& o, OptionTable& table) {
   table.add("seed", &o.seed, "seed of the shift of the probes' lattice");
+  table.add("representation", &o.representation, "whose shipped weights to take when --weights names none");
   table.add("spacing_m", &o.spacing_m, "finest probe spacing, metres", 1e-4, 1e5);
   table.add("density_growth", &o.density_growth, "probe spacing over distance from the nearest triangle; 0: finest everywhere",
             0.0, 1e3);

@@ -13,6 +13,8 @@
 namespace nlg {
 
 struct BakeOptions {
+  std::vector<std::string> representation = {
+      "tent_mlp"};  // whose shipped weights a bake takes that names none: the default of all
   double spacing_m = 1.0;
   double density_growth = 0.5;
   std::vector<std::string> extent_m;

@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "bake/bake_report.h"
+#include "bake/default_weights.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/support/simd_target.h"
 #include "tool/atomic_file.h"
@@ -24,6 +25,7 @@ namespace {
 struct Request {
   std::string scene, out, config;
   std::vector<std::string> weights;
+  bool out_is_given = false;
 };
 
 GeneratorPrecision generatorPrecision(const std::string& name) {
@@ -82,8 +84,9 @@ uint64_t peakMemoryBytes() {
 std::map<std::string, std::string> metadata(const BakeScene& scene, const std::map<std::string, std::string>& weights_sha256,
                                             const OptionTable& table) {
   nlohmann::ordered_json options = table.toJson();
-  // what the grid holds does not depend on the threads, but on the instructions that were chosen
+  // what the grid holds does not depend on the threads, but on the instructions that were chosen; the hashes say which weights
   options.erase("threads");
+  options.erase("representation");
   options["simd"] = chosenSimdTarget();
   std::map<std::string, std::string> inputs;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
@@ -91,10 +94,14 @@ std::map<std::string, std::string> metadata(const BakeScene& scene, const std::m
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
-void run(const Request& request, const BakeOptions& options, const OptionTable& table) {
+void run(Request request, const BakeOptions& options, const OptionTable& table) {
+  if (request.weights.empty()) {
+    request.weights = shippedWeights(options.representation, weightsFolders());
+    for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
+  }
   std::vector<std::string> inputs = request.weights;
   inputs.insert(inputs.end(), {request.scene, request.config});
-  refuseToReplaceInputs(request.out, inputs);
+  if (request.out_is_given) refuseToReplaceInputs(request.out, inputs);
   const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
   const ThetaPrecision theta_precision = thetaPrecision(options.theta_precision);
   chooseSimd(options.simd);
@@ -104,6 +111,10 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   const auto start = std::chrono::steady_clock::now();
   const BakeScene scene(request.scene, options);
   const double load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!request.out_is_given) {
+    request.out = scene.source.id + ".safetensors";
+    refuseToReplaceInputs(request.out, inputs);
+  }
   Bake bake = bakeScene(scene, generators, options, theta_precision, temporaryFolder());
 
   std::string bytes;
@@ -127,6 +138,7 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   if (report.statistics.counts.functions == 0)
     std::cerr << "nlg-bake: " << report.scene << ": no probe has a weighting function; is extent_m where the scene is?\n";
   std::cerr << toTable(report);
+  if (!request.out_is_given) std::cerr << "the light grid: " << request.out << '\n';
   std::cout << toJson(report).dump() << '\n';
 }
 
@@ -136,7 +148,8 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
 int main(int argc, char** argv) {
   CLI::App app{
       "Bakes the weighting functions of one scene: probes, visibility, functions, generator, check, refinement → a light grid.\n"
-      "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: the scene first, because --weights takes several files.",
+      "nlg-bake SCENE: with the weights that ship with the project.\n"
+      "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own; the scene first, because --weights takes several files.",
       "nlg-bake"};
   nlg::Request request;
   nlg::BakeOptions options;
@@ -146,12 +159,15 @@ int main(int argc, char** argv) {
                  "a .glb, .gltf or .bsp file, FOLDER:MAP for a level in .pk3 archives, or FAMILY:SEED (house, maze, colonnade, "
                  "stairs, clutter, outdoor, cave)")
       ->required();
-  app.add_option("--weights", request.weights,
-                 "weights of nlg-export; of several, the bake chooses a representation for every function")
-      ->required();
-  app.add_option("--out", request.out, "the light grid to write (.safetensors)")->required();
+  app.add_option(
+      "--weights", request.weights,
+      "weights of nlg-export; of several, the bake chooses a representation for every function; none: those that ship, "
+      "NAME.safetensors of --representation in the folder $NLG_WEIGHTS, or in the installation's, or in the sources'");
+  const CLI::Option* out =
+      app.add_option("--out", request.out, "the light grid to write; none: the scene's name .safetensors, here");
   return nlg::runTool(argc, argv, app, table, [&] {
     const CLI::Option* config = app.get_option("--config");
+    request.out_is_given = out->count() > 0;
     if (config->count() > 0) request.config = config->as<std::string>();
     nlg::run(request, options, table);
   });

@@ -1,4 +1,5 @@
-// Our kernels beside libtorch on the same work, one thread each: the generator, and Adam on tiny networks.
+// Our kernels beside libtorch on the same work, one thread each: the generator, and Adam on tiny networks; and how far the two
+// generators are apart on exported weights.
 //
 // libtorch gets what helps it: scales folded into its weights, one product for the whole basis, inference mode, and functions
 // batched 256 at a time in its second form of Adam. OpenBLAS needs OPENBLAS_CORETYPE=SkylakeX where it does not know the machine.
@@ -8,9 +9,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 
 #include "benchmarks/random_generator.h"
 #include "benchmarks/sample_function.h"
+#include "datagen/dataset/function_set.h"
+#include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/fit/adam.h"
 
 namespace nlg {
@@ -59,13 +64,18 @@ struct TorchGenerator {
       weights.push_back(torch::tensor(layer.weight).view({layer.output_count, layer.input_count}).t().contiguous());
       biases.push_back(torch::tensor(layer.bias));
     }
+    // folded into the last layer
+    const torch::Tensor output_scale = torch::tensor(data.output_scale);
+    weights.back() = weights.back() * output_scale;
+    biases.back() = biases.back() * output_scale + torch::tensor(data.theta0);
   }
 
-  // phi: N x 8192 bytes. theta0 and the output's scale are 0 and 1 in the generator of these benchmarks.
+  // phi: N x 8192 bytes
   torch::Tensor forward(const torch::Tensor& phi) const {
     torch::Tensor values = torch::addmm(basis_bias, phi.to(torch::kFloat32), basis);
     for (size_t l = 0; l + 1 < weights.size(); ++l) {
-      values = torch::leaky_relu(torch::addmm(biases[l], values, weights[l]), slope).add_(values);
+      torch::Tensor hidden = torch::leaky_relu(torch::addmm(biases[l], values, weights[l]), slope);
+      values = hidden.size(1) == values.size(1) ? hidden.add_(values) : hidden;
     }
     return torch::addmm(biases.back(), values, weights.back());
   }
@@ -104,6 +114,92 @@ BENCHMARK_CAPTURE(generateByUs, float32, GeneratorPrecision::float32)
 BENCHMARK_CAPTURE(generateByUs, int16, GeneratorPrecision::int16)
     ->Name("peer/generator/ours_int16")
     ->Unit(benchmark::kMillisecond);
+
+constexpr int kParityFunctionCount = 10000;
+
+// Files of a folder that an environment variable names, by their ending; none when it is not set.
+std::vector<std::string> filesOf(const char* variable, const char* ending) {
+  std::vector<std::string> paths;
+  const char* folder = std::getenv(variable);
+  if (folder == nullptr) return paths;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ending) paths.push_back(entry.path().string());
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+// Stored functions at equal distances of all shards in the folder NLG_SHARDS; walls without it.
+std::vector<uint8_t> parityFunctions() {
+  std::vector<uint8_t> phi, validity;
+  const std::vector<std::string> shards = filesOf("NLG_SHARDS", ".h5");
+  if (shards.empty()) {
+    appendStoredWalls(kParityFunctionCount, &phi, &validity);
+    return phi;
+  }
+  const FunctionSet set = readFunctionSet(shards, supportPattern().hash, kSupportPointCount);
+  const auto count = static_cast<int64_t>(std::min<uint64_t>(kParityFunctionCount, set.functionCount()));
+  for (int64_t i = 0; i < count; ++i) {
+    const auto first = set.phi.begin() + i * static_cast<int64_t>(set.functionCount()) / count * kSupportPointCount;
+    phi.insert(phi.end(), first, first + kSupportPointCount);
+  }
+  return phi;
+}
+
+// Largest difference between the evaluator and libtorch on exported weights, of theta and of what it stands for.
+void differ(benchmark::State& state, const std::string& path) {
+  useOneThread();
+  const torch::InferenceMode guard;
+  WeightsFile file;
+  GeneratorData data;
+  WeightsResult result = readWeightsFile(path, &file);
+  if (result.ok()) result = generatorFromWeights(file, &data);
+  if (!result.ok()) return state.SkipWithError(result.detail.c_str());
+  std::vector<uint8_t> phi = parityFunctions();
+  const auto count = static_cast<int64_t>(phi.size() / kSupportPointCount);
+  const int theta_count = data.representation.thetaCount();
+  const TorchGenerator peer(data);
+  const Generator generator(data);
+  GeneratorScratch scratch(generator);
+  const PointSet& points = stratifiedSupportPoints();
+  AlignedFloats own_values(points.padded_count), peer_values(points.padded_count);
+  double theta_difference = 0.0, output_difference = 0.0;
+  const auto raise = [](double& largest, double value) {
+    if (!(value <= largest)) largest = value;  // a NaN stays
+  };
+  for (auto _ : state) {
+    for (int64_t first = 0; first < count; first += kPeerBatch) {
+      const int64_t batch = std::min<int64_t>(kPeerBatch, count - first);
+      uint8_t* samples = &phi[size_t(first) * kSupportPointCount];
+      const torch::Tensor peer_theta =
+          peer.forward(torch::from_blob(samples, {batch, kSupportPointCount}, torch::kUInt8)).contiguous();
+      std::vector<float> own_theta(size_t(batch) * theta_count);
+      generator.generate(samples, static_cast<int>(batch), own_theta.data(), &scratch);
+      for (int64_t i = 0; i < batch * theta_count; ++i) {
+        raise(theta_difference, std::fabs(double{own_theta[i]} - peer_theta.data_ptr<float>()[i]));
+      }
+      for (int64_t b = 0; b < batch; ++b) {
+        evaluate(data.representation, points, &own_theta[size_t(b) * theta_count], own_values.data());
+        evaluate(data.representation, points, peer_theta.data_ptr<float>() + b * theta_count, peer_values.data());
+        for (int p = 0; p < points.count; ++p) raise(output_difference, std::fabs(double{own_values[p]} - peer_values[p]));
+      }
+    }
+  }
+  state.counters["functions"] = static_cast<double>(count);
+  state.counters["largest_theta"] = theta_difference;
+  state.counters["largest_output"] = output_difference;
+}
+
+// One case a file of the folder NLG_WEIGHTS.
+const bool kDifferencesAreRegistered = [] {
+  for (const std::string& path : filesOf("NLG_WEIGHTS", ".safetensors")) {
+    const std::string name = "peer/difference/" + std::filesystem::path(path).stem().string();
+    benchmark::RegisterBenchmark(name.c_str(), [path](benchmark::State& state) { differ(state, path); })
+        ->Iterations(1)
+        ->Unit(benchmark::kMillisecond);
+  }
+  return true;
+}();
 
 // `count` copies of the tiny network, points along the last axis: x 1 x 3 x P, values count x 1 x P.
 struct TorchNetworks {

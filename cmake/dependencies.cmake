@@ -29,6 +29,13 @@ if(NLG_BUILD_TOOLS)
   add_library(nlg::deflate ALIAS nlg_deflate)
   target_include_directories(nlg_deflate SYSTEM INTERFACE ${NLG_DEFLATE_INCLUDE})
   target_link_libraries(nlg_deflate INTERFACE ${NLG_DEFLATE_LIBRARY})
+  # ONNX's messages and its own checker; protobuf first, which ONNX's CMake files name and do not look for
+  find_package(Protobuf REQUIRED)
+  find_package(ONNX CONFIG REQUIRED)
+  add_library(nlg_onnx INTERFACE)
+  add_library(nlg::onnx ALIAS nlg_onnx)
+  target_include_directories(nlg_onnx SYSTEM INTERFACE ${ONNX_INCLUDE_DIRS})
+  target_link_libraries(nlg_onnx INTERFACE onnx)
   find_package(Torch REQUIRED)
   # libtorch as one target, its headers as system headers: their warnings are not ours
   add_library(nlg_torch INTERFACE)

@@ -1,8 +1,10 @@
-# What `cmake --install` leaves: the bake-time library for find_package(nlg), nothing of the tools.
+# What `cmake --install` leaves: the bake-time library for find_package(nlg), the weights that ship, and of the tools nlg-bake alone
+# (where tools are built; bake/CMakeLists.txt).
 #
 #   PREFIX/include/nlg/           the include directory; below it headers lie as in the repository
 #   PREFIX/lib/libnlg_*.a
 #   PREFIX/lib/cmake/nlg/         nlg-config.cmake; no path of the build is in it, so that the prefix can be moved
+#   PREFIX/share/neural-light-grid/weights/
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -51,3 +53,5 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/nlg-config-version.cmake 
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/nlg-config.cmake ${PROJECT_SOURCE_DIR}/cmake/highway.cmake
   ${PROJECT_BINARY_DIR}/nlg-config-version.cmake DESTINATION ${NLG_PACKAGE_FOLDER})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/weights/ DESTINATION ${CMAKE_INSTALL_DATADIR}/neural-light-grid/weights
+  FILES_MATCHING PATTERN *.safetensors PATTERN README.md)

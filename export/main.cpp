@@ -1,14 +1,18 @@
-// nlg-export: a finished checkpoint → the weights file of the bake-time evaluator, checked against libtorch on real functions.
+// nlg-export: a finished checkpoint → the weights file of the bake-time evaluator, checked against libtorch on real functions;
+// weights → ONNX.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <nlohmann/json.hpp>
 
+#include "export/onnx_export.h"
 #include "export/weights_file/weights_file.h"
 #include "runtime_eval/evaluator/evaluate.h"
 #include "tool/atomic_file.h"
+#include "tool/output_path.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "train/generator/trainer.h"
@@ -17,23 +21,31 @@ namespace nlg {
 namespace {
 
 struct ExportOptions {
+  std::string dtype = "float16";
   int parity_functions = 1024;
   double parity_tolerance = 1e-4;
 };
 
 struct Request {
-  std::string checkpoint, basis, out;
+  std::string checkpoint, basis, out, onnx;
   std::vector<std::string> shards;
 };
 
 // The network's shape as the run stored it in its options.
-TrainOptions storedOptions(const std::string& path, const std::string& options_json, int coefficient_count) {
+TrainOptions storedOptions(const std::string& path, const std::string& options_json) {
   TrainOptions options;
   try {
     const nlohmann::json json = nlohmann::json::parse(options_json);
     options.representation_slope = json.at("representation_slope").get<double>();
-    options.shape = {coefficient_count, json.at("width").get<int>(), json.at("layers").get<int>(),
-                     json.at("generator_slope").get<double>(), json.at("output_scale").get<double>()};
+    options.coefficients = json.at("coefficients").get<int>();
+    options.shape.width = json.at("width").get<int>();
+    options.shape.layer_count = json.at("layers").get<int>();
+    options.shape.slope = json.at("generator_slope").get<double>();
+    options.shape.output_scale = json.at("output_scale").get<double>();
+    options.shape.exact_last_layer = json.at("exact_last_layer").get<bool>();
+    options.shape.correction_steps = json.at("correction_steps").get<int>();
+    options.shape.correction_width = json.at("correction_width").get<int>();
+    options.shape.correction_layers = json.at("correction_layers").get<int>();
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path, "options", "the options of a training run", error.what());
   }
@@ -43,13 +55,57 @@ TrainOptions storedOptions(const std::string& path, const std::string& options_j
 struct Parity {
   double theta = 0.0;   // largest |theta of libtorch - theta of the evaluator|
   double output = 0.0;  // largest difference of the representations that they stand for, at the support points
-  double held_out_rmse = 0.0;
   int64_t functions = 0;
 };
 
 // The larger of the two, and NaN once there was one: std::max would lose it.
 void raise(double& largest, double value) {
   if (!(value <= largest)) largest = value;
+}
+
+// The generator as a baker gets it: from the file's bytes.
+GeneratorData asLoaded(const WeightsFile& file) {
+  WeightsFile parsed;
+  GeneratorData data;
+  WeightsResult result = parseWeights(serializeWeights(file), &parsed);
+  if (result.ok()) result = generatorFromWeights(parsed, &data);
+  if (!result.ok()) throw CheckFailed("exported weights", "a loadable generator", result.detail);
+  return data;
+}
+
+// All that is large: the components and the layers' matrices. The mean stays as it is: its error would be every function's.
+void roundMatrices(WeightsFile* file) {
+  for (auto& [name, tensor] : file->tensors) {
+    if (name != "basis.components" && !name.ends_with(".weight")) continue;
+    const WeightsResult result = roundToFloat16(name, &tensor);
+    if (!result.ok()) throw CheckFailed("weights as float16", "values of at most 65504", result.detail);
+  }
+}
+
+// The same of libtorch's network, so that both sides of the parity check have the numbers of the file.
+void roundMatrices(GeneratorNetwork& network) {
+  const torch::NoGradGuard guard;
+  for (torch::Tensor& parameter : network->parameters()) {
+    if (parameter.dim() == 2) parameter.copy_(parameter.to(torch::kHalf));
+  }
+}
+
+// Functions at equal distances; the i-th of count.
+int64_t spread(const TrainingData& data, int64_t i, int64_t count) { return i * data.functionCount() / count; }
+
+// Mean RMSE of generated theta.
+double meanRmse(const Generator& generator, const TrainingData& data, int limit) {
+  const int64_t count = std::min<int64_t>(limit, data.functionCount());
+  GeneratorScratch scratch(generator);
+  Theta theta(generator.representation().thetaCount());
+  double sum = 0.0;
+  for (int64_t i = 0; i < count; ++i) {
+    const StoredFunction function = data.function(spread(data, i, count));
+    generator.generate(function.phi, 1, theta.data(), &scratch);
+    sum +=
+        functionRmse(generator.representation(), decodeFunction(function, pointOrder(generator.representation())), theta.data());
+  }
+  return sum / static_cast<double>(count);
 }
 
 // Real functions through both: libtorch's network on the coefficients, the evaluator on the bytes.
@@ -62,7 +118,7 @@ Parity compare(const TrainingState& state, const Generator& generator, const Tra
   const PointSet& points = stratifiedSupportPoints();
   AlignedFloats evaluator_values(points.padded_count), torch_values(points.padded_count);
   for (int64_t i = 0; i < parity.functions; ++i) {
-    const int64_t index = i * data.functionCount() / parity.functions;
+    const int64_t index = spread(data, i, parity.functions);
     const torch::Tensor torch_theta = network->forward(coefficientBatch(data, {{index}})).contiguous();
     Theta theta(generator.representation().thetaCount());
     generator.generate(data.function(index).phi, 1, theta.data(), &scratch);
@@ -74,62 +130,86 @@ Parity compare(const TrainingState& state, const Generator& generator, const Tra
     for (int p = 0; p < points.count; ++p) {
       raise(parity.output, std::fabs(double{evaluator_values[p]} - torch_values[p]));
     }
-    parity.held_out_rmse += functionRmse(
-        generator.representation(), decodeFunction(data.function(index), pointOrder(generator.representation())), theta.data());
   }
-  if (parity.functions > 0) parity.held_out_rmse /= static_cast<double>(parity.functions);
   return parity;
 }
 
-void run(const Request& request, const ExportOptions& options, const OptionTable& table) {
-  const BasisFile basis = readBasisFile(request.basis);
-  const RunIdentity identity = readIdentity(request.checkpoint);
-  const std::string basis_sha256 = fileSha256(request.basis);
+// The checkpoint's averaged network, once it is sure that it belongs to the basis.
+TrainingState readState(const Request& request, const RunIdentity& identity, const BasisFile& basis,
+                        const std::string& basis_sha256, Representation* representation, BasisData* used) {
   if (identity.basis_sha256 != basis_sha256) {
     throw InputError(request.basis, "SHA-256", "the basis that the checkpoint was trained on, " + identity.basis_sha256,
                      basis_sha256);
   }
-  Representation representation;
-  if (!findRepresentation(identity.representation, &representation)) {
+  if (!findRepresentation(identity.representation, representation)) {
     throw InputError(request.checkpoint, "representation", representationNames(), "'" + identity.representation + "'");
   }
-  const TrainOptions train_options =
-      storedOptions(request.checkpoint, identity.options_json, basis.basis.data.coefficientCount());
-  representation.slope = static_cast<float>(train_options.representation_slope);
-  TrainingState state = makeState(train_options, Theta(representation.thetaCount()));
+  TrainOptions options = storedOptions(request.checkpoint, identity.options_json);
+  *used = usedBasis(options, basis.basis);
+  options.shape.coefficient_count = used->coefficientCount();
+  representation->slope = static_cast<float>(options.representation_slope);
+  TrainingState state = makeState(options, Theta(representation->thetaCount()));
   readCheckpoint(request.checkpoint, identity, &state);
+  return state;
+}
 
-  // the file is checked as a baker would read it: from its bytes
-  WeightsFile file = weightsFromGenerator(state.average->toData(representation, basis.basis.data));
-  GeneratorData data;
-  WeightsFile parsed;
-  const WeightsResult parse_result = parseWeights(serializeWeights(file), &parsed);
-  if (!parse_result.ok()) throw CheckFailed("exported weights", "a readable file", parse_result.detail);
-  const WeightsResult load_result = generatorFromWeights(parsed, &data);
-  if (!load_result.ok()) throw CheckFailed("exported weights", "a loadable generator", load_result.detail);
-  const TrainingData functions(readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount), basis.basis.data);
-  if (functions.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
-  const Parity parity = compare(state, Generator(data), functions, options.parity_functions);
+void checkParity(const Parity& parity, double held_out_rmse, const ExportOptions& options) {
   double difference = parity.theta;
   raise(difference, parity.output);
-  if (!(difference < options.parity_tolerance) || !std::isfinite(parity.held_out_rmse)) {
-    throw CheckFailed("parity of libtorch and evaluator over " + std::to_string(parity.functions) + " functions",
-                      "a difference below " + std::to_string(options.parity_tolerance), std::to_string(difference));
+  if (difference < options.parity_tolerance && std::isfinite(held_out_rmse)) return;
+  throw CheckFailed("parity of libtorch and evaluator over " + std::to_string(parity.functions) + " functions",
+                    "a difference below " + std::to_string(options.parity_tolerance), std::to_string(difference));
+}
+
+void run(const Request& request, const ExportOptions& options, const OptionTable& table) {
+  if (options.dtype != "float16" && options.dtype != "float32") {
+    throw UsageError("dtype", "float16 or float32", "'" + options.dtype + "'");
   }
+  std::vector<std::string> inputs = request.shards;
+  inputs.insert(inputs.end(), {request.checkpoint, request.basis});
+  refuseToReplaceInputs(request.out, inputs);
+  if (!request.onnx.empty()) {
+    requireOnnxName(request.onnx);
+    refuseToReplaceInputs(request.onnx, inputs);
+  }
+  const BasisFile basis = readBasisFile(request.basis);
+  const RunIdentity identity = readIdentity(request.checkpoint);
+  const std::string basis_sha256 = fileSha256(request.basis);
+  Representation representation;
+  BasisData used;
+  TrainingState state = readState(request, identity, basis, basis_sha256, &representation, &used);
+
+  WeightsFile file = weightsFromGenerator(state.average->toData(representation, used));
+  const Generator unrounded(asLoaded(file));
+  if (options.dtype == "float16") {
+    roundMatrices(&file);
+    roundMatrices(state.average);
+  }
+  const GeneratorData data = asLoaded(file);
+  const Generator generator(data);
+  const TrainingData functions(readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount), data.basis);
+  if (functions.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
+  const Parity parity = compare(state, generator, functions, options.parity_functions);
+  const double held_out_rmse = meanRmse(generator, functions, options.parity_functions);
+  checkParity(parity, held_out_rmse, options);
 
   const nlohmann::ordered_json origin =
       provenance("nlg-export", table.toJson(), {{"checkpoint", fileSha256(request.checkpoint)}, {"basis", basis_sha256}});
+  file.metadata["training_options"] = identity.options_json;
   file.metadata["training_set_sha256"] = identity.training_set_sha256;
   file.metadata["training_functions"] = std::to_string(basis.basis.function_count);
-  file.metadata["held_out_rmse_mean"] = std::to_string(parity.held_out_rmse);
+  file.metadata["held_out_rmse_mean"] = std::to_string(held_out_rmse);
   file.metadata["parity_theta"] = std::to_string(parity.theta);
   file.metadata["provenance"] = origin.dump();
   writeFileAtomically(request.out, serializeWeights(file));
+  if (!request.onnx.empty()) writeOnnx(request.out, file, data, fileSha256(request.out), request.onnx);
   const nlohmann::ordered_json result = {{"representation", identity.representation},
+                                         {"dtype", options.dtype},
                                          {"parity_functions", parity.functions},
                                          {"parity_theta", parity.theta},
                                          {"parity_output", parity.output},
-                                         {"held_out_rmse", parity.held_out_rmse}};
+                                         {"held_out_rmse", held_out_rmse},
+                                         {"held_out_rmse_float32", meanRmse(unrounded, functions, options.parity_functions)}};
   std::cout << result.dump() << '\n';
 }
 
@@ -137,10 +217,15 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
 }  // namespace nlg
 
 int main(int argc, char** argv) {
-  CLI::App app{"Exports a trained generator for the bake-time evaluator and checks the two against each other.", "nlg-export"};
+  if (argc > 1 && std::strcmp(argv[1], "onnx") == 0) return nlg::onnxMain(argc - 1, argv + 1);
+  CLI::App app{
+      "Exports a trained generator for the bake-time evaluator and checks the two against each other.\n"
+      "nlg-export onnx --weights FILE --out FILE: weights as ONNX.",
+      "nlg-export"};
   nlg::Request request;
   nlg::ExportOptions options;
   nlg::OptionTable table("export");
+  table.add("dtype", &options.dtype, "of the file's matrices: float16 or float32; the rest is float32");
   table.add("parity_functions", &options.parity_functions, "real functions on which libtorch and the evaluator are compared", 1,
             1000000);
   table.add("parity_tolerance", &options.parity_tolerance, "largest difference allowed, of theta and of what it stands for", 0.0,
@@ -149,5 +234,6 @@ int main(int argc, char** argv) {
   app.add_option("--basis", request.basis, "the basis that it was trained on")->required();
   app.add_option("--shards", request.shards, "real functions to compare on (held-out shards)")->required();
   app.add_option("--out", request.out, "the weights to write (.safetensors)")->required();
+  app.add_option("--onnx", request.onnx, "the generator as ONNX too (.onnx)");
   return nlg::runTool(argc, argv, app, table, [&] { nlg::run(request, options, table); });
 }

@@ -50,6 +50,8 @@ void check(const Request& request, const TrainOptions& options) {
   require(processes.count == 1 || !processes.rendezvous.empty(), "--rendezvous", "a file through which the processes meet",
           "none");
   require(processes.count == 1 || !request.find_rate, "--find-rate", "one process", std::to_string(processes.count));
+  require((options.point_batches & (options.point_batches - 1)) == 0, "point_batches", "1, 2, 4 or 8",
+          std::to_string(options.point_batches));
   require(processes.count <= options.batch, "--world-size", "at most --batch processes", std::to_string(processes.count));
 }
 
@@ -60,11 +62,12 @@ torch::Device findDevice(const std::string& name) {
   return torch::kCUDA;
 }
 
-TrainingData readTrainingData(const Request& request, const BasisFile& basis) {
+// used   the basis, or as much of it as the options say
+TrainingData readTrainingData(const Request& request, const BasisFile& basis, const BasisData& used) {
   if (request.cache.empty()) {
     FunctionSet set = readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount);
     if (set.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
-    return TrainingData(std::move(set), basis.basis.data, FunctionOrder::cache);
+    return TrainingData(std::move(set), used, FunctionOrder::cache);
   }
   auto cache = std::make_unique<FunctionCache>(request.cache);
   const std::string basis_sha256 = fileSha256(request.basis);
@@ -72,7 +75,7 @@ TrainingData readTrainingData(const Request& request, const BasisFile& basis) {
     throw InputError(request.cache, "basis", "one made with " + request.basis + ", " + basis_sha256,
                      cache->origin().basis_sha256);
   }
-  return TrainingData(std::move(cache), basis.basis.data);
+  return TrainingData(std::move(cache), basis.basis.data, used.class_count);
 }
 
 // Goes on from the run's latest checkpoint when there is one of this very run.
@@ -108,7 +111,7 @@ void printRate(const Request& request, const RateFinding& finding) {
 void printReport(const Request& request, const TrainingData& training, const TrainingState& state, const TrainReport& report) {
   const nlohmann::ordered_json result = {
       {"representation", request.representation}, {"functions", training.functionCount()}, {"steps", state.step},
-      {"held_out_rmse", report.held_out_rmse},    {"rollbacks", state.rollbacks},          {"elapsed_s", report.elapsed_s},
+      {"held_out_generated", report.held_out.generated}, {"held_out_rmse", report.held_out.final},    {"rollbacks", state.rollbacks},          {"elapsed_s", report.elapsed_s},
       {"samples_per_s", report.samples_per_s}};
   std::cout << result.dump() << '\n';
 }
@@ -123,9 +126,10 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   options.device = findDevice(request.device);
   at::set_num_threads(options.threads);
   const BasisFile basis = readBasisFile(request.basis);
-  options.shape.coefficient_count = basis.basis.data.coefficientCount();
-  const TrainingData training = readTrainingData(request, basis);
-  const TrainingData held_out(readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount), basis.basis.data);
+  const BasisData used = usedBasis(options, basis.basis);
+  options.shape.coefficient_count = used.coefficientCount();
+  const TrainingData training = readTrainingData(request, basis, used);
+  const TrainingData held_out(readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount), used);
   if (held_out.functionCount() == 0)
     throw InputError(request.held_out.front(), "functions", "at least one in all shards", "none");
   requireSeparate(request, training, held_out);

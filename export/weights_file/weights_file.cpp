@@ -10,6 +10,7 @@
 #include <limits>
 #include <memory>
 
+#include "export/weights_file/half.h"
 #include "export/weights_file/header_parser.h"
 
 static_assert(std::endian::native == std::endian::little, "tensors are copied as they lie in the file");
@@ -65,12 +66,13 @@ WeightsResult readHeader(const Source& source, WeightsHeader* header, uint64_t* 
 // One tensor by itself: dtype, alignment in the file, and a shape that fills its range exactly.
 WeightsResult checkTensor(const std::string& name, const TensorEntry& tensor, uint64_t data_offset) {
   constexpr WeightsStatus kMalformed = WeightsStatus::tensor_malformed;
-  const bool padding = isPadding(name);
-  if (tensor.dtype != (padding ? "U8" : "F32")) {
-    return refuseTensor(kMalformed, name, std::string("dtype is not ") + (padding ? "U8" : "F32"));
+  const bool padding = isPadding(name), half = tensor.dtype == "F16";
+  if (padding ? tensor.dtype != "U8" : !half && tensor.dtype != "F32") {
+    return refuseTensor(kMalformed, name, std::string("dtype is not ") + (padding ? "U8" : "F32 or F16"));
   }
   uint64_t bytes = 0;
-  if (!tensorBytes(tensor.shape, padding ? 1 : sizeof(float), &bytes)) return refuseTensor(kMalformed, name, "shape too large");
+  if (!tensorBytes(tensor.shape, padding ? 1 : half ? sizeof(Half) : sizeof(float), &bytes))
+    return refuseTensor(kMalformed, name, "shape too large");
   if (tensor.begin > tensor.end || tensor.end - tensor.begin != bytes) {
     return refuseTensor(kMalformed, name, "shape and data_offsets disagree");
   }
@@ -103,14 +105,29 @@ WeightsResult checkCoverage(const WeightsHeader& header, uint64_t data_bytes) {
   return {};
 }
 
+size_t elementBytes(WeightsDtype dtype) { return dtype == WeightsDtype::float16 ? sizeof(Half) : sizeof(float); }
+
+// halves   as many as there are values; may lie in the values themselves, at their end
+void widen(const char* halves, std::vector<float>* values) {
+  for (size_t i = 0; i < values->size(); ++i) {
+    Half half;
+    std::memcpy(&half, halves + i * sizeof(Half), sizeof(Half));
+    (*values)[i] = floatFromHalf(half);
+  }
+}
+
 WeightsResult readTensor(const Source& source, const std::string& name, const TensorEntry& entry, uint64_t data_offset,
                          WeightsTensor* tensor) {
   tensor->shape = entry.shape;
-  tensor->values.resize((entry.end - entry.begin) / sizeof(float));
-  if (!tensor->values.empty() &&
-      !source.read(data_offset + entry.begin, tensor->values.data(), tensor->values.size() * sizeof(float))) {
+  tensor->dtype = entry.dtype == "F16" ? WeightsDtype::float16 : WeightsDtype::float32;
+  const size_t bytes = entry.end - entry.begin;
+  tensor->values.resize(bytes / elementBytes(tensor->dtype));
+  // halves are read into the upper half of their floats, so that widening from the front overwrites only what has been read
+  char* first = reinterpret_cast<char*>(tensor->values.data()) + (tensor->values.size() * sizeof(float) - bytes);
+  if (bytes > 0 && !source.read(data_offset + entry.begin, first, bytes)) {
     return refuseTensor(WeightsStatus::cannot_read, name, "read error");
   }
+  if (tensor->dtype == WeightsDtype::float16) widen(first, &tensor->values);
   for (size_t i = 0; i < tensor->values.size(); ++i) {
     if (std::isfinite(tensor->values[i])) continue;
     return refuseTensor(WeightsStatus::value_not_finite, name, "value " + std::to_string(i));
@@ -163,6 +180,18 @@ std::string metadataEntry(const std::map<std::string, std::string>& metadata) {
     text += jsonQuoted(key) + ":" + jsonQuoted(value);
   }
   return text + "}";
+}
+
+void appendValues(const WeightsTensor& tensor, std::string* data) {
+  if (tensor.dtype == WeightsDtype::float32) {
+    data->append(reinterpret_cast<const char*>(tensor.values.data()), tensor.values.size() * sizeof(float));
+    return;
+  }
+  for (const float value : tensor.values) {
+    Half half{0x7e00};  // not a number, which readers refuse, for what is beyond float16
+    halfFromFloat(value, &half);
+    data->append(reinterpret_cast<const char*>(&half), sizeof half);
+  }
 }
 
 uint64_t missingToAlignment(uint64_t bytes) { return (kAlignment - bytes % kAlignment) % kAlignment; }
@@ -227,6 +256,22 @@ WeightsResult parseWeights(std::string_view bytes, WeightsFile* file) {
   return readSource({bytes.size(), read}, file);
 }
 
+WeightsResult roundToFloat16(const std::string& name, WeightsTensor* tensor) {
+  std::vector<float> rounded;
+  rounded.reserve(tensor->values.size());
+  for (const float value : tensor->values) {
+    Half half;
+    if (!halfFromFloat(value, &half)) {
+      return refuseTensor(WeightsStatus::value_out_of_range, name,
+                          "value " + std::to_string(rounded.size()) + " is beyond float16: " + std::to_string(value));
+    }
+    rounded.push_back(floatFromHalf(half));
+  }
+  tensor->values = std::move(rounded);
+  tensor->dtype = WeightsDtype::float16;
+  return {};
+}
+
 std::string serializeWeights(const WeightsFile& file) {
   std::string header = "{" + metadataEntry(file.metadata), data;
   uint64_t offset = 0, padding_count = 0;
@@ -237,9 +282,9 @@ std::string serializeWeights(const WeightsFile& file) {
       header += "," + headerEntry(padding_name, "U8", {padding_bytes}, padding_bytes, &offset);
       data.append(padding_bytes, '\0');
     }
-    const size_t bytes = tensor.values.size() * sizeof(float);
-    header += "," + headerEntry(name, "F32", tensor.shape, bytes, &offset);
-    data.append(reinterpret_cast<const char*>(tensor.values.data()), bytes);
+    const size_t bytes = tensor.values.size() * elementBytes(tensor.dtype);
+    header += "," + headerEntry(name, tensor.dtype == WeightsDtype::float16 ? "F16" : "F32", tensor.shape, bytes, &offset);
+    appendValues(tensor, &data);
   }
   header += "}";
   header.append(missingToAlignment(kLengthBytes + header.size()), ' ');

@@ -26,7 +26,8 @@ Generator::Generator(const GeneratorData& data, GeneratorPrecision precision)
       projection_(data.basis, precision),
       theta0_(data.theta0),
       output_scale_(data.output_scale),
-      correction_step_count_(data.correction.step_count) {
+      correction_step_count_(data.correction.step_count),
+      exact_last_layer_(data.correction.exact_last_layer) {
   // the last layers yield theta itself and its change
   std::vector<GeneratorLayer> layers = data.layers, correction = data.correction.layers;
   foldOutput(data.output_scale, &data.theta0, &layers.back());

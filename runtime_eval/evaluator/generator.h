@@ -23,6 +23,7 @@ inline constexpr int kWeightsVersion = 1;
 // and says how theta should change. Same layers as the generator's; inputs are CorrectionFeatures (below) in their order.
 struct CorrectionData {
   int step_count = 0;                  // times that it is to be applied; 0: the generator has none
+  bool exact_last_layer = false;       // the last layer is solved before every measurement (networks with a linear output)
   std::vector<GeneratorLayer> layers;  // K + 2 D + 2 inputs; the last one has D outputs, times output_scale
 };
 
@@ -88,6 +89,7 @@ class Generator {
 
   // Learned correction steps, for Corrector (fit/correction.h); 0 steps and no layers when the weights have none. Always float32.
   int correctionStepCount() const { return correction_step_count_; }
+  bool exactLastLayer() const { return exact_last_layer_; }
   const LayerStack& correctionLayers() const { return correction_layers_; }
   const float* outputScale() const { return output_scale_.data(); }
 
@@ -102,6 +104,7 @@ class Generator {
   LayerStack layers_;
   std::vector<float> theta0_, output_scale_;
   int correction_step_count_ = 0;
+  bool exact_last_layer_ = false;
   LayerStack correction_layers_;
 };
 

@@ -166,7 +166,14 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
   readBasis(reader, &data->basis);
   const int theta_count = data->representation.thetaCount();
   if (reader.ok()) data->layers = readLayers(reader, "", data->basis.coefficientCount(), theta_count);
-  // files without correction steps say nothing of them
+  // files without them say nothing of exact last layers and of correction steps
+  if (reader.ok() && file.metadata.count("correction.exact_last_layer") != 0) {
+    data->correction.exact_last_layer = reader.integer("correction.exact_last_layer", 0, 1) == 1;
+    const bool is_linear = !data->representation.isField() && data->representation.shape().output == OutputFunction::linear;
+    if (data->correction.exact_last_layer && !is_linear) {
+      reader.fail(WeightsStatus::value_out_of_range, "metadata correction.exact_last_layer: the representation's output is not linear");
+    }
+  }
   if (reader.ok() && file.metadata.count("correction.steps") != 0) {
     data->correction.step_count = reader.integer("correction.steps", 1, kLargestCorrectionStepCount);
     const CorrectionFeatures features{data->basis.coefficientCount(), theta_count};
@@ -198,6 +205,7 @@ WeightsFile weightsFromGenerator(const GeneratorData& data) {
   file.tensors["basis.components"] = {{count, octant}, data.basis.components};
   file.tensors["basis.deviation"] = {{count}, data.basis.deviation};
   writeLayers(data.layers, "", &file);
+  if (data.correction.exact_last_layer) file.metadata["correction.exact_last_layer"] = "1";
   if (data.correction.step_count > 0) {
     file.metadata["correction.steps"] = std::to_string(data.correction.step_count);
     writeLayers(data.correction.layers, "correction", &file);

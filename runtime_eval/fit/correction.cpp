@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/loss_kernel.h"
 
 namespace nlg {

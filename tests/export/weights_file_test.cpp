@@ -21,6 +21,7 @@ WeightsFile smallFile() {
   file.tensors["empty"] = {{0, 5}, {}};
   file.tensors["layer.0"] = {{2, 4, 2}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}};
   file.tensors["slope"] = {{}, {0.01f}};
+  file.tensors["z.half"] = {{3, 1}, {-65504.0f, 0x1p-24f, 0.333251953125f}, WeightsDtype::float16};
   file.metadata = {{"representation", "tent_mlp"}, {"note", "quote \" back\\slash\n tab\t \x01 é 𝄞"}, {"", "empty key"}};
   return file;
 }
@@ -32,6 +33,7 @@ void expectEqual(const WeightsFile& a, const WeightsFile& b) {
     ASSERT_EQ(b.tensors.count(name), 1u) << name;
     EXPECT_EQ(tensor.shape, b.tensors.at(name).shape) << name;
     EXPECT_EQ(tensor.values, b.tensors.at(name).values) << name;
+    EXPECT_EQ(tensor.dtype, b.tensors.at(name).dtype) << name;
   }
 }
 
@@ -96,10 +98,11 @@ TEST(WeightsWriter, WritesAValidSafetensorsHeader) {
     if (name == "__metadata__") continue;
     const size_t begin = tensor["data_offsets"][0], end = tensor["data_offsets"][1];
     const bool padding = name.rfind("padding.", 0) == 0;
-    EXPECT_EQ(tensor["dtype"], padding ? "U8" : "F32") << name;
+    const bool half = name == "z.half";
+    EXPECT_EQ(tensor["dtype"], padding ? "U8" : half ? "F16" : "F32") << name;
     size_t count = 1;
     for (const size_t n : tensor["shape"]) count *= n;
-    EXPECT_EQ(end - begin, count * (padding ? 1 : 4)) << name;
+    EXPECT_EQ(end - begin, count * (padding ? 1 : half ? 2 : 4)) << name;
     if (!padding) {
       EXPECT_EQ((data_offset + begin) % 64, 0u) << name;
     }
@@ -113,6 +116,20 @@ TEST(WeightsWriter, WritesAValidSafetensorsHeader) {
     covered = end;
   }
   EXPECT_EQ(data_offset + covered, bytes.size());
+}
+
+TEST(WeightsWriter, RoundsToFloat16OnlyWhatFits) {
+  WeightsTensor tensor{{4}, {1.0f, 0.1f, -3e-9f, 65504.0f}};
+  ASSERT_TRUE(roundToFloat16("a", &tensor).ok());
+  EXPECT_EQ(tensor.dtype, WeightsDtype::float16);
+  // 0.1 is 1638.4 units of 2^-14; what is less than half of 2^-24 becomes zero
+  EXPECT_EQ(tensor.values, (std::vector<float>{1.0f, 1638.0f / 16384, -0.0f, 65504.0f}));
+  WeightsTensor large{{2}, {1.0f, 1e5f}};
+  const WeightsResult refused = roundToFloat16("a", &large);
+  EXPECT_EQ(refused.status, WeightsStatus::value_out_of_range);
+  EXPECT_EQ(refused.detail, "tensor \"a\": value 1 is beyond float16: 100000.000000");
+  EXPECT_EQ(large.dtype, WeightsDtype::float32);
+  EXPECT_EQ(large.values, (std::vector<float>{1.0f, 1e5f}));
 }
 
 TEST(WeightsReader, ReadsAFileAndSaysWhyNot) {
@@ -249,7 +266,10 @@ TEST(WeightsReader, RefusesTensorsThatDoNotFitTheirBytes) {
     return "\"" + name + "\":{\"dtype\":\"" + dtype + "\",\"shape\":[" + shape + "],\"data_offsets\":[" + range + "]}";
   };
   constexpr WeightsStatus kMalformed = WeightsStatus::tensor_malformed;
-  EXPECT_EQ(statusOfTensors(tensor("a", "F16", "2", "0,4"), 4), kMalformed) << "dtype";
+  EXPECT_EQ(statusOfTensors(tensor("a", "F64", "1", "0,8"), 8), kMalformed) << "dtype";
+  EXPECT_EQ(statusOfTensors(tensor("a", "F16", "2", "0,4"), 4), WeightsStatus::ok);
+  EXPECT_EQ(statusOfTensors(tensor("a", "F16", "1", "0,4"), 4), kMalformed) << "shape of halves";
+  EXPECT_EQ(statusOfTensors(tensor("padding.0", "F16", "2", "0,4"), 4), kMalformed) << "filler of halves";
   EXPECT_EQ(statusOfTensors(tensor("a", "U8", "4", "0,4"), 4), kMalformed) << "dtype of fillers";
   EXPECT_EQ(statusOfTensors(tensor("padding.0", "F32", "1", "0,4"), 4), kMalformed) << "filler of numbers";
   EXPECT_EQ(statusOfTensors(tensor("a", "F32", "2", "0,4"), 4), kMalformed) << "shape";
@@ -279,6 +299,9 @@ TEST(WeightsReader, RefusesNumbersThatAreNotFinite) {
     const WeightsResult result = parseWeights(serializeWeights(file), &file);
     EXPECT_EQ(result.status, WeightsStatus::value_not_finite);
     EXPECT_EQ(result.detail, "tensor \"layer.0\": value 7");
+    file = smallFile();
+    file.tensors["z.half"].values[1] = bad;
+    EXPECT_EQ(parseWeights(serializeWeights(file), &file).detail, "tensor \"z.half\": value 1");
   }
 }
 

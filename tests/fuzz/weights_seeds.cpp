@@ -38,6 +38,7 @@ WeightsFile smallFile() {
   WeightsFile file;
   file.tensors["empty"] = {{0, 5}, {}};
   file.tensors["layer"] = {{2, 2}, {0.0f, -1.0f, 2.5f, 1e-20f}};
+  file.tensors["half"] = {{2}, {1.0f, -0.5f}, WeightsDtype::float16};
   file.tensors["scalar"] = {{}, {0.01f}};
   file.metadata = {{"note", "quote \" back\\slash\n\x01 é 𝄞"}, {"", "empty key"}};
   return file;

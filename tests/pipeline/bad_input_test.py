@@ -45,7 +45,7 @@ def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):
         return
     lines = result.stderr.splitlines()
     # a command of a tool names itself: "nlg-datagen info: error: "
-    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view") else tool
+    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx") else tool
     errors = [line for line in lines if line.startswith(f"{name}: error: ")]
     if result.returncode != exit_code:
         failures.append(f"{command}: exit code {result.returncode}, expected {exit_code}\n    {result.stderr.strip()}")
@@ -146,6 +146,11 @@ def check_command_lines():
         refuses(USAGE_ERROR, ["extent_m"], outputs, "nlg-datagen", *arguments, f"--extent-m={extent}")
     for seed in ["", "x", "-1", "1.5", "9" * 30]:
         refuses(USAGE_ERROR, ["--scene"], outputs, "nlg-datagen", "--scene", f"house:{seed}", "--out", "bad.h5")
+    arguments, outputs = arguments_of("nlg-export")
+    refuses(USAGE_ERROR, ["dtype", "float8"], outputs, "nlg-export", *arguments, "--dtype", "float8")
+    refuses(USAGE_ERROR, [".onnx"], ["bad.safetensors", "bad.bin"], "nlg-export", *arguments, "--onnx", "bad.bin")
+    refuses(USAGE_ERROR, [".onnx"], ["bad.bin"], "nlg-export", "onnx", "--weights", "weights.safetensors", "--out", "bad.bin")
+    refuses(INPUT_ERROR, ["basis.h5"], ["bad.onnx"], "nlg-export", "onnx", "--weights", "basis.h5", "--out", "bad.onnx")
     arguments, outputs = arguments_of("nlg-train", {"tent_mlp": "pf4"})
     refuses(USAGE_ERROR, ["--representation", "pf4"], outputs, "nlg-train", *arguments)
     arguments, outputs = arguments_of("nlg-train")
@@ -339,7 +344,11 @@ def check_bakes():
     out = ["--out", "bad_grid.safetensors"]
     refuses(USAGE_ERROR, ["--weights", "tent_mlp"], ["bad_grid.safetensors"], "nlg-bake", "house:1", "--weights", "weights.safetensors", "again.safetensors", *out)
     refuses(USAGE_ERROR, ["--out", "no input"], [], "nlg-bake", "house:1", "--weights", "weights.safetensors", "--out", "./weights.safetensors")
-    refuses(USAGE_ERROR, ["--weights"], ["bad_grid.safetensors"], "nlg-bake", "house:1", *out)
+    # without weights: those that ship, of which this folder has none
+    os.environ["NLG_WEIGHTS"] = "folder"
+    refuses(USAGE_ERROR, ["--weights", "pf5.safetensors", "folder"], ["bad_grid.safetensors"], "nlg-bake", "house:1", "--representation", "pf5", *out)
+    refuses(USAGE_ERROR, ["representation", "'pf4'"], ["bad_grid.safetensors"], "nlg-bake", "house:1", "--representation", "pf4", *out)
+    del os.environ["NLG_WEIGHTS"]
     arguments, outputs = arguments_of("nlg-bake", {"house:1": "bare.gltf"})
     refuses(INPUT_ERROR, ["bare.gltf", "triangle"], outputs, "nlg-bake", *arguments)
     for scene in ["missing.glb", "castle:3", "folder"]:

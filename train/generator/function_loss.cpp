@@ -1,69 +1,83 @@
 #include "train/generator/function_loss.h"
 
 #include <ATen/Parallel.h>
-#include <torch/csrc/autograd/custom_function.h>
 
+#include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/loss_kernel.h"
 
 namespace nlg {
 namespace {
 
-struct LossInputs {
-  const Representation* representation;
-  const TrainingData* data;
-  const std::vector<Sample>* samples;
+constexpr int64_t kSamplesATask = 8;
+
+// The points of a sample as the kernels read them.
+struct DecodedSample {
+  int first = 0, count = 0, valid_count = 0;  // places of the point order
+  AlignedFloats phi, mask;
+
+  void decode(const PointOrder& order, const TrainingData& data, const Sample& sample) {
+    const int end = sample.batch + sample.batch_count;
+    first = order.batch_begin[sample.batch];
+    count = order.batch_begin[end] - first;
+    phi.resize(count);
+    mask.resize(count);
+    valid_count = 0;
+    for (int batch = sample.batch; batch < end; ++batch) {
+      const int offset = order.batch_begin[batch] - first;
+      valid_count += decodeBatch(order, batch, data.function(sample.function), sample.mirror, &phi[offset], &mask[offset]);
+    }
+  }
 };
 
-// Mean squared error of one sample; gradient is D floats.
-float sampleLoss(const LossInputs& inputs, const Sample& sample, const float* theta, float* gradient) {
-  const PointOrder& order = pointOrder(*inputs.representation);
-  thread_local AlignedFloats phi, mask;
-  const int first = order.batch_begin[sample.batch], count = order.batch_begin[sample.batch + 1] - first;
-  phi.resize(count);
-  mask.resize(count);
-  const int valid_count =
-      decodeBatch(order, sample.batch, inputs.data->function(sample.function), sample.mirror, phi.data(), mask.data());
-  const float scale = valid_count > 0 ? 1.0f / static_cast<float>(valid_count) : 0.0f;
-  const double sum = lossAndGradient(*inputs.representation, first, count, phi.data(), mask.data(), theta, gradient);
-  for (int i = 0; i < inputs.representation->thetaCount(); ++i) gradient[i] *= scale;
-  return static_cast<float>(sum) * scale;
+// Calls visit(b, decoded sample b) for every sample, on libtorch's threads.
+template <class Visit>
+void forEachSample(const Representation& representation, const TrainingData& data, const std::vector<Sample>& samples,
+                   const Visit& visit) {
+  const PointOrder& order = pointOrder(representation);
+  at::parallel_for(0, static_cast<int64_t>(samples.size()), kSamplesATask, [&](int64_t begin, int64_t end) {
+    thread_local DecodedSample decoded;
+    for (int64_t b = begin; b < end; ++b) {
+      decoded.decode(order, data, samples[b]);
+      visit(b, decoded);
+    }
+  });
 }
-
-class FunctionLoss : public torch::autograd::Function<FunctionLoss> {
- public:
-  static torch::Tensor forward(torch::autograd::AutogradContext* context, const torch::Tensor& theta, int64_t inputs_address) {
-    const LossInputs& inputs = *reinterpret_cast<const LossInputs*>(inputs_address);
-    const torch::Tensor contiguous = theta.contiguous();
-    const auto count = static_cast<int64_t>(inputs.samples->size());
-    torch::Tensor losses = torch::empty({count}), gradients = torch::empty({count, contiguous.size(1)});
-    const float* theta_values = contiguous.data_ptr<float>();
-    float* loss_values = losses.data_ptr<float>();
-    float* gradient_values = gradients.data_ptr<float>();
-    const int64_t theta_count = contiguous.size(1);
-    at::parallel_for(0, count, 8, [&](int64_t begin, int64_t end) {
-      for (int64_t b = begin; b < end; ++b) {
-        loss_values[b] =
-            sampleLoss(inputs, (*inputs.samples)[b], theta_values + b * theta_count, gradient_values + b * theta_count);
-      }
-    });
-    context->save_for_backward({gradients});
-    return losses;
-  }
-
-  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
-                                                 torch::autograd::variable_list loss_gradients) {
-    const torch::Tensor gradients = context->get_saved_variables()[0];
-    return {gradients * loss_gradients[0].unsqueeze(1), torch::Tensor()};
-  }
-};
 
 }  // namespace
 
-torch::Tensor functionLoss(const torch::Tensor& theta, const Representation& representation, const TrainingData& data,
-                           const std::vector<Sample>& samples) {
-  // the inputs outlive the forward pass, which alone reads them: the backward pass uses the saved gradients
-  const LossInputs inputs{&representation, &data, &samples};
-  return FunctionLoss::apply(theta, reinterpret_cast<int64_t>(&inputs));
+ThetaErrors measureTheta(const torch::Tensor& theta, const Representation& representation, const TrainingData& data,
+                         const std::vector<Sample>& samples) {
+  const torch::Tensor values = theta.detach().contiguous();
+  const int64_t count = values.size(0), D = values.size(1);
+  ThetaErrors errors{torch::empty({count}), torch::empty({count, D})};
+  const float* theta_values = values.data_ptr<float>();
+  float* mean_squares = errors.mean_square.data_ptr<float>();
+  float* gradients = errors.gradient.data_ptr<float>();
+  forEachSample(representation, data, samples, [&](int64_t b, const DecodedSample& sample) {
+    float* gradient = gradients + b * D;
+    const double sum = lossAndGradient(representation, sample.first, sample.count, sample.phi.data(), sample.mask.data(),
+                                       theta_values + b * D, gradient);
+    const float scale = sample.valid_count > 0 ? 1.0f / static_cast<float>(sample.valid_count) : 0.0f;
+    mean_squares[b] = static_cast<float>(sum) * scale;
+    for (int64_t d = 0; d < D; ++d) gradient[d] *= scale;
+  });
+  return errors;
+}
+
+torch::Tensor differentiable(const ThetaErrors& errors, const torch::Tensor& theta) {
+  return errors.mean_square + (errors.gradient * (theta - theta.detach())).sum(1);
+}
+
+torch::Tensor solveLastLayers(const torch::Tensor& theta, const Representation& representation, const TrainingData& data,
+                              const std::vector<Sample>& samples) {
+  torch::Tensor solved = theta.detach().clone(torch::MemoryFormat::Contiguous);
+  const int64_t D = solved.size(1);
+  float* values = solved.data_ptr<float>();
+  forEachSample(representation, data, samples, [&](int64_t b, const DecodedSample& sample) {
+    solveLastLayer(representation, sample.first, sample.count, sample.phi.data(), sample.mask.data(), values + b * D);
+  });
+  const int64_t last = representation.shape().w3();
+  return torch::cat({theta.slice(1, 0, last), solved.slice(1, last)}, 1);
 }
 
 }  // namespace nlg

@@ -16,6 +16,10 @@ struct GeneratorShape {
   int layer_count = 6;         // the last one yields theta
   double slope = 0.01;         // LeakyReLU
   double output_scale = 0.05;  // theta = theta0 + output_scale * last layer: keeps Adam's first steps small in theta
+  bool exact_last_layer = true;  // networks with a linear output: the last layer is solved after the generator and every correction
+  int correction_steps = 3;      // 0: none, and no correction network
+  int correction_width = 256;
+  int correction_layers = 4;
 };
 
 // The formulas of GeneratorData (runtime_eval/evaluator/generator.h), differentiable. The last layer starts at zero: the
@@ -27,12 +31,24 @@ class GeneratorNetworkImpl : public torch::nn::Module {
   // coefficients B x K → theta B x D
   torch::Tensor forward(torch::Tensor coefficients);
 
+  const GeneratorShape& shape() const { return shape_; }
+  bool solvesLastLayer(const Representation& representation) const {
+    return shape_.exact_last_layer && !representation.isField() && representation.shape().output == OutputFunction::linear;
+  }
+
+  // What a correction step reads, B x CorrectionFeatures::count().
+  // theta, gradient   B x D; mean_square   B: of that theta
+  torch::Tensor correctionFeatures(const torch::Tensor& coefficients, const torch::Tensor& theta, const torch::Tensor& mean_square,
+                                   const torch::Tensor& gradient) const;
+  // The change of theta that it proposes, B x D; zero before any training.
+  torch::Tensor correction(torch::Tensor features);
+
   // Its present numbers for the evaluator.
   GeneratorData toData(const Representation& representation, const BasisData& basis) const;
 
  private:
   GeneratorShape shape_;
-  std::vector<torch::nn::Linear> layers_;
+  std::vector<torch::nn::Linear> layers_, correction_layers_;
   torch::Tensor theta0_;
 };
 TORCH_MODULE(GeneratorNetwork);

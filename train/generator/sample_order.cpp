@@ -65,13 +65,15 @@ SampleOrder::SampleOrder(int64_t function_count, std::vector<uint32_t> hard, con
 
 std::vector<Sample> SampleOrder::samples(int64_t draw) {
   Random random(mixSeed(options_.seed, 2, static_cast<uint64_t>(draw)));
+  const int group_count = options_.point_batch_count / options_.point_batches;
   std::vector<Sample> samples;
   for (int order = 0; order < orderCount(); ++order) {
     for (int64_t position = draw * countOf(order); position < (draw + 1) * countOf(order); ++position) {
       const int64_t item = orders_[order].item(position);
       samples.push_back({order == 0 ? item : int64_t{hard_[static_cast<size_t>(item)]},
                          static_cast<int>(random.below(kMirrorCount)),
-                         static_cast<int>(random.below(static_cast<uint32_t>(options_.point_batch_count)))});
+                         options_.point_batches * static_cast<int>(random.below(static_cast<uint32_t>(group_count))),
+                         options_.point_batches});
     }
   }
   return samples;

@@ -8,11 +8,12 @@
 
 namespace nlg {
 
-// One sample of a training step: which function, mirrored how, judged on which batch of its points (point_order.h).
+// One sample of a training step: which function, mirrored how, judged on which batches of its points (point_order.h).
 struct Sample {
   int64_t function = 0;
   int mirror = 0;
-  int batch = 0;
+  int batch = 0;        // the first of them
+  int batch_count = 1;  // neighbours
 };
 
 // Blocks a window: so many functions are shuffled among each other, and lie in memory together.
@@ -46,6 +47,7 @@ class SampleOrder {
   struct Options {
     int batch = 256;            // samples a draw
     int point_batch_count = 1;  // batches of points that there are to draw from
+    int point_batches = 1;      // of them a sample is judged on; a divisor of point_batch_count
     double hard_share = 0.0;    // of every batch, rounded to whole samples: from an order of their own over the hard functions
     uint64_t seed = 1;
   };

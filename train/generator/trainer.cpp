@@ -42,11 +42,6 @@ double scheduledRate(const TrainOptions& options, const TrainingState& state, in
   return std::ldexp(oneCycleRate(options, step), -state.rollbacks);
 }
 
-// theta of samples, on the processor.
-torch::Tensor generateTheta(GeneratorNetwork& network, const TrainingData& data, const std::vector<Sample>& samples) {
-  return network->forward(coefficientBatch(data, samples).to(network->parameters().front().device())).cpu();
-}
-
 void setRate(torch::optim::Adam& optimizer, double rate) {
   for (auto& group : optimizer.param_groups()) static_cast<torch::optim::AdamOptions&>(group.options()).lr(rate);
 }
@@ -55,11 +50,11 @@ void requireFinite(double value, int64_t step, const char* quantity) {
   if (!std::isfinite(value)) throw NumericalError("train", "step " + std::to_string(step), quantity, value);
 }
 
-// Loss of each sample.
+// Loss of each sample: the mean over the stages of its theta.
 torch::Tensor stepLosses(const TrainOptions& options, const Representation& representation, const TrainingData& data,
                          const std::vector<Sample>& samples, TrainingState& state) {
-  const torch::Tensor theta = generateTheta(state.network, data, samples);
-  return (functionLoss(theta, representation, data, samples) + 1e-6).pow(options.error_power);
+  const ThetaStages stages = runStages(state.network, representation, data, samples);
+  return (torch::stack(stages.mean_squares) + 1e-6).pow(options.error_power).mean(0);
 }
 
 // This process's share of a batch.
@@ -115,17 +110,20 @@ void agree(const TrainingState& state, const ProcessGroup& processes) {
   }
 }
 
-std::string logLine(const TrainOptions& options, const TrainingState& state, double loss, double held_out_rmse) {
+std::string logLine(const TrainOptions& options, const TrainingState& state, double loss, const HeldOutError& held_out) {
   return std::to_string(state.step) + ',' + std::to_string(scheduledRate(options, state, state.step - 1)) + ',' +
-         std::to_string(loss) + ',' + std::to_string(held_out_rmse) + ',' + std::to_string(state.rollbacks) + '\n';
+         std::to_string(loss) + ',' + std::to_string(held_out.generated) + ',' + std::to_string(held_out.final) + ',' +
+         std::to_string(state.rollbacks) + '\n';
 }
 
 SampleOrder sampleOrder(const TrainOptions& options, const Representation& representation, const TrainingData& training) {
   std::vector<uint32_t> hard;
   if (options.hard_share > 0) hard = training.hardFunctions(options.hard_rmse);
+  const int batch_count = pointOrder(representation).batchCount();
   return SampleOrder(training.functionCount(), std::move(hard),
                      {.batch = options.batch,
-                      .point_batch_count = pointOrder(representation).batchCount(),
+                      .point_batch_count = batch_count,
+                      .point_batches = std::min(options.point_batches, batch_count),
                       .hard_share = options.hard_share,
                       .seed = options.seed});
 }
@@ -141,6 +139,8 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("gradient_clip", &o.gradient_clip, "largest norm of the gradient", 1e-9, 1e9);
   table.add("average_decay", &o.average_decay, "decay of the averaged weights", 0.0, 0.999999);
   table.add("error_power", &o.error_power, "0.5 trains on RMSE, 1 on MSE (more weight to the tail)", 0.1, 4.0);
+  table.add("point_batches", &o.point_batches, "eighths of a network's points that a sample is judged on: 1, 2, 4 or 8", 1, 8);
+  table.add("coefficients", &o.coefficients, "of the basis, those of largest variance; 0: all", 0, kSupportPointCount);
   table.add("hard_share", &o.hard_share, "share of a batch drawn from the hard functions alone", 0.0, 0.95);
   table.add("hard_rmse", &o.hard_rmse, "functions whose bare tent has at least this RMSE are hard", 0.0, 1.0);
   table.add("divergence_ratio", &o.divergence_ratio, "a loss over so many running medians takes training back", 1.0, 1e9);
@@ -149,10 +149,19 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("layers", &o.shape.layer_count, "layers of the generator, the last one included", 1, 32);
   table.add("generator_slope", &o.shape.slope, "LeakyReLU slope of the generator", 1e-6, 0.9);
   table.add("output_scale", &o.shape.output_scale, "factor of the last layer's output", 1e-6, 1e3);
+  table.add("exact_last_layer", &o.shape.exact_last_layer,
+            "networks with a linear output: solve the last layer after the generator and every correction");
+  table.add("correction_steps", &o.shape.correction_steps, "learned correction steps; 0: none", 0, 16);
+  table.add("correction_width", &o.shape.correction_width, "width of the correction network's hidden layers", 1, 8192);
+  table.add("correction_layers", &o.shape.correction_layers, "its layers, the last one included", 1, 32);
   table.add("start_candidates", &o.start.candidates, "random starts tried for theta0", 1, 1000000);
   table.add("checkpoint_steps", &o.checkpoint_steps, "steps between checkpoints", 1, 100000000);
   table.add("validation_functions", &o.validation_functions, "held-out functions in the validation loss", 1, 100000000);
   table.add("threads", &o.threads, "threads; resuming repeats a run bit for bit at the same number", 1, 1024);
+}
+
+BasisData usedBasis(const TrainOptions& options, const Basis& basis) {
+  return options.coefficients == 0 ? basis.data : truncateBasis(basis, options.coefficients).data;
 }
 
 double oneCycleRate(const TrainOptions& options, int64_t step) {
@@ -183,35 +192,8 @@ TrainingState makeState(const TrainOptions& options, const Theta& theta0) {
   state.average->to(options.device);
   state.optimizer = std::make_shared<torch::optim::Adam>(state.network->parameters(),
                                                          torch::optim::AdamOptions(options.learning_rate).betas({0.9, 0.99}));
-  state.log_csv = "step,learning_rate,training_loss,held_out_rmse,rollbacks\n";
+  state.log_csv = "step,learning_rate,training_loss,held_out_generated,held_out_rmse,rollbacks\n";
   return state;
-}
-
-torch::Tensor coefficientBatch(const TrainingData& data, const std::vector<Sample>& samples) {
-  torch::Tensor batch = torch::empty({static_cast<int64_t>(samples.size()), data.coefficientCount()});
-  float* row = batch.data_ptr<float>();
-  for (const Sample& sample : samples) {
-    data.copyCoefficients(sample.function, sample.mirror, row);
-    row += data.coefficientCount();
-  }
-  return batch;
-}
-
-double meanRmse(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit) {
-  torch::NoGradGuard guard;
-  const int64_t count = std::min<int64_t>(limit, data.functionCount());
-  double sum = 0.0;
-  for (int64_t begin = 0; begin < count; begin += kBatchCount) {
-    std::vector<Sample> samples;
-    for (int64_t i = begin; i < std::min<int64_t>(begin + kBatchCount, count); ++i)
-      samples.push_back({i * data.functionCount() / count});
-    const torch::Tensor theta = generateTheta(network, data, samples).contiguous();
-    for (size_t i = 0; i < samples.size(); ++i) {
-      sum += functionRmse(representation, decodeFunction(data.function(samples[i].function), pointOrder(representation)),
-                          theta.data_ptr<float>() + i * representation.thetaCount());
-    }
-  }
-  return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
 TrainStep::TrainStep(const TrainOptions& options, const Representation& representation, const TrainingData& training,
@@ -285,16 +267,16 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     kept_mean = mean;
     if (!at_checkpoint) continue;
     if (processes.rank() == 0) {
-      report.held_out_rmse = meanRmse(state->average, representation, held_out, options.validation_functions);
-      requireFinite(report.held_out_rmse, state->step, "held-out error");
-      state->log_csv += logLine(options, *state, mean.value(), report.held_out_rmse);
+      report.held_out = heldOutError(state->average, representation, held_out, options.validation_functions);
+      requireFinite(report.held_out.final, state->step, "held-out error");
+      state->log_csv += logLine(options, *state, mean.value(), report.held_out);
       save();
     }
     mean = kept_mean = {};
   }
   // a run that had been finished already took no step here
   if (first_step == state->step && processes.rank() == 0) {
-    report.held_out_rmse = meanRmse(state->average, representation, held_out, options.validation_functions);
+    report.held_out = heldOutError(state->average, representation, held_out, options.validation_functions);
   }
   report.elapsed_s = secondsSince(start);
   report.samples_per_s = training_s > 0 ? static_cast<double>((state->draw - first_draw) * options.batch) / training_s : 0.0;

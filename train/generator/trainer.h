@@ -11,6 +11,7 @@
 #include "train/generator/checkpoint.h"
 #include "train/generator/process_group.h"
 #include "train/generator/sample_order.h"
+#include "train/generator/theta_stages.h"
 #include "train/generator/training_data.h"
 #include "train/generator/window_loader.h"
 
@@ -25,6 +26,8 @@ struct TrainOptions {
   double gradient_clip = 1.0;    // largest norm of the whole gradient
   double average_decay = 0.999;  // of the averaged weights
   double error_power = 0.5;      // loss = mean over functions of (mean squared error + 1e-6) ^ error_power; 0.5: RMSE, 1: MSE
+  int point_batches = 2;         // eighths of a network's points that a sample is judged on: 1, 2, 4 or 8; fields take all of theirs
+  int coefficients = 0;          // of the basis, those of largest variance; 0: all
   double hard_share = 0.0;       // of every batch: drawn from the hard functions alone, beside those that come anyway
   double hard_rmse = 0.01;       // functions whose bare tent has at least this RMSE are hard
   double divergence_ratio = 10;  // a loss over so many times the running median takes training back (loss_guard.h)
@@ -40,6 +43,9 @@ struct TrainOptions {
 // One table for nlg-train and nlg-export.
 void describeTrainOptions(TrainOptions& options, OptionTable& table);
 
+// The basis that a run reads: all of it, or its components of largest variance.
+BasisData usedBasis(const TrainOptions& options, const Basis& basis);
+
 // Learning rate of a step before any rollback: linear from 1/25 of the peak over the warm-up, then a cosine down to 1/10000.
 double oneCycleRate(const TrainOptions& options, int64_t step);
 
@@ -51,7 +57,7 @@ Theta fitTheta0(const Representation& representation, const BasisFile& basis, co
 TrainingState makeState(const TrainOptions& options, const Theta& theta0);
 
 struct TrainReport {
-  double held_out_rmse = 0.0;  // mean over held-out functions, averaged weights
+  HeldOutError held_out;  // averaged weights
   double elapsed_s = 0.0;
   double samples_per_s = 0.0;
 };
@@ -92,11 +98,5 @@ class TrainStep {
   SampleOrder order_;
   std::unique_ptr<WindowLoader> loader_;  // for a cache
 };
-
-// Mean over functions of the RMSE over all valid support points, for at most `limit` functions taken at equal distances.
-double meanRmse(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit);
-
-// Coefficients of functions as they stand (not mirrored): B x K.
-torch::Tensor coefficientBatch(const TrainingData& data, const std::vector<Sample>& samples);
 
 }  // namespace nlg

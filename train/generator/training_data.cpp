@@ -1,6 +1,7 @@
 #include "train/generator/training_data.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace nlg {
 
@@ -8,7 +9,9 @@ TrainingData::TrainingData(FunctionSet set, const BasisData& basis, FunctionOrde
     : set_(std::move(set)),
       function_count_(static_cast<int64_t>(set_.functionCount())),
       coefficient_count_(basis.coefficientCount()),
-      class_count_(basis.class_count) {
+      stored_count_(coefficient_count_),
+      class_count_(basis.class_count),
+      stored_class_count_(basis.class_count) {
   if (order == FunctionOrder::cache) order_ = cacheOrder(function_count_);
   const Projection projection(basis);
   ProjectionScratch scratch(GeneratorPrecision::float32);
@@ -20,11 +23,14 @@ TrainingData::TrainingData(FunctionSet set, const BasisData& basis, FunctionOrde
   }
 }
 
-TrainingData::TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData& basis)
+TrainingData::TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData& basis,
+                           const std::array<int, kParityClassCount>& class_count)
     : cache_(std::move(cache)),
       function_count_(cache_->functionCount()),
-      coefficient_count_(cache_->coefficientCount()),
-      class_count_(basis.class_count) {}
+      coefficient_count_(std::accumulate(class_count.begin(), class_count.end(), 0)),
+      stored_count_(cache_->coefficientCount()),
+      class_count_(class_count),
+      stored_class_count_(basis.class_count) {}
 
 StoredFunction TrainingData::function(int64_t index) const {
   if (cache_) return cache_->function(index);
@@ -34,14 +40,15 @@ StoredFunction TrainingData::function(int64_t index) const {
 
 const float* TrainingData::coefficients(int64_t index) const {
   if (cache_) return cache_->coefficients(index);
-  return &coefficients_[static_cast<size_t>(placeInSet(index)) * coefficient_count_];
+  return &coefficients_[static_cast<size_t>(placeInSet(index)) * stored_count_];
 }
 
 void TrainingData::copyCoefficients(int64_t index, int mirror, float* coefficients) const {
   const float* source = this->coefficients(index);
   for (int c = 0; c < kParityClassCount; ++c) {
     const float sign = mirrorSign(c, mirror);
-    for (int k = 0; k < class_count_[c]; ++k) *coefficients++ = sign * *source++;
+    for (int k = 0; k < class_count_[c]; ++k) *coefficients++ = sign * source[k];
+    source += stored_class_count_[c];
   }
 }
 

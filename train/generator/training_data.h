@@ -21,8 +21,10 @@ class TrainingData {
  public:
   // Projects every function once; mirror images need no more than signs.
   TrainingData(FunctionSet set, const BasisData& basis, FunctionOrder order = FunctionOrder::stored);
-  // basis   the one that the cache was made with
-  TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData& basis);
+  // basis             the one that the cache was made with
+  // class_count       coefficients to read of each class, the first ones: those of a truncated basis (truncateBasis)
+  TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData& basis,
+               const std::array<int, kParityClassCount>& class_count);
 
   int64_t functionCount() const { return function_count_; }
   int coefficientCount() const { return coefficient_count_; }
@@ -48,7 +50,8 @@ class TrainingData {
   std::unique_ptr<FunctionCache> cache_;
   int64_t function_count_;
   int coefficient_count_;
-  std::array<int, kParityClassCount> class_count_;
+  int stored_count_;  // coefficients a function has in memory or in the cache
+  std::array<int, kParityClassCount> class_count_, stored_class_count_;
 };
 
 }  // namespace nlg

@@ -1,0 +1,55 @@
+#include "bake/default_weights.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "runtime_eval/evaluator/representation.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string text;
+  for (const std::string& part : texts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> weightsFolders() {
+  const char* chosen = std::getenv("NLG_WEIGHTS");
+  if (chosen != nullptr && *chosen != '\0') return {chosen};
+  std::vector<std::string> folders;
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (!error) folders.push_back((program.parent_path() / NLG_INSTALLED_WEIGHTS).lexically_normal().string());
+  folders.emplace_back(NLG_SOURCE_WEIGHTS);
+  return folders;
+}
+
+std::vector<std::string> shippedWeights(const std::vector<std::string>& representations,
+                                        const std::vector<std::string>& folders) {
+  std::vector<std::string> names;
+  for (const std::string& name : representations) {
+    Representation representation;
+    if (!findRepresentation(name, &representation)) throw UsageError("representation", representationNames(), "'" + name + "'");
+    names.push_back(name + ".safetensors");
+  }
+  for (const std::string& folder : folders) {
+    std::vector<std::string> found, missing;
+    for (const std::string& name : names) {
+      const std::string path = (fs::path(folder) / name).string();
+      std::error_code error;
+      (fs::is_regular_file(path, error) ? found : missing).push_back(path);
+    }
+    if (missing.empty()) return found;
+    if (!found.empty()) throw UsageError("--weights", joined(names) + " in " + folder, "no " + joined(missing));
+  }
+  throw UsageError("--weights", "weights of nlg-export, or shipped ones: " + joined(names), "none in " + joined(folders));
+}
+
+}  // namespace nlg

@@ -1,0 +1,159 @@
+// A whole training step, the shared kernel against the same loss in libtorch's own differentiable operations: batch 256, all 8192
+// points of every function, two threads. Both take turns in one case, so that whatever else the machine does slows both alike.
+
+#include <ATen/Parallel.h>
+#include <benchmark/benchmark.h>
+#include <torch/torch.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "benchmarks/random_generator.h"
+#include "benchmarks/sample_function.h"
+#include "train/generator/function_loss.h"
+#include "train/generator/generator_network.h"
+#include "train/generator/trainer.h"
+
+namespace nlg {
+namespace {
+
+constexpr int kBatch = 256, kThreads = 2, kFunctionCount = 2048;
+
+struct TrainingStep {
+  GeneratorNetwork network, average;
+  torch::optim::Adam optimizer;
+
+  explicit TrainingStep(const Theta& theta0)
+      : network(GeneratorShape{}, theta0, 1), average(GeneratorShape{}, theta0, 1), optimizer(network->parameters()) {}
+
+  // lossOf   theta, samples → mean squared errors, one a sample
+  // returns  the step's loss
+  template <class LossOf>
+  double run(const TrainingData& data, const std::vector<Sample>& samples, const LossOf& lossOf) {
+    const torch::Tensor theta = network->forward(coefficientBatch(data, samples));
+    const torch::Tensor loss = (lossOf(theta, samples) + 1e-6).sqrt().mean();
+    optimizer.zero_grad();
+    loss.backward();
+    torch::nn::utils::clip_grad_norm_(network->parameters(), 1.0);
+    optimizer.step();
+    const torch::NoGradGuard guard;
+    const std::vector<torch::Tensor> from = network->parameters(), to = average->parameters();
+    for (size_t i = 0; i < from.size(); ++i) to[i].lerp_(from[i], 1e-3);
+    return loss.item<double>();
+  }
+};
+
+// The shared kernel over every batch of points. Strata hold about the same number of valid points each: the mean of their means.
+torch::Tensor kernelLoss(const TrainingData& data, const Representation& representation, const torch::Tensor& theta,
+                         const std::vector<Sample>& samples) {
+  const int batch_count = pointOrder(representation).batchCount();
+  std::vector<Sample> all;
+  for (const Sample& sample : samples) {
+    for (int batch = 0; batch < batch_count; ++batch) all.push_back({sample.function, sample.mirror, batch});
+  }
+  const torch::Tensor losses = functionLoss(theta.repeat_interleave(batch_count, 0), representation, data, all);
+  return losses.view({-1, batch_count}).mean(1);
+}
+
+// The tiny networks, their tent and the error as a chain of libtorch's operations.
+struct AutogradLoss {
+  const TrainingData& data;
+  Representation representation;
+  torch::Tensor points, tent;  // 1 x 3 x P, 1 x P
+  torch::Tensor phi, mask;     // B x P
+
+  AutogradLoss(const TrainingData& functions, const Representation& kind)
+      : data(functions), representation(kind), points(torch::empty({1, 3, kSupportPointCount})) {
+    const PointSet& set = pointOrder(kind).points;
+    std::copy_n(set.x.data(), kSupportPointCount, points.data_ptr<float>());
+    std::copy_n(set.y.data(), kSupportPointCount, points.data_ptr<float>() + kSupportPointCount);
+    std::copy_n(set.z.data(), kSupportPointCount, points.data_ptr<float>() + 2 * kSupportPointCount);
+    tent = (1 - points[0].abs()).prod(0, true);
+    phi = torch::empty({kBatch, kSupportPointCount});
+    mask = torch::empty_like(phi);
+  }
+
+  void decode(const std::vector<Sample>& samples) const {
+    at::parallel_for(0, kBatch, 8, [&](int64_t begin, int64_t end) {
+      for (int64_t b = begin; b < end; ++b) {
+        const WeightingFunction function =
+            decodeFunction(data.function(samples[b].function), pointOrder(representation), samples[b].mirror);
+        std::copy_n(function.phi.data(), kSupportPointCount, phi.data_ptr<float>() + b * kSupportPointCount);
+        std::copy_n(function.mask.data(), kSupportPointCount, mask.data_ptr<float>() + b * kSupportPointCount);
+      }
+    });
+  }
+
+  torch::Tensor operator()(const torch::Tensor& theta, const std::vector<Sample>& samples) const {
+    decode(samples);
+    using L = ThetaLayout;
+    const auto part = [&](int first, int64_t rows, int64_t columns) {
+      return theta.slice(1, first, first + rows * columns).reshape({kBatch, rows, columns});
+    };
+    constexpr int64_t kHidden = kHiddenCount;
+    const torch::Tensor x = points.expand({kBatch, 3, kSupportPointCount});
+    const torch::Tensor first = torch::leaky_relu(torch::baddbmm(part(L::b1, kHidden, 1), part(L::w1, kHidden, 3), x), 0.01);
+    const torch::Tensor second =
+        torch::leaky_relu(torch::baddbmm(part(L::b2, kHidden, 1), part(L::w2, kHidden, kHidden), first), 0.01);
+    torch::Tensor value = torch::baddbmm(part(L::b3, 1, 1), part(L::w3, 1, kHidden), second).squeeze(1);
+    if (representation.tentFactor()) value = value * tent;
+    return ((value - phi).square() * mask).sum(1) / mask.sum(1);
+  }
+};
+
+FunctionSet wallSet() {
+  FunctionSet set;
+  set.pattern_hash = supportPattern().hash;
+  set.point_count = kSupportPointCount;
+  set.scene_idx.assign(kFunctionCount, 0);
+  set.scene_ids = set.families = {"walls"};
+  appendStoredWalls(kFunctionCount, &set.phi, &set.validity);
+  return set;
+}
+
+template <class Step>
+double secondsOf(const Step& step) {
+  const auto start = std::chrono::steady_clock::now();
+  step();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void trainingStep(benchmark::State& state, const Representation& representation) {
+  const int threads_before = torch::get_num_threads();
+  torch::set_num_threads(kThreads);
+  const TrainingData data(wallSet(), randomGenerator().basis);
+  const Theta theta0 = randomTheta(representation, 1);
+  TrainingStep with_kernel(theta0), with_autograd(theta0);
+  AutogradLoss autograd(data, representation);
+  const auto kernel = [&](const torch::Tensor& theta, const std::vector<Sample>& samples) {
+    return kernelLoss(data, representation, theta, samples);
+  };
+  SampleOrder order(kFunctionCount, kBatch, pointOrder(representation).batchCount(), 1);
+  // both compute the same: before the networks drift apart by rounding
+  const std::vector<Sample> first = order.samples(0);
+  const double kernel_loss = with_kernel.run(data, first, kernel), autograd_loss = with_autograd.run(data, first, autograd);
+  double kernel_s = 0.0, autograd_s = 0.0;
+  int64_t step = 1;
+  for (auto _ : state) {
+    const std::vector<Sample> samples = order.samples(step++);
+    kernel_s += secondsOf([&] { with_kernel.run(data, samples, kernel); });
+    autograd_s += secondsOf([&] { with_autograd.run(data, samples, autograd); });
+  }
+  const double samples = static_cast<double>(kBatch) * static_cast<double>(state.iterations());
+  state.counters["kernel_samples/s"] = samples / kernel_s;
+  state.counters["autograd_samples/s"] = samples / autograd_s;
+  state.counters["ratio"] = autograd_s / kernel_s;
+  state.counters["loss_difference"] = std::abs(kernel_loss - autograd_loss) / autograd_loss;
+  torch::set_num_threads(threads_before);
+}
+BENCHMARK_CAPTURE(trainingStep, mlp, Representation::mlp())
+    ->Name("peer/training_step/mlp")
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(trainingStep, tent_mlp, Representation::tentMlp())
+    ->Name("peer/training_step/tent_mlp")
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,37 @@
+// The exported generator as ONNX, for programs that have a runtime of their own: opset 17, IR version 8.
+//
+// docs/formats.md lists inputs, outputs and texts. A matrix whose values are all float16's own is stored as float16 and widened in
+// the graph: a model of float16 weights is as small as they are, and not less exact.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime_eval/evaluator/generator.h"
+
+namespace nlg {
+
+// The generator from samples to theta, N functions at a time (N is free).
+//
+// input     `phi` N x 8192, float in [0, 1], pattern order
+// outputs   `theta` N x D; `coefficients` N x K, standardised: what a correction step reads beside theta
+// metadata  texts that travel with the model
+// returns   the file's bytes; the same arguments give the same bytes
+// throws    std::runtime_error when ONNX's own checker refuses the model: a bug of ours
+std::string onnxFromGenerator(const GeneratorData& data, const std::map<std::string, std::string>& metadata);
+
+// Layers by themselves, as a learned correction step has them: hidden layers as the generator's (with LeakyReLU, and the input
+// added where it is as wide as the output), output = scale * (W h + b).
+struct LayerChain {
+  std::string input, output;  // names
+  std::vector<GeneratorLayer> layers;
+  float slope = 0.01f;
+  std::vector<float> scale;  // as many as the last layer has outputs
+};
+
+// input     chain.input, N x inputs of the first layer
+// output    chain.output, N x outputs of the last
+std::string onnxFromLayers(const LayerChain& chain, const std::map<std::string, std::string>& metadata);
+
+}  // namespace nlg

@@ -1,0 +1,168 @@
+#include "export/onnx_file/onnx_file.h"
+
+#include <gtest/gtest.h>
+#include <onnx/onnx_pb.h>
+#include <onnx/shape_inference/implementation.h>
+
+#include <set>
+
+#include "export/weights_file/half.h"
+#include "tests/runtime_eval/sample_generator.h"
+
+namespace nlg {
+namespace {
+
+onnx::ModelProto parsed(const std::string& bytes) {
+  onnx::ModelProto model;
+  EXPECT_TRUE(model.ParseFromString(bytes));
+  return model;
+}
+
+const onnx::TensorProto& initializer(const onnx::ModelProto& model, const std::string& name) {
+  for (const onnx::TensorProto& tensor : model.graph().initializer())
+    if (tensor.name() == name) return tensor;
+  ADD_FAILURE() << "no initialiser " << name;
+  static const onnx::TensorProto kNone;
+  return kNone;
+}
+
+std::vector<int64_t> dimensions(const onnx::TensorProto& tensor) { return {tensor.dims().begin(), tensor.dims().end()}; }
+
+std::vector<float> floats(const onnx::TensorProto& tensor) {
+  EXPECT_EQ(tensor.data_type(), onnx::TensorProto::FLOAT) << tensor.name();
+  std::vector<float> values(tensor.raw_data().size() / sizeof(float));
+  std::memcpy(values.data(), tensor.raw_data().data(), tensor.raw_data().size());
+  return values;
+}
+
+int nodeCount(const onnx::ModelProto& model, const std::string& operation) {
+  return static_cast<int>(std::count_if(model.graph().node().begin(), model.graph().node().end(),
+                                        [&](const onnx::NodeProto& node) { return node.op_type() == operation; }));
+}
+
+// "name: N x width" of every input or output
+template <class Values>
+std::set<std::string> interface(const Values& values) {
+  std::set<std::string> texts;
+  for (const onnx::ValueInfoProto& value : values) {
+    const onnx::TypeProto::Tensor& tensor = value.type().tensor_type();
+    EXPECT_EQ(tensor.elem_type(), onnx::TensorProto::FLOAT) << value.name();
+    EXPECT_EQ(tensor.shape().dim_size(), 2) << value.name();
+    texts.insert(value.name() + ": " + tensor.shape().dim(0).dim_param() + " x " +
+                 std::to_string(tensor.shape().dim(1).dim_value()));
+  }
+  return texts;
+}
+
+void roundAll(std::vector<float>* values) {
+  for (float& value : *values) {
+    Half half;
+    ASSERT_TRUE(halfFromFloat(value, &half));
+    value = floatFromHalf(half);
+  }
+}
+
+TEST(OnnxFile, SaysWhatGoesInAndWhatComesOut) {
+  const GeneratorData data = sampleGenerator(Representation::productField(3), 24, 3, 1);
+  const onnx::ModelProto model = parsed(onnxFromGenerator(data, {{"representation", "pf3"}, {"a", "b"}}));
+  EXPECT_EQ(model.ir_version(), 8);
+  ASSERT_EQ(model.opset_import_size(), 1);
+  EXPECT_EQ(model.opset_import(0).version(), 17);
+  EXPECT_EQ(model.opset_import(0).domain(), "");
+  EXPECT_EQ(interface(model.graph().input()), (std::set<std::string>{"phi: N x 8192"}));
+  EXPECT_EQ(interface(model.graph().output()), (std::set<std::string>{"theta: N x 54", "coefficients: N x 25"}));
+  ASSERT_EQ(model.metadata_props_size(), 2);
+  EXPECT_EQ(model.metadata_props(1).key(), "representation");
+  EXPECT_EQ(model.metadata_props(1).value(), "pf3");
+}
+
+// ONNX's own shape inference, in its strict mode, comes to the shapes that the model states.
+TEST(OnnxFile, HasShapesThatFollowFromItsNodes) {
+  for (const int layer_count : {1, 2, 4}) {
+    onnx::ModelProto model = parsed(onnxFromGenerator(sampleGenerator(Representation::mlp(), 25, layer_count, 2), {}));
+    for (onnx::ValueInfoProto& output : *model.mutable_graph()->mutable_output()) {
+      output.mutable_type()->mutable_tensor_type()->clear_shape();
+    }
+    const onnx::ShapeInferenceOptions strict{true, 1, false};
+    ASSERT_NO_THROW(onnx::shape_inference::InferShapes(model, onnx::OpSchemaRegistry::Instance(), strict));
+    std::map<std::string, int64_t> width;
+    for (const onnx::ValueInfoProto& output : model.graph().output()) {
+      const onnx::TensorShapeProto& shape = output.type().tensor_type().shape();
+      ASSERT_EQ(shape.dim_size(), 2) << output.name();
+      width[output.name()] = shape.dim(1).dim_value();
+    }
+    EXPECT_EQ(width, (std::map<std::string, int64_t>{{"theta", 113}, {"coefficients", 25}})) << layer_count;
+  }
+}
+
+TEST(OnnxFile, HoldsTheGeneratorsNumbers) {
+  // layers 25 → 25 → 25 → 113: the first two have a skip
+  const GeneratorData data = sampleGenerator(Representation::tentMlp(), 25, 3, 3);
+  const onnx::ModelProto model = parsed(onnxFromGenerator(data, {}));
+  EXPECT_EQ(floats(initializer(model, "basis.mean")), data.basis.mean);
+  EXPECT_EQ(floats(initializer(model, "basis.deviation")), data.basis.deviation);
+  EXPECT_EQ(floats(initializer(model, "theta0")), data.theta0);
+  EXPECT_EQ(floats(initializer(model, "output_scale")), data.output_scale);
+  std::vector<float> components;
+  for (int c = 0; c < kParityClassCount; ++c) {
+    if (data.basis.class_count[c] == 0) continue;
+    const onnx::TensorProto& part = initializer(model, "basis.components." + std::to_string(c));
+    EXPECT_EQ(dimensions(part), (std::vector<int64_t>{data.basis.class_count[c], 1024})) << c;
+    const std::vector<float> values = floats(part);
+    components.insert(components.end(), values.begin(), values.end());
+  }
+  EXPECT_EQ(components, data.basis.components);
+  for (size_t l = 0; l < data.layers.size(); ++l) {
+    const std::string name = "layer." + std::to_string(l);
+    EXPECT_EQ(floats(initializer(model, name + ".weight")), data.layers[l].weight) << l;
+    EXPECT_EQ(dimensions(initializer(model, name + ".weight")), (std::vector<int64_t>{data.layers[l].output_count, 25})) << l;
+    EXPECT_EQ(floats(initializer(model, name + ".bias")), data.layers[l].bias) << l;
+  }
+  EXPECT_EQ(nodeCount(model, "LeakyRelu"), 2);
+  EXPECT_EQ(nodeCount(model, "Add"), 3) << "two skips and theta0";
+  // class 4 of the sample has no component
+  EXPECT_EQ(nodeCount(model, "Gemm"), 7 + 3);
+}
+
+TEST(OnnxFile, StoresMatricesAsFloat16OnlyWhereThatLosesNothing) {
+  GeneratorData data = sampleGenerator(Representation::mlp(), 24, 2, 4);
+  const size_t float32_bytes = onnxFromGenerator(data, {}).size();
+  roundAll(&data.basis.components);
+  roundAll(&data.layers[1].weight);
+  const std::string bytes = onnxFromGenerator(data, {});
+  const onnx::ModelProto model = parsed(bytes);
+  const onnx::TensorProto& weight = initializer(model, "layer.1.weight.float16");
+  EXPECT_EQ(weight.data_type(), onnx::TensorProto::FLOAT16);
+  ASSERT_EQ(weight.raw_data().size(), data.layers[1].weight.size() * 2);
+  for (size_t i = 0; i < data.layers[1].weight.size(); ++i) {
+    Half half;
+    std::memcpy(&half, weight.raw_data().data() + 2 * i, 2);
+    ASSERT_EQ(floatFromHalf(half), data.layers[1].weight[i]) << i;
+  }
+  EXPECT_EQ(floats(initializer(model, "layer.0.weight")), data.layers[0].weight);
+  EXPECT_EQ(nodeCount(model, "Cast"), 7 + 1) << "classes with components, and a layer";
+  EXPECT_LT(bytes.size() + data.basis.components.size() * 2, float32_bytes + 2000);
+}
+
+TEST(OnnxFile, WritesLayersByThemselves) {
+  const GeneratorData data = sampleGenerator(Representation::mlp(), 16, 3, 5);
+  const LayerChain chain{"features", "theta_change", data.layers, 0.02f, data.output_scale};
+  const onnx::ModelProto model = parsed(onnxFromLayers(chain, {}));
+  EXPECT_EQ(interface(model.graph().input()), (std::set<std::string>{"features: N x 25"}));
+  EXPECT_EQ(interface(model.graph().output()), (std::set<std::string>{"theta_change: N x 113"}));
+  EXPECT_EQ(nodeCount(model, "Gemm"), 3);
+  EXPECT_EQ(nodeCount(model, "Add"), 1) << "16 → 16";
+  for (const onnx::NodeProto& node : model.graph().node()) {
+    if (node.op_type() == "LeakyRelu") {
+      EXPECT_EQ(node.attribute(0).f(), 0.02f);
+    }
+  }
+}
+
+TEST(OnnxFile, GivesTheSameBytesForTheSameNumbers) {
+  const GeneratorData data = sampleGenerator(Representation::mlp(), 8, 2, 6);
+  EXPECT_EQ(onnxFromGenerator(data, {{"k", "v"}}), onnxFromGenerator(data, {{"k", "v"}}));
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,61 @@
+#include "train/generator/theta_stages.h"
+
+namespace nlg {
+
+ThetaStages runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
+                      const std::vector<Sample>& samples) {
+  const torch::Device device = network->parameters().front().device();
+  const torch::Tensor coefficients = coefficientBatch(data, samples).to(device);
+  torch::Tensor theta = network->forward(coefficients).cpu();
+  ThetaStages stages;
+  ThetaErrors errors;
+  const auto measure = [&] {
+    errors = measureTheta(theta, representation, data, samples);
+    stages.mean_squares.push_back(differentiable(errors, theta));
+  };
+  const bool solves = network->solvesLastLayer(representation);
+  const auto solveAndMeasure = [&] {
+    if (solves) theta = solveLastLayers(theta, representation, data, samples);
+    measure();
+  };
+  measure();
+  if (solves) solveAndMeasure();
+  for (int step = 0; step < network->shape().correction_steps; ++step) {
+    const torch::Tensor features = network->correctionFeatures(coefficients, theta.detach().to(device),
+                                                               errors.mean_square.to(device), errors.gradient.to(device));
+    theta = theta + network->correction(features).cpu();
+    solveAndMeasure();
+  }
+  return stages;
+}
+
+HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit) {
+  torch::NoGradGuard guard;
+  const int64_t count = std::min<int64_t>(limit, data.functionCount());
+  const int all_points = pointOrder(representation).batchCount();
+  HeldOutError error;
+  for (int64_t begin = 0; begin < count; begin += kBatchCount) {
+    std::vector<Sample> samples;
+    for (int64_t i = begin; i < std::min<int64_t>(begin + kBatchCount, count); ++i) {
+      samples.push_back({.function = i * data.functionCount() / count, .batch_count = all_points});
+    }
+    const ThetaStages stages = runStages(network, representation, data, samples);
+    const torch::Tensor least = std::get<0>(torch::stack(stages.mean_squares).min(0));
+    error.generated += stages.mean_squares.front().sqrt().sum().item<double>();
+    error.final += least.sqrt().sum().item<double>();
+  }
+  if (count > 0) error.generated /= static_cast<double>(count), error.final /= static_cast<double>(count);
+  return error;
+}
+
+torch::Tensor coefficientBatch(const TrainingData& data, const std::vector<Sample>& samples) {
+  torch::Tensor batch = torch::empty({static_cast<int64_t>(samples.size()), data.coefficientCount()});
+  float* row = batch.data_ptr<float>();
+  for (const Sample& sample : samples) {
+    data.copyCoefficients(sample.function, sample.mirror, row);
+    row += data.coefficientCount();
+  }
+  return batch;
+}
+
+}  // namespace nlg

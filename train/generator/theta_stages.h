@@ -1,0 +1,34 @@
+// What becomes of a function's theta on its way: generated, last layer solved, corrected step by step.
+//
+// The same way as at bake time (runtime_eval/fit/correction.h), but differentiable and without taking back steps that do not pay.
+#pragma once
+
+#include "train/generator/function_loss.h"
+#include "train/generator/generator_network.h"
+
+namespace nlg {
+
+struct ThetaStages {
+  // One a stage, B each, differentiable: of the generated theta; of that with its last layer solved (networks with a linear
+  // output, when the shape says so); after each correction step.
+  std::vector<torch::Tensor> mean_squares;
+};
+
+// Theta of all stages for the samples, each judged on its sample's points. Corrections are constants to the gradient's path through
+// theta itself: the generator learns what a correction step can still mend.
+ThetaStages runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
+                      const std::vector<Sample>& samples);
+
+// How the stages do on held-out functions.
+struct HeldOutError {
+  double generated = 0.0;  // mean RMSE of the generator alone
+  double final = 0.0;      // and after all stages, a stage being kept where it lowers the error
+};
+
+// Over all valid support points, for at most `limit` functions taken at equal distances.
+HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit);
+
+// Coefficients of the samples' functions, mirrored: B x K.
+torch::Tensor coefficientBatch(const TrainingData& data, const std::vector<Sample>& samples);
+
+}  // namespace nlg

@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Puts a run's exported weights into weights/, with a model card each.
+#
+#   workflow/ship_weights.sh RUN CONFIG REPRESENTATION ...
+#
+# RUN      the result folder of a finished run, out/NAME
+# CONFIG   the configuration that it was made by: the cards name it
+# Files of other representations stay, and so do their cards. The test suite then checks what lies there: it loads, all of it is
+# float16, and together it takes at most 12 MB.
+set -euo pipefail
+[ $# -ge 3 ] || { sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+run=$(realpath "$1") config=$2
+shift 2
+cd "$(dirname "$0")/.."
+[ -f "$config" ] || { echo "ship_weights: $config: expected a configuration, as a path from the sources' folder" >&2; exit 2; }
+for name in "$@"; do
+  [ -f "$run/weights/$name.safetensors" ] || { echo "ship_weights: $run/weights/$name.safetensors: expected weights, got none" >&2; exit 3; }
+done
+for name in "$@"; do
+  install -m 644 "$run/weights/$name.safetensors" "weights/$name.safetensors"
+done
+/usr/bin/python3 workflow/model_card.py "$run" "$config" weights "$@"
+du -cb weights/*.safetensors
