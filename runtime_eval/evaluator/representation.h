@@ -2,11 +2,12 @@
 //
 //     mlp          phi(x) ≈           net(x)               3 → 8 → 8 → 1      113 numbers
 //     tent_mlp     phi(x) ≈ tent(x) * net(x)               3 → 8 → 8 → 1      113
+//     tent_mlp88   phi(x) ≈ tent(x) * sigmoid(net(x))      3 → 8 → 8 → 1      113
 //     tent_mlp44   phi(x) ≈ tent(x) * sigmoid(net(x))      3 → 4 → 4 → 1       41
 //     tent_mlp4    phi(x) ≈ tent(x) * sigmoid(net(x))      3 → 4 → 1           21
 //     pf r         phi(x) ≈ clamp(A(x), 0, 1) * sigmoid(B(x))      product field, r = 3, 5, 7, 9
 //
-// net is a tiny network with one or two hidden layers; the activation stands after each of them. theta of widths m, n:
+// net is a tiny network with one or two hidden layers; LeakyReLU stands after each of them. theta of widths m, n:
 //     W1 m x 3 | b1 m | W2 n x m | b2 n | w3 n | b3 1        (row-major, one row an output)
 //     W1 m x 3 | b1 m | w3 m | b3 1                          (one hidden layer: n = 0)
 // A and B are trilinear in r³ nodes that cover [-1, 1]³. theta, 2 r³ floats: the pair (A, B) of every node, x fastest, as a
@@ -27,13 +28,11 @@
 
 namespace nlg {
 
-enum class Activation : uint8_t { leaky_relu };
 enum class OutputFunction : uint8_t { linear, sigmoid };
 
 // What the kernels of a network are compiled for. Widths are even; `second` is 0 when there is one hidden layer.
 struct NetworkShape {
   int first = 8, second = 8;
-  Activation activation = Activation::leaky_relu;
   OutputFunction output = OutputFunction::linear;
 
   constexpr bool operator==(const NetworkShape&) const = default;
@@ -57,10 +56,9 @@ struct NetworkKind {
 
 // All networks, in the order of RepresentationKind.
 inline constexpr NetworkKind kNetworks[] = {
-    {"mlp", {8, 8, Activation::leaky_relu, OutputFunction::linear}, false},
-    {"tent_mlp", {8, 8, Activation::leaky_relu, OutputFunction::linear}, true},
-    {"tent_mlp44", {4, 4, Activation::leaky_relu, OutputFunction::sigmoid}, true},
-    {"tent_mlp4", {4, 0, Activation::leaky_relu, OutputFunction::sigmoid}, true},
+    {"mlp", {8, 8, OutputFunction::linear}, false},        {"tent_mlp", {8, 8, OutputFunction::linear}, true},
+    {"tent_mlp88", {8, 8, OutputFunction::sigmoid}, true}, {"tent_mlp44", {4, 4, OutputFunction::sigmoid}, true},
+    {"tent_mlp4", {4, 0, OutputFunction::sigmoid}, true},
 };
 inline constexpr int kNetworkCount = static_cast<int>(std::size(kNetworks));
 
@@ -74,7 +72,7 @@ inline constexpr FieldKind kFields[] = {{"pf3", 3}, {"pf5", 5}, {"pf7", 7}, {"pf
 inline constexpr int kFieldResolutions[] = {3, 5, 7, 9};
 
 // Networks by their place in kNetworks.
-enum class RepresentationKind : uint8_t { mlp, tent_mlp, tent_mlp44, tent_mlp4, product_field = 255 };
+enum class RepresentationKind : uint8_t { mlp, tent_mlp, tent_mlp88, tent_mlp44, tent_mlp4, product_field = 255 };
 
 struct Representation {
   RepresentationKind kind = RepresentationKind::mlp;
@@ -96,7 +94,7 @@ struct Representation {
 
 inline constexpr int kMaxThetaCount = 2 * 9 * 9 * 9;
 
-// The same for every network: what it takes of kernels' memory.
+// The largest D of a network: what kernels need of memory.
 constexpr int maxNetworkThetaCount() {
   int count = 0;
   for (const NetworkKind& network : kNetworks) {

@@ -17,16 +17,13 @@ namespace nlg {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Values of one hidden layer at kGroup vectors of points, kept in registers by the caller's loops, and their derivatives by the
-// sums that they were made of.
-template <Activation kActivation, int kWidth, int kGroup>
-struct HiddenLayer;
-
+// Values of one hidden layer at kGroup vectors of points, kept in registers by the caller's loops. What depends on the activation
+// is in here: another one may keep what its derivative needs.
 template <int kWidth, int kGroup>
-struct HiddenLayer<Activation::leaky_relu, kWidth, kGroup> {
+struct HiddenLayer {
   Floats value[kWidth][kGroup];
 
-  HWY_INLINE void activate(FloatTag, int j, int g, Floats sum, Floats slope) { value[j][g] = hn::Max(sum, hn::Mul(slope, sum)); }
+  HWY_INLINE void activate(int j, int g, Floats sum, Floats slope) { value[j][g] = hn::Max(sum, hn::Mul(slope, sum)); }
   HWY_INLINE Floats derivative(FloatTag d, int j, int g, Floats slope) const {
     return hn::IfThenElse(hn::Gt(value[j][g], hn::Zero(d)), hn::Set(d, 1.0f), slope);
   }
@@ -35,8 +32,8 @@ struct HiddenLayer<Activation::leaky_relu, kWidth, kGroup> {
 template <NetworkShape kShape, int kGroup>
 struct Hidden {
   static_assert(kShape.first > 0 && kShape.first % 2 == 0 && kShape.second % 2 == 0);
-  HiddenLayer<kShape.activation, kShape.first, kGroup> first;
-  HiddenLayer<kShape.activation, kShape.last(), kGroup> second;  // not used when there is one hidden layer
+  HiddenLayer<kShape.first, kGroup> first;
+  HiddenLayer<kShape.last(), kGroup> second;  // not used when there is one hidden layer
 
   HWY_INLINE auto& last() {
     if constexpr (kShape.second > 0) {
@@ -60,7 +57,7 @@ HWY_INLINE void forwardNetwork(FloatTag d, const float* HWY_RESTRICT theta, Floa
 #pragma GCC unroll 4
     for (int g = 0; g < kGroup; ++g) {
       const Floats sum = hn::MulAdd(wz, z[g], hn::MulAdd(wy, y[g], hn::MulAdd(wx, x[g], bias)));
-      hidden.first.activate(d, j, g, sum, slope);
+      hidden.first.activate(j, g, sum, slope);
     }
   }
   const Floats output_bias = hn::Set(d, theta[kShape.b3()]);
@@ -81,7 +78,7 @@ HWY_INLINE void forwardNetwork(FloatTag d, const float* HWY_RESTRICT theta, Floa
         for (int g = 0; g < kGroup; ++g) sum[g] = hn::MulAdd(weight, hidden.first.value[i][g], sum[g]);
       }
 #pragma GCC unroll 4
-      for (int g = 0; g < kGroup; ++g) hidden.second.activate(d, j, g, sum[g], slope);
+      for (int g = 0; g < kGroup; ++g) hidden.second.activate(j, g, sum[g], slope);
     }
     const Floats weight = hn::Set(d, theta[kShape.w3() + j]);
 #pragma GCC unroll 4
