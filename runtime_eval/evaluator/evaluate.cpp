@@ -1,5 +1,8 @@
 #include "runtime_eval/evaluator/evaluate.h"
 
+#include <cmath>
+#include <vector>
+
 #include "runtime_eval/evaluator/product_field.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -12,19 +15,27 @@ HWY_BEFORE_NAMESPACE();
 namespace nlg {
 namespace HWY_NAMESPACE {
 
-void evaluateVectors(const Representation& representation, const PointSet& points, const float* HWY_RESTRICT theta,
-                     float* HWY_RESTRICT values) {
+template <NetworkShape kShape>
+void evaluateShape(const Representation& representation, const PointSet& points, const float* HWY_RESTRICT theta,
+                   float* HWY_RESTRICT values) {
   const FloatTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Floats slope = hn::Set(d, representation.slope);
+  const bool tent_factor = representation.tentFactor();
   for (int i = 0; i < points.padded_count; i += lanes) {
     const Floats x = hn::Load(d, &points.x[i]), y = hn::Load(d, &points.y[i]), z = hn::Load(d, &points.z[i]);
-    Hidden<1> hidden;
+    Hidden<kShape, 1> hidden;
     Floats output;
-    forwardNetwork<1>(d, theta, slope, &x, &y, &z, hidden, &output);
-    if (representation.tentFactor()) output = hn::Mul(output, hn::Load(d, &points.tent[i]));
+    forwardNetwork<kShape, 1>(d, theta, slope, &x, &y, &z, hidden, &output);
+    output = outputValue<kShape.output>(d, output).value;
+    if (tent_factor) output = hn::Mul(output, hn::Load(d, &points.tent[i]));
     hn::StoreU(output, d, values + i);
   }
+}
+
+void evaluateVectors(const Representation& representation, const PointSet& points, const float* HWY_RESTRICT theta,
+                     float* HWY_RESTRICT values) {
+  withNetworkShape(representation, [&]<NetworkShape kShape>() { evaluateShape<kShape>(representation, points, theta, values); });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -46,22 +57,31 @@ void evaluate(const Representation& representation, const PointSet& points, cons
 
 double evaluateReference(const Representation& representation, const LocalPoint& point, const double* theta) {
   if (representation.isField()) return evaluateFieldReference(representation.resolution, point, theta);
-  using L = ThetaLayout;
-  const double slope = representation.slope;
-  const auto leaky = [slope](double value) { return value > 0 ? value : slope * value; };
-  double first[kHiddenCount];
-  for (int j = 0; j < kHiddenCount; ++j) {
-    double sum = theta[L::b1 + j];
-    for (int axis = 0; axis < 3; ++axis) sum += theta[L::w1 + 3 * j + axis] * point[axis];
-    first[j] = leaky(sum);
+  return evaluateNetworkReference(representation.network(), representation.slope, point, theta);
+}
+
+double evaluateNetworkReference(const NetworkKind& network, double slope, const LocalPoint& point, const double* theta) {
+  const NetworkShape& shape = network.shape;
+  const auto activated = [slope](double sum) { return sum > 0 ? sum : slope * sum; };
+  std::vector<double> hidden(shape.first);
+  for (int j = 0; j < shape.first; ++j) {
+    double sum = theta[shape.b1() + j];
+    for (int axis = 0; axis < 3; ++axis) sum += theta[shape.w1() + 3 * j + axis] * point[axis];
+    hidden[j] = activated(sum);
   }
-  double output = theta[L::b3];
-  for (int j = 0; j < kHiddenCount; ++j) {
-    double sum = theta[L::b2 + j];
-    for (int i = 0; i < kHiddenCount; ++i) sum += theta[L::w2 + kHiddenCount * j + i] * first[i];
-    output += theta[L::w3 + j] * leaky(sum);
+  if (shape.second > 0) {
+    const std::vector<double> first = hidden;
+    hidden.resize(shape.second);
+    for (int j = 0; j < shape.second; ++j) {
+      double sum = theta[shape.b2() + j];
+      for (int i = 0; i < shape.first; ++i) sum += theta[shape.w2() + shape.first * j + i] * first[i];
+      hidden[j] = activated(sum);
+    }
   }
-  return representation.tentFactor() ? output * tent(point) : output;
+  double output = theta[shape.b3()];
+  for (int j = 0; j < shape.last(); ++j) output += theta[shape.w3() + j] * hidden[j];
+  if (shape.output == OutputFunction::sigmoid) output = 1.0 / (1.0 + std::exp(-output));
+  return network.tent_factor ? output * tent(point) : output;
 }
 
 }  // namespace nlg

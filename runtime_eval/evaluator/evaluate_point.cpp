@@ -8,24 +8,28 @@ namespace {
 
 float leaky(float value, float slope) { return std::max(value, slope * value); }
 
+template <NetworkShape kShape>
 float evaluateNetwork(float slope, const LocalPoint& point, const float* theta) {
-  using L = ThetaLayout;
-  float first[kHiddenCount];
-  for (int j = 0; j < kHiddenCount; ++j) {
-    const float* w1 = theta + L::w1 + 3 * j;
-    first[j] = leaky(theta[L::b1 + j] + w1[0] * point[0] + w1[1] * point[1] + w1[2] * point[2], slope);
+  float first[kShape.first];
+  for (int j = 0; j < kShape.first; ++j) {
+    const float* w1 = theta + kShape.w1() + 3 * j;
+    first[j] = leaky(theta[kShape.b1() + j] + w1[0] * point[0] + w1[1] * point[1] + w1[2] * point[2], slope);
   }
-  float output = theta[L::b3];
-  for (int j = 0; j < kHiddenCount; ++j) {
-    const float* w2 = theta + L::w2 + kHiddenCount * j;
+  float output = theta[kShape.b3()];
+  if constexpr (kShape.second == 0) {
+    for (int j = 0; j < kShape.first; ++j) output += theta[kShape.w3() + j] * first[j];
+  }
+  for (int j = 0; j < kShape.second; ++j) {
+    const float* w2 = theta + kShape.w2() + kShape.first * j;
     // two chains, each half as long
-    float even = theta[L::b2 + j], odd = 0.0f;
-    for (int i = 0; i < kHiddenCount; i += 2) {
+    float even = theta[kShape.b2() + j], odd = 0.0f;
+    for (int i = 0; i < kShape.first; i += 2) {
       even += w2[i] * first[i];
       odd += w2[i + 1] * first[i + 1];
     }
-    output += theta[L::w3 + j] * leaky(even + odd, slope);
+    output += theta[kShape.w3() + j] * leaky(even + odd, slope);
   }
+  if constexpr (kShape.output == OutputFunction::sigmoid) return 1.0f / (1.0f + std::exp(-output));
   return output;
 }
 
@@ -53,7 +57,8 @@ float evaluateFieldPoint(int resolution, const LocalPoint& point, const float* t
 
 float evaluatePoint(const Representation& representation, const LocalPoint& point, const float* theta) {
   if (representation.isField()) return evaluateFieldPoint(representation.resolution, point, theta);
-  const float output = evaluateNetwork(representation.slope, point, theta);
+  const float output = withNetworkShape(
+      representation, [&]<NetworkShape kShape>() { return evaluateNetwork<kShape>(representation.slope, point, theta); });
   return representation.tentFactor() ? output * tent(point) : output;
 }
 

@@ -1,28 +1,15 @@
 #include "runtime_eval/evaluator/representation.h"
 
-#include <iterator>
-
 namespace nlg {
-namespace {
-
-// In the order of kRepresentationNames.
-constexpr Representation kRepresentations[] = {
-    Representation::mlp(),           Representation::tentMlp(),       Representation::productField(3),
-    Representation::productField(5), Representation::productField(7), Representation::productField(9),
-};
-static_assert(std::size(kRepresentations) == std::size(kRepresentationNames));
-
-}  // namespace
 
 const PointOrder& pointOrder(const Representation& representation) {
   return representation.isField() ? cellOrder(representation.resolution) : stratumOrder();
 }
 
 const char* representationName(const Representation& representation) {
-  for (size_t i = 0; i < std::size(kRepresentations); ++i) {
-    const Representation& candidate = kRepresentations[i];
-    if (candidate.kind == representation.kind && candidate.resolution == representation.resolution)
-      return kRepresentationNames[i];
+  if (!representation.isField()) return kNetworks[static_cast<int>(representation.kind)].name;
+  for (const FieldKind& field : kFields) {
+    if (field.resolution == representation.resolution) return field.name;
   }
   return "unknown";
 }
@@ -36,9 +23,14 @@ std::string representationNames() {
 }
 
 bool findRepresentation(std::string_view name, Representation* representation) {
-  for (size_t i = 0; i < std::size(kRepresentations); ++i) {
-    if (name != kRepresentationNames[i]) continue;
-    *representation = kRepresentations[i];
+  for (int i = 0; i < kNetworkCount; ++i) {
+    if (name != kNetworks[i].name) continue;
+    *representation = {static_cast<RepresentationKind>(i)};
+    return true;
+  }
+  for (const FieldKind& field : kFields) {
+    if (name != field.name) continue;
+    *representation = Representation::productField(field.resolution);
     return true;
   }
   return false;

@@ -1,31 +1,80 @@
 // The representations: what stands for a weighting function at run time, and how its parameters theta lie in memory.
 //
-//     mlp        phi(x) ≈           net(x)
-//     tent_mlp   phi(x) ≈ tent(x) * net(x)
-//     pf r       phi(x) ≈ clamp(A(x), 0, 1) * sigmoid(B(x))      product field, r = 3, 5, 7, 9
+//     mlp          phi(x) ≈           net(x)               3 → 8 → 8 → 1      113 numbers
+//     tent_mlp     phi(x) ≈ tent(x) * net(x)               3 → 8 → 8 → 1      113
+//     tent_mlp44   phi(x) ≈ tent(x) * sigmoid(net(x))      3 → 4 → 4 → 1       41
+//     tent_mlp4    phi(x) ≈ tent(x) * sigmoid(net(x))      3 → 4 → 1           21
+//     pf r         phi(x) ≈ clamp(A(x), 0, 1) * sigmoid(B(x))      product field, r = 3, 5, 7, 9
 //
-// net is the talk's tiny network 3 → 8 → 8 → 1 with LeakyReLU after both hidden layers. theta, 113 floats:
-//     W1 8x3 | b1 8 | W2 8x8 | b2 8 | w3 8 | b3 1        (row-major, one row an output)
+// net is a tiny network with one or two hidden layers; the activation stands after each of them. theta of widths m, n:
+//     W1 m x 3 | b1 m | W2 n x m | b2 n | w3 n | b3 1        (row-major, one row an output)
+//     W1 m x 3 | b1 m | w3 m | b3 1                          (one hidden layer: n = 0)
 // A and B are trilinear in r³ nodes that cover [-1, 1]³. theta, 2 r³ floats: the pair (A, B) of every node, x fastest, as a
 // texture of two channels holds them.
+//
+// Another network is one line of kNetworks: all kernels are templates over its shape.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <iterator>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "runtime_eval/support/point_order.h"
 
 namespace nlg {
 
-inline constexpr int kHiddenCount = 8;
+enum class Activation : uint8_t { leaky_relu };
+enum class OutputFunction : uint8_t { linear, sigmoid };
 
-// Where each layer's parameters begin in the theta of a network.
-struct ThetaLayout {
-  static constexpr int w1 = 0, b1 = 24, w2 = 32, b2 = 96, w3 = 104, b3 = 112, count = 113;
+// What the kernels of a network are compiled for. Widths are even; `second` is 0 when there is one hidden layer.
+struct NetworkShape {
+  int first = 8, second = 8;
+  Activation activation = Activation::leaky_relu;
+  OutputFunction output = OutputFunction::linear;
+
+  constexpr bool operator==(const NetworkShape&) const = default;
+  // width of the last hidden layer
+  constexpr int last() const { return second > 0 ? second : first; }
+  // Where each layer's parameters begin in theta.
+  constexpr int w1() const { return 0; }
+  constexpr int b1() const { return 3 * first; }
+  constexpr int w2() const { return b1() + first; }
+  constexpr int b2() const { return w2() + first * second; }
+  constexpr int w3() const { return b2() + second; }
+  constexpr int b3() const { return w3() + last(); }
+  constexpr int thetaCount() const { return b3() + 1; }
 };
 
-enum class RepresentationKind { mlp, tent_mlp, product_field };
+struct NetworkKind {
+  const char* name;
+  NetworkShape shape;
+  bool tent_factor;
+};
+
+// All networks, in the order of RepresentationKind.
+inline constexpr NetworkKind kNetworks[] = {
+    {"mlp", {8, 8, Activation::leaky_relu, OutputFunction::linear}, false},
+    {"tent_mlp", {8, 8, Activation::leaky_relu, OutputFunction::linear}, true},
+    {"tent_mlp44", {4, 4, Activation::leaky_relu, OutputFunction::sigmoid}, true},
+    {"tent_mlp4", {4, 0, Activation::leaky_relu, OutputFunction::sigmoid}, true},
+};
+inline constexpr int kNetworkCount = static_cast<int>(std::size(kNetworks));
+
+struct FieldKind {
+  const char* name;
+  int resolution;
+};
+
+// All product fields.
+inline constexpr FieldKind kFields[] = {{"pf3", 3}, {"pf5", 5}, {"pf7", 7}, {"pf9", 9}};
+inline constexpr int kFieldResolutions[] = {3, 5, 7, 9};
+
+// Networks by their place in kNetworks.
+enum class RepresentationKind : uint8_t { mlp, tent_mlp, tent_mlp44, tent_mlp4, product_field = 255 };
 
 struct Representation {
   RepresentationKind kind = RepresentationKind::mlp;
@@ -36,20 +85,59 @@ struct Representation {
   static constexpr Representation tentMlp(float slope = 0.01f) { return {RepresentationKind::tent_mlp, slope, 0}; }
   static constexpr Representation productField(int resolution) { return {RepresentationKind::product_field, 0.01f, resolution}; }
 
-  bool isField() const { return kind == RepresentationKind::product_field; }
-  bool tentFactor() const { return kind == RepresentationKind::tent_mlp; }
+  constexpr bool isField() const { return kind == RepresentationKind::product_field; }
+  constexpr bool tentFactor() const { return !isField() && network().tent_factor; }
   // D: how many numbers theta has.
-  int thetaCount() const { return isField() ? 2 * resolution * resolution * resolution : ThetaLayout::count; }
+  constexpr int thetaCount() const { return isField() ? 2 * resolution * resolution * resolution : network().shape.thetaCount(); }
+  // Of a network, never of a field.
+  constexpr const NetworkKind& network() const { return kNetworks[static_cast<int>(kind)]; }
+  constexpr const NetworkShape& shape() const { return network().shape; }
 };
 
-inline constexpr int kFieldResolutions[] = {3, 5, 7, 9};
 inline constexpr int kMaxThetaCount = 2 * 9 * 9 * 9;
+
+// The same for every network: what it takes of kernels' memory.
+constexpr int maxNetworkThetaCount() {
+  int count = 0;
+  for (const NetworkKind& network : kNetworks) {
+    if (network.shape.thetaCount() > count) count = network.shape.thetaCount();
+  }
+  return count;
+}
+inline constexpr int kMaxNetworkThetaCount = maxNetworkThetaCount();
+
+// The layout of `mlp` and `tent_mlp`, the talk's network.
+inline constexpr int kHiddenCount = 8;
+struct ThetaLayout {
+  static constexpr NetworkShape shape{};
+  static constexpr int w1 = shape.w1(), b1 = shape.b1(), w2 = shape.w2(), b2 = shape.b2(), w3 = shape.w3(), b3 = shape.b3(),
+                       count = shape.thetaCount();
+};
+
+// Calls operation.template operator()<shape>() with the shape of a network as a constant: how kernels are chosen.
+template <class Operation>
+auto withNetworkShape(const Representation& network, const Operation& operation) {
+  using Result = decltype(operation.template operator()<kNetworks[0].shape>());
+  using Call = Result (*)(const Operation&);
+  static constexpr auto calls = []<size_t... kIndices>(std::index_sequence<kIndices...>) {
+    return std::array<Call, sizeof...(kIndices)>{
+        [](const Operation& o) -> Result { return o.template operator()<kNetworks[kIndices].shape>(); }...};
+  }
+  (std::make_index_sequence<kNetworkCount>());
+  return calls[static_cast<size_t>(network.kind)](operation);
+}
 
 // D numbers of one representation.
 using Theta = std::vector<float>;
 
 // The names of all representations, in the order of the report.
-inline constexpr const char* kRepresentationNames[] = {"mlp", "tent_mlp", "pf3", "pf5", "pf7", "pf9"};
+inline constexpr auto kRepresentationNames = [] {
+  std::array<const char*, std::size(kNetworks) + std::size(kFields)> names{};
+  size_t count = 0;
+  for (const NetworkKind& network : kNetworks) names[count++] = network.name;
+  for (const FieldKind& field : kFields) names[count++] = field.name;
+  return names;
+}();
 
 // The order in which a representation's kernels read the support points: strata for networks, cells for product fields.
 const PointOrder& pointOrder(const Representation& representation);

@@ -129,18 +129,17 @@ FitResult fitAdam(const Representation& representation, const WeightingFunction&
 
 namespace {
 
-Theta randomNetworkTheta(uint64_t seed) {
-  using L = ThetaLayout;
+Theta randomNetworkTheta(const NetworkShape& shape, uint64_t seed) {
   Random random(mixSeed(seed, 0x7468657461));
-  Theta theta(ThetaLayout::count);
-  const auto fill = [&](int first, int count, double deviation) {
-    for (int i = first; i < first + count; ++i) theta[i] = static_cast<float>(deviation * random.normal());
+  Theta theta(shape.thetaCount());
+  const auto fill = [&](int first, int end, double deviation) {
+    for (int i = first; i < end; ++i) theta[i] = static_cast<float>(deviation * random.normal());
   };
-  fill(L::w1, 24, std::sqrt(2.0 / 3.0));
-  fill(L::b1, 8, 0.5);
-  fill(L::w2, 64, std::sqrt(2.0 / kHiddenCount));
-  fill(L::b2, 8, 0.2);
-  fill(L::w3, 8, std::sqrt(1.0 / kHiddenCount));
+  fill(shape.w1(), shape.b1(), std::sqrt(2.0 / 3.0));
+  fill(shape.b1(), shape.w2(), 0.5);
+  fill(shape.w2(), shape.b2(), std::sqrt(2.0 / shape.first));
+  fill(shape.b2(), shape.w3(), 0.2);
+  fill(shape.w3(), shape.b3(), std::sqrt(1.0 / shape.last()));
   return theta;
 }
 
@@ -158,7 +157,8 @@ Theta randomFieldTheta(int count, uint64_t seed) {
 }  // namespace
 
 Theta randomTheta(const Representation& representation, uint64_t seed) {
-  return representation.isField() ? randomFieldTheta(representation.thetaCount(), seed) : randomNetworkTheta(seed);
+  return representation.isField() ? randomFieldTheta(representation.thetaCount(), seed)
+                                  : randomNetworkTheta(representation.shape(), seed);
 }
 
 }  // namespace nlg

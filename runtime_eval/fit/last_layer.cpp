@@ -15,8 +15,15 @@
 #ifndef NLG_LAST_LAYER_CONSTANTS
 #define NLG_LAST_LAYER_CONSTANTS
 namespace nlg {
-// 8 hidden values and the constant 1, then phi, each masked and the former times the tent; zero rows up to whole tiles
-inline constexpr int kFeatureCount = kHiddenCount + 1, kFeatureRowCount = 12;
+// the last hidden values and the constant 1, then phi, each masked and the former times the tent; zero rows up to whole tiles
+constexpr int featureCount(const NetworkShape& shape) { return shape.last() + 1; }
+constexpr int featureRowCount(const NetworkShape& shape) { return (featureCount(shape) + 1 + 3) / 4 * 4; }
+constexpr int maxFeatureRowCount() {
+  int count = 0;
+  for (const NetworkKind& network : kNetworks) count = std::max(count, featureRowCount(network.shape));
+  return count;
+}
+inline constexpr int kMaxFeatureRowCount = maxFeatureRowCount();
 }  // namespace nlg
 #endif
 
@@ -24,30 +31,40 @@ HWY_BEFORE_NAMESPACE();
 namespace nlg {
 namespace HWY_NAMESPACE {
 
-// products   kFeatureRowCount²: products of all rows are added, lower triangle of tiles, in float over 256 points, then in double
-void featureProducts(const Representation& representation, const WeightingFunction& function, const float* HWY_RESTRICT theta,
-                     double* HWY_RESTRICT products) {
-  constexpr int kBlock = 256;
-  alignas(64) float rows[kFeatureRowCount * kBlock] = {};
+template <NetworkShape kShape>
+void shapeFeatureProducts(const Representation& representation, const WeightingFunction& function,
+                          const float* HWY_RESTRICT theta, double* HWY_RESTRICT products) {
+  constexpr int kBlock = 256, kRowCount = featureRowCount(kShape), kLast = kShape.last();
+  alignas(64) float rows[kRowCount * kBlock] = {};
   const FloatTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Floats slope = hn::Set(d, representation.slope);
+  const bool tent_factor = representation.tentFactor();
   const PointSet& points = stratifiedSupportPoints();
   for (int begin = 0; begin < kSupportPointCount; begin += kBlock) {
     for (int i = 0; i < kBlock; i += lanes) {
       const int at = begin + i;
       const Floats x = hn::Load(d, &points.x[at]), y = hn::Load(d, &points.y[at]), z = hn::Load(d, &points.z[at]);
       const Floats mask = hn::Load(d, &function.mask[at]);
-      const Floats scale = representation.tentFactor() ? hn::Mul(mask, hn::Load(d, &points.tent[at])) : mask;
-      Hidden<1> hidden;
+      const Floats scale = tent_factor ? hn::Mul(mask, hn::Load(d, &points.tent[at])) : mask;
+      Hidden<kShape, 1> hidden;
       Floats output;
-      forwardNetwork<1>(d, theta, slope, &x, &y, &z, hidden, &output);
-      for (int j = 0; j < kHiddenCount; ++j) hn::Store(hn::Mul(scale, hidden.second[j][0]), d, rows + j * kBlock + i);
-      hn::Store(scale, d, rows + kHiddenCount * kBlock + i);
-      hn::Store(hn::Mul(mask, hn::Load(d, &function.phi[at])), d, rows + kFeatureCount * kBlock + i);
+      forwardNetwork<kShape, 1>(d, theta, slope, &x, &y, &z, hidden, &output);
+      for (int j = 0; j < kLast; ++j) hn::Store(hn::Mul(scale, hidden.last().value[j][0]), d, rows + j * kBlock + i);
+      hn::Store(scale, d, rows + kLast * kBlock + i);
+      hn::Store(hn::Mul(mask, hn::Load(d, &function.phi[at])), d, rows + (kLast + 1) * kBlock + i);
     }
-    addGram(rows, kFeatureRowCount, kBlock, kBlock, products);
+    addGram(rows, kRowCount, kBlock, kBlock, products);
   }
+}
+
+// products   featureRowCount²: products of all rows are added, lower triangle of tiles, in float over 256 points, then in double
+void featureProducts(const Representation& representation, const WeightingFunction& function, const float* HWY_RESTRICT theta,
+                     double* HWY_RESTRICT products) {
+  withNetworkShape(representation, [&]<NetworkShape kShape>() {
+    if constexpr (kShape.output == OutputFunction::linear)
+      shapeFeatureProducts<kShape>(representation, function, theta, products);
+  });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -60,25 +77,27 @@ namespace nlg {
 HWY_EXPORT(featureProducts);
 
 bool solveLastLayer(const Representation& representation, const WeightingFunction& function, float* theta) {
-  double products[kFeatureRowCount * kFeatureRowCount] = {};
+  const NetworkShape& shape = representation.shape();
+  if (shape.output != OutputFunction::linear) return false;
+  const int feature_count = featureCount(shape), row_count = featureRowCount(shape);
+  double products[kMaxFeatureRowCount * kMaxFeatureRowCount] = {};
   HWY_DYNAMIC_DISPATCH(featureProducts)(representation, function, theta, products);
-  SymmetricBand matrix(kFeatureCount, kFeatureCount - 1);
-  double solution[kFeatureCount], largest = 0.0;
-  for (int r = 0; r < kFeatureCount; ++r) {
-    for (int c = 0; c <= r; ++c) matrix.at(r, c) = products[r * kFeatureRowCount + c];
+  SymmetricBand matrix(feature_count, feature_count - 1);
+  double solution[kMaxFeatureRowCount], largest = 0.0;
+  for (int r = 0; r < feature_count; ++r) {
+    for (int c = 0; c <= r; ++c) matrix.at(r, c) = products[r * row_count + c];
     largest = std::max(largest, matrix.at(r, r));
-    solution[r] = products[kFeatureCount * kFeatureRowCount + r];
+    solution[r] = products[feature_count * row_count + r];
   }
-  for (int i = 0; i < kFeatureCount; ++i) matrix.at(i, i) += 1e-9 * largest;
+  for (int i = 0; i < feature_count; ++i) matrix.at(i, i) += 1e-9 * largest;
   if (!matrix.solve(solution)) return false;
-  float last_layer[kFeatureCount];
-  for (int i = 0; i < kFeatureCount; ++i) {
+  float last_layer[kMaxFeatureRowCount];
+  for (int i = 0; i < feature_count; ++i) {
     last_layer[i] = static_cast<float>(solution[i]);
     if (!std::isfinite(last_layer[i])) return false;
   }
   // w3, then b3, as theta holds them
-  static_assert(ThetaLayout::b3 == ThetaLayout::w3 + kHiddenCount);
-  std::copy_n(last_layer, kFeatureCount, theta + ThetaLayout::w3);
+  std::copy_n(last_layer, feature_count, theta + shape.w3());
   return true;
 }
 

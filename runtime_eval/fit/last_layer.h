@@ -1,5 +1,5 @@
-// The exact solution of a network's last layer: given the hidden values, its 9 numbers are linear, so the best of them follow
-// from 9 x 9 normal equations (variable projection, Golub & Pereyra 1973). docs/math.md §5.
+// The exact solution of a network's last layer: given the hidden values, its 9 numbers (of `mlp`) are linear, so the best of
+// them follow from 9 x 9 normal equations (variable projection, Golub & Pereyra 1973). docs/math.md §5.
 #pragma once
 
 #include "runtime_eval/evaluator/representation.h"
@@ -9,8 +9,9 @@ namespace nlg {
 
 // Replaces w3 and b3 of a network's theta by those of least squares over the valid points. Hidden units that are nearly a
 // combination of others get as little weight as a ridge of 1e-9 of the largest diagonal entry gives them.
-// theta     ThetaLayout::count floats
-// returns   false, and theta unchanged, when the equations cannot be solved or their solution is not finite
+// theta     D floats
+// returns   false, and theta unchanged, when the network's output is not linear, the equations cannot be solved or their solution
+//           is not finite
 bool solveLastLayer(const Representation& representation, const WeightingFunction& function, float* theta);
 
 }  // namespace nlg

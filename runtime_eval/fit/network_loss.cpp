@@ -12,15 +12,16 @@ HWY_BEFORE_NAMESPACE();
 namespace nlg {
 namespace HWY_NAMESPACE {
 
-// A block is passed twice: forward and deltas, two vectors of points at a time, into these arrays (32 kB, level-1 cache);
-// then the gradient as small matrix products over the block, so that its 113 sums stay in registers.
+// A block is passed twice: forward and deltas, two vectors of points at a time, into these arrays (32 kB at most, level-1 cache);
+// then the gradient as small matrix products over the block, so that its sums stay in registers.
 constexpr int kBlock = 256;
+template <NetworkShape kShape>
 struct alignas(64) BlockState {
-  float first[kHiddenCount][kBlock];  // hidden values
-  float second[kHiddenCount][kBlock];
-  float first_delta[kHiddenCount][kBlock];  // d sum / d pre-activation
-  float second_delta[kHiddenCount][kBlock];
-  float output_delta[kBlock];  // d sum / d network output
+  float first[kShape.first][kBlock];  // hidden values
+  float second[kShape.last()][kBlock];
+  float first_delta[kShape.first][kBlock];  // d sum / d pre-activation
+  float second_delta[kShape.last()][kBlock];
+  float output_delta[kBlock];  // d sum / d sum of the output layer
 };
 
 struct Targets {
@@ -28,54 +29,66 @@ struct Targets {
   const float* HWY_RESTRICT mask;
 };
 
-// Residuals of kGroup vectors of points; returns their d sum / d output and adds the squares.
-template <int kGroup>
+// Residuals of kGroup vectors of points; returns their d sum / d sum of the output layer and adds the squares.
+template <OutputFunction kOutput, int kGroup>
 HWY_INLINE void residuals(FloatTag d, bool tent_factor, const float* HWY_RESTRICT tent, Targets target, int lanes, Floats* output,
                           Floats& square_sum) {
 #pragma GCC unroll 2
   for (int g = 0; g < kGroup; ++g) {
     const Floats factor = tent_factor ? hn::Load(d, tent + g * lanes) : hn::Set(d, 1.0f);
     const Floats mask = hn::LoadU(d, target.mask + g * lanes), phi = hn::LoadU(d, target.phi + g * lanes);
-    const Floats residual = hn::Mul(mask, hn::MulSub(factor, output[g], phi));
+    const OutputValue of = outputValue<kOutput>(d, output[g]);
+    const Floats residual = hn::Mul(mask, hn::MulSub(factor, of.value, phi));
     square_sum = hn::MulAdd(residual, residual, square_sum);
     output[g] = hn::Mul(hn::Add(residual, residual), factor);
+    if constexpr (kOutput != OutputFunction::linear) output[g] = hn::Mul(output[g], of.derivative);
   }
 }
 
-// Deltas of both hidden layers from the output's.
-template <int kGroup>
-HWY_INLINE void backward(FloatTag d, const float* HWY_RESTRICT theta, Floats slope, const Hidden<kGroup>& hidden,
-                         const Floats* output_delta, int lanes, int offset, BlockState& block) {
-  using L = ThetaLayout;
-  const Floats one = hn::Set(d, 1.0f), zero = hn::Zero(d);
-  Floats delta[kHiddenCount][kGroup];
+// Deltas of the last hidden layer from the output's; stores them and the layer's values.
+template <int kGroup, class Layer, int kWidth>
+HWY_INLINE void lastDeltas(FloatTag d, const float* HWY_RESTRICT weights, Floats slope, const Layer& layer,
+                           const Floats* output_delta, int lanes, int offset, float (*values)[kBlock], float (*deltas)[kBlock],
+                           Floats (&delta)[kWidth][kGroup]) {
 #pragma GCC unroll 8
-  for (int j = 0; j < kHiddenCount; ++j) {
-    const Floats weight = hn::Set(d, theta[L::w3 + j]);
+  for (int j = 0; j < kWidth; ++j) {
+    const Floats weight = hn::Set(d, weights[j]);
 #pragma GCC unroll 2
     for (int g = 0; g < kGroup; ++g) {
-      const Floats derivative = hn::IfThenElse(hn::Gt(hidden.second[j][g], zero), one, slope);
-      delta[j][g] = hn::Mul(hn::Mul(output_delta[g], weight), derivative);
-      hn::Store(hidden.second[j][g], d, &block.second[j][offset + g * lanes]);
-      hn::Store(delta[j][g], d, &block.second_delta[j][offset + g * lanes]);
+      delta[j][g] = hn::Mul(hn::Mul(output_delta[g], weight), layer.derivative(d, j, g, slope));
+      hn::Store(layer.value[j][g], d, &values[j][offset + g * lanes]);
+      hn::Store(delta[j][g], d, &deltas[j][offset + g * lanes]);
     }
   }
+}
+
+// Deltas of the hidden layers from the output's.
+template <NetworkShape kShape, int kGroup>
+HWY_INLINE void backward(FloatTag d, const float* HWY_RESTRICT theta, Floats slope, const Hidden<kShape, kGroup>& hidden,
+                         const Floats* output_delta, int lanes, int offset, BlockState<kShape>& block) {
+  Floats delta[kShape.last()][kGroup];
+  if constexpr (kShape.second == 0) {
+    lastDeltas<kGroup>(d, theta + kShape.w3(), slope, hidden.first, output_delta, lanes, offset, block.first, block.first_delta,
+                       delta);
+    return;
+  }
+  lastDeltas<kGroup>(d, theta + kShape.w3(), slope, hidden.second, output_delta, lanes, offset, block.second, block.second_delta,
+                     delta);
 #pragma GCC unroll 8
-  for (int i = 0; i < kHiddenCount; ++i) {
+  for (int i = 0; i < kShape.first; ++i) {
     Floats sum[kGroup];
 #pragma GCC unroll 2
-    for (int g = 0; g < kGroup; ++g) sum[g] = zero;
+    for (int g = 0; g < kGroup; ++g) sum[g] = hn::Zero(d);
 #pragma GCC unroll 8
-    for (int j = 0; j < kHiddenCount; ++j) {
-      const Floats weight = hn::Set(d, theta[L::w2 + kHiddenCount * j + i]);
+    for (int j = 0; j < kShape.second; ++j) {
+      const Floats weight = hn::Set(d, theta[kShape.w2() + kShape.first * j + i]);
 #pragma GCC unroll 2
       for (int g = 0; g < kGroup; ++g) sum[g] = hn::MulAdd(weight, delta[j][g], sum[g]);
     }
 #pragma GCC unroll 2
     for (int g = 0; g < kGroup; ++g) {
-      const Floats derivative = hn::IfThenElse(hn::Gt(hidden.first[i][g], zero), one, slope);
-      hn::Store(hidden.first[i][g], d, &block.first[i][offset + g * lanes]);
-      hn::Store(hn::Mul(sum[g], derivative), d, &block.first_delta[i][offset + g * lanes]);
+      hn::Store(hidden.first.value[i][g], d, &block.first[i][offset + g * lanes]);
+      hn::Store(hn::Mul(sum[g], hidden.first.derivative(d, i, g, slope)), d, &block.first_delta[i][offset + g * lanes]);
     }
   }
 }
@@ -123,44 +136,57 @@ HWY_INLINE void addSums(FloatTag d, int count, const float (*rows)[kBlock], floa
   for (int r = 0; r < kRows; ++r) sums[r] += hn::GetLane(hn::SumOfLanes(d, accumulator[r]));
 }
 
-void addBlockGradient(FloatTag d, int count, const BlockState& block, const PointSet& points, int first,
-                      float* HWY_RESTRICT gradient) {
-  using L = ThetaLayout;
-  const float* axes[3] = {&points.x[first], &points.y[first], &points.z[first]};
-  constexpr int kTile = 4;
-  for (int j = 0; j < kHiddenCount; j += kTile) {
-    const float* delta_rows[kTile];
-    float* w2_rows[kTile];
-    for (int r = 0; r < kTile; ++r) delta_rows[r] = block.second_delta[j + r];
-    for (int i = 0; i < kHiddenCount; i += kTile) {
-      const float* columns[kTile];
-      for (int c = 0; c < kTile; ++c) columns[c] = block.first[i + c];
-      for (int r = 0; r < kTile; ++r) w2_rows[r] = gradient + L::w2 + kHiddenCount * (j + r) + i;
-      addProducts<kTile, kTile>(d, count, delta_rows, columns, w2_rows);
+// Rows that addProducts takes at a time: a divisor of a layer's width whose sums fit the registers.
+constexpr int tileOf(int width) { return width % 4 == 0 ? 4 : width % 3 == 0 ? 3 : 2; }
+
+// Adds the products of all pairs of rows, `rows` by `columns`, to sums, row-major.
+template <int kRowCount, int kColumnCount>
+HWY_INLINE void addLayerGradient(FloatTag d, int count, const float (*rows)[kBlock], const float* const* columns,
+                                 float* HWY_RESTRICT sums) {
+  constexpr int kRows = tileOf(kRowCount), kColumns = kColumnCount == 3 ? 3 : tileOf(kColumnCount);
+  for (int r = 0; r < kRowCount; r += kRows) {
+    const float* row_tile[kRows];
+    float* sum_tile[kRows];
+    for (int i = 0; i < kRows; ++i) row_tile[i] = rows[r + i];
+    for (int c = 0; c < kColumnCount; c += kColumns) {
+      for (int i = 0; i < kRows; ++i) sum_tile[i] = sums + kColumnCount * (r + i) + c;
+      addProducts<kRows, kColumns>(d, count, row_tile, columns + c, sum_tile);
     }
-    float* w1_rows[kTile];
-    for (int r = 0; r < kTile; ++r) delta_rows[r] = block.first_delta[j + r], w1_rows[r] = gradient + L::w1 + 3 * (j + r);
-    addProducts<kTile, 3>(d, count, delta_rows, axes, w1_rows);
   }
-  const float* output_row[1] = {block.output_delta};
-  const float* second_rows[kHiddenCount];
-  float* w3_row[1] = {gradient + L::w3};
-  for (int j = 0; j < kHiddenCount; ++j) second_rows[j] = block.second[j];
-  addProducts<1, kHiddenCount>(d, count, output_row, second_rows, w3_row);
-  addSums<kHiddenCount>(d, count, block.first_delta, gradient + L::b1);
-  addSums<kHiddenCount>(d, count, block.second_delta, gradient + L::b2);
-  addSums<1>(d, count, &block.output_delta, gradient + L::b3);
 }
 
-double lossAndGradientVectors(const Representation& representation, const PointSet& points, int first, int count,
-                              const float* HWY_RESTRICT phi, const float* HWY_RESTRICT mask, const float* HWY_RESTRICT theta,
-                              float* HWY_RESTRICT gradient) {
+template <NetworkShape kShape>
+HWY_INLINE void addBlockGradient(FloatTag d, int count, const BlockState<kShape>& block, const PointSet& points, int first,
+                                 float* HWY_RESTRICT gradient) {
+  constexpr int kLast = kShape.last();
+  const float* axes[3] = {&points.x[first], &points.y[first], &points.z[first]};
+  addLayerGradient<kShape.first, 3>(d, count, block.first_delta, axes, gradient + kShape.w1());
+  addSums<kShape.first>(d, count, block.first_delta, gradient + kShape.b1());
+  if constexpr (kShape.second > 0) {
+    const float* first_rows[kShape.first];
+    for (int i = 0; i < kShape.first; ++i) first_rows[i] = block.first[i];
+    addLayerGradient<kShape.second, kShape.first>(d, count, block.second_delta, first_rows, gradient + kShape.w2());
+    addSums<kShape.second>(d, count, block.second_delta, gradient + kShape.b2());
+  }
+  const float* output_row[1] = {block.output_delta};
+  const float* last_rows[kLast];
+  float* w3_row[1] = {gradient + kShape.w3()};
+  for (int j = 0; j < kLast; ++j) last_rows[j] = kShape.second > 0 ? block.second[j] : block.first[j];
+  addProducts<1, kLast>(d, count, output_row, last_rows, w3_row);
+  addSums<1>(d, count, &block.output_delta, gradient + kShape.b3());
+}
+
+template <NetworkShape kShape>
+double shapeLossAndGradient(const Representation& representation, const PointSet& points, int first, int count,
+                            const float* HWY_RESTRICT phi, const float* HWY_RESTRICT mask, const float* HWY_RESTRICT theta,
+                            float* HWY_RESTRICT gradient) {
   const FloatTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Floats slope = hn::Set(d, representation.slope);
+  const bool tent_factor = representation.tentFactor();
   constexpr int kGroup = 2;
-  BlockState block;
-  std::fill_n(gradient, ThetaLayout::count, 0.0f);
+  BlockState<kShape> block;
+  std::fill_n(gradient, kShape.thetaCount(), 0.0f);
   double total = 0.0;
   for (int begin = 0; begin < count; begin += kBlock) {
     const int block_count = std::min(kBlock, count - begin);
@@ -173,41 +199,58 @@ double lossAndGradientVectors(const Representation& representation, const PointS
         y[g] = hn::Load(d, &points.y[at + g * lanes]);
         z[g] = hn::Load(d, &points.z[at + g * lanes]);
       }
-      Hidden<kVectors> hidden;
-      forwardNetwork<kVectors>(d, theta, slope, x, y, z, hidden, output);
-      residuals<kVectors>(d, representation.tentFactor(), &points.tent[at], {phi + begin + offset, mask + begin + offset}, lanes,
-                          output, square_sum);
+      Hidden<kShape, kVectors> hidden;
+      forwardNetwork<kShape, kVectors>(d, theta, slope, x, y, z, hidden, output);
+      residuals<kShape.output, kVectors>(d, tent_factor, &points.tent[at], {phi + begin + offset, mask + begin + offset}, lanes,
+                                         output, square_sum);
       for (int g = 0; g < kVectors; ++g) hn::Store(output[g], d, &block.output_delta[offset + g * lanes]);
-      backward<kVectors>(d, theta, slope, hidden, output, lanes, offset, block);
+      backward<kShape, kVectors>(d, theta, slope, hidden, output, lanes, offset, block);
     };
     int offset = 0;
     for (; offset + kGroup * lanes <= block_count; offset += kGroup * lanes) step.template operator()<kGroup>(offset);
     for (; offset < block_count; offset += lanes) step.template operator()<1>(offset);
-    addBlockGradient(d, block_count, block, points, first + begin, gradient);
+    addBlockGradient<kShape>(d, block_count, block, points, first + begin, gradient);
     total += hn::GetLane(hn::SumOfLanes(d, square_sum));
   }
   return total;
 }
 
-double lossVectors(const Representation& representation, const PointSet& points, int first, int count,
-                   const float* HWY_RESTRICT phi, const float* HWY_RESTRICT mask, const float* HWY_RESTRICT theta) {
+template <NetworkShape kShape>
+double shapeLoss(const Representation& representation, const PointSet& points, int first, int count,
+                 const float* HWY_RESTRICT phi, const float* HWY_RESTRICT mask, const float* HWY_RESTRICT theta) {
   const FloatTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Floats slope = hn::Set(d, representation.slope);
+  const bool tent_factor = representation.tentFactor();
   double total = 0.0;
   for (int begin = 0; begin < count; begin += kBlock) {
     Floats square_sum = hn::Zero(d);
     for (int i = begin; i < std::min(begin + kBlock, count); i += lanes) {
       const int at = first + i;
       const Floats x = hn::Load(d, &points.x[at]), y = hn::Load(d, &points.y[at]), z = hn::Load(d, &points.z[at]);
-      Hidden<1> hidden;
+      Hidden<kShape, 1> hidden;
       Floats output;
-      forwardNetwork<1>(d, theta, slope, &x, &y, &z, hidden, &output);
-      residuals<1>(d, representation.tentFactor(), &points.tent[at], {phi + i, mask + i}, lanes, &output, square_sum);
+      forwardNetwork<kShape, 1>(d, theta, slope, &x, &y, &z, hidden, &output);
+      residuals<kShape.output, 1>(d, tent_factor, &points.tent[at], {phi + i, mask + i}, lanes, &output, square_sum);
     }
     total += hn::GetLane(hn::SumOfLanes(d, square_sum));
   }
   return total;
+}
+
+double lossAndGradientVectors(const Representation& representation, const PointSet& points, int first, int count,
+                              const float* HWY_RESTRICT phi, const float* HWY_RESTRICT mask, const float* HWY_RESTRICT theta,
+                              float* HWY_RESTRICT gradient) {
+  return withNetworkShape(representation, [&]<NetworkShape kShape>() {
+    return shapeLossAndGradient<kShape>(representation, points, first, count, phi, mask, theta, gradient);
+  });
+}
+
+double lossVectors(const Representation& representation, const PointSet& points, int first, int count,
+                   const float* HWY_RESTRICT phi, const float* HWY_RESTRICT mask, const float* HWY_RESTRICT theta) {
+  return withNetworkShape(representation, [&]<NetworkShape kShape>() {
+    return shapeLoss<kShape>(representation, points, first, count, phi, mask, theta);
+  });
 }
 
 }  // namespace HWY_NAMESPACE
@@ -228,50 +271,6 @@ double networkLossAndGradient(const Representation& representation, const PointS
 double networkLoss(const Representation& representation, const PointSet& points, int first, int count, const float* phi,
                    const float* mask, const float* theta) {
   return HWY_DYNAMIC_DISPATCH(lossVectors)(representation, points, first, count, phi, mask, theta);
-}
-
-double networkLossAndGradientReference(const Representation& representation, const PointSet& points, int first, int count,
-                                       const float* phi, const float* mask, const double* theta, double* gradient) {
-  using L = ThetaLayout;
-  std::fill_n(gradient, ThetaLayout::count, 0.0);
-  const double slope = representation.slope;
-  const auto leaky = [slope](double value) { return value > 0 ? value : slope * value; };
-  double total = 0.0;
-  for (int n = 0; n < count; ++n) {
-    const double point[3] = {points.x[first + n], points.y[first + n], points.z[first + n]};
-    double h1[kHiddenCount], h2[kHiddenCount], d2[kHiddenCount];
-    for (int j = 0; j < kHiddenCount; ++j) {
-      double sum = theta[L::b1 + j];
-      for (int a = 0; a < 3; ++a) sum += theta[L::w1 + 3 * j + a] * point[a];
-      h1[j] = leaky(sum);
-    }
-    double output = theta[L::b3];
-    for (int j = 0; j < kHiddenCount; ++j) {
-      double sum = theta[L::b2 + j];
-      for (int i = 0; i < kHiddenCount; ++i) sum += theta[L::w2 + kHiddenCount * j + i] * h1[i];
-      h2[j] = leaky(sum);
-      output += theta[L::w3 + j] * h2[j];
-    }
-    const double factor = representation.tentFactor() ? points.tent[first + n] : 1.0;
-    const double residual = mask[n] * (factor * output - phi[n]);
-    total += residual * residual;
-    const double output_delta = 2 * residual * factor;
-    gradient[L::b3] += output_delta;
-    for (int j = 0; j < kHiddenCount; ++j) {
-      gradient[L::w3 + j] += output_delta * h2[j];
-      d2[j] = output_delta * theta[L::w3 + j] * (h2[j] > 0 ? 1 : slope);
-      gradient[L::b2 + j] += d2[j];
-      for (int i = 0; i < kHiddenCount; ++i) gradient[L::w2 + kHiddenCount * j + i] += d2[j] * h1[i];
-    }
-    for (int i = 0; i < kHiddenCount; ++i) {
-      double sum = 0.0;
-      for (int j = 0; j < kHiddenCount; ++j) sum += theta[L::w2 + kHiddenCount * j + i] * d2[j];
-      const double d1 = sum * (h1[i] > 0 ? 1 : slope);
-      gradient[L::b1 + i] += d1;
-      for (int a = 0; a < 3; ++a) gradient[L::w1 + 3 * i + a] += d1 * point[a];
-    }
-  }
-  return total;
 }
 
 }  // namespace nlg

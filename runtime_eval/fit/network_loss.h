@@ -1,7 +1,7 @@
-// The networks' part of the shared kernel (loss_kernel.h): loss of one theta of `mlp` or `tent_mlp`, and its gradient.
+// The networks' part of the shared kernel (loss_kernel.h): loss of one theta of a network, and its gradient.
 //
 // The formulas are in docs/math.md §4.
-// 264 fused multiply-adds a point; the gradient is summed in float over blocks of 256 points, the loss in double over blocks.
+// `mlp`: 264 fused multiply-adds a point; the gradient is summed in float over blocks of 256 points, the loss in double over blocks.
 #pragma once
 
 #include "runtime_eval/evaluator/representation.h"
@@ -9,15 +9,15 @@
 
 namespace nlg {
 
-// Fused multiply-adds a point, for figures against the machine's peak.
+// Fused multiply-adds a point of `mlp`, for figures against the machine's peak.
 inline constexpr int kNetworkLossFmaPerPoint = 24 + 64 + 8 + 8 + 64 + 8 + 64 + 24;
 
 // Sum over points [first, first + count) of mask * (representation(x) - phi)², and its gradient.
 //
 // first, count   multiples of 16, within points.padded_count
 // phi, mask      count floats each; mask 0 leaves a point out (its phi may be anything finite)
-// theta          ThetaLayout::count floats
-// gradient       ThetaLayout::count floats, overwritten with d sum / d theta
+// theta          D floats
+// gradient       D floats, overwritten with d sum / d theta
 // returns        the sum; divide both by the number of valid points for the mean
 double networkLossAndGradient(const Representation& representation, const PointSet& points, int first, int count,
                               const float* phi, const float* mask, const float* theta, float* gradient);
@@ -28,6 +28,10 @@ double networkLoss(const Representation& representation, const PointSet& points,
 
 // Both in double, straight from the formulas: what the vector code is tested against.
 double networkLossAndGradientReference(const Representation& representation, const PointSet& points, int first, int count,
+                                       const float* phi, const float* mask, const double* theta, double* gradient);
+
+// Of any network, whether or not it is one of kNetworks.
+double networkLossAndGradientReference(const NetworkKind& network, double slope, const PointSet& points, int first, int count,
                                        const float* phi, const float* mask, const double* theta, double* gradient);
 
 }  // namespace nlg

@@ -18,6 +18,15 @@ inline constexpr double kFloatRounding = 0x1p-24;
 inline const Representation kBothRepresentations[] = {Representation::mlp(0.01f), Representation::tentMlp(0.01f),
                                                       Representation::mlp(0.3f)};
 
+// Every network, and one of another slope.
+inline const Representation kNetworkRepresentations[] = {Representation::mlp(0.01f),
+                                                         Representation::tentMlp(0.01f),
+                                                         Representation::mlp(0.3f),
+                                                         {RepresentationKind::tent_mlp44, 0.01f},
+                                                         {RepresentationKind::tent_mlp4, 0.01f},
+                                                         {RepresentationKind::tent_mlp44, 0.3f}};
+static_assert(kNetworkCount == 4, "kNetworkRepresentations holds them all");
+
 struct StoredSample {
   std::vector<uint8_t> phi = std::vector<uint8_t>(kSupportPointCount, 0);
   std::vector<uint8_t> validity = std::vector<uint8_t>(kValidityByteCount, 0);
@@ -60,6 +69,23 @@ inline std::vector<double> magnitudes(const Theta& theta) {
   for (const float value : theta) result.push_back(std::fabs(value));
   return result;
 }
+// What adds up the magnitudes of all terms of a representation: itself when its output is linear. An output function of slope 1 or
+// less and values up to 1 adds nothing to the error of its sum, nor does a tent factor: there it is the network without either,
+// whose sum is 1 or more. (The derivative s (1 - s) of a sigmoid changes by .1 of what its sum changes by: with phi and tent up to
+// 1 the product with the residual is within it.)
+inline NetworkKind magnitudeNetwork(const Representation& representation) {
+  NetworkKind network = representation.network();
+  if (network.shape.output != OutputFunction::linear) {
+    network.shape.output = OutputFunction::linear;
+    network.tent_factor = false;
+  }
+  return network;
+}
+inline std::vector<double> magnitudes(const Representation& representation, const Theta& theta) {
+  std::vector<double> result = magnitudes(theta);
+  if (representation.shape().output != OutputFunction::linear) result[representation.shape().b3()] += 1.0;
+  return result;
+}
 inline LocalPoint magnitudes(const LocalPoint& point) { return {std::fabs(point[0]), std::fabs(point[1]), std::fabs(point[2])}; }
 inline PointSet magnitudes(PointSet points) {
   for (AlignedFloats* values : {&points.x, &points.y, &points.z}) {
@@ -73,21 +99,23 @@ inline AlignedFloats negated(AlignedFloats values) {
   return values;
 }
 
-// How far the nearest of the 16 hidden units is from its kink.
-inline double kinkDistance(double slope, const LocalPoint& point, const std::vector<double>& theta) {
-  using L = ThetaLayout;
-  double nearest = std::numeric_limits<double>::max(), first[kHiddenCount];
-  for (int j = 0; j < kHiddenCount; ++j) {
-    double sum = theta[L::b1 + j];
-    for (int axis = 0; axis < 3; ++axis) sum += theta[L::w1 + 3 * j + axis] * point[axis];
-    nearest = std::min(nearest, std::fabs(sum));
-    first[j] = sum > 0 ? sum : slope * sum;
-  }
-  for (int j = 0; j < kHiddenCount; ++j) {
-    double sum = theta[L::b2 + j];
-    for (int i = 0; i < kHiddenCount; ++i) sum += theta[L::w2 + kHiddenCount * j + i] * first[i];
-    nearest = std::min(nearest, std::fabs(sum));
-  }
+// How far the nearest of the hidden units is from its kink.
+inline double kinkDistance(const Representation& representation, const LocalPoint& point, const std::vector<double>& theta) {
+  const NetworkShape& shape = representation.shape();
+  double nearest = std::numeric_limits<double>::max();
+  std::vector<double> values(point.begin(), point.end());
+  const auto layer = [&](int width, int weights, int biases) {
+    std::vector<double> next(width);
+    for (int j = 0; j < width; ++j) {
+      double sum = theta[biases + j];
+      for (size_t i = 0; i < values.size(); ++i) sum += theta[weights + j * values.size() + i] * values[i];
+      nearest = std::min(nearest, std::fabs(sum));
+      next[j] = sum > 0 ? sum : representation.slope * sum;
+    }
+    values = next;
+  };
+  layer(shape.first, shape.w1(), shape.b1());
+  if (shape.second > 0) layer(shape.second, shape.w2(), shape.b2());
   return nearest;
 }
 
@@ -97,7 +125,7 @@ inline void maskKinks(const Representation& representation, const PointSet& poin
                       AlignedFloats* mask) {
   const std::vector<double> exact = toDouble(theta);
   for (int i = 0; i < points.count; ++i) {
-    if (kinkDistance(representation.slope, {points.x[i], points.y[i], points.z[i]}, exact) < margin) (*mask)[i] = 0.0f;
+    if (kinkDistance(representation, {points.x[i], points.y[i], points.z[i]}, exact) < margin) (*mask)[i] = 0.0f;
   }
 }
 

@@ -69,10 +69,10 @@ TEST(FunctionRmse, IsTheRootOfTheMeanOverValidPoints) {
 
 TEST(Fit, NeverReturnsWorseThanItsStart) {
   for (const Fitter& fitter : kFitters) {
-    for (const Representation& representation : kBothRepresentations) {
+    for (const Representation& representation : kNetworkRepresentations) {
       for (uint64_t seed = 0; seed < 24; ++seed) {
         const WeightingFunction function = decodeFunction(seed % 3 ? wallSample(seed).view() : noiseSample(seed).view());
-        expectNeverWorse(fitter, representation, function, randomTheta({}, seed), "seed " + std::to_string(seed));
+        expectNeverWorse(fitter, representation, function, randomTheta(representation, seed), "seed " + std::to_string(seed));
       }
     }
   }

@@ -56,7 +56,7 @@ TEST(FunctionCheck, EqualsItsDefinitionOnEveryTarget) {
 }
 
 TEST(FunctionCheck, HasTheErrorThatFitsMinimise) {
-  for (const Representation& representation : kBothRepresentations) {
+  for (const Representation& representation : kNetworkRepresentations) {
     const StoredSample sample = wallSample(5);
     const Theta theta = randomTheta(representation, 5);
     FunctionChecker checker;

@@ -36,6 +36,13 @@ TEST(LastLayer, LeavesNoGradientInItself) {
   });
 }
 
+TEST(LastLayer, RefusesAnOutputThatIsNotLinear) {
+  const Representation representation{RepresentationKind::tent_mlp4};
+  Theta theta = randomTheta(representation, 9);
+  EXPECT_FALSE(solveLastLayer(representation, decodeFunction(wallSample(9).view()), theta.data()));
+  EXPECT_EQ(theta, randomTheta(representation, 9));
+}
+
 TEST(LastLayer, TouchesNothingElse) {
   const WeightingFunction function = decodeFunction(wallSample(7).view());
   const Theta start = randomTheta({}, 7);

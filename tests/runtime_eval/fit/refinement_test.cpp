@@ -11,7 +11,7 @@ TEST(Refiner, IsNeverInMoreTroubleThanItsStart) {
   Refiner refiner;
   FunctionChecker checker;
   const RefinementOptions options{.rounds = 2, .first_steps = 80};
-  for (const Representation& representation : kBothRepresentations) {
+  for (const Representation& representation : kNetworkRepresentations) {
     for (uint64_t seed = 1; seed < 8; ++seed) {
       const StoredSample sample = seed % 3 == 0 ? noiseSample(seed) : wallSample(seed);
       const Theta start = randomTheta(representation, seed);
