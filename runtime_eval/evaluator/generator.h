@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "export/weights_file/weights_file.h"
+#include "runtime_eval/evaluator/layer_stack.h"
 #include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/evaluator/representation.h"
 
@@ -18,11 +19,11 @@ namespace nlg {
 // The version of the tensors' meaning that this code writes and the newest that it reads.
 inline constexpr int kWeightsVersion = 1;
 
-// One layer as the file holds it.
-struct GeneratorLayer {
-  int input_count = 0, output_count = 0;
-  std::vector<float> weight;  // outputs x inputs
-  std::vector<float> bias;    // outputs
+// Learned correction steps (docs/math.md §6): a network that sees a theta, how wrong it is on its function and which way is down,
+// and says how theta should change. Same layers as the generator's; inputs are CorrectionFeatures (below) in their order.
+struct CorrectionData {
+  int step_count = 0;                  // times that it is to be applied; 0: the generator has none
+  std::vector<GeneratorLayer> layers;  // K + 2 D + 2 inputs; the last one has D outputs, times output_scale
 };
 
 // The generator's numbers, unfolded. Hidden layer: h' = leaky(W h + b), plus h where input and output have the same width;
@@ -34,6 +35,17 @@ struct GeneratorData {
   std::vector<GeneratorLayer> layers;  // the last one has D outputs
   std::vector<float> theta0;           // D
   std::vector<float> output_scale;     // D
+  CorrectionData correction;
+};
+
+// Where the inputs of a correction lie, for K coefficients and D parameters.
+struct CorrectionFeatures {
+  int coefficient_count, theta_count;
+  int theta() const { return coefficient_count; }                      // (theta - theta0) / output_scale
+  int gradient() const { return coefficient_count + theta_count; }     // sqrt(D) g / |g|, g the gradient of the mean square
+  int logNorm() const { return coefficient_count + 2 * theta_count; }  // log10(|g| + 1e-12)
+  int logError() const { return logNorm() + 1; }                       // log10(mean square + 1e-8)
+  int count() const { return logNorm() + 2; }
 };
 
 // Between file and numbers. The reader checks every shape, range and the support pattern; on failure *data is unspecified.
@@ -70,24 +82,27 @@ class Generator {
   void generate(const uint8_t* phi, int count, float* theta, GeneratorScratch* scratch) const;
   void generate(const float* phi, int count, float* theta, GeneratorScratch* scratch) const;
 
+  // Coefficients of functions, standardised: what the layers read. coefficients: count x K; count at most kBatchCount.
+  int coefficientCount() const { return projection_.coefficientCount(); }
+  void project(const uint8_t* phi, int count, float* coefficients, GeneratorScratch* scratch) const;
+
+  // Learned correction steps, for Corrector (fit/correction.h); 0 steps and no layers when the weights have none. Always float32.
+  int correctionStepCount() const { return correction_step_count_; }
+  const LayerStack& correctionLayers() const { return correction_layers_; }
+  const float* outputScale() const { return output_scale_.data(); }
+
  private:
   friend class GeneratorScratch;
-  struct Width {
-    int inputs, outputs;
-  };
   template <class Sample>
   void generateAll(const Sample* phi, int count, float* theta, GeneratorScratch* scratch) const;
-  void runLayers(int batch, float* theta, GeneratorScratch* scratch) const;
 
   GeneratorPrecision precision_ = GeneratorPrecision::float32;
   Representation representation_;
-  float slope_ = 0.01f;
   Projection projection_;
-  std::vector<Width> widths_;  // of the layers
-  std::vector<PackedMatrix> float_layers_;
-  std::vector<PackedIntegerMatrix> integer_layers_;
-  std::vector<AlignedFloats> biases_;
-  std::vector<float> theta0_;
+  LayerStack layers_;
+  std::vector<float> theta0_, output_scale_;
+  int correction_step_count_ = 0;
+  LayerStack correction_layers_;
 };
 
 // Working memory of one thread, for one generator.
@@ -97,16 +112,14 @@ class GeneratorScratch {
 
  private:
   friend class Generator;
-  // rows of integers begin at cache lines, and not all in the same set of the first-level cache
-  static int integerStride(int width) { return (width + 31) / 32 * 32 + 32; }
-
   ProjectionScratch projection_;
-  AlignedFloats activations_[2];
-  AlignedIntegers integers_;
-  AlignedFloats scales_;
+  LayerScratch layers_;
 };
 
 // theta of one function in double, straight from the formulas: what the vector code is tested against. phi: P, in [0, 1].
 std::vector<double> generateReference(const GeneratorData& data, const double* phi);
+
+// Likewise the change of theta that a correction step proposes. features: CorrectionFeatures::count() numbers.
+std::vector<double> correctionReference(const GeneratorData& data, const double* features);
 
 }  // namespace nlg

@@ -26,28 +26,39 @@ std::vector<double> coefficientsReference(const BasisData& basis, const double* 
   return coefficients;
 }
 
-}  // namespace
-
-std::vector<double> generateReference(const GeneratorData& data, const double* phi) {
-  std::vector<double> values = coefficientsReference(data.basis, phi);
-  for (size_t l = 0; l < data.layers.size(); ++l) {
-    const GeneratorLayer& layer = data.layers[l];
-    const bool last = l + 1 == data.layers.size();
+std::vector<double> runLayersReference(const std::vector<GeneratorLayer>& layers, double slope, std::vector<double> values) {
+  for (size_t l = 0; l < layers.size(); ++l) {
+    const GeneratorLayer& layer = layers[l];
     std::vector<double> outputs(layer.output_count);
     for (int o = 0; o < layer.output_count; ++o) {
       double sum = layer.bias[o];
       for (int i = 0; i < layer.input_count; ++i)
         sum += static_cast<double>(layer.weight[size_t(o) * layer.input_count + i]) * values[i];
-      if (last) {
-        outputs[o] = data.theta0[o] + data.output_scale[o] * sum;
+      if (l + 1 == layers.size()) {
+        outputs[o] = sum;
       } else {
-        outputs[o] = sum > 0 ? sum : data.slope * sum;
+        outputs[o] = sum > 0 ? sum : slope * sum;
         if (layer.input_count == layer.output_count) outputs[o] += values[o];
       }
     }
     values = std::move(outputs);
   }
   return values;
+}
+
+}  // namespace
+
+std::vector<double> generateReference(const GeneratorData& data, const double* phi) {
+  std::vector<double> theta = runLayersReference(data.layers, data.slope, coefficientsReference(data.basis, phi));
+  for (size_t i = 0; i < theta.size(); ++i) theta[i] = data.theta0[i] + data.output_scale[i] * theta[i];
+  return theta;
+}
+
+std::vector<double> correctionReference(const GeneratorData& data, const double* features) {
+  const CorrectionFeatures places{data.basis.coefficientCount(), data.representation.thetaCount()};
+  std::vector<double> change = runLayersReference(data.correction.layers, data.slope, {features, features + places.count()});
+  for (size_t i = 0; i < change.size(); ++i) change[i] *= data.output_scale[i];
+  return change;
 }
 
 }  // namespace nlg

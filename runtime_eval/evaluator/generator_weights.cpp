@@ -110,20 +110,38 @@ void readBasis(TensorReader& reader, BasisData* basis) {
   }
 }
 
-void readLayers(TensorReader& reader, GeneratorData* data) {
-  const int layer_count = reader.integer("layer_count", 1, kLargestLayerCount);
-  const int width = reader.integer("width", 1, kLargestWidth);
-  int input_count = data->basis.coefficientCount();
+constexpr int kLargestCorrectionStepCount = 16;
+
+// prefix         of the tensors' names and of the metadata keys
+// output_count   of the last layer
+std::vector<GeneratorLayer> readLayers(TensorReader& reader, const std::string& prefix, int input_count, int output_count) {
+  const int layer_count = reader.integer(prefix.empty() ? "layer_count" : prefix + ".layer_count", 1, kLargestLayerCount);
+  const int width = reader.integer(prefix.empty() ? "width" : prefix + ".width", 1, kLargestWidth);
+  std::vector<GeneratorLayer> layers;
   for (int l = 0; l < layer_count && reader.ok(); ++l) {
     GeneratorLayer layer;
     layer.input_count = input_count;
-    layer.output_count = l + 1 == layer_count ? data->representation.thetaCount() : width;
-    const std::string name = "layer." + std::to_string(l);
+    layer.output_count = l + 1 == layer_count ? output_count : width;
+    const std::string name = (prefix.empty() ? "" : prefix + ".") + "layer." + std::to_string(l);
     const uint64_t outputs = static_cast<uint64_t>(layer.output_count), inputs = static_cast<uint64_t>(layer.input_count);
     layer.weight = reader.tensor(name + ".weight", {outputs, inputs});
     layer.bias = reader.tensor(name + ".bias", {outputs});
     input_count = layer.output_count;
-    data->layers.push_back(std::move(layer));
+    layers.push_back(std::move(layer));
+  }
+  return layers;
+}
+
+void writeLayers(const std::vector<GeneratorLayer>& layers, const std::string& prefix, WeightsFile* file) {
+  const std::string dotted = prefix.empty() ? "" : prefix + ".";
+  file->metadata[dotted + "layer_count"] = std::to_string(layers.size());
+  file->metadata[dotted + "width"] = std::to_string(layers.front().output_count);
+  for (size_t l = 0; l < layers.size(); ++l) {
+    const GeneratorLayer& layer = layers[l];
+    const uint64_t outputs = static_cast<uint64_t>(layer.output_count), inputs = static_cast<uint64_t>(layer.input_count);
+    const std::string name = dotted + "layer." + std::to_string(l);
+    file->tensors[name + ".weight"] = {{outputs, inputs}, layer.weight};
+    file->tensors[name + ".bias"] = {{outputs}, layer.bias};
   }
 }
 
@@ -146,7 +164,14 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
   data->representation.slope = static_cast<float>(reader.number("representation_slope", 1e-6, 0.999));
   data->slope = static_cast<float>(reader.number("generator_slope", 1e-6, 0.999));
   readBasis(reader, &data->basis);
-  if (reader.ok()) readLayers(reader, data);
+  const int theta_count = data->representation.thetaCount();
+  if (reader.ok()) data->layers = readLayers(reader, "", data->basis.coefficientCount(), theta_count);
+  // files without correction steps say nothing of them
+  if (reader.ok() && file.metadata.count("correction.steps") != 0) {
+    data->correction.step_count = reader.integer("correction.steps", 1, kLargestCorrectionStepCount);
+    const CorrectionFeatures features{data->basis.coefficientCount(), theta_count};
+    if (reader.ok()) data->correction.layers = readLayers(reader, "correction", features.count(), theta_count);
+  }
   const std::vector<uint64_t> theta_shape = {static_cast<uint64_t>(data->representation.thetaCount())};
   data->theta0 = reader.tensor("theta0", theta_shape);
   data->output_scale = reader.tensor("output_scale", theta_shape);
@@ -166,19 +191,16 @@ WeightsFile weightsFromGenerator(const GeneratorData& data) {
   file.metadata["representation"] = representationName(data.representation);
   file.metadata["representation_slope"] = number(data.representation.slope);
   file.metadata["generator_slope"] = number(data.slope);
-  file.metadata["layer_count"] = std::to_string(data.layers.size());
-  file.metadata["width"] = std::to_string(data.layers.front().output_count);
   for (int c = 0; c < kParityClassCount; ++c) {
     file.metadata["class_count." + std::to_string(c)] = std::to_string(data.basis.class_count[c]);
   }
   file.tensors["basis.mean"] = {{uint64_t{kParityClassCount}, octant}, data.basis.mean};
   file.tensors["basis.components"] = {{count, octant}, data.basis.components};
   file.tensors["basis.deviation"] = {{count}, data.basis.deviation};
-  for (size_t l = 0; l < data.layers.size(); ++l) {
-    const GeneratorLayer& layer = data.layers[l];
-    const uint64_t outputs = static_cast<uint64_t>(layer.output_count), inputs = static_cast<uint64_t>(layer.input_count);
-    file.tensors["layer." + std::to_string(l) + ".weight"] = {{outputs, inputs}, layer.weight};
-    file.tensors["layer." + std::to_string(l) + ".bias"] = {{outputs}, layer.bias};
+  writeLayers(data.layers, "", &file);
+  if (data.correction.step_count > 0) {
+    file.metadata["correction.steps"] = std::to_string(data.correction.step_count);
+    writeLayers(data.correction.layers, "correction", &file);
   }
   const std::vector<uint64_t> theta_shape = {data.theta0.size()};
   file.tensors["theta0"] = {theta_shape, data.theta0};

@@ -31,9 +31,16 @@ HWY_BEFORE_NAMESPACE();
 namespace nlg {
 namespace HWY_NAMESPACE {
 
+// What the equations are summed over: places from `first` on, and their samples.
+struct Targets {
+  int first, count;
+  const float* HWY_RESTRICT phi;
+  const float* HWY_RESTRICT mask;
+};
+
 template <NetworkShape kShape>
-void shapeFeatureProducts(const Representation& representation, const WeightingFunction& function,
-                          const float* HWY_RESTRICT theta, double* HWY_RESTRICT products) {
+void shapeFeatureProducts(const Representation& representation, const Targets& targets, const float* HWY_RESTRICT theta,
+                          double* HWY_RESTRICT products) {
   constexpr int kBlock = 256, kRowCount = featureRowCount(kShape), kLast = kShape.last();
   alignas(64) float rows[kRowCount * kBlock] = {};
   const FloatTag d;
@@ -41,29 +48,30 @@ void shapeFeatureProducts(const Representation& representation, const WeightingF
   const Floats slope = hn::Set(d, representation.slope);
   const bool tent_factor = representation.tentFactor();
   const PointSet& points = stratifiedSupportPoints();
-  for (int begin = 0; begin < kSupportPointCount; begin += kBlock) {
-    for (int i = 0; i < kBlock; i += lanes) {
-      const int at = begin + i;
+  for (int begin = 0; begin < targets.count; begin += kBlock) {
+    const int block_count = std::min(kBlock, targets.count - begin);
+    for (int i = 0; i < block_count; i += lanes) {
+      const int at = targets.first + begin + i;
       const Floats x = hn::Load(d, &points.x[at]), y = hn::Load(d, &points.y[at]), z = hn::Load(d, &points.z[at]);
-      const Floats mask = hn::Load(d, &function.mask[at]);
+      const Floats mask = hn::Load(d, targets.mask + begin + i);
       const Floats scale = tent_factor ? hn::Mul(mask, hn::Load(d, &points.tent[at])) : mask;
       Hidden<kShape, 1> hidden;
       Floats output;
       forwardNetwork<kShape, 1>(d, theta, slope, &x, &y, &z, hidden, &output);
       for (int j = 0; j < kLast; ++j) hn::Store(hn::Mul(scale, hidden.last().value[j][0]), d, rows + j * kBlock + i);
       hn::Store(scale, d, rows + kLast * kBlock + i);
-      hn::Store(hn::Mul(mask, hn::Load(d, &function.phi[at])), d, rows + (kLast + 1) * kBlock + i);
+      hn::Store(hn::Mul(mask, hn::Load(d, targets.phi + begin + i)), d, rows + (kLast + 1) * kBlock + i);
     }
-    addGram(rows, kRowCount, kBlock, kBlock, products);
+    addGram(rows, kRowCount, kBlock, block_count, products);
   }
 }
 
 // products   featureRowCount²: products of all rows are added, lower triangle of tiles, in float over 256 points, then in double
-void featureProducts(const Representation& representation, const WeightingFunction& function, const float* HWY_RESTRICT theta,
-                     double* HWY_RESTRICT products) {
+void featureProducts(const Representation& representation, const float* phi, const float* mask, int first, int count,
+                     const float* HWY_RESTRICT theta, double* HWY_RESTRICT products) {
   withNetworkShape(representation, [&]<NetworkShape kShape>() {
     if constexpr (kShape.output == OutputFunction::linear)
-      shapeFeatureProducts<kShape>(representation, function, theta, products);
+      shapeFeatureProducts<kShape>(representation, {first, count, phi, mask}, theta, products);
   });
 }
 
@@ -77,11 +85,17 @@ namespace nlg {
 HWY_EXPORT(featureProducts);
 
 bool solveLastLayer(const Representation& representation, const WeightingFunction& function, float* theta) {
+  return solveLastLayer(representation, 0, static_cast<int>(function.phi.size()), function.phi.data(), function.mask.data(),
+                        theta);
+}
+
+bool solveLastLayer(const Representation& representation, int first, int count, const float* phi, const float* mask,
+                    float* theta) {
   const NetworkShape& shape = representation.shape();
   if (shape.output != OutputFunction::linear) return false;
   const int feature_count = featureCount(shape), row_count = featureRowCount(shape);
   double products[kMaxFeatureRowCount * kMaxFeatureRowCount] = {};
-  HWY_DYNAMIC_DISPATCH(featureProducts)(representation, function, theta, products);
+  HWY_DYNAMIC_DISPATCH(featureProducts)(representation, phi, mask, first, count, theta, products);
   SymmetricBand matrix(feature_count, feature_count - 1);
   double solution[kMaxFeatureRowCount], largest = 0.0;
   for (int r = 0; r < feature_count; ++r) {

@@ -14,4 +14,8 @@ namespace nlg {
 //           is not finite
 bool solveLastLayer(const Representation& representation, const WeightingFunction& function, float* theta);
 
+// The same over places [first, first + count) of the order alone; phi and mask are theirs, as for the loss (loss_kernel.h).
+bool solveLastLayer(const Representation& representation, int first, int count, const float* phi, const float* mask,
+                    float* theta);
+
 }  // namespace nlg

@@ -1,6 +1,7 @@
 // The hot calls allocate nothing.
 #include <gtest/gtest.h>
 
+#include "runtime_eval/fit/correction.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/sample_generator.h"
 
@@ -30,6 +31,21 @@ TEST(Generator, AllocatesNothingAfterLoad) {
       generator.generate(bytes.data(), 1, theta.data(), &scratch);
       EXPECT_EQ(allocationCount(), before) << representationName(representation);
     }
+  }
+}
+
+TEST(Corrector, AllocatesNothingOnceMade) {
+  constexpr int kCount = 97;
+  const std::vector<uint8_t> phi = sampleFunctions(kCount), validity(kValidityByteCount, 255);
+  for (const Representation& representation : {Representation::mlp(), Representation::productField(5)}) {
+    const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 32, 3, 2, 5));
+    Corrector corrector(generator);
+    std::vector<StoredFunction> functions;
+    for (int i = 0; i < kCount; ++i) functions.push_back({&phi[size_t(i) * kSupportPointCount], validity.data()});
+    std::vector<float> theta(size_t(kCount) * representation.thetaCount(), 0.1f);
+    const long before = allocationCount();
+    corrector.correct(functions.data(), kCount, theta.data());
+    EXPECT_EQ(allocationCount(), before) << representationName(representation);
   }
 }
 

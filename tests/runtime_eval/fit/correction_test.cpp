@@ -1,0 +1,201 @@
+#include "runtime_eval/fit/correction.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "runtime_eval/fit/fit_result.h"
+#include "runtime_eval/fit/loss_kernel.h"
+#include "tests/runtime_eval/each_target.h"
+#include "tests/runtime_eval/sample_generator.h"
+
+namespace nlg {
+namespace {
+
+const Representation kRepresentations[] = {Representation::mlp(), Representation::tentMlp(), Representation::productField(3)};
+
+// A correction that takes `length` along the negative gradient, whatever the theta.
+GeneratorData steepestDescent(const Representation& representation, double length, int step_count) {
+  GeneratorData data = sampleGenerator(representation, 48, 3, 1);
+  const CorrectionFeatures places{data.basis.coefficientCount(), representation.thetaCount()};
+  const int D = representation.thetaCount();
+  GeneratorLayer layer{places.count(), D, std::vector<float>(size_t(D) * places.count()), std::vector<float>(D)};
+  for (int d = 0; d < D; ++d) {
+    layer.weight[size_t(d) * places.count() + places.gradient() + d] =
+        static_cast<float>(-length / (std::sqrt(D) * data.output_scale[d]));
+  }
+  data.correction = {step_count, {layer}};
+  return data;
+}
+
+double rmseOf(const Representation& representation, const StoredSample& sample, const float* theta) {
+  return functionRmse(representation, decodeFunction(sample.view(), pointOrder(representation)), theta);
+}
+
+TEST(LayerStack, RunsACorrectionAsItsFormulasSayOnEveryTarget) {
+  for (const Representation& representation : kRepresentations) {
+    // a width with a skip and one layer alone
+    for (const int layer_count : {1, 2, 4}) {
+      const GeneratorData data = withCorrection(sampleGenerator(representation, 48, 3, 1), 40, layer_count, 2, 7);
+      const CorrectionFeatures places{data.basis.coefficientCount(), representation.thetaCount()};
+      forEachTarget([&] {
+        const Generator generator(data);
+        LayerScratch scratch(generator.correctionLayers());
+        constexpr int kCount = 5;
+        const int D = representation.thetaCount();
+        std::vector<float> change(size_t(kCount) * D);
+        Random random(3);
+        for (int i = 0; i < kCount * places.count(); ++i) scratch.input()[i] = static_cast<float>(random.normal());
+        const std::vector<float> features(scratch.input(), scratch.input() + kCount * places.count());
+        generator.correctionLayers().run(kCount, change.data(), &scratch);
+        for (int n = 0; n < kCount; ++n) {
+          const std::vector<double> row(features.begin() + n * places.count(), features.begin() + (n + 1) * places.count());
+          const std::vector<double> expected = correctionReference(data, row.data());
+          // four layers of at most 283 roundings of sums of magnitude 20 or less, times a scale of at most .2
+          for (int d = 0; d < D; ++d) EXPECT_NEAR(change[size_t(n) * D + d], expected[d], 4 * 283 * 6e-8 * 20 * 0.2) << "d " << d;
+        }
+      });
+    }
+  }
+}
+
+TEST(Corrector, FollowsTheGradientWhenItsNetworkSaysSo) {
+  for (const Representation& representation : kRepresentations) {
+    const double length = 1e-3;
+    const Generator generator(steepestDescent(representation, length, 1));
+    Corrector corrector(generator);
+    for (uint64_t seed = 1; seed < 5; ++seed) {
+      const StoredSample sample = wallSample(seed);
+      const StoredFunction stored = sample.view();
+      const Theta start = randomTheta(representation, seed);
+      Theta corrected = start;
+      ASSERT_EQ(corrector.correct(&stored, 1, corrected.data()), 1) << "seed " << seed;
+      const WeightingFunction function = decodeFunction(stored, pointOrder(representation));
+      Theta gradient(start.size());
+      lossAndGradient(representation, 0, pointOrder(representation).placeCount(), function.phi.data(), function.mask.data(),
+                      start.data(), gradient.data());
+      double norm = 0.0;
+      for (const float value : gradient) norm += static_cast<double>(value) * value;
+      norm = std::sqrt(norm);
+      // roundings of theta, up to about 3, and of the direction
+      for (size_t d = 0; d < start.size(); ++d) {
+        EXPECT_NEAR(corrected[d], start[d] - length * gradient[d] / norm, 1e-6) << "d " << d;
+      }
+      EXPECT_LT(rmseOf(representation, sample, corrected.data()), rmseOf(representation, sample, start.data()));
+    }
+  }
+}
+
+TEST(Corrector, GoesFurtherWithMoreSteps) {
+  const Representation representation = Representation::tentMlp();
+  const StoredSample sample = wallSample(2);
+  const StoredFunction stored = sample.view();
+  double last = INFINITY;
+  for (const int step_count : {1, 2, 4}) {
+    const Generator generator(steepestDescent(representation, 1e-3, step_count));
+    Theta theta = randomTheta(representation, 2);
+    Corrector(generator).correct(&stored, 1, theta.data());
+    const double rmse = rmseOf(representation, sample, theta.data());
+    EXPECT_LT(rmse, last) << step_count << " steps";
+    last = rmse;
+  }
+}
+
+TEST(Corrector, NeverMakesAThetaWorse) {
+  for (const Representation& representation : kRepresentations) {
+    const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
+    Corrector corrector(generator);
+    const size_t D = static_cast<size_t>(representation.thetaCount());
+    constexpr int kCount = 101;
+    std::vector<StoredSample> samples;
+    std::vector<StoredFunction> functions;
+    std::vector<float> start;
+    for (int i = 0; i < kCount; ++i) {
+      samples.push_back(i % 3 == 2 ? noiseSample(i) : wallSample(i));
+      const Theta theta = randomTheta(representation, i);
+      start.insert(start.end(), theta.begin(), theta.end());
+    }
+    for (const StoredSample& sample : samples) functions.push_back(sample.view());
+    std::vector<float> theta = start;
+    int changed = 0;
+    const int told = corrector.correct(functions.data(), kCount, theta.data());
+    for (int i = 0; i < kCount; ++i) {
+      const double before = rmseOf(representation, samples[i], &start[i * D]),
+                   after = rmseOf(representation, samples[i], &theta[i * D]);
+      const bool same = std::equal(&start[i * D], &start[i * D] + D, &theta[i * D]);
+      EXPECT_TRUE(same || after < before) << "function " << i << ": " << before << " became " << after;
+      changed += !same;
+      // whatever stands beside it
+      std::vector<float> alone(&start[i * D], &start[i * D] + D);
+      corrector.correct(&functions[i], 1, alone.data());
+      EXPECT_TRUE(std::equal(alone.begin(), alone.end(), &theta[i * D])) << "function " << i;
+    }
+    EXPECT_EQ(told, changed);
+  }
+}
+
+TEST(Corrector, LeavesWhatItCannotMeasure) {
+  const Representation representation = Representation::tentMlp();
+  const Generator generator(steepestDescent(representation, 1e-3, 2));
+  Corrector corrector(generator);
+  const StoredSample sample = wallSample(1);
+  StoredSample nowhere = sample;
+  std::fill(nowhere.validity.begin(), nowhere.validity.end(), uint8_t{0});
+  const StoredFunction functions[] = {sample.view(), nowhere.view(), sample.view(), sample.view()};
+  const size_t D = static_cast<size_t>(representation.thetaCount());
+  std::vector<float> theta;
+  for (int i = 0; i < 4; ++i) {
+    const Theta one = randomTheta(representation, 4);
+    theta.insert(theta.end(), one.begin(), one.end());
+  }
+  theta[2 * D + 7] = NAN;
+  theta[3 * D + 7] = 1e30f;
+  const std::vector<float> before = theta;
+  EXPECT_EQ(corrector.correct(functions, 4, theta.data()), 1);
+  EXPECT_EQ(std::memcmp(&theta[D], &before[D], 3 * D * sizeof(float)), 0);
+}
+
+TEST(Corrector, DoesNothingWithoutStepsInTheWeights) {
+  const Generator generator(sampleGenerator({}, 48, 3, 1));
+  Corrector corrector(generator);
+  EXPECT_TRUE(corrector.empty());
+  const StoredSample sample = wallSample(1);
+  const StoredFunction stored = sample.view();
+  const Theta start = randomTheta({}, 1);
+  Theta theta = start;
+  EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 0);
+  EXPECT_EQ(theta, start);
+}
+
+TEST(GeneratorWeights, KeepCorrectionSteps) {
+  const GeneratorData data = withCorrection(sampleGenerator({}, 48, 3, 1), 40, 3, 2, 5);
+  const WeightsFile file = weightsFromGenerator(data);
+  GeneratorData read;
+  ASSERT_TRUE(generatorFromWeights(file, &read).ok());
+  EXPECT_EQ(read.correction.step_count, 2);
+  ASSERT_EQ(read.correction.layers.size(), data.correction.layers.size());
+  for (size_t l = 0; l < data.correction.layers.size(); ++l) {
+    EXPECT_EQ(read.correction.layers[l].weight, data.correction.layers[l].weight);
+    EXPECT_EQ(read.correction.layers[l].bias, data.correction.layers[l].bias);
+  }
+  // a file that says that it has steps must have all of them
+  for (const char* key : {"correction.layer_count", "correction.width"}) {
+    WeightsFile broken = file;
+    broken.metadata.erase(key);
+    EXPECT_EQ(generatorFromWeights(broken, &read).status, WeightsStatus::tensor_missing) << key;
+  }
+  for (const char* steps : {"0", "-1", "17", "1.5", "two", ""}) {
+    WeightsFile broken = file;
+    broken.metadata["correction.steps"] = steps;
+    EXPECT_EQ(generatorFromWeights(broken, &read).status, WeightsStatus::value_out_of_range) << steps;
+  }
+  WeightsFile broken = file;
+  broken.tensors.erase("correction.layer.1.bias");
+  EXPECT_EQ(generatorFromWeights(broken, &read).status, WeightsStatus::tensor_missing);
+  broken = file;
+  broken.tensors["correction.layer.0.weight"].shape = {40, 3};
+  EXPECT_EQ(generatorFromWeights(broken, &read).status, WeightsStatus::tensor_unexpected);
+}
+
+}  // namespace
+}  // namespace nlg
