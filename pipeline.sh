@@ -29,7 +29,7 @@ cd "$(dirname "$0")"
 source workflow/setup.sh
 mkdir -p build
 install_packages
-if [ -n "$plan" ]; then build nlg-datagen; else build nlg-datagen nlg-pca nlg-train nlg-export nlg-validate; fi
+if [ -n "$plan" ]; then build nlg-datagen; else build nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-validate; fi
 # our own lock instead of snakemake's, which outlives a killed run: this one is gone with the last process that holds it
 exec 9> build/pipeline.lock
 flock -n 9 || { echo "pipeline.sh: another run of this checkout is at work" >&2; exit 2; }

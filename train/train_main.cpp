@@ -1,81 +1,158 @@
 // nlg-train: trains the generator of one representation; a killed run goes on where its last checkpoint stood.
 
 #include <ATen/Parallel.h>
+#include <torch/cuda.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <filesystem>
+#include <cstdlib>
 
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
+#include "tool/provenance.h"
 #include "tool/tool_main.h"
+#include "train/generator/rate_finder.h"
+#include "train/generator/run_folder.h"
 #include "train/generator/trainer.h"
 
 namespace nlg {
 namespace {
 
 struct Request {
-  std::string representation, basis, out, state, log;
+  std::string representation, basis, cache, out, run, log;
   std::vector<std::string> shards, held_out;
-  bool restart_on_change = false;
+  std::string device = "cpu";
+  ProcessGroup::Options processes;
+  bool restart_on_change = false, find_rate = false;
 };
 
-// Goes on from the state file when there is one of this very run.
-void resume(const Request& request, const RunIdentity& identity, TrainingState* state) {
-  if (!std::filesystem::exists(request.state)) return;
+// srun tells every process its number.
+void readSlurm(ProcessGroup::Options& processes, bool is_given) {
+  const char* rank = std::getenv("SLURM_PROCID");
+  const char* count = std::getenv("SLURM_NTASKS");
+  if (is_given || processes.rendezvous.empty() || rank == nullptr || count == nullptr) return;
+  processes.rank = std::atoi(rank);
+  processes.count = std::atoi(count);
+}
+
+void check(const Request& request, const TrainOptions& options) {
+  const auto require = [](bool holds, const char* place, const std::string& expected, const std::string& got) {
+    if (!holds) throw UsageError(place, expected, got);
+  };
+  const ProcessGroup::Options& processes = request.processes;
+  require(request.shards.empty() != request.cache.empty(), "--cache", "either --shards or --cache",
+          request.cache.empty() ? "none of them" : "both");
+  require(request.find_rate || !request.out.empty(), "--out", "the finished checkpoint to write", "none");
+  require(request.find_rate || !request.run.empty(), "--run", "the run's folder", "none");
+  require(processes.count >= 1 && processes.rank >= 0 && processes.rank < processes.count, "--rank",
+          "a number from 0 to --world-size - 1", std::to_string(processes.rank) + " of " + std::to_string(processes.count));
+  require(processes.count == 1 || !processes.rendezvous.empty(), "--rendezvous", "a file through which the processes meet",
+          "none");
+  require(processes.count == 1 || !request.find_rate, "--find-rate", "one process", std::to_string(processes.count));
+  require(processes.count <= options.batch, "--world-size", "at most --batch processes", std::to_string(processes.count));
+}
+
+torch::Device findDevice(const std::string& name) {
+  if (name == "cpu") return torch::kCPU;
+  if (name != "cuda") throw UsageError("--device", "cpu or cuda", "'" + name + "'");
+  if (!torch::cuda::is_available()) throw UsageError("--device", "cpu: this libtorch finds no CUDA device", "cuda");
+  return torch::kCUDA;
+}
+
+TrainingData readTrainingData(const Request& request, const BasisFile& basis) {
+  if (request.cache.empty()) {
+    FunctionSet set = readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount);
+    if (set.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
+    return TrainingData(std::move(set), basis.basis.data, FunctionOrder::cache);
+  }
+  auto cache = std::make_unique<FunctionCache>(request.cache);
+  const std::string basis_sha256 = fileSha256(request.basis);
+  if (cache->origin().basis_sha256 != basis_sha256) {
+    throw InputError(request.cache, "basis", "one made with " + request.basis + ", " + basis_sha256,
+                     cache->origin().basis_sha256);
+  }
+  return TrainingData(std::move(cache), basis.basis.data);
+}
+
+// Goes on from the run's latest checkpoint when there is one of this very run.
+void resume(const Request& request, const RunIdentity& identity, const RunFolder& folder, TrainingState* state) {
+  const std::string latest = folder.latest();
+  if (latest.empty()) return;
   try {
-    readCheckpoint(request.state, identity, state);
-    std::cerr << "nlg-train: going on from step " << state->step << " of " << request.state << '\n';
+    readCheckpoint(latest, identity, state);
+    std::cerr << "nlg-train: going on from step " << state->step << " of " << latest << '\n';
   } catch (const InputError& error) {
     if (!request.restart_on_change) throw;
     std::cerr << "nlg-train: starting afresh: " << error.what() << '\n';
+    if (request.processes.rank == 0) folder.clear();
   }
 }
 
 // Whole scenes are held out, or the held-out error would say nothing.
-void requireSeparate(const Request& request, const FunctionSet& training, const FunctionSet& held_out) {
-  for (const std::string& scene : held_out.scene_ids) {
-    if (std::find(training.scene_ids.begin(), training.scene_ids.end(), scene) == training.scene_ids.end()) continue;
+void requireSeparate(const Request& request, const TrainingData& training, const TrainingData& held_out) {
+  const std::vector<std::string>& scenes = training.sceneIds();
+  for (const std::string& scene : held_out.sceneIds()) {
+    if (std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) continue;
     throw InputError(request.held_out.front(), "scene " + scene, "scenes that no training shard holds", "one that is trained on");
   }
 }
 
+void printRate(const Request& request, const RateFinding& finding) {
+  writeFileAtomically(request.log, finding.csv);
+  const nlohmann::ordered_json result = {
+      {"suggested", finding.suggested}, {"steepest", finding.steepest}, {"diverged", finding.diverged}};
+  std::cout << result.dump() << '\n';
+}
+
+void printReport(const Request& request, const TrainingData& training, const TrainingState& state, const TrainReport& report) {
+  const nlohmann::ordered_json result = {
+      {"representation", request.representation}, {"functions", training.functionCount()}, {"steps", state.step},
+      {"held_out_rmse", report.held_out_rmse},    {"rollbacks", state.rollbacks},          {"elapsed_s", report.elapsed_s},
+      {"samples_per_s", report.samples_per_s}};
+  std::cout << result.dump() << '\n';
+}
+
 void run(const Request& request, TrainOptions options, const OptionTable& table) {
+  check(request, options);
   Representation representation;
   if (!findRepresentation(request.representation, &representation)) {
     throw UsageError("--representation", representationNames(), "'" + request.representation + "'");
   }
   representation.slope = static_cast<float>(options.representation_slope);
+  options.device = findDevice(request.device);
   at::set_num_threads(options.threads);
   const BasisFile basis = readBasisFile(request.basis);
   options.shape.coefficient_count = basis.basis.data.coefficientCount();
-  const TrainingData training(readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount), basis.basis.data);
+  const TrainingData training = readTrainingData(request, basis);
   const TrainingData held_out(readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount), basis.basis.data);
-  if (training.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
   if (held_out.functionCount() == 0)
     throw InputError(request.held_out.front(), "functions", "at least one in all shards", "none");
-  requireSeparate(request, training.set(), held_out.set());
+  requireSeparate(request, training, held_out);
 
-  const RunIdentity identity{request.representation, table.toJson().dump(), fileSha256(request.basis), training.set().sha256};
+  const auto fresh = [&] { return makeState(options, fitTheta0(representation, basis, options.start)); };
+  if (request.find_rate) {
+    TrainingState state = fresh();
+    return printRate(request, findRate(options, representation, training, &state));
+  }
+  const RunIdentity identity{request.representation, table.toJson().dump(), fileSha256(request.basis), training.sha256()};
+  const RunFolder folder(request.run);
   TrainingState state = makeState(options, Theta(representation.thetaCount()));
-  resume(request, identity, &state);
-  if (state.step == 0) state = makeState(options, fitTheta0(representation, basis, options.start));
-  const TrainReport report = train(options, representation, training, held_out, &state, [&] {
-    writeCheckpoint(request.state, identity, state);
+  resume(request, identity, folder, &state);
+  if (state.step == 0) state = fresh();
+  const auto save = [&] {
+    folder.writeOrigin(table.toJson(),
+                       provenance("nlg-train", table.toJson(),
+                                  {{"training_set", identity.training_set_sha256}, {"basis", identity.basis_sha256}}));
+    folder.save(identity, state);
     writeFileAtomically(request.log, state.log_csv);
-  });
+  };
+  const ProcessGroup processes(request.processes);
+  const TrainReport report = train(options, representation, training, held_out, &state, save, processes);
+  if (processes.rank() != 0) return;
   writeFileAtomically(request.log, state.log_csv);
   writeCheckpoint(request.out, identity, state);
-  std::error_code ignored;
-  std::filesystem::remove(request.state, ignored);
-  const nlohmann::ordered_json result = {{"representation", request.representation},
-                                         {"functions", training.functionCount()},
-                                         {"steps", state.step},
-                                         {"held_out_rmse", report.held_out_rmse},
-                                         {"elapsed_s", report.elapsed_s},
-                                         {"samples_per_s", report.samples_per_s}};
-  std::cout << result.dump() << '\n';
+  printReport(request, training, state, report);
 }
 
 }  // namespace
@@ -88,13 +165,24 @@ int main(int argc, char** argv) {
   nlg::OptionTable table("train");
   nlg::describeTrainOptions(options, table);
   app.add_option("--representation", request.representation, nlg::representationNames())->required();
-  app.add_option("--shards", request.shards, "training shards")->required();
+  app.add_option("--shards", request.shards, "training shards, to be read into memory");
+  app.add_option("--cache", request.cache, "the training set as nlg-cache made it, to be read from the disk");
   app.add_option("--held-out", request.held_out, "shards of held-out scenes, for the validation loss")->required();
   app.add_option("--basis", request.basis, "the basis of nlg-pca")->required();
-  app.add_option("--out", request.out, "the finished checkpoint to write")->required();
-  app.add_option("--state", request.state, "where checkpoints go meanwhile; a killed run goes on from it")->required();
-  app.add_option("--log", request.log, "the training curve to write (.csv)")->required();
+  app.add_option("--out", request.out, "the finished checkpoint to write");
+  app.add_option("--run", request.run, "the run's folder: checkpoints, curve and origin; a killed run goes on from it");
+  app.add_option("--log", request.log, "the training curve, or that of --find-rate, to write (.csv)")->required();
+  app.add_flag("--find-rate", request.find_rate, "look for a learning rate instead of training; writes --log alone");
+  app.add_option("--device", request.device, "of the network: cpu or cuda");
+  CLI::Option* rank = app.add_option("--rank", request.processes.rank, "which of the processes that train together this is");
+  app.add_option("--world-size", request.processes.count, "how many they are; --batch is split among them");
+  app.add_option("--rendezvous", request.processes.rendezvous,
+                 "a fresh file that all of them can write; with it, srun's variables stand for --rank and --world-size");
+  app.add_option("--timeout-s", request.processes.timeout_s, "longest wait for another process");
   app.add_flag("--restart-on-change", request.restart_on_change,
-               "start afresh, instead of refusing, when --state is of another run");
-  return nlg::runTool(argc, argv, app, table, [&] { nlg::run(request, options, table); });
+               "start afresh, instead of refusing, when --run holds another run");
+  return nlg::runTool(argc, argv, app, table, [&] {
+    nlg::readSlurm(request.processes, rank->count() > 0);
+    nlg::run(request, options, table);
+  });
 }

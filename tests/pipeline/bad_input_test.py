@@ -90,20 +90,23 @@ def make_good_files():
     must("nlg-datagen", "--config", "good.yaml", "--scene", "house:1", "--out", "training.h5")
     must("nlg-datagen", "--config", "good.yaml", "--scene", "house:2", "--held-out", "--out", "held_out.h5")
     must("nlg-pca", "--config", "good.yaml", "--shards", "training.h5", "--held-out", "held_out.h5", "--out", "basis.h5")
-    must("nlg-train", "--config", "good.yaml", *TRAIN_INPUTS, "--out", "run.ckpt", "--state", "run.state", "--log", "run.csv")
+    must("nlg-train", "--config", "good.yaml", *TRAIN_INPUTS, "--out", "run.ckpt", "--run", "run", "--log", "run.csv")
+    must("nlg-cache", *CACHE_INPUTS, "--out", "functions.cache")
     must("nlg-export", "--config", "good.yaml", *EXPORT_INPUTS, "--out", "weights.safetensors")
     must("nlg-validate", "--config", "good.yaml", "--weights", "weights.safetensors", "--held-out", "held_out.h5", "--out", "validation")
 
 
 TRAIN_INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--shards", "training.h5", "--held-out", "held_out.h5"]
 EXPORT_INPUTS = ["--checkpoint", "run.ckpt", "--basis", "basis.h5", "--shards", "held_out.h5"]
-TRAIN_OUTPUTS = ["bad.ckpt", "bad.state", "bad.csv"]
+CACHE_INPUTS = ["--basis", "basis.h5", "--shards", "training.h5"]
+TRAIN_OUTPUTS = ["bad.ckpt", "bad_run", "bad.csv"]
 
 # tool → what it needs beside --out, and what it would write
 TOOLS = {
     "nlg-datagen": (["--scene", "house:1"], ["bad.h5"]),
     "nlg-pca": (["--shards", "training.h5"], ["bad.h5"]),
-    "nlg-train": (TRAIN_INPUTS + ["--state", "bad.state", "--log", "bad.csv"], TRAIN_OUTPUTS),
+    "nlg-cache": (CACHE_INPUTS, ["bad.cache"]),
+    "nlg-train": (TRAIN_INPUTS + ["--run", "bad_run", "--log", "bad.csv"], TRAIN_OUTPUTS),
     "nlg-export": (EXPORT_INPUTS, ["bad.safetensors"]),
     "nlg-bake": (["house:1", "--weights", "weights.safetensors"], ["bad_grid.safetensors"]),
     "nlg-validate": (["--weights", "weights.safetensors", "--held-out", "held_out.h5"], ["bad_validation"]),
@@ -122,7 +125,8 @@ def check_command_lines():
         "nlg-datagen": [("--max-functions", "0"), ("--spacing-min-m", "-1"), ("--spacing-min-m", "nan"), ("--diffusion-passes", "99"),
                         ("--unseen-points", "17"), ("--jitter", "minus one"), ("--scale", "inf"), ("--seed", "-1")],
         "nlg-pca": [("--components", "0"), ("--components", "1e3"), ("--components", "99999999999999999999")],
-        "nlg-train": [("--steps", "0"), ("--batch", "-5"), ("--learning-rate", "nan"), ("--width", "1000000"), ("--layers", "0"),
+        "nlg-cache": [],
+        "nlg-train": [("--hard-share", "1"), ("--steps", "0"), ("--batch", "-5"), ("--learning-rate", "nan"), ("--width", "1000000"), ("--layers", "0"),
                       ("--threads", "many")],
         "nlg-export": [("--parity-functions", "0"), ("--parity-tolerance", "-1")],
         "nlg-bake": [("--spacing-m", "0"), ("--threads", "-1"), ("--refine-seconds", "nan"), ("--simd", "sse9"), ("--extent-m", "1,2,3")],
@@ -149,12 +153,17 @@ def check_command_lines():
     refuses(INPUT_ERROR, ["basis.h5"], ["bad.onnx"], "nlg-export", "onnx", "--weights", "basis.h5", "--out", "bad.onnx")
     arguments, outputs = arguments_of("nlg-train", {"tent_mlp": "pf4"})
     refuses(USAGE_ERROR, ["--representation", "pf4"], outputs, "nlg-train", *arguments)
+    arguments, outputs = arguments_of("nlg-train")
+    for place, more in [("--cache", ["--cache", "functions.cache"]), ("--device", ["--device", "tpu"]), ("--device", ["--device", "cuda"]),
+                        ("--rank", ["--rank", "2", "--world-size", "2"]), ("--rendezvous", ["--world-size", "2"]),
+                        ("--world-size", ["--batch", "1", "--world-size", "2", "--rendezvous", "meeting"])]:
+        refuses(USAGE_ERROR, [place], outputs, "nlg-train", *arguments, *more)
 
 
 def check_configurations():
     section = {"nlg-datagen": "datagen", "nlg-pca": "basis", "nlg-train": "train", "nlg-export": "export", "nlg-bake": "bake",
                "nlg-validate": "validate"}
-    for tool in TOOLS:
+    for tool in section:
         arguments, outputs = arguments_of(tool)
         name = section[tool]
         for content, place in [
@@ -177,6 +186,7 @@ def check_inputs():
     os.mkdir("folder")
     inputs = {
         "nlg-pca": ["training.h5"],
+        "nlg-cache": ["basis.h5", "training.h5"],
         "nlg-train": ["basis.h5", "training.h5", "held_out.h5"],
         "nlg-export": ["run.ckpt", "basis.h5", "held_out.h5"],
         "nlg-bake": ["weights.safetensors"],
@@ -190,6 +200,10 @@ def check_inputs():
             for bad in ["missing" + os.path.splitext(path)[1], "folder", foreign[path], *damaged[path]]:
                 arguments, outputs = arguments_of(tool, {path: bad})
                 refuses(INPUT_ERROR, [bad], outputs, tool, "--config", "good.yaml", *arguments)
+    arguments, outputs = arguments_of("nlg-train", {"--shards": "--cache"})
+    for bad in ["missing.cache", "folder", "basis.h5", *damaged_copies("functions.cache")]:
+        refuses(INPUT_ERROR, [bad], outputs, "nlg-train", "--config", "good.yaml",
+                *[bad if argument == "training.h5" else argument for argument in arguments])
 
 
 def check_scenes():
@@ -406,11 +420,14 @@ def check_inputs_that_do_not_belong_together():
     refuses(INPUT_ERROR, ["other_unseen.h5"], ["bad_validation"], "nlg-validate", "--weights", "weights.safetensors",
             "--held-out", "held_out.h5", "other_unseen.h5", "--out", "bad_validation")
     # an unfinished run's state of other options is refused unless asked otherwise
-    shutil.copy("run.ckpt", "other.state")
-    refuses(INPUT_ERROR, ["other.state"], ["bad.ckpt", "bad.csv"], "nlg-train", "--config", "good.yaml", "--steps", "5", *TRAIN_INPUTS,
-            "--out", "bad.ckpt", "--state", "other.state", "--log", "bad.csv")
-    if not os.path.exists("other.state"):
-        failures.append("nlg-train: removed a state that it refused")
+    shutil.copytree("run", "other_run", symlinks=True)
+    refuses(INPUT_ERROR, ["other_run/latest"], ["bad.ckpt", "bad.csv"], "nlg-train", "--config", "good.yaml", "--steps", "5", *TRAIN_INPUTS,
+            "--out", "bad.ckpt", "--run", "other_run", "--log", "bad.csv")
+    if sorted(os.listdir("other_run")) != sorted(os.listdir("run")):
+        failures.append(f"nlg-train: changed a run that it refused: {os.listdir('other_run')}")
+    must("nlg-cache", "--basis", "other_basis.h5", "--shards", "training.h5", "--out", "other.cache")
+    arguments, outputs = arguments_of("nlg-train", {"--shards": "--cache", "training.h5": "other.cache"})
+    refuses(INPUT_ERROR, ["other.cache", "basis"], outputs, "nlg-train", "--config", "good.yaml", *arguments)
 
 
 def check_held_out_sets():
@@ -429,7 +446,7 @@ def check_held_out_sets():
 def check_shards_whose_width_lies():
     """A shard with the right pattern hash but rows of 16 points: nobody may read 8192 of them."""
     subprocess.run([MAKE_NARROW_SHARD, "narrow.h5"], check=True)
-    for tool, path in [("nlg-pca", "training.h5"), ("nlg-train", "training.h5"), ("nlg-export", "held_out.h5"), ("nlg-validate", "held_out.h5")]:
+    for tool, path in [("nlg-pca", "training.h5"), ("nlg-cache", "training.h5"), ("nlg-train", "training.h5"), ("nlg-export", "held_out.h5"), ("nlg-validate", "held_out.h5")]:
         arguments, outputs = arguments_of(tool, {path: "narrow.h5"})
         refuses(INPUT_ERROR, ["narrow.h5"], outputs, tool, "--config", "good.yaml", *arguments)
 

@@ -3,6 +3,7 @@
 #include <torch/serialize.h>
 #include <torch/version.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -15,7 +16,7 @@
 namespace nlg {
 namespace {
 
-constexpr const char* kKind = "nlg-checkpoint-2";
+constexpr const char* kKind = "nlg-checkpoint-3";
 constexpr size_t kDigestSize = 64;
 
 void writeText(torch::serialize::OutputArchive& archive, const std::string& key, const std::string& text) {
@@ -66,14 +67,11 @@ std::string addressOf(const torch::Tensor& parameter) { return c10::guts::to_str
 #endif
 
 void writeMoments(const TrainingState& state, torch::serialize::OutputArchive& archive) {
-  const std::vector<torch::Tensor> parameters = state.network->parameters();
-  for (size_t i = 0; i < parameters.size(); ++i) {
-    const auto found = state.optimizer->state().find(addressOf(parameters[i]));
-    if (found == state.optimizer->state().end()) continue;  // before the first step
-    const auto& moments = static_cast<const torch::optim::AdamParamState&>(*found->second);
-    archive.write("step" + std::to_string(i), c10::IValue(moments.step()));
-    archive.write("mean" + std::to_string(i), moments.exp_avg());
-    archive.write("square" + std::to_string(i), moments.exp_avg_sq());
+  const std::vector<torch::optim::AdamParamState*> all = adamMoments(state);
+  for (size_t i = 0; i < all.size(); ++i) {
+    archive.write("step" + std::to_string(i), c10::IValue(all[i]->step()));
+    archive.write("mean" + std::to_string(i), all[i]->exp_avg());
+    archive.write("square" + std::to_string(i), all[i]->exp_avg_sq());
   }
 }
 
@@ -87,13 +85,35 @@ void readMoments(torch::serialize::InputArchive& archive, TrainingState* state) 
     archive.read("mean" + std::to_string(i), mean);
     archive.read("square" + std::to_string(i), square);
     moments->step(step.toInt());
-    moments->exp_avg(mean);
-    moments->exp_avg_sq(square);
+    moments->exp_avg(mean.to(parameters[i].device()));
+    moments->exp_avg_sq(square.to(parameters[i].device()));
     state->optimizer->state()[addressOf(parameters[i])] = std::move(moments);
   }
 }
 
+torch::Tensor tensorOf(const std::vector<double>& values) {
+  torch::Tensor tensor = torch::empty({static_cast<int64_t>(values.size())}, torch::kDouble);
+  std::copy(values.begin(), values.end(), tensor.data_ptr<double>());
+  return tensor;
+}
+
+int64_t readNumber(torch::serialize::InputArchive& archive, const std::string& key) {
+  c10::IValue value;
+  archive.read(key, value);
+  return value.toInt();
+}
+
 }  // namespace
+
+std::vector<torch::optim::AdamParamState*> adamMoments(const TrainingState& state) {
+  std::vector<torch::optim::AdamParamState*> moments;
+  for (const torch::Tensor& parameter : state.network->parameters()) {
+    const auto found = state.optimizer->state().find(addressOf(parameter));
+    if (found == state.optimizer->state().end()) return {};  // before the first step
+    moments.push_back(static_cast<torch::optim::AdamParamState*>(found->second.get()));
+  }
+  return moments;
+}
 
 void writeCheckpoint(const std::string& path, const RunIdentity& identity, const TrainingState& state) {
   writeAtomically(path, [&](const std::string& temporary_path) {
@@ -105,6 +125,9 @@ void writeCheckpoint(const std::string& path, const RunIdentity& identity, const
     writeText(archive, "training_set_sha256", identity.training_set_sha256);
     writeText(archive, "log", state.log_csv);
     archive.write("step", c10::IValue(state.step));
+    archive.write("draw", c10::IValue(state.draw));
+    archive.write("rollbacks", c10::IValue(static_cast<int64_t>(state.rollbacks)));
+    archive.write("recent_losses", tensorOf(state.recent_losses));
     state.network->save(network);
     state.average->save(average);
     writeMoments(state, optimizer);
@@ -134,9 +157,13 @@ void readCheckpoint(const std::string& path, const RunIdentity& identity, Traini
     state->network->load(network);
     state->average->load(average);
     readMoments(optimizer, state);
-    c10::IValue step;
-    archive.read("step", step);
-    state->step = step.toInt();
+    state->step = readNumber(archive, "step");
+    state->draw = readNumber(archive, "draw");
+    state->rollbacks = static_cast<int>(readNumber(archive, "rollbacks"));
+    torch::Tensor losses;
+    archive.read("recent_losses", losses);
+    losses = losses.contiguous();
+    state->recent_losses.assign(losses.data_ptr<double>(), losses.data_ptr<double>() + losses.numel());
     state->log_csv = readText(archive, "log");
   });
 }

@@ -4,6 +4,7 @@
 #include <torch/optim/adam.h>
 
 #include <string>
+#include <vector>
 
 #include "train/generator/generator_network.h"
 
@@ -21,9 +22,15 @@ struct TrainingState {
   GeneratorNetwork network{nullptr};  // being trained
   GeneratorNetwork average{nullptr};  // its averaged weights: what is validated and exported
   std::shared_ptr<torch::optim::Adam> optimizer;
-  int64_t step = 0;     // steps done
-  std::string log_csv;  // one line a validation
+  int64_t step = 0;                   // steps done
+  int64_t draw = 0;                   // batches drawn: the steps, and what rollbacks left out
+  int rollbacks = 0;                  // times that training went back to a good state (loss_guard.h)
+  std::vector<double> recent_losses;  // of the last steps
+  std::string log_csv;                // one line a validation
 };
+
+// Adam's moments in the order of the network's parameters; empty before the first step.
+std::vector<torch::optim::AdamParamState*> adamMoments(const TrainingState& state);
 
 // throws OutputError
 void writeCheckpoint(const std::string& path, const RunIdentity& identity, const TrainingState& state);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/representation.h"
+#include "train/generator/sample_order.h"
 #include "train/generator/training_data.h"
 
 namespace nlg {

@@ -10,11 +10,22 @@
 #include "tool/error.h"
 #include "tool/progress.h"
 #include "train/generator/function_loss.h"
+#include "train/generator/loss_guard.h"
 
 namespace nlg {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr int64_t kStepsBetweenGoodStates = 100;
+
+struct LossMean {
+  double sum = 0.0;
+  int64_t count = 0;
+
+  void add(double loss) { sum += loss, ++count; }
+  double value() const { return count > 0 ? sum / static_cast<double>(count) : 0.0; }
+};
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -26,6 +37,16 @@ void updateAverage(GeneratorNetwork& average, const GeneratorNetwork& network, d
   for (size_t i = 0; i < targets.size(); ++i) targets[i].lerp_(sources[i], 1.0 - used);
 }
 
+// A rollback halves what the schedule says.
+double scheduledRate(const TrainOptions& options, const TrainingState& state, int64_t step) {
+  return std::ldexp(oneCycleRate(options, step), -state.rollbacks);
+}
+
+// theta of samples, on the processor.
+torch::Tensor generateTheta(GeneratorNetwork& network, const TrainingData& data, const std::vector<Sample>& samples) {
+  return network->forward(coefficientBatch(data, samples).to(network->parameters().front().device())).cpu();
+}
+
 void setRate(torch::optim::Adam& optimizer, double rate) {
   for (auto& group : optimizer.param_groups()) static_cast<torch::optim::AdamOptions&>(group.options()).lr(rate);
 }
@@ -34,24 +55,79 @@ void requireFinite(double value, int64_t step, const char* quantity) {
   if (!std::isfinite(value)) throw NumericalError("train", "step " + std::to_string(step), quantity, value);
 }
 
-// One step; returns its loss.
-double trainStep(const TrainOptions& options, const Representation& representation, const TrainingData& data, SampleOrder& order,
-                 TrainingState& state) {
-  const std::vector<Sample> samples = order.samples(state.step);
-  const torch::Tensor theta = state.network->forward(coefficientBatch(data, samples));
-  const torch::Tensor losses = functionLoss(theta, representation, data, samples);
-  const torch::Tensor loss = (losses + 1e-6).pow(options.error_power).mean();
-  const double value = loss.item<double>();
-  requireFinite(value, state.step, "loss");
-  state.optimizer->zero_grad();
-  loss.backward();
-  const double norm = torch::nn::utils::clip_grad_norm_(state.network->parameters(), options.gradient_clip);
-  requireFinite(norm, state.step, "norm of the gradient");
-  setRate(*state.optimizer, oneCycleRate(options, state.step));
-  state.optimizer->step();
-  ++state.step;
-  updateAverage(state.average, state.network, options.average_decay, state.step);
-  return value;
+// Loss of each sample.
+torch::Tensor stepLosses(const TrainOptions& options, const Representation& representation, const TrainingData& data,
+                         const std::vector<Sample>& samples, TrainingState& state) {
+  const torch::Tensor theta = generateTheta(state.network, data, samples);
+  return (functionLoss(theta, representation, data, samples) + 1e-6).pow(options.error_power);
+}
+
+// This process's share of a batch.
+std::vector<Sample> shareOf(const std::vector<Sample>& batch, const ProcessGroup& processes) {
+  const size_t rank = static_cast<size_t>(processes.rank()), count = static_cast<size_t>(processes.count());
+  return {batch.begin() + static_cast<ptrdiff_t>(rank * batch.size() / count),
+          batch.begin() + static_cast<ptrdiff_t>((rank + 1) * batch.size() / count)};
+}
+
+// Sums the gradients of all processes in one message, with the loss at its end. Returns the sum of the losses.
+double sumGradients(const std::vector<torch::Tensor>& parameters, double loss, const ProcessGroup& processes) {
+  if (processes.count() == 1) return loss;
+  std::vector<torch::Tensor> parts;
+  for (const torch::Tensor& parameter : parameters) {
+    // a parameter that nothing of this share used
+    if (!parameter.grad().defined()) parameter.mutable_grad() = torch::zeros_like(parameter);
+    parts.push_back(parameter.grad().reshape({-1}).cpu());
+  }
+  parts.push_back(torch::full({1}, static_cast<float>(loss)));
+  torch::Tensor message = torch::cat(parts);
+  processes.sum(message);
+  int64_t first = 0;
+  for (const torch::Tensor& parameter : parameters) {
+    parameter.mutable_grad().copy_(message.slice(0, first, first + parameter.numel()).view_as(parameter));
+    first += parameter.numel();
+  }
+  return message[first].item<double>();
+}
+
+// The processes start alike: at the same step, with the first one's networks.
+void agree(const TrainingState& state, const ProcessGroup& processes) {
+  if (processes.count() == 1) return;
+  torch::NoGradGuard guard;
+  torch::Tensor steps = torch::zeros({processes.count()}, torch::kDouble);
+  steps[processes.rank()] = static_cast<double>(state.step);
+  processes.sum(steps);
+  for (int rank = 0; rank < processes.count(); ++rank) {
+    if (steps[rank].item<double>() != static_cast<double>(state.step)) {
+      throw InputError("--run", "process " + std::to_string(rank),
+                       "the same checkpoint in all processes, of step " + std::to_string(state.step),
+                       "one of step " + std::to_string(steps[rank].item<int64_t>()));
+    }
+  }
+  for (const GeneratorNetwork& network : {state.network, state.average}) {
+    std::vector<torch::Tensor> tensors = network->parameters();
+    for (const torch::Tensor& buffer : network->buffers()) tensors.push_back(buffer);
+    for (torch::Tensor& tensor : tensors) {
+      torch::Tensor values = tensor.detach().cpu().clone().contiguous();
+      if (processes.rank() != 0) values.zero_();
+      processes.sum(values);
+      tensor.copy_(values);
+    }
+  }
+}
+
+std::string logLine(const TrainOptions& options, const TrainingState& state, double loss, double held_out_rmse) {
+  return std::to_string(state.step) + ',' + std::to_string(scheduledRate(options, state, state.step - 1)) + ',' +
+         std::to_string(loss) + ',' + std::to_string(held_out_rmse) + ',' + std::to_string(state.rollbacks) + '\n';
+}
+
+SampleOrder sampleOrder(const TrainOptions& options, const Representation& representation, const TrainingData& training) {
+  std::vector<uint32_t> hard;
+  if (options.hard_share > 0) hard = training.hardFunctions(options.hard_rmse);
+  return SampleOrder(training.functionCount(), std::move(hard),
+                     {.batch = options.batch,
+                      .point_batch_count = pointOrder(representation).batchCount(),
+                      .hard_share = options.hard_share,
+                      .seed = options.seed});
 }
 
 }  // namespace
@@ -65,6 +141,9 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("gradient_clip", &o.gradient_clip, "largest norm of the gradient", 1e-9, 1e9);
   table.add("average_decay", &o.average_decay, "decay of the averaged weights", 0.0, 0.999999);
   table.add("error_power", &o.error_power, "0.5 trains on RMSE, 1 on MSE (more weight to the tail)", 0.1, 4.0);
+  table.add("hard_share", &o.hard_share, "share of a batch drawn from the hard functions alone", 0.0, 0.95);
+  table.add("hard_rmse", &o.hard_rmse, "functions whose bare tent has at least this RMSE are hard", 0.0, 1.0);
+  table.add("divergence_ratio", &o.divergence_ratio, "a loss over so many running medians takes training back", 1.0, 1e9);
   table.add("representation_slope", &o.representation_slope, "LeakyReLU slope of the tiny network", 1e-6, 0.9);
   table.add("width", &o.shape.width, "width of the generator's hidden layers", 1, 8192);
   table.add("layers", &o.shape.layer_count, "layers of the generator, the last one included", 1, 32);
@@ -100,9 +179,11 @@ TrainingState makeState(const TrainOptions& options, const Theta& theta0) {
   TrainingState state;
   state.network = GeneratorNetwork(options.shape, theta0, options.seed);
   state.average = GeneratorNetwork(options.shape, theta0, options.seed);
+  state.network->to(options.device);
+  state.average->to(options.device);
   state.optimizer = std::make_shared<torch::optim::Adam>(state.network->parameters(),
                                                          torch::optim::AdamOptions(options.learning_rate).betas({0.9, 0.99}));
-  state.log_csv = "step,learning_rate,training_loss,held_out_rmse\n";
+  state.log_csv = "step,learning_rate,training_loss,held_out_rmse,rollbacks\n";
   return state;
 }
 
@@ -124,7 +205,7 @@ double meanRmse(GeneratorNetwork& network, const Representation& representation,
     std::vector<Sample> samples;
     for (int64_t i = begin; i < std::min<int64_t>(begin + kBatchCount, count); ++i)
       samples.push_back({i * data.functionCount() / count});
-    const torch::Tensor theta = network->forward(coefficientBatch(data, samples)).contiguous();
+    const torch::Tensor theta = generateTheta(network, data, samples).contiguous();
     for (size_t i = 0; i < samples.size(); ++i) {
       sum += functionRmse(representation, decodeFunction(data.function(samples[i].function), pointOrder(representation)),
                           theta.data_ptr<float>() + i * representation.thetaCount());
@@ -133,36 +214,90 @@ double meanRmse(GeneratorNetwork& network, const Representation& representation,
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
+TrainStep::TrainStep(const TrainOptions& options, const Representation& representation, const TrainingData& training,
+                     const TrainingState& state, const ProcessGroup& processes)
+    : options_(options),
+      representation_(representation),
+      training_(training),
+      processes_(processes),
+      order_(sampleOrder(options, representation, training)) {
+  if (training.cache() != nullptr) loader_ = std::make_unique<WindowLoader>(*training.cache(), order_, state.draw);
+}
+
+TrainStep::Result TrainStep::computeGradient(TrainingState& state) {
+  if (loader_) loader_->require(state.draw);
+  const std::vector<Sample> batch = order_.samples(state.draw++);
+  const torch::Tensor loss = stepLosses(options_, representation_, training_, shareOf(batch, processes_), state).sum() /
+                             static_cast<double>(batch.size());
+  state.optimizer->zero_grad();
+  loss.backward();
+  const std::vector<torch::Tensor> parameters = state.network->parameters();
+  Result result;
+  result.loss = sumGradients(parameters, loss.item<double>(), processes_);
+  result.gradient_norm = torch::nn::utils::clip_grad_norm_(parameters, options_.gradient_clip);
+  return result;
+}
+
+void TrainStep::apply(TrainingState& state, double rate) {
+  setRate(*state.optimizer, rate);
+  state.optimizer->step();
+  ++state.step;
+  updateAverage(state.average, state.network, options_.average_decay, state.step);
+}
+
 TrainReport train(const TrainOptions& options, const Representation& representation, const TrainingData& training,
-                  const TrainingData& held_out, TrainingState* state, const std::function<void()>& save) {
-  SampleOrder order(training.functionCount(), options.batch, pointOrder(representation).batchCount(), options.seed);
+                  const TrainingData& held_out, TrainingState* state, const std::function<void()>& save,
+                  const ProcessGroup& processes) {
+  agree(*state, processes);
+  TrainStep step(options, representation, training, *state, processes);
+  LossGuard guard(*state, options.divergence_ratio);
   Progress progress("steps", options.steps);
   TrainReport report;
   const Clock::time_point start = Clock::now();
-  const int64_t first_step = state->step;
-  double loss_sum = 0.0, training_s = 0.0;
-  int64_t loss_count = 0;
+  const int64_t first_step = state->step, first_draw = state->draw;
+  double training_s = 0.0;
+  LossMean mean, kept_mean;  // since the last checkpoint
+  const auto goBack = [&](const char* quantity, double value) {
+    guard.rollBack(state, quantity, value);
+    mean = kept_mean;
+  };
   while (state->step < options.steps) {
     const Clock::time_point step_start = Clock::now();
-    loss_sum += trainStep(options, representation, training, order, *state);
-    ++loss_count;
+    const TrainStep::Result result = step.computeGradient(*state);
+    if (!guard.accepts(*state, result.loss, result.gradient_norm)) {
+      if (std::isfinite(result.gradient_norm))
+        goBack("loss", result.loss);
+      else
+        goBack("norm of the gradient", result.gradient_norm);
+      continue;
+    }
+    step.apply(*state, scheduledRate(options, *state, state->step));
+    noteLoss(state, result.loss);
+    mean.add(result.loss);
     training_s += secondsSince(step_start);
-    progress.update(state->step, "loss " + std::to_string(loss_sum / static_cast<double>(loss_count)));
-    if (state->step % options.checkpoint_steps != 0 && state->step != options.steps) continue;
-    report.held_out_rmse = meanRmse(state->average, representation, held_out, options.validation_functions);
-    requireFinite(report.held_out_rmse, state->step, "held-out error");
-    state->log_csv += std::to_string(state->step) + ',' + std::to_string(oneCycleRate(options, state->step - 1)) + ',' +
-                      std::to_string(loss_sum / static_cast<double>(loss_count)) + ',' + std::to_string(report.held_out_rmse) +
-                      '\n';
-    loss_sum = 0.0, loss_count = 0;
-    save();
+    progress.update(state->step, "loss " + std::to_string(mean.value()));
+    const bool at_checkpoint = state->step % options.checkpoint_steps == 0 || state->step == options.steps;
+    if (!at_checkpoint && state->step % kStepsBetweenGoodStates != 0) continue;
+    if (!guard.keep(*state)) {
+      goBack("sum of the parameters", NAN);
+      continue;
+    }
+    kept_mean = mean;
+    if (!at_checkpoint) continue;
+    if (processes.rank() == 0) {
+      report.held_out_rmse = meanRmse(state->average, representation, held_out, options.validation_functions);
+      requireFinite(report.held_out_rmse, state->step, "held-out error");
+      state->log_csv += logLine(options, *state, mean.value(), report.held_out_rmse);
+      save();
+    }
+    mean = kept_mean = {};
   }
   // a run that had been finished already took no step here
-  if (first_step == state->step) {
+  if (first_step == state->step && processes.rank() == 0) {
     report.held_out_rmse = meanRmse(state->average, representation, held_out, options.validation_functions);
   }
   report.elapsed_s = secondsSince(start);
-  report.samples_per_s = training_s > 0 ? static_cast<double>((state->step - first_step) * options.batch) / training_s : 0.0;
+  report.samples_per_s = training_s > 0 ? static_cast<double>((state->draw - first_draw) * options.batch) / training_s : 0.0;
   return report;
 }
 

@@ -2,13 +2,17 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "runtime_eval/fit/direct.h"
 #include "tool/options.h"
 #include "train/basis/basis_file.h"
 #include "train/generator/checkpoint.h"
+#include "train/generator/process_group.h"
+#include "train/generator/sample_order.h"
 #include "train/generator/training_data.h"
+#include "train/generator/window_loader.h"
 
 namespace nlg {
 
@@ -21,18 +25,22 @@ struct TrainOptions {
   double gradient_clip = 1.0;    // largest norm of the whole gradient
   double average_decay = 0.999;  // of the averaged weights
   double error_power = 0.5;      // loss = mean over functions of (mean squared error + 1e-6) ^ error_power; 0.5: RMSE, 1: MSE
+  double hard_share = 0.0;       // of every batch: drawn from the hard functions alone, beside those that come anyway
+  double hard_rmse = 0.01;       // functions whose bare tent has at least this RMSE are hard
+  double divergence_ratio = 10;  // a loss over so many times the running median takes training back (loss_guard.h)
   double representation_slope = 0.01;  // LeakyReLU of the tiny network
   GeneratorShape shape;
   StartOptions start{.candidates = 2048};  // most random starts end badly: a good theta0 is found once and serves all functions
   int checkpoint_steps = 1000;             // a checkpoint and a validation every so many steps
   int validation_functions = 2048;         // at most so many held-out functions in the validation loss
   int threads = 1;
+  torch::Device device = torch::kCPU;  // of the network; the loss of theta is computed on the processor
 };
 
 // One table for nlg-train and nlg-export.
 void describeTrainOptions(TrainOptions& options, OptionTable& table);
 
-// Learning rate of a step: linear from 1/25 of the peak over the warm-up, then a cosine down to 1/10000.
+// Learning rate of a step before any rollback: linear from 1/25 of the peak over the warm-up, then a cosine down to 1/10000.
 double oneCycleRate(const TrainOptions& options, int64_t step);
 
 // theta0 for a training set: fitted to the bare tent for `mlp`, to the mean function of the set for the others
@@ -48,10 +56,42 @@ struct TrainReport {
   double samples_per_s = 0.0;
 };
 
-// Runs from state.step to options.steps; calls save() at every checkpoint and at the end.
-// throws   NumericalError when the loss or the gradient's norm stops being finite; the last checkpoint stays
+// Runs from state.step to options.steps; calls save() at every checkpoint and at the end. Losses and gradients that are not
+// finite take training back (loss_guard.h).
+//
+// processes   those that train together, each calling this with the same state and data: every batch is split among them, and all
+//             of them take the same steps. Validation and save() are the first one's.
+// throws      NumericalError when going back does not help; the last checkpoint stays. InputError when another process is gone or
+//             the training set's cache is damaged
 TrainReport train(const TrainOptions& options, const Representation& representation, const TrainingData& training,
-                  const TrainingData& held_out, TrainingState* state, const std::function<void()>& save);
+                  const TrainingData& held_out, TrainingState* state, const std::function<void()>& save,
+                  const ProcessGroup& processes = ProcessGroup());
+
+// One step at a given rate, without validation: what train() and findRate() (rate_finder.h) are made of.
+class TrainStep {
+ public:
+  struct Result {
+    double loss = 0.0;           // of the batch, before the step
+    double gradient_norm = 0.0;  // before clipping
+  };
+
+  // All of them outlive it. Draws from state.draw on.
+  TrainStep(const TrainOptions& options, const Representation& representation, const TrainingData& training,
+            const TrainingState& state, const ProcessGroup& processes);
+
+  // Draws a batch and computes its gradient, summed over the processes.
+  Result computeGradient(TrainingState& state);
+  // Clips the gradient and steps along it.
+  void apply(TrainingState& state, double rate);
+
+ private:
+  const TrainOptions& options_;
+  const Representation& representation_;
+  const TrainingData& training_;
+  const ProcessGroup& processes_;
+  SampleOrder order_;
+  std::unique_ptr<WindowLoader> loader_;  // for a cache
+};
 
 // Mean over functions of the RMSE over all valid support points, for at most `limit` functions taken at equal distances.
 double meanRmse(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit);

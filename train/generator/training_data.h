@@ -1,61 +1,54 @@
-// The functions that training reads, and their coefficients.
+// The functions that training reads, and their coefficients: in memory, or in a function cache on the disk.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "datagen/dataset/function_set.h"
 #include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/support/weighting_function.h"
+#include "train/generator/function_cache.h"
 
 namespace nlg {
+
+// stored: as the set holds them; cache: in a cache's order, so that training takes the same functions from both.
+enum class FunctionOrder { stored, cache };
 
 class TrainingData {
  public:
   // Projects every function once; mirror images need no more than signs.
-  TrainingData(FunctionSet set, const BasisData& basis);
+  TrainingData(FunctionSet set, const BasisData& basis, FunctionOrder order = FunctionOrder::stored);
+  // basis   the one that the cache was made with
+  TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData& basis);
 
-  int64_t functionCount() const { return static_cast<int64_t>(set_.functionCount()); }
+  int64_t functionCount() const { return function_count_; }
   int coefficientCount() const { return coefficient_count_; }
-  const FunctionSet& set() const { return set_; }
+  const std::string& sha256() const { return cache_ ? cache_->origin().training_set_sha256 : set_.sha256; }
+  const std::vector<std::string>& sceneIds() const { return cache_ ? cache_->origin().scene_ids : set_.scene_ids; }
+  FunctionCache* cache() const { return cache_.get(); }  // null when the functions lie in memory
 
   StoredFunction function(int64_t index) const;
 
   // Standardised coefficients of the function mirrored by `mirror`, K floats.
   void copyCoefficients(int64_t index, int mirror, float* coefficients) const;
 
+  // Functions whose bare tent has an RMSE of at least `tent_rmse`, rising.
+  std::vector<uint32_t> hardFunctions(double tent_rmse) const;
+
  private:
+  int64_t placeInSet(int64_t index) const { return order_.empty() ? index : order_[static_cast<size_t>(index)]; }
+  const float* coefficients(int64_t index) const;
+
   FunctionSet set_;
+  std::vector<uint32_t> order_;      // by index: place in set_; empty: the same
+  std::vector<float> coefficients_;  // N x K, as set_
+  std::unique_ptr<FunctionCache> cache_;
+  int64_t function_count_;
   int coefficient_count_;
   std::array<int, kParityClassCount> class_count_;
-  std::vector<float> coefficients_;  // N x K
-};
-
-// One sample of a training step: which function, mirrored how, judged on which batch of its points (point_order.h).
-struct Sample {
-  int64_t function = 0;
-  int mirror = 0;
-  int batch = 0;
-};
-
-// The samples of any training step, a pure function of (seed, step): a resumed run draws what an uninterrupted one would have.
-// Functions come in a fresh random order every epoch; mirror and batch of points are drawn for each.
-class SampleOrder {
- public:
-  // batch               samples a step
-  // point_batch_count   batches of points that there are to draw from
-  SampleOrder(int64_t function_count, int batch, int point_batch_count, uint64_t seed);
-  std::vector<Sample> samples(int64_t step);
-
- private:
-  void shuffle(int64_t epoch);
-
-  int64_t function_count_;
-  int batch_, point_batch_count_;
-  uint64_t seed_;
-  int64_t epoch_ = -1;
-  std::vector<uint32_t> order_;
 };
 
 }  // namespace nlg

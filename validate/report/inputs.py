@@ -223,7 +223,7 @@ def read_functions(path, representations):
     return {key: Samples(*(np.array(column) for column in zip(*rows))) for key, rows in groups.items()}
 
 
-LOG_COLUMNS = ("step", "learning_rate", "training_loss", "held_out_rmse")
+LOG_COLUMNS = ("step", "learning_rate", "training_loss", "held_out_rmse", "rollbacks")
 
 
 def read_log(path):

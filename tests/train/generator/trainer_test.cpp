@@ -11,6 +11,8 @@
 #include "tests/train/sample_set.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "train/generator/loss_guard.h"
+#include "train/generator/rate_finder.h"
 
 namespace nlg {
 namespace {
@@ -125,7 +127,7 @@ TEST(Train, BeatsTheBestThetaForAllFunctions) {
   options.start.finalists = 2;
   options.start.final_steps = 1000;
   options.start.levenberg_iterations = 30;
-  TrainingState state = makeState(options, fitTheta0(kTentMlp, meanOf(run().training.set()), options.start));
+  TrainingState state = makeState(options, fitTheta0(kTentMlp, meanOf(sampleSet(24, 1)), options.start));
   const double best_constant = meanRmse(state.network, kTentMlp, run().training, 24);
   train(options, kTentMlp, run().training, run().held_out, &state, [] {});
   EXPECT_LT(meanRmse(state.network, kTentMlp, run().training, 24), 0.9 * best_constant);
@@ -137,6 +139,8 @@ TEST(Train, RaisesOnNumbersThatAreNotFinite) {
   TrainingState state = makeState(run().options, theta0);
   EXPECT_THROW(train(run().options, kTentMlp, run().training, run().held_out, &state, [] {}), NumericalError);
   EXPECT_EQ(state.step, 0);
+  EXPECT_EQ(state.rollbacks, LossGuard::kMaxRollbacks);
+  EXPECT_EQ(state.draw, LossGuard::kMaxRollbacks + 1) << "every attempt takes other samples";
 
   TrainOptions wild = run().options;
   wild.learning_rate = 1e3;
@@ -172,6 +176,8 @@ TEST_F(Checkpoint, ResumesAKilledRunBitForBit) {
   expectSame(whole.network->parameters(), resumed.network->parameters(), "network");
   expectSame(whole.network->buffers(), resumed.network->buffers(), "network's buffers");
   expectSame(whole.average->parameters(), resumed.average->parameters(), "average");
+  EXPECT_EQ(whole.draw, resumed.draw);
+  EXPECT_EQ(whole.recent_losses, resumed.recent_losses);
   EXPECT_EQ(meanRmse(whole.average, kTentMlp, run().held_out, 6), meanRmse(resumed.average, kTentMlp, run().held_out, 6));
 }
 
@@ -243,6 +249,55 @@ TEST_F(Checkpoint, IsRefusedWhenMissingOrForeign) {
   std::filesystem::remove(path_);
   std::filesystem::create_directory(path_);
   EXPECT_TRUE(refused()) << "a folder";
+}
+
+TEST(LossGuard, PutsBackTheStateThatItKept) {
+  TrainingState state = makeState(run().options, run().theta0), good = makeState(run().options, run().theta0);
+  trainUntil(state, 20, "");
+  trainUntil(good, 20, "");
+  const LossGuard guard(state, 10);
+  trainUntil(state, -1, "");
+  ASSERT_EQ(state.step, 40);
+  state.rollbacks = LossGuard::kMaxRollbacks;
+  EXPECT_THROW(guard.rollBack(&state, "loss", NAN), NumericalError);
+  EXPECT_EQ(state.step, 20) << "put back all the same";
+  state.rollbacks = 0;
+  guard.rollBack(&state, "loss", NAN);
+  EXPECT_EQ(state.step, 20);
+  EXPECT_EQ(state.draw, 40) << "the samples since then are not taken again";
+  EXPECT_EQ(state.rollbacks, 1);
+  EXPECT_EQ(state.recent_losses, good.recent_losses);
+  expectSame(state.network->parameters(), good.network->parameters(), "network");
+  expectSame(state.average->parameters(), good.average->parameters(), "average");
+  // the moments too: the same samples lead both to the same place
+  state.rollbacks = 0;
+  state.draw = good.draw;
+  trainUntil(state, -1, "");
+  trainUntil(good, -1, "");
+  expectSame(state.network->parameters(), good.network->parameters(), "network, steps later");
+}
+
+TEST(LossGuard, RefusesLossesFarAboveTheMedian) {
+  TrainingState state = makeState(run().options, run().theta0);
+  const LossGuard guard(state, 10);
+  EXPECT_TRUE(guard.accepts(state, 1e6, 1.0)) << "nothing to compare with yet";
+  for (int i = 0; i < 60; ++i) noteLoss(&state, 0.01 + 1e-4 * (i % 3));
+  EXPECT_TRUE(guard.accepts(state, 0.1, 1.0));
+  EXPECT_FALSE(guard.accepts(state, 0.102, 1.0)) << "the median is .0101";
+  EXPECT_FALSE(guard.accepts(state, NAN, 1.0));
+  EXPECT_FALSE(guard.accepts(state, 0.01, INFINITY));
+}
+
+TEST(FindRate, StopsWhereTheLossRunsAway) {
+  TrainOptions options = run().options;
+  options.shape.output_scale = 10;  // diverges within the ramp
+  TrainingState state = makeState(options, run().theta0);
+  const RateFinding finding = findRate(options, kTentMlp, run().training, &state);
+  EXPECT_GT(finding.suggested, 1e-6);
+  EXPECT_LE(finding.suggested, finding.diverged / 10);
+  EXPECT_LE(finding.suggested, finding.steepest);
+  EXPECT_LT(finding.diverged, 1.0);
+  EXPECT_EQ(finding.csv.rfind("rate,loss,smoothed_loss\n1e-06,", 0), 0u) << finding.csv;
 }
 
 TEST(OneCycleRate, RisesThenFallsToATenThousandth) {

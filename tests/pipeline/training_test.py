@@ -1,0 +1,199 @@
+#!/usr/bin/python3
+"""nlg-train as a whole: from memory and from a cache, killed and resumed, by several processes, on numbers that go wrong.
+
+    training_test.py BIN_FOLDER
+"""
+import csv
+import hashlib
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+BIN = os.path.abspath(sys.argv[1])
+INPUT_ERROR, NUMERICAL_ERROR = 3, 4  # tool/error.h
+HEAD, POINTS, BLOCK = 4096, 8192, 512  # docs/formats.md, "Function cache"
+failures = []
+
+OPTIONS = ["--steps", "120", "--batch", "8", "--checkpoint-steps", "10", "--start-candidates", "1", "--width", "24", "--layers", "2",
+           "--learning-rate", "0.003", "--hard-share", "0.25"]
+INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", "held_out.h5"]
+CACHE = ["--cache", "functions.cache"]
+
+
+def check(holds, claim):
+    if not holds:
+        failures.append(claim)
+
+
+def start(tool, *arguments):
+    return subprocess.Popen([os.path.join(BIN, tool), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def end(process, expected=0):
+    out, err = process.communicate(timeout=120)
+    if process.returncode != expected:
+        sys.exit(f"{' '.join(process.args)}: exit code {process.returncode}, expected {expected}\n{err}")
+    return out, err
+
+
+def train(name, *more, data=CACHE):
+    return start("nlg-train", *INPUTS, *OPTIONS, *data, "--out", f"{name}.ckpt", "--run", f"{name}_run", "--log", f"{name}.csv", *more)
+
+
+def read(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def columns(path):
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {key: [float(row[key]) for row in rows] for key in rows[0]}
+
+
+def fletcher32(data):
+    """docs/formats.md: big-endian 16-bit words."""
+    sum1 = sum2 = 0
+    for (word,) in struct.iter_unpack(">H", data):
+        sum1 = (sum1 + word) % 65535
+        sum2 = (sum2 + sum1) % 65535
+    # the sums are folded, never reduced to 0
+    return (sum2 or 65535) << 16 | (sum1 or 65535)
+
+
+def poisoned_cache(path, function):
+    """The cache with one function's first coefficient at 1e30, and checksums that fit."""
+    whole = bytearray(read("functions.cache"))
+    footer_first = struct.unpack_from("<Q", whole, 16)[0]
+    footer = bytes(whole[footer_first:])
+    json_text, _, tail = footer.partition(b"\n")
+    values = json.loads(json_text)
+    record = POINTS + POINTS // 8 + 4 * values["coefficient_count"]
+    struct.pack_into("<f", whole, HEAD + function * record + POINTS + POINTS // 8, 1e30)
+    records = whole[HEAD:footer_first]
+    values["block_checksums"] = [fletcher32(records[i : i + BLOCK * record]) for i in range(0, len(records), BLOCK * record)]
+    footer = json.dumps(values).encode() + b"\n" + tail
+    whole[24:88] = hashlib.sha256(footer).hexdigest().encode()
+    with open(path, "wb") as file:
+        file.write(whole[:footer_first] + footer)
+
+
+def check_cache():
+    """The same functions in the same order, from memory and from the disk."""
+    end(train("memory", data=["--shards", "training.h5"]))
+    end(train("disk"))
+    memory, disk = columns("memory.csv")["held_out_rmse"], columns("disk.csv")["held_out_rmse"]
+    check(all(abs(a - b) < 2e-5 for a, b in zip(memory, disk)), f"training from memory and from the disk differ: {memory}, {disk}")
+    check(len(disk) == 12 and disk[-1] < disk[0], f"the held-out error did not fall: {disk}")
+    left = sorted(os.listdir("disk_run"))
+    check(left == ["config.json", "latest", "log.csv", "provenance.json", "step-000000110.ckpt", "step-000000120.ckpt"], f"the run left {left}")
+    check(os.readlink("disk_run/latest") == "step-000000120.ckpt", "latest is not the last checkpoint")
+    check(read("disk_run/log.csv") == read("disk.csv"), "the run's curve is not the one asked for")
+    check(json.load(open("disk_run/config.json"))["steps"] == 120, "config.json does not hold the options")
+    check(set(json.load(open("disk_run/provenance.json"))["inputs"]) == {"basis", "training_set"}, "provenance.json lacks inputs")
+
+
+def check_kills(name, expected, *more, data=CACHE):
+    """kill -9 at several moments: what is resumed ends in the same bytes."""
+    kills = 0
+    for attempt in range(40):
+        process = train(name, *more, data=data)
+        # sometimes within a checkpoint's writing, sometimes between two; later each time, so that it gets somewhere
+        wanted, deadline = (attempt + 1) * 30, time.time() + 60
+        while process.poll() is None and time.time() < deadline:
+            try:
+                step = int(os.readlink(f"{name}_run/latest")[5:14])
+            except OSError:
+                step = 0
+            if step >= wanted:
+                break
+            time.sleep(0.001)
+        time.sleep(0.002 * attempt)
+        if process.poll() is None:
+            process.send_signal(signal.SIGKILL)
+            kills += 1
+        process.communicate()
+        if process.returncode == 0:
+            break
+    check(kills >= 2, f"{name}: only {kills} kills: nothing was tested")
+    check(process.returncode == 0, f"{name}: never came to its end")
+    check(os.path.exists(f"{name}.ckpt") and read(f"{name}.ckpt") == read(expected), f"{name}: killed {kills} times, ended in other bytes")
+
+
+def check_processes():
+    """Two processes with the batch of one: the same curve, to rounding."""
+    pair = [train("pair", "--rank", str(rank), "--world-size", "2", "--rendezvous", "meeting") for rank in range(2)]
+    for process in pair:
+        end(process)
+    one, two = columns("disk.csv"), columns("pair.csv")
+    for key in ["training_loss", "held_out_rmse"]:
+        difference = max(abs(a - b) for a, b in zip(one[key], two[key]))
+        # the sums of floats differ in their order: 1e-7 of the gradient a step, printed to 1e-6
+        check(difference <= 2e-5, f"two processes: {key} is off by {difference}")
+    check(one["step"] == two["step"], f"two processes: other steps: {two['step']}")
+
+
+def check_lost_process():
+    pair = [train("lost", "--steps", "1000000", "--rank", str(rank), "--world-size", "2", "--rendezvous", "lost_meeting", "--timeout-s", "20")
+            for rank in range(2)]
+    deadline = time.time() + 60
+    while not os.path.exists("lost_run/latest") and time.time() < deadline:
+        time.sleep(0.01)
+    pair[1].kill()
+    pair[1].communicate()
+    _, err = end(pair[0], INPUT_ERROR)
+    check("lost_meeting" in err and len(err.splitlines()) == 1, f"a lost process is reported as {err!r}")
+
+
+def check_rollbacks():
+    """A function whose coefficients are absurd: training goes back, says so, and ends in the same bytes when it is killed on the way."""
+    poisoned_cache("poisoned.cache", 3)
+    data = ["--cache", "poisoned.cache"]
+    out, err = end(train("poisoned", data=data))
+    result = json.loads(out)
+    rollbacks = columns("poisoned.csv")["rollbacks"]
+    check(0 < result["rollbacks"] <= 5 and rollbacks[-1] == result["rollbacks"], f"rollbacks: {result}, {rollbacks}")
+    check(err.count("rollback") == result["rollbacks"], f"stderr tells of other rollbacks: {err}")
+    check(result["held_out_rmse"] < columns("poisoned.csv")["held_out_rmse"][0], "a run with rollbacks did not learn")
+    check_kills("poisoned_killed", "poisoned.ckpt", data=data)
+    _, err = end(train("lasting", "--steps", "2000", data=data), NUMERICAL_ERROR)
+    check("after 5 rollbacks" in err, f"a run that cannot go on says {err}")
+    check(os.path.exists("lasting_run/latest"), "a run that gave up left no checkpoint")
+
+
+def check_find_rate():
+    before = set(os.listdir("."))
+    out, _ = end(start("nlg-train", *INPUTS, *OPTIONS, *CACHE, "--find-rate", "--log", "rates.csv"))
+    result = json.loads(out)
+    check(1e-6 < result["suggested"] <= min(result["steepest"], result["diverged"] / 10), f"--find-rate: {result}")
+    check(set(os.listdir(".")) - before == {"rates.csv"}, f"--find-rate left {set(os.listdir('.')) - before}")
+    check(set(columns("rates.csv")) == {"rate", "loss", "smoothed_loss"}, "--find-rate wrote another table")
+
+
+def main():
+    for variable in ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"]:
+        os.environ[variable] = "1"
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        end(start("nlg-datagen", "--scene", "house:1", "--max-functions", "700", "--out", "training.h5"))
+        end(start("nlg-datagen", "--scene", "house:2", "--max-functions", "24", "--held-out", "--out", "held_out.h5"))
+        end(start("nlg-pca", "--components", "16", "--shards", "training.h5", "--held-out", "held_out.h5", "--out", "basis.h5"))
+        end(start("nlg-cache", "--basis", "basis.h5", "--shards", "training.h5", "--out", "functions.cache"))
+        check_cache()
+        check_kills("killed", "disk.ckpt")
+        check_processes()
+        check_lost_process()
+        check_rollbacks()
+        check_find_rate()
+        os.chdir("/")
+    for failure in failures:
+        print("FAILED:", failure)
+    sys.exit(1 if failures else 0)
+
+
+main()

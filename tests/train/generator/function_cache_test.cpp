@@ -1,0 +1,241 @@
+#include "train/generator/function_cache.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "tests/runtime_eval/sample_generator.h"
+#include "tests/train/sample_set.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+#include "train/generator/function_cache_writer.h"
+#include "train/generator/sample_order.h"
+#include "train/generator/training_data.h"
+#include "train/generator/window_loader.h"
+
+namespace nlg {
+namespace {
+
+constexpr int kCount = 600;  // two blocks, the second of them not full
+
+// A shard of the sample set's functions [first, first + count).
+Shard sampleShard(const std::string& scene, int first, int count) {
+  const FunctionSet set = sampleSet(count, static_cast<uint64_t>(first) + 1);
+  Shard shard;
+  shard.scene_id = scene;
+  shard.family = "sample";
+  shard.pattern_hash = set.pattern_hash;
+  shard.point_count = set.point_count;
+  shard.counts.functions = shard.counts.visited_probes = shard.counts.grid_probes = static_cast<uint64_t>(count);
+  shard.provenance_json = "{}";
+  shard.phi = set.phi;
+  shard.validity = set.validity;
+  shard.seen = set.seen;
+  shard.probe_position_m.assign(3 * static_cast<size_t>(count), 0.0);
+  shard.spacing_m.assign(static_cast<size_t>(count), 1.0f);
+  shard.flags.assign(static_cast<size_t>(count), 0);
+  return shard;
+}
+
+// Two shards that have 40 functions in common, and a cache of both.
+class Cache : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::filesystem::temp_directory_path() / ("nlg_cache_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+    shards_ = {(folder_ / "a.h5").string(), (folder_ / "b.h5").string()};
+    writeShard(shards_[0], sampleShard("a", 0, 400));
+    writeShard(shards_[1], sampleShard("b", 360, kCount - 360));
+    writeFunctionCache(path(), shards_, basis(), "basis");
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+
+  static std::string path() { return (folder_ / "functions.cache").string(); }
+  static BasisData basis() { return sampleBasis(kSampleClasses, 3); }
+  static FunctionSet set() { return readFunctionSet(shards_, supportPattern().hash, kSupportPointCount); }
+
+  // What reading everything in a damaged copy says; empty when it was taken.
+  static std::string complaint(const std::string& bytes) {
+    const std::string damaged = (folder_ / "damaged.cache").string();
+    std::ofstream(damaged, std::ios::binary) << bytes;
+    try {
+      FunctionCache cache(damaged);
+      for (int64_t block = 0; block < cache.blockCount(); ++block) cache.loadBlock(block);
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()).rfind(damaged, 0), 0u) << error.what();
+      return error.what();
+    }
+    return "";
+  }
+
+  static std::filesystem::path folder_;
+  static std::vector<std::string> shards_;
+};
+std::filesystem::path Cache::folder_;
+std::vector<std::string> Cache::shards_;
+
+TEST_F(Cache, HoldsWhatTrainingInMemoryHolds) {
+  const TrainingData memory(set(), basis(), FunctionOrder::cache);
+  const TrainingData disk(std::make_unique<FunctionCache>(path()), basis());
+  ASSERT_EQ(disk.functionCount(), memory.functionCount());
+  ASSERT_LT(disk.functionCount(), 400 + kCount - 360) << "functions that both shards hold come once";
+  EXPECT_EQ(disk.sha256(), memory.sha256());
+  EXPECT_EQ(disk.sceneIds(), memory.sceneIds());
+  std::vector<float> a(static_cast<size_t>(disk.coefficientCount())), b = a;
+  for (int64_t i = 0; i < disk.functionCount(); ++i) {
+    const StoredFunction x = disk.function(i), y = memory.function(i);
+    ASSERT_TRUE(std::equal(x.phi, x.phi + kSupportPointCount, y.phi)) << "function " << i;
+    ASSERT_TRUE(std::equal(x.validity, x.validity + kSupportPointCount / 8, y.validity)) << "function " << i;
+    disk.copyCoefficients(i, 5, a.data());
+    memory.copyCoefficients(i, 5, b.data());
+    // batches of another size may sum in another order
+    for (size_t k = 0; k < a.size(); ++k) ASSERT_NEAR(a[k], b[k], 1e-5 * (1 + std::fabs(b[k]))) << "function " << i;
+  }
+  EXPECT_EQ(disk.hardFunctions(0.1), memory.hardFunctions(0.1));
+}
+
+TEST_F(Cache, ShufflesOverAllShards) {
+  const std::vector<uint32_t> order = cacheOrder(kCount);
+  EXPECT_EQ(std::set<uint32_t>(order.begin(), order.end()).size(), size_t{kCount});
+  // of the first 300 places 150 ± 6 sqrt(300 / 4 / 2) go to functions of the first half
+  const auto early = std::count_if(order.begin(), order.begin() + 300, [](uint32_t i) { return i < 300; });
+  EXPECT_NEAR(static_cast<double>(early), 150.0, 37.0);
+  std::vector<uint32_t> rest;
+  for (const uint32_t i : order) {
+    if (i < 500) rest.push_back(i);
+  }
+  EXPECT_EQ(rest, cacheOrder(500)) << "leaving functions out must not move the others";
+}
+
+TEST_F(Cache, HasTheSameBytesEveryTime) {
+  const std::string first = readFile(path());
+  writeFunctionCache((folder_ / "again.cache").string(), shards_, basis(), "basis");
+  EXPECT_TRUE(readFile((folder_ / "again.cache").string()) == first);
+}
+
+TEST_F(Cache, IsRefusedWhenTruncatedAnywhere) {
+  const std::string whole = readFile(path());
+  EXPECT_EQ(complaint(whole), "");
+  for (size_t size = 0; size < whole.size(); size += whole.size() / 23) {
+    EXPECT_NE(complaint(whole.substr(0, size)), "") << size << " of " << whole.size() << " bytes";
+  }
+  EXPECT_NE(complaint(whole.substr(0, whole.size() - 1)), "");
+  EXPECT_NE(complaint(whole + "x"), "");
+}
+
+TEST_F(Cache, IsRefusedWhenABitHasFlipped) {
+  const std::string whole = readFile(path());
+  for (size_t k = 0; k < 24; ++k) {
+    std::string damaged = whole;
+    const size_t at = 4096 + (2 * k + 1) * (whole.size() - 4096) / 48;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x40);
+    EXPECT_NE(complaint(damaged), "") << "byte " << at << " of " << whole.size();
+  }
+  for (size_t at = 0; at < 88; ++at) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x40);
+    EXPECT_NE(complaint(damaged), "") << "byte " << at << " of the head";
+  }
+}
+
+TEST_F(Cache, IsRefusedWhenMissingOrForeign) {
+  EXPECT_THROW(FunctionCache((folder_ / "missing").string()), InputError);
+  EXPECT_THROW(FunctionCache(folder_.string()), InputError);
+  EXPECT_NE(complaint(readFile(shards_[0])), "");
+}
+
+TEST_F(Cache, IsNotMadeOfShardsWithoutFunctions) {
+  const std::string empty = (folder_ / "empty.h5").string(), out = (folder_ / "empty.cache").string();
+  writeShard(empty, sampleShard("a", 0, 0));
+  EXPECT_THROW(writeFunctionCache(out, {empty}, basis(), "basis"), InputError);
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST_F(Cache, LoaderChecksWhatIsDrawn) {
+  FunctionCache cache(path());
+  const SampleOrder order(cache.functionCount(), {}, {.batch = 64, .seed = 1});
+  WindowLoader loader(cache, order, 0);
+  for (int64_t draw = 0; draw < 40; ++draw) loader.require(draw);
+
+  std::string bytes = readFile(path());
+  bytes[4096 + 1000] = static_cast<char>(bytes[4096 + 1000] ^ 1);
+  const std::string damaged = (folder_ / "damaged.cache").string();
+  std::ofstream(damaged, std::ios::binary) << bytes;
+  FunctionCache bad(damaged);
+  WindowLoader bad_loader(bad, order, 0);
+  EXPECT_THROW(bad_loader.require(0), InputError);
+}
+
+TEST(SampleOrder, TakesEveryFunctionOnceAnEpoch) {
+  for (const int count : {1, 7, 512, 700, 8192, 8193, 20000}) {
+    WindowedOrder order(count, 5);
+    std::vector<int64_t> first, second;
+    for (int i = 0; i < count; ++i) first.push_back(order.item(i));
+    for (int i = 0; i < count; ++i) second.push_back(order.item(count + i));
+    if (count > 100) {
+      EXPECT_NE(first, second) << count;
+    }
+    std::sort(first.begin(), first.end());
+    std::sort(second.begin(), second.end());
+    for (int i = 0; i < count; ++i) {
+      ASSERT_EQ(first[i], i) << count;
+      ASSERT_EQ(second[i], i) << count;
+    }
+  }
+}
+
+TEST(SampleOrder, DrawsTheSameWhereverItBegins) {
+  const SampleOrder::Options options{.batch = 100, .point_batch_count = 8, .hard_share = 0.3, .seed = 9};
+  std::vector<uint32_t> hard;
+  for (uint32_t i = 0; i < 20000; i += 3) hard.push_back(i);
+  SampleOrder whole(20000, hard, options);
+  for (int64_t draw = 0; draw < 500; ++draw) {
+    const std::vector<Sample> expected = whole.samples(draw);
+    if (draw % 37 != 0) continue;
+    SampleOrder fresh(20000, hard, options);
+    const std::vector<Sample> got = fresh.samples(draw);
+    ASSERT_EQ(got.size(), 100u);
+    for (size_t b = 0; b < got.size(); ++b) {
+      ASSERT_EQ(got[b].function, expected[b].function) << "draw " << draw;
+      ASSERT_EQ(got[b].mirror, expected[b].mirror) << "draw " << draw;
+      ASSERT_EQ(got[b].batch, expected[b].batch) << "draw " << draw;
+    }
+  }
+}
+
+TEST(SampleOrder, TakesItsShareFromTheHardFunctions) {
+  const std::vector<uint32_t> hard = {3, 5, 900, 15000};
+  SampleOrder order(20000, hard, {.batch = 20, .hard_share = 0.25, .seed = 1});
+  EXPECT_EQ(order.hardCount(), 5);
+  for (int64_t draw = 0; draw < 10; ++draw) {
+    const std::vector<Sample> samples = order.samples(draw);
+    ASSERT_EQ(samples.size(), 20u);
+    for (size_t b = 15; b < 20; ++b)
+      EXPECT_TRUE(std::count(hard.begin(), hard.end(), samples[b].function)) << samples[b].function;
+  }
+  EXPECT_EQ(SampleOrder(20000, {}, {.batch = 20, .hard_share = 0.25}).hardCount(), 0);
+}
+
+TEST(SampleOrder, SaysWhichBlocksADrawReads) {
+  std::vector<uint32_t> hard;
+  for (uint32_t i = 0; i < 30000; i += 5) hard.push_back(i);
+  SampleOrder order(30000, hard, {.batch = 300, .hard_share = 0.4, .seed = 2}), asked = order;
+  for (int64_t draw = 0; draw < 250; ++draw) {
+    std::set<int64_t> blocks;
+    for (int o = 0; o < asked.orderCount(); ++o) {
+      for (int64_t window = asked.firstWindow(o, draw); window <= asked.lastWindow(o, draw); ++window) {
+        for (const int64_t block : asked.functionBlocks(o, window)) blocks.insert(block);
+      }
+    }
+    for (const Sample& sample : order.samples(draw)) {
+      ASSERT_TRUE(blocks.count(sample.function / kBlockFunctions)) << "draw " << draw << ", function " << sample.function;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,28 @@
+// Where things lie in a function cache: what its reader and its writer agree on (docs/formats.md, "Function cache").
+#pragma once
+
+#include <cstdint>
+
+#include "runtime_eval/support/support_pattern.h"
+
+namespace nlg {
+
+inline constexpr char kCacheMagic[8] = {'n', 'l', 'g', 'c', 'a', 'c', 'h', 'e'};
+inline constexpr uint64_t kCacheVersion = 1;
+inline constexpr size_t kFirstRecord = 4096;  // a page: records begin on one
+inline constexpr size_t kValidityBytes = kSupportPointCount / 8;
+
+// The first bytes of the file; zeros up to kFirstRecord. Little-endian, as everything in the file.
+struct CacheHead {
+  char magic[8];
+  uint64_t version;
+  uint64_t footer_first;   // byte where the footer begins; it ends with the file
+  char footer_sha256[64];  // hexadecimal
+};
+
+// phi, validity, coefficients
+inline constexpr size_t recordBytes(int coefficient_count) {
+  return kSupportPointCount + kValidityBytes + sizeof(float) * static_cast<size_t>(coefficient_count);
+}
+
+}  // namespace nlg

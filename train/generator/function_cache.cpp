@@ -1,0 +1,176 @@
+#include "train/generator/function_cache.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+
+#include "datagen/dataset/chunk_codec.h"
+#include "runtime_eval/support/random.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+#include "train/generator/cache_layout.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kOrderSeed = 0x6361636865;  // "cache": part of the format
+
+std::string reason() { return std::generic_category().message(errno); }
+
+// The whole file, read-only. Pages that are not used again go when the memory is wanted elsewhere.
+const uint8_t* mapFile(const std::string& path, size_t* count) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) throw InputError(path, "open", "a function cache", reason());
+  struct stat status {};
+  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(file);
+    throw InputError(path, "file", "a function cache", "no regular file");
+  }
+  *count = static_cast<size_t>(status.st_size);
+  if (*count < kFirstRecord) {
+    ::close(file);
+    throw InputError(path, "size", "a function cache of at least " + std::to_string(kFirstRecord) + " bytes",
+                     std::to_string(*count) + " bytes");
+  }
+  void* address = ::mmap(nullptr, *count, PROT_READ, MAP_SHARED, file, 0);
+  ::close(file);
+  if (address == MAP_FAILED) throw InputError(path, "map", "a file that can be mapped", reason());
+  return static_cast<const uint8_t*>(address);
+}
+
+}  // namespace
+
+FunctionCache::FunctionCache(const std::string& path) : path_(path), mapped_(mapFile(path, &mapped_count_)) {
+  try {
+    CacheHead head;
+    std::memcpy(&head, mapped_, sizeof head);
+    if (std::memcmp(head.magic, kCacheMagic, sizeof kCacheMagic) != 0) {
+      throw InputError(path, "first bytes", "those of a function cache", "others");
+    }
+    if (head.version != kCacheVersion) {
+      throw InputError(path, "version", std::to_string(kCacheVersion), std::to_string(head.version));
+    }
+    if (head.footer_first < kFirstRecord || head.footer_first > mapped_count_) {
+      throw InputError(path, "footer", "a whole file", "one of " + std::to_string(mapped_count_) + " bytes");
+    }
+    const std::string footer(reinterpret_cast<const char*>(mapped_) + head.footer_first, mapped_count_ - head.footer_first);
+    if (sha256(footer) != std::string(head.footer_sha256, sizeof head.footer_sha256)) {
+      throw InputError(path, "SHA-256 of the footer", "that of the head", "another: the file is truncated or damaged");
+    }
+    readFooter(footer);
+    const size_t expected = kFirstRecord + recordBytes(coefficient_count_) * static_cast<size_t>(function_count_);
+    if (head.footer_first != expected) {
+      throw InputError(path, "footer", "at byte " + std::to_string(expected), std::to_string(head.footer_first));
+    }
+  } catch (...) {
+    ::munmap(const_cast<uint8_t*>(mapped_), mapped_count_);
+    throw;
+  }
+}
+
+FunctionCache::~FunctionCache() { ::munmap(const_cast<uint8_t*>(mapped_), mapped_count_); }
+
+// JSON, a line's end, the tent's RMSE of every function.
+void FunctionCache::readFooter(const std::string& footer) {
+  const size_t json_count = std::min(footer.find('\n'), footer.size());
+  try {
+    const nlohmann::json json = nlohmann::json::parse(footer.substr(0, json_count));
+    if (json.at("pattern_hash").get<uint64_t>() != supportPattern().hash) {
+      throw InputError(path_, "pattern_hash", std::to_string(supportPattern().hash), json.at("pattern_hash").dump());
+    }
+    function_count_ = json.at("function_count").get<int64_t>();
+    coefficient_count_ = json.at("coefficient_count").get<int>();
+    origin_ = {json.at("basis_sha256").get<std::string>(), json.at("training_set_sha256").get<std::string>(),
+               json.at("scene_ids").get<std::vector<std::string>>()};
+    block_checksums_ = json.at("block_checksums").get<std::vector<uint32_t>>();
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(path_, "footer", "the footer of a function cache", error.what());
+  }
+  const int64_t block_count = (function_count_ + kBlockFunctions - 1) / kBlockFunctions;
+  const size_t rmse_bytes = static_cast<size_t>(function_count_) * sizeof(float);
+  if (function_count_ < 1 || coefficient_count_ < 1 || blockCount() != block_count ||
+      footer.size() != json_count + 1 + rmse_bytes) {
+    throw InputError(path_, "footer", "counts that agree", std::to_string(function_count_) + " functions");
+  }
+  tent_rmse_.resize(static_cast<size_t>(function_count_));
+  std::memcpy(tent_rmse_.data(), footer.data() + json_count + 1, rmse_bytes);
+  checked_.assign(block_checksums_.size(), false);
+}
+
+StoredFunction FunctionCache::function(int64_t index) const {
+  const uint8_t* record = mapped_ + kFirstRecord + recordBytes(coefficient_count_) * static_cast<size_t>(index);
+  return {record, record + kSupportPointCount};
+}
+
+const float* FunctionCache::coefficients(int64_t index) const {
+  // aligned: the page and all parts of a record before it are multiples of a float
+  return reinterpret_cast<const float*>(function(index).validity + kValidityBytes);
+}
+
+float FunctionCache::tentRmse(int64_t index) const { return tent_rmse_[static_cast<size_t>(index)]; }
+
+FunctionCache::Span FunctionCache::blockSpan(int64_t block) const {
+  const int64_t first = block * kBlockFunctions, count = std::min(kBlockFunctions, function_count_ - first);
+  return {function(first).phi, recordBytes(coefficient_count_) * static_cast<size_t>(count)};
+}
+
+void FunctionCache::adviseBlock(int64_t block) const {
+  const Span span = blockSpan(block);
+  const auto page = static_cast<size_t>(::sysconf(_SC_PAGESIZE));
+  const size_t first = static_cast<size_t>(span.first - mapped_) / page * page;
+  const size_t end = static_cast<size_t>(span.first - mapped_) + span.count;
+  // advice: where the system does not take it, loadBlock reads all the same
+  (void)::madvise(const_cast<uint8_t*>(mapped_) + first, end - first, MADV_WILLNEED);
+}
+
+void FunctionCache::loadBlock(int64_t block) {
+  const Span span = blockSpan(block);
+  if (!checked_[static_cast<size_t>(block)]) {
+    if (fletcher32(span.first, span.count) != block_checksums_[static_cast<size_t>(block)]) {
+      throw InputError(path_, "block " + std::to_string(block), "the checksum of the footer", "another: the file is damaged");
+    }
+    checked_[static_cast<size_t>(block)] = true;
+    return;
+  }
+  const volatile uint8_t* bytes = span.first;
+  for (size_t i = 0; i < span.count; i += 1024) (void)bytes[i];
+}
+
+float tentRmse(const StoredFunction& function) {
+  static const std::vector<float> tents = [] {
+    std::vector<float> values;
+    for (int p = 0; p < kSupportPointCount; ++p) values.push_back(tent(supportPattern().points[p]));
+    return values;
+  }();
+  double sum = 0.0;
+  int count = 0;
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    if ((function.validity[p / 8] >> (p % 8) & 1) == 0) continue;
+    const double difference = function.phi[p] / 255.0 - static_cast<double>(tents[p]);
+    sum += difference * difference;
+    ++count;
+  }
+  return count > 0 ? static_cast<float>(std::sqrt(sum / count)) : 0.0f;
+}
+
+std::vector<uint32_t> cacheOrder(int64_t count) {
+  // keys of their own for every index: the order of the first n does not depend on how many follow
+  std::vector<uint64_t> keys(static_cast<size_t>(count));
+  for (size_t i = 0; i < keys.size(); ++i) keys[i] = mixSeed(kOrderSeed, i);
+  std::vector<uint32_t> order(keys.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
+  return order;
+}
+
+}  // namespace nlg

@@ -1,0 +1,79 @@
+// A training set as one flat file that is mapped into memory: any size trains in the memory of a few windows of it.
+//
+// Made once from shards and a basis (function_cache_writer.h; layout in docs/formats.md). Functions lie in an order shuffled over
+// all shards, with everything that training reads of them side by side, so that neighbours make a fair batch and reading runs
+// along the disk.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime_eval/support/weighting_function.h"
+
+namespace nlg {
+
+// Functions a block: what is read, checked and shuffled as a unit.
+inline constexpr int64_t kBlockFunctions = 512;
+
+// What a cache was made of.
+struct CacheOrigin {
+  std::string basis_sha256;
+  std::string training_set_sha256;     // FunctionSet::sha256 of the shards
+  std::vector<std::string> scene_ids;  // distinct scenes
+};
+
+class FunctionCache {
+ public:
+  // Maps the file; its functions are read when they are used.
+  // throws   InputError when it is missing, truncated, damaged, of another version or of another pattern
+  explicit FunctionCache(const std::string& path);
+  ~FunctionCache();
+  FunctionCache(const FunctionCache&) = delete;
+  FunctionCache& operator=(const FunctionCache&) = delete;
+
+  const std::string& path() const { return path_; }
+  const CacheOrigin& origin() const { return origin_; }
+  int64_t functionCount() const { return function_count_; }
+  int coefficientCount() const { return coefficient_count_; }
+  int64_t blockCount() const { return static_cast<int64_t>(block_checksums_.size()); }
+
+  // Good while the cache lives. Whatever loadBlock has not seen yet is read on the spot, unchecked.
+  StoredFunction function(int64_t index) const;
+  const float* coefficients(int64_t index) const;  // K, standardised, not mirrored
+  float tentRmse(int64_t index) const;             // of the bare tent over the valid points: how hard the function is
+
+  // Asks the system to read a block ahead; returns at once.
+  void adviseBlock(int64_t block) const;
+  // Reads a block into memory, and checks it the first time. Call it from one thread at a time.
+  // throws   InputError when the block's checksum is wrong
+  void loadBlock(int64_t block);
+
+ private:
+  struct Span {
+    const uint8_t* first;
+    size_t count;
+  };
+  Span blockSpan(int64_t block) const;
+  void readFooter(const std::string& footer);
+
+  std::string path_;
+  CacheOrigin origin_;
+  int64_t function_count_ = 0;
+  int coefficient_count_ = 0;
+  std::vector<uint32_t> block_checksums_;
+  std::vector<bool> checked_;
+  std::vector<float> tent_rmse_;
+  size_t mapped_count_ = 0;  // before mapped_, which sets it
+  const uint8_t* mapped_ = nullptr;
+};
+
+// RMSE of the bare tent over the valid points of a function; 0 when there are none.
+float tentRmse(const StoredFunction& function);
+
+// Indices 0 … count - 1 in the order in which a cache holds the functions that its shards gave: the same for the same count, and
+// that of a smaller count is what remains of it.
+std::vector<uint32_t> cacheOrder(int64_t count);
+
+}  // namespace nlg

@@ -1,0 +1,98 @@
+#include "train/generator/loss_guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr size_t kMedianLosses = 101;  // the median is over so many losses …
+constexpr size_t kFewestLosses = 20;   // … or fewer at the start, where the loss falls fast and nothing is judged
+
+double medianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<torch::Tensor> copyOf(const GeneratorNetwork& network) {
+  std::vector<torch::Tensor> copies;
+  for (const torch::Tensor& parameter : network->parameters()) copies.push_back(parameter.detach().clone());
+  return copies;
+}
+
+void putBack(const std::vector<torch::Tensor>& copies, GeneratorNetwork& network) {
+  const std::vector<torch::Tensor> parameters = network->parameters();
+  for (size_t i = 0; i < copies.size(); ++i) torch::Tensor(parameters[i]).copy_(copies[i]);
+}
+
+bool isFinite(const std::vector<torch::Tensor>& tensors) {
+  return std::all_of(tensors.begin(), tensors.end(),
+                     [](const torch::Tensor& t) { return std::isfinite(t.sum().item<double>()); });
+}
+
+}  // namespace
+
+LossGuard::LossGuard(const TrainingState& state, double divergence_ratio) : divergence_ratio_(divergence_ratio) {
+  // numbers that are wrong from the start are found by the first step
+  network_ = copyOf(state.network);
+  average_ = copyOf(state.average);
+  keep(state);
+}
+
+bool LossGuard::accepts(const TrainingState& state, double loss, double gradient_norm) const {
+  if (!std::isfinite(loss) || !std::isfinite(gradient_norm)) return false;
+  return state.recent_losses.size() < kFewestLosses || loss <= divergence_ratio_ * medianOf(state.recent_losses);
+}
+
+bool LossGuard::keep(const TrainingState& state) {
+  torch::NoGradGuard no_gradient;
+  std::vector<torch::Tensor> network = copyOf(state.network);
+  if (!isFinite(network)) return false;
+  network_ = std::move(network);
+  average_ = copyOf(state.average);
+  moments_.clear();
+  for (const torch::optim::AdamParamState* moments : adamMoments(state)) {
+    moments_.push_back({moments->step(), moments->exp_avg().clone(), moments->exp_avg_sq().clone()});
+  }
+  step_ = state.step;
+  recent_losses_ = state.recent_losses;
+  return true;
+}
+
+void LossGuard::rollBack(TrainingState* state, const char* quantity, double value) const {
+  const int64_t failed_step = state->step;
+  {
+    torch::NoGradGuard no_gradient;
+    putBack(network_, state->network);
+    putBack(average_, state->average);
+    if (moments_.empty()) state->optimizer->state().clear();
+    const std::vector<torch::optim::AdamParamState*> targets = adamMoments(*state);
+    for (size_t i = 0; i < moments_.size(); ++i) {
+      targets[i]->step(moments_[i].step);
+      targets[i]->exp_avg().copy_(moments_[i].mean);
+      targets[i]->exp_avg_sq().copy_(moments_[i].square);
+    }
+  }
+  state->step = step_;
+  state->recent_losses = recent_losses_;
+  if (state->rollbacks == kMaxRollbacks) {
+    throw NumericalError("train",
+                         "step " + std::to_string(failed_step) + ", after " + std::to_string(kMaxRollbacks) + " rollbacks",
+                         quantity, value);
+  }
+  ++state->rollbacks;
+  std::cerr << "nlg-train: step " << failed_step << ": " << quantity << " is " << value << ": back to step " << step_
+            << " at half the rate, other samples (rollback " << state->rollbacks << " of " << kMaxRollbacks << ")\n";
+}
+
+void noteLoss(TrainingState* state, double loss) {
+  std::vector<double>& losses = state->recent_losses;
+  if (losses.size() == kMedianLosses) losses.erase(losses.begin());
+  losses.push_back(loss);
+}
+
+}  // namespace nlg

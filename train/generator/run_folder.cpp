@@ -1,0 +1,85 @@
+#include "train/generator/run_folder.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kKeptCheckpoints = 2;
+
+std::string nameOf(int64_t step) {
+  // so many digits that names sort as steps do
+  char name[32];
+  std::snprintf(name, sizeof name, "step-%09lld.ckpt", static_cast<long long>(step));
+  return name;
+}
+
+// Checkpoints of a folder, oldest first.
+std::vector<fs::path> checkpoints(const std::string& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.rfind("step-", 0) == 0 && entry->path().extension() == ".ckpt") found.push_back(entry->path());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+void removeFile(const fs::path& path) {
+  std::error_code error;
+  fs::remove(path, error);
+  if (error) throw OutputError(path.string(), error.message());
+}
+
+// A link cannot be overwritten, but renamed over.
+void pointTo(const fs::path& link, const std::string& target) {
+  const fs::path fresh = link.string() + ".tmp";
+  ::unlink(fresh.c_str());
+  if (::symlink(target.c_str(), fresh.c_str()) != 0 || ::rename(fresh.c_str(), link.c_str()) != 0) {
+    throw OutputError(link.string(), std::generic_category().message(errno));
+  }
+}
+
+}  // namespace
+
+std::string RunFolder::latest() const {
+  const fs::path link = fs::path(path_) / "latest";
+  std::error_code error;
+  return fs::exists(fs::symlink_status(link, error)) ? link.string() : "";
+}
+
+void RunFolder::writeOrigin(const nlohmann::ordered_json& config, const nlohmann::ordered_json& provenance) const {
+  writeFileAtomically((fs::path(path_) / "config.json").string(), config.dump(2) + '\n');
+  writeFileAtomically((fs::path(path_) / "provenance.json").string(), provenance.dump(2) + '\n');
+}
+
+void RunFolder::save(const RunIdentity& identity, const TrainingState& state) const {
+  const std::string name = nameOf(state.step);
+  writeCheckpoint((fs::path(path_) / name).string(), identity, state);
+  pointTo(fs::path(path_) / "latest", name);
+  writeFileAtomically((fs::path(path_) / "log.csv").string(), state.log_csv);
+  const std::vector<fs::path> all = checkpoints(path_);
+  for (size_t i = 0; i + kKeptCheckpoints < all.size(); ++i) removeFile(all[i]);
+}
+
+void RunFolder::clear() const {
+  removeFile(fs::path(path_) / "latest");
+  for (const fs::path& path : checkpoints(path_)) removeFile(path);
+}
+
+}  // namespace nlg

@@ -1,0 +1,39 @@
+// The folder of one training run: where its checkpoints lie, and what says how they came about (docs/training.md).
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "train/generator/checkpoint.h"
+
+namespace nlg {
+
+//   config.json       resolved options
+//   provenance.json   revision, options, hashes of data set and basis (tool/provenance.h)
+//   log.csv           the training curve so far
+//   step-NNNNNNNNN.ckpt   the last two checkpoints
+//   latest            link to the newest of them: always to a whole one
+class RunFolder {
+ public:
+  explicit RunFolder(std::string path) : path_(std::move(path)) {}
+
+  // The checkpoint to go on from; empty when there is none.
+  std::string latest() const;
+
+  // throws OutputError
+  void writeOrigin(const nlohmann::ordered_json& config, const nlohmann::ordered_json& provenance) const;
+
+  // Writes the checkpoint of state.step and the curve, moves `latest` to it, then removes all but the last two checkpoints. Killed
+  // at any moment, it leaves a `latest` that is either the checkpoint before or this one.
+  // throws OutputError
+  void save(const RunIdentity& identity, const TrainingState& state) const;
+
+  // Removes the checkpoints of another run. throws OutputError
+  void clear() const;
+
+ private:
+  std::string path_;
+};
+
+}  // namespace nlg

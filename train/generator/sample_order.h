@@ -1,0 +1,74 @@
+// Which functions a training step takes: random enough to train on, near enough to each other to be read from a disk.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "train/generator/function_cache.h"
+
+namespace nlg {
+
+// One sample of a training step: which function, mirrored how, judged on which batch of its points (point_order.h).
+struct Sample {
+  int64_t function = 0;
+  int mirror = 0;
+  int batch = 0;
+};
+
+// Blocks a window: so many functions are shuffled among each other, and lie in memory together.
+inline constexpr int64_t kWindowBlocks = 16;
+
+// An endless random order of `count` items, a pure function of (seed, position). Every epoch takes each item once: blocks of
+// kBlockFunctions neighbours in a fresh random order, the items of every kWindowBlocks blocks shuffled among each other.
+class WindowedOrder {
+ public:
+  // count >= 1
+  WindowedOrder(int64_t count, uint64_t seed);
+
+  int64_t item(int64_t position);
+  // Windows are numbered through all epochs.
+  int64_t windowOf(int64_t position) const;
+  // The blocks of items that a window takes from, in the order of reading.
+  std::vector<int64_t> blocksOf(int64_t window);
+
+ private:
+  int64_t count_, windows_an_epoch_;
+  uint64_t seed_;
+  int64_t epoch_ = -1, window_ = -1;  // of what follows
+  std::vector<int64_t> block_order_;
+  std::vector<uint32_t> items_;
+};
+
+// The samples of any draw, a pure function of (seed, draw): a resumed run draws what an uninterrupted one would have. Step s of a
+// run that never went back is draw s. Mirror and batch of points are drawn for each sample.
+class SampleOrder {
+ public:
+  struct Options {
+    int batch = 256;            // samples a draw
+    int point_batch_count = 1;  // batches of points that there are to draw from
+    double hard_share = 0.0;    // of every batch, rounded to whole samples: from an order of their own over the hard functions
+    uint64_t seed = 1;
+  };
+
+  // hard   indices of the hard functions, rising; when there are none, nothing is drawn from them
+  SampleOrder(int64_t function_count, std::vector<uint32_t> hard, const Options& options);
+
+  std::vector<Sample> samples(int64_t draw);
+  int hardCount() const { return hard_count_; }  // of a batch
+
+  // What has to lie in memory: the samples come from one or two orders (all functions, the hard ones), each with windows.
+  int orderCount() const { return hard_count_ > 0 ? 2 : 1; }
+  int64_t firstWindow(int order, int64_t draw) const;
+  int64_t lastWindow(int order, int64_t draw) const;
+  std::vector<int64_t> functionBlocks(int order, int64_t window);  // blocks of functions, rising for hard ones
+
+ private:
+  int64_t countOf(int order) const { return order == 0 ? options_.batch - hard_count_ : hard_count_; }
+
+  Options options_;
+  std::vector<uint32_t> hard_;
+  int hard_count_;
+  std::vector<WindowedOrder> orders_;
+};
+
+}  // namespace nlg

@@ -1,0 +1,33 @@
+"""The curve of one training run: log.csv → PNG."""
+import argparse
+import csv
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--log", required=True, help="the .csv that nlg-train wrote")
+    parser.add_argument("--title", required=True)
+    parser.add_argument("--out", required=True, help="the .png to write")
+    options = parser.parse_args()
+    with open(options.log, newline="") as file:
+        rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+    steps = [row["step"] for row in rows]
+    figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
+    axes.plot(steps, [row["training_loss"] for row in rows], linestyle="--", label="training loss")
+    axes.plot(steps, [row["held_out_rmse"] for row in rows], marker="o", markersize=3, label="held-out RMSE")
+    for before, row in zip([{"rollbacks": 0.0}, *rows], rows):
+        if row["rollbacks"] > before["rollbacks"]:
+            axes.axvline(row["step"], color="0.6", linewidth=0.8, linestyle=":")
+    axes.set(title=options.title, xlabel="training step (dotted: after a rollback)", yscale="log")
+    axes.grid(True, which="both", linewidth=0.3)
+    axes.legend()
+    # no time and no version inside: the same log gives the same bytes
+    figure.savefig(options.out, dpi=130, metadata={"Software": None})
+
+
+main()
