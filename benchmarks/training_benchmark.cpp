@@ -111,6 +111,15 @@ FunctionSet wallSet() {
   return set;
 }
 
+std::vector<Sample> drawSamples(Random& random) {
+  std::vector<Sample> samples(kBatch);
+  for (Sample& sample : samples) {
+    sample.function = static_cast<int64_t>(random.below(kFunctionCount));
+    sample.mirror = static_cast<int>(random.below(kMirrorCount));
+  }
+  return samples;
+}
+
 template <class Step>
 double secondsOf(const Step& step) {
   const auto start = std::chrono::steady_clock::now();
@@ -128,14 +137,13 @@ void trainingStep(benchmark::State& state, const Representation& representation)
   const auto kernel = [&](const torch::Tensor& theta, const std::vector<Sample>& samples) {
     return kernelLoss(data, representation, theta, samples);
   };
-  SampleOrder order(kFunctionCount, kBatch, pointOrder(representation).batchCount(), 1);
+  Random random(1);
   // both compute the same: before the networks drift apart by rounding
-  const std::vector<Sample> first = order.samples(0);
+  const std::vector<Sample> first = drawSamples(random);
   const double kernel_loss = with_kernel.run(data, first, kernel), autograd_loss = with_autograd.run(data, first, autograd);
   double kernel_s = 0.0, autograd_s = 0.0;
-  int64_t step = 1;
   for (auto _ : state) {
-    const std::vector<Sample> samples = order.samples(step++);
+    const std::vector<Sample> samples = drawSamples(random);
     kernel_s += secondsOf([&] { with_kernel.run(data, samples, kernel); });
     autograd_s += secondsOf([&] { with_autograd.run(data, samples, autograd); });
   }

@@ -25,6 +25,7 @@ set(NLG_PUBLIC_HEADERS
   evaluator/integer_product.h
   evaluator/parity_transform.h
   evaluator/projection.h
+  evaluator/layer_stack.h
   evaluator/generator.h
   fit/fit_result.h
   fit/symmetric_band.h
@@ -33,6 +34,7 @@ set(NLG_PUBLIC_HEADERS
   fit/levenberg_marquardt.h
   fit/direct.h
   fit/function_check.h
+  fit/correction.h
   fit/refinement.h
   fit/representation_choice.h
   light_grid/probe_tree.h

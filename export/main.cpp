@@ -202,7 +202,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   file.metadata["parity_theta"] = std::to_string(parity.theta);
   file.metadata["provenance"] = origin.dump();
   writeFileAtomically(request.out, serializeWeights(file));
-  if (!request.onnx.empty()) writeOnnx(request.out, file, data, fileSha256(request.out), request.onnx);
+  if (!request.onnx.empty()) writeOnnx(file, data, fileSha256(request.out), request.onnx);
   const nlohmann::ordered_json result = {{"representation", identity.representation},
                                          {"dtype", options.dtype},
                                          {"parity_functions", parity.functions},

@@ -13,8 +13,6 @@
 namespace nlg {
 namespace {
 
-constexpr int kFeatureCount = 37;
-
 void write(const std::string& path, const void* bytes, size_t count) {
   std::ofstream stream(path, std::ios::binary);
   stream.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(count));
@@ -24,53 +22,14 @@ void write(const std::string& path, const std::vector<float>& values) {
   write(path, values.data(), values.size() * sizeof(float));
 }
 
-// Layers of random numbers as tensors correction.layer.0 …
-std::vector<GeneratorLayer> addCorrection(const GeneratorData& data, WeightsFile* file) {
-  const int theta_count = data.representation.thetaCount(), widths[] = {kFeatureCount, 20, 20, theta_count};
-  Random random(9);
-  std::vector<GeneratorLayer> layers;
-  for (int l = 0; l < 3; ++l) {
-    GeneratorLayer layer{widths[l], widths[l + 1], {}, {}};
-    for (int i = 0; i < widths[l] * widths[l + 1]; ++i) layer.weight.push_back(static_cast<float>(0.2 * random.normal()));
-    for (int o = 0; o < widths[l + 1]; ++o) layer.bias.push_back(static_cast<float>(random.normal()));
-    const std::string name = "correction.layer." + std::to_string(l);
-    const uint64_t outputs = widths[l + 1], inputs = widths[l];
-    file->tensors[name + ".weight"] = {{outputs, inputs}, layer.weight};
-    file->tensors[name + ".bias"] = {{outputs}, layer.bias};
-    layers.push_back(layer);
-  }
-  return layers;
-}
-
-// The layers' output in double, scaled.
-std::vector<float> runLayers(const std::vector<GeneratorLayer>& layers, float slope, const std::vector<float>& scale,
-                             std::vector<double> values) {
-  for (size_t l = 0; l < layers.size(); ++l) {
-    const GeneratorLayer& layer = layers[l];
-    std::vector<double> outputs(layer.output_count);
-    for (int o = 0; o < layer.output_count; ++o) {
-      double sum = layer.bias[o];
-      for (int i = 0; i < layer.input_count; ++i) sum += double{layer.weight[size_t(o) * layer.input_count + i]} * values[i];
-      if (l + 1 == layers.size()) {
-        outputs[o] = scale[o] * sum;
-      } else {
-        outputs[o] = (sum > 0 ? sum : slope * sum) + (layer.input_count == layer.output_count ? values[o] : 0.0);
-      }
-    }
-    values = std::move(outputs);
-  }
-  return {values.begin(), values.end()};
-}
-
-void writeCorrectionCase(const std::string& stem, const GeneratorData& data, const std::vector<GeneratorLayer>& layers,
-                         int count) {
+void writeCorrectionCase(const std::string& stem, const GeneratorData& data, int count) {
   Random random(10);
   std::vector<float> features, changes;
   for (int n = 0; n < count; ++n) {
     std::vector<double> row;
-    for (int i = 0; i < layers.front().input_count; ++i) row.push_back(static_cast<float>(random.normal()));
+    for (int i = 0; i < data.correction.layers.front().input_count; ++i) row.push_back(static_cast<float>(random.normal()));
     features.insert(features.end(), row.begin(), row.end());
-    const std::vector<float> change = runLayers(layers, data.slope, data.output_scale, row);
+    const std::vector<double> change = correctionReference(data, row.data());
     changes.insert(changes.end(), change.begin(), change.end());
   }
   write(stem + ".correction.features.f32", features);
@@ -104,6 +63,7 @@ void writeCase(const std::string& stem, const std::string& bytes, int count) {
   write(stem + ".phi.f32", phi);
   write(stem + ".theta.f32", theta);
   write(stem + ".coefficients.f32", coefficients);
+  if (data.correction.step_count > 0) writeCorrectionCase(stem, data, count);
 }
 
 std::string bytesOf(const std::string& path) {
@@ -113,11 +73,8 @@ std::string bytesOf(const std::string& path) {
 
 void writeCases(const std::string& folder, int count, const std::vector<std::string>& weights) {
   // layers 25 → 25 → 25 → 113: a skip beside each hidden layer
-  const GeneratorData skipping = sampleGenerator(Representation::tentMlp(), 25, 3, 1);
-  WeightsFile file = weightsFromGenerator(skipping);
-  const std::vector<GeneratorLayer> correction = addCorrection(skipping, &file);
-  writeCase(folder + "/with_correction", serializeWeights(file), count);
-  writeCorrectionCase(folder + "/with_correction", skipping, correction, count);
+  const GeneratorData skipping = withCorrection(sampleGenerator(Representation::tentMlp(), 25, 3, 1), 20, 3, 1, 9);
+  writeCase(folder + "/with_correction", serializeWeights(weightsFromGenerator(skipping)), count);
   WeightsFile halves = weightsFromGenerator(sampleGenerator(Representation::productField(5), 24, 4, 2));
   for (const char* name : {"basis.components", "layer.0.weight", "layer.1.weight", "layer.3.weight"}) {
     if (!roundToFloat16(name, &halves.tensors[name]).ok()) std::exit(1);
