@@ -109,10 +109,14 @@ void printRate(const Request& request, const RateFinding& finding) {
 }
 
 void printReport(const Request& request, const TrainingData& training, const TrainingState& state, const TrainReport& report) {
-  const nlohmann::ordered_json result = {
-      {"representation", request.representation}, {"functions", training.functionCount()}, {"steps", state.step},
-      {"held_out_generated", report.held_out.generated}, {"held_out_rmse", report.held_out.final},    {"rollbacks", state.rollbacks},          {"elapsed_s", report.elapsed_s},
-      {"samples_per_s", report.samples_per_s}};
+  const nlohmann::ordered_json result = {{"representation", request.representation},
+                                         {"functions", training.functionCount()},
+                                         {"steps", state.step},
+                                         {"held_out_generated", report.held_out.generated},
+                                         {"held_out_rmse", report.held_out.final},
+                                         {"rollbacks", state.rollbacks},
+                                         {"elapsed_s", report.elapsed_s},
+                                         {"samples_per_s", report.samples_per_s}};
   std::cout << result.dump() << '\n';
 }
 

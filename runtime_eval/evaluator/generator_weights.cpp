@@ -171,7 +171,8 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
     data->correction.exact_last_layer = reader.integer("correction.exact_last_layer", 0, 1) == 1;
     const bool is_linear = !data->representation.isField() && data->representation.shape().output == OutputFunction::linear;
     if (data->correction.exact_last_layer && !is_linear) {
-      reader.fail(WeightsStatus::value_out_of_range, "metadata correction.exact_last_layer: the representation's output is not linear");
+      reader.fail(WeightsStatus::value_out_of_range,
+                  "metadata correction.exact_last_layer: the representation's output is not linear");
     }
   }
   if (reader.ok() && file.metadata.count("correction.steps") != 0) {

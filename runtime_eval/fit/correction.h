@@ -1,7 +1,8 @@
-// Learned correction steps at bake time: a second look at theta that the generator was wrong about.
+// Correction steps at bake time: a second look at theta that the generator was wrong about.
 //
-// A step measures theta on its function, error and gradient, and lets a small network say how theta should change. It costs about one
-// evaluation with gradient, tens of microseconds, where Adam or Levenberg–Marquardt need milliseconds. docs/math.md §6.
+// First the last layer is solved exactly (networks with a linear output whose weights say so). A learned step then measures theta on
+// its function, error and gradient, and lets a small network say how theta should change. It costs about one evaluation with
+// gradient, tens of microseconds, where Adam or Levenberg–Marquardt need milliseconds. docs/math.md §6.
 #pragma once
 
 #include <vector>
@@ -17,31 +18,40 @@ class Corrector {
   // generator   must outlive it. Without correction steps in its weights nothing is ever corrected
   explicit Corrector(const Generator& generator);
 
-  bool empty() const { return generator_->correctionStepCount() == 0; }
+  bool empty() const { return generator_->correctionStepCount() == 0 && !generator_->exactLastLayer(); }
 
-  // Applies the generator's number of steps to every theta. A function's steps end when one does not lower its error over all
-  // valid support points; theta is then the best that was met, so it is never worse than it came.
+  // Solves the last layer, then applies the generator's number of steps to every theta. A function's steps end when one does not
+  // lower its error over all valid support points; theta is then the best that was met, so it is never worse than it came.
   // functions   count of them
-  // theta       count x D, all of this generator's representation; one that is not finite stays as it is
+  // theta       count x D, all of this generator's representation; one whose error is not finite stays as it is
   // returns     how many theta changed
   int correct(const StoredFunction* functions, int count, float* theta);
 
  private:
   int correctBatch(const StoredFunction* functions, int count, float* theta);
-  // Error of the theta of every function that still goes on, and, but for the last time, what the network reads.
-  void measure(const StoredFunction* functions, const float* theta, bool want_features);
+  void decode(const StoredFunction& stored);
+  // Mean square of a theta on function_; infinite where there is nothing to lower.
+  double meanSquare(const float* theta) const;
+  // Error of current_ of every function that still goes on and, when the network is to run, what it reads; the last layers are
+  // solved before.
+  void measure(const StoredFunction* functions, bool network_runs);
+  void writeFeatures(int i, size_t row);
+  // Takes over what became better; the functions that did not end here. Returns how many go on.
+  int keepBetter(bool all_go_on, float* theta);
 
   const Generator* generator_;
   GeneratorScratch generator_scratch_;
   LayerScratch layer_scratch_;
   CorrectionFeatures places_;
-  std::vector<uint8_t> phi_;    // one batch
-  AlignedFloats coefficients_;  // one batch
-  std::vector<float> current_, change_, gradient_;
-  std::vector<double> best_error_, error_;
-  std::vector<uint8_t> changed_;
-  std::vector<int> going_on_;  // indices into the batch
-  WeightingFunction function_;
+  std::vector<uint8_t> phi_;                // one batch
+  AlignedFloats coefficients_;              // one batch
+  std::vector<float> current_, change_;     // one batch
+  std::vector<double> best_error_, error_;  // by function of the batch
+  std::vector<uint8_t> changed_;            // by function of the batch
+  std::vector<int> going_on_;               // indices into the batch
+  WeightingFunction function_;              // the one at work
+  int valid_count_ = 0;                     // its valid points
+  std::vector<float> gradient_;
 };
 
 }  // namespace nlg

@@ -74,10 +74,10 @@ torch::Tensor GeneratorNetworkImpl::forward(torch::Tensor coefficients) {
 torch::Tensor GeneratorNetworkImpl::correctionFeatures(const torch::Tensor& coefficients, const torch::Tensor& theta,
                                                        const torch::Tensor& mean_square, const torch::Tensor& gradient) const {
   const torch::Tensor norm = gradient.norm(2, 1, true) + 1e-12;
-  return torch::cat({coefficients, (theta - theta0_) / shape_.output_scale,
-                     gradient / norm * std::sqrt(static_cast<double>(theta.size(1))), norm.log10(),
-                     (mean_square.unsqueeze(1) + 1e-8).log10()},
-                    1);
+  return torch::cat(
+      {coefficients, (theta - theta0_) / shape_.output_scale, gradient / norm * std::sqrt(static_cast<double>(theta.size(1))),
+       norm.log10(), (mean_square.unsqueeze(1) + 1e-8).log10()},
+      1);
 }
 
 torch::Tensor GeneratorNetworkImpl::correction(torch::Tensor features) {

@@ -16,8 +16,9 @@ struct GeneratorShape {
   int layer_count = 6;         // the last one yields theta
   double slope = 0.01;         // LeakyReLU
   double output_scale = 0.05;  // theta = theta0 + output_scale * last layer: keeps Adam's first steps small in theta
-  bool exact_last_layer = true;  // networks with a linear output: the last layer is solved after the generator and every correction
-  int correction_steps = 3;      // 0: none, and no correction network
+  bool exact_last_layer =
+      true;                  // networks with a linear output: the last layer is solved after the generator and every correction
+  int correction_steps = 3;  // 0: none, and no correction network
   int correction_width = 256;
   int correction_layers = 4;
 };
@@ -38,8 +39,8 @@ class GeneratorNetworkImpl : public torch::nn::Module {
 
   // What a correction step reads, B x CorrectionFeatures::count().
   // theta, gradient   B x D; mean_square   B: of that theta
-  torch::Tensor correctionFeatures(const torch::Tensor& coefficients, const torch::Tensor& theta, const torch::Tensor& mean_square,
-                                   const torch::Tensor& gradient) const;
+  torch::Tensor correctionFeatures(const torch::Tensor& coefficients, const torch::Tensor& theta,
+                                   const torch::Tensor& mean_square, const torch::Tensor& gradient) const;
   // The change of theta that it proposes, B x D; zero before any training.
   torch::Tensor correction(torch::Tensor features);
 

@@ -70,10 +70,9 @@ std::vector<Sample> SampleOrder::samples(int64_t draw) {
   for (int order = 0; order < orderCount(); ++order) {
     for (int64_t position = draw * countOf(order); position < (draw + 1) * countOf(order); ++position) {
       const int64_t item = orders_[order].item(position);
-      samples.push_back({order == 0 ? item : int64_t{hard_[static_cast<size_t>(item)]},
-                         static_cast<int>(random.below(kMirrorCount)),
-                         options_.point_batches * static_cast<int>(random.below(static_cast<uint32_t>(group_count))),
-                         options_.point_batches});
+      samples.push_back(
+          {order == 0 ? item : int64_t{hard_[static_cast<size_t>(item)]}, static_cast<int>(random.below(kMirrorCount)),
+           options_.point_batches * static_cast<int>(random.below(static_cast<uint32_t>(group_count))), options_.point_batches});
     }
   }
   return samples;

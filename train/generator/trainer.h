@@ -26,11 +26,11 @@ struct TrainOptions {
   double gradient_clip = 1.0;    // largest norm of the whole gradient
   double average_decay = 0.999;  // of the averaged weights
   double error_power = 0.5;      // loss = mean over functions of (mean squared error + 1e-6) ^ error_power; 0.5: RMSE, 1: MSE
-  int point_batches = 2;         // eighths of a network's points that a sample is judged on: 1, 2, 4 or 8; fields take all of theirs
-  int coefficients = 0;          // of the basis, those of largest variance; 0: all
-  double hard_share = 0.0;       // of every batch: drawn from the hard functions alone, beside those that come anyway
-  double hard_rmse = 0.01;       // functions whose bare tent has at least this RMSE are hard
-  double divergence_ratio = 10;  // a loss over so many times the running median takes training back (loss_guard.h)
+  int point_batches = 2;    // eighths of a network's points that a sample is judged on: 1, 2, 4 or 8; fields take all of theirs
+  int coefficients = 0;     // of the basis, those of largest variance; 0: all
+  double hard_share = 0.0;  // of every batch: drawn from the hard functions alone, beside those that come anyway
+  double hard_rmse = 0.01;  // functions whose bare tent has at least this RMSE are hard
+  double divergence_ratio = 10;        // a loss over so many times the running median takes training back (loss_guard.h)
   double representation_slope = 0.01;  // LeakyReLU of the tiny network
   GeneratorShape shape;
   StartOptions start{.candidates = 2048};  // most random starts end badly: a good theta0 is found once and serves all functions

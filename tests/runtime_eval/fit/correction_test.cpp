@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "runtime_eval/fit/fit_result.h"
+#include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/loss_kernel.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_generator.h"
@@ -24,7 +25,8 @@ GeneratorData steepestDescent(const Representation& representation, double lengt
     layer.weight[size_t(d) * places.count() + places.gradient() + d] =
         static_cast<float>(-length / (std::sqrt(D) * data.output_scale[d]));
   }
-  data.correction = {step_count, {layer}};
+  data.correction.step_count = step_count;
+  data.correction.layers = {layer};
   return data;
 }
 
@@ -155,6 +157,27 @@ TEST(Corrector, LeavesWhatItCannotMeasure) {
   EXPECT_EQ(std::memcmp(&theta[D], &before[D], 3 * D * sizeof(float)), 0);
 }
 
+TEST(Corrector, SolvesTheLastLayerWhenTheWeightsSaySo) {
+  for (const Representation& representation : {Representation::mlp(), Representation::tentMlp()}) {
+    GeneratorData data = sampleGenerator(representation, 48, 3, 1);
+    data.correction.exact_last_layer = true;
+    const Generator generator(data);
+    Corrector corrector(generator);
+    for (uint64_t seed = 1; seed < 5; ++seed) {
+      const StoredSample sample = wallSample(seed);
+      const StoredFunction stored = sample.view();
+      const Theta start = randomTheta(representation, seed);
+      Theta expected = start, theta = start;
+      ASSERT_TRUE(solveLastLayer(representation, decodeFunction(stored), expected.data()));
+      EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 1);
+      EXPECT_EQ(theta, expected) << "seed " << seed;
+      // what is solved already stays
+      EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 0) << "seed " << seed;
+      EXPECT_EQ(theta, expected) << "seed " << seed;
+    }
+  }
+}
+
 TEST(Corrector, DoesNothingWithoutStepsInTheWeights) {
   const Generator generator(sampleGenerator({}, 48, 3, 1));
   Corrector corrector(generator);
@@ -188,6 +211,14 @@ TEST(GeneratorWeights, KeepCorrectionSteps) {
     WeightsFile broken = file;
     broken.metadata["correction.steps"] = steps;
     EXPECT_EQ(generatorFromWeights(broken, &read).status, WeightsStatus::value_out_of_range) << steps;
+  }
+  for (const auto& [representation, is_linear] :
+       {std::pair{Representation::tentMlp(), true}, {Representation::productField(3), false}}) {
+    GeneratorData exact = sampleGenerator(representation, 48, 3, 1);
+    exact.correction.exact_last_layer = true;
+    const WeightsResult result = generatorFromWeights(weightsFromGenerator(exact), &read);
+    EXPECT_EQ(result.status, is_linear ? WeightsStatus::ok : WeightsStatus::value_out_of_range) << result.detail;
+    EXPECT_TRUE(!is_linear || read.correction.exact_last_layer);
   }
   WeightsFile broken = file;
   broken.tensors.erase("correction.layer.1.bias");
