@@ -19,7 +19,7 @@ INPUT_ERROR, NUMERICAL_ERROR = 3, 4  # tool/error.h
 HEAD, POINTS, BLOCK = 4096, 8192, 512  # docs/formats.md, "Function cache"
 failures = []
 
-OPTIONS = ["--steps", "120", "--batch", "8", "--checkpoint-steps", "10", "--start-candidates", "1", "--width", "24", "--layers", "2",
+OPTIONS = ["--batch", "8", "--checkpoint-steps", "10", "--start-candidates", "1", "--width", "24", "--layers", "2",
            "--learning-rate", "0.003", "--hard-share", "0.25"]
 INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", "held_out.h5"]
 CACHE = ["--cache", "functions.cache"]
@@ -37,12 +37,14 @@ def start(tool, *arguments):
 def end(process, expected=0):
     out, err = process.communicate(timeout=120)
     if process.returncode != expected:
+        for failure in failures:
+            print("FAILED:", failure)
         sys.exit(f"{' '.join(process.args)}: exit code {process.returncode}, expected {expected}\n{err}")
     return out, err
 
 
-def train(name, *more, data=CACHE):
-    return start("nlg-train", *INPUTS, *OPTIONS, *data, "--out", f"{name}.ckpt", "--run", f"{name}_run", "--log", f"{name}.csv", *more)
+def train(name, *more, data=CACHE, steps=120):
+    return start("nlg-train", *INPUTS, *OPTIONS, *data, "--steps", str(steps), "--out", f"{name}.ckpt", "--run", f"{name}_run", "--log", f"{name}.csv", *more)
 
 
 def read(path):
@@ -139,7 +141,7 @@ def check_processes():
 
 
 def check_lost_process():
-    pair = [train("lost", "--steps", "1000000", "--rank", str(rank), "--world-size", "2", "--rendezvous", "lost_meeting", "--timeout-s", "20")
+    pair = [train("lost", "--rank", str(rank), "--world-size", "2", "--rendezvous", "lost_meeting", "--timeout-s", "20", steps=1000000)
             for rank in range(2)]
     deadline = time.time() + 60
     while not os.path.exists("lost_run/latest") and time.time() < deadline:
@@ -161,7 +163,7 @@ def check_rollbacks():
     check(err.count("rollback") == result["rollbacks"], f"stderr tells of other rollbacks: {err}")
     check(result["held_out_rmse"] < columns("poisoned.csv")["held_out_rmse"][0], "a run with rollbacks did not learn")
     check_kills("poisoned_killed", "poisoned.ckpt", data=data)
-    _, err = end(train("lasting", "--steps", "2000", data=data), NUMERICAL_ERROR)
+    _, err = end(train("lasting", data=data, steps=2000), NUMERICAL_ERROR)
     check("after 5 rollbacks" in err, f"a run that cannot go on says {err}")
     check(os.path.exists("lasting_run/latest"), "a run that gave up left no checkpoint")
 
