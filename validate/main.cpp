@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
+#include <functional>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
@@ -88,13 +90,29 @@ MethodResult restrictTo(const MethodResult& method, const std::vector<uint64_t>&
   return result;
 }
 
-double medianRatio(const MethodResult& a, const MethodResult& b, const std::vector<bool>* hard) {
+// Median over functions of a's RMSE over b's.
+// rmse_of   of an error: null where a function has none; hard: null for all functions
+double medianRatio(const MethodResult& a, const MethodResult& b, const std::vector<bool>* hard,
+                   const std::function<const double*(const FunctionError&)>& rmse_of) {
   std::vector<double> ratios;
   for (size_t i = 0; i < a.samples.size(); ++i) {
     if (hard && !(*hard)[a.samples[i].function]) continue;
-    if (b.samples[i].error.rmse > 0) ratios.push_back(a.samples[i].error.rmse / b.samples[i].error.rmse);
+    const double *numerator = rmse_of(a.samples[i].error), *denominator = rmse_of(b.samples[i].error);
+    if (numerator && denominator && *denominator > 0) ratios.push_back(*numerator / *denominator);
   }
   return quantile(ratios, 0.5);
+}
+
+// How far a method is above direct optimisation, function by function.
+Json ratioToDirect(const MethodResult& method, const MethodResult& direct, const std::vector<bool>& hard) {
+  const auto rmse = [](const FunctionError& error) { return &error.rmse; };
+  const auto unseen = [](const FunctionError& error) { return &error.rmse_unseen; };
+  const auto shadow = [](const FunctionError& error) { return error.has_shadow ? &error.rmse_shadow : nullptr; };
+  return {{"reference", "direct: best of Adam and LM from theta0 and from random starts, per function"},
+          {"median", medianRatio(method, direct, nullptr, rmse)},
+          {"median_hard", medianRatio(method, direct, &hard, rmse)},
+          {"median_unseen_points", medianRatio(method, direct, nullptr, unseen)},
+          {"median_shadow_hard", medianRatio(method, direct, &hard, shadow)}};
 }
 
 Json sceneJson(const MethodResult& method, const FunctionSet& set) {
@@ -211,17 +229,23 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
     throw InputError(path, weightsStatusName(loaded.status), "a generator of this support pattern", loaded.detail);
   const std::string name = representationName(generator.representation());
   std::vector<float> theta;
-  const MethodResult generated = measureGenerator(generator, set, &theta);
+  const MethodResult uncorrected = measureUncorrected(generator, set, &theta);
+  const MethodResult generated = measureGenerator(generator, set, uncorrected, &theta);
   const MethodResult policy = measurePolicy(generator, set, generated, theta, options);
   const std::vector<uint64_t> chosen = evenChoice(set.functionCount(), static_cast<uint64_t>(options.direct_functions));
   Progress progress(name + ": functions fitted", static_cast<int64_t>(chosen.size()));
   const std::vector<MethodResult> fits =
       measureFits(generator, set, chosen, theta, options, [&](int64_t done) { progress.update(done); });
   const MethodResult generated_chosen = restrictTo(generated, chosen, &generator, theta, set);
+  MethodResult uncorrected_chosen{uncorrected.name};  // for ratios alone: its leaks are not asked for
+  for (const uint64_t function : chosen) uncorrected_chosen.samples.push_back(uncorrected.samples[function]);
   const MethodResult tent_chosen = restrictTo(tent_result, chosen, nullptr, theta, set);
 
   Json json = {{"parameters", generator.representation().thetaCount()},
-               {"bytes", static_cast<size_t>(generator.representation().thetaCount()) * sizeof(float)}};
+               {"bytes", static_cast<size_t>(generator.representation().thetaCount()) * sizeof(float)},
+               {"weights_bytes", std::filesystem::file_size(path)}};
+  json["correction_steps"] = generator.correctionStepCount();
+  json["uncorrected"] = methodJson(uncorrected, hard, options);
   json["generator"] = methodJson(generated, hard, options);
   json["refined"] = methodJson(policy, hard, options);
   const auto refined_count =
@@ -229,6 +253,7 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
   json["share_refined"] = static_cast<double>(refined_count) / std::max<double>(1.0, static_cast<double>(policy.samples.size()));
   // everything below ran on the same chosen functions
   json["generator_chosen"] = methodJson(generated_chosen, hard, options);
+  appendCsv(outputs.csv, name, uncorrected, set, hard);
   appendCsv(outputs.csv, name, generated, set, hard);
   appendCsv(outputs.csv, name, policy, set, hard);
   for (const MethodResult& fit : fits) {
@@ -238,9 +263,8 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
     if (generator.representation().isField()) {
       outputs.fields.push_back({name, generator.representation().thetaCount(), errorsOf(generated_chosen), errorsOf(fit)});
     }
-    json["generator_to_direct"] = {{"reference", "direct: best of Adam and LM from theta0 and from random starts, per function"},
-                                   {"median", medianRatio(generated_chosen, fit, nullptr)},
-                                   {"median_hard", medianRatio(generated_chosen, fit, &hard)}};
+    json["uncorrected_to_direct"] = ratioToDirect(uncorrected_chosen, fit, hard);
+    json["generator_to_direct"] = ratioToDirect(generated_chosen, fit, hard);
   }
   json["tent_chosen"] = methodJson(tent_chosen, hard, options);
   json["by_scene"] = sceneJson(generated, set);

@@ -71,8 +71,8 @@ MethodResult measureTent(const FunctionSet& set) {
   return result;
 }
 
-MethodResult measureGenerator(const Generator& generator, const FunctionSet& set, std::vector<float>* theta) {
-  MethodResult result{"generator"};
+MethodResult measureUncorrected(const Generator& generator, const FunctionSet& set, std::vector<float>* theta) {
+  MethodResult result{"uncorrected"};
   ErrorMeter meter(set);
   GeneratorScratch scratch(generator);
   const uint64_t count = set.functionCount();
@@ -91,6 +91,28 @@ MethodResult measureGenerator(const Generator& generator, const FunctionSet& set
     for (uint64_t i = begin; i < begin + batch; ++i) {
       const FunctionError error = meter.measure(generator.representation(), theta->data() + i * D, i, &result.leaks);
       result.samples.push_back({i, error, elapsed_us});
+    }
+  }
+  return result;
+}
+
+MethodResult measureGenerator(const Generator& generator, const FunctionSet& set, const MethodResult& uncorrected,
+                              std::vector<float>* theta) {
+  MethodResult result{"generator"};
+  ErrorMeter meter(set);
+  Corrector corrector(generator);
+  const uint64_t count = set.functionCount();
+  const auto D = static_cast<uint64_t>(generator.representation().thetaCount());
+  for (uint64_t begin = 0; begin < count; begin += kBatchCount) {
+    std::vector<StoredFunction> functions;
+    for (uint64_t i = begin; i < std::min<uint64_t>(begin + kBatchCount, count); ++i) functions.push_back(storedFunction(set, i));
+    const int batch = static_cast<int>(functions.size());
+    const Clock::time_point start = Clock::now();
+    corrector.correct(functions.data(), batch, theta->data() + begin * D);
+    const double elapsed_us = microsecondsSince(start) / batch;
+    for (uint64_t i = begin; i < begin + functions.size(); ++i) {
+      const FunctionError error = meter.measure(generator.representation(), theta->data() + i * D, i, &result.leaks);
+      result.samples.push_back({i, error, uncorrected.samples[i].elapsed_us + elapsed_us});
     }
   }
   return result;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/fit/correction.h"
 #include "runtime_eval/fit/direct.h"
 #include "runtime_eval/fit/refinement.h"
 #include "runtime_eval/fit/representation_choice.h"
@@ -44,8 +45,14 @@ bool needsRefinement(const FunctionError& error, const ValidateOptions& options)
 // The bare tent on every function of the set.
 MethodResult measureTent(const FunctionSet& set);
 
-// Generator alone on every function, in batches as a bake runs it; theta receives N x D.
-MethodResult measureGenerator(const Generator& generator, const FunctionSet& set, std::vector<float>* theta);
+// The generator's network alone on every function, in batches as a bake runs it; theta receives N x D.
+MethodResult measureUncorrected(const Generator& generator, const FunctionSet& set, std::vector<float>* theta);
+
+// The generator with its correction steps on every function: all that comes before Adam or Levenberg–Marquardt. elapsed_us is that
+// of both. Weights without correction steps give the same again.
+// uncorrected, theta   from measureUncorrected; theta receives what is corrected
+MethodResult measureGenerator(const Generator& generator, const FunctionSet& set, const MethodResult& uncorrected,
+                              std::vector<float>* theta);
 
 // The bake's policy on every function: what fails the check after the generator is refined. elapsed_us is the generator's share
 // plus the check's and the refinement's.

@@ -50,11 +50,15 @@ void requireFinite(double value, int64_t step, const char* quantity) {
   if (!std::isfinite(value)) throw NumericalError("train", "step " + std::to_string(step), quantity, value);
 }
 
+// No loss of a stage counts for more: phi is within [0, 1], and a theta that is further off than saying nothing has gone astray. One
+// such theta in a million would otherwise decide a whole step.
+constexpr double kLargestLoss = 1.0;
+
 // Loss of each sample: the mean over the stages of its theta.
 torch::Tensor stepLosses(const TrainOptions& options, const Representation& representation, const TrainingData& data,
                          const std::vector<Sample>& samples, TrainingState& state) {
   const ThetaStages stages = runStages(state.network, representation, data, samples);
-  return (torch::stack(stages.mean_squares) + 1e-6).pow(options.error_power).mean(0);
+  return (torch::stack(stages.mean_squares) + 1e-6).pow(options.error_power).clamp_max(kLargestLoss).mean(0);
 }
 
 // This process's share of a batch.
