@@ -152,12 +152,25 @@ TEST(Train, RaisesOnNumbersThatAreNotFinite) {
 
   TrainOptions wild = run().options;
   wild.learning_rate = 1e3;
-  wild.shape.output_scale = 1e3;
+  wild.shape.output_scale = 1e12;  // errors beyond float: a finite one, however large, is capped
   TrainingState diverging = makeState(wild, run().theta0);
   wild.gradient_clip = 1e9;
   int saves = 0;
   EXPECT_THROW(train(wild, kTentMlp, run().training, run().held_out, &diverging, [&] { ++saves; }), NumericalError);
   EXPECT_EQ(saves, 0) << "a state gone wrong must not replace a good one";
+}
+
+TEST(TrainStep, CapsTheLossOfAThetaGoneAstray) {
+  TrainOptions options = run().options;
+  options.shape.exact_last_layer = false;
+  Theta theta0 = run().theta0;
+  theta0[ThetaLayout::b3] = 1e4f;
+  TrainingState state = makeState(options, theta0);
+  const ProcessGroup alone;
+  TrainStep step(options, kTentMlp, run().training, state, alone);
+  const TrainStep::Result result = step.computeGradient(state);
+  EXPECT_EQ(result.loss, 1.0);
+  EXPECT_EQ(result.gradient_norm, 0.0) << "such a theta pulls nowhere";
 }
 
 TEST(Train, GivesTheSameParametersEveryTime) {
