@@ -21,6 +21,7 @@ struct BakeOptions {
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;
+  double correct_rmse = 0.003;  // generated theta that are more wrong take the correction steps, as do those that fail the check
   RefinementOptions refinement;
   double refine_seconds = 0.0;  // 0: as long as it takes
   ChoiceOptions choice;

@@ -54,12 +54,14 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
             {"duplicates", s.function_times.duplicates_s},
             {"generator", s.generator_s},
             {"check", s.check_s},
+            {"correction", s.correction_s},
             {"refinement", s.refinement_s}}},
           {"wall_seconds",
            {{"load", s.load_wall_s}, {"functions", s.functions_wall_s}, {"refinement", s.refinement_wall_s}, {"all", s.wall_s}}},
           {"threads", report.threads},
           {"simd", report.simd},
           {"tau_rmse", report.check.tau_rmse},
+          {"corrected", s.corrected},
           {"failed_check", s.failed_check},
           {"refined", s.refined},
           {"refinement_stops", stops},
@@ -81,12 +83,15 @@ std::string toTable(const BakeReport& report) {
   const ShardCounts& counts = s.counts;
   const nlohmann::ordered_json generated = errorsJson(s.generated), stored = errorsJson(s.stored);
   const auto number = [](const nlohmann::ordered_json& json, const char* key) { return json.at(key).get<double>(); };
-  std::string text = fmt::format("{:>9} {:>12} {:>12} {:>10} {:>11} {:>8} {:>16} {:>12} {:>9} {:>8}\n", "probes", "visibility",
-                                 "functions", "functions", "generator", "check", "refined", "refinement", "bytes", "a probe");
+  std::string text =
+      fmt::format("{:>9} {:>12} {:>12} {:>10} {:>11} {:>8} {:>11} {:>16} {:>12} {:>9} {:>8}\n", "probes", "visibility",
+                  "functions", "functions", "generator", "check", "correction", "refined", "refinement", "bytes", "a probe");
   text += fmt::format(
-      "{:>9} {:>10.2f} s {:>10.2f} s {:>10} {:>9.2f} s {:>6.2f} s {:>7} ({:>4.1f} %) {:>10.2f} s {:>6.1f} MB {:>8.1f}\n",
+      "{:>9} {:>10.2f} s {:>10.2f} s {:>10} {:>9.2f} s {:>6.2f} s {:>9.2f} s {:>7} ({:>4.1f} %) {:>10.2f} s {:>6.1f} MB "
+      "{:>8.1f}\n",
       counts.grid_probes, s.function_times.visibility_s, s.function_times.functions_s, counts.functions, s.generator_s, s.check_s,
-      s.refined, 100.0 * share(s.refined, counts.functions), s.refinement_s, static_cast<double>(report.file_bytes) * 1e-6,
+      s.correction_s, s.refined, 100.0 * share(s.refined, counts.functions), s.refinement_s,
+      static_cast<double>(report.file_bytes) * 1e-6,
       static_cast<double>(report.file_bytes) / std::max<double>(1.0, static_cast<double>(counts.grid_probes)));
   text += fmt::format(
       "seconds are summed over threads; {:.2f} s by the clock on {} threads ({}), {:.2f} s of them to load the scene\n",

@@ -7,6 +7,7 @@
 
 #include "export/weights_file/half.h"
 #include "runtime_eval/evaluator/product_field.h"
+#include "runtime_eval/fit/correction.h"
 #include "runtime_eval/fit/refinement.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
@@ -29,16 +30,19 @@ struct BakeThread {
   explicit BakeThread(const std::vector<Generator>& generators) : phi(static_cast<size_t>(kBatchCount) * kSupportPointCount) {
     for (const Generator& generator : generators) {
       scratch.emplace_back(generator);
+      corrector.emplace_back(generator);
       theta.emplace_back(static_cast<size_t>(kBatchCount) * generator.representation().thetaCount());
     }
   }
   std::vector<GeneratorScratch> scratch;  // by generator
+  std::vector<Corrector> corrector;       // by generator
   std::vector<std::vector<float>> theta;  // by generator: one batch
   std::vector<uint8_t> phi;               // one batch
   FunctionChecker checker;
   Refiner refiner;
   std::vector<uint8_t> samples;
-  double generator_s = 0.0, check_s = 0.0, refinement_s = 0.0;
+  double generator_s = 0.0, check_s = 0.0, correction_s = 0.0, refinement_s = 0.0;
+  uint64_t corrected = 0;
   std::array<uint64_t, kFitStopCount> stops{};
 };
 
@@ -89,18 +93,43 @@ class SceneBake {
       generators_[g].generate(thread.phi.data(), count, thread.theta[g].data(), &thread.scratch[g]);
     }
     thread.generator_s += secondsSince(start);
-    const Clock::time_point check_start = Clock::now();
-    std::vector<FunctionCheck> checks(generators_.size());
+    std::vector<std::vector<FunctionCheck>> checks(count, std::vector<FunctionCheck>(generators_.size()));
+    const StoredFunction* functions = &made.functions[begin];
+    for (size_t g = 0; g < generators_.size(); ++g) checkAndCorrect(functions, count, g, thread, &checks);
     for (int i = 0; i < count; ++i) {
-      for (size_t g = 0; g < generators_.size(); ++g)
-        checks[g] = check(made.functions[begin + i], g, thetaOf(thread, g, i), thread);
-      const int chosen = chooseRepresentation(checks, options_.refinement.check, options_.choice.forGenerated());
+      const int chosen = chooseRepresentation(checks[i], options_.refinement.check, options_.choice.forGenerated());
       const float* theta = thetaOf(thread, chosen, i);
       const uint64_t number = made.first + begin + i;
       fitted_[number] = {static_cast<uint8_t>(chosen), Theta(theta, theta + thetaCount(chosen))};
-      checks_[number] = checks[chosen];
+      checks_[number] = checks[i][chosen];
+    }
+  }
+
+  // Checks the batch's theta of one generator and corrects those that need it. checks: by function, by generator.
+  void checkAndCorrect(const StoredFunction* functions, int count, size_t g, BakeThread& thread,
+                       std::vector<std::vector<FunctionCheck>>* checks) {
+    const Clock::time_point check_start = Clock::now();
+    std::vector<int> wrong;
+    std::vector<StoredFunction> wrong_functions;
+    std::vector<float> wrong_theta;
+    for (int i = 0; i < count; ++i) {
+      FunctionCheck& made = (*checks)[i][g];
+      made = check(functions[i], g, thetaOf(thread, g, i), thread);
+      if (made.rmse <= options_.correct_rmse && made.passes(options_.refinement.check)) continue;
+      wrong.push_back(i);
+      wrong_functions.push_back(functions[i]);
+      wrong_theta.insert(wrong_theta.end(), thetaOf(thread, g, i), thetaOf(thread, g, i + 1));
     }
     thread.check_s += secondsSince(check_start);
+    if (wrong.empty() || thread.corrector[g].empty()) return;
+    const Clock::time_point correction_start = Clock::now();
+    thread.corrected += static_cast<uint64_t>(
+        thread.corrector[g].correct(wrong_functions.data(), static_cast<int>(wrong.size()), wrong_theta.data()));
+    for (size_t n = 0; n < wrong.size(); ++n) {
+      std::copy_n(&wrong_theta[n * thetaCount(g)], thetaCount(g), &thread.theta[g][wrong[n] * thetaCount(g)]);
+      (*checks)[wrong[n]][g] = check(wrong_functions[n], g, &wrong_theta[n * thetaCount(g)], thread);
+    }
+    thread.correction_s += secondsSince(correction_start);
   }
 
   void refineWorstFirst() {
@@ -148,6 +177,7 @@ class SceneBake {
   // Where a larger representation starts: its own generator's theta, or a field that is smaller so far, on its finer grid.
   Theta raisedStart(const StoredFunction& stored, uint32_t number, size_t g, BakeThread& thread) const {
     generators_[g].generate(stored.phi, 1, thread.theta[g].data(), &thread.scratch[g]);
+    thread.corrector[g].correct(&stored, 1, thread.theta[g].data());
     const float* generated = thetaOf(thread, g, 0);
     Theta start(generated, generated + thetaCount(g));
     const Representation &raised = generators_[g].representation(),
@@ -191,6 +221,8 @@ class SceneBake {
     for (const auto& thread : threads_) {
       statistics_.generator_s += thread->generator_s;
       statistics_.check_s += thread->check_s;
+      statistics_.correction_s += thread->correction_s;
+      statistics_.corrected += thread->corrected;
       statistics_.refinement_s += thread->refinement_s;
       for (size_t stop = 0; stop < kFitStopCount; ++stop) statistics_.refinement_stops[stop] += thread->stops[stop];
     }

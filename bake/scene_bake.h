@@ -16,16 +16,17 @@ namespace nlg {
 struct BakeStatistics {
   ShardCounts counts;
   FunctionTimes function_times;
-  double generator_s = 0.0, check_s = 0.0, refinement_s = 0.0;
+  double generator_s = 0.0, check_s = 0.0, correction_s = 0.0, refinement_s = 0.0;
   double wall_s = 0.0, load_wall_s = 0.0, functions_wall_s = 0.0, refinement_wall_s = 0.0;  // functions: generators included
-  uint64_t failed_check = 0;                               // functions whose generated theta failed
+  uint64_t corrected = 0;                                  // generated theta that a correction step changed
+  uint64_t failed_check = 0;                               // functions whose theta failed, corrected or not
   uint64_t refined = 0;                                    // of these were refined
   uint64_t left_for_time = 0;                              // were not: refine_seconds were over
   uint64_t still_failing = 0;                              // functions whose theta in the grid fails the check
   std::array<uint64_t, kFitStopCount> refinement_stops{};  // how the last fits of refinements ended, by FitStop
   uint64_t raised = 0;           // refined functions that ended with a larger representation than was chosen first
   std::vector<uint64_t> chosen;  // functions by representation, in the order of the generators
-  std::vector<FunctionCheck> generated, stored;  // by function: after the generator, and of what the grid holds
+  std::vector<FunctionCheck> generated, stored;  // by function: after generator and correction, and of what the grid holds
 };
 
 // What storing theta in fewer bits changed, over all functions: RMSE after rounding minus RMSE before.

@@ -11,6 +11,7 @@
 
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/fit/correction.h"
 #include "runtime_eval/fit/refinement.h"
 #include "runtime_eval/support/simd_target.h"
 
@@ -70,9 +71,10 @@ struct nlg_generator {
 };
 
 struct nlg_scratch {
-  explicit nlg_scratch(const nlg::Generator& of) : generator(of), points(emptyPoints()), values(kPointsAtOnce) {}
+  explicit nlg_scratch(const nlg::Generator& of) : generator(of), corrector(of), points(emptyPoints()), values(kPointsAtOnce) {}
   static nlg::PointSet emptyPoints() { return nlg::makePointSet(std::vector<nlg::LocalPoint>(kPointsAtOnce)); }
   nlg::GeneratorScratch generator;
+  nlg::Corrector corrector;
   nlg::PointSet points;
   nlg::AlignedFloats values;
   nlg::FunctionChecker checker;
@@ -214,6 +216,21 @@ nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, co
                           const nlg_refinement_options* options, nlg_scratch* scratch) {
   const nlg::CheckOptions check = optionsOf(*options).check;
   return checkOf(scratch->checker.check(generator->generator.representation(), {phi, validity}, theta, check), check);
+}
+
+size_t nlg_correct(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
+                   nlg_scratch* scratch) {
+  const auto theta_count = static_cast<size_t>(generator->generator.representation().thetaCount());
+  size_t changed = 0;
+  nlg::StoredFunction functions[nlg::kBatchCount];
+  for (size_t first = 0; first < count; first += nlg::kBatchCount) {
+    const int piece = static_cast<int>(std::min<size_t>(nlg::kBatchCount, count - first));
+    for (int i = 0; i < piece; ++i) {
+      functions[i] = {phi + (first + i) * nlg::kSupportPointCount, validity + (first + i) * nlg::kSupportPointCount / 8};
+    }
+    changed += static_cast<size_t>(scratch->corrector.correct(functions, piece, theta + first * theta_count));
+  }
+  return changed;
 }
 
 nlg_status nlg_refine(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, float* theta,

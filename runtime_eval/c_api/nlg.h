@@ -133,6 +133,17 @@ typedef struct nlg_check {
 nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const float* theta,
                           const nlg_refinement_options* options, nlg_scratch* scratch);
 
+/* Takes theta of generated functions through the generator's correction steps: tens of microseconds each, where nlg_refine takes
+ * milliseconds. A theta is changed only where that lowers its error. Does nothing when the weights have no steps. Allocates nothing
+ * after the scratch was made.
+ *
+ * phi       count x P bytes; validity count x P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid
+ * theta     count x D floats, replaced where that is better
+ * scratch   of this generator
+ * returns   how many theta changed */
+size_t nlg_correct(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
+                   nlg_scratch* scratch);
+
 /* Fits on from theta until the check passes or the rounds are used up. Never makes it worse; takes milliseconds.
  *
  * theta     D floats, replaced by what the fit came to
