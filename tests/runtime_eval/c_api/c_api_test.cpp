@@ -263,7 +263,9 @@ TEST(CApi, CorrectsAnyNumberOfFunctionsAsTheLibraryDoes) {
       EXPECT_EQ(theta, expected) << count;
       EXPECT_EQ(theta.back(), -7.0f) << count;
       // the best last layer is better than one of random numbers
-      if (data == &correctedData()) EXPECT_EQ(changed, static_cast<int>(count));
+      if (data == &correctedData()) {
+        EXPECT_EQ(changed, static_cast<int>(count));
+      }
     }
   }
 }
