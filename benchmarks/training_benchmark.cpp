@@ -1,5 +1,6 @@
-// A whole training step, the shared kernel against the same loss in libtorch's own differentiable operations: batch 256, all 8192
-// points of every function, two threads. Both take turns in one case, so that whatever else the machine does slows both alike.
+// A training step of the generator alone, the shared kernel against the same loss in libtorch's own differentiable operations:
+// batch 256, all 8192 points of every function, two threads. Both take turns in one case, so that whatever else the machine does
+// slows both alike.
 
 #include <ATen/Parallel.h>
 #include <benchmark/benchmark.h>
@@ -12,19 +13,25 @@
 #include "benchmarks/sample_function.h"
 #include "train/generator/function_loss.h"
 #include "train/generator/generator_network.h"
-#include "train/generator/trainer.h"
+#include "train/generator/theta_stages.h"
 
 namespace nlg {
 namespace {
 
 constexpr int kBatch = 256, kThreads = 2, kFunctionCount = 2048;
 
+GeneratorShape withoutCorrection() {
+  GeneratorShape shape;
+  shape.correction_steps = 0;
+  return shape;
+}
+
 struct TrainingStep {
   GeneratorNetwork network, average;
   torch::optim::Adam optimizer;
 
   explicit TrainingStep(const Theta& theta0)
-      : network(GeneratorShape{}, theta0, 1), average(GeneratorShape{}, theta0, 1), optimizer(network->parameters()) {}
+      : network(withoutCorrection(), theta0, 1), average(withoutCorrection(), theta0, 1), optimizer(network->parameters()) {}
 
   // lossOf   theta, samples → mean squared errors, one a sample
   // returns  the step's loss
@@ -43,16 +50,11 @@ struct TrainingStep {
   }
 };
 
-// The shared kernel over every batch of points. Strata hold about the same number of valid points each: the mean of their means.
+// The shared kernel over all points of every function.
 torch::Tensor kernelLoss(const TrainingData& data, const Representation& representation, const torch::Tensor& theta,
-                         const std::vector<Sample>& samples) {
-  const int batch_count = pointOrder(representation).batchCount();
-  std::vector<Sample> all;
-  for (const Sample& sample : samples) {
-    for (int batch = 0; batch < batch_count; ++batch) all.push_back({sample.function, sample.mirror, batch});
-  }
-  const torch::Tensor losses = functionLoss(theta.repeat_interleave(batch_count, 0), representation, data, all);
-  return losses.view({-1, batch_count}).mean(1);
+                         std::vector<Sample> samples) {
+  for (Sample& sample : samples) sample.batch_count = pointOrder(representation).batchCount();
+  return differentiable(measureTheta(theta, representation, data, samples), theta);
 }
 
 // The tiny networks, their tent and the error as a chain of libtorch's operations.

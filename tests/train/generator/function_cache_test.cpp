@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <set>
 
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "train/basis/basis_fit.h"
 #include "train/generator/function_cache_writer.h"
 #include "train/generator/sample_order.h"
 #include "train/generator/training_data.h"
@@ -80,7 +82,7 @@ std::vector<std::string> Cache::shards_;
 
 TEST_F(Cache, HoldsWhatTrainingInMemoryHolds) {
   const TrainingData memory(set(), basis(), FunctionOrder::cache);
-  const TrainingData disk(std::make_unique<FunctionCache>(path()), basis());
+  const TrainingData disk(std::make_unique<FunctionCache>(path()), basis(), basis().class_count);
   ASSERT_EQ(disk.functionCount(), memory.functionCount());
   ASSERT_LT(disk.functionCount(), 400 + kCount - 360) << "functions that both shards hold come once";
   EXPECT_EQ(disk.sha256(), memory.sha256());
@@ -96,6 +98,34 @@ TEST_F(Cache, HoldsWhatTrainingInMemoryHolds) {
     for (size_t k = 0; k < a.size(); ++k) ASSERT_NEAR(a[k], b[k], 1e-5 * (1 + std::fabs(b[k]))) << "function " << i;
   }
   EXPECT_EQ(disk.hardFunctions(0.1), memory.hardFunctions(0.1));
+}
+
+TEST_F(Cache, GivesTheCoefficientsOfATruncatedBasis) {
+  Basis whole{sampleBasis(kSampleClasses, 3), {}, 0};
+  // those of a real basis fall inside a class
+  int first = 0;
+  for (const int count : kSampleClasses) {
+    const auto begin = whole.data.deviation.begin() + first;
+    std::sort(begin, begin + count, std::greater<>());
+    first += count;
+  }
+  const std::string file = (folder_ / "falling.cache").string();
+  writeFunctionCache(file, shards_, whole.data, "falling");
+  for (const int K : {1, 7, 24, 25}) {
+    const BasisData used = truncateBasis(whole, K).data;
+    ASSERT_EQ(used.coefficientCount(), K);
+    const TrainingData projected(set(), used, FunctionOrder::cache);
+    const TrainingData read(std::make_unique<FunctionCache>(file), whole.data, used.class_count);
+    ASSERT_EQ(read.coefficientCount(), K);
+    std::vector<float> a(static_cast<size_t>(K)), b = a;
+    for (int64_t i = 0; i < read.functionCount(); i += 7) {
+      const int mirror = static_cast<int>(i % kMirrorCount);
+      read.copyCoefficients(i, mirror, a.data());
+      projected.copyCoefficients(i, mirror, b.data());
+      // bases of another size may sum in another order
+      for (int k = 0; k < K; ++k) ASSERT_NEAR(a[k], b[k], 1e-5 * (1 + std::fabs(b[k]))) << K << " coefficients, function " << i;
+    }
+  }
 }
 
 TEST_F(Cache, ShufflesOverAllShards) {
@@ -204,6 +234,24 @@ TEST(SampleOrder, DrawsTheSameWhereverItBegins) {
       ASSERT_EQ(got[b].mirror, expected[b].mirror) << "draw " << draw;
       ASSERT_EQ(got[b].batch, expected[b].batch) << "draw " << draw;
     }
+  }
+}
+
+TEST(SampleOrder, DrawsMirrorsAndNeighbouringBatchesOfPoints) {
+  for (const int point_batches : {1, 2, 4, 8}) {
+    SampleOrder order(700, {}, {.batch = 256, .point_batch_count = 8, .point_batches = point_batches, .seed = 4});
+    std::set<int> mirrors, batches;
+    for (int64_t draw = 0; draw < 4; ++draw) {
+      for (const Sample& sample : order.samples(draw)) {
+        ASSERT_EQ(sample.batch_count, point_batches);
+        mirrors.insert(sample.mirror);
+        batches.insert(sample.batch);
+      }
+    }
+    std::set<int> expected;
+    for (int batch = 0; batch < 8; batch += point_batches) expected.insert(batch);
+    EXPECT_EQ(batches, expected) << "of " << point_batches;
+    EXPECT_EQ(mirrors, (std::set<int>{0, 1, 2, 3, 4, 5, 6, 7}));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
+#include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/network_loss.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"
@@ -23,7 +24,8 @@ const TrainingData& data() {
   return training;
 }
 
-const std::vector<Sample> kSamples = {{0, 0, 0}, {1, 3, 7}, {2, 7, 2}, {3, 1, 5}, {4, 4, 1}, {0, 2, 6}};
+// Judged on one batch of points, on some neighbours, on all of them.
+const std::vector<Sample> kSamples = {{0, 0, 0, 1}, {1, 3, 7, 1}, {2, 7, 2, 2}, {3, 1, 4, 4}, {4, 4, 0, 8}, {0, 2, 6, 1}};
 
 torch::Tensor randomThetaBatch(size_t count) {
   torch::Tensor batch = torch::empty({static_cast<int64_t>(count), ThetaLayout::count});
@@ -34,15 +36,31 @@ torch::Tensor randomThetaBatch(size_t count) {
   return batch;
 }
 
-// Mean squared error of one sample in double; gradient may be null.
+// The points of a sample: places [first, first + count) of the order.
+struct SamplePoints {
+  int first, count, valid_count = 0;
+  AlignedFloats phi, mask;
+
+  explicit SamplePoints(const Sample& sample)
+      : first(sample.batch * kStratumPointCount), count(sample.batch_count * kStratumPointCount), phi(count), mask(count) {
+    for (int b = 0; b < sample.batch_count; ++b) {
+      valid_count += decodeBatch(stratumOrder(), sample.batch + b, data().function(sample.function), sample.mirror,
+                                 &phi[b * kStratumPointCount], &mask[b * kStratumPointCount]);
+    }
+  }
+};
+
+// Mean squared error of one sample in double.
 double meanSquare(const Representation& representation, const Sample& sample, const std::vector<double>& theta) {
-  std::vector<float> phi(kStratumPointCount), mask(kStratumPointCount);
+  const SamplePoints points(sample);
   std::vector<double> gradient(ThetaLayout::count);
-  const int count =
-      decodeBatch(stratumOrder(), sample.batch, data().function(sample.function), sample.mirror, phi.data(), mask.data());
-  return networkLossAndGradientReference(representation, stratifiedSupportPoints(), sample.batch * kStratumPointCount,
-                                         kStratumPointCount, phi.data(), mask.data(), theta.data(), gradient.data()) /
-         count;
+  return networkLossAndGradientReference(representation, stratifiedSupportPoints(), points.first, points.count, points.phi.data(),
+                                         points.mask.data(), theta.data(), gradient.data()) /
+         points.valid_count;
+}
+
+torch::Tensor functionLoss(const torch::Tensor& theta, const Representation& representation, const std::vector<Sample>& samples) {
+  return differentiable(measureTheta(theta, representation, data(), samples), theta);
 }
 
 TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {
@@ -52,7 +70,7 @@ TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {
   for (const Representation& representation : kBothRepresentations) {
     torch::Tensor theta = randomThetaBatch(kSamples.size()).requires_grad_();
     const torch::Tensor weight = torch::linspace(-1, 2, static_cast<int64_t>(kSamples.size()));
-    (functionLoss(theta, representation, data(), kSamples) * weight).sum().backward();
+    (functionLoss(theta, representation, kSamples) * weight).sum().backward();
     for (size_t b = 0; b < kSamples.size(); ++b) {
       const float* row = theta.data_ptr<float>() + b * ThetaLayout::count;
       const float* gradient = theta.grad().data_ptr<float>() + b * ThetaLayout::count;
@@ -76,7 +94,7 @@ TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {
 
 TEST(FunctionLoss, IsTheMeanSquaredErrorOfEachSample) {
   const torch::Tensor theta = randomThetaBatch(kSamples.size());
-  const torch::Tensor losses = functionLoss(theta, Representation::tentMlp(0.01f), data(), kSamples);
+  const torch::Tensor losses = measureTheta(theta, Representation::tentMlp(0.01f), data(), kSamples).mean_square;
   ASSERT_EQ(losses.sizes(), torch::IntArrayRef({static_cast<int64_t>(kSamples.size())}));
   for (size_t b = 0; b < kSamples.size(); ++b) {
     const float* row = theta.data_ptr<float>() + b * ThetaLayout::count;
@@ -87,7 +105,7 @@ TEST(FunctionLoss, IsTheMeanSquaredErrorOfEachSample) {
 
 TEST(FunctionLoss, IsZeroForAStratumWithoutAnyValidPoint) {
   torch::Tensor theta = randomThetaBatch(2).requires_grad_();
-  const torch::Tensor losses = functionLoss(theta, {}, data(), {{5, 0, 3}, {0, 0, 3}});
+  const torch::Tensor losses = functionLoss(theta, {}, {{5, 0, 3}, {0, 0, 3}});
   EXPECT_EQ(losses[0].item<float>(), 0.0f);
   EXPECT_GT(losses[1].item<float>(), 0.0f);
   losses.sum().backward();
@@ -96,20 +114,19 @@ TEST(FunctionLoss, IsZeroForAStratumWithoutAnyValidPoint) {
 }
 
 TEST(FunctionLoss, DoesNotDependOnTheNumberOfThreads) {
-  const auto lossesAndGradient = [](int threads) {
-    at::set_num_threads(threads);
-    std::vector<Sample> samples;
-    for (int b = 0; b < 100; ++b) samples.push_back({b % 5, b % 8, b % 7});
-    torch::Tensor theta = randomThetaBatch(samples.size()).requires_grad_();
-    const torch::Tensor losses = functionLoss(theta, {}, data(), samples);
-    losses.sum().backward();
-    return std::pair{losses.detach(), theta.grad()};
-  };
-  const auto [loss_1, gradient_1] = lossesAndGradient(1);
-  const auto [loss_2, gradient_2] = lossesAndGradient(2);
+  std::vector<Sample> samples;
+  for (int b = 0; b < 100; ++b) samples.push_back({b % 5, b % 8, b % 7, 1 + b % 2});
+  const torch::Tensor theta = randomThetaBatch(samples.size());
   at::set_num_threads(1);
-  EXPECT_TRUE(torch::equal(loss_1, loss_2));
-  EXPECT_TRUE(torch::equal(gradient_1, gradient_2));
+  const ThetaErrors one = measureTheta(theta, {}, data(), samples);
+  const torch::Tensor solved_by_one = solveLastLayers(theta, {}, data(), samples);
+  at::set_num_threads(2);
+  const ThetaErrors two = measureTheta(theta, {}, data(), samples);
+  const torch::Tensor solved_by_two = solveLastLayers(theta, {}, data(), samples);
+  at::set_num_threads(1);
+  EXPECT_TRUE(torch::equal(one.mean_square, two.mean_square));
+  EXPECT_TRUE(torch::equal(one.gradient, two.gradient));
+  EXPECT_TRUE(torch::equal(solved_by_one, solved_by_two));
 }
 
 TEST(FunctionLoss, ReadsThetaThatIsNotContiguous) {
@@ -117,7 +134,42 @@ TEST(FunctionLoss, ReadsThetaThatIsNotContiguous) {
   const std::vector<Sample> samples(kSamples.begin(), kSamples.begin() + 3);
   const torch::Tensor transposed = theta.t().contiguous().t();
   ASSERT_FALSE(transposed.is_contiguous());
-  EXPECT_TRUE(torch::equal(functionLoss(transposed, {}, data(), samples), functionLoss(theta, {}, data(), samples)));
+  EXPECT_TRUE(
+      torch::equal(measureTheta(transposed, {}, data(), samples).gradient, measureTheta(theta, {}, data(), samples).gradient));
+  EXPECT_TRUE(torch::equal(solveLastLayers(transposed, {}, data(), samples), solveLastLayers(theta, {}, data(), samples)));
+}
+
+TEST(SolveLastLayers, SolvesEachOnItsOwnPoints) {
+  for (const Representation& representation : kBothRepresentations) {
+    const torch::Tensor theta = randomThetaBatch(kSamples.size());
+    const torch::Tensor solved = solveLastLayers(theta, representation, data(), kSamples);
+    for (size_t b = 0; b < kSamples.size(); ++b) {
+      const SamplePoints points(kSamples[b]);
+      const float* row = theta.data_ptr<float>() + b * ThetaLayout::count;
+      Theta expected(row, row + ThetaLayout::count);
+      ASSERT_TRUE(
+          solveLastLayer(representation, points.first, points.count, points.phi.data(), points.mask.data(), expected.data()));
+      const float* got = solved.data_ptr<float>() + b * ThetaLayout::count;
+      EXPECT_EQ(Theta(got, got + ThetaLayout::count), expected) << "sample " << b;
+    }
+    const torch::Tensor before = measureTheta(theta, representation, data(), kSamples).mean_square;
+    const torch::Tensor after = measureTheta(solved, representation, data(), kSamples).mean_square;
+    EXPECT_TRUE((after < before).all().item<bool>()) << before << '\n' << after;
+  }
+}
+
+TEST(SolveLastLayers, LeavesAThetaWithoutAnyValidPoint) {
+  const torch::Tensor theta = randomThetaBatch(1);
+  EXPECT_TRUE(torch::equal(solveLastLayers(theta, {}, data(), {{5, 0, 3}}), theta));
+}
+
+TEST(SolveLastLayers, IsAConstantToTheGradientInTheLastLayerAlone) {
+  torch::Tensor theta = randomThetaBatch(kSamples.size()).requires_grad_();
+  const torch::Tensor weight = torch::linspace(1, 2, theta.numel()).view_as(theta);
+  (solveLastLayers(theta, {}, data(), kSamples) * weight).sum().backward();
+  const int64_t last = ThetaLayout::w3;
+  EXPECT_TRUE(torch::equal(theta.grad().slice(1, 0, last), weight.slice(1, 0, last)));
+  EXPECT_EQ(theta.grad().slice(1, last).abs().max().item<float>(), 0.0f);
 }
 
 TEST(TrainingData, FlipsTheSignsOfMirroredFunctions) {
@@ -135,44 +187,6 @@ TEST(TrainingData, FlipsTheSignsOfMirroredFunctions) {
       for (int k = 0; k < K; ++k) ASSERT_EQ(mirrored[k], expected[k]) << "function " << n << ", mirror " << mirror << ", " << k;
     }
   }
-}
-
-TEST(SampleOrder, VisitsEveryFunctionOnceAnEpoch) {
-  for (const auto& [functions, batch] : std::vector<std::pair<int64_t, int>>{{10, 5}, {7, 3}, {3, 8}, {1, 4}}) {
-    SampleOrder order(functions, batch, 8, 5);
-    std::vector<int64_t> visited;
-    for (int64_t step = 0; static_cast<int64_t>(visited.size()) < 20 * functions; ++step) {
-      const std::vector<Sample> samples = order.samples(step);
-      ASSERT_EQ(samples.size(), static_cast<size_t>(batch));
-      for (const Sample& sample : samples) {
-        visited.push_back(sample.function);
-        ASSERT_TRUE(sample.mirror >= 0 && sample.mirror < 8 && sample.batch >= 0 && sample.batch < 8) << "step " << step;
-      }
-    }
-    for (int64_t epoch = 0; epoch < 20; ++epoch) {
-      std::vector<int64_t> once(visited.begin() + epoch * functions, visited.begin() + (epoch + 1) * functions);
-      std::sort(once.begin(), once.end());
-      for (int64_t n = 0; n < functions; ++n)
-        ASSERT_EQ(once[n], n) << functions << " functions, batch " << batch << ", epoch " << epoch;
-    }
-  }
-}
-
-TEST(SampleOrder, IsAPureFunctionOfSeedAndStep) {
-  const auto same = [](const std::vector<Sample>& a, const std::vector<Sample>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Sample& s, const Sample& t) {
-      return s.function == t.function && s.mirror == t.mirror && s.batch == t.batch;
-    });
-  };
-  SampleOrder forwards(11, 4, 8, 9), jumping(11, 4, 8, 9), other(11, 4, 8, 10);
-  std::vector<std::vector<Sample>> expected;
-  for (int64_t step = 0; step < 40; ++step) expected.push_back(forwards.samples(step));
-  int different = 0;
-  for (const int64_t step : {39, 0, 17, 17, 3, 38, 2, 20}) {
-    EXPECT_TRUE(same(jumping.samples(step), expected[step])) << "step " << step;
-    different += !same(other.samples(step), expected[step]);
-  }
-  EXPECT_EQ(different, 8) << "another seed";
 }
 
 }  // namespace

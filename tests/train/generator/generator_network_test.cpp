@@ -5,7 +5,7 @@
 
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"
-#include "train/generator/trainer.h"
+#include "train/generator/theta_stages.h"
 
 namespace nlg {
 namespace {

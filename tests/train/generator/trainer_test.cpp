@@ -31,6 +31,9 @@ struct Run {
     options.shape.coefficient_count = training.coefficientCount();
     options.shape.width = 32;
     options.shape.layer_count = 3;
+    options.shape.correction_steps = 2;
+    options.shape.correction_width = 32;
+    options.shape.correction_layers = 2;
     theta0[ThetaLayout::b3] = 1.0f;  // the bare tent, and hidden units that can learn
     const Theta random = randomTheta({}, 2);
     for (int i = 0; i < ThetaLayout::b3; ++i) theta0[i] = 0.3f * random[i];
@@ -87,14 +90,19 @@ class Checkpoint : public testing::Test {
 
 TEST(Train, LowersTheLoss) {
   TrainingState state = makeState(run().options, run().theta0);
-  const double before = meanRmse(state.network, kTentMlp, run().training, 24);
+  const HeldOutError before = heldOutError(state.network, kTentMlp, run().training, 24);
   int saves = 0;
   const TrainReport report = train(run().options, kTentMlp, run().training, run().held_out, &state, [&] { ++saves; });
   EXPECT_EQ(state.step, 40);
   EXPECT_EQ(saves, 2);
-  EXPECT_LT(meanRmse(state.network, kTentMlp, run().training, 24), before);
-  EXPECT_LT(meanRmse(state.average, kTentMlp, run().training, 24), before) << "the average follows";
-  EXPECT_EQ(report.held_out_rmse, meanRmse(state.average, kTentMlp, run().held_out, 2048));
+  for (GeneratorNetwork* network : {&state.network, &state.average}) {  // the average follows
+    const HeldOutError after = heldOutError(*network, kTentMlp, run().training, 24);
+    EXPECT_LT(after.generated, before.generated);
+    EXPECT_LT(after.final, before.final);
+  }
+  const HeldOutError held_out = heldOutError(state.average, kTentMlp, run().held_out, 2048);
+  EXPECT_EQ(report.held_out.generated, held_out.generated);
+  EXPECT_EQ(report.held_out.final, held_out.final);
   EXPECT_EQ(std::count(state.log_csv.begin(), state.log_csv.end(), '\n'), 3) << state.log_csv;
 }
 
@@ -128,9 +136,9 @@ TEST(Train, BeatsTheBestThetaForAllFunctions) {
   options.start.final_steps = 1000;
   options.start.levenberg_iterations = 30;
   TrainingState state = makeState(options, fitTheta0(kTentMlp, meanOf(sampleSet(24, 1)), options.start));
-  const double best_constant = meanRmse(state.network, kTentMlp, run().training, 24);
+  const double best_constant = heldOutError(state.network, kTentMlp, run().training, 24).generated;
   train(options, kTentMlp, run().training, run().held_out, &state, [] {});
-  EXPECT_LT(meanRmse(state.network, kTentMlp, run().training, 24), 0.9 * best_constant);
+  EXPECT_LT(heldOutError(state.network, kTentMlp, run().training, 24).generated, 0.9 * best_constant);
 }
 
 TEST(Train, RaisesOnNumbersThatAreNotFinite) {
@@ -144,12 +152,25 @@ TEST(Train, RaisesOnNumbersThatAreNotFinite) {
 
   TrainOptions wild = run().options;
   wild.learning_rate = 1e3;
-  wild.shape.output_scale = 1e3;
+  wild.shape.output_scale = 1e12;  // errors beyond float: a finite one, however large, is capped
   TrainingState diverging = makeState(wild, run().theta0);
   wild.gradient_clip = 1e9;
   int saves = 0;
   EXPECT_THROW(train(wild, kTentMlp, run().training, run().held_out, &diverging, [&] { ++saves; }), NumericalError);
   EXPECT_EQ(saves, 0) << "a state gone wrong must not replace a good one";
+}
+
+TEST(TrainStep, CapsTheLossOfAThetaGoneAstray) {
+  TrainOptions options = run().options;
+  options.shape.exact_last_layer = false;
+  Theta theta0 = run().theta0;
+  theta0[ThetaLayout::b3] = 1e4f;
+  TrainingState state = makeState(options, theta0);
+  const ProcessGroup alone;
+  TrainStep step(options, kTentMlp, run().training, state, alone);
+  const TrainStep::Result result = step.computeGradient(state);
+  EXPECT_EQ(result.loss, 1.0);
+  EXPECT_EQ(result.gradient_norm, 0.0) << "such a theta pulls nowhere";
 }
 
 TEST(Train, GivesTheSameParametersEveryTime) {
@@ -178,7 +199,8 @@ TEST_F(Checkpoint, ResumesAKilledRunBitForBit) {
   expectSame(whole.average->parameters(), resumed.average->parameters(), "average");
   EXPECT_EQ(whole.draw, resumed.draw);
   EXPECT_EQ(whole.recent_losses, resumed.recent_losses);
-  EXPECT_EQ(meanRmse(whole.average, kTentMlp, run().held_out, 6), meanRmse(resumed.average, kTentMlp, run().held_out, 6));
+  EXPECT_EQ(heldOutError(whole.average, kTentMlp, run().held_out, 6).final,
+            heldOutError(resumed.average, kTentMlp, run().held_out, 6).final);
 }
 
 TEST_F(Checkpoint, TellsItsIdentity) {
