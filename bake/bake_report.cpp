@@ -101,6 +101,7 @@ std::string toTable(const BakeReport& report) {
   text += fmt::format("RMSE: generated mean {:.4f}, p95 {:.4f}; stored mean {:.4f}, p95 {:.4f}, worst {:.4f}\n",
                       number(generated, "mean"), number(generated, "p95"), number(stored, "mean"), number(stored, "p95"),
                       number(stored, "worst"));
+  if (s.corrected > 0) text += fmt::format("{} generated thetas were corrected\n", s.corrected);
   if (s.still_failing > 0 || s.left_for_time > 0) {
     text += fmt::format("{} functions still fail the check ({:.2f} %), {} of all were left for want of time\n", s.still_failing,
                         100.0 * share(s.still_failing, counts.functions), s.left_for_time);

@@ -18,7 +18,7 @@ struct BakeStatistics {
   FunctionTimes function_times;
   double generator_s = 0.0, check_s = 0.0, correction_s = 0.0, refinement_s = 0.0;
   double wall_s = 0.0, load_wall_s = 0.0, functions_wall_s = 0.0, refinement_wall_s = 0.0;  // functions: generators included
-  uint64_t corrected = 0;                                  // generated theta that a correction step changed
+  uint64_t corrected = 0;                                  // generated theta that corrections replaced, of all representations
   uint64_t failed_check = 0;                               // functions whose theta failed, corrected or not
   uint64_t refined = 0;                                    // of these were refined
   uint64_t left_for_time = 0;                              // were not: refine_seconds were over

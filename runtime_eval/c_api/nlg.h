@@ -5,8 +5,8 @@
  *
  * Threads   A generator is only read once it is loaded: any number of threads may share it. A scratch serves one thread at a
  *           time.
- * Memory    nlg_generate, nlg_evaluate and nlg_check_theta allocate nothing and cannot fail: all they need comes with the
- *           generator and the scratch. nlg_refine allocates. Free every handle with its own function; a null handle may be freed.
+ * Memory    nlg_generate, nlg_evaluate, nlg_check_theta and nlg_correct allocate nothing and cannot fail: all they need comes with
+ *           the generator and the scratch. nlg_refine allocates. Free every handle with its own function; a null handle may be freed.
  * Pointers  Never null, except where it is said. Arrays have no alignment to keep.
  */
 #ifndef NLG_C_API_NLG_H_
@@ -134,8 +134,8 @@ nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, co
                           const nlg_refinement_options* options, nlg_scratch* scratch);
 
 /* Takes theta of generated functions through the generator's correction steps: tens of microseconds each, where nlg_refine takes
- * milliseconds. A theta is changed only where that lowers its error. Does nothing when the weights have no steps. Allocates nothing
- * after the scratch was made.
+ * milliseconds. A theta is changed only where that lowers its error over all valid points. Does nothing when the weights have no
+ * steps. Allocates nothing, cannot fail.
  *
  * phi       count x P bytes; validity count x P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid
  * theta     count x D floats, replaced where that is better

@@ -183,6 +183,14 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
   const std::vector<uint64_t> theta_shape = {static_cast<uint64_t>(data->representation.thetaCount())};
   data->theta0 = reader.tensor("theta0", theta_shape);
   data->output_scale = reader.tensor("output_scale", theta_shape);
+  if (data->correction.step_count > 0) {
+    for (const float scale : data->output_scale) {
+      // a correction reads theta in units of it
+      if (!(std::fabs(scale) >= 1e-30f)) {
+        reader.fail(WeightsStatus::value_out_of_range, "output_scale: expected magnitudes from 1e-30 on, for correction steps");
+      }
+    }
+  }
   return reader.result();
 }
 

@@ -34,6 +34,11 @@ Corrector::Corrector(const Generator& generator)
   const int place_count = pointOrder(generator.representation()).placeCount();
   function_.phi.resize(place_count);
   function_.mask.resize(place_count);
+  if (generator.exactLastLayer()) {
+    // the last hidden values and the constant
+    const int feature_count = generator.representation().shape().last() + 1;
+    equations_.reset(feature_count, feature_count - 1);
+  }
 }
 
 int Corrector::correct(const StoredFunction* functions, int count, float* theta) {
@@ -100,7 +105,7 @@ void Corrector::measure(const StoredFunction* functions, bool network_runs) {
     float* theta = &current_[static_cast<size_t>(i) * places_.theta_count];
     decode(functions[i]);
     if (generator_->exactLastLayer()) {
-      solveLastLayer(representation, 0, place_count, function_.phi.data(), function_.mask.data(), theta);
+      solveLastLayer(representation, 0, place_count, function_.phi.data(), function_.mask.data(), theta, &equations_);
     }
     error_[i] = kInfinite;
     if (!network_runs || valid_count_ == 0) {

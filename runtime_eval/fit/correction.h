@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/fit/symmetric_band.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
@@ -23,7 +24,8 @@ class Corrector {
   // Solves the last layer, then applies the generator's number of steps to every theta. A function's steps end when one does not
   // lower its error over all valid support points; theta is then the best that was met, so it is never worse than it came.
   // functions   count of them
-  // theta       count x D, all of this generator's representation; one whose error is not finite stays as it is
+  // theta       count x D, all of this generator's representation; one whose error is not finite stays as it is, unless a solved
+  //             last layer makes it finite
   // returns     how many theta changed
   int correct(const StoredFunction* functions, int count, float* theta);
 
@@ -52,6 +54,7 @@ class Corrector {
   WeightingFunction function_;              // the one at work
   int valid_count_ = 0;                     // its valid points
   std::vector<float> gradient_;
+  SymmetricBand equations_;  // of the last layer
 };
 
 }  // namespace nlg

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime_eval/fit/symmetric_band.h"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/fit/last_layer.cpp"
 #include <hwy/foreach_target.h>
@@ -91,12 +89,19 @@ bool solveLastLayer(const Representation& representation, const WeightingFunctio
 
 bool solveLastLayer(const Representation& representation, int first, int count, const float* phi, const float* mask,
                     float* theta) {
+  SymmetricBand equations;
+  return solveLastLayer(representation, first, count, phi, mask, theta, &equations);
+}
+
+bool solveLastLayer(const Representation& representation, int first, int count, const float* phi, const float* mask, float* theta,
+                    SymmetricBand* equations) {
   const NetworkShape& shape = representation.shape();
   if (shape.output != OutputFunction::linear) return false;
   const int feature_count = featureCount(shape), row_count = featureRowCount(shape);
   double products[kMaxFeatureRowCount * kMaxFeatureRowCount] = {};
   HWY_DYNAMIC_DISPATCH(featureProducts)(representation, phi, mask, first, count, theta, products);
-  SymmetricBand matrix(feature_count, feature_count - 1);
+  SymmetricBand& matrix = *equations;
+  matrix.reset(feature_count, feature_count - 1);
   double solution[kMaxFeatureRowCount], largest = 0.0;
   for (int r = 0; r < feature_count; ++r) {
     for (int c = 0; c <= r; ++c) matrix.at(r, c) = products[r * row_count + c];

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/fit/symmetric_band.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
@@ -17,5 +18,9 @@ bool solveLastLayer(const Representation& representation, const WeightingFunctio
 // The same over places [first, first + count) of the order alone; phi and mask are theirs, as for the loss (loss_kernel.h).
 bool solveLastLayer(const Representation& representation, int first, int count, const float* phi, const float* mask,
                     float* theta);
+
+// The same, allocating nothing after the first call with these equations: memory that the call overwrites.
+bool solveLastLayer(const Representation& representation, int first, int count, const float* phi, const float* mask, float* theta,
+                    SymmetricBand* equations);
 
 }  // namespace nlg

@@ -60,6 +60,24 @@ class SceneBakeTest : public testing::Test {
     return result;
   }
 
+  // Numbers at random, of which the last layer is to be solved: that lowers any error.
+  static GeneratorData correctedData(uint64_t seed = 1) {
+    GeneratorData data = withCorrection(sampleGenerator(Representation::tentMlp(), 24, 3, seed), 20, 3, 2, seed);
+    data.correction.exact_last_layer = true;
+    return data;
+  }
+  // The same numbers without corrections.
+  static GeneratorData plainData() {
+    GeneratorData data = correctedData();
+    data.correction = {};
+    return data;
+  }
+  static std::vector<Generator> only(const GeneratorData& data) {
+    std::vector<Generator> result;
+    result.emplace_back(data);
+    return result;
+  }
+
   // Probes at every metre, 5 metres to each side of the wall and along it.
   static BakeOptions wallOptions() {
     BakeOptions options;
@@ -161,6 +179,92 @@ TEST_F(SceneBakeTest, GivesTheSameBytesOnAnyNumberOfThreads) {
   }
 }
 
+TEST_F(SceneBakeTest, GivesTheSameBytesOnAnyNumberOfThreadsWithCorrections) {
+  BakeOptions options = houseOptions();
+  options.threads = 1;
+  std::vector<Generator> both = only(correctedData());
+  both.emplace_back(withCorrection(sampleGenerator(Representation::mlp(), 24, 3, 1), 20, 3, 2, 3));
+  const Bake one = bake("house:3", both, options);
+  ASSERT_GT(one.statistics.corrected, 20u);
+  const std::string bytes = fileBytes(one.grid, ThetaPrecision::float32);
+  for (const int threads : {2, 5}) {
+    options.threads = threads;
+    const Bake other = bake("house:3", both, options);
+    EXPECT_TRUE(fileBytes(other.grid, ThetaPrecision::float32) == bytes) << threads << " threads";
+    EXPECT_EQ(other.statistics.corrected, one.statistics.corrected) << threads << " threads";
+  }
+}
+
+TEST_F(SceneBakeTest, CorrectionsLowerErrorsOfAllThatTheyAreAskedFor) {
+  BakeOptions options = houseOptions();
+  options.refinement.rounds = 0;
+  const Bake plain = bake("house:3", only(plainData()), options);
+  EXPECT_EQ(plain.statistics.corrected, 0u);
+  const uint64_t count = plain.statistics.counts.functions;
+  ASSERT_GT(count, 20u);
+  // all of them, or those alone that fail the check: here the same, as numbers at random do
+  for (const double correct_rmse : {0.0, 1e3}) {
+    options.correct_rmse = correct_rmse;
+    const Bake corrected = bake("house:3", only(correctedData()), options);
+    EXPECT_EQ(corrected.statistics.corrected, count);
+    EXPECT_LT(corrected.statistics.failed_check, plain.statistics.failed_check);
+    for (size_t f = 0; f < count; ++f) {
+      EXPECT_LT(corrected.statistics.stored[f].rmse, plain.statistics.stored[f].rmse) << "function " << f;
+    }
+  }
+}
+
+TEST_F(SceneBakeTest, CorrectsWhatFailsTheCheckOrIsAboveCorrectRmse) {
+  BakeOptions options = houseOptions();
+  options.refinement.rounds = 0;
+  const std::vector<FunctionCheck> plain = bake("house:3", only(plainData()), options).statistics.stored;
+  std::vector<double> errors;
+  for (const FunctionCheck& check : plain) errors.push_back(check.rmse);
+  std::nth_element(errors.begin(), errors.begin() + static_cast<ptrdiff_t>(errors.size() / 2), errors.end());
+  const double median = errors[errors.size() / 2];
+  // once nothing fails the check but for its error, once nothing fails it at all
+  for (const double tau_rmse : {median, 1e3}) {
+    options.refinement.check = {tau_rmse, 1e3, 1.0};
+    options.correct_rmse = tau_rmse == median ? 1e3 : median;
+    const Bake some = bake("house:3", only(correctedData()), options);
+    uint64_t above = 0;
+    for (size_t f = 0; f < plain.size(); ++f) {
+      above += plain[f].rmse > median;
+      if (plain[f].rmse > median) {
+        EXPECT_LT(some.statistics.stored[f].rmse, plain[f].rmse) << "function " << f;
+      } else {
+        EXPECT_EQ(some.statistics.stored[f].rmse, plain[f].rmse) << "function " << f;
+      }
+    }
+    EXPECT_GT(above, 0u);
+    EXPECT_EQ(some.statistics.corrected, above);
+  }
+  options.correct_rmse = 1e3;
+  EXPECT_EQ(bake("house:3", only(correctedData()), options).statistics.corrected, 0u);
+}
+
+TEST_F(SceneBakeTest, CorrectionsNeverMakeAThetaFailTheCheckThatPassed) {
+  // 0 everywhere: wrong, but no leak
+  GeneratorData zero = correctedData();
+  const int first = zero.representation.shape().w3(), D = zero.representation.thetaCount();
+  for (int d = first; d < D; ++d) {
+    GeneratorLayer& last = zero.layers.back();
+    std::fill_n(&last.weight[static_cast<size_t>(d) * last.input_count], last.input_count, 0.0f);
+    last.bias[d] = zero.theta0[d] = 0.0f;
+  }
+  BakeOptions options = houseOptions();
+  options.correct_rmse = 0.0;
+  options.refinement.rounds = 0;
+  options.refinement.check = {1e3, 1e-6, 0.01};
+  const Bake house = bake("house:3", only(zero), options);
+  EXPECT_EQ(house.statistics.failed_check, 0u);
+  EXPECT_LT(house.statistics.corrected, house.statistics.counts.functions);
+  // nothing but the leaks stood against it
+  options.refinement.check.tau_leak = 1e3;
+  const Bake leaking = bake("house:3", only(zero), options);
+  EXPECT_EQ(leaking.statistics.corrected, leaking.statistics.counts.functions);
+}
+
 TEST_F(SceneBakeTest, CountsEveryProbeOnce) {
   const Bake house = bake("house:3", generators({"tent_mlp", "mlp"}), houseOptions());
   const BakeStatistics& s = house.statistics;
@@ -235,7 +339,7 @@ TEST_F(SceneBakeTest, LeavesFunctionsThatItHasNoTimeForAndSaysSo) {
 }
 
 TEST_F(SceneBakeTest, ReportHoldsTheSameNumbersForProgramsAndPeople) {
-  Bake wall = bake(writeWall(), generators({"tent_mlp"}), wallOptions());
+  Bake wall = bake(writeWall(), only(correctedData()), wallOptions());
   BakeReport report;
   report.scene = "wall";
   report.representations = {"tent_mlp"};
@@ -244,9 +348,12 @@ TEST_F(SceneBakeTest, ReportHoldsTheSameNumbersForProgramsAndPeople) {
   report.simd = "none";
   const auto json = toJson(report);
   EXPECT_EQ(json.at("functions"), 2);
+  EXPECT_EQ(json.at("corrected"), 2);
+  EXPECT_GT(json.at("thread_seconds").at("correction"), 0.0);
   EXPECT_EQ(json.at("probes"), wall.grid.tree.probeCount());
   EXPECT_DOUBLE_EQ(json.at("bytes_per_probe").get<double>() * static_cast<double>(wall.grid.tree.probeCount()), 123456.0);
   const std::string table = toTable(report);
+  EXPECT_NE(table.find("2 generated thetas were corrected"), std::string::npos) << table;
   EXPECT_NE(table.find(std::to_string(wall.grid.tree.probeCount())), std::string::npos) << table;
 }
 

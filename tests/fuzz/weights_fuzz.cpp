@@ -6,7 +6,8 @@
 //
 //     any other     the file's bytes themselves
 //     '{'           a header as it stands; its length, alignment and as much data as it speaks of are supplied
-//     '['           a header behind the bracket, of which only names, shapes and texts count: tensors are laid out anew
+//     '['           a header behind the bracket, of which only names, dtypes, shapes and texts count: tensors are laid out
+//                   anew
 //
 // A zero byte may end the header in the last two. Behind it: one signed byte, by which the data is longer than the header says,
 // and bytes that fill the data over and over.
@@ -80,6 +81,7 @@ std::string laidOut(std::string_view text, std::string_view pattern) {
     const std::string data = filled(pattern, count * sizeof(float));
     WeightsTensor& values = file.tensors[name];
     values.shape = tensor.shape;
+    if (tensor.dtype == "F16") values.dtype = WeightsDtype::float16;
     values.values.resize(count);
     if (count > 0) std::memcpy(values.values.data(), data.data(), data.size());
   }
@@ -119,6 +121,11 @@ void load(std::string_view bytes, bool laid_out) {
     GeneratorScratch scratch(generator);
     std::vector<float> theta(data.theta0.size());
     generator.generate(reinterpret_cast<const uint8_t*>(phi.data()), 1, theta.data(), &scratch);
+    FUZZ_CHECK((generator.correctionStepCount() == 0) == generator.correctionLayers().empty(), "steps have a network");
+    if (generator.correctionLayers().empty()) continue;
+    LayerScratch correction_scratch(generator.correctionLayers());
+    std::fill_n(correction_scratch.input(), generator.correctionLayers().inputCount(), 1.0f);
+    generator.correctionLayers().run(1, theta.data(), &correction_scratch);
   }
 }
 

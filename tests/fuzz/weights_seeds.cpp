@@ -9,6 +9,15 @@
 namespace nlg {
 namespace {
 
+std::vector<GeneratorLayer> smallLayers(int input_count, int output_count, int layer_count, int width) {
+  std::vector<GeneratorLayer> layers;
+  for (int l = 0; l < layer_count; ++l) {
+    const int inputs = l == 0 ? input_count : width, outputs = l + 1 == layer_count ? output_count : width;
+    layers.push_back({inputs, outputs, std::vector<float>(size_t(inputs) * outputs), std::vector<float>(outputs)});
+  }
+  return layers;
+}
+
 GeneratorData smallGenerator(const char* representation, int component_count, int layer_count, int width) {
   GeneratorData data;
   findRepresentation(representation, &data.representation);
@@ -18,13 +27,27 @@ GeneratorData smallGenerator(const char* representation, int component_count, in
   data.basis.components.resize(size_t(component_count) * kOctantPointCount);
   data.basis.deviation.resize(component_count, 1.0f);
   const int theta_count = data.representation.thetaCount();
-  for (int l = 0; l < layer_count; ++l) {
-    const int inputs = l == 0 ? component_count : width, outputs = l + 1 == layer_count ? theta_count : width;
-    data.layers.push_back({inputs, outputs, std::vector<float>(size_t(inputs) * outputs), std::vector<float>(outputs)});
-  }
+  data.layers = smallLayers(component_count, theta_count, layer_count, width);
   data.theta0.resize(theta_count);
-  data.output_scale.resize(theta_count);
+  data.output_scale.resize(theta_count, 1.0f);
   return data;
+}
+
+// With correction steps, and an exact last layer where there is one.
+GeneratorData withCorrection(GeneratorData data) {
+  const CorrectionFeatures places{data.basis.coefficientCount(), data.representation.thetaCount()};
+  const bool is_field = data.representation.isField();
+  data.correction.exact_last_layer = !is_field && data.representation.shape().output == OutputFunction::linear;
+  data.correction.step_count = 2;
+  data.correction.layers = smallLayers(places.count(), data.representation.thetaCount(), 2, 1);
+  return data;
+}
+
+// The file of a generator with all its tensors in float16.
+WeightsFile inFloat16(const GeneratorData& data) {
+  WeightsFile file = weightsFromGenerator(data);
+  for (auto& [name, tensor] : file.tensors) roundToFloat16(name, &tensor);
+  return file;
 }
 
 std::string headerOf(const std::string& bytes) {
@@ -60,6 +83,12 @@ bool writeSeeds(const std::string& folder) {
       const GeneratorData data = smallGenerator(representation, size.component_count, size.layer_count, size.width);
       const std::string header = headerOf(serializeWeights(weightsFromGenerator(data)));
       const std::string name = folder + "/" + representation + "_" + std::to_string(size.layer_count);
+      const std::string correction = headerOf(serializeWeights(weightsFromGenerator(withCorrection(data))));
+      const std::string half = headerOf(serializeWeights(inFloat16(data)));
+      const std::string half_correction = headerOf(serializeWeights(inFloat16(withCorrection(data))));
+      written = written && write(name + "_correction_header", correction) &&
+                write(name + "_correction_shapes", "[" + correction) && write(name + "_half_header", half) &&
+                write(name + "_half_shapes", "[" + half) && write(name + "_half_correction_shapes", "[" + half_correction);
       // behind a zero byte: how much longer the data is than the header says, and what fills it
       written = written && write(name + "_header", header) && write(name + "_shapes", "[" + header) &&
                 write(name + "_long", header + std::string("\0\4", 2)) &&

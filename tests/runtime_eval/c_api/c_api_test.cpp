@@ -8,6 +8,7 @@
 
 #include "runtime_eval/c_api/nlg.h"
 #include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/fit/correction.h"
 #include "runtime_eval/fit/refinement.h"
 #include "tests/runtime_eval/c_api/c_engine.h"
 #include "tests/runtime_eval/sample_generator.h"
@@ -29,6 +30,35 @@ const std::string& sampleBytes() {
   return bytes;
 }
 
+// Solves the last layer, which changes theta of any function, then takes two steps.
+const GeneratorData& correctedData() {
+  static const GeneratorData data = [] {
+    GeneratorData exact = withCorrection(sampleData(), 20, 3, 2, 4);
+    exact.correction.exact_last_layer = true;
+    return exact;
+  }();
+  return data;
+}
+
+// Functions one after another as an engine holds them, a third of them noise.
+struct EngineFunctions {
+  std::vector<uint8_t> phi, validity;
+  explicit EngineFunctions(int count) {
+    for (int n = 0; n < count; ++n) {
+      const StoredSample sample = n % 3 == 2 ? noiseSample(n) : wallSample(n);
+      phi.insert(phi.end(), sample.phi.begin(), sample.phi.end());
+      validity.insert(validity.end(), sample.validity.begin(), sample.validity.end());
+    }
+  }
+  std::vector<StoredFunction> views() const {
+    std::vector<StoredFunction> functions;
+    for (size_t n = 0; n * kSupportPointCount < phi.size(); ++n) {
+      functions.push_back({&phi[n * kSupportPointCount], &validity[n * kValidityByteCount]});
+    }
+    return functions;
+  }
+};
+
 struct Loaded {
   nlg_generator* generator = nullptr;
   nlg_scratch* scratch = nullptr;
@@ -45,19 +75,20 @@ struct Loaded {
 
 TEST(CApi, GivesAnEngineInCTheNumbersOfTheLibrary) {
   const std::string path = (std::filesystem::temp_directory_path() / ("nlg_c_api_" + std::to_string(::getpid()))).string();
-  std::ofstream(path, std::ios::binary) << sampleBytes();
+  std::ofstream(path, std::ios::binary) << serializeWeights(weightsFromGenerator(correctedData()));
   constexpr int kCount = 3;
-  const std::vector<uint8_t> phi = sampleFunctions(kCount);
+  const EngineFunctions functions(kCount);
   float *theta = nullptr, *values = nullptr;
-  const int failed_step = engine_bake(path.c_str(), phi.data(), kCount, &theta, &values);
+  const int failed_step = engine_bake(path.c_str(), functions.phi.data(), functions.validity.data(), kCount, &theta, &values);
   std::filesystem::remove(path);
   ASSERT_EQ(failed_step, 0);
 
-  const Generator generator(sampleData());
+  const Generator generator(correctedData());
   GeneratorScratch scratch(generator);
   const size_t theta_count = ThetaLayout::count;
   std::vector<float> expected(kCount * theta_count);
-  generator.generate(phi.data(), kCount, expected.data(), &scratch);
+  generator.generate(functions.phi.data(), kCount, expected.data(), &scratch);
+  ASSERT_EQ(Corrector(generator).correct(functions.views().data(), kCount, expected.data()), kCount);
   const PointSet points = makePointSet(supportPattern().points);
   AlignedFloats expected_values(points.padded_count);
   for (int n = 0; n < kCount; ++n) {
@@ -210,6 +241,43 @@ TEST(CApi, ChecksAndRefinesAsTheLibraryDoes) {
   EXPECT_EQ(theta, refined.theta);
   EXPECT_EQ(after.rmse, refined.check.rmse);
   EXPECT_LT(after.rmse, before.rmse);
+}
+
+TEST(CApi, CorrectsAnyNumberOfFunctionsAsTheLibraryDoes) {
+  constexpr size_t kCount = 2 * kBatchCount + 5;
+  const EngineFunctions functions(kCount);
+  const GeneratorData field = withCorrection(fieldData(), 20, 3, 2, 4);
+  for (const GeneratorData* data : {&correctedData(), &field}) {
+    const Loaded loaded(*data);
+    const Generator generator(*data);
+    const size_t theta_count = data->theta0.size();
+    for (const size_t count : {size_t{0}, size_t{1}, size_t{kBatchCount}, kCount}) {
+      std::vector<float> theta(count * theta_count + 1, -7.0f);
+      nlg_generate(loaded.generator, functions.phi.data(), count, theta.data(), loaded.scratch);
+      std::vector<float> expected = theta;
+      const int changed = Corrector(generator).correct(functions.views().data(), static_cast<int>(count), expected.data());
+      EXPECT_EQ(
+          nlg_correct(loaded.generator, functions.phi.data(), functions.validity.data(), count, theta.data(), loaded.scratch),
+          static_cast<size_t>(changed))
+          << count;
+      EXPECT_EQ(theta, expected) << count;
+      EXPECT_EQ(theta.back(), -7.0f) << count;
+      // the best last layer is better than one of random numbers
+      if (data == &correctedData()) {
+        EXPECT_EQ(changed, static_cast<int>(count));
+      }
+    }
+  }
+}
+
+TEST(CApi, CorrectsNothingWithoutStepsInTheWeights) {
+  const Loaded loaded(sampleData());
+  const EngineFunctions functions(2);
+  std::vector<float> theta(2 * nlg_theta_count(loaded.generator));
+  nlg_generate(loaded.generator, functions.phi.data(), 2, theta.data(), loaded.scratch);
+  const std::vector<float> generated = theta;
+  EXPECT_EQ(nlg_correct(loaded.generator, functions.phi.data(), functions.validity.data(), 2, theta.data(), loaded.scratch), 0u);
+  EXPECT_EQ(theta, generated);
 }
 
 TEST(CApi, FreesNothingWhenThereIsNothing) {

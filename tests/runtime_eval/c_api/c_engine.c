@@ -5,7 +5,8 @@
 
 #include "runtime_eval/c_api/nlg.h"
 
-int engine_bake(const char* path, const unsigned char* phi, size_t count, float** theta, float** values) {
+int engine_bake(const char* path, const unsigned char* phi, const unsigned char* validity, size_t count, float** theta,
+                float** values) {
   nlg_generator* generator = NULL;
   nlg_scratch* scratch = NULL;
   const float* points = NULL;
@@ -20,6 +21,7 @@ int engine_bake(const char* path, const unsigned char* phi, size_t count, float*
   theta_count = nlg_theta_count(generator);
   *theta = malloc(count * theta_count * sizeof(float));
   nlg_generate(generator, phi, count, *theta, scratch);
+  nlg_correct(generator, phi, validity, count, *theta, scratch);
 
   x = malloc(3 * NLG_SUPPORT_POINT_COUNT * sizeof(float));
   y = x + NLG_SUPPORT_POINT_COUNT;

@@ -8,8 +8,9 @@
 extern "C" {
 #endif
 
-/* theta (count x D) and values (count x P): allocated, for the caller to free. Returns 0, or which step failed. */
-int engine_bake(const char* path, const unsigned char* phi, size_t count, float** theta, float** values);
+/* theta (count x D), corrected, and values (count x P): allocated, for the caller to free. Returns 0, or which step failed. */
+int engine_bake(const char* path, const unsigned char* phi, const unsigned char* validity, size_t count, float** theta,
+                float** values);
 
 #ifdef __cplusplus
 }

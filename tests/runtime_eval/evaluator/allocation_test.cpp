@@ -38,7 +38,9 @@ TEST(Corrector, AllocatesNothingOnceMade) {
   constexpr int kCount = 97;
   const std::vector<uint8_t> phi = sampleFunctions(kCount), validity(kValidityByteCount, 255);
   for (const Representation& representation : {Representation::mlp(), Representation::productField(5)}) {
-    const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 32, 3, 2, 5));
+    GeneratorData data = withCorrection(sampleGenerator(representation, 48, 3, 1), 32, 3, 2, 5);
+    data.correction.exact_last_layer = !representation.isField();
+    const Generator generator(data);
     Corrector corrector(generator);
     std::vector<StoredFunction> functions;
     for (int i = 0; i < kCount; ++i) functions.push_back({&phi[size_t(i) * kSupportPointCount], validity.data()});

@@ -36,9 +36,9 @@ double rmseOf(const Representation& representation, const StoredSample& sample, 
 
 TEST(LayerStack, RunsACorrectionAsItsFormulasSayOnEveryTarget) {
   for (const Representation& representation : kRepresentations) {
-    // a width with a skip and one layer alone
-    for (const int layer_count : {1, 2, 4}) {
-      const GeneratorData data = withCorrection(sampleGenerator(representation, 48, 3, 1), 40, layer_count, 2, 7);
+    // layers with a skip, wider than the inputs too, and one layer alone
+    for (const auto& [layer_count, width] : {std::pair{1, 40}, {2, 40}, {4, 40}, {3, 320}}) {
+      const GeneratorData data = withCorrection(sampleGenerator(representation, 48, 3, 1), width, layer_count, 2, 7);
       const CorrectionFeatures places{data.basis.coefficientCount(), representation.thetaCount()};
       forEachTarget([&] {
         const Generator generator(data);
@@ -53,7 +53,7 @@ TEST(LayerStack, RunsACorrectionAsItsFormulasSayOnEveryTarget) {
         for (int n = 0; n < kCount; ++n) {
           const std::vector<double> row(features.begin() + n * places.count(), features.begin() + (n + 1) * places.count());
           const std::vector<double> expected = correctionReference(data, row.data());
-          // four layers of at most 283 roundings of sums of magnitude 20 or less, times a scale of at most .2
+          // four layers of at most 283 roundings, or three of 320, of sums of magnitude 20 or less, times a scale of at most .2
           for (int d = 0; d < D; ++d) EXPECT_NEAR(change[size_t(n) * D + d], expected[d], 4 * 283 * 6e-8 * 20 * 0.2) << "d " << d;
         }
       });
@@ -157,6 +157,53 @@ TEST(Corrector, LeavesWhatItCannotMeasure) {
   EXPECT_EQ(std::memcmp(&theta[D], &before[D], 3 * D * sizeof(float)), 0);
 }
 
+TEST(Corrector, LeavesThetaThatItsNetworkWouldSendAstray) {
+  for (const Representation& representation : kRepresentations) {
+    // theta that overflow on their function, changes that are infinite, and changes that are not a number
+    for (const auto& [weight, bias] : {std::pair{0.0f, 3e38f}, {3e38f, 0.0f}, {3e38f, -3e38f}}) {
+      GeneratorData data = steepestDescent(representation, 1e-3, 3);
+      GeneratorLayer& layer = data.correction.layers.front();
+      for (size_t i = 0; i < layer.weight.size(); ++i) layer.weight[i] = i % 2 == 0 ? weight : -weight;
+      std::fill(layer.bias.begin(), layer.bias.end(), bias);
+      data.output_scale.assign(data.output_scale.size(), 1.0f);
+      const Generator generator(data);
+      const StoredSample sample = wallSample(1);
+      const StoredFunction stored = sample.view();
+      const Theta start = randomTheta(representation, 1);
+      Theta theta = start;
+      EXPECT_EQ(Corrector(generator).correct(&stored, 1, theta.data()), 0) << weight << ' ' << bias;
+      EXPECT_EQ(theta, start) << weight << ' ' << bias;
+    }
+  }
+}
+
+TEST(Corrector, TakesTheSolutionWhereItsNetworkGoesAstray) {
+  GeneratorData data = steepestDescent(Representation::tentMlp(), 1e-3, 2);
+  data.correction.exact_last_layer = true;
+  const StoredSample sample = wallSample(1);
+  const StoredFunction stored = sample.view();
+  Theta solved = randomTheta(data.representation, 1);
+  ASSERT_TRUE(solveLastLayer(data.representation, decodeFunction(stored), solved.data()));
+  std::fill(data.correction.layers.front().bias.begin(), data.correction.layers.front().bias.end(), 3e38f);
+  const Generator generator(data);
+  Corrector corrector(generator);
+  Theta theta = randomTheta(data.representation, 1);
+  EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 1);
+  EXPECT_EQ(theta, solved);
+  // one that only its last layer makes infinite
+  theta = randomTheta(data.representation, 1);
+  theta[data.representation.shape().b3()] = NAN;
+  EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 1);
+  EXPECT_EQ(theta, solved);
+  // nothing to solve for
+  StoredSample nowhere = sample;
+  std::fill(nowhere.validity.begin(), nowhere.validity.end(), uint8_t{0});
+  const StoredFunction empty = nowhere.view();
+  theta = randomTheta(data.representation, 1);
+  EXPECT_EQ(corrector.correct(&empty, 1, theta.data()), 0);
+  EXPECT_EQ(theta, randomTheta(data.representation, 1));
+}
+
 TEST(Corrector, SolvesTheLastLayerWhenTheWeightsSaySo) {
   for (const Representation& representation : {Representation::mlp(), Representation::tentMlp()}) {
     GeneratorData data = sampleGenerator(representation, 48, 3, 1);
@@ -219,6 +266,14 @@ TEST(GeneratorWeights, KeepCorrectionSteps) {
     const WeightsResult result = generatorFromWeights(weightsFromGenerator(exact), &read);
     EXPECT_EQ(result.status, is_linear ? WeightsStatus::ok : WeightsStatus::value_out_of_range) << result.detail;
     EXPECT_TRUE(!is_linear || read.correction.exact_last_layer);
+  }
+  // a correction reads theta in units of output_scale
+  for (const float scale : {0.0f, -1e-38f}) {
+    WeightsFile flat = file;
+    flat.tensors["output_scale"].values[7] = scale;
+    EXPECT_EQ(generatorFromWeights(flat, &read).status, WeightsStatus::value_out_of_range) << scale;
+    flat.metadata.erase("correction.steps");
+    EXPECT_TRUE(generatorFromWeights(flat, &read).ok()) << scale;
   }
   WeightsFile broken = file;
   broken.tensors.erase("correction.layer.1.bias");
