@@ -245,6 +245,7 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
                {"bytes", static_cast<size_t>(generator.representation().thetaCount()) * sizeof(float)},
                {"weights_bytes", std::filesystem::file_size(path)}};
   json["correction_steps"] = generator.correctionStepCount();
+  json["evaluate_us"] = measureEvaluation(generator.representation(), theta.data());
   json["uncorrected"] = methodJson(uncorrected, hard, options);
   json["generator"] = methodJson(generated, hard, options);
   json["refined"] = methodJson(policy, hard, options);

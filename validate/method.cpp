@@ -71,6 +71,18 @@ MethodResult measureTent(const FunctionSet& set) {
   return result;
 }
 
+double measureEvaluation(const Representation& representation, const float* theta) {
+  const PointSet points = makePointSet(supportPattern().points);
+  AlignedFloats values(points.padded_count);
+  std::vector<double> elapsed_us(201);  // the median leaves out the first, on cold caches, and whatever is interrupted
+  for (double& elapsed : elapsed_us) {
+    const Clock::time_point start = Clock::now();
+    evaluate(representation, points, theta, values.data());
+    elapsed = microsecondsSince(start);
+  }
+  return quantile(elapsed_us, 0.5);
+}
+
 MethodResult measureUncorrected(const Generator& generator, const FunctionSet& set, std::vector<float>* theta) {
   MethodResult result{"uncorrected"};
   ErrorMeter meter(set);

@@ -25,7 +25,12 @@ They are made by a run of the pipeline and put here, with these cards, by
 workflow/ship_weights.sh out/NAME CONFIG REPRESENTATION ...
 ```
 
-Errors are RMSE over all valid support points, of what the generator yields, nothing refined, on scenes that were not trained on; *hard* functions are those whose bare tent is off by .01 or more; *over τ* is the share that a bake would refine.
+Errors are RMSE over all valid support points, of what the generator yields, nothing refined, on scenes that were not trained on; *hard* functions are those whose bare tent is off by .01 or more; *over τ* is the share that needs refinement: a bake refines it. The generator is its network and what
+corrects θ after it (an exact last layer, learned correction steps): all that comes before Adam or Levenberg–Marquardt; *network alone* is without these. *Over direct*: median of the error over that of direct optimisation of the same functions: over all, over hard ones, over hard ones at points that the probe does not see.
+
+"""
+OVERVIEW_HEAD = """| | numbers | bytes, float16 | file | correction steps | mean | p95 | hard, median | over τ | over direct: all | hard | hard, shadow | network alone: mean | over τ | over direct, hard | on |
+|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|
 """
 
 
@@ -55,22 +60,42 @@ def number(value, digits=4):
 
 
 def percent(share):
-    return f"{100 * share:.2g} %"
+    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 
 def quantile_cells(q):
     return f"{q['functions']:,} | " + " | ".join(number(q[key]) for key in ("median", "mean", "p95", "p99", "worst"))
 
 
+def ratios(to_direct):
+    """How far above direct optimisation, in words; a ratio that no function stands behind is left out."""
+    parts = [("median", "in the median"), ("median_hard", "over hard functions"), ("median_shadow_hard", "over these at shadow points")]
+    return "error over direct " + ", ".join(f"{number(to_direct[key], 2)} {words}" for key, words in parts if to_direct[key] > 0)
+
+
+def overview_row(run, shipped, name):
+    """The representation's row of the table over all: on the test where the run has one, otherwise on its held-out scenes."""
+    on = "test" if (run / "test" / "summary.json").exists() else "validation"
+    entry = read_json(run / on / "summary.json")["representations"][name]
+    generator, alone, ratio, ratio_alone = (entry[key] for key in ("generator", "uncorrected", "generator_to_direct", "uncorrected_to_direct"))
+    cells = [f"[{name}](#{name})", f"{entry['parameters']}", f"{entry['bytes'] // 2}", f"{shipped.stat().st_size / 1000:,.0f} kB",
+             f"{entry['correction_steps']}", number(generator["rmse"]["mean"]), number(generator["rmse"]["p95"]), number(generator["rmse_hard"]["median"]),
+             percent(generator["share_over_tau"]), *(number(ratio[key], 2) for key in ("median", "median_hard", "median_shadow_hard")),
+             number(alone["rmse"]["mean"]), percent(alone["share_over_tau"]), number(ratio_alone["median_hard"], 2), on]
+    return f"| {' | '.join(cells)} |"
+
+
 def error_table(title, summary, name):
     """Errors by scene of one set of scenes, all of them and the hard functions first."""
     entry = summary["representations"][name]
-    generator = entry["generator"]
+    generator, alone = entry["generator"], entry["uncorrected"]
     lines = [f"{title} ({summary['functions']['held_out']:,} functions of {summary['functions']['held_out_scenes']} scenes): "
-             f"{percent(generator['share_over_tau'])} over τ; {number(entry['generator_to_direct']['median'], 2)} times the error of direct optimisation in the "
-             f"median, {number(entry['generator_to_direct']['median_hard'], 2)} over hard functions.", "",
+             f"{percent(generator['share_over_tau'])} over τ; {ratios(entry['generator_to_direct'])}.", "",
              "| scene | functions | median | mean | p95 | p99 | worst |", "|---|---|---|---|---|---|---|",
              f"| **all** | {quantile_cells(generator['rmse'])} |", f"| **hard** | {quantile_cells(generator['rmse_hard'])} |"]
+    if alone["rmse"] != generator["rmse"]:
+        lines[0] += f" Network alone: {percent(alone['share_over_tau'])} over τ; {ratios(entry['uncorrected_to_direct'])}."
+        lines += [f"| **all, network alone** | {quantile_cells(alone['rmse'])} |", f"| **hard, network alone** | {quantile_cells(alone['rmse_hard'])} |"]
     lines += [f"| {scene} | {quantile_cells(q)} |" for scene, q in sorted(entry["by_scene"].items())]
     return "\n".join(lines) + "\n"
 
@@ -121,18 +146,25 @@ def card(run, config, shipped, name):
         ("revision", f"`{json.loads(metadata['provenance'])['revision']}`"),
         ("parity", f"θ of libtorch and of the evaluator differ by at most {exported['parity_theta']:.1e} over {exported['parity_functions']:,} functions"),
         ("rounding", f"mean RMSE over those {number(exported['held_out_rmse'], 5)}, {loss:+.1e} against float32"),
-        ("inference", f"{entry['generator']['us_per_function']:.0f} µs a function on one thread"),
+        ("inference", f"{entry['generator']['us_per_function']:,.0f} µs a function on one thread, {entry['uncorrected']['us_per_function']:,.0f} µs of it the network"
+                      + (f"; evaluation at 8,192 points {entry['evaluate_us']:.0f} µs" if "evaluate_us" in entry else "")),
     ]
     lines = ["| | |", "|---|---|", *(f"| {key} | {value} |" for key, value in rows), ""]
     return "\n".join(lines) + "\n" + "\n".join(error_table(title, summary, name) for title, summary in summaries.items())
 
 
 def read_cards(readme):
-    """Representation → text of its card, of a README that stands."""
+    """Representation → text of its card and → its row of the table over all, of a README that stands."""
     if not readme.exists():
-        return {}
-    parts = re.split(r"^## (\S+)\n\n", readme.read_text(), flags=re.MULTILINE)[1:]
-    return dict(zip(parts[0::2], parts[1::2]))
+        return {}, {}
+    head, *parts = re.split(r"^## (\S+)\n\n", readme.read_text(), flags=re.MULTILINE)
+    rows = {match[1]: match[0] for match in re.finditer(r"^\| \[(\S+)\]\(#.*$", head, flags=re.MULTILINE)}
+    return dict(zip(parts[0::2], parts[1::2])), rows
+
+
+def by_size(row):
+    """Rows in the order of the numbers of a function."""
+    return int(row.split("|")[2]), row
 
 
 def main():
@@ -143,10 +175,15 @@ def main():
     parser.add_argument("representations", nargs="*")
     arguments = parser.parse_args()
     readme = arguments.weights / "README.md"
-    cards = {name: text for name, text in read_cards(readme).items() if (arguments.weights / f"{name}.safetensors").exists()}
+    old_cards, old_rows = read_cards(readme)
+    cards = {name: text for name, text in old_cards.items() if (arguments.weights / f"{name}.safetensors").exists()}
+    rows = {name: row for name, row in old_rows.items() if name in cards}
     for name in arguments.representations:
-        cards[name] = card(arguments.run, arguments.config, arguments.weights / f"{name}.safetensors", name)
-    readme.write_text(INTRODUCTION + "".join(f"\n## {name}\n\n{text.strip()}\n" for name, text in sorted(cards.items())))
+        shipped = arguments.weights / f"{name}.safetensors"
+        cards[name] = card(arguments.run, arguments.config, shipped, name)
+        rows[name] = overview_row(arguments.run, shipped, name)
+    overview = OVERVIEW_HEAD + "".join(f"{row}\n" for row in sorted(rows.values(), key=by_size)) if rows else ""
+    readme.write_text(INTRODUCTION + overview + "".join(f"\n## {name}\n\n{text.strip()}\n" for name, text in sorted(cards.items())))
 
 
 if __name__ == "__main__":

@@ -18,8 +18,11 @@ def main():
         rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
     steps = [row["step"] for row in rows]
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
-    axes.plot(steps, [row["training_loss"] for row in rows], linestyle="--", label="training loss")
-    axes.plot(steps, [row["held_out_rmse"] for row in rows], marker="o", markersize=3, label="held-out RMSE")
+    axes.plot(steps, [row["training_loss"] for row in rows], linestyle="--", color="0.45", label="training loss")
+    generated, corrected = ([row[key] for row in rows] for key in ("held_out_generated", "held_out_rmse"))
+    if generated != corrected:
+        axes.plot(steps, generated, marker="o", markersize=2.5, color="#56B4E9", label="held-out RMSE, network alone")
+    axes.plot(steps, corrected, marker="o", markersize=3, color="#0072B2", label="held-out RMSE")
     for before, row in zip([{"rollbacks": 0.0}, *rows], rows):
         if row["rollbacks"] > before["rollbacks"]:
             axes.axvline(row["step"], color="0.6", linewidth=0.8, linestyle=":")

@@ -33,6 +33,10 @@ NLG_OUT=$temporary/default /usr/bin/snakemake -s workflow/Snakefile --configfile
 # --- what it leaves
 [ -s "$out/report.html" ] || fail "no report.html"
 ! grep -Eq '(src|href)="(https?:)?//' "$out/report.html" || fail "report.html loads something from elsewhere"
+for copy in 1 2; do
+  /usr/bin/python3 validate/report/curve.py --summary "$out/validation/summary.json" --out "$temporary/curve.$copy.png" || fail "curve.py refuses the summary"
+done
+cmp "$temporary/curve.1.png" "$temporary/curve.2.png" || fail "the curve differs between two runs"
 /usr/bin/python3 - "$out/validation/summary.json" <<'PYTHON'
 import json, math, sys
 
@@ -42,7 +46,10 @@ errors = ["rmse", "rmse_hard", "rmse_unseen_points", "rmse_shadow"]
 wanted = [["functions", key] for key in ["distinct", "free_space", "duplicates", "held_out", "hard"]]
 for name in ["mlp", "tent_mlp"]:
     wanted.append(["representations", name, "parameters"])
-    for method in ["generator", "refined", "direct"]:
+    wanted += [["representations", name, key] for key in ["evaluate_us", "weights_bytes", "correction_steps"]]
+    for ratio in ["generator_to_direct", "uncorrected_to_direct"]:
+        wanted += [["representations", name, ratio, key] for key in ["median", "median_hard", "median_unseen_points", "median_shadow_hard"]]
+    for method in ["uncorrected", "generator", "refined", "direct"]:
         path = ["representations", name, method]
         wanted += [path + [error, q] for error in errors for q in quantiles]
         wanted += [path + ["leak", key] for key in ["mean", "p99"]]

@@ -1,6 +1,7 @@
 """What the page says in numbers: the verdict's rows, what was left out, and one sentence below every plot."""
 import numpy as np
 
+from curve import costs
 from inputs import METHODS, QUANTILES
 from plots import NAMES, duration, pareto
 
@@ -82,12 +83,18 @@ class Findings:
             node = self.summary_of(name)
             ratio = node["generator_to_direct"]
             direct_hard = int(self.inputs.samples[name, "direct"].hard.sum())
-            ratios = [(f"{ratio['median'].number():.1f} ×", f"the error of direct optimisation (median over {plural(self.chosen_count, 'chosen function')})")]
+            corrected = self.inputs.is_corrected(name)
+            alone = lambda key: f" (network alone {node['uncorrected_to_direct'][key].number():.2f} ×)" if corrected else ""
+            ratios = [(f"{ratio['median'].number():.2f} ×",
+                       f"the error of direct optimisation{alone('median')}, median over {plural(self.chosen_count, 'chosen function')}")]
             if direct_hard:
-                ratios.append((f"{ratio['median_hard'].number():.1f} ×", f"over the {grouped(direct_hard)} hard ones of them"))
-            rows = [row for method, label in (("generator", "generator"), ("refined", "refined where over τ"))
-                    for row in self.pair(node[method], self.inputs.samples[name, method], label, method)]
+                ratios.append((f"{ratio['median_hard'].number():.2f} ×", f"over the {grouped(direct_hard)} hard ones of them{alone('median_hard')}"))
+            if ratio["median_shadow_hard"].number() > 0:
+                ratios.append((f"{ratio['median_shadow_hard'].number():.2f} ×", f"at shadow points of these{alone('median_shadow_hard')}"))
+            rows = [row for method, label in (("uncorrected", NAMES["uncorrected"]), ("generator", "generator"), ("refined", "refined where over τ"))
+                    if corrected or method != "uncorrected" for row in self.pair(node[method], self.inputs.samples[name, method], label, method)]
             groups.append({"name": name, "parameters": node["parameters"].count(), "bytes": node["bytes"].count(), "ratios": ratios,
+                           "weights_bytes": grouped(round(node["weights_bytes"].count() / 1000)), "steps": node["correction_steps"].count(),
                            "reference": ratio["reference"].text(), "rows": rows})
         tent = self.inputs.summary["tent"]
         groups.append({"name": "bare tent", "note": "no network at all, the same for every probe: what a generator has to beat", "rows":
@@ -154,6 +161,23 @@ class Findings:
             return f"the worst {'hard ' if self.functions['hard'] else ''}function is no. {worst.function} of {worst.scene}, RMSE {error(worst.rmse)}{bias}"
         return self.each(text)
 
+    def curve(self):
+        """Who is best by bytes and by error: over the chosen functions, generators with all that comes before Adam or LM."""
+        some = costs(self.inputs.summary)
+        front = [name for _, _, name in pareto([(c.bytes_float32, c.generator["mean"], c.name) for c in some])]
+        best = min(some, key=lambda c: c.generator["mean"])
+        text = (f"The lowest mean error of a generator has {best.name}, {error(best.generator['mean'])} at {best.bytes_float32 // 2} bytes in float16 "
+                f"(direct optimisation: {error(best.direct['mean'])}); on the front of bytes: {', '.join(front)}.")
+        return [("", text)]
+
+    def curve_table(self):
+        rows = []
+        for c in sorted(costs(self.inputs.summary), key=lambda c: (c.bytes_float32, c.generator["mean"])):
+            rows.append({"name": c.name, "bytes": (grouped(c.bytes_float32 // 2), grouped(c.bytes_float32)),
+                         "time": duration(c.evaluate_us) if c.evaluate_us > 0 else "–",
+                         "cells": [error(some[q]) for some in (c.generator, c.direct) for q in ("median", "mean", "p95")]})
+        return rows
+
     def histogram(self):
         def text(name):
             tent, generator = self.inputs.samples["tent", "tent"].rmse, self.generated(name).rmse
@@ -218,7 +242,8 @@ class Findings:
             lowest = int(np.argmin(log.held_out_rmse))
             trend = (f"it fell by {percent(1 - last / before)} over the last fifth of the run" if last < before else
                      f"it no longer fell over the last fifth of the run (lowest: {error(log.held_out_rmse[lowest])} at step {grouped(int(log.step[lowest]))})")
-            return f"the held-out error ends at {error(last)} after {plural(int(log.step[-1]), 'step')}; {trend}"
+            alone = f" ({error(log.held_out_generated[-1])} before corrections)" if log.held_out_generated[-1] != last else ""
+            return f"the held-out error ends at {error(last)}{alone} after {plural(int(log.step[-1]), 'step')}; {trend}"
         return self.each(text)
 
     def spectrum(self):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-METHODS = ("generator", "refined", "refined_adam", "refined_lm", "adam_theta0", "lm_theta0", "adam_random", "direct")
+METHODS = ("uncorrected", "generator", "refined", "refined_adam", "refined_lm", "adam_theta0", "lm_theta0", "adam_random", "direct")
 QUANTILES = ("median", "mean", "p95", "p99", "worst")
 SLICE_NAMES = ("best", "median", "p95", "worst")
 MAX_FILE_BYTES = 1 << 30
@@ -168,7 +168,8 @@ class Samples:
 class Log:
     step: np.ndarray
     training_loss: np.ndarray
-    held_out_rmse: np.ndarray
+    held_out_generated: np.ndarray  # before corrections
+    held_out_rmse: np.ndarray       # after them
 
 
 @dataclass
@@ -201,6 +202,14 @@ class Inputs:
         samples = self.samples[key]
         return samples.only(np.isin(samples.function, self.samples[representation, "direct"].function))
 
+    def compared(self, representation):
+        """The methods that panels of one representation set side by side."""
+        return ("tent", *(("uncorrected",) if self.is_corrected(representation) else ()), "generator", "refined", "direct")
+
+    def is_corrected(self, representation):
+        """Whether the generator does anything after its network: if not, the two are the same."""
+        return not np.array_equal(self.samples[representation, "uncorrected"].rmse, self.samples[representation, "generator"].rmse)
+
 
 FUNCTION_COLUMNS = ("representation", "method", "function", "scene", "hard", "rmse", "rmse_unseen_points", "rmse_shadow",
                     "leak_mean", "leak_p99", "elapsed_us")
@@ -223,13 +232,13 @@ def read_functions(path, representations):
     return {key: Samples(*(np.array(column) for column in zip(*rows))) for key, rows in groups.items()}
 
 
-LOG_COLUMNS = ("step", "learning_rate", "training_loss", "held_out_rmse", "rollbacks")
+LOG_COLUMNS = ("step", "learning_rate", "training_loss", "held_out_generated", "held_out_rmse", "rollbacks")
 
 
 def read_log(path):
     rows = [[parse_number(path, line, c, text) for c, text in zip(LOG_COLUMNS, row)] for line, row in read_columns(path, LOG_COLUMNS)]
     columns = dict(zip(LOG_COLUMNS, np.array(rows).T))
-    return Log(columns["step"], columns["training_loss"], columns["held_out_rmse"])
+    return Log(columns["step"], columns["training_loss"], columns["held_out_generated"], columns["held_out_rmse"])
 
 
 def read_logs(paths, representations):
@@ -277,10 +286,14 @@ def check_summary(summary):
         summary["tau"][key].number()
     methods = [summary["tent"]]
     for _, representation in summary["representations"].entries():
-        methods += [representation[m] for m in METHODS] + [representation["generator_chosen"]]
+        methods += [representation[m] for m in METHODS] + [representation["generator_chosen"], representation["tent_chosen"]]
         representation["parameters"].count(), representation["bytes"].count(), representation["share_refined"].number()
-        ratio = representation["generator_to_direct"]
-        ratio["reference"].text(), ratio["median"].number(), ratio["median_hard"].number()
+        for ratio in (representation["uncorrected_to_direct"], representation["generator_to_direct"]):
+            ratio["reference"].text()
+            [ratio[key].number() for key in ("median", "median_hard", "median_unseen_points", "median_shadow_hard")]
+        representation["correction_steps"].count(), representation["weights_bytes"].count()
+        if "evaluate_us" in representation.value:
+            representation["evaluate_us"].number()
         representation["weights_sha256"].text()
     for method in methods:
         method["functions"].number(1)

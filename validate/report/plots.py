@@ -1,6 +1,7 @@
 """The report's plots: one panel, one SVG with its text as text, so that panels wrap like words in a narrow window.
 
-Colours are those of Okabe and Ito (2008), told apart by colour-blind readers; a colour means one method everywhere.
+Colours of methods are those of Okabe and Ito (2008), told apart by colour-blind readers; a colour means one method everywhere.
+Representations have colours and shapes of their own, dark enough for print: networks cold, product fields warm.
 """
 import io
 import re
@@ -13,10 +14,13 @@ import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 INK, MUTED, RULE = "#1d232a", "#5d6772", "#d5dbe1"
-COLOURS = {"tent": "#7a828a", "generator": "#0072B2", "refined": "#D55E00", "direct": "#009E73", "other": "#9b6a8f"}
-NAMES = {"tent": "bare tent", "generator": "generator", "refined": "refined where over τ", "refined_adam": "generator + Adam",
+COLOURS = {"tent": "#7a828a", "uncorrected": "#56B4E9", "generator": "#0072B2", "refined": "#D55E00", "direct": "#009E73", "other": "#9b6a8f"}
+NAMES = {"tent": "bare tent", "uncorrected": "network alone", "generator": "generator", "refined": "refined where over τ", "refined_adam": "generator + Adam",
          "refined_lm": "generator + LM", "adam_theta0": "Adam from θ₀", "lm_theta0": "LM from θ₀",
          "adam_random": "Adam from random", "direct": "direct"}
+REPRESENTATIONS = {"mlp": ("#1d232a", "s"), "tent_mlp": ("#0b4f9c", "o"), "tent_mlp88": ("#2a8ac2", "D"), "tent_mlp44": ("#118a7e", "^"),
+                   "tent_mlp4": ("#7a3fb0", "v"), "pf3": ("#c08a00", "<"), "pf5": ("#d95f0e", ">"), "pf7": ("#b3173c", "p"),
+                   "pf9": ("#6b2d0f", "h")}
 PANEL = (4.7, 3.15)  # inches; scaled to its column by the page
 
 plt.rcParams.update({
@@ -29,6 +33,14 @@ plt.rcParams.update({
 
 def colour(method):
     return COLOURS.get(method, COLOURS["other"])
+
+
+def representation_colour(name):
+    return REPRESENTATIONS[name][0]
+
+
+def representation_marker(name):
+    return REPRESENTATIONS[name][1]
 
 
 def short(value):
@@ -46,7 +58,7 @@ def duration(us):
 
 def start(title, size=PANEL, x=None, y=None, grid="both"):
     figure, axes = plt.subplots(figsize=size, layout="constrained")
-    axes.set_title(title)
+    axes.set_title(title, color=REPRESENTATIONS.get(title, (INK,))[0])
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     axes.grid(True, axis=grid)
@@ -162,7 +174,7 @@ def histogram(inputs, representation, limits, tau):
     figure, axes = start(representation, x="RMSE of a function", y="share of functions, % a bin")
     bins = np.geomspace(*limits, 41)
     top = 0.0
-    for method in ("tent", "generator", "refined", "direct"):
+    for method in inputs.compared(representation):
         samples = inputs.samples[("tent", "tent") if method == "tent" else (representation, method)]
         share = 100.0 * np.histogram(np.clip(samples.rmse, *limits), bins)[0] / len(samples)
         top = max(top, share.max())
@@ -171,7 +183,7 @@ def histogram(inputs, representation, limits, tau):
                     label=NAMES[method] + (f" ({len(samples)} functions)" if method == "direct" else ""), zorder=3)
         if filled:
             axes.stairs(share, bins, color=colour(method), alpha=0.15, fill=True, zorder=2)
-    axes.set_ylim(0, 1.45 * top)  # the legend lies above the bars
+    axes.set_ylim(0, 1.6 * top)  # the legend lies above the bars
     log_error_axis(axes.xaxis, *limits)
     mark_tau(axes, tau, vertical=True)
     axes.legend(loc="upper left", ncol=2, borderaxespad=0.2, columnspacing=1.0, handlelength=1.6, bbox_to_anchor=(0, 0.95))
@@ -198,7 +210,7 @@ def run_time(inputs, representation, limits, time_limits, tent_median):
                               textcoords="offset points", ha="right", fontsize=7.5, color=colour("tent"))
     points, labels, lines = [], [], [[(t, tent_median) for t in time_limits]]
     for (owner, method) in inputs.samples:
-        if owner != representation:
+        if owner != representation or (method == "uncorrected" and not inputs.is_corrected(representation)):
             continue
         samples = inputs.chosen(representation, method)
         time = max(float(np.mean(samples.elapsed_us)), time_limits[0])
@@ -215,7 +227,7 @@ def run_time(inputs, representation, limits, time_limits, tent_median):
 
 
 def by_scene(inputs, representation, order, limits, tau):
-    samples = inputs.samples[representation, "generator"]
+    samples, uncorrected = inputs.samples[representation, "generator"], inputs.samples[representation, "uncorrected"]
     figure, axes = start(representation, size=(4.7, 0.95 + 0.19 * len(order)), x="RMSE of the generator", grid="x")
     for row, scene in enumerate(order):
         rmse = samples.rmse[samples.scene == scene]
@@ -224,12 +236,15 @@ def by_scene(inputs, representation, order, limits, tau):
         axes.plot(middle, row, "o", color=colour("generator"), markersize=5.5, zorder=3, label="median" if row == 0 else None)
         axes.plot(high, row, "o", markerfacecolor="white", markeredgecolor=colour("generator"), markersize=5.5, zorder=3,
                   label="p95" if row == 0 else None)
+        if inputs.is_corrected(representation):
+            axes.plot(np.clip(np.quantile(uncorrected.rmse[uncorrected.scene == scene], 0.95), *limits), row, "|", markersize=8,
+                      markeredgewidth=1.6, color=colour("uncorrected"), zorder=2, label="p95, network alone" if row == 0 else None)
     axes.set_yticks(range(len(order)), [name if len(name) <= 22 else name[:21] + "…" for name in order])
     axes.set_ylim(len(order) - 0.4, -0.6)
     axes.tick_params(axis="y", length=0)
     log_error_axis(axes.xaxis, *limits)
     mark_tau(axes, tau, vertical=True)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=2, borderaxespad=0.1, columnspacing=1.0, handletextpad=0.1)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=3, borderaxespad=0.1, columnspacing=1.0, handletextpad=0.1)
     return finish(figure, f"scenes-{representation}", f"RMSE by held-out scene, {representation}")
 
 
@@ -253,7 +268,7 @@ def unseen_points(inputs, representation, limits):
 
 def shadow(inputs, representation, limits):
     figure, axes = start(representation, size=(4.7, 2.75), x="RMSE of a function (median; bar p5–p95)", grid="x")
-    methods = ("tent", "generator", "refined", "direct")
+    methods = inputs.compared(representation)
     for row, method in enumerate(methods):
         samples = inputs.chosen(representation, method) if method == "direct" else inputs.samples[
             ("tent", "tent") if method == "tent" else (representation, method)]
@@ -279,6 +294,9 @@ def training_curve(inputs, representation, limits):
     log = inputs.logs[representation]
     figure, axes = start(representation, x="training step", y="mean RMSE")
     axes.plot(log.step, np.clip(log.training_loss, *limits), color=MUTED, linewidth=1.2, linestyle=(0, (3, 2)), label="training loss")
+    if not np.array_equal(log.held_out_generated, log.held_out_rmse):
+        axes.plot(log.step, np.clip(log.held_out_generated, *limits), color=colour("uncorrected"), linewidth=1.4, marker="o", markersize=2.6,
+                  label="held-out scenes, network alone")
     axes.plot(log.step, np.clip(log.held_out_rmse, *limits), color=colour("generator"), linewidth=1.8, marker="o", markersize=3.2,
               label="held-out scenes")
     log_error_axis(axes.yaxis, *limits)

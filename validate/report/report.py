@@ -18,19 +18,19 @@ import jinja2
 import numpy as np
 from markupsafe import Markup
 
+import curve
 import findings as findings_module
 import inputs as inputs_module
+import output
 import plots
 import slices
-
-INPUT_ERROR, OUTPUT_ERROR = 3, 5
 
 
 def draw_plots(inputs, findings):
     """Section name → one SVG a representation (or a figure)."""
     tau, names = findings.tau_rmse, inputs.representations
     tent = inputs.samples["tent", "tent"]
-    shown = [inputs.samples[key].rmse for key in inputs.samples if key[1] in ("tent", "generator", "refined", "direct")]
+    shown = [inputs.samples[key].rmse for key in inputs.samples if key[1] in ("tent", "uncorrected", "generator", "refined", "direct")]
     all_limits = plots.error_limits(shown)
     generated = [inputs.samples[n, "generator"] for n in names]
     time_limits = run_time_limits(inputs)
@@ -39,12 +39,13 @@ def draw_plots(inputs, findings):
     seen_limits = plots.error_limits([s.rmse for s in generated] + [s.rmse_unseen for s in generated])
     spread = lambda values: np.quantile(values[np.isfinite(values)], (0.05, 0.95)) if np.isfinite(values).any() else values
     shadow_limits = plots.error_limits([spread(getattr(s, key)) for (_, m), s in inputs.samples.items()
-                                        if m in ("tent", "generator", "refined", "direct") for key in ("rmse", "rmse_shadow")])
+                                        if m in ("tent", "uncorrected", "generator", "refined", "direct") for key in ("rmse", "rmse_shadow")])
     order = findings.scene_order()
     scene_limits = plots.error_limits([np.quantile(s.rmse[s.scene == scene], (0.5, 0.95)) for s in generated for scene in order])
-    log_limits = plots.error_limits([array for log in inputs.logs.values() for array in (log.training_loss, log.held_out_rmse)])
+    log_limits = plots.error_limits([array for log in inputs.logs.values() for array in (log.training_loss, log.held_out_generated, log.held_out_rmse)])
     tent_median = float(np.median(inputs.chosen(names[0], "tent").rmse)) if len(tent) else 0.0
     return {
+        "curve": [plots.finish(curve.draw(inputs.summary), "curve", "Error against bytes a function and against evaluation time")],
         "histogram": [plots.histogram(inputs, n, all_limits, tau) for n in names],
         "run_time": [plots.run_time(inputs, n, fit_limits, time_limits, tent_median) for n in names],
         "by_scene": [plots.by_scene(inputs, n, order, scene_limits, tau) for n in names],
@@ -81,23 +82,8 @@ def render(inputs):
     svg = {name: [Markup(text) for text in panels] for name, panels in draw_plots(inputs, findings).items()}
     page = environment.get_template("report.html.j2").render(
         findings=findings, grouped=findings_module.grouped, plural=findings_module.plural, plots=svg, galleries=galleries,
-        scales=slices.scales(limit), colour=plots.colour, provenance=provenance_rows(inputs), quantiles=inputs_module.QUANTILES)
+        scales=slices.scales(limit), colour=plots.colour, representation_colour=plots.representation_colour, provenance=provenance_rows(inputs), quantiles=inputs_module.QUANTILES)
     return page.encode(), slices.plate(inputs, limit)
-
-
-def write_atomically(path, data):
-    temporary_path = f"{path}.tmp.{os.getpid()}"
-    os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
-    try:
-        with open(temporary_path, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary_path, path)
-    except BaseException:
-        if os.path.exists(temporary_path):
-            os.remove(temporary_path)
-        raise
 
 
 def parse_arguments():
@@ -113,19 +99,12 @@ def parse_arguments():
 
 def main():
     arguments = parse_arguments()
-    try:
+
+    def make():
         inputs = inputs_module.read_inputs(arguments.summary, arguments.functions, arguments.slices, arguments.basis, arguments.logs)
         page, plate = render(inputs)
-    except inputs_module.InputError as error:
-        print(f"report.py: error: {' '.join(str(error).split())}", file=sys.stderr)
-        return INPUT_ERROR
-    try:
-        write_atomically(os.path.join(os.path.dirname(arguments.out), "slices.png"), plate)
-        write_atomically(arguments.out, page)
-    except OSError as error:
-        print(f"report.py: error: {arguments.out}: cannot be written: {error.strerror}", file=sys.stderr)
-        return OUTPUT_ERROR
-    return 0
+        return {os.path.join(os.path.dirname(arguments.out), "slices.png"): plate, arguments.out: page}
+    return output.run("report.py", arguments.out, make)
 
 
 if __name__ == "__main__":
