@@ -13,6 +13,12 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
+// A last layer solved on few points may have numbers of any size: what float16 cannot hold is not taken, as light grids store it.
+bool fitsFloat16(const float* theta, size_t count) {
+  constexpr float kLargestHalf = 65504.0f;
+  return std::all_of(theta, theta + count, [](float value) { return std::fabs(value) <= kLargestHalf; });
+}
+
 }  // namespace
 
 Corrector::Corrector(const Generator& generator)
@@ -146,7 +152,7 @@ int Corrector::keepBetter(bool all_go_on, float* theta) {
   for (size_t n = 0; n < going_on_.size(); ++n) {
     const int i = going_on_[n];
     if (!std::isfinite(error_[i])) continue;
-    const bool is_better = error_[i] < best_error_[i];
+    const bool is_better = error_[i] < best_error_[i] && fitsFloat16(&current_[i * D], D);
     if (!is_better && !all_go_on) continue;
     if (is_better) {
       best_error_[i] = error_[i];
