@@ -86,7 +86,8 @@ def plate(inputs, limit):
     columns = [[s for name in band for s in inputs.slices if s.representation == name] for band in bands]
     left, cell, gap, band_height = 1.0, 1.42, 0.35, 4.95
     width = cell * max(map(len, columns)) + gap * (len(bands[0]) - 1) + left + 0.05
-    height = band_height * len(bands) + 0.4
+    narrow = width < 11  # of one representation: what the hatching means stands above the scales, not beside them
+    height = band_height * len(bands) + (0.65 if narrow else 0.4)
     figure = plt.figure(figsize=(width, height))
     for b, (band, some) in enumerate(zip(bands, columns)):
         top = height - band_height * b
@@ -97,7 +98,7 @@ def plate(inputs, limit):
             figure.text((left - 0.1) / width, (top - 0.69 - (row + 0.5) * cell) / height, kind, ha="right", va="center", fontsize=9)
     draw_scale(figure, left, 0.2, PHI_MAP, lambda v: v, np.linspace(0, 1, 5) ** 0.5, ("0", ".25", ".5", ".75", "1"), "φ")
     draw_scale(figure, left + 3.2, 0.2, DIFFERENCE_MAP, lambda v: v, (0, 0.5, 1), (f"−{limit:g}", "0", f"+{limit:g}"), "difference")
-    place = ((left + 7.0) / width, 0.235 / height) if width > 11 else (left / width, 0.5 / height)  # beside the scales, or above them
+    place = (left / width, 0.48 / height) if narrow else ((left + 7.0) / width, 0.235 / height)
     figure.text(*place, "hatched: in solid, masked out · ring: the probe", fontsize=8, color=MUTED)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=120, facecolor="white")
