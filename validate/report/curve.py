@@ -103,6 +103,7 @@ def draw(summary, statistic="mean", times=None):
         place.append(draw_panel(figure, right, timed, statistic, lambda c: c.evaluate_us, limits, tent))
         decade_axis(right.xaxis, [c.evaluate_us for c in timed], plots.duration)
     else:
+        right.set_xticks([])
         right.annotate("not measured in this run", (0.5, 0.5), xycoords="axes fraction", ha="center", color=plots.MUTED)
     key(left, right)
     for place_names in place:
