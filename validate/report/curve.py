@@ -35,11 +35,13 @@ class Cost:
     direct: dict
 
 
-def costs(summary):
+def costs(summary, times=None):
+    """times: the summary that evaluate_us is taken from; null: the same."""
     result = []
     for name, node in summary["representations"].entries():
         rmse = lambda method: {q: node[method]["rmse"][q].number() for q in inputs_module.QUANTILES}
-        evaluate_us = node["evaluate_us"].number() if "evaluate_us" in node.value else 0.0
+        timed = times["representations"][name] if times else node
+        evaluate_us = timed["evaluate_us"].number() if times or "evaluate_us" in node.value else 0.0
         result.append(Cost(name, node["bytes"].count(), evaluate_us, rmse("generator_chosen"), rmse("direct")))
     return result
 
@@ -70,6 +72,8 @@ def draw_panel(figure, axes, some, statistic, x_of, limits, tent, more_lines=())
         front = plots.pareto([(x_of(c), getattr(c, method)[statistic]) for c in some])
         axes.plot(*zip(*front), color=plots.INK, linewidth=1.0, linestyle=style, zorder=2, alpha=0.7)
         lines.append(front)
+    reach = [x_of(c) for c in some]
+    lines.append([(min(reach) / 1.6, tent), (3.2 * max(reach), tent)])
     axes.axhline(tent, color=plots.colour("tent"), linewidth=1.0, linestyle=(0, (8, 3)), zorder=1)
     name = axes.annotate("bare tent", (1.0, tent), xycoords=axes.get_yaxis_transform(), xytext=(-2, 2), textcoords="offset points",
                          ha="right", fontsize=7.5, color=plots.colour("tent"))
@@ -77,9 +81,9 @@ def draw_panel(figure, axes, some, statistic, x_of, limits, tent, more_lines=())
     return lambda: plots.place_labels(figure, axes, labels, lines, [name])
 
 
-def draw(summary, statistic="mean"):
+def draw(summary, statistic="mean", times=None):
     """The figure of both panels; the second stays empty, and says so, where the summary has no times."""
-    some = costs(summary)
+    some = costs(summary, times)
     tent = next(node for _, node in summary["representations"].entries())["tent_chosen"]["rmse"][statistic].number()
     errors = [getattr(c, method)[statistic] for c in some for method in ("generator", "direct")] + [tent]
     limits = (0.75 * min(errors), 1.35 * max(errors))
@@ -99,6 +103,7 @@ def draw(summary, statistic="mean"):
         place.append(draw_panel(figure, right, timed, statistic, lambda c: c.evaluate_us, limits, tent))
         decade_axis(right.xaxis, [c.evaluate_us for c in timed], plots.duration)
     else:
+        right.set_xticks([])
         right.annotate("not measured in this run", (0.5, 0.5), xycoords="axes fraction", ha="center", color=plots.MUTED)
     key(left, right)
     for place_names in place:
@@ -116,8 +121,8 @@ def key(left, right):
         axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=2, borderaxespad=0.3, columnspacing=1.4, handlelength=2.0)
 
 
-def png(summary, statistic):
-    figure = draw(summary, statistic)
+def png(summary, statistic, times):
+    figure = draw(summary, statistic, times)
     buffer = io.BytesIO()
     # no version inside: the same summary gives the same bytes
     figure.savefig(buffer, format="png", dpi=150, facecolor="white", metadata={"Software": None})
@@ -128,6 +133,7 @@ def png(summary, statistic):
 def main():
     parser = argparse.ArgumentParser(description="Draws error against bytes a function and against evaluation time.")
     parser.add_argument("--summary", required=True, help="summary.json of nlg-validate")
+    parser.add_argument("--times", help="another summary.json, of the same representations: evaluation times are taken from it")
     parser.add_argument("--statistic", choices=inputs_module.QUANTILES, default="mean", help="of the RMSE over functions; default: mean")
     parser.add_argument("--out", required=True, help="the .png to write")
     arguments = parser.parse_args()
@@ -135,7 +141,8 @@ def main():
     def make():
         summary = inputs_module.read_json(arguments.summary)
         inputs_module.check_summary(summary)
-        return {arguments.out: png(summary, arguments.statistic)}
+        times = inputs_module.read_json(arguments.times) if arguments.times else None
+        return {arguments.out: png(summary, arguments.statistic, times)}
     return output.run("curve.py", arguments.out, make)
 
 

@@ -21,6 +21,7 @@ NAMES = {"tent": "bare tent", "uncorrected": "network alone", "generator": "gene
 REPRESENTATIONS = {"mlp": ("#1d232a", "s"), "tent_mlp": ("#0b4f9c", "o"), "tent_mlp88": ("#2a8ac2", "D"), "tent_mlp44": ("#118a7e", "^"),
                    "tent_mlp4": ("#7a3fb0", "v"), "pf3": ("#c08a00", "<"), "pf5": ("#d95f0e", ">"), "pf7": ("#b3173c", "p"),
                    "pf9": ("#6b2d0f", "h")}
+OTHER_REPRESENTATION = (MUTED, "o")
 PANEL = (4.7, 3.15)  # inches; scaled to its column by the page
 
 plt.rcParams.update({
@@ -36,11 +37,11 @@ def colour(method):
 
 
 def representation_colour(name):
-    return REPRESENTATIONS[name][0]
+    return REPRESENTATIONS.get(name, OTHER_REPRESENTATION)[0]
 
 
 def representation_marker(name):
-    return REPRESENTATIONS[name][1]
+    return REPRESENTATIONS.get(name, OTHER_REPRESENTATION)[1]
 
 
 def short(value):

@@ -41,7 +41,8 @@ def draw_plots(inputs, findings):
     shadow_limits = plots.error_limits([spread(getattr(s, key)) for (_, m), s in inputs.samples.items()
                                         if m in ("tent", "uncorrected", "generator", "refined", "direct") for key in ("rmse", "rmse_shadow")])
     order = findings.scene_order()
-    scene_limits = plots.error_limits([np.quantile(s.rmse[s.scene == scene], (0.5, 0.95)) for s in generated for scene in order])
+    both = generated + [inputs.samples[n, "uncorrected"] for n in names]
+    scene_limits = plots.error_limits([np.quantile(s.rmse[s.scene == scene], (0.5, 0.95)) for s in both for scene in order])
     log_limits = plots.error_limits([array for log in inputs.logs.values() for array in (log.training_loss, log.held_out_generated, log.held_out_rmse)])
     tent_median = float(np.median(inputs.chosen(names[0], "tent").rmse)) if len(tent) else 0.0
     return {

@@ -5,10 +5,12 @@ import io
 import matplotlib
 import numpy as np
 
-from plots import INK, MUTED, plt
+from plots import INK, MUTED, plt, representation_colour
 
 PHI_MAP = matplotlib.colormaps["inferno"]
 DIFFERENCE_MAP = matplotlib.colormaps["PuOr_r"]  # orange: the representation lets more in than the function
+KINDS = ("generated", "approximated", "difference")
+PLATE_REPRESENTATIONS = 2  # beside each other; the others go below
 ZOOM = 3
 AXIS_NAMES = "xyz"
 WHICH_NAMES = {"best": "best", "median": "median", "p95": "95th percentile", "worst": "worst"}
@@ -73,39 +75,49 @@ def scales(limit):
 
 def gallery(slices, limit):
     """What the page shows of each function."""
-    kinds = ("generated", "approximated", "difference")
     return [{"which": WHICH_NAMES.get(s.which, s.which), "scene": s.scene, "function": s.function, "rmse": s.rmse,
-             "plane": plane_text(s), "images": [(kind, data_uri(colour_image(s, kind, limit))) for kind in kinds]} for s in slices]
+             "plane": plane_text(s), "images": [(kind, data_uri(colour_image(s, kind, limit))) for kind in KINDS]} for s in slices]
 
 
 def plate(inputs, limit):
-    """The same as one PNG for the README: a column a function, a row a kind of picture."""
-    columns = [s for name in inputs.representations for s in inputs.slices if s.representation == name]
-    gap = 0.35
-    count, groups = len(columns), len(inputs.representations)
-    figure = plt.figure(figsize=(1.42 * count + gap * (groups - 1) + 1.05, 5.35))
-    width, height = figure.get_size_inches()
-    cell, left, top = 1.36, 1.0, height - 0.72
-    for i, slice_ in enumerate(columns):
-        group = inputs.representations.index(slice_.representation)
-        x = left + 1.42 * i + gap * group
-        if i == 0 or columns[i - 1].representation != slice_.representation:
-            figure.text(x / width, (height - 0.12) / height, slice_.representation, weight="bold", fontsize=11, va="top")
-        figure.text(x / width, (height - 0.37) / height, f"{slice_.which} · RMSE {slice_.rmse:.4f}", fontsize=8, va="top")
-        figure.text(x / width, (height - 0.53) / height, slice_.scene[:22], fontsize=7.5, va="top", color=MUTED)
-        for row, kind in enumerate(("generated", "approximated", "difference")):
-            axes = figure.add_axes([x / width, (top - (row + 1) * 1.42 + 0.06) / height, cell / width, cell / height])
-            axes.imshow(colour_image(slice_, kind, limit), interpolation="antialiased")
-            axes.axis("off")
-            if i == 0:
-                figure.text((left - 0.1) / width, (top - (row + 0.5) * 1.42 + 0.03) / height, kind, ha="right", va="center", fontsize=9)
+    """The same as one PNG for the README: a column a function, a row a kind of picture, two representations side by side."""
+    names = inputs.representations
+    bands = [names[i:i + PLATE_REPRESENTATIONS] for i in range(0, len(names), PLATE_REPRESENTATIONS)]
+    columns = [[s for name in band for s in inputs.slices if s.representation == name] for band in bands]
+    left, cell, gap, band_height = 1.0, 1.42, 0.35, 4.95
+    width = cell * max(map(len, columns)) + gap * (len(bands[0]) - 1) + left + 0.05
+    narrow = width < 11  # of one representation: what the hatching means stands above the scales, not beside them
+    height = band_height * len(bands) + (0.65 if narrow else 0.4)
+    figure = plt.figure(figsize=(width, height))
+    for b, (band, some) in enumerate(zip(bands, columns)):
+        top = height - band_height * b
+        for i, slice_ in enumerate(some):
+            first = i == 0 or some[i - 1].representation != slice_.representation
+            draw_column(figure, slice_, left + cell * i + gap * band.index(slice_.representation), top, limit, first)
+        for row, kind in enumerate(KINDS):
+            figure.text((left - 0.1) / width, (top - 0.69 - (row + 0.5) * cell) / height, kind, ha="right", va="center", fontsize=9)
     draw_scale(figure, left, 0.2, PHI_MAP, lambda v: v, np.linspace(0, 1, 5) ** 0.5, ("0", ".25", ".5", ".75", "1"), "φ")
     draw_scale(figure, left + 3.2, 0.2, DIFFERENCE_MAP, lambda v: v, (0, 0.5, 1), (f"−{limit:g}", "0", f"+{limit:g}"), "difference")
-    figure.text((left + 7.0) / width, 0.235 / height, "hatched: in solid, masked out · ring: the probe", fontsize=8, color=MUTED)
+    place = (left / width, 0.48 / height) if narrow else ((left + 7.0) / width, 0.235 / height)
+    figure.text(*place, "hatched: in solid, masked out · ring: the probe", fontsize=8, color=MUTED)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=120, facecolor="white")
     plt.close(figure)
     return buffer.getvalue()
+
+
+def draw_column(figure, slice_, x, top, limit, first):
+    """One function: what it is, and its pictures below each other; first: the representation's name above. Inches."""
+    width, height = figure.get_size_inches()
+    if first:
+        figure.text(x / width, (top - 0.12) / height, slice_.representation, weight="bold", fontsize=11, va="top",
+                    color=representation_colour(slice_.representation))
+    figure.text(x / width, (top - 0.37) / height, f"{slice_.which} · RMSE {slice_.rmse:.4f}", fontsize=8, va="top")
+    figure.text(x / width, (top - 0.53) / height, slice_.scene[:22], fontsize=7.5, va="top", color=MUTED)
+    for row, kind in enumerate(KINDS):
+        axes = figure.add_axes([x / width, (top - 0.66 - (row + 1) * 1.42) / height, 1.36 / width, 1.36 / height])
+        axes.imshow(colour_image(slice_, kind, limit), interpolation="antialiased")
+        axes.axis("off")
 
 
 def draw_scale(figure, x, y, colour_map, transfer, ticks, labels, name):
