@@ -23,6 +23,7 @@ class Corrector {
 
   // Solves the last layer, then applies the generator's number of steps to every theta. A function's steps end when one does not
   // lower its error over all valid support points; theta is then the best that was met, so it is never worse than it came.
+  // Nothing beyond the range of float16 is taken.
   // functions   count of them
   // theta       count x D, all of this generator's representation; one whose error is not finite stays as it is, unless a solved
   //             last layer makes it finite

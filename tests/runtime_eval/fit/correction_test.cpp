@@ -225,6 +225,34 @@ TEST(Corrector, SolvesTheLastLayerWhenTheWeightsSaySo) {
   }
 }
 
+TEST(Corrector, TakesNoThetaThatFloat16CannotHold) {
+  const Representation representation = Representation::tentMlp();
+  GeneratorData data = steepestDescent(representation, 0.0, 1);
+  data.correction.exact_last_layer = true;
+  // the first layer far beyond float16: its kinks become steps through the probe, which may well fit better
+  Random random(5);
+  for (int d = ThetaLayout::w1; d < ThetaLayout::b1; ++d) {
+    data.correction.layers[0].bias[d] = static_cast<float>(1e7 * random.normal());
+  }
+  const Generator generator(data);
+  Corrector corrector(generator);
+  int tempting = 0;
+  for (uint64_t seed = 1; seed < 40; ++seed) {
+    const StoredSample sample = wallSample(seed);
+    const StoredFunction stored = sample.view();
+    // a start without kinks: the tent times a number
+    Theta theta = randomTheta(representation, seed);
+    std::fill(theta.begin() + ThetaLayout::w1, theta.begin() + ThetaLayout::b1, 0.0f);
+    Theta beyond = theta;
+    corrector.correct(&stored, 1, theta.data());
+    for (const float value : theta) EXPECT_LE(std::fabs(value), 65504.0f) << "seed " << seed;
+    for (int d = ThetaLayout::w1; d < ThetaLayout::b1; ++d) beyond[d] += data.output_scale[d] * data.correction.layers[0].bias[d];
+    solveLastLayer(representation, decodeFunction(stored), beyond.data());
+    tempting += rmseOf(representation, sample, beyond.data()) < rmseOf(representation, sample, theta.data());
+  }
+  EXPECT_GT(tempting, 0) << "no function says anything";
+}
+
 TEST(Corrector, DoesNothingWithoutStepsInTheWeights) {
   const Generator generator(sampleGenerator({}, 48, 3, 1));
   Corrector corrector(generator);
