@@ -11,6 +11,7 @@
 
 #include "benchmarks/random_generator.h"
 #include "benchmarks/sample_function.h"
+#include "runtime_eval/fit/adam.h"
 #include "train/generator/function_loss.h"
 #include "train/generator/generator_network.h"
 #include "train/generator/theta_stages.h"
