@@ -33,6 +33,7 @@ std::vector<std::string> weightsFolders() {
 
 std::vector<std::string> shippedWeights(const std::vector<std::string>& representations,
                                         const std::vector<std::string>& folders) {
+  if (representations.empty()) throw UsageError("representation", "at least one of " + representationNames(), "none");
   std::vector<std::string> names;
   for (const std::string& name : representations) {
     Representation representation;

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
+#include "tool/output_path.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "train/generator/rate_finder.h"
@@ -78,17 +79,51 @@ TrainingData readTrainingData(const Request& request, const BasisFile& basis, co
   return TrainingData(std::move(cache), basis.basis.data, used.class_count);
 }
 
-// Goes on from the run's latest checkpoint when there is one of this very run.
+bool isSame(const RunIdentity& a, const RunIdentity& b) {
+  return a.representation == b.representation && a.options_json == b.options_json && a.basis_sha256 == b.basis_sha256 &&
+         a.training_set_sha256 == b.training_set_sha256;
+}
+
+// Goes on from the run's newest whole checkpoint when there is one of this very run.
 void resume(const Request& request, const RunIdentity& identity, const RunFolder& folder, TrainingState* state) {
-  const std::string latest = folder.latest();
-  if (latest.empty()) return;
-  try {
-    readCheckpoint(latest, identity, state);
-    std::cerr << "nlg-train: going on from step " << state->step << " of " << latest << '\n';
-  } catch (const InputError& error) {
-    if (!request.restart_on_change) throw;
-    std::cerr << "nlg-train: starting afresh: " << error.what() << '\n';
-    if (request.processes.rank == 0) folder.clear();
+  const std::vector<std::string> paths = folder.newestFirst();
+  for (const std::string& path : paths) {
+    RunIdentity found;
+    try {
+      found = readIdentity(path);
+    } catch (const InputError& error) {
+      // a damaged file says nothing of the run: the one before it may be whole
+      if (path == paths.back() && !request.restart_on_change) throw;
+      std::cerr << "nlg-train: left out: " << error.what() << '\n';
+      continue;
+    }
+    if (!isSame(found, identity) && request.restart_on_change) {
+      std::cerr << "nlg-train: starting afresh: " << path << " is of another run\n";
+      break;
+    }
+    readCheckpoint(path, identity, state);
+    std::cerr << "nlg-train: going on from step " << state->step << " of " << path << '\n';
+    return;
+  }
+  if (!paths.empty() && request.processes.rank == 0) folder.clear();
+}
+
+// Processes that do not train the same run would leave a checkpoint that is of none.
+void requireSameRun(const ProcessGroup& processes, const RunIdentity& identity) {
+  if (processes.count() == 1) return;
+  constexpr int kParts = 4, kDigits = 8;  // of the digest: each part is exact as a double
+  const std::string digest = sha256(identity.representation + '\n' + identity.options_json + '\n' + identity.basis_sha256 + '\n' +
+                                    identity.training_set_sha256);
+  torch::Tensor digests = torch::zeros({processes.count(), kParts}, torch::kDouble);
+  for (int part = 0; part < kParts; ++part) {
+    digests[processes.rank()][part] = static_cast<double>(std::stoul(digest.substr(part * kDigits, kDigits), nullptr, 16));
+  }
+  processes.sum(digests);
+  for (int rank = 0; rank < processes.count(); ++rank) {
+    if (torch::equal(digests[rank], digests[processes.rank()])) continue;
+    throw InputError("--rank", "process " + std::to_string(rank),
+                     "the representation, options, basis and training set of process " + std::to_string(processes.rank()),
+                     "others");
   }
 }
 
@@ -122,6 +157,13 @@ void printReport(const Request& request, const TrainingData& training, const Tra
 
 void run(const Request& request, TrainOptions options, const OptionTable& table) {
   check(request, options);
+  std::vector<std::string> inputs = request.shards;
+  inputs.insert(inputs.end(), request.held_out.begin(), request.held_out.end());
+  inputs.push_back(request.basis);
+  if (!request.cache.empty()) inputs.push_back(request.cache);
+  for (const std::string& out : {request.out, request.log}) {
+    if (!out.empty()) refuseToReplaceInputs(out, inputs);
+  }
   Representation representation;
   if (!findRepresentation(request.representation, &representation)) {
     throw UsageError("--representation", representationNames(), "'" + request.representation + "'");
@@ -130,6 +172,10 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   options.device = findDevice(request.device);
   at::set_num_threads(options.threads);
   const BasisFile basis = readBasisFile(request.basis);
+  if (const int most = basis.basis.data.coefficientCount(); options.coefficients > most) {
+    throw UsageError("coefficients", "at most the " + std::to_string(most) + " of the basis",
+                     std::to_string(options.coefficients));
+  }
   const BasisData used = usedBasis(options, basis.basis);
   options.shape.coefficient_count = used.coefficientCount();
   const TrainingData training = readTrainingData(request, basis, used);
@@ -156,6 +202,7 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
     writeFileAtomically(request.log, state.log_csv);
   };
   const ProcessGroup processes(request.processes);
+  requireSameRun(processes, identity);
   const TrainReport report = train(options, representation, training, held_out, &state, save, processes);
   if (processes.rank() != 0) return;
   writeFileAtomically(request.log, state.log_csv);

@@ -133,8 +133,8 @@ typedef struct nlg_check {
 nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const float* theta,
                           const nlg_refinement_options* options, nlg_scratch* scratch);
 
-/* Takes theta of generated functions through the generator's correction steps: tens of microseconds each, where nlg_refine takes
- * milliseconds. A theta is changed only where that lowers its error over all valid points. Does nothing when the weights have no
+/* Takes theta of generated functions through the generator's correction steps: .1 to .3 milliseconds each, where nlg_refine takes
+ * several. A theta is changed only where that lowers its error over all valid points. Does nothing when the weights have no
  * steps. Allocates nothing, cannot fail.
  *
  * phi       count x P bytes; validity count x P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid

@@ -175,7 +175,9 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
                   "metadata correction.exact_last_layer: the representation's output is not linear");
     }
   }
-  if (reader.ok() && file.metadata.count("correction.steps") != 0) {
+  const bool has_layers = file.metadata.count("correction.layer_count") != 0 || file.metadata.count("correction.width") != 0 ||
+                          file.tensors.count("correction.layer.0.weight") != 0;
+  if (reader.ok() && (has_layers || file.metadata.count("correction.steps") != 0)) {
     data->correction.step_count = reader.integer("correction.steps", 1, kLargestCorrectionStepCount);
     const CorrectionFeatures features{data->basis.coefficientCount(), theta_count};
     if (reader.ok()) data->correction.layers = readLayers(reader, "correction", features.count(), theta_count);

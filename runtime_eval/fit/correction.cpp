@@ -152,12 +152,13 @@ int Corrector::keepBetter(bool all_go_on, float* theta) {
   for (size_t n = 0; n < going_on_.size(); ++n) {
     const int i = going_on_[n];
     if (!std::isfinite(error_[i])) continue;
-    const bool is_better = error_[i] < best_error_[i] && fitsFloat16(&current_[i * D], D);
+    const bool is_as_it_came = std::memcmp(&theta[i * D], &current_[i * D], D * sizeof(float)) == 0;
+    const bool is_better = error_[i] < best_error_[i] && (is_as_it_came || fitsFloat16(&current_[i * D], D));
     if (!is_better && !all_go_on) continue;
     if (is_better) {
       best_error_[i] = error_[i];
       // of a theta that nothing has happened to yet only the error is new
-      if (std::memcmp(&theta[i * D], &current_[i * D], D * sizeof(float)) != 0) changed_[i] = 1;
+      if (!is_as_it_came) changed_[i] = 1;
       std::copy_n(&current_[i * D], D, &theta[i * D]);
     }
     // the features of those that go on close up

@@ -47,6 +47,10 @@ TEST_F(DefaultWeightsTest, TakesTheFirstFolderThatHasThem) {
   EXPECT_EQ(shippedWeights({"pf5", "tent_mlp"}, folders()), (std::vector{field, first}));
 }
 
+TEST_F(DefaultWeightsTest, WantsARepresentation) {
+  EXPECT_NE(refusal({}).find("expected at least one of mlp"), std::string::npos) << refusal({});
+}
+
 TEST_F(DefaultWeightsTest, SaysWhereItLookedForWhat) {
   const std::string text = refusal({"tent_mlp"});
   for (const std::string& part : {folders()[0], folders()[1], std::string("tent_mlp.safetensors"), std::string("--weights")}) {

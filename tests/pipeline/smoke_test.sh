@@ -85,7 +85,8 @@ one, half = json.load(open(one)), json.load(open(half))
 parts = ["functions", "free_space", "in_solid", "empty", "duplicates"]
 assert sum(one[part] for part in parts) == one["probes"] > one["functions"] > 0, one
 assert sum(one["representations"].values()) == one["functions"], one
-assert one["rmse_stored"]["mean"] <= one["rmse_generated"]["mean"], one
+# refinement trades a little RMSE for leaks: fewer functions fail, whatever the mean does
+assert one["still_failing"] <= one["failed_check"], one
 assert one["bytes"] == os.path.getsize(one_file) and half["bytes"] == os.path.getsize(half_file), (one, half)
 assert half["theta_bytes"] * 2 == one["theta_bytes"], (one["theta_bytes"], half["theta_bytes"])
 assert one["rmse_added_by_rounding"]["worst"] == 0 < half["rmse_added_by_rounding"]["worst"] < 0.01, half

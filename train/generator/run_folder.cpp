@@ -57,10 +57,10 @@ void pointTo(const fs::path& link, const std::string& target) {
 
 }  // namespace
 
-std::string RunFolder::latest() const {
-  const fs::path link = fs::path(path_) / "latest";
-  std::error_code error;
-  return fs::exists(fs::symlink_status(link, error)) ? link.string() : "";
+std::vector<std::string> RunFolder::newestFirst() const {
+  std::vector<std::string> paths;
+  for (const fs::path& path : checkpoints(path_)) paths.insert(paths.begin(), path.string());
+  return paths;
 }
 
 void RunFolder::writeOrigin(const nlohmann::ordered_json& config, const nlohmann::ordered_json& provenance) const {

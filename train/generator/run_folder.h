@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -18,8 +19,8 @@ class RunFolder {
  public:
   explicit RunFolder(std::string path) : path_(std::move(path)) {}
 
-  // The checkpoint to go on from; empty when there is none.
-  std::string latest() const;
+  // The checkpoints that there are, newest first: the first one that is whole is to go on from.
+  std::vector<std::string> newestFirst() const;
 
   // throws OutputError
   void writeOrigin(const nlohmann::ordered_json& config, const nlohmann::ordered_json& provenance) const;

@@ -22,7 +22,8 @@ ThetaStages runStages(GeneratorNetwork& network, const Representation& represent
 // How the stages do on held-out functions.
 struct HeldOutError {
   double generated = 0.0;  // mean RMSE of the generator alone
-  double final = 0.0;      // and after all stages, a stage being kept where it lowers the error
+  double final =
+      0.0;  // and of each function's best stage: at bake time steps end at the first that does not pay, so it may be above
 };
 
 // Over all valid support points, for at most `limit` functions taken at equal distances.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 
 #include "runtime_eval/fit/direct.h"
 #include "tool/error.h"
@@ -115,9 +116,14 @@ void agree(const TrainingState& state, const ProcessGroup& processes) {
 }
 
 std::string logLine(const TrainOptions& options, const TrainingState& state, double loss, const HeldOutError& held_out) {
-  return std::to_string(state.step) + ',' + std::to_string(scheduledRate(options, state, state.step - 1)) + ',' +
-         std::to_string(loss) + ',' + std::to_string(held_out.generated) + ',' + std::to_string(held_out.final) + ',' +
-         std::to_string(state.rollbacks) + '\n';
+  // rates end at a ten-thousandth of the peak: six digits of each number, not six decimals
+  const auto text = [](double value) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.6g", value);
+    return std::string(digits);
+  };
+  return std::to_string(state.step) + ',' + text(scheduledRate(options, state, state.step - 1)) + ',' + text(loss) + ',' +
+         text(held_out.generated) + ',' + text(held_out.final) + ',' + std::to_string(state.rollbacks) + '\n';
 }
 
 SampleOrder sampleOrder(const TrainOptions& options, const Representation& representation, const TrainingData& training) {
@@ -250,6 +256,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
   while (state->step < options.steps) {
     const Clock::time_point step_start = Clock::now();
     const TrainStep::Result result = step.computeGradient(*state);
+    training_s += secondsSince(step_start);
     if (!guard.accepts(*state, result.loss, result.gradient_norm)) {
       if (std::isfinite(result.gradient_norm))
         goBack("loss", result.loss);
@@ -257,10 +264,11 @@ TrainReport train(const TrainOptions& options, const Representation& representat
         goBack("norm of the gradient", result.gradient_norm);
       continue;
     }
+    const Clock::time_point apply_start = Clock::now();
     step.apply(*state, scheduledRate(options, *state, state->step));
     noteLoss(state, result.loss);
     mean.add(result.loss);
-    training_s += secondsSince(step_start);
+    training_s += secondsSince(apply_start);
     progress.update(state->step, "loss " + std::to_string(mean.value()));
     const bool at_checkpoint = state->step % options.checkpoint_steps == 0 || state->step == options.steps;
     if (!at_checkpoint && state->step % kStepsBetweenGoodStates != 0) continue;

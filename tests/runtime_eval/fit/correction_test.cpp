@@ -277,7 +277,7 @@ TEST(GeneratorWeights, KeepCorrectionSteps) {
     EXPECT_EQ(read.correction.layers[l].bias, data.correction.layers[l].bias);
   }
   // a file that says that it has steps must have all of them
-  for (const char* key : {"correction.layer_count", "correction.width"}) {
+  for (const char* key : {"correction.steps", "correction.layer_count", "correction.width"}) {
     WeightsFile broken = file;
     broken.metadata.erase(key);
     EXPECT_EQ(generatorFromWeights(broken, &read).status, WeightsStatus::tensor_missing) << key;
@@ -300,7 +300,8 @@ TEST(GeneratorWeights, KeepCorrectionSteps) {
     WeightsFile flat = file;
     flat.tensors["output_scale"].values[7] = scale;
     EXPECT_EQ(generatorFromWeights(flat, &read).status, WeightsStatus::value_out_of_range) << scale;
-    flat.metadata.erase("correction.steps");
+    for (const char* key : {"correction.steps", "correction.layer_count", "correction.width"}) flat.metadata.erase(key);
+    flat.tensors.erase("correction.layer.0.weight");
     EXPECT_TRUE(generatorFromWeights(flat, &read).ok()) << scale;
   }
   WeightsFile broken = file;
