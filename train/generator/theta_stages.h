@@ -22,8 +22,8 @@ ThetaStages runStages(GeneratorNetwork& network, const Representation& represent
 // How the stages do on held-out functions.
 struct HeldOutError {
   double generated = 0.0;  // mean RMSE of the generator alone
-  double final =
-      0.0;  // and of each function's best stage: at bake time steps end at the first that does not pay, so it may be above
+  // … and of each function's best stage. At bake time the steps end at the first that does not pay, so it may be above.
+  double final = 0.0;
 };
 
 // Over all valid support points, for at most `limit` functions taken at equal distances.
