@@ -421,7 +421,7 @@ def check_inputs_that_do_not_belong_together():
             "--held-out", "held_out.h5", "other_unseen.h5", "--out", "bad_validation")
     # an unfinished run's state of other options is refused unless asked otherwise
     shutil.copytree("run", "other_run", symlinks=True)
-    refuses(INPUT_ERROR, ["other_run/latest"], ["bad.ckpt", "bad.csv"], "nlg-train", "--config", "good.yaml", "--steps", "5", *TRAIN_INPUTS,
+    refuses(INPUT_ERROR, ["other_run/step-"], ["bad.ckpt", "bad.csv"], "nlg-train", "--config", "good.yaml", "--steps", "5", *TRAIN_INPUTS,
             "--out", "bad.ckpt", "--run", "other_run", "--log", "bad.csv")
     if sorted(os.listdir("other_run")) != sorted(os.listdir("run")):
         failures.append(f"nlg-train: changed a run that it refused: {os.listdir('other_run')}")
