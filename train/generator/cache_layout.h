@@ -10,7 +10,6 @@ namespace nlg {
 inline constexpr char kCacheMagic[8] = {'n', 'l', 'g', 'c', 'a', 'c', 'h', 'e'};
 inline constexpr uint64_t kCacheVersion = 1;
 inline constexpr size_t kFirstRecord = 4096;  // a page: records begin on one
-inline constexpr size_t kValidityBytes = kSupportPointCount / 8;
 
 // The first bytes of the file; zeros up to kFirstRecord. Little-endian, as everything in the file.
 struct CacheHead {
@@ -22,7 +21,7 @@ struct CacheHead {
 
 // phi, validity, coefficients
 inline constexpr size_t recordBytes(int coefficient_count) {
-  return kSupportPointCount + kValidityBytes + sizeof(float) * static_cast<size_t>(coefficient_count);
+  return kSupportPointCount + kValidityByteCount + sizeof(float) * static_cast<size_t>(coefficient_count);
 }
 
 }  // namespace nlg

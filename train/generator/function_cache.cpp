@@ -114,7 +114,7 @@ StoredFunction FunctionCache::function(int64_t index) const {
 
 const float* FunctionCache::coefficients(int64_t index) const {
   // aligned: the page and all parts of a record before it are multiples of a float
-  return reinterpret_cast<const float*>(function(index).validity + kValidityBytes);
+  return reinterpret_cast<const float*>(function(index).validity + kValidityByteCount);
 }
 
 float FunctionCache::tentRmse(int64_t index) const { return tent_rmse_[static_cast<size_t>(index)]; }

@@ -81,7 +81,7 @@ class CacheWriter {
 
   // The samples of the id-th function; good until the next call.
   FunctionSamples samples(uint64_t id) {
-    fetched_.resize(kSupportPointCount + kValidityBytes);
+    fetched_.resize(kSupportPointCount + kValidityByteCount);
     file_.read(placeOf(places_[id]), fetched_.data(), fetched_.size());
     return {fetched_.data(), fetched_.data() + kSupportPointCount};
   }
@@ -99,10 +99,11 @@ class CacheWriter {
       projection_.project(&shard.phi[static_cast<size_t>(begin) * kSupportPointCount], batch, coefficients.data(), &scratch_);
       for (int b = 0; b < batch; ++b) {
         const size_t n = static_cast<size_t>(begin + b), place = places_[static_cast<size_t>(count_++)];
-        const StoredFunction function{&shard.phi[n * kSupportPointCount], &shard.validity[n * kValidityBytes]};
+        const StoredFunction function{&shard.phi[n * kSupportPointCount], &shard.validity[n * kValidityByteCount]};
         std::memcpy(record.data(), function.phi, kSupportPointCount);
-        std::memcpy(&record[kSupportPointCount], function.validity, kValidityBytes);
-        std::memcpy(&record[kSupportPointCount + kValidityBytes], &coefficients[K * static_cast<size_t>(b)], K * sizeof(float));
+        std::memcpy(&record[kSupportPointCount], function.validity, kValidityByteCount);
+        std::memcpy(&record[kSupportPointCount + kValidityByteCount], &coefficients[K * static_cast<size_t>(b)],
+                    K * sizeof(float));
         file_.write(placeOf(place), record.data(), record.size());
         tent_rmse_[place] = tentRmse(function);
         filled_[place] = true;
