@@ -79,11 +79,6 @@ TrainingData readTrainingData(const Request& request, const BasisFile& basis, co
   return TrainingData(std::move(cache), basis.basis.data, used.class_count);
 }
 
-bool isSame(const RunIdentity& a, const RunIdentity& b) {
-  return a.representation == b.representation && a.options_json == b.options_json && a.basis_sha256 == b.basis_sha256 &&
-         a.training_set_sha256 == b.training_set_sha256;
-}
-
 // Goes on from the run's newest whole checkpoint when there is one of this very run.
 void resume(const Request& request, const RunIdentity& identity, const RunFolder& folder, TrainingState* state) {
   const std::vector<std::string> paths = folder.newestFirst();
@@ -97,7 +92,7 @@ void resume(const Request& request, const RunIdentity& identity, const RunFolder
       std::cerr << "nlg-train: left out: " << error.what() << '\n';
       continue;
     }
-    if (!isSame(found, identity) && request.restart_on_change) {
+    if (found != identity && request.restart_on_change) {
       std::cerr << "nlg-train: starting afresh: " << path << " is of another run\n";
       break;
     }

@@ -16,6 +16,8 @@ struct RunIdentity {
   std::string options_json;  // resolved options of the run
   std::string basis_sha256;
   std::string training_set_sha256;  // FunctionSet::sha256
+
+  bool operator==(const RunIdentity&) const = default;
 };
 
 struct TrainingState {
