@@ -83,9 +83,13 @@ class Generator {
   void generate(const uint8_t* phi, int count, float* theta, GeneratorScratch* scratch) const;
   void generate(const float* phi, int count, float* theta, GeneratorScratch* scratch) const;
 
-  // Coefficients of functions, standardised: what the layers read. coefficients: count x K; count at most kBatchCount.
+  // The same in its two parts, for functions whose mirror images are wanted too.
+  // count          at most kBatchCount
+  // coefficients   count x K, standardised: what the layers read
+  const Projection& projection() const { return projection_; }
   int coefficientCount() const { return projection_.coefficientCount(); }
   void project(const uint8_t* phi, int count, float* coefficients, GeneratorScratch* scratch) const;
+  void generateFromCoefficients(const float* coefficients, int count, float* theta, GeneratorScratch* scratch) const;
 
   // Learned correction steps, for Corrector (fit/correction.h); 0 steps and no layers when the weights have none. Always float32.
   int correctionStepCount() const { return correction_step_count_; }
