@@ -22,7 +22,7 @@ inline constexpr int kWeightsVersion = 1;
 // Learned correction steps (docs/math.md §6): a network that sees a theta, how wrong it is on its function and which way is down,
 // and says how theta should change. Same layers as the generator's; inputs are CorrectionFeatures (below) in their order.
 struct CorrectionData {
-  int step_count = 0;                  // times that it is to be applied; 0: the generator has none
+  int step_count = 0;                  // times in a row that it was trained for; 0: the generator has none
   bool exact_last_layer = false;       // the last layer is solved before every measurement (networks with a linear output)
   std::vector<GeneratorLayer> layers;  // K + 2 D + 2 inputs; the last one has D outputs, times output_scale
 };
