@@ -51,7 +51,7 @@ def documented_keys():
 
 
 def check_result():
-    must(os.path.join(BIN, "nlg-validate"), "frontier", *GOOD, "--hierarchy", "room.hierarchy.json", "--out", "out")
+    must(os.path.join(BIN, "nlg-validate"), "frontier", *GOOD, "--hierarchy", "room.hierarchy.json", "hall.hierarchy.json", "--out", "out")
     result = json.load(open("out/frontier.json"))
     keys = documented_keys()
     points = result["points"]
@@ -78,7 +78,10 @@ def check_result():
     members = [point for point in points if point["on_front"]]
     expect(members and all(f"{p['representation']}: {p['label']} (" in result["front_sentence"] for p in members), result["front_sentence"])
     expect(not any(p["on_front"] for p in points if p["family"] == "threads"), "a point of several threads is on the front")
-    expect(result["hierarchy"] == [{"step": "solved"}] and result["walks"] == [{"scene": "room"}], "hierarchy and walks are those of the file")
+    step = result["hierarchy"][0]
+    expect(len(result["hierarchy"]) == 1 and step["rmse_mean"] == 2 and step["function_rmse"] is None, f"hierarchy: {result['hierarchy']}")
+    expect({scene: figures["rmse_mean"] for scene, figures in step["by_scene"].items()} == {"room": 1, "hall": 3}, f"its scenes: {step}")
+    expect(result["walks"] == [{"scene": "room"}, {"scene": "hall"}], f"walks: {result['walks']}")
     rows = list(csv.DictReader(open("out/frontier.csv")))
     expect([row["label"] for row in rows] == [point["label"] for point in points], "frontier.csv has other rows than frontier.json")
     for row, point in zip(rows, points):
@@ -128,7 +131,9 @@ def main():
         for name in ["tent_mlp", "pf3", "pf5"]:
             must(MAKE_WEIGHTS, f"{name}.safetensors", name)
         must(MAKE_NARROW_SHARD, "narrow.h5")
-        json.dump({"schema_version": 1, "hierarchy": [{"step": "solved"}], "walks": [{"scene": "room"}]}, open("room.hierarchy.json", "w"))
+        for scene, rmse in [("room", 1), ("hall", 3)]:
+            step = {"scene": scene, "step": "solved", "representation": None, "rmse_mean": rmse, "function_rmse": None}
+            json.dump({"schema_version": 1, "hierarchy": [step], "walks": [{"scene": scene}]}, open(f"{scene}.hierarchy.json", "w"))
         check_result()
         check_bad_input()
         os.chdir("/")

@@ -1,6 +1,7 @@
 #include "validate/frontier/frontier_json.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <fstream>
 
 #include "tool/error.h"
@@ -56,6 +57,43 @@ Json readHierarchy(const std::string& path) {
   return json;
 }
 
+// Puts a scene's entry under the step of the same name and representation.
+void addStep(const std::string& path, const Json& entry, Json& steps) {
+  if (!entry.is_object() || !entry.contains("step") || !entry.contains("representation") || !entry.contains("scene") ||
+      !entry["scene"].is_string()) {
+    throw InputError(path, "hierarchy", "entries with step, representation and scene", entry.dump());
+  }
+  const auto same = [&](const Json& step) {
+    return step["step"] == entry["step"] && step["representation"] == entry["representation"];
+  };
+  auto found = std::find_if(steps.begin(), steps.end(), same);
+  if (found == steps.end()) {
+    steps.push_back({{"step", entry["step"]}, {"representation", entry["representation"]}});
+    found = std::prev(steps.end());
+  }
+  Json figures = Json::object();
+  for (const auto& [key, value] : entry.items()) {
+    if (key != "step" && key != "representation" && key != "scene") figures[key] = value;
+  }
+  (*found)["by_scene"][entry["scene"].get<std::string>()] = figures;
+}
+
+// Every figure's mean over the scenes; null where a scene has none.
+void meanOverScenes(Json& step) {
+  const Json by_scene = step["by_scene"];
+  step.erase("by_scene");
+  for (const auto& [key, value] : by_scene.front().items()) {
+    double sum = 0.0;
+    bool is_number = true;
+    for (const Json& figures : by_scene) {
+      is_number &= figures.contains(key) && figures[key].is_number();
+      if (is_number) sum += figures[key].get<double>();
+    }
+    step[key] = is_number ? Json(sum / static_cast<double>(by_scene.size())) : Json(nullptr);
+  }
+  step["by_scene"] = by_scene;
+}
+
 }  // namespace
 
 FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, const FrontTolerances& tolerances) {
@@ -94,14 +132,15 @@ std::string pointsCsv(const FrontierResult& result) {
 }
 
 void addHierarchies(const std::vector<std::string>& paths, Json& frontier) {
-  frontier["hierarchy"] = Json::array();
-  frontier["walks"] = Json::array();
+  Json& hierarchy = frontier["hierarchy"] = Json::array();
+  Json walks = Json::array();
   for (const std::string& path : paths) {
     const Json scene = readHierarchy(path);
-    for (const char* key : {"hierarchy", "walks"}) {
-      for (const Json& entry : scene[key]) frontier[key].push_back(entry);
-    }
+    for (const Json& entry : scene["hierarchy"]) addStep(path, entry, hierarchy);
+    for (const Json& entry : scene["walks"]) walks.push_back(entry);
   }
+  for (Json& step : hierarchy) meanOverScenes(step);
+  frontier["walks"] = std::move(walks);
 }
 
 }  // namespace nlg

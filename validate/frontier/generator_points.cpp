@@ -18,7 +18,7 @@ struct PointList {
   std::string representation;
   std::vector<PlotPoint> points;
 
-  PlotPoint& add(const std::string& family, std::optional<double> budget, const std::string& label,
+  PlotPoint& add(const std::string& family, std::optional<int> budget, const std::string& label,
                  std::function<Functions(const FunctionBlock&)> run) {
     return points.emplace_back(PlotPoint{representation, family, budget, label, true, std::move(run)});
   }
@@ -52,7 +52,7 @@ Functions correctedInHalf(GeneratorRun& run, const FunctionBlock& block) {
 // Every thread runs the whole block on a generator of its own; the time of a function is that of all over their number.
 Functions onThreads(const std::vector<std::shared_ptr<GeneratorRun>>& runs, const FunctionBlock& block) {
   std::vector<Functions> of_thread(runs.size());
-  const Stopwatch watch;
+  const WallStopwatch watch;
   parallelFor(runs.size(), static_cast<int>(runs.size()),
               [&](uint64_t item, int) { of_thread[item] = runs[item]->generateAndCorrect(block); });
   const double elapsed_us = watch.elapsedUs() / (static_cast<double>(runs.size()) * block.count());

@@ -21,7 +21,7 @@ class Interleaved {
 
   // The first run on a block: errors, and how long it takes.
   void measureErrors(size_t p, size_t b) {
-    const Stopwatch watch;
+    const WallStopwatch watch;
     const std::vector<FittedFunction> functions = points_[p].run(blocks_[b]);
     if (b == 0) block_s_[p] = 1e-6 * watch.elapsedUs();
     NLG_CHECK(functions.size(), ==, blocks_[b].functions.size());

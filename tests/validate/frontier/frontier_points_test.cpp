@@ -117,7 +117,7 @@ TEST(PointFigures, AreMeansOfRunsAndQuantilesOverThem) {
 GeneratorData sampleData(const Representation& representation) { return sampleGenerator(representation, 24, 3, 7); }
 
 // First point of a family and budget.
-const PlotPoint& find(const std::vector<PlotPoint>& points, const std::string& family, std::optional<double> budget = {}) {
+const PlotPoint& find(const std::vector<PlotPoint>& points, const std::string& family, std::optional<int> budget = {}) {
   for (const PlotPoint& point : points) {
     if (point.family == family && point.budget == budget) return point;
   }
@@ -128,7 +128,7 @@ TEST(GeneratorPoints, MeasureWhatTheyAreNamedFor) {
   const GeneratorData data = sampleData(Representation::tentMlp());
   const std::vector<PlotPoint> points = generatorPoints(data, {5, 25});
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 3, 5}).front();
-  const auto theta = [&](const std::string& family, std::optional<double> budget = {}) {
+  const auto theta = [&](const std::string& family, std::optional<int> budget = {}) {
     std::vector<Theta> thetas;
     for (const FittedFunction& function : find(points, family, budget).run(block)) {
       EXPECT_GT(function.elapsed_us, 0.0) << family;
@@ -198,11 +198,11 @@ TEST(FitPoints, StartWhereTheySayAndNeverEndAboveIt) {
 
 TEST(FitPoints, GiveProductFieldsAThirtySecondOfDirectAdamSteps) {
   const auto run = std::make_shared<GeneratorRun>(sampleData(Representation::productField(3)));
-  std::vector<double> budgets;
+  std::vector<int> budgets;
   for (const PlotPoint& point : fitPoints(run, {{}, {}, {}, {8, 16, 64, 320}}, 1)) {
     if (point.family == "adam_from_random") budgets.push_back(*point.budget);
   }
-  EXPECT_EQ(budgets, (std::vector<double>{1, 2, 10}));
+  EXPECT_EQ(budgets, (std::vector<int>{1, 2, 10}));
 }
 
 TEST(ChoicePoint, TakesForEveryFunctionAThetaThatOneGeneratorGave) {
