@@ -67,21 +67,20 @@ def check_result():
             expect(0 < figures["us_p25"] <= figures["us_median"] <= figures["us_p75"], f"{name}: times {figures}")
             expect(figures["rmse_p5"] <= figures["rmse_median"] <= figures["rmse_p95"] <= figures["rmse_worst"], f"{name}: errors {figures}")
     expect(result["functions"] == 7 and result["scenes"] == ["house_1", "house_2"], f"{result['functions']} of {result['scenes']}")
-    count = {"generator": 1, "corrected": 1, "lm_from_generator": 2, "adam_from_generator": 1, "lm_from_theta0": 1, "adam_from_theta0": 1,
+    count = {"generator": 1, "corrected": 5, "lm_from_generator": 2, "adam_from_generator": 1, "lm_from_theta0": 1, "adam_from_theta0": 1,
              "lm_from_random": 1, "adam_from_random": 1, "coefficients": 2, "precision": 2, "theta_precision": 2, "threads": 2}
     for family, wanted in count.items():
         for name in ["tent_mlp", "pf3", "pf5"]:
             found = [p["budget"] for p in points if (p["representation"], p["family"]) == (name, family)]
-            expect(len(found) == wanted and sorted(found, key=lambda b: b or 0) == found, f"{name}, {family}: budgets {found}")
+            expect(len(found) == wanted, f"{name}, {family}: budgets {found}")
     choices = [point["representation"] for point in points if point["family"] == "choice"]
     expect(choices == ["pf3+pf5"], f"choices: {choices}")
     members = [point for point in points if point["on_front"]]
     expect(members and all(f"{p['representation']}: {p['label']} (" in result["front_sentence"] for p in members), result["front_sentence"])
     expect(not any(p["on_front"] for p in points if p["family"] == "threads"), "a point of several threads is on the front")
-    step = result["hierarchy"][0]
-    expect(len(result["hierarchy"]) == 1 and step["rmse_mean"] == 2 and step["function_rmse"] is None, f"hierarchy: {result['hierarchy']}")
-    expect({scene: figures["rmse_mean"] for scene, figures in step["by_scene"].items()} == {"room": 1, "hall": 3}, f"its scenes: {step}")
-    expect(result["walks"] == [{"scene": "room"}, {"scene": "hall"}], f"walks: {result['walks']}")
+    expect(result["hierarchy"] == [{"step": "solved", "representation": None, "scenes": 2, "rmse_mean": 2, "function_rmse": None}],
+           f"hierarchy: {result['hierarchy']}")
+    expect(result["walks"] == [{"functions": "solved", "representation": None, "scenes": 2, "light_jump_worst": 3}], f"walks: {result['walks']}")
     rows = list(csv.DictReader(open("out/frontier.csv")))
     expect([row["label"] for row in rows] == [point["label"] for point in points], "frontier.csv has other rows than frontier.json")
     for row, point in zip(rows, points):
@@ -133,7 +132,8 @@ def main():
         must(MAKE_NARROW_SHARD, "narrow.h5")
         for scene, rmse in [("room", 1), ("hall", 3)]:
             step = {"scene": scene, "step": "solved", "representation": None, "rmse_mean": rmse, "function_rmse": None}
-            json.dump({"schema_version": 1, "hierarchy": [step], "walks": [{"scene": scene}]}, open(f"{scene}.hierarchy.json", "w"))
+            walk = {"scene": scene, "functions": "solved", "representation": None, "light_jump_worst": rmse}
+            json.dump({"schema_version": 1, "hierarchy": [step], "walks": [walk]}, open(f"{scene}.hierarchy.json", "w"))
         check_result()
         check_bad_input()
         os.chdir("/")

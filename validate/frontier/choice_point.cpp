@@ -67,11 +67,17 @@ struct ChoicePoint {
 
 }  // namespace
 
-PlotPoint choicePoint(const std::vector<std::shared_ptr<GeneratorRun>>& runs, double correct_rmse, const CheckOptions& check,
-                      const ChoiceOptions& choice) {
+PlotPoint choicePoint(const std::vector<std::shared_ptr<const Generator>>& generators, const CorrectionOptions& correction,
+                      const CheckOptions& check, const ChoiceOptions& choice) {
+  CorrectionOptions of_all = correction;  // who is corrected is decided by the check
+  of_all.correct_rmse = 0.0;
   std::string names;
-  for (const auto& run : runs) names += (names.empty() ? "" : "+") + std::string(representationName(run->representation()));
-  return {names, "choice", {}, "choice of " + names, true, ChoicePoint{runs, correct_rmse, check, choice}};
+  std::vector<std::shared_ptr<GeneratorRun>> runs;
+  for (const auto& generator : generators) {
+    runs.push_back(std::make_shared<GeneratorRun>(generator, of_all));
+    names += (names.empty() ? "" : "+") + std::string(representationName(generator->representation()));
+  }
+  return {names, "choice", {}, "automatic choice", true, ChoicePoint{runs, correction.correct_rmse, check, choice}};
 }
 
 }  // namespace nlg

@@ -30,7 +30,7 @@ std::vector<PlotPoint> allPoints(const Request& request, const FrontierOptions& 
   const std::vector<int> coefficients = options.coefficientCounts();
   const FitBudgets budgets = options.budgets();
   std::vector<PlotPoint> points;
-  std::vector<std::shared_ptr<GeneratorRun>> fields;
+  std::vector<std::shared_ptr<const Generator>> fields;
   for (const std::string& path : request.weights) {
     const GeneratorData data = loadGeneratorData(path);
     const int all = data.basis.coefficientCount();
@@ -38,14 +38,14 @@ std::vector<PlotPoint> allPoints(const Request& request, const FrontierOptions& 
       throw UsageError("--coefficients", "at most the " + std::to_string(all) + " of " + path,
                        std::to_string(coefficients.back()));
     }
-    const auto run = std::make_shared<GeneratorRun>(data);
-    append(generatorPoints(data, coefficients), points);
-    append(fitPoints(run, budgets, options.seed), points);
-    if (data.representation.isField()) fields.push_back(run);
+    const auto generator = std::make_shared<const Generator>(data);
+    append(generatorPoints(data, generator, options.correction, coefficients), points);
+    append(fitPoints(std::make_shared<GeneratorRun>(generator, options.correction), budgets, options.seed), points);
+    if (generator->representation().isField()) fields.push_back(generator);
   }
   std::sort(fields.begin(), fields.end(),
             [](const auto& a, const auto& b) { return a->representation().thetaCount() < b->representation().thetaCount(); });
-  if (fields.size() > 1) points.push_back(choicePoint(fields, options.correct_rmse, options.check, options.choice));
+  if (fields.size() > 1) points.push_back(choicePoint(fields, options.correction, options.check, options.choice));
   return points;
 }
 
@@ -87,6 +87,7 @@ int frontierMain(int argc, char** argv) {
   FrontierOptions options;
   OptionTable table("frontier");
   describe(options, table);
+  describeCorrection(options.correction, table);
   describeChoice(options.choice, table);
   app.add_option("--weights", request.weights, "exported generators, one a representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();

@@ -57,42 +57,49 @@ Json readHierarchy(const std::string& path) {
   return json;
 }
 
-// Puts a scene's entry under the step of the same name and representation.
-void addStep(const std::string& path, const Json& entry, Json& steps) {
-  if (!entry.is_object() || !entry.contains("step") || !entry.contains("representation") || !entry.contains("scene") ||
-      !entry["scene"].is_string()) {
-    throw InputError(path, "hierarchy", "entries with step, representation and scene", entry.dump());
-  }
-  const auto same = [&](const Json& step) {
-    return step["step"] == entry["step"] && step["representation"] == entry["representation"];
-  };
-  auto found = std::find_if(steps.begin(), steps.end(), same);
-  if (found == steps.end()) {
-    steps.push_back({{"step", entry["step"]}, {"representation", entry["representation"]}});
-    found = std::prev(steps.end());
-  }
-  Json figures = Json::object();
-  for (const auto& [key, value] : entry.items()) {
-    if (key != "step" && key != "representation" && key != "scene") figures[key] = value;
-  }
-  (*found)["by_scene"][entry["scene"].get<std::string>()] = figures;
-}
+// What several scenes say of one step or walk: a flat row that a table shows as it is.
+struct SceneMean {
+  const char* name_key;  // "step" or "functions"
+  Json rows = Json::array();
+  std::vector<std::vector<Json>> entries;  // by row
 
-// Every figure's mean over the scenes; null where a scene has none.
-void meanOverScenes(Json& step) {
-  const Json by_scene = step["by_scene"];
-  step.erase("by_scene");
-  for (const auto& [key, value] : by_scene.front().items()) {
-    double sum = 0.0;
-    bool is_number = true;
-    for (const Json& figures : by_scene) {
-      is_number &= figures.contains(key) && figures[key].is_number();
-      if (is_number) sum += figures[key].get<double>();
+  void add(const std::string& path, const Json& entry) {
+    if (!entry.is_object() || !entry.contains(name_key) || !entry.contains("representation")) {
+      throw InputError(path, "hierarchy and walks", "entries with " + std::string(name_key) + " and representation",
+                       entry.dump());
     }
-    step[key] = is_number ? Json(sum / static_cast<double>(by_scene.size())) : Json(nullptr);
+    size_t at = 0;
+    while (at < rows.size() && (rows[at][name_key] != entry[name_key] || rows[at]["representation"] != entry["representation"]))
+      ++at;
+    if (at == rows.size()) {
+      rows.push_back({{name_key, entry[name_key]}, {"representation", entry["representation"]}});
+      entries.emplace_back();
+    }
+    entries[at].push_back(entry);
   }
-  step["by_scene"] = by_scene;
-}
+
+  // The mean of every figure, of the worst ones the largest; null where a scene has none.
+  Json take() {
+    for (size_t at = 0; at < rows.size(); ++at) {
+      rows[at]["scenes"] = entries[at].size();
+      for (const auto& [key, value] : entries[at].front().items()) {
+        if (key == "scene" || rows[at].contains(key)) continue;
+        rows[at][key] = combined(entries[at], key);
+      }
+    }
+    return std::move(rows);
+  }
+
+  static Json combined(const std::vector<Json>& entries, const std::string& key) {
+    double sum = 0.0, largest = 0.0;
+    for (const Json& entry : entries) {
+      if (!entry.contains(key) || !entry[key].is_number()) return nullptr;
+      sum += entry[key].get<double>();
+      largest = std::max(largest, entry[key].get<double>());
+    }
+    return key.ends_with("_worst") ? largest : sum / static_cast<double>(entries.size());
+  }
+};
 
 }  // namespace
 
@@ -132,15 +139,14 @@ std::string pointsCsv(const FrontierResult& result) {
 }
 
 void addHierarchies(const std::vector<std::string>& paths, Json& frontier) {
-  Json& hierarchy = frontier["hierarchy"] = Json::array();
-  Json walks = Json::array();
+  SceneMean hierarchy{"step"}, walks{"functions"};
   for (const std::string& path : paths) {
     const Json scene = readHierarchy(path);
-    for (const Json& entry : scene["hierarchy"]) addStep(path, entry, hierarchy);
-    for (const Json& entry : scene["walks"]) walks.push_back(entry);
+    for (const Json& entry : scene["hierarchy"]) hierarchy.add(path, entry);
+    for (const Json& entry : scene["walks"]) walks.add(path, entry);
   }
-  for (Json& step : hierarchy) meanOverScenes(step);
-  frontier["walks"] = std::move(walks);
+  frontier["hierarchy"] = hierarchy.take();
+  frontier["walks"] = walks.take();
 }
 
 }  // namespace nlg

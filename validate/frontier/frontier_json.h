@@ -26,8 +26,8 @@ nlohmann::ordered_json pointsJson(const FrontierResult& result);
 // One row a point, over all functions.
 std::string pointsCsv(const FrontierResult& result);
 
-// The lists hierarchy (means over the scenes, and each scene) and walks out of the files that nlg-solve --weights writes, one a
-// scene; both empty without any.
+// The lists hierarchy and walks, means over the scenes, out of the files that nlg-solve --weights writes, one a scene; both empty
+// without any.
 // throws   InputError when a file is not one
 void addHierarchies(const std::vector<std::string>& paths, nlohmann::ordered_json& frontier);
 

@@ -42,7 +42,6 @@ void describe(FrontierOptions& o, OptionTable& table) {
   table.add("direct_lm_steps", &o.direct_lm_steps, "LM steps from theta0 and from random starts");
   table.add("direct_adam_steps", &o.direct_adam_steps, "Adam steps from theta0 and from random starts; product fields: a 32nd");
   table.add("coefficients", &o.coefficients, "coefficients that the generator sees; empty: powers of two from 32, and all");
-  table.add("correct_rmse", &o.correct_rmse, "choice: generated theta that are more wrong take the correction steps", 0.0, 1e3);
   table.add("tau_rmse", &o.check.tau_rmse, "choice: RMSE that passes the check", 1e-6, 1.0);
   table.add("tau_leak", &o.check.tau_leak, "choice: weight that counts as a leak where the function is 0", 1e-6, 1.0);
   table.add("leak_share", &o.check.leak_share, "choice: share of those points that may leak", 1e-6, 1.0);

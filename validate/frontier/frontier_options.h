@@ -18,7 +18,7 @@ struct FrontierOptions {
   std::vector<std::string> direct_lm_steps = {"4", "16", "64", "256"};
   std::vector<std::string> direct_adam_steps = {"250", "1000", "4000", "16000"};
   std::vector<std::string> coefficients;  // empty: powers of two from 32, and all
-  double correct_rmse = 0.003;
+  CorrectionOptions correction;
   CheckOptions check;
   ChoiceOptions choice;
   FrontTolerances front;

@@ -13,7 +13,7 @@ namespace {
 
 using Functions = std::vector<FittedFunction>;
 
-// A family with its first point: what that one measures again under another name is how far apart two equal points lie.
+// The points so far of one representation.
 struct PointList {
   std::string representation;
   std::vector<PlotPoint> points;
@@ -60,13 +60,35 @@ Functions onThreads(const std::vector<std::shared_ptr<GeneratorRun>>& runs, cons
   return std::move(of_thread.front());
 }
 
-void addThreads(const GeneratorData& data, PointList& list) {
+void addThreads(const std::shared_ptr<const Generator>& generator, const CorrectionOptions& correction, PointList& list) {
   for (const int count : {1, 2}) {
     std::vector<std::shared_ptr<GeneratorRun>> runs;
-    for (int t = 0; t < count; ++t) runs.push_back(std::make_shared<GeneratorRun>(data));
+    for (int t = 0; t < count; ++t) runs.push_back(std::make_shared<GeneratorRun>(generator, correction));
     list.add("threads", count, "generator + correction, " + std::to_string(count) + (count > 1 ? " threads" : " thread"),
              [runs](const FunctionBlock& block) { return onThreads(runs, block); })
         .may_be_on_front = false;
+  }
+}
+
+// The correction's own settings, one at a time: learned steps, and what follows them.
+void addCorrections(const std::shared_ptr<const Generator>& generator, const CorrectionOptions& standard, PointList& list) {
+  const auto add = [&](int budget, const std::string& unit, const CorrectionOptions& options) {
+    const auto run = std::make_shared<GeneratorRun>(generator, options);
+    list.add("corrected", budget, "generator + correction, " + std::to_string(budget) + ' ' + unit,
+             [run](const FunctionBlock& block) { return run->generateAndCorrect(block); });
+  };
+  const bool is_field = generator->representation().isField();
+  for (const int count : {1, 2, 4, 8}) {
+    CorrectionOptions options = standard;
+    options.most_steps = count, options.mirror_images = 1, options.field_iterations = 0;
+    if (generator->correctionStepCount() > 0)
+      add(count, "learned step" + std::string(count > 1 ? "s" : "") + " at most", options);
+  }
+  for (const int count : {1, 2, 4, 8}) {
+    CorrectionOptions options = standard;
+    (is_field ? options.field_iterations : options.mirror_images) = count;
+    const std::string unit = is_field ? "LM iteration" : "mirror image";
+    add(count, count > 1 ? unit + 's' : unit, options);
   }
 }
 
@@ -85,26 +107,31 @@ GeneratorData keepCoefficients(GeneratorData data, int kept) {
   return data;
 }
 
-std::vector<PlotPoint> generatorPoints(const GeneratorData& data, const std::vector<int>& coefficients) {
+std::vector<PlotPoint> generatorPoints(const GeneratorData& data, const std::shared_ptr<const Generator>& generator,
+                                       const CorrectionOptions& correction, const std::vector<int>& coefficients) {
   PointList list{representationName(data.representation), {}};
-  const auto run = std::make_shared<GeneratorRun>(data);
+  const auto run = std::make_shared<GeneratorRun>(generator, correction);
   const auto alone = [](std::shared_ptr<GeneratorRun> r) {
     return [r](const FunctionBlock& block) { return r->generate(block); };
+  };
+  const auto aloneOf = [&](auto&&... settings) {
+    return alone(std::make_shared<GeneratorRun>(std::make_shared<const Generator>(settings...)));
   };
   const auto corrected = [run](const FunctionBlock& block) { return run->generateAndCorrect(block); };
   list.add("generator", {}, "generator alone", alone(run));
   list.add("corrected", {}, "generator + correction", corrected);
+  addCorrections(generator, correction, list);
   const int all = data.basis.coefficientCount();
   for (const int kept : coefficients.empty() ? defaultCoefficients(all) : coefficients) {
     list.add("coefficients", kept, "generator alone, " + std::to_string(kept) + " of " + std::to_string(all) + " coefficients",
-             alone(std::make_shared<GeneratorRun>(keepCoefficients(data, kept))));
+             aloneOf(keepCoefficients(data, kept)));
   }
   list.add("precision", 32, "generator alone, float32", alone(run));
-  list.add("precision", 16, "generator alone, int16", alone(std::make_shared<GeneratorRun>(data, GeneratorPrecision::int16)));
+  list.add("precision", 16, "generator alone, int16", aloneOf(data, GeneratorPrecision::int16));
   list.add("theta_precision", 32, "generator + correction, theta float32", corrected);
   list.add("theta_precision", 16, "generator + correction, theta float16",
            [run](const FunctionBlock& block) { return correctedInHalf(*run, block); });
-  addThreads(data, list);
+  addThreads(generator, correction, list);
   return list.points;
 }
 

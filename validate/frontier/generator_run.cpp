@@ -1,14 +1,16 @@
 #include "validate/frontier/generator_run.h"
 
+#include <utility>
+
 #include "validate/frontier/stopwatch.h"
 
 namespace nlg {
 
-GeneratorRun::GeneratorRun(const GeneratorData& data, GeneratorPrecision precision)
-    : generator_(data, precision),
-      scratch_(generator_),
-      corrector_(generator_),
-      theta_(static_cast<size_t>(kBatchCount) * static_cast<size_t>(data.representation.thetaCount())) {}
+GeneratorRun::GeneratorRun(std::shared_ptr<const Generator> generator, const CorrectionOptions& correction)
+    : generator_(std::move(generator)),
+      scratch_(*generator_),
+      corrector_(*generator_, correction),
+      theta_(static_cast<size_t>(kBatchCount) * static_cast<size_t>(representation().thetaCount())) {}
 
 std::vector<FittedFunction> GeneratorRun::generate(const FunctionBlock& block) { return fitted(block, generateTheta(block)); }
 
@@ -19,7 +21,7 @@ std::vector<FittedFunction> GeneratorRun::generateAndCorrect(const FunctionBlock
 
 double GeneratorRun::generateTheta(const FunctionBlock& block) {
   const Stopwatch watch;
-  generator_.generate(block.phi.data(), block.count(), theta_.data(), &scratch_);
+  generator_->generate(block.phi.data(), block.count(), theta_.data(), &scratch_);
   return watch.elapsedUs() / block.count();
 }
 

@@ -1,26 +1,26 @@
 // A generator with all that one thread needs to run it on blocks: generating and correcting, each with its time.
 #pragma once
 
+#include <memory>
+
 #include "runtime_eval/evaluator/generator.h"
 #include "runtime_eval/fit/correction.h"
 #include "validate/frontier/plot_point.h"
 
 namespace nlg {
 
-// Neither copied nor moved: the corrector points to the generator beside it.
 class GeneratorRun {
  public:
-  explicit GeneratorRun(const GeneratorData& data, GeneratorPrecision precision = GeneratorPrecision::float32);
-  GeneratorRun(const GeneratorRun&) = delete;
-  GeneratorRun& operator=(const GeneratorRun&) = delete;
+  // generator   any number of runs may share one
+  explicit GeneratorRun(std::shared_ptr<const Generator> generator, const CorrectionOptions& correction = {});
 
-  const Generator& generator() const { return generator_; }
-  const Representation& representation() const { return generator_.representation(); }
+  const Generator& generator() const { return *generator_; }
+  const Representation& representation() const { return generator_->representation(); }
   Corrector& corrector() { return corrector_; }
 
   // theta of a whole block as the network alone yields it.
   std::vector<FittedFunction> generate(const FunctionBlock& block);
-  // … and with the exact last layer and the correction steps that its weights hold: all that a bake runs before it refines.
+  // … and corrected: all that a bake runs before it refines.
   std::vector<FittedFunction> generateAndCorrect(const FunctionBlock& block);
 
  private:
@@ -29,7 +29,7 @@ class GeneratorRun {
   double correctTheta(const FunctionBlock& block);
   std::vector<FittedFunction> fitted(const FunctionBlock& block, double elapsed_us) const;
 
-  Generator generator_;
+  std::shared_ptr<const Generator> generator_;
   GeneratorScratch scratch_;
   Corrector corrector_;
   std::vector<float> theta_;  // one block

@@ -28,7 +28,7 @@ const FunctionSet& sampleSet() {
     for (int i = 0; i < kFunctionCount; ++i) {
       made.scene_idx.push_back(static_cast<uint32_t>(i % 2));
       for (const LocalPoint& point : supportPattern().points) {
-        const bool is_lit = point.x < 0.1f * static_cast<float>(i + 1);
+        const bool is_lit = point[0] < 0.1f * static_cast<float>(i + 1);
         made.phi.push_back(is_lit ? static_cast<uint8_t>(std::lround(255.0f * tent(point))) : 0);
       }
     }
@@ -114,7 +114,17 @@ TEST(PointFigures, AreMeansOfRunsAndQuantilesOverThem) {
   EXPECT_EQ(figures.by_scene.at("cellar").rmse.mean, 4.0);
 }
 
-GeneratorData sampleData(const Representation& representation) { return sampleGenerator(representation, 24, 3, 7); }
+GeneratorData sampleData(const Representation& representation) {
+  return withCorrection(sampleGenerator(representation, 24, 3, 7), 16, 2, 2, 8);
+}
+
+std::shared_ptr<const Generator> sampleShared(const Representation& representation) {
+  return std::make_shared<const Generator>(sampleData(representation));
+}
+
+std::vector<PlotPoint> pointsOfGenerator(const Representation& representation, const std::vector<int>& coefficients) {
+  return generatorPoints(sampleData(representation), sampleShared(representation), {}, coefficients);
+}
 
 // First point of a family and budget.
 const PlotPoint& find(const std::vector<PlotPoint>& points, const std::string& family, std::optional<int> budget = {}) {
@@ -125,8 +135,7 @@ const PlotPoint& find(const std::vector<PlotPoint>& points, const std::string& f
 }
 
 TEST(GeneratorPoints, MeasureWhatTheyAreNamedFor) {
-  const GeneratorData data = sampleData(Representation::tentMlp());
-  const std::vector<PlotPoint> points = generatorPoints(data, {5, 25});
+  const std::vector<PlotPoint> points = pointsOfGenerator(Representation::tentMlp(), {5, 25});
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 3, 5}).front();
   const auto theta = [&](const std::string& family, std::optional<int> budget = {}) {
     std::vector<Theta> thetas;
@@ -173,10 +182,9 @@ TEST(KeepCoefficients, LeavesTheLargestDeviationsAndSetsTheOthersToTheirMean) {
 }
 
 TEST(FitPoints, StartWhereTheySayAndNeverEndAboveIt) {
-  const GeneratorData data = sampleData(Representation::tentMlp());
-  const auto run = std::make_shared<GeneratorRun>(data);
+  const auto run = std::make_shared<GeneratorRun>(sampleShared(Representation::tentMlp()));
   const std::vector<PlotPoint> fits = fitPoints(run, {{1, 4}, {16}, {8}, {64}}, 3);
-  std::vector<PlotPoint> points = generatorPoints(data, {25});
+  std::vector<PlotPoint> points = pointsOfGenerator(Representation::tentMlp(), {25});
   const size_t corrected = 1, first_fit = points.size();
   ASSERT_EQ(points[corrected].family, "corrected");
   points.insert(points.end(), fits.begin(), fits.end());
@@ -197,7 +205,7 @@ TEST(FitPoints, StartWhereTheySayAndNeverEndAboveIt) {
 }
 
 TEST(FitPoints, GiveProductFieldsAThirtySecondOfDirectAdamSteps) {
-  const auto run = std::make_shared<GeneratorRun>(sampleData(Representation::productField(3)));
+  const auto run = std::make_shared<GeneratorRun>(sampleShared(Representation::productField(3)));
   std::vector<int> budgets;
   for (const PlotPoint& point : fitPoints(run, {{}, {}, {}, {8, 16, 64, 320}}, 1)) {
     if (point.family == "adam_from_random") budgets.push_back(*point.budget);
@@ -206,11 +214,13 @@ TEST(FitPoints, GiveProductFieldsAThirtySecondOfDirectAdamSteps) {
 }
 
 TEST(ChoicePoint, TakesForEveryFunctionAThetaThatOneGeneratorGave) {
-  std::vector<std::shared_ptr<GeneratorRun>> runs;
-  for (const int r : {3, 5}) runs.push_back(std::make_shared<GeneratorRun>(sampleData(Representation::productField(r))));
+  std::vector<std::shared_ptr<const Generator>> generators;
+  for (const int r : {3, 5}) generators.push_back(sampleShared(Representation::productField(r)));
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
+  CorrectionOptions all;  // random generators: every theta fails the check, and all are corrected
+  all.correct_rmse = 0.0;
   const auto chosenBy = [&](const ChoiceOptions& choice) {
-    const PlotPoint point = choicePoint(runs, 0.003, {}, choice);
+    const PlotPoint point = choicePoint(generators, all, {}, choice);
     EXPECT_EQ(point.representation, "pf3+pf5");
     return point.run(block);
   };
@@ -219,12 +229,27 @@ TEST(ChoicePoint, TakesForEveryFunctionAThetaThatOneGeneratorGave) {
   always_best.flat_ratio = 1.0, always_best.enough_rmse = 0.0;
   const auto small = chosenBy(never_larger), best = chosenBy(always_best);
   std::vector<std::vector<FittedFunction>> generated;
-  for (const auto& run : runs) generated.push_back(run->generateAndCorrect(block));
+  for (const auto& generator : generators) generated.push_back(GeneratorRun(generator, all).generateAndCorrect(block));
   for (size_t i = 0; i < block.functions.size(); ++i) {
     EXPECT_EQ(small[i].theta, generated[0][i].theta) << "function " << i;
     EXPECT_TRUE(best[i].theta == generated[0][i].theta || best[i].theta == generated[1][i].theta) << "function " << i;
     EXPECT_EQ(best[i].theta.size(), size_t(best[i].representation.thetaCount()));
   }
+}
+
+TEST(GeneratorPoints, VaryTheCorrectionOneSettingAtATime) {
+  const auto budgets = [](const Representation& representation, const std::string& word) {
+    std::vector<int> found;
+    for (const PlotPoint& point : pointsOfGenerator(representation, {25})) {
+      if (point.family == "corrected" && point.label.find(word) != std::string::npos) found.push_back(*point.budget);
+    }
+    return found;
+  };
+  const std::vector<int> all = {1, 2, 4, 8};
+  EXPECT_EQ(budgets(Representation::tentMlp(), "learned step"), all);
+  EXPECT_EQ(budgets(Representation::tentMlp(), "mirror image"), all);
+  EXPECT_EQ(budgets(Representation::productField(3), "learned step"), all);
+  EXPECT_EQ(budgets(Representation::productField(3), "LM iteration"), all);
 }
 
 TEST(FrontierOptions, RefuseListsThatDoNotRise) {
