@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <sstream>
@@ -15,6 +16,8 @@
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "validate/choice.h"
+#include "validate/frontier/frontier_command.h"
+#include "validate/held_out.h"
 #include "validate/method.h"
 #include "validate/slice.h"
 
@@ -224,10 +227,7 @@ std::vector<FunctionError> errorsOf(const MethodResult& method) {
 
 void validateGenerator(const std::string& path, const FunctionSet& set, const MethodResult& tent_result,
                        const std::vector<bool>& hard, const ValidateOptions& options, Outputs& outputs) {
-  Generator generator;
-  const WeightsResult loaded = Generator::load(path, &generator);
-  if (!loaded.ok())
-    throw InputError(path, weightsStatusName(loaded.status), "a generator of this support pattern", loaded.detail);
+  const Generator generator = loadGenerator(path);
   const std::string name = representationName(generator.representation());
   std::vector<float> theta;
   const MethodResult uncorrected = measureUncorrected(generator, set, &theta);
@@ -282,16 +282,7 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
 }
 
 void validate(const Request& request, const ValidateOptions& options, const OptionTable& table) {
-  const FunctionSet set = readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount);
-  if (set.functionCount() == 0)
-    throw InputError(request.held_out.front(), "held-out functions", "at least one in all shards", "none");
-  if (set.unseen_point_count == 0) {
-    throw InputError(request.held_out.front(), "unseen points", "shards made with --held-out", "shards without them");
-  }
-  if (const uint64_t expected = hashPoints(unseenPoints(set.unseen_point_count)); set.unseen_pattern_hash != expected) {
-    throw InputError(request.held_out.front(), "attribute unseen_pattern_hash", std::to_string(expected),
-                     std::to_string(set.unseen_pattern_hash));
-  }
+  const FunctionSet set = readHeldOut(request.held_out);
   const MethodResult tent_result = measureTent(set);
   std::vector<bool> hard;
   for (const MethodSample& sample : tent_result.samples) hard.push_back(sample.error.rmse >= options.hard_tent_rmse);
@@ -331,18 +322,35 @@ void validate(const Request& request, const ValidateOptions& options, const Opti
   std::cout << request.out_dir << "/summary.json\n";
 }
 
-}  // namespace
-}  // namespace nlg
-
-int main(int argc, char** argv) {
-  CLI::App app{"Measures exported generators on held-out scenes against direct optimisation.", "nlg-validate"};
-  nlg::Request request;
-  nlg::ValidateOptions options;
-  nlg::OptionTable table("validate");
-  nlg::describe(options, table);
+int validateMain(int argc, char** argv) {
+  CLI::App app{
+      "Measures exported generators on held-out scenes against direct optimisation.\n"
+      "nlg-validate frontier: error against run time, of generators, their settings and every fit.",
+      "nlg-validate"};
+  Request request;
+  ValidateOptions options;
+  OptionTable table("validate");
+  describe(options, table);
   app.add_option("--weights", request.weights, "exported generators, one a representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
   app.add_option("--training", request.training, "training shards: only their counts are read");
   app.add_option("--out", request.out_dir, "folder for summary.json, functions.csv and slices.json")->required();
-  return nlg::runTool(argc, argv, app, table, [&] { nlg::validate(request, options, table); });
+  return runTool(argc, argv, app, table, [&] { validate(request, options, table); });
+}
+
+// What the tool does when its first argument is one of these names; without one it validates.
+struct Command {
+  const char* name;
+  int (*run)(int argc, char** argv);
+};
+constexpr Command kCommands[] = {{"frontier", frontierMain}};
+
+}  // namespace
+}  // namespace nlg
+
+int main(int argc, char** argv) {
+  for (const nlg::Command& command : nlg::kCommands) {
+    if (argc > 1 && std::strcmp(argv[1], command.name) == 0) return command.run(argc - 1, argv + 1);
+  }
+  return nlg::validateMain(argc, argv);
 }
