@@ -42,20 +42,21 @@ struct BakeThread {
   Refiner refiner;
   std::vector<uint8_t> samples;
   double generator_s = 0.0, check_s = 0.0, correction_s = 0.0, refinement_s = 0.0;
-  uint64_t corrected = 0;
+  uint64_t corrected = 0, checked = 0, right = 0, smallest_enough = 0;
   std::array<uint64_t, kFitStopCount> stops{};
 };
 
 class SceneBake {
  public:
   SceneBake(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-            ThetaPrecision theta_precision, const std::string& spool_folder)
+            ThetaPrecision theta_precision, const std::string& spool_folder, const BakeSavings& savings)
       : scene_(scene),
         generators_(generators),
         options_(options),
         theta_precision_(theta_precision),
+        savings_(savings),
         thread_count_(options.threads > 0 ? options.threads : machineThreadCount()),
-        functions_(scene, options, thread_count_, spool_folder) {
+        functions_(scene, options, thread_count_, spool_folder, savings) {
     for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(generators));
   }
 
@@ -66,6 +67,7 @@ class SceneBake {
     statistics_.generated = checks_;
     const Clock::time_point refinement_start = Clock::now();
     refineWorstFirst();
+    if (!savings_.refinement) refineThosePassing();
     statistics_.refinement_wall_s = secondsSince(refinement_start);
     const RoundingError rounding = theta_precision_ == ThetaPrecision::float16 ? roundTheta() : RoundingError{};
     finishStatistics();
@@ -77,57 +79,84 @@ class SceneBake {
   void generateAndCheck(const SceneFunctions::NewFunctions& made) {
     fitted_.resize(made.first + made.functions.size());
     checks_.resize(fitted_.size());
+    tent_fits_.resize(fitted_.size());
     parallelFor((made.functions.size() + kBatchCount - 1) / kBatchCount, thread_count_, [&](uint64_t batch, int thread) {
       const uint64_t begin = batch * kBatchCount;
       generateBatch(made, begin, std::min<uint64_t>(begin + kBatchCount, made.functions.size()), *threads_[thread]);
     });
   }
 
+  // The smallest representation for all functions, the larger ones for those that it may not be enough for.
   void generateBatch(const SceneFunctions::NewFunctions& made, uint64_t begin, uint64_t end, BakeThread& thread) {
-    const Clock::time_point start = Clock::now();
-    const int count = static_cast<int>(end - begin);
-    for (int i = 0; i < count; ++i) {
-      std::memcpy(&thread.phi[static_cast<size_t>(i) * kSupportPointCount], made.functions[begin + i].phi, kSupportPointCount);
-    }
-    for (size_t g = 0; g < generators_.size(); ++g) {
-      generators_[g].generate(thread.phi.data(), count, thread.theta[g].data(), &thread.scratch[g]);
-    }
-    thread.generator_s += secondsSince(start);
-    std::vector<std::vector<FunctionCheck>> checks(count, std::vector<FunctionCheck>(generators_.size()));
-    const StoredFunction* functions = &made.functions[begin];
-    for (size_t g = 0; g < generators_.size(); ++g) checkAndCorrect(functions, count, g, thread, &checks);
-    for (int i = 0; i < count; ++i) {
-      const int chosen = chooseRepresentation(checks[i], options_.refinement.check, options_.choice.forGenerated());
-      const float* theta = thetaOf(thread, chosen, i);
+    const std::vector<StoredFunction> all(&made.functions[begin], &made.functions[begin] + (end - begin));
+    const std::vector<FunctionCheck> smallest = makeTheta(all, 0, thread);
+    std::vector<StoredFunction> functions;
+    std::vector<uint64_t> numbers;
+    std::vector<std::vector<FunctionCheck>> checks;  // by function that larger generators run for, by generator
+    for (size_t i = 0; i < all.size(); ++i) {
       const uint64_t number = made.first + begin + i;
-      fitted_[number] = {static_cast<uint8_t>(chosen), Theta(theta, theta + thetaCount(chosen))};
-      checks_[number] = checks[i][chosen];
+      keep(number, 0, thetaOf(thread, 0, i), smallest[i]);
+      tent_fits_[number] = thread.checker.checkBareTent(all[i], options_.refinement.check).passes(options_.refinement.check);
+      const bool enough = isSmallestEnough(smallest[i], options_.refinement.check, options_.choice.forGenerated());
+      thread.smallest_enough += enough;
+      if (enough && savings_.larger_generators) continue;
+      functions.push_back(all[i]);
+      numbers.push_back(number);
+      checks.push_back({smallest[i]});
+    }
+    if (functions.empty()) return;
+    for (size_t g = 1; g < generators_.size(); ++g) {
+      const std::vector<FunctionCheck> larger = makeTheta(functions, g, thread);
+      for (size_t i = 0; i < functions.size(); ++i) checks[i].push_back(larger[i]);
+    }
+    for (size_t i = 0; i < functions.size(); ++i) {
+      const int chosen = chooseRepresentation(checks[i], options_.refinement.check, options_.choice.forGenerated());
+      if (chosen > 0) keep(numbers[i], chosen, thetaOf(thread, chosen, i), checks[i][chosen]);
     }
   }
 
+  void keep(uint64_t number, int generator, const float* theta, const FunctionCheck& check) {
+    fitted_[number] = {static_cast<uint8_t>(generator), Theta(theta, theta + thetaCount(generator))};
+    checks_[number] = check;
+  }
+
+  // Theta of one generator for a batch of functions, corrected where they need it, in thread.theta; and how good they are.
+  std::vector<FunctionCheck> makeTheta(const std::vector<StoredFunction>& functions, size_t g, BakeThread& thread) {
+    const Clock::time_point start = Clock::now();
+    for (size_t i = 0; i < functions.size(); ++i) {
+      std::memcpy(&thread.phi[i * kSupportPointCount], functions[i].phi, kSupportPointCount);
+    }
+    generators_[g].generate(thread.phi.data(), static_cast<int>(functions.size()), thread.theta[g].data(), &thread.scratch[g]);
+    thread.generator_s += secondsSince(start);
+    return checkAndCorrect(functions, g, thread);
+  }
+
   // Checks the batch's theta of one generator and corrects those that need it. A lower error may leak more: what passed the check
-  // and would no longer stays as it was. checks: by function, by generator.
-  void checkAndCorrect(const StoredFunction* functions, int count, size_t g, BakeThread& thread,
-                       std::vector<std::vector<FunctionCheck>>* checks) {
+  // and would no longer stays as it was.
+  std::vector<FunctionCheck> checkAndCorrect(const std::vector<StoredFunction>& functions, size_t g, BakeThread& thread) {
     const Clock::time_point check_start = Clock::now();
-    std::vector<int> wrong;
+    std::vector<size_t> wrong;
     std::vector<StoredFunction> wrong_functions;
     std::vector<float> wrong_theta;
-    for (int i = 0; i < count; ++i) {
-      FunctionCheck& made = (*checks)[i][g];
-      made = check(functions[i], g, thetaOf(thread, g, i), thread);
-      if (made.rmse <= options_.correct_rmse && made.passes(options_.refinement.check)) continue;
+    std::vector<FunctionCheck> checks;
+    for (size_t i = 0; i < functions.size(); ++i) {
+      const FunctionCheck made = check(functions[i], g, thetaOf(thread, g, i), thread);
+      checks.push_back(made);
+      const bool right = made.rmse <= options_.correct_rmse && made.passes(options_.refinement.check);
+      ++thread.checked;
+      thread.right += right;
+      if (right && savings_.correction) continue;
       wrong.push_back(i);
       wrong_functions.push_back(functions[i]);
       wrong_theta.insert(wrong_theta.end(), thetaOf(thread, g, i), thetaOf(thread, g, i + 1));
     }
     thread.check_s += secondsSince(check_start);
-    if (wrong.empty() || thread.corrector[g].empty()) return;
+    if (wrong.empty() || thread.corrector[g].empty()) return checks;
     const Clock::time_point correction_start = Clock::now();
     thread.corrected += static_cast<uint64_t>(
         thread.corrector[g].correct(wrong_functions.data(), static_cast<int>(wrong.size()), wrong_theta.data()));
     for (size_t n = 0; n < wrong.size(); ++n) {
-      FunctionCheck& made = (*checks)[wrong[n]][g];
+      FunctionCheck& made = checks[wrong[n]];
       const FunctionCheck corrected = check(wrong_functions[n], g, &wrong_theta[n * thetaCount(g)], thread);
       if (made.passes(options_.refinement.check) && !corrected.passes(options_.refinement.check)) {
         --thread.corrected;
@@ -137,6 +166,7 @@ class SceneBake {
       std::copy_n(&wrong_theta[n * thetaCount(g)], thetaCount(g), &thread.theta[g][wrong[n] * thetaCount(g)]);
     }
     thread.correction_s += secondsSince(correction_start);
+    return checks;
   }
 
   void refineWorstFirst() {
@@ -179,6 +209,24 @@ class SceneBake {
     }
     if (fitted_[number].generator != first) ++raised_;
     thread.refinement_s += secondsSince(start);
+  }
+
+  // One round for every function that the check let pass: what a bake without a check would do.
+  void refineThosePassing() {
+    RefinementOptions options = options_.refinement;
+    options.check.tau_rmse = 1e-6;  // nothing passes: the round is made
+    options.rounds = 1;
+    parallelFor(fitted_.size(), thread_count_, [&](uint64_t number, int thread_idx) {
+      if (!statistics_.generated[number].passes(options_.refinement.check)) return;
+      BakeThread& thread = *threads_[thread_idx];
+      FittedFunction& function = fitted_[number];
+      const StoredFunction stored = functions_.read(number, &thread.samples);
+      const Representation& representation = generators_[function.generator].representation();
+      const RefinementResult refined = thread.refiner.refine(representation, stored, function.theta, {}, options);
+      if (!refined.check.passes(options_.refinement.check)) return;
+      function.theta = refined.theta;
+      checks_[number] = refined.check;
+    });
   }
 
   // Where a larger representation starts: its own generator's theta, or a field that is smaller so far, on its finer grid.
@@ -230,6 +278,9 @@ class SceneBake {
       statistics_.check_s += thread->check_s;
       statistics_.correction_s += thread->correction_s;
       statistics_.corrected += thread->corrected;
+      statistics_.checked += thread->checked;
+      statistics_.right += thread->right;
+      statistics_.smallest_enough += thread->smallest_enough;
       statistics_.refinement_s += thread->refinement_s;
       for (size_t stop = 0; stop < kFitStopCount; ++stop) statistics_.refinement_stops[stop] += thread->stops[stop];
     }
@@ -240,6 +291,7 @@ class SceneBake {
     statistics_.failed_check = failing(statistics_.generated);
     statistics_.still_failing = failing(checks_);
     statistics_.stored = checks_;
+    statistics_.tent_fits = tent_fits_;
     statistics_.chosen.assign(generators_.size(), 0);
     for (const FittedFunction& function : fitted_) ++statistics_.chosen[function.generator];
   }
@@ -275,11 +327,13 @@ class SceneBake {
   const std::vector<Generator>& generators_;
   BakeOptions options_;
   ThetaPrecision theta_precision_;
+  BakeSavings savings_;
   int thread_count_;
   SceneFunctions functions_;
   std::vector<std::unique_ptr<BakeThread>> threads_;
   std::vector<FittedFunction> fitted_;  // by function
   std::vector<FunctionCheck> checks_;   // of fitted_
+  std::vector<uint8_t> tent_fits_;      // by function
   std::atomic<uint64_t> raised_{0};
   BakeStatistics statistics_;
 };
@@ -287,8 +341,8 @@ class SceneBake {
 }  // namespace
 
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               ThetaPrecision theta_precision, const std::string& spool_folder) {
-  return SceneBake(scene, generators, options, theta_precision, spool_folder).run();
+               ThetaPrecision theta_precision, const std::string& spool_folder, const BakeSavings& savings) {
+  return SceneBake(scene, generators, options, theta_precision, spool_folder, savings).run();
 }
 
 }  // namespace nlg
