@@ -38,7 +38,13 @@ class NeedsCount {
     addFits();
     addNeverChosen();
     needs_.push_back(halfTheta());
-    needs_.push_back({need::kSolidRays, false, counts_.free_space, counts_.grid_probes, {}, 0, {},
+    needs_.push_back({need::kSolidRays,
+                      false,
+                      counts_.free_space,
+                      counts_.grid_probes,
+                      {},
+                      0,
+                      {},
                       "14 each, the only rays that they cast; neighbours with nothing between them could share one answer"});
     addTree();
     needs_.push_back({need::kLighting, {}, 0, 0, {}, {}, {}, "the bake has no lighting yet: nothing ran that could be left out"});
@@ -56,11 +62,31 @@ class NeedsCount {
   void addProbes() {
     const uint64_t probes = counts_.grid_probes;
     const auto thetaEach = [this](uint64_t count) { return static_cast<int64_t>(count) * smallestBytes(); };
-    needs_.push_back({need::kFreeSpace, true, counts_.free_space, probes, {}, some(counts_.free_space, smallestBytes()), {},
-                      "no links, function or theta; the bare tent, exactly. Duplicates of one another: one theta for all of them"});
-    needs_.push_back({need::kInSolid, true, counts_.in_solid, probes, {}, thetaEach(counts_.in_solid), {},
-                      "no links, function or theta; no weight. Counted bytes: a theta of the smallest representation each, at most"});
-    needs_.push_back({need::kEmpty, true, counts_.empty, probes, {}, thetaEach(counts_.empty), {},
+    needs_.push_back(
+        {need::kFreeSpace,
+         true,
+         counts_.free_space,
+         probes,
+         {},
+         some(counts_.free_space, smallestBytes()),
+         {},
+         "no links, function or theta; the bare tent, exactly. Duplicates of one another: one theta for all of them"});
+    needs_.push_back(
+        {need::kInSolid,
+         true,
+         counts_.in_solid,
+         probes,
+         {},
+         thetaEach(counts_.in_solid),
+         {},
+         "no links, function or theta; no weight. Counted bytes: a theta of the smallest representation each, at most"});
+    needs_.push_back({need::kEmpty,
+                      true,
+                      counts_.empty,
+                      probes,
+                      {},
+                      thetaEach(counts_.empty),
+                      {},
                       "no theta; their links and functions are made all the same, to know it. Counted bytes: as above"});
     int64_t shared = 0;
     std::vector<uint64_t> uses(grid_.functionCount(), 0);
@@ -77,15 +103,26 @@ class NeedsCount {
     const uint64_t functions = counts_.functions, enough = statistics_.smallest_enough;
     const std::string smallest = representationName(generators_.front().representation());
     const bool several = generators_.size() > 1;
-    needs_.push_back({need::kLargerGenerators, several ? std::optional(true) : std::nullopt, enough, functions, {},
-                      several ? std::optional<int64_t>(0) : std::nullopt, {},
+    needs_.push_back({need::kLargerGenerators,
+                      several ? std::optional(true) : std::nullopt,
+                      enough,
+                      functions,
+                      {},
+                      several ? std::optional<int64_t>(0) : std::nullopt,
+                      {},
                       several ? fmt::format("only the generator of {} ran for them", smallest)
                               : fmt::format("{} is the only representation of this bake", smallest)});
     if (several) {
       const Representation& largest = generators_.back().representation();
       int64_t bytes = 0;
       for (size_t f = 0; f < grid_.functionCount(); ++f) bytes += functionBytes(largest, precision_) - bytesOf(f);
-      needs_.push_back({need::kLargestTheta, true, functions - statistics_.chosen.back(), functions, {}, bytes, {},
+      needs_.push_back({need::kLargestTheta,
+                        true,
+                        functions - statistics_.chosen.back(),
+                        functions,
+                        {},
+                        bytes,
+                        {},
                         fmt::format("against {} alone, for every function", representationName(largest))});
     }
     int64_t tent_bytes = 0;
@@ -93,7 +130,13 @@ class NeedsCount {
     for (size_t f = 0; f < grid_.functionCount(); ++f) {
       if (statistics_.tent_fits[f]) ++tents, tent_bytes += bytesOf(f);
     }
-    needs_.push_back({need::kBareTent, false, tents, functions, {}, tent_bytes, {},
+    needs_.push_back({need::kBareTent,
+                      false,
+                      tents,
+                      functions,
+                      {},
+                      tent_bytes,
+                      {},
                       "the bare tent passes the check: they could count as free space, without theta"});
   }
 
@@ -101,11 +144,22 @@ class NeedsCount {
     const bool corrects = std::any_of(generators_.begin(), generators_.end(), [](const Generator& generator) {
       return generator.correctionStepCount() > 0 || generator.exactLastLayer();
     });
-    needs_.push_back({need::kCorrection, corrects ? std::optional(true) : std::nullopt, statistics_.right, statistics_.checked, {},
-                      corrects ? std::optional<int64_t>(0) : std::nullopt, {},
-                      corrects ? "generated thetas whose error is low enough, of all representations"
-                               : "the weights hold no corrections"});
-    needs_.push_back({need::kRefinement, true, counts_.functions - statistics_.failed_check, counts_.functions, {}, 0, {},
+    needs_.push_back(
+        {need::kCorrection,
+         corrects ? std::optional(true) : std::nullopt,
+         statistics_.right,
+         statistics_.checked,
+         {},
+         corrects ? std::optional<int64_t>(0) : std::nullopt,
+         {},
+         corrects ? "generated thetas whose error is low enough, of all representations" : "the weights hold no corrections"});
+    needs_.push_back({need::kRefinement,
+                      true,
+                      counts_.functions - statistics_.failed_check,
+                      counts_.functions,
+                      {},
+                      0,
+                      {},
                       "the check passes before; against one round for each of them"});
   }
 
@@ -118,10 +172,22 @@ class NeedsCount {
       bytes += weights_bytes_[g];
     }
     const std::string list = names.empty() ? "every one of them has a function" : fmt::format("{}", fmt::join(names, ", "));
-    needs_.push_back({need::kNeverChosen, true, names.size(), generators_.size(), {}, static_cast<int64_t>(bytes), {},
+    needs_.push_back({need::kNeverChosen,
+                      true,
+                      names.size(),
+                      generators_.size(),
+                      {},
+                      static_cast<int64_t>(bytes),
+                      {},
                       list + "; not in the light grid, and left out of the scene's weights by nlg-export for-bake"});
     if (!names.empty()) {
-      needs_.push_back({need::kNeverChosenGenerators, false, names.size(), generators_.size(), {}, 0, {},
+      needs_.push_back({need::kNeverChosenGenerators,
+                        false,
+                        names.size(),
+                        generators_.size(),
+                        {},
+                        0,
+                        {},
                         "known only after a bake; the next one of the scene can do without their weights"});
     }
   }
@@ -129,7 +195,13 @@ class NeedsCount {
   Need halfTheta() const {
     const bool is_half = precision_ == ThetaPrecision::float16;
     const auto bytes = static_cast<int64_t>(grid_.theta.size()) * 2;
-    return {need::kHalfTheta, is_half, grid_.theta.size(), grid_.theta.size(), {}, bytes, {},
+    return {need::kHalfTheta,
+            is_half,
+            grid_.theta.size(),
+            grid_.theta.size(),
+            {},
+            bytes,
+            {},
             is_half ? "theta_precision: float16" : "theta_precision: float16 would leave them out"};
   }
 
@@ -154,10 +226,23 @@ class NeedsCount {
       ++leading;
       leading_bytes += kNodeBytes * static_cast<int64_t>(nodes[level]);
     }
-    needs_.push_back({need::kLevels, true, without, kTreeLevels, {}, 0, {}, "look-ups end before them, files hold nothing of them"});
-    needs_.push_back({need::kThroughLevels, false, leading, kTreeLevels, {}, leading_bytes, {},
+    needs_.push_back(
+        {need::kLevels, true, without, kTreeLevels, {}, 0, {}, "look-ups end before them, files hold nothing of them"});
+    needs_.push_back({need::kThroughLevels,
+                      false,
+                      leading,
+                      kTreeLevels,
+                      {},
+                      leading_bytes,
+                      {},
                       fmt::format("nodes a level: {}; cells: {}", fmt::join(nodes, ", "), fmt::join(cells, ", "))});
-    needs_.push_back({need::kEmptyRoots, false, empty_roots, roots, {}, kNodeBytes * static_cast<int64_t>(empty_roots), {},
+    needs_.push_back({need::kEmptyRoots,
+                      false,
+                      empty_roots,
+                      roots,
+                      {},
+                      kNodeBytes * static_cast<int64_t>(empty_roots),
+                      {},
                       "the look-up finds its root by its place in the array"});
   }
 
@@ -205,13 +290,13 @@ nlohmann::ordered_json toJson(const std::vector<Need>& needs) {
 }
 
 std::string toTable(const std::vector<Need>& needs) {
-  std::string text =
-      fmt::format("{:<56} {:>8} {:>10} {:>10} {:>9} {:>12} {:>7}\n", "not needed", "left out", "count", "of", "seconds", "bytes", "result");
+  std::string text = fmt::format("{:<56} {:>8} {:>10} {:>10} {:>9} {:>12} {:>7}\n", "not needed", "left out", "count", "of",
+                                 "seconds", "bytes", "result");
   for (const Need& need : needs) {
-    text += fmt::format("{:<56} {:>8} {:>10} {:>10} {:>9} {:>12} {:>7}  {}\n", need.what, yesOrNo(need.left_out, "yes", "not yet"),
-                        need.count, need.of, need.seconds_saved ? fmt::format("{:.3f}", *need.seconds_saved) : "-",
-                        need.bytes_saved ? std::to_string(*need.bytes_saved) : "-", yesOrNo(need.same_result, "same", "differs"),
-                        need.note);
+    text += fmt::format(
+        "{:<56} {:>8} {:>10} {:>10} {:>9} {:>12} {:>7}  {}\n", need.what, yesOrNo(need.left_out, "yes", "not yet"), need.count,
+        need.of, need.seconds_saved ? fmt::format("{:.3f}", *need.seconds_saved) : "-",
+        need.bytes_saved ? std::to_string(*need.bytes_saved) : "-", yesOrNo(need.same_result, "same", "differs"), need.note);
   }
   return text;
 }
