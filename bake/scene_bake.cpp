@@ -25,12 +25,19 @@ struct FittedFunction {
   Theta theta;
 };
 
+// Who is corrected is decided by the check (checkAndCorrect).
+CorrectionOptions allOf(CorrectionOptions options) {
+  options.correct_rmse = 0.0;
+  return options;
+}
+
 // Everything that one thread needs, for all stages.
 struct BakeThread {
-  explicit BakeThread(const std::vector<Generator>& generators) : phi(static_cast<size_t>(kBatchCount) * kSupportPointCount) {
+  BakeThread(const std::vector<Generator>& generators, const CorrectionOptions& correction)
+      : phi(static_cast<size_t>(kBatchCount) * kSupportPointCount) {
     for (const Generator& generator : generators) {
       scratch.emplace_back(generator);
-      corrector.emplace_back(generator);
+      corrector.emplace_back(generator, allOf(correction));
       theta.emplace_back(static_cast<size_t>(kBatchCount) * generator.representation().thetaCount());
     }
   }
@@ -57,7 +64,7 @@ class SceneBake {
         savings_(savings),
         thread_count_(options.threads > 0 ? options.threads : machineThreadCount()),
         functions_(scene, options, thread_count_, spool_folder, savings) {
-    for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(generators));
+    for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(generators, options.correction));
   }
 
   Bake run() {
@@ -142,7 +149,7 @@ class SceneBake {
     for (size_t i = 0; i < functions.size(); ++i) {
       const FunctionCheck made = check(functions[i], g, thetaOf(thread, g, i), thread);
       checks.push_back(made);
-      const bool right = made.rmse <= options_.correct_rmse && made.passes(options_.refinement.check);
+      const bool right = made.rmse <= options_.correction.correct_rmse && made.passes(options_.refinement.check);
       ++thread.checked;
       thread.right += right;
       if (right && savings_.correction) continue;
