@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
-#include <numeric>
 
 #include "runtime_eval/light_grid/probe_tree_data.h"
 
@@ -255,13 +255,6 @@ class NeedsCount {
   std::vector<Need> needs_;
 };
 
-template <class T>
-nlohmann::ordered_json orNull(const std::optional<T>& value) {
-  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-}
-
-std::string yesOrNo(const std::optional<bool>& value, const char* yes, const char* no) { return value ? *value ? yes : no : "-"; }
-
 }  // namespace
 
 std::vector<Need> countNeeds(const Bake& bake, const std::vector<Generator>& generators, ThetaPrecision theta_precision,
@@ -272,33 +265,6 @@ std::vector<Need> countNeeds(const Bake& bake, const std::vector<Generator>& gen
 Need* findNeed(std::vector<Need>& needs, const std::string& what) {
   const auto found = std::find_if(needs.begin(), needs.end(), [&](const Need& need) { return need.what == what; });
   return found == needs.end() ? nullptr : &*found;
-}
-
-nlohmann::ordered_json toJson(const std::vector<Need>& needs) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  for (const Need& need : needs) {
-    rows.push_back({{"what", need.what},
-                    {"left_out", orNull(need.left_out)},
-                    {"count", need.count},
-                    {"of", need.of},
-                    {"seconds_saved", orNull(need.seconds_saved)},
-                    {"bytes_saved", orNull(need.bytes_saved)},
-                    {"same_result", orNull(need.same_result)},
-                    {"note", need.note}});
-  }
-  return rows;
-}
-
-std::string toTable(const std::vector<Need>& needs) {
-  std::string text = fmt::format("{:<56} {:>8} {:>10} {:>10} {:>9} {:>12} {:>7}\n", "not needed", "left out", "count", "of",
-                                 "seconds", "bytes", "result");
-  for (const Need& need : needs) {
-    text += fmt::format(
-        "{:<56} {:>8} {:>10} {:>10} {:>9} {:>12} {:>7}  {}\n", need.what, yesOrNo(need.left_out, "yes", "not yet"), need.count,
-        need.of, need.seconds_saved ? fmt::format("{:.3f}", *need.seconds_saved) : "-",
-        need.bytes_saved ? std::to_string(*need.bytes_saved) : "-", yesOrNo(need.same_result, "same", "differs"), need.note);
-  }
-  return text;
 }
 
 }  // namespace nlg

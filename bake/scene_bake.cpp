@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cstring>
 
+#include "bake/theta_maker.h"
 #include "export/weights_file/half.h"
 #include "runtime_eval/evaluator/product_field.h"
-#include "runtime_eval/fit/correction.h"
 #include "runtime_eval/fit/refinement.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
@@ -25,31 +24,15 @@ struct FittedFunction {
   Theta theta;
 };
 
-// Who is corrected is decided by the check (checkAndCorrect).
-CorrectionOptions allOf(CorrectionOptions options) {
-  options.correct_rmse = 0.0;
-  return options;
-}
-
 // Everything that one thread needs, for all stages.
 struct BakeThread {
-  BakeThread(const std::vector<Generator>& generators, const CorrectionOptions& correction)
-      : phi(static_cast<size_t>(kBatchCount) * kSupportPointCount) {
-    for (const Generator& generator : generators) {
-      scratch.emplace_back(generator);
-      corrector.emplace_back(generator, allOf(correction));
-      theta.emplace_back(static_cast<size_t>(kBatchCount) * generator.representation().thetaCount());
-    }
-  }
-  std::vector<GeneratorScratch> scratch;  // by generator
-  std::vector<Corrector> corrector;       // by generator
-  std::vector<std::vector<float>> theta;  // by generator: one batch
-  std::vector<uint8_t> phi;               // one batch
-  FunctionChecker checker;
+  BakeThread(const std::vector<Generator>& generators, const BakeOptions& options, const BakeSavings& savings)
+      : maker(generators, options, savings) {}
+  ThetaMaker maker;
   Refiner refiner;
   std::vector<uint8_t> samples;
-  double generator_s = 0.0, check_s = 0.0, correction_s = 0.0, refinement_s = 0.0;
-  uint64_t corrected = 0, checked = 0, right = 0, smallest_enough = 0;
+  double refinement_s = 0.0;
+  uint64_t smallest_enough = 0;
   std::array<uint64_t, kFitStopCount> stops{};
 };
 
@@ -64,7 +47,7 @@ class SceneBake {
         savings_(savings),
         thread_count_(options.threads > 0 ? options.threads : machineThreadCount()),
         functions_(scene, options, thread_count_, spool_folder, savings) {
-    for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(generators, options.correction));
+    for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(generators_, options_, savings_));
   }
 
   Bake run() {
@@ -96,14 +79,14 @@ class SceneBake {
   // The smallest representation for all functions, the larger ones for those that it may not be enough for.
   void generateBatch(const SceneFunctions::NewFunctions& made, uint64_t begin, uint64_t end, BakeThread& thread) {
     const std::vector<StoredFunction> all(&made.functions[begin], &made.functions[begin] + (end - begin));
-    const std::vector<FunctionCheck> smallest = makeTheta(all, 0, thread);
+    const std::vector<FunctionCheck> smallest = thread.maker.make(all, 0);
     std::vector<StoredFunction> functions;
     std::vector<uint64_t> numbers;
     std::vector<std::vector<FunctionCheck>> checks;  // by function that larger generators run for, by generator
     for (size_t i = 0; i < all.size(); ++i) {
       const uint64_t number = made.first + begin + i;
-      keep(number, 0, thetaOf(thread, 0, i), smallest[i]);
-      tent_fits_[number] = thread.checker.checkBareTent(all[i], options_.refinement.check).passes(options_.refinement.check);
+      keep(number, 0, thread.maker.theta(0, i), smallest[i]);
+      tent_fits_[number] = thread.maker.bareTentFits(all[i]);
       const bool enough = isSmallestEnough(smallest[i], options_.refinement.check, options_.choice.forGenerated());
       thread.smallest_enough += enough;
       if (enough && savings_.larger_generators) continue;
@@ -113,67 +96,18 @@ class SceneBake {
     }
     if (functions.empty()) return;
     for (size_t g = 1; g < generators_.size(); ++g) {
-      const std::vector<FunctionCheck> larger = makeTheta(functions, g, thread);
+      const std::vector<FunctionCheck> larger = thread.maker.make(functions, g);
       for (size_t i = 0; i < functions.size(); ++i) checks[i].push_back(larger[i]);
     }
     for (size_t i = 0; i < functions.size(); ++i) {
       const int chosen = chooseRepresentation(checks[i], options_.refinement.check, options_.choice.forGenerated());
-      if (chosen > 0) keep(numbers[i], chosen, thetaOf(thread, chosen, i), checks[i][chosen]);
+      if (chosen > 0) keep(numbers[i], chosen, thread.maker.theta(chosen, i), checks[i][chosen]);
     }
   }
 
   void keep(uint64_t number, int generator, const float* theta, const FunctionCheck& check) {
     fitted_[number] = {static_cast<uint8_t>(generator), Theta(theta, theta + thetaCount(generator))};
     checks_[number] = check;
-  }
-
-  // Theta of one generator for a batch of functions, corrected where they need it, in thread.theta; and how good they are.
-  std::vector<FunctionCheck> makeTheta(const std::vector<StoredFunction>& functions, size_t g, BakeThread& thread) {
-    const Clock::time_point start = Clock::now();
-    for (size_t i = 0; i < functions.size(); ++i) {
-      std::memcpy(&thread.phi[i * kSupportPointCount], functions[i].phi, kSupportPointCount);
-    }
-    generators_[g].generate(thread.phi.data(), static_cast<int>(functions.size()), thread.theta[g].data(), &thread.scratch[g]);
-    thread.generator_s += secondsSince(start);
-    return checkAndCorrect(functions, g, thread);
-  }
-
-  // Checks the batch's theta of one generator and corrects those that need it. A lower error may leak more: what passed the check
-  // and would no longer stays as it was.
-  std::vector<FunctionCheck> checkAndCorrect(const std::vector<StoredFunction>& functions, size_t g, BakeThread& thread) {
-    const Clock::time_point check_start = Clock::now();
-    std::vector<size_t> wrong;
-    std::vector<StoredFunction> wrong_functions;
-    std::vector<float> wrong_theta;
-    std::vector<FunctionCheck> checks;
-    for (size_t i = 0; i < functions.size(); ++i) {
-      const FunctionCheck made = check(functions[i], g, thetaOf(thread, g, i), thread);
-      checks.push_back(made);
-      const bool right = made.rmse <= options_.correction.correct_rmse && made.passes(options_.refinement.check);
-      ++thread.checked;
-      thread.right += right;
-      if (right && savings_.correction) continue;
-      wrong.push_back(i);
-      wrong_functions.push_back(functions[i]);
-      wrong_theta.insert(wrong_theta.end(), thetaOf(thread, g, i), thetaOf(thread, g, i + 1));
-    }
-    thread.check_s += secondsSince(check_start);
-    if (wrong.empty() || thread.corrector[g].empty()) return checks;
-    const Clock::time_point correction_start = Clock::now();
-    thread.corrected += static_cast<uint64_t>(
-        thread.corrector[g].correct(wrong_functions.data(), static_cast<int>(wrong.size()), wrong_theta.data()));
-    for (size_t n = 0; n < wrong.size(); ++n) {
-      FunctionCheck& made = checks[wrong[n]];
-      const FunctionCheck corrected = check(wrong_functions[n], g, &wrong_theta[n * thetaCount(g)], thread);
-      if (made.passes(options_.refinement.check) && !corrected.passes(options_.refinement.check)) {
-        --thread.corrected;
-        continue;
-      }
-      made = corrected;
-      std::copy_n(&wrong_theta[n * thetaCount(g)], thetaCount(g), &thread.theta[g][wrong[n] * thetaCount(g)]);
-    }
-    thread.correction_s += secondsSince(correction_start);
-    return checks;
   }
 
   void refineWorstFirst() {
@@ -238,16 +172,16 @@ class SceneBake {
 
   // Where a larger representation starts: its own generator's theta, or a field that is smaller so far, on its finer grid.
   Theta raisedStart(const StoredFunction& stored, uint32_t number, size_t g, BakeThread& thread) const {
-    generators_[g].generate(stored.phi, 1, thread.theta[g].data(), &thread.scratch[g]);
-    thread.corrected += static_cast<uint64_t>(thread.corrector[g].correct(&stored, 1, thread.theta[g].data()));
-    const float* generated = thetaOf(thread, g, 0);
+    thread.maker.makeCorrected(stored, g);
+    const float* generated = thread.maker.theta(g, 0);
     Theta start(generated, generated + thetaCount(g));
     const Representation &raised = generators_[g].representation(),
                          &present = generators_[fitted_[number].generator].representation();
     if (!raised.isField() || !present.isField()) return start;
     Theta finer(thetaCount(g));
     resampleField(present.resolution, fitted_[number].theta.data(), raised.resolution, finer.data());
-    const bool finer_is_better = check(stored, g, finer.data(), thread).rmse < check(stored, g, start.data(), thread).rmse;
+    const bool finer_is_better =
+        thread.maker.check(stored, g, finer.data()).rmse < thread.maker.check(stored, g, start.data()).rmse;
     return finer_is_better ? finer : start;
   }
 
@@ -265,7 +199,7 @@ class SceneBake {
         value = floatFromHalf(half);
       }
       const StoredFunction stored = functions_.read(number, &threads_[thread]->samples);
-      checks_[number] = check(stored, function.generator, function.theta.data(), *threads_[thread]);
+      checks_[number] = threads_[thread]->maker.check(stored, function.generator, function.theta.data());
     });
     RoundingError error;
     for (size_t i = 0; i < checks_.size(); ++i) {
@@ -281,12 +215,13 @@ class SceneBake {
     statistics_.function_times = functions_.times();
     statistics_.raised = raised_;
     for (const auto& thread : threads_) {
-      statistics_.generator_s += thread->generator_s;
-      statistics_.check_s += thread->check_s;
-      statistics_.correction_s += thread->correction_s;
-      statistics_.corrected += thread->corrected;
-      statistics_.checked += thread->checked;
-      statistics_.right += thread->right;
+      const ThetaMaker::Work& work = thread->maker.work();
+      statistics_.generator_s += work.generator_s;
+      statistics_.check_s += work.check_s;
+      statistics_.correction_s += work.correction_s;
+      statistics_.corrected += work.corrected;
+      statistics_.checked += work.checked;
+      statistics_.right += work.right;
       statistics_.smallest_enough += thread->smallest_enough;
       statistics_.refinement_s += thread->refinement_s;
       for (size_t stop = 0; stop < kFitStopCount; ++stop) statistics_.refinement_stops[stop] += thread->stops[stop];
@@ -323,12 +258,8 @@ class SceneBake {
     return grid;
   }
 
-  FunctionCheck check(const StoredFunction& stored, size_t g, const float* theta, BakeThread& thread) const {
-    return thread.checker.check(generators_[g].representation(), stored, theta, options_.refinement.check);
-  }
   Theta theta0Of(size_t g) const { return {generators_[g].theta0(), generators_[g].theta0() + thetaCount(g)}; }
   size_t thetaCount(size_t g) const { return static_cast<size_t>(generators_[g].representation().thetaCount()); }
-  const float* thetaOf(const BakeThread& thread, size_t g, int i) const { return &thread.theta[g][i * thetaCount(g)]; }
 
   const BakeScene& scene_;
   const std::vector<Generator>& generators_;
