@@ -19,9 +19,7 @@ void describe(BakeOptions& o, OptionTable& table) {
             "functions that differ by no more than this RMS, in steps of 1/255, share one theta; 0: the same bytes", 0.0, 16.0);
   table.add("duplicate_validity_points", &o.duplicate_validity_points,
             "and whose validity differs in no more than so many support points", 0, 8192);
-  table.add("correct_rmse", &o.correct_rmse,
-            "generated theta whose RMSE is above take the learned correction steps, as do those that fail the check; 0: all", 0.0,
-            1e3);
+  describeCorrection(o.correction, table);
   describeRefinement(o.refinement, table);
   table.add("refine_seconds", &o.refine_seconds,
             "time for all refinement, spent on the worst functions first; 0: as long as it takes, the only setting whose result "

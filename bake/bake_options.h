@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "datagen/weighting/weighting_builder.h"
+#include "runtime_eval/fit/correction.h"
 #include "runtime_eval/fit/refinement.h"
 #include "runtime_eval/fit/representation_choice.h"
 #include "tool/options.h"
@@ -21,7 +22,7 @@ struct BakeOptions {
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;
-  double correct_rmse = 0.003;  // generated theta that are more wrong take the correction steps, as do those that fail the check
+  CorrectionOptions correction;
   RefinementOptions refinement;
   double refine_seconds = 0.0;  // 0: as long as it takes
   ChoiceOptions choice;

@@ -2,6 +2,16 @@
 
 namespace nlg {
 
+void describeCorrection(CorrectionOptions& o, OptionTable& table) {
+  table.add("correct_rmse", &o.correct_rmse,
+            "generated theta whose RMSE is above are corrected, as are those that fail the check; 0: all", 0.0, 1e3);
+  table.add("correct_steps", &o.most_steps, "learned correction steps of an attempt at most", 0, 64);
+  table.add("correct_images", &o.mirror_images, "networks: attempts at a function, itself and mirror images of it", 1, 8);
+  table.add("correct_retry_rmse", &o.retry_rmse, "… another one while its RMSE is above", 0.0, 1e3);
+  table.add("correct_field_iterations", &o.field_iterations, "product fields: iterations of Levenberg-Marquardt after the steps",
+            0, 1000);
+}
+
 void describeRefinement(RefinementOptions& o, OptionTable& table) {
   table.add("tau_rmse", &o.check.tau_rmse, "a theta whose RMSE is above needs refinement", 1e-6, 1.0);
   table.add("tau_leak", &o.check.tau_leak, "weight that counts as a leak where the function is 0", 1e-6, 1.0);

@@ -25,12 +25,19 @@ struct FittedFunction {
   Theta theta;
 };
 
+// Who is corrected is decided by the check (checkAndCorrect).
+CorrectionOptions allOf(CorrectionOptions options) {
+  options.correct_rmse = 0.0;
+  return options;
+}
+
 // Everything that one thread needs, for all stages.
 struct BakeThread {
-  explicit BakeThread(const std::vector<Generator>& generators) : phi(static_cast<size_t>(kBatchCount) * kSupportPointCount) {
+  BakeThread(const std::vector<Generator>& generators, const CorrectionOptions& correction)
+      : phi(static_cast<size_t>(kBatchCount) * kSupportPointCount) {
     for (const Generator& generator : generators) {
       scratch.emplace_back(generator);
-      corrector.emplace_back(generator);
+      corrector.emplace_back(generator, allOf(correction));
       theta.emplace_back(static_cast<size_t>(kBatchCount) * generator.representation().thetaCount());
     }
   }
@@ -56,7 +63,7 @@ class SceneBake {
         theta_precision_(theta_precision),
         thread_count_(options.threads > 0 ? options.threads : machineThreadCount()),
         functions_(scene, options, thread_count_, spool_folder) {
-    for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(generators));
+    for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(generators, options.correction));
   }
 
   Bake run() {
@@ -116,7 +123,7 @@ class SceneBake {
     for (int i = 0; i < count; ++i) {
       FunctionCheck& made = (*checks)[i][g];
       made = check(functions[i], g, thetaOf(thread, g, i), thread);
-      if (made.rmse <= options_.correct_rmse && made.passes(options_.refinement.check)) continue;
+      if (made.rmse <= options_.correction.correct_rmse && made.passes(options_.refinement.check)) continue;
       wrong.push_back(i);
       wrong_functions.push_back(functions[i]);
       wrong_theta.insert(wrong_theta.end(), thetaOf(thread, g, i), thetaOf(thread, g, i + 1));

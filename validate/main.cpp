@@ -35,6 +35,7 @@ void describe(ValidateOptions& o, OptionTable& table) {
   table.add("direct_functions", &o.direct_functions, "held-out functions that fits are measured on", 1, 1000000);
   table.add("adam_refine_steps", &o.adam_refine_steps, "Adam steps when every function is refined", 0, 1000000);
   table.add("lm_refine_iterations", &o.lm_refine_iterations, "LM iterations when every function is refined", 0, 100000);
+  describeCorrection(o.correction, table);
   describeRefinement(o.refinement, table);
   describeChoice(o.choice, table);
   table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);
@@ -232,7 +233,7 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
   const std::string name = representationName(generator.representation());
   std::vector<float> theta;
   const MethodResult uncorrected = measureUncorrected(generator, set, &theta);
-  const MethodResult generated = measureGenerator(generator, set, uncorrected, &theta);
+  const MethodResult generated = measureGenerator(generator, set, uncorrected, options.correction, &theta);
   const MethodResult policy = measurePolicy(generator, set, generated, theta, options);
   const std::vector<uint64_t> chosen = evenChoice(set.functionCount(), static_cast<uint64_t>(options.direct_functions));
   Progress progress(name + ": functions fitted", static_cast<int64_t>(chosen.size()));

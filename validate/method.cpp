@@ -109,10 +109,10 @@ MethodResult measureUncorrected(const Generator& generator, const FunctionSet& s
 }
 
 MethodResult measureGenerator(const Generator& generator, const FunctionSet& set, const MethodResult& uncorrected,
-                              std::vector<float>* theta) {
+                              const CorrectionOptions& options, std::vector<float>* theta) {
   MethodResult result{"generator"};
   ErrorMeter meter(set);
-  Corrector corrector(generator);
+  Corrector corrector(generator, options);
   const uint64_t count = set.functionCount();
   const auto D = static_cast<uint64_t>(generator.representation().thetaCount());
   for (uint64_t begin = 0; begin < count; begin += kBatchCount) {

@@ -18,7 +18,8 @@ struct ValidateOptions {
   int direct_functions = 300;    // held-out functions that direct optimisation and refinement of all run on
   int adam_refine_steps = 800;   // refinement of every function by Adam
   int lm_refine_iterations = 8;  // … and by LM
-  RefinementOptions refinement;  // the bake's policy
+  CorrectionOptions correction;  // the bake's
+  RefinementOptions refinement;  // … its policy
   ChoiceOptions choice;          // … and its choice between product fields
   double hard_tent_rmse = 0.01;  // functions whose bare tent is at least so wrong are hard
   DirectOptions direct;
@@ -51,11 +52,10 @@ double measureEvaluation(const Representation& representation, const float* thet
 // The generator's network alone on every function, in batches as a bake runs it; theta receives N x D.
 MethodResult measureUncorrected(const Generator& generator, const FunctionSet& set, std::vector<float>* theta);
 
-// The generator with its correction steps on every function: all that comes before Adam or Levenberg–Marquardt. elapsed_us is that
-// of both. Weights without correction steps give the same again.
+// The generator with correction, as in a bake. elapsed_us is that of both. Weights that have none give the same again.
 // uncorrected, theta   from measureUncorrected; theta receives what is corrected
 MethodResult measureGenerator(const Generator& generator, const FunctionSet& set, const MethodResult& uncorrected,
-                              std::vector<float>* theta);
+                              const CorrectionOptions& options, std::vector<float>* theta);
 
 // The bake's policy on every function: what fails the check after the generator is refined. elapsed_us is the generator's share
 // plus the check's and the refinement's.

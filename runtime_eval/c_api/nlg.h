@@ -133,9 +133,10 @@ typedef struct nlg_check {
 nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const float* theta,
                           const nlg_refinement_options* options, nlg_scratch* scratch);
 
-/* Takes theta of generated functions through the generator's correction steps: .1 to .3 milliseconds each, where nlg_refine takes
- * several. A theta is changed only where that lowers its error over all valid points. Does nothing when the weights have no
- * steps. Allocates nothing, cannot fail.
+/* Takes theta of generated functions through correction (runtime_eval/fit/correction.h, with its default options): learned steps,
+ * .1 to .4 milliseconds, and for functions whose RMSE is then above .005 their mirror images, some milliseconds. A theta is changed
+ * only where that lowers its error over all valid points. Does nothing when the weights have no steps. Allocates nothing, cannot
+ * fail.
  *
  * phi       count x P bytes; validity count x P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid
  * theta     count x D floats, replaced where that is better

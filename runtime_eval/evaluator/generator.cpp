@@ -81,6 +81,11 @@ void Generator::project(const uint8_t* phi, int count, float* coefficients, Gene
   projection_.project(phi, count, coefficients, &scratch->projection_);
 }
 
+void Generator::generateFromCoefficients(const float* coefficients, int count, float* theta, GeneratorScratch* scratch) const {
+  std::copy_n(coefficients, size_t(count) * coefficientCount(), scratch->layers_.input());
+  layers_.run(count, theta, &scratch->layers_);
+}
+
 void Generator::generate(const uint8_t* phi, int count, float* theta, GeneratorScratch* scratch) const {
   generateAll(phi, count, theta, scratch);
 }

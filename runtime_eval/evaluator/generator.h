@@ -22,7 +22,7 @@ inline constexpr int kWeightsVersion = 1;
 // Learned correction steps (docs/math.md §6): a network that sees a theta, how wrong it is on its function and which way is down,
 // and says how theta should change. Same layers as the generator's; inputs are CorrectionFeatures (below) in their order.
 struct CorrectionData {
-  int step_count = 0;                  // times that it is to be applied; 0: the generator has none
+  int step_count = 0;                  // times in a row that it was trained for; 0: the generator has none
   bool exact_last_layer = false;       // the last layer is solved before every measurement (networks with a linear output)
   std::vector<GeneratorLayer> layers;  // K + 2 D + 2 inputs; the last one has D outputs, times output_scale
 };
@@ -83,9 +83,13 @@ class Generator {
   void generate(const uint8_t* phi, int count, float* theta, GeneratorScratch* scratch) const;
   void generate(const float* phi, int count, float* theta, GeneratorScratch* scratch) const;
 
-  // Coefficients of functions, standardised: what the layers read. coefficients: count x K; count at most kBatchCount.
+  // The same in its two parts, for functions whose mirror images are wanted too.
+  // count          at most kBatchCount
+  // coefficients   count x K, standardised: what the layers read
+  const Projection& projection() const { return projection_; }
   int coefficientCount() const { return projection_.coefficientCount(); }
   void project(const uint8_t* phi, int count, float* coefficients, GeneratorScratch* scratch) const;
+  void generateFromCoefficients(const float* coefficients, int count, float* theta, GeneratorScratch* scratch) const;
 
   // Learned correction steps, for Corrector (fit/correction.h); 0 steps and no layers when the weights have none. Always float32.
   int correctionStepCount() const { return correction_step_count_; }

@@ -11,7 +11,10 @@ ProjectionScratch::ProjectionScratch(GeneratorPrecision precision) {
 }
 
 Projection::Projection(const BasisData& basis, GeneratorPrecision precision)
-    : precision_(precision), coefficient_count_(basis.coefficientCount()), bias_(coefficient_count_) {
+    : precision_(precision),
+      coefficient_count_(basis.coefficientCount()),
+      class_count_(basis.class_count),
+      bias_(coefficient_count_) {
   const double dequantise = 1.0 / (255.0 * std::sqrt(8.0));
   int first = 0;
   for (int c = 0; c < kParityClassCount; ++c) {
@@ -63,6 +66,13 @@ void Projection::projectSamples(const Sample* phi, int count, float* coefficient
                Epilogue::none, 1.0f, coefficients + first, coefficient_count_);
       first += float_components_[c].outputCount();
     }
+  }
+}
+
+void Projection::mirrorCoefficients(const float* coefficients, int mirror, float* mirrored) const {
+  for (int c = 0; c < kParityClassCount; ++c) {
+    const float sign = mirrorSign(c, mirror);
+    for (int k = 0; k < class_count_[c]; ++k) *mirrored++ = sign * *coefficients++;
   }
 }
 

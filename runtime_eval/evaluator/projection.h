@@ -58,12 +58,16 @@ class Projection {
   void project(const uint8_t* phi, int count, float* coefficients, ProjectionScratch* scratch) const;
   void project(const float* phi, int count, float* coefficients, ProjectionScratch* scratch) const;
 
+  // Coefficients of one function mirrored by `mirror`, from those of the function: no more than signs.
+  void mirrorCoefficients(const float* coefficients, int mirror, float* mirrored) const;
+
  private:
   template <class Sample>
   void projectSamples(const Sample* phi, int count, float* coefficients, ProjectionScratch* scratch) const;
 
   GeneratorPrecision precision_ = GeneratorPrecision::float32;
   int coefficient_count_ = 0;
+  std::array<int, kParityClassCount> class_count_{};
   // dequantisation, 1/sqrt(8) and standardisation folded in; those of the other precision stay empty
   std::array<PackedMatrix, kParityClassCount> float_components_;
   std::array<PackedIntegerMatrix, kParityClassCount> integer_components_;

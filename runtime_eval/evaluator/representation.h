@@ -140,6 +140,10 @@ inline constexpr auto kRepresentationNames = [] {
 // The order in which a representation's kernels read the support points: strata for networks, cells for product fields.
 const PointOrder& pointOrder(const Representation& representation);
 
+// Turns theta into that of the mirror image of its function, in place: f'(x) = f(mirrored x). Exact.
+// mirror   bits 0, 1, 2: x, y, z change their sign (support_pattern.h)
+void mirrorTheta(const Representation& representation, int mirror, float* theta);
+
 // One of kRepresentationNames.
 const char* representationName(const Representation& representation);
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "runtime_eval/evaluator/representation.h"
 #include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/loss_kernel.h"
 
@@ -19,31 +20,58 @@ bool fitsFloat16(const float* theta, size_t count) {
   return std::all_of(theta, theta + count, [](float value) { return std::fabs(value) <= kLargestHalf; });
 }
 
+// By what a step has to lower the mean square for another one to follow, and a mirror image for its theta to be taken: below lies
+// rounding, since errors of images are summed in another order.
+constexpr double kPays = 0.99, kImagePays = 0.999;
+
+bool hasValidPoint(const StoredFunction& function) {
+  return std::any_of(function.validity, function.validity + kValidityByteCount, [](uint8_t byte) { return byte != 0; });
+}
+
 }  // namespace
 
-Corrector::Corrector(const Generator& generator)
+Corrector::Corrector(const Generator& generator, const CorrectionOptions& options)
     : generator_(&generator),
+      options_(options),
       generator_scratch_(generator),
       layer_scratch_(generator.correctionLayers()),
       places_{generator.coefficientCount(), generator.representation().thetaCount()} {
+  if (generator.correctionStepCount() == 0) options_.most_steps = 0;
+  if (generator.representation().isField()) {
+    options_.mirror_images = 1;
+  } else {
+    options_.field_iterations = 0;
+  }
   if (empty()) return;
   const size_t batch = kBatchCount, theta_count = static_cast<size_t>(places_.theta_count);
   phi_.resize(batch * kSupportPointCount);
   coefficients_.resize(batch * places_.coefficient_count);
+  mirrored_.resize(batch * places_.coefficient_count);
+  rows_.resize(batch * places_.coefficient_count);
   current_.resize(batch * theta_count);
   change_.resize(batch * theta_count);
   gradient_.resize(theta_count);
+  theta_.resize(theta_count);
   best_error_.resize(batch);
   error_.resize(batch);
+  attempt_error_.resize(batch);
   changed_.resize(batch);
   going_on_.reserve(batch);
   const int place_count = pointOrder(generator.representation()).placeCount();
   function_.phi.resize(place_count);
   function_.mask.resize(place_count);
+  function_.valid_count.resize(pointOrder(generator.representation()).batchCount());
   if (generator.exactLastLayer()) {
     // the last hidden values and the constant
     const int feature_count = generator.representation().shape().last() + 1;
     equations_.reset(feature_count, feature_count - 1);
+  }
+  if (options_.field_iterations > 0) {
+    // takes the memory that iterations need
+    function_ = tentFunction(pointOrder(generator.representation()));
+    std::copy_n(generator.theta0(), theta_count, theta_.begin());
+    iterateLevenbergMarquardt(generator.representation(), function_, {.iterations = 1}, &normal_equations_, &levenberg_workspace_,
+                              theta_.data());
   }
 }
 
@@ -58,41 +86,69 @@ int Corrector::correct(const StoredFunction* functions, int count, float* theta)
 }
 
 int Corrector::correctBatch(const StoredFunction* functions, int count, float* theta) {
-  const size_t D = static_cast<size_t>(places_.theta_count);
-  const int step_count = generator_->correctionStepCount();
-  if (step_count > 0) {
+  if (options_.most_steps > 0 || options_.mirror_images > 1) {
     for (int i = 0; i < count; ++i) std::memcpy(&phi_[size_t(i) * kSupportPointCount], functions[i].phi, kSupportPointCount);
     generator_->project(phi_.data(), count, coefficients_.data(), &generator_scratch_);
   }
-  std::copy_n(theta, count * D, current_.begin());
-  going_on_.clear();
   for (int i = 0; i < count; ++i) {
-    going_on_.push_back(i);
     changed_[i] = 0;
     best_error_[i] = kInfinite;
-    if (!generator_->exactLastLayer()) continue;
-    decode(functions[i]);
-    best_error_[i] = meanSquare(&theta[i * D]);
+    if (!generator_->exactLastLayer()) continue;  // else the first measurement is of the theta that came
+    decode(functions[i], 0);
+    best_error_[i] = meanSquare(&theta[static_cast<size_t>(i) * places_.theta_count]);
   }
-  for (int step = 0; step <= step_count; ++step) {
-    measure(functions, step < step_count);
-    const int kept = keepBetter(step == 0, theta);
-    if (step == step_count || kept == 0) break;
-    generator_->correctionLayers().run(kept, change_.data(), &layer_scratch_);
-    for (int n = 0; n < kept; ++n) {
-      float* target = &current_[going_on_[n] * D];
-      for (size_t d = 0; d < D; ++d) target[d] += change_[n * D + d];
+  const double correct = options_.correct_rmse * options_.correct_rmse, retry = options_.retry_rmse * options_.retry_rmse;
+  for (int mirror = 0; mirror < options_.mirror_images; ++mirror) {
+    going_on_.clear();
+    for (int i = 0; i < count; ++i) {
+      const bool is_wrong = best_error_[i] > (mirror == 0 ? correct : std::max(correct, retry));
+      if (is_wrong && hasValidPoint(functions[i])) going_on_.push_back(i);
     }
+    if (going_on_.empty()) break;
+    startAttempt(mirror, theta);
+    runSteps(functions, mirror, theta);
+  }
+  for (int i = 0; i < count && options_.field_iterations > 0; ++i) {
+    if (best_error_[i] > correct) iterateField(functions[i], i, theta);
   }
   return static_cast<int>(std::count(changed_.begin(), changed_.begin() + count, uint8_t{1}));
 }
 
-void Corrector::decode(const StoredFunction& stored) {
+void Corrector::startAttempt(int mirror, const float* theta) {
+  const size_t D = static_cast<size_t>(places_.theta_count), K = static_cast<size_t>(places_.coefficient_count);
+  for (const int i : going_on_) {
+    attempt_error_[i] = kInfinite;
+    generator_->projection().mirrorCoefficients(&coefficients_[i * K], mirror, &mirrored_[i * K]);
+    if (mirror == 0) std::copy_n(&theta[i * D], D, &current_[i * D]);
+  }
+  if (mirror == 0) return;
+  // the generator reads rows without gaps
+  for (size_t n = 0; n < going_on_.size(); ++n) std::copy_n(&mirrored_[going_on_[n] * K], K, rows_.begin() + n * K);
+  generator_->generateFromCoefficients(rows_.data(), static_cast<int>(going_on_.size()), change_.data(), &generator_scratch_);
+  for (size_t n = 0; n < going_on_.size(); ++n) std::copy_n(&change_[n * D], D, &current_[going_on_[n] * D]);
+}
+
+void Corrector::runSteps(const StoredFunction* functions, int mirror, float* theta) {
+  const size_t D = static_cast<size_t>(places_.theta_count);
+  for (int step = 0;; ++step) {
+    measure(functions, mirror, step < options_.most_steps);
+    keepBetter(mirror, theta);
+    if (step == options_.most_steps || going_on_.empty()) return;
+    generator_->correctionLayers().run(static_cast<int>(going_on_.size()), change_.data(), &layer_scratch_);
+    for (size_t n = 0; n < going_on_.size(); ++n) {
+      float* target = &current_[going_on_[n] * D];
+      for (size_t d = 0; d < D; ++d) target[d] += change_[n * D + d];
+    }
+  }
+}
+
+void Corrector::decode(const StoredFunction& stored, int mirror) {
   const PointOrder& order = pointOrder(generator_->representation());
   valid_count_ = 0;
   for (int b = 0; b < order.batchCount(); ++b) {
     const int begin = order.batch_begin[b];
-    valid_count_ += decodeBatch(order, b, stored, 0, &function_.phi[begin], &function_.mask[begin]);
+    function_.valid_count[b] = decodeBatch(order, b, stored, mirror, &function_.phi[begin], &function_.mask[begin]);
+    valid_count_ += function_.valid_count[b];
   }
 }
 
@@ -103,13 +159,13 @@ double Corrector::meanSquare(const float* theta) const {
   return std::isfinite(sum) ? sum / valid_count_ : kInfinite;
 }
 
-void Corrector::measure(const StoredFunction* functions, bool network_runs) {
+void Corrector::measure(const StoredFunction* functions, int mirror, bool network_runs) {
   const Representation& representation = generator_->representation();
   const int place_count = static_cast<int>(function_.phi.size());
   for (size_t n = 0; n < going_on_.size(); ++n) {
     const int i = going_on_[n];
     float* theta = &current_[static_cast<size_t>(i) * places_.theta_count];
-    decode(functions[i]);
+    decode(functions[i], mirror);
     if (generator_->exactLastLayer()) {
       solveLastLayer(representation, 0, place_count, function_.phi.data(), function_.mask.data(), theta, &equations_);
     }
@@ -137,7 +193,7 @@ void Corrector::writeFeatures(int i, size_t row) {
   const double norm = std::sqrt(square) / valid_count_ + 1e-12;  // of the gradient of the mean
   const double gradient_scale = std::sqrt(static_cast<double>(D)) / (norm * valid_count_);
   float* features = layer_scratch_.input() + row * places_.count();
-  std::copy_n(&coefficients_[static_cast<size_t>(i) * places_.coefficient_count], places_.coefficient_count, features);
+  std::copy_n(&mirrored_[static_cast<size_t>(i) * places_.coefficient_count], places_.coefficient_count, features);
   for (int d = 0; d < D; ++d) {
     features[places_.theta() + d] = (theta[d] - generator_->theta0()[d]) / generator_->outputScale()[d];
     features[places_.gradient() + d] = static_cast<float>(gradient_[d] * gradient_scale);
@@ -146,30 +202,47 @@ void Corrector::writeFeatures(int i, size_t row) {
   features[places_.logError()] = static_cast<float>(std::log10(error_[i] + 1e-8));
 }
 
-int Corrector::keepBetter(bool all_go_on, float* theta) {
+void Corrector::keepBetter(int mirror, float* theta) {
   const size_t D = static_cast<size_t>(places_.theta_count);
-  int kept = 0;
+  const double pays = mirror == 0 ? 1.0 : kImagePays;
+  size_t kept = 0;
   for (size_t n = 0; n < going_on_.size(); ++n) {
     const int i = going_on_[n];
     if (!std::isfinite(error_[i])) continue;
-    const bool is_as_it_came = std::memcmp(&theta[i * D], &current_[i * D], D * sizeof(float)) == 0;
-    const bool is_better = error_[i] < best_error_[i] && (is_as_it_came || fitsFloat16(&current_[i * D], D));
-    if (!is_better && !all_go_on) continue;
-    if (is_better) {
+    std::copy_n(&current_[i * D], D, theta_.begin());
+    mirrorTheta(generator_->representation(), mirror, theta_.data());
+    if (std::memcmp(&theta[i * D], theta_.data(), D * sizeof(float)) == 0) {
+      best_error_[i] = error_[i];  // of a theta that nothing has happened to yet only the error is new
+      if (best_error_[i] <= options_.correct_rmse * options_.correct_rmse) continue;
+    } else if (error_[i] < pays * best_error_[i] && fitsFloat16(theta_.data(), D)) {
       best_error_[i] = error_[i];
-      // of a theta that nothing has happened to yet only the error is new
-      if (!is_as_it_came) changed_[i] = 1;
-      std::copy_n(&current_[i * D], D, &theta[i * D]);
+      changed_[i] = 1;
+      std::copy_n(theta_.data(), D, &theta[i * D]);
     }
-    // the features of those that go on close up
+    const bool paid = error_[i] < kPays * attempt_error_[i];
+    attempt_error_[i] = std::min(attempt_error_[i], error_[i]);
+    if (!paid) continue;
     float* features = layer_scratch_.input();
-    if (static_cast<size_t>(kept) != n && generator_->correctionStepCount() > 0) {
-      std::copy_n(features + n * places_.count(), places_.count(), features + static_cast<size_t>(kept) * places_.count());
+    if (kept != n && options_.most_steps > 0) {
+      std::copy_n(features + n * places_.count(), places_.count(), features + kept * places_.count());
     }
     going_on_[kept++] = i;
   }
   going_on_.resize(kept);
-  return kept;
+}
+
+void Corrector::iterateField(const StoredFunction& stored, int i, float* theta) {
+  const size_t D = static_cast<size_t>(places_.theta_count);
+  decode(stored, 0);
+  std::copy_n(&theta[i * D], D, theta_.begin());
+  const FitResult fit =
+      iterateLevenbergMarquardt(generator_->representation(), function_,
+                                refinementLevenbergMarquardt(generator_->representation(), options_.field_iterations),
+                                &normal_equations_, &levenberg_workspace_, theta_.data());
+  const bool is_same = std::memcmp(&theta[i * D], theta_.data(), D * sizeof(float)) == 0;
+  if (is_same || !std::isfinite(fit.rmse) || !fitsFloat16(theta_.data(), D)) return;
+  changed_[i] = 1;
+  std::copy_n(theta_.data(), D, &theta[i * D]);
 }
 
 }  // namespace nlg

@@ -1,61 +1,83 @@
-// Correction steps at bake time: a second look at theta that the generator was wrong about.
+// Correction at bake time: what a generator can still do about a theta that is wrong about its function, in tens of microseconds
+// to a millisecond.
 //
 // First the last layer is solved exactly (networks with a linear output whose weights say so). A learned step then measures theta on
-// its function, error and gradient, and lets a small network say how theta should change. All steps of a function take one to three
-// tenths of a millisecond (bench_runtime_eval, shipped/…/correction), Adam several milliseconds. docs/math.md §6.
+// its function, error and gradient, and lets a small network say how theta should change. A function that is still not good enough
+// is tried again as its mirror images: to the generator each is another function, with another theta and other mistakes, and
+// theta mirrors back exactly. A product field, where mirror images hardly help, ends with a few iterations of Levenberg–Marquardt
+// instead: each takes it no longer than a learned step. docs/math.md §6; times: docs/inference.md.
 #pragma once
 
 #include <vector>
 
 #include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/fit/levenberg_marquardt.h"
 #include "runtime_eval/fit/symmetric_band.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 
+struct CorrectionOptions {
+  double correct_rmse = 0.0015;  // theta whose RMSE is not above stay as they are
+  int most_steps = 8;            // learned steps of an attempt: they end at the first that does not pay; 0: none
+  int mirror_images = 8;         // networks: attempts at a function at most, itself and then its mirror images; 1 … 8
+  double retry_rmse = 0.005;     // … no further attempt at a function whose RMSE is not above
+  int field_iterations = 2;      // product fields: of Levenberg–Marquardt, after the learned steps
+};
+
 // One of these a thread and generator.
 class Corrector {
  public:
-  // generator   must outlive it. Without correction steps in its weights nothing is ever corrected
-  explicit Corrector(const Generator& generator);
+  // generator   must outlive it. Without correction steps or an exact last layer in its weights nothing is ever corrected
+  explicit Corrector(const Generator& generator, const CorrectionOptions& options = {});
 
   bool empty() const { return generator_->correctionStepCount() == 0 && !generator_->exactLastLayer(); }
 
-  // Solves the last layer, then applies the generator's number of steps to every theta. A function's steps end when one does not
-  // lower its error over all valid support points; theta is then the best that was met, so it is never worse than it came.
-  // Nothing beyond the range of float16 is taken.
+  // Theta is the best by RMSE over all valid support points of what it was and of all that was met, so it is never worse than it
+  // came. Nothing beyond the range of float16 is taken.
   // functions   count of them
-  // theta       count x D, all of this generator's representation; one whose error is not finite stays as it is, unless a solved
-  //             last layer makes it finite
+  // theta       count x D, all of this generator's representation; one of a function without a valid point stays as it is
   // returns     how many theta changed
   int correct(const StoredFunction* functions, int count, float* theta);
 
  private:
   int correctBatch(const StoredFunction* functions, int count, float* theta);
-  void decode(const StoredFunction& stored);
-  // Mean square of a theta on function_; infinite where there is nothing to lower.
+  void decode(const StoredFunction& stored, int mirror);
+  // Mean square of a theta on function_; infinite where it is not finite or there is no point.
   double meanSquare(const float* theta) const;
+  // current_ and the mirrored coefficients of the functions that go on.
+  void startAttempt(int mirror, const float* theta);
+  void runSteps(const StoredFunction* functions, int mirror, float* theta);
   // Error of current_ of every function that still goes on and, when the network is to run, what it reads; the last layers are
   // solved before.
-  void measure(const StoredFunction* functions, bool network_runs);
+  void measure(const StoredFunction* functions, int mirror, bool network_runs);
   void writeFeatures(int i, size_t row);
-  // Takes over what became better; the functions that did not end here. Returns how many go on.
-  int keepBetter(bool all_go_on, float* theta);
+  // Takes over what became better; leaves going_on_ with the functions for which the last step paid, their features closed up.
+  void keepBetter(int mirror, float* theta);
+  // Levenberg–Marquardt on from theta of function i of the batch.
+  void iterateField(const StoredFunction& stored, int i, float* theta);
 
   const Generator* generator_;
+  CorrectionOptions options_;
   GeneratorScratch generator_scratch_;
   LayerScratch layer_scratch_;
   CorrectionFeatures places_;
-  std::vector<uint8_t> phi_;                // one batch
-  AlignedFloats coefficients_;              // one batch
-  std::vector<float> current_, change_;     // one batch
-  std::vector<double> best_error_, error_;  // by function of the batch
-  std::vector<uint8_t> changed_;            // by function of the batch
-  std::vector<int> going_on_;               // indices into the batch
-  WeightingFunction function_;              // the one at work
-  int valid_count_ = 0;                     // its valid points
-  std::vector<float> gradient_;
-  SymmetricBand equations_;  // of the last layer
+  std::vector<uint8_t> phi_;             // one batch
+  AlignedFloats coefficients_;           // one batch
+  AlignedFloats mirrored_;               // of the attempt: by function of the batch
+  AlignedFloats rows_;                   // … of those that are tried, one after another
+  std::vector<float> current_, change_;  // one batch; theta of the mirror image at work
+  std::vector<double> best_error_;       // by function of the batch: of what theta holds
+  std::vector<double> error_;            // … of current_
+  std::vector<double> attempt_error_;    // … least of this attempt
+  std::vector<uint8_t> changed_;         // by function of the batch
+  std::vector<int> going_on_;            // indices into the batch
+  WeightingFunction function_;           // the one at work
+  int valid_count_ = 0;                  // its valid points
+  std::vector<float> gradient_, theta_;  // one function
+  SymmetricBand equations_;              // of the last layer
+  NormalEquationsKernel normal_equations_;
+  LevenbergMarquardtWorkspace levenberg_workspace_;
 };
 
 }  // namespace nlg

@@ -31,9 +31,10 @@ double fieldLossAndGradientVectors(const PointOrder& order, const float* HWY_RES
     for (int place = order.cell_begin[c]; place < order.cell_begin[c + 1]; place += lanes) {
       const CellPosition at = cellPosition(d, order, cell, scale, place);
       const FieldPoint field = fieldPoint(d, polynomials, at);
-      const Floats residual = hn::Mul(hn::LoadU(d, mask + place), hn::Sub(field.value, hn::LoadU(d, phi + place)));
+      const Floats weight = hn::LoadU(d, mask + place);
+      const Floats residual = hn::Mul(weight, hn::Sub(field.value, hn::LoadU(d, phi + place)));
       square_sum = hn::MulAdd(residual, residual, square_sum);
-      const Floats delta = hn::Add(residual, residual);
+      const Floats delta = hn::Mul(weight, hn::Add(residual, residual));
       addMoments(at, hn::Mul(delta, field.by_a), hn::Mul(delta, field.by_b), moments);
     }
     Nodes sums[4];
@@ -123,8 +124,8 @@ double fieldLossAndGradientReference(const PointOrder& order, const float* phi, 
     const double residual = mask[place] * (field.value - phi[place]);
     total += residual * residual;
     for (int corner = 0; corner < 8; ++corner) {
-      gradient[2 * field.node[corner]] += 2 * residual * field.by_a[corner];
-      gradient[2 * field.node[corner] + 1] += 2 * residual * field.by_b[corner];
+      gradient[2 * field.node[corner]] += 2 * residual * mask[place] * field.by_a[corner];
+      gradient[2 * field.node[corner] + 1] += 2 * residual * mask[place] * field.by_b[corner];
     }
   }
   return total;

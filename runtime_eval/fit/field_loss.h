@@ -5,11 +5,11 @@
 
 namespace nlg {
 
-// Sum over all places of a cell order of mask * (clamp(A, 0, 1) sigmoid(B) - phi)², and its gradient. Where A lies outside [0, 1]
+// Sum over all places of a cell order of (mask (clamp(A, 0, 1) sigmoid(B) - phi))², and its gradient. Where A lies outside [0, 1]
 // its derivative is 0; at 0 and 1 themselves it is 1, so that a field whose nodes start there can leave.
 //
 // order       cellOrder(r)
-// phi, mask   order.placeCount() floats each; mask 0 leaves a place out (its phi may be anything finite)
+// phi, mask   order.placeCount() floats each; mask 0 leaves a place out (its phi may be anything finite), others weigh it
 // theta       2 r³ floats: representation.h
 // gradient    2 r³ floats, overwritten with d sum / d theta
 double fieldLossAndGradient(const PointOrder& order, const float* phi, const float* mask, const float* theta, float* gradient);

@@ -32,32 +32,6 @@ class Damping {
 // matter yet (units that are nearly dead) must not take steps of any length.
 constexpr double kDampingFloor = 1e-3;
 
-// The damped step, solved in `matrix`, whose memory is kept from step to step; empty when the system cannot be solved. Rows whose
-// diagonal is nearly zero (dead units) get a floor, so that a rank-deficient Jacobian still gives a step.
-std::vector<double> dampedStep(const NormalEquations& equations, double damping, SymmetricBand& matrix) {
-  matrix = equations.hessian;
-  const int count = matrix.count();
-  std::vector<double> step(count);
-  double largest = 0.0;
-  for (int i = 0; i < count; ++i) largest = std::max(largest, matrix.at(i, i));
-  for (int i = 0; i < count; ++i) {
-    double& diagonal = matrix.at(i, i);
-    diagonal += damping * std::max(diagonal, kDampingFloor * largest) + 1e-12;
-    step[i] = -equations.gradient[i];
-  }
-  if (!matrix.solve(step.data())) step.clear();
-  return step;
-}
-
-// How much the quadratic model says that the step lowers the sum of squares.
-double predictedGain(const NormalEquations& equations, const std::vector<double>& step) {
-  std::vector<double> product(step.size());
-  equations.hessian.multiply(step.data(), product.data());
-  double gain = 0.0;
-  for (size_t i = 0; i < step.size(); ++i) gain -= step[i] * (2.0 * equations.gradient[i] + product[i]);
-  return gain;
-}
-
 double largestMagnitude(const std::vector<double>& values) {
   double largest = 0.0;
   for (const double value : values) {
@@ -67,66 +41,114 @@ double largestMagnitude(const std::vector<double>& values) {
   return largest;
 }
 
-FitResult runLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
-                                const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel) {
-  FitResult result{start, functionRmse(representation, function, start.data()), 0, FitStop::budget};
-  const int valid_count = function.validCount();
-  if (valid_count == 0) {
-    result.stop = FitStop::no_points;
-    return result;
-  }
-  if (!std::isfinite(result.rmse)) {
-    result.stop = FitStop::not_finite;
-    return result;
-  }
-  NormalEquations equations;
-  SymmetricBand damped;
-  int next_batch = 0;
-  const auto computeEquations = [&] {
-    kernel->compute(representation, function, result.theta.data(), &equations, options.hessian_points, next_batch);
-    next_batch += 3;  // prime to the number of batches: all take their turn
-  };
-  computeEquations();
-  Damping damping(options.damping);
-  double square_sum = result.rmse * result.rmse * valid_count;
-  int slow_steps = 0;
-  while (result.steps < options.iterations) {
-    if (largestMagnitude(equations.gradient) < options.gradient_tolerance * valid_count) {
-      result.stop = FitStop::gradient;
-      break;
+}  // namespace
+
+class LevenbergMarquardt {
+ public:
+  LevenbergMarquardt(const Representation& representation, const WeightingFunction& function,
+                     const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel,
+                     LevenbergMarquardtWorkspace* workspace)
+      : representation_(representation), function_(function), options_(options), kernel_(kernel), workspace_(*workspace) {}
+
+  FitResult run(float* theta) {
+    const size_t count = static_cast<size_t>(representation_.thetaCount());
+    FitResult result{{}, functionRmse(representation_, function_, theta), 0, FitStop::budget};
+    const int valid_count = function_.validCount();
+    if (valid_count == 0) {
+      result.stop = FitStop::no_points;
+      return result;
     }
-    ++result.steps;
-    const std::vector<double> step = dampedStep(equations, damping.value(), damped);
-    Theta theta = result.theta;
-    for (size_t i = 0; i < step.size(); ++i) theta[i] += static_cast<float>(step[i]);
-    // the last layer is linear: for these hidden units there is nothing to iterate (when it cannot be solved the step stands
-    // alone)
-    if (!step.empty() && !representation.isField()) solveLastLayer(representation, function, theta.data());
-    const double rmse = step.empty() ? INFINITY : functionRmse(representation, function, theta.data());
-    const double next_sum = rmse * rmse * valid_count;
-    if (!(next_sum < square_sum)) {
-      damping.rejected();
-      if (damping.exhausted()) {
-        result.stop = FitStop::damping;
+    if (!std::isfinite(result.rmse)) {
+      result.stop = FitStop::not_finite;
+      return result;
+    }
+    const NormalEquations& equations = workspace_.equations_;
+    Theta& trial = workspace_.trial_;
+    computeEquations(theta);
+    Damping damping(options_.damping);
+    double square_sum = result.rmse * result.rmse * valid_count;
+    int slow_steps = 0;
+    while (result.steps < options_.iterations) {
+      if (largestMagnitude(equations.gradient) < options_.gradient_tolerance * valid_count) {
+        result.stop = FitStop::gradient;
         break;
       }
-      continue;
+      ++result.steps;
+      const bool is_solved = solveStep(damping.value());
+      trial.assign(theta, theta + count);
+      for (size_t i = 0; is_solved && i < count; ++i) trial[i] += static_cast<float>(workspace_.step_[i]);
+      // the last layer is linear: for these hidden units there is nothing to iterate (when it cannot be solved the step stands
+      // alone)
+      if (is_solved && !representation_.isField()) {
+        solveLastLayer(representation_, 0, static_cast<int>(function_.phi.size()), function_.phi.data(), function_.mask.data(),
+                       trial.data(), &workspace_.last_layer_);
+      }
+      const double rmse = is_solved ? functionRmse(representation_, function_, trial.data()) : INFINITY;
+      const double next_sum = rmse * rmse * valid_count;
+      if (!(next_sum < square_sum)) {
+        damping.rejected();
+        if (damping.exhausted()) {
+          result.stop = FitStop::damping;
+          break;
+        }
+        continue;
+      }
+      damping.accepted((square_sum - next_sum) / std::max(predictedGain(), 1e-300));
+      slow_steps = square_sum - next_sum < options_.progress_tolerance * square_sum ? slow_steps + 1 : 0;
+      square_sum = next_sum;
+      std::copy(trial.begin(), trial.end(), theta);
+      result.rmse = rmse;
+      if (slow_steps == 3) {
+        result.stop = FitStop::progress;
+        break;
+      }
+      if (result.steps < options_.iterations) computeEquations(theta);
     }
-    damping.accepted((square_sum - next_sum) / std::max(predictedGain(equations, step), 1e-300));
-    slow_steps = square_sum - next_sum < options.progress_tolerance * square_sum ? slow_steps + 1 : 0;
-    square_sum = next_sum;
-    result.theta = theta;
-    result.rmse = rmse;
-    if (slow_steps == 3) {
-      result.stop = FitStop::progress;
-      break;
-    }
-    if (result.steps < options.iterations) computeEquations();
+    return result;
   }
-  return result;
-}
 
-}  // namespace
+ private:
+  void computeEquations(const float* theta) {
+    kernel_->compute(representation_, function_, theta, &workspace_.equations_, options_.hessian_points, next_batch_);
+    next_batch_ += 3;  // prime to the number of batches: all take their turn
+  }
+
+  // The damped step; false when the system cannot be solved. Rows whose diagonal is nearly zero (dead units) get a floor, so that a
+  // rank-deficient Jacobian still gives a step.
+  bool solveStep(double damping) {
+    SymmetricBand& matrix = workspace_.damped_;
+    matrix = workspace_.equations_.hessian;
+    const int count = matrix.count();
+    workspace_.step_.resize(count);
+    double largest = 0.0;
+    for (int i = 0; i < count; ++i) largest = std::max(largest, matrix.at(i, i));
+    for (int i = 0; i < count; ++i) {
+      double& diagonal = matrix.at(i, i);
+      diagonal += damping * std::max(diagonal, kDampingFloor * largest) + 1e-12;
+      workspace_.step_[i] = -workspace_.equations_.gradient[i];
+    }
+    return matrix.solve(workspace_.step_.data());
+  }
+
+  // How much the quadratic model says that the step lowers the sum of squares.
+  double predictedGain() {
+    const std::vector<double>& step = workspace_.step_;
+    workspace_.product_.resize(step.size());
+    workspace_.equations_.hessian.multiply(step.data(), workspace_.product_.data());
+    double gain = 0.0;
+    for (size_t i = 0; i < step.size(); ++i) {
+      gain -= step[i] * (2.0 * workspace_.equations_.gradient[i] + workspace_.product_[i]);
+    }
+    return gain;
+  }
+
+  const Representation& representation_;
+  const WeightingFunction& function_;
+  const LevenbergMarquardtOptions& options_;
+  NormalEquationsKernel* kernel_;
+  LevenbergMarquardtWorkspace& workspace_;
+  int next_batch_ = 0;
+};
 
 LevenbergMarquardtOptions refinementLevenbergMarquardt(const Representation& representation, int iterations) {
   LevenbergMarquardtOptions options;
@@ -135,9 +157,21 @@ LevenbergMarquardtOptions refinementLevenbergMarquardt(const Representation& rep
   return options;
 }
 
+FitResult iterateLevenbergMarquardt(const Representation& representation, const WeightingFunction& function,
+                                    const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel,
+                                    LevenbergMarquardtWorkspace* workspace, float* theta) {
+  return LevenbergMarquardt(representation, function, options, kernel, workspace).run(theta);
+}
+
 FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
                                 const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel) {
-  return timedFit([&] { return runLevenbergMarquardt(representation, function, start, options, kernel); });
+  return timedFit([&] {
+    LevenbergMarquardtWorkspace workspace;
+    Theta theta = start;
+    FitResult result = iterateLevenbergMarquardt(representation, function, options, kernel, &workspace, theta.data());
+    result.theta = std::move(theta);
+    return result;
+  });
 }
 
 }  // namespace nlg

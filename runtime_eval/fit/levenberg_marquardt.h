@@ -17,6 +17,23 @@ struct LevenbergMarquardtOptions {
 // Damping that measured best for a start near the solution (docs/measurements.md §7).
 LevenbergMarquardtOptions refinementLevenbergMarquardt(const Representation& representation, int iterations);
 
+// What iterations keep between each other; from one function to the next of the same representation it allocates nothing.
+class LevenbergMarquardtWorkspace {
+ private:
+  friend class LevenbergMarquardt;
+  NormalEquations equations_;
+  SymmetricBand damped_, last_layer_;
+  std::vector<double> step_, product_;
+  Theta trial_;
+};
+
+// Iterates in place.
+// theta      D floats; every accepted step lowers the loss, so the result is never worse than the start
+// returns    rmse, steps and stop of the fit, without its theta
+FitResult iterateLevenbergMarquardt(const Representation& representation, const WeightingFunction& function,
+                                    const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel,
+                                    LevenbergMarquardtWorkspace* workspace, float* theta);
+
 // Fits theta to the function from `start`; every accepted step lowers the loss, so the result is never worse than the start.
 FitResult fitLevenbergMarquardt(const Representation& representation, const WeightingFunction& function, const Theta& start,
                                 const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel);

@@ -7,10 +7,10 @@
 
 namespace nlg {
 
-// Sum over places [first, first + count) of pointOrder(representation) of mask * (representation(x) - phi)², and its gradient.
+// Sum over places [first, first + count) of pointOrder(representation) of (mask (representation(x) - phi))², and its gradient.
 //
 // first, count   whole minibatches of the order
-// phi, mask      count floats each; mask 0 leaves a place out (its phi may be anything finite)
+// phi, mask      count floats each; mask 0 leaves a place out (its phi may be anything finite), others weigh it
 // theta          D floats
 // gradient       D floats, overwritten with d sum / d theta
 // returns        the sum; divide both by the number of valid points for the mean

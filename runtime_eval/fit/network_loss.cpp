@@ -40,7 +40,7 @@ HWY_INLINE void residuals(FloatTag d, bool tent_factor, const float* HWY_RESTRIC
     const OutputValue of = outputValue<kOutput>(d, output[g]);
     const Floats residual = hn::Mul(mask, hn::MulSub(factor, of.value, phi));
     square_sum = hn::MulAdd(residual, residual, square_sum);
-    output[g] = hn::Mul(hn::Add(residual, residual), factor);
+    output[g] = hn::Mul(hn::Add(residual, residual), hn::Mul(mask, factor));
     if constexpr (kOutput != OutputFunction::linear) output[g] = hn::Mul(output[g], of.derivative);
   }
 }

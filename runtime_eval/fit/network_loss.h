@@ -12,10 +12,10 @@ namespace nlg {
 // Fused multiply-adds a point of `mlp`, for figures against the machine's peak.
 inline constexpr int kNetworkLossFmaPerPoint = 24 + 64 + 8 + 8 + 64 + 8 + 64 + 24;
 
-// Sum over points [first, first + count) of mask * (representation(x) - phi)², and its gradient.
+// Sum over points [first, first + count) of (mask (representation(x) - phi))², and its gradient.
 //
 // first, count   multiples of 16, within points.padded_count
-// phi, mask      count floats each; mask 0 leaves a point out (its phi may be anything finite)
+// phi, mask      count floats each; mask 0 leaves a point out (its phi may be anything finite), others weigh it
 // theta          D floats
 // gradient       D floats, overwritten with d sum / d theta
 // returns        the sum; divide both by the number of valid points for the mean

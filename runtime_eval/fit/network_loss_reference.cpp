@@ -72,7 +72,7 @@ double networkLossAndGradientReference(const NetworkKind& network, double slope,
     const double factor = network.tent_factor ? points.tent[first + n] : 1.0;
     const double residual = mask[n] * (factor * value - phi[n]);
     total += residual * residual;
-    const double output_delta = 2 * residual * factor * derivative;
+    const double output_delta = 2 * residual * mask[n] * factor * derivative;
     gradient[shape.b3()] += output_delta;
     std::vector<double> delta(shape.last());
     for (int j = 0; j < shape.last(); ++j) {

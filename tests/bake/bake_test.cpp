@@ -204,7 +204,7 @@ TEST_F(SceneBakeTest, CorrectionsLowerErrorsOfAllThatTheyAreAskedFor) {
   ASSERT_GT(count, 20u);
   // all of them, or those alone that fail the check: here the same, as numbers at random do
   for (const double correct_rmse : {0.0, 1e3}) {
-    options.correct_rmse = correct_rmse;
+    options.correction.correct_rmse = correct_rmse;
     const Bake corrected = bake("house:3", only(correctedData()), options);
     EXPECT_EQ(corrected.statistics.corrected, count);
     EXPECT_LT(corrected.statistics.failed_check, plain.statistics.failed_check);
@@ -225,7 +225,7 @@ TEST_F(SceneBakeTest, CorrectsWhatFailsTheCheckOrIsAboveCorrectRmse) {
   // once nothing fails the check but for its error, once nothing fails it at all
   for (const double tau_rmse : {median, 1e3}) {
     options.refinement.check = {tau_rmse, 1e3, 1.0};
-    options.correct_rmse = tau_rmse == median ? 1e3 : median;
+    options.correction.correct_rmse = tau_rmse == median ? 1e3 : median;
     const Bake some = bake("house:3", only(correctedData()), options);
     uint64_t above = 0;
     for (size_t f = 0; f < plain.size(); ++f) {
@@ -239,7 +239,7 @@ TEST_F(SceneBakeTest, CorrectsWhatFailsTheCheckOrIsAboveCorrectRmse) {
     EXPECT_GT(above, 0u);
     EXPECT_EQ(some.statistics.corrected, above);
   }
-  options.correct_rmse = 1e3;
+  options.correction.correct_rmse = 1e3;
   EXPECT_EQ(bake("house:3", only(correctedData()), options).statistics.corrected, 0u);
 }
 
@@ -253,7 +253,7 @@ TEST_F(SceneBakeTest, CorrectionsNeverMakeAThetaFailTheCheckThatPassed) {
     last.bias[d] = zero.theta0[d] = 0.0f;
   }
   BakeOptions options = houseOptions();
-  options.correct_rmse = 0.0;
+  options.correction.correct_rmse = 0.0;
   options.refinement.rounds = 0;
   options.refinement.check = {1e3, 1e-6, 0.01};
   const Bake house = bake("house:3", only(zero), options);

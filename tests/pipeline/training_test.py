@@ -127,6 +127,32 @@ def check_kills(name, expected, *more, data=CACHE):
     check(os.path.exists(f"{name}.ckpt") and read(f"{name}.ckpt") == read(expected), f"{name}: killed {kills} times, ended in other bytes")
 
 
+def check_damaged_checkpoint():
+    """The newest checkpoint is cut short: the one before it goes on, to the same bytes. All are: the run is refused."""
+    end(train("damaged", steps=60))
+    whole = read("damaged.ckpt")
+    newest = "damaged_run/step-000000060.ckpt"
+    with open(newest, "r+b") as file:
+        file.truncate(len(whole) // 2)
+    _, err = end(train("damaged", steps=60))
+    check("left out" in err and newest in err and "step 50" in err, f"a damaged checkpoint: {err!r}")
+    check(read("damaged.ckpt") == whole and read(newest) == whole, "going on from the checkpoint before the damaged one ends in other bytes")
+    for name in os.listdir("damaged_run"):
+        if name.endswith(".ckpt"):
+            with open(os.path.join("damaged_run", name), "r+b") as file:
+                file.truncate(1000)
+    end(train("damaged", steps=60), INPUT_ERROR)
+
+
+def check_other_process():
+    """Processes that do not train the same are refused before they take a step."""
+    pair = [train("odd", "--rank", str(rank), "--world-size", "2", "--rendezvous", "odd_meeting", "--seed", str(1 + rank)) for rank in range(2)]
+    for rank, process in enumerate(pair):
+        _, err = end(process, INPUT_ERROR)
+        check("process" in err and len(err.splitlines()) == 1, f"process {rank} of another run: {err!r}")
+    check(not os.path.exists("odd_run/latest"), "processes of two runs trained")
+
+
 def compare_curves(name, keys, tolerance, *options):
     """One process and two with its batch between them: how their curves compare."""
     end(train(f"{name}_one", *options))
@@ -198,6 +224,8 @@ def main():
         end(start("nlg-cache", "--basis", "basis.h5", "--shards", "training.h5", "--out", "functions.cache"))
         check_cache()
         check_kills("killed", "disk.ckpt")
+        check_damaged_checkpoint()
+        check_other_process()
         check_processes()
         check_lost_process()
         check_rollbacks()

@@ -86,6 +86,9 @@ TEST(Projection, FlipsSignsForAMirroredFunction) {
     std::vector<uint8_t> image(kSupportPointCount);
     for (int p = 0; p < kSupportPointCount; ++p) image[p] = phi[p ^ (mirror * kOctantPointCount)];
     projection.project(image.data(), 1, mirrored.data(), &scratch);
+    std::vector<float> signs(plain.size());
+    projection.mirrorCoefficients(plain.data(), mirror, signs.data());
+    EXPECT_EQ(signs, mirrored) << "mirror " << mirror;
     int k = 0;
     for (int c = 0; c < kParityClassCount; ++c) {
       // classes are whole numbers that only change sign, and so do all products: exactly, where there is no mean to subtract

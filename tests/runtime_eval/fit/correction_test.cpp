@@ -13,6 +13,9 @@
 namespace nlg {
 namespace {
 
+// Learned steps and nothing else, for any theta.
+constexpr CorrectionOptions kStepsAlone{.correct_rmse = 0.0, .mirror_images = 1, .field_iterations = 0};
+
 const Representation kRepresentations[] = {Representation::mlp(), Representation::tentMlp(), Representation::productField(3)};
 
 // A correction that takes `length` along the negative gradient, whatever the theta.
@@ -65,7 +68,7 @@ TEST(Corrector, FollowsTheGradientWhenItsNetworkSaysSo) {
   for (const Representation& representation : kRepresentations) {
     const double length = 1e-3;
     const Generator generator(steepestDescent(representation, length, 1));
-    Corrector corrector(generator);
+    Corrector corrector(generator, kStepsAlone);
     for (uint64_t seed = 1; seed < 5; ++seed) {
       const StoredSample sample = wallSample(seed);
       const StoredFunction stored = sample.view();
@@ -93,10 +96,12 @@ TEST(Corrector, GoesFurtherWithMoreSteps) {
   const StoredSample sample = wallSample(2);
   const StoredFunction stored = sample.view();
   double last = INFINITY;
+  const Generator generator(steepestDescent(representation, 2e-2, 1));
   for (const int step_count : {1, 2, 4}) {
-    const Generator generator(steepestDescent(representation, 1e-3, step_count));
+    CorrectionOptions options = kStepsAlone;
+    options.most_steps = step_count;
     Theta theta = randomTheta(representation, 2);
-    Corrector(generator).correct(&stored, 1, theta.data());
+    Corrector(generator, options).correct(&stored, 1, theta.data());
     const double rmse = rmseOf(representation, sample, theta.data());
     EXPECT_LT(rmse, last) << step_count << " steps";
     last = rmse;
@@ -106,7 +111,7 @@ TEST(Corrector, GoesFurtherWithMoreSteps) {
 TEST(Corrector, NeverMakesAThetaWorse) {
   for (const Representation& representation : kRepresentations) {
     const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
-    Corrector corrector(generator);
+    Corrector corrector(generator, kStepsAlone);
     const size_t D = static_cast<size_t>(representation.thetaCount());
     constexpr int kCount = 101;
     std::vector<StoredSample> samples;
@@ -139,7 +144,7 @@ TEST(Corrector, NeverMakesAThetaWorse) {
 TEST(Corrector, LeavesWhatItCannotMeasure) {
   const Representation representation = Representation::tentMlp();
   const Generator generator(steepestDescent(representation, 1e-3, 2));
-  Corrector corrector(generator);
+  Corrector corrector(generator, kStepsAlone);
   const StoredSample sample = wallSample(1);
   StoredSample nowhere = sample;
   std::fill(nowhere.validity.begin(), nowhere.validity.end(), uint8_t{0});
@@ -171,7 +176,7 @@ TEST(Corrector, LeavesThetaThatItsNetworkWouldSendAstray) {
       const StoredFunction stored = sample.view();
       const Theta start = randomTheta(representation, 1);
       Theta theta = start;
-      EXPECT_EQ(Corrector(generator).correct(&stored, 1, theta.data()), 0) << weight << ' ' << bias;
+      EXPECT_EQ(Corrector(generator, kStepsAlone).correct(&stored, 1, theta.data()), 0) << weight << ' ' << bias;
       EXPECT_EQ(theta, start) << weight << ' ' << bias;
     }
   }
@@ -186,7 +191,7 @@ TEST(Corrector, TakesTheSolutionWhereItsNetworkGoesAstray) {
   ASSERT_TRUE(solveLastLayer(data.representation, decodeFunction(stored), solved.data()));
   std::fill(data.correction.layers.front().bias.begin(), data.correction.layers.front().bias.end(), 3e38f);
   const Generator generator(data);
-  Corrector corrector(generator);
+  Corrector corrector(generator, kStepsAlone);
   Theta theta = randomTheta(data.representation, 1);
   EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 1);
   EXPECT_EQ(theta, solved);
@@ -209,7 +214,7 @@ TEST(Corrector, SolvesTheLastLayerWhenTheWeightsSaySo) {
     GeneratorData data = sampleGenerator(representation, 48, 3, 1);
     data.correction.exact_last_layer = true;
     const Generator generator(data);
-    Corrector corrector(generator);
+    Corrector corrector(generator, kStepsAlone);
     for (uint64_t seed = 1; seed < 5; ++seed) {
       const StoredSample sample = wallSample(seed);
       const StoredFunction stored = sample.view();
@@ -235,7 +240,7 @@ TEST(Corrector, TakesNoThetaThatFloat16CannotHold) {
     data.correction.layers[0].bias[d] = static_cast<float>(1e7 * random.normal());
   }
   const Generator generator(data);
-  Corrector corrector(generator);
+  Corrector corrector(generator, kStepsAlone);
   int tempting = 0;
   for (uint64_t seed = 1; seed < 40; ++seed) {
     const StoredSample sample = wallSample(seed);
@@ -255,7 +260,7 @@ TEST(Corrector, TakesNoThetaThatFloat16CannotHold) {
 
 TEST(Corrector, DoesNothingWithoutStepsInTheWeights) {
   const Generator generator(sampleGenerator({}, 48, 3, 1));
-  Corrector corrector(generator);
+  Corrector corrector(generator, kStepsAlone);
   EXPECT_TRUE(corrector.empty());
   const StoredSample sample = wallSample(1);
   const StoredFunction stored = sample.view();
@@ -263,6 +268,104 @@ TEST(Corrector, DoesNothingWithoutStepsInTheWeights) {
   Theta theta = start;
   EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 0);
   EXPECT_EQ(theta, start);
+}
+
+// The same function seen in a mirror.
+StoredSample mirrored(const StoredSample& sample, int mirror) {
+  StoredSample image;
+  for (int octant = 0; octant < kMirrorCount; ++octant) {
+    const int from = (octant ^ mirror) * kOctantPointCount, to = octant * kOctantPointCount;
+    std::copy_n(&sample.phi[from], kOctantPointCount, &image.phi[to]);
+    std::copy_n(&sample.validity[from / 8], kOctantPointCount / 8, &image.validity[to / 8]);
+  }
+  return image;
+}
+
+TEST(Corrector, TakesTheBestOfAllMirrorImages) {
+  const Representation representation = Representation::tentMlp();
+  GeneratorData data = withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11);
+  data.correction.exact_last_layer = true;
+  const Generator generator(data);
+  GeneratorScratch scratch(generator);
+  Corrector alone(generator, kStepsAlone);
+  int from_an_image = 0;
+  for (uint64_t seed = 0; seed < 12; ++seed) {
+    const StoredSample sample = wallSample(seed);
+    const StoredFunction stored = sample.view();
+    Theta theta(representation.thetaCount());
+    double least = INFINITY, least_of_three = INFINITY, own = 0.0;
+    for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
+      const StoredSample image = mirrored(sample, mirror);
+      const StoredFunction view = image.view();
+      generator.generate(image.phi.data(), 1, theta.data(), &scratch);
+      alone.correct(&view, 1, theta.data());
+      const double rmse = rmseOf(representation, image, theta.data());
+      if (mirror == 0) own = rmse;
+      least = std::min(least, rmse);
+      if (mirror < 3) least_of_three = least;
+    }
+    from_an_image += least < 0.99 * own;
+    for (const auto& [image_count, expected] : {std::pair{8, least}, {3, least_of_three}, {1, own}}) {
+      generator.generate(sample.phi.data(), 1, theta.data(), &scratch);
+      CorrectionOptions options = kStepsAlone;
+      options.mirror_images = image_count;
+      options.retry_rmse = 0.0;
+      EXPECT_EQ(Corrector(generator, options).correct(&stored, 1, theta.data()), 1) << "seed " << seed;
+      // an image has to be better by a two-thousandth to be taken; sums in another order change the steps a little
+      EXPECT_NEAR(rmseOf(representation, sample, theta.data()), expected, 2e-3 * expected) << "seed " << seed;
+    }
+    // good enough: not tried again
+    generator.generate(sample.phi.data(), 1, theta.data(), &scratch);
+    CorrectionOptions content = kStepsAlone;
+    content.mirror_images = 8;
+    content.retry_rmse = 1.01 * own;
+    Corrector(generator, content).correct(&stored, 1, theta.data());
+    EXPECT_NEAR(rmseOf(representation, sample, theta.data()), own, 1e-6 * own) << "seed " << seed;
+  }
+  EXPECT_GT(from_an_image, 5) << "images that say nothing";
+}
+
+TEST(Corrector, ReplacesAThetaThatIsNoNumberByThatOfAnImage) {
+  const Representation representation = Representation::tentMlp();
+  const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
+  Corrector corrector(generator);
+  const StoredSample sample = wallSample(1);
+  const StoredFunction stored = sample.view();
+  Theta theta(representation.thetaCount(), NAN);
+  EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 1);
+  EXPECT_TRUE(std::isfinite(rmseOf(representation, sample, theta.data())));
+}
+
+TEST(Corrector, LeavesWhatIsGoodEnough) {
+  for (const Representation& representation : kRepresentations) {
+    const Generator generator(steepestDescent(representation, 1e-3, 2));
+    const StoredSample sample = wallSample(1);
+    const StoredFunction stored = sample.view();
+    const Theta start = randomTheta(representation, 1);
+    const double rmse = rmseOf(representation, sample, start.data());
+    for (const double factor : {0.999, 1.001}) {
+      Theta theta = start;
+      EXPECT_EQ(Corrector(generator, {.correct_rmse = factor * rmse}).correct(&stored, 1, theta.data()), factor < 1.0);
+      EXPECT_EQ(theta == start, factor > 1.0);
+    }
+  }
+}
+
+TEST(Corrector, IteratesOnAProductFieldAsLevenbergMarquardtDoes) {
+  const Representation representation = Representation::productField(3);
+  const Generator generator(steepestDescent(representation, 1e-3, 1));
+  CorrectionOptions iterating = kStepsAlone;
+  iterating.field_iterations = 3;
+  const StoredSample sample = wallSample(4);
+  const StoredFunction stored = sample.view();
+  Theta stepped = randomTheta(representation, 4), theta = stepped;
+  Corrector(generator, kStepsAlone).correct(&stored, 1, stepped.data());
+  NormalEquationsKernel kernel;
+  const FitResult expected = fitLevenbergMarquardt(representation, decodeFunction(stored, pointOrder(representation)), stepped,
+                                                   refinementLevenbergMarquardt(representation, 3), &kernel);
+  EXPECT_EQ(Corrector(generator, iterating).correct(&stored, 1, theta.data()), 1);
+  EXPECT_EQ(theta, expected.theta);
+  EXPECT_LT(expected.rmse, 0.8 * rmseOf(representation, sample, stepped.data()));
 }
 
 TEST(GeneratorWeights, KeepCorrectionSteps) {

@@ -33,7 +33,8 @@ TEST(FieldLossReference, HasTheGradientOfCentralDifferences) {
   constexpr double kStep = 1e-5;
   for (const int resolution : kFieldResolutions) {
     const PointOrder& order = cellOrder(resolution);
-    const WeightingFunction function = decodeFunction(noiseSample(1).view(), order);
+    WeightingFunction function = decodeFunction(noiseSample(1).view(), order);
+    weigh(&function.mask);
     const std::vector<double> theta = toDouble(randomField(resolution, 2, 0.1, 0.9));
     const Gradient at = reference(order, function, theta);
     for (size_t i = 0; i < theta.size(); i += theta.size() / 29) {
@@ -86,6 +87,7 @@ TEST(FieldLoss, AgreesWithTheReference) {
       const Theta theta = randomField(resolution, 7, -0.5, 1.5);
       WeightingFunction function = decodeFunction(sample.view(), order);
       maskClamp(order, theta, trilinearError(resolution, theta, 0), &function.mask);
+      weigh(&function.mask);
       const Gradient expected = reference(order, function, toDouble(theta));
       const std::vector<double> around = pointsAround(order, function);
       // A term of the gradient is 2 r g: the residual and g, both at most 1, each carry the field's error; the sum of a cell has
