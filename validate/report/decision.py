@@ -139,8 +139,9 @@ class Decision:
     # ---- stability
 
     def stability_groups(self):
-        """(group's name, its cases), failing cases first."""
-        groups = [(GROUP_NAMES[group], sorted((c for c in self.cases if c.group == group), key=lambda c: (c.passes, bool(c.note.strip()))))
+        """(group's name, its cases), failing cases first, otherwise as the suite has them."""
+        trouble = lambda case: 2 if case.passes else 1 if case.note.strip() else 0
+        groups = [(GROUP_NAMES[group], sorted((c for c in self.cases if c.group == group), key=trouble))
                   for group in proof_inputs.GROUPS]
         return [(name, cases) for name, cases in groups if cases]
 
@@ -200,12 +201,15 @@ def seconds_text(value):
     return ("−" if value < 0 else "") + duration(abs(value) * 1e6) if value else "0 s"
 
 
+LEFT_OUT = (True, False, None)  # in the order of the table
+
+
 def need_groups(needs):
-    """(scene, rows): what is left out first, by falling time saved, then what is not yet."""
+    """(scene, rows): what is left out first, by falling time saved, then what is not yet, then what this bake has none of."""
     groups = []
     for scene, rows in needs:
-        ordered = sorted(rows, key=lambda r: (not r.left_out, -(r.seconds_saved or 0)))
-        groups.append((scene, [{"what": r.what, "left_out": r.left_out, "count": grouped(r.count), "of": grouped(r.of), "share": percent(r.count / r.of) if r.of else "–",
+        ordered = sorted(rows, key=lambda r: (LEFT_OUT.index(r.left_out), -(r.seconds_saved or 0)))
+        groups.append((scene, [{"what": r.what, "state": LEFT_OUT.index(r.left_out), "count": grouped(r.count), "of": grouped(r.of), "share": percent(r.count / r.of) if r.of else "–",
                                 "seconds": "–" if r.seconds_saved is None else seconds_text(r.seconds_saved),
                                 "bytes": "–" if r.bytes_saved is None else bytes_text(r.bytes_saved),
                                 "same": {None: "–", True: "same result", False: "differs"}[r.same_result], "differs": r.same_result is False, "note": r.note}
@@ -215,7 +219,7 @@ def need_groups(needs):
 
 def needs_sentence(needs):
     rows = [r for _, some in needs for r in some]
-    left, not_yet = [r for r in rows if r.left_out], [r for r in rows if not r.left_out]
+    left, not_yet = [r for r in rows if r.left_out], [r for r in rows if r.left_out is False]
     saved = sum(r.seconds_saved or 0 for r in left), sum(r.bytes_saved or 0 for r in left)
     text = f"{plural(len(needs), 'scene')}: what is left out saves {seconds_text(saved[0])} and {bytes_text(saved[1])}, where that was measured"
     return text + (f"; {plural(len(not_yet), 'line')} could be left out and {'is' if len(not_yet) == 1 else 'are'} not yet." if not_yet else ".")

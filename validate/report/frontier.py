@@ -59,7 +59,7 @@ def limits(frontier):
     times = [s.us for s in spreads if s.us > 0]
     errors = [s.median for s in spreads if s.median > 0] or [1e-3]
     bands = [value for _, s in front_of(frontier) for value in (s.p5, s.p95) if value > 0] or errors
-    return (min(times) / 1.6, max(times) * 1.9), (max(min(errors + bands) / 1.2, max(errors) / 2000), max(errors + bands) * 1.3)
+    return (min(times) / 1.6, max(times) * 1.9), (max(min(errors + bands) / 1.5, max(errors) / 2000), max(errors + bands) * 1.3)
 
 
 def time_axis(axes, low, high):

@@ -63,7 +63,7 @@ class Case:
 class Need:
     """One thing that a scene does without, or could."""
     what: str
-    left_out: bool
+    left_out: object       # true, false: not yet; None: there is none of it in this bake
     count: int
     of: int
     seconds_saved: object  # null: not measured
@@ -150,7 +150,7 @@ def read_needs(path):
     rows = []
     for node in file["needs"].items():
         saved = [optional(node[key], lambda n: n.number(low=-1e18)) for key in ("seconds_saved", "bytes_saved")]
-        rows.append(Need(node["what"].text(), truth(node["left_out"]), node["count"].count(), node["of"].count(), *saved,
+        rows.append(Need(node["what"].text(), optional(node["left_out"], truth), node["count"].count(), node["of"].count(), *saved,
                          optional(node["same_result"], truth), node["note"].text()))
         if rows[-1].count > rows[-1].of:
             node["count"].refuse(f"at most 'of', {rows[-1].of}", rows[-1].count)
