@@ -463,7 +463,7 @@ def check_comparisons():
     text = open(summary).read()
     os.makedirs("worse", exist_ok=True)
     held_out = json.loads(text)["provenance"]["inputs"]["held_out"]
-    write("worse/summary.json", text.replace(held_out, "0" * 64))
+    write("worse/summary.json", text.replace(held_out, "f" * 64))
     refuses(INPUT_ERROR, ["worse/summary.json", "held_out", held_out], [], "nlg-validate", "compare", summary, "worse/summary.json")
     changed = json.loads(text)
     changed["representations"]["tent_mlp"]["generator"]["rmse"]["mean"] *= 2
