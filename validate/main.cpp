@@ -16,6 +16,7 @@
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "validate/choice.h"
+#include "validate/comparison/compare_command.h"
 #include "validate/frontier/frontier_command.h"
 #include "validate/held_out.h"
 #include "validate/method.h"
@@ -325,7 +326,8 @@ void validate(const Request& request, const ValidateOptions& options, const Opti
 int validateMain(int argc, char** argv) {
   CLI::App app{
       "Measures exported generators on held-out scenes against direct optimisation.\n"
-      "nlg-validate frontier: error against run time, of generators, their settings and every fit.",
+      "nlg-validate frontier: error against run time, of generators, their settings and every fit.\n"
+      "nlg-validate compare OLD NEW: what got better or worse between two runs, beyond noise.",
       "nlg-validate"};
   Request request;
   ValidateOptions options;
@@ -343,7 +345,7 @@ struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
 };
-constexpr Command kCommands[] = {{"frontier", frontierMain}};
+constexpr Command kCommands[] = {{"compare", compareMain}, {"--compare", compareMain}, {"frontier", frontierMain}};
 
 }  // namespace
 }  // namespace nlg

@@ -3,6 +3,7 @@
 
     bad_input_test.py BIN_FOLDER MAKE_NARROW_SHARD
 """
+import json
 import os
 import resource
 import shutil
@@ -45,7 +46,7 @@ def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):
         return
     lines = result.stderr.splitlines()
     # a command of a tool names itself: "nlg-datagen info: error: "
-    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "for-bake") else tool
+    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "for-bake", "compare", "frontier") else tool
     errors = [line for line in lines if line.startswith(f"{name}: error: ")]
     if result.returncode != exit_code:
         failures.append(f"{command}: exit code {result.returncode}, expected {exit_code}\n    {result.stderr.strip()}")
@@ -470,6 +471,25 @@ def check_shards_whose_width_lies():
         refuses(INPUT_ERROR, ["narrow.h5"], outputs, tool, "--config", "good.yaml", *arguments)
 
 
+def check_comparisons():
+    """Two validations: only of the same functions, and nothing is worse than itself."""
+    summary = "validation/summary.json"
+    must("nlg-validate", "compare", summary, summary)
+    must("nlg-validate", "--compare", summary, summary, "--json")
+    refuses(USAGE_ERROR, ["new"], [], "nlg-validate", "compare", summary)
+    refuses(INPUT_ERROR, ["missing.json"], [], "nlg-validate", "compare", summary, "missing.json")
+    refuses(INPUT_ERROR, ["basis.h5"], [], "nlg-validate", "compare", "basis.h5", summary)
+    text = open(summary).read()
+    os.makedirs("worse", exist_ok=True)
+    held_out = json.loads(text)["provenance"]["inputs"]["held_out"]
+    write("worse/summary.json", text.replace(held_out, "f" * 64))
+    refuses(INPUT_ERROR, ["worse/summary.json", "held_out", held_out], [], "nlg-validate", "compare", summary, "worse/summary.json")
+    changed = json.loads(text)
+    changed["representations"]["tent_mlp"]["generator"]["rmse"]["mean"] *= 2
+    write("worse/summary.json", json.dumps(changed))
+    refuses(CHECK_FAILED, ["1 worse", "tent_mlp: generator, mean RMSE"], [], "nlg-validate", "compare", summary, "worse/summary.json")
+
+
 def check_outputs():
     write("file", "")
     refuses(USAGE_ERROR, ["--out", "empty"], [], "nlg-datagen", "--scene", "house:1", "--out", "")
@@ -509,6 +529,7 @@ def main():
         check_inputs_that_do_not_belong_together()
         check_held_out_sets()
         check_shards_whose_width_lies()
+        check_comparisons()
         check_outputs()
         os.chdir("/")
     for failure in failures:

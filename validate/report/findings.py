@@ -197,20 +197,6 @@ class Findings:
                     f"lowest median: {NAMES[best]}, {error(medians[best])}; on the front: {', '.join(NAMES[m] for m in front)}")
         return self.each(text)
 
-    def scene_order(self):
-        """Held-out scenes by the median of the last representation's generator, best first."""
-        samples = self.generated(self.inputs.representations[-1])
-        return sorted(sorted(set(samples.scene)), key=lambda scene: np.median(samples.rmse[samples.scene == scene]))
-
-    def by_scene(self):
-        def text(name):
-            samples = self.generated(name)
-            high = {scene: np.quantile(samples.rmse[samples.scene == scene], 0.95) for scene in set(samples.scene)}
-            worst = max(high, key=high.get)
-            good = sum(1 for value in high.values() if value <= self.tau_rmse)
-            return (f"in {good or 'none'} of {plural(len(high), 'scene')} 95 % of the functions stay below τ; the largest p95 is {error(high[worst])}, in {worst}")
-        return self.each(text)
-
     def unseen_points(self):
         def text(name):
             samples = self.generated(name)

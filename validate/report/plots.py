@@ -3,6 +3,7 @@
 Colours of methods are those of Okabe and Ito (2008), told apart by colour-blind readers; a colour means one method everywhere.
 Representations have colours and shapes of their own, dark enough for print: networks cold, product fields warm.
 """
+import html
 import io
 import re
 
@@ -25,7 +26,7 @@ OTHER_REPRESENTATION = (MUTED, "o")
 PANEL = (4.7, 3.15)  # inches; scaled to its column by the page
 
 plt.rcParams.update({
-    "font.family": "DejaVu Sans", "font.size": 8.5, "svg.fonttype": "none", "axes.edgecolor": MUTED, "axes.labelcolor": INK,
+    "text.parse_math": False, "font.family": "DejaVu Sans", "font.size": 8.5, "svg.fonttype": "none", "axes.edgecolor": MUTED, "axes.labelcolor": INK,
     "axes.linewidth": 0.7, "axes.spines.top": False, "axes.spines.right": False, "axes.titlelocation": "left",
     "axes.titlesize": 9.5, "axes.titleweight": "bold", "axes.titlecolor": INK, "axes.axisbelow": True, "text.color": INK,
     "xtick.color": MUTED, "ytick.color": MUTED, "xtick.labelcolor": MUTED, "ytick.labelcolor": MUTED, "grid.color": RULE,
@@ -66,8 +67,11 @@ def start(title, size=PANEL, x=None, y=None, grid="both"):
     return figure, axes
 
 
-def finish(figure, name, description):
-    """The figure as inline SVG: ids made unique in the page, no fixed size, the page's own font."""
+def finish(figure, name, description, hover=None):
+    """The figure as inline SVG: ids made unique in the page, no fixed size, the page's own font.
+
+    hover   gid of an artist → what the page shows while the pointer is on it
+    """
     buffer = io.StringIO()
     with matplotlib.rc_context({"svg.hashsalt": name}):
         figure.savefig(buffer, format="svg", dpi=160, transparent=True, metadata={"Date": None, "Creator": None})
@@ -79,7 +83,9 @@ def finish(figure, name, description):
     svg = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", svg, count=1)
     svg = re.sub(r"\b(id=\"|url\(#|href=\"#)", rf"\g<1>{name}-", svg)
     svg = re.sub(r"(font: [^;\"]*?)'DejaVu Sans'[^;\"]*", r"\1var(--sans)", svg)
-    return svg.replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
+    for gid, text in (hover or {}).items():
+        svg = svg.replace(f'<g id="{name}-{gid}">', f'<g id="{name}-{gid}" class="tip"><title>{html.escape(text)}</title>', 1)
+    return svg.replace("<svg", f'<svg role="img" aria-label="{html.escape(description)}"', 1)
 
 
 def log_error_axis(axis, low, high):
@@ -225,28 +231,6 @@ def run_time(inputs, representation, limits, time_limits, tent_median):
     axes.plot(*zip(*front), color=INK, linewidth=1.0, linestyle=(0, (4, 2)), zorder=2, alpha=0.7)
     place_labels(figure, axes, sorted(labels), lines + [front], [tent_name])
     return finish(figure, f"time-{representation}", f"Error against run time, {representation}")
-
-
-def by_scene(inputs, representation, order, limits, tau):
-    samples, uncorrected = inputs.samples[representation, "generator"], inputs.samples[representation, "uncorrected"]
-    figure, axes = start(representation, size=(4.7, 0.95 + 0.19 * len(order)), x="RMSE of the generator", grid="x")
-    for row, scene in enumerate(order):
-        rmse = samples.rmse[samples.scene == scene]
-        middle, high = np.clip(np.quantile(rmse, (0.5, 0.95)), *limits)
-        axes.plot([middle, high], [row, row], color=colour("generator"), linewidth=2.2, alpha=0.35, zorder=2)
-        axes.plot(middle, row, "o", color=colour("generator"), markersize=5.5, zorder=3, label="median" if row == 0 else None)
-        axes.plot(high, row, "o", markerfacecolor="white", markeredgecolor=colour("generator"), markersize=5.5, zorder=3,
-                  label="p95" if row == 0 else None)
-        if inputs.is_corrected(representation):
-            axes.plot(np.clip(np.quantile(uncorrected.rmse[uncorrected.scene == scene], 0.95), *limits), row, "|", markersize=8,
-                      markeredgewidth=1.6, color=colour("uncorrected"), zorder=2, label="p95, network alone" if row == 0 else None)
-    axes.set_yticks(range(len(order)), [name if len(name) <= 22 else name[:21] + "…" for name in order])
-    axes.set_ylim(len(order) - 0.4, -0.6)
-    axes.tick_params(axis="y", length=0)
-    log_error_axis(axes.xaxis, *limits)
-    mark_tau(axes, tau, vertical=True)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=3, borderaxespad=0.1, columnspacing=1.0, handletextpad=0.1)
-    return finish(figure, f"scenes-{representation}", f"RMSE by held-out scene, {representation}")
 
 
 def unseen_points(inputs, representation, limits):

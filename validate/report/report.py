@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
 """Draws nlg-validate's results as one self-contained page, report.html, and the slices as slices.png beside it.
 
-    report.py --summary S.json --functions F.csv --slices L.json --basis B.json --logs mlp.csv tent_mlp.csv --out report.html
+    report.py --summary S.json --functions F.csv --slices L.json --basis B.json --logs mlp.csv tent_mlp.csv
+        [--frontier FRONTIER.json] [--stability STABILITY.json] [--needs BAKE_REPORT.json ...] --out report.html
 
 The same inputs give the same bytes. A file that cannot be used ends it with one line on stderr and exit code 3, an output that
 cannot be written with 5 (tool/error.h); nothing half-written is left behind. docs/formats.md says what the inputs hold.
 """
 import argparse
+import base64
 import logging
 import os
 import sys
+from dataclasses import dataclass, field
 
 sys.dont_write_bytecode = True
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
@@ -19,15 +22,28 @@ import numpy as np
 from markupsafe import Markup
 
 import curve
+import decision as decision_module
 import findings as findings_module
+import frontier as frontier_module
 import inputs as inputs_module
 import output
 import plots
+import proof_inputs
 import slices
+import verdict
 
 
-def draw_plots(inputs, findings):
-    """Section name → one SVG a representation (or a figure)."""
+@dataclass
+class Proof:
+    """What is given beside nlg-validate's results; a section of the page appears only where its part is."""
+    frontier: object = None  # proof_inputs.Frontier
+    cases: object = None     # of proof_inputs.Case
+    needs: object = None     # of (scene, rows)
+    paths: dict = field(default_factory=dict)  # role → path
+
+
+def draw_plots(inputs, findings, frontier, scene_order):
+    """Section name → one SVG a representation (or a figure, or a scene)."""
     tau, names = findings.tau_rmse, inputs.representations
     tent = inputs.samples["tent", "tent"]
     shown = [inputs.samples[key].rmse for key in inputs.samples if key[1] in ("tent", "uncorrected", "generator", "refined", "direct")]
@@ -40,16 +56,14 @@ def draw_plots(inputs, findings):
     spread = lambda values: np.quantile(values[np.isfinite(values)], (0.05, 0.95)) if np.isfinite(values).any() else values
     shadow_limits = plots.error_limits([spread(getattr(s, key)) for (_, m), s in inputs.samples.items()
                                         if m in ("tent", "uncorrected", "generator", "refined", "direct") for key in ("rmse", "rmse_shadow")])
-    order = findings.scene_order()
-    both = generated + [inputs.samples[n, "uncorrected"] for n in names]
-    scene_limits = plots.error_limits([np.quantile(s.rmse[s.scene == scene], (0.5, 0.95)) for s in both for scene in order])
     log_limits = plots.error_limits([array for log in inputs.logs.values() for array in (log.training_loss, log.held_out_generated, log.held_out_rmse)])
     tent_median = float(np.median(inputs.chosen(names[0], "tent").rmse)) if len(tent) else 0.0
     return {
         "curve": [plots.finish(curve.draw(inputs.summary), "curve", "Error against bytes a function and against evaluation time")],
         "histogram": [plots.histogram(inputs, n, all_limits, tau) for n in names],
-        "run_time": [plots.run_time(inputs, n, fit_limits, time_limits, tent_median) for n in names],
-        "by_scene": [plots.by_scene(inputs, n, order, scene_limits, tau) for n in names],
+        "run_time": [plots.run_time(inputs, n, fit_limits, time_limits, tent_median) for n in ([] if frontier else names)],
+        "frontier": [frontier_module.whole_svg(frontier)] if frontier else [],
+        "frontier_scenes": frontier_module.scene_svgs(frontier, scene_order) if frontier else [],
         "unseen_points": [plots.unseen_points(inputs, n, seen_limits) for n in names],
         "shadow": [plots.shadow(inputs, n, shadow_limits) for n in names],
         "training": [plots.training_curve(inputs, n, log_limits) for n in names],
@@ -64,27 +78,75 @@ def run_time_limits(inputs):
     return 10 ** np.floor(np.log10(min(times) / 1.3)), 10 ** np.ceil(np.log10(max(times) * 1.3))
 
 
-def provenance_rows(inputs):
+def frontier_tables(frontier):
+    """(title, what it says, rows) behind the frontier's plots."""
+    settings = [{"representation": p.representation, "what": p.label, "time": plots.duration(p.figures["us_median"]),
+                 **{key.replace("rmse_", "RMSE ", 1): p.figures[key] for key in ("rmse_median", "rmse_mean", "rmse_p95", "rmse_worst")},
+                 "leak p99": p.figures["leak_p99"]} for p in frontier.points if p.family not in frontier_module.CHAINS]
+    return [("From the truth to the generator", "How much error each step adds: solved-for function, generated function, direct fit, generator.", frontier.hierarchy),
+            ("Along straight walks", "What a viewer would notice: the largest jump between neighbouring samples.", frontier.walks),
+            ("Generators and settings", "Without any optimisation after them, and with other resolutions, coefficients, precisions, cores.", settings)]
+
+
+# section's id → its name in the list of contents
+CONTENTS = {"frontier": "Error against time", "run_time": "Error against time", "scenes": "Scenes", "slices": "Worst functions", "stability": "Stability",
+            "needs": "Left out", "training": "Training", "figures": "Every figure", "provenance": "Provenance"}
+
+
+def contents(proof):
+    absent = {"run_time" if proof.frontier else "frontier", *(() if proof.cases else ("stability",)), *(() if proof.needs else ("needs",))}
+    return [(section, name) for section, name in CONTENTS.items() if section not in absent]
+
+
+def provenance_rows(inputs, proof, limits):
     origin = inputs.summary["provenance"]
     rows = [("made by", f"{origin['tool'].text()}, revision {origin['revision'].text()}")]
     rows += [(f"option {key}", str(node.value)) for key, node in origin["options"].entries()]
     rows += [(f"SHA-256 of {key}", node.text()) for key, node in origin["inputs"].entries()]
     rows += [(f"SHA-256 of the weights of {n}", inputs.summary["representations"][n]["weights_sha256"].text()) for n in inputs.representations]
-    rows += [(f"SHA-256 of the {role} read here", inputs_module.sha256(path)) for role, path in inputs.paths.items()]
+    rows += [(f"limit {key}", f"{value:g}") for key, value in vars(limits).items()]
+    rows += [(f"SHA-256 of the {role} read here", inputs_module.sha256(path)) for role, path in {**inputs.paths, **proof.paths}.items()]
     return rows
 
 
-def render(inputs):
+def proof_values(proof, decision):
+    """What the template shows of the proof's files."""
+    values = {"decision": decision, "frontier": proof.frontier, "needs": proof.needs, "contents": contents(proof), "table": decision_module.table,
+              "percent": findings_module.percent}
+    if proof.frontier:
+        values |= {"front_rows": decision_module.front_rows(frontier_module.front_of(proof.frontier)), "frontier_tables": frontier_tables(proof.frontier),
+                   "frontier_csv": base64.b64encode(frontier_module.csv_bytes(proof.frontier)).decode()}
+    if proof.needs:
+        values |= {"need_groups": decision_module.need_groups(proof.needs), "needs_sentence": decision_module.needs_sentence(proof.needs)}
+    return values
+
+
+def render(inputs, proof, limits):
     findings = findings_module.Findings(inputs)
+    decision = decision_module.Decision(inputs, limits, proof.cases)
     limit = slices.difference_limit(inputs.slices)
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(os.path.dirname(os.path.abspath(__file__))), autoescape=True,
                                      undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    galleries = [(name, slices.gallery([s for s in inputs.slices if s.representation == name], limit)) for name in inputs.representations]
-    svg = {name: [Markup(text) for text in panels] for name, panels in draw_plots(inputs, findings).items()}
+    galleries = [(name, slices.gallery([s for s in inputs.slices if s.representation == name], limit)) for name in [decision.leader, *decision.others()]]
+    scene_order = [row["scene"] for row in decision.scene_rows()]
+    svg = {name: [Markup(text) for text in panels] for name, panels in draw_plots(inputs, findings, proof.frontier, scene_order).items()}
     page = environment.get_template("report.html.j2").render(
         findings=findings, grouped=findings_module.grouped, plural=findings_module.plural, plots=svg, galleries=galleries,
-        scales=slices.scales(limit), colour=plots.colour, representation_colour=plots.representation_colour, provenance=provenance_rows(inputs), quantiles=inputs_module.QUANTILES)
+        scales=slices.scales(limit), colour=plots.colour, representation_colour=plots.representation_colour,
+        provenance=provenance_rows(inputs, proof, limits), quantiles=inputs_module.QUANTILES, **proof_values(proof, decision))
     return page.encode(), slices.plate(inputs, limit)
+
+
+def read_proof(arguments):
+    proof = Proof()
+    if arguments.frontier:
+        proof.frontier, proof.paths["frontier"] = proof_inputs.read_frontier(arguments.frontier), arguments.frontier
+    if arguments.stability:
+        proof.cases, proof.paths["stability"] = proof_inputs.read_stability(arguments.stability), arguments.stability
+    if arguments.needs:
+        proof.needs = [proof_inputs.read_needs(path) for path in arguments.needs]
+        proof.paths |= {f"needs of {scene}": path for path, (scene, _) in zip(arguments.needs, proof.needs)}
+    return proof
 
 
 def parse_arguments():
@@ -94,6 +156,13 @@ def parse_arguments():
     parser.add_argument("--slices", required=True, help="slices.json of nlg-validate")
     parser.add_argument("--basis", required=True, help="what nlg-pca printed")
     parser.add_argument("--logs", required=True, nargs="+", help="training curves of nlg-train, each named after its representation")
+    parser.add_argument("--frontier", help="frontier.json of nlg-validate frontier")
+    parser.add_argument("--stability", help="what nlg-validate stability wrote")
+    parser.add_argument("--needs", nargs="+", help="what nlg-bake printed, with the key 'needs', one a scene")
+    limits = verdict.Limits()
+    parser.add_argument("--max-share-refined", type=float, default=limits.share_refined, help="a generator may ship whose functions need refinement at most this often (default: %(default)g)")
+    parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and have at most so many times direct optimisation's error on hard functions, by median (default: %(default)g)")
+    parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="and that, refined, is at least so many times faster than direct optimisation (default: %(default)g)")
     parser.add_argument("--out", required=True, help="the page to write; slices.png is written beside it")
     return parser.parse_args()
 
@@ -103,7 +172,8 @@ def main():
 
     def make():
         inputs = inputs_module.read_inputs(arguments.summary, arguments.functions, arguments.slices, arguments.basis, arguments.logs)
-        page, plate = render(inputs)
+        limits = verdict.Limits(arguments.max_share_refined, arguments.max_error_hard, arguments.min_speedup)
+        page, plate = render(inputs, read_proof(arguments), limits)
         return {os.path.join(os.path.dirname(arguments.out), "slices.png"): plate, arguments.out: page}
     return output.run("report.py", arguments.out, make)
 

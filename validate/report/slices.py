@@ -74,9 +74,9 @@ def scales(limit):
 
 
 def gallery(slices, limit):
-    """What the page shows of each function."""
+    """What the page shows of each function: the worst first, the files' order being from best to worst."""
     return [{"which": WHICH_NAMES.get(s.which, s.which), "scene": s.scene, "function": s.function, "rmse": s.rmse,
-             "plane": plane_text(s), "images": [(kind, data_uri(colour_image(s, kind, limit))) for kind in KINDS]} for s in slices]
+             "plane": plane_text(s), "images": [(kind, data_uri(colour_image(s, kind, limit))) for kind in KINDS]} for s in reversed(slices)]
 
 
 def plate(inputs, limit):

@@ -1,0 +1,218 @@
+#!/usr/bin/python3
+"""The report from made-up inputs: what it says, that it loads nothing, that it repeats itself, and what it refuses.
+
+    report_test.py
+"""
+import html.parser
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+sys.dont_write_bytecode = True
+import made_up
+
+SOURCES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "validate", "report")
+sys.path.insert(0, SOURCES)
+import decision
+import frontier
+import inputs
+import output
+import proof_inputs
+import verdict
+
+INPUT_ERROR = output.INPUT_ERROR
+failures = []
+cases = 0
+
+
+def expect(holds, what):
+    global cases
+    cases += 1
+    if not holds:
+        failures.append(what)
+
+
+def run(script, *arguments):
+    return subprocess.run(["/usr/bin/python3", os.path.join(SOURCES, script), *arguments], capture_output=True, text=True, timeout=200)
+
+
+def draw(out, *arguments):
+    result = run("report.py", *arguments, "--out", out)
+    expect(result.returncode == 0, f"report.py {' '.join(arguments)}: exit code {result.returncode}: {result.stderr.strip()}")
+    return open(out, encoding="utf-8").read() if os.path.exists(out) else ""
+
+
+def refuses(names, read, path):
+    """One error that names the file, the place, and every one of the names."""
+    try:
+        read(path)
+        expect(False, f"{read.__name__} takes {path}, where {names} should be refused")
+    except inputs.InputError as error:
+        expect(all(name in str(error) for name in (path, *names)), f"{read.__name__} {path}: '{error}' does not name {names}")
+
+
+class Page(html.parser.HTMLParser):
+    """What a page loads, its ids, its sections, the text of its first heading, and tags that were left open."""
+    VOID = {"meta", "img", "br", "link", "input", "hr"}
+
+    def __init__(self, text):
+        super().__init__()
+        self.loads, self.ids, self.sections, self.open, self.unbalanced, self.headline = [], [], [], [], [], ""
+        self.feed(text)
+        self.unbalanced += self.open
+
+    def handle_starttag(self, tag, attributes):
+        values = dict(attributes)
+        self.ids += [values["id"]] if "id" in values else []
+        self.sections += [values.get("id")] if tag == "section" else []
+        self.loads += [values[key] for key in ("src", "href", "xlink:href") if key in values and not values[key].startswith(("#", "data:"))]
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.handle_starttag(tag, attributes)
+        if tag not in self.VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open[-1] != tag:
+            self.unbalanced.append(f"</{tag}>")
+        else:
+            self.open.pop()
+
+    def handle_data(self, data):
+        if "h1" in self.open:
+            self.headline += data
+
+
+def check_page(needed, proof):
+    text = draw("whole.html", *needed, *proof)
+    page = Page(text)
+    expect(page.loads == [], f"the page loads {page.loads[:3]}")
+    expect(not re.search(r"url\(\s*['\"]?(?!#|data:)|@import|https?://(?!www\.w3\.org)", text), "a style or script names something elsewhere")
+    expect(page.unbalanced == [], f"tags are not closed in order: {page.unbalanced[:5]}")
+    expect(len(page.ids) == len(set(page.ids)), f"ids stand twice: {sorted({i for i in page.ids if page.ids.count(i) > 1})[:5]}")
+    for target in re.findall(r'<a href="#([^"]+)"', text):
+        expect(target in page.ids, f"the list of contents points at #{target}, which there is none of")
+    expect(page.sections[:6] == ["frontier", "scenes", "slices", "stability", "needs", "training"] and page.sections[-1] == "provenance", f"sections: {page.sections}")
+    expect("<b>&" not in text and "kaos &lt;b&gt;&amp;" in text, "a scene's name is not escaped")
+    expect(made_up.frontier()["front_sentence"] in text, "the sentence that names the front is missing")
+    # the made-up suite has one failure without an explanation
+    expect(page.headline == "Nothing may ship: 1 stability case failed without an explanation", f"headline: {page.headline}")
+    expect(text.count('<tr class="fails">') == 1 and text.count('<tr class="explained">') == 1, "failing cases are not marked, each as what it is")
+    expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
+    expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
+    os.makedirs("bare", exist_ok=True)
+    bare = Page(draw("bare/report.html", *needed))
+    expect(bare.sections[:3] == ["run_time", "scenes", "slices"] and not {"frontier", "stability", "needs"} & set(bare.sections), f"sections without a proof: {bare.sections}")
+
+
+def read(needed):
+    paths = dict(zip(needed[0:8:2], needed[1:8:2]))
+    return inputs.read_inputs(paths["--summary"], paths["--functions"], paths["--slices"], paths["--basis"], needed[9:])
+
+
+def check_verdict(needed):
+    """The verdict follows from the three figures and their limits alone, and every figure on the wrong side of its limit is named."""
+    data = read(needed)
+    free = verdict.Limits(share_refined=1.0, error_hard=1e9, speedup=0.0)
+    every = decision.Decision(data, free, None)
+    expect(every.state == "good" and every.headline() == "All 3 generators may ship" and not every.objections(), f"without limits: {every.headline()}")
+    for key, limit, words in [("share_refined", 0.0, "need refinement"), ("error_hard", 1e-6, "hard functions"), ("speedup", 1e9, "faster")]:
+        none = decision.Decision(data, verdict.Limits(**{**vars(free), key: limit}), None)
+        expect(none.state == "bad" and none.headline() == "No generator may ship", f"{key} {limit}: {none.headline()}")
+        expect(len(none.objections()) == 3 and all(words in text for _, text in none.objections()), f"{key} {limit}: {none.objections()}")
+    shares = sorted({data.summary["representations"][name]["share_refined"].number() for name in data.representations})
+    some = decision.Decision(data, verdict.Limits(shares[0], 1e9, 0.0), None)
+    judged = {j.representation: j.verdict for j in some.judgements}
+    expect(some.state == "mixed" and set(judged.values()) == {verdict.SHIPS, verdict.FAILS} and judged[some.leader] == verdict.SHIPS, f"one limit between them: {judged}")
+    node = data.summary["representations"]["mlp"]
+    node["generator_to_direct"].value["median_hard"] = 0
+    undecided = decision.Decision(data, free, None)
+    expect(undecided.judgements[1].verdict == verdict.UNDECIDED and "no hard function" in dict(undecided.objections())["mlp"], "a figure that nothing was measured for counts as reached")
+    explained = [proof_inputs.Case("pca", "a", "b", "c", False, "why")]
+    expect(not decision.Decision(data, free, explained).blocked, "an explained failure blocks")
+    expect(decision.Decision(data, free, [proof_inputs.Case("pca", "a", "b", "c", False, " ")]).headline().startswith("Nothing may ship"), "an unexplained failure does not block")
+
+
+def check_scenes(needed):
+    """The scene table falls by trouble, and its shares are those of the functions."""
+    some = decision.Decision(read(needed), verdict.Limits(), None)
+    rows = some.scene_rows()
+    expect([row["key"] for row in rows] == sorted(row["key"] for row in rows) and len(rows) == len(made_up.SCENES), "scenes are not sorted by trouble")
+    table = made_up.samples(1)[some.leader, "generator"]
+    for row in rows:
+        mine = [r for r in table if r[1] == row["scene"]]
+        share = sum(r[3] > made_up.TAU["rmse"] or r[4] > made_up.TAU["leak_p99"] for r in mine) / len(mine)
+        expect(abs(share + row["key"][0]) < 1e-9, f"{row['scene']}: {-row['key'][0]} over tau, {share} in the functions")
+
+
+def check_frontier():
+    """A scene's front is what no other point beats; the CSV holds every point once for the whole set and once a scene."""
+    front = proof_inputs.read_frontier("frontier.json")
+    for scene in front.scenes:
+        members = frontier.front_of(front, scene)
+        others = [p.by_scene[scene] for p in front.points if p.family != "threads"]
+        expect(all(not any(o.us <= s.us and o.median <= s.median and (o.us, o.median) != (s.us, s.median) for o in others) for _, s in members), f"{scene}: a member of the front is beaten")
+        expect(all(any(s.us <= o.us and s.median <= o.median for _, s in members) for o in others), f"{scene}: the front leaves a point unbeaten out")
+    rows = frontier.csv_bytes(front).decode().splitlines()
+    expect(len(rows) == 1 + len(front.points) * (1 + len(front.scenes)), f"{len(rows)} rows in frontier.csv")
+    for copy in ("one.png", "two.png"):
+        expect(run("frontier.py", "--frontier", "frontier.json", "--out", copy).returncode == 0, "frontier.py refuses its file")
+    expect(open("one.png", "rb").read() == open("two.png", "rb").read(), "the figure differs between two runs")
+
+
+def check_refusals(needed):
+    def changed(source, change):
+        content = json.load(open(source))
+        change(content)
+        return made_up.write_json("bad.json", content)
+
+    readers = {"frontier.json": proof_inputs.read_frontier, "stability.json": proof_inputs.read_stability, "bake0.json": proof_inputs.read_needs}
+    for source, reader in readers.items():
+        refuses(["file"], reader, "missing.json")
+        refuses(["JSON"], reader, "mlp.csv")
+        refuses(["key"], reader, "basis.json")
+        if source != "bake0.json":
+            refuses(["schema_version"], reader, changed(source, lambda c: c.update(schema_version=2)))
+    for source, change, place in [
+            ("frontier.json", lambda c: c["points"][3].pop("rmse_p95"), "points[3]"),
+            ("frontier.json", lambda c: c["points"][0].update(us_median=0), "us_median"),
+            ("frontier.json", lambda c: c["points"][0].update(rmse_p5=1), "rmse_p5"),
+            ("frontier.json", lambda c: c["points"][1].update(on_front="yes"), "points[1].on_front"),
+            ("frontier.json", lambda c: c["scenes"].pop(), "by_scene"),
+            ("frontier.json", lambda c: [p.update(on_front=False) for p in c["points"]], "points"),
+            ("stability.json", lambda c: c["cases"][2].update(passes=1), "cases[2].passes"),
+            ("stability.json", lambda c: c["cases"][0].update(group="weather"), "cases[0].group"),
+            ("stability.json", lambda c: c["cases"].clear(), "cases"),
+            ("bake0.json", lambda c: c.pop("needs"), "needs"),
+            ("bake0.json", lambda c: c["needs"][0].update(count=91), "needs[0].count"),
+            ("bake0.json", lambda c: c["needs"][1].update(seconds_saved="x"), "needs[1].seconds_saved")]:
+        refuses([place], readers[source], changed(source, change))
+    # the tool itself: one line, the exit code, nothing left
+    result = run("report.py", *needed, "--needs", "missing.json", "--out", "bad/out.html")
+    expect(result.returncode == INPUT_ERROR and len(result.stderr.splitlines()) == 1 and "missing.json" in result.stderr and not os.path.exists("bad"),
+           f"report.py without its file: exit code {result.returncode}, {result.stderr.strip()!r}")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        needed, proof = made_up.write_all("")
+        check_page(needed, proof)
+        check_verdict(needed)
+        check_scenes(needed)
+        check_frontier()
+        check_refusals(needed)
+        os.chdir("/")
+    for failure in failures:
+        print("FAILED:", failure)
+    print(f"{cases} cases, {len(failures)} failures")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

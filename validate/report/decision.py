@@ -1,0 +1,225 @@
+"""What a lead reads first, as texts: the verdict with its three figures, scenes by trouble, the suite's cases, what scenes do without."""
+import math
+
+import numpy as np
+
+import plots
+import proof_inputs
+import verdict
+from findings import error, grouped, over_tau, percent, plural
+from plots import duration
+
+GROUP_NAMES = {"functions": "Functions", "optimisers": "Optimisers", "pca": "Principal components", "generator": "Generator", "scenes": "Scenes",
+               "training": "Training"}
+
+
+def factor(value):
+    """A ratio to three figures at most."""
+    return f"{value:.2f}" if value < 10 else grouped(int(float(f"{value:.3g}")))
+
+
+def joined(names):
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+class Decision:
+    """The first screen and the tables behind it.
+
+    inputs     inputs.Inputs
+    limits     verdict.Limits
+    cases      proof_inputs.Case, or None where the suite's file was not given
+    """
+
+    def __init__(self, inputs, limits, cases):
+        self.inputs, self.limits, self.cases = inputs, limits, cases
+        self.judgements = verdict.judge(inputs, limits)
+        self.leader = verdict.leader(inputs, self.judgements)
+        self.blocked = bool(cases) and bool(verdict.unexplained(cases))
+        self.tau_rmse, self.tau_leak = (inputs.summary["tau"][key].number() for key in ("rmse", "leak_p99"))
+
+    # ---- the first screen
+
+    @property
+    def state(self):
+        """For the headline's colour: good, mixed or bad."""
+        ships = [j.verdict == verdict.SHIPS for j in self.judgements]
+        return "bad" if self.blocked or not any(ships) else "good" if all(ships) else "mixed"
+
+    def headline(self):
+        ships = [j.representation for j in self.judgements if j.verdict == verdict.SHIPS]
+        count = len(self.judgements)
+        if self.blocked:
+            return f"Nothing may ship: {plural(len(verdict.unexplained(self.cases)), 'stability case')} failed without an explanation"
+        if not ships:
+            return "No generator may ship"
+        if len(ships) == count:
+            return f"{ships[0]} may ship" if count == 1 else f"All {count} generators may ship"
+        return f"{joined(ships)} may ship; {count - len(ships)} of {count} generators may not"
+
+    def objections(self):
+        """One sentence a generator that may not ship."""
+        limits = self.limits
+        result = []
+        for j in self.judgements:
+            said = []
+            if j.refined.value is None or not j.refined.passes:
+                said.append(f"{percent(j.refined.value)} of its functions need refinement (limit {percent(limits.share_refined)})")
+            if j.hard.value is None:
+                said.append("no hard function to compare with direct optimisation, so it stays undecided")
+            elif not j.hard.passes:
+                said.append(f"{factor(j.hard.value)} × the error of direct optimisation on hard functions (limit {limits.error_hard:g} ×)")
+            if j.speedup.value is None:
+                said.append("no times were measured, so it stays undecided")
+            elif not j.speedup.passes:
+                said.append(f"{factor(j.speedup.value)} × faster than direct optimisation (at least {limits.speedup:g} × is asked for)")
+            if said:
+                result.append((j.representation, "; ".join(said) + "."))
+        return result
+
+    def cards(self):
+        lead = next(j for j in self.judgements if j.representation == self.leader)
+        node = self.inputs.summary["representations"][self.leader]
+        refined_us, direct_us = verdict.times_us(self.inputs.summary, self.leader)
+        hard = int(self.inputs.samples[self.leader, "direct"].hard.sum())
+        limits = self.limits
+        return [
+            self.card("Functions that need refinement", lambda j: j.refined, percent, f"at most {percent(limits.share_refined)}", limits.share_refined,
+                      f"of {self.leader}’s fail the bake’s check and are fitted on; {percent(node['refined']['share_over_tau'].number())} fail even then", lead),
+            self.card("Error on hard functions", lambda j: j.hard, lambda v: f"{factor(v)} ×", f"at most {limits.error_hard:g} ×", limits.error_hard,
+                      f"that of direct optimisation: {self.leader}, before refinement, median over {plural(hard, 'hard function')}", lead),
+            self.card("Time per function", lambda j: j.speedup, lambda v: f"{factor(v)} ×", f"at least {limits.speedup:g} ×", limits.speedup,
+                      f"faster than direct optimisation: {self.leader}, {duration(refined_us)} with check and refinement against {duration(direct_us)}",
+                      lead, logarithmic=True)]
+
+    def card(self, title, figure_of, text_of, limit_text, limit, meaning, lead, logarithmic=False):
+        """One figure: large for the leader, a bar for every generator, and the limit as a line across the bars."""
+        shown = lambda figure: "–" if figure.value is None else text_of(figure.value)
+        values = [figure_of(j).value for j in self.judgements if figure_of(j).value is not None]
+        top = 1.08 * max([limit * (1.5 if logarithmic else 1.15), *values])
+        place = (lambda v: max(0.0, math.log(max(v, 1.0)) / math.log(top))) if logarithmic else lambda v: v / top
+        rows = [{"name": j.representation, "text": shown(figure_of(j)), "passes": figure_of(j).passes,
+                 "width": 100 * place(figure_of(j).value) if figure_of(j).value is not None else 0.0} for j in self.judgements]
+        return {"title": title, "big": shown(figure_of(lead)), "passes": figure_of(lead).passes, "meaning": meaning, "limit": limit_text,
+                "at": 100 * place(limit), "rows": rows}
+
+    # ---- scenes
+
+    def scene_rows(self):
+        """Scenes by falling share of the leader's functions that need refinement, then by its 95th percentile."""
+        rows = []
+        for scene in sorted(set(self.inputs.samples[self.leader, "generator"].scene)):
+            part = {key: self.inputs.samples[key].only(self.inputs.samples[key].scene == scene)
+                    for key in [(name, m) for name in self.inputs.representations for m in ("generator", "refined")]}
+            share = {key: float(over_tau(some, self.tau_rmse, self.tau_leak).mean()) for key, some in part.items()}
+            lead = part[self.leader, "generator"]
+            high = float(np.quantile(lead.rmse, 0.95))
+            cells = [(error(v), v > self.tau_rmse) for v in (float(np.median(lead.rmse)), high, float(lead.rmse.max()))]
+            rows.append({"key": (-share[self.leader, "generator"], -high, scene), "scene": scene, "functions": grouped(len(lead)),
+                         "hard": grouped(int(lead.hard.sum())), "cells": cells, "left": percent(share[self.leader, "refined"]),
+                         "is_left": share[self.leader, "refined"] > 0,
+                         "shares": [self.heat(share[name, "generator"]) for name in [self.leader, *self.others()]]})
+        return sorted(rows, key=lambda row: row["key"])
+
+    def others(self):
+        return [name for name in self.inputs.representations if name != self.leader]
+
+    def heat(self, share):
+        """Text, how strongly to shade it, and whether it is above what a generator may have."""
+        return percent(share), round(min(0.75, 0.3 * share / max(self.limits.share_refined, 1e-9)), 3), share > self.limits.share_refined
+
+    def scene_sentence(self):
+        rows = self.scene_rows()
+        over = [row["scene"] for row in rows if row["shares"][0][2]]
+        limit = percent(self.limits.share_refined)
+        if not over:
+            return f"In every scene at most {limit} of {self.leader}’s functions need refinement; most do in {rows[0]['scene']}, {rows[0]['shares'][0][0]}."
+        named = joined(over) if len(over) <= 3 else f"{', '.join(over[:2])} and {len(over) - 2} more"
+        return f"In {len(over)} of {plural(len(rows), 'scene')} more than {limit} of {self.leader}’s functions need refinement: {named}."
+
+    # ---- stability
+
+    def stability_groups(self):
+        """(group's name, its cases), failing cases first, otherwise as the suite has them."""
+        trouble = lambda case: 2 if case.passes else 1 if case.note.strip() else 0
+        groups = [(GROUP_NAMES[group], sorted((c for c in self.cases if c.group == group), key=trouble))
+                  for group in proof_inputs.GROUPS]
+        return [(name, cases) for name, cases in groups if cases]
+
+    def stability_sentence(self):
+        failed = [case for case in self.cases if not case.passes]
+        text = f"{len(self.cases) - len(failed)} of {plural(len(self.cases), 'case')} hold"
+        explained = len(failed) - len(verdict.unexplained(self.cases))
+        if failed:
+            text += f"; {explained} {'fails and is' if explained == 1 else 'fail and are'} explained, {len(failed) - explained} without an explanation"
+        return text + "."
+
+
+# ---- the frontier's rows
+
+
+def front_rows(members):
+    """Members of a front by rising time."""
+    rows = []
+    for point, spread in members:
+        f = point.figures
+        rows.append({"representation": point.representation, "label": point.label, "time": duration(spread.us),
+                     "spread": f"{duration(f['us_p25'])} to {duration(f['us_p75'])}",
+                     "cells": [error(f[key]) for key in ("rmse_median", "rmse_mean", "rmse_p5", "rmse_p95", "rmse_worst")], "leak": f"{f['leak_p99']:.3f}"})
+    return rows
+
+
+def plain(value):
+    """Any value of a table that this page does not know by name."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return grouped(value)
+    return value if isinstance(value, str) else f"{value:.3g}" if abs(value) < 1e-3 or abs(value) >= 1e4 else f"{value:.4g}"
+
+
+def table(rows):
+    """(column names, rows of (text, is a number)) of objects that may differ in their keys."""
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    is_number = lambda value: isinstance(value, (int, float)) and not isinstance(value, bool)
+    return [c.replace("_", " ") for c in columns], [[(plain(row.get(c)), is_number(row.get(c))) for c in columns] for row in rows]
+
+
+# ---- needs
+
+
+def bytes_text(value):
+    sign, value = ("−" if value < 0 else ""), abs(value)
+    for unit, scale in (("B", 1), ("kB", 1e3), ("MB", 1e6)):
+        if value < 999.5 * scale:
+            return f"{sign}{value / scale:.3g} {unit}"
+    return f"{sign}{value / 1e9:.3g} GB"
+
+
+def seconds_text(value):
+    return ("−" if value < 0 else "") + duration(abs(value) * 1e6) if value else "0 s"
+
+
+LEFT_OUT = (True, False, None)  # in the order of the table
+
+
+def need_groups(needs):
+    """(scene, rows): what is left out first, by falling time saved, then what is not yet, then what this bake has none of."""
+    groups = []
+    for scene, rows in needs:
+        ordered = sorted(rows, key=lambda r: (LEFT_OUT.index(r.left_out), -(r.seconds_saved or 0)))
+        groups.append((scene, [{"what": r.what, "state": LEFT_OUT.index(r.left_out), "count": grouped(r.count), "of": grouped(r.of), "share": percent(r.count / r.of) if r.of else "–",
+                                "seconds": "–" if r.seconds_saved is None else seconds_text(r.seconds_saved),
+                                "bytes": "–" if r.bytes_saved is None else bytes_text(r.bytes_saved),
+                                "same": {None: "–", True: "same result", False: "differs"}[r.same_result], "differs": r.same_result is False, "note": r.note}
+                               for r in ordered]))
+    return groups
+
+
+def needs_sentence(needs):
+    rows = [r for _, some in needs for r in some]
+    left, not_yet = [r for r in rows if r.left_out], [r for r in rows if r.left_out is False]
+    saved = sum(r.seconds_saved or 0 for r in left), sum(r.bytes_saved or 0 for r in left)
+    text = f"{plural(len(needs), 'scene')}: what is left out saves {seconds_text(saved[0])} and {bytes_text(saved[1])}, where that was measured"
+    return text + (f"; {plural(len(not_yet), 'line')} could be left out and {'is' if len(not_yet) == 1 else 'are'} not yet." if not_yet else ".")

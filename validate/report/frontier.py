@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+"""Error against run time: every method of nlg-validate's frontier, and the front that nothing beats.
+
+    frontier.py --frontier out/frontier/frontier.json --out docs/images/error_against_time.png
+
+The report shows the same figure, one of the same kind a scene, and the rows behind them.
+"""
+import argparse
+import csv
+import io
+import logging
+import sys
+
+sys.dont_write_bytecode = True
+logging.getLogger("matplotlib").setLevel(logging.ERROR)
+
+import numpy as np
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+import output
+import plots
+import proof_inputs
+
+# marker, filled, size, words
+MARKS = {"generator": ("o", True, 6.5, "generator"), "corrected": ("s", True, 5.5, "generator, corrected"), "lm": ("^", True, 5.5, "+ LM"),
+         "adam": ("v", True, 5.5, "+ Adam"), "direct_lm": ("^", False, 5.5, "LM from θ₀ or random"),
+         "direct_adam": ("v", False, 5.5, "Adam from θ₀ or random"), "setting": ("x", True, 4.5, "other settings")}
+FAMILIES = {"generator": "generator", "corrected": "corrected", "lm_from_generator": "lm", "adam_from_generator": "adam",
+            "lm_from_theta0": "direct_lm", "lm_from_random": "direct_lm", "adam_from_theta0": "direct_adam", "adam_from_random": "direct_adam"}
+CHAINS = ("lm_from_generator", "adam_from_generator", "lm_from_theta0", "lm_from_random", "adam_from_theta0", "adam_from_random")
+LABELS = 12  # names beside points; the table has all
+BAND = "#0072B2"
+
+
+def look(family):
+    return MARKS[FAMILIES.get(family, "setting")]
+
+
+def figure_text(point, spread):
+    return (f"{point.representation}: {point.label}\n{plots.duration(spread.us)} a function\n"
+            f"RMSE {spread.median:.4f}, p5–p95 {spread.p5:.4f} to {spread.p95:.4f}")
+
+
+def front_of(frontier, scene=None):
+    """(point, its spread) of the front by rising time: as nlg-validate marked it, or of one scene by median error."""
+    if scene is None:
+        members = [(point, point.whole) for point in frontier.points if point.on_front]
+    else:
+        # what several cores did at once took longer than its time says
+        some = [(p.by_scene[scene].us, p.by_scene[scene].median, i) for i, p in enumerate(frontier.points)
+                if scene in p.by_scene and p.by_scene[scene].us > 0 and p.family != "threads"]
+        members = [(frontier.points[i], frontier.points[i].by_scene[scene]) for _, _, i in plots.pareto(some)]
+    return sorted(members, key=lambda member: (member[1].us, member[1].median))
+
+
+def limits(frontier):
+    """((time from, to), (error from, to)) around every point of every plot; the bands of fronts are cut at the edge."""
+    spreads = [point.whole for point in frontier.points] + [s for point in frontier.points for s in point.by_scene.values()]
+    times = [s.us for s in spreads if s.us > 0]
+    errors = [s.median for s in spreads if s.median > 0] or [1e-3]
+    bands = [value for _, s in front_of(frontier) for value in (s.p5, s.p95) if value > 0] or errors
+    return (min(times) / 1.6, max(times) * 1.9), (max(min(errors + bands) / 1.5, max(errors) / 2000), max(errors + bands) * 1.3)
+
+
+def time_axis(axes, low, high):
+    axes.set(xscale="log", xlim=(low, high))
+    axes.xaxis.set_major_locator(LogLocator(subs=(1,), numticks=20))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: plots.duration(v)))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def draw_front(axes, front, bounds):
+    clipped = lambda values: np.clip(values, *bounds)
+    times = [s.us for _, s in front]
+    axes.fill_between(times, clipped([s.p5 for _, s in front]), clipped([s.p95 for _, s in front]), color=BAND, alpha=0.13, linewidth=0, zorder=1)
+    for key in ("p5", "p95"):
+        axes.plot(times, clipped([getattr(s, key) for _, s in front]), color=BAND, linewidth=0.7, alpha=0.55, zorder=1)
+    axes.plot(times, clipped([s.median for _, s in front]), color=plots.INK, linewidth=1.8, zorder=4)
+
+
+def draw_chains(axes, frontier, bounds):
+    """Thin lines through the growing budgets of one method; returned as lists of (time, error)."""
+    chains = {}
+    for point in frontier.points:
+        if point.family in CHAINS and point.whole.median > 0:
+            chains.setdefault((point.representation, point.family), []).append((point.whole.us, max(point.whole.median, bounds[0])))
+    for (representation, family), line in sorted(chains.items()):
+        axes.plot(*zip(*sorted(line)), color=plots.representation_colour(representation), linewidth=0.7, alpha=0.4,
+                  linestyle="-" if look(family)[1] else (0, (3, 2)), zorder=2)
+    return [sorted(line) for line in chains.values()]
+
+
+def draw_whole(frontier):
+    """(figure, gid → text that hovering shows) of the whole set."""
+    figure, axes = plots.plt.subplots(figsize=(9.8, 5.6), layout="constrained")
+    figure.get_layout_engine().set(rect=(0, 0, 1, 0.92))  # the key stands above, wider than the axes
+    axes.grid(True)
+    time_limits, bounds = limits(frontier)
+    time_axis(axes, *time_limits)
+    plots.log_error_axis(axes.yaxis, *bounds)
+    axes.set(xlabel="time per function, median (log)", ylabel="RMSE of a function, median (log)")
+    front, hover = front_of(frontier), {}
+    draw_front(axes, front, bounds)
+    lines = draw_chains(axes, frontier, bounds)
+    for index, point in enumerate(frontier.points):
+        lines.append([(point.whole.us, float(np.clip(point.whole.median, *bounds)))] * 2)
+        marker, filled, size, _ = look(point.family)
+        shade = plots.representation_colour(point.representation)
+        # what is on the front is drawn larger, above all else
+        axes.plot(point.whole.us, np.clip(point.whole.median, *bounds), marker, color=shade, markersize=size * (1.35 if point.on_front else 1), gid=f"point-{index}",
+                  markerfacecolor=shade if filled else "white", markeredgecolor=plots.INK if point.on_front else shade,
+                  markeredgewidth=1.1, zorder=6 if point.on_front else 5 if filled else 3)
+        hover[f"point-{index}"] = figure_text(point, point.whole)
+    key(axes, frontier)
+    every = max(1, -(-len(front) // LABELS))
+    labels = [(s.us, float(np.clip(s.median, *bounds)), p.label if p.representation in p.label else f"{p.representation}: {p.label}",
+               plots.representation_colour(p.representation)) for p, s in front]
+    # the ends always have names
+    named = sorted({*range(0, len(labels), every), len(labels) - 1})
+    plots.place_labels(figure, axes, [labels[i] for i in named], lines + [[label[:2] for label in labels]], [])
+    return figure, hover
+
+
+def key(axes, frontier):
+    line = plots.plt.Line2D
+    present = {FAMILIES.get(point.family, "setting") for point in frontier.points}
+    marks = [line([], [], linewidth=0, marker=marker, markersize=size, color=plots.MUTED, markerfacecolor=plots.MUTED if filled else "white", label=words)
+             for name, (marker, filled, size, words) in MARKS.items() if name in present]
+    shades = [line([], [], linewidth=0, marker="o", markersize=5, color=plots.representation_colour(name), label=name)
+              for name in dict.fromkeys(point.representation for point in frontier.points)]
+    band = [line([], [], color=plots.INK, linewidth=1.8, label="Pareto front"),
+            plots.plt.Rectangle((0, 0), 1, 1, color=BAND, alpha=0.2, linewidth=0, label="its p5–p95")]
+    for handles, y in ((shades, 0.965), (band + marks, 0.925)):
+        legend = axes.figure.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.005, y), ncol=len(handles), borderpad=0, borderaxespad=0,
+                                    columnspacing=1.2, handletextpad=0.4, handlelength=1.2)
+        legend.set_in_layout(False)
+
+
+def draw_scene(frontier, scene, time_limits, bounds):
+    figure, axes = plots.plt.subplots(figsize=(3.5, 2.75), layout="constrained")
+    axes.set_title(scene if len(scene) <= 30 else scene[:29] + "…")
+    axes.grid(True)
+    time_axis(axes, *time_limits)
+    plots.log_error_axis(axes.yaxis, *bounds)
+    axes.tick_params(labelsize=7.5)
+    axes.set(xlabel="time per function", ylabel="RMSE, median")
+    some = [(p, p.by_scene[scene]) for p in frontier.points if scene in p.by_scene]
+    axes.scatter([s.us for _, s in some], np.clip([s.median for _, s in some], *bounds), s=7, linewidths=0, alpha=0.45, rasterized=True, zorder=2,
+                 c=[plots.representation_colour(p.representation) for p, _ in some])
+    front, hover = front_of(frontier, scene), {}
+    draw_front(axes, front, bounds)
+    for index, (point, spread) in enumerate(front):
+        marker, filled, size, _ = look(point.family)
+        shade = plots.representation_colour(point.representation)
+        axes.plot(spread.us, np.clip(spread.median, *bounds), marker, color=shade, markersize=size, markeredgewidth=1.0, gid=f"front-{index}",
+                  markerfacecolor=shade if filled else "white", markeredgecolor=plots.INK, zorder=5)
+        hover[f"front-{index}"] = figure_text(point, spread)
+    return figure, hover
+
+
+def whole_svg(frontier):
+    figure, hover = draw_whole(frontier)
+    return plots.finish(figure, "frontier", "Error against run time, all held-out functions", hover)
+
+
+def scene_svgs(frontier, order):
+    """One panel a scene, in this order where it names the scene, then as the file has them; all with the same axes."""
+    scenes = [s for s in order if s in frontier.scenes] + [s for s in frontier.scenes if s not in order]
+    scenes = [s for s in scenes if any(s in p.by_scene for p in frontier.points)]
+    axes = limits(frontier)
+    return [plots.finish(figure, f"frontier-{index}", f"Error against run time, {scene}", hover)
+            for index, scene in enumerate(scenes) for figure, hover in [draw_scene(frontier, scene, *axes)]]
+
+
+def csv_bytes(frontier):
+    """One row a point and scene; the whole set as scene 'all'."""
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(["scene", "representation", "family", "budget", "label", "on_front", *proof_inputs.POINT_KEYS])
+    for p in frontier.points:
+        who = [p.representation, p.family, "" if p.budget is None else f"{p.budget:g}", p.label]
+        rows.writerow(["all", *who, int(p.on_front), *(f"{p.figures[k]:.6g}" for k in proof_inputs.POINT_KEYS)])
+        for scene, s in p.by_scene.items():
+            values = {"us_median": s.us, "rmse_median": s.median, "rmse_p5": s.p5, "rmse_p95": s.p95}
+            rows.writerow([scene, *who, "", *(f"{values[k]:.6g}" if k in values else "" for k in proof_inputs.POINT_KEYS)])
+    return text.getvalue().encode()
+
+
+def png(frontier):
+    figure, _ = draw_whole(frontier)
+    buffer = io.BytesIO()
+    # no version inside: the same file gives the same bytes
+    figure.savefig(buffer, format="png", dpi=150, facecolor="white", metadata={"Software": None})
+    plots.plt.close(figure)
+    return buffer.getvalue()
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Draws error against run time, and the front that no method beats.")
+    parser.add_argument("--frontier", required=True, help="frontier.json of nlg-validate frontier")
+    parser.add_argument("--out", required=True, help="the .png to write")
+    arguments = parser.parse_args()
+    return output.run("frontier.py", arguments.out, lambda: {arguments.out: png(proof_inputs.read_frontier(arguments.frontier))})
+
+
+if __name__ == "__main__":
+    sys.exit(main())

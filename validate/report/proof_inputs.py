@@ -1,0 +1,157 @@
+"""The files of the proof beside nlg-validate's summary: the error-time frontier, the stability suite, what bakes did without.
+
+docs/formats.md says what stands in them. Read and checked as everything else (inputs.py); nothing here draws or decides.
+"""
+from dataclasses import dataclass
+
+from inputs import InputError, read_json
+
+GROUPS = ("functions", "optimisers", "pca", "generator", "scenes", "training")
+ERRORS = ("median", "p5", "p95")
+POINT_KEYS = ("us_median", "us_p25", "us_p75", "rmse_mean", "rmse_median", "rmse_p5", "rmse_p95", "rmse_worst", "leak_p99")
+
+
+@dataclass
+class Spread:
+    """One method on some functions: time and error, the median and what lies around it."""
+    us: float
+    median: float
+    p5: float
+    p95: float
+
+
+@dataclass
+class Point:
+    """One method at one budget."""
+    representation: str
+    family: str
+    budget: object        # a number, or None where the family has none
+    label: str
+    figures: dict         # POINT_KEYS → number
+    on_front: bool
+    by_scene: dict        # scene → Spread
+
+    @property
+    def whole(self):
+        f = self.figures
+        return Spread(f["us_median"], f["rmse_median"], f["rmse_p5"], f["rmse_p95"])
+
+
+@dataclass
+class Frontier:
+    path: str
+    function_count: int
+    scenes: list
+    points: list
+    front_sentence: str
+    hierarchy: list       # one dict a step: texts and numbers
+    walks: list           # the same
+
+
+@dataclass
+class Case:
+    """One case of the stability suite. A failing case with a note is explained, not green."""
+    group: str
+    name: str
+    must_hold: str
+    measured: str
+    passes: bool
+    note: str
+
+
+@dataclass
+class Need:
+    """One thing that a scene does without, or could."""
+    what: str
+    left_out: object       # true, false: not yet; None: there is none of it in this bake
+    count: int
+    of: int
+    seconds_saved: object  # null: not measured
+    bytes_saved: object
+    same_result: object    # null: not known
+    note: str
+
+
+def check_schema(node):
+    if node["schema_version"].count() != 1:
+        node["schema_version"].refuse("1", node["schema_version"].value)
+
+
+def truth(node):
+    if not isinstance(node.value, bool):
+        node.refuse("true or false", repr(node.value)[:40])
+    return node.value
+
+
+def optional(node, read):
+    return None if node.value is None else read(node)
+
+
+def row(node):
+    """A flat object of texts, numbers and truths, in the file's order; nulls stay."""
+    result = {}
+    for key, value in node.entries():
+        if not isinstance(value.value, (str, int, float, type(None))):
+            value.refuse("a text, a number, true, false or null", type(value.value).__name__)
+        result[key] = value.value
+    return result
+
+
+def read_spread(node):
+    spread = Spread(node["us_median"].number(), *(node[f"rmse_{q}"].number() for q in ERRORS))
+    if not spread.p5 <= spread.median <= spread.p95:
+        node.refuse("rmse_p5 <= rmse_median <= rmse_p95", f"{spread.p5:g}, {spread.median:g}, {spread.p95:g}")
+    return spread
+
+
+def read_point(node):
+    budget = optional(node["budget"], lambda n: n.number())
+    by_scene = {scene: read_spread(some) for scene, some in node["by_scene"].entries()}
+    point = Point(node["representation"].text(), node["family"].text(), budget, node["label"].text(),
+                  {key: node[key].number() for key in POINT_KEYS}, truth(node["on_front"]), by_scene)
+    read_spread(node)
+    if point.whole.us <= 0:
+        node["us_median"].refuse("a time above 0", point.whole.us)
+    return point
+
+
+def read_frontier(path):
+    file = read_json(path)
+    check_schema(file)
+    scenes = [node.text() for node in file["scenes"].items()]
+    points = [read_point(node) for node in file["points"].items()]
+    if not any(point.on_front for point in points):
+        file["points"].refuse("at least one point on the front", "none")
+    for index, point in enumerate(points):
+        for scene in point.by_scene:
+            if scene not in scenes:
+                raise InputError(path, f"points[{index}].by_scene", "scenes of the list 'scenes'", f"'{scene}'")
+    lists = [[row(node) for node in file[key].items()] for key in ("hierarchy", "walks")]
+    return Frontier(path, file["functions"].count(), scenes, points, file["front_sentence"].text(), *lists)
+
+
+def read_stability(path):
+    file = read_json(path)
+    check_schema(file)
+    cases = []
+    for node in file["cases"].items():
+        if node["group"].text() not in GROUPS:
+            node["group"].refuse(" or ".join(GROUPS), f"'{node['group'].value}'")
+        cases.append(Case(*(node[key].text() for key in ("group", "name", "must_hold", "measured")), truth(node["passes"]),
+                          node["note"].text()))
+    if not cases:
+        file["cases"].refuse("at least one case", "none")
+    return cases
+
+
+def read_needs(path):
+    """(scene, its rows) of one bake's report."""
+    file = read_json(path)
+    rows = []
+    for node in file["needs"].items():
+        saved = [optional(node[key], lambda n: n.number(low=-1e18)) for key in ("seconds_saved", "bytes_saved")]
+        rows.append(Need(node["what"].text(), optional(node["left_out"], truth), node["count"].count(), node["of"].count(), *saved,
+                         optional(node["same_result"], truth), node["note"].text()))
+        if rows[-1].count > rows[-1].of:
+            node["count"].refuse(f"at most 'of', {rows[-1].of}", rows[-1].count)
+    return file["scene"].text(), rows
