@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <sstream>
@@ -17,6 +18,7 @@
 #include "validate/choice.h"
 #include "validate/method.h"
 #include "validate/slice.h"
+#include "validate/stability/stability_suite.h"
 
 namespace nlg {
 namespace {
@@ -330,18 +332,35 @@ void validate(const Request& request, const ValidateOptions& options, const Opti
   std::cout << request.out_dir << "/summary.json\n";
 }
 
-}  // namespace
-}  // namespace nlg
-
-int main(int argc, char** argv) {
-  CLI::App app{"Measures exported generators on held-out scenes against direct optimisation.", "nlg-validate"};
-  nlg::Request request;
-  nlg::ValidateOptions options;
-  nlg::OptionTable table("validate");
-  nlg::describe(options, table);
+int validateMain(int argc, char** argv) {
+  CLI::App app{
+      "Measures exported generators on held-out scenes against direct optimisation.\n"
+      "nlg-validate stability --out FILE: stiff and extreme cases, what must hold and what was measured.",
+      "nlg-validate"};
+  Request request;
+  ValidateOptions options;
+  OptionTable table("validate");
+  describe(options, table);
   app.add_option("--weights", request.weights, "exported generators, one a representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
   app.add_option("--training", request.training, "training shards: only their counts are read");
   app.add_option("--out", request.out_dir, "folder for summary.json, functions.csv and slices.json")->required();
-  return nlg::runTool(argc, argv, app, table, [&] { nlg::validate(request, options, table); });
+  return runTool(argc, argv, app, table, [&] { validate(request, options, table); });
+}
+
+// What the tool does when its first argument is one of these names; without one it validates.
+struct Command {
+  const char* name;
+  int (*run)(int argc, char** argv);
+};
+constexpr Command kCommands[] = {{"stability", stabilityMain}};
+
+}  // namespace
+}  // namespace nlg
+
+int main(int argc, char** argv) {
+  for (const nlg::Command& command : nlg::kCommands) {
+    if (argc > 1 && std::strcmp(argv[1], command.name) == 0) return command.run(argc - 1, argv + 1);
+  }
+  return nlg::validateMain(argc, argv);
 }
