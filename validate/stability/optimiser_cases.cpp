@@ -54,9 +54,13 @@ FitVerdict judge(const Representation& representation, const WeightingFunction& 
 
 // --- rank-deficient Jacobians -----------------------------------------------------------------------------------------------
 
+// Products of the normal equations are summed in float over 1024 points, the errors of which add up like a random walk.
+constexpr double kFloatSumRounding = 32 * 0x1p-24;
+
 struct Spectrum {
   double condition = 0.0;  // largest over smallest eigenvalue, the smallest taken for no less than a rounding of the largest
-  int rank = 0;            // eigenvalues above 1e-12 of the largest
+  bool at_limit = false;   // that was so: the condition is at least this
+  int rank = 0;            // eigenvalues that stand out of the rounding of float sums
   int size = 0;
 };
 
@@ -74,7 +78,8 @@ Spectrum spectrumOf(const Representation& representation, const WeightingFunctio
   const double largest = values.maxCoeff();
   Spectrum spectrum;
   spectrum.size = hessian.count();
-  spectrum.rank = static_cast<int>((values.array() > 1e-12 * largest).count());
+  spectrum.rank = static_cast<int>((values.array() > kFloatSumRounding * largest).count());
+  spectrum.at_limit = values.minCoeff() < 0x1p-52 * largest;
   spectrum.condition = largest / std::max(values.minCoeff(), 0x1p-52 * largest);
   return spectrum;
 }
@@ -97,9 +102,10 @@ StabilityResult measureDeficient(const DeficientStart& start) {
   StabilityResult result;
   result.passes = spectrum.rank < spectrum.size && fit.rmse < before &&
                   judge(start.representation, function, start.theta, fit, kIterations).holds();
-  result.measured = fmt::format("{}: J^T J has rank {} of {}, condition {:.1e}; RMSE {:.4f} -> {:.4f} in {} iterations, stop: {}",
-                                representationName(start.representation), spectrum.rank, spectrum.size, spectrum.condition,
-                                before, fit.rmse, fit.steps, fitStopName(fit.stop));
+  result.measured =
+      fmt::format("{}: J^T J has rank {} of {}, condition {}{:.1e}; RMSE {:.4f} -> {:.4f} in {} iterations, stop: {}",
+                  representationName(start.representation), spectrum.rank, spectrum.size, spectrum.at_limit ? "at least " : "",
+                  spectrum.condition, before, fit.rmse, fit.steps, fitStopName(fit.stop));
   result.figures = {{"condition", spectrum.condition}, {"rank", spectrum.rank},  {"parameters", spectrum.size},
                     {"rmse_before", before},           {"rmse_after", fit.rmse}, {"iterations", fit.steps}};
   return result;

@@ -18,8 +18,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<const char*, 6> kGroups = {"functions", "optimisers", "pca", "generator", "scenes", "training"};
 
 // What the file of training_cases.py lacks when there is none; the script's own list, so that the table shows what is missing.
-constexpr std::array<const char*, 6> kTrainingCases = {
-    "poisoned batch",      "poisoned batches without end", "exploding learning rate",
+constexpr std::array<const char*, 7> kTrainingCases = {
+    "poisoned batch",      "poisoned batches without end", "exploding learning rate",       "extreme targets",
     "shard that vanishes", "cache that vanishes midway",   "cache that is truncated midway"};
 
 NamedGenerator loadGenerator(const std::string& path) {
