@@ -82,7 +82,8 @@ void addTraining(const StabilityRequest& request, StabilityReport* report) {
     return;
   }
   try {
-    for (const Json& entry : Json::parse(readFile(request.training)).at("cases")) {
+    const Json file = Json::parse(readFile(request.training));
+    for (const Json& entry : file.at("cases")) {
       report->cases.push_back({{"group", "training"},
                                {"name", entry.at("name")},
                                {"must_hold", entry.at("must_hold")},
