@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -72,34 +73,42 @@ std::string reasonToSkip(const StabilityCase& stability_case, const StabilityInp
   return stability_case.depth == StabilityDepth::lengthy ? "it needs --long" : "left out by --short";
 }
 
-void addTraining(const StabilityRequest& request, StabilityReport* report) {
-  if (request.training.empty()) {
-    for (const char* name : kTrainingCases) {
-      report->cases.push_back(caseJson("training", name, "training stops with the cause or goes on from the last good state",
-                                       notRun("it needs --training, the file of training_cases.py"), false));
-      ++report->not_run;
-    }
-    return;
+void addTrainingCase(const Json& entry, StabilityReport* report) {
+  report->cases.push_back({{"group", "training"},
+                           {"name", entry.at("name")},
+                           {"must_hold", entry.at("must_hold")},
+                           {"measured", entry.at("measured")},
+                           {"figures", entry.at("figures")},
+                           {"passes", entry.at("passes").get<bool>()},
+                           {"ran", true},
+                           {"note", entry.at("note")}});
+  if (entry.at("passes").get<bool>()) {
+    ++report->passed;
+  } else {
+    report->failed.push_back("training: " + entry.at("name").get<std::string>());
   }
-  try {
-    const Json file = Json::parse(readFile(request.training));
-    for (const Json& entry : file.at("cases")) {
-      report->cases.push_back({{"group", "training"},
-                               {"name", entry.at("name")},
-                               {"must_hold", entry.at("must_hold")},
-                               {"measured", entry.at("measured")},
-                               {"figures", entry.at("figures")},
-                               {"passes", entry.at("passes").get<bool>()},
-                               {"ran", true},
-                               {"note", entry.at("note")}});
-      if (entry.at("passes").get<bool>()) {
-        ++report->passed;
-      } else {
-        report->failed.push_back("training: " + entry.at("name").get<std::string>());
+}
+
+void addTraining(const StabilityRequest& request, StabilityReport* report) {
+  std::set<std::string> found;
+  if (!request.training.empty()) {
+    try {
+      const Json file = Json::parse(readFile(request.training));
+      for (const Json& entry : file.at("cases")) {
+        addTrainingCase(entry, report);
+        found.insert(entry.at("name").get<std::string>());
       }
+    } catch (const nlohmann::json::exception& error) {
+      throw InputError(request.training, "JSON", "the file of training_cases.py", error.what());
     }
-  } catch (const nlohmann::json::exception& error) {
-    throw InputError(request.training, "JSON", "the file of training_cases.py", error.what());
+  }
+  for (const char* name : kTrainingCases) {
+    if (found.count(name) > 0) continue;
+    const std::string why =
+        request.training.empty() ? "it needs --training, the file of training_cases.py" : "the file of --training lacks it";
+    report->cases.push_back(
+        caseJson("training", name, "training stops with the cause or goes on from the last good state", notRun(why), false));
+    ++report->not_run;
   }
 }
 
