@@ -13,6 +13,7 @@
 #include "tool/output_path.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
+#include "train/generator/lost_pages.h"
 #include "train/generator/rate_finder.h"
 #include "train/generator/run_folder.h"
 #include "train/generator/trainer.h"
@@ -70,6 +71,7 @@ TrainingData readTrainingData(const Request& request, const BasisFile& basis, co
     if (set.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
     return TrainingData(std::move(set), used, FunctionOrder::cache);
   }
+  endWhenPagesVanish("nlg-train", request.cache);
   auto cache = std::make_unique<FunctionCache>(request.cache);
   const std::string basis_sha256 = fileSha256(request.basis);
   if (cache->origin().basis_sha256 != basis_sha256) {

@@ -21,6 +21,7 @@
 #include "validate/held_out.h"
 #include "validate/method.h"
 #include "validate/slice.h"
+#include "validate/stability/stability_suite.h"
 
 namespace nlg {
 namespace {
@@ -326,6 +327,7 @@ void validate(const Request& request, const ValidateOptions& options, const Opti
 int validateMain(int argc, char** argv) {
   CLI::App app{
       "Measures exported generators on held-out scenes against direct optimisation.\n"
+      "nlg-validate stability --out FILE: stiff and extreme cases, what must hold and what was measured.\n"
       "nlg-validate frontier: error against run time, of generators, their settings and every fit.\n"
       "nlg-validate compare OLD NEW: what got better or worse between two runs, beyond noise.",
       "nlg-validate"};
@@ -345,7 +347,8 @@ struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
 };
-constexpr Command kCommands[] = {{"compare", compareMain}, {"--compare", compareMain}, {"frontier", frontierMain}};
+constexpr Command kCommands[] = {
+    {"stability", stabilityMain}, {"frontier", frontierMain}, {"compare", compareMain}, {"--compare", compareMain}};
 
 }  // namespace
 }  // namespace nlg

@@ -4,19 +4,19 @@
     training_test.py BIN_FOLDER
 """
 import csv
-import hashlib
 import json
 import os
 import signal
-import struct
 import subprocess
 import sys
 import tempfile
 import time
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "validate", "stability"))
+from training_cases import poisoned_cache  # noqa: E402
+
 BIN = os.path.abspath(sys.argv[1])
 INPUT_ERROR, NUMERICAL_ERROR = 3, 4  # tool/error.h
-HEAD, POINTS, BLOCK = 4096, 8192, 512  # docs/formats.md, "Function cache"
 failures = []
 
 OPTIONS = ["--batch", "8", "--checkpoint-steps", "10", "--start-candidates", "1", "--width", "24", "--layers", "2",
@@ -56,33 +56,6 @@ def columns(path):
     with open(path, newline="") as file:
         rows = list(csv.DictReader(file))
     return {key: [float(row[key]) for row in rows] for key in rows[0]}
-
-
-def fletcher32(data):
-    """docs/formats.md: big-endian 16-bit words."""
-    sum1 = sum2 = 0
-    for (word,) in struct.iter_unpack(">H", data):
-        sum1 = (sum1 + word) % 65535
-        sum2 = (sum2 + sum1) % 65535
-    # the sums are folded, never reduced to 0
-    return (sum2 or 65535) << 16 | (sum1 or 65535)
-
-
-def poisoned_cache(path, function):
-    """The cache with one function's first coefficient at 1e30, and checksums that fit."""
-    whole = bytearray(read("functions.cache"))
-    footer_first = struct.unpack_from("<Q", whole, 16)[0]
-    footer = bytes(whole[footer_first:])
-    json_text, _, tail = footer.partition(b"\n")
-    values = json.loads(json_text)
-    record = POINTS + POINTS // 8 + 4 * values["coefficient_count"]
-    struct.pack_into("<f", whole, HEAD + function * record + POINTS + POINTS // 8, 1e30)
-    records = whole[HEAD:footer_first]
-    values["block_checksums"] = [fletcher32(records[i : i + BLOCK * record]) for i in range(0, len(records), BLOCK * record)]
-    footer = json.dumps(values).encode() + b"\n" + tail
-    whole[24:88] = hashlib.sha256(footer).hexdigest().encode()
-    with open(path, "wb") as file:
-        file.write(whole[:footer_first] + footer)
 
 
 def check_cache():
@@ -190,7 +163,7 @@ def check_lost_process():
 
 def check_rollbacks():
     """A function whose coefficients are absurd: training goes back, says so, and ends in the same bytes when it is killed on the way."""
-    poisoned_cache("poisoned.cache", 3)
+    poisoned_cache("functions.cache", "poisoned.cache", 3)
     data = ["--cache", "poisoned.cache"]
     out, err = end(train("poisoned", data=data))
     result = json.loads(out)

@@ -113,6 +113,22 @@ TEST(Fit, ReturnsTheStartWhenNumbersAreNotFinite) {
   }
 }
 
+TEST(Fit, RefusesAnInfiniteStartWhoseErrorIsFinite) {
+  // a sigmoid of +-Inf is 0 or 1: the sum of squares alone does not tell
+  const WeightingFunction function = decodeFunction(wallSample(6).view());
+  const Representation network{RepresentationKind::tent_mlp4, 0.01f};
+  for (const Fitter& fitter : kFitters) {
+    for (const float bad : {INFINITY, -INFINITY}) {
+      Theta start = randomTheta(network, 6);
+      start[network.shape().w1()] = bad;
+      const FitResult result = fitter.fit(network, function, start);
+      EXPECT_EQ(result.stop, FitStop::not_finite) << fitter.name << ", " << bad;
+      EXPECT_EQ(result.steps, 0) << fitter.name << ", " << bad;
+      EXPECT_EQ(result.theta, start) << fitter.name << ", " << bad;
+    }
+  }
+}
+
 TEST(Fit, ReturnsTheStartWithoutAnyValidPoint) {
   for (const Fitter& fitter : kFitters) {
     for (const Theta& start : {randomTheta({}, 7), filled(NAN)}) {

@@ -83,6 +83,20 @@ TEST(FunctionCheck, PassesAPerfectThetaAndFailsLeaksAlone) {
   EXPECT_DOUBLE_EQ(leaking.trouble(options), 2.0);
 }
 
+TEST(FunctionCheck, FailsAnInfiniteThetaWhoseValuesAreFinite) {
+  // a sigmoid of +-Inf is 0 or 1
+  FunctionChecker checker;
+  const StoredSample sample = wallSample(7);
+  const Representation network{RepresentationKind::tent_mlp4, 0.01f};
+  for (const float bad : {INFINITY, -INFINITY}) {
+    Theta theta = randomTheta(network, 7);
+    theta[network.shape().w1()] = bad;
+    const FunctionCheck check = checker.check(network, sample.view(), theta.data(), {});
+    EXPECT_FALSE(std::isfinite(check.rmse)) << bad;
+    EXPECT_FALSE(check.passes({})) << bad;
+  }
+}
+
 TEST(FunctionCheck, HandlesNoValidPointAndBrokenTheta) {
   StoredSample sample = noiseSample(6);
   FunctionChecker checker;

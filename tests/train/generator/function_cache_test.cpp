@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -15,6 +16,7 @@
 #include "tool/error.h"
 #include "train/basis/basis_fit.h"
 #include "train/generator/function_cache_writer.h"
+#include "train/generator/lost_pages.h"
 #include "train/generator/sample_order.h"
 #include "train/generator/training_data.h"
 #include "train/generator/window_loader.h"
@@ -155,6 +157,22 @@ TEST_F(Cache, IsRefusedWhenTruncatedAnywhere) {
   }
   EXPECT_NE(complaint(whole.substr(0, whole.size() - 1)), "");
   EXPECT_NE(complaint(whole + "x"), "");
+}
+
+// Reads a cache that is shortened after it was mapped.
+[[noreturn]] void readShortened(const std::string& whole) {
+  const std::string path = whole + ".shortened";
+  std::filesystem::copy_file(whole, path, std::filesystem::copy_options::overwrite_existing);
+  endWhenPagesVanish("nlg-test", path);
+  FunctionCache cache(path);
+  std::filesystem::resize_file(path, 4096);
+  for (int64_t block = 0; block < cache.blockCount(); ++block) cache.loadBlock(block);
+  std::_Exit(0);
+}
+
+TEST_F(Cache, EndsTheProcessWithTheCauseWhenItIsShortenedWhileItIsRead) {
+  EXPECT_EXIT(readShortened(path()), testing::ExitedWithCode(static_cast<int>(ExitCode::input_error)),
+              "nlg-test: error: .*functions.cache.shortened: mapped pages: expected .*, got one that was shortened");
 }
 
 TEST_F(Cache, IsRefusedWhenABitHasFlipped) {

@@ -1,0 +1,95 @@
+#!/usr/bin/python3
+"""nlg-validate stability in its short form: every case holds, and the table keeps its contract (docs/formats.md).
+
+    stability_test.py BIN_FOLDER WEIGHTS_FOLDER
+"""
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+BIN, WEIGHTS = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+USAGE_ERROR, INPUT_ERROR, CHECK_FAILED = 2, 3, 6  # tool/error.h
+GROUPS = ["functions", "optimisers", "pca", "generator", "scenes", "training"]
+failures = []
+
+
+def check(holds, claim):
+    if not holds:
+        failures.append(claim)
+
+
+def stability(*arguments):
+    return subprocess.run([os.path.join(BIN, "nlg-validate"), "stability", *arguments], capture_output=True, text=True,
+                          env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
+
+
+def table(path):
+    with open(path) as file:
+        return json.load(file)
+
+
+def check_short_form():
+    """All that the short form runs holds; what it does not run says so and does not count as held."""
+    weights = [os.path.join(WEIGHTS, f"{name}.safetensors") for name in ["tent_mlp", "pf5"]]
+    result = stability("--short", "--weights", *weights, "--out", "stability.json")
+    check(result.returncode == 0, f"the short form ended with {result.returncode}: {result.stderr}")
+    whole = table("stability.json")
+    check(whole["schema_version"] == 1 and whole["provenance"]["tool"] == "nlg-validate stability", "schema or provenance")
+    cases = whole["cases"]
+    check(list(dict.fromkeys(case["group"] for case in cases)) == GROUPS, "groups are missing or out of order")
+    check(len({(case["group"], case["name"]) for case in cases}) == len(cases), "two cases of one name")
+    for case in cases:
+        name = f"{case['group']}: {case['name']}"
+        check(set(case) == {"group", "name", "must_hold", "measured", "figures", "passes", "ran", "note"}, f"{name} has other keys")
+        check(case["must_hold"] and case["measured"], f"{name} says nothing")
+        if case["ran"]:
+            check(case["passes"], f"{name}: {case['measured']}")
+            check(case["figures"] and all(math.isfinite(value) for value in case["figures"].values()), f"{name}: figures {case['figures']}")
+        else:
+            check(not case["passes"] and case["note"].startswith("not run: "), f"{name} was not run and does not say so")
+    for group in GROUPS[:-1]:
+        check(any(case["ran"] for case in cases if case["group"] == group), f"nothing of {group} ran")
+    check(not any(case["ran"] for case in cases if case["group"] == "training"), "training cases ran without their file")
+
+
+def check_training_cases():
+    """What training_cases.py wrote is taken over, and fails the whole when it says so."""
+    for passes, code in [(True, 0), (False, CHECK_FAILED)]:
+        case = {"group": "training", "name": "poisoned batch", "must_hold": "m", "measured": "n", "figures": {"x": 1}, "passes": passes, "note": ""}
+        with open("training.json", "w") as file:
+            json.dump({"schema_version": 1, "cases": [case]}, file)
+        result = stability("--only", "training", "--training", "training.json", "--out", "merged.json")
+        check(result.returncode == code, f"a training case that {'holds' if passes else 'does not'} ended with {result.returncode}: {result.stderr}")
+        merged = table("merged.json")["cases"]
+        check(merged[:1] == [{**case, "ran": True}], f"merged as {merged}")
+        check(len(merged) > 1 and not any(other["ran"] or other["passes"] for other in merged[1:]), f"cases that the file lacks: {merged[1:]}")
+        os.remove("merged.json")
+    check("training: poisoned batch" in result.stderr and len(result.stderr.splitlines()) == 1, f"a failure is reported as {result.stderr!r}")
+
+
+def check_refusals():
+    check(stability("--only", "nothing", "--out", "x.json").returncode == USAGE_ERROR, "an unknown group is taken")
+    check(stability("--short", "--long", "--out", "x.json").returncode == USAGE_ERROR, "--short with --long is taken")
+    check(stability("--weights", "nowhere", "--out", "x.json").returncode == INPUT_ERROR, "weights that are not there are taken")
+    with open("broken.json", "w") as file:
+        file.write('{"cases":[{}]}')
+    check(stability("--only", "training", "--training", "broken.json", "--out", "x.json").returncode == INPUT_ERROR, "a broken training file is taken")
+    check(not os.path.exists("x.json"), "a refused run wrote a table")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        check_short_form()
+        check_training_cases()
+        check_refusals()
+        os.chdir("/")
+    for failure in failures:
+        print("FAILED:", failure)
+    sys.exit(1 if failures else 0)
+
+
+main()

@@ -1,0 +1,152 @@
+#include "validate/stability/face_scene.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+
+#include "datagen/probe_block.h"
+#include "datagen/probes/shuffled_order.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kSeed = 1;
+
+// A function as it must be whatever the scene: finite, in [0, 1], 0 at invalid points.
+bool isSound(const GeneratedFunction& function) {
+  for (size_t p = 0; p < function.phi.size(); ++p) {
+    if (!(function.phi[p] >= 0.0f && function.phi[p] <= 1.0f)) return false;
+    if (function.valid[p] == 0 && function.phi[p] != 0.0f) return false;
+  }
+  return true;
+}
+
+ProbeFunctions emptyResult() {
+  ProbeFunctions result;
+  result.functions.point_count = kSupportPointCount;
+  return result;
+}
+
+void buildOne(WeightingBuilder& builder, const glm::dvec3& position_m, float spacing_m, GeneratedFunction* function,
+              ProbeFunctions* result) {
+  const ProbeOutcome outcome = builder.build(position_m, spacing_m, function);
+  result->outcomes.push_back(outcome);
+  if (outcome == ProbeOutcome::function || outcome == ProbeOutcome::empty) result->broken += !isSound(*function);
+  if (outcome != ProbeOutcome::function) return;
+  result->disputed += function->open_shell;
+  appendFunction(*function, position_m, spacing_m, &result->functions);
+}
+
+}  // namespace
+
+void FaceScene::addTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, Sides sides) {
+  positions_.insert(positions_.end(), {a, b, c});
+  materials_.push_back(static_cast<uint32_t>(sides));
+}
+
+void FaceScene::addQuad(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d, Sides sides) {
+  addTriangle(a, b, c, sides);
+  addTriangle(a, c, d, sides);
+}
+
+void FaceScene::addBox(const glm::dvec3& low, const glm::dvec3& high, bool flipped) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (const bool far_side : {false, true}) {
+      glm::dvec3 a = low;
+      a[axis] = far_side ? high[axis] : low[axis];
+      glm::dvec3 b = a, c = a, d = a;
+      b[u] = c[u] = high[u];
+      c[v] = d[v] = high[v];
+      if (far_side != flipped) {
+        addQuad(a, b, c, d);
+      } else {
+        addQuad(a, d, c, b);
+      }
+    }
+  }
+}
+
+void FaceScene::add(const Scene& scene) {
+  const auto world = [&](uint32_t vertex) { return scene.origin_m + glm::dvec3(scene.positions[vertex]); };
+  for (size_t t = 0; t < scene.triangles.size(); ++t) {
+    const glm::uvec3& triangle = scene.triangles[t];
+    const bool double_sided = scene.materials[scene.triangle_material[t]].double_sided;
+    addTriangle(world(triangle.x), world(triangle.y), world(triangle.z), double_sided ? Sides::two : Sides::one);
+  }
+}
+
+Scene FaceScene::finish() const {
+  Scene scene;
+  scene.id = "stability";
+  scene.materials.resize(2);
+  scene.materials[1].double_sided = true;
+  scene.triangle_material = materials_;
+  for (uint32_t t = 0; t < materials_.size(); ++t) scene.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  if (!materials_.empty()) scene.objects.push_back({"all", 0, static_cast<uint32_t>(materials_.size()), false});
+  finishScene(scene, positions_);
+  return scene;
+}
+
+FaceScene furnishedRoom() {
+  FaceScene faces;
+  faces.addBox({0, 0, 0}, {4, 3, 4}, true);
+  faces.addBox({-0.2, -0.2, -0.2}, {4.2, 3.2, 4.2});
+  faces.addBox({1.3, 0, 1.1}, {1.72, 3, 1.53});
+  faces.addBox({2.41, 0, 0}, {2.55, 1.37, 2.9});
+  return faces;
+}
+
+const LinkTable& stabilityLinks() {
+  static const LinkTable links = makeLinkTable({});
+  return links;
+}
+
+uint64_t ProbeFunctions::count(ProbeOutcome outcome) const {
+  return static_cast<uint64_t>(std::count(outcomes.begin(), outcomes.end(), outcome));
+}
+
+ProbeFunctions probeFunctions(const Scene& scene, const ProbePlacementOptions& options, uint64_t max_probes) {
+  const ProbeTree tree = placeProbes(scene, options, kSeed);
+  const RayScene rays(scene);
+  WeightingBuilder builder(rays, stabilityLinks(), {});
+  ProbeFunctions result = emptyResult();
+  result.probe_count = tree.probeCount();
+  ShuffledOrder order(tree.probeCount(), kSeed);
+  GeneratedFunction function;
+  for (uint64_t index = 0; result.outcomes.size() < max_probes && order.next(&index);) {
+    const auto [x, y, z] = tree.probePosition(index);
+    buildOne(builder, {x, y, z}, tree.probeSpacing(index), &function, &result);
+  }
+  return result;
+}
+
+ProbeFunctions functionsAt(const Scene& scene, const std::vector<glm::dvec3>& positions_m, float spacing_m) {
+  const RayScene rays(scene);
+  WeightingBuilder builder(rays, stabilityLinks(), {});
+  ProbeFunctions result = emptyResult();
+  result.probe_count = positions_m.size();
+  GeneratedFunction function;
+  for (const glm::dvec3& position_m : positions_m) buildOne(builder, position_m, spacing_m, &function, &result);
+  return result;
+}
+
+FunctionDifference difference(const ProbeFunctions& a, const ProbeFunctions& b) {
+  FunctionDifference result;
+  result.same_outcomes = a.outcomes == b.outcomes;
+  if (!result.same_outcomes) return result;
+  result.points = a.functions.phi.size();
+  for (size_t i = 0; i < a.functions.phi.size(); ++i) {
+    const int bytes = std::abs(a.functions.phi[i] - b.functions.phi[i]);
+    result.largest_bytes = std::max(result.largest_bytes, bytes);
+    result.points_apart += bytes > 1;
+  }
+  for (size_t i = 0; i < a.functions.validity.size(); ++i) {
+    result.validity_apart +=
+        static_cast<uint64_t>(std::popcount(static_cast<unsigned>(a.functions.validity[i] ^ b.functions.validity[i])));
+  }
+  return result;
+}
+
+}  // namespace nlg

@@ -1,0 +1,318 @@
+// Stiff and extreme weighting functions: as a data set may hold them, and as geometry makes them.
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "validate/stability/extreme_function.h"
+#include "validate/stability/face_scene.h"
+
+namespace nlg {
+namespace {
+
+const LocalPoint& pointAt(int p) { return supportPattern().points[p]; }
+
+bool everywhere(int) { return true; }
+
+// --- functions from samples -------------------------------------------------------------------------------------------------
+
+constexpr const char* kSampledMustHold =
+    "every generator's theta is finite, neither correction nor refinement makes it worse, and the error of what a bake stores is "
+    "at "
+    "most the threshold tau or that of answering 0 everywhere";
+
+StabilityResult measureSampled(const StabilityInputs& inputs, const SampledFunction& function) {
+  const double zero = rmseOfZero(function), tau = CheckOptions{}.tau_rmse;
+  const WorstBake worst = worstBake(inputs, function.view());
+  StabilityResult result;
+  result.passes = worst.is_finite && worst.never_worse && worst.final_rmse <= std::max(tau, zero);
+  result.measured =
+      fmt::format("worst RMSE over {} generators: network {:.4f}, corrected {:.4f}, stored {:.4f} ({}); answering 0: {:.4f}",
+                  inputs.generators.size(), worst.generated_rmse, worst.corrected_rmse, worst.final_rmse, worst.final_name, zero);
+  result.figures = {{"rmse_generated", worst.generated_rmse},
+                    {"rmse_corrected", worst.corrected_rmse},
+                    {"rmse_stored", worst.final_rmse},
+                    {"rmse_of_zero", zero}};
+  if (worst.final_rmse > tau) {
+    result.note = "No representation of this size holds such a function: the bake's check fails it and counts it.";
+  }
+  return result;
+}
+
+StabilityCase sampledCase(const std::string& name, const std::function<SampledFunction()>& make) {
+  return {"functions",           name, kSampledMustHold,
+          StabilityDepth::brief, true, [make](const StabilityInputs& inputs) { return measureSampled(inputs, make()); }};
+}
+
+SampledFunction onePoint() {
+  // in the middle of the octant's curve: not at the probe, not at the border
+  constexpr int kOnly = kOctantPointCount / 2;
+  return sampleFunction([](int) { return 1.0; }, [](int p) { return p == kOnly; });
+}
+
+// Cells of a quarter of the spacing, black and white.
+SampledFunction checkerboard() {
+  return sampleFunction(
+      [](int p) {
+        int sum = 0;
+        for (const float x : pointAt(p)) sum += static_cast<int>(std::floor(4.0f * (x + 1.0f)));
+        return sum % 2 == 0 ? 1.0 : 0.0;
+      },
+      everywhere);
+}
+
+std::vector<StabilityCase> sampledCases() {
+  const auto constant = [](double value, bool valid) {
+    return [=] { return sampleFunction([=](int) { return value; }, [=](int) { return valid; }); };
+  };
+  return {
+      sampledCase("zero at every point", constant(0.0, true)),
+      sampledCase("one at every point", constant(1.0, true)),
+      sampledCase("one valid point", onePoint),
+      sampledCase("no valid point", constant(0.0, false)),
+      sampledCase("checkerboard", checkerboard),
+      sampledCase("step from 0 to 1 between neighbours",
+                  [] { return sampleFunction([](int p) { return pointAt(p)[0] > 0.0f ? 1.0 : 0.0; }, everywhere); }),
+  };
+}
+
+// --- functions of geometry --------------------------------------------------------------------------------------------------
+
+struct WallScene {
+  FaceScene faces;
+  DiffusionOptions diffusion;
+  // what the probe at the origin must never light: behind something that nothing leads around
+  std::function<bool(const LocalPoint&)> dark = [](const LocalPoint&) { return false; };
+  // for a sheet through the probe: the side of a point, of which one must stay dark; 0 on the sheet
+  std::function<int(const LocalPoint&)> side;
+};
+
+// What was built at the origin with a spacing of 1 m, as figures.
+struct Built {
+  ProbeOutcome outcome = ProbeOutcome::empty;
+  uint64_t outside_range = 0;  // points with phi that is not in [0, 1], or not 0 where invalid
+  uint64_t unreachable = 0;    // lit points that lie more links from every seen one than there are passes
+  uint64_t lit_in_dark = 0;    // lit points where nothing may be lit
+  uint64_t lit[2] = {0, 0};    // by side
+  uint64_t seen = 0, lit_unseen = 0, valid = 0;
+  double brightest_unseen = 0.0, brightest_seen = 0.0;
+  SampledFunction stored;
+};
+
+// By point: how many links it lies from what the probe sees, at most `passes`; more says passes + 1.
+std::vector<int> linksFromSeen(const GeneratedFunction& function, int passes) {
+  const LinkTable& links = stabilityLinks();
+  std::vector<int> distance(kSupportPointCount, passes + 1);
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    if (function.seen[p]) distance[p] = 0;
+  }
+  for (int pass = 1; pass <= passes; ++pass) {
+    for (int p = 0; p < kSupportPointCount; ++p) {
+      const LinkTable::Edge* nearest = &links.nearest[size_t(p) * kLinkCount];
+      const bool touches = std::any_of(nearest, nearest + kLinkCount, [&](const LinkTable::Edge& edge) {
+        return edge.point < kSupportPointCount && distance[edge.point] < pass;
+      });
+      if (distance[p] > pass && touches) distance[p] = pass;
+    }
+  }
+  return distance;
+}
+
+void countLight(const WallScene& scene, const GeneratedFunction& function, Built* built) {
+  const std::vector<int> distance = linksFromSeen(function, scene.diffusion.passes);
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    const double phi = function.phi[p];
+    built->outside_range += !(phi >= 0.0 && phi <= 1.0) || (function.valid[p] == 0 && phi != 0.0);
+    built->valid += function.valid[p];
+    built->seen += function.seen[p];
+    if (function.seen[p]) built->brightest_seen = std::max(built->brightest_seen, phi);
+    if (!(phi > 0.0)) continue;
+    built->unreachable += distance[p] > scene.diffusion.passes;
+    built->lit_in_dark += scene.dark(pointAt(p));
+    if (scene.side && scene.side(pointAt(p)) != 0) ++built->lit[scene.side(pointAt(p)) > 0];
+    if (function.seen[p]) continue;
+    ++built->lit_unseen;
+    built->brightest_unseen = std::max(built->brightest_unseen, phi);
+  }
+  built->stored = sampleFunction([&](int p) { return std::clamp<double>(function.phi[p], 0.0, 1.0); },
+                                 [&](int p) { return function.valid[p] != 0; });
+}
+
+Built buildAtOrigin(const WallScene& scene) {
+  const Scene finished = scene.faces.finish();
+  const RayScene rays(finished);
+  WeightingBuilder builder(rays, stabilityLinks(), scene.diffusion);
+  GeneratedFunction function;
+  Built built;
+  built.outcome = builder.build(-finished.origin_m, 1.0f, &function);
+  if (built.outcome == ProbeOutcome::function || built.outcome == ProbeOutcome::empty) countLight(scene, function, &built);
+  return built;
+}
+
+const char* outcomeName(ProbeOutcome outcome) {
+  switch (outcome) {
+    case ProbeOutcome::function:
+      return "a function";
+    case ProbeOutcome::free_space:
+      return "free space";
+    case ProbeOutcome::in_solid:
+      return "in solid";
+    case ProbeOutcome::empty:
+      return "empty";
+  }
+  return "unknown";
+}
+
+constexpr const char* kWallMustHold =
+    "phi is in [0, 1] and 0 in solid, nothing behind the wall is lit, no light goes more links from what the probe sees than "
+    "there "
+    "are passes, nothing unseen is brighter than what is seen, and what a bake stores of it is finite and no worse than "
+    "answering 0";
+
+// The functions of some scenes, all of which must hold.
+StabilityResult measureWalls(const StabilityInputs& inputs, const std::vector<WallScene>& scenes) {
+  StabilityResult result;
+  result.passes = true;
+  uint64_t lit_wrongly = 0, seen = 0, lit_unseen = 0;
+  double brightest = 0.0, stored_rmse = 0.0;
+  std::string outcomes;
+  for (const WallScene& scene : scenes) {
+    const Built built = buildAtOrigin(scene);
+    outcomes += (outcomes.empty() ? "" : ", ") + std::string(outcomeName(built.outcome));
+    const uint64_t wrong = built.outside_range + built.unreachable + built.lit_in_dark + std::min(built.lit[0], built.lit[1]);
+    lit_wrongly += wrong;
+    seen += built.seen;
+    lit_unseen += built.lit_unseen;
+    brightest = std::max(brightest, built.brightest_unseen);
+    result.passes = result.passes && wrong == 0 && built.brightest_unseen <= built.brightest_seen;
+    if (built.outcome != ProbeOutcome::function || inputs.generators.empty()) continue;
+    const WorstBake worst = worstBake(inputs, built.stored.view());
+    stored_rmse = std::max(stored_rmse, worst.final_rmse);
+    result.passes = result.passes && worst.is_finite && worst.never_worse &&
+                    worst.final_rmse <= std::max(CheckOptions{}.tau_rmse, rmseOfZero(built.stored));
+  }
+  result.measured =
+      fmt::format("{}; {} points seen, {} lit by diffusion (brightest {:.3f}), {} lit wrongly; RMSE of what is stored {:.4f}",
+                  outcomes, seen, lit_unseen, brightest, lit_wrongly, stored_rmse);
+  result.figures = {{"points_seen", double(seen)},
+                    {"points_lit_by_diffusion", double(lit_unseen)},
+                    {"points_lit_wrongly", double(lit_wrongly)},
+                    {"brightest_unseen", brightest}};
+  if (!inputs.generators.empty()) result.figures["rmse_stored"] = stored_rmse;
+  return result;
+}
+
+StabilityCase wallCase(const std::string& name, const std::function<std::vector<WallScene>()>& make) {
+  return {"functions",           name,  kWallMustHold,
+          StabilityDepth::brief, false, [make](const StabilityInputs& inputs) { return measureWalls(inputs, make()); }};
+}
+
+// A slab, endless as far as a support can tell: from `near` to `far` along a normal that is turned about y from x.
+WallScene slab(double near, double far, double degrees) {
+  WallScene scene;
+  const double angle = degrees * M_PI / 180.0;
+  const auto turned = [=](double along, double y, double across) {
+    return glm::dvec3(along * std::cos(angle) - across * std::sin(angle), y, along * std::sin(angle) + across * std::cos(angle));
+  };
+  scene.faces.addBox({near, -50, -50}, {far, 50, 50});
+  for (glm::dvec3& position : scene.faces.positions()) position = turned(position.x, position.y, position.z);
+  scene.dark = [=](const LocalPoint& p) { return p[0] * std::cos(angle) + p[2] * std::sin(angle) > far + 1e-4; };
+  return scene;
+}
+
+// A sheet without thickness, seen from both sides, whose plane holds the probe.
+WallScene sheetThroughProbe(double degrees) {
+  WallScene scene;
+  const double angle = degrees * M_PI / 180.0;
+  const glm::dvec3 along(-std::sin(angle), 0, std::cos(angle)), up(0, 1, 0);
+  scene.faces.addQuad(-50.0 * along - 50.0 * up, 50.0 * along - 50.0 * up, 50.0 * along + 50.0 * up, -50.0 * along + 50.0 * up,
+                      FaceScene::Sides::two);
+  scene.side = [=](const LocalPoint& p) {
+    const double height = p[0] * std::cos(angle) + p[2] * std::sin(angle);
+    return std::fabs(height) < 1e-4 ? 0 : height > 0 ? 1 : -1;
+  };
+  return scene;
+}
+
+// Two walls that meet in an edge beside the probe.
+WallScene corner() {
+  WallScene scene;
+  scene.faces.addBox({0.05, -50, -50}, {0.25, 50, 50});
+  scene.faces.addBox({-50, -50, 0.05}, {0.05, 50, 0.25});
+  scene.dark = [](const LocalPoint& p) { return p[0] > 0.2501f || p[2] > 0.2501f; };
+  return scene;
+}
+
+// A sheet with a slit of this width along y, its middle off every axis.
+WallScene slit(double width) {
+  WallScene scene;
+  const double low = 0.1, high = 0.1 + width, x = 0.31;
+  const auto half = [&](double from, double to) {
+    scene.faces.addQuad({x, -50, from}, {x, -50, to}, {x, 50, to}, {x, 50, from}, FaceScene::Sides::two);
+  };
+  half(-50, low);
+  half(high, 50);
+  return scene;
+}
+
+// A wall that ends at the height of the probe, and diffusion as far as its options go.
+WallScene wrapAround(int passes, double sigma, double falloff) {
+  WallScene scene;
+  scene.faces.addBox({0.31, -50, -50}, {0.35, 0.0, 50});
+  scene.diffusion = {passes, sigma, falloff};
+  return scene;
+}
+
+StabilityResult measureFreeSpace(const StabilityInputs& inputs) {
+  WallScene scene;
+  scene.faces.addBox({3, -1, -1}, {4, 1, 1});
+  const Built built = buildAtOrigin(scene);
+  const SampledFunction tents = sampleFunction([](int p) { return tent(pointAt(p)); }, everywhere);
+  StabilityResult result;
+  double rmse = 0.0;
+  if (!inputs.generators.empty()) rmse = worstBake(inputs, tents.view()).final_rmse;
+  result.passes = built.outcome == ProbeOutcome::free_space && rmse <= CheckOptions{}.tau_rmse;
+  result.measured =
+      fmt::format("outcome {}; worst RMSE of the tent in what a bake stores {:.4f}", outcomeName(built.outcome), rmse);
+  result.figures = {{"rmse_stored", rmse}};
+  return result;
+}
+
+}  // namespace
+
+std::vector<StabilityCase> functionCases() {
+  std::vector<StabilityCase> cases = sampledCases();
+  cases.insert(cases.begin(),
+               {"functions", "free space",
+                "a probe without geometry in its support is found to be in free space, and every generator holds the "
+                "bare tent to the threshold tau",
+                StabilityDepth::brief, false, measureFreeSpace});
+  using Scenes = std::vector<WallScene>;
+  const std::vector<StabilityCase> walls = {
+      wallCase("wall along an axis", [] { return Scenes{slab(0.31, 0.47, 0.0)}; }),
+      wallCase("wall at 1 degree from an axis", [] { return Scenes{slab(0.31, 0.47, 1.0)}; }),
+      wallCase("walls that meet in a corner at the probe", [] { return Scenes{corner()}; }),
+      wallCase("sheet through the probe, at 0, 1 and 45 degrees",
+               [] {
+                 return Scenes{sheetThroughProbe(0.0), sheetThroughProbe(1.0), sheetThroughProbe(45.0)};
+               }),
+      wallCase("wall thinner than any link (1e-5 of the spacing)",
+               [] {
+                 return Scenes{slab(0.31, 0.31001, 0.0), slab(0.31, 0.31001, 1.0)};
+               }),
+      wallCase("slit narrower than the points are apart",
+               [] {
+                 return Scenes{slit(0.01), slit(0.001), slit(1e-5)};
+               }),
+      wallCase("largest diffusion round a wall's end",
+               [] {
+                 return Scenes{wrapAround(2, 0.1, 2.0), wrapAround(16, 0.1, 2.0), wrapAround(16, 10.0, 1e6),
+                               wrapAround(16, 1e-3, 0.0)};
+               }),
+  };
+  cases.insert(cases.end(), walls.begin(), walls.end());
+  return cases;
+}
+
+}  // namespace nlg

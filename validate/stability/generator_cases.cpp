@@ -1,0 +1,304 @@
+// Generators on coefficients far from all that training saw, against the formulas in double, on every SIMD target.
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/support/random.h"
+#include "runtime_eval/support/simd_target.h"
+#include "validate/stability/extreme_function.h"
+
+namespace nlg {
+namespace {
+
+// The samples whose standardised coefficients are these, pattern order; they leave [0, 1] where the coefficients are absurd.
+// coefficients   K
+std::vector<float> samplesOf(const BasisData& basis, const std::vector<double>& coefficients) {
+  std::vector<double> classes(basis.mean.begin(), basis.mean.end());
+  int k = 0;
+  for (int c = 0; c < kParityClassCount; ++c) {
+    for (const int end = k + basis.class_count[c]; k < end; ++k) {
+      const double amount = coefficients[k] * basis.deviation[k];
+      for (int i = 0; i < kOctantPointCount; ++i)
+        classes[c * kOctantPointCount + i] += amount * basis.components[size_t(k) * kOctantPointCount + i];
+    }
+  }
+  std::vector<float> phi(kSupportPointCount);
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    double sum = 0.0;
+    for (int c = 0; c < kParityClassCount; ++c)
+      sum += mirrorSign(c, p / kOctantPointCount) * classes[c * kOctantPointCount + p % kOctantPointCount];
+    phi[p] = static_cast<float>(sum / std::sqrt(8.0));
+  }
+  return phi;
+}
+
+// The difference of one generator from its formulas in double, over all functions: the worst on each SIMD target.
+struct Precision {
+  bool finite = true;
+  std::map<std::string, double> relative;  // by target: largest |theta - reference| over largest |reference|
+  double output = 0.0;                     // largest difference of what theta stands for, at support points
+  double worst() const {
+    double largest = 0.0;
+    for (const auto& [target, error] : relative) largest = std::max(largest, error);
+    return largest;
+  }
+};
+
+// phi   count x P
+void comparePrecision(const NamedGenerator& named, const std::vector<float>& phi, Precision* precision) {
+  const size_t count = phi.size() / kSupportPointCount;
+  const Representation& representation = named.generator.representation();
+  const PointSet points = makePointSet(supportPattern().points);
+  AlignedFloats values(points.padded_count);
+  GeneratorScratch scratch(named.generator);
+  for (size_t n = 0; n < count; ++n) {
+    const std::vector<double> exact(phi.begin() + static_cast<ptrdiff_t>(n * kSupportPointCount),
+                                    phi.begin() + static_cast<ptrdiff_t>((n + 1) * kSupportPointCount));
+    const std::vector<double> reference = generateReference(named.data, exact.data());
+    double largest = 0.0;
+    for (const double value : reference) largest = std::max(largest, std::fabs(value));
+    for (const std::string_view target : availableSimdTargets()) {
+      forceSimdTarget(target);
+      Theta theta(reference.size());
+      named.generator.generate(&phi[n * kSupportPointCount], 1, theta.data(), &scratch);
+      double error = 0.0;
+      for (size_t k = 0; k < theta.size(); ++k) {
+        precision->finite = precision->finite && std::isfinite(theta[k]);
+        error = std::max(error, std::fabs(theta[k] - reference[k]));
+      }
+      double& relative = precision->relative[std::string(target)];
+      relative = std::max(relative, error / largest);
+      evaluate(representation, points, theta.data(), values.data());
+      for (int p = 0; p < points.count; p += 61) {
+        precision->finite = precision->finite && std::isfinite(values[p]);
+        precision->output =
+            std::max(precision->output,
+                     std::fabs(values[p] - evaluateReference(representation, supportPattern().points[p], reference.data())));
+      }
+    }
+  }
+}
+
+// All generators on the samples that `make` gives for each.
+Precision comparePrecision(const StabilityInputs& inputs, const std::function<std::vector<float>(const NamedGenerator&)>& make) {
+  const std::string before(chosenSimdTarget());
+  Precision precision;
+  for (const NamedGenerator& named : inputs.generators) comparePrecision(named, make(named), &precision);
+  forceSimdTarget(before);
+  return precision;
+}
+
+std::string byTarget(const Precision& precision) {
+  std::string text;
+  for (const auto& [target, error] : precision.relative)
+    text += fmt::format("{}{} {:.1e}", text.empty() ? "" : ", ", target, error);
+  return text;
+}
+
+void addFigures(const Precision& precision, StabilityResult* result) {
+  for (const auto& [target, error] : precision.relative) result->figures["relative_error_" + target] = error;
+  result->figures["output_error"] = precision.output;
+}
+
+// Half a step of the bytes that functions are stored in: a difference that nobody's phi can show.
+constexpr double kHalfStep = 0.5 / 255.0;
+// Seven products of up to 1024 terms a function, each rounded once: 7 x 1024 x 2^-24, where nothing cancels.
+constexpr double kRelativeBound = 4.3e-4;
+
+// --- ordinary functions -----------------------------------------------------------------------------------------------------
+
+std::vector<SampledFunction> ordinaryFunctions(int count) {
+  std::vector<SampledFunction> functions;
+  for (int n = 0; n < count; ++n) functions.push_back(functionBesideWall(400 + static_cast<uint64_t>(n), 0.05 + 0.1 * (n % 7)));
+  return functions;
+}
+
+// How many generators give other bits in int16 on some SIMD target than on the first; raises *finite_error on what is not finite.
+int generatorsThatDifferInInt16(const StabilityInputs& inputs, const std::vector<SampledFunction>& functions, bool* finite) {
+  const std::string before(chosenSimdTarget());
+  int different = 0;
+  for (const NamedGenerator& named : inputs.generators) {
+    const Generator integer(named.data, GeneratorPrecision::int16);
+    GeneratorScratch scratch(integer);
+    std::vector<Theta> by_target;
+    for (const std::string_view target : availableSimdTargets()) {
+      forceSimdTarget(target);
+      const size_t count = named.data.theta0.size();
+      Theta theta(functions.size() * count);
+      for (size_t n = 0; n < functions.size(); ++n) integer.generate(functions[n].phi.data(), 1, &theta[n * count], &scratch);
+      *finite = *finite && std::all_of(theta.begin(), theta.end(), [](float value) { return std::isfinite(value); });
+      by_target.push_back(std::move(theta));
+    }
+    different += std::any_of(by_target.begin(), by_target.end(), [&](const Theta& theta) { return theta != by_target.front(); });
+  }
+  forceSimdTarget(before);
+  return different;
+}
+
+StabilityResult measureOrdinary(const StabilityInputs& inputs) {
+  const std::vector<SampledFunction> functions = ordinaryFunctions(inputs.depth == StabilityDepth::brief ? 3 : 16);
+  std::vector<float> phi;
+  for (const SampledFunction& function : functions) {
+    for (const uint8_t byte : function.phi) phi.push_back(byte / 255.0f);
+  }
+  Precision precision = comparePrecision(inputs, [&](const NamedGenerator&) { return phi; });
+  const int different = generatorsThatDifferInInt16(inputs, functions, &precision.finite);
+  StabilityResult result;
+  result.passes = precision.finite && precision.worst() <= kRelativeBound && precision.output <= kHalfStep && different == 0;
+  result.measured = fmt::format(
+      "{} functions, largest relative error of theta: {}; of what it stands for: {:.1e}; {} generators whose int16 bits differ "
+      "between targets",
+      functions.size(), byTarget(precision), precision.output, different);
+  addFigures(precision, &result);
+  result.figures["int16_generators_that_differ"] = different;
+  return result;
+}
+
+// --- coefficients far out ---------------------------------------------------------------------------------------------------
+
+// What a bake makes of the nearest function that can be stored.
+WorstBake bakeNearest(const StabilityInputs& inputs, const NamedGenerator& named, const std::vector<float>& phi) {
+  const SampledFunction stored =
+      sampleFunction([&](int p) { return std::clamp<double>(phi[p], 0.0, 1.0); }, [](int) { return true; });
+  const BakedFunction baked = bakeFunction(named, stored.view(), bakeOptions(inputs));
+  return {baked.is_finite, baked.never_worse, baked.generated_rmse, baked.corrected_rmse, baked.check.rmse, named.name};
+}
+
+using Coefficients = std::function<double(int k, int count)>;
+
+StabilityResult measureCoefficients(const StabilityInputs& inputs, const Coefficients& coefficient) {
+  const auto samples = [&](const NamedGenerator& named) {
+    const int count = named.data.basis.coefficientCount();
+    std::vector<double> coefficients;
+    for (int k = 0; k < count; ++k) coefficients.push_back(coefficient(k, count));
+    return samplesOf(named.data.basis, coefficients);
+  };
+  const Precision precision = comparePrecision(inputs, samples);
+  bool finite = precision.finite, never_worse = true;
+  double stored = 0.0;
+  for (const NamedGenerator& named : inputs.generators) {
+    const WorstBake baked = bakeNearest(inputs, named, samples(named));
+    finite = finite && baked.is_finite;
+    never_worse = never_worse && baked.never_worse;
+    stored = std::max(stored, baked.final_rmse);
+  }
+  StabilityResult result;
+  result.passes = finite && never_worse && precision.worst() <= kRelativeBound;
+  result.measured = fmt::format(
+      "largest relative error of theta: {}; {}; worst RMSE of what a bake stores for the nearest storable function {:.4f}",
+      byTarget(precision), finite ? "all finite" : "NOT FINITE", stored);
+  addFigures(precision, &result);
+  result.figures["rmse_stored"] = stored;
+  return result;
+}
+
+StabilityCase coefficientCase(const std::string& name, StabilityDepth depth, const Coefficients& coefficient) {
+  return {"generator",
+          name,
+          "theta and what it stands for are finite on every SIMD target, theta is within 4.3e-4 of the largest number of the "
+          "formulas in "
+          "double, and correction and refinement never make it worse",
+          depth,
+          true,
+          [coefficient](const StabilityInputs& inputs) { return measureCoefficients(inputs, coefficient); }};
+}
+
+// Every coefficient so many deviations out, signs drawn at random.
+Coefficients farOut(double deviations) {
+  return [deviations](int k, int) { return mixSeed(31, static_cast<uint64_t>(k)) & 1 ? deviations : -deviations; };
+}
+
+// --- families that were never trained on ------------------------------------------------------------------------------------
+
+struct Family {
+  const char* name;
+  std::function<SampledFunction(uint64_t seed)> make;
+};
+
+bool everywhere(int) { return true; }
+
+// None of these comes from geometry that casts shadows: noise, waves, hollow spheres, and tents cut out of random halves.
+std::vector<Family> strangeFamilies() {
+  const auto at = [](int p) -> const LocalPoint& { return supportPattern().points[p]; };
+  return {{"noise",
+           [](uint64_t seed) {
+             return sampleFunction(
+                 [=](int p) { return static_cast<double>(mixSeed(seed, static_cast<uint64_t>(p)) % 256) / 255.0; }, everywhere);
+           }},
+          {"waves",
+           [=](uint64_t seed) {
+             const double length = 2.0 + static_cast<double>(seed % 8);
+             return sampleFunction(
+                 [=](int p) { return 0.5 + 0.5 * std::sin(length * (at(p)[0] + 0.7 * at(p)[1] - 0.3 * at(p)[2])); }, everywhere);
+           }},
+          {"hollow spheres",
+           [=](uint64_t seed) {
+             const double radius = 0.2 + 0.1 * static_cast<double>(seed % 8);
+             return sampleFunction(
+                 [=](int p) { return std::fabs(std::hypot(at(p)[0], at(p)[1], at(p)[2]) - radius) < 0.1 ? 1.0 : 0.0; },
+                 everywhere);
+           }},
+          {"scattered tents", [=](uint64_t seed) {
+             return sampleFunction(
+                 [=](int p) { return mixSeed(seed, static_cast<uint64_t>(p / 32)) & 1 ? double{tent(at(p))} : 0.0; },
+                 [=](int p) { return mixSeed(seed + 1, static_cast<uint64_t>(p / 16)) % 4 != 0; });
+           }}};
+}
+
+StabilityResult measureFamilies(const StabilityInputs& inputs) {
+  const int functions = inputs.depth == StabilityDepth::brief ? 1 : 4;
+  StabilityResult result;
+  result.passes = true;
+  double over_zero = 0.0;
+  for (const Family& family : strangeFamilies()) {
+    double generated = 0.0, stored = 0.0;
+    for (int n = 0; n < functions; ++n) {
+      const SampledFunction function = family.make(500 + static_cast<uint64_t>(n));
+      const WorstBake worst = worstBake(inputs, function.view());
+      generated = std::max(generated, worst.generated_rmse);
+      stored = std::max(stored, worst.final_rmse);
+      const double bound = std::max(CheckOptions{}.tau_rmse, rmseOfZero(function));
+      over_zero = std::max(over_zero, worst.final_rmse / bound);
+      result.passes = result.passes && worst.is_finite && worst.never_worse && worst.final_rmse <= bound;
+    }
+    result.measured +=
+        fmt::format("{}{}: RMSE {:.3f} -> {:.3f}", result.measured.empty() ? "" : "; ", family.name, generated, stored);
+    std::string key = family.name;
+    std::replace(key.begin(), key.end(), ' ', '_');
+    result.figures["rmse_generated_" + key] = generated;
+    result.figures["rmse_stored_" + key] = stored;
+  }
+  result.figures["worst_over_answering_0"] = over_zero;
+  result.note =
+      "Worst of all generators, network alone -> what a bake stores. What stays above tau fails the bake's check and is counted.";
+  return result;
+}
+
+}  // namespace
+
+std::vector<StabilityCase> generatorCases() {
+  const auto brief = StabilityDepth::brief, full = StabilityDepth::full;
+  return {
+      {"generator", "float32 and int16 on every SIMD target",
+       "on ordinary functions float32 is within 4.3e-4 of the formulas in double and what theta stands for within half a step of "
+       "the "
+       "stored bytes, on every SIMD target; int16 gives the same bits on all of them",
+       brief, true, measureOrdinary},
+      coefficientCase("all coefficients zero", brief, [](int, int) { return 0.0; }),
+      coefficientCase("a single coefficient, 10 deviations out", full,
+                      [](int k, int count) { return k == count / 2 ? 10.0 : 0.0; }),
+      coefficientCase("coefficients 10 deviations out", full, farOut(10.0)),
+      coefficientCase("coefficients 100 deviations out", full, farOut(100.0)),
+      coefficientCase("coefficients 1000 deviations out", brief, farOut(1000.0)),
+      {"generator", "families that were never trained on",
+       "every generator's theta is finite, neither correction nor refinement makes it worse, and what a bake stores errs by no "
+       "more than "
+       "the threshold tau or answering 0",
+       brief, true, measureFamilies},
+  };
+}
+
+}  // namespace nlg

@@ -1,0 +1,309 @@
+// Principal components of sets that are small, uniform, lopsided or ill-scaled, against closed forms and a reference in double.
+
+#define EIGEN_USE_BLAS
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "runtime_eval/support/random.h"
+#include "runtime_eval/support/simd_target.h"
+#include "tool/error.h"
+#include "train/basis/basis_fit.h"
+#include "validate/stability/extreme_function.h"
+
+namespace nlg {
+namespace {
+
+std::vector<uint8_t> walls(int count, uint64_t first_seed) {
+  std::vector<uint8_t> phi;
+  for (int n = 0; n < count; ++n) {
+    const SampledFunction wall = functionBesideWall(first_seed + static_cast<uint64_t>(n), 0.1 + 0.05 * (n % 8));
+    phi.insert(phi.end(), wall.phi.begin(), wall.phi.end());
+  }
+  return phi;
+}
+
+// The function that is `value` of the point in the octant, the same in all mirror images.
+std::vector<uint8_t> symmetricFunction(const std::function<int(int)>& value) {
+  std::vector<uint8_t> phi(kSupportPointCount);
+  for (int p = 0; p < kSupportPointCount; ++p) phi[p] = static_cast<uint8_t>(value(p % kOctantPointCount));
+  return phi;
+}
+
+// Largest |R R^T - I| within the classes of a basis.
+double orthonormalityError(const BasisData& basis) {
+  double worst = 0.0;
+  int first = 0;
+  for (const int count : basis.class_count) {
+    const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows(
+        basis.components.data() + size_t(first) * kOctantPointCount, count, kOctantPointCount);
+    const Eigen::MatrixXd exact = rows.cast<double>();
+    if (count > 0)
+      worst = std::max(worst, (exact * exact.transpose() - Eigen::MatrixXd::Identity(count, count)).cwiseAbs().maxCoeff());
+    first += count;
+  }
+  return worst;
+}
+
+// Eigenvalues of the covariance of functions and all their mirror images, falling, from the matrix of their scalar products in
+// double: no parity classes, no projection, nothing shared with the basis fit.
+std::vector<double> referenceSpectrum(const std::vector<uint8_t>& phi) {
+  const int functions = static_cast<int>(phi.size() / kSupportPointCount), images = functions * kMirrorCount;
+  Eigen::MatrixXd rows(images, kSupportPointCount);
+  for (int n = 0; n < functions; ++n) {
+    for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
+      for (int p = 0; p < kSupportPointCount; ++p) {
+        rows(n * kMirrorCount + mirror, p) = phi[size_t(n) * kSupportPointCount + (p ^ (mirror * kOctantPointCount))] / 255.0;
+      }
+    }
+  }
+  rows.rowwise() -= rows.colwise().mean().eval();
+  const Eigen::MatrixXd products = rows * rows.transpose() / images;
+  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(products, Eigen::EigenvaluesOnly).eigenvalues();
+  std::vector<double> falling(values.data(), values.data() + values.size());
+  std::sort(falling.rbegin(), falling.rend());
+  return falling;
+}
+
+std::vector<double> fallingSpectrum(const Basis& basis) {
+  std::vector<double> spectrum = basis.spectrum;
+  std::sort(spectrum.rbegin(), spectrum.rend());
+  return spectrum;
+}
+
+// Largest difference of two falling spectra, as a share of the first eigenvalue; what one of them lacks counts as 0.
+double spectrumError(const std::vector<double>& spectrum, const std::vector<double>& reference) {
+  double worst = 0.0;
+  for (size_t i = 0; i < spectrum.size(); ++i) {
+    worst = std::max(worst, std::fabs(spectrum[i] - (i < reference.size() ? reference[i] : 0.0)));
+  }
+  return worst / reference.front();
+}
+
+Basis fitBasis(const std::vector<uint8_t>& phi, int component_count) {
+  BasisFit fit;
+  fit.add(phi.data(), phi.size() / kSupportPointCount);
+  return fit.fit(component_count);
+}
+
+// Components in float: 1024 products of up to 1, each rounded once.
+constexpr double kOrthonormal = 1e-6;
+// Sums of 8192 products in double, the eigenvalue solver's error a small multiple of a rounding of the largest.
+constexpr double kSpectrumBound = 1e-11;
+
+StabilityResult measureFewFunctions(const StabilityInputs&) {
+  constexpr int kFunctions = 3, kAsked = 512;
+  const std::vector<uint8_t> phi = walls(kFunctions, 100);
+  const Basis basis = fitBasis(phi, kAsked);
+  const int components = basis.data.coefficientCount();
+  const double error = orthonormalityError(basis.data), kept = keptVariance(basis, phi.data(), kFunctions, {kAsked}).front();
+  StabilityResult result;
+  result.passes =
+      components > 0 && components < kFunctions * kMirrorCount && error < kOrthonormal && std::fabs(1.0 - kept) < 1e-6;
+  result.measured =
+      fmt::format("{} functions, {} components asked for: {} given, off orthonormal by {:.1e}, {:.7f} of the set's variance kept",
+                  kFunctions, kAsked, components, error, kept);
+  result.figures = {{"components", components}, {"orthonormality_error", error}, {"variance_kept", kept}};
+  return result;
+}
+
+StabilityResult measureEqual(const StabilityInputs&) {
+  const std::vector<uint8_t> one = symmetricFunction([](int i) { return i % 256; });
+  BasisFit equal;
+  for (int n = 0; n < 5; ++n) equal.add(one.data(), 1);
+  std::string refusal;
+  try {
+    equal.fit(4);
+  } catch (const InputError& error) {
+    refusal = error.what();
+  }
+  // equal, but not to its mirror images: these differ, in every class but the even one
+  const Basis lopsided = fitBasis(walls(1, 7), 512);
+  const int components = lopsided.data.coefficientCount();
+  StabilityResult result;
+  result.passes = !refusal.empty() && components <= kMirrorCount - 1 && components > 0 && lopsided.data.class_count[0] == 0 &&
+                  orthonormalityError(lopsided.data) < kOrthonormal;
+  result.measured =
+      fmt::format("mirror-symmetric: {}; lopsided: {} components, {} of them even",
+                  refusal.empty() ? "not refused" : "refused (" + refusal + ")", components, lopsided.data.class_count[0]);
+  result.figures = {{"refused", refusal.empty() ? 0.0 : 1.0}, {"components_lopsided", components}};
+  return result;
+}
+
+StabilityResult measureOutlier(const StabilityInputs&) {
+  constexpr int kFunctions = 63;
+  // faint noise of one step, and one function that is white wherever noise could be
+  Random random(17);
+  std::vector<uint8_t> phi;
+  for (int i = 0; i < kFunctions * kSupportPointCount; ++i) phi.push_back(random.chance(0.01) ? 1 : 0);
+  phi.insert(phi.end(), kSupportPointCount, 255);
+  const Basis basis = fitBasis(phi, 512);
+  const double error = orthonormalityError(basis.data), apart = spectrumError(fallingSpectrum(basis), referenceSpectrum(phi));
+  const std::vector<double> spectrum = fallingSpectrum(basis);
+  StabilityResult result;
+  result.passes = error < kOrthonormal && apart < kSpectrumBound && basis.data.coefficientCount() > kFunctions;
+  result.measured = fmt::format(
+      "63 functions of one step of noise and one of 255 everywhere: {} components, off orthonormal by {:.1e}; first eigenvalue "
+      "{:.1e} times the second; spectrum within {:.1e} of the reference",
+      basis.data.coefficientCount(), error, spectrum[0] / spectrum[1], apart);
+  result.figures = {{"orthonormality_error", error}, {"spectrum_error", apart}, {"first_over_second", spectrum[0] / spectrum[1]}};
+  result.note =
+      "Samples are bytes, so that an outlier of 1e6 cannot enter a training set; 255 among samples of 0 and 1 is the largest "
+      "that can. Float samples of any size at bake time are the generator's cases.";
+  return result;
+}
+
+StabilityResult measureIdentical(const StabilityInputs& inputs) {
+  const int64_t count = inputs.depth == StabilityDepth::lengthy ? 1000000 : 8192;
+  const std::vector<uint8_t> same = symmetricFunction([](int i) { return (37 * i) % 256; });
+  const auto otherAt = [](int i) { return (37 * i) % 256 ^ (i % 16 == 3 ? 64 : 0); };
+  const std::vector<uint8_t> other = symmetricFunction(otherAt);
+  std::vector<uint8_t> block;
+  for (int n = 0; n < 512; ++n) block.insert(block.end(), same.begin(), same.end());
+  BasisFit fit;
+  for (int64_t done = 0; done < count; done += 512)
+    fit.add(block.data(), static_cast<uint64_t>(std::min<int64_t>(512, count - done)));
+  fit.add(other.data(), 1);
+  const Basis basis = fit.fit(16);
+
+  // in closed form: one direction, the difference of the two, and the variance of one in count + 1
+  double square = 0.0, cosine = 0.0;
+  for (int i = 0; i < kOctantPointCount; ++i) square += std::pow((otherAt(i) - same[i]) / 255.0, 2) * kMirrorCount;
+  const double share = 1.0 / static_cast<double>(count + 1), variance = square * share * (1.0 - share);
+  const double found = fallingSpectrum(basis).front();
+  if (basis.data.coefficientCount() == 1) {
+    for (int i = 0; i < kOctantPointCount; ++i) {
+      cosine += basis.data.components[i] * (otherAt(i) - same[i]) / 255.0 * std::sqrt(8.0 / square);
+    }
+  }
+  StabilityResult result;
+  result.passes = basis.data.coefficientCount() == 1 && basis.data.class_count[0] == 1 &&
+                  std::fabs(found / variance - 1.0) < 1e-6 && std::fabs(std::fabs(cosine) - 1.0) < 1e-6;
+  result.measured = fmt::format(
+      "{} identical functions and one other: {} components; variance {:.6e}, in closed form {:.6e}; 1 - cosine to the difference "
+      "{:.1e}",
+      count, basis.data.coefficientCount(), found, variance, 1.0 - std::fabs(cosine));
+  result.figures = {{"identical", double(count)},
+                    {"components", basis.data.coefficientCount()},
+                    {"variance_relative_error", std::fabs(found / variance - 1.0)},
+                    {"one_minus_cosine", 1.0 - std::fabs(cosine)}};
+  if (count < 1000000) result.note = "With --long a million are taken.";
+  return result;
+}
+
+StabilityResult measureIllScaled(const StabilityInputs&) {
+  // three independent directions of classes 0, 1 and 6: 100 steps at all points, 1 step at all points, 1 step at 8 points
+  const int classes[] = {0, 1, 6}, amplitude[] = {100, 1, 1};
+  std::vector<uint8_t> phi;
+  for (int combination = 0; combination < 8; ++combination) {
+    for (int p = 0; p < kSupportPointCount; ++p) {
+      int value = 128;
+      for (int k = 0; k < 3; ++k) {
+        if (k == 2 && p % kOctantPointCount != 77) continue;
+        value += amplitude[k] * (combination >> k & 1 ? -1 : 1) * static_cast<int>(mirrorSign(classes[k], p / kOctantPointCount));
+      }
+      phi.push_back(static_cast<uint8_t>(value));
+    }
+  }
+  const std::vector<double> spectrum = fallingSpectrum(fitBasis(phi, 64));
+  const int points[] = {kSupportPointCount, kSupportPointCount, kMirrorCount};
+  double worst = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const double exact = std::pow(amplitude[k] / 255.0, 2) * points[k];
+    worst = std::max(worst, std::fabs(spectrum[k] / exact - 1.0));
+  }
+  const int components = fitBasis(phi, 64).data.coefficientCount();
+  StabilityResult result;
+  result.passes = components == 3 && worst < 1e-6 && spectrum[3] < 1e-9 * spectrum[0];
+  result.measured = fmt::format(
+      "variances from {:.1e} to {:.1e}: {} components, each within {:.1e} of its closed form; the next eigenvalue is {:.1e}",
+      spectrum[0], spectrum[2], components, worst, spectrum[3]);
+  result.figures = {
+      {"largest_over_smallest", spectrum[0] / spectrum[2]}, {"components", components}, {"variance_relative_error", worst}};
+  return result;
+}
+
+StabilityResult measureSpectrum(const StabilityInputs&) {
+  constexpr int kFunctions = 12;
+  const std::vector<uint8_t> phi = walls(kFunctions, 200);
+  const Basis basis = fitBasis(phi, 512);
+  const double apart = spectrumError(fallingSpectrum(basis), referenceSpectrum(phi));
+  StabilityResult result;
+  result.passes = apart < kSpectrumBound;
+  result.measured =
+      fmt::format("{} functions and their mirror images: {} components; all 8192 eigenvalues within {:.1e} of the largest",
+                  kFunctions, basis.data.coefficientCount(), apart);
+  result.figures = {{"components", basis.data.coefficientCount()}, {"spectrum_error", apart}};
+  return result;
+}
+
+StabilityResult measureParity(const StabilityInputs&) {
+  Random random(23);
+  std::vector<uint8_t> phi = walls(2, 300);
+  for (int i = 0; i < 2 * kSupportPointCount; ++i) phi.push_back(static_cast<uint8_t>(random.below(256)));
+  phi.insert(phi.end(), kSupportPointCount, 255);
+  const int functions = static_cast<int>(phi.size() / kSupportPointCount);
+  const std::string before(chosenSimdTarget());
+  double worst = 0.0;
+  int targets = 0;
+  for (const std::string_view target : availableSimdTargets()) {
+    forceSimdTarget(target);
+    ++targets;
+    std::vector<float> classes(size_t(functions) * kClassStride);
+    std::vector<int16_t> integers(classes.size());
+    parityTransform(phi.data(), functions, classes.data());
+    parityTransform(phi.data(), functions, integers.data());
+    for (int n = 0; n < functions; ++n) {
+      double energy = 0.0, of_floats = 0.0, of_integers = 0.0;
+      for (int p = 0; p < kSupportPointCount; ++p) {
+        const size_t at = size_t(n) * kClassStride + p;
+        const double integer = integers[at] + (p < kOctantPointCount ? kLargestClassSum : 0);
+        energy += kMirrorCount * std::pow(phi[size_t(n) * kSupportPointCount + p], 2);
+        of_floats += double{classes[at]} * classes[at];
+        of_integers += integer * integer;
+      }
+      worst = std::max({worst, std::fabs(of_floats - energy), std::fabs(of_integers - energy)});
+    }
+  }
+  forceSimdTarget(before);
+  StabilityResult result;
+  result.passes = worst == 0.0 && targets > 0;
+  result.measured =
+      fmt::format("{} functions on {} SIMD targets, float and 16-bit: largest difference of energies {} steps squared", functions,
+                  targets, worst);
+  result.figures = {{"targets", targets}, {"energy_difference", worst}};
+  return result;
+}
+
+}  // namespace
+
+std::vector<StabilityCase> pcaCases() {
+  const auto brief = StabilityDepth::brief, full = StabilityDepth::full;
+  return {
+      {"pca", "fewer functions than components",
+       "as many orthonormal components as the functions span, which keep all of the set's variance", brief, false,
+       measureFewFunctions},
+      {"pca", "spectrum against a reference in double",
+       "every eigenvalue is that of the scalar products of all functions and mirror images in double, to 1e-11 of the largest",
+       brief, false, measureSpectrum},
+      {"pca", "energy through the parity transform",
+       "the transform keeps the energy of every function exactly, on every SIMD target", brief, false, measureParity},
+      {"pca", "all functions equal",
+       "a set without any variance is refused with a line that says so; one whose only variance is between mirror images has no "
+       "even component",
+       full, false, measureEqual},
+      {"pca", "one outlier",
+       "an outlier as large as bytes allow leaves the components orthonormal and the spectrum that of the reference", full, false,
+       measureOutlier},
+      {"pca", "many identical functions and one other",
+       "the one component is the difference of the two and its variance that of the closed form, to 1e-6", full, false,
+       measureIdentical},
+      {"pca", "ill-scaled directions",
+       "directions whose variances differ ten million times are all found, to 1e-6 of their own variance, and no others", full,
+       false, measureIllScaled},
+  };
+}
+
+}  // namespace nlg

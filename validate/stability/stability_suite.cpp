@@ -1,0 +1,148 @@
+#include "validate/stability/stability_suite.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+#include "tool/progress.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<const char*, 6> kGroups = {"functions", "optimisers", "pca", "generator", "scenes", "training"};
+
+// What the file of training_cases.py lacks when there is none; the script's own list, so that the table shows what is missing.
+constexpr std::array<const char*, 7> kTrainingCases = {
+    "poisoned batch",      "poisoned batches without end", "exploding learning rate",       "extreme targets",
+    "shard that vanishes", "cache that vanishes midway",   "cache that is truncated midway"};
+
+NamedGenerator loadGenerator(const std::string& path) {
+  NamedGenerator named;
+  WeightsResult result = Generator::load(path, &named.generator);
+  if (result.ok()) {
+    WeightsFile file;
+    result = readWeightsFile(path, &file);
+    if (result.ok()) result = generatorFromWeights(file, &named.data);
+  }
+  if (!result.ok()) {
+    throw InputError(path, weightsStatusName(result.status), "a generator of this support pattern", result.detail);
+  }
+  named.name = representationName(named.generator.representation());
+  return named;
+}
+
+std::vector<StabilityCase> allCases() {
+  std::vector<StabilityCase> all;
+  for (const auto& group : {functionCases(), optimiserCases(), pcaCases(), generatorCases(), sceneCases()}) {
+    all.insert(all.end(), group.begin(), group.end());
+  }
+  return all;
+}
+
+Json caseJson(const std::string& group, const std::string& name, const std::string& must_hold, const StabilityResult& result,
+              bool ran) {
+  Json figures = Json::object();
+  // JSON knows no infinity: null says that a figure was not finite
+  for (const auto& [key, value] : result.figures) figures[key] = std::isfinite(value) ? Json(value) : Json(nullptr);
+  return {
+      {"group", group},          {"name", name}, {"must_hold", must_hold}, {"measured", result.measured}, {"figures", figures},
+      {"passes", result.passes}, {"ran", ran},   {"note", result.note}};
+}
+
+StabilityResult notRun(const std::string& why) { return {false, "not run", {}, "not run: " + why}; }
+
+StabilityResult measure(const StabilityCase& stability_case, const StabilityInputs& inputs) {
+  try {
+    return stability_case.measure(inputs);
+  } catch (const std::exception& error) {
+    return {false, std::string("ended with an exception: ") + error.what(), {}, ""};
+  }
+}
+
+// Why a case is not run; empty when it is.
+std::string reasonToSkip(const StabilityCase& stability_case, const StabilityInputs& inputs) {
+  if (stability_case.needs_generators && inputs.generators.empty()) return "it needs --weights";
+  if (stability_case.depth <= inputs.depth) return "";
+  return stability_case.depth == StabilityDepth::lengthy ? "it needs --long" : "left out by --short";
+}
+
+void addTrainingCase(const Json& entry, StabilityReport* report) {
+  report->cases.push_back({{"group", "training"},
+                           {"name", entry.at("name")},
+                           {"must_hold", entry.at("must_hold")},
+                           {"measured", entry.at("measured")},
+                           {"figures", entry.at("figures")},
+                           {"passes", entry.at("passes").get<bool>()},
+                           {"ran", true},
+                           {"note", entry.at("note")}});
+  if (entry.at("passes").get<bool>()) {
+    ++report->passed;
+  } else {
+    report->failed.push_back("training: " + entry.at("name").get<std::string>());
+  }
+}
+
+void addTraining(const StabilityRequest& request, StabilityReport* report) {
+  std::set<std::string> found;
+  if (!request.training.empty()) {
+    try {
+      const Json file = Json::parse(readFile(request.training));
+      for (const Json& entry : file.at("cases")) {
+        addTrainingCase(entry, report);
+        found.insert(entry.at("name").get<std::string>());
+      }
+    } catch (const nlohmann::json::exception& error) {
+      throw InputError(request.training, "JSON", "the file of training_cases.py", error.what());
+    }
+  }
+  for (const char* name : kTrainingCases) {
+    if (found.count(name) > 0) continue;
+    const std::string why =
+        request.training.empty() ? "it needs --training, the file of training_cases.py" : "the file of --training lacks it";
+    report->cases.push_back(
+        caseJson("training", name, "training stops with the cause or goes on from the last good state", notRun(why), false));
+    ++report->not_run;
+  }
+}
+
+}  // namespace
+
+StabilityReport runStability(const StabilityRequest& request) {
+  if (!request.only.empty() && std::find(kGroups.begin(), kGroups.end(), request.only) == kGroups.end()) {
+    throw UsageError("--only", fmt::format("one of {}", fmt::join(kGroups, ", ")), "'" + request.only + "'");
+  }
+  StabilityInputs inputs;
+  inputs.depth = request.depth;
+  for (const std::string& path : request.weights) inputs.generators.push_back(loadGenerator(path));
+
+  std::vector<StabilityCase> cases = allCases();
+  std::erase_if(cases, [&](const StabilityCase& c) { return !request.only.empty() && c.group != request.only; });
+  StabilityReport report;
+  report.cases = Json::array();
+  Progress progress("cases", static_cast<int64_t>(cases.size()));
+  for (size_t i = 0; i < cases.size(); ++i) {
+    const StabilityCase& c = cases[i];
+    progress.update(static_cast<int64_t>(i), c.group + ": " + c.name);
+    const std::string reason = reasonToSkip(c, inputs);
+    const StabilityResult result = reason.empty() ? measure(c, inputs) : notRun(reason);
+    report.cases.push_back(caseJson(c.group, c.name, c.must_hold, result, reason.empty()));
+    if (!reason.empty()) {
+      ++report.not_run;
+    } else if (result.passes) {
+      ++report.passed;
+    } else {
+      report.failed.push_back(c.group + ": " + c.name);
+    }
+  }
+  if (request.only.empty() || request.only == "training") addTraining(request, &report);
+  return report;
+}
+
+}  // namespace nlg
