@@ -106,7 +106,12 @@ FunctionCheck FunctionChecker::check(const Representation& representation, const
   } else {
     evaluate(representation, patternPoints(), theta, values_.data());
   }
-  return compare(values_.data(), stored, options);
+  FunctionCheck result = compare(values_.data(), stored, options);
+  // a sigmoid makes something finite of an infinite weight: the values alone do not tell
+  const bool is_finite =
+      std::all_of(theta, theta + representation.thetaCount(), [](float value) { return std::isfinite(value); });
+  if (result.valid_count > 0 && !is_finite) result.rmse = std::numeric_limits<double>::infinity();
+  return result;
 }
 
 FunctionCheck FunctionChecker::checkBareTent(const StoredFunction& stored, const CheckOptions& options) {
@@ -120,10 +125,6 @@ FunctionCheck FunctionChecker::compare(const float* values, const StoredFunction
   result.valid_count = sums.valid;
   result.zero_count = sums.zero;
   if (sums.valid > 0) result.rmse = std::sqrt(sums.square / sums.valid);
-  // a sigmoid makes something finite of an infinite weight: the sum alone does not tell
-  const bool is_finite =
-      std::all_of(theta, theta + representation.thetaCount(), [](float value) { return std::isfinite(value); });
-  if (sums.valid > 0 && !is_finite) result.rmse = std::numeric_limits<double>::infinity();
   if (sums.zero > 0) {
     result.leak_mean = sums.leak / sums.zero;
     result.leak_share = static_cast<double>(sums.over) / sums.zero;
