@@ -107,7 +107,7 @@ FunctionCheck FunctionChecker::check(const Representation& representation, const
     evaluate(representation, patternPoints(), theta, values_.data());
   }
   FunctionCheck result = compare(values_.data(), stored, options);
-  // a sigmoid makes something finite of an infinite weight: the sum alone does not tell
+  // a sigmoid makes something finite of an infinite weight: the values alone do not tell
   const bool is_finite =
       std::all_of(theta, theta + representation.thetaCount(), [](float value) { return std::isfinite(value); });
   if (result.valid_count > 0 && !is_finite) result.rmse = std::numeric_limits<double>::infinity();
