@@ -38,6 +38,9 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
   const ShardCounts& counts = s.counts;
   nlohmann::ordered_json chosen;
   for (size_t i = 0; i < report.representations.size(); ++i) chosen[report.representations[i]] = s.chosen[i];
+  nlohmann::ordered_json weights;
+  for (size_t i = 0; i < report.weights.size(); ++i)
+    weights[report.representations[i]] = {{"sha256", report.weights[i].sha256}, {"bytes", report.weights[i].bytes}};
   nlohmann::ordered_json stops;
   for (int stop = 0; stop < kFitStopCount; ++stop) stops[fitStopName(static_cast<FitStop>(stop))] = s.refinement_stops[stop];
   return {{"scene", report.scene},
@@ -48,6 +51,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"duplicates", counts.duplicates},
           {"functions", counts.functions},
           {"representations", chosen},
+          {"weights", weights},
           {"thread_seconds",
            {{"visibility", s.function_times.visibility_s},
             {"functions", s.function_times.functions_s},
@@ -75,7 +79,8 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"theta_bytes", report.theta_bytes},
           {"bytes_per_probe",
            static_cast<double>(report.file_bytes) / std::max<double>(1.0, static_cast<double>(counts.grid_probes))},
-          {"peak_memory_bytes", report.peak_memory_bytes}};
+          {"peak_memory_bytes", report.peak_memory_bytes},
+          {"needs", toJson(report.needs)}};
 }
 
 std::string toTable(const BakeReport& report) {
@@ -112,6 +117,7 @@ std::string toTable(const BakeReport& report) {
       text += fmt::format(" {} {}", report.representations[i], s.chosen[i]);
     text += fmt::format("; {} raised in refinement\n", s.raised);
   }
+  if (!report.needs.empty()) text += toTable(report.needs);
   return text;
 }
 

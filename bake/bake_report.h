@@ -5,14 +5,23 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bake/needs.h"
 #include "bake/scene_bake.h"
 
 namespace nlg {
 
+// A weights file that a bake was given.
+struct WeightsUsed {
+  std::string sha256;
+  uint64_t bytes = 0;
+};
+
 struct BakeReport {
   std::string scene;
   std::vector<std::string> representations;  // in the order of BakeStatistics::chosen
+  std::vector<WeightsUsed> weights;          // in the same order
   BakeStatistics statistics;
+  std::vector<Need> needs;
   CheckOptions check;
   uint64_t file_bytes = 0, theta_bytes = 0;
   RoundingError rounding;

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 
 #include "bake/bake_report.h"
 #include "bake/default_weights.h"
+#include "bake/needs_measurement.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/support/simd_target.h"
 #include "tool/atomic_file.h"
@@ -26,6 +28,7 @@ struct Request {
   std::string scene, out, config;
   std::vector<std::string> weights;
   bool out_is_given = false;
+  int needs_rounds = 0;
 };
 
 GeneratorPrecision generatorPrecision(const std::string& name) {
@@ -53,9 +56,9 @@ void chooseSimd(const std::string& name) {
 }
 
 // By rising number of parameters, as the choice between them reads them.
-// weights_sha256   receives the hash of each file, by representation
+// weights   receives hash and size of each file, by representation
 std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, GeneratorPrecision precision,
-                                      std::map<std::string, std::string>* weights_sha256) {
+                                      std::map<std::string, WeightsUsed>* weights) {
   std::vector<Generator> generators;
   for (const std::string& path : paths) {
     Generator generator;
@@ -66,7 +69,7 @@ std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, Gen
       if (name == representationName(other.representation()))
         throw UsageError("--weights", "one file a representation", "two of " + name);
     }
-    (*weights_sha256)[representationName(generator.representation())] = fileSha256(path);
+    (*weights)[representationName(generator.representation())] = {fileSha256(path), std::filesystem::file_size(path)};
     generators.push_back(std::move(generator));
   }
   std::stable_sort(generators.begin(), generators.end(), [](const Generator& a, const Generator& b) {
@@ -81,7 +84,7 @@ uint64_t peakMemoryBytes() {
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-std::map<std::string, std::string> metadata(const BakeScene& scene, const std::map<std::string, std::string>& weights_sha256,
+std::map<std::string, std::string> metadata(const BakeScene& scene, const std::map<std::string, WeightsUsed>& weights,
                                             const OptionTable& table) {
   nlohmann::ordered_json options = table.toJson();
   // what the grid holds does not depend on the threads, but on the instructions that were chosen; the hashes say which weights
@@ -90,7 +93,7 @@ std::map<std::string, std::string> metadata(const BakeScene& scene, const std::m
   options["simd"] = chosenSimdTarget();
   std::map<std::string, std::string> inputs;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
-  for (const auto& [representation, sha256] : weights_sha256) inputs["weights of " + representation] = sha256;
+  for (const auto& [representation, used] : weights) inputs["weights of " + representation] = used.sha256;
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
@@ -105,8 +108,8 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
   const ThetaPrecision theta_precision = thetaPrecision(options.theta_precision);
   chooseSimd(options.simd);
-  std::map<std::string, std::string> weights_sha256;
-  const std::vector<Generator> generators = loadGenerators(request.weights, precision, &weights_sha256);
+  std::map<std::string, WeightsUsed> weights;
+  const std::vector<Generator> generators = loadGenerators(request.weights, precision, &weights);
 
   const auto start = std::chrono::steady_clock::now();
   const BakeScene scene(request.scene, options);
@@ -118,14 +121,19 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   Bake bake = bakeScene(scene, generators, options, theta_precision, temporaryFolder());
 
   std::string bytes;
-  const WeightsResult result = serializeLightGrid(bake.grid, theta_precision, metadata(scene, weights_sha256, table), &bytes);
+  const WeightsResult result = serializeLightGrid(bake.grid, theta_precision, metadata(scene, weights, table), &bytes);
   if (!result.ok()) throw NumericalError("bake", "light grid", result.detail, 0.0);
   writeFileAtomically(request.out, bytes);
 
   BakeReport report;
   report.scene = scene.source.id;
-  for (const Generator& generator : generators)
+  std::vector<uint64_t> weights_bytes;
+  for (const Generator& generator : generators) {
     report.representations.emplace_back(representationName(generator.representation()));
+    report.weights.push_back(weights.at(report.representations.back()));
+    weights_bytes.push_back(report.weights.back().bytes);
+  }
+  report.needs = countNeeds(bake, generators, theta_precision, weights_bytes);
   report.statistics = std::move(bake.statistics);
   report.statistics.load_wall_s = load_s;
   report.rounding = bake.rounding;
@@ -133,6 +141,10 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   report.file_bytes = bytes.size();
   report.theta_bytes = lightGridBytes(bake.grid, theta_precision).theta;
   report.peak_memory_bytes = peakMemoryBytes();
+  if (request.needs_rounds > 0) {
+    measureNeeds({scene, generators, options, theta_precision, temporaryFolder()}, report.statistics, request.needs_rounds,
+                 &report.needs);
+  }
   report.threads = options.threads > 0 ? options.threads : machineThreadCount();
   report.simd = chosenSimdTarget();
   if (report.statistics.counts.functions == 0)
@@ -165,6 +177,10 @@ int main(int argc, char** argv) {
       "NAME.safetensors of --representation in the folder $NLG_WEIGHTS, or in the installation's, or in the sources'");
   const CLI::Option* out =
       app.add_option("--out", request.out, "the light grid to write; none: the scene's name .safetensors, here");
+  app.add_option("--measure-needs", request.needs_rounds,
+                 "rounds in which the scene is baked with and without all that it does not need, to measure what that saves; "
+                 "0: the table of needs is counted only, and the bake takes no longer")
+      ->check(CLI::Range(0, 99));
   return nlg::runTool(argc, argv, app, table, [&] {
     const CLI::Option* config = app.get_option("--config");
     request.out_is_given = out->count() > 0;

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cstring>
 
+#include "bake/theta_maker.h"
 #include "export/weights_file/half.h"
 #include "runtime_eval/evaluator/product_field.h"
-#include "runtime_eval/fit/correction.h"
 #include "runtime_eval/fit/refinement.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
@@ -25,45 +24,30 @@ struct FittedFunction {
   Theta theta;
 };
 
-// Who is corrected is decided by the check (checkAndCorrect).
-CorrectionOptions allOf(CorrectionOptions options) {
-  options.correct_rmse = 0.0;
-  return options;
-}
-
 // Everything that one thread needs, for all stages.
 struct BakeThread {
-  BakeThread(const std::vector<Generator>& generators, const CorrectionOptions& correction)
-      : phi(static_cast<size_t>(kBatchCount) * kSupportPointCount) {
-    for (const Generator& generator : generators) {
-      scratch.emplace_back(generator);
-      corrector.emplace_back(generator, allOf(correction));
-      theta.emplace_back(static_cast<size_t>(kBatchCount) * generator.representation().thetaCount());
-    }
-  }
-  std::vector<GeneratorScratch> scratch;  // by generator
-  std::vector<Corrector> corrector;       // by generator
-  std::vector<std::vector<float>> theta;  // by generator: one batch
-  std::vector<uint8_t> phi;               // one batch
-  FunctionChecker checker;
+  BakeThread(const std::vector<Generator>& generators, const BakeOptions& options, const BakeSavings& savings)
+      : maker(generators, options, savings) {}
+  ThetaMaker maker;
   Refiner refiner;
   std::vector<uint8_t> samples;
-  double generator_s = 0.0, check_s = 0.0, correction_s = 0.0, refinement_s = 0.0;
-  uint64_t corrected = 0;
+  double refinement_s = 0.0;
+  uint64_t smallest_enough = 0;
   std::array<uint64_t, kFitStopCount> stops{};
 };
 
 class SceneBake {
  public:
   SceneBake(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-            ThetaPrecision theta_precision, const std::string& spool_folder)
+            ThetaPrecision theta_precision, const std::string& spool_folder, const BakeSavings& savings)
       : scene_(scene),
         generators_(generators),
         options_(options),
         theta_precision_(theta_precision),
+        savings_(savings),
         thread_count_(options.threads > 0 ? options.threads : machineThreadCount()),
-        functions_(scene, options, thread_count_, spool_folder) {
-    for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(generators, options.correction));
+        functions_(scene, options, thread_count_, spool_folder, savings) {
+    for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(generators_, options_, savings_));
   }
 
   Bake run() {
@@ -73,6 +57,7 @@ class SceneBake {
     statistics_.generated = checks_;
     const Clock::time_point refinement_start = Clock::now();
     refineWorstFirst();
+    if (!savings_.refinement) refineThosePassing();
     statistics_.refinement_wall_s = secondsSince(refinement_start);
     const RoundingError rounding = theta_precision_ == ThetaPrecision::float16 ? roundTheta() : RoundingError{};
     finishStatistics();
@@ -84,66 +69,45 @@ class SceneBake {
   void generateAndCheck(const SceneFunctions::NewFunctions& made) {
     fitted_.resize(made.first + made.functions.size());
     checks_.resize(fitted_.size());
+    tent_fits_.resize(fitted_.size());
     parallelFor((made.functions.size() + kBatchCount - 1) / kBatchCount, thread_count_, [&](uint64_t batch, int thread) {
       const uint64_t begin = batch * kBatchCount;
       generateBatch(made, begin, std::min<uint64_t>(begin + kBatchCount, made.functions.size()), *threads_[thread]);
     });
   }
 
+  // The smallest representation for all functions, the larger ones for those that it may not be enough for.
   void generateBatch(const SceneFunctions::NewFunctions& made, uint64_t begin, uint64_t end, BakeThread& thread) {
-    const Clock::time_point start = Clock::now();
-    const int count = static_cast<int>(end - begin);
-    for (int i = 0; i < count; ++i) {
-      std::memcpy(&thread.phi[static_cast<size_t>(i) * kSupportPointCount], made.functions[begin + i].phi, kSupportPointCount);
-    }
-    for (size_t g = 0; g < generators_.size(); ++g) {
-      generators_[g].generate(thread.phi.data(), count, thread.theta[g].data(), &thread.scratch[g]);
-    }
-    thread.generator_s += secondsSince(start);
-    std::vector<std::vector<FunctionCheck>> checks(count, std::vector<FunctionCheck>(generators_.size()));
-    const StoredFunction* functions = &made.functions[begin];
-    for (size_t g = 0; g < generators_.size(); ++g) checkAndCorrect(functions, count, g, thread, &checks);
-    for (int i = 0; i < count; ++i) {
-      const int chosen = chooseRepresentation(checks[i], options_.refinement.check, options_.choice.forGenerated());
-      const float* theta = thetaOf(thread, chosen, i);
+    const std::vector<StoredFunction> all(&made.functions[begin], &made.functions[begin] + (end - begin));
+    const std::vector<FunctionCheck> smallest = thread.maker.make(all, 0);
+    std::vector<StoredFunction> functions;
+    std::vector<uint64_t> numbers;
+    std::vector<std::vector<FunctionCheck>> checks;  // by function that larger generators run for, by generator
+    for (size_t i = 0; i < all.size(); ++i) {
       const uint64_t number = made.first + begin + i;
-      fitted_[number] = {static_cast<uint8_t>(chosen), Theta(theta, theta + thetaCount(chosen))};
-      checks_[number] = checks[i][chosen];
+      keep(number, 0, thread.maker.theta(0, i), smallest[i]);
+      tent_fits_[number] = thread.maker.bareTentFits(all[i]);
+      const bool enough = isSmallestEnough(smallest[i], options_.refinement.check, options_.choice.forGenerated());
+      thread.smallest_enough += enough;
+      if (enough && savings_.larger_generators) continue;
+      functions.push_back(all[i]);
+      numbers.push_back(number);
+      checks.push_back({smallest[i]});
+    }
+    if (functions.empty()) return;
+    for (size_t g = 1; g < generators_.size(); ++g) {
+      const std::vector<FunctionCheck> larger = thread.maker.make(functions, g);
+      for (size_t i = 0; i < functions.size(); ++i) checks[i].push_back(larger[i]);
+    }
+    for (size_t i = 0; i < functions.size(); ++i) {
+      const int chosen = chooseRepresentation(checks[i], options_.refinement.check, options_.choice.forGenerated());
+      if (chosen > 0) keep(numbers[i], chosen, thread.maker.theta(chosen, i), checks[i][chosen]);
     }
   }
 
-  // Checks the batch's theta of one generator and corrects those that need it. A lower error may leak more: what passed the check
-  // and would no longer stays as it was. checks: by function, by generator.
-  void checkAndCorrect(const StoredFunction* functions, int count, size_t g, BakeThread& thread,
-                       std::vector<std::vector<FunctionCheck>>* checks) {
-    const Clock::time_point check_start = Clock::now();
-    std::vector<int> wrong;
-    std::vector<StoredFunction> wrong_functions;
-    std::vector<float> wrong_theta;
-    for (int i = 0; i < count; ++i) {
-      FunctionCheck& made = (*checks)[i][g];
-      made = check(functions[i], g, thetaOf(thread, g, i), thread);
-      if (made.rmse <= options_.correction.correct_rmse && made.passes(options_.refinement.check)) continue;
-      wrong.push_back(i);
-      wrong_functions.push_back(functions[i]);
-      wrong_theta.insert(wrong_theta.end(), thetaOf(thread, g, i), thetaOf(thread, g, i + 1));
-    }
-    thread.check_s += secondsSince(check_start);
-    if (wrong.empty() || thread.corrector[g].empty()) return;
-    const Clock::time_point correction_start = Clock::now();
-    thread.corrected += static_cast<uint64_t>(
-        thread.corrector[g].correct(wrong_functions.data(), static_cast<int>(wrong.size()), wrong_theta.data()));
-    for (size_t n = 0; n < wrong.size(); ++n) {
-      FunctionCheck& made = (*checks)[wrong[n]][g];
-      const FunctionCheck corrected = check(wrong_functions[n], g, &wrong_theta[n * thetaCount(g)], thread);
-      if (made.passes(options_.refinement.check) && !corrected.passes(options_.refinement.check)) {
-        --thread.corrected;
-        continue;
-      }
-      made = corrected;
-      std::copy_n(&wrong_theta[n * thetaCount(g)], thetaCount(g), &thread.theta[g][wrong[n] * thetaCount(g)]);
-    }
-    thread.correction_s += secondsSince(correction_start);
+  void keep(uint64_t number, int generator, const float* theta, const FunctionCheck& check) {
+    fitted_[number] = {static_cast<uint8_t>(generator), Theta(theta, theta + thetaCount(generator))};
+    checks_[number] = check;
   }
 
   void refineWorstFirst() {
@@ -188,18 +152,36 @@ class SceneBake {
     thread.refinement_s += secondsSince(start);
   }
 
+  // One round for every function that the check let pass: what a bake without a check would do.
+  void refineThosePassing() {
+    RefinementOptions options = options_.refinement;
+    options.check.tau_rmse = 1e-6;  // nothing passes: the round is made
+    options.rounds = 1;
+    parallelFor(fitted_.size(), thread_count_, [&](uint64_t number, int thread_idx) {
+      if (!statistics_.generated[number].passes(options_.refinement.check)) return;
+      BakeThread& thread = *threads_[thread_idx];
+      FittedFunction& function = fitted_[number];
+      const StoredFunction stored = functions_.read(number, &thread.samples);
+      const Representation& representation = generators_[function.generator].representation();
+      const RefinementResult refined = thread.refiner.refine(representation, stored, function.theta, {}, options);
+      if (!refined.check.passes(options_.refinement.check)) return;
+      function.theta = refined.theta;
+      checks_[number] = refined.check;
+    });
+  }
+
   // Where a larger representation starts: its own generator's theta, or a field that is smaller so far, on its finer grid.
   Theta raisedStart(const StoredFunction& stored, uint32_t number, size_t g, BakeThread& thread) const {
-    generators_[g].generate(stored.phi, 1, thread.theta[g].data(), &thread.scratch[g]);
-    thread.corrected += static_cast<uint64_t>(thread.corrector[g].correct(&stored, 1, thread.theta[g].data()));
-    const float* generated = thetaOf(thread, g, 0);
+    thread.maker.makeCorrected(stored, g);
+    const float* generated = thread.maker.theta(g, 0);
     Theta start(generated, generated + thetaCount(g));
     const Representation &raised = generators_[g].representation(),
                          &present = generators_[fitted_[number].generator].representation();
     if (!raised.isField() || !present.isField()) return start;
     Theta finer(thetaCount(g));
     resampleField(present.resolution, fitted_[number].theta.data(), raised.resolution, finer.data());
-    const bool finer_is_better = check(stored, g, finer.data(), thread).rmse < check(stored, g, start.data(), thread).rmse;
+    const bool finer_is_better =
+        thread.maker.check(stored, g, finer.data()).rmse < thread.maker.check(stored, g, start.data()).rmse;
     return finer_is_better ? finer : start;
   }
 
@@ -217,7 +199,7 @@ class SceneBake {
         value = floatFromHalf(half);
       }
       const StoredFunction stored = functions_.read(number, &threads_[thread]->samples);
-      checks_[number] = check(stored, function.generator, function.theta.data(), *threads_[thread]);
+      checks_[number] = threads_[thread]->maker.check(stored, function.generator, function.theta.data());
     });
     RoundingError error;
     for (size_t i = 0; i < checks_.size(); ++i) {
@@ -233,10 +215,14 @@ class SceneBake {
     statistics_.function_times = functions_.times();
     statistics_.raised = raised_;
     for (const auto& thread : threads_) {
-      statistics_.generator_s += thread->generator_s;
-      statistics_.check_s += thread->check_s;
-      statistics_.correction_s += thread->correction_s;
-      statistics_.corrected += thread->corrected;
+      const ThetaMaker::Work& work = thread->maker.work();
+      statistics_.generator_s += work.generator_s;
+      statistics_.check_s += work.check_s;
+      statistics_.correction_s += work.correction_s;
+      statistics_.corrected += work.corrected;
+      statistics_.checked += work.checked;
+      statistics_.right += work.right;
+      statistics_.smallest_enough += thread->smallest_enough;
       statistics_.refinement_s += thread->refinement_s;
       for (size_t stop = 0; stop < kFitStopCount; ++stop) statistics_.refinement_stops[stop] += thread->stops[stop];
     }
@@ -247,6 +233,7 @@ class SceneBake {
     statistics_.failed_check = failing(statistics_.generated);
     statistics_.still_failing = failing(checks_);
     statistics_.stored = checks_;
+    statistics_.tent_fits = tent_fits_;
     statistics_.chosen.assign(generators_.size(), 0);
     for (const FittedFunction& function : fitted_) ++statistics_.chosen[function.generator];
   }
@@ -271,22 +258,20 @@ class SceneBake {
     return grid;
   }
 
-  FunctionCheck check(const StoredFunction& stored, size_t g, const float* theta, BakeThread& thread) const {
-    return thread.checker.check(generators_[g].representation(), stored, theta, options_.refinement.check);
-  }
   Theta theta0Of(size_t g) const { return {generators_[g].theta0(), generators_[g].theta0() + thetaCount(g)}; }
   size_t thetaCount(size_t g) const { return static_cast<size_t>(generators_[g].representation().thetaCount()); }
-  const float* thetaOf(const BakeThread& thread, size_t g, int i) const { return &thread.theta[g][i * thetaCount(g)]; }
 
   const BakeScene& scene_;
   const std::vector<Generator>& generators_;
   BakeOptions options_;
   ThetaPrecision theta_precision_;
+  BakeSavings savings_;
   int thread_count_;
   SceneFunctions functions_;
   std::vector<std::unique_ptr<BakeThread>> threads_;
   std::vector<FittedFunction> fitted_;  // by function
   std::vector<FunctionCheck> checks_;   // of fitted_
+  std::vector<uint8_t> tent_fits_;      // by function
   std::atomic<uint64_t> raised_{0};
   BakeStatistics statistics_;
 };
@@ -294,8 +279,8 @@ class SceneBake {
 }  // namespace
 
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               ThetaPrecision theta_precision, const std::string& spool_folder) {
-  return SceneBake(scene, generators, options, theta_precision, spool_folder).run();
+               ThetaPrecision theta_precision, const std::string& spool_folder, const BakeSavings& savings) {
+  return SceneBake(scene, generators, options, theta_precision, spool_folder, savings).run();
 }
 
 }  // namespace nlg

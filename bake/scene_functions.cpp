@@ -49,9 +49,10 @@ struct SceneFunctions::ThreadState {
 };
 
 SceneFunctions::SceneFunctions(const BakeScene& scene, const BakeOptions& options, int thread_count,
-                               const std::string& spool_folder)
+                               const std::string& spool_folder, const BakeSavings& savings)
     : scene_(scene),
       options_(options),
+      savings_(savings),
       thread_count_(thread_count),
       spool_(spool_folder, kSupportPointCount),
       index_({options.duplicate_rms, static_cast<uint64_t>(options.duplicate_validity_points)}, kSupportPointCount,
@@ -81,22 +82,30 @@ StoredFunction SceneFunctions::read(uint64_t number, std::vector<uint8_t>* sampl
   return {samples->data(), samples->data() + kSupportPointCount};
 }
 
+// What a probe comes to: visibility, then the function where there is one. A probe that is not left out goes through both.
+ProbeOutcome SceneFunctions::seeAndGenerate(const glm::dvec3& position, float spacing_m, ThreadState& state) const {
+  const Clock::time_point start = Clock::now();
+  ProbeOutcome outcome = state.builder.see(position, spacing_m, {savings_.in_solid, savings_.free_space});
+  const Clock::time_point seen = Clock::now();
+  state.visibility_s += secondsBetween(start, seen);
+  if (outcome != ProbeOutcome::function) return outcome;
+  outcome = state.builder.generate(&state.function);
+  if (outcome == ProbeOutcome::empty && !savings_.empty) outcome = ProbeOutcome::function;
+  state.functions_s += secondsBetween(seen, Clock::now());
+  return outcome;
+}
+
 void SceneFunctions::makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadState& state, ProbeBlock* block) const {
   block->functions.point_count = kSupportPointCount;
   for (uint64_t probe = first_probe; probe < end_probe; ++probe) {
     const auto [x, y, z] = scene_.tree.probePosition(probe);
     const glm::dvec3 position(x, y, z);
     const float spacing_m = scene_.tree.probeSpacing(probe);
-    const Clock::time_point start = Clock::now();
-    ProbeOutcome outcome = state.builder.see(position, spacing_m);
-    const Clock::time_point seen = Clock::now();
-    state.visibility_s += secondsBetween(start, seen);
+    ProbeOutcome outcome = seeAndGenerate(position, spacing_m, state);
     if (outcome == ProbeOutcome::function) {
-      outcome = state.builder.generate(&state.function);
-      if (outcome == ProbeOutcome::function) {
-        appendFunction(state.function, scene_.source.scene.origin_m + position, spacing_m, &block->functions);
-      }
-      state.functions_s += secondsBetween(seen, Clock::now());
+      const Clock::time_point start = Clock::now();
+      appendFunction(state.function, scene_.source.scene.origin_m + position, spacing_m, &block->functions);
+      state.functions_s += secondsBetween(start, Clock::now());
     }
     block->outcomes.push_back(outcome);
   }
@@ -120,7 +129,13 @@ SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<ProbeBloc
       const uint64_t n = row++;
       const FunctionSamples samples{&block.functions.phi[n * kSupportPointCount],
                                     &block.functions.validity[n * kValidityByteCount]};
-      const auto match = index_.findOrAdd(samples);
+      if (savings_.bare_tent &&
+          checker_.checkBareTent({samples.phi, samples.validity}, options_.refinement.check).passes(options_.refinement.check)) {
+        ++counts_.free_space;
+        probe_function_.push_back(kFreeSpace);
+        continue;
+      }
+      const auto match = savings_.duplicates ? index_.findOrAdd(samples) : std::nullopt;
       probe_function_.push_back(static_cast<uint32_t>(match ? match->id : counts_.functions));
       counts_.duplicates += match.has_value();
       if (match) continue;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bake/bake_options.h"
+#include "bake/bake_savings.h"
 #include "datagen/dataset/duplicate_index.h"
 #include "datagen/dataset/row_spool.h"
 #include "datagen/dataset/shard.h"
@@ -16,6 +17,7 @@
 #include "datagen/scene/scene_source.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
+#include "runtime_eval/fit/function_check.h"
 #include "runtime_eval/light_grid/light_grid.h"
 
 namespace nlg {
@@ -39,7 +41,8 @@ struct FunctionTimes {
 class SceneFunctions {
  public:
   // spool_folder   where samples lie meanwhile: 9 kB a distinct function, in a file without a name
-  SceneFunctions(const BakeScene& scene, const BakeOptions& options, int thread_count, const std::string& spool_folder);
+  SceneFunctions(const BakeScene& scene, const BakeOptions& options, int thread_count, const std::string& spool_folder,
+                 const BakeSavings& savings = {});
   ~SceneFunctions();
 
   // A run of distinct functions: numbers first … first + count - 1, by their samples.
@@ -61,16 +64,19 @@ class SceneFunctions {
  private:
   struct ThreadState;
 
+  ProbeOutcome seeAndGenerate(const glm::dvec3& position, float spacing_m, ThreadState& state) const;
   void makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadState& state, ProbeBlock* block) const;
   NewFunctions collect(const std::vector<ProbeBlock>& window);
 
   const BakeScene& scene_;
   BakeOptions options_;
+  BakeSavings savings_;
   int thread_count_;
   std::vector<std::unique_ptr<ThreadState>> threads_;
   RowSpool spool_;
   std::mutex spool_mutex_;
   DuplicateIndex index_;
+  FunctionChecker checker_;
   std::vector<uint32_t> probe_function_;
   ShardCounts counts_;
   double duplicates_s_ = 0.0;

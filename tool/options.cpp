@@ -323,7 +323,7 @@ nlohmann::ordered_json OptionTable::toJson() const {
 
 const std::vector<std::string>& pipelineSections() {
   static const std::vector<std::string> sections = {"name",  "scenes", "split", "representations", "datagen", "basis",
-                                                    "train", "export", "bake",  "validate"};
+                                                    "train", "export", "bake",  "validate",        "frontier"};
   return sections;
 }
 

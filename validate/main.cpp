@@ -17,6 +17,8 @@
 #include "tool/tool_main.h"
 #include "validate/choice.h"
 #include "validate/comparison/compare_command.h"
+#include "validate/frontier/frontier_command.h"
+#include "validate/held_out.h"
 #include "validate/method.h"
 #include "validate/slice.h"
 
@@ -226,10 +228,7 @@ std::vector<FunctionError> errorsOf(const MethodResult& method) {
 
 void validateGenerator(const std::string& path, const FunctionSet& set, const MethodResult& tent_result,
                        const std::vector<bool>& hard, const ValidateOptions& options, Outputs& outputs) {
-  Generator generator;
-  const WeightsResult loaded = Generator::load(path, &generator);
-  if (!loaded.ok())
-    throw InputError(path, weightsStatusName(loaded.status), "a generator of this support pattern", loaded.detail);
+  const Generator generator = loadGenerator(path);
   const std::string name = representationName(generator.representation());
   std::vector<float> theta;
   const MethodResult uncorrected = measureUncorrected(generator, set, &theta);
@@ -284,16 +283,7 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
 }
 
 void validate(const Request& request, const ValidateOptions& options, const OptionTable& table) {
-  const FunctionSet set = readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount);
-  if (set.functionCount() == 0)
-    throw InputError(request.held_out.front(), "held-out functions", "at least one in all shards", "none");
-  if (set.unseen_point_count == 0) {
-    throw InputError(request.held_out.front(), "unseen points", "shards made with --held-out", "shards without them");
-  }
-  if (const uint64_t expected = hashPoints(unseenPoints(set.unseen_point_count)); set.unseen_pattern_hash != expected) {
-    throw InputError(request.held_out.front(), "attribute unseen_pattern_hash", std::to_string(expected),
-                     std::to_string(set.unseen_pattern_hash));
-  }
+  const FunctionSet set = readHeldOut(request.held_out);
   const MethodResult tent_result = measureTent(set);
   std::vector<bool> hard;
   for (const MethodSample& sample : tent_result.samples) hard.push_back(sample.error.rmse >= options.hard_tent_rmse);
@@ -336,6 +326,7 @@ void validate(const Request& request, const ValidateOptions& options, const Opti
 int validateMain(int argc, char** argv) {
   CLI::App app{
       "Measures exported generators on held-out scenes against direct optimisation.\n"
+      "nlg-validate frontier: error against run time, of generators, their settings and every fit.\n"
       "nlg-validate compare OLD NEW: what got better or worse between two runs, beyond noise.",
       "nlg-validate"};
   Request request;
@@ -354,7 +345,7 @@ struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
 };
-constexpr Command kCommands[] = {{"compare", compareMain}, {"--compare", compareMain}};
+constexpr Command kCommands[] = {{"compare", compareMain}, {"--compare", compareMain}, {"frontier", frontierMain}};
 
 }  // namespace
 }  // namespace nlg

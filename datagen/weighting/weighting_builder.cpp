@@ -21,11 +21,11 @@ ProbeOutcome WeightingBuilder::build(const glm::dvec3& position_m, float spacing
   return outcome == ProbeOutcome::function ? generate(result) : outcome;
 }
 
-ProbeOutcome WeightingBuilder::see(const glm::dvec3& position_m, float spacing_m) {
-  const SolidVote probe_vote = visibility_.voteAt(position_m);
+ProbeOutcome WeightingBuilder::see(const glm::dvec3& position_m, float spacing_m, const SeeOptions& options) {
+  const SolidVote probe_vote = options.stops_in_solid ? visibility_.voteAt(position_m) : SolidVote{};
   if (probe_vote.solid()) return ProbeOutcome::in_solid;
   visibility_.beginProbe(position_m, spacing_m);
-  if (visibility_.supportIsEmpty()) return ProbeOutcome::free_space;
+  if (options.stops_in_free_space && visibility_.supportIsEmpty()) return ProbeOutcome::free_space;
   visibility_.traceProbeRays();
   visibility_.testLinks();
   open_shell_ = visibility_.findValidity() || probe_vote.disputed();

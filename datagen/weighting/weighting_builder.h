@@ -30,6 +30,12 @@ struct GeneratedFunction {
   bool open_shell = false;     // votes about solid were disputed
 };
 
+// Where looking at a probe ends early. Both off: every probe has a function, whatever it is good for.
+struct SeeOptions {
+  bool stops_in_solid = true;
+  bool stops_in_free_space = true;
+};
+
 class WeightingBuilder {
  public:
   // All three must outlive this object.
@@ -41,7 +47,7 @@ class WeightingBuilder {
 
   // build in two steps. see: visibility and validity alone; `function` when there is one to generate.
   // generate: the function of the probe that was seen last, whose outcome was `function`; returns `function` or `empty`
-  ProbeOutcome see(const glm::dvec3& position_m, float spacing_m);
+  ProbeOutcome see(const glm::dvec3& position_m, float spacing_m, const SeeOptions& options = {});
   ProbeOutcome generate(GeneratedFunction* result);
 
   const SupportVisibility& visibility() const { return visibility_; }

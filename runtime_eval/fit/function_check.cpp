@@ -89,7 +89,11 @@ double FunctionCheck::trouble(const CheckOptions& options) const {
 }
 
 FunctionChecker::FunctionChecker()
-    : values_(patternPoints().padded_count), cell_values_(cellOrder(kFieldResolutions[3]).placeCount()) {}
+    : values_(patternPoints().padded_count),
+      cell_values_(cellOrder(kFieldResolutions[3]).placeCount()),
+      tent_(patternPoints().padded_count) {
+  for (int p = 0; p < kSupportPointCount; ++p) tent_[p] = tent(supportPattern().points[p]);
+}
 
 FunctionCheck FunctionChecker::check(const Representation& representation, const StoredFunction& stored, const float* theta,
                                      const CheckOptions& options) {
@@ -102,8 +106,16 @@ FunctionCheck FunctionChecker::check(const Representation& representation, const
   } else {
     evaluate(representation, patternPoints(), theta, values_.data());
   }
+  return compare(values_.data(), stored, options);
+}
+
+FunctionCheck FunctionChecker::checkBareTent(const StoredFunction& stored, const CheckOptions& options) {
+  return compare(tent_.data(), stored, options);
+}
+
+FunctionCheck FunctionChecker::compare(const float* values, const StoredFunction& stored, const CheckOptions& options) const {
   CheckSums sums;
-  HWY_DYNAMIC_DISPATCH(compareVectors)(values_.data(), stored, static_cast<float>(options.tau_leak), sums);
+  HWY_DYNAMIC_DISPATCH(compareVectors)(values, stored, static_cast<float>(options.tau_leak), sums);
   FunctionCheck result;
   result.valid_count = sums.valid;
   result.zero_count = sums.zero;

@@ -34,10 +34,15 @@ class FunctionChecker {
   // theta   D floats
   FunctionCheck check(const Representation& representation, const StoredFunction& stored, const float* theta,
                       const CheckOptions& options);
+  // The bare tent, which needs no theta.
+  FunctionCheck checkBareTent(const StoredFunction& stored, const CheckOptions& options);
 
  private:
+  FunctionCheck compare(const float* values, const StoredFunction& stored, const CheckOptions& options) const;
+
   AlignedFloats values_;       // P, pattern order
   AlignedFloats cell_values_;  // by place of a cell order
+  AlignedFloats tent_;         // P, pattern order
 };
 
 }  // namespace nlg

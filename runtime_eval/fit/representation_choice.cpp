@@ -28,4 +28,8 @@ int chooseRepresentation(const std::vector<FunctionCheck>& checks, const CheckOp
   return std::max(first_flat, 0);
 }
 
+bool isSmallestEnough(const FunctionCheck& smallest, const CheckOptions& check, const ChoiceOptions& options) {
+  return smallest.rmse <= options.enough_rmse && smallest.passes(check);
+}
+
 }  // namespace nlg

@@ -24,4 +24,7 @@ struct ChoiceOptions {
 // returns   the first that passes the check and is flat; the first that is flat when none of those passes
 int chooseRepresentation(const std::vector<FunctionCheck>& checks, const CheckOptions& check, const ChoiceOptions& options);
 
+// Whether the first representation is chosen whatever errors the larger ones have: nobody needs to know these.
+bool isSmallestEnough(const FunctionCheck& smallest, const CheckOptions& check, const ChoiceOptions& options);
+
 }  // namespace nlg

@@ -46,7 +46,7 @@ def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):
         return
     lines = result.stderr.splitlines()
     # a command of a tool names itself: "nlg-datagen info: error: "
-    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "compare") else tool
+    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "for-bake", "compare", "frontier") else tool
     errors = [line for line in lines if line.startswith(f"{name}: error: ")]
     if result.returncode != exit_code:
         failures.append(f"{command}: exit code {result.returncode}, expected {exit_code}\n    {result.stderr.strip()}")
@@ -352,6 +352,9 @@ def check_bakes():
     del os.environ["NLG_WEIGHTS"]
     arguments, outputs = arguments_of("nlg-bake", {"house:1": "bare.gltf"})
     refuses(INPUT_ERROR, ["bare.gltf", "triangle"], outputs, "nlg-bake", *arguments)
+    for rounds in ["-1", "100", "x"]:
+        arguments, outputs = arguments_of("nlg-bake")
+        refuses(USAGE_ERROR, ["--measure-needs"], outputs, "nlg-bake", *arguments, f"--measure-needs={rounds}")
     for scene in ["missing.glb", "castle:3", "folder"]:
         arguments, outputs = arguments_of("nlg-bake", {"house:1": scene})
         refuses(INPUT_ERROR, [scene], outputs, "nlg-bake", *arguments)
@@ -362,6 +365,22 @@ def check_bakes():
     os.environ["NLG_SIMD"] = "sse9"
     refuses(USAGE_ERROR, ["NLG_SIMD", "sse9"], outputs, "nlg-bake", *arguments)
     del os.environ["NLG_SIMD"]
+
+
+def check_weights_for_bakes():
+    """nlg-export for-bake: no bake, damaged ones, weights that are none or that the bake was not given."""
+    must("nlg-bake", "house:1", "--weights", "weights.safetensors", "--config", "good.yaml", "--out", "grid.safetensors")
+    for bake in ["missing.safetensors", "missing.json", "folder", "weights.safetensors", "good.yaml", *damaged_copies("grid.safetensors")]:
+        refuses(INPUT_ERROR, [bake], ["bad_weights"], "nlg-export", "for-bake", "--bake", bake, "--weights", "weights.safetensors", "--out", "bad_weights")
+    for weights in ["missing.safetensors", "grid.safetensors", "basis.h5"]:
+        refuses(INPUT_ERROR, [weights], ["bad_weights"], "nlg-export", "for-bake", "--bake", "grid.safetensors", "--weights", weights, "--out", "bad_weights")
+    must("nlg-export", "--config", "good.yaml", *EXPORT_INPUTS, "--dtype", "float32", "--out", "other_weights.safetensors")
+    refuses(INPUT_ERROR, ["other_weights.safetensors", "SHA-256"], ["bad_weights"], "nlg-export", "for-bake", "--bake", "grid.safetensors",
+            "--weights", "other_weights.safetensors", "--out", "bad_weights")
+    refuses(USAGE_ERROR, ["two of tent_mlp"], ["bad_weights"], "nlg-export", "for-bake", "--bake", "grid.safetensors",
+            "--weights", "weights.safetensors", "again.safetensors", "--out", "bad_weights")
+    write("file", "")
+    refuses(OUTPUT_ERROR, ["file/tent_mlp.safetensors"], [], "nlg-export", "for-bake", "--bake", "grid.safetensors", "--weights", "weights.safetensors", "--out", "file")
 
 
 def check_plans():
@@ -503,6 +522,7 @@ def main():
         check_workflow()
         check_shards()
         check_bakes()
+        check_weights_for_bakes()
         check_plans()
         check_full_disk()
         check_killed_run()

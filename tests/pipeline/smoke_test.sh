@@ -91,7 +91,16 @@ assert one["bytes"] == os.path.getsize(one_file) and half["bytes"] == os.path.ge
 assert half["theta_bytes"] * 2 == one["theta_bytes"], (one["theta_bytes"], half["theta_bytes"])
 assert one["rmse_added_by_rounding"]["worst"] == 0 < half["rmse_added_by_rounding"]["worst"] < 0.01, half
 assert str(one["probes"]) in table and str(one["functions"]) in table, table
+needs = {row["what"]: row for row in one["needs"]}
+assert needs["probes in free space"]["count"] == one["free_space"] and needs["duplicates"]["count"] == one["duplicates"], needs
+assert needs["all of these probes together"]["count"] == one["probes"] - one["functions"], needs
+assert all(row["what"] in table and row["seconds_saved"] is None for row in one["needs"]), table
 PYTHON
+for bake in one.safetensors one.json; do
+  "$NLG_BIN/nlg-export" for-bake --bake "$temporary/$bake" --weights "${weights[@]}" --out "$temporary/for_$bake" >/dev/null 2>&1 || fail "for-bake refuses $bake"
+  for copy in "$temporary/for_$bake"/*; do cmp "$copy" "$out/weights/$(basename "$copy")" || fail "$copy is no copy"; done
+done
+diff -r "$temporary/for_one.safetensors" "$temporary/for_one.json" || fail "the light grid and the report name other weights"
 "$NLG_BIN/nlg-bake" cave:1 "${bake[@]:0:3}" --spacing-m 0.15 --density-growth 0 --threads 1 --out "$temporary/killed.safetensors" >/dev/null 2>&1 &
 sleep 1
 kill -9 $!

@@ -73,8 +73,23 @@ Weights findPaths(const SolvedScene& scene, const std::vector<std::array<uint8_t
   return path;
 }
 
-// Half of the sum over all probes of |w(a) − w(b)|: 0 for equal weights, 1 when no probe counts at both.
-double change(const SamplePoints& points, const Weights& w, uint32_t a, uint32_t b) {
+double stepP99(const SolvedScene& scene, const Weights& w) {
+  const float pixel_m = scene.small.lattice.spacing_m / kSlicePixelsACell;
+  std::vector<double> steps;
+  for (const PointLinks::Link& link : scene.links.links) {
+    if (!scene.in_shadow[link.a] && !scene.in_shadow[link.b]) continue;
+    const bool on_slice = scene.points.use[link.a] == PointUse::slice && scene.points.use[link.b] == PointUse::slice;
+    if (on_slice && link.distance_m < 1.1f * pixel_m) steps.push_back(weightChange(scene.points, w, link.a, link.b));
+  }
+  if (steps.empty()) return 0.0;
+  const auto p99 = steps.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(steps.size() - 1));
+  std::nth_element(steps.begin(), p99, steps.end());
+  return *p99;
+}
+
+}  // namespace
+
+double weightChange(const SamplePoints& points, const Weights& w, uint32_t a, uint32_t b) {
   std::array<float, kCornerCount> of_b = w[b];
   double sum = 0.0;
   for (int c = 0; c < kCornerCount; ++c) {
@@ -87,22 +102,6 @@ double change(const SamplePoints& points, const Weights& w, uint32_t a, uint32_t
   for (const float left : of_b) sum += left;
   return 0.5 * sum;
 }
-
-double stepP99(const SolvedScene& scene, const Weights& w) {
-  const float pixel_m = scene.small.lattice.spacing_m / kSlicePixelsACell;
-  std::vector<double> steps;
-  for (const PointLinks::Link& link : scene.links.links) {
-    if (!scene.in_shadow[link.a] && !scene.in_shadow[link.b]) continue;
-    const bool on_slice = scene.points.use[link.a] == PointUse::slice && scene.points.use[link.b] == PointUse::slice;
-    if (on_slice && link.distance_m < 1.1f * pixel_m) steps.push_back(change(scene.points, w, link.a, link.b));
-  }
-  if (steps.empty()) return 0.0;
-  const auto p99 = steps.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(steps.size() - 1));
-  std::nth_element(steps.begin(), p99, steps.end());
-  return *p99;
-}
-
-}  // namespace
 
 SolvedScene::SolvedScene(const std::string& name, const SolveSetup& setup)
     : small(makeSmallScene(name)),

@@ -43,6 +43,9 @@ struct Quality {
   double distance_solved = 0.0;  // root mean square over points in shadow, and their probes, of w − solved w
 };
 
+// Half of the sum over all probes of |w(a) − w(b)|, of normalised weights: 0 for equal ones, 1 when no probe counts at both points.
+double weightChange(const SamplePoints& points, const Weights& w, uint32_t a, uint32_t b);
+
 // weights   N x 8, not normalised
 // at        the points that figures are taken at
 Quality judge(const SolvedScene& scene, const Weights& weights, PointUse at = PointUse::held_out);

@@ -1,12 +1,15 @@
 // nlg-solve: weighting functions of a small scene solved for, and what rules that generate them make of the same scene.
-// Writes SCENE.csv, a row a rule, and SCENE.json, slices for pictures; docs/weighting_functions.md says what stands in them.
+// Writes SCENE.csv, a row a rule, and SCENE.json, slices for pictures (docs/weighting_functions.md says what stands in them), and
+// with --weights SCENE.hierarchy.json, from solved functions to a generator's (docs/frontier.md).
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "datagen/weighting/solved/comparison.h"
+#include "datagen/weighting/solved/hierarchy.h"
 #include "tool/atomic_file.h"
+#include "tool/provenance.h"
 #include "tool/tool_main.h"
 
 namespace nlg {
@@ -18,9 +21,10 @@ constexpr double kNoFalloff = std::numeric_limits<double>::infinity();
 
 struct Request {
   std::string scene, out_dir;
+  std::vector<std::string> weights;
 };
 
-void describe(SolveSetup& o, OptionTable& table) {
+void describe(SolveSetup& o, DirectOptions& direct, OptionTable& table) {
   table.add("seed", &o.light.seed, "seed of rays and of the choice of lamps");
   table.add("fit_points", &o.samples.fit_points, "points in a cell that the solve sees", 8, 4096);
   table.add("held_out_points", &o.samples.held_out_points, "points in a cell that figures are taken at", 1, 4096);
@@ -32,6 +36,9 @@ void describe(SolveSetup& o, OptionTable& table) {
   table.add("rate", &o.solve.rate, "learning rate", 1e-6, 1.0);
   table.add("anchor", &o.solve.anchor, "weight of the error at the probes themselves", 0.0, 1e3);
   table.add("smoothness", &o.solve.smoothness, "weight of the squared slope of functions, square metres", 0.0, 1e3);
+  table.add("direct_adam_steps", &direct.adam_steps, "--weights: direct fits: Adam steps a start", 0, 10000000);
+  table.add("direct_lm_iterations", &direct.levenberg_iterations, "--weights: direct fits: LM iterations a start", 0, 100000);
+  table.add("direct_restarts", &direct.restarts, "--weights: direct fits: random starts", 1, 1000);
 }
 
 // The rules that are compared; the first of `none` baseline is the present one.
@@ -122,7 +129,8 @@ Json slicesJson(const SolvedScene& scene) {
   return slice;
 }
 
-void solve(const Request& request, const SolveSetup& setup) {
+void solve(const Request& request, const SolveSetup& setup, const DirectOptions& direct, const OptionTable& table) {
+  const std::vector<Generator> generators = loadGenerators(request.weights);
   const SolvedScene scene(request.scene, setup);
   std::string csv = "scene,rule,passes,sigma,falloff,path_power,rmse,rmse_shadow,unlit_share,leak,step_p99,distance_solved\n";
   const DiffusionRule tent{"bare tent", Baseline::bare_tent}, seen{"seen tent", Baseline::visible_tent}, present{"present"};
@@ -139,6 +147,12 @@ void solve(const Request& request, const SolveSetup& setup) {
   }
   writeFileAtomically(request.out_dir + "/" + request.scene + ".csv", csv);
   writeFileAtomically(request.out_dir + "/" + request.scene + ".json", slicesJson(scene).dump() + "\n");
+  if (generators.empty()) return;
+  std::map<std::string, std::string> hashes;
+  for (size_t i = 0; i < generators.size(); ++i) hashes["weights." + std::to_string(i)] = fileSha256(request.weights[i]);
+  Json json = {{"schema_version", 1}, {"provenance", provenance("nlg-solve", table.toJson(), hashes)}};
+  json.update(hierarchyJson(scene, generators, direct));
+  writeFileAtomically(request.out_dir + "/" + request.scene + ".hierarchy.json", json.dump(1) + "\n");
 }
 
 }  // namespace
@@ -148,9 +162,12 @@ int main(int argc, char** argv) {
   CLI::App app{"Solves for the weighting functions of a small scene and compares rules that generate them.", "nlg-solve"};
   nlg::Request request;
   nlg::SolveSetup setup;
+  nlg::DirectOptions direct;
   nlg::OptionTable table("solve");
-  nlg::describe(setup, table);
+  nlg::describe(setup, direct, table);
   app.add_option("--scene", request.scene, "two_rooms, doorway, column, clutter, corridor or table")->required();
   app.add_option("--out-dir", request.out_dir, "folder for SCENE.csv and SCENE.json")->required();
-  return nlg::runTool(argc, argv, app, table, [&] { nlg::solve(request, setup); });
+  app.add_option("--weights", request.weights,
+                 "exported generators: SCENE.hierarchy.json says how much error direct fits and they add to generated functions");
+  return nlg::runTool(argc, argv, app, table, [&] { nlg::solve(request, setup, direct, table); });
 }

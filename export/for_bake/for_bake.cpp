@@ -1,0 +1,121 @@
+#include "export/for_bake/for_bake.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime_eval/evaluator/generator.h"
+#include "tool/atomic_file.h"
+#include "tool/output_path.h"
+#include "tool/tool_main.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string copyPath(const std::string& folder, const std::string& representation) {
+  return (fs::path(folder) / (representation + ".safetensors")).string();
+}
+
+// What a file is, by itself.
+BakeWeights lookAt(const std::string& path) {
+  WeightsFile file;
+  GeneratorData data;
+  WeightsResult result = readWeightsFile(path, &file);
+  if (result.ok()) result = generatorFromWeights(file, &data);
+  if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "the weights of a generator", result.detail);
+  return {path, representationName(data.representation), fileSha256(path), fs::file_size(path)};
+}
+
+void run(const std::string& bake_path, const std::vector<std::string>& paths, const std::string& folder) {
+  const BakedWeights baked = readBakedWeights(bake_path);
+  const std::vector<BakeWeights> weights = weightsForBake(baked, bake_path, paths);
+  copyWeightsForBake(weights, bake_path, folder);
+  nlohmann::ordered_json written = nlohmann::ordered_json::array(), left_out = nlohmann::ordered_json::array();
+  uint64_t bytes_written = 0, bytes_left_out = 0;
+  for (const BakeWeights& file : weights) {
+    if (file.used) {
+      bytes_written += file.bytes;
+      written.push_back({{"representation", file.representation}, {"bytes", file.bytes}});
+    } else {
+      bytes_left_out += file.bytes;
+      left_out.push_back({{"representation", file.representation}, {"bytes", file.bytes}, {"why", file.why}});
+      std::cerr << "left out: " << file.path << ", " << file.bytes << " bytes: " << file.why << '\n';
+    }
+  }
+  const nlohmann::ordered_json line = {{"scene", baked.scene},
+                                       {"written", written},
+                                       {"bytes_written", bytes_written},
+                                       {"left_out", left_out},
+                                       {"bytes_left_out", bytes_left_out}};
+  std::cout << line.dump() << '\n';
+}
+
+}  // namespace
+
+std::vector<BakeWeights> weightsForBake(const BakedWeights& baked, const std::string& bake_path,
+                                        const std::vector<std::string>& paths) {
+  std::vector<BakeWeights> weights;
+  for (const std::string& path : paths) {
+    BakeWeights file = lookAt(path);
+    for (const BakeWeights& other : weights) {
+      if (other.representation == file.representation)
+        throw UsageError("--weights", "one file a representation", "two of " + file.representation);
+    }
+    const auto given = baked.sha256.find(file.representation);
+    if (given == baked.sha256.end()) {
+      file.why = "the bake was not given any of " + file.representation;
+    } else if (given->second != file.sha256) {
+      throw InputError(path, "SHA-256", "the weights that " + bake_path + " was baked with, " + given->second, file.sha256);
+    } else if (std::find(baked.used.begin(), baked.used.end(), file.representation) == baked.used.end()) {
+      file.why = "no function of the scene has " + file.representation;
+    } else {
+      file.used = true;
+    }
+    weights.push_back(file);
+  }
+  for (const std::string& name : baked.used) {
+    const bool found =
+        std::any_of(weights.begin(), weights.end(), [&](const BakeWeights& file) { return file.representation == name; });
+    if (!found) throw InputError(bake_path, "functions of " + name, "its weights among the files of --weights", "none");
+  }
+  return weights;
+}
+
+void copyWeightsForBake(const std::vector<BakeWeights>& weights, const std::string& bake_path, const std::string& folder) {
+  std::vector<std::string> inputs = {bake_path};
+  for (const BakeWeights& file : weights) inputs.push_back(file.path);
+  // all refusals before the first copy
+  for (const BakeWeights& file : weights) {
+    const std::string path = copyPath(folder, file.representation);
+    refuseToReplaceInputs(path, inputs);
+    std::error_code error;
+    if (!file.used && fs::exists(path, error)) {
+      throw UsageError("--out", "a folder without weights that the scene does not use", path);
+    }
+  }
+  for (const BakeWeights& file : weights) {
+    if (!file.used) continue;
+    const std::string bytes = readFile(file.path);
+    if (sha256(bytes) != file.sha256) throw InputError(file.path, "SHA-256", "the file that was read before", "another one");
+    writeFileAtomically(copyPath(folder, file.representation), bytes);
+  }
+}
+
+int forBakeMain(int argc, char** argv) {
+  CLI::App app{"Copies of the weights that a bake was given those that its functions use, and says what is left out.",
+               "nlg-export for-bake"};
+  std::string bake, out;
+  std::vector<std::string> weights;
+  OptionTable table("export");
+  app.add_option("--bake", bake, "a light grid (.safetensors), or the line that nlg-bake prints (.json)")->required();
+  app.add_option("--weights", weights, "weights of nlg-export (.safetensors)")->required();
+  app.add_option("--out", out, "the folder to write REPRESENTATION.safetensors to")->required();
+  return runTool(argc, argv, app, table, [&] { run(bake, weights, out); });
+}
+
+}  // namespace nlg

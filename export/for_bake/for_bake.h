@@ -1,0 +1,38 @@
+// The weights of one baked scene: of a set of weights files those that its functions use.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "export/for_bake/baked_weights.h"
+
+namespace nlg {
+
+// A weights file and what becomes of it.
+struct BakeWeights {
+  std::string path, representation, sha256;
+  uint64_t bytes = 0;
+  bool used = false;
+  std::string why;  // it is left out; empty for those that are used
+};
+
+// Says of every file whether the bake's functions use it.
+//
+// bake_path   what `baked` was read from, for messages
+// throws      InputError when a file holds no generator, when its representation was baked with other weights, or when a
+//             representation that functions use is in none of the files; UsageError when two are of the same representation
+std::vector<BakeWeights> weightsForBake(const BakedWeights& baked, const std::string& bake_path,
+                                        const std::vector<std::string>& paths);
+
+// Copies those that are used to FOLDER/REPRESENTATION.safetensors, byte for byte: where nlg-bake looks for weights when $NLG_WEIGHTS
+// is the folder. Without any it makes no folder.
+//
+// throws   UsageError when a copy would replace one of the inputs, or the folder holds weights of a representation that is left out;
+//          InputError when a file is no longer the one that was looked at; OutputError
+void copyWeightsForBake(const std::vector<BakeWeights>& weights, const std::string& bake_path, const std::string& folder);
+
+// The tool's command `for-bake`: nlg-export for-bake --bake GRID --weights W1 [W2 …] --out FOLDER.
+int forBakeMain(int argc, char** argv);
+
+}  // namespace nlg

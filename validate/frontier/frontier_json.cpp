@@ -1,0 +1,152 @@
+#include "validate/frontier/frontier_json.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <fstream>
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void addFigures(const TimeFigures& time, const ErrorFigures& rmse, Json& json) {
+  json["us_median"] = time.median_us;
+  json["us_p25"] = time.p25_us;
+  json["us_p75"] = time.p75_us;
+  json["rmse_mean"] = rmse.mean;
+  json["rmse_median"] = rmse.median;
+  json["rmse_p5"] = rmse.p5;
+  json["rmse_p95"] = rmse.p95;
+  json["rmse_worst"] = rmse.worst;
+}
+
+Json pointJson(const PlotPoint& point, const PointFigures& figures, bool on_front) {
+  Json json = {{"representation", point.representation}, {"family", point.family}};
+  json["budget"] = point.budget ? Json(*point.budget) : Json(nullptr);
+  json["label"] = point.label;
+  addFigures(figures.time, figures.rmse, json);
+  json["leak_p99"] = figures.leak_p99;
+  json["on_front"] = on_front;
+  json["by_scene"] = Json::object();
+  for (const auto& [scene, of_scene] : figures.by_scene) addFigures(of_scene.time, of_scene.rmse, json["by_scene"][scene]);
+  return json;
+}
+
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string field = "\"";
+  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return field + '"';
+}
+
+std::string csvFigures(const TimeFigures& time, const ErrorFigures& rmse) {
+  return fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", time.median_us, time.p25_us, time.p75_us,
+                     rmse.mean, rmse.median, rmse.p5, rmse.p95, rmse.worst);
+}
+
+Json readHierarchy(const std::string& path) {
+  std::ifstream stream(path);
+  if (!stream) throw InputError(path, "file", "one that can be read", "none");
+  const Json json = Json::parse(stream, nullptr, false);
+  if (json.is_discarded() || !json.is_object() || json.value("schema_version", 0) != 1 || !json.contains("hierarchy") ||
+      !json.contains("walks") || !json["hierarchy"].is_array() || !json["walks"].is_array()) {
+    throw InputError(path, "content", "a SCENE.hierarchy.json of nlg-solve, schema_version 1", "something else");
+  }
+  return json;
+}
+
+// What several scenes say of one step or walk: a flat row that a table shows as it is.
+struct SceneMean {
+  const char* name_key;  // "step" or "functions"
+  Json rows = Json::array();
+  std::vector<std::vector<Json>> entries;  // by row
+
+  void add(const std::string& path, const Json& entry) {
+    if (!entry.is_object() || !entry.contains(name_key) || !entry.contains("representation")) {
+      throw InputError(path, "hierarchy and walks", "entries with " + std::string(name_key) + " and representation",
+                       entry.dump());
+    }
+    size_t at = 0;
+    while (at < rows.size() && (rows[at][name_key] != entry[name_key] || rows[at]["representation"] != entry["representation"]))
+      ++at;
+    if (at == rows.size()) {
+      rows.push_back({{name_key, entry[name_key]}, {"representation", entry["representation"]}});
+      entries.emplace_back();
+    }
+    entries[at].push_back(entry);
+  }
+
+  // The mean of every figure, of the worst ones the largest; null where a scene has none.
+  Json take() {
+    for (size_t at = 0; at < rows.size(); ++at) {
+      rows[at]["scenes"] = entries[at].size();
+      for (const auto& [key, value] : entries[at].front().items()) {
+        if (key == "scene" || rows[at].contains(key)) continue;
+        rows[at][key] = combined(entries[at], key);
+      }
+    }
+    return std::move(rows);
+  }
+
+  static Json combined(const std::vector<Json>& entries, const std::string& key) {
+    double sum = 0.0, largest = 0.0;
+    for (const Json& entry : entries) {
+      if (!entry.contains(key) || !entry[key].is_number()) return nullptr;
+      sum += entry[key].get<double>();
+      largest = std::max(largest, entry[key].get<double>());
+    }
+    return key.ends_with("_worst") ? largest : sum / static_cast<double>(entries.size());
+  }
+};
+
+}  // namespace
+
+FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, const FrontTolerances& tolerances) {
+  std::vector<FrontPoint> front;
+  std::vector<std::string> names;
+  for (size_t p = 0; p < points.size(); ++p) {
+    front.push_back({figures[p].time.median_us, figures[p].rmse.median, points[p].may_be_on_front});
+    names.push_back(points[p].representation + ": " + points[p].label);
+  }
+  std::vector<bool> members = frontMembers(front, tolerances);
+  std::string sentence = frontSentence(front, members, names);
+  return {std::move(points), std::move(figures), std::move(members), std::move(sentence)};
+}
+
+Json pointsJson(const FrontierResult& result) {
+  Json json = {{"points", Json::array()}};
+  for (size_t p = 0; p < result.points.size(); ++p) {
+    json["points"].push_back(pointJson(result.points[p], result.figures[p], result.on_front[p]));
+  }
+  json["front_sentence"] = result.front_sentence;
+  return json;
+}
+
+std::string pointsCsv(const FrontierResult& result) {
+  std::string csv =
+      "representation,family,budget,label,us_median,us_p25,us_p75,rmse_mean,rmse_median,rmse_p5,rmse_p95,rmse_worst,"
+      "leak_p99,on_front\n";
+  for (size_t p = 0; p < result.points.size(); ++p) {
+    const PlotPoint& point = result.points[p];
+    const PointFigures& figures = result.figures[p];
+    const std::string budget = point.budget ? fmt::format("{}", *point.budget) : "";
+    csv += fmt::format("{},{},{},{},{},{:.6g},{}\n", point.representation, point.family, budget, quoted(point.label),
+                       csvFigures(figures.time, figures.rmse), figures.leak_p99, result.on_front[p] ? 1 : 0);
+  }
+  return csv;
+}
+
+void addHierarchies(const std::vector<std::string>& paths, Json& frontier) {
+  SceneMean hierarchy{"step"}, walks{"functions"};
+  for (const std::string& path : paths) {
+    const Json scene = readHierarchy(path);
+    for (const Json& entry : scene["hierarchy"]) hierarchy.add(path, entry);
+    for (const Json& entry : scene["walks"]) walks.add(path, entry);
+  }
+  frontier["hierarchy"] = hierarchy.take();
+  frontier["walks"] = walks.take();
+}
+
+}  // namespace nlg

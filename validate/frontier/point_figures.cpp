@@ -1,0 +1,53 @@
+#include "validate/frontier/point_figures.h"
+
+#include <numeric>
+
+namespace nlg {
+namespace {
+
+double meanOf(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+TimeFigures timeFigures(std::vector<double> samples) {
+  return {quantile(samples, 0.5), quantile(samples, 0.25), quantile(samples, 0.75)};
+}
+
+ErrorFigures errorFigures(std::vector<double> rmse) {
+  const Quantiles all = quantiles(rmse);
+  return {all.mean, all.median, quantile(rmse, 0.05), all.p95, all.worst};
+}
+
+// What one scene's functions give.
+struct SceneSamples {
+  std::vector<double> time_us, rmse;
+};
+
+}  // namespace
+
+PointFigures figuresOf(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks, const FunctionSet& set) {
+  std::map<uint32_t, SceneSamples> by_scene;
+  std::vector<double> time_us, rmse;
+  size_t at = 0;
+  for (const FunctionBlock& block : blocks) {
+    for (const uint64_t function : block.functions) {
+      rmse.push_back(measured.errors[at++].rmse);
+      by_scene[set.scene_idx[function]].rmse.push_back(rmse.back());
+    }
+  }
+  for (const BlockTimes& times : measured.times) {
+    time_us.push_back(meanOf(times.elapsed_us));
+    std::map<uint32_t, std::vector<double>> of_scene;
+    for (size_t i = 0; i < times.elapsed_us.size(); ++i) {
+      of_scene[set.scene_idx[blocks[times.block].functions[i]]].push_back(times.elapsed_us[i]);
+    }
+    for (const auto& [scene, elapsed_us] : of_scene) by_scene[scene].time_us.push_back(meanOf(elapsed_us));
+  }
+  PointFigures figures{timeFigures(time_us), errorFigures(rmse), measured.leaks.quantile(0.99), {}};
+  for (const auto& [scene, samples] : by_scene) {
+    figures.by_scene[set.scene_ids[scene]] = {timeFigures(samples.time_us), errorFigures(samples.rmse)};
+  }
+  return figures;
+}
+
+}  // namespace nlg

@@ -1,0 +1,33 @@
+// The figures of a point: what its measurement comes to, over all functions and scene by scene.
+#pragma once
+
+#include <map>
+
+#include "validate/frontier/interleaved.h"
+
+namespace nlg {
+
+// A time's sample is the mean over the functions of one run on one block; median and quartiles are over these samples.
+struct TimeFigures {
+  double median_us = 0, p25_us = 0, p75_us = 0;
+};
+
+struct ErrorFigures {
+  double mean = 0, median = 0, p5 = 0, p95 = 0, worst = 0;  // RMSE over functions
+};
+
+struct SceneFigures {
+  TimeFigures time;  // samples: means over this scene's functions in one run on one block
+  ErrorFigures rmse;
+};
+
+struct PointFigures {
+  TimeFigures time;
+  ErrorFigures rmse;
+  double leak_p99 = 0;  // of |value| pooled over valid support points whose phi is 0
+  std::map<std::string, SceneFigures> by_scene;
+};
+
+PointFigures figuresOf(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks, const FunctionSet& set);
+
+}  // namespace nlg
