@@ -218,8 +218,12 @@ def need_groups(needs):
 
 
 def needs_sentence(needs):
-    rows = [r for _, some in needs for r in some]
-    left, not_yet = [r for r in rows if r.left_out], [r for r in rows if r.left_out is False]
-    saved = sum(r.seconds_saved or 0 for r in left), sum(r.bytes_saved or 0 for r in left)
-    text = f"{plural(len(needs), 'scene')}: what is left out saves {seconds_text(saved[0])} and {bytes_text(saved[1])}, where that was measured"
-    return text + (f"; {plural(len(not_yet), 'line')} could be left out and {'is' if len(not_yet) == 1 else 'are'} not yet." if not_yet else ".")
+    """Lines overlap (all probes together, and each kind by itself), so nothing is added up: the one that saves most speaks."""
+    rows = [(scene, r) for scene, some in needs for r in some]
+    left, not_yet = [(s, r) for s, r in rows if r.left_out], [r for _, r in rows if r.left_out is False]
+    text = f"{plural(len(needs), 'scene')}, {plural(len(rows), 'line')}: {len(left)} left out"
+    timed = [(s, r) for s, r in left if r.seconds_saved is not None and r.seconds_saved > 0]
+    if timed:
+        scene, best = max(timed, key=lambda pair: pair[1].seconds_saved)
+        text += f", of which “{best.what}” saves most time, {seconds_text(best.seconds_saved)} in {scene}"
+    return text + (f"; {len(not_yet)} could be left out and {'is' if len(not_yet) == 1 else 'are'} not yet." if not_yet else ".")

@@ -165,6 +165,20 @@ def check_frontier():
     expect(open("one.png", "rb").read() == open("two.png", "rb").read(), "the figure differs between two runs")
 
 
+def check_needs():
+    """The sentence names the largest saving and counts each kind of line; nothing measured is no saving."""
+    needs = [proof_inputs.read_needs(path) for path in ("bake0.json", "bake1.json")]
+    some = needs[0][1]
+    some[0].seconds_saved = 7.0
+    text = decision.needs_sentence(needs)
+    expect("2 scenes, 8 lines: 4 left out" in text and f"“{some[0].what}” saves most time, 7 s in {needs[0][0]}" in text and "2 could be left out and are not yet" in text, text)
+    for row in (row for _, rows in needs for row in rows):
+        row.seconds_saved = None
+    expect("saves most" not in decision.needs_sentence(needs), "a saving that nobody measured is named")
+    states = [row["state"] for row in decision.need_groups(needs)[0][1]]
+    expect(states == sorted(states) and set(states) == {0, 1, 2}, f"lines are not in order of their state: {states}")
+
+
 def check_refusals(needed):
     def changed(source, change):
         content = json.load(open(source))
@@ -206,6 +220,7 @@ def main():
         check_verdict(needed)
         check_scenes(needed)
         check_frontier()
+        check_needs()
         check_refusals(needed)
         os.chdir("/")
     for failure in failures:
