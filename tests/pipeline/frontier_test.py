@@ -114,7 +114,7 @@ def check_bad_input():
     refuses(INPUT_ERROR, ["missing.safetensors"], *replaced("pf3.safetensors", "missing.safetensors"))
     refuses(INPUT_ERROR, ["broken.safetensors"], *replaced("pf3.safetensors", "broken.safetensors"))
     refuses(INPUT_ERROR, ["missing.h5"], *replaced("two.h5", "missing.h5"))
-    refuses(INPUT_ERROR, ["training.h5", "--held-out"], *replaced("two.h5", "one.h5")[:-2], "--held-out", "training.h5", "--out", "bad")
+    refuses(INPUT_ERROR, ["training.h5", "--held-out"], "--weights", "pf3.safetensors", "--held-out", "training.h5", *TINY, "--out", "bad")
     refuses(INPUT_ERROR, ["narrow.h5"], *replaced("two.h5", "narrow.h5"))
     refuses(INPUT_ERROR, ["other.json"], *GOOD, "--hierarchy", "other.json", "--out", "bad")
     refuses(INPUT_ERROR, ["missing.json"], *GOOD, "--hierarchy", "missing.json", "--out", "bad")
