@@ -24,6 +24,10 @@ bool fitsFloat16(const float* theta, size_t count) {
 // rounding, since errors of images are summed in another order.
 constexpr double kPays = 0.99, kImagePays = 0.999;
 
+bool allFinite(const float* values, size_t count) {
+  return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
+}
+
 bool hasValidPoint(const StoredFunction& function) {
   return std::any_of(function.validity, function.validity + kValidityByteCount, [](uint8_t byte) { return byte != 0; });
 }
@@ -153,7 +157,8 @@ void Corrector::decode(const StoredFunction& stored, int mirror) {
 }
 
 double Corrector::meanSquare(const float* theta) const {
-  if (valid_count_ == 0) return kInfinite;
+  // a sigmoid makes something finite of an infinite weight: the sum alone does not tell
+  if (valid_count_ == 0 || !allFinite(theta, static_cast<size_t>(places_.theta_count))) return kInfinite;
   const int place_count = static_cast<int>(function_.phi.size());
   const double sum = loss(generator_->representation(), 0, place_count, function_.phi.data(), function_.mask.data(), theta);
   return std::isfinite(sum) ? sum / valid_count_ : kInfinite;
@@ -178,7 +183,7 @@ void Corrector::measure(const StoredFunction* functions, int mirror, bool networ
         lossAndGradient(representation, 0, place_count, function_.phi.data(), function_.mask.data(), theta, gradient_.data());
     // a theta so far out that its gradient overflows is left as it is
     const bool is_finite =
-        std::isfinite(sum) && std::all_of(gradient_.begin(), gradient_.end(), [](float value) { return std::isfinite(value); });
+        std::isfinite(sum) && allFinite(theta, gradient_.size()) && allFinite(gradient_.data(), gradient_.size());
     if (!is_finite) continue;
     error_[i] = sum / valid_count_;
     writeFeatures(i, n);

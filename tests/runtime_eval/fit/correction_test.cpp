@@ -336,6 +336,18 @@ TEST(Corrector, ReplacesAThetaThatIsNoNumberByThatOfAnImage) {
   EXPECT_TRUE(std::isfinite(rmseOf(representation, sample, theta.data())));
 }
 
+TEST(Corrector, TakesAnInfiniteThetaForNoThetaEvenWhereItsValuesAreFinite) {
+  // the sigmoid of an infinite sum is 0 or 1
+  const Representation representation{RepresentationKind::tent_mlp4};
+  const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
+  const StoredSample sample = wallSample(1);
+  const StoredFunction stored = sample.view();
+  Theta theta(representation.thetaCount(), 0.1f);
+  theta[representation.shape().b3()] = INFINITY;
+  EXPECT_EQ(Corrector(generator).correct(&stored, 1, theta.data()), 1);
+  for (const float value : theta) EXPECT_TRUE(std::isfinite(value));
+}
+
 TEST(Corrector, LeavesWhatIsGoodEnough) {
   for (const Representation& representation : kRepresentations) {
     const Generator generator(steepestDescent(representation, 1e-3, 2));
