@@ -18,11 +18,11 @@
 namespace nlg {
 
 struct CorrectionOptions {
-  double correct_rmse = 0.001;   // theta whose RMSE is not above stay as they are
-  int most_steps = 8;            // learned steps of an attempt: they end at the first that does not pay; 0: none
-  int mirror_images = 8;         // networks: attempts at a function at most, itself and then its mirror images; 1 … 8
-  double retry_rmse = 0.005;     // … no further attempt at a function whose RMSE is not above
-  int field_iterations = 2;      // product fields: of Levenberg–Marquardt, after the learned steps
+  double correct_rmse = 0.001;  // theta whose RMSE is not above stay as they are
+  int most_steps = 8;           // learned steps of an attempt: they end at the first that does not pay; 0: none
+  int mirror_images = 8;        // networks: attempts at a function at most, itself and then its mirror images; 1 … 8
+  double retry_rmse = 0.005;    // … no further attempt at a function whose RMSE is not above
+  int field_iterations = 2;     // product fields: of Levenberg–Marquardt, after the learned steps
 };
 
 // One of these a thread and generator.
