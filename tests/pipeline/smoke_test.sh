@@ -96,9 +96,9 @@ assert needs["probes in free space"]["count"] == one["free_space"] and needs["du
 assert needs["all of these probes together"]["count"] == one["probes"] - one["functions"], needs
 assert all(row["what"] in table and row["seconds_saved"] is None for row in one["needs"]), table
 PYTHON
-for bake in one.safetensors one.json; do
-  "$NLG_BIN/nlg-export" for-bake --bake "$temporary/$bake" --weights "${weights[@]}" --out "$temporary/for_$bake" >/dev/null 2>&1 || fail "for-bake refuses $bake"
-  for copy in "$temporary/for_$bake"/*; do cmp "$copy" "$out/weights/$(basename "$copy")" || fail "$copy is no copy"; done
+for source in one.safetensors one.json; do
+  "$NLG_BIN/nlg-export" for-bake --bake "$temporary/$source" --weights "${weights[@]}" --out "$temporary/for_$source" >/dev/null 2>&1 || fail "for-bake refuses $source"
+  for copy in "$temporary/for_$source"/*; do cmp "$copy" "$out/weights/$(basename "$copy")" || fail "$copy is no copy"; done
 done
 diff -r "$temporary/for_one.safetensors" "$temporary/for_one.json" || fail "the light grid and the report name other weights"
 "$NLG_BIN/nlg-bake" cave:1 "${bake[@]:0:3}" --spacing-m 0.15 --density-growth 0 --threads 1 --out "$temporary/killed.safetensors" >/dev/null 2>&1 &
