@@ -27,6 +27,9 @@ std::vector<size_t> unbeaten(const std::vector<FrontPoint>& points, const FrontT
   return left;
 }
 
+// Three digits, microseconds or milliseconds.
+std::string timeText(double us) { return us < 1000.0 ? fmt::format("{:.3g} µs", us) : fmt::format("{:.3g} ms", us / 1000.0); }
+
 }  // namespace
 
 std::vector<bool> frontMembers(const std::vector<FrontPoint>& points, const FrontTolerances& tolerances) {
@@ -53,7 +56,7 @@ std::string frontSentence(const std::vector<FrontPoint>& points, const std::vect
   std::string sentence = "On the front of time and median error, from the fastest:";
   for (const size_t i : byTime(points, chosen)) {
     sentence +=
-        fmt::format("{} {} ({:.3g} µs, {:.3g})", sentence.back() == ':' ? "" : ",", names[i], points[i].us, points[i].rmse);
+        fmt::format("{} {} ({}, {:.3g})", sentence.back() == ':' ? "" : ",", names[i], timeText(points[i].us), points[i].rmse);
   }
   return sentence + ".";
 }
