@@ -17,6 +17,7 @@
 #include "tool/tool_main.h"
 #include "validate/choice.h"
 #include "validate/comparison/compare_command.h"
+#include "validate/csv_field.h"
 #include "validate/frontier/frontier_command.h"
 #include "validate/held_out.h"
 #include "validate/method.h"
@@ -133,18 +134,10 @@ Json sceneJson(const MethodResult& method, const FunctionSet& set) {
   return json;
 }
 
-// A text as a CSV field: file stems may hold commas.
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string field = "\"";
-  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return field + '"';
-}
-
 void appendCsv(std::ostringstream& csv, const std::string& representation, const MethodResult& method, const FunctionSet& set,
                const std::vector<bool>& hard) {
   for (const MethodSample& s : method.samples) {
-    csv << representation << ',' << method.name << ',' << s.function << ',' << quoted(set.scene_ids[set.scene_idx[s.function]])
+    csv << representation << ',' << method.name << ',' << s.function << ',' << csvField(set.scene_ids[set.scene_idx[s.function]])
         << ',' << hard[s.function] << ',' << s.error.rmse << ',' << s.error.rmse_unseen << ',';
     if (s.error.has_shadow) csv << s.error.rmse_shadow;
     csv << ',' << s.error.leak_mean << ',' << s.error.leak_p99 << ',' << s.elapsed_us << '\n';

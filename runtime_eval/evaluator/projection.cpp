@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "runtime_eval/evaluator/mirror_coefficients.h"
+
 namespace nlg {
 
 ProjectionScratch::ProjectionScratch(GeneratorPrecision precision) {
@@ -70,10 +72,7 @@ void Projection::projectSamples(const Sample* phi, int count, float* coefficient
 }
 
 void Projection::mirrorCoefficients(const float* coefficients, int mirror, float* mirrored) const {
-  for (int c = 0; c < kParityClassCount; ++c) {
-    const float sign = mirrorSign(c, mirror);
-    for (int k = 0; k < class_count_[c]; ++k) *mirrored++ = sign * *coefficients++;
-  }
+  nlg::mirrorCoefficients(class_count_, class_count_, coefficients, mirror, mirrored);
 }
 
 void Projection::project(const uint8_t* phi, int count, float* coefficients, ProjectionScratch* scratch) const {

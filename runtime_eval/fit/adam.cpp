@@ -6,14 +6,11 @@
 
 #include "runtime_eval/fit/adam_update.h"
 #include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/support/finite.h"
 #include "runtime_eval/support/random.h"
 
 namespace nlg {
 namespace {
-
-bool allFinite(const float* theta, int count) {
-  return std::all_of(theta, theta + count, [](float value) { return std::isfinite(value); });
-}
 
 // A minibatch: places from `first` on, and how many of them are valid.
 struct Minibatch {
@@ -71,7 +68,7 @@ FitResult runAdam(const Representation& representation, const WeightingFunction&
     const double phase = static_cast<double>(result.steps) / options.steps;
     const double rate = options.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase));
     moments.step(rate, options.beta1, options.beta2, scale, gradient.data(), theta.data());
-    if (!allFinite(theta.data(), representation.thetaCount())) {
+    if (!allFinite(theta)) {
       result.stop = FitStop::not_finite;
       return result;
     }
@@ -104,8 +101,7 @@ const char* fitStopName(FitStop stop) {
 double functionRmse(const Representation& representation, const WeightingFunction& function, const float* theta) {
   const int valid_count = function.validCount();
   if (valid_count == 0) return 0.0;
-  // a sigmoid makes something finite of an infinite weight: the sum alone does not tell
-  if (!allFinite(theta, representation.thetaCount())) return std::numeric_limits<double>::infinity();
+  if (!allFinite({theta, static_cast<size_t>(representation.thetaCount())})) return std::numeric_limits<double>::infinity();
   const PointOrder& order = pointOrder(representation);
   const double sum = loss(representation, 0, order.placeCount(), function.phi.data(), function.mask.data(), theta);
   return std::sqrt(sum / valid_count);

@@ -8,6 +8,7 @@
 #include "runtime_eval/evaluator/representation.h"
 #include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/support/finite.h"
 
 namespace nlg {
 namespace {
@@ -23,10 +24,6 @@ bool fitsFloat16(const float* theta, size_t count) {
 // By what a step has to lower the mean square for another one to follow, and a mirror image for its theta to be taken: below lies
 // rounding, since errors of images are summed in another order.
 constexpr double kPays = 0.99, kImagePays = 0.999;
-
-bool allFinite(const float* values, size_t count) {
-  return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
-}
 
 bool hasValidPoint(const StoredFunction& function) {
   return std::any_of(function.validity, function.validity + kValidityByteCount, [](uint8_t byte) { return byte != 0; });
@@ -157,8 +154,7 @@ void Corrector::decode(const StoredFunction& stored, int mirror) {
 }
 
 double Corrector::meanSquare(const float* theta) const {
-  // a sigmoid makes something finite of an infinite weight: the sum alone does not tell
-  if (valid_count_ == 0 || !allFinite(theta, static_cast<size_t>(places_.theta_count))) return kInfinite;
+  if (valid_count_ == 0 || !allFinite({theta, static_cast<size_t>(places_.theta_count)})) return kInfinite;
   const int place_count = static_cast<int>(function_.phi.size());
   const double sum = loss(generator_->representation(), 0, place_count, function_.phi.data(), function_.mask.data(), theta);
   return std::isfinite(sum) ? sum / valid_count_ : kInfinite;
@@ -182,8 +178,7 @@ void Corrector::measure(const StoredFunction* functions, int mirror, bool networ
     const double sum =
         lossAndGradient(representation, 0, place_count, function_.phi.data(), function_.mask.data(), theta, gradient_.data());
     // a theta so far out that its gradient overflows is left as it is
-    const bool is_finite =
-        std::isfinite(sum) && allFinite(theta, gradient_.size()) && allFinite(gradient_.data(), gradient_.size());
+    const bool is_finite = std::isfinite(sum) && allFinite({theta, gradient_.size()}) && allFinite(gradient_);
     if (!is_finite) continue;
     error_[i] = sum / valid_count_;
     writeFeatures(i, n);

@@ -6,6 +6,7 @@
 
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/product_field.h"
+#include "runtime_eval/support/finite.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/fit/function_check.cpp"
@@ -107,9 +108,7 @@ FunctionCheck FunctionChecker::check(const Representation& representation, const
     evaluate(representation, patternPoints(), theta, values_.data());
   }
   FunctionCheck result = compare(values_.data(), stored, options);
-  // a sigmoid makes something finite of an infinite weight: the values alone do not tell
-  const bool is_finite =
-      std::all_of(theta, theta + representation.thetaCount(), [](float value) { return std::isfinite(value); });
+  const bool is_finite = allFinite({theta, static_cast<size_t>(representation.thetaCount())});
   if (result.valid_count > 0 && !is_finite) result.rmse = std::numeric_limits<double>::infinity();
   return result;
 }

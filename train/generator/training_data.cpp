@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "runtime_eval/evaluator/mirror_coefficients.h"
+
 namespace nlg {
 
 TrainingData::TrainingData(FunctionSet set, const BasisData& basis, FunctionOrder order)
@@ -44,12 +46,7 @@ const float* TrainingData::coefficients(int64_t index) const {
 }
 
 void TrainingData::copyCoefficients(int64_t index, int mirror, float* coefficients) const {
-  const float* source = this->coefficients(index);
-  for (int c = 0; c < kParityClassCount; ++c) {
-    const float sign = mirrorSign(c, mirror);
-    for (int k = 0; k < class_count_[c]; ++k) *coefficients++ = sign * source[k];
-    source += stored_class_count_[c];
-  }
+  mirrorCoefficients(stored_class_count_, class_count_, this->coefficients(index), mirror, coefficients);
 }
 
 std::vector<uint32_t> TrainingData::hardFunctions(double tent_rmse) const {

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "tool/error.h"
+#include "validate/csv_field.h"
 
 namespace nlg {
 namespace {
@@ -32,13 +33,6 @@ Json pointJson(const PlotPoint& point, const PointFigures& figures, bool on_fron
   json["by_scene"] = Json::object();
   for (const auto& [scene, of_scene] : figures.by_scene) addFigures(of_scene.time, of_scene.rmse, json["by_scene"][scene]);
   return json;
-}
-
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string field = "\"";
-  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return field + '"';
 }
 
 std::string csvFigures(const TimeFigures& time, const ErrorFigures& rmse) {
@@ -132,7 +126,7 @@ std::string pointsCsv(const FrontierResult& result) {
     const PlotPoint& point = result.points[p];
     const PointFigures& figures = result.figures[p];
     const std::string budget = point.budget ? fmt::format("{}", *point.budget) : "";
-    csv += fmt::format("{},{},{},{},{},{:.6g},{}\n", point.representation, point.family, budget, quoted(point.label),
+    csv += fmt::format("{},{},{},{},{},{:.6g},{}\n", point.representation, point.family, budget, csvField(point.label),
                        csvFigures(figures.time, figures.rmse), figures.leak_p99, result.on_front[p] ? 1 : 0);
   }
   return csv;

@@ -7,7 +7,6 @@ The page shows the same figure. Of every representation the functions that direc
 and what its generator finds (all that comes before Adam or Levenberg–Marquardt).
 """
 import argparse
-import io
 import logging
 import sys
 from dataclasses import dataclass
@@ -123,11 +122,7 @@ def key(left, right):
 
 def png(summary, statistic, times):
     figure = draw(summary, statistic, times)
-    buffer = io.BytesIO()
-    # no version inside: the same summary gives the same bytes
-    figure.savefig(buffer, format="png", dpi=150, facecolor="white", metadata={"Software": None})
-    plots.plt.close(figure)
-    return buffer.getvalue()
+    return plots.png(figure)
 
 
 def main():

@@ -188,11 +188,7 @@ def csv_bytes(frontier):
 
 def png(frontier):
     figure, _ = draw_whole(frontier)
-    buffer = io.BytesIO()
-    # no version inside: the same file gives the same bytes
-    figure.savefig(buffer, format="png", dpi=150, facecolor="white", metadata={"Software": None})
-    plots.plt.close(figure)
-    return buffer.getvalue()
+    return plots.png(figure)
 
 
 def main():

@@ -33,6 +33,14 @@ plt.rcParams.update({
     "grid.linewidth": 0.6, "legend.frameon": False, "legend.fontsize": 8, "lines.solid_capstyle": "round"})
 
 
+def png(figure):
+    """The figure's PNG, closed afterwards; no version inside, so that the same figure gives the same bytes."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=150, facecolor="white", metadata={"Software": None})
+    plt.close(figure)
+    return buffer.getvalue()
+
+
 def colour(method):
     return COLOURS.get(method, COLOURS["other"])
 

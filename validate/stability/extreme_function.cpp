@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "runtime_eval/fit/correction.h"
+#include "runtime_eval/support/finite.h"
 #include "runtime_eval/support/random.h"
 
 namespace nlg {
@@ -69,8 +70,7 @@ BakedFunction bakeFunction(const NamedGenerator& named, const StoredFunction& st
     baked.check = checker.check(representation, stored, theta.data(), options.check);
     baked.never_worse = baked.never_worse && baked.check.trouble(options.check) <= trouble;
   }
-  baked.is_finite = std::isfinite(baked.check.rmse) &&
-                    std::all_of(theta.begin(), theta.end(), [](float value) { return std::isfinite(value); });
+  baked.is_finite = std::isfinite(baked.check.rmse) && allFinite(theta);
   return baked;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/support/finite.h"
 #include "runtime_eval/support/random.h"
 #include "runtime_eval/support/simd_target.h"
 #include "validate/stability/extreme_function.h"
@@ -129,7 +130,7 @@ int generatorsThatDifferInInt16(const StabilityInputs& inputs, const std::vector
       const size_t count = named.data.theta0.size();
       Theta theta(functions.size() * count);
       for (size_t n = 0; n < functions.size(); ++n) integer.generate(functions[n].phi.data(), 1, &theta[n * count], &scratch);
-      *finite = *finite && std::all_of(theta.begin(), theta.end(), [](float value) { return std::isfinite(value); });
+      *finite = *finite && allFinite(theta);
       by_target.push_back(std::move(theta));
     }
     different += std::any_of(by_target.begin(), by_target.end(), [&](const Theta& theta) { return theta != by_target.front(); });

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "runtime_eval/fit/direct.h"
+#include "runtime_eval/support/finite.h"
 #include "validate/stability/extreme_function.h"
 
 namespace nlg {
@@ -24,10 +25,6 @@ std::vector<Representation> allRepresentations() {
     all.push_back(representation);
   }
   return all;
-}
-
-bool allFinite(const Theta& theta) {
-  return std::all_of(theta.begin(), theta.end(), [](float value) { return std::isfinite(value); });
 }
 
 // Whether a fit kept its promises: a finite start gives a finite theta that is no worse; any other comes back as it was.
