@@ -7,6 +7,7 @@ import plots
 import proof_inputs
 import verdict
 from findings import error, grouped, over_tau, percent, plural
+from frontier import front_of
 from plots import duration
 
 GROUP_NAMES = {"functions": "Functions", "optimisers": "Optimisers", "pca": "Principal components", "generator": "Generator", "scenes": "Scenes",
@@ -157,14 +158,14 @@ class Decision:
 # ---- the frontier's rows
 
 
-def front_rows(members):
-    """Members of a front by rising time."""
+def front_rows(frontier, view):
+    """Members of a view's front by rising time, numbered as in its plot."""
     rows = []
-    for point, spread in members:
+    for number, (point, spread) in enumerate(front_of(frontier, view), 1):
         f = point.figures
-        rows.append({"representation": point.representation, "label": point.label, "time": duration(spread.us),
-                     "spread": f"{duration(f['us_p25'])} to {duration(f['us_p75'])}",
-                     "cells": [error(f[key]) for key in ("rmse_median", "rmse_mean", "rmse_p5", "rmse_p95", "rmse_worst")], "leak": f"{f['leak_p99']:.3f}"})
+        rows.append({"number": number, "representation": point.representation, "label": point.label, "time": duration(spread.us),
+                     "spread": f"{duration(f['us_p25'])} to {duration(f['us_p75'])}", "errors": [error(v) for v in (spread.median, view.mean(point), spread.p5, spread.p95)],
+                     "all": [error(f[key]) for key in ("rmse_median", "rmse_mean", "rmse_worst")], "leak": f"{f['leak_p99']:.3f}"})
     return rows
 
 

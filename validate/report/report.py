@@ -62,7 +62,7 @@ def draw_plots(inputs, findings, frontier, scene_order):
         "curve": [plots.finish(curve.draw(inputs.summary), "curve", "Error against bytes a function and against evaluation time")],
         "histogram": [plots.histogram(inputs, n, all_limits, tau) for n in names],
         "run_time": [plots.run_time(inputs, n, fit_limits, time_limits, tent_median) for n in ([] if frontier else names)],
-        "frontier": [frontier_module.whole_svg(frontier)] if frontier else [],
+        "frontier": frontier_module.whole_svgs(frontier) if frontier else [],
         "frontier_scenes": frontier_module.scene_svgs(frontier, scene_order) if frontier else [],
         "unseen_points": [plots.unseen_points(inputs, n, seen_limits) for n in names],
         "shadow": [plots.shadow(inputs, n, shadow_limits) for n in names],
@@ -114,7 +114,8 @@ def proof_values(proof, decision):
     values = {"decision": decision, "frontier": proof.frontier, "needs": proof.needs, "contents": contents(proof), "table": decision_module.table,
               "percent": findings_module.percent}
     if proof.frontier:
-        values |= {"front_rows": decision_module.front_rows(frontier_module.front_of(proof.frontier)), "frontier_tables": frontier_tables(proof.frontier),
+        views = frontier_module.views(proof.frontier)
+        values |= {"frontier_views": [(view, decision_module.front_rows(proof.frontier, view)) for view in views], "frontier_tables": frontier_tables(proof.frontier),
                    "frontier_csv": base64.b64encode(frontier_module.csv_bytes(proof.frontier)).decode()}
     if proof.needs:
         values |= {"need_groups": decision_module.need_groups(proof.needs), "needs_sentence": decision_module.needs_sentence(proof.needs)}

@@ -92,13 +92,15 @@ def frontier():
                 spread = lambda c: {"us_median": us, "rmse_median": rmse * c, "rmse_p5": rmse * c / 4, "rmse_p95": rmse * c * 5}
                 points.append({"representation": representation, "family": family, "budget": budget, "label": family.replace("_", " ") + (f" {budget}" if budget else ""),
                                "us_p25": us * .95, "us_p75": us * 1.1, "rmse_mean": rmse * 1.5, "rmse_worst": rmse * 15, "leak_p99": .05, **spread(1), "on_front": False,
+                               "hard": {"on_front": False, "rmse_mean": rmse * 4, "rmse_worst": rmse * 15, **{k: v for k, v in spread(3).items() if k != "us_median"}},
                                "by_scene": {s: spread(1 + i / 2) for i, s in enumerate(SCENES)}})
     best = float("inf")
     for point in sorted(points, key=lambda p: (p["us_median"], p["rmse_median"])):
         if point["rmse_median"] < best:
-            point["on_front"], best = True, point["rmse_median"]
-    return {"schema_version": 1, "provenance": {}, "functions": FUNCTIONS, "scenes": list(SCENES), "points": points,
+            point["on_front"], point["hard"]["on_front"], best = True, True, point["rmse_median"]
+    return {"schema_version": 1, "provenance": {}, "functions": FUNCTIONS, "hard_functions": 9, "scenes": list(SCENES), "points": points,
             "front_sentence": "On the front: tent_mlp alone, then with 1 to 64 steps of LM.",
+            "hard_front_sentence": "On the front over hard functions: the same.",
             "hierarchy": [{"step": "solved-for → generated function", "rmse_mean": .08}, {"step": "generated function → direct fit", "rmse_mean": .0017},
                           {"step": "direct fit → generator", "rmse_mean": .0031}],
             "walks": [{"scene": SCENES[0], "representation": "tent_mlp", "largest_jump": .05, "samples": 1000}]}

@@ -99,7 +99,7 @@ def check_page(needed, proof):
         expect(target in page.ids, f"the list of contents points at #{target}, which there is none of")
     expect(page.sections[:6] == ["frontier", "scenes", "slices", "stability", "needs", "training"] and page.sections[-1] == "provenance", f"sections: {page.sections}")
     expect("<b>&" not in text and "kaos &lt;b&gt;&amp;" in text, "a scene's name is not escaped")
-    expect(made_up.frontier()["front_sentence"] in text, "the sentence that names the front is missing")
+    expect(all(made_up.frontier()[key] in text for key in ("front_sentence", "hard_front_sentence")), "a sentence that names a front is missing")
     # the made-up suite has one failure without an explanation
     expect(page.headline == "Nothing may ship: 1 stability case failed without an explanation", f"headline: {page.headline}")
     expect(text.count('<tr class="fails">') == 1 and text.count('<tr class="explained">') == 1, "failing cases are not marked, each as what it is")
@@ -154,10 +154,21 @@ def check_frontier():
     """A scene's front is what no other point beats; the CSV holds every point once for the whole set and once a scene."""
     front = proof_inputs.read_frontier("frontier.json")
     for scene in front.scenes:
-        members = frontier.front_of(front, scene)
+        members = frontier.front_of_scene(front, scene)
         others = [p.by_scene[scene] for p in front.points if p.family != "threads"]
         expect(all(not any(o.us <= s.us and o.median <= s.median and (o.us, o.median) != (s.us, s.median) for o in others) for _, s in members), f"{scene}: a member of the front is beaten")
         expect(all(any(s.us <= o.us and s.median <= o.median for _, s in members) for o in others), f"{scene}: the front leaves a point unbeaten out")
+    views = frontier.views(front)
+    expect([view.sentence for view in views] == [front.hard_front_sentence, front.front_sentence], "the plot over hard functions does not come first")
+    hard = frontier.front_of(front, views[0])
+    expect(hard and all(p.on_hard_front and s.median == p.hard["rmse_median"] and s.us == p.figures["us_median"] for p, s in hard), "the hard front shows other figures")
+    content = made_up.frontier()
+    content["hard_functions"], content["hard_front_sentence"] = 0, ""
+    for point in content["points"]:
+        point["hard"] = None
+    made_up.write_json("no_hard.json", content)
+    expect(len(frontier.views(proof_inputs.read_frontier("no_hard.json"))) == 1, "a plot over no function")
+    expect(run("frontier.py", "--frontier", "no_hard.json", "--out", "no_hard.png").returncode == 0, "frontier.py refuses a file without hard functions")
     rows = frontier.csv_bytes(front).decode().splitlines()
     expect(len(rows) == 1 + len(front.points) * (1 + len(front.scenes)), f"{len(rows)} rows in frontier.csv")
     for copy in ("one.png", "two.png"):
@@ -198,6 +209,9 @@ def check_refusals(needed):
             ("frontier.json", lambda c: c["points"][0].update(rmse_p5=1), "rmse_p5"),
             ("frontier.json", lambda c: c["points"][1].update(on_front="yes"), "points[1].on_front"),
             ("frontier.json", lambda c: c["scenes"].pop(), "by_scene"),
+            ("frontier.json", lambda c: c["points"][2].update(hard=None), "points[2]"),
+            ("frontier.json", lambda c: c["points"][2]["hard"].update(rmse_median=2), "points[2].hard"),
+            ("frontier.json", lambda c: [p["hard"].update(on_front=False) for p in c["points"]], "front of hard functions"),
             ("frontier.json", lambda c: [p.update(on_front=False) for p in c["points"]], "points"),
             ("stability.json", lambda c: c["cases"][2].update(passes=1), "cases[2].passes"),
             ("stability.json", lambda c: c["cases"][0].update(group="weather"), "cases[0].group"),
