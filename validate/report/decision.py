@@ -164,8 +164,8 @@ def front_rows(frontier, view):
     for number, (point, spread) in enumerate(front_of(frontier, view), 1):
         f = point.figures
         rows.append({"number": number, "representation": point.representation, "label": point.label, "time": duration(spread.us),
-                     "spread": f"{duration(f['us_p25'])} to {duration(f['us_p75'])}", "errors": [error(v) for v in (spread.median, view.mean(point), spread.p5, spread.p95)],
-                     "all": [error(f[key]) for key in ("rmse_median", "rmse_mean", "rmse_worst")], "leak": f"{f['leak_p99']:.3f}"})
+                     "spread": f"{duration(f['us_p25'])}–{duration(f['us_p75'])}", "errors": [error(v) for v in (spread.median, view.mean(point), spread.p5, spread.p95)],
+                     "all": [error(f[key]) for key in ("rmse_median", "rmse_mean")], "leak": f"{f['leak_p99']:.3f}"})
     return rows
 
 
