@@ -127,10 +127,9 @@ SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<ProbeBloc
         continue;
       }
       const uint64_t n = row++;
-      const FunctionSamples samples{&block.functions.phi[n * kSupportPointCount],
-                                    &block.functions.validity[n * kValidityByteCount]};
-      if (savings_.bare_tent &&
-          checker_.checkBareTent({samples.phi, samples.validity}, options_.refinement.check).passes(options_.refinement.check)) {
+      const StoredFunction stored = storedFunction(block.functions, n);
+      const FunctionSamples samples{stored.phi, stored.validity};
+      if (savings_.bare_tent && checker_.checkBareTent(stored, options_.refinement.check).passes(options_.refinement.check)) {
         ++counts_.free_space;
         probe_function_.push_back(kFreeSpace);
         continue;
@@ -141,7 +140,7 @@ SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<ProbeBloc
       if (match) continue;
       ++counts_.functions;
       spool_.append(samples);
-      result.functions.push_back({samples.phi, samples.validity});
+      result.functions.push_back(stored);
     }
   }
   duplicates_s_ += secondsBetween(start, Clock::now());

@@ -26,10 +26,10 @@ SampledFunction functionBesideWall(uint64_t seed, double distance) {
   double normal[3], square = 0.0;
   for (double& n : normal) n = random.normal(), square += n * n;
   const auto height = [=](int p) {
-    const LocalPoint& point = supportPattern().points[p];
+    const LocalPoint& point = pointAt(p);
     return (normal[0] * point[0] + normal[1] * point[1] + normal[2] * point[2]) / std::sqrt(square) - distance;
   };
-  return sampleFunction([&](int p) { return height(p) < 0.0 ? tent(supportPattern().points[p]) : 0.0f; },
+  return sampleFunction([&](int p) { return height(p) < 0.0 ? tent(pointAt(p)) : 0.0f; },
                         [&](int p) { return height(p) < 0.0 || height(p) > 0.1; });
 }
 

@@ -9,6 +9,8 @@
 
 namespace nlg {
 
+inline const LocalPoint& pointAt(int point) { return supportPattern().points[point]; }
+
 // One function as a data set stores it.
 struct SampledFunction {
   std::vector<uint8_t> phi = std::vector<uint8_t>(kSupportPointCount, 0);         // round(255 phi)
@@ -18,8 +20,9 @@ struct SampledFunction {
 };
 
 // phi     of a support point's index, in [0, 1]; stored as 0 where the point is not valid
-// valid   of the same
-SampledFunction sampleFunction(const std::function<double(int)>& phi, const std::function<bool(int)>& valid);
+// valid   of the same; by default every point is
+SampledFunction sampleFunction(
+    const std::function<double(int)>& phi, const std::function<bool(int)>& valid = [](int) { return true; });
 
 // A probe beside an endless wall: the tent up to a plane at this distance, solid for a tenth of the spacing, nothing behind.
 // seed   the direction of the wall

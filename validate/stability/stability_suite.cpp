@@ -40,8 +40,13 @@ NamedGenerator loadGenerator(const std::string& path) {
 
 std::vector<StabilityCase> allCases() {
   std::vector<StabilityCase> all;
-  for (const auto& group : {functionCases(), optimiserCases(), pcaCases(), generatorCases(), sceneCases()}) {
-    all.insert(all.end(), group.begin(), group.end());
+  for (const auto& cases :
+       {sampledFunctionCases(), wallCases(),                                                      // functions
+        singularJacobianCases(), extremeFitCases(), hopelessStartCases(), singularMatrixCases(),  // optimisers
+        pcaCases(),                                                                               // pca
+        generatorPrecisionCases(), unseenFamilyCases(),                                           // generator
+        sceneSizeCases(), strangeTriangleCases(), triangleCountCases()}) {                        // scenes
+    all.insert(all.end(), cases.begin(), cases.end());
   }
   return all;
 }

@@ -1,4 +1,4 @@
-// Stiff and extreme weighting functions: as a data set may hold them, and as geometry makes them.
+// Weighting functions that a builder makes beside walls, sheets and slits: where light may go, and what a bake stores of them.
 
 #include <algorithm>
 #include <cmath>
@@ -10,74 +10,6 @@
 
 namespace nlg {
 namespace {
-
-const LocalPoint& pointAt(int p) { return supportPattern().points[p]; }
-
-bool everywhere(int) { return true; }
-
-// --- functions from samples -------------------------------------------------------------------------------------------------
-
-constexpr const char* kSampledMustHold =
-    "every generator's theta is finite, neither correction nor refinement makes it worse, and the error of what a bake stores is "
-    "at "
-    "most the threshold tau or that of answering 0 everywhere";
-
-StabilityResult measureSampled(const StabilityInputs& inputs, const SampledFunction& function) {
-  const double zero = rmseOfZero(function), tau = CheckOptions{}.tau_rmse;
-  const WorstBake worst = worstBake(inputs, function.view());
-  StabilityResult result;
-  result.passes = worst.is_finite && worst.never_worse && worst.final_rmse <= std::max(tau, zero);
-  result.measured =
-      fmt::format("worst RMSE over {} generators: network {:.4f}, corrected {:.4f}, stored {:.4f} ({}); answering 0: {:.4f}",
-                  inputs.generators.size(), worst.generated_rmse, worst.corrected_rmse, worst.final_rmse, worst.final_name, zero);
-  result.figures = {{"rmse_generated", worst.generated_rmse},
-                    {"rmse_corrected", worst.corrected_rmse},
-                    {"rmse_stored", worst.final_rmse},
-                    {"rmse_of_zero", zero}};
-  if (worst.final_rmse > tau) {
-    result.note = "No representation of this size holds such a function: the bake's check fails it and counts it.";
-  }
-  return result;
-}
-
-StabilityCase sampledCase(const std::string& name, const std::function<SampledFunction()>& make) {
-  return {"functions",           name, kSampledMustHold,
-          StabilityDepth::brief, true, [make](const StabilityInputs& inputs) { return measureSampled(inputs, make()); }};
-}
-
-SampledFunction onePoint() {
-  // in the middle of the octant's curve: not at the probe, not at the border
-  constexpr int kOnly = kOctantPointCount / 2;
-  return sampleFunction([](int) { return 1.0; }, [](int p) { return p == kOnly; });
-}
-
-// Cells of a quarter of the spacing, black and white.
-SampledFunction checkerboard() {
-  return sampleFunction(
-      [](int p) {
-        int sum = 0;
-        for (const float x : pointAt(p)) sum += static_cast<int>(std::floor(4.0f * (x + 1.0f)));
-        return sum % 2 == 0 ? 1.0 : 0.0;
-      },
-      everywhere);
-}
-
-std::vector<StabilityCase> sampledCases() {
-  const auto constant = [](double value, bool valid) {
-    return [=] { return sampleFunction([=](int) { return value; }, [=](int) { return valid; }); };
-  };
-  return {
-      sampledCase("zero at every point", constant(0.0, true)),
-      sampledCase("one at every point", constant(1.0, true)),
-      sampledCase("one valid point", onePoint),
-      sampledCase("no valid point", constant(0.0, false)),
-      sampledCase("checkerboard", checkerboard),
-      sampledCase("step from 0 to 1 between neighbours",
-                  [] { return sampleFunction([](int p) { return pointAt(p)[0] > 0.0f ? 1.0 : 0.0; }, everywhere); }),
-  };
-}
-
-// --- functions of geometry --------------------------------------------------------------------------------------------------
 
 struct WallScene {
   FaceScene faces;
@@ -95,7 +27,7 @@ struct Built {
   uint64_t unreachable = 0;    // lit points that lie more links from every seen one than there are passes
   uint64_t lit_in_dark = 0;    // lit points where nothing may be lit
   uint64_t lit[2] = {0, 0};    // by side
-  uint64_t seen = 0, lit_unseen = 0, valid = 0;
+  uint64_t seen = 0, lit_unseen = 0;
   double brightest_unseen = 0.0, brightest_seen = 0.0;
   SampledFunction stored;
 };
@@ -124,7 +56,6 @@ void countLight(const WallScene& scene, const GeneratedFunction& function, Built
   for (int p = 0; p < kSupportPointCount; ++p) {
     const double phi = function.phi[p];
     built->outside_range += !(phi >= 0.0 && phi <= 1.0) || (function.valid[p] == 0 && phi != 0.0);
-    built->valid += function.valid[p];
     built->seen += function.seen[p];
     if (function.seen[p]) built->brightest_seen = std::max(built->brightest_seen, phi);
     if (!(phi > 0.0)) continue;
@@ -150,24 +81,9 @@ Built buildAtOrigin(const WallScene& scene) {
   return built;
 }
 
-const char* outcomeName(ProbeOutcome outcome) {
-  switch (outcome) {
-    case ProbeOutcome::function:
-      return "a function";
-    case ProbeOutcome::free_space:
-      return "free space";
-    case ProbeOutcome::in_solid:
-      return "in solid";
-    case ProbeOutcome::empty:
-      return "empty";
-  }
-  return "unknown";
-}
-
 constexpr const char* kWallMustHold =
     "phi is in [0, 1] and 0 in solid, nothing behind the wall is lit, no light goes more links from what the probe sees than "
-    "there "
-    "are passes, nothing unseen is brighter than what is seen, and what a bake stores of it is finite and no worse than "
+    "there are passes, nothing unseen is brighter than what is seen, and what a bake stores of it is finite and no worse than "
     "answering 0";
 
 // The functions of some scenes, all of which must hold.
@@ -264,32 +180,11 @@ WallScene wrapAround(int passes, double sigma, double falloff) {
   return scene;
 }
 
-StabilityResult measureFreeSpace(const StabilityInputs& inputs) {
-  WallScene scene;
-  scene.faces.addBox({3, -1, -1}, {4, 1, 1});
-  const Built built = buildAtOrigin(scene);
-  const SampledFunction tents = sampleFunction([](int p) { return tent(pointAt(p)); }, everywhere);
-  StabilityResult result;
-  double rmse = 0.0;
-  if (!inputs.generators.empty()) rmse = worstBake(inputs, tents.view()).final_rmse;
-  result.passes = built.outcome == ProbeOutcome::free_space && rmse <= CheckOptions{}.tau_rmse;
-  result.measured =
-      fmt::format("outcome {}; worst RMSE of the tent in what a bake stores {:.4f}", outcomeName(built.outcome), rmse);
-  result.figures = {{"rmse_stored", rmse}};
-  return result;
-}
-
 }  // namespace
 
-std::vector<StabilityCase> functionCases() {
-  std::vector<StabilityCase> cases = sampledCases();
-  cases.insert(cases.begin(),
-               {"functions", "free space",
-                "a probe without geometry in its support is found to be in free space, and every generator holds the "
-                "bare tent to the threshold tau",
-                StabilityDepth::brief, false, measureFreeSpace});
+std::vector<StabilityCase> wallCases() {
   using Scenes = std::vector<WallScene>;
-  const std::vector<StabilityCase> walls = {
+  return {
       wallCase("wall along an axis", [] { return Scenes{slab(0.31, 0.47, 0.0)}; }),
       wallCase("wall at 1 degree from an axis", [] { return Scenes{slab(0.31, 0.47, 1.0)}; }),
       wallCase("walls that meet in a corner at the probe", [] { return Scenes{corner()}; }),
@@ -311,8 +206,6 @@ std::vector<StabilityCase> functionCases() {
                                wrapAround(16, 1e-3, 0.0)};
                }),
   };
-  cases.insert(cases.end(), walls.begin(), walls.end());
-  return cases;
 }
 
 }  // namespace nlg
