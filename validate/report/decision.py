@@ -22,6 +22,13 @@ def joined(names):
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
+CASE_STATES = ("fails", "explained", "holds", "not-run")  # in the order of the table
+
+
+def case_state(case):
+    return "not-run" if not case.ran else "holds" if case.passes else "explained" if case.note.strip() else "fails"
+
+
 class Decision:
     """The first screen and the tables behind it.
 
@@ -139,19 +146,22 @@ class Decision:
     # ---- stability
 
     def stability_groups(self):
-        """(group's name, its cases), failing cases first, otherwise as the suite has them."""
-        trouble = lambda case: 2 if case.passes else 1 if case.note.strip() else 0
-        groups = [(GROUP_NAMES[group], sorted((c for c in self.cases if c.group == group), key=trouble))
-                  for group in proof_inputs.GROUPS]
-        return [(name, cases) for name, cases in groups if cases]
+        """(group's name, how many of its cases hold, (state, case)), failing cases first, otherwise as the suite has them."""
+        groups = []
+        for group in proof_inputs.GROUPS:
+            rows = sorted(((case_state(case), case) for case in self.cases if case.group == group), key=lambda row: CASE_STATES.index(row[0]))
+            held = f"{sum(state == 'holds' for state, _ in rows)} of {len(rows)} hold"
+            groups += [(GROUP_NAMES[group], held, rows)] if rows else []
+        return groups
 
     def stability_sentence(self):
-        failed = [case for case in self.cases if not case.passes]
-        text = f"{len(self.cases) - len(failed)} of {plural(len(self.cases), 'case')} hold"
+        failed, ran = verdict.failed(self.cases), [case for case in self.cases if case.ran]
+        text = f"{len(ran) - len(failed)} of {plural(len(ran), 'case')} hold"
         explained = len(failed) - len(verdict.unexplained(self.cases))
         if failed:
             text += f"; {explained} {'fails and is' if explained == 1 else 'fail and are'} explained, {len(failed) - explained} without an explanation"
-        return text + "."
+        left = len(self.cases) - len(ran)
+        return text + (f"; {left} {'was' if left == 1 else 'were'} not run." if left else ".")
 
 
 # ---- the frontier's rows

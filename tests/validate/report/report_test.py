@@ -103,6 +103,8 @@ def check_page(needed, proof):
     # the made-up suite has one failure without an explanation
     expect(page.headline == "Nothing may ship: 1 stability case failed without an explanation", f"headline: {page.headline}")
     expect(text.count('<tr class="fails">') == 1 and text.count('<tr class="explained">') == 1, "failing cases are not marked, each as what it is")
+    expect(text.count('<tr class="not-run">') == 1 and "18 of 20 cases hold; 1 fails and is explained, 1 without an explanation; 1 was not run." in text,
+           "a case that was not run counts as one that held or failed")
     expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
     expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
     os.makedirs("bare", exist_ok=True)
@@ -201,6 +203,8 @@ def check_refusals(needed):
             ("frontier.json", lambda c: [p.update(on_front=False) for p in c["points"]], "points"),
             ("stability.json", lambda c: c["cases"][2].update(passes=1), "cases[2].passes"),
             ("stability.json", lambda c: c["cases"][0].update(group="weather"), "cases[0].group"),
+            ("stability.json", lambda c: c["cases"][0].pop("ran"), "cases[0]"),
+            ("stability.json", lambda c: c["cases"][0].update(ran=False), "cases[0].passes"),
             ("stability.json", lambda c: c["cases"].clear(), "cases"),
             ("bake0.json", lambda c: c.pop("needs"), "needs"),
             ("bake0.json", lambda c: c["needs"][0].update(count=91), "needs[0].count"),
