@@ -6,11 +6,12 @@
 # --plan   only say how many probes, functions, bytes and core-hours the data set will take
 # CONFIG   pipeline.yaml (the default), configs/smoke.yaml, configs/levels.yaml, configs/openarena.yaml or one of yours
 # LEVELS   a folder of .glb or .gltf levels, in place of the configuration's scenes.folder
-# A run that was stopped goes on where it was when it is started again.
+# A run that was stopped goes on where it was when it is started again. Exit code 6: the report is there, and a stability case in it
+# does not hold.
 set -euo pipefail
 
 case "${1:-}" in
-  -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
 plan=
 if [ "${1:-}" = --plan ]; then
@@ -29,7 +30,7 @@ cd "$(dirname "$0")"
 source workflow/setup.sh
 mkdir -p build
 install_packages
-if [ -n "$plan" ]; then build nlg-datagen; else build nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-validate; fi
+if [ -n "$plan" ]; then build nlg-datagen; else build nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-solve nlg-validate nlg-bake; fi
 # our own lock instead of snakemake's, which outlives a killed run: this one is gone with the last process that holds it
 exec 9> build/pipeline.lock
 flock -n 9 || { echo "pipeline.sh: another run of this checkout is at work" >&2; exit 2; }
@@ -48,3 +49,8 @@ removed=$(workflow/check_shards.sh "${NLG_BIN:-build/release/bin}" "$run/dataset
 mapfile -t again <<<"$removed"
 workflow ${removed:+"${again[@]}"} all
 echo "The report: $(realpath "$run/report.html")"
+[ ! -e "$run/test/report.html" ] || echo "… of the test: $(realpath "$run/test/report.html")"
+code=0
+failed=$(/usr/bin/python3 workflow/failed_cases.py "$run/stability.json") || code=$?
+[ "$code" != 6 ] || printf 'pipeline.sh: stability cases that do not hold:\n%s\n' "$failed" >&2
+exit "$code"

@@ -322,8 +322,9 @@ nlohmann::ordered_json OptionTable::toJson() const {
 }
 
 const std::vector<std::string>& pipelineSections() {
-  static const std::vector<std::string> sections = {"name",  "scenes", "split", "representations", "datagen", "basis",
-                                                    "train", "export", "bake",  "validate",        "frontier"};
+  static const std::vector<std::string> sections = {"name",  "scenes", "split", "representations", "datagen",  "basis",
+                                                    "train", "export", "bake",  "validate",        "frontier", "solve",
+                                                    "report"};
   return sections;
 }
 

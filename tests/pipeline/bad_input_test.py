@@ -255,9 +255,9 @@ def check_levels():
         refuses(INPUT_ERROR, names, ["bad.h5"], "nlg-datagen", "--scene", scene, "--out", "bad.h5")
 
 
-def workflow(scenes, split):
+def workflow(scenes, split, report="{}"):
     """Whether snakemake takes a configuration, and its words: a dry run. Absolute folders of archives lie in this one."""
-    write("workflow.yaml", f"name: run\nrepresentations: [mlp]\nscenes: {{{scenes}}}\nsplit: {{{split}}}\n")
+    write("workflow.yaml", f"name: run\nrepresentations: [mlp]\nscenes: {{{scenes}}}\nsplit: {{{split}}}\nreport: {report}\n")
     result = subprocess.run(["/usr/bin/snakemake", "-n", "-p", "-s", os.path.join(SOURCES, "workflow", "Snakefile"), "--configfile", os.path.abspath("workflow.yaml"),
                              "--cores", "1", "--nolock"], capture_output=True, text=True, timeout=60, cwd=SOURCES,
                             env={**os.environ, "NLG_OUT": os.path.abspath("out"), "NLG_LEVELS": "", "NLG_ARCHIVE_ROOT": os.getcwd()})
@@ -281,6 +281,9 @@ def check_workflow():
     accepted = [
         (basis, held_out, ["--scene house:0"]),
         (game, held_out + ", test: [two]", ["/game:one", "dataset/test/two.0.h5", "dataset/training/one.0.h5", "/game:two --jitter 0 --held-out"]),
+        # one scene of each split in the reports' tables of needs, with what a bake can take of the scene's options
+        (game + ", by_scene: {'*': {max_functions: 3, extent_m: [0, 0, 0, 3, 3, 3]}}", held_out + ", test: [two, house_1]",
+         ["nlg-bake house:2 ", "nlg-bake house:1 ", "--extent-m=0,0,0,3,3,3 --measure-needs 1 ", "out/run/test/report.html", "--scene two_rooms ", "--scene table "]),
         (basis + ", by_scene: {'house_*': {max_functions: 3, scale: 0.5}, house_1: {max_functions: 4, extent_m: [0, 0, 0, 3, 3, 3]}}", held_out,
          ["--max-functions=3 --scale=0.5", "--extent-m=0,0,0,3,3,3 --max-functions=4 --scale=0.5"]),
     ]
@@ -294,6 +297,22 @@ def check_workflow():
                 failures.append(f"workflow with {scenes}, {split}: its commands do not hold '{word}'")
         if is_taken and "dataset/training/two" in text:
             failures.append(f"workflow with {scenes}, {split}: trains on a scene of the test set")
+
+    for report, words, absent in [("{small_scenes: [], needs: [], stability: short}", ["stability --short"], ["nlg-solve", "nlg-bake", "training_cases", "--hierarchy", "--needs"]),
+                                  ("{stability: long, needs: ['*_2'], needs_rounds: 0}", ["stability --long", "--measure-needs 0", "training_cases"], [])]:
+        cases += 1
+        is_taken, text = workflow(basis, held_out, report)
+        if not is_taken or any(word not in text for word in words) or any(word in text for word in absent):
+            failures.append(f"workflow with report {report}: expected {words} and no {absent}, got\n    {text.strip()[-1500:]}")
+    for report, words in [("{colour: red}", "unknown key 'colour'"), ("[a]", "report: expected keys"), ("{needs: house_2}", "a list of names or patterns"),
+                          ("{needs: [house_0]}", "held out or for the test, got 'house_0'"), ("{needs_rounds: 1.5}", "an integer from 0 to 99, got 1.5"),
+                          ("{needs_rounds: true}", "an integer from 0 to 99"), ("{small_scenes: [cellar]}", "a list out of two_rooms"),
+                          ("{small_scenes: column}", "a list out of two_rooms"), ("{stability: brief}", "one of short, full, long, got 'brief'"),
+                          ("{stability: [full]}", "one of short, full, long")]:
+        cases += 1
+        is_taken, text = workflow(basis, held_out, report)
+        if is_taken or words not in text:
+            failures.append(f"workflow with report {report}: expected a refusal with '{words}', got\n    {text.strip()[-600:]}")
 
     def archives(text):
         return f"{basis}, archives: [{text}]", held_out
@@ -324,6 +343,8 @@ def check_workflow():
         is_taken, text = workflow(scenes, split)
         if is_taken or words not in text:
             failures.append(f"workflow with {scenes}, {split}: expected a refusal with '{words}', got\n    {text.strip()[-600:]}")
+
+
 def check_shards():
     """nlg-datagen info: every damage, anywhere; and a shard whose functions repeat."""
     for bad in ["missing.h5", "folder", "basis.h5", "weights.safetensors", *damaged_copies("held_out.h5")]:

@@ -32,6 +32,11 @@ NLG_OUT=$temporary/default /usr/bin/snakemake -s workflow/Snakefile --configfile
 
 # --- what it leaves
 [ -s "$out/report.html" ] || fail "no report.html"
+for part in frontier stability needs; do
+  grep -q "<section id=\"$part\">" "$out/report.html" || fail "report.html lacks the section $part"
+done
+grep -q "From the truth to the generator" "$out/report.html" || fail "report.html lacks the hierarchy of truths"
+[ ! -e "$out/needs/clutter_2.safetensors" ] || fail "the light grid of a table of needs was kept"
 ! grep -Eq '(src|href)="(https?:)?//' "$out/report.html" || fail "report.html loads something from elsewhere"
 for copy in 1 2; do
   /usr/bin/python3 validate/report/curve.py --summary "$out/validation/summary.json" --out "$temporary/curve.$copy.png" || fail "curve.py refuses the summary"
@@ -106,6 +111,40 @@ sleep 1
 kill -9 $!
 ! wait $! || fail "a bake of a whole cave was over within a second: nothing was killed"
 [ ! -e "$temporary/killed.safetensors" ] || fail "a killed bake left a light grid"
+
+# --- a stability case that does not hold: the report is made all the same and shows it; a tool that fails otherwise ends the run
+/usr/bin/python3 workflow/failed_cases.py "$out/stability.json" >"$temporary/failed.txt" || fail "cases do not hold: $(cat "$temporary/failed.txt")"
+mkdir "$temporary/bin"
+ln -s "$NLG_BIN"/nlg-* "$temporary/bin/"
+rm "$temporary/bin/nlg-validate"
+cat >"$temporary/bin/nlg-validate" <<'SCRIPT'
+#!/bin/bash
+# the last argument is the table to write: of another run, with one case that fails
+/usr/bin/python3 - "$STABILITY_TABLE" "${@: -1}" <<'PYTHON'
+import json, sys
+
+table = json.load(open(sys.argv[1]))
+case = next(case for case in table["cases"] if case["ran"])
+case.update(name="made to fail", passes=False, note="")
+json.dump(table, open(sys.argv[2], "w"))
+PYTHON
+exit "$STABILITY_CODE"
+SCRIPT
+chmod +x "$temporary/bin/nlg-validate"
+cp "$out/stability.json" "$temporary/stability.json"
+(
+  export NLG_BIN=$temporary/bin STABILITY_TABLE=$temporary/stability.json STABILITY_CODE=6
+  cp -a "$temporary/first" "$temporary/failing"
+  pipeline failing --forcerun stability
+)
+grep -q '<tr class="fails">' "$temporary/failing/smoke/report.html" || fail "a case that does not hold is not in the report"
+code=0
+/usr/bin/python3 workflow/failed_cases.py "$temporary/failing/smoke/stability.json" >"$temporary/failed.txt" || code=$?
+[ "$code" = 6 ] && grep -q "made to fail" "$temporary/failed.txt" || fail "failed_cases.py: exit code $code, $(cat "$temporary/failed.txt")"
+! (
+  export NLG_BIN=$temporary/bin STABILITY_TABLE=$temporary/stability.json STABILITY_CODE=3
+  pipeline failing --forcerun stability
+) 2>"$temporary/stopped.txt" || fail "nlg-validate stability ended with 3 and the run went on"
 
 # --- what it was said to take beforehand is what it took
 pipeline planned plan

@@ -23,6 +23,13 @@ def joined(names):
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
+CASE_STATES = ("fails", "explained", "holds", "not-run")  # in the order of the table
+
+
+def case_state(case):
+    return "not-run" if not case.ran else "holds" if case.passes else "explained" if case.note.strip() else "fails"
+
+
 class Decision:
     """The first screen and the tables behind it.
 
@@ -140,19 +147,29 @@ class Decision:
     # ---- stability
 
     def stability_groups(self):
-        """(group's name, its cases), failing cases first, otherwise as the suite has them."""
-        trouble = lambda case: 2 if case.passes else 1 if case.note.strip() else 0
-        groups = [(GROUP_NAMES[group], sorted((c for c in self.cases if c.group == group), key=trouble))
-                  for group in proof_inputs.GROUPS]
-        return [(name, cases) for name, cases in groups if cases]
+        """(group's name, how many of its cases hold, (state, case)), failing cases first, otherwise as the suite has them."""
+        groups = []
+        for group in proof_inputs.GROUPS:
+            rows = sorted(((case_state(case), case) for case in self.cases if case.group == group), key=lambda row: CASE_STATES.index(row[0]))
+            left = sum(state == "not-run" for state, _ in rows)
+            held = f"{sum(state == 'holds' for state, _ in rows)} of {len(rows) - left} hold" + (f", {left} not run" if left else "")
+            groups += [(GROUP_NAMES[group], held, rows)] if rows else []
+        return groups
+
+    @property
+    def stability_state(self):
+        """For the colour: good only where every case was run and holds."""
+        states = {case_state(case) for case in self.cases}
+        return "bad" if "fails" in states else "good" if states == {"holds"} else "mixed"
 
     def stability_sentence(self):
-        failed = [case for case in self.cases if not case.passes]
-        text = f"{len(self.cases) - len(failed)} of {plural(len(self.cases), 'case')} hold"
+        failed, ran = verdict.failed(self.cases), [case for case in self.cases if case.ran]
+        text = f"{len(ran) - len(failed)} of {plural(len(ran), 'case')} hold"
         explained = len(failed) - len(verdict.unexplained(self.cases))
         if failed:
             text += f"; {explained} {'fails and is' if explained == 1 else 'fail and are'} explained, {len(failed) - explained} without an explanation"
-        return text + "."
+        left = len(self.cases) - len(ran)
+        return text + (f"; {left} {'was' if left == 1 else 'were'} not run." if left else ".")
 
 
 # ---- the frontier's rows
@@ -184,7 +201,10 @@ def table(rows):
     """(column names, rows of (text, is a number)) of objects that may differ in their keys."""
     columns = list(dict.fromkeys(key for row in rows for key in row))
     is_number = lambda value: isinstance(value, (int, float)) and not isinstance(value, bool)
-    return [c.replace("_", " ") for c in columns], [[(plain(row.get(c)), is_number(row.get(c))) for c in columns] for row in rows]
+    # a null stands where its column's numbers do
+    numeric = {c for c in columns if any(is_number(row.get(c)) for row in rows)}
+    aligned = lambda row, c: is_number(row.get(c)) or (row.get(c) is None and c in numeric)
+    return [c.replace("_", " ") for c in columns], [[(plain(row.get(c)), aligned(row, c)) for c in columns] for row in rows]
 
 
 # ---- needs
@@ -205,12 +225,17 @@ def seconds_text(value):
 LEFT_OUT = (True, False, None)  # in the order of the table
 
 
+def left_out(row):
+    """What a scene has none of is neither left out nor still to be."""
+    return row.left_out if row.count > 0 else None
+
+
 def need_groups(needs):
     """(scene, rows): what is left out first, by falling time saved, then what is not yet, then what this bake has none of."""
     groups = []
     for scene, rows in needs:
-        ordered = sorted(rows, key=lambda r: (LEFT_OUT.index(r.left_out), -(r.seconds_saved or 0)))
-        groups.append((scene, [{"what": r.what, "state": LEFT_OUT.index(r.left_out), "count": grouped(r.count), "of": grouped(r.of), "share": percent(r.count / r.of) if r.of else "–",
+        ordered = sorted(rows, key=lambda r: (LEFT_OUT.index(left_out(r)), -(r.seconds_saved or 0)))
+        groups.append((scene, [{"what": r.what, "state": LEFT_OUT.index(left_out(r)), "count": grouped(r.count), "of": grouped(r.of), "share": percent(r.count / r.of) if r.of else "–",
                                 "seconds": "–" if r.seconds_saved is None else seconds_text(r.seconds_saved),
                                 "bytes": "–" if r.bytes_saved is None else bytes_text(r.bytes_saved),
                                 "same": {None: "–", True: "same result", False: "differs"}[r.same_result], "differs": r.same_result is False, "note": r.note}
@@ -221,7 +246,7 @@ def need_groups(needs):
 def needs_sentence(needs):
     """Lines overlap (all probes together, and each kind by itself), so nothing is added up: the one that saves most speaks."""
     rows = [(scene, r) for scene, some in needs for r in some]
-    left, not_yet = [(s, r) for s, r in rows if r.left_out], [r for _, r in rows if r.left_out is False]
+    left, not_yet = [(s, r) for s, r in rows if left_out(r)], [r for _, r in rows if left_out(r) is False]
     text = f"{plural(len(needs), 'scene')}, {plural(len(rows), 'line')}: {len(left)} left out"
     timed = [(s, r) for s, r in left if r.seconds_saved is not None and r.seconds_saved > 0]
     if timed:

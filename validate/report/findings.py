@@ -224,10 +224,12 @@ class Findings:
         def text(name):
             log = self.inputs.logs[name]
             last = log.held_out_rmse[-1]
-            before = log.held_out_rmse[max(0, int(0.8 * (len(log.step) - 1)))]
+            # the last validation before the last fifth of the run
+            at = max(0, int(np.searchsorted(log.step, 0.8 * log.step[-1], side="right")) - 1)
+            before, since = log.held_out_rmse[at], grouped(int(log.step[at]))
             lowest = int(np.argmin(log.held_out_rmse))
-            trend = (f"it fell by {percent(1 - last / before)} over the last fifth of the run" if last < before else
-                     f"it no longer fell over the last fifth of the run (lowest: {error(log.held_out_rmse[lowest])} at step {grouped(int(log.step[lowest]))})")
+            trend = ("it was measured this once" if len(log.step) == 1 else f"since step {since} it fell by {percent(1 - last / before)}" if last < before else
+                     f"since step {since} it no longer fell (lowest: {error(log.held_out_rmse[lowest])} at step {grouped(int(log.step[lowest]))})")
             alone = f" ({error(log.held_out_generated[-1])} before corrections)" if log.held_out_generated[-1] != last else ""
             return f"the held-out error ends at {error(last)}{alone} after {plural(int(log.step[-1]), 'step')}; {trend}"
         return self.each(text)

@@ -297,7 +297,7 @@ def training_curve(inputs, representation, limits):
     axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: short(v)))
     axes.annotate(f"{log.held_out_rmse[-1]:.4f}", (log.step[-1], log.held_out_rmse[-1]), xytext=(0, 7), textcoords="offset points",
                   ha="right", fontsize=8, color=colour("generator"))
-    axes.legend(loc="upper right")
+    axes.legend(loc="best")
     return finish(figure, f"training-{representation}", f"Training curve, {representation}")
 
 

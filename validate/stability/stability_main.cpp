@@ -46,7 +46,7 @@ int stabilityMain(int argc, char** argv) {
   StabilityRequest request;
   std::string out;
   bool is_short = false, is_long = false;
-  OptionTable table("validate");
+  OptionTable table("stability");  // it has no options of a configuration
   app.add_option("--out", out, "the table to write (.json)")->required();
   app.add_option("--weights", request.weights, "exported generators; without any the cases that need them are not run");
   app.add_option("--training", request.training, "what training_cases.py wrote: the training cases");

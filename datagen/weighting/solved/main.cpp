@@ -1,6 +1,6 @@
 // nlg-solve: weighting functions of a small scene solved for, and what rules that generate them make of the same scene.
-// Writes SCENE.csv, a row a rule, and SCENE.json, slices for pictures (docs/weighting_functions.md says what stands in them), and
-// with --weights SCENE.hierarchy.json, from solved functions to a generator's (docs/frontier.md).
+// Writes SCENE.csv, a row a rule, and SCENE.json, slices for pictures (docs/weighting_functions.md says what stands in them); with
+// --weights instead SCENE.hierarchy.json, from solved functions to a generator's (docs/frontier.md).
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -129,9 +129,7 @@ Json slicesJson(const SolvedScene& scene) {
   return slice;
 }
 
-void solve(const Request& request, const SolveSetup& setup, const DirectOptions& direct, const OptionTable& table) {
-  const std::vector<Generator> generators = loadGenerators(request.weights);
-  const SolvedScene scene(request.scene, setup);
+void compareRules(const Request& request, const SolvedScene& scene) {
   std::string csv = "scene,rule,passes,sigma,falloff,path_power,rmse,rmse_shadow,unlit_share,leak,step_p99,distance_solved\n";
   const DiffusionRule tent{"bare tent", Baseline::bare_tent}, seen{"seen tent", Baseline::visible_tent}, present{"present"};
   const auto weightsOf = [&](const DiffusionRule& rule) { return generateWeights(scene.table, scene.views, scene.points, rule); };
@@ -147,7 +145,10 @@ void solve(const Request& request, const SolveSetup& setup, const DirectOptions&
   }
   writeFileAtomically(request.out_dir + "/" + request.scene + ".csv", csv);
   writeFileAtomically(request.out_dir + "/" + request.scene + ".json", slicesJson(scene).dump() + "\n");
-  if (generators.empty()) return;
+}
+
+void descendHierarchy(const Request& request, const SolvedScene& scene, const std::vector<Generator>& generators,
+                      const DirectOptions& direct, const OptionTable& table) {
   std::map<std::string, std::string> hashes;
   for (size_t i = 0; i < generators.size(); ++i) hashes["weights." + std::to_string(i)] = fileSha256(request.weights[i]);
   Json json = {{"schema_version", 1}, {"provenance", provenance("nlg-solve", table.toJson(), hashes)}};
@@ -155,19 +156,34 @@ void solve(const Request& request, const SolveSetup& setup, const DirectOptions&
   writeFileAtomically(request.out_dir + "/" + request.scene + ".hierarchy.json", json.dump(1) + "\n");
 }
 
+void solve(const Request& request, const SolveSetup& setup, const DirectOptions& direct, const OptionTable& table) {
+  const std::vector<Generator> generators = loadGenerators(request.weights);
+  const SolvedScene scene(request.scene, setup);
+  if (generators.empty()) {
+    compareRules(request, scene);
+  } else {
+    descendHierarchy(request, scene, generators, direct, table);
+  }
+}
+
 }  // namespace
 }  // namespace nlg
 
 int main(int argc, char** argv) {
-  CLI::App app{"Solves for the weighting functions of a small scene and compares rules that generate them.", "nlg-solve"};
+  CLI::App app{
+      "Solves for the weighting functions of a small scene and compares what generates them with it: rules, or exported "
+      "generators.",
+      "nlg-solve"};
   nlg::Request request;
   nlg::SolveSetup setup;
   nlg::DirectOptions direct;
   nlg::OptionTable table("solve");
   nlg::describe(setup, direct, table);
   app.add_option("--scene", request.scene, "two_rooms, doorway, column, clutter, corridor or table")->required();
-  app.add_option("--out-dir", request.out_dir, "folder for SCENE.csv and SCENE.json")->required();
-  app.add_option("--weights", request.weights,
-                 "exported generators: SCENE.hierarchy.json says how much error direct fits and they add to generated functions");
+  app.add_option("--out-dir", request.out_dir, "folder for SCENE.csv and SCENE.json; with --weights: for SCENE.hierarchy.json")
+      ->required();
+  app.add_option(
+      "--weights", request.weights,
+      "exported generators: instead of comparing rules, say how much error direct fits and they add to generated functions");
   return nlg::runTool(argc, argv, app, table, [&] { nlg::solve(request, setup, direct, table); });
 }

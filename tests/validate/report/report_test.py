@@ -10,6 +10,9 @@ import re
 import subprocess
 import sys
 import tempfile
+import types
+
+import numpy as np
 
 sys.dont_write_bytecode = True
 import made_up
@@ -17,6 +20,7 @@ import made_up
 SOURCES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "validate", "report")
 sys.path.insert(0, SOURCES)
 import decision
+import findings
 import frontier
 import inputs
 import output
@@ -103,6 +107,8 @@ def check_page(needed, proof):
     # the made-up suite has one failure without an explanation
     expect(page.headline == "Nothing may ship: 1 stability case failed without an explanation", f"headline: {page.headline}")
     expect(text.count('<tr class="fails">') == 1 and text.count('<tr class="explained">') == 1, "failing cases are not marked, each as what it is")
+    expect(text.count('<tr class="not-run">') == 1 and "18 of 20 cases hold; 1 fails and is explained, 1 without an explanation; 1 was not run." in text,
+           "a case that was not run counts as one that held or failed")
     expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
     expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
     os.makedirs("bare", exist_ok=True)
@@ -136,6 +142,31 @@ def check_verdict(needed):
     explained = [proof_inputs.Case("pca", "a", "b", "c", False, "why")]
     expect(not decision.Decision(data, free, explained).blocked, "an explained failure blocks")
     expect(decision.Decision(data, free, [proof_inputs.Case("pca", "a", "b", "c", False, " ")]).headline().startswith("Nothing may ship"), "an unexplained failure does not block")
+
+
+def check_stability_state():
+    """Green means that every case was run and holds."""
+    case = lambda passes, note="", ran=True: proof_inputs.Case("pca", "a", "b", "c", passes, note, ran)
+    not_run = case(False, "not run: it needs --long", False)
+    for cases, state in [([case(True)], "good"), ([case(True), not_run], "mixed"), ([case(True), case(False, "why")], "mixed"),
+                         ([case(False), not_run], "bad")]:
+        some = decision.Decision.__new__(decision.Decision)
+        some.cases = cases
+        expect(some.stability_state == state, f"{cases}: {some.stability_state}")
+
+
+def check_training():
+    """What is said of a training run names the steps that it was measured at, however few."""
+    def said(steps, errors):
+        log = inputs.Log(np.array(steps), np.array(errors), np.array(errors), np.array(errors))
+        some = findings.Findings.__new__(findings.Findings)
+        some.inputs = types.SimpleNamespace(logs={"mlp": log}, representations=["mlp"])
+        return some.training()[0][1]
+
+    for steps, errors, words in [([60], [.02], "measured this once"), ([30, 60], [.02, .01], "since step 30 it fell by 50"),
+                                 ([10, 20, 30, 40, 50], [.05, .04, .03, .02, .01], "since step 40 it fell by 50"),
+                                 ([30, 60], [.01, .02], "since step 30 it no longer fell (lowest: 0.0100 at step 30)")]:
+        expect(words in said(steps, errors), f"{steps}: {said(steps, errors)}")
 
 
 def check_scenes(needed):
@@ -186,6 +217,9 @@ def check_needs():
     for row in (row for _, rows in needs for row in rows):
         row.seconds_saved = None
     expect("saves most" not in decision.needs_sentence(needs), "a saving that nobody measured is named")
+    some[0].count = 0
+    text = decision.needs_sentence(needs)
+    expect("2 scenes, 8 lines: 3 left out" in text and decision.need_groups(needs)[0][1][-1]["state"] == 2, f"what there is none of counts as left out: {text}")
     states = [row["state"] for row in decision.need_groups(needs)[0][1]]
     expect(states == sorted(states) and set(states) == {0, 1, 2}, f"lines are not in order of their state: {states}")
 
@@ -215,6 +249,8 @@ def check_refusals(needed):
             ("frontier.json", lambda c: [p.update(on_front=False) for p in c["points"]], "points"),
             ("stability.json", lambda c: c["cases"][2].update(passes=1), "cases[2].passes"),
             ("stability.json", lambda c: c["cases"][0].update(group="weather"), "cases[0].group"),
+            ("stability.json", lambda c: c["cases"][0].pop("ran"), "cases[0]"),
+            ("stability.json", lambda c: c["cases"][0].update(ran=False), "cases[0].passes"),
             ("stability.json", lambda c: c["cases"].clear(), "cases"),
             ("bake0.json", lambda c: c.pop("needs"), "needs"),
             ("bake0.json", lambda c: c["needs"][0].update(count=91), "needs[0].count"),
@@ -232,6 +268,8 @@ def main():
         needed, proof = made_up.write_all("")
         check_page(needed, proof)
         check_verdict(needed)
+        check_stability_state()
+        check_training()
         check_scenes(needed)
         check_frontier()
         check_needs()
