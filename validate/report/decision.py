@@ -139,19 +139,25 @@ class Decision:
     # ---- stability
 
     def stability_groups(self):
-        """(group's name, its cases), failing cases first, otherwise as the suite has them."""
-        trouble = lambda case: 2 if case.passes else 1 if case.note.strip() else 0
+        """(group's name, its cases), failing cases first, then those not run, otherwise as the suite has them."""
+        trouble = lambda case: 3 if case.passes else 2 if not case.ran else 1 if case.note.strip() else 0
         groups = [(GROUP_NAMES[group], sorted((c for c in self.cases if c.group == group), key=trouble))
                   for group in proof_inputs.GROUPS]
         return [(name, cases) for name, cases in groups if cases]
 
     def stability_sentence(self):
-        failed = [case for case in self.cases if not case.passes]
-        text = f"{len(self.cases) - len(failed)} of {plural(len(self.cases), 'case')} hold"
+        ran = [case for case in self.cases if case.ran]
+        failed = [case for case in ran if not case.passes]
+        text = f"{len(ran) - len(failed)} of {plural(len(self.cases), 'case')} hold"
         explained = len(failed) - len(verdict.unexplained(self.cases))
         if failed:
             text += f"; {explained} {'fails and is' if explained == 1 else 'fail and are'} explained, {len(failed) - explained} without an explanation"
-        return text + "."
+        missing = len(self.cases) - len(ran)
+        return text + (f"; {missing} {'was' if missing == 1 else 'were'} not run." if missing else ".")
+
+    def stability_state(self):
+        """For the sentence's colour: good only where every case was run and holds."""
+        return "bad" if self.blocked else "good" if all(case.passes for case in self.cases) else "mixed"
 
 
 # ---- the frontier's rows

@@ -50,13 +50,14 @@ class Frontier:
 
 @dataclass
 class Case:
-    """One case of the stability suite. A failing case with a note is explained, not green."""
+    """One case of the stability suite. A failing case with a note is explained, not green; one that was not run is neither."""
     group: str
     name: str
     must_hold: str
     measured: str
     passes: bool
     note: str
+    ran: bool = True
 
 
 @dataclass
@@ -138,7 +139,7 @@ def read_stability(path):
         if node["group"].text() not in GROUPS:
             node["group"].refuse(" or ".join(GROUPS), f"'{node['group'].value}'")
         cases.append(Case(*(node[key].text() for key in ("group", "name", "must_hold", "measured")), truth(node["passes"]),
-                          node["note"].text()))
+                          node["note"].text(), truth(node["ran"])))
     if not cases:
         file["cases"].refuse("at least one case", "none")
     return cases

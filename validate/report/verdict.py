@@ -62,8 +62,12 @@ def judge(inputs, limits):
     return judgements
 
 
+def not_run(cases):
+    return [case for case in cases if not case.ran]
+
+
 def unexplained(cases):
-    return [case for case in cases if not case.passes and not case.note.strip()]
+    return [case for case in cases if case.ran and not case.passes and not case.note.strip()]
 
 
 def leader(inputs, judgements):

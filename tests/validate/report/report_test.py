@@ -103,11 +103,13 @@ def check_page(needed, proof):
     # the made-up suite has one failure without an explanation
     expect(page.headline == "Nothing may ship: 1 stability case failed without an explanation", f"headline: {page.headline}")
     expect(text.count('<tr class="fails">') == 1 and text.count('<tr class="explained">') == 1, "failing cases are not marked, each as what it is")
+    expect(text.count('<tr class="not-run">') == 1 and "18 of 21 cases hold; 1 fails and is explained, 1 without an explanation; 1 was not run." in text, "a case that was not run is not told from one that fails")
     expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
     expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
     os.makedirs("bare", exist_ok=True)
     bare = Page(draw("bare/report.html", *needed))
     expect(bare.sections[:3] == ["run_time", "scenes", "slices"] and not {"frontier", "stability", "needs"} & set(bare.sections), f"sections without a proof: {bare.sections}")
+    expect("Not judged: this page was drawn without the suite" in open("bare/report.html").read(), "a page without the suite's table does not say so")
 
 
 def read(needed):
@@ -136,6 +138,8 @@ def check_verdict(needed):
     explained = [proof_inputs.Case("pca", "a", "b", "c", False, "why")]
     expect(not decision.Decision(data, free, explained).blocked, "an explained failure blocks")
     expect(decision.Decision(data, free, [proof_inputs.Case("pca", "a", "b", "c", False, " ")]).headline().startswith("Nothing may ship"), "an unexplained failure does not block")
+    skipped = decision.Decision(data, free, [proof_inputs.Case("pca", "a", "b", "c", True, ""), proof_inputs.Case("pca", "d", "e", "f", False, "not run: w", ran=False)])
+    expect(not skipped.blocked and skipped.stability_state() == "mixed" and decision.Decision(data, free, skipped.cases[:1]).stability_state() == "good", "a case that was not run counts as held")
 
 
 def check_scenes(needed):
