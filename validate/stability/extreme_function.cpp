@@ -82,8 +82,11 @@ RefinementOptions bakeOptions(const StabilityInputs& inputs) {
 
 WorstBake worstBake(const StabilityInputs& inputs, const StoredFunction& stored) {
   WorstBake worst;
+  const RefinementOptions options = bakeOptions(inputs);
   for (const NamedGenerator& generator : inputs.generators) {
-    const BakedFunction baked = bakeFunction(generator, stored, bakeOptions(inputs));
+    const BakedFunction baked = bakeFunction(generator, stored, options);
+    worst.failing_count += !baked.check.passes(options.check);
+    worst.best_final_rmse = std::min(worst.best_final_rmse, baked.check.rmse);
     worst.is_finite = worst.is_finite && baked.is_finite;
     worst.never_worse = worst.never_worse && baked.never_worse;
     worst.generated_rmse = std::max(worst.generated_rmse, baked.generated_rmse);

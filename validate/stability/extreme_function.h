@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 
 #include "runtime_eval/fit/function_check.h"
 #include "runtime_eval/fit/refinement.h"
@@ -49,6 +50,8 @@ struct WorstBake {
   bool is_finite = true, never_worse = true;
   double generated_rmse = 0.0, corrected_rmse = 0.0, final_rmse = 0.0;
   std::string final_name;  // of the generator with final_rmse
+  int failing_count = 0;   // generators whose stored theta fails the bake's check
+  double best_final_rmse = std::numeric_limits<double>::infinity();
 };
 WorstBake worstBake(const StabilityInputs& inputs, const StoredFunction& stored);
 

@@ -20,15 +20,17 @@ StabilityResult measureSampled(const StabilityInputs& inputs, const SampledFunct
   const WorstBake worst = worstBake(inputs, function.view());
   StabilityResult result;
   result.passes = worst.is_finite && worst.never_worse && worst.final_rmse <= std::max(tau, zero);
-  result.measured =
-      fmt::format("worst RMSE over {} generators: network {:.4f}, corrected {:.4f}, stored {:.4f} ({}); answering 0: {:.4f}",
-                  inputs.generators.size(), worst.generated_rmse, worst.corrected_rmse, worst.final_rmse, worst.final_name, zero);
-  result.figures = {{"rmse_generated", worst.generated_rmse},
-                    {"rmse_corrected", worst.corrected_rmse},
-                    {"rmse_stored", worst.final_rmse},
-                    {"rmse_of_zero", zero}};
-  if (worst.final_rmse > tau) {
-    result.note = "No representation of this size holds such a function: the bake's check fails it and counts it.";
+  result.measured = fmt::format(
+      "worst RMSE over {} generators: network {:.4f}, corrected {:.4f}, stored {:.4f} ({}), best stored {:.4f}; "
+      "answering 0: {:.4f}",
+      inputs.generators.size(), worst.generated_rmse, worst.corrected_rmse, worst.final_rmse, worst.final_name,
+      worst.best_final_rmse, zero);
+  result.figures = {{"rmse_generated", worst.generated_rmse},    {"rmse_corrected", worst.corrected_rmse},
+                    {"rmse_stored", worst.final_rmse},           {"rmse_stored_best", worst.best_final_rmse},
+                    {"failing_generators", worst.failing_count}, {"rmse_of_zero", zero}};
+  if (worst.failing_count > 0) {
+    result.note = fmt::format("{} of {} generators do not hold such a function: the bake's check fails it and counts it.",
+                              worst.failing_count, inputs.generators.size());
   }
   return result;
 }

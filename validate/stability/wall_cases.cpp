@@ -16,6 +16,9 @@ struct WallScene {
   DiffusionOptions diffusion;
   // what the probe at the origin must never light: behind something that nothing leads around
   std::function<bool(const LocalPoint&)> dark = [](const LocalPoint&) { return false; };
+  // what nothing stands before: seen from the probe, so that it has the tent exactly
+  std::function<bool(const LocalPoint&)> plain = [](const LocalPoint&) { return false; };
+  bool may_be_empty = false;  // the probe stands in the wall itself, and may see nothing
   // for a sheet through the probe: the side of a point, of which one must stay dark; 0 on the sheet
   std::function<int(const LocalPoint&)> side;
 };
@@ -26,6 +29,7 @@ struct Built {
   uint64_t outside_range = 0;  // points with phi that is not in [0, 1], or not 0 where invalid
   uint64_t unreachable = 0;    // lit points that lie more links from every seen one than there are passes
   uint64_t lit_in_dark = 0;    // lit points where nothing may be lit
+  uint64_t off_tent = 0;       // points in plain sight without the tent
   uint64_t lit[2] = {0, 0};    // by side
   uint64_t seen = 0, lit_unseen = 0;
   double brightest_unseen = 0.0, brightest_seen = 0.0;
@@ -58,6 +62,7 @@ void countLight(const WallScene& scene, const GeneratedFunction& function, Built
     built->outside_range += !(phi >= 0.0 && phi <= 1.0) || (function.valid[p] == 0 && phi != 0.0);
     built->seen += function.seen[p];
     if (function.seen[p]) built->brightest_seen = std::max(built->brightest_seen, phi);
+    built->off_tent += scene.plain(pointAt(p)) && function.phi[p] != tent(pointAt(p));
     if (!(phi > 0.0)) continue;
     built->unreachable += distance[p] > scene.diffusion.passes;
     built->lit_in_dark += scene.dark(pointAt(p));
@@ -96,12 +101,15 @@ StabilityResult measureWalls(const StabilityInputs& inputs, const std::vector<Wa
   for (const WallScene& scene : scenes) {
     const Built built = buildAtOrigin(scene);
     outcomes += (outcomes.empty() ? "" : ", ") + std::string(outcomeName(built.outcome));
-    const uint64_t wrong = built.outside_range + built.unreachable + built.lit_in_dark + std::min(built.lit[0], built.lit[1]);
+    const uint64_t wrong =
+        built.outside_range + built.unreachable + built.lit_in_dark + built.off_tent + std::min(built.lit[0], built.lit[1]);
     lit_wrongly += wrong;
     seen += built.seen;
     lit_unseen += built.lit_unseen;
     brightest = std::max(brightest, built.brightest_unseen);
-    result.passes = result.passes && wrong == 0 && built.brightest_unseen <= built.brightest_seen;
+    // free space says that the wall was missed: nothing would be measured then
+    const bool is_found = built.outcome == ProbeOutcome::function || (scene.may_be_empty && built.outcome == ProbeOutcome::empty);
+    result.passes = result.passes && is_found && wrong == 0 && built.brightest_unseen <= built.brightest_seen;
     if (built.outcome != ProbeOutcome::function || inputs.generators.empty()) continue;
     const WorstBake worst = worstBake(inputs, built.stored.view());
     stored_rmse = std::max(stored_rmse, worst.final_rmse);
@@ -124,6 +132,9 @@ StabilityCase wallCase(const std::string& name, const std::function<std::vector<
           StabilityDepth::brief, false, [make](const StabilityInputs& inputs) { return measureWalls(inputs, make()); }};
 }
 
+// Nearer to a wall's face than this share of the spacing a point is in no plain sight.
+constexpr double kGrazing = 1e-3;
+
 // A slab, endless as far as a support can tell: from `near` to `far` along a normal that is turned about y from x.
 WallScene slab(double near, double far, double degrees) {
   WallScene scene;
@@ -133,13 +144,16 @@ WallScene slab(double near, double far, double degrees) {
   };
   scene.faces.addBox({near, -50, -50}, {far, 50, 50});
   for (glm::dvec3& position : scene.faces.positions()) position = turned(position.x, position.y, position.z);
-  scene.dark = [=](const LocalPoint& p) { return p[0] * std::cos(angle) + p[2] * std::sin(angle) > far + 1e-4; };
+  const auto height = [=](const LocalPoint& p) { return p[0] * std::cos(angle) + p[2] * std::sin(angle); };
+  scene.dark = [=](const LocalPoint& p) { return height(p) > far + 1e-4; };
+  scene.plain = [=](const LocalPoint& p) { return height(p) < near - kGrazing; };
   return scene;
 }
 
 // A sheet without thickness, seen from both sides, whose plane holds the probe.
 WallScene sheetThroughProbe(double degrees) {
   WallScene scene;
+  scene.may_be_empty = true;
   const double angle = degrees * M_PI / 180.0;
   const glm::dvec3 along(-std::sin(angle), 0, std::cos(angle)), up(0, 1, 0);
   scene.faces.addQuad(-50.0 * along - 50.0 * up, 50.0 * along - 50.0 * up, 50.0 * along + 50.0 * up, -50.0 * along + 50.0 * up,
@@ -157,6 +171,7 @@ WallScene corner() {
   scene.faces.addBox({0.05, -50, -50}, {0.25, 50, 50});
   scene.faces.addBox({-50, -50, 0.05}, {0.05, 50, 0.25});
   scene.dark = [](const LocalPoint& p) { return p[0] > 0.2501f || p[2] > 0.2501f; };
+  scene.plain = [](const LocalPoint& p) { return std::max(p[0], p[2]) < 0.05 - kGrazing; };
   return scene;
 }
 
@@ -167,6 +182,7 @@ WallScene slit(double width) {
   const auto half = [&](double from, double to) {
     scene.faces.addQuad({x, -50, from}, {x, -50, to}, {x, 50, to}, {x, 50, from}, FaceScene::Sides::two);
   };
+  scene.plain = [=](const LocalPoint& p) { return p[0] < x - kGrazing; };
   half(-50, low);
   half(high, 50);
   return scene;
@@ -176,6 +192,7 @@ WallScene slit(double width) {
 WallScene wrapAround(int passes, double sigma, double falloff) {
   WallScene scene;
   scene.faces.addBox({0.31, -50, -50}, {0.35, 0.0, 50});
+  scene.plain = [](const LocalPoint& p) { return p[0] < 0.31 - kGrazing || p[1] > kGrazing; };
   scene.diffusion = {passes, sigma, falloff};
   return scene;
 }

@@ -120,7 +120,8 @@ def bake(scene):
     need = lambda what, left_out, **more: {"what": what, "left_out": left_out, "count": 60, "of": 90, "seconds_saved": 1.25, "bytes_saved": 123456,
                                            "same_result": True, "note": "", **more}
     return {"scene": scene, "needs": [need("probes in free space", True), need("look-up levels never used", False, seconds_saved=None, same_result=None, note="not built yet"),
-                                      need("probes in solid", None, count=0, seconds_saved=None, bytes_saved=None, same_result=None),
+                                      need("probes in solid", True, count=0, seconds_saved=None, bytes_saved=None, same_result=None),
+                                      need("lighting steps", None, count=0, of=0, seconds_saved=None, bytes_saved=None, same_result=None),
                                       need("functions that the smallest representation fits", True, same_result=False, bytes_saved=-12, note="RMSE .0002 higher")]}
 
 
