@@ -115,6 +115,20 @@ def check_quantiles(node):
         node.refuse("rmse_p5 <= rmse_median <= rmse_p95", f"{p5:g}, {median:g}, {p95:g}")
 
 
+def refuse_other_weights(path, summary, representations):
+    """A proof of other weights than those that the summary judges proves nothing of them.
+
+    path              of the proof, whose provenance names the SHA-256 of its weights
+    representations   those of the proof; what the summary does not judge is left alone
+    """
+    hashes = read_json(path)["provenance"]["inputs"]
+    known = {node.text() for _, node in hashes.entries()}
+    for name, node in summary["representations"].entries():
+        wanted = node["weights_sha256"].text()
+        if name in representations and wanted not in known:
+            hashes.refuse(f"the weights of {name} in {summary.path}, {wanted}", "others")
+
+
 def read_spread(node):
     check_quantiles(node)
     return Spread(node["us_median"].number(), *(node[f"rmse_{q}"].number() for q in ERRORS))

@@ -138,12 +138,14 @@ def render(inputs, proof, limits):
     return page.encode(), slices.plate(inputs, limit)
 
 
-def read_proof(arguments):
+def read_proof(arguments, summary):
     proof = Proof()
     if arguments.frontier:
         proof.frontier, proof.paths["frontier"] = proof_inputs.read_frontier(arguments.frontier), arguments.frontier
+        proof_inputs.refuse_other_weights(arguments.frontier, summary, {point.representation for point in proof.frontier.points})
     if arguments.stability:
         proof.cases, proof.paths["stability"] = proof_inputs.read_stability(arguments.stability), arguments.stability
+        proof_inputs.refuse_other_weights(arguments.stability, summary, {name for name, _ in summary["representations"].entries()})
     if arguments.needs:
         proof.needs = [proof_inputs.read_needs(path) for path in arguments.needs]
         proof.paths |= {f"needs of {scene}": path for path, (scene, _) in zip(arguments.needs, proof.needs)}
@@ -174,7 +176,7 @@ def main():
     def make():
         inputs = inputs_module.read_inputs(arguments.summary, arguments.functions, arguments.slices, arguments.basis, arguments.logs)
         limits = verdict.Limits(arguments.max_share_refined, arguments.max_error_hard, arguments.min_speedup)
-        page, plate = render(inputs, read_proof(arguments), limits)
+        page, plate = render(inputs, read_proof(arguments, inputs.summary), limits)
         return {os.path.join(os.path.dirname(arguments.out), "slices.png"): plate, arguments.out: page}
     return output.run("report.py", arguments.out, make)
 

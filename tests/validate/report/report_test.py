@@ -256,6 +256,12 @@ def check_refusals(needed):
             ("bake0.json", lambda c: c["needs"][0].update(count=91), "needs[0].count"),
             ("bake0.json", lambda c: c["needs"][1].update(seconds_saved="x"), "needs[1].seconds_saved")]:
         refuses([place], readers[source], changed(source, change))
+    # weights that the summary does not judge
+    summary = read(needed).summary
+    for source in ("frontier.json", "stability.json"):
+        other = changed(source, lambda c: c["provenance"]["inputs"].update({key: "f" * 64 for key in c["provenance"]["inputs"]}))
+        refuses(["provenance.inputs"], lambda path: proof_inputs.refuse_other_weights(path, summary, {"mlp"}), other)
+        proof_inputs.refuse_other_weights(other, summary, {"pf33"})
     # the tool itself: one line, the exit code, nothing left
     result = run("report.py", *needed, "--needs", "missing.json", "--out", "bad/out.html")
     expect(result.returncode == INPUT_ERROR and len(result.stderr.splitlines()) == 1 and "missing.json" in result.stderr and not os.path.exists("bad"),
