@@ -54,6 +54,9 @@ class Frontier:
     points: list
     front_sentence: str
     hard_front_sentence: str
+    tent: float           # median RMSE of the bare tent, which takes no time
+    tent_hard: object     # … over the hard functions; None where there is none
+    tent_by_scene: dict   # scene → the same
     hierarchy: list       # one dict a step: texts and numbers
     walks: list           # the same
 
@@ -156,8 +159,6 @@ def read_frontier(path):
     check_schema(file)
     scenes = [node.text() for node in file["scenes"].items()]
     points = [read_point(node) for node in file["points"].items()]
-    if not any(point.on_front for point in points):
-        file["points"].refuse("at least one point on the front", "none")
     for index, point in enumerate(points):
         for scene in point.by_scene:
             if scene not in scenes:
@@ -166,10 +167,11 @@ def read_frontier(path):
     for index, point in enumerate(points):
         if (point.hard is None) != (hard_count == 0):
             file["points"].refuse("figures of hard functions in all points, or no hard function", f"points[{index}]")
-    if hard_count and not any(point.on_hard_front for point in points):
-        file["points"].refuse("at least one point on the front of hard functions", "none")
+    tent = file["bare_tent"]
     lists = [[row(node) for node in file[key].items()] for key in ("hierarchy", "walks")]
-    return Frontier(path, file["functions"].count(), hard_count, scenes, points, file["front_sentence"].text(), file["hard_front_sentence"].text(), *lists)
+    return Frontier(path, file["functions"].count(), hard_count, scenes, points, file["front_sentence"].text(), file["hard_front_sentence"].text(),
+                    tent["rmse_median"].number(), optional(tent["hard"], lambda n: n["rmse_median"].number()),
+                    {scene: node["rmse_median"].number() for scene, node in tent["by_scene"].entries()}, *lists)
 
 
 def read_stability(path):

@@ -124,7 +124,7 @@ def proof_values(proof, decision):
 
 def render(inputs, proof, limits):
     findings = findings_module.Findings(inputs)
-    decision = decision_module.Decision(inputs, limits, proof.cases)
+    decision = decision_module.Decision(inputs, limits, proof.cases, proof.frontier)
     limit = slices.difference_limit(inputs.slices)
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(os.path.dirname(os.path.abspath(__file__))), autoescape=True,
                                      undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
@@ -165,7 +165,7 @@ def parse_arguments():
     limits = verdict.Limits()
     parser.add_argument("--max-share-refined", type=float, default=limits.share_refined, help="a generator may ship whose functions need refinement at most this often (default: %(default)g)")
     parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and have at most so many times direct optimisation's error on hard functions, by median (default: %(default)g)")
-    parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="and that, refined, is at least so many times faster than direct optimisation (default: %(default)g)")
+    parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="and that, corrected, is at least so many times as fast as the fastest direct fit of no larger mean error (default: %(default)g)")
     parser.add_argument("--out", required=True, help="the page to write; slices.png is written beside it")
     return parser.parse_args()
 
