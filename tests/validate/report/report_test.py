@@ -111,6 +111,8 @@ def check_page(needed, proof):
            "a case that was not run counts as one that held or failed")
     expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
     expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
+    os.makedirs("test", exist_ok=True)
+    expect("no decision was made by" in draw("test/report.html", *needed, "--test") and "no decision was made by" not in text, "a page of the test does not say so")
     os.makedirs("bare", exist_ok=True)
     bare = Page(draw("bare/report.html", *needed))
     expect(bare.sections[:3] == ["run_time", "scenes", "slices"] and not {"frontier", "stability", "needs"} & set(bare.sections), f"sections without a proof: {bare.sections}")
