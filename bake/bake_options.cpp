@@ -19,6 +19,10 @@ void describe(BakeOptions& o, OptionTable& table) {
             "functions that differ by no more than this RMS, in steps of 1/255, share one theta; 0: the same bytes", 0.0, 16.0);
   table.add("duplicate_validity_points", &o.duplicate_validity_points,
             "and whose validity differs in no more than so many support points", 0, 8192);
+  table.add("bare_tent_rmse", &o.bare_tent_rmse,
+            "a function that the bare tent gives with no larger an RMSE has no theta: its probe counts as free space; 0: every "
+            "function has one",
+            0.0, 1e3);
   describeCorrection(o.correction, table);
   describeRefinement(o.refinement, table);
   table.add("refine_seconds", &o.refine_seconds,

@@ -22,6 +22,7 @@ struct BakeOptions {
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;
+  double bare_tent_rmse = 0.002;  // a function whose bare tent is not further off has no theta; 0: every function has one
   CorrectionOptions correction;
   RefinementOptions refinement;
   double refine_seconds = 0.0;  // 0: as long as it takes

@@ -12,7 +12,8 @@ struct BakeSavings {
   bool larger_generators = true;  // only the smallest representation's generator runs where its theta is enough
   bool correction = true;         // a theta that is right is not corrected
   bool refinement = true;         // a theta that passes the check is not refined
-  bool bare_tent = false;         // a probe whose bare tent passes the check counts as free space: no bake does that yet
+  bool bare_tent = true;          // nor has a function that is all but the bare tent: its probe counts as free space
+  bool passing_tent = false;      // nor one whose bare tent passes the check: no bake does that yet
 };
 
 }  // namespace nlg

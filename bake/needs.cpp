@@ -56,8 +56,6 @@ class NeedsCount {
     return functionBytes(grid_.representations[grid_.function_representation[function]], precision_);
   }
   int64_t smallestBytes() const { return functionBytes(generators_.front().representation(), precision_); }
-  // Bytes, where there is anything to count.
-  static std::optional<int64_t> some(uint64_t count, int64_t bytes) { return count > 0 ? bytes : 0; }
 
   void addProbes() {
     const uint64_t probes = counts_.grid_probes;
@@ -68,9 +66,9 @@ class NeedsCount {
          counts_.free_space,
          probes,
          {},
-         some(counts_.free_space, smallestBytes()),
+         0,
          {},
-         "no links, function or theta; the bare tent, exactly. Duplicates of one another: one theta for all of them"});
+         "no links and no function; the bare tent, exactly. Duplicates of one another: there would be one theta at most"});
     needs_.push_back(
         {need::kInSolid,
          true,
@@ -94,8 +92,17 @@ class NeedsCount {
       if (function < uses.size() && uses[function]++ > 0) shared += bytesOf(function);
     }
     needs_.push_back({need::kDuplicates, true, counts_.duplicates, probes, {}, shared, {}, "one theta for all that are alike"});
-    const uint64_t all = counts_.free_space + counts_.in_solid + counts_.empty + counts_.duplicates;
-    const int64_t all_bytes = thetaEach(counts_.free_space + counts_.in_solid + counts_.empty) + shared;
+    const uint64_t tents = statistics_.bare_tents.count;
+    needs_.push_back({need::kBareTent,
+                      true,
+                      tents,
+                      tents + counts_.duplicates + counts_.functions,
+                      {},
+                      thetaEach(tents),
+                      {},
+                      "bare_tent_rmse; no theta, and nothing to evaluate in the look-up. Counted bytes: as above"});
+    const uint64_t all = counts_.free_space + counts_.in_solid + counts_.empty + counts_.duplicates + tents;
+    const int64_t all_bytes = thetaEach(counts_.free_space + counts_.in_solid + counts_.empty + tents) + shared;
     needs_.push_back({need::kAllProbes, true, all, probes, {}, all_bytes, {}, "a function and a theta for every probe"});
   }
 
@@ -128,16 +135,16 @@ class NeedsCount {
     int64_t tent_bytes = 0;
     uint64_t tents = 0;
     for (size_t f = 0; f < grid_.functionCount(); ++f) {
-      if (statistics_.tent_fits[f]) ++tents, tent_bytes += bytesOf(f);
+      if (statistics_.tent_passes[f]) ++tents, tent_bytes += bytesOf(f);
     }
-    needs_.push_back({need::kBareTent,
+    needs_.push_back({need::kPassingTent,
                       false,
                       tents,
                       functions,
                       {},
                       tent_bytes,
                       {},
-                      "the bare tent passes the check: they could count as free space, without theta"});
+                      "bare_tent_rmse up to tau_rmse would leave them out, too"});
   }
 
   void addFits() {

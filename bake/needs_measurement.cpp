@@ -84,11 +84,12 @@ class NeedsMeasurement {
     if (Variant* v = add(need::kEmpty)) v->savings.empty = false;
     if (Variant* v = add(need::kDuplicates)) v->savings.duplicates = false;
     if (Variant* v = add(need::kAllProbes)) {
-      v->savings.free_space = v->savings.in_solid = v->savings.empty = v->savings.duplicates = false;
+      v->savings.free_space = v->savings.in_solid = v->savings.empty = v->savings.duplicates = v->savings.bare_tent = false;
     }
     if (Variant* v = add(need::kLargerGenerators)) v->savings.larger_generators = false;
     if (Variant* v = add(need::kLargestTheta)) v->generators = {inputs_.generators.back()};
-    if (Variant* v = add(need::kBareTent, true)) v->savings.bare_tent = true;
+    if (Variant* v = add(need::kBareTent)) v->savings.bare_tent = false;
+    if (Variant* v = add(need::kPassingTent, true)) v->savings.passing_tent = true;
     if (Variant* v = add(need::kCorrection)) v->savings.correction = false;
     if (Variant* v = add(need::kRefinement)) v->savings.refinement = false;
     std::vector<Generator> chosen;

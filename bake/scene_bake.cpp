@@ -69,7 +69,7 @@ class SceneBake {
   void generateAndCheck(const SceneFunctions::NewFunctions& made) {
     fitted_.resize(made.first + made.functions.size());
     checks_.resize(fitted_.size());
-    tent_fits_.resize(fitted_.size());
+    tent_passes_.resize(fitted_.size());
     parallelFor((made.functions.size() + kBatchCount - 1) / kBatchCount, thread_count_, [&](uint64_t batch, int thread) {
       const uint64_t begin = batch * kBatchCount;
       generateBatch(made, begin, std::min<uint64_t>(begin + kBatchCount, made.functions.size()), *threads_[thread]);
@@ -86,7 +86,7 @@ class SceneBake {
     for (size_t i = 0; i < all.size(); ++i) {
       const uint64_t number = made.first + begin + i;
       keep(number, 0, thread.maker.theta(0, i), smallest[i]);
-      tent_fits_[number] = thread.maker.bareTentFits(all[i]);
+      tent_passes_[number] = made.tent_passes[begin + i];
       const bool enough = isSmallestEnough(smallest[i], options_.refinement.check, options_.choice.forGenerated());
       thread.smallest_enough += enough;
       if (enough && savings_.larger_generators) continue;
@@ -233,7 +233,8 @@ class SceneBake {
     statistics_.failed_check = failing(statistics_.generated);
     statistics_.still_failing = failing(checks_);
     statistics_.stored = checks_;
-    statistics_.tent_fits = tent_fits_;
+    statistics_.tent_passes = tent_passes_;
+    statistics_.bare_tents = functions_.bareTents();
     statistics_.chosen.assign(generators_.size(), 0);
     for (const FittedFunction& function : fitted_) ++statistics_.chosen[function.generator];
   }
@@ -271,7 +272,7 @@ class SceneBake {
   std::vector<std::unique_ptr<BakeThread>> threads_;
   std::vector<FittedFunction> fitted_;  // by function
   std::vector<FunctionCheck> checks_;   // of fitted_
-  std::vector<uint8_t> tent_fits_;      // by function
+  std::vector<uint8_t> tent_passes_;    // by function
   std::atomic<uint64_t> raised_{0};
   BakeStatistics statistics_;
 };

@@ -30,7 +30,8 @@ struct BakeStatistics {
   uint64_t raised = 0;           // refined functions that ended with a larger representation than was chosen first
   std::vector<uint64_t> chosen;  // functions by representation, in the order of the generators
   std::vector<FunctionCheck> generated, stored;  // by function: after generator and correction, and of what the grid holds
-  std::vector<uint8_t> tent_fits;                // by function: whether the bare tent passes the check
+  BareTents bare_tents;                          // functions without theta: in none of the counts of functions
+  std::vector<uint8_t> tent_passes;              // by function: whether the bare tent passes the check
 };
 
 // What storing theta in fewer bits changed, over all functions: RMSE after rounding minus RMSE before.

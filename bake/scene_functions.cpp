@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstring>
 
 #include "datagen/probes/probe_placement.h"
@@ -45,6 +44,7 @@ struct SceneFunctions::ThreadState {
   ThreadState(const BakeScene& scene, const BakeOptions& options) : builder(scene.rays, scene.links, options.diffusion) {}
   WeightingBuilder builder;
   GeneratedFunction function;
+  FunctionChecker checker;
   double visibility_s = 0.0, functions_s = 0.0;
 };
 
@@ -95,8 +95,9 @@ ProbeOutcome SceneFunctions::seeAndGenerate(const glm::dvec3& position, float sp
   return outcome;
 }
 
-void SceneFunctions::makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadState& state, ProbeBlock* block) const {
-  block->functions.point_count = kSupportPointCount;
+void SceneFunctions::makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadState& state, CheckedBlock* block) const {
+  Shard& rows = block->probes.functions;
+  rows.point_count = kSupportPointCount;
   for (uint64_t probe = first_probe; probe < end_probe; ++probe) {
     const auto [x, y, z] = scene_.tree.probePosition(probe);
     const glm::dvec3 position(x, y, z);
@@ -104,20 +105,26 @@ void SceneFunctions::makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadS
     ProbeOutcome outcome = seeAndGenerate(position, spacing_m, state);
     if (outcome == ProbeOutcome::function) {
       const Clock::time_point start = Clock::now();
-      appendFunction(state.function, scene_.source.scene.origin_m + position, spacing_m, &block->functions);
+      appendFunction(state.function, scene_.source.scene.origin_m + position, spacing_m, &rows);
+      block->tents.push_back(state.checker.checkBareTent(storedFunction(rows, block->tents.size()), options_.refinement.check));
       state.functions_s += secondsBetween(start, Clock::now());
     }
-    block->outcomes.push_back(outcome);
+    block->probes.outcomes.push_back(outcome);
   }
 }
 
-SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<ProbeBlock>& window) {
+bool SceneFunctions::isBareTent(const FunctionCheck& tent) const {
+  if (tent.valid_count == 0 || !tent.passes(options_.refinement.check)) return false;
+  return savings_.passing_tent || (savings_.bare_tent && options_.bare_tent_rmse > 0.0 && tent.rmse <= options_.bare_tent_rmse);
+}
+
+SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<CheckedBlock>& window) {
   const Clock::time_point start = Clock::now();
   NewFunctions result;
   result.first = counts_.functions;
-  for (const ProbeBlock& block : window) {
+  for (const CheckedBlock& block : window) {
     uint64_t row = 0;
-    for (const ProbeOutcome outcome : block.outcomes) {
+    for (const ProbeOutcome outcome : block.probes.outcomes) {
       ++counts_.visited_probes;
       counts_.free_space += outcome == ProbeOutcome::free_space;
       counts_.in_solid += outcome == ProbeOutcome::in_solid;
@@ -127,11 +134,12 @@ SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<ProbeBloc
         continue;
       }
       const uint64_t n = row++;
-      const FunctionSamples samples{&block.functions.phi[n * kSupportPointCount],
-                                    &block.functions.validity[n * kValidityByteCount]};
-      if (savings_.bare_tent &&
-          checker_.checkBareTent({samples.phi, samples.validity}, options_.refinement.check).passes(options_.refinement.check)) {
-        ++counts_.free_space;
+      const FunctionCheck& tent = block.tents[n];
+      const StoredFunction stored = storedFunction(block.probes.functions, n);
+      const FunctionSamples samples{stored.phi, stored.validity};
+      if (isBareTent(tent)) {
+        ++bare_tents_.count;
+        bare_tents_.rmse_sum += tent.rmse;
         probe_function_.push_back(kFreeSpace);
         continue;
       }
@@ -141,7 +149,8 @@ SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<ProbeBloc
       if (match) continue;
       ++counts_.functions;
       spool_.append(samples);
-      result.functions.push_back({samples.phi, samples.validity});
+      result.functions.push_back(stored);
+      result.tent_passes.push_back(tent.passes(options_.refinement.check));
     }
   }
   duplicates_s_ += secondsBetween(start, Clock::now());
@@ -153,7 +162,7 @@ void SceneFunctions::makeAll(const std::function<void(const NewFunctions&)>& use
   Progress progress("probes", static_cast<int64_t>(probe_count));
   for (uint64_t begin = 0; begin < probe_count; begin += kWindowProbes) {
     const uint64_t end = std::min(begin + kWindowProbes, probe_count);
-    std::vector<ProbeBlock> window((end - begin + kBlockProbes - 1) / kBlockProbes);
+    std::vector<CheckedBlock> window((end - begin + kBlockProbes - 1) / kBlockProbes);
     parallelFor(window.size(), thread_count_, [&](uint64_t b, int thread) {
       const uint64_t first = begin + b * kBlockProbes;
       makeBlock(first, std::min(first + kBlockProbes, end), *threads_[thread], &window[b]);

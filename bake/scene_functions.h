@@ -38,6 +38,12 @@ struct FunctionTimes {
   double visibility_s = 0.0, functions_s = 0.0, duplicates_s = 0.0;
 };
 
+// Functions that the bare tent gives well enough.
+struct BareTents {
+  uint64_t count = 0;
+  double rmse_sum = 0.0;
+};
+
 class SceneFunctions {
  public:
   // spool_folder   where samples lie meanwhile: 9 kB a distinct function, in a file without a name
@@ -49,24 +55,31 @@ class SceneFunctions {
   struct NewFunctions {
     uint64_t first = 0;
     std::vector<StoredFunction> functions;
+    std::vector<uint8_t> tent_passes;  // by function: whether the bare tent passes the check
   };
   // Makes the functions of all probes. use is called with the new ones of every window, whose samples last until it returns.
   // The same functions in the same order for any number of threads. throws OutputError when the spool's disk refuses
   void makeAll(const std::function<void(const NewFunctions&)>& use);
 
-  // By probe: a function's number, kFreeSpace or kNoWeight.
+  // By probe: a function's number, kFreeSpace or kNoWeight. Of probes in free space, and of bareTents: kFreeSpace.
   const std::vector<uint32_t>& probeFunction() const { return probe_function_; }
   const ShardCounts& counts() const { return counts_; }
+  const BareTents& bareTents() const { return bare_tents_; }
   FunctionTimes times() const;
   // The samples of a function that was made; `samples` holds them. Any thread may call it.
   StoredFunction read(uint64_t number, std::vector<uint8_t>* samples);
 
  private:
   struct ThreadState;
+  struct CheckedBlock {
+    ProbeBlock probes;
+    std::vector<FunctionCheck> tents;  // of the bare tent, by row of probes.functions
+  };
 
   ProbeOutcome seeAndGenerate(const glm::dvec3& position, float spacing_m, ThreadState& state) const;
-  void makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadState& state, ProbeBlock* block) const;
-  NewFunctions collect(const std::vector<ProbeBlock>& window);
+  void makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadState& state, CheckedBlock* block) const;
+  bool isBareTent(const FunctionCheck& tent) const;
+  NewFunctions collect(const std::vector<CheckedBlock>& window);
 
   const BakeScene& scene_;
   BakeOptions options_;
@@ -76,8 +89,8 @@ class SceneFunctions {
   RowSpool spool_;
   std::mutex spool_mutex_;
   DuplicateIndex index_;
-  FunctionChecker checker_;
   std::vector<uint32_t> probe_function_;
+  BareTents bare_tents_;
   ShardCounts counts_;
   double duplicates_s_ = 0.0;
 };

@@ -84,8 +84,4 @@ FunctionCheck ThetaMaker::check(const StoredFunction& function, size_t g, const 
   return checker_.check(generators_[g].representation(), function, theta, options_.refinement.check);
 }
 
-bool ThetaMaker::bareTentFits(const StoredFunction& function) {
-  return checker_.checkBareTent(function, options_.refinement.check).passes(options_.refinement.check);
-}
-
 }  // namespace nlg

@@ -32,8 +32,6 @@ class ThetaMaker {
   const float* theta(size_t g, size_t i) const { return &theta_[g][i * thetaCount(g)]; }
 
   FunctionCheck check(const StoredFunction& function, size_t g, const float* theta);
-  // Whether the bare tent would pass the check.
-  bool bareTentFits(const StoredFunction& function);
 
   size_t thetaCount(size_t g) const { return static_cast<size_t>(generators_[g].representation().thetaCount()); }
   const Work& work() const { return work_; }

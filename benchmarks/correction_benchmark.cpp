@@ -19,9 +19,7 @@ struct Batch {
   explicit Batch(const Generator& of)
       : generator(of), scratch(of), theta(size_t(kBatchCount) * of.representation().thetaCount()) {
     appendStoredWalls(kBatchCount, &phi, &validity);
-    for (int i = 0; i < kBatchCount; ++i) {
-      functions.push_back({&phi[size_t(i) * kSupportPointCount], &validity[size_t(i) * kValidityByteCount]});
-    }
+    for (size_t i = 0; i < kBatchCount; ++i) functions.push_back(storedFunction(*this, i));
   }
   void generate() { generator.generate(phi.data(), kBatchCount, theta.data(), &scratch); }
 

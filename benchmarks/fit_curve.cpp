@@ -105,11 +105,7 @@ void run(const std::string& weights, int function_count, const std::vector<std::
   int failed = 0;
   for (int i = 0; i < function_count; ++i) {
     const uint64_t n = static_cast<uint64_t>(i) * set.functionCount() / static_cast<uint64_t>(function_count);
-    Case c{{&set.phi[n * kSupportPointCount], &set.validity[n * kValidityByteCount]},
-           {},
-           Theta(D),
-           Theta(generator.theta0(), generator.theta0() + D),
-           n};
+    Case c{storedFunction(set, n), {}, Theta(D), Theta(generator.theta0(), generator.theta0() + D), n};
     c.function = decodeFunction(c.stored, pointOrder(representation));
     generator.generate(c.stored.phi, 1, c.generated.data(), &scratch);
     generated_rmse.push_back(functionRmse(representation, c.function, c.generated.data()));

@@ -19,6 +19,7 @@
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/fit/direct.h"
+#include "runtime_eval/fit/function_check.h"
 #include "runtime_eval/support/random.h"
 #include "tool/error.h"
 
@@ -52,27 +53,16 @@ struct Samples {
   std::vector<bool> ever_valid;
 };
 
-// RMSE of the bare tent over the valid points.
-double tentRmse(const StoredFunction& stored) {
-  const WeightingFunction function = decodeFunction(stored);
-  const PointSet& points = stratifiedSupportPoints();
-  double sum = 0.0;
-  for (int i = 0; i < kSupportPointCount; ++i) {
-    const double residual = function.mask[i] * (points.tent[i] - function.phi[i]);
-    sum += residual * residual;
-  }
-  return std::sqrt(sum / std::max(1, function.validCount()));
-}
-
 Samples takeSamples(const FunctionSet& set, int count) {
   Samples samples;
+  FunctionChecker checker;
   std::vector<double> sum(kSupportPointCount, 0.0);
   std::vector<int> valid(kSupportPointCount, 0);
   for (int i = 0; i < count; ++i) {
     const uint64_t n = static_cast<uint64_t>(i) * set.functionCount() / static_cast<uint64_t>(count);
-    const StoredFunction stored{&set.phi[n * kSupportPointCount], &set.validity[n * kValidityByteCount]};
+    const StoredFunction stored = storedFunction(set, n);
     samples.functions.push_back(stored);
-    samples.hard.push_back(tentRmse(stored) >= kHardRmse);
+    samples.hard.push_back(checker.checkBareTent(stored, {}).rmse >= kHardRmse);
     for (int p = 0; p < kSupportPointCount; ++p) {
       if ((stored.validity[p / 8] >> (p % 8) & 1) != 0) sum[p] += stored.phi[p] / 255.0, ++valid[p];
     }

@@ -18,10 +18,6 @@ double microsecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
 
-StoredFunction storedFunction(const FunctionSet& set, uint64_t index) {
-  return {&set.phi[index * kSupportPointCount], &set.validity[index * kValidityByteCount]};
-}
-
 int threadCount(const ValidateOptions& options) { return options.threads > 0 ? options.threads : machineThreadCount(); }
 
 // One fit of one function: what it is called, and theta from the function.

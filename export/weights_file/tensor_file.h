@@ -20,6 +20,8 @@
 
 namespace nlg {
 
+struct ByteSource;
+
 inline constexpr uint64_t kMaxTensorFileBytes = uint64_t{1} << 34;
 
 // The dtype of a type in memory: "U8", "U32", "U64", "I32", "F16", "F32" or "F64".
@@ -59,15 +61,13 @@ class TensorFileReader {
   }
 
  private:
-  using Read = std::function<bool(uint64_t offset, void* to, size_t count)>;
-
-  WeightsResult open(uint64_t size, Read read);
+  WeightsResult open(ByteSource source);
   WeightsResult find(const std::string& name, const char* dtype, const TensorEntry** entry) const;
   WeightsResult fetch(const std::string& name, const TensorEntry& entry, void* to) const;
 
   WeightsHeader header_;
   uint64_t data_offset_ = 0;
-  Read read_;
+  std::function<bool(uint64_t offset, void* to, size_t count)> read_;
 };
 
 // Collects tensors, then lays out the file. The same calls give the same bytes.

@@ -7,15 +7,11 @@
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 // after foreach_target.h
-#include <hwy/highway.h>
+#include "runtime_eval/evaluator/elementary-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace nlg {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using FloatTag = hn::CappedTag<float, 16>;
-using Floats = hn::Vec<FloatTag>;
 
 // A tile's sums stay in registers: 12 rows x 2 vectors of the 32 registers of AVX-512, 3 x 4 of the 16 of the others.
 constexpr int kLanes = HWY_LANES(float) < 16 ? HWY_LANES(float) : 16;

@@ -9,6 +9,7 @@
 #include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/loss_kernel.h"
 #include "runtime_eval/support/finite.h"
+#include "runtime_eval/support/support_pattern.h"
 
 namespace nlg {
 namespace {
@@ -24,12 +25,23 @@ bool fitsFloat16(const float* theta, size_t count) {
 // By what a step has to lower the mean square for another one to follow, and a mirror image for its theta to be taken: below lies
 // rounding, since errors of images are summed in another order.
 constexpr double kPays = 0.99, kImagePays = 0.999;
+// A representation that is wrong about the tent is so about every function, which no attempt changes: for it retry_rmse rises to so
+// many times that error, at most to so many times itself.
+constexpr double kRetryOverTent = 1.25, kMostRetry = 2.0;
+// What counts as progress of Levenberg–Marquardt: three accepted iterations in a row that lower the mean square by less than this share end it.
+constexpr double kIterationProgress = 0.05;
+// Before iterations the first learned step gains more than it costs, and no other does.
+constexpr int kStepsBeforeIterations = 1;
 
 bool hasValidPoint(const StoredFunction& function) {
   return std::any_of(function.validity, function.validity + kValidityByteCount, [](uint8_t byte) { return byte != 0; });
 }
 
 }  // namespace
+
+bool iteratesCheaply(const Representation& representation) {
+  return representation.isField() || representation.thetaCount() <= 32;
+}
 
 Corrector::Corrector(const Generator& generator, const CorrectionOptions& options)
     : generator_(&generator),
@@ -38,11 +50,9 @@ Corrector::Corrector(const Generator& generator, const CorrectionOptions& option
       layer_scratch_(generator.correctionLayers()),
       places_{generator.coefficientCount(), generator.representation().thetaCount()} {
   if (generator.correctionStepCount() == 0) options_.most_steps = 0;
-  if (generator.representation().isField()) {
-    options_.mirror_images = 1;
-  } else {
-    options_.field_iterations = 0;
-  }
+  if (generator.representation().isField()) options_.mirror_images = 1;
+  if (!iteratesCheaply(generator.representation())) options_.iterations = options_.theta0_iterations = 0;
+  if (options_.iterations > 0) options_.most_steps = std::min(options_.most_steps, kStepsBeforeIterations);
   if (empty()) return;
   const size_t batch = kBatchCount, theta_count = static_cast<size_t>(places_.theta_count);
   phi_.resize(batch * kSupportPointCount);
@@ -67,12 +77,13 @@ Corrector::Corrector(const Generator& generator, const CorrectionOptions& option
     const int feature_count = generator.representation().shape().last() + 1;
     equations_.reset(feature_count, feature_count - 1);
   }
-  if (options_.field_iterations > 0) {
-    // takes the memory that iterations need
-    function_ = tentFunction(pointOrder(generator.representation()));
-    std::copy_n(generator.theta0(), theta_count, theta_.begin());
-    iterateLevenbergMarquardt(generator.representation(), function_, {.iterations = 1}, &normal_equations_, &levenberg_workspace_,
-                              theta_.data());
+  const double retry_rmse = std::clamp(kRetryOverTent * tentRmse(), options_.retry_rmse, kMostRetry * options_.retry_rmse);
+  correct_square_ = options_.correct_rmse * options_.correct_rmse;
+  retry_square_ = std::max(correct_square_, retry_rmse * retry_rmse);
+  if (options_.iterations > 0 || options_.theta0_iterations > 0) {
+    // on the tent; takes the memory that iterations need
+    best_error_[0] = 0.0;
+    iterate(0, generator.theta0(), 1, current_.data());
   }
 }
 
@@ -98,19 +109,21 @@ int Corrector::correctBatch(const StoredFunction* functions, int count, float* t
     decode(functions[i], 0);
     best_error_[i] = meanSquare(&theta[static_cast<size_t>(i) * places_.theta_count]);
   }
-  const double correct = options_.correct_rmse * options_.correct_rmse, retry = options_.retry_rmse * options_.retry_rmse;
   for (int mirror = 0; mirror < options_.mirror_images; ++mirror) {
     going_on_.clear();
     for (int i = 0; i < count; ++i) {
-      const bool is_wrong = best_error_[i] > (mirror == 0 ? correct : std::max(correct, retry));
+      const bool is_wrong = best_error_[i] > (mirror == 0 ? correct_square_ : retry_square_);
       if (is_wrong && hasValidPoint(functions[i])) going_on_.push_back(i);
     }
     if (going_on_.empty()) break;
     startAttempt(mirror, theta);
     runSteps(functions, mirror, theta);
   }
-  for (int i = 0; i < count && options_.field_iterations > 0; ++i) {
-    if (best_error_[i] > correct) iterateField(functions[i], i, theta);
+  for (int i = 0; i < count && (options_.iterations > 0 || options_.theta0_iterations > 0); ++i) {
+    if (!(best_error_[i] > correct_square_) || !hasValidPoint(functions[i])) continue;
+    decode(functions[i], 0);
+    iterate(i, &theta[static_cast<size_t>(i) * places_.theta_count], options_.iterations, theta);
+    if (best_error_[i] > retry_square_) iterate(i, generator_->theta0(), options_.theta0_iterations, theta);
   }
   return static_cast<int>(std::count(changed_.begin(), changed_.begin() + count, uint8_t{1}));
 }
@@ -213,7 +226,7 @@ void Corrector::keepBetter(int mirror, float* theta) {
     mirrorTheta(generator_->representation(), mirror, theta_.data());
     if (std::memcmp(&theta[i * D], theta_.data(), D * sizeof(float)) == 0) {
       best_error_[i] = error_[i];  // of a theta that nothing has happened to yet only the error is new
-      if (best_error_[i] <= options_.correct_rmse * options_.correct_rmse) continue;
+      if (best_error_[i] <= correct_square_) continue;
     } else if (error_[i] < pays * best_error_[i] && fitsFloat16(theta_.data(), D)) {
       best_error_[i] = error_[i];
       changed_[i] = 1;
@@ -231,16 +244,33 @@ void Corrector::keepBetter(int mirror, float* theta) {
   going_on_.resize(kept);
 }
 
-void Corrector::iterateField(const StoredFunction& stored, int i, float* theta) {
+double Corrector::tentRmse() {
+  const Representation& representation = generator_->representation();
+  const PointOrder& order = pointOrder(representation);
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    phi_[p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
+  }
+  generator_->generate(phi_.data(), 1, current_.data(), &generator_scratch_);
+  function_ = tentFunction(order);
+  if (generator_->exactLastLayer()) {
+    solveLastLayer(representation, 0, order.placeCount(), function_.phi.data(), function_.mask.data(), current_.data(),
+                   &equations_);
+  }
+  return functionRmse(representation, function_, current_.data());
+}
+
+void Corrector::iterate(int i, const float* start, int iterations, float* theta) {
   const size_t D = static_cast<size_t>(places_.theta_count);
-  decode(stored, 0);
-  std::copy_n(&theta[i * D], D, theta_.begin());
+  const Representation& representation = generator_->representation();
+  if (iterations == 0) return;
+  LevenbergMarquardtOptions options = refinementLevenbergMarquardt(representation, iterations);
+  options.progress_tolerance = kIterationProgress;
+  std::copy_n(start, D, theta_.begin());
   const FitResult fit =
-      iterateLevenbergMarquardt(generator_->representation(), function_,
-                                refinementLevenbergMarquardt(generator_->representation(), options_.field_iterations),
-                                &normal_equations_, &levenberg_workspace_, theta_.data());
-  const bool is_same = std::memcmp(&theta[i * D], theta_.data(), D * sizeof(float)) == 0;
-  if (is_same || !std::isfinite(fit.rmse) || !fitsFloat16(theta_.data(), D)) return;
+      iterateLevenbergMarquardt(representation, function_, options, &normal_equations_, &levenberg_workspace_, theta_.data());
+  const double error = fit.rmse * fit.rmse;
+  if (!(error < kImagePays * best_error_[i]) || !fitsFloat16(theta_.data(), D)) return;
+  best_error_[i] = error;
   changed_[i] = 1;
   std::copy_n(theta_.data(), D, &theta[i * D]);
 }

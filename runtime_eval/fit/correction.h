@@ -4,8 +4,9 @@
 // First the last layer is solved exactly (networks with a linear output whose weights say so). A learned step then measures theta on
 // its function, error and gradient, and lets a small network say how theta should change. A function that is still not good enough
 // is tried again as its mirror images: to the generator each is another function, with another theta and other mistakes, and
-// theta mirrors back exactly. A product field, where mirror images hardly help, ends with a few iterations of Levenberg–Marquardt
-// instead: each takes it no longer than a learned step. docs/math.md §6; times: docs/inference.md.
+// theta mirrors back exactly. Where an iteration of Levenberg–Marquardt is cheap, for product fields and for networks of few numbers,
+// a few of them end the correction, and theta_0 is one more start for a function that is still not good enough: there they gain more
+// in the same time than learned steps. docs/math.md §6; what each setting costs and gives: docs/training.md.
 #pragma once
 
 #include <vector>
@@ -21,9 +22,14 @@ struct CorrectionOptions {
   double correct_rmse = 0.001;  // theta whose RMSE is not above stay as they are
   int most_steps = 8;           // learned steps of an attempt: they end at the first that does not pay; 0: none
   int mirror_images = 8;        // networks: attempts at a function at most, itself and then its mirror images; 1 … 8
-  double retry_rmse = 0.005;    // … no further attempt at a function whose RMSE is not above
-  int field_iterations = 2;     // product fields: of Levenberg–Marquardt, after the learned steps
+  double retry_rmse = 0.005;    // no further attempt at a function whose RMSE is not above; up to twice that for a generator that
+                                // is nearly as wrong about the tent
+  int iterations = 4;           // where they are cheap: of Levenberg–Marquardt, after the learned steps
+  int theta0_iterations = 32;   // … and from theta_0, for a function whose RMSE is above retry_rmse even then
 };
+
+// Product fields, whose normal equations are a band, and networks of at most 32 numbers.
+bool iteratesCheaply(const Representation& representation);
 
 // One of these a thread and generator.
 class Corrector {
@@ -54,11 +60,14 @@ class Corrector {
   void writeFeatures(int i, size_t row);
   // Takes over what became better; leaves going_on_ with the functions for which the last step paid, their features closed up.
   void keepBetter(int mirror, float* theta);
-  // Levenberg–Marquardt on from theta of function i of the batch.
-  void iterateField(const StoredFunction& stored, int i, float* theta);
+  // RMSE of the generator's theta for the bare tent: what it cannot do better for any function.
+  double tentRmse();
+  // Levenberg–Marquardt on function_, the i-th of the batch, from `start`; takes over what is better than theta of that function.
+  void iterate(int i, const float* start, int iterations, float* theta);
 
   const Generator* generator_;
   CorrectionOptions options_;
+  double correct_square_, retry_square_;  // mean squares that are good enough: for the first attempt, for any further
   GeneratorScratch generator_scratch_;
   LayerScratch layer_scratch_;
   CorrectionFeatures places_;

@@ -16,7 +16,7 @@
 namespace nlg {
 
 // Instead of a function's index:
-inline constexpr uint32_t kFreeSpace = 0xffffffffu;  // the bare tent, nothing stored
+inline constexpr uint32_t kFreeSpace = 0xffffffffu;  // the bare tent, exactly or all but: nothing stored
 inline constexpr uint32_t kNoWeight = 0xfffffffeu;   // the probe lies in solid, or its function is 0 everywhere
 
 inline constexpr size_t kMaxGridFunctions = kNoWeight;

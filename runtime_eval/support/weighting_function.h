@@ -15,6 +15,12 @@ struct StoredFunction {
   const uint8_t* validity = nullptr;  // P / 8, bit i of byte b is point 8 b + i
 };
 
+// The function at a place of what holds many as a data set does: `phi` N x P and `validity` N x P / 8, one behind another.
+template <class Functions>
+StoredFunction storedFunction(const Functions& functions, size_t index) {
+  return {&functions.phi[index * kSupportPointCount], &functions.validity[index * kValidityByteCount]};
+}
+
 // Decodes one batch of a stored function, mirrored by `mirror` (bits as in SupportPattern; 0 leaves it as it is).
 // phi, mask   as many as the batch has places; mask is 1 at valid points, 0 at others and at places without a point; phi is in
 //             [0, 1]

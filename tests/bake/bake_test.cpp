@@ -271,9 +271,9 @@ TEST_F(SceneBakeTest, CountsEveryProbeOnce) {
   const ShardCounts& c = s.counts;
   EXPECT_GT(c.free_space, 0u);
   EXPECT_EQ(c.visited_probes, house.grid.tree.probeCount());
-  EXPECT_EQ(c.functions + c.free_space + c.in_solid + c.duplicates + c.empty, c.visited_probes);
+  EXPECT_EQ(c.functions + c.free_space + s.bare_tents.count + c.in_solid + c.duplicates + c.empty, c.visited_probes);
   const auto& probes = house.grid.probe_function;
-  EXPECT_EQ(static_cast<uint64_t>(std::count(probes.begin(), probes.end(), kFreeSpace)), c.free_space);
+  EXPECT_EQ(static_cast<uint64_t>(std::count(probes.begin(), probes.end(), kFreeSpace)), c.free_space + s.bare_tents.count);
   EXPECT_EQ(static_cast<uint64_t>(std::count(probes.begin(), probes.end(), kNoWeight)), c.in_solid + c.empty);
   EXPECT_EQ(std::accumulate(s.chosen.begin(), s.chosen.end(), uint64_t{0}), c.functions);
   EXPECT_EQ(s.failed_check, s.refined + s.left_for_time);

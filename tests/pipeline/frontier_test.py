@@ -42,7 +42,7 @@ def documented_keys():
     """Of each list and object of frontier.json, the keys in the table of docs/formats.md."""
     text = open(os.path.join(SOURCES, "docs/formats.md")).read()
     section = re.search(r"\n## frontier\.json.*?(?=\n## )", text, re.S).group(0)
-    keys = {"": set(), "points": set(), "by_scene": set(), "hierarchy": set(), "walks": set()}
+    keys = {"": set(), "points": set(), "hard": set(), "by_scene": set(), "hierarchy": set(), "walks": set()}
     for cell in re.findall(r"^\| (`.*?) \|", section, re.M):
         for name in re.findall(r"`([^`]+)`", cell):
             part, _, key = name.rpartition(".")
@@ -59,6 +59,8 @@ def check_result():
     for point in points:
         name = f"{point['representation']}: {point['label']}"
         expect(set(point) == keys["points"], f"{name}: keys {set(point) ^ keys['points']}")
+        expect(set(point["hard"]) == keys["hard"], f"{name}: keys of hard {point['hard']}")
+        expect(point["hard"]["rmse_worst"] <= point["rmse_worst"], f"{name}: a hard function is worse than the worst")
         expect(set(point["by_scene"]) == set(result["scenes"]), f"{name}: scenes {set(point['by_scene'])}")
         for figures in [point, *point["by_scene"].values()]:
             expect(figures is point or set(figures) == keys["by_scene"], f"{name}: keys of a scene {set(figures) ^ keys['by_scene']}")
@@ -66,6 +68,7 @@ def check_result():
             expect(all(math.isfinite(number) and number >= 0 for number in numbers), f"{name}: {numbers}")
             expect(0 < figures["us_p25"] <= figures["us_median"] <= figures["us_p75"], f"{name}: times {figures}")
             expect(figures["rmse_p5"] <= figures["rmse_median"] <= figures["rmse_p95"] <= figures["rmse_worst"], f"{name}: errors {figures}")
+    expect(0 < result["hard_functions"] <= 7, f"{result['hard_functions']} hard functions")
     expect(result["functions"] == 7 and result["scenes"] == ["house_1", "house_2"], f"{result['functions']} of {result['scenes']}")
     count = {"generator": 1, "corrected": 5, "lm_from_generator": 2, "adam_from_generator": 1, "lm_from_theta0": 1, "adam_from_theta0": 1,
              "lm_from_random": 1, "adam_from_random": 1, "coefficients": 2, "precision": 2, "theta_precision": 2, "threads": 2}
@@ -77,13 +80,17 @@ def check_result():
     expect(choices == ["pf3+pf5"], f"choices: {choices}")
     members = [point for point in points if point["on_front"]]
     expect(members and all(f"{p['representation']}: {p['label']} (" in result["front_sentence"] for p in members), result["front_sentence"])
-    expect(not any(p["on_front"] for p in points if p["family"] == "threads"), "a point of several threads is on the front")
+    hard_members = [point for point in points if point["hard"]["on_front"]]
+    expect(hard_members and all(f"{p['representation']}: {p['label']} (" in result["hard_front_sentence"] for p in hard_members), result["hard_front_sentence"])
+    expect(" over hard functions" in result["hard_front_sentence"], result["hard_front_sentence"])
+    expect(not any(p["on_front"] or p["hard"]["on_front"] for p in points if p["family"] == "threads"), "a point of several threads is on a front")
     expect(result["hierarchy"] == [{"step": "solved", "representation": None, "scenes": 2, "rmse_mean": 2, "function_rmse": None}],
            f"hierarchy: {result['hierarchy']}")
     expect(result["walks"] == [{"functions": "solved", "representation": None, "scenes": 2, "light_jump_worst": 3}], f"walks: {result['walks']}")
     rows = list(csv.DictReader(open("out/frontier.csv")))
     expect([row["label"] for row in rows] == [point["label"] for point in points], "frontier.csv has other rows than frontier.json")
     for row, point in zip(rows, points):
+        expect(math.isclose(float(row["hard_rmse_p95"]), point["hard"]["rmse_p95"], rel_tol=1e-5), f"{row['label']}: {row}")
         for key in ["us_median", "rmse_median", "leak_p99"]:
             expect(math.isclose(float(row[key]), point[key], rel_tol=1e-5), f"{row['label']}: {key} is {row[key]} and {point[key]}")
 

@@ -87,7 +87,7 @@ import json, os, sys
 
 one, one_file, half, half_file, table = sys.argv[1], sys.argv[2], sys.argv[3], sys.argv[4], open(sys.argv[5]).read()
 one, half = json.load(open(one)), json.load(open(half))
-parts = ["functions", "free_space", "in_solid", "empty", "duplicates"]
+parts = ["functions", "free_space", "bare_tents", "in_solid", "empty", "duplicates"]
 assert sum(one[part] for part in parts) == one["probes"] > one["functions"] > 0, one
 assert sum(one["representations"].values()) == one["functions"], one
 # refinement trades a little RMSE for leaks: fewer functions fail, whatever the mean does

@@ -58,13 +58,15 @@ def check_short_form():
 def check_training_cases():
     """What training_cases.py wrote is taken over, and fails the whole when it says so."""
     for passes, code in [(True, 0), (False, CHECK_FAILED)]:
-        case = {"group": "training", "name": "poisoned batch", "must_hold": "m", "measured": "n", "figures": {"x": 1}, "passes": passes, "note": ""}
+        case = {"group": "training", "name": "poisoned batch", "must_hold": "m", "measured": "n", "figures": {"x": 1}, "passes": passes, "note": "remark"}
         with open("training.json", "w") as file:
             json.dump({"schema_version": 1, "cases": [case]}, file)
         result = stability("--only", "training", "--training", "training.json", "--out", "merged.json")
         check(result.returncode == code, f"a training case that {'holds' if passes else 'does not'} ended with {result.returncode}: {result.stderr}")
         merged = table("merged.json")["cases"]
-        check(merged[:1] == [{**case, "ran": True}], f"merged as {merged}")
+        # what a case remarks whatever comes out must not stand where a failure would be explained
+        wanted = case if passes else {**case, "measured": "n (remark)", "note": ""}
+        check(merged[:1] == [{**wanted, "ran": True}], f"merged as {merged}")
         check(len(merged) > 1 and not any(other["ran"] or other["passes"] for other in merged[1:]), f"cases that the file lacks: {merged[1:]}")
         os.remove("merged.json")
     check("training: poisoned batch" in result.stderr and len(result.stderr.splitlines()) == 1, f"a failure is reported as {result.stderr!r}")

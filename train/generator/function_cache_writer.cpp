@@ -99,7 +99,7 @@ class CacheWriter {
       projection_.project(&shard.phi[static_cast<size_t>(begin) * kSupportPointCount], batch, coefficients.data(), &scratch_);
       for (int b = 0; b < batch; ++b) {
         const size_t n = static_cast<size_t>(begin + b), place = places_[static_cast<size_t>(count_++)];
-        const StoredFunction function{&shard.phi[n * kSupportPointCount], &shard.validity[n * kValidityByteCount]};
+        const StoredFunction function = storedFunction(shard, n);
         std::memcpy(record.data(), function.phi, kSupportPointCount);
         std::memcpy(&record[kSupportPointCount], function.validity, kValidityByteCount);
         std::memcpy(&record[kSupportPointCount + kValidityByteCount], &coefficients[K * static_cast<size_t>(b)],

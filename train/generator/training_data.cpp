@@ -36,8 +36,7 @@ TrainingData::TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData
 
 StoredFunction TrainingData::function(int64_t index) const {
   if (cache_) return cache_->function(index);
-  const auto place = static_cast<size_t>(placeInSet(index));
-  return {&set_.phi[place * kSupportPointCount], &set_.validity[place * kValidityByteCount]};
+  return storedFunction(set_, static_cast<size_t>(placeInSet(index)));
 }
 
 const float* TrainingData::coefficients(int64_t index) const {

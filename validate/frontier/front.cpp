@@ -47,13 +47,13 @@ std::vector<bool> frontMembers(const std::vector<FrontPoint>& points, const Fron
   return members;
 }
 
-std::string frontSentence(const std::vector<FrontPoint>& points, const std::vector<bool>& members,
+std::string frontSentence(const std::string& over, const std::vector<FrontPoint>& points, const std::vector<bool>& members,
                           const std::vector<std::string>& names) {
   std::vector<size_t> chosen;
   for (size_t i = 0; i < points.size(); ++i) {
     if (members[i]) chosen.push_back(i);
   }
-  std::string sentence = "On the front of time and median error, from the fastest:";
+  std::string sentence = "On the front of time and median error" + over + ", from the fastest:";
   for (const size_t i : byTime(points, chosen)) {
     sentence +=
         fmt::format("{} {} ({}, {:.3g})", sentence.back() == ':' ? "" : ",", names[i], timeText(points[i].us), points[i].rmse);

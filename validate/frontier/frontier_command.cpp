@@ -11,6 +11,7 @@
 #include "validate/frontier/frontier_json.h"
 #include "validate/frontier/frontier_options.h"
 #include "validate/frontier/generator_points.h"
+#include "validate/function_error.h"
 #include "validate/held_out.h"
 
 namespace nlg {
@@ -55,6 +56,13 @@ std::map<std::string, std::string> inputHashes(const Request& request, const Fun
   return hashes;
 }
 
+std::vector<bool> hardFunctions(const FunctionSet& set, const std::vector<uint64_t>& functions, double tent_rmse) {
+  ErrorMeter meter(set);
+  std::vector<bool> hard;
+  for (const uint64_t function : functions) hard.push_back(meter.measureTent(function, nullptr).rmse >= tent_rmse);
+  return hard;
+}
+
 void measureFrontier(const Request& request, const FrontierOptions& options, const OptionTable& table) {
   std::vector<PlotPoint> points = allPoints(request, options);
   const FunctionSet set = readHeldOut(request.held_out);
@@ -68,14 +76,16 @@ void measureFrontier(const Request& request, const FrontierOptions& options, con
   const std::vector<PointMeasurement> measured =
       measureInterleaved(set, blocks, points, options.interleave, [&](int64_t done) { progress.update(done); });
   std::vector<PointFigures> figures;
-  for (const PointMeasurement& point : measured) figures.push_back(figuresOf(point, blocks, set));
+  const std::vector<bool> hard = hardFunctions(set, functions, options.hard_tent_rmse);
+  for (const PointMeasurement& point : measured) figures.push_back(figuresOf(point, blocks, set, hard));
   const FrontierResult result = makeResult(std::move(points), std::move(figures), options.front);
   json["functions"] = functions.size();
+  json["hard_functions"] = std::count(hard.begin(), hard.end(), true);
   json["scenes"] = set.scene_ids;
   json.update(pointsJson(result));
   writeFileAtomically(request.out_dir + "/frontier.csv", pointsCsv(result));
   writeFileAtomically(request.out_dir + "/frontier.json", json.dump(1) + "\n");
-  std::cout << result.front_sentence << '\n' << request.out_dir << "/frontier.json\n";
+  std::cout << result.all.sentence << '\n' << result.hard.sentence << '\n' << request.out_dir << "/frontier.json\n";
 }
 
 }  // namespace

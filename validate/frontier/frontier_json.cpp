@@ -12,10 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void addFigures(const TimeFigures& time, const ErrorFigures& rmse, Json& json) {
-  json["us_median"] = time.median_us;
-  json["us_p25"] = time.p25_us;
-  json["us_p75"] = time.p75_us;
+void addErrors(const ErrorFigures& rmse, Json& json) {
   json["rmse_mean"] = rmse.mean;
   json["rmse_median"] = rmse.median;
   json["rmse_p5"] = rmse.p5;
@@ -23,21 +20,36 @@ void addFigures(const TimeFigures& time, const ErrorFigures& rmse, Json& json) {
   json["rmse_worst"] = rmse.worst;
 }
 
-Json pointJson(const PlotPoint& point, const PointFigures& figures, bool on_front) {
+void addFigures(const TimeFigures& time, const ErrorFigures& rmse, Json& json) {
+  json["us_median"] = time.median_us;
+  json["us_p25"] = time.p25_us;
+  json["us_p75"] = time.p75_us;
+  addErrors(rmse, json);
+}
+
+Json pointJson(const PlotPoint& point, const PointFigures& figures, bool on_front, bool on_hard_front) {
   Json json = {{"representation", point.representation}, {"family", point.family}};
   json["budget"] = point.budget ? Json(*point.budget) : Json(nullptr);
   json["label"] = point.label;
   addFigures(figures.time, figures.rmse, json);
   json["leak_p99"] = figures.leak_p99;
   json["on_front"] = on_front;
+  json["hard"] = nullptr;
+  if (figures.rmse_hard) {
+    json["hard"] = {{"on_front", on_hard_front}};
+    addErrors(*figures.rmse_hard, json["hard"]);
+  }
   json["by_scene"] = Json::object();
   for (const auto& [scene, of_scene] : figures.by_scene) addFigures(of_scene.time, of_scene.rmse, json["by_scene"][scene]);
   return json;
 }
 
+std::string csvErrors(const ErrorFigures& rmse) {
+  return fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", rmse.mean, rmse.median, rmse.p5, rmse.p95, rmse.worst);
+}
+
 std::string csvFigures(const TimeFigures& time, const ErrorFigures& rmse) {
-  return fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", time.median_us, time.p25_us, time.p75_us,
-                     rmse.mean, rmse.median, rmse.p5, rmse.p95, rmse.worst);
+  return fmt::format("{:.6g},{:.6g},{:.6g},{}", time.median_us, time.p25_us, time.p75_us, csvErrors(rmse));
 }
 
 Json readHierarchy(const std::string& path) {
@@ -95,39 +107,54 @@ struct SceneMean {
   }
 };
 
+Front frontOf(const std::string& over, const std::vector<FrontPoint>& points, const std::vector<std::string>& names,
+              const FrontTolerances& tolerances) {
+  Front front{frontMembers(points, tolerances), {}};
+  front.sentence = frontSentence(over, points, front.members, names);
+  return front;
+}
+
 }  // namespace
 
 FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, const FrontTolerances& tolerances) {
-  std::vector<FrontPoint> front;
+  std::vector<FrontPoint> all, hard;
   std::vector<std::string> names;
   for (size_t p = 0; p < points.size(); ++p) {
-    front.push_back({figures[p].time.median_us, figures[p].rmse.median, points[p].may_be_on_front});
+    all.push_back({figures[p].time.median_us, figures[p].rmse.median, points[p].may_be_on_front});
+    // the time is that of a bake, which does not know beforehand what is hard
+    if (figures[p].rmse_hard) {
+      hard.push_back({figures[p].time.median_us, figures[p].rmse_hard->median, points[p].may_be_on_front});
+    }
     names.push_back(points[p].representation + ": " + points[p].label);
   }
-  std::vector<bool> members = frontMembers(front, tolerances);
-  std::string sentence = frontSentence(front, members, names);
-  return {std::move(points), std::move(figures), std::move(members), std::move(sentence)};
+  FrontierResult result{std::move(points), std::move(figures), {}, {}};
+  result.all = frontOf("", all, names, tolerances);
+  if (!hard.empty()) result.hard = frontOf(" over hard functions", hard, names, tolerances);
+  return result;
 }
 
 Json pointsJson(const FrontierResult& result) {
   Json json = {{"points", Json::array()}};
   for (size_t p = 0; p < result.points.size(); ++p) {
-    json["points"].push_back(pointJson(result.points[p], result.figures[p], result.on_front[p]));
+    json["points"].push_back(pointJson(result.points[p], result.figures[p], result.all.members[p],
+                                       result.figures[p].rmse_hard && result.hard.members[p]));
   }
-  json["front_sentence"] = result.front_sentence;
+  json["front_sentence"] = result.all.sentence;
+  json["hard_front_sentence"] = result.hard.sentence;
   return json;
 }
 
 std::string pointsCsv(const FrontierResult& result) {
   std::string csv =
       "representation,family,budget,label,us_median,us_p25,us_p75,rmse_mean,rmse_median,rmse_p5,rmse_p95,rmse_worst,"
-      "leak_p99,on_front\n";
+      "leak_p99,on_front,hard_rmse_mean,hard_rmse_median,hard_rmse_p5,hard_rmse_p95,hard_rmse_worst,on_hard_front\n";
   for (size_t p = 0; p < result.points.size(); ++p) {
     const PlotPoint& point = result.points[p];
     const PointFigures& figures = result.figures[p];
     const std::string budget = point.budget ? fmt::format("{}", *point.budget) : "";
-    csv += fmt::format("{},{},{},{},{},{:.6g},{}\n", point.representation, point.family, budget, csvField(point.label),
-                       csvFigures(figures.time, figures.rmse), figures.leak_p99, result.on_front[p] ? 1 : 0);
+    const std::string hard = figures.rmse_hard ? csvErrors(*figures.rmse_hard) + (result.hard.members[p] ? ",1" : ",0") : ",,,,,";
+    csv += fmt::format("{},{},{},{},{},{:.6g},{},{}\n", point.representation, point.family, budget, csvField(point.label),
+                       csvFigures(figures.time, figures.rmse), figures.leak_p99, result.all.members[p] ? 1 : 0, hard);
   }
   return csv;
 }

@@ -10,17 +10,21 @@
 namespace nlg {
 
 // What is written of all points, in their order.
+struct Front {
+  std::vector<bool> members;  // by point
+  std::string sentence;       // names them; empty when there is no front
+};
+
 struct FrontierResult {
   std::vector<PlotPoint> points;
   std::vector<PointFigures> figures;  // by point
-  std::vector<bool> on_front;         // by point
-  std::string front_sentence;
+  Front all, hard;                    // of the median error over all functions, and over the hard ones
 };
 
-// Finds the front and says who is on it.
+// Finds the fronts and says who is on them.
 FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, const FrontTolerances& tolerances);
 
-// The keys points and front_sentence.
+// The keys points, front_sentence and hard_front_sentence.
 nlohmann::ordered_json pointsJson(const FrontierResult& result);
 
 // One row a point, over all functions.

@@ -34,6 +34,7 @@ std::vector<int> FrontierOptions::coefficientCounts() const { return risingNumbe
 
 void describe(FrontierOptions& o, OptionTable& table) {
   table.add("functions", &o.functions, "held-out functions that all points run on, evenly over scenes", 1, 1000000);
+  table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);
   table.add("repeats", &o.interleave.repeats, "timed runs of a short point on every block", 1, 10000);
   table.add("repeat_seconds", &o.interleave.repeat_seconds, "a point that takes longer for its first block is run once", 0.0,
             1e6);

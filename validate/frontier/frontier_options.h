@@ -11,6 +11,7 @@ namespace nlg {
 
 struct FrontierOptions {
   int functions = 192;
+  double hard_tent_rmse = 0.01;  // functions whose bare tent is at least so wrong are hard
   InterleaveOptions interleave;
   // lists of rising whole numbers
   std::vector<std::string> lm_steps = {"1", "2", "4", "8", "16", "32", "64"};

@@ -77,17 +77,17 @@ void addCorrections(const std::shared_ptr<const Generator>& generator, const Cor
     list.add("corrected", budget, "generator + correction, " + std::to_string(budget) + ' ' + unit,
              [run](const FunctionBlock& block) { return run->generateAndCorrect(block); });
   };
-  const bool is_field = generator->representation().isField();
+  const bool iterates = iteratesCheaply(generator->representation());
   for (const int count : {1, 2, 4, 8}) {
     CorrectionOptions options = standard;
-    options.most_steps = count, options.mirror_images = 1, options.field_iterations = 0;
+    options.most_steps = count, options.mirror_images = 1, options.iterations = options.theta0_iterations = 0;
     if (generator->correctionStepCount() > 0)
       add(count, "learned step" + std::string(count > 1 ? "s" : "") + " at most", options);
   }
   for (const int count : {1, 2, 4, 8}) {
     CorrectionOptions options = standard;
-    (is_field ? options.field_iterations : options.mirror_images) = count;
-    const std::string unit = is_field ? "LM iteration" : "mirror image";
+    (iterates ? options.iterations : options.mirror_images) = count;
+    const std::string unit = iterates ? "LM iteration" : "mirror image";
     add(count, count > 1 ? unit + 's' : unit, options);
   }
 }

@@ -25,13 +25,15 @@ struct SceneSamples {
 
 }  // namespace
 
-PointFigures figuresOf(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks, const FunctionSet& set) {
+PointFigures figuresOf(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks, const FunctionSet& set,
+                       const std::vector<bool>& hard) {
   std::map<uint32_t, SceneSamples> by_scene;
-  std::vector<double> time_us, rmse;
+  std::vector<double> time_us, rmse, rmse_hard;
   size_t at = 0;
   for (const FunctionBlock& block : blocks) {
     for (const uint64_t function : block.functions) {
-      rmse.push_back(measured.errors[at++].rmse);
+      rmse.push_back(measured.errors[at].rmse);
+      if (hard[at++]) rmse_hard.push_back(rmse.back());
       by_scene[set.scene_idx[function]].rmse.push_back(rmse.back());
     }
   }
@@ -43,7 +45,8 @@ PointFigures figuresOf(const PointMeasurement& measured, const std::vector<Funct
     }
     for (const auto& [scene, elapsed_us] : of_scene) by_scene[scene].time_us.push_back(meanOf(elapsed_us));
   }
-  PointFigures figures{timeFigures(time_us), errorFigures(rmse), measured.leaks.quantile(0.99), {}};
+  PointFigures figures{timeFigures(time_us), errorFigures(rmse), {}, measured.leaks.quantile(0.99), {}};
+  if (!rmse_hard.empty()) figures.rmse_hard = errorFigures(rmse_hard);
   for (const auto& [scene, samples] : by_scene) {
     figures.by_scene[set.scene_ids[scene]] = {timeFigures(samples.time_us), errorFigures(samples.rmse)};
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 
 #include "validate/frontier/interleaved.h"
 
@@ -24,10 +25,13 @@ struct SceneFigures {
 struct PointFigures {
   TimeFigures time;
   ErrorFigures rmse;
-  double leak_p99 = 0;  // of |value| pooled over valid support points whose phi is 0
+  std::optional<ErrorFigures> rmse_hard;  // over the hard functions alone, which decide what a bake looks like; none without any
+  double leak_p99 = 0;                    // of |value| pooled over valid support points whose phi is 0
   std::map<std::string, SceneFigures> by_scene;
 };
 
-PointFigures figuresOf(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks, const FunctionSet& set);
+// hard    by function, in the order of the blocks
+PointFigures figuresOf(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks, const FunctionSet& set,
+                       const std::vector<bool>& hard);
 
 }  // namespace nlg

@@ -7,6 +7,7 @@ import plots
 import proof_inputs
 import verdict
 from findings import error, grouped, over_tau, percent, plural
+from frontier import front_of
 from plots import duration
 
 GROUP_NAMES = {"functions": "Functions", "optimisers": "Optimisers", "pca": "Principal components", "generator": "Generator", "scenes": "Scenes",
@@ -177,14 +178,14 @@ class Decision:
 # ---- the frontier's rows
 
 
-def front_rows(members):
-    """Members of a front by rising time."""
+def front_rows(frontier, view):
+    """Members of a view's front by rising time, numbered as in its plot."""
     rows = []
-    for point, spread in members:
+    for number, (point, spread) in enumerate(front_of(frontier, view), 1):
         f = point.figures
-        rows.append({"representation": point.representation, "label": point.label, "time": duration(spread.us),
-                     "spread": f"{duration(f['us_p25'])} to {duration(f['us_p75'])}",
-                     "cells": [error(f[key]) for key in ("rmse_median", "rmse_mean", "rmse_p5", "rmse_p95", "rmse_worst")], "leak": f"{f['leak_p99']:.3f}"})
+        rows.append({"number": number, "representation": point.representation, "label": point.label, "time": duration(spread.us),
+                     "spread": f"{duration(f['us_p25'])}–{duration(f['us_p75'])}", "errors": [error(v) for v in (spread.median, view.mean(point), spread.p5, spread.p95)],
+                     "all": [error(f[key]) for key in ("rmse_median", "rmse_mean")], "leak": f"{f['leak_p99']:.3f}"})
     return rows
 
 
@@ -224,20 +225,22 @@ def seconds_text(value):
     return ("−" if value < 0 else "") + duration(abs(value) * 1e6) if value else "0 s"
 
 
-LEFT_OUT = (True, False, None)  # in the order of the table
+LEFT, NOT_YET, NOTHING, FOREIGN = range(4)  # in the order of the table
 
 
-def left_out(row):
-    """What a scene has none of is neither left out nor still to be."""
-    return row.left_out if row.count > 0 else None
+def need_state(row):
+    """NOTHING: a bake would leave such a thing out, and this scene has none; FOREIGN: this bake cannot tell."""
+    if row.left_out is None:
+        return FOREIGN
+    return NOTHING if row.count == 0 else LEFT if row.left_out else NOT_YET
 
 
 def need_groups(needs):
     """(scene, rows): what is left out first, by falling time saved, then what is not yet, then what this bake has none of."""
     groups = []
     for scene, rows in needs:
-        ordered = sorted(rows, key=lambda r: (LEFT_OUT.index(left_out(r)), -(r.seconds_saved or 0)))
-        groups.append((scene, [{"what": r.what, "state": LEFT_OUT.index(left_out(r)), "count": grouped(r.count), "of": grouped(r.of), "share": percent(r.count / r.of) if r.of else "–",
+        ordered = sorted(rows, key=lambda r: (need_state(r), -(r.seconds_saved or 0)))
+        groups.append((scene, [{"what": r.what, "state": need_state(r), "count": grouped(r.count), "of": grouped(r.of), "share": percent(r.count / r.of) if r.of else "–",
                                 "seconds": "–" if r.seconds_saved is None else seconds_text(r.seconds_saved),
                                 "bytes": "–" if r.bytes_saved is None else bytes_text(r.bytes_saved),
                                 "same": {None: "–", True: "same result", False: "differs"}[r.same_result], "differs": r.same_result is False, "note": r.note}
@@ -248,7 +251,7 @@ def need_groups(needs):
 def needs_sentence(needs):
     """Lines overlap (all probes together, and each kind by itself), so nothing is added up: the one that saves most speaks."""
     rows = [(scene, r) for scene, some in needs for r in some]
-    left, not_yet = [(s, r) for s, r in rows if left_out(r)], [r for _, r in rows if left_out(r) is False]
+    left, not_yet = ([(s, r) for s, r in rows if need_state(r) == state] for state in (LEFT, NOT_YET))
     text = f"{plural(len(needs), 'scene')}, {plural(len(rows), 'line')}: {len(left)} left out"
     timed = [(s, r) for s, r in left if r.seconds_saved is not None and r.seconds_saved > 0]
     if timed:

@@ -10,6 +10,7 @@ import csv
 import io
 import logging
 import sys
+from dataclasses import dataclass
 
 sys.dont_write_bytecode = True
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
@@ -28,8 +29,25 @@ MARKS = {"generator": ("o", True, 6.5, "generator"), "corrected": ("s", True, 5.
 FAMILIES = {"generator": "generator", "corrected": "corrected", "lm_from_generator": "lm", "adam_from_generator": "adam",
             "lm_from_theta0": "direct_lm", "lm_from_random": "direct_lm", "adam_from_theta0": "direct_adam", "adam_from_random": "direct_adam"}
 CHAINS = ("lm_from_generator", "adam_from_generator", "lm_from_theta0", "lm_from_random", "adam_from_theta0", "adam_from_random")
-LABELS = 12  # names beside points; the table has all
 BAND = "#0072B2"
+KEY_HEIGHTS = (0.965, 0.925)  # of the two rows of the key, shares of the figure
+
+
+@dataclass
+class View:
+    """The functions that a plot of the whole set is over."""
+    words: str
+    spread: object    # point → Spread
+    mean: object      # point → mean RMSE
+    on_front: object  # point → bool
+    sentence: str
+
+
+def views(frontier):
+    """Hard functions first: most functions of a level are nearly the bare tent, and a median over all sees little else."""
+    every = View(f"all {frontier.function_count} functions", lambda p: p.whole, lambda p: p.figures["rmse_mean"], lambda p: p.on_front, frontier.front_sentence)
+    hard = View(f"the {frontier.hard_count} hard functions", lambda p: p.whole_hard, lambda p: p.hard["rmse_mean"], lambda p: p.on_hard_front, frontier.hard_front_sentence)
+    return [hard, every] if frontier.hard_count else [every]
 
 
 def look(family):
@@ -41,25 +59,26 @@ def figure_text(point, spread):
             f"RMSE {spread.median:.4f}, p5–p95 {spread.p5:.4f} to {spread.p95:.4f}")
 
 
-def front_of(frontier, scene=None):
-    """(point, its spread) of the front by rising time: as nlg-validate marked it, or of one scene by median error."""
-    if scene is None:
-        members = [(point, point.whole) for point in frontier.points if point.on_front]
-    else:
-        # what several cores did at once took longer than its time says
-        some = [(p.by_scene[scene].us, p.by_scene[scene].median, i) for i, p in enumerate(frontier.points)
-                if scene in p.by_scene and p.by_scene[scene].us > 0 and p.family != "threads"]
-        members = [(frontier.points[i], frontier.points[i].by_scene[scene]) for _, _, i in plots.pareto(some)]
+def front_of(frontier, view):
+    """(point, its spread) of the front by rising time, as nlg-validate marked it."""
+    members = [(point, view.spread(point)) for point in frontier.points if view.on_front(point)]
     return sorted(members, key=lambda member: (member[1].us, member[1].median))
 
 
-def limits(frontier):
-    """((time from, to), (error from, to)) around every point of every plot; the bands of fronts are cut at the edge."""
-    spreads = [point.whole for point in frontier.points] + [s for point in frontier.points for s in point.by_scene.values()]
+def front_of_scene(frontier, scene):
+    """The same of one scene, by median error. What several cores did at once took longer than its time says: left out."""
+    some = [(p.by_scene[scene].us, p.by_scene[scene].median, i) for i, p in enumerate(frontier.points)
+            if scene in p.by_scene and p.by_scene[scene].us > 0 and p.family != "threads"]
+    members = [(frontier.points[i], frontier.points[i].by_scene[scene]) for _, _, i in plots.pareto(some)]
+    return sorted(members, key=lambda member: (member[1].us, member[1].median))
+
+
+def limits_of(spreads, members):
+    """((time from, to), (error from, to)) around all points; the bands of fronts are cut at the edge."""
     times = [s.us for s in spreads if s.us > 0]
     errors = [s.median for s in spreads if s.median > 0] or [1e-3]
-    bands = [value for _, s in front_of(frontier) for value in (s.p5, s.p95) if value > 0] or errors
-    return (min(times) / 1.6, max(times) * 1.9), (max(min(errors + bands) / 1.5, max(errors) / 2000), max(errors + bands) * 1.3)
+    bands = [value for s in members for value in (s.p5, s.p95) if value > 0] or errors
+    return (min(times) / 1.6, max(times) * 1.9), (max(min(errors + bands) / 1.25, max(errors) / 2000), max(errors + bands) * 1.3)
 
 
 def time_axis(axes, low, high):
@@ -78,47 +97,67 @@ def draw_front(axes, front, bounds):
     axes.plot(times, clipped([s.median for _, s in front]), color=plots.INK, linewidth=1.8, zorder=4)
 
 
-def draw_chains(axes, frontier, bounds):
-    """Thin lines through the growing budgets of one method; returned as lists of (time, error)."""
+def draw_chains(axes, frontier, view, bounds):
+    """Thin lines through the growing budgets of one method."""
     chains = {}
     for point in frontier.points:
-        if point.family in CHAINS and point.whole.median > 0:
-            chains.setdefault((point.representation, point.family), []).append((point.whole.us, max(point.whole.median, bounds[0])))
+        spread = view.spread(point)
+        if point.family in CHAINS and spread.median > 0:
+            chains.setdefault((point.representation, point.family), []).append((spread.us, spread.median))
     for (representation, family), line in sorted(chains.items()):
         axes.plot(*zip(*sorted(line)), color=plots.representation_colour(representation), linewidth=0.7, alpha=0.4,
                   linestyle="-" if look(family)[1] else (0, (3, 2)), zorder=2)
-    return [sorted(line) for line in chains.values()]
 
 
-def draw_whole(frontier):
-    """(figure, gid → text that hovering shows) of the whole set."""
+def draw_whole(frontier, view, name):
+    """(figure, gid → text that hovering shows). Members of the front are numbered by rising time."""
     figure, axes = plots.plt.subplots(figsize=(9.8, 5.6), layout="constrained")
     figure.get_layout_engine().set(rect=(0, 0, 1, 0.92))  # the key stands above, wider than the axes
     axes.grid(True)
-    time_limits, bounds = limits(frontier)
+    front, hover = front_of(frontier, view), {}
+    # what random starts are after a few steps would take half of the height: it lies above the plot
+    time_limits, bounds = limits_of([view.spread(point) for point in frontier.points if "random" not in point.family], [spread for _, spread in front])
     time_axis(axes, *time_limits)
     plots.log_error_axis(axes.yaxis, *bounds)
-    axes.set(xlabel="time per function, median (log)", ylabel="RMSE of a function, median (log)")
-    front, hover = front_of(frontier), {}
+    axes.set(xlabel="time per function, median (log)", ylabel=f"RMSE, median over {view.words} (log)")
     draw_front(axes, front, bounds)
-    lines = draw_chains(axes, frontier, bounds)
+    draw_chains(axes, frontier, view, bounds)
     for index, point in enumerate(frontier.points):
-        lines.append([(point.whole.us, float(np.clip(point.whole.median, *bounds)))] * 2)
+        spread, on_front = view.spread(point), view.on_front(point)
         marker, filled, size, _ = look(point.family)
         shade = plots.representation_colour(point.representation)
-        # what is on the front is drawn larger, above all else
-        axes.plot(point.whole.us, np.clip(point.whole.median, *bounds), marker, color=shade, markersize=size * (1.35 if point.on_front else 1), gid=f"point-{index}",
-                  markerfacecolor=shade if filled else "white", markeredgecolor=plots.INK if point.on_front else shade,
-                  markeredgewidth=1.1, zorder=6 if point.on_front else 5 if filled else 3)
-        hover[f"point-{index}"] = figure_text(point, point.whole)
+        is_default = point.family in ("generator", "corrected") and point.budget is None
+        axes.plot(spread.us, spread.median, marker, color=shade, gid=f"{name}-point-{index}",
+                  markersize=size * (1.5 if on_front else 1.25 if is_default else 0.8), alpha=1 if on_front or is_default else 0.6,
+                  markerfacecolor=shade if filled else "white", markeredgecolor=plots.INK if on_front else shade,
+                  markeredgewidth=1.1, zorder=7 if on_front else 6 if is_default else 5 if filled else 3)
+        hover[f"{name}-point-{index}"] = figure_text(point, spread)
     key(axes, frontier)
-    every = max(1, -(-len(front) // LABELS))
-    labels = [(s.us, float(np.clip(s.median, *bounds)), p.label if p.representation in p.label else f"{p.representation}: {p.label}",
-               plots.representation_colour(p.representation)) for p, s in front]
-    # the ends always have names
-    named = sorted({*range(0, len(labels), every), len(labels) - 1})
-    plots.place_labels(figure, axes, [labels[i] for i in named], lines + [[label[:2] for label in labels]], [])
+    # below the front there is nothing: numbers stand there and cover no point
+    for number, (_, spread) in enumerate(front, 1):
+        axes.annotate(str(number), (spread.us, spread.median), xytext=(-3, -6), textcoords="offset points", ha="right", va="top",
+                      fontsize=9, fontweight="bold", color=plots.INK, zorder=8)
     return figure, hover
+
+
+def list_members(figure, frontier, view):
+    """What the numbers mean, under a figure that stands without its table."""
+    front = front_of(frontier, view)
+    above, line = figure.get_figheight(), 0.19
+    height = above + line * (len(front) + 1.5)
+    share = 1 - above / height
+    figure.set_figheight(height)
+    figure.get_layout_engine().set(rect=(0, share, 1, 1 - share - 0.08 * above / height))
+    for legend, y in zip(figure.legends, KEY_HEIGHTS):
+        legend.set_bbox_to_anchor((0.005, share + y * (1 - share)))
+    head = ("", "on the front, from the fastest", "time a function", "RMSE, median", "mean", "p95")
+    rows = [head] + [(str(n), f"{point.representation}: {point.label}", plots.duration(s.us), f"{s.median:.4f}", f"{view.mean(point):.4f}", f"{s.p95:.4f}")
+                     for n, (point, s) in enumerate(front, 1)]
+    shades = [plots.MUTED] + [plots.representation_colour(point.representation) for point, _ in front]
+    for index, (row, shade) in enumerate(zip(rows, shades)):
+        for text, x, side in zip(row, (0.03, 0.045, 0.66, 0.78, 0.87, 0.96), ("right", "left", *["right"] * 4)):
+            figure.text(x, share - line * (index + 0.9) / height, text, fontsize=8.5, ha=side, color=shade if side == "left" or index == 0 else plots.INK,
+                        fontweight="bold" if x == 0.03 else "normal")
 
 
 def key(axes, frontier):
@@ -130,7 +169,7 @@ def key(axes, frontier):
               for name in dict.fromkeys(point.representation for point in frontier.points)]
     band = [line([], [], color=plots.INK, linewidth=1.8, label="Pareto front"),
             plots.plt.Rectangle((0, 0), 1, 1, color=BAND, alpha=0.2, linewidth=0, label="its p5–p95")]
-    for handles, y in ((shades, 0.965), (band + marks, 0.925)):
+    for handles, y in zip((shades, band + marks), KEY_HEIGHTS):
         legend = axes.figure.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.005, y), ncol=len(handles), borderpad=0, borderaxespad=0,
                                     columnspacing=1.2, handletextpad=0.4, handlelength=1.2)
         legend.set_in_layout(False)
@@ -147,7 +186,7 @@ def draw_scene(frontier, scene, time_limits, bounds):
     some = [(p, p.by_scene[scene]) for p in frontier.points if scene in p.by_scene]
     axes.scatter([s.us for _, s in some], np.clip([s.median for _, s in some], *bounds), s=7, linewidths=0, alpha=0.45, rasterized=True, zorder=2,
                  c=[plots.representation_colour(p.representation) for p, _ in some])
-    front, hover = front_of(frontier, scene), {}
+    front, hover = front_of_scene(frontier, scene), {}
     draw_front(axes, front, bounds)
     for index, (point, spread) in enumerate(front):
         marker, filled, size, _ = look(point.family)
@@ -158,16 +197,21 @@ def draw_scene(frontier, scene, time_limits, bounds):
     return figure, hover
 
 
-def whole_svg(frontier):
-    figure, hover = draw_whole(frontier)
-    return plots.finish(figure, "frontier", "Error against run time, all held-out functions", hover)
+def whole_svgs(frontier):
+    svgs = []
+    for index, view in enumerate(views(frontier)):
+        name = f"whole{index}"
+        figure, hover = draw_whole(frontier, view, name)
+        svgs.append(plots.finish(figure, f"frontier-{name}", f"Error against run time, {view.words}", hover))
+    return svgs
 
 
 def scene_svgs(frontier, order):
     """One panel a scene, in this order where it names the scene, then as the file has them; all with the same axes."""
     scenes = [s for s in order if s in frontier.scenes] + [s for s in frontier.scenes if s not in order]
     scenes = [s for s in scenes if any(s in p.by_scene for p in frontier.points)]
-    axes = limits(frontier)
+    axes = limits_of([s for point in frontier.points for s in point.by_scene.values()],
+                     [spread for scene in scenes for _, spread in front_of_scene(frontier, scene)])
     return [plots.finish(figure, f"frontier-{index}", f"Error against run time, {scene}", hover)
             for index, scene in enumerate(scenes) for figure, hover in [draw_scene(frontier, scene, *axes)]]
 
@@ -176,18 +220,21 @@ def csv_bytes(frontier):
     """One row a point and scene; the whole set as scene 'all'."""
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(["scene", "representation", "family", "budget", "label", "on_front", *proof_inputs.POINT_KEYS])
+    rows.writerow(["scene", "representation", "family", "budget", "label", "on_front", *proof_inputs.POINT_KEYS, "on_hard_front", *(f"hard_{key}" for key in proof_inputs.HARD_KEYS)])
     for p in frontier.points:
         who = [p.representation, p.family, "" if p.budget is None else f"{p.budget:g}", p.label]
-        rows.writerow(["all", *who, int(p.on_front), *(f"{p.figures[k]:.6g}" for k in proof_inputs.POINT_KEYS)])
+        rows.writerow(["all", *who, int(p.on_front), *(f"{p.figures[k]:.6g}" for k in proof_inputs.POINT_KEYS),
+                       *([int(p.on_hard_front), *(f"{p.hard[k]:.6g}" for k in proof_inputs.HARD_KEYS)] if p.hard else [""] * 6)])
         for scene, s in p.by_scene.items():
             values = {"us_median": s.us, "rmse_median": s.median, "rmse_p5": s.p5, "rmse_p95": s.p95}
-            rows.writerow([scene, *who, "", *(f"{values[k]:.6g}" if k in values else "" for k in proof_inputs.POINT_KEYS)])
+            rows.writerow([scene, *who, "", *(f"{values[k]:.6g}" if k in values else "" for k in proof_inputs.POINT_KEYS), *[""] * 6])
     return text.getvalue().encode()
 
 
 def png(frontier):
-    figure, _ = draw_whole(frontier)
+    view = views(frontier)[0]
+    figure, _ = draw_whole(frontier, view, "whole")
+    list_members(figure, frontier, view)
     return plots.png(figure)
 
 

@@ -8,6 +8,7 @@ from inputs import InputError, read_json
 
 GROUPS = ("functions", "optimisers", "pca", "generator", "scenes", "training")
 ERRORS = ("median", "p5", "p95")
+HARD_KEYS = ("rmse_mean", "rmse_median", "rmse_p5", "rmse_p95", "rmse_worst")
 POINT_KEYS = ("us_median", "us_p25", "us_p75", "rmse_mean", "rmse_median", "rmse_p5", "rmse_p95", "rmse_worst", "leak_p99")
 
 
@@ -30,20 +31,29 @@ class Point:
     figures: dict         # POINT_KEYS → number
     on_front: bool
     by_scene: dict        # scene → Spread
+    hard: object          # figures of the hard functions: HARD_KEYS → number; None where there is none
+    on_hard_front: bool
 
     @property
     def whole(self):
         f = self.figures
         return Spread(f["us_median"], f["rmse_median"], f["rmse_p5"], f["rmse_p95"])
 
+    @property
+    def whole_hard(self):
+        """The hard functions' errors, at the time of all: a bake does not know beforehand what is hard."""
+        return Spread(self.figures["us_median"], *(self.hard[f"rmse_{q}"] for q in ERRORS)) if self.hard else None
+
 
 @dataclass
 class Frontier:
     path: str
     function_count: int
+    hard_count: int
     scenes: list
     points: list
     front_sentence: str
+    hard_front_sentence: str
     hierarchy: list       # one dict a step: texts and numbers
     walks: list           # the same
 
@@ -99,19 +109,43 @@ def row(node):
     return result
 
 
+def check_quantiles(node):
+    p5, median, p95 = (node[f"rmse_{q}"].number() for q in ("p5", "median", "p95"))
+    if not p5 <= median <= p95:
+        node.refuse("rmse_p5 <= rmse_median <= rmse_p95", f"{p5:g}, {median:g}, {p95:g}")
+
+
+def refuse_other_weights(path, summary, representations):
+    """A proof of other weights than those that the summary judges proves nothing of them.
+
+    path              of the proof, whose provenance names the SHA-256 of its weights
+    representations   those of the proof; what the summary does not judge is left alone
+    """
+    hashes = read_json(path)["provenance"]["inputs"]
+    known = {node.text() for _, node in hashes.entries()}
+    for name, node in summary["representations"].entries():
+        wanted = node["weights_sha256"].text()
+        if name in representations and wanted not in known:
+            hashes.refuse(f"the weights of {name} in {summary.path}, {wanted}", "others")
+
+
 def read_spread(node):
-    spread = Spread(node["us_median"].number(), *(node[f"rmse_{q}"].number() for q in ERRORS))
-    if not spread.p5 <= spread.median <= spread.p95:
-        node.refuse("rmse_p5 <= rmse_median <= rmse_p95", f"{spread.p5:g}, {spread.median:g}, {spread.p95:g}")
-    return spread
+    check_quantiles(node)
+    return Spread(node["us_median"].number(), *(node[f"rmse_{q}"].number() for q in ERRORS))
+
+
+def read_hard(node):
+    check_quantiles(node)
+    return {key: node[key].number() for key in HARD_KEYS}
 
 
 def read_point(node):
     budget = optional(node["budget"], lambda n: n.number())
     by_scene = {scene: read_spread(some) for scene, some in node["by_scene"].entries()}
     point = Point(node["representation"].text(), node["family"].text(), budget, node["label"].text(),
-                  {key: node[key].number() for key in POINT_KEYS}, truth(node["on_front"]), by_scene)
-    read_spread(node)
+                  {key: node[key].number() for key in POINT_KEYS}, truth(node["on_front"]), by_scene,
+                  optional(node["hard"], read_hard), bool(optional(node["hard"], lambda hard: truth(hard["on_front"]))))
+    check_quantiles(node)
     if point.whole.us <= 0:
         node["us_median"].refuse("a time above 0", point.whole.us)
     return point
@@ -128,8 +162,14 @@ def read_frontier(path):
         for scene in point.by_scene:
             if scene not in scenes:
                 raise InputError(path, f"points[{index}].by_scene", "scenes of the list 'scenes'", f"'{scene}'")
+    hard_count = file["hard_functions"].count()
+    for index, point in enumerate(points):
+        if (point.hard is None) != (hard_count == 0):
+            file["points"].refuse("figures of hard functions in all points, or no hard function", f"points[{index}]")
+    if hard_count and not any(point.on_hard_front for point in points):
+        file["points"].refuse("at least one point on the front of hard functions", "none")
     lists = [[row(node) for node in file[key].items()] for key in ("hierarchy", "walks")]
-    return Frontier(path, file["functions"].count(), scenes, points, file["front_sentence"].text(), *lists)
+    return Frontier(path, file["functions"].count(), hard_count, scenes, points, file["front_sentence"].text(), file["hard_front_sentence"].text(), *lists)
 
 
 def read_stability(path):

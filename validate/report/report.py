@@ -63,7 +63,7 @@ def draw_plots(inputs, findings, frontier, scene_order):
         "curve": [plots.finish(curve.draw(inputs.summary), "curve", "Error against bytes a function and against evaluation time")],
         "histogram": [plots.histogram(inputs, n, all_limits, tau) for n in names],
         "run_time": [plots.run_time(inputs, n, fit_limits, time_limits, tent_median) for n in ([] if frontier else names)],
-        "frontier": [frontier_module.whole_svg(frontier)] if frontier else [],
+        "frontier": frontier_module.whole_svgs(frontier) if frontier else [],
         "frontier_scenes": frontier_module.scene_svgs(frontier, scene_order) if frontier else [],
         "unseen_points": [plots.unseen_points(inputs, n, seen_limits) for n in names],
         "shadow": [plots.shadow(inputs, n, shadow_limits) for n in names],
@@ -115,7 +115,8 @@ def proof_values(proof, decision):
     values = {"decision": decision, "frontier": proof.frontier, "needs": proof.needs, "is_test": proof.is_test, "contents": contents(proof), "table": decision_module.table,
               "percent": findings_module.percent}
     if proof.frontier:
-        values |= {"front_rows": decision_module.front_rows(frontier_module.front_of(proof.frontier)), "frontier_tables": frontier_tables(proof.frontier),
+        views = frontier_module.views(proof.frontier)
+        values |= {"frontier_views": [(view, decision_module.front_rows(proof.frontier, view)) for view in views], "frontier_tables": frontier_tables(proof.frontier),
                    "frontier_csv": base64.b64encode(frontier_module.csv_bytes(proof.frontier)).decode()}
     if proof.needs:
         values |= {"need_groups": decision_module.need_groups(proof.needs), "needs_sentence": decision_module.needs_sentence(proof.needs)}
@@ -138,12 +139,14 @@ def render(inputs, proof, limits):
     return page.encode(), slices.plate(inputs, limit)
 
 
-def read_proof(arguments):
+def read_proof(arguments, summary):
     proof = Proof(is_test=arguments.test)
     if arguments.frontier:
         proof.frontier, proof.paths["frontier"] = proof_inputs.read_frontier(arguments.frontier), arguments.frontier
+        proof_inputs.refuse_other_weights(arguments.frontier, summary, {point.representation for point in proof.frontier.points})
     if arguments.stability:
         proof.cases, proof.paths["stability"] = proof_inputs.read_stability(arguments.stability), arguments.stability
+        proof_inputs.refuse_other_weights(arguments.stability, summary, {name for name, _ in summary["representations"].entries()})
     if arguments.needs:
         proof.needs = [proof_inputs.read_needs(path) for path in arguments.needs]
         proof.paths |= {f"needs of {scene}": path for path, (scene, _) in zip(arguments.needs, proof.needs)}
@@ -175,7 +178,7 @@ def main():
     def make():
         inputs = inputs_module.read_inputs(arguments.summary, arguments.functions, arguments.slices, arguments.basis, arguments.logs)
         limits = verdict.Limits(arguments.max_share_refined, arguments.max_error_hard, arguments.min_speedup)
-        page, plate = render(inputs, read_proof(arguments), limits)
+        page, plate = render(inputs, read_proof(arguments, inputs.summary), limits)
         return {os.path.join(os.path.dirname(arguments.out), "slices.png"): plate, arguments.out: page}
     return output.run("report.py", arguments.out, make)
 

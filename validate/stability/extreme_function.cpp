@@ -26,10 +26,10 @@ SampledFunction functionBesideWall(uint64_t seed, double distance) {
   double normal[3], square = 0.0;
   for (double& n : normal) n = random.normal(), square += n * n;
   const auto height = [=](int p) {
-    const LocalPoint& point = supportPattern().points[p];
+    const LocalPoint& point = pointAt(p);
     return (normal[0] * point[0] + normal[1] * point[1] + normal[2] * point[2]) / std::sqrt(square) - distance;
   };
-  return sampleFunction([&](int p) { return height(p) < 0.0 ? tent(supportPattern().points[p]) : 0.0f; },
+  return sampleFunction([&](int p) { return height(p) < 0.0 ? tent(pointAt(p)) : 0.0f; },
                         [&](int p) { return height(p) < 0.0 || height(p) > 0.1; });
 }
 
@@ -65,7 +65,6 @@ BakedFunction bakeFunction(const NamedGenerator& named, const StoredFunction& st
     const double trouble = baked.check.trouble(options.check);
     Refiner refiner;
     const RefinementResult refined = refiner.refine(representation, stored, theta, theta0, options);
-    baked.was_refined = true;
     theta = refined.theta;
     baked.check = checker.check(representation, stored, theta.data(), options.check);
     baked.never_worse = baked.never_worse && baked.check.trouble(options.check) <= trouble;
@@ -82,8 +81,11 @@ RefinementOptions bakeOptions(const StabilityInputs& inputs) {
 
 WorstBake worstBake(const StabilityInputs& inputs, const StoredFunction& stored) {
   WorstBake worst;
+  const RefinementOptions options = bakeOptions(inputs);
   for (const NamedGenerator& generator : inputs.generators) {
-    const BakedFunction baked = bakeFunction(generator, stored, bakeOptions(inputs));
+    const BakedFunction baked = bakeFunction(generator, stored, options);
+    worst.failing_count += !baked.check.passes(options.check);
+    worst.best_final_rmse = std::min(worst.best_final_rmse, baked.check.rmse);
     worst.is_finite = worst.is_finite && baked.is_finite;
     worst.never_worse = worst.never_worse && baked.never_worse;
     worst.generated_rmse = std::max(worst.generated_rmse, baked.generated_rmse);

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 
 #include "runtime_eval/fit/function_check.h"
 #include "runtime_eval/fit/refinement.h"
 #include "validate/stability/stability_case.h"
 
 namespace nlg {
+
+inline const LocalPoint& pointAt(int point) { return supportPattern().points[point]; }
 
 // One function as a data set stores it.
 struct SampledFunction {
@@ -18,8 +21,9 @@ struct SampledFunction {
 };
 
 // phi     of a support point's index, in [0, 1]; stored as 0 where the point is not valid
-// valid   of the same
-SampledFunction sampleFunction(const std::function<double(int)>& phi, const std::function<bool(int)>& valid);
+// valid   of the same; by default every point is
+SampledFunction sampleFunction(
+    const std::function<double(int)>& phi, const std::function<bool(int)>& valid = [](int) { return true; });
 
 // A probe beside an endless wall: the tent up to a plane at this distance, solid for a tenth of the spacing, nothing behind.
 // seed   the direction of the wall
@@ -34,7 +38,6 @@ struct BakedFunction {
   FunctionCheck check;  // of the theta that is stored
   bool is_finite = false;
   bool never_worse = false;  // correction did not raise the error, refinement not the trouble
-  bool was_refined = false;
 };
 BakedFunction bakeFunction(const NamedGenerator& generator, const StoredFunction& stored, const RefinementOptions& options);
 
@@ -46,6 +49,8 @@ struct WorstBake {
   bool is_finite = true, never_worse = true;
   double generated_rmse = 0.0, corrected_rmse = 0.0, final_rmse = 0.0;
   std::string final_name;  // of the generator with final_rmse
+  int failing_count = 0;   // generators whose stored theta fails the bake's check
+  double best_final_rmse = std::numeric_limits<double>::infinity();
 };
 WorstBake worstBake(const StabilityInputs& inputs, const StoredFunction& stored);
 

@@ -103,6 +103,20 @@ const LinkTable& stabilityLinks() {
   return links;
 }
 
+const char* outcomeName(ProbeOutcome outcome) {
+  switch (outcome) {
+    case ProbeOutcome::function:
+      return "a function";
+    case ProbeOutcome::free_space:
+      return "free space";
+    case ProbeOutcome::in_solid:
+      return "in solid";
+    case ProbeOutcome::empty:
+      return "empty";
+  }
+  return "unknown";
+}
+
 uint64_t ProbeFunctions::count(ProbeOutcome outcome) const {
   return static_cast<uint64_t>(std::count(outcomes.begin(), outcomes.end(), outcome));
 }

@@ -42,6 +42,8 @@ FaceScene furnishedRoom();
 // The links between support points, made once a process.
 const LinkTable& stabilityLinks();
 
+const char* outcomeName(ProbeOutcome outcome);
+
 // What the probes of a scene gave, in one order.
 struct ProbeFunctions {
   std::vector<ProbeOutcome> outcomes;

@@ -1,29 +1,19 @@
 // Principal components of sets that are small, uniform, lopsided or ill-scaled, against closed forms and a reference in double.
 
-#define EIGEN_USE_BLAS
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <fmt/format.h>
 
 #include "runtime_eval/support/random.h"
 #include "runtime_eval/support/simd_target.h"
 #include "tool/error.h"
-#include "train/basis/basis_fit.h"
-#include "validate/stability/extreme_function.h"
+#include "validate/stability/basis_measures.h"
+#include "validate/stability/stability_case.h"
 
 namespace nlg {
 namespace {
-
-std::vector<uint8_t> walls(int count, uint64_t first_seed) {
-  std::vector<uint8_t> phi;
-  for (int n = 0; n < count; ++n) {
-    const SampledFunction wall = functionBesideWall(first_seed + static_cast<uint64_t>(n), 0.1 + 0.05 * (n % 8));
-    phi.insert(phi.end(), wall.phi.begin(), wall.phi.end());
-  }
-  return phi;
-}
 
 // The function that is `value` of the point in the octant, the same in all mirror images.
 std::vector<uint8_t> symmetricFunction(const std::function<int(int)>& value) {
@@ -32,70 +22,9 @@ std::vector<uint8_t> symmetricFunction(const std::function<int(int)>& value) {
   return phi;
 }
 
-// Largest |R R^T - I| within the classes of a basis.
-double orthonormalityError(const BasisData& basis) {
-  double worst = 0.0;
-  int first = 0;
-  for (const int count : basis.class_count) {
-    const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows(
-        basis.components.data() + size_t(first) * kOctantPointCount, count, kOctantPointCount);
-    const Eigen::MatrixXd exact = rows.cast<double>();
-    if (count > 0)
-      worst = std::max(worst, (exact * exact.transpose() - Eigen::MatrixXd::Identity(count, count)).cwiseAbs().maxCoeff());
-    first += count;
-  }
-  return worst;
-}
-
-// Eigenvalues of the covariance of functions and all their mirror images, falling, from the matrix of their scalar products in
-// double: no parity classes, no projection, nothing shared with the basis fit.
-std::vector<double> referenceSpectrum(const std::vector<uint8_t>& phi) {
-  const int functions = static_cast<int>(phi.size() / kSupportPointCount), images = functions * kMirrorCount;
-  Eigen::MatrixXd rows(images, kSupportPointCount);
-  for (int n = 0; n < functions; ++n) {
-    for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
-      for (int p = 0; p < kSupportPointCount; ++p) {
-        rows(n * kMirrorCount + mirror, p) = phi[size_t(n) * kSupportPointCount + (p ^ (mirror * kOctantPointCount))] / 255.0;
-      }
-    }
-  }
-  rows.rowwise() -= rows.colwise().mean().eval();
-  const Eigen::MatrixXd products = rows * rows.transpose() / images;
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(products, Eigen::EigenvaluesOnly).eigenvalues();
-  std::vector<double> falling(values.data(), values.data() + values.size());
-  std::sort(falling.rbegin(), falling.rend());
-  return falling;
-}
-
-std::vector<double> fallingSpectrum(const Basis& basis) {
-  std::vector<double> spectrum = basis.spectrum;
-  std::sort(spectrum.rbegin(), spectrum.rend());
-  return spectrum;
-}
-
-// Largest difference of two falling spectra, as a share of the first eigenvalue; what one of them lacks counts as 0.
-double spectrumError(const std::vector<double>& spectrum, const std::vector<double>& reference) {
-  double worst = 0.0;
-  for (size_t i = 0; i < spectrum.size(); ++i) {
-    worst = std::max(worst, std::fabs(spectrum[i] - (i < reference.size() ? reference[i] : 0.0)));
-  }
-  return worst / reference.front();
-}
-
-Basis fitBasis(const std::vector<uint8_t>& phi, int component_count) {
-  BasisFit fit;
-  fit.add(phi.data(), phi.size() / kSupportPointCount);
-  return fit.fit(component_count);
-}
-
-// Components in float: 1024 products of up to 1, each rounded once.
-constexpr double kOrthonormal = 1e-6;
-// Sums of 8192 products in double, the eigenvalue solver's error a small multiple of a rounding of the largest.
-constexpr double kSpectrumBound = 1e-11;
-
 StabilityResult measureFewFunctions(const StabilityInputs&) {
   constexpr int kFunctions = 3, kAsked = 512;
-  const std::vector<uint8_t> phi = walls(kFunctions, 100);
+  const std::vector<uint8_t> phi = wallFunctions(kFunctions, 100);
   const Basis basis = fitBasis(phi, kAsked);
   const int components = basis.data.coefficientCount();
   const double error = orthonormalityError(basis.data), kept = keptVariance(basis, phi.data(), kFunctions, {kAsked}).front();
@@ -120,7 +49,7 @@ StabilityResult measureEqual(const StabilityInputs&) {
     refusal = error.what();
   }
   // equal, but not to its mirror images: these differ, in every class but the even one
-  const Basis lopsided = fitBasis(walls(1, 7), 512);
+  const Basis lopsided = fitBasis(wallFunctions(1, 7), 512);
   const int components = lopsided.data.coefficientCount();
   StabilityResult result;
   result.passes = !refusal.empty() && components <= kMirrorCount - 1 && components > 0 && lopsided.data.class_count[0] == 0 &&
@@ -227,7 +156,7 @@ StabilityResult measureIllScaled(const StabilityInputs&) {
 
 StabilityResult measureSpectrum(const StabilityInputs&) {
   constexpr int kFunctions = 12;
-  const std::vector<uint8_t> phi = walls(kFunctions, 200);
+  const std::vector<uint8_t> phi = wallFunctions(kFunctions, 200);
   const Basis basis = fitBasis(phi, 512);
   const double apart = spectrumError(fallingSpectrum(basis), referenceSpectrum(phi));
   StabilityResult result;
@@ -241,7 +170,7 @@ StabilityResult measureSpectrum(const StabilityInputs&) {
 
 StabilityResult measureParity(const StabilityInputs&) {
   Random random(23);
-  std::vector<uint8_t> phi = walls(2, 300);
+  std::vector<uint8_t> phi = wallFunctions(2, 300);
   for (int i = 0; i < 2 * kSupportPointCount; ++i) phi.push_back(static_cast<uint8_t>(random.below(256)));
   phi.insert(phi.end(), kSupportPointCount, 255);
   const int functions = static_cast<int>(phi.size() / kSupportPointCount);

@@ -47,11 +47,23 @@ struct StabilityCase {
   std::function<StabilityResult(const StabilityInputs&)> measure;
 };
 
-// The groups, each in a file of its own.
-std::vector<StabilityCase> functionCases();
-std::vector<StabilityCase> optimiserCases();
+// The cases in the table's order, by what they are about.
+// functions
+std::vector<StabilityCase> sampledFunctionCases();
+std::vector<StabilityCase> wallCases();
+// optimisers
+std::vector<StabilityCase> singularJacobianCases();
+std::vector<StabilityCase> extremeFitCases();
+std::vector<StabilityCase> hopelessStartCases();
+std::vector<StabilityCase> singularMatrixCases();
+// pca
 std::vector<StabilityCase> pcaCases();
-std::vector<StabilityCase> generatorCases();
-std::vector<StabilityCase> sceneCases();
+// generator
+std::vector<StabilityCase> generatorPrecisionCases();
+std::vector<StabilityCase> unseenFamilyCases();
+// scenes
+std::vector<StabilityCase> sceneSizeCases();
+std::vector<StabilityCase> strangeTriangleCases();
+std::vector<StabilityCase> triangleCountCases();
 
 }  // namespace nlg

@@ -40,8 +40,13 @@ NamedGenerator loadGenerator(const std::string& path) {
 
 std::vector<StabilityCase> allCases() {
   std::vector<StabilityCase> all;
-  for (const auto& group : {functionCases(), optimiserCases(), pcaCases(), generatorCases(), sceneCases()}) {
-    all.insert(all.end(), group.begin(), group.end());
+  for (const auto& cases :
+       {sampledFunctionCases(), wallCases(),                                                      // functions
+        singularJacobianCases(), extremeFitCases(), hopelessStartCases(), singularMatrixCases(),  // optimisers
+        pcaCases(),                                                                               // pca
+        generatorPrecisionCases(), unseenFamilyCases(),                                           // generator
+        sceneSizeCases(), strangeTriangleCases(), triangleCountCases()}) {                        // scenes
+    all.insert(all.end(), cases.begin(), cases.end());
   }
   return all;
 }
@@ -56,11 +61,20 @@ Json caseJson(const std::string& group, const std::string& name, const std::stri
       {"passes", result.passes}, {"ran", ran},   {"note", result.note}};
 }
 
+// A remark that a case makes whatever comes out explains no failure: beside what was measured it may stand, as the note of a case
+// that fails it would excuse it.
+StabilityResult withoutExcuse(StabilityResult result) {
+  if (result.passes || result.note.empty()) return result;
+  result.measured += " (" + result.note + ")";
+  result.note.clear();
+  return result;
+}
+
 StabilityResult notRun(const std::string& why) { return {false, "not run", {}, "not run: " + why}; }
 
 StabilityResult measure(const StabilityCase& stability_case, const StabilityInputs& inputs) {
   try {
-    return stability_case.measure(inputs);
+    return withoutExcuse(stability_case.measure(inputs));
   } catch (const std::exception& error) {
     return {false, std::string("ended with an exception: ") + error.what(), {}, ""};
   }
@@ -74,15 +88,17 @@ std::string reasonToSkip(const StabilityCase& stability_case, const StabilityInp
 }
 
 void addTrainingCase(const Json& entry, StabilityReport* report) {
+  const StabilityResult result = withoutExcuse(
+      {entry.at("passes").get<bool>(), entry.at("measured").get<std::string>(), {}, entry.at("note").get<std::string>()});
   report->cases.push_back({{"group", "training"},
                            {"name", entry.at("name")},
                            {"must_hold", entry.at("must_hold")},
-                           {"measured", entry.at("measured")},
+                           {"measured", result.measured},
                            {"figures", entry.at("figures")},
-                           {"passes", entry.at("passes").get<bool>()},
+                           {"passes", result.passes},
                            {"ran", true},
-                           {"note", entry.at("note")}});
-  if (entry.at("passes").get<bool>()) {
+                           {"note", result.note}});
+  if (result.passes) {
     ++report->passed;
   } else {
     report->failed.push_back("training: " + entry.at("name").get<std::string>());

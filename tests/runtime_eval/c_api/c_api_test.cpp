@@ -52,9 +52,7 @@ struct EngineFunctions {
   }
   std::vector<StoredFunction> views() const {
     std::vector<StoredFunction> functions;
-    for (size_t n = 0; n * kSupportPointCount < phi.size(); ++n) {
-      functions.push_back({&phi[n * kSupportPointCount], &validity[n * kValidityByteCount]});
-    }
+    for (size_t n = 0; n * kSupportPointCount < phi.size(); ++n) functions.push_back(storedFunction(*this, n));
     return functions;
   }
 };

@@ -14,7 +14,7 @@ namespace nlg {
 namespace {
 
 // Learned steps and nothing else, for any theta.
-constexpr CorrectionOptions kStepsAlone{.correct_rmse = 0.0, .mirror_images = 1, .field_iterations = 0};
+constexpr CorrectionOptions kStepsAlone{.correct_rmse = 0.0, .mirror_images = 1, .iterations = 0, .theta0_iterations = 0};
 
 const Representation kRepresentations[] = {Representation::mlp(), Representation::tentMlp(), Representation::productField(3)};
 
@@ -325,6 +325,48 @@ TEST(Corrector, TakesTheBestOfAllMirrorImages) {
   EXPECT_GT(from_an_image, 5) << "images that say nothing";
 }
 
+// All valid, the bare tent.
+StoredSample tentSample() {
+  StoredSample sample;
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    sample.phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
+  }
+  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0xff});
+  return sample;
+}
+
+TEST(Corrector, TriesAgainOnlyWhatIsWorseThanTheTentUpToTwiceTheThreshold) {
+  const Representation representation;
+  const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
+  GeneratorScratch scratch(generator);
+  Theta theta(representation.thetaCount());
+  const StoredSample bare = tentSample();
+  generator.generate(bare.phi.data(), 1, theta.data(), &scratch);
+  const double of_tent = rmseOf(representation, bare, theta.data());
+  int tried = 0, content = 0;  // … where it makes a difference
+  for (uint64_t seed = 0; seed < 8; ++seed) {
+    const StoredSample sample = wallSample(seed);
+    const StoredFunction stored = sample.view();
+    const auto rmseWith = [&](int images, double retry_rmse) {
+      CorrectionOptions options = kStepsAlone;
+      options.mirror_images = images, options.retry_rmse = retry_rmse;
+      generator.generate(sample.phi.data(), 1, theta.data(), &scratch);
+      Corrector(generator, options).correct(&stored, 1, theta.data());
+      return rmseOf(representation, sample, theta.data());
+    };
+    const double own = rmseWith(1, 0.0), again = rmseWith(2, 0.0);
+    if (again > 0.99 * own) continue;
+    for (const double share : {0.3, 0.45, 0.51, 0.6, 0.8, 0.98}) {
+      const double retry_rmse = share * own;
+      const bool tries_again = own > std::clamp(1.25 * of_tent, retry_rmse, 2.0 * retry_rmse);
+      EXPECT_NEAR(rmseWith(2, retry_rmse), tries_again ? again : own, 1e-6 * own) << "seed " << seed << ", share " << share;
+      ++(tries_again ? tried : content);
+    }
+  }
+  EXPECT_GT(tried, 0);
+  EXPECT_GT(content, 0);
+}
+
 TEST(Corrector, ReplacesAThetaThatIsNoNumberByThatOfAnImage) {
   const Representation representation = Representation::tentMlp();
   const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
@@ -363,21 +405,75 @@ TEST(Corrector, LeavesWhatIsGoodEnough) {
   }
 }
 
-TEST(Corrector, IteratesOnAProductFieldAsLevenbergMarquardtDoes) {
-  const Representation representation = Representation::productField(3);
-  const Generator generator(steepestDescent(representation, 1e-3, 1));
-  CorrectionOptions iterating = kStepsAlone;
-  iterating.field_iterations = 3;
-  const StoredSample sample = wallSample(4);
-  const StoredFunction stored = sample.view();
-  Theta stepped = randomTheta(representation, 4), theta = stepped;
-  Corrector(generator, kStepsAlone).correct(&stored, 1, stepped.data());
+// Fits as a correction does, where three iterations in a row are worth going on for only above 5 %.
+FitResult iterated(const Representation& representation, const StoredSample& sample, const Theta& start, int iterations) {
+  LevenbergMarquardtOptions options = refinementLevenbergMarquardt(representation, iterations);
+  options.progress_tolerance = 0.05;
   NormalEquationsKernel kernel;
-  const FitResult expected = fitLevenbergMarquardt(representation, decodeFunction(stored, pointOrder(representation)), stepped,
-                                                   refinementLevenbergMarquardt(representation, 3), &kernel);
-  EXPECT_EQ(Corrector(generator, iterating).correct(&stored, 1, theta.data()), 1);
-  EXPECT_EQ(theta, expected.theta);
-  EXPECT_LT(expected.rmse, 0.8 * rmseOf(representation, sample, stepped.data()));
+  return fitLevenbergMarquardt(representation, decodeFunction(sample.view(), pointOrder(representation)), start, options,
+                               &kernel);
+}
+
+const Representation kCheap[] = {Representation::productField(3), Representation{RepresentationKind::tent_mlp4}};
+
+TEST(Corrector, EndsWithLevenbergMarquardtAfterOneStepWhereItIsCheap) {
+  for (const Representation& representation : kCheap) {
+    const Generator generator(steepestDescent(representation, 1e-3, 1));
+    const StoredSample sample = wallSample(4);
+    const StoredFunction stored = sample.view();
+    CorrectionOptions one_step = kStepsAlone, iterating = kStepsAlone;
+    one_step.most_steps = 1;
+    iterating.iterations = 3;
+    Theta stepped = randomTheta(representation, 4), theta = stepped;
+    Corrector(generator, one_step).correct(&stored, 1, stepped.data());
+    const FitResult expected = iterated(representation, sample, stepped, 3);
+    EXPECT_EQ(Corrector(generator, iterating).correct(&stored, 1, theta.data()), 1);
+    EXPECT_EQ(theta, expected.theta);
+    EXPECT_LT(expected.rmse, 0.8 * rmseOf(representation, sample, stepped.data()));
+  }
+}
+
+TEST(Corrector, TakesTheta0ForAnotherStartOfAFunctionThatIsStillWrong) {
+  for (const Representation& representation : kCheap) {
+    const Generator generator(steepestDescent(representation, 1e-3, 1));
+    const StoredSample sample = wallSample(4);
+    const StoredFunction stored = sample.view();
+    CorrectionOptions options = kStepsAlone;
+    options.theta0_iterations = 8;
+    const Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
+    const FitResult expected = iterated(representation, sample, theta0, 8);
+    const Theta start = randomTheta(representation, 4);
+    Theta stepped = start;
+    Corrector(generator, kStepsAlone).correct(&stored, 1, stepped.data());
+    const double before = rmseOf(representation, sample, stepped.data());
+    ASSERT_LT(expected.rmse, 0.9 * before) << "a start that theta_0 is not better than says nothing";
+    for (const double factor : {0.45, 1.01}) {
+      Theta theta = start;
+      options.retry_rmse = factor * before;
+      EXPECT_EQ(Corrector(generator, options).correct(&stored, 1, theta.data()), 1);
+      EXPECT_EQ(theta, factor < 1.0 ? expected.theta : stepped);
+    }
+    // theta_0's fit is no better: kept is what came
+    Theta best = iterated(representation, sample, expected.theta, 200).theta;
+    const Theta kept = best;
+    options.retry_rmse = 0.0;
+    Corrector(generator, options).correct(&stored, 1, best.data());
+    EXPECT_LE(rmseOf(representation, sample, best.data()), rmseOf(representation, sample, kept.data()));
+  }
+}
+
+TEST(Corrector, NeverIteratesWhereTheNormalEquationsAreLarge) {
+  for (const Representation& representation : {Representation{}, Representation::tentMlp()}) {
+    const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
+    const StoredSample sample = wallSample(1);
+    const StoredFunction stored = sample.view();
+    CorrectionOptions iterating = kStepsAlone;
+    iterating.iterations = iterating.theta0_iterations = 8;
+    Theta theta = randomTheta(representation, 2), expected = theta;
+    Corrector(generator, kStepsAlone).correct(&stored, 1, expected.data());
+    Corrector(generator, iterating).correct(&stored, 1, theta.data());
+    EXPECT_EQ(theta, expected);
+  }
 }
 
 TEST(GeneratorWeights, KeepCorrectionSteps) {

@@ -102,12 +102,16 @@ TEST(PointFigures, AreMeansOfRunsAndQuantilesOverThem) {
   PointMeasurement measured;
   for (const double rmse : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}) measured.errors.push_back({rmse});
   measured.times = {{0, {1, 2, 3, 4}}, {1, {10, 20}}, {0, {3, 2, 1, 4}}};
-  const PointFigures figures = figuresOf(measured, sampleBlocks(), sampleSet());
+  const PointFigures figures = figuresOf(measured, sampleBlocks(), sampleSet(), {false, true, false, true, true, false});
   EXPECT_EQ(figures.time.median_us, 2.5);
   EXPECT_EQ(figures.time.p25_us, 2.5);
   EXPECT_EQ(figures.time.p75_us, 0.5 * (2.5 + 15));
   EXPECT_EQ(figures.rmse.median, 3.5);
   EXPECT_EQ(figures.rmse.worst, 6.0);
+  ASSERT_TRUE(figures.rmse_hard);
+  EXPECT_EQ(figures.rmse_hard->median, 4.0);
+  EXPECT_EQ(figures.rmse_hard->worst, 5.0);
+  EXPECT_FALSE(figuresOf(measured, sampleBlocks(), sampleSet(), std::vector<bool>(6, false)).rmse_hard);
   // functions 0, 2 and 4 are the hall's: times 2, 10 and 2
   EXPECT_EQ(figures.by_scene.at("hall").time.median_us, 2.0);
   EXPECT_EQ(figures.by_scene.at("hall").rmse.median, 3.0);
@@ -217,10 +221,12 @@ TEST(ChoicePoint, TakesForEveryFunctionAThetaThatOneGeneratorGave) {
   std::vector<std::shared_ptr<const Generator>> generators;
   for (const int r : {3, 5}) generators.push_back(sampleShared(Representation::productField(r)));
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
-  CorrectionOptions all;  // random generators: every theta fails the check, and all are corrected
+  CorrectionOptions all;  // every theta is corrected …
   all.correct_rmse = 0.0;
+  CheckOptions lenient;  // … and passes the check: what is chosen follows from the errors alone
+  lenient.tau_rmse = 1e3, lenient.leak_share = 1.0;
   const auto chosenBy = [&](const ChoiceOptions& choice) {
-    const PlotPoint point = choicePoint(generators, all, {}, choice);
+    const PlotPoint point = choicePoint(generators, all, lenient, choice);
     EXPECT_EQ(point.representation, "pf3+pf5");
     return point.run(block);
   };

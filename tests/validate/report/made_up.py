@@ -92,13 +92,15 @@ def frontier():
                 spread = lambda c: {"us_median": us, "rmse_median": rmse * c, "rmse_p5": rmse * c / 4, "rmse_p95": rmse * c * 5}
                 points.append({"representation": representation, "family": family, "budget": budget, "label": family.replace("_", " ") + (f" {budget}" if budget else ""),
                                "us_p25": us * .95, "us_p75": us * 1.1, "rmse_mean": rmse * 1.5, "rmse_worst": rmse * 15, "leak_p99": .05, **spread(1), "on_front": False,
+                               "hard": {"on_front": False, "rmse_mean": rmse * 4, "rmse_worst": rmse * 15, **{k: v for k, v in spread(3).items() if k != "us_median"}},
                                "by_scene": {s: spread(1 + i / 2) for i, s in enumerate(SCENES)}})
     best = float("inf")
     for point in sorted(points, key=lambda p: (p["us_median"], p["rmse_median"])):
         if point["rmse_median"] < best:
-            point["on_front"], best = True, point["rmse_median"]
-    return {"schema_version": 1, "provenance": {}, "functions": FUNCTIONS, "scenes": list(SCENES), "points": points,
+            point["on_front"], point["hard"]["on_front"], best = True, True, point["rmse_median"]
+    return {"schema_version": 1, "provenance": {"inputs": {"held_out": "1" * 64, "weights.0": "0" * 64}}, "functions": FUNCTIONS, "hard_functions": 9, "scenes": list(SCENES), "points": points,
             "front_sentence": "On the front: tent_mlp alone, then with 1 to 64 steps of LM.",
+            "hard_front_sentence": "On the front over hard functions: the same.",
             "hierarchy": [{"step": "solved-for → generated function", "rmse_mean": .08}, {"step": "generated function → direct fit", "rmse_mean": .0017},
                           {"step": "direct fit → generator", "rmse_mean": .0031}],
             "walks": [{"scene": SCENES[0], "representation": "tent_mlp", "largest_jump": .05, "samples": 1000}]}
@@ -111,14 +113,15 @@ def stability():
     cases = [case(group, f"{group} case {i}", True) for group in groups for i in range(3)]
     cases += [case("scenes", "triangles <slivers> of 1e6:1", False, "Known: a sliver's normal is lost."), case("optimisers", "LM at denormals", False)]
     cases += [{**case("scenes", "ten million triangles", False, "not run: it needs --long"), "measured": "not run", "figures": {}, "ran": False}]
-    return {"schema_version": 1, "provenance": {}, "cases": cases}
+    return {"schema_version": 1, "provenance": {"inputs": {"weights_0": "0" * 64}}, "cases": cases}
 
 
 def bake(scene):
     need = lambda what, left_out, **more: {"what": what, "left_out": left_out, "count": 60, "of": 90, "seconds_saved": 1.25, "bytes_saved": 123456,
                                            "same_result": True, "note": "", **more}
     return {"scene": scene, "needs": [need("probes in free space", True), need("look-up levels never used", False, seconds_saved=None, same_result=None, note="not built yet"),
-                                      need("probes in solid", None, count=0, seconds_saved=None, bytes_saved=None, same_result=None),
+                                      need("probes in solid", True, count=0, seconds_saved=None, bytes_saved=None, same_result=None),
+                                      need("lighting steps", None, count=0, of=0, seconds_saved=None, bytes_saved=None, same_result=None),
                                       need("functions that the smallest representation fits", True, same_result=False, bytes_saved=-12, note="RMSE .0002 higher")]}
 
 

@@ -103,7 +103,7 @@ def check_page(needed, proof):
         expect(target in page.ids, f"the list of contents points at #{target}, which there is none of")
     expect(page.sections[:6] == ["frontier", "scenes", "slices", "stability", "needs", "training"] and page.sections[-1] == "provenance", f"sections: {page.sections}")
     expect("<b>&" not in text and "kaos &lt;b&gt;&amp;" in text, "a scene's name is not escaped")
-    expect(made_up.frontier()["front_sentence"] in text, "the sentence that names the front is missing")
+    expect(all(made_up.frontier()[key] in text for key in ("front_sentence", "hard_front_sentence")), "a sentence that names a front is missing")
     # the made-up suite has one failure without an explanation
     expect(page.headline == "Nothing may ship: 1 stability case failed without an explanation", f"headline: {page.headline}")
     expect(text.count('<tr class="fails">') == 1 and text.count('<tr class="explained">') == 1, "failing cases are not marked, each as what it is")
@@ -116,6 +116,7 @@ def check_page(needed, proof):
     os.makedirs("bare", exist_ok=True)
     bare = Page(draw("bare/report.html", *needed))
     expect(bare.sections[:3] == ["run_time", "scenes", "slices"] and not {"frontier", "stability", "needs"} & set(bare.sections), f"sections without a proof: {bare.sections}")
+    expect("Not judged: this page was drawn without the suite" in open("bare/report.html").read(), "a page without the suite's table does not say so")
 
 
 def read(needed):
@@ -144,6 +145,8 @@ def check_verdict(needed):
     explained = [proof_inputs.Case("pca", "a", "b", "c", False, "why")]
     expect(not decision.Decision(data, free, explained).blocked, "an explained failure blocks")
     expect(decision.Decision(data, free, [proof_inputs.Case("pca", "a", "b", "c", False, " ")]).headline().startswith("Nothing may ship"), "an unexplained failure does not block")
+    skipped = decision.Decision(data, free, [proof_inputs.Case("pca", "a", "b", "c", True, ""), proof_inputs.Case("pca", "d", "e", "f", False, "not run: w", ran=False)])
+    expect(not skipped.blocked and skipped.stability_state == "mixed" and decision.Decision(data, free, skipped.cases[:1]).stability_state == "good", "a case that was not run counts as held")
 
 
 def check_stability_state():
@@ -187,10 +190,21 @@ def check_frontier():
     """A scene's front is what no other point beats; the CSV holds every point once for the whole set and once a scene."""
     front = proof_inputs.read_frontier("frontier.json")
     for scene in front.scenes:
-        members = frontier.front_of(front, scene)
+        members = frontier.front_of_scene(front, scene)
         others = [p.by_scene[scene] for p in front.points if p.family != "threads"]
         expect(all(not any(o.us <= s.us and o.median <= s.median and (o.us, o.median) != (s.us, s.median) for o in others) for _, s in members), f"{scene}: a member of the front is beaten")
         expect(all(any(s.us <= o.us and s.median <= o.median for _, s in members) for o in others), f"{scene}: the front leaves a point unbeaten out")
+    views = frontier.views(front)
+    expect([view.sentence for view in views] == [front.hard_front_sentence, front.front_sentence], "the plot over hard functions does not come first")
+    hard = frontier.front_of(front, views[0])
+    expect(hard and all(p.on_hard_front and s.median == p.hard["rmse_median"] and s.us == p.figures["us_median"] for p, s in hard), "the hard front shows other figures")
+    content = made_up.frontier()
+    content["hard_functions"], content["hard_front_sentence"] = 0, ""
+    for point in content["points"]:
+        point["hard"] = None
+    made_up.write_json("no_hard.json", content)
+    expect(len(frontier.views(proof_inputs.read_frontier("no_hard.json"))) == 1, "a plot over no function")
+    expect(run("frontier.py", "--frontier", "no_hard.json", "--out", "no_hard.png").returncode == 0, "frontier.py refuses a file without hard functions")
     rows = frontier.csv_bytes(front).decode().splitlines()
     expect(len(rows) == 1 + len(front.points) * (1 + len(front.scenes)), f"{len(rows)} rows in frontier.csv")
     for copy in ("one.png", "two.png"):
@@ -204,15 +218,12 @@ def check_needs():
     some = needs[0][1]
     some[0].seconds_saved = 7.0
     text = decision.needs_sentence(needs)
-    expect("2 scenes, 8 lines: 4 left out" in text and f"“{some[0].what}” saves most time, 7 s in {needs[0][0]}" in text and "2 could be left out and are not yet" in text, text)
+    expect("2 scenes, 10 lines: 4 left out" in text and f"“{some[0].what}” saves most time, 7 s in {needs[0][0]}" in text and "2 could be left out and are not yet" in text, text)
     for row in (row for _, rows in needs for row in rows):
         row.seconds_saved = None
     expect("saves most" not in decision.needs_sentence(needs), "a saving that nobody measured is named")
-    some[0].count = 0
-    text = decision.needs_sentence(needs)
-    expect("2 scenes, 8 lines: 3 left out" in text and decision.need_groups(needs)[0][1][-1]["state"] == 2, f"what there is none of counts as left out: {text}")
     states = [row["state"] for row in decision.need_groups(needs)[0][1]]
-    expect(states == sorted(states) and set(states) == {0, 1, 2}, f"lines are not in order of their state: {states}")
+    expect(states == sorted(states) and states.count(0) == 2 and set(states) == {0, 1, 2, 3}, f"a line of nothing counts as left out, or lines are not in order of their state: {states}")
 
 
 def check_refusals(needed):
@@ -234,6 +245,9 @@ def check_refusals(needed):
             ("frontier.json", lambda c: c["points"][0].update(rmse_p5=1), "rmse_p5"),
             ("frontier.json", lambda c: c["points"][1].update(on_front="yes"), "points[1].on_front"),
             ("frontier.json", lambda c: c["scenes"].pop(), "by_scene"),
+            ("frontier.json", lambda c: c["points"][2].update(hard=None), "points[2]"),
+            ("frontier.json", lambda c: c["points"][2]["hard"].update(rmse_median=2), "points[2].hard"),
+            ("frontier.json", lambda c: [p["hard"].update(on_front=False) for p in c["points"]], "front of hard functions"),
             ("frontier.json", lambda c: [p.update(on_front=False) for p in c["points"]], "points"),
             ("stability.json", lambda c: c["cases"][2].update(passes=1), "cases[2].passes"),
             ("stability.json", lambda c: c["cases"][0].update(group="weather"), "cases[0].group"),
@@ -244,6 +258,12 @@ def check_refusals(needed):
             ("bake0.json", lambda c: c["needs"][0].update(count=91), "needs[0].count"),
             ("bake0.json", lambda c: c["needs"][1].update(seconds_saved="x"), "needs[1].seconds_saved")]:
         refuses([place], readers[source], changed(source, change))
+    # weights that the summary does not judge
+    summary = read(needed).summary
+    for source in ("frontier.json", "stability.json"):
+        other = changed(source, lambda c: c["provenance"]["inputs"].update({key: "f" * 64 for key in c["provenance"]["inputs"]}))
+        refuses(["provenance.inputs"], lambda path: proof_inputs.refuse_other_weights(path, summary, {"mlp"}), other)
+        proof_inputs.refuse_other_weights(other, summary, {"pf33"})
     # the tool itself: one line, the exit code, nothing left
     result = run("report.py", *needed, "--needs", "missing.json", "--out", "bad/out.html")
     expect(result.returncode == INPUT_ERROR and len(result.stderr.splitlines()) == 1 and "missing.json" in result.stderr and not os.path.exists("bad"),

@@ -117,7 +117,7 @@ std::vector<SampledFunction> ordinaryFunctions(int count) {
   return functions;
 }
 
-// How many generators give other bits in int16 on some SIMD target than on the first; raises *finite_error on what is not finite.
+// How many generators give other bits in int16 on some SIMD target than on the first; *finite: no more, where one is not finite.
 int generatorsThatDifferInInt16(const StabilityInputs& inputs, const std::vector<SampledFunction>& functions, bool* finite) {
   const std::string before(chosenSimdTarget());
   int different = 0;
@@ -200,8 +200,7 @@ StabilityCase coefficientCase(const std::string& name, StabilityDepth depth, con
   return {"generator",
           name,
           "theta and what it stands for are finite on every SIMD target, theta is within 4.3e-4 of the largest number of the "
-          "formulas in "
-          "double, and correction and refinement never make it worse",
+          "formulas in double, and correction and refinement never make it worse",
           depth,
           true,
           [coefficient](const StabilityInputs& inputs) { return measureCoefficients(inputs, coefficient); }};
@@ -212,81 +211,14 @@ Coefficients farOut(double deviations) {
   return [deviations](int k, int) { return mixSeed(31, static_cast<uint64_t>(k)) & 1 ? deviations : -deviations; };
 }
 
-// --- families that were never trained on ------------------------------------------------------------------------------------
-
-struct Family {
-  const char* name;
-  std::function<SampledFunction(uint64_t seed)> make;
-};
-
-bool everywhere(int) { return true; }
-
-// None of these comes from geometry that casts shadows: noise, waves, hollow spheres, and tents cut out of random halves.
-std::vector<Family> strangeFamilies() {
-  const auto at = [](int p) -> const LocalPoint& { return supportPattern().points[p]; };
-  return {{"noise",
-           [](uint64_t seed) {
-             return sampleFunction(
-                 [=](int p) { return static_cast<double>(mixSeed(seed, static_cast<uint64_t>(p)) % 256) / 255.0; }, everywhere);
-           }},
-          {"waves",
-           [=](uint64_t seed) {
-             const double length = 2.0 + static_cast<double>(seed % 8);
-             return sampleFunction(
-                 [=](int p) { return 0.5 + 0.5 * std::sin(length * (at(p)[0] + 0.7 * at(p)[1] - 0.3 * at(p)[2])); }, everywhere);
-           }},
-          {"hollow spheres",
-           [=](uint64_t seed) {
-             const double radius = 0.2 + 0.1 * static_cast<double>(seed % 8);
-             return sampleFunction(
-                 [=](int p) { return std::fabs(std::hypot(at(p)[0], at(p)[1], at(p)[2]) - radius) < 0.1 ? 1.0 : 0.0; },
-                 everywhere);
-           }},
-          {"scattered tents", [=](uint64_t seed) {
-             return sampleFunction(
-                 [=](int p) { return mixSeed(seed, static_cast<uint64_t>(p / 32)) & 1 ? double{tent(at(p))} : 0.0; },
-                 [=](int p) { return mixSeed(seed + 1, static_cast<uint64_t>(p / 16)) % 4 != 0; });
-           }}};
-}
-
-StabilityResult measureFamilies(const StabilityInputs& inputs) {
-  const int functions = inputs.depth == StabilityDepth::brief ? 1 : 4;
-  StabilityResult result;
-  result.passes = true;
-  double over_zero = 0.0;
-  for (const Family& family : strangeFamilies()) {
-    double generated = 0.0, stored = 0.0;
-    for (int n = 0; n < functions; ++n) {
-      const SampledFunction function = family.make(500 + static_cast<uint64_t>(n));
-      const WorstBake worst = worstBake(inputs, function.view());
-      generated = std::max(generated, worst.generated_rmse);
-      stored = std::max(stored, worst.final_rmse);
-      const double bound = std::max(CheckOptions{}.tau_rmse, rmseOfZero(function));
-      over_zero = std::max(over_zero, worst.final_rmse / bound);
-      result.passes = result.passes && worst.is_finite && worst.never_worse && worst.final_rmse <= bound;
-    }
-    result.measured +=
-        fmt::format("{}{}: RMSE {:.3f} -> {:.3f}", result.measured.empty() ? "" : "; ", family.name, generated, stored);
-    std::string key = family.name;
-    std::replace(key.begin(), key.end(), ' ', '_');
-    result.figures["rmse_generated_" + key] = generated;
-    result.figures["rmse_stored_" + key] = stored;
-  }
-  result.figures["worst_over_answering_0"] = over_zero;
-  result.note =
-      "Worst of all generators, network alone -> what a bake stores. What stays above tau fails the bake's check and is counted.";
-  return result;
-}
-
 }  // namespace
 
-std::vector<StabilityCase> generatorCases() {
+std::vector<StabilityCase> generatorPrecisionCases() {
   const auto brief = StabilityDepth::brief, full = StabilityDepth::full;
   return {
       {"generator", "float32 and int16 on every SIMD target",
        "on ordinary functions float32 is within 4.3e-4 of the formulas in double and what theta stands for within half a step of "
-       "the "
-       "stored bytes, on every SIMD target; int16 gives the same bits on all of them",
+       "the stored bytes, on every SIMD target; int16 gives the same bits on all of them",
        brief, true, measureOrdinary},
       coefficientCase("all coefficients zero", brief, [](int, int) { return 0.0; }),
       coefficientCase("a single coefficient, 10 deviations out", full,
@@ -294,11 +226,6 @@ std::vector<StabilityCase> generatorCases() {
       coefficientCase("coefficients 10 deviations out", full, farOut(10.0)),
       coefficientCase("coefficients 100 deviations out", full, farOut(100.0)),
       coefficientCase("coefficients 1000 deviations out", brief, farOut(1000.0)),
-      {"generator", "families that were never trained on",
-       "every generator's theta is finite, neither correction nor refinement makes it worse, and what a bake stores errs by no "
-       "more than "
-       "the threshold tau or answering 0",
-       brief, true, measureFamilies},
   };
 }
 
