@@ -172,9 +172,12 @@ class Decision:
     def stability_sentence(self):
         failed, ran = verdict.failed(self.cases), [case for case in self.cases if case.ran]
         text = f"{len(ran) - len(failed)} of {plural(len(ran), 'case')} hold"
-        explained = len(failed) - len(verdict.unexplained(self.cases))
-        if failed:
-            text += f"; {explained} {'fails and is' if explained == 1 else 'fail and are'} explained, {len(failed) - explained} without an explanation"
+        unexplained = len(verdict.unexplained(self.cases))
+        explained = len(failed) - unexplained
+        if explained:
+            text += f"; {explained} {'fails and is' if explained == 1 else 'fail and are'} explained"
+        if unexplained:
+            text += f"; {unexplained} {'fails' if unexplained == 1 else 'fail'} without an explanation"
         left = len(self.cases) - len(ran)
         return text + (f"; {left} {'was' if left == 1 else 'were'} not run." if left else ".")
 

@@ -2,7 +2,7 @@
 """Draws nlg-validate's results as one self-contained page, report.html, and the slices as slices.png beside it.
 
     report.py --summary S.json --functions F.csv --slices L.json --basis B.json --logs mlp.csv tent_mlp.csv
-        [--frontier FRONTIER.json] [--stability STABILITY.json] [--needs BAKE_REPORT.json ...] --out report.html
+        [--frontier FRONTIER.json] [--stability STABILITY.json] [--needs BAKE_REPORT.json ...] [--test] --out report.html
 
 The same inputs give the same bytes. A file that cannot be used ends it with one line on stderr and exit code 3, an output that
 cannot be written with 5 (tool/error.h); nothing half-written is left behind. docs/formats.md says what the inputs hold.
@@ -40,6 +40,7 @@ class Proof:
     cases: object = None     # of proof_inputs.Case
     needs: object = None     # of (scene, rows)
     paths: dict = field(default_factory=dict)  # role → path
+    is_test: bool = False    # no decision was made by these scenes
 
 
 def draw_plots(inputs, findings, frontier, scene_order):
@@ -111,7 +112,7 @@ def provenance_rows(inputs, proof, limits):
 
 def proof_values(proof, decision):
     """What the template shows of the proof's files."""
-    values = {"decision": decision, "frontier": proof.frontier, "needs": proof.needs, "contents": contents(proof), "table": decision_module.table,
+    values = {"decision": decision, "frontier": proof.frontier, "needs": proof.needs, "is_test": proof.is_test, "contents": contents(proof), "table": decision_module.table,
               "percent": findings_module.percent}
     if proof.frontier:
         views = frontier_module.views(proof.frontier)
@@ -139,7 +140,7 @@ def render(inputs, proof, limits):
 
 
 def read_proof(arguments, summary):
-    proof = Proof()
+    proof = Proof(is_test=arguments.test)
     if arguments.frontier:
         proof.frontier, proof.paths["frontier"] = proof_inputs.read_frontier(arguments.frontier), arguments.frontier
         proof_inputs.refuse_other_weights(arguments.frontier, summary, {point.representation for point in proof.frontier.points})
@@ -162,6 +163,7 @@ def parse_arguments():
     parser.add_argument("--frontier", help="frontier.json of nlg-validate frontier")
     parser.add_argument("--stability", help="what nlg-validate stability wrote")
     parser.add_argument("--needs", nargs="+", help="what nlg-bake printed, with the key 'needs', one a scene")
+    parser.add_argument("--test", action="store_true", help="the scenes are those of the test, by which no decision was made: the page says so")
     limits = verdict.Limits()
     parser.add_argument("--max-share-refined", type=float, default=limits.share_refined, help="a generator may ship whose functions need refinement at most this often (default: %(default)g)")
     parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and have at most so many times direct optimisation's error on hard functions, by median (default: %(default)g)")

@@ -107,10 +107,12 @@ def check_page(needed, proof):
     # the made-up suite has one failure without an explanation
     expect(page.headline == "Nothing may ship: 1 stability case failed without an explanation", f"headline: {page.headline}")
     expect(text.count('<tr class="fails">') == 1 and text.count('<tr class="explained">') == 1, "failing cases are not marked, each as what it is")
-    expect(text.count('<tr class="not-run">') == 1 and "18 of 20 cases hold; 1 fails and is explained, 1 without an explanation; 1 was not run." in text,
+    expect(text.count('<tr class="not-run">') == 1 and "18 of 20 cases hold; 1 fails and is explained; 1 fails without an explanation; 1 was not run." in text,
            "a case that was not run counts as one that held or failed")
     expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
     expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
+    os.makedirs("test", exist_ok=True)
+    expect("no decision was made by" in draw("test/report.html", *needed, "--test") and "no decision was made by" not in text, "a page of the test does not say so")
     os.makedirs("bare", exist_ok=True)
     bare = Page(draw("bare/report.html", *needed))
     expect(bare.sections[:3] == ["run_time", "scenes", "slices"] and not {"frontier", "stability", "needs"} & set(bare.sections), f"sections without a proof: {bare.sections}")
