@@ -120,7 +120,7 @@ class Decision:
     # ---- scenes
 
     def scene_rows(self):
-        """Scenes by falling share of the leader's functions that need refinement, then by its 95th percentile."""
+        """Scenes by falling share of the leader's functions over τ, then by its 95th percentile."""
         rows = []
         for scene in sorted(set(self.inputs.samples[self.leader, "generator"].scene)):
             part = {key: self.inputs.samples[key].only(self.inputs.samples[key].scene == scene)
@@ -147,9 +147,9 @@ class Decision:
         over = [row["scene"] for row in rows if row["shares"][0][2]]
         limit = percent(self.limits.share_refined)
         if not over:
-            return f"In every scene at most {limit} of {self.leader}’s functions need refinement; most do in {rows[0]['scene']}, {rows[0]['shares'][0][0]}."
+            return f"In every scene at most {limit} of {self.leader}’s functions are over τ; most are in {rows[0]['scene']}, {rows[0]['shares'][0][0]}."
         named = joined(over) if len(over) <= 3 else f"{', '.join(over[:2])} and {len(over) - 2} more"
-        return f"In {len(over)} of {plural(len(rows), 'scene')} more than {limit} of {self.leader}’s functions need refinement: {named}."
+        return f"In {len(over)} of {plural(len(rows), 'scene')} more than {limit} of {self.leader}’s functions are over τ: {named}."
 
     # ---- stability
 
