@@ -9,7 +9,6 @@
 #include "export/onnx_file/onnx_file.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
-#include "tool/provenance.h"
 #include "tool/tool_main.h"
 
 namespace nlg {

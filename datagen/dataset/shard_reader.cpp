@@ -81,12 +81,6 @@ Shard ShardReader::read(uint64_t first, uint64_t count) const {
   return shard;
 }
 
-void ShardReader::readSamples(uint64_t first, uint64_t count, uint8_t* phi, uint8_t* validity) const {
-  const auto P = static_cast<uint64_t>(header_.point_count);
-  file_.readRows<uint8_t>("phi", {functionCount(), P}, first, count, phi);
-  file_.readRows<uint8_t>("validity", {functionCount(), P / 8}, first, count, validity);
-}
-
 bool ShardReader::verifyDigest() const {
   if (header_.schema_version < 2) return false;
   file_.verifyDigest();

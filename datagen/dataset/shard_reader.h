@@ -21,8 +21,6 @@ class ShardReader {
   // Functions [first, first + count), with the header; count may be anything that functionCount leaves room for.
   // throws   InputError on damage: checksums, values that break the contract
   Shard read(uint64_t first, uint64_t count) const;
-  // The samples alone: phi (count x P) and validity (count x P/8).
-  void readSamples(uint64_t first, uint64_t count, uint8_t* phi, uint8_t* validity) const;
 
   // Compares every byte of the file with the stored SHA-256. Version 1 has none: true when there was one to compare with.
   // throws   InputError when they differ

@@ -1,6 +1,5 @@
 #include "datagen/scene/bsp_file.h"
 
-#include <array>
 #include <bit>
 #include <cmath>
 

@@ -1,6 +1,5 @@
 #include "datagen/scene/procedural.h"
 
-#include <algorithm>
 #include <array>
 
 #include "datagen/scene/procedural/level.h"

@@ -143,11 +143,6 @@ void drawRing(Image& image, const glm::dvec2& centre, double radius_px, double w
                  [&](const glm::dvec2& p) { return std::fabs(glm::length(p - centre) - radius_px) - 0.5 * width_px; });
 }
 
-void drawCasedLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double width_px, Colour colour, Colour rim) {
-  drawLine(image, a, b, width_px + 2, rim);
-  drawLine(image, a, b, width_px, colour);
-}
-
 void drawText(Image& image, int x, int y, const std::string& text, Colour colour, int scale) {
   for (size_t i = 0; i < text.size(); x += kGlyphWidth * scale) {
     const auto& rows = glyphRows(nextCodePoint(text, &i));

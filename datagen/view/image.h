@@ -57,9 +57,6 @@ void drawLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double wid
 void drawDisc(Image& image, const glm::dvec2& centre, double radius_px, Colour colour);
 void drawRing(Image& image, const glm::dvec2& centre, double radius_px, double width_px, Colour colour);
 
-// A line that stands out on any ground: the stroke, with a rim of another colour of 1 px on both sides.
-void drawCasedLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double width_px, Colour colour, Colour rim);
-
 // UTF-8 text in the font of font.h; (x, y) is its upper left corner.
 // scale   >= 1; enlarges by whole pixels, and above 1 thickens the strokes by one pixel
 void drawText(Image& image, int x, int y, const std::string& text, Colour colour, int scale = 1);

@@ -1,7 +1,6 @@
 #include "runtime_eval/c_api/nlg.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <string>
@@ -13,7 +12,6 @@
 #include "runtime_eval/evaluator/generator.h"
 #include "runtime_eval/fit/correction.h"
 #include "runtime_eval/fit/refinement.h"
-#include "runtime_eval/support/simd_target.h"
 
 namespace {
 

@@ -27,7 +27,6 @@ class SymmetricBand {
   // The same shape and, by ==, the same entries.
   bool operator==(const SymmetricBand& other) const;
 
-  void setZero() { reset(count_, bandwidth_); }
   // result = matrix * vector, count each; they may not overlap.
   void multiply(const double* vector, double* result) const;
   // Solves matrix * x = vector by Cholesky in place: the matrix is destroyed, the vector becomes x. False when a pivot is not

@@ -1,6 +1,5 @@
 #include "runtime_eval/light_grid/light_grid.h"
 
-#include <algorithm>
 #include <cmath>
 #include <iterator>
 

@@ -42,12 +42,19 @@ def documented_keys():
     """Of each list and object of frontier.json, the keys in the table of docs/formats.md."""
     text = open(os.path.join(SOURCES, "docs/formats.md")).read()
     section = re.search(r"\n## frontier\.json.*?(?=\n## )", text, re.S).group(0)
-    keys = {"": set(), "points": set(), "hard": set(), "by_scene": set(), "hierarchy": set(), "walks": set()}
+    keys = {"": set(), "points": set(), "hard": set(), "bare_tent": set(), "by_scene": set(), "hierarchy": set(), "walks": set()}
     for cell in re.findall(r"^\| (`.*?) \|", section, re.M):
         for name in re.findall(r"`([^`]+)`", cell):
             part, _, key = name.rpartition(".")
             keys[part].add(key)
     return keys
+
+
+def check_front(members, errors, tent, sentence):
+    """The sentence names every member; there are some when anything is better than the bare tent."""
+    expect(bool(members) == (min(errors) < tent), f"{len(members)} members, errors from {min(errors)}, the tent's {tent}")
+    expect(all(f"{p['representation']}: {p['label']} (" in sentence for p in members), sentence)
+    expect(members or sentence.startswith("Nothing has a smaller median error"), sentence)
 
 
 def check_result():
@@ -78,10 +85,11 @@ def check_result():
             expect(len(found) == wanted, f"{name}, {family}: budgets {found}")
     choices = [point["representation"] for point in points if point["family"] == "choice"]
     expect(choices == ["pf3+pf5"], f"choices: {choices}")
-    members = [point for point in points if point["on_front"]]
-    expect(members and all(f"{p['representation']}: {p['label']} (" in result["front_sentence"] for p in members), result["front_sentence"])
+    tent = result["bare_tent"]
+    expect(set(tent) == keys["bare_tent"] and set(tent["by_scene"]) == set(result["scenes"]), f"bare tent: {tent}")
+    check_front([p for p in points if p["on_front"]], [p["rmse_median"] for p in points], tent["rmse_median"], result["front_sentence"])
     hard_members = [point for point in points if point["hard"]["on_front"]]
-    expect(hard_members and all(f"{p['representation']}: {p['label']} (" in result["hard_front_sentence"] for p in hard_members), result["hard_front_sentence"])
+    check_front(hard_members, [p["hard"]["rmse_median"] for p in points], tent["hard"]["rmse_median"], result["hard_front_sentence"])
     expect(" over hard functions" in result["hard_front_sentence"], result["hard_front_sentence"])
     expect(not any(p["on_front"] or p["hard"]["on_front"] for p in points if p["family"] == "threads"), "a point of several threads is on a front")
     expect(result["hierarchy"] == [{"step": "solved", "representation": None, "scenes": 2, "rmse_mean": 2, "function_rmse": None}],

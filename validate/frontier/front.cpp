@@ -53,6 +53,7 @@ std::string frontSentence(const std::string& over, const std::vector<FrontPoint>
   for (size_t i = 0; i < points.size(); ++i) {
     if (members[i]) chosen.push_back(i);
   }
+  if (chosen.empty()) return "Nothing has a smaller median error" + over + " than the bare tent, which takes no time.";
   std::string sentence = "On the front of time and median error" + over + ", from the fastest:";
   for (const size_t i : byTime(points, chosen)) {
     sentence +=

@@ -23,7 +23,8 @@ struct FrontTolerances {
 // points that equal a member in both, the first of the list stands for it.
 std::vector<bool> frontMembers(const std::vector<FrontPoint>& points, const FrontTolerances& tolerances);
 
-// "On the front of time and median error over hard functions, from the fastest: NAME (7.4 µs, .00275), …"
+// "On the front of time and median error over hard functions, from the fastest: NAME (7.4 µs, .00275), …"; without members that
+// nothing is better than the bare tent
 // over    " over hard functions"; may be empty
 // names   of the points, in the same order
 std::string frontSentence(const std::string& over, const std::vector<FrontPoint>& points, const std::vector<bool>& members,

@@ -56,11 +56,11 @@ std::map<std::string, std::string> inputHashes(const Request& request, const Fun
   return hashes;
 }
 
-std::vector<bool> hardFunctions(const FunctionSet& set, const std::vector<uint64_t>& functions, double tent_rmse) {
+std::vector<double> tentErrors(const FunctionSet& set, const std::vector<uint64_t>& functions) {
   ErrorMeter meter(set);
-  std::vector<bool> hard;
-  for (const uint64_t function : functions) hard.push_back(meter.measureTent(function, nullptr).rmse >= tent_rmse);
-  return hard;
+  std::vector<double> rmse;
+  for (const uint64_t function : functions) rmse.push_back(meter.measureTent(function, nullptr).rmse);
+  return rmse;
 }
 
 void measureFrontier(const Request& request, const FrontierOptions& options, const OptionTable& table) {
@@ -76,9 +76,12 @@ void measureFrontier(const Request& request, const FrontierOptions& options, con
   const std::vector<PointMeasurement> measured =
       measureInterleaved(set, blocks, points, options.interleave, [&](int64_t done) { progress.update(done); });
   std::vector<PointFigures> figures;
-  const std::vector<bool> hard = hardFunctions(set, functions, options.hard_tent_rmse);
+  const std::vector<double> tent_rmse = tentErrors(set, functions);
+  std::vector<bool> hard;
+  for (const double rmse : tent_rmse) hard.push_back(rmse >= options.hard_tent_rmse);
   for (const PointMeasurement& point : measured) figures.push_back(figuresOf(point, blocks, set, hard));
-  const FrontierResult result = makeResult(std::move(points), std::move(figures), options.front);
+  const FrontierResult result =
+      makeResult(std::move(points), std::move(figures), figuresOfTent(tent_rmse, blocks, set, hard), options.front);
   json["functions"] = functions.size();
   json["hard_functions"] = std::count(hard.begin(), hard.end(), true);
   json["scenes"] = set.scene_ids;

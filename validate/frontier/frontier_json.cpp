@@ -116,18 +116,21 @@ Front frontOf(const std::string& over, const std::vector<FrontPoint>& points, co
 
 }  // namespace
 
-FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, const FrontTolerances& tolerances) {
+FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, TentFigures tent,
+                          const FrontTolerances& tolerances) {
   std::vector<FrontPoint> all, hard;
   std::vector<std::string> names;
   for (size_t p = 0; p < points.size(); ++p) {
-    all.push_back({figures[p].time.median_us, figures[p].rmse.median, points[p].may_be_on_front});
+    const double us = figures[p].time.median_us;
+    all.push_back({us, figures[p].rmse.median, points[p].may_be_on_front && figures[p].rmse.median < tent.rmse.median});
     // the time is that of a bake, which does not know beforehand what is hard
     if (figures[p].rmse_hard) {
-      hard.push_back({figures[p].time.median_us, figures[p].rmse_hard->median, points[p].may_be_on_front});
+      const double median = figures[p].rmse_hard->median;
+      hard.push_back({us, median, points[p].may_be_on_front && median < tent.rmse_hard->median});
     }
     names.push_back(points[p].representation + ": " + points[p].label);
   }
-  FrontierResult result{std::move(points), std::move(figures), {}, {}};
+  FrontierResult result{std::move(points), std::move(figures), std::move(tent), {}, {}};
   result.all = frontOf("", all, names, tolerances);
   if (!hard.empty()) result.hard = frontOf(" over hard functions", hard, names, tolerances);
   return result;
@@ -139,6 +142,13 @@ Json pointsJson(const FrontierResult& result) {
     json["points"].push_back(pointJson(result.points[p], result.figures[p], result.all.members[p],
                                        result.figures[p].rmse_hard && result.hard.members[p]));
   }
+  addErrors(result.tent.rmse, json["bare_tent"]);
+  json["bare_tent"]["hard"] = nullptr;
+  if (result.tent.rmse_hard) {
+    json["bare_tent"]["hard"] = Json::object();
+    addErrors(*result.tent.rmse_hard, json["bare_tent"]["hard"]);
+  }
+  for (const auto& [scene, rmse] : result.tent.by_scene) addErrors(rmse, json["bare_tent"]["by_scene"][scene]);
   json["front_sentence"] = result.all.sentence;
   json["hard_front_sentence"] = result.hard.sentence;
   return json;

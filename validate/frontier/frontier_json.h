@@ -18,13 +18,15 @@ struct Front {
 struct FrontierResult {
   std::vector<PlotPoint> points;
   std::vector<PointFigures> figures;  // by point
-  Front all, hard;                    // of the median error over all functions, and over the hard ones
+  TentFigures tent;
+  Front all, hard;  // of the median error over all functions, and over the hard ones
 };
 
 // Finds the fronts and says who is on them.
-FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, const FrontTolerances& tolerances);
+FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, TentFigures tent,
+                          const FrontTolerances& tolerances);
 
-// The keys points, front_sentence and hard_front_sentence.
+// The keys points, bare_tent, front_sentence and hard_front_sentence.
 nlohmann::ordered_json pointsJson(const FrontierResult& result);
 
 // One row a point, over all functions.

@@ -25,6 +25,23 @@ struct SceneSamples {
 
 }  // namespace
 
+TentFigures figuresOfTent(const std::vector<double>& tent_rmse, const std::vector<FunctionBlock>& blocks, const FunctionSet& set,
+                          const std::vector<bool>& hard) {
+  std::vector<double> rmse_hard;
+  std::map<uint32_t, std::vector<double>> by_scene;
+  size_t at = 0;
+  for (const FunctionBlock& block : blocks) {
+    for (const uint64_t function : block.functions) {
+      if (hard[at]) rmse_hard.push_back(tent_rmse[at]);
+      by_scene[set.scene_idx[function]].push_back(tent_rmse[at++]);
+    }
+  }
+  TentFigures figures{errorFigures(tent_rmse), {}, {}};
+  if (!rmse_hard.empty()) figures.rmse_hard = errorFigures(rmse_hard);
+  for (const auto& [scene, rmse] : by_scene) figures.by_scene[set.scene_ids[scene]] = errorFigures(rmse);
+  return figures;
+}
+
 PointFigures figuresOf(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks, const FunctionSet& set,
                        const std::vector<bool>& hard) {
   std::map<uint32_t, SceneSamples> by_scene;

@@ -30,6 +30,17 @@ struct PointFigures {
   std::map<std::string, SceneFigures> by_scene;
 };
 
+// The bare tent, which takes no time and no theta: what does not have a smaller error is on no front.
+struct TentFigures {
+  ErrorFigures rmse;
+  std::optional<ErrorFigures> rmse_hard;
+  std::map<std::string, ErrorFigures> by_scene;
+};
+
+// tent_rmse   by function, in the order of the blocks
+TentFigures figuresOfTent(const std::vector<double>& tent_rmse, const std::vector<FunctionBlock>& blocks, const FunctionSet& set,
+                          const std::vector<bool>& hard);
+
 // hard    by function, in the order of the blocks
 PointFigures figuresOf(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks, const FunctionSet& set,
                        const std::vector<bool>& hard);

@@ -36,11 +36,12 @@ class Decision:
     inputs     inputs.Inputs
     limits     verdict.Limits
     cases      proof_inputs.Case, or None where the suite's file was not given
+    frontier   proof_inputs.Frontier, or None likewise: then no time is judged
     """
 
-    def __init__(self, inputs, limits, cases):
-        self.inputs, self.limits, self.cases = inputs, limits, cases
-        self.judgements = verdict.judge(inputs, limits)
+    def __init__(self, inputs, limits, cases, frontier=None):
+        self.inputs, self.limits, self.cases, self.frontier = inputs, limits, cases, frontier
+        self.judgements = verdict.judge(inputs, limits, frontier)
         self.leader = verdict.leader(inputs, self.judgements)
         self.blocked = bool(cases) and bool(verdict.unexplained(cases))
         self.tau_rmse, self.tau_leak = (inputs.summary["tau"][key].number() for key in ("rmse", "leak_p99"))
@@ -77,9 +78,9 @@ class Decision:
             elif not j.hard.passes:
                 said.append(f"{factor(j.hard.value)} × the error of direct optimisation on hard functions (limit {limits.error_hard:g} ×)")
             if j.speedup.value is None:
-                said.append("no times were measured, so it stays undecided")
+                said.append("no frontier was given that times direct fits of the same error, so it stays undecided")
             elif not j.speedup.passes:
-                said.append(f"{factor(j.speedup.value)} × faster than direct optimisation (at least {limits.speedup:g} × is asked for)")
+                said.append(f"{factor(j.speedup.value)} × as fast as a direct fit of no larger error (at least {limits.speedup:g} × is asked for)")
             if said:
                 result.append((j.representation, "; ".join(said) + "."))
         return result
@@ -87,7 +88,6 @@ class Decision:
     def cards(self):
         lead = next(j for j in self.judgements if j.representation == self.leader)
         node = self.inputs.summary["representations"][self.leader]
-        refined_us, direct_us = verdict.times_us(self.inputs.summary, self.leader)
         hard = int(self.inputs.samples[self.leader, "direct"].hard.sum())
         limits = self.limits
         return [
@@ -95,16 +95,23 @@ class Decision:
                       f"of {self.leader}’s fail the bake’s check and are fitted on; {percent(node['refined']['share_over_tau'].number())} fail even then", lead),
             self.card("Error on hard functions", lambda j: j.hard, lambda v: f"{factor(v)} ×", f"at most {limits.error_hard:g} ×", limits.error_hard,
                       f"that of direct optimisation: {self.leader}, before refinement, median over {plural(hard, 'hard function')}", lead),
-            self.card("Time per function", lambda j: j.speedup, lambda v: f"{factor(v)} ×", f"at least {limits.speedup:g} ×", limits.speedup,
-                      f"faster than direct optimisation: {self.leader}, {duration(refined_us)} with check and refinement against {duration(direct_us)}",
-                      lead, logarithmic=True)]
+            self.card("Speed at equal error", lambda j: j.speedup, lambda v: f"{factor(v)} ×", f"at least {limits.speedup:g} ×", limits.speedup,
+                      self.equal_error_words(), lead, logarithmic=True)]
+
+    def equal_error_words(self):
+        equal = verdict.at_equal_error(self.frontier, self.leader)
+        if equal is None:
+            return "not measured: this page was drawn without a frontier (--frontier)"
+        text = f"{self.leader}, {duration(equal.generator_us)} corrected, against {duration(equal.direct_us)} of "
+        return text + (f"the fastest direct fit of no larger mean error ({equal.label})" if equal.label else "the longest direct fit, whose mean error is still larger")
 
     def card(self, title, figure_of, text_of, limit_text, limit, meaning, lead, logarithmic=False):
         """One figure: large for the leader, a bar for every generator, and the limit as a line across the bars."""
         shown = lambda figure: "–" if figure.value is None else text_of(figure.value)
         values = [figure_of(j).value for j in self.judgements if figure_of(j).value is not None]
         top = 1.08 * max([limit * (1.5 if logarithmic else 1.15), *values])
-        place = (lambda v: max(0.0, math.log(max(v, 1.0)) / math.log(top))) if logarithmic else lambda v: v / top
+        low = 0.5 * min([limit, *values])  # bars of logarithms begin here
+        place = (lambda v: max(0.0, math.log(max(v, low) / low) / math.log(top / low))) if logarithmic else lambda v: v / top
         rows = [{"name": j.representation, "text": shown(figure_of(j)), "passes": figure_of(j).passes,
                  "width": 100 * place(figure_of(j).value) if figure_of(j).value is not None else 0.0} for j in self.judgements]
         return {"title": title, "big": shown(figure_of(lead)), "passes": figure_of(lead).passes, "meaning": meaning, "limit": limit_text,
@@ -113,7 +120,7 @@ class Decision:
     # ---- scenes
 
     def scene_rows(self):
-        """Scenes by falling share of the leader's functions that need refinement, then by its 95th percentile."""
+        """Scenes by falling share of the leader's functions over τ, then by its 95th percentile."""
         rows = []
         for scene in sorted(set(self.inputs.samples[self.leader, "generator"].scene)):
             part = {key: self.inputs.samples[key].only(self.inputs.samples[key].scene == scene)
@@ -140,9 +147,9 @@ class Decision:
         over = [row["scene"] for row in rows if row["shares"][0][2]]
         limit = percent(self.limits.share_refined)
         if not over:
-            return f"In every scene at most {limit} of {self.leader}’s functions need refinement; most do in {rows[0]['scene']}, {rows[0]['shares'][0][0]}."
+            return f"In every scene at most {limit} of {self.leader}’s functions are over τ; most are in {rows[0]['scene']}, {rows[0]['shares'][0][0]}."
         named = joined(over) if len(over) <= 3 else f"{', '.join(over[:2])} and {len(over) - 2} more"
-        return f"In {len(over)} of {plural(len(rows), 'scene')} more than {limit} of {self.leader}’s functions need refinement: {named}."
+        return f"In {len(over)} of {plural(len(rows), 'scene')} more than {limit} of {self.leader}’s functions are over τ: {named}."
 
     # ---- stability
 
@@ -165,9 +172,12 @@ class Decision:
     def stability_sentence(self):
         failed, ran = verdict.failed(self.cases), [case for case in self.cases if case.ran]
         text = f"{len(ran) - len(failed)} of {plural(len(ran), 'case')} hold"
-        explained = len(failed) - len(verdict.unexplained(self.cases))
-        if failed:
-            text += f"; {explained} {'fails and is' if explained == 1 else 'fail and are'} explained, {len(failed) - explained} without an explanation"
+        unexplained = len(verdict.unexplained(self.cases))
+        explained = len(failed) - unexplained
+        if explained:
+            text += f"; {explained} {'fails and is' if explained == 1 else 'fail and are'} explained"
+        if unexplained:
+            text += f"; {unexplained} {'fails' if unexplained == 1 else 'fail'} without an explanation"
         left = len(self.cases) - len(ran)
         return text + (f"; {left} {'was' if left == 1 else 'were'} not run." if left else ".")
 

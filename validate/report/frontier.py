@@ -39,14 +39,15 @@ class View:
     words: str
     spread: object    # point → Spread
     mean: object      # point → mean RMSE
+    tent: float       # median RMSE of the bare tent
     on_front: object  # point → bool
     sentence: str
 
 
 def views(frontier):
     """Hard functions first: most functions of a level are nearly the bare tent, and a median over all sees little else."""
-    every = View(f"all {frontier.function_count} functions", lambda p: p.whole, lambda p: p.figures["rmse_mean"], lambda p: p.on_front, frontier.front_sentence)
-    hard = View(f"the {frontier.hard_count} hard functions", lambda p: p.whole_hard, lambda p: p.hard["rmse_mean"], lambda p: p.on_hard_front, frontier.hard_front_sentence)
+    every = View(f"all {frontier.function_count} functions", lambda p: p.whole, lambda p: p.figures["rmse_mean"], frontier.tent, lambda p: p.on_front, frontier.front_sentence)
+    hard = View(f"the {frontier.hard_count} hard functions", lambda p: p.whole_hard, lambda p: p.hard["rmse_mean"], frontier.tent_hard, lambda p: p.on_hard_front, frontier.hard_front_sentence)
     return [hard, every] if frontier.hard_count else [every]
 
 
@@ -66,9 +67,11 @@ def front_of(frontier, view):
 
 
 def front_of_scene(frontier, scene):
-    """The same of one scene, by median error. What several cores did at once took longer than its time says: left out."""
+    """The same of one scene, by median error. Left out is what several cores did at once, which took longer than its time says, and
+    what is no better than the bare tent, which takes no time."""
     some = [(p.by_scene[scene].us, p.by_scene[scene].median, i) for i, p in enumerate(frontier.points)
-            if scene in p.by_scene and p.by_scene[scene].us > 0 and p.family != "threads"]
+            if scene in p.by_scene and p.by_scene[scene].us > 0 and p.family != "threads"
+            and p.by_scene[scene].median < frontier.tent_by_scene.get(scene, float("inf"))]
     members = [(frontier.points[i], frontier.points[i].by_scene[scene]) for _, _, i in plots.pareto(some)]
     return sorted(members, key=lambda member: (member[1].us, member[1].median))
 
@@ -97,6 +100,14 @@ def draw_front(axes, front, bounds):
     axes.plot(times, clipped([s.median for _, s in front]), color=plots.INK, linewidth=1.8, zorder=4)
 
 
+def draw_tent(axes, median, bounds):
+    """What costs nothing: whatever lies above this line is worth nothing."""
+    if bounds[0] < median < bounds[1]:
+        axes.axhline(median, color=plots.COLOURS["tent"], linewidth=1.1, linestyle=(0, (5, 3)), zorder=3)
+        axes.annotate("bare tent, no network", (0.995, median), xycoords=("axes fraction", "data"), xytext=(0, 3), textcoords="offset points", ha="right", va="bottom",
+                      fontsize=8, color=plots.COLOURS["tent"], zorder=8)
+
+
 def draw_chains(axes, frontier, view, bounds):
     """Thin lines through the growing budgets of one method."""
     chains = {}
@@ -120,6 +131,7 @@ def draw_whole(frontier, view, name):
     time_axis(axes, *time_limits)
     plots.log_error_axis(axes.yaxis, *bounds)
     axes.set(xlabel="time per function, median (log)", ylabel=f"RMSE, median over {view.words} (log)")
+    draw_tent(axes, view.tent, bounds)
     draw_front(axes, front, bounds)
     draw_chains(axes, frontier, view, bounds)
     for index, point in enumerate(frontier.points):
@@ -187,6 +199,7 @@ def draw_scene(frontier, scene, time_limits, bounds):
     axes.scatter([s.us for _, s in some], np.clip([s.median for _, s in some], *bounds), s=7, linewidths=0, alpha=0.45, rasterized=True, zorder=2,
                  c=[plots.representation_colour(p.representation) for p, _ in some])
     front, hover = front_of_scene(frontier, scene), {}
+    draw_tent(axes, frontier.tent_by_scene.get(scene, 0.0), bounds)
     draw_front(axes, front, bounds)
     for index, (point, spread) in enumerate(front):
         marker, filled, size, _ = look(point.family)

@@ -54,6 +54,9 @@ class Frontier:
     points: list
     front_sentence: str
     hard_front_sentence: str
+    tent: float           # median RMSE of the bare tent, which takes no time
+    tent_hard: object     # … over the hard functions; None where there is none
+    tent_by_scene: dict   # scene → the same
     hierarchy: list       # one dict a step: texts and numbers
     walks: list           # the same
 
@@ -115,6 +118,20 @@ def check_quantiles(node):
         node.refuse("rmse_p5 <= rmse_median <= rmse_p95", f"{p5:g}, {median:g}, {p95:g}")
 
 
+def refuse_other_weights(path, summary, representations):
+    """A proof of other weights than those that the summary judges proves nothing of them.
+
+    path              of the proof, whose provenance names the SHA-256 of its weights
+    representations   those of the proof; what the summary does not judge is left alone
+    """
+    hashes = read_json(path)["provenance"]["inputs"]
+    known = {node.text() for _, node in hashes.entries()}
+    for name, node in summary["representations"].entries():
+        wanted = node["weights_sha256"].text()
+        if name in representations and wanted not in known:
+            hashes.refuse(f"the weights of {name} in {summary.path}, {wanted}", "others")
+
+
 def read_spread(node):
     check_quantiles(node)
     return Spread(node["us_median"].number(), *(node[f"rmse_{q}"].number() for q in ERRORS))
@@ -142,8 +159,6 @@ def read_frontier(path):
     check_schema(file)
     scenes = [node.text() for node in file["scenes"].items()]
     points = [read_point(node) for node in file["points"].items()]
-    if not any(point.on_front for point in points):
-        file["points"].refuse("at least one point on the front", "none")
     for index, point in enumerate(points):
         for scene in point.by_scene:
             if scene not in scenes:
@@ -152,10 +167,11 @@ def read_frontier(path):
     for index, point in enumerate(points):
         if (point.hard is None) != (hard_count == 0):
             file["points"].refuse("figures of hard functions in all points, or no hard function", f"points[{index}]")
-    if hard_count and not any(point.on_hard_front for point in points):
-        file["points"].refuse("at least one point on the front of hard functions", "none")
+    tent = file["bare_tent"]
     lists = [[row(node) for node in file[key].items()] for key in ("hierarchy", "walks")]
-    return Frontier(path, file["functions"].count(), hard_count, scenes, points, file["front_sentence"].text(), file["hard_front_sentence"].text(), *lists)
+    return Frontier(path, file["functions"].count(), hard_count, scenes, points, file["front_sentence"].text(), file["hard_front_sentence"].text(),
+                    tent["rmse_median"].number(), optional(tent["hard"], lambda n: n["rmse_median"].number()),
+                    {scene: node["rmse_median"].number() for scene, node in tent["by_scene"].entries()}, *lists)
 
 
 def read_stability(path):

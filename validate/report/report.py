@@ -2,7 +2,7 @@
 """Draws nlg-validate's results as one self-contained page, report.html, and the slices as slices.png beside it.
 
     report.py --summary S.json --functions F.csv --slices L.json --basis B.json --logs mlp.csv tent_mlp.csv
-        [--frontier FRONTIER.json] [--stability STABILITY.json] [--needs BAKE_REPORT.json ...] --out report.html
+        [--frontier FRONTIER.json] [--stability STABILITY.json] [--needs BAKE_REPORT.json ...] [--test] --out report.html
 
 The same inputs give the same bytes. A file that cannot be used ends it with one line on stderr and exit code 3, an output that
 cannot be written with 5 (tool/error.h); nothing half-written is left behind. docs/formats.md says what the inputs hold.
@@ -40,6 +40,7 @@ class Proof:
     cases: object = None     # of proof_inputs.Case
     needs: object = None     # of (scene, rows)
     paths: dict = field(default_factory=dict)  # role → path
+    is_test: bool = False    # no decision was made by these scenes
 
 
 def draw_plots(inputs, findings, frontier, scene_order):
@@ -111,7 +112,7 @@ def provenance_rows(inputs, proof, limits):
 
 def proof_values(proof, decision):
     """What the template shows of the proof's files."""
-    values = {"decision": decision, "frontier": proof.frontier, "needs": proof.needs, "contents": contents(proof), "table": decision_module.table,
+    values = {"decision": decision, "frontier": proof.frontier, "needs": proof.needs, "is_test": proof.is_test, "contents": contents(proof), "table": decision_module.table,
               "percent": findings_module.percent}
     if proof.frontier:
         views = frontier_module.views(proof.frontier)
@@ -124,7 +125,7 @@ def proof_values(proof, decision):
 
 def render(inputs, proof, limits):
     findings = findings_module.Findings(inputs)
-    decision = decision_module.Decision(inputs, limits, proof.cases)
+    decision = decision_module.Decision(inputs, limits, proof.cases, proof.frontier)
     limit = slices.difference_limit(inputs.slices)
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(os.path.dirname(os.path.abspath(__file__))), autoescape=True,
                                      undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
@@ -138,12 +139,14 @@ def render(inputs, proof, limits):
     return page.encode(), slices.plate(inputs, limit)
 
 
-def read_proof(arguments):
-    proof = Proof()
+def read_proof(arguments, summary):
+    proof = Proof(is_test=arguments.test)
     if arguments.frontier:
         proof.frontier, proof.paths["frontier"] = proof_inputs.read_frontier(arguments.frontier), arguments.frontier
+        proof_inputs.refuse_other_weights(arguments.frontier, summary, {point.representation for point in proof.frontier.points})
     if arguments.stability:
         proof.cases, proof.paths["stability"] = proof_inputs.read_stability(arguments.stability), arguments.stability
+        proof_inputs.refuse_other_weights(arguments.stability, summary, {name for name, _ in summary["representations"].entries()})
     if arguments.needs:
         proof.needs = [proof_inputs.read_needs(path) for path in arguments.needs]
         proof.paths |= {f"needs of {scene}": path for path, (scene, _) in zip(arguments.needs, proof.needs)}
@@ -160,10 +163,11 @@ def parse_arguments():
     parser.add_argument("--frontier", help="frontier.json of nlg-validate frontier")
     parser.add_argument("--stability", help="what nlg-validate stability wrote")
     parser.add_argument("--needs", nargs="+", help="what nlg-bake printed, with the key 'needs', one a scene")
+    parser.add_argument("--test", action="store_true", help="the scenes are those of the test, by which no decision was made: the page says so")
     limits = verdict.Limits()
     parser.add_argument("--max-share-refined", type=float, default=limits.share_refined, help="a generator may ship whose functions need refinement at most this often (default: %(default)g)")
     parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and have at most so many times direct optimisation's error on hard functions, by median (default: %(default)g)")
-    parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="and that, refined, is at least so many times faster than direct optimisation (default: %(default)g)")
+    parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="and that, corrected, is at least so many times as fast as the fastest direct fit of no larger mean error (default: %(default)g)")
     parser.add_argument("--out", required=True, help="the page to write; slices.png is written beside it")
     return parser.parse_args()
 
@@ -174,7 +178,7 @@ def main():
     def make():
         inputs = inputs_module.read_inputs(arguments.summary, arguments.functions, arguments.slices, arguments.basis, arguments.logs)
         limits = verdict.Limits(arguments.max_share_refined, arguments.max_error_hard, arguments.min_speedup)
-        page, plate = render(inputs, read_proof(arguments), limits)
+        page, plate = render(inputs, read_proof(arguments, inputs.summary), limits)
         return {os.path.join(os.path.dirname(arguments.out), "slices.png"): plate, arguments.out: page}
     return output.run("report.py", arguments.out, make)
 

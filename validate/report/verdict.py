@@ -4,14 +4,15 @@ The limits are defaults of report.py's flags, and stand on the page beside what 
 """
 from dataclasses import dataclass
 
+DIRECT = ("lm_from_theta0", "lm_from_random", "adam_from_theta0", "adam_from_random")  # families of the frontier
 SHIPS, FAILS, UNDECIDED = "may ship", "may not ship", "undecided"
 
 
 @dataclass(frozen=True)
 class Limits:
-    share_refined: float = 0.10
-    error_hard: float = 3.0
-    speedup: float = 30.0
+    share_refined: float = 0.05
+    error_hard: float = 2.0
+    speedup: float = 1.0
 
 
 @dataclass
@@ -26,7 +27,7 @@ class Judgement:
     representation: str
     refined: Figure   # share of functions that fail the bake's check and are fitted on
     hard: Figure      # error over that of direct optimisation, median over hard functions
-    speedup: Figure   # time of direct optimisation over that of generator, check and refinement
+    speedup: Figure   # time of the fastest direct fit of no larger mean error over that of generator and correction
 
     @property
     def figures(self):
@@ -39,26 +40,42 @@ class Judgement:
         return SHIPS if all(figure.passes for figure in self.figures) else FAILS
 
 
-def times_us(summary, representation):
-    """Mean time a function of (generator, check and refinement; direct optimisation). Direct ran on some of the functions only,
-    evenly spread over the others."""
-    node = summary["representations"][representation]
-    return node["refined"]["us_per_function"].number(), node["direct"]["us_per_function"].number()
+@dataclass
+class EqualError:
+    """What a generator is worth in time: against the fastest direct fit whose mean error is no larger."""
+    generator_us: float
+    direct_us: float
+    label: object  # of that fit; None: no budget reaches the generator's error, and direct_us is the longest's
+
+    @property
+    def ratio(self):
+        return self.direct_us / self.generator_us
 
 
-def judge(inputs, limits):
+def at_equal_error(frontier, representation):
+    """None without a frontier, or where it has no corrected generator or no direct fit of the representation."""
+    own = [point for point in frontier.points if point.representation == representation] if frontier else []
+    corrected = [point for point in own if point.family == "corrected" and point.budget is None]
+    fits = sorted((point for point in own if point.family in DIRECT), key=lambda point: point.whole.us)
+    if not corrected or not fits:
+        return None
+    reached = [point for point in fits if point.figures["rmse_mean"] <= corrected[0].figures["rmse_mean"]]
+    fit, label = (reached[0], reached[0].label) if reached else (fits[-1], None)
+    return EqualError(corrected[0].whole.us, fit.whole.us, label)
+
+
+def judge(inputs, limits, frontier=None):
     """One judgement a generator, in the summary's order."""
     judgements = []
     for name in inputs.representations:
         node = inputs.summary["representations"][name]
         share = node["share_refined"].number()
-        refined_us, direct_us = times_us(inputs.summary, name)
-        faster = direct_us / refined_us if refined_us > 0 else None
+        equal = at_equal_error(frontier, name)
         # 0: no hard function among those that direct optimisation ran on
         ratio = node["generator_to_direct"]["median_hard"].number() or None
         judgements.append(Judgement(name, Figure(share, share <= limits.share_refined),
                                     Figure(ratio, ratio is not None and ratio <= limits.error_hard),
-                                    Figure(faster, faster is not None and faster >= limits.speedup)))
+                                    Figure(equal and equal.ratio, equal is not None and equal.ratio >= limits.speedup)))
     return judgements
 
 

@@ -65,7 +65,6 @@ BakedFunction bakeFunction(const NamedGenerator& named, const StoredFunction& st
     const double trouble = baked.check.trouble(options.check);
     Refiner refiner;
     const RefinementResult refined = refiner.refine(representation, stored, theta, theta0, options);
-    baked.was_refined = true;
     theta = refined.theta;
     baked.check = checker.check(representation, stored, theta.data(), options.check);
     baked.never_worse = baked.never_worse && baked.check.trouble(options.check) <= trouble;

@@ -38,7 +38,6 @@ struct BakedFunction {
   FunctionCheck check;  // of the theta that is stored
   bool is_finite = false;
   bool never_worse = false;  // correction did not raise the error, refinement not the trouble
-  bool was_refined = false;
 };
 BakedFunction bakeFunction(const NamedGenerator& generator, const StoredFunction& stored, const RefinementOptions& options);
 

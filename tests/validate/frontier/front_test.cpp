@@ -75,5 +75,10 @@ TEST(FrontSentence, NamesTheMembersFromTheFastestOn) {
             "slowest (43.5 ms, 0.0009).");
 }
 
+TEST(FrontSentence, SaysThatNothingIsBetterThanTheTent) {
+  EXPECT_EQ(frontSentence("", {{200, 0.001}}, {false}, {"slow"}),
+            "Nothing has a smaller median error than the bare tent, which takes no time.");
+}
+
 }  // namespace
 }  // namespace nlg

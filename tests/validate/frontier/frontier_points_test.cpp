@@ -112,6 +112,11 @@ TEST(PointFigures, AreMeansOfRunsAndQuantilesOverThem) {
   EXPECT_EQ(figures.rmse_hard->median, 4.0);
   EXPECT_EQ(figures.rmse_hard->worst, 5.0);
   EXPECT_FALSE(figuresOf(measured, sampleBlocks(), sampleSet(), std::vector<bool>(6, false)).rmse_hard);
+  const TentFigures tent =
+      figuresOfTent({6, 5, 4, 3, 2, 1}, sampleBlocks(), sampleSet(), {true, true, false, false, false, false});
+  EXPECT_EQ(tent.rmse.median, 3.5);
+  EXPECT_EQ(tent.rmse_hard->mean, 5.5);
+  EXPECT_EQ(tent.by_scene.at("hall").median, 4.0);
   // functions 0, 2 and 4 are the hall's: times 2, 10 and 2
   EXPECT_EQ(figures.by_scene.at("hall").time.median_us, 2.0);
   EXPECT_EQ(figures.by_scene.at("hall").rmse.median, 3.0);

@@ -107,10 +107,12 @@ def check_page(needed, proof):
     # the made-up suite has one failure without an explanation
     expect(page.headline == "Nothing may ship: 1 stability case failed without an explanation", f"headline: {page.headline}")
     expect(text.count('<tr class="fails">') == 1 and text.count('<tr class="explained">') == 1, "failing cases are not marked, each as what it is")
-    expect(text.count('<tr class="not-run">') == 1 and "18 of 20 cases hold; 1 fails and is explained, 1 without an explanation; 1 was not run." in text,
+    expect(text.count('<tr class="not-run">') == 1 and "18 of 20 cases hold; 1 fails and is explained; 1 fails without an explanation; 1 was not run." in text,
            "a case that was not run counts as one that held or failed")
     expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
     expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
+    os.makedirs("test", exist_ok=True)
+    expect("no decision was made by" in draw("test/report.html", *needed, "--test") and "no decision was made by" not in text, "a page of the test does not say so")
     os.makedirs("bare", exist_ok=True)
     bare = Page(draw("bare/report.html", *needed))
     expect(bare.sections[:3] == ["run_time", "scenes", "slices"] and not {"frontier", "stability", "needs"} & set(bare.sections), f"sections without a proof: {bare.sections}")
@@ -126,20 +128,33 @@ def check_verdict(needed):
     """The verdict follows from the three figures and their limits alone, and every figure on the wrong side of its limit is named."""
     data = read(needed)
     free = verdict.Limits(share_refined=1.0, error_hard=1e9, speedup=0.0)
-    every = decision.Decision(data, free, None)
+    front = proof_inputs.read_frontier("frontier.json")
+    every = decision.Decision(data, free, None, front)
     expect(every.state == "good" and every.headline() == "All 3 generators may ship" and not every.objections(), f"without limits: {every.headline()}")
-    for key, limit, words in [("share_refined", 0.0, "need refinement"), ("error_hard", 1e-6, "hard functions"), ("speedup", 1e9, "faster")]:
-        none = decision.Decision(data, verdict.Limits(**{**vars(free), key: limit}), None)
+    for key, limit, words in [("share_refined", 0.0, "need refinement"), ("error_hard", 1e-6, "hard functions"), ("speedup", 1e9, "as fast as")]:
+        none = decision.Decision(data, verdict.Limits(**{**vars(free), key: limit}), None, front)
         expect(none.state == "bad" and none.headline() == "No generator may ship", f"{key} {limit}: {none.headline()}")
         expect(len(none.objections()) == 3 and all(words in text for _, text in none.objections()), f"{key} {limit}: {none.objections()}")
     shares = sorted({data.summary["representations"][name]["share_refined"].number() for name in data.representations})
-    some = decision.Decision(data, verdict.Limits(shares[0], 1e9, 0.0), None)
+    some = decision.Decision(data, verdict.Limits(shares[0], 1e9, 0.0), None, front)
     judged = {j.representation: j.verdict for j in some.judgements}
     expect(some.state == "mixed" and set(judged.values()) == {verdict.SHIPS, verdict.FAILS} and judged[some.leader] == verdict.SHIPS, f"one limit between them: {judged}")
     node = data.summary["representations"]["mlp"]
     node["generator_to_direct"].value["median_hard"] = 0
-    undecided = decision.Decision(data, free, None)
+    undecided = decision.Decision(data, free, None, front)
     expect(undecided.judgements[1].verdict == verdict.UNDECIDED and "no hard function" in dict(undecided.objections())["mlp"], "a figure that nothing was measured for counts as reached")
+    timeless = decision.Decision(data, free, None)
+    expect(all("no frontier" in text for _, text in timeless.objections()) and len(timeless.objections()) == 3, f"times that nobody measured: {timeless.objections()}")
+    own = {p.label: p for p in front.points if p.representation == "mlp"}
+    fits = sorted((p for p in own.values() if p.family in verdict.DIRECT), key=lambda p: p.whole.us)
+    for fit in fits:
+        fit.figures["rmse_mean"] = 1.0
+    equal = verdict.at_equal_error(front, "mlp")
+    expect((equal.generator_us, equal.direct_us, equal.label) == (own["corrected"].whole.us, fits[-1].whole.us, None), f"no fit reaches the generator's error: {equal}")
+    for fit in fits[2:4]:
+        fit.figures["rmse_mean"] = own["corrected"].figures["rmse_mean"]
+    equal = verdict.at_equal_error(front, "mlp")
+    expect((equal.direct_us, equal.label) == (fits[2].whole.us, fits[2].label), f"the fastest of the fits that reach it: {equal}")
     explained = [proof_inputs.Case("pca", "a", "b", "c", False, "why")]
     expect(not decision.Decision(data, free, explained).blocked, "an explained failure blocks")
     expect(decision.Decision(data, free, [proof_inputs.Case("pca", "a", "b", "c", False, " ")]).headline().startswith("Nothing may ship"), "an unexplained failure does not block")
@@ -197,7 +212,7 @@ def check_frontier():
     hard = frontier.front_of(front, views[0])
     expect(hard and all(p.on_hard_front and s.median == p.hard["rmse_median"] and s.us == p.figures["us_median"] for p, s in hard), "the hard front shows other figures")
     content = made_up.frontier()
-    content["hard_functions"], content["hard_front_sentence"] = 0, ""
+    content["hard_functions"], content["hard_front_sentence"], content["bare_tent"]["hard"] = 0, "", None
     for point in content["points"]:
         point["hard"] = None
     made_up.write_json("no_hard.json", content)
@@ -245,8 +260,7 @@ def check_refusals(needed):
             ("frontier.json", lambda c: c["scenes"].pop(), "by_scene"),
             ("frontier.json", lambda c: c["points"][2].update(hard=None), "points[2]"),
             ("frontier.json", lambda c: c["points"][2]["hard"].update(rmse_median=2), "points[2].hard"),
-            ("frontier.json", lambda c: [p["hard"].update(on_front=False) for p in c["points"]], "front of hard functions"),
-            ("frontier.json", lambda c: [p.update(on_front=False) for p in c["points"]], "points"),
+            ("frontier.json", lambda c: c["bare_tent"].pop("by_scene"), "bare_tent"),
             ("stability.json", lambda c: c["cases"][2].update(passes=1), "cases[2].passes"),
             ("stability.json", lambda c: c["cases"][0].update(group="weather"), "cases[0].group"),
             ("stability.json", lambda c: c["cases"][0].pop("ran"), "cases[0]"),
@@ -256,6 +270,12 @@ def check_refusals(needed):
             ("bake0.json", lambda c: c["needs"][0].update(count=91), "needs[0].count"),
             ("bake0.json", lambda c: c["needs"][1].update(seconds_saved="x"), "needs[1].seconds_saved")]:
         refuses([place], readers[source], changed(source, change))
+    # weights that the summary does not judge
+    summary = read(needed).summary
+    for source in ("frontier.json", "stability.json"):
+        other = changed(source, lambda c: c["provenance"]["inputs"].update({key: "f" * 64 for key in c["provenance"]["inputs"]}))
+        refuses(["provenance.inputs"], lambda path: proof_inputs.refuse_other_weights(path, summary, {"mlp"}), other)
+        proof_inputs.refuse_other_weights(other, summary, {"pf33"})
     # the tool itself: one line, the exit code, nothing left
     result = run("report.py", *needed, "--needs", "missing.json", "--out", "bad/out.html")
     expect(result.returncode == INPUT_ERROR and len(result.stderr.splitlines()) == 1 and "missing.json" in result.stderr and not os.path.exists("bad"),
