@@ -129,12 +129,14 @@ class NeedsMeasurement {
     return result;
   }
 
-  // The same test by rays that tells probes in air from those in solid.
+  // By the rays that tell probes in air from those in solid. Disputed places do not count: most of them lie within flipped or
+  // self-intersecting solids, or just outside an open hull.
   std::vector<PositionM> placesInAir(const LightGrid& grid) const {
     const SupportVisibility visibility(inputs_.scene.rays, inputs_.scene.links);
     const glm::dvec3& origin_m = inputs_.scene.source.scene.origin_m;
     return lookUpPlaces(grid.tree, kLookUps, 1, [&](const PositionM& world) {
-      return !visibility.voteAt(glm::dvec3(world[0], world[1], world[2]) - origin_m).solid();
+      const SolidVote vote = visibility.voteAt(glm::dvec3(world[0], world[1], world[2]) - origin_m);
+      return !vote.solid() && !vote.disputed();
     });
   }
 
