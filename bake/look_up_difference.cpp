@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "runtime_eval/support/random.h"
 
@@ -25,20 +24,29 @@ double largestDifference(const ProbeWeights& a, const ProbeWeights& b) {
 
 }  // namespace
 
-LookUpDifference lookUpDifference(const LightGrid& a, const LightGrid& b, uint64_t look_ups, uint64_t seed) {
+std::vector<PositionM> lookUpPlaces(const ProbeTree& tree, uint64_t draws, uint64_t seed,
+                                    const std::function<bool(const PositionM&)>& is_air) {
   std::vector<ProbeCell> cells;
-  a.tree.forEachCell([&](const ProbeCell& cell) { cells.push_back(cell); });
-  LookUpDifference difference;
-  if (cells.empty()) return difference;
-  const ProbeTreeFrame& frame = a.tree.frame();
+  tree.forEachCell([&](const ProbeCell& cell) { cells.push_back(cell); });
+  std::vector<PositionM> places;
+  if (cells.empty()) return places;
+  const ProbeTreeFrame& frame = tree.frame();
   Random random(seed);
-  for (uint64_t i = 0; i < look_ups; ++i) {
+  for (uint64_t i = 0; i < draws; ++i) {
     const ProbeCell& cell = cells[random.below(static_cast<uint32_t>(cells.size()))];
     PositionM position;
     for (int axis = 0; axis < 3; ++axis)
       position[axis] = frame.first_m[axis] + frame.spacing_m * (cell.low[axis] + cell.side * random.uniform(0.0, 1.0));
+    if (is_air(position)) places.push_back(position);
+  }
+  return places;
+}
+
+LookUpDifference lookUpDifference(const LightGrid& a, const LightGrid& b, const std::vector<PositionM>& places) {
+  LookUpDifference difference;
+  for (const PositionM& position : places) {
     ProbeWeights of_a, of_b;
-    // rounding may put a position just outside the last cell
+    // rounding may put a place just outside the last cell
     if (!lookUpWeights(a, position, &of_a) || !lookUpWeights(b, position, &of_b)) continue;
     const double largest = largestDifference(of_a, of_b);
     ++difference.look_ups;

@@ -43,8 +43,10 @@ struct Need {
   // leaving out costs more than it saves. Nothing where it was not measured or cannot be counted.
   std::optional<double> seconds_saved;  // of the processor, all threads together
   std::optional<int64_t> bytes_saved;   // of the light grid's file; of never chosen representations, of their weights
-  std::optional<bool> same_result;      // whether every look-up that was compared gives the same bits with and without
+  std::optional<bool> same_result;  // whether every look-up that was compared, all in air, gives the same bits with and without
   std::string note;
+  // How far apart measuring the same twice comes: a saving that is not above it was not seen. Nothing where nothing was measured.
+  std::optional<double> seconds_noise = {};
 };
 
 // The table by counting alone: no seconds, and bytes where counts tell them.

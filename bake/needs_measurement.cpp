@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 
 #include "bake/look_up_difference.h"
@@ -13,7 +14,7 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kLookUps = 20000;
+constexpr uint64_t kLookUps = 20000;  // places drawn; those in air count
 
 // Of the processor, all threads together: what a busy machine does to the clock is not a saving.
 double processorSeconds() {
@@ -29,6 +30,8 @@ struct Variant {
   std::vector<Generator> generators;
   ThetaPrecision theta_precision = ThetaPrecision::float32;
   bool leaves_out = false;  // it leaves out what the bake does not yet; otherwise it does what the bake leaves out
+
+  int sign() const { return leaves_out ? -1 : 1; }  // of what it takes more
 };
 
 struct Result {
@@ -49,22 +52,31 @@ class NeedsMeasurement {
   void run(int rounds) {
     std::vector<std::vector<double>> saved(variants_.size());
     std::vector<double> ray_seconds;
-    Progress progress("bakes for the table of needs", static_cast<int64_t>(rounds) * static_cast<int64_t>(variants_.size() + 1));
+    double bake_noise = 0.0, ray_noise = 0.0;
+    Progress progress("bakes for the table of needs", static_cast<int64_t>(rounds) * static_cast<int64_t>(variants_.size() + 2));
     int64_t done = 0;
     for (int round = 0; round < rounds; ++round) {
       const Result base = bake(as_asked_);
       progress.update(++done);
-      for (size_t v = 0; v < variants_.size(); ++v) {
-        const Result other = bake(variants_[v]);
-        const int sign = variants_[v].leaves_out ? -1 : 1;
-        saved[v].push_back(sign * (other.seconds - base.seconds));
+      if (round == 0) places_ = placesInAir(base.grid);
+      std::vector<double> seconds;
+      for (const Variant& variant : variants_) {
+        const Result other = bake(variant);
+        seconds.push_back(other.seconds);
         progress.update(++done);
-        if (round == 0) compare(base, other, sign, findNeed(needs_, variants_[v].what));
+        if (round == 0) compare(base, other, variant.sign(), findNeed(needs_, variant.what));
       }
-      ray_seconds.push_back(solidRaySeconds(base.grid));
+      // the same bake at both ends of the round: how far they are apart is what seconds are worth
+      const double again = bake(as_asked_).seconds, as_asked = 0.5 * (base.seconds + again);
+      progress.update(++done);
+      bake_noise = std::max(bake_noise, std::abs(again - base.seconds));
+      for (size_t v = 0; v < variants_.size(); ++v) saved[v].push_back(variants_[v].sign() * (seconds[v] - as_asked));
+      const double rays = solidRaySeconds(base.grid), rays_again = solidRaySeconds(base.grid);
+      ray_noise = std::max(ray_noise, std::abs(rays_again - rays));
+      ray_seconds.push_back(0.5 * (rays + rays_again));
     }
-    for (size_t v = 0; v < variants_.size(); ++v) setSeconds(saved[v], findNeed(needs_, variants_[v].what));
-    setSeconds(ray_seconds, findNeed(needs_, need::kSolidRays));
+    for (size_t v = 0; v < variants_.size(); ++v) setSeconds(saved[v], bake_noise, findNeed(needs_, variants_[v].what));
+    setSeconds(ray_seconds, ray_noise, findNeed(needs_, need::kSolidRays));
   }
 
  private:
@@ -117,21 +129,42 @@ class NeedsMeasurement {
     return result;
   }
 
-  static void compare(const Result& base, const Result& other, int sign, Need* need) {
-    const LookUpDifference difference = lookUpDifference(base.grid, other.grid, kLookUps, 1);
-    need->bytes_saved = sign * (other.bytes - base.bytes);
-    need->same_result = difference.none();
-    if (difference.none()) return;
-    need->note += fmt::format("; largest difference of a weight {:.2g}, mean {:.2g}, over {} look-ups", difference.largest,
-                              difference.mean, difference.look_ups);
+  // The same test by rays that tells probes in air from those in solid.
+  std::vector<PositionM> placesInAir(const LightGrid& grid) const {
+    const SupportVisibility visibility(inputs_.scene.rays, inputs_.scene.links);
+    const glm::dvec3& origin_m = inputs_.scene.source.scene.origin_m;
+    return lookUpPlaces(grid.tree, kLookUps, 1, [&](const PositionM& world) {
+      return !visibility.voteAt(glm::dvec3(world[0], world[1], world[2]) - origin_m).solid();
+    });
   }
 
-  static void setSeconds(std::vector<double> seconds, Need* need) {
+  void compare(const Result& base, const Result& other, int sign, Need* need) const {
+    need->bytes_saved = sign * (other.bytes - base.bytes);
+    const LookUpDifference difference = lookUpDifference(base.grid, other.grid, places_);
+    if (difference.look_ups == 0) {
+      need->note += "; no place in air to compare look-ups at";
+      return;
+    }
+    need->same_result = difference.changed == 0;
+    if (difference.changed == 0) {
+      need->note += fmt::format("; the same look-ups at {} places in air", difference.look_ups);
+    } else {
+      need->note += fmt::format("; largest difference of a weight {:.2g}, mean {:.2g}, over look-ups at {} places in air",
+                                difference.largest, difference.mean, difference.look_ups);
+    }
+  }
+
+  static void setSeconds(std::vector<double> seconds, double noise, Need* need) {
     std::sort(seconds.begin(), seconds.end());
     const size_t middle = seconds.size() / 2;
-    need->seconds_saved = seconds.size() % 2 == 1 ? seconds[middle] : 0.5 * (seconds[middle - 1] + seconds[middle]);
-    if (seconds.size() < 2) return;
-    need->note += fmt::format("; {:.3f} to {:.3f} s in {} rounds", seconds.front(), seconds.back(), seconds.size());
+    const double median = seconds.size() % 2 == 1 ? seconds[middle] : 0.5 * (seconds[middle - 1] + seconds[middle]);
+    need->seconds_saved = median;
+    need->seconds_noise = noise;
+    if (seconds.size() > 1)
+      need->note += fmt::format("; {:.3f} to {:.3f} s in {} rounds", seconds.front(), seconds.back(), seconds.size());
+    need->note +=
+        fmt::format("; {}the same twice is {}{:.3f} s apart",
+                    std::abs(median) > noise ? "" : "no seconds beyond noise: ", seconds.size() > 1 ? "up to " : "", noise);
   }
 
   double solidRaySeconds(const LightGrid& grid) const {
@@ -149,6 +182,7 @@ class NeedsMeasurement {
   std::vector<Need>& needs_;
   Variant as_asked_;
   std::vector<Variant> variants_;
+  std::vector<PositionM> places_;  // where grids are compared
 };
 
 }  // namespace

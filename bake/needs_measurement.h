@@ -17,9 +17,10 @@ struct BakeInputs {
   std::string spool_folder;
 };
 
-// Bakes the scene `rounds` times as asked for and, between these, once a round with each saving of the table turned: off where the
-// bake leaves something out, on where it does not yet. Every line that has such a bake gets seconds (the median over the rounds,
-// with the range in the note), bytes and the difference of the look-ups; counting is replaced by what was measured.
+// In every round the scene is baked as asked for, once with each saving of the table turned (off where the bake leaves something
+// out, on where it does not yet), and as asked for again. Every line that has such a bake gets seconds (the median over the rounds,
+// against the mean of the two equal bakes), their noise (the largest distance of two equal bakes of one round), bytes, and the
+// difference of the look-ups at places in air; counting is replaced by what was measured.
 // Takes 10 to 20 times as long as a bake, more where most probes are in free space; and the spool 9 kB a probe of disk.
 //
 // statistics   of the bake as asked for

@@ -22,6 +22,7 @@ nlohmann::ordered_json toJson(const std::vector<Need>& needs) {
                     {"count", need.count},
                     {"of", need.of},
                     {"seconds_saved", orNull(need.seconds_saved)},
+                    {"seconds_noise", orNull(need.seconds_noise)},
                     {"bytes_saved", orNull(need.bytes_saved)},
                     {"same_result", orNull(need.same_result)},
                     {"note", need.note}});

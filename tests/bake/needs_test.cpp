@@ -1,8 +1,10 @@
 // What a scene does not need: the lines' counts add up, and what they claim to be saved is what a bake without the saving takes.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <set>
 
@@ -117,7 +119,8 @@ TEST(Needs, TablesHaveEveryLineAndTheKeysOfTheReport) {
   ASSERT_EQ(json.size(), needs.size());
   std::set<std::string> names;
   for (size_t i = 0; i < needs.size(); ++i) {
-    for (const char* key : {"what", "left_out", "count", "of", "seconds_saved", "bytes_saved", "same_result", "note"}) {
+    for (const char* key :
+         {"what", "left_out", "count", "of", "seconds_saved", "seconds_noise", "bytes_saved", "same_result", "note"}) {
       EXPECT_TRUE(json[i].contains(key)) << needs[i].what << ": " << key;
     }
     EXPECT_NE(text.find(needs[i].what), std::string::npos) << text;
@@ -250,23 +253,38 @@ TEST(BakeSavings, BareTentsThatPassTheCheckCouldCountAsFreeSpace) {
   EXPECT_GT(probesOf(then.grid, kFreeSpace), probesOf(now.grid, kFreeSpace));
 }
 
+bool everywhere(const PositionM&) { return true; }
+
 TEST(LookUpDifference, SeesEveryProbeThatChanged) {
   const LightGrid grid = bakeHouse(generators({"tent_mlp"}), houseOptions()).grid;
-  const LookUpDifference same = lookUpDifference(grid, grid, 2000, 5);
-  EXPECT_TRUE(same.none());
+  const std::vector<PositionM> places = lookUpPlaces(grid.tree, 2000, 5, everywhere);
+  const LookUpDifference same = lookUpDifference(grid, grid, places);
+  EXPECT_EQ(same.changed, 0u);
   EXPECT_EQ(same.largest, 0.0);
   EXPECT_GT(same.look_ups, 1990u);
   // without any weight the difference is the weight itself, whichever of the two has it
   LightGrid bare = grid, none = grid;
   std::fill(bare.probe_function.begin(), bare.probe_function.end(), kFreeSpace);
   std::fill(none.probe_function.begin(), none.probe_function.end(), kNoWeight);
-  const LookUpDifference there = lookUpDifference(bare, none, 2000, 5), back = lookUpDifference(none, bare, 2000, 5);
+  const LookUpDifference there = lookUpDifference(bare, none, places), back = lookUpDifference(none, bare, places);
   EXPECT_EQ(there.changed, there.look_ups);
   EXPECT_EQ(there.largest, back.largest);
   EXPECT_EQ(there.mean, back.mean);
   // of 8 tents that sum to 1 the largest is at least an eighth
   EXPECT_GE(there.mean, 0.125);
   EXPECT_LE(there.largest, 1.0);
+}
+
+TEST(LookUpPlaces, AreThoseOfTheDrawsThatLieInAir) {
+  const ProbeTree& tree = house().tree;
+  const std::vector<PositionM> all = lookUpPlaces(tree, 500, 5, everywhere);
+  ASSERT_EQ(all.size(), 500u);
+  const auto low = [&](const PositionM& place) { return place[2] < all[0][2]; };
+  std::vector<PositionM> expected;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(expected), low);
+  EXPECT_EQ(lookUpPlaces(tree, 500, 5, low), expected);
+  EXPECT_TRUE(lookUpPlaces(tree, 500, 5, [](const PositionM&) { return false; }).empty());
+  EXPECT_NE(lookUpPlaces(tree, 500, 6, everywhere), all);
 }
 
 TEST(NeedsMeasurement, EveryLineThatCanBeTurnedHasFiguresAndSaysWhatChanged) {
@@ -277,12 +295,27 @@ TEST(NeedsMeasurement, EveryLineThatCanBeTurnedHasFiguresAndSaysWhatChanged) {
   options.refinement.rounds = 1;
   const Bake bake = bakeHouse(both, options);
   std::vector<Need> needs = countNeeds(bake, both, ThetaPrecision::float32, {1000, 2000});
-  measureNeeds({house(), both, options, ThetaPrecision::float32, spoolFolder()}, bake.statistics, 2, &needs);
+  // the house a kilometre from the world's origin: places in it are told from solid all the same
+  BakeScene scene("house:3", houseOptions());
+  scene.source.scene.origin_m = {1024.0, -512.0, 0.0};
+  measureNeeds({scene, both, options, ThetaPrecision::float32, spoolFolder()}, bake.statistics, 2, &needs);
+  const SupportVisibility visibility(scene.rays, scene.links);
+  uint64_t in_air = 0;
+  for (const PositionM& place : lookUpPlaces(scene.tree, 20000, 1, everywhere))
+    in_air += !visibility.voteAt({place[0], place[1], place[2]}).solid();
+  EXPECT_GT(in_air, 0u);
+  EXPECT_LT(in_air, 20000u) << "no solid: nothing is left out of the comparison";
+  const std::string places_in_air = fmt::format("at {} places in air", in_air);
   const std::set<std::string> only_counted = {need::kNeverChosen, need::kLevels,   need::kThroughLevels,
                                               need::kEmptyRoots,  need::kLighting, need::kSolidRays};
   for (const Need& need : needs) {
     if (need.count == 0 || only_counted.contains(need.what)) continue;
     EXPECT_TRUE(need.seconds_saved) << need.what;
+    ASSERT_TRUE(need.seconds_noise) << need.what;
+    EXPECT_EQ(std::abs(*need.seconds_saved) <= *need.seconds_noise,
+              need.note.find("no seconds beyond noise") != std::string::npos)
+        << need.what << ": " << need.note;
+    EXPECT_NE(need.note.find(places_in_air), std::string::npos) << need.what << ": " << need.note;
     EXPECT_TRUE(need.bytes_saved) << need.what;
     ASSERT_TRUE(need.same_result) << need.what;
     EXPECT_EQ(*need.same_result, need.note.find("largest difference") == std::string::npos) << need.what << ": " << need.note;
@@ -299,6 +332,7 @@ TEST(NeedsMeasurement, EveryLineThatCanBeTurnedHasFiguresAndSaysWhatChanged) {
       << "the file's fillers are at most 64 bytes a tensor";
   EXPECT_GT(*line(need::kAllProbes).bytes_saved, *line(need::kDuplicates).bytes_saved);
   EXPECT_TRUE(line(need::kSolidRays).seconds_saved);
+  EXPECT_TRUE(line(need::kSolidRays).seconds_noise);
 }
 
 }  // namespace

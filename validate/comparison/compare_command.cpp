@@ -41,8 +41,10 @@ std::string placeOf(const Change& change) {
 
 void printText(const Comparison& comparison, const ComparisonOptions& options, bool all_scenes) {
   if (comparison.is_paired) {
-    std::cout << fmt::format("noise: {:g} standard errors of the paired differences, and {:g} % of the old value\n",
-                             options.standard_errors, 100.0 * options.smallest_change);
+    std::cout << fmt::format(
+        "noise: a chance of at most {:g} that it has any of the {} figures judged by chance called changed; and {:g} % of the "
+        "old value\n",
+        options.false_alarms, comparison.judged_by_chance, 100.0 * options.smallest_change);
   } else {
     std::cout << fmt::format("noise: {:g} % of the old value; no functions.csv beside both files to pair functions by\n",
                              100.0 * options.tolerance);
@@ -59,6 +61,8 @@ void printText(const Comparison& comparison, const ComparisonOptions& options, b
     if (percent != 0.0) line += fmt::format(" {:+.1f} %", percent * difference);
     if (percent != 0.0 && change.standard_error > 0.0)
       line += fmt::format(" (standard error {:.1f} %)", percent * change.standard_error);
+    if (change.chance && change.old_value != change.new_value) line += fmt::format(", chance {:.2g}", *change.chance);
+    if (!change.note.empty()) line += "; " + change.note;
     std::cout << line << '\n';
   }
   std::cout << '\n';
@@ -68,9 +72,11 @@ void printText(const Comparison& comparison, const ComparisonOptions& options, b
                            countOf(comparison, Trend::worse) + comparison.lost.size(), countOf(comparison, Trend::same));
 }
 
-void printJson(const Comparison& comparison) {
+void printJson(const Comparison& comparison, const ComparisonOptions& options) {
   nlohmann::ordered_json json = {
       {"schema_version", 1}, {"paired", comparison.is_paired}, {"lost", comparison.lost}, {"added", comparison.added}};
+  if (comparison.is_paired) json["false_alarms"] = options.false_alarms;
+  json["judged_by_chance"] = comparison.judged_by_chance;
   json["changes"] = nlohmann::ordered_json::array();
   for (const Change& change : comparison.changes) {
     json["changes"].push_back({{"representation", change.representation},
@@ -79,6 +85,8 @@ void printJson(const Comparison& comparison) {
                                {"old", change.old_value},
                                {"new", change.new_value},
                                {"standard_error", change.standard_error},
+                               {"chance", change.chance ? nlohmann::ordered_json(*change.chance) : nlohmann::ordered_json()},
+                               {"note", change.note},
                                {"trend", nameOf(change.trend)}});
   }
   std::cout << json.dump() << '\n';
@@ -110,12 +118,17 @@ int compareMain(int argc, char** argv) {
   app.add_option("new", request.new_path,
                  "summary.json of the run to judge; functions are paired by the functions.csv beside both")
       ->required();
-  app.add_option("--standard-errors", options.standard_errors, "paired: differences of fewer are noise")
+  app.add_option("--false-alarms", options.false_alarms,
+                 "paired: the chance that noise alone has anything at all called changed; above 0, below 1")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(CLI::Range(1e-12, 0.999));
   app.add_option("--smallest-change", options.smallest_change, "share of the old value below which a change is none")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 10.0));
+  app.add_option("--worst-factor", options.worst_factor,
+                 "worse where a function's RMSE is above so many times its old one, and tau")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1e6));
   app.add_option("--tolerance", options.tolerance, "the same where functions cannot be paired")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 10.0));
@@ -128,7 +141,7 @@ int compareMain(int argc, char** argv) {
     const ValidationResult old_run = readValidation(request.old_path);
     const Comparison comparison = compare(old_run, readValidation(request.new_path), options);
     if (request.json) {
-      printJson(comparison);
+      printJson(comparison, options);
     } else {
       printText(comparison, options, request.all_scenes);
     }

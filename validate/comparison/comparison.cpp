@@ -2,24 +2,20 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <cmath>
-#include <functional>
+#include <map>
 
 #include "tool/error.h"
+#include "validate/comparison/paired_figures.h"
+#include "validate/comparison/significance.h"
 
 namespace nlg {
 namespace {
-
-Trend trendOf(double difference, double threshold) {
-  if (std::fabs(difference) <= threshold) return Trend::same;
-  return difference < 0 ? Trend::better : Trend::worse;
-}
 
 Change unpairedChange(double old_value, double new_value, double tolerance) {
   Change change;
   change.old_value = old_value;
   change.new_value = new_value;
-  change.trend = trendOf(new_value - old_value, tolerance * old_value);
+  change.trend = trendBeyond(old_value, new_value, tolerance);
   return change;
 }
 
@@ -54,44 +50,6 @@ void refuseOtherFunctions(const ValidationResult& new_run, const std::string& na
                    "the functions of the old run, in its order", "others");
 }
 
-// The figures of one method on some of the functions.
-class PairedFigures {
- public:
-  PairedFigures(const std::vector<ComparedFunction>& old_rows, const std::vector<ComparedFunction>& new_rows,
-                const ValidationResult& run, const ComparisonOptions& options)
-      : old_rows_(old_rows),
-        new_rows_(new_rows),
-        tau_rmse_(run.tau.at("rmse")),
-        tau_leak_(run.tau.at("leak_p99")),
-        options_(options) {}
-
-  using Choice = std::function<bool(const ComparedFunction&)>;
-  Change rmse(const Choice& chosen) const {
-    return change(chosen, [](const ComparedFunction& f) { return f.rmse; });
-  }
-  Change leak(const Choice& chosen) const {
-    return change(chosen, [](const ComparedFunction& f) { return f.leak_mean; });
-  }
-  Change shareOverTau(const Choice& chosen) const {
-    return change(chosen, [&](const ComparedFunction& f) { return f.rmse > tau_rmse_ || f.leak_p99 > tau_leak_ ? 1.0 : 0.0; });
-  }
-
- private:
-  Change change(const Choice& chosen, const std::function<double(const ComparedFunction&)>& value) const {
-    std::vector<double> old_values, new_values;
-    for (size_t i = 0; i < old_rows_.size(); ++i) {
-      if (!chosen(old_rows_[i])) continue;
-      old_values.push_back(value(old_rows_[i]));
-      new_values.push_back(value(new_rows_[i]));
-    }
-    return pairedChange(old_values, new_values, options_);
-  }
-
-  const std::vector<ComparedFunction>&old_rows_, &new_rows_;
-  double tau_rmse_, tau_leak_;
-  ComparisonOptions options_;
-};
-
 void addTime(const std::string& method, const ComparedRepresentation& old_one, const ComparedRepresentation& new_one,
              const ComparisonOptions& options, std::vector<Change>* changes) {
   Change time = unpairedChange(old_one.figures.at(method).us_per_function, new_one.figures.at(method).us_per_function,
@@ -118,6 +76,8 @@ void comparePaired(const ComparedRepresentation& old_one, const ComparedRepresen
   for (const auto& [method, of] : figures) {
     add("", method + ", mean RMSE", of.rmse(all));
     add("", method + ", mean RMSE of hard functions", of.rmse([](const ComparedFunction& f) { return f.hard; }));
+    add("", method + ", p99 of RMSE", of.p99(all));
+    add("", method + ", worst RMSE", of.worst(all));
     add("", method + ", share over tau", of.shareOverTau(all));
     add("", method + ", mean leak of a function", of.leak(all));
     addTime(method, old_one, new_one, options, changes);
@@ -126,57 +86,63 @@ void comparePaired(const ComparedRepresentation& old_one, const ComparedRepresen
     const auto here = [&scene = scene](const ComparedFunction& f) { return f.scene == scene; };
     for (const auto& [method, of] : figures) {
       add(scene, method + ", mean RMSE", of.rmse(here));
+      add(scene, method + ", worst RMSE", of.worst(here));
       add(scene, method + ", share over tau", of.shareOverTau(here));
     }
   }
 }
 
-void compareSummaries(const ComparedRepresentation& old_one, const ComparedRepresentation& new_one,
+// Without the functions of both, a leap of the worst is one above the other run's worst.
+Change unpairedWorst(double old_value, double new_value, double tau, double factor) {
+  Change change;
+  change.old_value = old_value;
+  change.new_value = new_value;
+  if (new_value > factor * std::max(old_value, tau)) change.trend = Trend::worse;
+  if (old_value > factor * std::max(new_value, tau)) change.trend = Trend::better;
+  return change;
+}
+
+void compareSummaries(const ComparedRepresentation& old_one, const ComparedRepresentation& new_one, double tau_rmse,
                       const ComparisonOptions& options, std::vector<Change>* changes) {
-  const auto add = [&](const std::string& scene, const std::string& figure, double old_value, double new_value) {
-    Change change = unpairedChange(old_value, new_value, options.tolerance);
+  const auto add = [&](const std::string& scene, const std::string& figure, Change change) {
     change.scene = scene;
     change.figure = figure;
-    changes->push_back(change);
+    changes->push_back(std::move(change));
   };
+  const auto within = [&](double old_value, double new_value) { return unpairedChange(old_value, new_value, options.tolerance); };
   for (const std::string method : kComparedMethods) {
     const ComparedFigures &a = old_one.figures.at(method), &b = new_one.figures.at(method);
-    add("", method + ", mean RMSE", a.rmse, b.rmse);
-    add("", method + ", mean RMSE of hard functions", a.rmse_hard, b.rmse_hard);
-    add("", method + ", share over tau", a.share_over_tau, b.share_over_tau);
-    add("", method + ", mean leak of a point", a.leak_mean, b.leak_mean);
+    add("", method + ", mean RMSE", within(a.rmse, b.rmse));
+    add("", method + ", mean RMSE of hard functions", within(a.rmse_hard, b.rmse_hard));
+    add("", method + ", p99 of RMSE", within(a.rmse_p99, b.rmse_p99));
+    add("", method + ", worst RMSE", unpairedWorst(a.rmse_worst, b.rmse_worst, tau_rmse, options.worst_factor));
+    add("", method + ", share over tau", within(a.share_over_tau, b.share_over_tau));
+    add("", method + ", mean leak of a point", within(a.leak_mean, b.leak_mean));
     addTime(method, old_one, new_one, options, changes);
   }
   for (const auto& [scene, rmse] : old_one.scene_rmse) {
     const auto other = new_one.scene_rmse.find(scene);
-    if (other != new_one.scene_rmse.end()) add(scene, "generator, mean RMSE", rmse, other->second);
+    if (other != new_one.scene_rmse.end()) add(scene, "generator, mean RMSE", within(rmse, other->second));
+  }
+}
+
+// All figures that have a chance, of all representations, are one family.
+void judgeByChance(const ComparisonOptions& options, Comparison* comparison) {
+  std::vector<Change*> judged;
+  std::vector<double> chances;
+  for (Change& change : comparison->changes) {
+    if (!change.chance) continue;
+    judged.push_back(&change);
+    chances.push_back(*change.chance);
+  }
+  comparison->judged_by_chance = judged.size();
+  const std::vector<bool> beyond = beyondChance(chances, options.false_alarms);
+  for (size_t i = 0; i < judged.size(); ++i) {
+    if (beyond[i]) judged[i]->trend = trendBeyond(judged[i]->old_value, judged[i]->new_value, options.smallest_change);
   }
 }
 
 }  // namespace
-
-Change pairedChange(const std::vector<double>& old_values, const std::vector<double>& new_values,
-                    const ComparisonOptions& options) {
-  NLG_CHECK(old_values.size(), ==, new_values.size());
-  const size_t count = old_values.size();
-  if (count == 0) return {};
-  const auto pairs = static_cast<double>(count);
-  double old_sum = 0.0, new_sum = 0.0, squares = 0.0;
-  for (size_t i = 0; i < count; ++i) {
-    old_sum += old_values[i];
-    new_sum += new_values[i];
-  }
-  const double difference = (new_sum - old_sum) / pairs;
-  for (size_t i = 0; i < count; ++i) squares += std::pow(new_values[i] - old_values[i] - difference, 2.0);
-  if (count < kFewestPairs) return unpairedChange(old_sum / pairs, new_sum / pairs, options.tolerance);
-  Change change;
-  change.old_value = old_sum / pairs;
-  change.new_value = new_sum / pairs;
-  change.standard_error = std::sqrt(squares / (pairs - 1.0) / pairs);
-  change.trend =
-      trendOf(difference, std::max(options.standard_errors * change.standard_error, options.smallest_change * change.old_value));
-  return change;
-}
 
 Comparison compare(const ValidationResult& old_run, const ValidationResult& new_run, const ComparisonOptions& options) {
   refuseOtherRuns(old_run, new_run);
@@ -195,13 +161,14 @@ Comparison compare(const ValidationResult& old_run, const ValidationResult& new_
     if (result.is_paired) {
       comparePaired(old_one, *new_one, new_run, options, &changes);
     } else {
-      compareSummaries(old_one, *new_one, options, &changes);
+      compareSummaries(old_one, *new_one, new_run.tau.at("rmse"), options, &changes);
     }
     for (Change& change : changes) {
       change.representation = old_one.name;
       result.changes.push_back(std::move(change));
     }
   }
+  judgeByChance(options, &result);
   if (result.changes.empty()) throw InputError(new_run.path, "representations", "at least one of " + old_run.path, "none");
   return result;
 }

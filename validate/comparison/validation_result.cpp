@@ -61,7 +61,8 @@ ComparedRepresentation representationOf(const std::string& path, const Json& jso
     return number(path, json, keys);
   };
   for (const char* method : kComparedMethods) {
-    result.figures[method] = {figure(method, {"rmse", "mean"}), figure(method, {"rmse_hard", "mean"}),
+    result.figures[method] = {figure(method, {"rmse", "mean"}),   figure(method, {"rmse", "p99"}),
+                              figure(method, {"rmse", "worst"}),  figure(method, {"rmse_hard", "mean"}),
                               figure(method, {"share_over_tau"}), figure(method, {"leak", "mean"}),
                               figure(method, {"us_per_function"})};
   }

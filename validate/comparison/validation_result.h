@@ -18,7 +18,7 @@ struct ComparedFunction {
 
 // The figures of one method over all held-out functions, from summary.json.
 struct ComparedFigures {
-  double rmse = 0, rmse_hard = 0, share_over_tau = 0, leak_mean = 0, us_per_function = 0;
+  double rmse = 0, rmse_p99 = 0, rmse_worst = 0, rmse_hard = 0, share_over_tau = 0, leak_mean = 0, us_per_function = 0;
 };
 
 // The methods that are compared, those of what ships: the generator, and what a bake makes of it.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -10,6 +11,7 @@
 
 #include "runtime_eval/support/random.h"
 #include "tool/error.h"
+#include "validate/comparison/paired_figures.h"
 
 namespace nlg {
 namespace {
@@ -32,17 +34,19 @@ class ComparisonTest : public testing::Test {
         "representation,method,function,scene,hard,rmse,rmse_unseen_points,rmse_shadow,leak_mean,leak_p99,elapsed_us\n";
     nlohmann::ordered_json methods;
     for (const char* method : kComparedMethods) {
-      double sum = 0.0;
+      double sum = 0.0, worst = 0.0;
       for (int i = 0; i < kFunctions; ++i) {
         const double rmse = changed(i, 0.001 + 0.02 * random.uniform());
         sum += rmse;
+        worst = std::max(worst, rmse);
         const std::string scene = i % 2 == 0 ? "quiet" : "\"a \"\"quoted\"\", one\"";
         csv += std::string("mlp,") + method + "," + std::to_string(i) + "," + scene + "," + (i % 3 == 0 ? "1" : "0") + "," +
                std::to_string(rmse) + ",0,,0.01,0.05,12\n";
       }
-      methods[method] = {{"functions", kFunctions},       {"rmse", {{"mean", sum / kFunctions}}},
-                         {"rmse_hard", {{"mean", 0.01}}}, {"share_over_tau", 0.1},
-                         {"leak", {{"mean", 0.001}}},     {"us_per_function", 12.0}};
+      methods[method] = {
+          {"functions", kFunctions},       {"rmse", {{"mean", sum / kFunctions}, {"p99", sum / kFunctions}, {"worst", worst}}},
+          {"rmse_hard", {{"mean", 0.01}}}, {"share_over_tau", 0.1},
+          {"leak", {{"mean", 0.001}}},     {"us_per_function", 12.0}};
     }
     methods["by_scene"] = {{kScenes[0], {{"mean", 0.01}}}, {kScenes[1], {{"mean", 0.01}}}};
     const nlohmann::ordered_json summary = {{"schema_version", 1},
@@ -122,6 +126,11 @@ TEST_F(ComparisonTest, FallsBackToTheToleranceWithoutFunctions) {
   EXPECT_FALSE(compare(old_run, slightly, {}).is_paired);
   EXPECT_EQ(change(compare(old_run, slightly, {}), "generator, mean RMSE").trend, Trend::same);
   EXPECT_EQ(change(compare(old_run, clearly, {}), "generator, mean RMSE").trend, Trend::worse);
+  EXPECT_EQ(change(compare(old_run, clearly, {}), "generator, p99 of RMSE").trend, Trend::worse);
+  EXPECT_EQ(change(compare(old_run, clearly, {}), "generator, worst RMSE").trend, Trend::same);
+  const ValidationResult leapt = readValidation(write(
+      "leapt", [](int i, double rmse) { return i == 5 ? 0.9 : rmse; }, false));
+  EXPECT_EQ(change(compare(old_run, leapt, {}), "generator, worst RMSE").trend, Trend::worse);
 }
 
 TEST_F(ComparisonTest, JudgesTimesOnlyWhenAsked) {
@@ -169,17 +178,114 @@ TEST_F(ComparisonTest, RefusesDamagedFiles) {
   }
 }
 
-TEST(PairedChange, KnowsTheStandardErrorOfTheDifferences) {
-  // differences 1 and 3, four of each: mean 2, variance 8/7, standard error sqrt(8/7/8)
-  const std::vector<double> old_values(8, 100.0), new_values = {101, 103, 101, 103, 101, 103, 101, 103};
-  const Change change = pairedChange(old_values, new_values, {});
-  EXPECT_DOUBLE_EQ(change.new_value, 102.0);
-  EXPECT_NEAR(change.standard_error, std::sqrt(1.0 / 7.0), 1e-12);
-  EXPECT_EQ(change.trend, Trend::worse);  // 2 > 3.5 * 0.378, and > 1 % of 100
-  ComparisonOptions strict;
-  strict.standard_errors = 6.0;
-  EXPECT_EQ(pairedChange(old_values, new_values, strict).trend, Trend::same);
-  EXPECT_EQ(pairedChange({}, {}, {}).trend, Trend::same);
+TEST_F(ComparisonTest, SeesOneFunctionThatLeaps) {
+  const ValidationResult old_run = readValidation(write("old", same_));
+  ValidationResult tail = old_run;
+  tail.representations[0].functions["refined"][7].rmse = 0.9;
+  const Comparison comparison = compare(old_run, tail, {});
+  const Change worst = change(comparison, "refined, worst RMSE");
+  EXPECT_EQ(worst.trend, Trend::worse);
+  EXPECT_EQ(worst.new_value, 0.9);
+  EXPECT_NE(worst.note.find("function 7 of"), std::string::npos) << worst.note;
+  EXPECT_EQ(change(comparison, "refined, worst RMSE", kScenes[1]).trend, Trend::worse);
+  EXPECT_EQ(change(comparison, "refined, worst RMSE", kScenes[0]).trend, Trend::same);
+  EXPECT_EQ(change(comparison, "generator, worst RMSE").trend, Trend::same);
+  EXPECT_EQ(change(compare(tail, old_run, {}), "refined, worst RMSE").trend, Trend::better);
+  // up to the factor, of tau or of its own error, it is not
+  tail.representations[0].functions["refined"][7].rmse = 0.0399;
+  EXPECT_EQ(change(compare(old_run, tail, {}), "refined, worst RMSE").trend, Trend::same);
+}
+
+TEST_F(ComparisonTest, SeesATailThatRisesWhileTheMeanStays) {
+  // 20 of 400 go to twice the highest, all others fall so that the mean stays; p99 of both runs together lies among the 20
+  const ValidationResult old_run = readValidation(write("old", same_));
+  ValidationResult tail = old_run;
+  for (ComparedFunction& function : tail.representations[0].functions["refined"]) {
+    function.rmse = function.function % 20 == 0 ? 0.035 + 1e-5 * function.function : 0.88 * function.rmse;
+  }
+  const Comparison comparison = compare(old_run, tail, {});
+  const Change p99 = change(comparison, "refined, p99 of RMSE");
+  EXPECT_NEAR(p99.old_value, 0.0208, 0.0003);  // uniform in [.001, .021]
+  EXPECT_GT(p99.new_value, 0.035);
+  EXPECT_NEAR(*p99.chance, std::pow(2.0, 1.0 - 8.0), 1e-12);  // 1 % of 800 are above it, all of the new run
+  EXPECT_EQ(change(comparison, "refined, mean RMSE").trend, Trend::same);
+  ComparisonOptions lax;  // so few functions say little of a p99
+  lax.false_alarms = 0.5;
+  EXPECT_EQ(change(compare(old_run, tail, lax), "refined, p99 of RMSE").trend, Trend::worse);
+}
+
+TEST_F(ComparisonTest, NoiseAloneSeldomHasAnythingCalledChanged) {
+  // every function's two errors are drawn alike; scenes of 8 functions, whose spread is poorly known
+  constexpr int kRuns = 1000, kScenesOfEight = 12;
+  Random random(5);
+  int alarms = 0;
+  for (int i = 0; i < kRuns; ++i) {
+    ValidationResult runs[2];
+    for (ValidationResult& run : runs) {
+      run.held_out = "aa";
+      run.has_functions = true;
+      run.tau = {{"rmse", 0.02}, {"leak_p99", 0.1}};
+      ComparedRepresentation one;
+      for (const char* method : kComparedMethods) {
+        one.figures[method] = {};
+        for (int f = 0; f < 8 * kScenesOfEight; ++f) {
+          const std::string scene = "scene " + std::to_string(f / 8);
+          one.scene_rmse[scene] = 0.0;
+          one.functions[method].push_back(
+              {static_cast<uint64_t>(f), scene, f % 2 == 0, std::abs(0.015 + 0.003 * random.normal()), random.uniform(), 0.0});
+        }
+      }
+      run.representations.push_back(one);
+    }
+    ComparisonOptions options;
+    options.smallest_change = 0.0;
+    const Comparison comparison = compare(runs[0], runs[1], options);
+    EXPECT_EQ(comparison.judged_by_chance, 2u * (5 + 2 * kScenesOfEight));
+    bool alarm = false;
+    for (const Change& some : comparison.changes) alarm |= some.trend != Trend::same;
+    alarms += alarm;
+  }
+  // at most 5 %; 4 standard deviations of the count of 1000 more
+  EXPECT_LE(alarms, 50 + 4 * std::sqrt(1000 * 0.05 * 0.95));
+}
+
+TEST(MeanChange, FollowsStudentWithTheNumberOfPairs) {
+  // differences 1 and 3, ten of each: mean 2, variance 20/19, standard error sqrt(1/19)
+  std::vector<double> old_values(20, 100.0), new_values;
+  for (int i = 0; i < 20; ++i) new_values.push_back(i % 2 == 0 ? 101 : 103);
+  const Change there = meanChange(old_values, new_values);
+  EXPECT_DOUBLE_EQ(there.new_value, 102.0);
+  EXPECT_NEAR(there.standard_error, std::sqrt(1.0 / 19.0), 1e-12);
+  // t = 8.7 of 19 degrees of freedom would be 5e-8
+  EXPECT_EQ(there.chance, std::optional<double>(std::pow(2.0, -19.0)));
+  // differences -2 and 3, four of each: mean .5, variance 50/7, t = .5 / sqrt(50/56) = .52915; by Simpson's rule of 7 degrees: .6131
+  const Change unsure = meanChange(std::vector<double>(8, 10.0), {8, 13, 8, 13, 8, 13, 8, 13});
+  EXPECT_NEAR(*unsure.chance, 0.6131, 1e-4);
+}
+
+TEST(P99Change, IsTheSignTestAtThePercentileOfBothRuns) {
+  // 2000 functions from 0 to 1; 60 of the best become the worst: the highest 1 % of 4000 are 40 of these, and none falls
+  std::vector<double> old_values, new_values;
+  for (int i = 0; i < 2000; ++i) {
+    old_values.push_back(i / 2000.0);
+    new_values.push_back(i < 60 ? 2.0 + i : i / 2000.0);
+  }
+  const Change there = p99Change(old_values, new_values);
+  EXPECT_NEAR(there.old_value, 0.99 * 1999 / 2000.0, 1e-12);
+  EXPECT_NEAR(there.new_value, 2.0 + 0.99 * 1999 - 1940, 1e-9);
+  EXPECT_NEAR(*there.chance / std::pow(2.0, -39.0), 1.0, 1e-9);
+  EXPECT_NEAR(*p99Change(new_values, old_values).chance / std::pow(2.0, -39.0), 1.0, 1e-9);
+  // thirty that change places with the worst thirty: as many up as down
+  std::vector<double> swapped = old_values;
+  for (int i = 0; i < 30; ++i) std::swap(swapped[i], swapped[1999 - i]);
+  EXPECT_EQ(p99Change(old_values, swapped).chance, std::optional<double>(1.0));
+}
+
+TEST(MeanChange, KnowsNothingFromOnePair) {
+  EXPECT_EQ(meanChange({1.0}, {9.0}).chance, std::optional<double>(1.0));
+  EXPECT_EQ(meanChange({1.0, 1.0}, {9.0, 9.0}).chance, std::optional<double>(0.5));
+  EXPECT_EQ(meanChange({1.0, 2.0}, {1.0, 2.0}).chance, std::optional<double>(1.0));
+  EXPECT_FALSE(meanChange({}, {}).chance);
 }
 
 }  // namespace
