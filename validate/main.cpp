@@ -173,6 +173,7 @@ Json sliceJson(const std::string& which, const Slice& slice, const MethodSample&
           {"axis", slice.axis},
           {"size", slice.size},
           {"valid", slice.valid},
+          {"seen", slice.seen},
           {"generated_permille", permille(slice.generated)},
           {"approximated_permille", permille(slice.approximated)},
           {"difference_permille", permille(slice.difference)}};
