@@ -48,6 +48,7 @@ class Point:
 @dataclass
 class Frontier:
     path: str
+    held_out: str         # SHA-256 of the shards that it was measured on
     function_count: int
     hard_count: int
     scenes: list
@@ -155,7 +156,14 @@ def read_frontier(path):
     if hard_count and not any(point.on_hard_front for point in points):
         file["points"].refuse("at least one point on the front of hard functions", "none")
     lists = [[row(node) for node in file[key].items()] for key in ("hierarchy", "walks")]
-    return Frontier(path, file["functions"].count(), hard_count, scenes, points, file["front_sentence"].text(), file["hard_front_sentence"].text(), *lists)
+    return Frontier(path, file["provenance"]["inputs"]["held_out"].text(), file["functions"].count(), hard_count, scenes, points, file["front_sentence"].text(), file["hard_front_sentence"].text(), *lists)
+
+
+def check_same_scenes(frontier, summary):
+    """A page shows errors and their times side by side: both of the same held-out scenes."""
+    expected = summary["provenance"]["inputs"]["held_out"].text()
+    if frontier.held_out != expected:
+        raise InputError(frontier.path, "provenance.inputs.held_out", f"the held-out scenes of {summary.path}, {expected}", frontier.held_out)
 
 
 def read_stability(path):

@@ -138,10 +138,11 @@ def render(inputs, proof, limits):
     return page.encode(), slices.plate(inputs, limit)
 
 
-def read_proof(arguments):
+def read_proof(arguments, summary):
     proof = Proof()
     if arguments.frontier:
         proof.frontier, proof.paths["frontier"] = proof_inputs.read_frontier(arguments.frontier), arguments.frontier
+        proof_inputs.check_same_scenes(proof.frontier, summary)
     if arguments.stability:
         proof.cases, proof.paths["stability"] = proof_inputs.read_stability(arguments.stability), arguments.stability
     if arguments.needs:
@@ -174,7 +175,7 @@ def main():
     def make():
         inputs = inputs_module.read_inputs(arguments.summary, arguments.functions, arguments.slices, arguments.basis, arguments.logs)
         limits = verdict.Limits(arguments.max_share_refined, arguments.max_error_hard, arguments.min_speedup)
-        page, plate = render(inputs, read_proof(arguments), limits)
+        page, plate = render(inputs, read_proof(arguments, inputs.summary), limits)
         return {os.path.join(os.path.dirname(arguments.out), "slices.png"): plate, arguments.out: page}
     return output.run("report.py", arguments.out, make)
 

@@ -46,7 +46,10 @@ def method_node(rows):
             "us_per_function_median": time["median"]}
 
 
-def summary(table, held_out="00" * 32):
+HELD_OUT = "00" * 32  # SHA-256 of the shards
+
+
+def summary(table, held_out=HELD_OUT):
     representations = {}
     for name, parameters in REPRESENTATIONS.items():
         direct = {r[0]: r[3] for r in table[name, "direct"]}
@@ -98,7 +101,7 @@ def frontier():
     for point in sorted(points, key=lambda p: (p["us_median"], p["rmse_median"])):
         if point["rmse_median"] < best:
             point["on_front"], point["hard"]["on_front"], best = True, True, point["rmse_median"]
-    return {"schema_version": 1, "provenance": {}, "functions": FUNCTIONS, "hard_functions": 9, "scenes": list(SCENES), "points": points,
+    return {"schema_version": 1, "provenance": {"inputs": {"held_out": HELD_OUT}}, "functions": FUNCTIONS, "hard_functions": 9, "scenes": list(SCENES), "points": points,
             "front_sentence": "On the front: tent_mlp alone, then with 1 to 64 steps of LM.",
             "hard_front_sentence": "On the front over hard functions: the same.",
             "hierarchy": [{"step": "solved-for → generated function", "rmse_mean": .08}, {"step": "generated function → direct fit", "rmse_mean": .0017},

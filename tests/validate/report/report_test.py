@@ -264,6 +264,7 @@ def check_refusals(needed):
             ("frontier.json", lambda c: c["points"][2].update(hard=None), "points[2]"),
             ("frontier.json", lambda c: c["points"][2]["hard"].update(rmse_median=2), "points[2].hard"),
             ("frontier.json", lambda c: [p["hard"].update(on_front=False) for p in c["points"]], "front of hard functions"),
+            ("frontier.json", lambda c: c["provenance"]["inputs"].pop("held_out"), "provenance.inputs: expected a key 'held_out'"),
             ("frontier.json", lambda c: [p.update(on_front=False) for p in c["points"]], "points"),
             ("stability.json", lambda c: c["cases"][2].update(passes=1), "cases[2].passes"),
             ("stability.json", lambda c: c["cases"][0].update(group="weather"), "cases[0].group"),
@@ -277,6 +278,12 @@ def check_refusals(needed):
             ("bake0.json", lambda c: c["needs"][0].update(count=91), "needs[0].count"),
             ("bake0.json", lambda c: c["needs"][1].update(seconds_saved="x"), "needs[1].seconds_saved")]:
         refuses([place], readers[source], changed(source, change))
+    # a frontier of other scenes, each file being whole
+    other = changed("frontier.json", lambda c: c["provenance"]["inputs"].update(held_out="11" * 32))
+    result = run("report.py", *needed, "--frontier", other, "--out", "bad/out.html")
+    words = (other, "provenance.inputs.held_out", "summary.json", "00" * 32, "11" * 32)
+    expect(result.returncode == INPUT_ERROR and len(result.stderr.splitlines()) == 1 and all(w in result.stderr for w in words) and not os.path.exists("bad"),
+           f"report.py with the frontier of other scenes: exit code {result.returncode}, {result.stderr.strip()!r}")
     # the tool itself: one line, the exit code, nothing left
     result = run("report.py", *needed, "--needs", "missing.json", "--out", "bad/out.html")
     expect(result.returncode == INPUT_ERROR and len(result.stderr.splitlines()) == 1 and "missing.json" in result.stderr and not os.path.exists("bad"),
