@@ -16,6 +16,7 @@
 #include "runtime_eval/support/simd_target.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/one_file_each.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
 #include "tool/provenance.h"
@@ -60,15 +61,12 @@ void chooseSimd(const std::string& name) {
 std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, GeneratorPrecision precision,
                                       std::map<std::string, WeightsUsed>* weights) {
   std::vector<Generator> generators;
+  OneFileEach given("--weights", "representation");
   for (const std::string& path : paths) {
     Generator generator;
     const WeightsResult result = Generator::load(path, precision, &generator);
     if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "the weights of a generator", result.detail);
-    for (const Generator& other : generators) {
-      const std::string name = representationName(generator.representation());
-      if (name == representationName(other.representation()))
-        throw UsageError("--weights", "one file a representation", "two of " + name);
-    }
+    given.add(path, representationName(generator.representation()));
     (*weights)[representationName(generator.representation())] = {fileSha256(path), std::filesystem::file_size(path)};
     generators.push_back(std::move(generator));
   }

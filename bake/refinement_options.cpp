@@ -8,6 +8,8 @@ void describeCorrection(CorrectionOptions& o, OptionTable& table) {
   table.add("correct_steps", &o.most_steps, "learned correction steps of an attempt at most", 0, 64);
   table.add("correct_images", &o.mirror_images, "networks: attempts at a function, itself and mirror images of it", 1, 8);
   table.add("correct_retry_rmse", &o.retry_rmse, "… another one while its RMSE is above", 0.0, 1e3);
+  table.add("correct_adam_rmse", &o.adam_rmse, "large networks: what is above after all that …", 0.0, 1e3);
+  table.add("correct_adam_steps", &o.adam_steps, "… takes so many steps of Adam", 0, 1000000);
   table.add("correct_iterations", &o.iterations,
             "product fields, small networks: iterations of Levenberg-Marquardt after the steps", 0, 1000);
   table.add("correct_theta0_iterations", &o.theta0_iterations, "… and from theta_0, where the RMSE is above correct_retry_rmse",

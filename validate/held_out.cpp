@@ -1,6 +1,7 @@
 #include "validate/held_out.h"
 
 #include "tool/error.h"
+#include "tool/one_file_each.h"
 
 namespace nlg {
 
@@ -29,6 +30,16 @@ Generator loadGenerator(const std::string& path) {
   Generator generator;
   mustBeOk(Generator::load(path, &generator), path);
   return generator;
+}
+
+std::vector<Generator> loadGenerators(const std::vector<std::string>& paths) {
+  std::vector<Generator> generators;
+  OneFileEach given("--weights", "representation");
+  for (const std::string& path : paths) {
+    generators.push_back(loadGenerator(path));
+    given.add(path, representationName(generators.back().representation()));
+  }
+  return generators;
 }
 
 GeneratorData loadGeneratorData(const std::string& path) {

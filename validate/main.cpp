@@ -173,6 +173,7 @@ Json sliceJson(const std::string& which, const Slice& slice, const MethodSample&
           {"axis", slice.axis},
           {"size", slice.size},
           {"valid", slice.valid},
+          {"seen", slice.seen},
           {"generated_permille", permille(slice.generated)},
           {"approximated_permille", permille(slice.approximated)},
           {"difference_permille", permille(slice.difference)}};
@@ -220,9 +221,10 @@ std::vector<FunctionError> errorsOf(const MethodResult& method) {
   return errors;
 }
 
-void validateGenerator(const std::string& path, const FunctionSet& set, const MethodResult& tent_result,
-                       const std::vector<bool>& hard, const ValidateOptions& options, Outputs& outputs) {
-  const Generator generator = loadGenerator(path);
+// path   where the generator was read from
+void validateGenerator(const Generator& generator, const std::string& path, const FunctionSet& set,
+                       const MethodResult& tent_result, const std::vector<bool>& hard, const ValidateOptions& options,
+                       Outputs& outputs) {
   const std::string name = representationName(generator.representation());
   std::vector<float> theta;
   const MethodResult uncorrected = measureUncorrected(generator, set, &theta);
@@ -277,6 +279,7 @@ void validateGenerator(const std::string& path, const FunctionSet& set, const Me
 }
 
 void validate(const Request& request, const ValidateOptions& options, const OptionTable& table) {
+  const std::vector<Generator> generators = loadGenerators(request.weights);
   const FunctionSet set = readHeldOut(request.held_out);
   const MethodResult tent_result = measureTent(set);
   std::vector<bool> hard;
@@ -304,7 +307,8 @@ void validate(const Request& request, const ValidateOptions& options, const Opti
                             {"hard_tent_rmse", options.hard_tent_rmse}};
   outputs.summary["tent"] = methodJson(tent_result, hard, options);
   appendCsv(outputs.csv, "tent", tent_result, set, hard);
-  for (const std::string& path : request.weights) validateGenerator(path, set, tent_result, hard, options, outputs);
+  for (size_t i = 0; i < generators.size(); ++i)
+    validateGenerator(generators[i], request.weights[i], set, tent_result, hard, options, outputs);
 
   if (outputs.fields.size() > 1) {
     std::sort(outputs.fields.begin(), outputs.fields.end(),

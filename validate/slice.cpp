@@ -8,6 +8,8 @@
 namespace nlg {
 namespace {
 
+uint8_t bitAt(const std::vector<uint8_t>& bits, uint64_t at) { return bits[at / 8] >> (at % 8) & 1; }
+
 // Pixel centres of the plane; a hair off the probe, so that the nearest point is not a tie of mirror images.
 std::vector<LocalPoint> planePoints(int axis, int size) {
   std::vector<LocalPoint> points;
@@ -43,7 +45,7 @@ int mostTellingAxis(const FunctionSet& set, uint64_t index, const AlignedFloats&
   const std::vector<LocalPoint>& support = supportPattern().points;
   for (size_t i = 0; i < support.size(); ++i) {
     const uint64_t at = index * support.size() + i;
-    if (!(set.validity[at / 8] >> (at % 8) & 1)) continue;
+    if (!bitAt(set.validity, at)) continue;
     const double phi = set.phi[at] / 255.0;
     for (int axis = 0; axis < 3; ++axis) {
       if (std::fabs(support[i][axis]) < kSlab)
@@ -76,7 +78,8 @@ Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& re
     const uint64_t at = index * kSupportPointCount + nearest;
     const float phi = static_cast<float>(set.phi[at]) / 255.0f;
     slice.generated.push_back(phi);
-    slice.valid.push_back(set.validity[at / 8] >> (at % 8) & 1);
+    slice.valid.push_back(bitAt(set.validity, at));
+    slice.seen.push_back(bitAt(set.seen, at));
     slice.difference.push_back(support_values[nearest] - phi);
   }
   return slice;

@@ -5,6 +5,7 @@
 #include "datagen/dataset/shard_fields.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/one_file_each.h"
 
 namespace nlg {
 namespace {
@@ -86,11 +87,14 @@ FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t patt
   const uint64_t P = static_cast<uint64_t>(set.point_count);
   DuplicateFilter filter([&](uint64_t id) { return FunctionSamples{&set.phi[id * P], &set.validity[id * P / 8]}; });
   std::string hashes;
+  OneFileEach given("shards", "content");
   for (const std::string& path : paths) {
     Shard shard = readShard(path, pattern_hash, point_count);
     filter.removeKnown(&shard);
     appendShard(shard, set);
-    hashes += fileSha256(path);
+    const std::string hash = fileSha256(path);
+    given.add(path, "SHA-256 " + hash);
+    hashes += hash;
   }
   set.sha256 = sha256(hashes);
   return set;

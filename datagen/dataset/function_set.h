@@ -51,7 +51,8 @@ class DuplicateFilter {
 void addCounts(const ShardCounts& from, ShardCounts* to);
 
 // Reads shards one after another; a function that duplicates one of an earlier shard is dropped and counted.
-// throws   InputError as readShard does; when shards disagree in pattern or unseen points; when paths is empty
+// throws   InputError as readShard does; when shards disagree in pattern or unseen points; when paths is empty; UsageError when two
+//          shards have the same bytes: the set would have another identity than the same functions given once
 FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash, int point_count = 0);
 
 }  // namespace nlg

@@ -9,6 +9,7 @@
 
 #include "runtime_eval/evaluator/generator.h"
 #include "tool/atomic_file.h"
+#include "tool/one_file_each.h"
 #include "tool/output_path.h"
 #include "tool/tool_main.h"
 
@@ -60,12 +61,10 @@ void run(const std::string& bake_path, const std::vector<std::string>& paths, co
 std::vector<BakeWeights> weightsForBake(const BakedWeights& baked, const std::string& bake_path,
                                         const std::vector<std::string>& paths) {
   std::vector<BakeWeights> weights;
+  OneFileEach given("--weights", "representation");
   for (const std::string& path : paths) {
     BakeWeights file = lookAt(path);
-    for (const BakeWeights& other : weights) {
-      if (other.representation == file.representation)
-        throw UsageError("--weights", "one file a representation", "two of " + file.representation);
-    }
+    given.add(path, file.representation);
     const auto given = baked.sha256.find(file.representation);
     if (given == baked.sha256.end()) {
       file.why = "the bake was not given any of " + file.representation;

@@ -4,81 +4,85 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime_eval/fit/adam_update.h"
 #include "runtime_eval/fit/loss_kernel.h"
 #include "runtime_eval/support/finite.h"
 #include "runtime_eval/support/random.h"
 
 namespace nlg {
-namespace {
-
-// A minibatch: places from `first` on, and how many of them are valid.
-struct Minibatch {
-  int first = 0, valid_count = 0;
-};
-
-// Minibatches in a fresh random order every round; those without a valid point are left out.
-class MinibatchOrder {
+class AdamRun {
  public:
-  MinibatchOrder(const PointOrder& points, int places, const WeightingFunction& function, uint64_t seed) : random_(seed) {
-    for (int first = 0; first < points.placeCount(); first += places) {
-      Minibatch batch{first, 0};
-      for (int i = first; i < first + places; ++i) batch.valid_count += function.mask[i] > 0.0f;
-      if (batch.valid_count > 0) order_.push_back(batch);
+  AdamRun(const Representation& representation, const WeightingFunction& function, const AdamOptions& options,
+          AdamWorkspace* workspace)
+      : representation_(representation), function_(function), options_(options), work_(*workspace), random_(options.seed) {
+    const PointOrder& points = pointOrder(representation);
+    places_ = options.full_batch ? points.placeCount() : points.minibatch_places;
+    work_.order_.clear();
+    for (int first = 0; first < points.placeCount(); first += places_) {
+      AdamWorkspace::Minibatch batch{first, 0};
+      for (int i = first; i < first + places_; ++i) batch.valid_count += function.mask[i] > 0.0f;
+      if (batch.valid_count > 0) work_.order_.push_back(batch);
     }
   }
-  bool empty() const { return order_.empty(); }
-  Minibatch next() {
-    if (position_ == 0) {
-      for (size_t i = order_.size(); i > 1; --i) std::swap(order_[i - 1], order_[random_.below(static_cast<uint32_t>(i))]);
+
+  FitResult run(float* theta) {
+    FitResult result{{}, functionRmse(representation_, function_, theta), 0, FitStop::budget};
+    if (work_.order_.empty()) {
+      result.stop = FitStop::no_points;
+      return result;
     }
-    const Minibatch batch = order_[position_];
-    position_ = (position_ + 1) % order_.size();
-    return batch;
-  }
-
- private:
-  Random random_;
-  std::vector<Minibatch> order_;
-  size_t position_ = 0;
-};
-
-FitResult runAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,
-                  const AdamOptions& options) {
-  FitResult result{start, functionRmse(representation, function, start.data()), 0, FitStop::budget};
-  const PointOrder& points = pointOrder(representation);
-  const int places = options.full_batch ? points.placeCount() : points.minibatch_places;
-  MinibatchOrder order(points, places, function, options.seed);
-  if (order.empty()) {
-    result.stop = FitStop::no_points;
-    return result;
-  }
-  if (!std::isfinite(result.rmse)) {
-    result.stop = FitStop::not_finite;
-    return result;
-  }
-  Theta theta = start;
-  AdamMoments moments(static_cast<int>(theta.size()));
-  Theta gradient(theta.size());
-  for (; result.steps < options.steps; ++result.steps) {
-    const Minibatch batch = order.next();
-    lossAndGradient(representation, batch.first, places, &function.phi[batch.first], &function.mask[batch.first], theta.data(),
-                    gradient.data());
-    const float scale = 1.0f / static_cast<float>(batch.valid_count);
-    const double phase = static_cast<double>(result.steps) / options.steps;
-    const double rate = options.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase));
-    moments.step(rate, options.beta1, options.beta2, scale, gradient.data(), theta.data());
-    if (!allFinite(theta)) {
+    if (!std::isfinite(result.rmse)) {
       result.stop = FitStop::not_finite;
       return result;
     }
+    const int count = representation_.thetaCount();
+    work_.moving_.assign(theta, theta + count);
+    work_.gradient_.resize(count);
+    work_.moments_.reset(count);
+    for (; result.steps < options_.steps; ++result.steps) {
+      step(result.steps);
+      if (!allFinite(work_.moving_)) {
+        result.stop = FitStop::not_finite;
+        return result;
+      }
+    }
+    const double rmse = functionRmse(representation_, function_, work_.moving_.data());
+    if (rmse < result.rmse) {
+      std::copy(work_.moving_.begin(), work_.moving_.end(), theta);
+      result.rmse = rmse;
+    }
+    return result;
   }
-  const double rmse = functionRmse(representation, function, theta.data());
-  if (rmse < result.rmse) result.theta = theta, result.rmse = rmse;
-  return result;
-}
 
-}  // namespace
+ private:
+  void step(int number) {
+    const AdamWorkspace::Minibatch batch = next();
+    lossAndGradient(representation_, batch.first, places_, &function_.phi[batch.first], &function_.mask[batch.first],
+                    work_.moving_.data(), work_.gradient_.data());
+    const float scale = 1.0f / static_cast<float>(batch.valid_count);
+    const double phase = static_cast<double>(number) / options_.steps;
+    const double rate = options_.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase));
+    work_.moments_.step(rate, options_.beta1, options_.beta2, scale, work_.gradient_.data(), work_.moving_.data());
+  }
+
+  // In a fresh random order every round; those without a valid point are left out.
+  AdamWorkspace::Minibatch next() {
+    std::vector<AdamWorkspace::Minibatch>& order = work_.order_;
+    if (position_ == 0) {
+      for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random_.below(static_cast<uint32_t>(i))]);
+    }
+    const AdamWorkspace::Minibatch batch = order[position_];
+    position_ = (position_ + 1) % order.size();
+    return batch;
+  }
+
+  const Representation& representation_;
+  const WeightingFunction& function_;
+  const AdamOptions& options_;
+  AdamWorkspace& work_;
+  Random random_;
+  int places_ = 0;
+  size_t position_ = 0;
+};
 
 const char* fitStopName(FitStop stop) {
   switch (stop) {
@@ -121,9 +125,20 @@ AdamOptions randomStartAdam(int steps) {
   return options;
 }
 
+FitResult iterateAdam(const Representation& representation, const WeightingFunction& function, const AdamOptions& options,
+                      AdamWorkspace* workspace, float* theta) {
+  return AdamRun(representation, function, options, workspace).run(theta);
+}
+
 FitResult fitAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,
                   const AdamOptions& options) {
-  return timedFit([&] { return runAdam(representation, function, start, options); });
+  return timedFit([&] {
+    AdamWorkspace workspace;
+    Theta theta = start;
+    FitResult result = iterateAdam(representation, function, options, &workspace, theta.data());
+    result.theta = std::move(theta);
+    return result;
+  });
 }
 
 namespace {

@@ -3,6 +3,9 @@
 
 #include <cstdint>
 
+#include <vector>
+
+#include "runtime_eval/fit/adam_update.h"
 #include "runtime_eval/fit/fit_result.h"
 
 namespace nlg {
@@ -20,6 +23,25 @@ struct AdamOptions {
 AdamOptions refinementAdam(const Representation& representation, int steps);
 // … and for a random start.
 AdamOptions randomStartAdam(int steps);
+
+// What steps keep between each other; from one function to the next of the same representation it allocates nothing.
+class AdamWorkspace {
+ private:
+  friend class AdamRun;
+  // Places from `first` on, and how many of them are valid.
+  struct Minibatch {
+    int first = 0, valid_count = 0;
+  };
+  std::vector<Minibatch> order_;
+  Theta moving_, gradient_;
+  AdamMoments moments_;
+};
+
+// Steps in place.
+// theta      D floats; becomes the better of the last theta and what it was
+// returns    rmse, steps and stop of the fit, without its theta
+FitResult iterateAdam(const Representation& representation, const WeightingFunction& function, const AdamOptions& options,
+                      AdamWorkspace* workspace, float* theta);
 
 // Fits theta to the function from `start`. Returns the better of the last theta and the start; steps that turn not finite end it.
 FitResult fitAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,

@@ -53,7 +53,11 @@ namespace nlg {
 
 HWY_EXPORT(updateAll);
 
-AdamMoments::AdamMoments(int count) : mean_(count, 0.0f), square_(count, 0.0f) {}
+void AdamMoments::reset(int count) {
+  mean_.assign(count, 0.0f);
+  square_.assign(count, 0.0f);
+  mean_power_ = square_power_ = 1.0;
+}
 
 void AdamMoments::step(double learning_rate, double beta1, double beta2, float gradient_scale, const float* gradient,
                        float* theta) {

@@ -10,8 +10,11 @@ namespace nlg {
 // The moments of one fit, kept between its steps.
 class AdamMoments {
  public:
+  AdamMoments() = default;
   // count   of parameters
-  explicit AdamMoments(int count);
+  explicit AdamMoments(int count) { reset(count); }
+  // As at the start of a fit; of no more parameters than before it allocates nothing.
+  void reset(int count);
 
   // theta -= learning_rate * mean / (sqrt(square) + 1e-8), both moments without the bias of their start (Kingma & Ba 2015).
   // gradient, theta   count floats; the gradient is multiplied by gradient_scale first

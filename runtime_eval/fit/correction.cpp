@@ -52,6 +52,7 @@ Corrector::Corrector(const Generator& generator, const CorrectionOptions& option
   if (generator.correctionStepCount() == 0) options_.most_steps = 0;
   if (generator.representation().isField()) options_.mirror_images = 1;
   if (!iteratesCheaply(generator.representation())) options_.iterations = options_.theta0_iterations = 0;
+  if (iteratesCheaply(generator.representation())) options_.adam_steps = 0;
   if (options_.iterations > 0) options_.most_steps = std::min(options_.most_steps, kStepsBeforeIterations);
   if (empty()) return;
   const size_t batch = kBatchCount, theta_count = static_cast<size_t>(places_.theta_count);
@@ -77,13 +78,20 @@ Corrector::Corrector(const Generator& generator, const CorrectionOptions& option
     const int feature_count = generator.representation().shape().last() + 1;
     equations_.reset(feature_count, feature_count - 1);
   }
-  const double retry_rmse = std::clamp(kRetryOverTent * tentRmse(), options_.retry_rmse, kMostRetry * options_.retry_rmse);
-  correct_square_ = options_.correct_rmse * options_.correct_rmse;
-  retry_square_ = std::max(correct_square_, retry_rmse * retry_rmse);
+  // what is good enough, for this generator
+  const double least_rmse = std::min(kRetryOverTent * tentRmse(), kMostRetry * options_.retry_rmse);
+  const auto square = [](double rmse) { return rmse * rmse; };
+  correct_square_ = square(options_.correct_rmse);
+  retry_square_ = std::max(correct_square_, square(std::max(options_.retry_rmse, least_rmse)));
+  adam_square_ = std::max(correct_square_, square(std::max(options_.adam_rmse, least_rmse)));
   if (options_.iterations > 0 || options_.theta0_iterations > 0) {
     // on the tent; takes the memory that iterations need
     best_error_[0] = 0.0;
     iterate(0, generator.theta0(), 1, current_.data());
+  }
+  if (options_.adam_steps > 0) {
+    best_error_[0] = 0.0;
+    stepAdam(0, generator.theta0(), 1, current_.data());
   }
 }
 
@@ -119,13 +127,18 @@ int Corrector::correctBatch(const StoredFunction* functions, int count, float* t
     startAttempt(mirror, theta);
     runSteps(functions, mirror, theta);
   }
-  for (int i = 0; i < count && (options_.iterations > 0 || options_.theta0_iterations > 0); ++i) {
-    if (!(best_error_[i] > correct_square_) || !hasValidPoint(functions[i])) continue;
-    decode(functions[i], 0);
-    iterate(i, &theta[static_cast<size_t>(i) * places_.theta_count], options_.iterations, theta);
-    if (best_error_[i] > retry_square_) iterate(i, generator_->theta0(), options_.theta0_iterations, theta);
-  }
+  for (int i = 0; i < count; ++i) fitOn(functions[i], i, theta);
   return static_cast<int>(std::count(changed_.begin(), changed_.begin() + count, uint8_t{1}));
+}
+
+void Corrector::fitOn(const StoredFunction& stored, int i, float* theta) {
+  const bool iterates = options_.iterations > 0 || options_.theta0_iterations > 0;
+  if (!(best_error_[i] > (iterates ? correct_square_ : adam_square_)) || !hasValidPoint(stored)) return;
+  const float* own = &theta[static_cast<size_t>(i) * places_.theta_count];
+  decode(stored, 0);
+  iterate(i, own, options_.iterations, theta);
+  if (best_error_[i] > retry_square_) iterate(i, generator_->theta0(), options_.theta0_iterations, theta);
+  stepAdam(i, own, options_.adam_steps, theta);
 }
 
 void Corrector::startAttempt(int mirror, const float* theta) {
@@ -268,7 +281,21 @@ void Corrector::iterate(int i, const float* start, int iterations, float* theta)
   std::copy_n(start, D, theta_.begin());
   const FitResult fit =
       iterateLevenbergMarquardt(representation, function_, options, &normal_equations_, &levenberg_workspace_, theta_.data());
-  const double error = fit.rmse * fit.rmse;
+  takeFitted(i, fit.rmse * fit.rmse, theta);
+}
+
+void Corrector::stepAdam(int i, const float* start, int steps, float* theta) {
+  if (steps == 0) return;
+  const size_t D = static_cast<size_t>(places_.theta_count);
+  const Representation& representation = generator_->representation();
+  std::copy_n(start, D, theta_.begin());
+  const FitResult fit =
+      iterateAdam(representation, function_, refinementAdam(representation, steps), &adam_workspace_, theta_.data());
+  takeFitted(i, fit.rmse * fit.rmse, theta);
+}
+
+void Corrector::takeFitted(int i, double error, float* theta) {
+  const size_t D = static_cast<size_t>(places_.theta_count);
   if (!(error < kImagePays * best_error_[i]) || !fitsFloat16(theta_.data(), D)) return;
   best_error_[i] = error;
   changed_[i] = 1;

@@ -6,12 +6,13 @@
 // is tried again as its mirror images: to the generator each is another function, with another theta and other mistakes, and
 // theta mirrors back exactly. Where an iteration of Levenberg–Marquardt is cheap, for product fields and for networks of few numbers,
 // a few of them end the correction, and theta_0 is one more start for a function that is still not good enough: there they gain more
-// in the same time than learned steps. docs/math.md §6; what each setting costs and gives: docs/training.md.
+// in the same time than learned steps. Elsewhere a short run of Adam ends it, for functions that are not good enough. docs/math.md §6; what each setting costs and gives: docs/training.md.
 #pragma once
 
 #include <vector>
 
 #include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/fit/adam.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
 #include "runtime_eval/fit/symmetric_band.h"
 #include "runtime_eval/support/weighting_function.h"
@@ -24,6 +25,8 @@ struct CorrectionOptions {
   int mirror_images = 8;        // networks: attempts at a function at most, itself and then its mirror images; 1 … 8
   double retry_rmse = 0.005;    // no further attempt at a function whose RMSE is not above; up to twice that for a generator that
                                 // is nearly as wrong about the tent
+  double adam_rmse = 0.003;     // elsewhere: a function whose RMSE is above (raised likewise) …
+  int adam_steps = 500;         // … takes so many steps of Adam in the end
   int iterations = 4;           // where they are cheap: of Levenberg–Marquardt, after the learned steps
   int theta0_iterations = 32;   // … and from theta_0, for a function whose RMSE is above retry_rmse even then
 };
@@ -62,12 +65,18 @@ class Corrector {
   void keepBetter(int mirror, float* theta);
   // RMSE of the generator's theta for the bare tent: what it cannot do better for any function.
   double tentRmse();
-  // Levenberg–Marquardt on function_, the i-th of the batch, from `start`; takes over what is better than theta of that function.
+  // What ends the correction of function i.
+  void fitOn(const StoredFunction& stored, int i, float* theta);
+  // On function_, the i-th of the batch, from `start`; take over what is better than theta of that function.
   void iterate(int i, const float* start, int iterations, float* theta);
+  void stepAdam(int i, const float* start, int steps, float* theta);
+  // theta_, whose mean square on function_ is `error`, for theta of function i where it is better.
+  void takeFitted(int i, double error, float* theta);
 
   const Generator* generator_;
   CorrectionOptions options_;
-  double correct_square_, retry_square_;  // mean squares that are good enough: for the first attempt, for any further
+  // mean squares that are good enough: for the first attempt, for any further, for Adam
+  double correct_square_ = 0.0, retry_square_ = 0.0, adam_square_ = 0.0;
   GeneratorScratch generator_scratch_;
   LayerScratch layer_scratch_;
   CorrectionFeatures places_;
@@ -87,6 +96,7 @@ class Corrector {
   SymmetricBand equations_;              // of the last layer
   NormalEquationsKernel normal_equations_;
   LevenbergMarquardtWorkspace levenberg_workspace_;
+  AdamWorkspace adam_workspace_;
 };
 
 }  // namespace nlg

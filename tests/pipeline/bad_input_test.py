@@ -364,7 +364,7 @@ def check_bakes():
     write("bare.gltf", '{"asset": {"version": "2.0"}}')
     shutil.copy("weights.safetensors", "again.safetensors")
     out = ["--out", "bad_grid.safetensors"]
-    refuses(USAGE_ERROR, ["--weights", "tent_mlp"], ["bad_grid.safetensors"], "nlg-bake", "house:1", "--weights", "weights.safetensors", "again.safetensors", *out)
+    refuses(USAGE_ERROR, ["--weights", "two of tent_mlp: weights.safetensors and again.safetensors"], ["bad_grid.safetensors"], "nlg-bake", "house:1", "--weights", "weights.safetensors", "again.safetensors", *out)
     refuses(USAGE_ERROR, ["--out", "no input"], [], "nlg-bake", "house:1", "--weights", "weights.safetensors", "--out", "./weights.safetensors")
     # without weights: those that ship, of which this folder has none
     os.environ["NLG_WEIGHTS"] = "folder"
@@ -398,7 +398,7 @@ def check_weights_for_bakes():
     must("nlg-export", "--config", "good.yaml", *EXPORT_INPUTS, "--dtype", "float32", "--out", "other_weights.safetensors")
     refuses(INPUT_ERROR, ["other_weights.safetensors", "SHA-256"], ["bad_weights"], "nlg-export", "for-bake", "--bake", "grid.safetensors",
             "--weights", "other_weights.safetensors", "--out", "bad_weights")
-    refuses(USAGE_ERROR, ["two of tent_mlp"], ["bad_weights"], "nlg-export", "for-bake", "--bake", "grid.safetensors",
+    refuses(USAGE_ERROR, ["two of tent_mlp: weights.safetensors and again.safetensors"], ["bad_weights"], "nlg-export", "for-bake", "--bake", "grid.safetensors",
             "--weights", "weights.safetensors", "again.safetensors", "--out", "bad_weights")
     write("file", "")
     refuses(OUTPUT_ERROR, ["file/tent_mlp.safetensors"], [], "nlg-export", "for-bake", "--bake", "grid.safetensors", "--weights", "weights.safetensors", "--out", "file")
@@ -458,6 +458,16 @@ def check_inputs_that_do_not_belong_together():
     refuses(INPUT_ERROR, ["other_basis.h5", "SHA-256"], outputs, "nlg-export", *arguments)
     arguments, outputs = arguments_of("nlg-validate", {"held_out.h5": "training.h5"})
     refuses(INPUT_ERROR, ["training.h5", "--held-out"], outputs, "nlg-validate", *arguments)
+    # nothing is measured twice: two weights of one representation, one shard twice
+    shutil.copy("weights.safetensors", "again.safetensors")
+    shutil.copy("held_out.h5", "held_out_again.h5")
+    twice, both = ["--weights", "weights.safetensors", "again.safetensors"], ["two of tent_mlp: weights.safetensors and again.safetensors"]
+    once, shards = ["--weights", "weights.safetensors", "--held-out"], [": held_out.h5 and held_out_again.h5"]
+    for command in [["nlg-validate"], ["nlg-validate", "frontier"]]:
+        refuses(USAGE_ERROR, both, ["bad_validation"], *command, *twice, "--held-out", "held_out.h5", "--out", "bad_validation")
+        refuses(USAGE_ERROR, shards, ["bad_validation"], *command, *once, "held_out.h5", "held_out_again.h5", "--out", "bad_validation")
+    refuses(USAGE_ERROR, both, ["bad.json"], "nlg-validate", "stability", *twice, "--out", "bad.json")
+    refuses(USAGE_ERROR, both, ["bad_solved"], "nlg-solve", "--scene", "doorway", *twice, "--out-dir", "bad_solved")
     refuses(INPUT_ERROR, ["other_unseen.h5"], ["bad_validation"], "nlg-validate", "--weights", "weights.safetensors",
             "--held-out", "held_out.h5", "other_unseen.h5", "--out", "bad_validation")
     # an unfinished run's state of other options is refused unless asked otherwise

@@ -5,6 +5,7 @@
 
 #include "bake/refinement_options.h"
 #include "tool/atomic_file.h"
+#include "tool/one_file_each.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
@@ -32,8 +33,10 @@ std::vector<PlotPoint> allPoints(const Request& request, const FrontierOptions& 
   const FitBudgets budgets = options.budgets();
   std::vector<PlotPoint> points;
   std::vector<std::shared_ptr<const Generator>> fields;
+  OneFileEach given("--weights", "representation");
   for (const std::string& path : request.weights) {
     const GeneratorData data = loadGeneratorData(path);
+    given.add(path, representationName(data.representation));
     const int all = data.basis.coefficientCount();
     if (!coefficients.empty() && coefficients.back() > all) {
       throw UsageError("--coefficients", "at most the " + std::to_string(all) + " of " + path,

@@ -80,7 +80,8 @@ void addCorrections(const std::shared_ptr<const Generator>& generator, const Cor
   const bool iterates = iteratesCheaply(generator->representation());
   for (const int count : {1, 2, 4, 8}) {
     CorrectionOptions options = standard;
-    options.most_steps = count, options.mirror_images = 1, options.iterations = options.theta0_iterations = 0;
+    options.most_steps = count, options.mirror_images = 1,
+    options.iterations = options.theta0_iterations = options.adam_steps = 0;
     if (generator->correctionStepCount() > 0)
       add(count, "learned step" + std::string(count > 1 ? "s" : "") + " at most", options);
   }

@@ -184,6 +184,7 @@ class Slice:
     approximated: np.ndarray  # size x size
     difference: np.ndarray    # size x size, at the support point nearest to each pixel
     valid: np.ndarray         # size x size, bool
+    seen: np.ndarray          # size x size, bool: in plain sight of the probe
 
 
 @dataclass
@@ -266,7 +267,7 @@ def read_slices(path, representations):
         slices.append(Slice(node["representation"].text(), node["which"].text(), node["function"].count(), node["scene"].text(),
                             node["rmse"].number(), axis, picture("generated_permille", 0, 1000) / 1000,
                             picture("approximated_permille", -2000, 2000) / 1000,
-                            picture("difference_permille", -2000, 2000) / 1000, picture("valid", 0, 1) > 0))
+                            picture("difference_permille", -2000, 2000) / 1000, picture("valid", 0, 1) > 0, picture("seen", 0, 1) > 0))
     found = {(s.representation, s.which) for s in slices}
     for name in representations:
         for which in SLICE_NAMES:

@@ -48,6 +48,7 @@ class Point:
 @dataclass
 class Frontier:
     path: str
+    held_out: str         # SHA-256 of the shards that it was measured on
     function_count: int
     hard_count: int
     scenes: list
@@ -169,9 +170,16 @@ def read_frontier(path):
             file["points"].refuse("figures of hard functions in all points, or no hard function", f"points[{index}]")
     tent = file["bare_tent"]
     lists = [[row(node) for node in file[key].items()] for key in ("hierarchy", "walks")]
-    return Frontier(path, file["functions"].count(), hard_count, scenes, points, file["front_sentence"].text(), file["hard_front_sentence"].text(),
+    return Frontier(path, file["provenance"]["inputs"]["held_out"].text(), file["functions"].count(), hard_count, scenes, points, file["front_sentence"].text(), file["hard_front_sentence"].text(),
                     tent["rmse_median"].number(), optional(tent["hard"], lambda n: n["rmse_median"].number()),
                     {scene: node["rmse_median"].number() for scene, node in tent["by_scene"].entries()}, *lists)
+
+
+def check_same_scenes(frontier, summary):
+    """A page shows errors and their times side by side: both of the same held-out scenes."""
+    expected = summary["provenance"]["inputs"]["held_out"].text()
+    if frontier.held_out != expected:
+        raise InputError(frontier.path, "provenance.inputs.held_out", f"the held-out scenes of {summary.path}, {expected}", frontier.held_out)
 
 
 def read_stability(path):

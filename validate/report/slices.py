@@ -1,4 +1,4 @@
-"""Pictures of planes through weighting functions: generated, approximated, difference; for the page and for the README."""
+"""Pictures of planes through weighting functions: generated, approximated, difference, and what stands there; for the page and for the README."""
 import base64
 import io
 
@@ -9,7 +9,8 @@ from plots import INK, MUTED, plt, representation_colour
 
 PHI_MAP = matplotlib.colormaps["inferno"]
 DIFFERENCE_MAP = matplotlib.colormaps["PuOr_r"]  # orange: the representation lets more in than the function
-KINDS = ("generated", "approximated", "difference")
+KINDS = ("generated", "approximated", "difference", "geometry cut")
+SIGHT, SHADOW = "#ffe9a8", "#46566e"  # valid points: in plain sight of the probe, and not
 PLATE_REPRESENTATIONS = 2  # beside each other; the others go below
 ZOOM = 3
 AXIS_NAMES = "xyz"
@@ -39,11 +40,13 @@ def difference_limit(slices):
 
 def colour_image(slice_, kind, limit):
     """One picture as RGB bytes, enlarged; invalid points hatched grey, the probe a ring in the middle."""
-    values = {"generated": slice_.generated, "approximated": slice_.approximated,
-              "difference": slice_.difference}[kind]
-    if kind == "difference":
-        rgb = DIFFERENCE_MAP(np.clip(0.5 + 0.5 * values / limit, 0, 1))[..., :3]
+    if kind == "geometry cut":
+        sight, shadow = map(matplotlib.colors.to_rgb, (SIGHT, SHADOW))
+        rgb = np.where(slice_.seen[..., None], sight, shadow)
+    elif kind == "difference":
+        rgb = DIFFERENCE_MAP(np.clip(0.5 + 0.5 * slice_.difference / limit, 0, 1))[..., :3]
     else:
+        values = slice_.generated if kind == "generated" else slice_.approximated
         rgb = PHI_MAP(np.sqrt(np.clip(values, 0, 1)))[..., :3]
     rgb = np.stack([upright(slice_, rgb[..., c]) for c in range(3)], axis=-1)
     valid = np.kron(upright(slice_, slice_.valid), np.ones((ZOOM, ZOOM))) > 0
@@ -52,8 +55,8 @@ def colour_image(slice_, kind, limit):
     hatch = np.where(((row + column) % 8 < 2)[..., None], np.array([0.62, 0.65, 0.68]), np.array([0.86, 0.88, 0.89]))
     rgb = np.where(valid[..., None], rgb, hatch)
     distance = np.hypot(row - (len(row) - 1) / 2, column - (len(row) - 1) / 2)
-    rgb[(distance > 3.2) & (distance < 5.2)] = 1.0
-    rgb[(distance >= 5.2) & (distance < 6.4)] = 0.0
+    rgb[(distance > 4.2) & (distance < 6.6)] = 1.0
+    rgb[(distance >= 6.6) & (distance < 8.6)] = 0.0
     return (255 * rgb + 0.5).astype(np.uint8)
 
 
@@ -70,7 +73,7 @@ def gradient(colour_map, transfer=lambda v: v):
 
 
 def scales(limit):
-    return {"phi": gradient(PHI_MAP, np.sqrt), "difference": gradient(DIFFERENCE_MAP), "limit": limit}
+    return {"phi": gradient(PHI_MAP, np.sqrt), "difference": gradient(DIFFERENCE_MAP), "limit": limit, "sight": SIGHT, "shadow": SHADOW}
 
 
 def gallery(slices, limit):
@@ -84,10 +87,11 @@ def plate(inputs, limit):
     names = inputs.representations
     bands = [names[i:i + PLATE_REPRESENTATIONS] for i in range(0, len(names), PLATE_REPRESENTATIONS)]
     columns = [[s for name in band for s in inputs.slices if s.representation == name] for band in bands]
-    left, cell, gap, band_height = 1.0, 1.42, 0.35, 4.95
+    left, cell, gap = 1.0, 1.42, 0.35
+    band_height = 0.69 + cell * len(KINDS)
     width = cell * max(map(len, columns)) + gap * (len(bands[0]) - 1) + left + 0.05
     narrow = width < 11  # of one representation: what the hatching means stands above the scales, not beside them
-    height = band_height * len(bands) + (0.65 if narrow else 0.4)
+    height = band_height * len(bands) + (0.75 if narrow else 0.45)
     figure = plt.figure(figsize=(width, height))
     for b, (band, some) in enumerate(zip(bands, columns)):
         top = height - band_height * b
@@ -98,8 +102,8 @@ def plate(inputs, limit):
             figure.text((left - 0.1) / width, (top - 0.69 - (row + 0.5) * cell) / height, kind, ha="right", va="center", fontsize=9)
     draw_scale(figure, left, 0.2, PHI_MAP, lambda v: v, np.linspace(0, 1, 5) ** 0.5, ("0", ".25", ".5", ".75", "1"), "φ")
     draw_scale(figure, left + 3.2, 0.2, DIFFERENCE_MAP, lambda v: v, (0, 0.5, 1), (f"−{limit:g}", "0", f"+{limit:g}"), "difference")
-    place = (left / width, 0.48 / height) if narrow else ((left + 7.0) / width, 0.235 / height)
-    figure.text(*place, "hatched: in solid, masked out · ring: the probe", fontsize=8, color=MUTED)
+    place = (left / width, 0.42 / height) if narrow else ((left + 6.6) / width, 0.12 / height)
+    figure.text(*place, "hatched: in solid, masked out · ring: the probe\ngeometry cut: pale in plain sight of the probe, dark in its shadow", fontsize=8, color=MUTED)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=120, facecolor="white")
     plt.close(figure)

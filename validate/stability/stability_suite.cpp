@@ -9,6 +9,7 @@
 
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/one_file_each.h"
 #include "tool/progress.h"
 
 namespace nlg {
@@ -136,7 +137,11 @@ StabilityReport runStability(const StabilityRequest& request) {
   }
   StabilityInputs inputs;
   inputs.depth = request.depth;
-  for (const std::string& path : request.weights) inputs.generators.push_back(loadGenerator(path));
+  OneFileEach given("--weights", "representation");
+  for (const std::string& path : request.weights) {
+    inputs.generators.push_back(loadGenerator(path));
+    given.add(path, inputs.generators.back().name);
+  }
 
   std::vector<StabilityCase> cases = allCases();
   std::erase_if(cases, [&](const StabilityCase& c) { return !request.only.empty() && c.group != request.only; });

@@ -24,7 +24,7 @@ struct StabilityReport {
 };
 
 // Runs the suite; says on stderr what it is at when that is a terminal. A case that throws fails with the exception's line.
-// throws   UsageError on a group that does not exist; InputError on weights or a training file that cannot be read
+// throws   UsageError on a group that does not exist or two weights of one representation; InputError on weights or a training file that cannot be read
 StabilityReport runStability(const StabilityRequest& request);
 
 // The subcommand. returns the exit code: check_failed, after the file is written, when some case did not hold

@@ -18,9 +18,6 @@ struct WallScene {
   std::function<bool(const LocalPoint&)> dark = [](const LocalPoint&) { return false; };
   // what nothing stands before: seen from the probe, so that it has the tent exactly
   std::function<bool(const LocalPoint&)> plain = [](const LocalPoint&) { return false; };
-  bool may_be_empty = false;  // the probe stands in the wall itself, and may see nothing
-  // for a sheet through the probe: the side of a point, of which one must stay dark; 0 on the sheet
-  std::function<int(const LocalPoint&)> side;
 };
 
 // What was built at the origin with a spacing of 1 m, as figures.
@@ -30,8 +27,7 @@ struct Built {
   uint64_t unreachable = 0;    // lit points that lie more links from every seen one than there are passes
   uint64_t lit_in_dark = 0;    // lit points where nothing may be lit
   uint64_t off_tent = 0;       // points in plain sight without the tent
-  uint64_t lit[2] = {0, 0};    // by side
-  uint64_t seen = 0, lit_unseen = 0;
+  uint64_t valid = 0, seen = 0, lit = 0, lit_unseen = 0;
   double brightest_unseen = 0.0, brightest_seen = 0.0;
   SampledFunction stored;
 };
@@ -60,13 +56,14 @@ void countLight(const WallScene& scene, const GeneratedFunction& function, Built
   for (int p = 0; p < kSupportPointCount; ++p) {
     const double phi = function.phi[p];
     built->outside_range += !(phi >= 0.0 && phi <= 1.0) || (function.valid[p] == 0 && phi != 0.0);
+    built->valid += function.valid[p];
     built->seen += function.seen[p];
     if (function.seen[p]) built->brightest_seen = std::max(built->brightest_seen, phi);
     built->off_tent += scene.plain(pointAt(p)) && function.phi[p] != tent(pointAt(p));
     if (!(phi > 0.0)) continue;
+    ++built->lit;
     built->unreachable += distance[p] > scene.diffusion.passes;
     built->lit_in_dark += scene.dark(pointAt(p));
-    if (scene.side && scene.side(pointAt(p)) != 0) ++built->lit[scene.side(pointAt(p)) > 0];
     if (function.seen[p]) continue;
     ++built->lit_unseen;
     built->brightest_unseen = std::max(built->brightest_unseen, phi);
@@ -101,16 +98,15 @@ StabilityResult measureWalls(const StabilityInputs& inputs, const std::vector<Wa
   for (const WallScene& scene : scenes) {
     const Built built = buildAtOrigin(scene);
     outcomes += (outcomes.empty() ? "" : ", ") + std::string(outcomeName(built.outcome));
-    const uint64_t wrong =
-        built.outside_range + built.unreachable + built.lit_in_dark + built.off_tent + std::min(built.lit[0], built.lit[1]);
+    const uint64_t wrong = built.outside_range + built.unreachable + built.lit_in_dark + built.off_tent;
     lit_wrongly += wrong;
     seen += built.seen;
     lit_unseen += built.lit_unseen;
     brightest = std::max(brightest, built.brightest_unseen);
     // free space says that the wall was missed: nothing would be measured then
-    const bool is_found = built.outcome == ProbeOutcome::function || (scene.may_be_empty && built.outcome == ProbeOutcome::empty);
+    const bool is_found = built.outcome == ProbeOutcome::function && built.seen > 0;
     result.passes = result.passes && is_found && wrong == 0 && built.brightest_unseen <= built.brightest_seen;
-    if (built.outcome != ProbeOutcome::function || inputs.generators.empty()) continue;
+    if (!is_found || inputs.generators.empty()) continue;
     const WorstBake worst = worstBake(inputs, built.stored.view());
     stored_rmse = std::max(stored_rmse, worst.final_rmse);
     result.passes = result.passes && worst.is_finite && worst.never_worse &&
@@ -124,6 +120,27 @@ StabilityResult measureWalls(const StabilityInputs& inputs, const std::vector<Wa
                     {"points_lit_wrongly", double(lit_wrongly)},
                     {"brightest_unseen", brightest}};
   if (!inputs.generators.empty()) result.figures["rmse_stored"] = stored_rmse;
+  return result;
+}
+
+// Probes that see nothing, for they stand in what is there: no function, and not one point lit.
+StabilityResult measureBlind(const std::vector<WallScene>& scenes) {
+  StabilityResult result;
+  result.passes = true;
+  uint64_t valid = 0, seen = 0, lit = 0;
+  std::string outcomes;
+  for (const WallScene& scene : scenes) {
+    const Built built = buildAtOrigin(scene);
+    outcomes += (outcomes.empty() ? "" : ", ") + std::string(outcomeName(built.outcome));
+    // without valid points there is nothing that could be lit
+    result.passes = result.passes && built.outcome == ProbeOutcome::empty && built.valid > 0;
+    valid += built.valid;
+    seen += built.seen;
+    lit += built.lit;
+  }
+  result.passes = result.passes && seen == 0 && lit == 0;
+  result.measured = fmt::format("{}; of {} points outside solid {} seen, {} lit", outcomes, valid, seen, lit);
+  result.figures = {{"points_valid", double(valid)}, {"points_seen", double(seen)}, {"points_lit", double(lit)}};
   return result;
 }
 
@@ -150,28 +167,27 @@ WallScene slab(double near, double far, double degrees) {
   return scene;
 }
 
-// A sheet without thickness, seen from both sides, whose plane holds the probe.
-WallScene sheetThroughProbe(double degrees) {
+// A sheet without thickness, seen from both sides, at this distance from the probe.
+WallScene sheet(double distance, double degrees) {
   WallScene scene;
-  scene.may_be_empty = true;
   const double angle = degrees * M_PI / 180.0;
-  const glm::dvec3 along(-std::sin(angle), 0, std::cos(angle)), up(0, 1, 0);
-  scene.faces.addQuad(-50.0 * along - 50.0 * up, 50.0 * along - 50.0 * up, 50.0 * along + 50.0 * up, -50.0 * along + 50.0 * up,
-                      FaceScene::Sides::two);
-  scene.side = [=](const LocalPoint& p) {
-    const double height = p[0] * std::cos(angle) + p[2] * std::sin(angle);
-    return std::fabs(height) < 1e-4 ? 0 : height > 0 ? 1 : -1;
-  };
+  const glm::dvec3 along(-std::sin(angle), 0, std::cos(angle)), up(0, 1, 0), to(std::cos(angle), 0, std::sin(angle));
+  const auto at = [=](double u, double v) { return distance * to + u * along + v * up; };
+  scene.faces.addQuad(at(-50, -50), at(50, -50), at(50, 50), at(-50, 50), FaceScene::Sides::two);
+  const auto height = [=](const LocalPoint& p) { return p[0] * to.x + p[2] * to.z; };
+  scene.dark = [=](const LocalPoint& p) { return height(p) > distance + 1e-4; };
+  scene.plain = [=](const LocalPoint& p) { return height(p) < distance - kGrazing; };
   return scene;
 }
 
-// Two walls that meet in an edge beside the probe.
-WallScene corner() {
+// Two walls that meet in an edge, the probe at this distance from both.
+WallScene corner(double distance) {
   WallScene scene;
-  scene.faces.addBox({0.05, -50, -50}, {0.25, 50, 50});
-  scene.faces.addBox({-50, -50, 0.05}, {0.05, 50, 0.25});
-  scene.dark = [](const LocalPoint& p) { return p[0] > 0.2501f || p[2] > 0.2501f; };
-  scene.plain = [](const LocalPoint& p) { return std::max(p[0], p[2]) < 0.05 - kGrazing; };
+  const double far = distance + 0.2;
+  scene.faces.addBox({distance, -50, -50}, {far, 50, 50});
+  scene.faces.addBox({-50, -50, distance}, {distance, 50, far});
+  scene.dark = [=](const LocalPoint& p) { return std::max(p[0], p[2]) > far + 1e-4; };
+  scene.plain = [=](const LocalPoint& p) { return std::max(p[0], p[2]) < distance - kGrazing; };
   return scene;
 }
 
@@ -204,11 +220,25 @@ std::vector<StabilityCase> wallCases() {
   return {
       wallCase("wall along an axis", [] { return Scenes{slab(0.31, 0.47, 0.0)}; }),
       wallCase("wall at 1 degree from an axis", [] { return Scenes{slab(0.31, 0.47, 1.0)}; }),
-      wallCase("walls that meet in a corner at the probe", [] { return Scenes{corner()}; }),
-      wallCase("sheet through the probe, at 0, 1 and 45 degrees",
+      wallCase("walls that meet in a corner a hair from the probe (.05, 1e-3, 1e-5 of the spacing)",
                [] {
-                 return Scenes{sheetThroughProbe(0.0), sheetThroughProbe(1.0), sheetThroughProbe(45.0)};
+                 return Scenes{corner(0.05), corner(1e-3), corner(1e-5)};
                }),
+      wallCase("sheet a hair from the probe (1e-3, 1e-5 of the spacing), at 0, 1 and 45 degrees",
+               [] {
+                 Scenes scenes;
+                 for (const double distance : {1e-3, 1e-5}) {
+                   for (const double degrees : {0.0, 1.0, 45.0}) scenes.push_back(sheet(distance, degrees));
+                 }
+                 return scenes;
+               }),
+      {"functions", "sheet at 0, 1 and 45 degrees and a corner, all through the probe itself",
+       "a probe that stands in a surface is found to see nothing: it is empty, so that a bake stores no function of it, and no "
+       "point on any side is lit",
+       StabilityDepth::brief, false,
+       [](const StabilityInputs&) {
+         return measureBlind({sheet(0.0, 0.0), sheet(0.0, 1.0), sheet(0.0, 45.0), corner(0.0)});
+       }},
       wallCase("wall thinner than any link (1e-5 of the spacing)",
                [] {
                  return Scenes{slab(0.31, 0.31001, 0.0), slab(0.31, 0.31001, 1.0)};

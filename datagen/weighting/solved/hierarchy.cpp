@@ -3,6 +3,7 @@
 #include "datagen/weighting/solved/approximation.h"
 #include "datagen/weighting/solved/walk.h"
 #include "tool/error.h"
+#include "tool/one_file_each.h"
 
 namespace nlg {
 namespace {
@@ -58,10 +59,12 @@ class Hierarchy {
 
 std::vector<Generator> loadGenerators(const std::vector<std::string>& paths) {
   std::vector<Generator> generators(paths.size());
+  OneFileEach given("--weights", "representation");
   for (size_t i = 0; i < paths.size(); ++i) {
     const WeightsResult loaded = Generator::load(paths[i], &generators[i]);
     if (!loaded.ok())
       throw InputError(paths[i], weightsStatusName(loaded.status), "a generator of this support pattern", loaded.detail);
+    given.add(paths[i], representationName(generators[i].representation()));
   }
   return generators;
 }

@@ -9,7 +9,7 @@
 
 namespace nlg {
 
-// throws   InputError naming the file and what the reader says of it
+// throws   InputError naming the file and what the reader says of it; UsageError when two are of one representation
 std::vector<Generator> loadGenerators(const std::vector<std::string>& paths);
 
 // The lists "hierarchy" and "walks" of SCENE.hierarchy.json; keys: docs/formats.md.

@@ -135,6 +135,8 @@ TEST_F(FunctionSetFiles, AreIdentifiedByTheirBytesAndOrder) {
   EXPECT_EQ(identity({a, b}), identity({a_again, b}));
   EXPECT_NE(identity({a, b}), identity({b, a}));
   EXPECT_NE(identity({a, b}), identity({a}));
+  EXPECT_THROW(identity({a, b, a}), UsageError) << "one shard twice";
+  EXPECT_THROW(identity({a, a_again}), UsageError) << "the same bytes in two files";
 }
 
 TEST_F(FunctionSetFiles, RefuseShardsThatDoNotBelongTogether) {

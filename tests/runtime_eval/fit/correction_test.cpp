@@ -14,7 +14,8 @@ namespace nlg {
 namespace {
 
 // Learned steps and nothing else, for any theta.
-constexpr CorrectionOptions kStepsAlone{.correct_rmse = 0.0, .mirror_images = 1, .iterations = 0, .theta0_iterations = 0};
+constexpr CorrectionOptions kStepsAlone{
+    .correct_rmse = 0.0, .mirror_images = 1, .adam_steps = 0, .iterations = 0, .theta0_iterations = 0};
 
 const Representation kRepresentations[] = {Representation::mlp(), Representation::tentMlp(), Representation::productField(3)};
 
@@ -462,17 +463,44 @@ TEST(Corrector, TakesTheta0ForAnotherStartOfAFunctionThatIsStillWrong) {
   }
 }
 
-TEST(Corrector, NeverIteratesWhereTheNormalEquationsAreLarge) {
+TEST(Corrector, EndsWithAdamWhereTheNormalEquationsAreLarge) {
   for (const Representation& representation : {Representation{}, Representation::tentMlp()}) {
     const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
     const StoredSample sample = wallSample(1);
     const StoredFunction stored = sample.view();
-    CorrectionOptions iterating = kStepsAlone;
-    iterating.iterations = iterating.theta0_iterations = 8;
-    Theta theta = randomTheta(representation, 2), expected = theta;
-    Corrector(generator, kStepsAlone).correct(&stored, 1, expected.data());
-    Corrector(generator, iterating).correct(&stored, 1, theta.data());
-    EXPECT_EQ(theta, expected);
+    CorrectionOptions options = kStepsAlone;
+    options.iterations = options.theta0_iterations = 8;  // not there
+    const Theta start = randomTheta(representation, 2);
+    Theta stepped = start;
+    Corrector(generator, options).correct(&stored, 1, stepped.data());
+    Theta of_steps = start;
+    Corrector(generator, kStepsAlone).correct(&stored, 1, of_steps.data());
+    EXPECT_EQ(stepped, of_steps);
+    const FitResult expected =
+        fitAdam(representation, decodeFunction(stored, pointOrder(representation)), stepped, refinementAdam(representation, 60));
+    const double before = rmseOf(representation, sample, stepped.data());
+    ASSERT_LT(expected.rmse, 0.9 * before);
+    options.adam_steps = 60;
+    options.retry_rmse = 0.0;
+    Corrector below(generator, [&] {
+      auto o = options;
+      o.adam_rmse = 0.99 * before;
+      return o;
+    }());
+    Corrector above(generator, [&] {
+      auto o = options;
+      o.adam_rmse = 1.01 * before;
+      return o;
+    }());
+    // twice: what one function leaves in the workspace changes nothing for the next
+    for (int run = 0; run < 2; ++run) {
+      Theta theta = start;
+      EXPECT_EQ(below.correct(&stored, 1, theta.data()), 1);
+      EXPECT_EQ(theta, expected.theta);
+    }
+    Theta theta = start;
+    above.correct(&stored, 1, theta.data());
+    EXPECT_EQ(theta, stepped);
   }
 }
 

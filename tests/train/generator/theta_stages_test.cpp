@@ -285,8 +285,12 @@ TEST(ThetaStages, AreThoseOfBakeTime) {
     generator.generate(set.phi.data(), kHeldOutCount, theta.data(), &scratch);
     std::vector<StoredFunction> functions;
     for (int n = 0; n < kHeldOutCount; ++n) functions.push_back(heldOut().function(n));
-    Corrector corrector(generator,
-                        {.correct_rmse = 0.0, .most_steps = kSteps, .mirror_images = 1, .iterations = 0, .theta0_iterations = 0});
+    Corrector corrector(generator, {.correct_rmse = 0.0,
+                                    .most_steps = kSteps,
+                                    .mirror_images = 1,
+                                    .adam_steps = 0,
+                                    .iterations = 0,
+                                    .theta0_iterations = 0});
     corrector.correct(functions.data(), kHeldOutCount, theta.data());
 
     int went_all_the_way = 0;

@@ -46,7 +46,10 @@ def method_node(rows):
             "us_per_function_median": time["median"]}
 
 
-def summary(table, held_out="00" * 32):
+HELD_OUT = "00" * 32  # SHA-256 of the shards
+
+
+def summary(table, held_out=HELD_OUT):
     representations = {}
     for name, parameters in REPRESENTATIONS.items():
         direct = {r[0]: r[3] for r in table[name, "direct"]}
@@ -75,7 +78,7 @@ def slices():
         for which in ("best", "median", "p95", "worst"):
             ramp = [1000 * i // (size * size) for i in range(size * size)]
             result.append({"representation": name, "which": which, "function": 7, "scene": SCENES[1], "rmse": .03, "axis": 1, "size": size,
-                           "valid": [int(i % size > 2) for i in range(size * size)], "generated_permille": ramp, "approximated_permille": ramp[::-1],
+                           "valid": [int(i % size > 2) for i in range(size * size)], "seen": [int(i % size > 6) for i in range(size * size)], "generated_permille": ramp, "approximated_permille": ramp[::-1],
                            "difference_permille": [b - a for a, b in zip(ramp, ramp[::-1])]})
     return result
 
@@ -98,7 +101,7 @@ def frontier():
     for point in sorted(points, key=lambda p: (p["us_median"], p["rmse_median"])):
         if point["rmse_median"] < best:
             point["on_front"], point["hard"]["on_front"], best = True, True, point["rmse_median"]
-    return {"schema_version": 1, "provenance": {"inputs": {"held_out": "1" * 64, "weights.0": "0" * 64}}, "functions": FUNCTIONS, "hard_functions": 9,
+    return {"schema_version": 1, "provenance": {"inputs": {"held_out": HELD_OUT, "weights.0": "0" * 64}}, "functions": FUNCTIONS, "hard_functions": 9,
             "bare_tent": {"rmse_median": .03, "hard": {"rmse_median": .06}, "by_scene": {s: {"rmse_median": .03} for s in SCENES}}, "scenes": list(SCENES), "points": points,
             "front_sentence": "On the front: tent_mlp alone, then with 1 to 64 steps of LM.",
             "hard_front_sentence": "On the front over hard functions: the same.",

@@ -12,6 +12,7 @@ import sys
 import tempfile
 import types
 
+import matplotlib
 import numpy as np
 
 sys.dont_write_bytecode = True
@@ -25,6 +26,7 @@ import frontier
 import inputs
 import output
 import proof_inputs
+import slices
 import verdict
 
 INPUT_ERROR = output.INPUT_ERROR
@@ -225,6 +227,20 @@ def check_frontier():
     expect(open("one.png", "rb").read() == open("two.png", "rb").read(), "the figure differs between two runs")
 
 
+def check_slices(needed):
+    """The geometry cut has three kinds of pixels, each where the file says, and stands on the page and the plate beside the others."""
+    some = read(needed).slices[0]
+    # as stored: solid up to column 2, shadow up to column 6; upright, a floor plan's columns are the picture's rows
+    image = slices.colour_image(some, "geometry cut", 1.0).transpose(1, 0, 2)
+    cell = lambda column: image[2 * slices.ZOOM:3 * slices.ZOOM, column * slices.ZOOM:(column + 1) * slices.ZOOM]
+    colour = lambda name: (255 * np.array(matplotlib.colors.to_rgb(name)) + 0.5).astype(np.uint8)
+    expect((cell(4) == colour(slices.SHADOW)).all() and (cell(9) == colour(slices.SIGHT)).all(), "shadow or plain sight stand elsewhere, or have other colours")
+    expect(not (cell(1) == colour(slices.SHADOW)).all(axis=-1).any() and not (cell(1) == colour(slices.SIGHT)).all(axis=-1).any(), "solid is not hatched")
+    text = open("whole.html").read()
+    for kind in slices.KINDS:
+        expect(text.count(f'alt="{kind}: ') == 4 * len(made_up.REPRESENTATIONS), f"not one picture a function of the kind {kind}")
+
+
 def check_needs():
     """The sentence names the largest saving and counts each kind of line; nothing measured is no saving."""
     needs = [proof_inputs.read_needs(path) for path in ("bake0.json", "bake1.json")]
@@ -252,6 +268,8 @@ def check_refusals(needed):
         refuses(["key"], reader, "basis.json")
         if source != "bake0.json":
             refuses(["schema_version"], reader, changed(source, lambda c: c.update(schema_version=2)))
+    readers["slices.json"] = lambda path: inputs.read_slices(path, list(made_up.REPRESENTATIONS))
+    readers["slices.json"].__name__ = "read_slices"
     for source, change, place in [
             ("frontier.json", lambda c: c["points"][3].pop("rmse_p95"), "points[3]"),
             ("frontier.json", lambda c: c["points"][0].update(us_median=0), "us_median"),
@@ -261,11 +279,15 @@ def check_refusals(needed):
             ("frontier.json", lambda c: c["points"][2].update(hard=None), "points[2]"),
             ("frontier.json", lambda c: c["points"][2]["hard"].update(rmse_median=2), "points[2].hard"),
             ("frontier.json", lambda c: c["bare_tent"].pop("by_scene"), "bare_tent"),
+            ("frontier.json", lambda c: c["provenance"]["inputs"].pop("held_out"), "provenance.inputs: expected a key 'held_out'"),
             ("stability.json", lambda c: c["cases"][2].update(passes=1), "cases[2].passes"),
             ("stability.json", lambda c: c["cases"][0].update(group="weather"), "cases[0].group"),
             ("stability.json", lambda c: c["cases"][0].pop("ran"), "cases[0]"),
             ("stability.json", lambda c: c["cases"][0].update(ran=False), "cases[0].passes"),
             ("stability.json", lambda c: c["cases"].clear(), "cases"),
+            ("slices.json", lambda c: c[5].pop("seen"), "[5]: expected a key 'seen'"),
+            ("slices.json", lambda c: c[5]["seen"].pop(), "[5].seen"),
+            ("slices.json", lambda c: c[5]["seen"].__setitem__(0, 2), "[5].seen"),
             ("bake0.json", lambda c: c.pop("needs"), "needs"),
             ("bake0.json", lambda c: c["needs"][0].update(count=91), "needs[0].count"),
             ("bake0.json", lambda c: c["needs"][1].update(seconds_saved="x"), "needs[1].seconds_saved")]:
@@ -276,6 +298,12 @@ def check_refusals(needed):
         other = changed(source, lambda c: c["provenance"]["inputs"].update({key: "f" * 64 for key in c["provenance"]["inputs"]}))
         refuses(["provenance.inputs"], lambda path: proof_inputs.refuse_other_weights(path, summary, {"mlp"}), other)
         proof_inputs.refuse_other_weights(other, summary, {"pf33"})
+    # a frontier of other scenes, each file being whole
+    other = changed("frontier.json", lambda c: c["provenance"]["inputs"].update(held_out="11" * 32))
+    result = run("report.py", *needed, "--frontier", other, "--out", "bad/out.html")
+    words = (other, "provenance.inputs.held_out", "summary.json", "00" * 32, "11" * 32)
+    expect(result.returncode == INPUT_ERROR and len(result.stderr.splitlines()) == 1 and all(w in result.stderr for w in words) and not os.path.exists("bad"),
+           f"report.py with the frontier of other scenes: exit code {result.returncode}, {result.stderr.strip()!r}")
     # the tool itself: one line, the exit code, nothing left
     result = run("report.py", *needed, "--needs", "missing.json", "--out", "bad/out.html")
     expect(result.returncode == INPUT_ERROR and len(result.stderr.splitlines()) == 1 and "missing.json" in result.stderr and not os.path.exists("bad"),
@@ -292,6 +320,7 @@ def main():
         check_training()
         check_scenes(needed)
         check_frontier()
+        check_slices(needed)
         check_needs()
         check_refusals(needed)
         os.chdir("/")

@@ -1,0 +1,29 @@
+#include "tool/one_file_each.h"
+
+#include <gtest/gtest.h>
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+TEST(OneFileEach, TakesFilesOfDifferentThings) {
+  OneFileEach files("--weights", "representation");
+  EXPECT_NO_THROW(files.add("a", "mlp"));
+  EXPECT_NO_THROW(files.add("b", "pf5"));
+}
+
+TEST(OneFileEach, NamesBothFilesOfOneThing) {
+  OneFileEach files("--weights", "representation");
+  files.add("a", "mlp");
+  files.add("b", "pf5");
+  try {
+    files.add("c", "mlp");
+    FAIL() << "takes two files of mlp";
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "--weights: expected one file a representation, got two of mlp: a and c");
+  }
+}
+
+}  // namespace
+}  // namespace nlg
