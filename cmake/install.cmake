@@ -31,6 +31,7 @@ set(NLG_PUBLIC_HEADERS
   fit/symmetric_band.h
   fit/normal_equations.h
   fit/adam.h
+  fit/adam_update.h
   fit/levenberg_marquardt.h
   fit/direct.h
   fit/function_check.h

@@ -14,6 +14,10 @@ from dataclasses import dataclass
 sys.dont_write_bytecode = True
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
+import packages
+
+packages.need("curve.py", "matplotlib", "numpy")
+
 import inputs as inputs_module
 import output
 import plots

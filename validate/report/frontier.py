@@ -15,6 +15,10 @@ from dataclasses import dataclass
 sys.dont_write_bytecode = True
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
+import packages
+
+packages.need("frontier.py", "matplotlib", "numpy")
+
 import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 

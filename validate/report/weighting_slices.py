@@ -8,6 +8,12 @@ import json
 import pathlib
 import sys
 
+sys.dont_write_bytecode = True
+
+import packages
+
+packages.need("weighting_slices.py", "matplotlib", "numpy")
+
 import matplotlib
 import numpy as np
 

@@ -25,6 +25,7 @@ import findings
 import frontier
 import inputs
 import output
+import packages
 import proof_inputs
 import slices
 import verdict
@@ -255,6 +256,15 @@ def check_needs():
     expect(states == sorted(states) and states.count(0) == 2 and set(states) == {0, 1, 2, 3}, f"a line of nothing counts as left out, or lines are not in order of their state: {states}")
 
 
+def check_packages():
+    """With a Python that lacks what they draw with, as one that stands first in PATH may, every tool says so in one line."""
+    # -S: without site packages, Debian's among them
+    for script in ("report.py", "frontier.py", "curve.py", "weighting_slices.py"):
+        result = subprocess.run(["/usr/bin/python3", "-S", os.path.join(SOURCES, script)], capture_output=True, text=True, timeout=200)
+        expect(result.returncode == packages.USAGE_ERROR and len(result.stderr.splitlines()) == 1
+               and all(word in result.stderr for word in (f"{script}: error: ", "numpy", "matplotlib", "/usr/bin/python3")), f"{script} without packages: exit code {result.returncode}, {result.stderr.strip()[-300:]!r}")
+
+
 def check_refusals(needed):
     def changed(source, change):
         content = json.load(open(source))
@@ -322,6 +332,7 @@ def main():
         check_frontier()
         check_slices(needed)
         check_needs()
+        check_packages()
         check_refusals(needed)
         os.chdir("/")
     for failure in failures:
