@@ -219,7 +219,8 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "onnx") == 0) return nlg::onnxMain(argc - 1, argv + 1);
-  if (argc > 1 && std::strcmp(argv[1], "for-bake") == 0) return nlg::forBakeMain(argc - 1, argv + 1);
+  if (argc > 1 && (std::strcmp(argv[1], "for-bake") == 0 || std::strcmp(argv[1], "--for-bake") == 0))
+    return nlg::forBakeMain(argc - 1, argv + 1);
   CLI::App app{
       "Exports a trained generator for the bake-time evaluator and checks the two against each other.\n"
       "nlg-export onnx --weights FILE --out FILE: weights as ONNX.\n"

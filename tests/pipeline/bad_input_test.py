@@ -46,7 +46,7 @@ def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):
         return
     lines = result.stderr.splitlines()
     # a command of a tool names itself: "nlg-datagen info: error: "
-    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "for-bake", "compare", "frontier", "stability") else tool
+    name = f"{tool} {arguments[0].lstrip('-')}" if arguments and arguments[0].lstrip("-") in ("info", "plan", "view", "onnx", "for-bake", "compare", "frontier", "stability") else tool
     errors = [line for line in lines if line.startswith(f"{name}: error: ")]
     if result.returncode != exit_code:
         failures.append(f"{command}: exit code {result.returncode}, expected {exit_code}\n    {result.stderr.strip()}")
@@ -393,6 +393,7 @@ def check_weights_for_bakes():
     must("nlg-bake", "house:1", "--weights", "weights.safetensors", "--config", "good.yaml", "--out", "grid.safetensors")
     for bake in ["missing.safetensors", "missing.json", "folder", "weights.safetensors", "good.yaml", *damaged_copies("grid.safetensors")]:
         refuses(INPUT_ERROR, [bake], ["bad_weights"], "nlg-export", "for-bake", "--bake", bake, "--weights", "weights.safetensors", "--out", "bad_weights")
+        refuses(INPUT_ERROR, [bake], ["bad_weights"], "nlg-export", "--for-bake", "--bake", bake, "--weights", "weights.safetensors", "--out", "bad_weights")
     for weights in ["missing.safetensors", "grid.safetensors", "basis.h5"]:
         refuses(INPUT_ERROR, [weights], ["bad_weights"], "nlg-export", "for-bake", "--bake", "grid.safetensors", "--weights", weights, "--out", "bad_weights")
     must("nlg-export", "--config", "good.yaml", *EXPORT_INPUTS, "--dtype", "float32", "--out", "other_weights.safetensors")
