@@ -196,6 +196,18 @@ def front_rows(frontier, view):
     return rows
 
 
+def front_summary(frontier, view, rows):
+    """Where a front begins and ends, and between which times each representation is on it."""
+    if not rows:
+        return view.sentence
+    spans = {}
+    for row in rows:
+        spans.setdefault(row["representation"], []).append(row["time"])
+    parts = [f"{name} from {times[0]} to {times[-1]}" if len(times) > 1 else f"{name} at {times[0]}" for name, times in spans.items()]
+    return (f"Over {view.words}, {len(rows)} of {grouped(len(frontier.points))} ways to a θ are beaten by none in time and median error: {joined(parts)}. "
+            f"The error falls from {rows[0]['errors'][0]} to {rows[-1]['errors'][0]}; the bare tent’s is {error(view.tent)}.")
+
+
 def plain(value):
     """Any value of a table that this page does not know by name."""
     if value is None:

@@ -120,7 +120,7 @@ def proof_values(proof, decision):
               "percent": findings_module.percent}
     if proof.frontier:
         views = frontier_module.views(proof.frontier)
-        values |= {"frontier_views": [(view, decision_module.front_rows(proof.frontier, view)) for view in views], "frontier_tables": frontier_tables(proof.frontier),
+        values |= {"frontier_views": [(view, decision_module.front_rows(proof.frontier, view)) for view in views], "front_summary": decision_module.front_summary, "frontier_tables": frontier_tables(proof.frontier),
                    "frontier_csv": base64.b64encode(frontier_module.csv_bytes(proof.frontier)).decode()}
     if proof.needs:
         values |= {"need_groups": decision_module.need_groups(proof.needs), "needs_sentence": decision_module.needs_sentence(proof.needs)}
