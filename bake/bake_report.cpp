@@ -46,7 +46,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"probes", counts.grid_probes},
           {"free_space", counts.free_space},
           {"bare_tents", s.bare_tents.count},
-          {"bare_tent_rmse_mean", s.bare_tents.rmse_sum / std::max<double>(1.0, static_cast<double>(s.bare_tents.count))},
+          {"bare_tent_rmse_mean", s.bare_tents.meanRmse()},
           {"in_solid", counts.in_solid},
           {"empty", counts.empty},
           {"duplicates", counts.duplicates},
@@ -109,8 +109,7 @@ std::string toTable(const BakeReport& report) {
                       number(generated, "mean"), number(generated, "p95"), number(stored, "mean"), number(stored, "p95"),
                       number(stored, "worst"));
   if (s.bare_tents.count > 0) {
-    text += fmt::format("all but the bare tent: RMSE mean {:.4f}, in none of the figures above\n",
-                        s.bare_tents.rmse_sum / static_cast<double>(s.bare_tents.count));
+    text += fmt::format("all but the bare tent: RMSE mean {:.4f}, in none of the figures above\n", s.bare_tents.meanRmse());
   }
   if (s.corrected > 0) text += fmt::format("{} generated thetas were corrected\n", s.corrected);
   if (s.still_failing > 0 || s.left_for_time > 0) {

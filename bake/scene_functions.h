@@ -42,6 +42,7 @@ struct FunctionTimes {
 struct BareTents {
   uint64_t count = 0;
   double rmse_sum = 0.0;
+  double meanRmse() const { return count > 0 ? rmse_sum / static_cast<double>(count) : 0.0; }
 };
 
 class SceneFunctions {

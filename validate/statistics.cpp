@@ -6,6 +6,11 @@
 
 namespace nlg {
 
+double mean(const std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 double quantile(std::vector<double>& values, double share) {
   if (values.empty()) return 0.0;
   const double position = share * static_cast<double>(values.size() - 1);
@@ -21,7 +26,7 @@ Quantiles quantiles(std::vector<double> values) {
   Quantiles result;
   result.count = values.size();
   if (values.empty()) return result;
-  result.mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  result.mean = mean(values);
   result.worst = *std::max_element(values.begin(), values.end());
   result.median = quantile(values, 0.5);
   result.p95 = quantile(values, 0.95);

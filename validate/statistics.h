@@ -12,10 +12,13 @@ struct Quantiles {
   double median = 0, mean = 0, p95 = 0, p99 = 0, worst = 0;
 };
 
+// 0 for an empty list.
+double mean(const std::vector<double>& values);
+
 // Quantiles by linear interpolation between order statistics; zeros when there is no value. Values must be finite.
 Quantiles quantiles(std::vector<double> values);
 
-// The value at a share of the sorted list, 0 <= share <= 1; 0 for an empty list.
+// The value at a share of the sorted list, whose order it may change; 0 <= share <= 1; 0 for an empty list.
 double quantile(std::vector<double>& values, double share);
 
 // Mean and quantiles of magnitudes pooled over points, in constant memory: bins of 1/2048 up to 2, larger ones in the last bin.

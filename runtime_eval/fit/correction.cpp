@@ -28,7 +28,8 @@ constexpr double kPays = 0.99, kImagePays = 0.999;
 // A representation that is wrong about the tent is so about every function, which no attempt changes: for it retry_rmse rises to so
 // many times that error, at most to so many times itself.
 constexpr double kRetryOverTent = 1.25, kMostRetry = 2.0;
-// What counts as progress of Levenberg–Marquardt: three accepted iterations in a row that lower the mean square by less than this share end it.
+// What counts as progress of Levenberg–Marquardt: three accepted iterations in a row that lower the mean square by less than this
+// share end it.
 constexpr double kIterationProgress = 0.05;
 // Before iterations the first learned step gains more than it costs, and no other does.
 constexpr int kStepsBeforeIterations = 1;
@@ -51,8 +52,11 @@ Corrector::Corrector(const Generator& generator, const CorrectionOptions& option
       places_{generator.coefficientCount(), generator.representation().thetaCount()} {
   if (generator.correctionStepCount() == 0) options_.most_steps = 0;
   if (generator.representation().isField()) options_.mirror_images = 1;
-  if (!iteratesCheaply(generator.representation())) options_.iterations = options_.theta0_iterations = 0;
-  if (iteratesCheaply(generator.representation())) options_.adam_steps = 0;
+  if (iteratesCheaply(generator.representation())) {
+    options_.adam_steps = 0;
+  } else {
+    options_.iterations = options_.theta0_iterations = 0;
+  }
   if (options_.iterations > 0) options_.most_steps = std::min(options_.most_steps, kStepsBeforeIterations);
   if (empty()) return;
   const size_t batch = kBatchCount, theta_count = static_cast<size_t>(places_.theta_count);
@@ -83,16 +87,14 @@ Corrector::Corrector(const Generator& generator, const CorrectionOptions& option
   const auto square = [](double rmse) { return rmse * rmse; };
   correct_square_ = square(options_.correct_rmse);
   retry_square_ = std::max(correct_square_, square(std::max(options_.retry_rmse, least_rmse)));
-  adam_square_ = std::max(correct_square_, square(std::max(options_.adam_rmse, least_rmse)));
-  if (options_.iterations > 0 || options_.theta0_iterations > 0) {
-    // on the tent; takes the memory that iterations need
-    best_error_[0] = 0.0;
-    iterate(0, generator.theta0(), 1, current_.data());
-  }
-  if (options_.adam_steps > 0) {
-    best_error_[0] = 0.0;
-    stepAdam(0, generator.theta0(), 1, current_.data());
-  }
+  const int iterations = options_.iterations + options_.theta0_iterations;
+  fit_square_ = kInfinite;
+  if (iterations > 0) fit_square_ = correct_square_;
+  if (options_.adam_steps > 0) fit_square_ = std::max(correct_square_, square(std::max(options_.adam_rmse, least_rmse)));
+  // one of each on the tent takes the memory that fits need
+  best_error_[0] = 0.0;
+  iterate(0, generator.theta0(), std::min(1, iterations), current_.data());
+  stepAdam(0, generator.theta0(), std::min(1, options_.adam_steps), current_.data());
 }
 
 int Corrector::correct(const StoredFunction* functions, int count, float* theta) {
@@ -132,8 +134,7 @@ int Corrector::correctBatch(const StoredFunction* functions, int count, float* t
 }
 
 void Corrector::fitOn(const StoredFunction& stored, int i, float* theta) {
-  const bool iterates = options_.iterations > 0 || options_.theta0_iterations > 0;
-  if (!(best_error_[i] > (iterates ? correct_square_ : adam_square_)) || !hasValidPoint(stored)) return;
+  if (!(best_error_[i] > fit_square_) || !hasValidPoint(stored)) return;
   const float* own = &theta[static_cast<size_t>(i) * places_.theta_count];
   decode(stored, 0);
   iterate(i, own, options_.iterations, theta);

@@ -75,8 +75,8 @@ class Corrector {
 
   const Generator* generator_;
   CorrectionOptions options_;
-  // mean squares that are good enough: for the first attempt, for any further, for Adam
-  double correct_square_ = 0.0, retry_square_ = 0.0, adam_square_ = 0.0;
+  // mean squares that are good enough: for the first attempt, for any further, for the fit in the end; infinite where there is none
+  double correct_square_ = 0.0, retry_square_ = 0.0, fit_square_ = 0.0;
   GeneratorScratch generator_scratch_;
   LayerScratch layer_scratch_;
   CorrectionFeatures places_;

@@ -4,28 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "tool/error.h"
 #include "validate/comparison/significance.h"
+#include "validate/statistics.h"
 
 namespace nlg {
 namespace {
-
-double meanOf(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-// By linear interpolation between order statistics, as nlg-validate's summary has it.
-double p99Of(std::vector<double> values) {
-  const double place = 0.99 * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::ptrdiff_t>(place);
-  std::nth_element(values.begin(), values.begin() + below, values.end());
-  const double low = values[below];
-  if (static_cast<size_t>(below) + 1 == values.size()) return low;
-  const double high = *std::min_element(values.begin() + below + 1, values.end());
-  return low + (place - static_cast<double>(below)) * (high - low);
-}
 
 // Judges by how many functions rose above a threshold and how many fell to it or below.
 void judgeCrossings(const std::vector<double>& old_values, const std::vector<double>& new_values, double threshold,
@@ -46,8 +31,8 @@ Change meanChange(const std::vector<double>& old_values, const std::vector<doubl
   if (old_values.empty()) return {};
   const auto pairs = static_cast<double>(old_values.size());
   Change change;
-  change.old_value = meanOf(old_values);
-  change.new_value = meanOf(new_values);
+  change.old_value = mean(old_values);
+  change.new_value = mean(new_values);
   change.chance = 1.0;
   const double difference = change.new_value - change.old_value;
   if (old_values.size() == 1 || difference == 0.0) return change;
@@ -63,11 +48,11 @@ Change p99Change(const std::vector<double>& old_values, const std::vector<double
   NLG_CHECK(old_values.size(), ==, new_values.size());
   if (old_values.empty()) return {};
   Change change;
-  change.old_value = p99Of(old_values);
-  change.new_value = p99Of(new_values);
-  std::vector<double> both = old_values;
+  std::vector<double> old_sorted = old_values, new_sorted = new_values, both = old_values;
   both.insert(both.end(), new_values.begin(), new_values.end());
-  judgeCrossings(old_values, new_values, p99Of(std::move(both)), &change);
+  change.old_value = quantile(old_sorted, 0.99);
+  change.new_value = quantile(new_sorted, 0.99);
+  judgeCrossings(old_values, new_values, quantile(both, 0.99), &change);
   return change;
 }
 
@@ -110,8 +95,8 @@ Change PairedFigures::shareOverTau(const Choice& chosen) const {
   const std::vector<double> old_fails = values(old_rows_, chosen, fails), new_fails = values(new_rows_, chosen, fails);
   if (old_fails.empty()) return {};
   Change change;
-  change.old_value = meanOf(old_fails);
-  change.new_value = meanOf(new_fails);
+  change.old_value = mean(old_fails);
+  change.new_value = mean(new_fails);
   judgeCrossings(old_fails, new_fails, 0.5, &change);
   return change;
 }

@@ -34,10 +34,10 @@ std::vector<FunctionBlock> makeBlocks(const FunctionSet& set, const std::vector<
     FunctionBlock& block = blocks[b];
     const size_t begin = b * functions.size() / block_count, end = (b + 1) * functions.size() / block_count;
     for (size_t i = begin; i < end; ++i) {
-      const uint8_t* phi = &set.phi[functions[i] * kSupportPointCount];
+      const StoredFunction stored = storedFunction(set, functions[i]);
       block.functions.push_back(functions[i]);
-      block.stored.push_back({phi, &set.validity[functions[i] * kValidityByteCount]});
-      block.phi.insert(block.phi.end(), phi, phi + kSupportPointCount);
+      block.stored.push_back(stored);
+      block.phi.insert(block.phi.end(), stored.phi, stored.phi + kSupportPointCount);
     }
   }
   return blocks;

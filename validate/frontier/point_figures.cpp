@@ -1,13 +1,7 @@
 #include "validate/frontier/point_figures.h"
 
-#include <numeric>
-
 namespace nlg {
 namespace {
-
-double meanOf(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
 
 TimeFigures timeFigures(std::vector<double> samples) {
   return {quantile(samples, 0.5), quantile(samples, 0.25), quantile(samples, 0.75)};
@@ -55,12 +49,12 @@ PointFigures figuresOf(const PointMeasurement& measured, const std::vector<Funct
     }
   }
   for (const BlockTimes& times : measured.times) {
-    time_us.push_back(meanOf(times.elapsed_us));
+    time_us.push_back(mean(times.elapsed_us));
     std::map<uint32_t, std::vector<double>> of_scene;
     for (size_t i = 0; i < times.elapsed_us.size(); ++i) {
       of_scene[set.scene_idx[blocks[times.block].functions[i]]].push_back(times.elapsed_us[i]);
     }
-    for (const auto& [scene, elapsed_us] : of_scene) by_scene[scene].time_us.push_back(meanOf(elapsed_us));
+    for (const auto& [scene, elapsed_us] : of_scene) by_scene[scene].time_us.push_back(mean(elapsed_us));
   }
   PointFigures figures{timeFigures(time_us), errorFigures(rmse), {}, measured.leaks.quantile(0.99), {}};
   if (!rmse_hard.empty()) figures.rmse_hard = errorFigures(rmse_hard);

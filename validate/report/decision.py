@@ -30,6 +30,14 @@ def case_state(case):
     return "not-run" if not case.ran else "holds" if case.passes else "explained" if case.note.strip() else "fails"
 
 
+def equal_error_words(judgement):
+    equal = judgement.equal
+    if equal is None:
+        return "not measured: this page was drawn without a frontier (--frontier)"
+    text = f"{judgement.representation}, {duration(equal.generator_us)} corrected, against {duration(equal.direct_us)} of "
+    return text + (f"the fastest direct fit of no larger mean error ({equal.label})" if equal.label else "the longest direct fit, whose mean error is still larger")
+
+
 class Decision:
     """The first screen and the tables behind it.
 
@@ -40,7 +48,7 @@ class Decision:
     """
 
     def __init__(self, inputs, limits, cases, frontier=None):
-        self.inputs, self.limits, self.cases, self.frontier = inputs, limits, cases, frontier
+        self.inputs, self.limits, self.cases = inputs, limits, cases
         self.judgements = verdict.judge(inputs, limits, frontier)
         self.leader = verdict.leader(inputs, self.judgements)
         self.blocked = bool(cases) and bool(verdict.unexplained(cases))
@@ -96,14 +104,7 @@ class Decision:
             self.card("Error on hard functions", lambda j: j.hard, lambda v: f"{factor(v)} ×", f"at most {limits.error_hard:g} ×", limits.error_hard,
                       f"that of direct optimisation: {self.leader}, before refinement, median over {plural(hard, 'hard function')}", lead),
             self.card("Speed at equal error", lambda j: j.speedup, lambda v: f"{factor(v)} ×", f"at least {limits.speedup:g} ×", limits.speedup,
-                      self.equal_error_words(), lead, logarithmic=True)]
-
-    def equal_error_words(self):
-        equal = verdict.at_equal_error(self.frontier, self.leader)
-        if equal is None:
-            return "not measured: this page was drawn without a frontier (--frontier)"
-        text = f"{self.leader}, {duration(equal.generator_us)} corrected, against {duration(equal.direct_us)} of "
-        return text + (f"the fastest direct fit of no larger mean error ({equal.label})" if equal.label else "the longest direct fit, whose mean error is still larger")
+                      equal_error_words(lead), lead, logarithmic=True)]
 
     def card(self, title, figure_of, text_of, limit_text, limit, meaning, lead, logarithmic=False):
         """One figure: large for the leader, a bar for every generator, and the limit as a line across the bars."""

@@ -25,6 +25,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 import output
 import plots
 import proof_inputs
+import verdict
 
 # marker, filled, size, words
 MARKS = {"generator": ("o", True, 6.5, "generator"), "corrected": ("s", True, 5.5, "generator, corrected"), "lm": ("^", True, 5.5, "+ LM"),
@@ -32,7 +33,7 @@ MARKS = {"generator": ("o", True, 6.5, "generator"), "corrected": ("s", True, 5.
          "direct_adam": ("v", False, 5.5, "Adam from θ₀ or random"), "setting": ("x", True, 4.5, "other settings")}
 FAMILIES = {"generator": "generator", "corrected": "corrected", "lm_from_generator": "lm", "adam_from_generator": "adam",
             "lm_from_theta0": "direct_lm", "lm_from_random": "direct_lm", "adam_from_theta0": "direct_adam", "adam_from_random": "direct_adam"}
-CHAINS = ("lm_from_generator", "adam_from_generator", "lm_from_theta0", "lm_from_random", "adam_from_theta0", "adam_from_random")
+CHAINS = ("lm_from_generator", "adam_from_generator", *verdict.DIRECT)
 BAND = "#0072B2"
 KEY_HEIGHTS = (0.965, 0.925)  # of the two rows of the key, shares of the figure
 

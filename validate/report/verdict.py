@@ -27,7 +27,8 @@ class Judgement:
     representation: str
     refined: Figure   # share of functions that fail the bake's check and are fitted on
     hard: Figure      # error over that of direct optimisation, median over hard functions
-    speedup: Figure   # time of the fastest direct fit of no larger mean error over that of generator and correction
+    equal: object     # EqualError, or None
+    speedup: Figure   # its ratio: time of the fastest direct fit of no larger mean error over that of generator and correction
 
     @property
     def figures(self):
@@ -74,7 +75,7 @@ def judge(inputs, limits, frontier=None):
         # 0: no hard function among those that direct optimisation ran on
         ratio = node["generator_to_direct"]["median_hard"].number() or None
         judgements.append(Judgement(name, Figure(share, share <= limits.share_refined),
-                                    Figure(ratio, ratio is not None and ratio <= limits.error_hard),
+                                    Figure(ratio, ratio is not None and ratio <= limits.error_hard), equal,
                                     Figure(equal and equal.ratio, equal is not None and equal.ratio >= limits.speedup)))
     return judgements
 

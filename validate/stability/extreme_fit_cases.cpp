@@ -177,14 +177,12 @@ std::vector<StabilityCase> extremeFitCases() {
   return {
       {"optimisers", "extreme starts",
        "from zero, +-1e3, denormals and 1e30 no fit ends worse than it began or not finite; a start of NaN or Inf comes back as "
-       "given, reported as not_finite; no fit takes more steps than its budget; where no sigmoid or clamp is saturated, Adam or "
-       "LM "
-       "halves the error (all units alike: reaches what the last bias can); what is stuck fails the bake's check",
+       "given, reported as not_finite; no fit takes more steps than its budget; where no sigmoid or clamp is saturated, Adam "
+       "or LM halves the error (all units alike: reaches what the last bias can); what is stuck fails the bake's check",
        StabilityDepth::brief, false, measureStarts},
       {"optimisers", "Adam at learning rates from 1e-5 to 1e2",
-       "whatever the rate, theta is finite, no worse than the start, and no more steps are taken than asked for; rates from 1e-4 "
-       "to "
-       "1e-2 lower the error, and the best rate halves it",
+       "whatever the rate, theta is finite, no worse than the start, and no more steps are taken than asked for; rates from "
+       "1e-4 to 1e-2 lower the error, and the best rate halves it",
        StabilityDepth::brief, false, measureRates},
   };
 }
