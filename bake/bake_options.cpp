@@ -1,7 +1,7 @@
 #include "bake/bake_options.h"
 
 #include "bake/refinement_options.h"
-#include "datagen/shard_job.h"
+#include "datagen/shards/shard_job.h"
 
 namespace nlg {
 

@@ -13,7 +13,7 @@
 #include "bake/default_weights.h"
 #include "bake/needs_measurement.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
-#include "runtime_eval/support/simd_target.h"
+#include "runtime_eval/simd/simd_target.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/one_file_each.h"

@@ -5,9 +5,9 @@
 #include <chrono>
 
 #include "bake/theta_maker.h"
-#include "export/weights_file/half.h"
 #include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/fit/refinement.h"
+#include "runtime_eval/numbers/half.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"

@@ -12,7 +12,7 @@
 
 #include "datagen/dataset/hdf5_file.h"
 #include "datagen/dataset/shard_reader.h"
-#include "datagen/shard_job.h"
+#include "datagen/shards/shard_job.h"
 #include "tool/options.h"
 
 namespace nlg {

@@ -7,7 +7,7 @@
 
 #include "benchmarks/fma_peak.h"
 #include "benchmarks/random_generator.h"
-#include "runtime_eval/support/simd_target.h"
+#include "runtime_eval/simd/simd_target.h"
 
 namespace nlg {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/light_grid/light_grid.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 namespace {

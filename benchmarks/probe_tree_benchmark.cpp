@@ -10,7 +10,7 @@
 #include <string>
 
 #include "datagen/probes/probe_placement.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 namespace {

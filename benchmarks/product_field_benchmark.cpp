@@ -9,7 +9,7 @@
 #include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/fit/field_loss.h"
 #include "runtime_eval/fit/field_normal_equations.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 namespace {

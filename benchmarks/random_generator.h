@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 

@@ -20,7 +20,7 @@
 #include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/fit/direct.h"
 #include "runtime_eval/fit/function_check.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {

@@ -11,14 +11,14 @@ include(CMakePackageConfigHelpers)
 # Headers that a baker includes, and those that these include. Kernels (-inl.h), the parts of the loss and what only files or tests
 # need stay behind.
 target_sources(nlg_weights_file PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES
-  ${PROJECT_SOURCE_DIR}/export/weights_file/weights_file.h)
+  ${PROJECT_SOURCE_DIR}/runtime_eval/weights_file/weights_file.h)
 set(NLG_PUBLIC_HEADERS
   c_api/nlg.h
-  support/aligned.h
+  simd/aligned.h
+  simd/simd_target.h
   support/support_pattern.h
   support/point_order.h
   support/weighting_function.h
-  support/simd_target.h
   evaluator/representation.h
   evaluator/evaluate.h
   evaluator/matrix_product.h

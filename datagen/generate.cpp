@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datagen/counts_json.h"
+#include "datagen/shards/counts_json.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/progress.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "datagen/shard_job.h"
+#include "datagen/shards/shard_job.h"
 
 namespace nlg {
 

@@ -1,5 +1,5 @@
 #include "datagen/info.h"
-#include "datagen/counts_json.h"
+#include "datagen/shards/counts_json.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // nlg-datagen plan: what generating a shard will take, from a sample of its probes, before anything is written.
 #pragma once
 
-#include "datagen/shard_job.h"
+#include "datagen/shards/shard_job.h"
 
 namespace nlg {
 

@@ -10,8 +10,8 @@
 
 #include "export/for_bake/for_bake.h"
 #include "export/onnx_export.h"
-#include "export/weights_file/weights_file.h"
 #include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/weights_file/weights_file.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"

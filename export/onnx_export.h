@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "export/weights_file/weights_file.h"
 #include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "datagen/probes/nearby_triangles.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 
 namespace nlg {

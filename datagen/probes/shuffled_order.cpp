@@ -1,6 +1,6 @@
 #include "datagen/probes/shuffled_order.h"
 
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 

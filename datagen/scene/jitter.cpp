@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "datagen/scene/rotation.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <glm/glm.hpp>
 
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 

@@ -9,7 +9,7 @@
 #include "datagen/view/shard_source.h"
 #include "datagen/view/slice_panel.h"
 #include "datagen/view/view.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -1,6 +1,6 @@
 #include "datagen/view/shard_source.h"
 
-#include "datagen/shard_scene.h"
+#include "datagen/shards/shard_scene.h"
 #include "runtime_eval/support/support_pattern.h"
 #include "tool/error.h"
 

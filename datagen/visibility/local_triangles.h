@@ -10,7 +10,7 @@
 #include <glm/glm.hpp>
 
 #include "datagen/scene/scene.h"
-#include "runtime_eval/support/aligned.h"
+#include "runtime_eval/simd/aligned.h"
 
 namespace nlg {
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/support/aligned.h"
+#include "runtime_eval/simd/aligned.h"
 #include "runtime_eval/support/support_pattern.h"
 
 namespace nlg {

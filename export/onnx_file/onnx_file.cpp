@@ -6,7 +6,7 @@
 #include <bit>
 #include <cmath>
 
-#include "export/weights_file/half.h"
+#include "runtime_eval/numbers/half.h"
 
 static_assert(std::endian::native == std::endian::little, "ONNX keeps raw data little-endian");
 

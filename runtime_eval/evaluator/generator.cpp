@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <utility>
 
-#include "runtime_eval/support/simd_target.h"
+#include "runtime_eval/simd/simd_target.h"
 
 namespace nlg {
 

@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "export/weights_file/weights_file.h"
 #include "runtime_eval/evaluator/layer_stack.h"
 #include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
 

@@ -7,7 +7,7 @@
 #include <locale>
 #include <sstream>
 
-#include "export/weights_file/header_parser.h"
+#include "runtime_eval/weights_file/header_parser.h"
 
 namespace nlg {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/matrix_product.h"
-#include "runtime_eval/support/aligned.h"
+#include "runtime_eval/simd/aligned.h"
 
 namespace nlg {
 

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "runtime_eval/fit/loss_kernel.h"
-#include "runtime_eval/support/finite.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/finite.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 class AdamRun {

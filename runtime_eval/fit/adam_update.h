@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "runtime_eval/support/aligned.h"
+#include "runtime_eval/simd/aligned.h"
 
 namespace nlg {
 

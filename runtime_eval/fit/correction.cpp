@@ -8,7 +8,7 @@
 #include "runtime_eval/evaluator/representation.h"
 #include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/loss_kernel.h"
-#include "runtime_eval/support/finite.h"
+#include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/support/support_pattern.h"
 
 namespace nlg {

@@ -6,7 +6,7 @@
 
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/product_field.h"
-#include "runtime_eval/support/finite.h"
+#include "runtime_eval/numbers/finite.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/fit/function_check.cpp"

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "runtime_eval/support/aligned.h"
+#include "runtime_eval/simd/aligned.h"
 
 namespace nlg {
 

@@ -9,9 +9,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "export/weights_file/weights_file.h"
 #include "runtime_eval/evaluator/representation.h"
 #include "runtime_eval/light_grid/probe_tree.h"
+#include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
 

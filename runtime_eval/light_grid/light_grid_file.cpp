@@ -5,8 +5,8 @@
 #include <system_error>
 #include <utility>
 
-#include "export/weights_file/tensor_file.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
+#include "runtime_eval/weights_file/tensor_file.h"
 
 namespace nlg {
 namespace {

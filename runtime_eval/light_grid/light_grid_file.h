@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "export/weights_file/weights_file.h"
 #include "runtime_eval/light_grid/light_grid.h"
+#include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
 

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/support/aligned.h"
+#include "runtime_eval/simd/aligned.h"
 
 namespace nlg {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/support/aligned.h"
+#include "runtime_eval/simd/aligned.h"
 #include "runtime_eval/support/point_order.h"
 
 namespace nlg {

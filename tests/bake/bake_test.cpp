@@ -11,7 +11,7 @@
 
 #include "bake/bake_report.h"
 #include "bake/scene_bake.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

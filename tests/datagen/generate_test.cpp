@@ -11,7 +11,7 @@
 #include <memory>
 
 #include "datagen/dataset/shard_reader.h"
-#include "datagen/shard_job.h"
+#include "datagen/shards/shard_job.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 

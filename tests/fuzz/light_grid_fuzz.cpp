@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "runtime_eval/light_grid/light_grid_file.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 namespace {

@@ -23,10 +23,10 @@
 #include <utility>
 #include <vector>
 
-#include "export/weights_file/header_parser.h"
-#include "export/weights_file/weights_file.h"
 #include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
+#include "runtime_eval/weights_file/header_parser.h"
+#include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime_eval/support/simd_target.h"
+#include "runtime_eval/simd/simd_target.h"
 
 namespace nlg {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "runtime_eval/evaluator/representation.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {

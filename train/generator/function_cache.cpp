@@ -15,7 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datagen/dataset/chunk_codec.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "train/generator/cache_layout.h"

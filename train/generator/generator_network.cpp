@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 namespace {

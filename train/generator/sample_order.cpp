@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "runtime_eval/support/support_pattern.h"
 
 namespace nlg {

@@ -4,7 +4,7 @@
 
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "validate/frontier/stopwatch.h"
 
 namespace nlg {

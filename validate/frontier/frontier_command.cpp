@@ -9,11 +9,11 @@
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
+#include "validate/errors/function_error.h"
+#include "validate/errors/held_out.h"
 #include "validate/frontier/frontier_json.h"
 #include "validate/frontier/frontier_options.h"
 #include "validate/frontier/generator_points.h"
-#include "validate/function_error.h"
-#include "validate/held_out.h"
 
 namespace nlg {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "tool/error.h"
-#include "validate/csv_field.h"
+#include "validate/errors/csv_field.h"
 
 namespace nlg {
 namespace {

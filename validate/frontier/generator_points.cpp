@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "export/weights_file/half.h"
+#include "runtime_eval/numbers/half.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "validate/frontier/stopwatch.h"

@@ -6,8 +6,8 @@
 // times are those of the first run, each the mean of many long fits.
 #pragma once
 
+#include "validate/errors/function_error.h"
 #include "validate/frontier/plot_point.h"
-#include "validate/function_error.h"
 
 namespace nlg {
 

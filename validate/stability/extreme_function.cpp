@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "runtime_eval/fit/correction.h"
-#include "runtime_eval/support/finite.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/finite.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "datagen/probe_block.h"
 #include "datagen/probes/shuffled_order.h"
+#include "datagen/shards/probe_block.h"
 
 namespace nlg {
 namespace {

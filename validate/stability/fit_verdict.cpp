@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime_eval/support/finite.h"
+#include "runtime_eval/numbers/finite.h"
 
 namespace nlg {
 

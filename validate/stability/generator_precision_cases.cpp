@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/support/finite.h"
-#include "runtime_eval/support/random.h"
-#include "runtime_eval/support/simd_target.h"
+#include "runtime_eval/numbers/finite.h"
+#include "runtime_eval/numbers/random.h"
+#include "runtime_eval/simd/simd_target.h"
 #include "validate/stability/extreme_function.h"
 
 namespace nlg {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "runtime_eval/fit/direct.h"
-#include "runtime_eval/support/finite.h"
+#include "runtime_eval/numbers/finite.h"
 #include "validate/stability/extreme_function.h"
 
 namespace nlg {

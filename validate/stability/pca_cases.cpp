@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "runtime_eval/support/random.h"
-#include "runtime_eval/support/simd_target.h"
+#include "runtime_eval/numbers/random.h"
+#include "runtime_eval/simd/simd_target.h"
 #include "tool/error.h"
 #include "validate/stability/basis_measures.h"
 #include "validate/stability/stability_case.h"

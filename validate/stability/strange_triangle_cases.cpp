@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "datagen/scene/gltf_reader.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "validate/stability/scene_measures.h"

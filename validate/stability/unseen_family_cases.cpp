@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "validate/stability/extreme_function.h"
 
 namespace nlg {

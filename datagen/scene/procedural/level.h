@@ -6,7 +6,7 @@
 
 #include "datagen/scene/brush_grid.h"
 #include "datagen/scene/mesh_builder.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 

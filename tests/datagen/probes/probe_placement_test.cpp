@@ -7,7 +7,7 @@
 #include <set>
 
 #include "datagen/probes/nearby_triangles.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tool/error.h"
 

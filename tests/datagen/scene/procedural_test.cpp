@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 
 namespace nlg {

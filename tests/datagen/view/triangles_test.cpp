@@ -5,7 +5,7 @@
 #include <map>
 
 #include "datagen/scene/procedural.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tests/datagen/hand_built_scenes.h"
 
 namespace nlg {

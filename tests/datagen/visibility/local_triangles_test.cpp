@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "datagen/visibility/segment_kernel.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tests/datagen/hand_built_scenes.h"
 
 namespace nlg {

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "datagen/scene/gltf_reader.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tests/runtime_eval/each_target.h"
 

@@ -6,7 +6,7 @@
 
 #include <set>
 
-#include "export/weights_file/half.h"
+#include "runtime_eval/numbers/half.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 namespace nlg {

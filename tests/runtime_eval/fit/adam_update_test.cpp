@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/each_target.h"
 
 namespace nlg {

@@ -9,7 +9,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "export/weights_file/half.h"
+#include "runtime_eval/numbers/half.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 
 namespace nlg {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "runtime_eval/light_grid/probe_tree.h"
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime_eval/support/random.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 namespace {

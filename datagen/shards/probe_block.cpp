@@ -1,0 +1,64 @@
+#include "datagen/shards/probe_block.h"
+
+#include <cmath>
+
+namespace nlg {
+namespace {
+
+void appendSamples(const GeneratedFunction& function, size_t first, size_t count, std::vector<uint8_t>& bytes) {
+  for (size_t i = first; i < first + count; ++i) {
+    bytes.push_back(function.valid[i] ? static_cast<uint8_t>(std::lround(255.0f * function.phi[i])) : 0);
+  }
+}
+
+void appendBits(const std::vector<uint8_t>& bits, size_t first, size_t count, std::vector<uint8_t>& bytes) {
+  for (size_t i = 0; i < count; i += 8) {
+    uint8_t byte = 0;
+    for (size_t b = 0; b < 8; ++b) byte |= static_cast<uint8_t>(bits[first + i + b] << b);
+    bytes.push_back(byte);
+  }
+}
+
+uint8_t functionFlags(const GeneratedFunction& function, size_t point_count) {
+  size_t seen_count = 0;
+  for (size_t i = 0; i < point_count; ++i) seen_count += function.seen[i];
+  uint8_t flags = function.open_shell ? kFlagOpenShell : 0;
+  if (100 * seen_count < point_count) flags |= kFlagFewSeen;
+  return flags;
+}
+
+template <class T>
+void appendValues(const std::vector<T>& from, uint64_t n, size_t width, std::vector<T>& to) {
+  const auto first = from.begin() + static_cast<ptrdiff_t>(n * width);
+  to.insert(to.end(), first, first + static_cast<ptrdiff_t>(width));
+}
+
+}  // namespace
+
+void appendFunction(const GeneratedFunction& function, const glm::dvec3& position_m, float spacing_m, Shard* rows) {
+  const auto points = static_cast<size_t>(rows->point_count), unseen = static_cast<size_t>(rows->unseen_point_count);
+  appendSamples(function, 0, points, rows->phi);
+  appendBits(function.valid, 0, points, rows->validity);
+  appendBits(function.seen, 0, points, rows->seen);
+  appendSamples(function, points, unseen, rows->phi_unseen);
+  appendBits(function.valid, points, unseen, rows->validity_unseen);
+  appendBits(function.seen, points, unseen, rows->seen_unseen);
+  for (int axis = 0; axis < 3; ++axis) rows->probe_position_m.push_back(position_m[axis]);
+  rows->spacing_m.push_back(spacing_m);
+  rows->flags.push_back(functionFlags(function, points));
+}
+
+void appendRow(const Shard& from, uint64_t n, Shard* to) {
+  const auto points = static_cast<size_t>(to->point_count), unseen = static_cast<size_t>(to->unseen_point_count);
+  appendValues(from.phi, n, points, to->phi);
+  appendValues(from.validity, n, points / 8, to->validity);
+  appendValues(from.seen, n, points / 8, to->seen);
+  appendValues(from.phi_unseen, n, unseen, to->phi_unseen);
+  appendValues(from.validity_unseen, n, unseen / 8, to->validity_unseen);
+  appendValues(from.seen_unseen, n, unseen / 8, to->seen_unseen);
+  appendValues(from.probe_position_m, n, 3, to->probe_position_m);
+  appendValues(from.spacing_m, n, 1, to->spacing_m);
+  appendValues(from.flags, n, 1, to->flags);
+}
+
+}  // namespace nlg

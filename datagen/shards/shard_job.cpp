@@ -1,0 +1,144 @@
+#include "datagen/shards/shard_job.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "datagen/shards/shard_scene.h"
+#include "tool/error.h"
+#include "tool/provenance.h"
+
+namespace nlg {
+namespace {
+
+// A unit of work: long against what handing it on costs, short against a shard.
+constexpr size_t kBlockProbes = 64;
+
+ProbeTree placeProbes(const Scene& scene, const DatagenOptions& options, uint64_t seed) {
+  ProbePlacementOptions placement = options.probes;
+  placement.extent = extentFromNumbers(options.extent_m);
+  return placeProbes(scene, placement, seed);
+}
+
+// The identity of a shard. What it holds must not depend on the number of threads, so neither does its provenance.
+Shard makeHeader(const SceneSource& source, const ShardRequest& request, const DatagenOptions& options,
+                 const OptionTable& table) {
+  Shard shard;
+  shard.scene_id = source.id;
+  shard.family = source.family;
+  shard.jitter = request.jitter;
+  shard.pattern_hash = supportPattern().hash;
+  shard.point_count = kSupportPointCount;
+  shard.unseen_point_count = request.held_out ? options.unseen_points : 0;
+  shard.unseen_pattern_hash = hashPoints(unseenPoints(shard.unseen_point_count));
+  shard.duplicate_rule = {options.duplicate_rms, static_cast<uint64_t>(options.duplicate_validity_points)};
+  nlohmann::ordered_json resolved = table.toJson();
+  resolved.erase("threads");
+  resolved["scene"] = source.id;
+  resolved["jitter"] = request.jitter;
+  resolved["held_out"] = request.held_out;
+  const std::map<std::string, std::string> inputs =
+      source.sha256.empty() ? std::map<std::string, std::string>{} : std::map<std::string, std::string>{{"scene", source.sha256}};
+  shard.provenance_json = provenance("nlg-datagen", resolved, inputs).dump();
+  return shard;
+}
+
+SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& options) {
+  if (options.unseen_points % 16 != 0)
+    throw UsageError("unseen_points", "a multiple of 16", std::to_string(options.unseen_points));
+  if (options.probes.spacing_max_m < options.probes.spacing_min_m) {
+    throw UsageError("spacing_max_m", "at least spacing_min_m", std::to_string(options.probes.spacing_max_m));
+  }
+  // the setting is wrong whatever the scene: say so before it is loaded
+  extentFromNumbers(options.extent_m);
+  return loadScene(request.scene);
+}
+
+}  // namespace
+
+void describe(DiffusionOptions& o, OptionTable& table) {
+  table.add("diffusion_passes", &o.passes, "passes that carry weight round corners", 0, 16);
+  table.add("diffusion_sigma", &o.sigma, "deviation of the diffusion's Gaussian, shares of the spacing", 1e-3, 10.0);
+  table.add("diffusion_falloff", &o.falloff, "a point's weight fades below a lit share of 1 over this of its open neighbourhood",
+            0.0, 1e6);
+}
+
+void describe(DatagenOptions& o, OptionTable& table) {
+  table.add("seed", &o.seed, "seed of every random choice");
+  table.add("spacing_min_m", &o.probes.spacing_min_m, "smallest finest probe spacing, metres", 1e-4, 1e5);
+  table.add("spacing_max_m", &o.probes.spacing_max_m, "largest finest probe spacing, metres", 1e-4, 1e5);
+  table.add("density_growth", &o.probes.density_growth,
+            "probe spacing over distance from the nearest triangle; 0: finest everywhere", 0.0, 1e3);
+  table.add("extent_m", &o.extent_m,
+            "where there are probes: low x, y, z, high x, y, z, metres, world coordinates; none: the scene's bounds");
+  table.add("max_functions", &o.max_functions, "stop a shard after so many functions; probes are visited in random order", 1,
+            1 << 30);
+  table.add("max_visited_probes", &o.max_visited_probes, "stop a shard after so many probes, most of them empty in sparse scenes",
+            1, 2000000000);
+  table.add("unseen_points", &o.unseen_points, "points that no fit sees, for held-out shards; a multiple of 16", 0,
+            kMaxUnseenPointCount);
+  table.add("duplicate_rms", &o.duplicate_rms,
+            "functions that differ by no more than this RMS, in steps of 1/255, count as one; 0: the same bytes", 0.0, 16.0);
+  table.add("duplicate_validity_points", &o.duplicate_validity_points,
+            "and whose validity differs in no more than so many support points", 0, 8192);
+  table.add("threads", &o.threads, "threads for one shard; its bytes do not depend on them", 1, 1024);
+  table.add("move_m", &o.jitter.move_m, "jitter: objects move by up to this, metres", 0.0, 1e4);
+  table.add("turn_degrees", &o.jitter.turn_degrees, "jitter: objects turn by up to this", 0.0, 180.0);
+  table.add("scale", &o.jitter.scale, "jitter: objects scale by up to this share", 0.0, 0.9);
+  table.add("drop_share", &o.jitter.drop_share, "jitter: this share of the objects is left out", 0.0, 1.0);
+  table.add("structure_share", &o.jitter.structure_share, "components above this share of the scene's side stay in place", 0.0,
+            1.0);
+  describe(o.diffusion, table);
+}
+
+ShardJob::ShardJob(const ShardRequest& request, const DatagenOptions& options, const OptionTable& table)
+    : ShardJob(loadChecked(request, options), request, options, table) {}
+
+ShardJob::ShardJob(const SceneSource& source, const ShardRequest& request, const DatagenOptions& options,
+                   const OptionTable& table)
+    : options_(options),
+      header_(makeHeader(source, request, options, table)),
+      dropped_faces_(source.dropped_faces),
+      materials_without_texture_(source.materials_without_texture),
+      seed_(shardSeed(options.seed, source.id, request.jitter)),
+      scene_(shardScene(source.scene, options.jitter, seed_, request.jitter)),
+      tree_(placeProbes(scene_, options, seed_)),
+      links_(makeLinkTable(unseenPoints(header_.unseen_point_count))),
+      rays_(scene_) {}
+
+CollectorLimits ShardJob::limits() const {
+  return {static_cast<uint64_t>(options_.max_functions),
+          std::min<uint64_t>(probeCount(), static_cast<uint64_t>(options_.max_visited_probes))};
+}
+
+void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& probes, ProbeBlock* block) const {
+  block->functions.point_count = header_.point_count;
+  block->functions.unseen_point_count = header_.unseen_point_count;
+  GeneratedFunction function;
+  for (const uint64_t index : probes) {
+    const auto [x, y, z] = tree_.probePosition(index);
+    const glm::dvec3 position(x, y, z);
+    const float spacing_m = tree_.probeSpacing(index);
+    const ProbeOutcome outcome = builder.build(position, spacing_m, &function);
+    block->outcomes.push_back(outcome);
+    if (outcome != ProbeOutcome::function) continue;
+    appendFunction(function, scene_.origin_m + position, spacing_m, &block->functions);
+  }
+}
+
+ShardPipeline ShardJob::pipeline() const {
+  ShardPipeline pipeline;
+  pipeline.nextProbes = [order = ShuffledOrder(probeCount(), seed_)]() mutable {
+    std::vector<uint64_t> probes;
+    uint64_t index = 0;
+    while (probes.size() < kBlockProbes && order.next(&index)) probes.push_back(index);
+    return probes;
+  };
+  pipeline.makeGenerator = [this] {
+    const auto builder = std::make_shared<WeightingBuilder>(rays_, links_, options_.diffusion);
+    return [this, builder](const std::vector<uint64_t>& probes, ProbeBlock* block) { generate(*builder, probes, block); };
+  };
+  return pipeline;
+}
+
+}  // namespace nlg

@@ -1,0 +1,78 @@
+// One scene under one jitter, ready for its first probe: what generating a shard and planning it share.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "datagen/dataset/shard.h"
+#include "datagen/probes/probe_placement.h"
+#include "datagen/probes/shuffled_order.h"
+#include "datagen/scene/jitter.h"
+#include "datagen/scene/scene_source.h"
+#include "datagen/shards/shard_pipeline.h"
+#include "datagen/visibility/link_table.h"
+#include "datagen/visibility/ray_scene.h"
+#include "datagen/weighting/weighting_builder.h"
+#include "tool/options.h"
+
+namespace nlg {
+
+struct DatagenOptions {
+  ProbePlacementOptions probes;
+  std::vector<std::string> extent_m;  // becomes probes.extent
+  JitterOptions jitter;
+  DiffusionOptions diffusion;
+  int max_functions = 1200;
+  int max_visited_probes = 4000000;
+  int unseen_points = 2048;
+  double duplicate_rms = 0.5;  // half a step of the stored samples: docs/measurements.md §6
+  int duplicate_validity_points = 16;
+  int threads = 1;
+  uint64_t seed = 1;
+};
+
+// Adds the options of the diffusion to a table: for whoever generates functions.
+void describe(DiffusionOptions& options, OptionTable& table);
+
+// Adds every option to the table of the section `datagen`.
+void describe(DatagenOptions& options, OptionTable& table);
+
+struct ShardRequest {
+  std::string scene;  // "house:3" or a path
+  uint64_t jitter = 0;
+  bool held_out = false;
+};
+
+class ShardJob {
+ public:
+  // Loads and jitters the scene, places the probes, prepares the rays.
+  // table    holds the options, for the shard's provenance
+  // throws   UsageError on options that contradict each other, InputError when the scene cannot be read
+  ShardJob(const ShardRequest& request, const DatagenOptions& options, const OptionTable& table);
+
+  const Shard& header() const { return header_; }  // everything but counts and arrays
+  const Scene& scene() const { return scene_; }
+  const std::map<std::string, uint32_t>& droppedFaces() const { return dropped_faces_; }  // of a .bsp, by why: bsp_reader.h
+  uint32_t materialsWithoutTexture() const { return materials_without_texture_; }
+  uint64_t probeCount() const { return tree_.probeCount(); }
+  CollectorLimits limits() const;
+
+  // The functions of the probes in visiting order; serves one run. The job must outlive it.
+  ShardPipeline pipeline() const;
+
+ private:
+  ShardJob(const SceneSource& source, const ShardRequest& request, const DatagenOptions& options, const OptionTable& table);
+  void generate(WeightingBuilder& builder, const std::vector<uint64_t>& probes, ProbeBlock* block) const;
+
+  DatagenOptions options_;
+  Shard header_;
+  std::map<std::string, uint32_t> dropped_faces_;
+  uint32_t materials_without_texture_;
+  uint64_t seed_;
+  Scene scene_;
+  ProbeTree tree_;
+  LinkTable links_;
+  RayScene rays_;
+};
+
+}  // namespace nlg

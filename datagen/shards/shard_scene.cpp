@@ -1,0 +1,129 @@
+#include "datagen/shards/shard_scene.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "datagen/probes/probe_placement.h"
+#include "datagen/scene/procedural.h"
+#include "datagen/scene/scene_source.h"
+#include "runtime_eval/numbers/random.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+uint64_t hashText(const std::string& text) {
+  uint64_t hash = 0;
+  for (const char c : text) hash = mixSeed(hash, static_cast<unsigned char>(c));
+  return hash;
+}
+
+// The options of the run that made a shard.
+class ShardOptions {
+ public:
+  ShardOptions(const Shard& shard, const std::string& path) : path_(path) {
+    provenance_ = nlohmann::json::parse(shard.provenance_json, nullptr, false);
+    if (!provenance_.is_object()) throw InputError(path, "provenance_json", "a JSON object", "other text");
+  }
+
+  // A number of 0 to max, as the option's own range is.
+  double real(const std::string& key, double max) const {
+    const nlohmann::json& value = find("options", key);
+    if (!value.is_number() || !(value.get<double>() >= 0.0 && value.get<double>() <= max)) {
+      throw InputError(path_, "provenance_json, option " + key, "a number from 0 to " + std::to_string(max), value.dump());
+    }
+    return value.get<double>();
+  }
+
+  uint64_t integer(const std::string& key) const {
+    const nlohmann::json& value = find("options", key);
+    if (!value.is_number_unsigned()) {
+      throw InputError(path_, "provenance_json, option " + key, "an unsigned integer", value.dump());
+    }
+    return value.get<uint64_t>();
+  }
+
+  std::vector<std::string> texts(const std::string& key) const {
+    const nlohmann::json& value = find("options", key);
+    std::vector<std::string> result;
+    for (const nlohmann::json& text : value) {
+      if (!text.is_string()) throw InputError(path_, "provenance_json, option " + key, "a list of texts", value.dump());
+      result.push_back(text.get<std::string>());
+    }
+    return result;
+  }
+
+  bool has(const std::string& key) const { return !find("options", key).is_null(); }
+
+  // SHA-256 of the scene's file; empty for a procedural scene.
+  std::string sceneSha256() const {
+    const nlohmann::json& value = find("inputs", "scene");
+    return value.is_string() ? value.get<std::string>() : "";
+  }
+
+ private:
+  // null when there is none
+  const nlohmann::json& find(const std::string& section, const std::string& key) const {
+    static const nlohmann::json kNone;
+    const auto found = provenance_.find(section);
+    if (found == provenance_.end() || !found->is_object()) return kNone;
+    const auto value = found->find(key);
+    return value == found->end() ? kNone : *value;
+  }
+
+  std::string path_;
+  nlohmann::json provenance_;
+};
+
+}  // namespace
+
+uint64_t shardSeed(uint64_t run_seed, const std::string& scene_id, uint64_t jitter) {
+  return mixSeed(run_seed, hashText(scene_id), jitter);
+}
+
+Scene shardScene(const Scene& scene, const JitterOptions& options, uint64_t shard_seed, uint64_t jitter) {
+  // odd, so that no seed is taken for the scene as it is
+  return jitterScene(scene, options, jitter == 0 ? 0 : shard_seed | 1);
+}
+
+std::string proceduralRequest(const Shard& shard) {
+  const std::vector<std::string>& families = proceduralFamilies();
+  if (std::find(families.begin(), families.end(), shard.family) == families.end()) return "";
+  const std::string prefix = shard.family + "_";
+  return shard.scene_id.rfind(prefix, 0) == 0 ? shard.family + ":" + shard.scene_id.substr(prefix.size()) : "";
+}
+
+Scene rebuildShardScene(const Shard& shard, const std::string& shard_path, const std::string& request) {
+  const ShardOptions options(shard, shard_path);
+  JitterOptions jitter;
+  jitter.move_m = options.real("move_m", 1e4);
+  jitter.turn_degrees = options.real("turn_degrees", 180.0);
+  jitter.scale = options.real("scale", 0.9);
+  jitter.drop_share = options.real("drop_share", 1.0);
+  jitter.structure_share = options.real("structure_share", 1.0);
+  const SceneSource source = loadScene(request);
+  const std::string wanted = options.sceneSha256();
+  if (source.sha256 != wanted) {
+    throw InputError(shard_path, "scene " + shard.scene_id, wanted.empty() ? "a procedural scene" : "a file of SHA-256 " + wanted,
+                     request + (source.sha256.empty() ? "" : " of SHA-256 " + source.sha256));
+  }
+  if (wanted.empty() && source.id != shard.scene_id) {
+    throw InputError(shard_path, "scene", "'" + shard.scene_id + "'", "'" + source.id + "'");
+  }
+  const uint64_t seed = shardSeed(options.integer("seed"), shard.scene_id, shard.jitter);
+  return shardScene(source.scene, jitter, seed, shard.jitter);
+}
+
+std::optional<ProbeTree> rebuildShardTree(const Shard& shard, const std::string& shard_path, const Scene& scene) {
+  const ShardOptions options(shard, shard_path);
+  if (!options.has("density_growth")) return std::nullopt;
+  ProbePlacementOptions placement;
+  placement.spacing_min_m = options.real("spacing_min_m", 1e5);
+  placement.spacing_max_m = options.real("spacing_max_m", 1e5);
+  placement.density_growth = options.real("density_growth", 1e3);
+  placement.extent = extentFromNumbers(options.texts("extent_m"));
+  return placeProbes(scene, placement, shardSeed(options.integer("seed"), shard.scene_id, shard.jitter));
+}
+
+}  // namespace nlg

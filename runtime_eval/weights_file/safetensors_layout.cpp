@@ -1,0 +1,172 @@
+#include "runtime_eval/weights_file/safetensors_layout.h"
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <utility>
+
+static_assert(std::endian::native == std::endian::little, "lengths and tensors are copied as they lie in the file");
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kLengthBytes = 8;
+constexpr uint64_t kAlignment = 64;
+constexpr std::string_view kPaddingPrefix = "padding.";
+
+uint64_t missingToAlignment(uint64_t bytes) { return (kAlignment - bytes % kAlignment) % kAlignment; }
+
+// Bytes of a tensor; false when they exceed 64 bits.
+bool tensorBytes(const std::vector<uint64_t>& shape, uint64_t element_bytes, uint64_t* bytes) {
+  *bytes = element_bytes;
+  for (const uint64_t count : shape) {
+    if (count != 0 && *bytes > std::numeric_limits<uint64_t>::max() / count) return false;
+    *bytes *= count;
+  }
+  return true;
+}
+
+WeightsResult readHeader(const ByteSource& source, WeightsHeader* header, uint64_t* data_offset) {
+  uint64_t length = 0;
+  if (source.size < kLengthBytes) return refuse(WeightsStatus::too_short, "no 8 bytes for the header's length");
+  if (!source.read(0, &length, kLengthBytes)) return refuse(WeightsStatus::cannot_read, "header length");
+  if (length > kMaxHeaderBytes || length > source.size - kLengthBytes) {
+    return refuse(WeightsStatus::header_too_large,
+                  "header of " + std::to_string(length) + " bytes in a file of " + std::to_string(source.size));
+  }
+  std::string text(length, '\0');
+  if (!source.read(kLengthBytes, text.data(), length)) return refuse(WeightsStatus::cannot_read, "header");
+  const std::string fault = parseWeightsHeader(text, header);
+  if (!fault.empty()) return refuse(WeightsStatus::header_malformed, "header, " + fault);
+  *data_offset = kLengthBytes + length;
+  return {};
+}
+
+// One tensor by itself: alignment in the file, and a shape that fills its range exactly.
+WeightsResult checkTensor(const std::string& name, const TensorEntry& tensor, uint64_t data_offset) {
+  constexpr WeightsStatus kMalformed = WeightsStatus::tensor_malformed;
+  uint64_t bytes = 0;
+  if (!tensorBytes(tensor.shape, dtypeBytes(tensor.dtype), &bytes)) return refuseTensor(kMalformed, name, "shape too large");
+  if (tensor.begin > tensor.end || tensor.end - tensor.begin != bytes) {
+    return refuseTensor(kMalformed, name, "shape and data_offsets disagree");
+  }
+  // offsets beyond the file are refused later; here they must not wrap around
+  const bool aligned = (data_offset % kAlignment + tensor.begin % kAlignment) % kAlignment == 0;
+  if (!isPadding(name) && !aligned) return refuseTensor(kMalformed, name, "does not start at a multiple of 64 bytes");
+  return {};
+}
+
+WeightsResult checkCoverage(const WeightsHeader& header, uint64_t data_bytes) {
+  std::vector<std::pair<std::string_view, const TensorEntry*>> in_order;
+  for (const auto& [name, tensor] : header.tensors) in_order.emplace_back(name, &tensor);
+  std::sort(in_order.begin(), in_order.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.second->begin, a.second->end) < std::pair(b.second->begin, b.second->end);
+  });
+  uint64_t covered = 0;
+  for (const auto& [name, tensor] : in_order) {
+    if (tensor->begin != covered) {
+      const std::string what = tensor->begin < covered ? "overlaps" : "leaves a hole behind";
+      return refuseTensor(WeightsStatus::tensor_malformed, std::string(name), what + " the tensor before it");
+    }
+    covered = tensor->end;
+  }
+  if (covered > data_bytes) {
+    return refuse(WeightsStatus::too_short,
+                  "tensors of " + std::to_string(covered) + " bytes, " + std::to_string(data_bytes) + " are there");
+  }
+  if (covered < data_bytes) return refuse(WeightsStatus::tensor_malformed, "bytes behind the last tensor");
+  return {};
+}
+
+}  // namespace
+
+WeightsResult refuse(WeightsStatus status, std::string detail) { return {status, std::move(detail)}; }
+
+WeightsResult refuseTensor(WeightsStatus status, const std::string& name, const std::string& detail) {
+  return {status, "tensor " + jsonQuoted(name) + ": " + detail};
+}
+
+WeightsResult openByteSource(const std::string& path, ByteSource* source) {
+  const std::shared_ptr<std::FILE> stream(std::fopen(path.c_str(), "rb"), [](std::FILE* file) {
+    if (file != nullptr) std::fclose(file);
+  });
+  if (stream == nullptr) return refuse(WeightsStatus::cannot_open, std::strerror(errno));
+  const bool at_end = std::fseek(stream.get(), 0, SEEK_END) == 0;
+  const long size = at_end ? std::ftell(stream.get()) : -1;
+  if (size < 0) return refuse(WeightsStatus::cannot_read, std::strerror(errno));
+  *source = {static_cast<uint64_t>(size), [stream](uint64_t offset, void* to, size_t count) {
+               return std::fseek(stream.get(), static_cast<long>(offset), SEEK_SET) == 0 &&
+                      std::fread(to, 1, count, stream.get()) == count;
+             }};
+  return {};
+}
+
+ByteSource byteSource(std::string_view bytes) {
+  return {bytes.size(), [bytes](uint64_t offset, void* to, size_t count) {
+            std::memcpy(to, bytes.data() + offset, count);
+            return true;
+          }};
+}
+
+bool isPadding(std::string_view name) { return name.substr(0, kPaddingPrefix.size()) == kPaddingPrefix; }
+
+uint64_t dtypeBytes(std::string_view dtype) {
+  constexpr std::pair<std::string_view, uint64_t> kTypes[] = {{"U8", 1},  {"U32", 4}, {"U64", 8}, {"I32", 4},
+                                                              {"F16", 2}, {"F32", 4}, {"F64", 8}};
+  for (const auto& [name, bytes] : kTypes) {
+    if (name == dtype) return bytes;
+  }
+  return 0;
+}
+
+WeightsResult readLayout(const ByteSource& source, std::string (*dtype_fault)(const std::string& name, const std::string& dtype),
+                         WeightsHeader* header, uint64_t* data_offset) {
+  WeightsResult result = readHeader(source, header, data_offset);
+  if (!result.ok()) return result;
+  for (const auto& [name, tensor] : header->tensors) {
+    const std::string fault = dtype_fault(name, tensor.dtype);
+    if (!fault.empty()) return refuseTensor(WeightsStatus::tensor_malformed, name, fault);
+    result = checkTensor(name, tensor, *data_offset);
+    if (!result.ok()) return result;
+  }
+  return checkCoverage(*header, source.size - *data_offset);
+}
+
+HeaderWriter::HeaderWriter(const std::map<std::string, std::string>& metadata) : text_("{\"__metadata__\":{") {
+  for (const auto& [key, value] : metadata) {
+    if (text_.back() != '{') text_ += ',';
+    text_ += jsonQuoted(key) + ":" + jsonQuoted(value);
+  }
+  text_ += '}';
+}
+
+uint64_t HeaderWriter::add(const std::string& name, const char* dtype, const std::vector<uint64_t>& shape, uint64_t bytes) {
+  const uint64_t padding = missingToAlignment(offset_);
+  if (padding > 0) addEntry(std::string(kPaddingPrefix) + std::to_string(padding_count_++), "U8", {padding}, padding);
+  addEntry(name, dtype, shape, bytes);
+  return padding;
+}
+
+void HeaderWriter::addEntry(const std::string& name, const char* dtype, const std::vector<uint64_t>& shape, uint64_t bytes) {
+  text_ += "," + jsonQuoted(name) + ":{\"dtype\":\"" + dtype + "\",\"shape\":[";
+  for (size_t i = 0; i < shape.size(); ++i) text_ += (i > 0 ? "," : "") + std::to_string(shape[i]);
+  text_ += "],\"data_offsets\":[" + std::to_string(offset_) + "," + std::to_string(offset_ + bytes) + "]}";
+  offset_ += bytes;
+}
+
+std::string HeaderWriter::finish() {
+  text_ += "}";
+  text_.append(missingToAlignment(kLengthBytes + text_.size()), ' ');
+  return text_;
+}
+
+std::string withLength(const std::string& header) {
+  const uint64_t length = header.size();
+  return std::string(reinterpret_cast<const char*>(&length), kLengthBytes) + header;
+}
+
+}  // namespace nlg

@@ -1,0 +1,66 @@
+// What all safetensors files here have in common: where the header and the tensors lie. weights_file.h and tensor_file.h say which
+// tensors there may be and what they mean.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "runtime_eval/weights_file/header_parser.h"
+#include "runtime_eval/weights_file/weights_file.h"
+
+namespace nlg {
+
+inline constexpr uint64_t kMaxHeaderBytes = uint64_t{1} << 20;
+
+WeightsResult refuse(WeightsStatus status, std::string detail);
+WeightsResult refuseTensor(WeightsStatus status, const std::string& name, const std::string& detail);
+
+// Bytes that can be fetched piece by piece, so that a file is never in memory twice.
+struct ByteSource {
+  uint64_t size = 0;
+  std::function<bool(uint64_t offset, void* to, size_t count)> read;
+};
+// The file stays open as long as the source lives. Refused with the system's reason: cannot_open, cannot_read.
+WeightsResult openByteSource(const std::string& path, ByteSource* source);
+// bytes   must outlive the source
+ByteSource byteSource(std::string_view bytes);
+
+// A tensor that only fills the space before the next one.
+bool isPadding(std::string_view name);
+
+// Bytes of one element: U8, U32, U64, I32, F16, F32, F64; 0 for any other dtype.
+uint64_t dtypeBytes(std::string_view dtype);
+
+// Reads the header and checks it against the source: every tensor's dtype, its shape against its bytes, its alignment; and that
+// all tensors together cover the rest of the source without a hole, an overlap or a rest: the rule of safetensors itself.
+// dtype_fault   what is wrong with a tensor of this name and dtype; empty: nothing. It lets only dtypes pass that dtypeBytes knows.
+// data_offset   where the tensors begin
+WeightsResult readLayout(const ByteSource& source, std::string (*dtype_fault)(const std::string& name, const std::string& dtype),
+                         WeightsHeader* header, uint64_t* data_offset);
+
+// Writes a header, one tensor after another.
+class HeaderWriter {
+ public:
+  explicit HeaderWriter(const std::map<std::string, std::string>& metadata);
+
+  // returns   how many bytes of padding stand before the tensor's own
+  uint64_t add(const std::string& name, const char* dtype, const std::vector<uint64_t>& shape, uint64_t bytes);
+
+  // The header's text, which ends where tensors may begin.
+  std::string finish();
+
+ private:
+  void addEntry(const std::string& name, const char* dtype, const std::vector<uint64_t>& shape, uint64_t bytes);
+
+  std::string text_;
+  uint64_t offset_ = 0, padding_count_ = 0;
+};
+
+// A header's text with its length before it: how a file begins.
+std::string withLength(const std::string& header);
+
+}  // namespace nlg

@@ -1,0 +1,115 @@
+#include "runtime_eval/simd/simd_target.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "runtime_eval/evaluator/matrix_product.h"
+
+namespace nlg {
+namespace {
+
+// Goes back to the best target when a case ends, however it ends.
+class SimdTarget : public testing::Test {
+ protected:
+  ~SimdTarget() override { forceSimdTarget(""); }
+};
+
+bool available(std::string_view name) {
+  const std::vector<std::string_view> names = availableSimdTargets();
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+TEST_F(SimdTarget, IsTheBestByItself) {
+  ASSERT_FALSE(availableSimdTargets().empty());
+  EXPECT_EQ(chosenSimdTarget(), availableSimdTargets().front());
+}
+
+TEST_F(SimdTarget, IsWhatWasForcedUntilTheBestIsAskedForAgain) {
+  for (const std::string_view name : availableSimdTargets()) {
+    EXPECT_EQ(forceSimdTarget(name), SimdStatus::ok);
+    EXPECT_EQ(chosenSimdTarget(), name);
+  }
+  EXPECT_EQ(forceSimdTarget(""), SimdStatus::ok);
+  EXPECT_EQ(chosenSimdTarget(), availableSimdTargets().front());
+}
+
+TEST_F(SimdTarget, IsScalarOnAnyMachine) {
+  ASSERT_EQ(forceSimdTarget("scalar"), SimdStatus::ok);
+  EXPECT_EQ(chosenSimdTarget(), "scalar");
+}
+
+TEST_F(SimdTarget, RefusesUnknownNamesAndChangesNothing) {
+  ASSERT_EQ(forceSimdTarget("scalar"), SimdStatus::ok);
+  for (const std::string_view name : {"AVX2", "avx", "avx2 ", "best", "sse"}) {
+    EXPECT_EQ(forceSimdTarget(name), SimdStatus::unknown_name) << name;
+    EXPECT_EQ(chosenSimdTarget(), "scalar") << name;
+  }
+}
+
+TEST_F(SimdTarget, RefusesTargetsOfOtherMachinesAndChangesNothing) {
+  int refused = 0;
+  for (const std::string_view name : {"avx512dl", "avx512", "avx2", "sse4", "ssse3", "neon"}) {
+    if (available(name)) continue;
+    ++refused;
+    EXPECT_EQ(forceSimdTarget(name), SimdStatus::unavailable) << name;
+    EXPECT_EQ(chosenSimdTarget(), availableSimdTargets().front()) << name;
+  }
+  EXPECT_GT(refused, 0) << "no machine has both SSE4 and NEON";
+}
+
+TEST_F(SimdTarget, NamesTheRefusedOneAndWhatThereIs) {
+  EXPECT_TRUE(simdRefusal("avx9", SimdStatus::unknown_name).starts_with("SIMD target 'avx9' is unknown; expected one of "));
+  const std::string text = simdRefusal("vsx", SimdStatus::unavailable);
+  EXPECT_TRUE(text.starts_with("SIMD target 'vsx' is not available here; expected one of ")) << text;
+  for (const std::string_view name : availableSimdTargets()) EXPECT_NE(text.find(name), std::string::npos) << text;
+}
+
+TEST_F(SimdTarget, ReachesTheKernels) {
+  if (!available("avx2") && !available("neon")) GTEST_SKIP() << "every target here rounds alike";
+  // (1 + e)² - (1 + 2e) is e² with a fused multiply-add, 0 where the product is rounded first
+  const float e = 0x1p-12f, row = 1.0f + e, bias = -(1.0f + 2 * e);
+  const PackedMatrix matrix(&row, 1, 1);
+  const auto product = [&] {
+    float result = 9.0f;
+    multiply({&row, 1}, 1, matrix, &bias, Epilogue::none, 1.0f, &result, 1);
+    return result;
+  };
+  EXPECT_EQ(product(), e * e);
+  if (!available("sse4")) return;
+  ASSERT_EQ(forceSimdTarget("sse4"), SimdStatus::ok);
+  EXPECT_EQ(product(), 0.0f);
+}
+
+// The variable is read once a process: each case asks a process of its own.
+[[noreturn]] void exitWithStatus(const char* value, std::string_view expected_target) {
+  ::setenv("NLG_SIMD", value, 1);
+  const SimdStatus first = forceSimdTargetFromEnvironment();
+  const bool obeyed = chosenSimdTarget() == expected_target;
+  ::setenv("NLG_SIMD", "scalar", 1);
+  const bool read_once = forceSimdTargetFromEnvironment() == first && chosenSimdTarget() == expected_target;
+  std::_Exit(obeyed && read_once ? 10 + static_cast<int>(first) : 1);
+}
+
+int exitCode(SimdStatus status) { return 10 + static_cast<int>(status); }
+
+TEST(SimdTargetDeathTest, ObeysTheEnvironmentOnce) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const std::string_view best = availableSimdTargets().front();
+  EXPECT_EXIT(exitWithStatus("", best), testing::ExitedWithCode(exitCode(SimdStatus::ok)), "");
+  for (const std::string_view name : availableSimdTargets()) {
+    EXPECT_EXIT(exitWithStatus(name.data(), name), testing::ExitedWithCode(exitCode(SimdStatus::ok)), "") << name;
+  }
+}
+
+TEST(SimdTargetDeathTest, RefusesWhatTheEnvironmentCannotHave) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const std::string_view best = availableSimdTargets().front();
+  EXPECT_EXIT(exitWithStatus("avx9", best), testing::ExitedWithCode(exitCode(SimdStatus::unknown_name)), "");
+  const char* foreign = available("neon") ? "sse4" : "neon";
+  EXPECT_EXIT(exitWithStatus(foreign, best), testing::ExitedWithCode(exitCode(SimdStatus::unavailable)), "");
+}
+
+}  // namespace
+}  // namespace nlg

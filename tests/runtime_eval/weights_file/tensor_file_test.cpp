@@ -1,0 +1,147 @@
+#include "runtime_eval/weights_file/tensor_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace nlg {
+namespace {
+
+struct Lists {
+  std::vector<uint8_t> u8{1, 2, 255};
+  std::vector<uint32_t> u32{0xffffffffu, 7};
+  std::vector<uint64_t> u64{~uint64_t{0}, 1};
+  std::vector<int32_t> i32{-5, 4};
+  std::vector<Half> f16{{0x3c00}, {0x8001}};
+  std::vector<float> f32{1.5f, -0.0f, 3e-20f};
+  std::vector<double> f64{1e300};
+  std::vector<float> none;
+  bool operator==(const Lists&) const = default;
+};
+
+std::string bytesOf(const Lists& lists, const std::map<std::string, std::string>& metadata = {{"note", "quote \" é"}}) {
+  TensorFileWriter writer;
+  writer.add("u8", lists.u8);
+  writer.add("u32", lists.u32);
+  writer.add("u64", lists.u64);
+  writer.add("i32", lists.i32);
+  writer.add("f16", lists.f16);
+  writer.add("f32", lists.f32);
+  writer.add("none", lists.none);
+  writer.add("f64", lists.f64);
+  std::string bytes;
+  const WeightsResult result = writer.serialize(metadata, &bytes);
+  EXPECT_TRUE(result.ok()) << result.detail;
+  return bytes;
+}
+
+WeightsResult readLists(std::string_view bytes, Lists* lists) {
+  TensorFileReader reader;
+  WeightsResult result = reader.openBytes(bytes);
+  const auto take = [&](const char* name, auto* values) {
+    if (result.ok()) result = reader.read(name, values);
+  };
+  take("u8", &lists->u8);
+  take("u32", &lists->u32);
+  take("u64", &lists->u64);
+  take("i32", &lists->i32);
+  take("f16", &lists->f16);
+  take("f32", &lists->f32);
+  take("none", &lists->none);
+  take("f64", &lists->f64);
+  return result;
+}
+
+// A file with this header, padded with spaces to a multiple of 64, and so many zeros behind it.
+std::string fileWith(std::string header, size_t data_bytes) {
+  header.append((64 - (8 + header.size()) % 64) % 64, ' ');
+  const uint64_t length = header.size();
+  std::string bytes(sizeof length, '\0');
+  std::memcpy(bytes.data(), &length, sizeof length);
+  return bytes + header + std::string(data_bytes, '\0');
+}
+
+WeightsStatus statusOf(const std::string& header, size_t data_bytes) {
+  TensorFileReader reader;
+  const WeightsResult result = reader.openBytes(fileWith(header, data_bytes));
+  EXPECT_EQ(result.ok(), result.detail.empty()) << result.detail;
+  return result.status;
+}
+
+TEST(TensorFile, ReadsBackEveryType) {
+  Lists lists, read{{}, {}, {}, {}, {}, {}, {}, {1.0f}};
+  const std::string bytes = bytesOf(lists);
+  const WeightsResult result = readLists(bytes, &read);
+  ASSERT_TRUE(result.ok()) << result.detail;
+  EXPECT_EQ(read, lists);
+  TensorFileReader reader;
+  ASSERT_TRUE(reader.openBytes(bytes).ok());
+  EXPECT_EQ(reader.metadata(), (std::map<std::string, std::string>{{"note", "quote \" é"}}));
+  EXPECT_EQ(reader.dtypeOf("f16"), "F16");
+  EXPECT_EQ(reader.dtypeOf("other"), "");
+}
+
+TEST(TensorFile, IsTheSameBytesForTheSameLists) { EXPECT_EQ(bytesOf({}), bytesOf({})); }
+
+TEST(TensorFile, RefusesEveryTruncationAndExtension) {
+  const std::string bytes = bytesOf({});
+  TensorFileReader reader;
+  for (size_t length = 0; length < bytes.size(); ++length)
+    ASSERT_FALSE(reader.openBytes(std::string_view(bytes).substr(0, length)).ok()) << length << " bytes";
+  EXPECT_EQ(reader.openBytes(bytes + '\0').status, WeightsStatus::tensor_malformed);
+}
+
+TEST(TensorFile, RefusesTensorsOfAnotherNameTypeOrShape) {
+  TensorFileReader reader;
+  const std::string bytes = bytesOf({});
+  ASSERT_TRUE(reader.openBytes(bytes).ok());
+  std::vector<float> floats;
+  EXPECT_EQ(reader.read("f33", &floats).status, WeightsStatus::tensor_missing);
+  EXPECT_EQ(reader.read("u32", &floats).status, WeightsStatus::tensor_unexpected);
+  for (const char* shape : {"[]", "[1,1]"}) {
+    const std::string file = fileWith(std::string(R"({"a":{"dtype":"F32","shape":)") + shape + R"(,"data_offsets":[0,4]}})", 4);
+    ASSERT_TRUE(reader.openBytes(file).ok());
+    EXPECT_EQ(reader.read("a", &floats).status, WeightsStatus::tensor_unexpected) << shape;
+  }
+}
+
+TEST(TensorFile, RefusesHeadersThatDoNotFitTheirBytes) {
+  constexpr WeightsStatus kMalformed = WeightsStatus::tensor_malformed;
+  EXPECT_EQ(statusOf(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", 8), WeightsStatus::ok);
+  EXPECT_EQ(statusOf(R"({"a":{"dtype":"I64","shape":[1],"data_offsets":[0,8]}})", 8), kMalformed);
+  EXPECT_EQ(statusOf(R"({"a":{"dtype":"F32","shape":[3],"data_offsets":[0,8]}})", 8), kMalformed);
+  EXPECT_EQ(statusOf(R"({"a":{"dtype":"F32","shape":[4611686018427387906],"data_offsets":[0,8]}})", 8), kMalformed);
+  EXPECT_EQ(statusOf(R"({"a":{"dtype":"U8","shape":[0],"data_offsets":[8,0]}})", 8), kMalformed);
+  EXPECT_EQ(statusOf(R"({"a":{"dtype":"U8","shape":[8],"data_offsets":[4,12]}})", 12), kMalformed);
+  EXPECT_EQ(
+      statusOf(R"({"a":{"dtype":"U8","shape":[4],"data_offsets":[0,4]},"b":{"dtype":"U8","shape":[4],"data_offsets":[4,8]}})", 8),
+      kMalformed);
+  EXPECT_EQ(
+      statusOf(R"({"a":{"dtype":"U8","shape":[68],"data_offsets":[0,68]},"b":{"dtype":"U8","shape":[4],"data_offsets":[64,68]}})",
+               68),
+      kMalformed);
+  EXPECT_EQ(statusOf(R"({"a":{"dtype":"U8","shape":[1000000000000],"data_offsets":[0,1000000000000]}})", 8),
+            WeightsStatus::too_short);
+  EXPECT_EQ(statusOf(R"({"a":)", 0), WeightsStatus::header_malformed);
+}
+
+TEST(TensorFileWriter, RefusesWhatNoReaderTakes) {
+  TensorFileWriter writer;
+  std::string bytes = "before";
+  EXPECT_EQ(writer.serialize({{"note", "\xff"}}, &bytes).status, WeightsStatus::header_malformed);
+  EXPECT_TRUE(bytes.empty());
+  EXPECT_EQ(writer.serialize({{"note", std::string(1 << 20, 'x')}}, &bytes).status, WeightsStatus::header_too_large);
+  const std::vector<float> values{1.0f};
+  writer.add("a", values);
+  writer.add("a", values);
+  EXPECT_EQ(writer.serialize({}, &bytes).status, WeightsStatus::header_malformed);
+}
+
+TEST(TensorFile, SaysWhyAFileCannotBeRead) {
+  TensorFileReader reader;
+  EXPECT_EQ(reader.openFile("/nowhere/at/all").status, WeightsStatus::cannot_open);
+  EXPECT_FALSE(reader.openFile(testing::TempDir()).ok());
+}
+
+}  // namespace
+}  // namespace nlg

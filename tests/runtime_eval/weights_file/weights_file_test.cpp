@@ -1,0 +1,315 @@
+#include "runtime_eval/weights_file/weights_file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "runtime_eval/weights_file/header_parser.h"
+
+namespace nlg {
+namespace {
+
+WeightsFile smallFile() {
+  WeightsFile file;
+  file.tensors["bias"] = {{3}, {1.0f, -2.5f, 3e-20f}};
+  file.tensors["empty"] = {{0, 5}, {}};
+  file.tensors["layer.0"] = {{2, 4, 2}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}};
+  file.tensors["slope"] = {{}, {0.01f}};
+  file.tensors["z.half"] = {{3, 1}, {-65504.0f, 0x1p-24f, 0.333251953125f}, WeightsDtype::float16};
+  file.metadata = {{"representation", "tent_mlp"}, {"note", "quote \" back\\slash\n tab\t \x01 é 𝄞"}, {"", "empty key"}};
+  return file;
+}
+
+void expectEqual(const WeightsFile& a, const WeightsFile& b) {
+  EXPECT_EQ(a.metadata, b.metadata);
+  ASSERT_EQ(a.tensors.size(), b.tensors.size());
+  for (const auto& [name, tensor] : a.tensors) {
+    ASSERT_EQ(b.tensors.count(name), 1u) << name;
+    EXPECT_EQ(tensor.shape, b.tensors.at(name).shape) << name;
+    EXPECT_EQ(tensor.values, b.tensors.at(name).values) << name;
+    EXPECT_EQ(tensor.dtype, b.tensors.at(name).dtype) << name;
+  }
+}
+
+// A file with this header, as it stands, and data_bytes zeros behind it.
+std::string fileWith(const std::string& header, size_t data_bytes) {
+  const uint64_t length = header.size();
+  std::string bytes(sizeof length, '\0');
+  std::memcpy(bytes.data(), &length, sizeof length);
+  return bytes + header + std::string(data_bytes, '\0');
+}
+
+// The header padded with spaces so that the data starts at a multiple of 64.
+std::string padded(std::string header) {
+  header.append((64 - (8 + header.size()) % 64) % 64, ' ');
+  return header;
+}
+
+WeightsStatus statusOf(const std::string& bytes) {
+  WeightsFile file = smallFile();
+  const WeightsResult result = parseWeights(bytes, &file);
+  EXPECT_EQ(result.ok(), result.detail.empty()) << result.detail;
+  if (!result.ok()) {
+    EXPECT_TRUE(file.tensors.empty() && file.metadata.empty()) << result.detail;
+  }
+  return result.status;
+}
+
+WeightsStatus statusOfTensors(const std::string& members, size_t data_bytes) {
+  return statusOf(fileWith(padded("{" + members + "}"), data_bytes));
+}
+
+nlohmann::json headerOf(const std::string& bytes, size_t* data_offset) {
+  uint64_t length = 0;
+  std::memcpy(&length, bytes.data(), sizeof length);
+  *data_offset = sizeof length + length;
+  return nlohmann::json::parse(bytes.substr(sizeof length, length));
+}
+
+TEST(WeightsWriter, RoundTrips) {
+  WeightsFile read;
+  const WeightsResult result = parseWeights(serializeWeights(smallFile()), &read);
+  ASSERT_TRUE(result.ok()) << result.detail;
+  expectEqual(smallFile(), read);
+  ASSERT_TRUE(parseWeights(serializeWeights({}), &read).ok());
+  expectEqual({}, read);
+}
+
+TEST(WeightsWriter, GivesTheSameBytesForTheSameContent) {
+  EXPECT_EQ(serializeWeights(smallFile()), serializeWeights(smallFile()));
+}
+
+// The header as an independent JSON library sees it, against the rules of the safetensors format.
+TEST(WeightsWriter, WritesAValidSafetensorsHeader) {
+  const std::string bytes = serializeWeights(smallFile());
+  size_t data_offset = 0;
+  const nlohmann::json header = headerOf(bytes, &data_offset);
+  EXPECT_EQ(data_offset % 64, 0u);
+  EXPECT_EQ(bytes[8], '{');
+  EXPECT_EQ(header["__metadata__"].get<decltype(WeightsFile::metadata)>(), smallFile().metadata);
+  std::map<size_t, size_t> ranges;  // begin → end; the empty tensor shares its begin with the next
+  for (const auto& [name, tensor] : header.items()) {
+    if (name == "__metadata__") continue;
+    const size_t begin = tensor["data_offsets"][0], end = tensor["data_offsets"][1];
+    const bool padding = name.rfind("padding.", 0) == 0;
+    const bool half = name == "z.half";
+    EXPECT_EQ(tensor["dtype"], padding ? "U8" : half ? "F16" : "F32") << name;
+    size_t count = 1;
+    for (const size_t n : tensor["shape"]) count *= n;
+    EXPECT_EQ(end - begin, count * (padding ? 1 : half ? 2 : 4)) << name;
+    if (!padding) {
+      EXPECT_EQ((data_offset + begin) % 64, 0u) << name;
+    }
+    if (begin != end) {
+      EXPECT_TRUE(ranges.emplace(begin, end).second) << name;
+    }
+  }
+  size_t covered = 0;
+  for (const auto& [begin, end] : ranges) {
+    EXPECT_EQ(begin, covered);
+    covered = end;
+  }
+  EXPECT_EQ(data_offset + covered, bytes.size());
+}
+
+TEST(WeightsWriter, RoundsToFloat16OnlyWhatFits) {
+  WeightsTensor tensor{{4}, {1.0f, 0.1f, -3e-9f, 65504.0f}};
+  ASSERT_TRUE(roundToFloat16("a", &tensor).ok());
+  EXPECT_EQ(tensor.dtype, WeightsDtype::float16);
+  // 0.1 is 1638.4 units of 2^-14; what is less than half of 2^-24 becomes zero
+  EXPECT_EQ(tensor.values, (std::vector<float>{1.0f, 1638.0f / 16384, -0.0f, 65504.0f}));
+  WeightsTensor large{{2}, {1.0f, 1e5f}};
+  const WeightsResult refused = roundToFloat16("a", &large);
+  EXPECT_EQ(refused.status, WeightsStatus::value_out_of_range);
+  EXPECT_EQ(refused.detail, "tensor \"a\": value 1 is beyond float16: 100000.000000");
+  EXPECT_EQ(large.dtype, WeightsDtype::float32);
+  EXPECT_EQ(large.values, (std::vector<float>{1.0f, 1e5f}));
+}
+
+TEST(WeightsReader, ReadsAFileAndSaysWhyNot) {
+  const std::string path = (std::filesystem::temp_directory_path() / ("nlg_weights_" + std::to_string(::getpid()))).string();
+  std::ofstream(path, std::ios::binary) << serializeWeights(smallFile());
+  WeightsFile file;
+  const WeightsResult result = readWeightsFile(path, &file);
+  ASSERT_TRUE(result.ok()) << result.detail;
+  expectEqual(smallFile(), file);
+  std::filesystem::resize_file(path, 20);
+  EXPECT_EQ(readWeightsFile(path, &file).status, WeightsStatus::header_too_large);
+  EXPECT_TRUE(file.tensors.empty());
+  // sparse: costs no disk, and must cost no memory
+  std::filesystem::resize_file(path, uint64_t{1} << 40);
+  EXPECT_EQ(readWeightsFile(path, &file).status, WeightsStatus::cannot_read);
+  std::filesystem::remove(path);
+  const WeightsResult missing = readWeightsFile(path, &file);
+  EXPECT_EQ(missing.status, WeightsStatus::cannot_open);
+  EXPECT_EQ(missing.detail, path + ": No such file or directory");
+  EXPECT_EQ(readWeightsFile("/tmp", &file).status, WeightsStatus::cannot_read);
+}
+
+TEST(WeightsReader, RefusesEveryTruncation) {
+  const std::string bytes = serializeWeights(smallFile());
+  uint64_t header_length = 0;
+  std::memcpy(&header_length, bytes.data(), sizeof header_length);
+  for (size_t length = 0; length < bytes.size(); ++length) {
+    const bool inside_header = length >= 8 && length < 8 + header_length;
+    EXPECT_EQ(statusOf(bytes.substr(0, length)), inside_header ? WeightsStatus::header_too_large : WeightsStatus::too_short)
+        << length;
+  }
+  EXPECT_EQ(statusOf(bytes + '\0'), WeightsStatus::tensor_malformed);
+}
+
+// A changed byte in a name or text is another valid header; whatever is accepted must be what an independent parser reads.
+TEST(WeightsReader, RefusesOrReadsFaithfullyEveryChangedHeaderByte) {
+  const std::string bytes = serializeWeights(smallFile());
+  size_t data_offset = 0, accepted = 0, refused = 0;
+  headerOf(bytes, &data_offset);
+  for (size_t i = 0; i < data_offset; ++i) {
+    for (int byte = 0; byte < 256; ++byte) {
+      std::string damaged = bytes;
+      damaged[i] = static_cast<char>(byte);
+      WeightsFile file;
+      if (!parseWeights(damaged, &file).ok()) {
+        ++refused;
+        continue;
+      }
+      ++accepted;
+      size_t ignored = 0;
+      const nlohmann::json header = headerOf(damaged, &ignored);
+      ASSERT_EQ(header["__metadata__"].get<decltype(WeightsFile::metadata)>(), file.metadata) << i << " " << byte;
+      for (const auto& [name, tensor] : file.tensors) {
+        ASSERT_EQ(header[name]["shape"].get<std::vector<uint64_t>>(), tensor.shape) << i << " " << byte;
+      }
+    }
+  }
+  EXPECT_GT(accepted, data_offset);  // at least every byte by itself
+  EXPECT_GT(refused, accepted);
+}
+
+TEST(WeightsReader, RefusesHeadersThatAreTooLarge) {
+  EXPECT_EQ(statusOf(fileWith(std::string((1 << 20) + 1, ' '), 0)), WeightsStatus::header_too_large);
+  std::string bytes = fileWith("{}", 100);
+  for (const uint64_t length : {uint64_t{103}, uint64_t{1} << 63, std::numeric_limits<uint64_t>::max()}) {
+    std::memcpy(bytes.data(), &length, sizeof length);
+    EXPECT_EQ(statusOf(bytes), WeightsStatus::header_too_large) << length;
+  }
+}
+
+TEST(WeightsReader, RefusesHeadersThatAreNoStrictJson) {
+  const std::string tensor = R"("a":{"dtype":"F32","shape":[],"data_offsets":[0,4]})";
+  EXPECT_EQ(statusOfTensors(tensor, 4), WeightsStatus::ok);
+  EXPECT_EQ(statusOfTensors(R"("a" : {"shape":[ ], "data_offsets":[ 0 , 4 ] ,"dtype":"F32"})", 4), WeightsStatus::ok);
+  const std::vector<std::string> members = {
+      tensor + ",",
+      "," + tensor,
+      tensor + "," + tensor,
+      R"("a":{"dtype":"F32","shape":[],"data_offsets":[0,4]},"\u0061":{"dtype":"F32","shape":[],"data_offsets":[4,8]})",
+      R"("a":{"dtype":"F32","dtype":"F32","shape":[],"data_offsets":[0,4]})",
+      R"("a":{"dtype":"F32","shape":[],"data_offsets":[0,4],"more":1})",
+      R"("a":{"dtype":"F32","shape":[]})",
+      R"("a":{"dtype":"F32","data_offsets":[0,4]})",
+      R"("a":{"shape":[],"data_offsets":[0,4]})",
+      R"("a":{"dtype":"F32","shape":[],"data_offsets":[4]})",
+      R"("a":{"dtype":"F32","shape":[],"data_offsets":[0,4,8]})",
+      R"("a":{"dtype":"F32","shape":[1,1,1,1,1],"data_offsets":[0,4]})",
+      R"("a":{"dtype":"F32","shape":[01],"data_offsets":[0,4]})",
+      R"("a":{"dtype":"F32","shape":[1.0],"data_offsets":[0,4]})",
+      R"("a":{"dtype":"F32","shape":[1e0],"data_offsets":[0,4]})",
+      R"("a":{"dtype":"F32","shape":[+1],"data_offsets":[0,4]})",
+      R"("a":{"dtype":"F32","shape":[],"data_offsets":[-0,4]})",
+      R"("a":{"dtype":"F32","shape":[],"data_offsets":[0,18446744073709551616]})",
+      R"("a":{"dtype":"F32","shape":[[]],"data_offsets":[0,4]})",
+      R"("a":{"dtype":32,"shape":[],"data_offsets":[0,4]})",
+      R"("a":[])",
+      R"("a":null)",
+      R"(a:{})",
+      R"("__metadata__":{"k":1})",
+      R"("__metadata__":{"k":"v","k":"v"})",
+      R"("__metadata__":{},"__metadata__":{})",
+      R"("__metadata__":{"k":{}})",
+      R"("__metadata__":{"k":"\x41"})",
+      R"("__metadata__":{"k":"\u12g4"})",
+      R"("__metadata__":{"k":"\ud800"})",
+      R"("__metadata__":{"k":"\ud800\u0041"})",
+      R"("__metadata__":{"k":"\udc00"})",
+      R"("__metadata__":{"k":"open)",
+      "\"__metadata__\":{\"k\":\"line\nbreak\"}",
+      "\"__metadata__\":{\"k\":\"\xff\"}",
+      "\"__metadata__\":{\"k\":\"\xc0\x80\"}",
+      "\"__metadata__\":{\"k\":\"\xed\xa0\x80\"}",
+      "\"__metadata__\":{\"k\":\"\xf4\x90\x80\x80\"}",
+  };
+  for (const std::string& text : members) EXPECT_EQ(statusOfTensors(text, 8), WeightsStatus::header_malformed) << text;
+  for (const std::string text : {"", " {}", "{", "{}x", "{} {}", "{}\n", "[]", "null", "{{}", "{}}"}) {
+    EXPECT_EQ(statusOf(fileWith(text, 0)), WeightsStatus::header_malformed) << text;
+  }
+  EXPECT_EQ(statusOf(fileWith(std::string(1 << 20, '{'), 0)), WeightsStatus::header_malformed);
+  EXPECT_EQ(statusOf(fileWith(std::string(1 << 20, '['), 0)), WeightsStatus::header_malformed);
+}
+
+TEST(WeightsReader, UnderstandsEveryEscape) {
+  WeightsHeader header;
+  const std::string fault =
+      parseWeightsHeader(R"({"__metadata__":{"k":"\"\\\/\b\f\n\r\t\u0041\u00e9\u20AC\ud834\udd1e"}})", &header);
+  EXPECT_EQ(fault, "");
+  EXPECT_EQ(header.metadata["k"], "\"\\/\b\f\n\r\tAé€𝄞");
+  EXPECT_EQ(parseWeightsHeader(R"({"a" 5})", &header), "byte 5: expected ':'");
+}
+
+TEST(WeightsReader, RefusesTensorsThatDoNotFitTheirBytes) {
+  const auto tensor = [](const std::string& name, const std::string& dtype, const std::string& shape, const std::string& range) {
+    return "\"" + name + "\":{\"dtype\":\"" + dtype + "\",\"shape\":[" + shape + "],\"data_offsets\":[" + range + "]}";
+  };
+  constexpr WeightsStatus kMalformed = WeightsStatus::tensor_malformed;
+  EXPECT_EQ(statusOfTensors(tensor("a", "F64", "1", "0,8"), 8), kMalformed) << "dtype";
+  EXPECT_EQ(statusOfTensors(tensor("a", "F16", "2", "0,4"), 4), WeightsStatus::ok);
+  EXPECT_EQ(statusOfTensors(tensor("a", "F16", "1", "0,4"), 4), kMalformed) << "shape of halves";
+  EXPECT_EQ(statusOfTensors(tensor("padding.0", "F16", "2", "0,4"), 4), kMalformed) << "filler of halves";
+  EXPECT_EQ(statusOfTensors(tensor("a", "U8", "4", "0,4"), 4), kMalformed) << "dtype of fillers";
+  EXPECT_EQ(statusOfTensors(tensor("padding.0", "F32", "1", "0,4"), 4), kMalformed) << "filler of numbers";
+  EXPECT_EQ(statusOfTensors(tensor("a", "F32", "2", "0,4"), 4), kMalformed) << "shape";
+  EXPECT_EQ(statusOfTensors(tensor("a", "F32", "1", "4,0"), 4), kMalformed) << "backwards";
+  EXPECT_EQ(statusOfTensors(tensor("a", "F32", "4611686018427387905", "0,4"), 4), kMalformed)
+      << "2^62 + 1 numbers wrap to 4 bytes";
+  EXPECT_EQ(statusOfTensors(tensor("a", "F32", "4294967296,4294967296", "0,0"), 0), kMalformed) << "2^64 numbers wrap to 0 bytes";
+  EXPECT_EQ(statusOfTensors(tensor("a", "F32", "1", "0,4"), 3), WeightsStatus::too_short);
+  EXPECT_EQ(statusOfTensors(tensor("a", "F32", "1", "0,4"), 5), kMalformed) << "rest";
+  EXPECT_EQ(statusOfTensors(tensor("a", "F32", "1", "64,68"), 68), kMalformed) << "hole at the start";
+  const std::string first = tensor("a", "F32", "16", "0,64") + ",";
+  EXPECT_EQ(statusOfTensors(first + tensor("b", "F32", "1", "64,68"), 68), WeightsStatus::ok);
+  EXPECT_EQ(statusOfTensors(first + tensor("b", "F32", "1", "0,4"), 64), kMalformed) << "overlap";
+  EXPECT_EQ(statusOfTensors(first + tensor("b", "F32", "1", "128,132"), 132), kMalformed) << "hole";
+  EXPECT_EQ(statusOfTensors(first + tensor("b", "F32", "4294967296", "64,17179869248"), 68), WeightsStatus::too_short);
+  const std::string odd = tensor("a", "F32", "1", "0,4") + ",";
+  EXPECT_EQ(statusOfTensors(odd + tensor("b", "F32", "1", "4,8"), 8), kMalformed) << "misaligned";
+  EXPECT_EQ(statusOfTensors(odd + tensor("padding.0", "U8", "60", "4,64") + "," + tensor("b", "F32", "1", "64,68"), 68),
+            WeightsStatus::ok);
+  EXPECT_EQ(statusOf(fileWith("{" + tensor("a", "F32", "1", "0,4") + "}", 4)), kMalformed) << "header not padded to 64";
+}
+
+TEST(WeightsReader, RefusesNumbersThatAreNotFinite) {
+  for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
+    WeightsFile file = smallFile();
+    file.tensors["layer.0"].values[7] = bad;
+    const WeightsResult result = parseWeights(serializeWeights(file), &file);
+    EXPECT_EQ(result.status, WeightsStatus::value_not_finite);
+    EXPECT_EQ(result.detail, "tensor \"layer.0\": value 7");
+    file = smallFile();
+    file.tensors["z.half"].values[1] = bad;
+    EXPECT_EQ(parseWeights(serializeWeights(file), &file).detail, "tensor \"z.half\": value 1");
+  }
+}
+
+TEST(WeightsStatus, HasANameForEachValue) {
+  for (int i = 0; i <= static_cast<int>(WeightsStatus::simd_unavailable); ++i) {
+    EXPECT_STRNE(weightsStatusName(static_cast<WeightsStatus>(i)), "unknown") << i;
+  }
+}
+
+}  // namespace
+}  // namespace nlg

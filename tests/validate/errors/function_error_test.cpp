@@ -1,0 +1,142 @@
+#include "validate/errors/function_error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "validate/errors/method.h"
+
+namespace nlg {
+namespace {
+
+constexpr int kUnseen = 64;
+
+using Bits = std::function<bool(int)>;
+
+void appendBits(int count, const Bits& at, std::vector<uint8_t>& bytes) {
+  for (int i = 0; i < count; i += 8) {
+    uint8_t byte = 0;
+    for (int b = 0; b < 8; ++b) byte = static_cast<uint8_t>(byte | (at(i + b) ? 1 << b : 0));
+    bytes.push_back(byte);
+  }
+}
+
+// Appends a function that is `phi` at its support points and `phi_unseen` elsewhere.
+void append(FunctionSet& set, const std::function<uint8_t(int)>& phi, const Bits& valid, const Bits& seen, uint8_t phi_unseen) {
+  set.point_count = kSupportPointCount;
+  set.unseen_point_count = kUnseen;
+  set.scene_idx.push_back(0);
+  for (int p = 0; p < kSupportPointCount; ++p) set.phi.push_back(valid(p) ? phi(p) : 0);
+  appendBits(kSupportPointCount, valid, set.validity);
+  appendBits(kSupportPointCount, seen, set.seen);
+  set.phi_unseen.insert(set.phi_unseen.end(), kUnseen, phi_unseen);
+  appendBits(
+      kUnseen, [](int i) { return i % 2 == 0; }, set.validity_unseen);
+  appendBits(
+      kUnseen, [](int) { return true; }, set.seen_unseen);
+}
+
+const Bits kAlways = [](int) { return true; };
+
+// A network whose output is the constant `value` everywhere.
+std::vector<float> constantTheta(float value) {
+  std::vector<float> theta(ThetaLayout::count, 0.0f);
+  theta[ThetaLayout::b3] = value;
+  return theta;
+}
+
+TEST(ErrorMeter, MeasuresAConstantInClosedForm) {
+  // phi: 51/255 = 0.2 at every fourth point, 0 elsewhere; the network says 0.5
+  FunctionSet set;
+  append(
+      set, [](int p) { return p % 4 == 0 ? 51 : 0; }, kAlways, [](int p) { return p % 4 == 0; }, 102);
+  ErrorMeter meter(set);
+  PooledMagnitudes leaks;
+  const FunctionError error = meter.measure({}, constantTheta(0.5f).data(), 0, &leaks);
+  EXPECT_NEAR(error.rmse, std::sqrt(0.25 * 0.3 * 0.3 + 0.75 * 0.25), 1e-12);
+  EXPECT_TRUE(error.has_shadow);
+  EXPECT_NEAR(error.rmse_shadow, 0.5, 1e-12);
+  EXPECT_NEAR(error.rmse_unseen, 0.1, 1e-12);
+  EXPECT_EQ(error.leak_mean, 0.5);
+  EXPECT_EQ(error.leak_p99, 0.5);
+  EXPECT_EQ(leaks.mean(), 0.5);
+}
+
+TEST(ErrorMeter, LeavesInvalidPointsOut) {
+  FunctionSet set;
+  append(
+      set, [](int) { return 255; }, [](int p) { return p % 8 == 3; }, kAlways, 255);
+  ErrorMeter meter(set);
+  PooledMagnitudes leaks;
+  const FunctionError error = meter.measure({}, constantTheta(1.0f).data(), 0, &leaks);
+  EXPECT_EQ(error.rmse, 0.0);
+  EXPECT_EQ(error.rmse_unseen, 0.0);
+  EXPECT_FALSE(error.has_shadow);
+  EXPECT_EQ(error.rmse_shadow, 0.0);
+  EXPECT_EQ(error.leak_mean + error.leak_p99 + leaks.mean(), 0.0) << "no valid point has phi 0";
+}
+
+TEST(ErrorMeter, CountsALeakOfEitherSign) {
+  FunctionSet set;
+  append(
+      set, [](int) { return 0; }, kAlways, kAlways, 0);
+  ErrorMeter meter(set);
+  PooledMagnitudes leaks;
+  EXPECT_EQ(meter.measure({}, constantTheta(-0.25f).data(), 0, &leaks).leak_mean, 0.25);
+  EXPECT_EQ(leaks.mean(), 0.25);
+}
+
+TEST(ErrorMeter, GivesZerosForAFunctionWithoutAnyValidPoint) {
+  FunctionSet set;
+  append(
+      set, [](int) { return 0; }, [](int) { return false; }, [](int) { return false; }, 0);
+  ErrorMeter meter(set);
+  const FunctionError error = meter.measure({}, constantTheta(1.0f).data(), 0, nullptr);
+  EXPECT_EQ(error.rmse + error.rmse_shadow + error.leak_mean + error.leak_p99, 0.0);
+}
+
+TEST(ErrorMeter, FindsTheTentNearlyRight) {
+  // stored as bytes: the tent is off by at most half a step, 1/510, at every point; uniform errors of a step: 1/255/sqrt(12)
+  FunctionSet set;
+  const auto stored = [](int p) { return static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p]))); };
+  append(set, stored, kAlways, kAlways, 0);
+  ErrorMeter meter(set);
+  const FunctionError error = meter.measureTent(0, nullptr);
+  EXPECT_LE(error.rmse, 1.0 / 510);
+  EXPECT_LE(error.leak_p99, 1.0 / 510) << "zero is stored where the tent is below half a step";
+  // and the same through a network that says 1, times the tent
+  const FunctionError network = meter.measure(Representation::tentMlp(0.01f), constantTheta(1.0f).data(), 0, nullptr);
+  EXPECT_EQ(network.rmse, error.rmse);
+  EXPECT_EQ(network.leak_mean, error.leak_mean);
+}
+
+TEST(ErrorMeter, ReadsTheFunctionThatItIsAskedFor) {
+  FunctionSet set;
+  for (const int value : {0, 51, 255})
+    append(
+        set, [=](int) { return static_cast<uint8_t>(value); }, kAlways, kAlways, static_cast<uint8_t>(value));
+  ErrorMeter meter(set);
+  const double expected[] = {0.2, 0.0, 0.8};
+  for (uint64_t n = 0; n < 3; ++n) {
+    const FunctionError error = meter.measure({}, constantTheta(0.2f).data(), n, nullptr);
+    EXPECT_NEAR(error.rmse, expected[n], 1e-8) << "function " << n;
+    EXPECT_NEAR(error.rmse_unseen, expected[n], 1e-8) << "function " << n;
+  }
+}
+
+TEST(NeedsRefinement, IsToldByEitherThreshold) {
+  ValidateOptions options;
+  options.refinement.check.tau_rmse = 0.02, options.refinement.check.tau_leak = 0.1;
+  FunctionError error;
+  EXPECT_FALSE(needsRefinement(error, options));
+  error.rmse = 0.021;
+  EXPECT_TRUE(needsRefinement(error, options));
+  error.rmse = 0.02, error.leak_p99 = 0.11;
+  EXPECT_TRUE(needsRefinement(error, options));
+  error.leak_p99 = 0.1;
+  EXPECT_FALSE(needsRefinement(error, options)) << "neither is above its threshold";
+}
+
+}  // namespace
+}  // namespace nlg

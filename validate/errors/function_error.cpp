@@ -1,0 +1,64 @@
+#include "validate/errors/function_error.h"
+
+#include <cmath>
+
+namespace nlg {
+namespace {
+
+bool bit(const std::vector<uint8_t>& bits, uint64_t row, size_t width, size_t i) {
+  return bits[row * (width / 8) + i / 8] >> (i % 8) & 1;
+}
+
+struct MeanSquare {
+  double sum = 0.0;
+  uint64_t count = 0;
+  void add(double residual) { sum += residual * residual, ++count; }
+  double root() const { return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0; }
+};
+
+}  // namespace
+
+ErrorMeter::ErrorMeter(const FunctionSet& set)
+    : set_(set),
+      points_(makePointSet(supportPattern().points)),
+      unseen_points_(makePointSet(unseenPoints(set.unseen_point_count))),
+      values_(points_.padded_count),
+      unseen_values_(unseen_points_.padded_count) {}
+
+FunctionError ErrorMeter::measure(const Representation& representation, const float* theta, uint64_t index,
+                                  PooledMagnitudes* leaks) {
+  evaluate(representation, points_, theta, values_.data());
+  evaluate(representation, unseen_points_, theta, unseen_values_.data());
+  return compare(values_.data(), unseen_values_.data(), index, leaks);
+}
+
+FunctionError ErrorMeter::measureTent(uint64_t index, PooledMagnitudes* leaks) {
+  return compare(points_.tent.data(), unseen_points_.tent.data(), index, leaks);
+}
+
+FunctionError ErrorMeter::compare(const float* values, const float* unseen_values, uint64_t index, PooledMagnitudes* leaks) {
+  const size_t point_count = set_.point_count, unseen_count = set_.unseen_point_count;
+  MeanSquare all, shadow, unseen;
+  zero_point_values_.clear();
+  for (size_t i = 0; i < point_count; ++i) {
+    if (!bit(set_.validity, index, point_count, i)) continue;
+    const uint8_t phi = set_.phi[index * point_count + i];
+    const double residual = values[i] - phi / 255.0;
+    all.add(residual);
+    if (!bit(set_.seen, index, point_count, i)) shadow.add(residual);
+    if (phi != 0) continue;
+    zero_point_values_.push_back(std::fabs(values[i]));
+    if (leaks) leaks->add(values[i]);
+  }
+  for (size_t i = 0; i < unseen_count; ++i) {
+    if (!bit(set_.validity_unseen, index, unseen_count, i)) continue;
+    unseen.add(unseen_values[i] - set_.phi_unseen[index * unseen_count + i] / 255.0);
+  }
+  FunctionError error{all.root(), unseen.root(), shadow.root(), shadow.count > 0};
+  for (const double value : zero_point_values_) error.leak_mean += value;
+  if (!zero_point_values_.empty()) error.leak_mean /= static_cast<double>(zero_point_values_.size());
+  error.leak_p99 = quantile(zero_point_values_, 0.99);
+  return error;
+}
+
+}  // namespace nlg

@@ -1,0 +1,54 @@
+#include "validate/errors/held_out.h"
+
+#include "tool/error.h"
+#include "tool/one_file_each.h"
+
+namespace nlg {
+
+FunctionSet readHeldOut(const std::vector<std::string>& paths) {
+  FunctionSet set = readFunctionSet(paths, supportPattern().hash, kSupportPointCount);
+  if (set.functionCount() == 0) throw InputError(paths.front(), "held-out functions", "at least one in all shards", "none");
+  if (set.unseen_point_count == 0)
+    throw InputError(paths.front(), "unseen points", "shards made with --held-out", "shards without them");
+  if (const uint64_t expected = hashPoints(unseenPoints(set.unseen_point_count)); set.unseen_pattern_hash != expected) {
+    throw InputError(paths.front(), "attribute unseen_pattern_hash", std::to_string(expected),
+                     std::to_string(set.unseen_pattern_hash));
+  }
+  return set;
+}
+
+namespace {
+
+void mustBeOk(const WeightsResult& result, const std::string& path) {
+  if (!result.ok())
+    throw InputError(path, weightsStatusName(result.status), "a generator of this support pattern", result.detail);
+}
+
+}  // namespace
+
+Generator loadGenerator(const std::string& path) {
+  Generator generator;
+  mustBeOk(Generator::load(path, &generator), path);
+  return generator;
+}
+
+std::vector<Generator> loadGenerators(const std::vector<std::string>& paths) {
+  std::vector<Generator> generators;
+  OneFileEach given("--weights", "representation");
+  for (const std::string& path : paths) {
+    generators.push_back(loadGenerator(path));
+    given.add(path, representationName(generators.back().representation()));
+  }
+  return generators;
+}
+
+GeneratorData loadGeneratorData(const std::string& path) {
+  loadGenerator(path);  // obeys NLG_SIMD, which numbers alone do not
+  WeightsFile file;
+  GeneratorData data;
+  mustBeOk(readWeightsFile(path, &file), path);
+  mustBeOk(generatorFromWeights(file, &data), path);
+  return data;
+}
+
+}  // namespace nlg
