@@ -1,6 +1,6 @@
 #include "bake/bake_options.h"
 
-#include "bake/refinement_options.h"
+#include "bake/policy_options.h"
 #include "datagen/shards/shard_job.h"
 
 namespace nlg {
@@ -19,17 +19,11 @@ void describe(BakeOptions& o, OptionTable& table) {
             "functions that differ by no more than this RMS, in steps of 1/255, share one theta; 0: the same bytes", 0.0, 16.0);
   table.add("duplicate_validity_points", &o.duplicate_validity_points,
             "and whose validity differs in no more than so many support points", 0, 8192);
-  table.add("bare_tent_rmse", &o.bare_tent_rmse,
-            "a function that the bare tent gives with no larger an RMSE has no theta: its probe counts as free space; 0: every "
-            "function has one",
-            0.0, 1e3);
-  describeCorrection(o.correction, table);
-  describeRefinement(o.refinement, table);
+  describePolicy(o.policy, table);
   table.add("refine_seconds", &o.refine_seconds,
             "time for all refinement, spent on the worst functions first; 0: as long as it takes, the only setting whose result "
             "does not depend on the machine's speed",
             0.0, 1e9);
-  describeChoice(o.choice, table);
   table.add("generator_precision", &o.generator_precision, "float32, or int16: fixed point, faster");
   table.add("theta_precision", &o.theta_precision, "float32 or float16, in the light grid's file");
   table.add("simd", &o.simd, "vector instructions to use (sse4, avx2, avx512, …); none: the best");

@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "datagen/weighting/weighting_builder.h"
-#include "runtime_eval/fit/correction.h"
-#include "runtime_eval/fit/refinement.h"
-#include "runtime_eval/fit/representation_choice.h"
+#include "runtime_eval/fit/theta_policy.h"
 #include "tool/options.h"
 
 namespace nlg {
@@ -22,15 +20,12 @@ struct BakeOptions {
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;
-  double bare_tent_rmse = 0.002;  // a function whose bare tent is not further off has no theta; 0: every function has one
-  CorrectionOptions correction;
-  RefinementOptions refinement;
+  PolicyOptions policy;
   double refine_seconds = 0.0;  // 0: as long as it takes
-  ChoiceOptions choice;
   std::string generator_precision = "float32";
-  std::string theta_precision = "float32";
-  std::string simd;  // empty: the best
-  int threads = 0;   // 0: as many as the machine runs at once
+  std::string theta_precision = "float32";  // becomes the policy's when a bake begins
+  std::string simd;                         // empty: the best
+  int threads = 0;                          // 0: as many as the machine runs at once
   uint64_t seed = 1;
 };
 

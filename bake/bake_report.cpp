@@ -17,17 +17,42 @@ double quantile(std::vector<double>& values, double q) {
   return *at;
 }
 
-nlohmann::ordered_json errorsJson(const std::vector<FunctionCheck>& checks) {
+// Of the thetas of all functions, at a word.
+nlohmann::ordered_json errorsJson(const BakeReport& report, ThetaWord word) {
   std::vector<double> rmse;
-  double sum = 0.0, leak_sum = 0.0;
-  for (const FunctionCheck& check : checks) {
-    rmse.push_back(check.rmse);
-    sum += check.rmse;
-    leak_sum += check.leak_mean;
+  double sum = 0.0, leak_sum = 0.0, elapsed_us = 0.0;
+  for (const ThetaRecord& record : report.statistics.records) {
+    rmse.push_back(record.at(word).rmse);
+    sum += record.at(word).rmse;
+    leak_sum += record.at(word).leak_mean;
+    elapsed_us += record.elapsedUs(word);
   }
-  const double count = std::max<double>(1.0, static_cast<double>(checks.size()));
-  return {{"mean", sum / count},         {"median", quantile(rmse, 0.5)}, {"p95", quantile(rmse, 0.95)},
-          {"p99", quantile(rmse, 0.99)}, {"worst", quantile(rmse, 1.0)},  {"leak_mean", leak_sum / count}};
+  const double count = std::max<double>(1.0, static_cast<double>(rmse.size()));
+  return {{"mean", sum / count},
+          {"median", quantile(rmse, 0.5)},
+          {"p95", quantile(rmse, 0.95)},
+          {"p99", quantile(rmse, 0.99)},
+          {"worst", quantile(rmse, 1.0)},
+          {"leak_mean", leak_sum / count},
+          {"failing", report.statistics.failing(word, report.policy.check())},
+          {"us_per_function", elapsed_us / count}};
+}
+
+constexpr ThetaWord kWords[] = {ThetaWord::network, ThetaWord::corrected, ThetaWord::fitted, ThetaWord::stored};
+
+// Seconds of the threads that corrections and short fits took together, of all representations.
+double secondsOf(const BakeStatistics& statistics, ThetaWord word) {
+  double sum = 0.0;
+  for (int stage = 0; stage < kThetaStageCount; ++stage) {
+    const auto s = static_cast<ThetaStage>(stage);
+    const bool is_refinement = s == ThetaStage::refinement || s == ThetaStage::larger;
+    if (s != ThetaStage::check && wordOf(s) == word && !is_refinement) sum += statistics.stageSeconds(s);
+  }
+  return sum;
+}
+
+double refinementSeconds(const BakeStatistics& statistics) {
+  return statistics.stageSeconds(ThetaStage::refinement) + statistics.stageSeconds(ThetaStage::larger);
 }
 
 }  // namespace
@@ -36,12 +61,25 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
   const BakeStatistics& s = report.statistics;
   const ShardCounts& counts = s.counts;
   nlohmann::ordered_json chosen;
-  for (size_t i = 0; i < report.representations.size(); ++i) chosen[report.representations[i]] = s.chosen[i];
+  for (size_t i = 0; i < report.representations.size(); ++i)
+    chosen[report.representations[i]] = s.chosen(report.representations.size())[i];
   nlohmann::ordered_json weights;
   for (size_t i = 0; i < report.weights.size(); ++i)
     weights[report.representations[i]] = {{"sha256", report.weights[i].sha256}, {"bytes", report.weights[i].bytes}};
-  nlohmann::ordered_json stops;
-  for (int stop = 0; stop < kFitStopCount; ++stop) stops[fitStopName(static_cast<FitStop>(stop))] = s.refinement_stops[stop];
+  nlohmann::ordered_json stops, ended, stage_seconds, words;
+  for (int stop = 0; stop < kFitStopCount; ++stop) stops[fitStopName(static_cast<FitStop>(stop))] = 0;
+  for (const ThetaRecord& record : s.records) {
+    if (record.refined)
+      stops[fitStopName(record.refinement_stop)] = stops[fitStopName(record.refinement_stop)].get<int64_t>() + 1;
+  }
+  for (int stage = 0; stage < kThetaStageCount; ++stage) {
+    const auto name = static_cast<ThetaStage>(stage);
+    ended[stageName(name)] =
+        std::count_if(s.records.begin(), s.records.end(), [&](const ThetaRecord& r) { return r.ended == name; });
+    stage_seconds[stageName(name)] = s.stageSeconds(name);
+  }
+  for (const ThetaWord word : kWords) words[wordName(word)] = errorsJson(report, word);
+  const uint64_t with_tents = counts.functions + s.bare_tents.count;
   return {{"scene", report.scene},
           {"probes", counts.grid_probes},
           {"free_space", counts.free_space},
@@ -57,46 +95,44 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
            {{"visibility", s.function_times.visibility_s},
             {"functions", s.function_times.functions_s},
             {"duplicates", s.function_times.duplicates_s},
-            {"generator", s.generator_s},
-            {"check", s.check_s},
-            {"correction", s.correction_s},
-            {"refinement", s.refinement_s}}},
+            {"stages", stage_seconds}}},
           {"wall_seconds",
            {{"load", s.load_wall_s}, {"functions", s.functions_wall_s}, {"refinement", s.refinement_wall_s}, {"all", s.wall_s}}},
           {"threads", report.threads},
           {"simd", report.simd},
-          {"tau_rmse", report.check.tau_rmse},
-          {"corrected", s.corrected},
-          {"failed_check", s.failed_check},
-          {"refined", s.refined},
+          {"tau_rmse", report.policy.check().tau_rmse},
+          {"rmse", words},
+          {"took_fit", s.tookFit()},
+          {"share_fitted", {{"all", share(s.tookFit(), with_tents)}, {"theta", share(s.tookFit(), counts.functions)}}},
+          {"ended", ended},
+          {"refined", s.refined()},
           {"refinement_stops", stops},
           {"left_for_time", s.left_for_time},
-          {"raised", s.raised},
-          {"still_failing", s.still_failing},
-          {"rmse_generated", errorsJson(s.generated)},
-          {"rmse_stored", errorsJson(s.stored)},
-          {"rmse_added_by_rounding", {{"mean", report.rounding.mean_rmse_added}, {"worst", report.rounding.worst_rmse_added}}},
+          {"raised", std::count(s.raised.begin(), s.raised.end(), 1)},
+          {"still_failing", s.failing(ThetaWord::stored, report.policy.check())},
           {"bytes", report.file_bytes},
           {"theta_bytes", report.theta_bytes},
           {"bytes_per_probe",
            static_cast<double>(report.file_bytes) / std::max<double>(1.0, static_cast<double>(counts.grid_probes))},
           {"peak_memory_bytes", report.peak_memory_bytes},
-          {"needs", toJson(report.needs)}};
+          {"savings", toJson(report.savings)}};
 }
 
 std::string toTable(const BakeReport& report) {
   const BakeStatistics& s = report.statistics;
   const ShardCounts& counts = s.counts;
-  const nlohmann::ordered_json generated = errorsJson(s.generated), stored = errorsJson(s.stored);
-  const auto number = [](const nlohmann::ordered_json& json, const char* key) { return json.at(key).get<double>(); };
-  std::string text =
-      fmt::format("{:>9} {:>12} {:>12} {:>10} {:>11} {:>8} {:>11} {:>16} {:>12} {:>9} {:>8}\n", "probes", "visibility",
-                  "functions", "functions", "generator", "check", "correction", "refined", "refinement", "bytes", "a probe");
+  const uint64_t failing = s.failing(ThetaWord::stored, report.policy.check()),
+                 with_tents = counts.functions + s.bare_tents.count;
+  std::string text = fmt::format("{:>9} {:>12} {:>12} {:>10} {:>10} {:>8} {:>11} {:>10} {:>16} {:>12} {:>9} {:>8}\n", "probes",
+                                 "visibility", "functions", "functions", "network", "check", "corrections", "fits", "fitted",
+                                 "refinement", "bytes", "a probe");
   text += fmt::format(
-      "{:>9} {:>10.2f} s {:>10.2f} s {:>10} {:>9.2f} s {:>6.2f} s {:>9.2f} s {:>7} ({:>4.1f} %) {:>10.2f} s {:>6.1f} MB "
+      "{:>9} {:>10.2f} s {:>10.2f} s {:>10} {:>8.2f} s {:>6.2f} s {:>9.2f} s {:>8.2f} s {:>7} ({:>4.1f} %) {:>10.2f} s {:>6.1f} "
+      "MB "
       "{:>8.1f}\n",
-      counts.grid_probes, s.function_times.visibility_s, s.function_times.functions_s, counts.functions, s.generator_s, s.check_s,
-      s.correction_s, s.refined, 100.0 * share(s.refined, counts.functions), s.refinement_s,
+      counts.grid_probes, s.function_times.visibility_s, s.function_times.functions_s, counts.functions,
+      s.stageSeconds(ThetaStage::network), s.stageSeconds(ThetaStage::check), secondsOf(s, ThetaWord::corrected),
+      secondsOf(s, ThetaWord::fitted), s.tookFit(), 100.0 * share(s.tookFit(), with_tents), refinementSeconds(s),
       static_cast<double>(report.file_bytes) * 1e-6,
       static_cast<double>(report.file_bytes) / std::max<double>(1.0, static_cast<double>(counts.grid_probes)));
   text += fmt::format(
@@ -105,24 +141,30 @@ std::string toTable(const BakeReport& report) {
   text += fmt::format(
       "probes: {} free space, {} all but the bare tent, {} in solid, {} without weight, {} duplicates ({:.2f} s to find)\n",
       counts.free_space, s.bare_tents.count, counts.in_solid, counts.empty, counts.duplicates, s.function_times.duplicates_s);
-  text += fmt::format("RMSE: generated mean {:.4f}, p95 {:.4f}; stored mean {:.4f}, p95 {:.4f}, worst {:.4f}\n",
-                      number(generated, "mean"), number(generated, "p95"), number(stored, "mean"), number(stored, "p95"),
-                      number(stored, "worst"));
-  if (s.bare_tents.count > 0) {
-    text += fmt::format("all but the bare tent: RMSE mean {:.4f}, in none of the figures above\n", s.bare_tents.meanRmse());
+  for (const ThetaWord word : kWords) {
+    const nlohmann::ordered_json errors = errorsJson(report, word);
+    const auto number = [&](const char* key) { return errors.at(key).get<double>(); };
+    text += fmt::format("{:>9}: RMSE mean {:.4f}, p95 {:.4f}, worst {:.4f}; {:>5.2f} % fail the check\n", wordName(word),
+                        number("mean"), number("p95"), number("worst"),
+                        100.0 * share(s.failing(word, report.policy.check()), counts.functions));
   }
-  if (s.corrected > 0) text += fmt::format("{} generated thetas were corrected\n", s.corrected);
-  if (s.still_failing > 0 || s.left_for_time > 0) {
-    text += fmt::format("{} functions still fail the check ({:.2f} %), {} of all were left for want of time\n", s.still_failing,
-                        100.0 * share(s.still_failing, counts.functions), s.left_for_time);
+  text += fmt::format(
+      "fitted: {:.1f} % of all distinct functions took a step of Adam or Levenberg-Marquardt, {:.1f} % of those that take a "
+      "theta\n",
+      100.0 * share(s.tookFit(), with_tents), 100.0 * share(s.tookFit(), counts.functions));
+  if (s.bare_tents.count > 0) {
+    text += fmt::format("all but the bare tent: RMSE mean {:.4f}, in none of the errors above\n", s.bare_tents.meanRmse());
+  }
+  if (failing > 0 || s.left_for_time > 0) {
+    text += fmt::format("{} functions still fail the check, {} of all were left for want of time\n", failing, s.left_for_time);
   }
   if (report.representations.size() > 1) {
     text += "representations:";
     for (size_t i = 0; i < report.representations.size(); ++i)
-      text += fmt::format(" {} {}", report.representations[i], s.chosen[i]);
-    text += fmt::format("; {} raised in refinement\n", s.raised);
+      text += fmt::format(" {} {}", report.representations[i], s.chosen(report.representations.size())[i]);
+    text += fmt::format("; {} raised in refinement\n", std::count(s.raised.begin(), s.raised.end(), 1));
   }
-  if (!report.needs.empty()) text += toTable(report.needs);
+  if (!report.savings.empty()) text += toTable(report.savings);
   return text;
 }
 

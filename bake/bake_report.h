@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bake/needs.h"
+#include "bake/savings.h"
 #include "bake/scene_bake.h"
 
 namespace nlg {
@@ -18,13 +18,12 @@ struct WeightsUsed {
 
 struct BakeReport {
   std::string scene;
-  std::vector<std::string> representations;  // in the order of BakeStatistics::chosen
+  std::vector<std::string> representations;  // by rising number of parameters
   std::vector<WeightsUsed> weights;          // in the same order
   BakeStatistics statistics;
-  std::vector<Need> needs;
-  CheckOptions check;
+  std::vector<Saving> savings;
+  PolicyOptions policy;
   uint64_t file_bytes = 0, theta_bytes = 0;
-  RoundingError rounding;
   uint64_t peak_memory_bytes = 0;
   int threads = 1;
   std::string simd;

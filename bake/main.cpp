@@ -11,7 +11,8 @@
 
 #include "bake/bake_report.h"
 #include "bake/default_weights.h"
-#include "bake/needs_measurement.h"
+#include "bake/policy_options.h"
+#include "bake/savings_measurement.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/simd/simd_target.h"
 #include "tool/atomic_file.h"
@@ -29,7 +30,7 @@ struct Request {
   std::string scene, out, config;
   std::vector<std::string> weights;
   bool out_is_given = false;
-  int needs_rounds = 0;
+  int savings_rounds = 0;
 };
 
 GeneratorPrecision generatorPrecision(const std::string& name) {
@@ -95,7 +96,7 @@ std::map<std::string, std::string> metadata(const BakeScene& scene, const std::m
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
-void run(Request request, const BakeOptions& options, const OptionTable& table) {
+void run(Request request, BakeOptions options, const OptionTable& table) {
   if (request.weights.empty()) {
     request.weights = shippedWeights(options.representation, weightsFolders());
     for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
@@ -104,7 +105,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   inputs.insert(inputs.end(), {request.scene, request.config});
   if (request.out_is_given) refuseToReplaceInputs(request.out, inputs);
   const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
-  const ThetaPrecision theta_precision = thetaPrecision(options.theta_precision);
+  options.policy.theta_precision = thetaPrecision(options.theta_precision);
   chooseSimd(options.simd);
   std::map<std::string, WeightsUsed> weights;
   const std::vector<Generator> generators = loadGenerators(request.weights, precision, &weights);
@@ -116,10 +117,11 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
     request.out = scene.source.id + ".safetensors";
     refuseToReplaceInputs(request.out, inputs);
   }
-  Bake bake = bakeScene(scene, generators, options, theta_precision, temporaryFolder());
+  Bake bake = bakeScene(scene, generators, options, temporaryFolder());
 
   std::string bytes;
-  const WeightsResult result = serializeLightGrid(bake.grid, theta_precision, metadata(scene, weights, table), &bytes);
+  const WeightsResult result =
+      serializeLightGrid(bake.grid, options.policy.theta_precision, metadata(scene, weights, table), &bytes);
   if (!result.ok()) throw NumericalError("bake", "light grid", result.detail, 0.0);
   writeFileAtomically(request.out, bytes);
 
@@ -131,17 +133,15 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
     report.weights.push_back(weights.at(report.representations.back()));
     weights_bytes.push_back(report.weights.back().bytes);
   }
-  report.needs = countNeeds(bake, generators, theta_precision, weights_bytes);
+  report.savings = countSavings(bake, generators, options.policy, weights_bytes);
   report.statistics = std::move(bake.statistics);
   report.statistics.load_wall_s = load_s;
-  report.rounding = bake.rounding;
-  report.check = options.refinement.check;
+  report.policy = options.policy;
   report.file_bytes = bytes.size();
-  report.theta_bytes = lightGridBytes(bake.grid, theta_precision).theta;
+  report.theta_bytes = lightGridBytes(bake.grid, options.policy.theta_precision).theta;
   report.peak_memory_bytes = peakMemoryBytes();
-  if (request.needs_rounds > 0) {
-    measureNeeds({scene, generators, options, theta_precision, temporaryFolder()}, report.statistics, request.needs_rounds,
-                 &report.needs);
+  if (request.savings_rounds > 0) {
+    measureSavings({scene, generators, options, temporaryFolder()}, report.statistics, request.savings_rounds, &report.savings);
   }
   report.threads = options.threads > 0 ? options.threads : machineThreadCount();
   report.simd = chosenSimdTarget();
@@ -161,6 +161,7 @@ int main(int argc, char** argv) {
       "nlg-bake SCENE: with the weights that ship with the project.\n"
       "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own; the scene first, because --weights takes several files.",
       "nlg-bake"};
+  app.footer(nlg::stagesHelp({}));
   nlg::Request request;
   nlg::BakeOptions options;
   nlg::OptionTable table("bake");
@@ -175,9 +176,9 @@ int main(int argc, char** argv) {
       "NAME.safetensors of --representation in the folder $NLG_WEIGHTS, or in the installation's, or in the sources'");
   const CLI::Option* out =
       app.add_option("--out", request.out, "the light grid to write; none: the scene's name .safetensors, here");
-  app.add_option("--measure-needs", request.needs_rounds,
+  app.add_option("--measure-savings", request.savings_rounds,
                  "rounds in which the scene is baked with and without all that it does not need, to measure what that saves; "
-                 "0: the table of needs is counted only, and the bake takes no longer")
+                 "0: the table of savings is counted only, and the bake takes no longer")
       ->check(CLI::Range(0, 99));
   return nlg::runTool(argc, argv, app, table, [&] {
     const CLI::Option* config = app.get_option("--config");

@@ -49,10 +49,10 @@ struct SceneFunctions::ThreadState {
 };
 
 SceneFunctions::SceneFunctions(const BakeScene& scene, const BakeOptions& options, int thread_count,
-                               const std::string& spool_folder, const BakeSavings& savings)
+                               const std::string& spool_folder, const LeftOut& left_out)
     : scene_(scene),
       options_(options),
-      savings_(savings),
+      left_out_(left_out),
       thread_count_(thread_count),
       spool_(spool_folder, kSupportPointCount),
       index_({options.duplicate_rms, static_cast<uint64_t>(options.duplicate_validity_points)}, kSupportPointCount,
@@ -85,12 +85,12 @@ StoredFunction SceneFunctions::read(uint64_t number, std::vector<uint8_t>* sampl
 // What a probe comes to: visibility, then the function where there is one. A probe that is not left out goes through both.
 ProbeOutcome SceneFunctions::seeAndGenerate(const glm::dvec3& position, float spacing_m, ThreadState& state) const {
   const Clock::time_point start = Clock::now();
-  ProbeOutcome outcome = state.builder.see(position, spacing_m, {savings_.in_solid, savings_.free_space});
+  ProbeOutcome outcome = state.builder.see(position, spacing_m, {left_out_.in_solid, left_out_.free_space});
   const Clock::time_point seen = Clock::now();
   state.visibility_s += secondsBetween(start, seen);
   if (outcome != ProbeOutcome::function) return outcome;
   outcome = state.builder.generate(&state.function);
-  if (outcome == ProbeOutcome::empty && !savings_.empty) outcome = ProbeOutcome::function;
+  if (outcome == ProbeOutcome::empty && !left_out_.empty) outcome = ProbeOutcome::function;
   state.functions_s += secondsBetween(seen, Clock::now());
   return outcome;
 }
@@ -106,16 +106,11 @@ void SceneFunctions::makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadS
     if (outcome == ProbeOutcome::function) {
       const Clock::time_point start = Clock::now();
       appendFunction(state.function, scene_.source.scene.origin_m + position, spacing_m, &rows);
-      block->tents.push_back(state.checker.checkBareTent(storedFunction(rows, block->tents.size()), options_.refinement.check));
+      block->tents.push_back(state.checker.checkBareTent(storedFunction(rows, block->tents.size()), options_.policy.check()));
       state.functions_s += secondsBetween(start, Clock::now());
     }
     block->probes.outcomes.push_back(outcome);
   }
-}
-
-bool SceneFunctions::isBareTent(const FunctionCheck& tent) const {
-  if (tent.valid_count == 0 || !tent.passes(options_.refinement.check)) return false;
-  return savings_.passing_tent || (savings_.bare_tent && options_.bare_tent_rmse > 0.0 && tent.rmse <= options_.bare_tent_rmse);
 }
 
 SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<CheckedBlock>& window) {
@@ -137,20 +132,20 @@ SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<CheckedBl
       const FunctionCheck& tent = block.tents[n];
       const StoredFunction stored = storedFunction(block.probes.functions, n);
       const FunctionSamples samples{stored.phi, stored.validity};
-      if (isBareTent(tent)) {
+      if (takesBareTent(tent, options_.policy)) {
         ++bare_tents_.count;
         bare_tents_.rmse_sum += tent.rmse;
         probe_function_.push_back(kFreeSpace);
         continue;
       }
-      const auto match = savings_.duplicates ? index_.findOrAdd(samples) : std::nullopt;
+      const auto match = left_out_.duplicates ? index_.findOrAdd(samples) : std::nullopt;
       probe_function_.push_back(static_cast<uint32_t>(match ? match->id : counts_.functions));
       counts_.duplicates += match.has_value();
       if (match) continue;
       ++counts_.functions;
       spool_.append(samples);
       result.functions.push_back(stored);
-      result.tent_passes.push_back(tent.passes(options_.refinement.check));
+      result.tent_passes.push_back(tent.passes(options_.policy.check()));
     }
   }
   duplicates_s_ += secondsBetween(start, Clock::now());

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bake/bake_options.h"
-#include "bake/bake_savings.h"
+#include "bake/left_out.h"
 #include "datagen/dataset/duplicate_index.h"
 #include "datagen/dataset/row_spool.h"
 #include "datagen/dataset/shard.h"
@@ -49,7 +49,7 @@ class SceneFunctions {
  public:
   // spool_folder   where samples lie meanwhile: 9 kB a distinct function, in a file without a name
   SceneFunctions(const BakeScene& scene, const BakeOptions& options, int thread_count, const std::string& spool_folder,
-                 const BakeSavings& savings = {});
+                 const LeftOut& left_out = {});
   ~SceneFunctions();
 
   // A run of distinct functions: numbers first … first + count - 1, by their samples.
@@ -79,12 +79,11 @@ class SceneFunctions {
 
   ProbeOutcome seeAndGenerate(const glm::dvec3& position, float spacing_m, ThreadState& state) const;
   void makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadState& state, CheckedBlock* block) const;
-  bool isBareTent(const FunctionCheck& tent) const;
   NewFunctions collect(const std::vector<CheckedBlock>& window);
 
   const BakeScene& scene_;
   BakeOptions options_;
-  BakeSavings savings_;
+  LeftOut left_out_;
   int thread_count_;
   std::vector<std::unique_ptr<ThreadState>> threads_;
   RowSpool spool_;

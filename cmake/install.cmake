@@ -35,7 +35,9 @@ set(NLG_PUBLIC_HEADERS
   fit/levenberg_marquardt.h
   fit/direct.h
   fit/function_check.h
-  fit/correction.h
+  fit/theta_stage.h
+  fit/theta_batch.h
+  fit/theta_policy.h
   fit/refinement.h
   fit/representation_choice.h
   light_grid/probe_tree.h

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bake/refinement_options.h"
+#include "bake/policy_options.h"
 #include "tool/atomic_file.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"

@@ -10,8 +10,7 @@
 
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/fit/correction.h"
-#include "runtime_eval/fit/refinement.h"
+#include "runtime_eval/fit/theta_policy.h"
 
 namespace {
 
@@ -69,14 +68,14 @@ struct nlg_generator {
 };
 
 struct nlg_scratch {
-  explicit nlg_scratch(const nlg::Generator& of) : generator(of), corrector(of), points(emptyPoints()), values(kPointsAtOnce) {}
+  nlg_scratch(const nlg::Generator& of, const nlg::PolicyOptions& options)
+      : generator(of), policy({&of}, options), points(emptyPoints()), values(kPointsAtOnce) {}
   static nlg::PointSet emptyPoints() { return nlg::makePointSet(std::vector<nlg::LocalPoint>(kPointsAtOnce)); }
   nlg::GeneratorScratch generator;
-  nlg::Corrector corrector;
+  nlg::ThetaPolicy policy;
   nlg::PointSet points;
   nlg::AlignedFloats values;
   nlg::FunctionChecker checker;
-  nlg::Refiner refiner;
 };
 
 namespace {
@@ -104,18 +103,32 @@ void evaluatePiece(const nlg::Representation& representation, const float* theta
   std::copy_n(scratch->values.begin(), count, values);
 }
 
-nlg::RefinementOptions optionsOf(const nlg_refinement_options& options) {
-  nlg::RefinementOptions result;
-  result.check = {options.tau_rmse, options.tau_leak, options.leak_share};
-  result.rounds = options.rounds;
-  result.first_steps = options.first_steps;
-  result.growth = options.growth;
-  result.leak_weight = options.leak_weight;
+nlg::PolicyOptions optionsOf(const nlg_policy_options& options) {
+  nlg::PolicyOptions result;
+  result.bare_tent_rmse = options.bare_tent_rmse;
+  result.stages = {options.good_rmse,     options.learned_steps,        options.mirror_images, options.retry_rmse,
+                   options.lm_iterations, options.lm_theta0_iterations, options.adam_rmse,     options.adam_steps};
+  result.refinement.check = {options.tau_rmse, options.tau_leak, options.leak_share};
+  result.refinement.rounds = options.refine_rounds;
+  result.refinement.first_steps = options.refine_first_steps;
+  result.refinement.growth = options.refine_growth;
+  result.refinement.leak_weight = options.refine_leak_weight;
   return result;
 }
 
 nlg_check checkOf(const nlg::FunctionCheck& check, const nlg::CheckOptions& options) {
   return {check.rmse, check.leak_mean, check.leak_share, check.passes(options) ? 1 : 0};
+}
+
+nlg_made madeOf(const nlg::MadeTheta& made, const nlg::CheckOptions& options) {
+  const nlg::ThetaRecord& record = made.record;
+  return {made.isBareTent() ? 0 : 1,
+          record.took_fit ? 1 : 0,
+          nlg::stageName(record.ended),
+          checkOf(record.at(nlg::ThetaWord::network), options),
+          checkOf(record.at(nlg::ThetaWord::corrected), options),
+          checkOf(record.at(nlg::ThetaWord::fitted), options),
+          record.elapsedUs(nlg::ThetaWord::stored)};
 }
 
 // load(nlg::Generator*) returns a WeightsResult.
@@ -182,10 +195,30 @@ nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash)
   });
 }
 
-nlg_status nlg_scratch_create(const nlg_generator* generator, nlg_scratch** scratch) {
+nlg_policy_options nlg_default_policy(void) {
+  const nlg::PolicyOptions o;
+  return {o.bare_tent_rmse,
+          o.stages.good_rmse,
+          o.stages.learned_steps,
+          o.stages.mirror_images,
+          o.stages.retry_rmse,
+          o.stages.lm_iterations,
+          o.stages.lm_theta0_iterations,
+          o.stages.adam_rmse,
+          o.stages.adam_steps,
+          o.check().tau_rmse,
+          o.check().tau_leak,
+          o.check().leak_share,
+          o.refinement.rounds,
+          o.refinement.first_steps,
+          o.refinement.growth,
+          o.refinement.leak_weight};
+}
+
+nlg_status nlg_scratch_create(const nlg_generator* generator, const nlg_policy_options* options, nlg_scratch** scratch) {
   *scratch = nullptr;
   return withMemory([&] {
-    *scratch = new nlg_scratch(generator->generator);
+    *scratch = new nlg_scratch(generator->generator, options != nullptr ? optionsOf(*options) : nlg::PolicyOptions{});
     return NLG_OK;
   });
 }
@@ -204,44 +237,32 @@ void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t cou
   }
 }
 
-nlg_refinement_options nlg_default_refinement(void) {
-  const nlg::RefinementOptions options;
-  return {options.check.tau_rmse, options.check.tau_leak, options.check.leak_share, options.rounds,
-          options.first_steps,    options.growth,         options.leak_weight};
-}
-
 nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const float* theta,
-                          const nlg_refinement_options* options, nlg_scratch* scratch) {
-  const nlg::CheckOptions check = optionsOf(*options).check;
+                          nlg_scratch* scratch) {
+  const nlg::CheckOptions& check = scratch->policy.options().check();
   return checkOf(scratch->checker.check(generator->generator.representation(), {phi, validity}, theta, check), check);
 }
 
-size_t nlg_correct(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
-                   nlg_scratch* scratch) {
+nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
+                          nlg_made* made, nlg_scratch* scratch) {
   const auto theta_count = static_cast<size_t>(generator->generator.representation().thetaCount());
-  size_t changed = 0;
-  nlg::StoredFunction functions[nlg::kBatchCount];
-  for (size_t first = 0; first < count; first += nlg::kBatchCount) {
-    const int piece = static_cast<int>(std::min<size_t>(nlg::kBatchCount, count - first));
-    for (int i = 0; i < piece; ++i) {
-      functions[i] = {phi + (first + i) * nlg::kSupportPointCount, validity + (first + i) * nlg::kSupportPointCount / 8};
-    }
-    changed += static_cast<size_t>(scratch->corrector.correct(functions, piece, theta + first * theta_count));
-  }
-  return changed;
-}
-
-nlg_status nlg_refine(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, float* theta,
-                      const nlg_refinement_options* options, nlg_check* check, nlg_scratch* scratch) {
   return withMemory([&] {
-    const nlg::Representation& representation = generator->generator.representation();
-    const nlg::RefinementOptions refinement = optionsOf(*options);
-    const nlg::Theta start(theta, theta + representation.thetaCount());
-    const float* theta0 = generator->generator.theta0();
-    const nlg::RefinementResult result = scratch->refiner.refine(
-        representation, {phi, validity}, start, nlg::Theta(theta0, theta0 + representation.thetaCount()), refinement);
-    std::copy(result.theta.begin(), result.theta.end(), theta);
-    if (check != nullptr) *check = checkOf(result.check, refinement.check);
+    std::vector<nlg::StoredFunction> functions;
+    std::vector<nlg::MadeTheta> results(nlg::kBatchCount);
+    for (size_t first = 0; first < count; first += nlg::kBatchCount) {
+      const size_t piece = std::min<size_t>(nlg::kBatchCount, count - first);
+      functions.clear();
+      for (size_t i = first; i < first + piece; ++i) {
+        functions.push_back({phi + i * nlg::kSupportPointCount, validity + i * nlg::kValidityByteCount});
+      }
+      scratch->policy.bake(functions.data(), static_cast<int>(piece), results.data());
+      for (size_t i = 0; i < piece; ++i) {
+        float* target = theta + (first + i) * theta_count;
+        std::fill_n(target, theta_count, 0.0f);
+        std::copy(results[i].theta.begin(), results[i].theta.end(), target);
+        if (made != nullptr) made[first + i] = madeOf(results[i], scratch->policy.options().check());
+      }
+    }
     return NLG_OK;
   });
 }

@@ -5,8 +5,8 @@
  *
  * Threads   A generator is only read once it is loaded: any number of threads may share it. A scratch serves one thread at a
  *           time.
- * Memory    nlg_generate, nlg_evaluate, nlg_check_theta and nlg_correct allocate nothing and cannot fail: all they need comes with
- *           the generator and the scratch. nlg_refine allocates. Free every handle with its own function; a null handle may be freed.
+ * Memory    nlg_generate, nlg_evaluate and nlg_check_theta allocate nothing and cannot fail: all they need comes with the
+ *           generator and the scratch. nlg_make_theta allocates. Free every handle with its own function; a null handle may be freed.
  * Pointers  Never null, except where it is said. Arrays have no alignment to keep.
  */
 #ifndef NLG_C_API_NLG_H_
@@ -82,9 +82,33 @@ const float* nlg_theta0(const nlg_generator* generator);
  * returns       NLG_OK or NLG_OUT_OF_MEMORY; cannot fail any more once a generator has been loaded */
 nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash);
 
-/* scratch   receives the handle; null on failure. The generator must outlive it
+/* The policy from a function to the theta that is stored: runtime_eval/fit/theta_policy.h says what its stages do. */
+typedef struct nlg_policy_options {
+  double bare_tent_rmse;     /* a function whose bare tent is not further off, and passes, has no theta; 0: every one has */
+  double good_rmse;          /* a theta of the network whose RMSE is not above, and that passes, takes no other stage */
+  int learned_steps;         /* corrections: learned steps of an attempt at most */
+  int mirror_images;         /* networks: attempts at a function, itself and mirror images of it; 1 to 8 */
+  double retry_rmse;         /* no further attempt at a function whose RMSE is not above */
+  int lm_iterations;         /* short fits, where they are cheap: of Levenberg-Marquardt */
+  int lm_theta0_iterations;  /* ... and from theta0 */
+  double adam_rmse;          /* elsewhere: a function whose RMSE is above ... */
+  int adam_steps;            /* ... takes so many steps of Adam */
+  double tau_rmse;           /* the check: RMSE over valid points above this fails */
+  double tau_leak;           /* ... |value| above this at a valid point whose phi is 0 is a leak */
+  double leak_share;         /* ... leaks at a larger share of those points fail */
+  int refine_rounds;         /* refinement of what fails: rounds of Adam (product fields: Levenberg-Marquardt), at most */
+  int refine_first_steps;    /* ... steps of the first round (product fields: a 32nd of it) */
+  int refine_growth;         /* ... steps of a round over those of the round before */
+  double refine_leak_weight; /* ... of squared residuals where phi is 0, over those elsewhere */
+} nlg_policy_options;
+
+/* The defaults: those of nlg-bake. */
+nlg_policy_options nlg_default_policy(void);
+
+/* options   what nlg_make_theta and nlg_check_theta of this scratch do; null: the defaults
+ * scratch   receives the handle; null on failure. The generator must outlive it
  * returns   NLG_OK or NLG_OUT_OF_MEMORY */
-nlg_status nlg_scratch_create(const nlg_generator* generator, nlg_scratch** scratch);
+nlg_status nlg_scratch_create(const nlg_generator* generator, const nlg_policy_options* options, nlg_scratch** scratch);
 void nlg_scratch_free(nlg_scratch* scratch);
 
 /* theta of any number of functions. Every function has the same theta whatever stands beside it in the call.
@@ -103,20 +127,6 @@ void nlg_generate(const nlg_generator* generator, const uint8_t* phi, size_t cou
 void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t count, const float* x, const float* y,
                   const float* z, float* values, nlg_scratch* scratch);
 
-/* When a theta needs refinement, and how it is refined. */
-typedef struct nlg_refinement_options {
-  double tau_rmse;    /* RMSE over valid points above this fails */
-  double tau_leak;    /* |value| above this at a valid point whose phi is 0 is a leak */
-  double leak_share;  /* leaks at a larger share of those points fail */
-  int rounds;         /* of Adam (product fields: Levenberg-Marquardt), at most */
-  int first_steps;    /* of the first round (product fields: a 32nd of it) */
-  int growth;         /* steps of a round over those of the round before */
-  double leak_weight; /* of squared residuals where phi is 0, over those elsewhere */
-} nlg_refinement_options;
-
-/* The defaults: what docs/measurements.md found best. */
-nlg_refinement_options nlg_default_refinement(void);
-
 /* One theta against its function, over all valid support points. */
 typedef struct nlg_check {
   double rmse;       /* not finite when theta is not */
@@ -129,29 +139,33 @@ typedef struct nlg_check {
  *
  * phi       P bytes; validity P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid
  * theta     D floats
- * scratch   of this generator */
+ * scratch   of this generator, made with the options of the check */
 nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const float* theta,
-                          const nlg_refinement_options* options, nlg_scratch* scratch);
+                          nlg_scratch* scratch);
 
-/* Takes theta of generated functions through correction (runtime_eval/fit/correction.h, with its default options): learned steps,
- * .1 to .4 milliseconds, and for functions whose RMSE is then above .005 their mirror images, some milliseconds. A theta is changed
- * only where that lowers its error over all valid points. Does nothing when the weights have no steps. Allocates nothing, cannot
- * fail.
+/* What became of one function. */
+typedef struct nlg_made {
+  int has_theta;       /* 0: the bare tent is enough, and theta is all zeros */
+  int took_fit;        /* 1: it took a step of Adam or Levenberg-Marquardt */
+  const char* ended;   /* the stage that made theta what it is: "network", "learned_steps", "refinement", ...; lives for ever */
+  nlg_check network;   /* of one pass of the network */
+  nlg_check corrected; /* after the corrections */
+  nlg_check fitted;    /* after every fit, the refinement included */
+  double elapsed_us;   /* of this function, by a steady clock */
+} nlg_made;
+
+/* The whole policy: bare tent, network, check, corrections, short fits, refinement of what fails. Takes tens of microseconds for most
+ * functions and milliseconds for the hardest; docs/reference/results.md has the times. Every function has the same theta whatever
+ * stands beside it in the call.
  *
- * phi       count x P bytes; validity count x P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid
- * theta     count x D floats, replaced where that is better
+ * phi       count x P bytes, round(255 phi) at the support points in their order; 0 at points inside solid
+ * validity  count x P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid
+ * theta     count x D floats, overwritten
+ * made      count of them, overwritten; may be null
  * scratch   of this generator
- * returns   how many theta changed */
-size_t nlg_correct(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
-                   nlg_scratch* scratch);
-
-/* Fits on from theta until the check passes or the rounds are used up. Never makes it worse; takes milliseconds.
- *
- * theta     D floats, replaced by what the fit came to
- * check     receives the check of that theta; may be null
- * returns   NLG_OK or NLG_OUT_OF_MEMORY, theta unchanged then */
-nlg_status nlg_refine(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, float* theta,
-                      const nlg_refinement_options* options, nlg_check* check, nlg_scratch* scratch);
+ * returns   NLG_OK or NLG_OUT_OF_MEMORY; after the latter theta and made hold nothing of use */
+nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
+                          nlg_made* made, nlg_scratch* scratch);
 
 #ifdef __cplusplus
 }

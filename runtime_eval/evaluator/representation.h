@@ -128,6 +128,9 @@ auto withNetworkShape(const Representation& network, const Operation& operation)
 // D numbers of one representation.
 using Theta = std::vector<float>;
 
+// What a light grid stores theta in.
+enum class ThetaPrecision : uint8_t { float32, float16 };
+
 // The names of all representations, in the order of the report.
 inline constexpr auto kRepresentationNames = [] {
   std::array<const char*, std::size(kNetworks) + std::size(kFields)> names{};

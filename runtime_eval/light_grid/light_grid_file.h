@@ -13,8 +13,6 @@
 
 namespace nlg {
 
-enum class ThetaPrecision { float32, float16 };
-
 // Texts for people, by key: scene, options, revision, hash of the weights. Any UTF-8, but for the keys that the file itself uses:
 // kind, version, pattern_hash, representation_count, representation.N, slope.N.
 using GridMetadata = std::map<std::string, std::string>;

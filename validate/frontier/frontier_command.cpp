@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "bake/refinement_options.h"
+#include "bake/policy_options.h"
 #include "tool/atomic_file.h"
 #include "tool/one_file_each.h"
 #include "tool/progress.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/needs.h"
+#include "bake/savings.h"
 
 namespace nlg {
 
@@ -13,7 +13,6 @@ struct BakeInputs {
   const BakeScene& scene;
   const std::vector<Generator>& generators;
   const BakeOptions& options;
-  ThetaPrecision theta_precision;
   std::string spool_folder;
 };
 
@@ -25,8 +24,8 @@ struct BakeInputs {
 //
 // statistics   of the bake as asked for
 // rounds       >= 1
-// needs        as countNeeds gives them
+// savings        as countSavings gives them
 // throws       as bakeScene
-void measureNeeds(const BakeInputs& inputs, const BakeStatistics& statistics, int rounds, std::vector<Need>* needs);
+void measureSavings(const BakeInputs& inputs, const BakeStatistics& statistics, int rounds, std::vector<Saving>* savings);
 
 }  // namespace nlg

@@ -1,4 +1,5 @@
-// What a scene does not need: a line for everything that its bake left out, and for what it could leave out and does not yet.
+// Savings: a line for everything that a bake left out because its scene does not need it, and for what it could leave out and does
+// not yet.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@
 namespace nlg {
 
 // The lines' names, in the order of the table; they are the key "what" of the report.
-namespace need {
+namespace saving {
 inline constexpr const char* kFreeSpace = "probes in free space";
 inline constexpr const char* kInSolid = "probes in solid";
 inline constexpr const char* kEmpty = "probes whose function is 0 everywhere";
@@ -23,7 +24,7 @@ inline constexpr const char* kLargerGenerators = "functions that the smallest re
 inline constexpr const char* kLargestTheta = "theta of the largest representation";
 inline constexpr const char* kBareTent = "functions that are all but the bare tent";
 inline constexpr const char* kPassingTent = "functions whose bare tent passes the check";
-inline constexpr const char* kCorrection = "corrections";
+inline constexpr const char* kGoodTheta = "corrections and fits of thetas that are good";
 inline constexpr const char* kRefinement = "refinements";
 inline constexpr const char* kNeverChosen = "representations and resolutions never chosen";
 inline constexpr const char* kNeverChosenGenerators = "generators of representations never chosen";
@@ -33,9 +34,9 @@ inline constexpr const char* kLevels = "look-up levels without a node";
 inline constexpr const char* kThroughLevels = "look-up levels that only lead on";
 inline constexpr const char* kEmptyRoots = "roots of the probe tree that hold nothing";
 inline constexpr const char* kLighting = "lighting steps";
-}  // namespace need
+}  // namespace saving
 
-struct Need {
+struct Saving {
   std::string what;
   std::optional<bool> left_out;  // false: could be, and is not yet; nothing: there is none of it in this bake
   uint64_t count = 0, of = 0;    // how many of how many
@@ -53,15 +54,15 @@ struct Need {
 //
 // generators      those of the bake, and weights_bytes the sizes of their files, in the same order
 // tree of bake    unmoved or moved: only its shape is looked at
-std::vector<Need> countNeeds(const Bake& bake, const std::vector<Generator>& generators, ThetaPrecision theta_precision,
-                             const std::vector<uint64_t>& weights_bytes);
+std::vector<Saving> countSavings(const Bake& bake, const std::vector<Generator>& generators, const PolicyOptions& policy,
+                                 const std::vector<uint64_t>& weights_bytes);
 
 // The line of a name; nothing when the table has none.
-Need* findNeed(std::vector<Need>& needs, const std::string& what);
+Saving* findSaving(std::vector<Saving>& savings, const std::string& what);
 
 // Keys: docs/bake.md.
-nlohmann::ordered_json toJson(const std::vector<Need>& needs);
+nlohmann::ordered_json toJson(const std::vector<Saving>& savings);
 // One line of text each.
-std::string toTable(const std::vector<Need>& needs);
+std::string toTable(const std::vector<Saving>& savings);
 
 }  // namespace nlg

@@ -1,4 +1,4 @@
-#include "bake/needs_measurement.h"
+#include "bake/savings_measurement.h"
 
 #include <fmt/format.h>
 
@@ -26,9 +26,9 @@ double processorSeconds() {
 // A bake that differs from the one asked for by one saving.
 struct Variant {
   std::string what;  // the line that it measures
-  BakeSavings savings;
+  LeftOut left_out;
+  BakeOptions options;
   std::vector<Generator> generators;
-  ThetaPrecision theta_precision = ThetaPrecision::float32;
   bool leaves_out = false;  // it leaves out what the bake does not yet; otherwise it does what the bake leaves out
 
   int sign() const { return leaves_out ? -1 : 1; }  // of what it takes more
@@ -40,12 +40,12 @@ struct Result {
   int64_t bytes = 0;
 };
 
-class NeedsMeasurement {
+class SavingsMeasurement {
  public:
-  NeedsMeasurement(const BakeInputs& inputs, const BakeStatistics& statistics, std::vector<Need>* needs)
-      : inputs_(inputs), needs_(*needs) {
+  SavingsMeasurement(const BakeInputs& inputs, const BakeStatistics& statistics, std::vector<Saving>* savings)
+      : inputs_(inputs), savings_(*savings) {
     as_asked_.generators = inputs.generators;
-    as_asked_.theta_precision = inputs.theta_precision;
+    as_asked_.options = inputs.options;
     addVariants(statistics);
   }
 
@@ -53,7 +53,8 @@ class NeedsMeasurement {
     std::vector<std::vector<double>> saved(variants_.size());
     std::vector<double> ray_seconds;
     double bake_noise = 0.0, ray_noise = 0.0;
-    Progress progress("bakes for the table of needs", static_cast<int64_t>(rounds) * static_cast<int64_t>(variants_.size() + 2));
+    Progress progress("bakes for the table of savings",
+                      static_cast<int64_t>(rounds) * static_cast<int64_t>(variants_.size() + 2));
     int64_t done = 0;
     for (int round = 0; round < rounds; ++round) {
       const Result base = bake(as_asked_);
@@ -64,7 +65,7 @@ class NeedsMeasurement {
         const Result other = bake(variant);
         seconds.push_back(other.seconds);
         progress.update(++done);
-        if (round == 0) compare(base, other, variant.sign(), findNeed(needs_, variant.what));
+        if (round == 0) compare(base, other, variant.sign(), findSaving(savings_, variant.what));
       }
       // the same bake at both ends of the round: how far they are apart is what seconds are worth
       const double again = bake(as_asked_).seconds, as_asked = 0.5 * (base.seconds + again);
@@ -75,15 +76,15 @@ class NeedsMeasurement {
       ray_noise = std::max(ray_noise, std::abs(rays_again - rays));
       ray_seconds.push_back(0.5 * (rays + rays_again));
     }
-    for (size_t v = 0; v < variants_.size(); ++v) setSeconds(saved[v], bake_noise, findNeed(needs_, variants_[v].what));
-    setSeconds(ray_seconds, ray_noise, findNeed(needs_, need::kSolidRays));
+    for (size_t v = 0; v < variants_.size(); ++v) setSeconds(saved[v], bake_noise, findSaving(savings_, variants_[v].what));
+    setSeconds(ray_seconds, ray_noise, findSaving(savings_, saving::kSolidRays));
   }
 
  private:
   // One for every line that holds something.
   Variant* add(const char* what, bool leaves_out = false) {
-    const Need* need = findNeed(needs_, what);
-    if (need == nullptr || !need->left_out || need->count == 0) return nullptr;
+    const Saving* saving = findSaving(savings_, what);
+    if (saving == nullptr || !saving->left_out || saving->count == 0) return nullptr;
     variants_.push_back(as_asked_);
     variants_.back().what = what;
     variants_.back().leaves_out = leaves_out;
@@ -91,39 +92,38 @@ class NeedsMeasurement {
   }
 
   void addVariants(const BakeStatistics& statistics) {
-    if (Variant* v = add(need::kFreeSpace)) v->savings.free_space = false;
-    if (Variant* v = add(need::kInSolid)) v->savings.in_solid = false;
-    if (Variant* v = add(need::kEmpty)) v->savings.empty = false;
-    if (Variant* v = add(need::kDuplicates)) v->savings.duplicates = false;
-    if (Variant* v = add(need::kAllProbes)) {
-      v->savings.free_space = v->savings.in_solid = v->savings.empty = v->savings.duplicates = v->savings.bare_tent = false;
+    if (Variant* v = add(saving::kFreeSpace)) v->left_out.free_space = false;
+    if (Variant* v = add(saving::kInSolid)) v->left_out.in_solid = false;
+    if (Variant* v = add(saving::kEmpty)) v->left_out.empty = false;
+    if (Variant* v = add(saving::kDuplicates)) v->left_out.duplicates = false;
+    if (Variant* v = add(saving::kAllProbes)) {
+      v->left_out = {false, false, false, false};
+      v->options.policy.bare_tent_rmse = 0.0;
     }
-    if (Variant* v = add(need::kLargerGenerators)) v->savings.larger_generators = false;
-    if (Variant* v = add(need::kLargestTheta)) v->generators = {inputs_.generators.back()};
-    if (Variant* v = add(need::kBareTent)) v->savings.bare_tent = false;
-    if (Variant* v = add(need::kPassingTent, true)) v->savings.passing_tent = true;
-    if (Variant* v = add(need::kCorrection)) v->savings.correction = false;
-    if (Variant* v = add(need::kRefinement)) v->savings.refinement = false;
+    if (Variant* v = add(saving::kLargestTheta)) v->generators = {inputs_.generators.back()};
+    if (Variant* v = add(saving::kBareTent)) v->options.policy.bare_tent_rmse = 0.0;
+    if (Variant* v = add(saving::kPassingTent, true)) v->options.policy.bare_tent_rmse = inputs_.options.policy.check().tau_rmse;
+    if (Variant* v = add(saving::kGoodTheta)) v->options.policy.stages.good_rmse = 0.0;
+    const std::vector<uint64_t> functions = statistics.chosen(inputs_.generators.size());
     std::vector<Generator> chosen;
     for (size_t g = 0; g < inputs_.generators.size(); ++g) {
-      if (statistics.chosen[g] > 0) chosen.push_back(inputs_.generators[g]);
+      if (functions[g] > 0) chosen.push_back(inputs_.generators[g]);
     }
     if (!chosen.empty()) {
-      if (Variant* v = add(need::kNeverChosenGenerators, true)) v->generators = chosen;
+      if (Variant* v = add(saving::kNeverChosenGenerators, true)) v->generators = chosen;
     }
-    const bool is_half = as_asked_.theta_precision == ThetaPrecision::float16;
-    if (Variant* v = add(need::kHalfTheta, !is_half)) {
-      v->theta_precision = is_half ? ThetaPrecision::float32 : ThetaPrecision::float16;
+    const bool is_half = as_asked_.options.policy.theta_precision == ThetaPrecision::float16;
+    if (Variant* v = add(saving::kHalfTheta, !is_half)) {
+      v->options.policy.theta_precision = is_half ? ThetaPrecision::float32 : ThetaPrecision::float16;
     }
   }
 
   Result bake(const Variant& variant) const {
     const double start = processorSeconds();
-    Bake bake = bakeScene(inputs_.scene, variant.generators, inputs_.options, variant.theta_precision, inputs_.spool_folder,
-                          variant.savings);
+    Bake bake = bakeScene(inputs_.scene, variant.generators, variant.options, inputs_.spool_folder, variant.left_out);
     Result result{std::move(bake.grid), processorSeconds() - start};
     std::string bytes;
-    const WeightsResult written = serializeLightGrid(result.grid, variant.theta_precision, {}, &bytes);
+    const WeightsResult written = serializeLightGrid(result.grid, variant.options.policy.theta_precision, {}, &bytes);
     if (!written.ok()) throw NumericalError("bake", "light grid, " + variant.what, written.detail, 0.0);
     result.bytes = static_cast<int64_t>(bytes.size());
     return result;
@@ -140,31 +140,31 @@ class NeedsMeasurement {
     });
   }
 
-  void compare(const Result& base, const Result& other, int sign, Need* need) const {
-    need->bytes_saved = sign * (other.bytes - base.bytes);
+  void compare(const Result& base, const Result& other, int sign, Saving* saving) const {
+    saving->bytes_saved = sign * (other.bytes - base.bytes);
     const LookUpDifference difference = lookUpDifference(base.grid, other.grid, places_);
     if (difference.look_ups == 0) {
-      need->note += "; no place in air to compare look-ups at";
+      saving->note += "; no place in air to compare look-ups at";
       return;
     }
-    need->same_result = difference.changed == 0;
+    saving->same_result = difference.changed == 0;
     if (difference.changed == 0) {
-      need->note += fmt::format("; the same look-ups at {} places in air", difference.look_ups);
+      saving->note += fmt::format("; the same look-ups at {} places in air", difference.look_ups);
     } else {
-      need->note += fmt::format("; largest difference of a weight {:.2g}, mean {:.2g}, over look-ups at {} places in air",
-                                difference.largest, difference.mean, difference.look_ups);
+      saving->note += fmt::format("; largest difference of a weight {:.2g}, mean {:.2g}, over look-ups at {} places in air",
+                                  difference.largest, difference.mean, difference.look_ups);
     }
   }
 
-  static void setSeconds(std::vector<double> seconds, double noise, Need* need) {
+  static void setSeconds(std::vector<double> seconds, double noise, Saving* saving) {
     std::sort(seconds.begin(), seconds.end());
     const size_t middle = seconds.size() / 2;
     const double median = seconds.size() % 2 == 1 ? seconds[middle] : 0.5 * (seconds[middle - 1] + seconds[middle]);
-    need->seconds_saved = median;
-    need->seconds_noise = noise;
+    saving->seconds_saved = median;
+    saving->seconds_noise = noise;
     if (seconds.size() > 1)
-      need->note += fmt::format("; {:.3f} to {:.3f} s in {} rounds", seconds.front(), seconds.back(), seconds.size());
-    need->note +=
+      saving->note += fmt::format("; {:.3f} to {:.3f} s in {} rounds", seconds.front(), seconds.back(), seconds.size());
+    saving->note +=
         fmt::format("; {}the same twice is {}{:.3f} s apart",
                     std::abs(median) > noise ? "" : "no seconds beyond noise: ", seconds.size() > 1 ? "up to " : "", noise);
   }
@@ -181,7 +181,7 @@ class NeedsMeasurement {
   }
 
   const BakeInputs& inputs_;
-  std::vector<Need>& needs_;
+  std::vector<Saving>& savings_;
   Variant as_asked_;
   std::vector<Variant> variants_;
   std::vector<PositionM> places_;  // where grids are compared
@@ -189,8 +189,8 @@ class NeedsMeasurement {
 
 }  // namespace
 
-void measureNeeds(const BakeInputs& inputs, const BakeStatistics& statistics, int rounds, std::vector<Need>* needs) {
-  NeedsMeasurement(inputs, statistics, needs).run(rounds);
+void measureSavings(const BakeInputs& inputs, const BakeStatistics& statistics, int rounds, std::vector<Saving>* savings) {
+  SavingsMeasurement(inputs, statistics, savings).run(rounds);
 }
 
 }  // namespace nlg

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "bake/look_up_difference.h"
-#include "bake/needs_measurement.h"
+#include "bake/savings_measurement.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 namespace nlg {
@@ -80,54 +80,54 @@ double medianRmse(const std::vector<Generator>& generators, BakeOptions options)
 TEST(Needs, CountsAreThoseOfTheBakeAndAddUp) {
   const std::vector<Generator> both = generators({"tent_mlp", "mlp"});
   const Bake bake = bakeHouse(both, houseOptions());
-  std::vector<Need> needs = countNeeds(bake, both, ThetaPrecision::float32, {1000, 2000});
+  std::vector<Saving> savings = countSavings(bake, both, ThetaPrecision::float32, {1000, 2000});
   const ShardCounts& counts = bake.statistics.counts;
-  const auto line = [&](const char* what) -> const Need& {
-    Need* need = findNeed(needs, what);
-    EXPECT_NE(need, nullptr) << what;
-    return *need;
+  const auto line = [&](const char* what) -> const Saving& {
+    Saving* saving = findSaving(savings, what);
+    EXPECT_NE(saving, nullptr) << what;
+    return *saving;
   };
-  EXPECT_GT(line(need::kFreeSpace).count, 0u);
-  EXPECT_GT(line(need::kDuplicates).count, 0u);
-  EXPECT_GT(line(need::kBareTent).count, 0u);
-  EXPECT_EQ(line(need::kFreeSpace).count + line(need::kBareTent).count, probesOf(bake.grid, kFreeSpace));
-  EXPECT_EQ(line(need::kInSolid).count + line(need::kEmpty).count, probesOf(bake.grid, kNoWeight));
-  const uint64_t parts = line(need::kFreeSpace).count + line(need::kInSolid).count + line(need::kEmpty).count +
-                         line(need::kDuplicates).count + line(need::kBareTent).count;
-  EXPECT_EQ(line(need::kAllProbes).count, parts);
+  EXPECT_GT(line(saving::kFreeSpace).count, 0u);
+  EXPECT_GT(line(saving::kDuplicates).count, 0u);
+  EXPECT_GT(line(saving::kBareTent).count, 0u);
+  EXPECT_EQ(line(saving::kFreeSpace).count + line(saving::kBareTent).count, probesOf(bake.grid, kFreeSpace));
+  EXPECT_EQ(line(saving::kInSolid).count + line(saving::kEmpty).count, probesOf(bake.grid, kNoWeight));
+  const uint64_t parts = line(saving::kFreeSpace).count + line(saving::kInSolid).count + line(saving::kEmpty).count +
+                         line(saving::kDuplicates).count + line(saving::kBareTent).count;
+  EXPECT_EQ(line(saving::kAllProbes).count, parts);
   EXPECT_EQ(parts + counts.functions, counts.grid_probes);
-  EXPECT_EQ(line(need::kLargestTheta).count + bake.statistics.chosen.back(), counts.functions);
-  EXPECT_EQ(line(need::kRefinement).count + bake.statistics.failed_check, counts.functions);
+  EXPECT_EQ(line(saving::kLargestTheta).count + bake.statistics.chosen.back(), counts.functions);
+  EXPECT_EQ(line(saving::kRefinement).count + bake.statistics.failed_check, counts.functions);
   // the smaller generator ran for all functions, the larger for those that it was not enough for
-  EXPECT_EQ(line(need::kCorrection).of, 2 * counts.functions - bake.statistics.smallest_enough);
+  EXPECT_EQ(line(saving::kCorrection).of, 2 * counts.functions - bake.statistics.smallest_enough);
   uint64_t never_bytes = 0;
   for (size_t g = 0; g < both.size(); ++g) never_bytes += bake.statistics.chosen[g] == 0 ? 1000 * (g + 1) : 0;
-  EXPECT_EQ(line(need::kNeverChosen).bytes_saved, static_cast<int64_t>(never_bytes));
-  for (const Need& need : needs) {
-    EXPECT_LE(need.count, need.of) << need.what;
-    EXPECT_FALSE(need.seconds_saved) << need.what << ": nothing was measured";
-    EXPECT_FALSE(need.same_result) << need.what << ": nothing was compared";
-    EXPECT_FALSE(need.note.empty()) << need.what;
+  EXPECT_EQ(line(saving::kNeverChosen).bytes_saved, static_cast<int64_t>(never_bytes));
+  for (const Saving& saving : savings) {
+    EXPECT_LE(saving.count, saving.of) << saving.what;
+    EXPECT_FALSE(saving.seconds_saved) << saving.what << ": nothing was measured";
+    EXPECT_FALSE(saving.same_result) << saving.what << ": nothing was compared";
+    EXPECT_FALSE(saving.note.empty()) << saving.what;
   }
 }
 
 TEST(Needs, TablesHaveEveryLineAndTheKeysOfTheReport) {
   const std::vector<Generator> one = generators({"tent_mlp"});
-  const std::vector<Need> needs = countNeeds(bakeHouse(one, houseOptions()), one, ThetaPrecision::float32, {1000});
-  const nlohmann::ordered_json json = toJson(needs);
-  const std::string text = toTable(needs);
-  ASSERT_EQ(json.size(), needs.size());
+  const std::vector<Saving> savings = countSavings(bakeHouse(one, houseOptions()), one, ThetaPrecision::float32, {1000});
+  const nlohmann::ordered_json json = toJson(savings);
+  const std::string text = toTable(savings);
+  ASSERT_EQ(json.size(), savings.size());
   std::set<std::string> names;
-  for (size_t i = 0; i < needs.size(); ++i) {
+  for (size_t i = 0; i < savings.size(); ++i) {
     for (const char* key :
          {"what", "left_out", "count", "of", "seconds_saved", "seconds_noise", "bytes_saved", "same_result", "note"}) {
-      EXPECT_TRUE(json[i].contains(key)) << needs[i].what << ": " << key;
+      EXPECT_TRUE(json[i].contains(key)) << savings[i].what << ": " << key;
     }
-    EXPECT_NE(text.find(needs[i].what), std::string::npos) << text;
-    EXPECT_TRUE(names.insert(needs[i].what).second) << needs[i].what << " stands there twice";
+    EXPECT_NE(text.find(savings[i].what), std::string::npos) << text;
+    EXPECT_TRUE(names.insert(savings[i].what).second) << savings[i].what << " stands there twice";
   }
   EXPECT_TRUE(json.back().at("left_out").is_null()) << "there is no lighting to leave out";
-  EXPECT_EQ(json.back().at("what"), need::kLighting);
+  EXPECT_EQ(json.back().at("what"), saving::kLighting);
 }
 
 TEST(BakeSavings, FreeSpaceIsOneFunctionForAllOfIt) {
@@ -167,9 +167,9 @@ TEST(BakeSavings, DuplicatesTakeAThetaEach) {
   ASSERT_GT(duplicates, 0u);
   EXPECT_EQ(without.grid.functionCount(), with.grid.functionCount() + duplicates);
   // what the table says without measuring: D floats and a byte a function
-  std::vector<Need> needs = countNeeds(with, one, ThetaPrecision::float32, {1000});
+  std::vector<Saving> savings = countSavings(with, one, ThetaPrecision::float32, {1000});
   const auto theta_bytes = static_cast<int64_t>(4 * (without.grid.theta.size() - with.grid.theta.size()));
-  EXPECT_EQ(findNeed(needs, need::kDuplicates)->bytes_saved, theta_bytes + static_cast<int64_t>(duplicates));
+  EXPECT_EQ(findSaving(savings, saving::kDuplicates)->bytes_saved, theta_bytes + static_cast<int64_t>(duplicates));
 }
 
 TEST(BakeSavings, LargerGeneratorsWhereTheSmallestIsEnoughChangeNoByte) {
@@ -287,18 +287,18 @@ TEST(LookUpPlaces, AreThoseOfTheDrawsThatLieInAir) {
   EXPECT_NE(lookUpPlaces(tree, 500, 6, everywhere), all);
 }
 
-TEST(NeedsMeasurement, EveryLineThatCanBeTurnedHasFiguresAndSaysWhatChanged) {
+TEST(SavingsMeasurement, EveryLineThatCanBeTurnedHasFiguresAndSaysWhatChanged) {
   const std::vector<Generator> both = generators({"tent_mlp4", "tent_mlp"});
   BakeOptions options = houseOptions();
   options.choice.enough_rmse = 1e3;  // of the larger one nothing is needed
   options.refinement.check = {1e3, 1e3, 1.0};
   options.refinement.rounds = 1;
   const Bake bake = bakeHouse(both, options);
-  std::vector<Need> needs = countNeeds(bake, both, ThetaPrecision::float32, {1000, 2000});
+  std::vector<Saving> savings = countSavings(bake, both, ThetaPrecision::float32, {1000, 2000});
   // the house a kilometre from the world's origin: places in it are told from solid all the same
   BakeScene scene("house:3", houseOptions());
   scene.source.scene.origin_m = {1024.0, -512.0, 0.0};
-  measureNeeds({scene, both, options, ThetaPrecision::float32, spoolFolder()}, bake.statistics, 2, &needs);
+  measureSavings({scene, both, options, ThetaPrecision::float32, spoolFolder()}, bake.statistics, 2, &savings);
   const SupportVisibility visibility(scene.rays, scene.links);
   uint64_t in_air = 0;
   for (const PositionM& place : lookUpPlaces(scene.tree, 20000, 1, everywhere)) {
@@ -308,33 +308,33 @@ TEST(NeedsMeasurement, EveryLineThatCanBeTurnedHasFiguresAndSaysWhatChanged) {
   EXPECT_GT(in_air, 0u);
   EXPECT_LT(in_air, 20000u) << "no solid: nothing is left out of the comparison";
   const std::string places_in_air = fmt::format("at {} places in air", in_air);
-  const std::set<std::string> only_counted = {need::kNeverChosen, need::kLevels,   need::kThroughLevels,
-                                              need::kEmptyRoots,  need::kLighting, need::kSolidRays};
-  for (const Need& need : needs) {
-    if (need.count == 0 || only_counted.contains(need.what)) continue;
-    EXPECT_TRUE(need.seconds_saved) << need.what;
-    ASSERT_TRUE(need.seconds_noise) << need.what;
-    EXPECT_EQ(std::abs(*need.seconds_saved) <= *need.seconds_noise,
-              need.note.find("no seconds beyond noise") != std::string::npos)
-        << need.what << ": " << need.note;
-    EXPECT_NE(need.note.find(places_in_air), std::string::npos) << need.what << ": " << need.note;
-    EXPECT_TRUE(need.bytes_saved) << need.what;
-    ASSERT_TRUE(need.same_result) << need.what;
-    EXPECT_EQ(*need.same_result, need.note.find("largest difference") == std::string::npos) << need.what << ": " << need.note;
-    EXPECT_NE(need.note.find("in 2 rounds"), std::string::npos) << need.what << ": " << need.note;
+  const std::set<std::string> only_counted = {saving::kNeverChosen, saving::kLevels,   saving::kThroughLevels,
+                                              saving::kEmptyRoots,  saving::kLighting, saving::kSolidRays};
+  for (const Saving& saving : savings) {
+    if (saving.count == 0 || only_counted.contains(saving.what)) continue;
+    EXPECT_TRUE(saving.seconds_saved) << saving.what;
+    ASSERT_TRUE(saving.seconds_noise) << saving.what;
+    EXPECT_EQ(std::abs(*saving.seconds_saved) <= *saving.seconds_noise,
+              saving.note.find("no seconds beyond noise") != std::string::npos)
+        << saving.what << ": " << saving.note;
+    EXPECT_NE(saving.note.find(places_in_air), std::string::npos) << saving.what << ": " << saving.note;
+    EXPECT_TRUE(saving.bytes_saved) << saving.what;
+    ASSERT_TRUE(saving.same_result) << saving.what;
+    EXPECT_EQ(*saving.same_result, saving.note.find("largest difference") == std::string::npos) << saving.what << ": " << saving.note;
+    EXPECT_NE(saving.note.find("in 2 rounds"), std::string::npos) << saving.what << ": " << saving.note;
   }
-  const auto line = [&](const char* what) { return *findNeed(needs, what); };
-  EXPECT_EQ(line(need::kLargerGenerators).count, bake.statistics.counts.functions);
-  EXPECT_EQ(line(need::kLargerGenerators).same_result, true);
-  EXPECT_EQ(line(need::kLargerGenerators).bytes_saved, 0);
-  EXPECT_EQ(line(need::kNeverChosen).bytes_saved, 2000);
-  EXPECT_EQ(line(need::kNeverChosenGenerators).same_result, true) << "its generator never ran";
-  EXPECT_EQ(line(need::kHalfTheta).same_result, false);
-  EXPECT_NEAR(static_cast<double>(*line(need::kHalfTheta).bytes_saved), 2.0 * static_cast<double>(bake.grid.theta.size()), 128.0)
+  const auto line = [&](const char* what) { return *findSaving(savings, what); };
+  EXPECT_EQ(line(saving::kLargerGenerators).count, bake.statistics.counts.functions);
+  EXPECT_EQ(line(saving::kLargerGenerators).same_result, true);
+  EXPECT_EQ(line(saving::kLargerGenerators).bytes_saved, 0);
+  EXPECT_EQ(line(saving::kNeverChosen).bytes_saved, 2000);
+  EXPECT_EQ(line(saving::kNeverChosenGenerators).same_result, true) << "its generator never ran";
+  EXPECT_EQ(line(saving::kHalfTheta).same_result, false);
+  EXPECT_NEAR(static_cast<double>(*line(saving::kHalfTheta).bytes_saved), 2.0 * static_cast<double>(bake.grid.theta.size()), 128.0)
       << "the file's fillers are at most 64 bytes a tensor";
-  EXPECT_GT(*line(need::kAllProbes).bytes_saved, *line(need::kDuplicates).bytes_saved);
-  EXPECT_TRUE(line(need::kSolidRays).seconds_saved);
-  EXPECT_TRUE(line(need::kSolidRays).seconds_noise);
+  EXPECT_GT(*line(saving::kAllProbes).bytes_saved, *line(saving::kDuplicates).bytes_saved);
+  EXPECT_TRUE(line(saving::kSolidRays).seconds_saved);
+  EXPECT_TRUE(line(saving::kSolidRays).seconds_noise);
 }
 
 }  // namespace

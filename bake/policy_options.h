@@ -1,0 +1,18 @@
+// The settings of the policy from function to theta, as one table: the same keys for the bake and for who measures what it does.
+#pragma once
+
+#include <string>
+
+#include "runtime_eval/fit/theta_policy.h"
+#include "tool/options.h"
+
+namespace nlg {
+
+// Every option of the policy but theta_precision, which only a grid has.
+void describePolicy(PolicyOptions& options, OptionTable& table);
+
+// The stages that every representation goes through with these options, a line each, for --help. Weights are taken to hold an exact
+// last layer (networks with a linear output) and learned steps; thresholds may rise for a generator that is wrong about the tent.
+std::string stagesHelp(const PolicyOptions& options);
+
+}  // namespace nlg

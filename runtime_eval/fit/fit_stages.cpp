@@ -1,0 +1,68 @@
+#include "runtime_eval/fit/fit_stages.h"
+
+#include <algorithm>
+
+namespace nlg {
+namespace {
+
+// What counts as progress: three accepted iterations in a row that lower the mean square by less than this share end a stage. The
+// fits of direct optimisation go on for far less; here the time is better spent on the next function.
+constexpr double kIterationProgress = 0.05;
+
+// One fit of the tent, so that workspaces have the memory that every later fit needs.
+template <class Fit>
+void warmUp(const Generator& generator, const Fit& fit) {
+  const Representation& representation = generator.representation();
+  Theta theta(generator.theta0(), generator.theta0() + representation.thetaCount());
+  fit(representation, tentFunction(pointOrder(representation)), theta.data());
+}
+
+}  // namespace
+
+bool iteratesCheaply(const Representation& representation) {
+  return representation.isField() || representation.thetaCount() <= 32;
+}
+
+LevenbergMarquardtStage::LevenbergMarquardtStage(const Generator& generator, Start start, int iterations)
+    : start_(start),
+      options_(refinementLevenbergMarquardt(generator.representation(), iterations)),
+      theta_(generator.representation().thetaCount()) {
+  options_.progress_tolerance = kIterationProgress;
+  warmUp(generator, [&](const Representation& representation, const WeightingFunction& tent, float* theta) {
+    LevenbergMarquardtOptions once = options_;
+    once.iterations = 1;
+    iterateLevenbergMarquardt(representation, tent, once, &kernel_, &workspace_, theta);
+  });
+}
+
+void LevenbergMarquardtStage::run(ThetaBatch& batch, int* members, int member_count) {
+  for (int n = 0; n < member_count; ++n) {
+    const int i = members[n];
+    batch.meanSquare(i);
+    std::copy_n(start_ == Start::theta ? batch.theta(i) : batch.generator().theta0(), batch.thetaCount(), theta_.begin());
+    const FitResult fit =
+        iterateLevenbergMarquardt(batch.representation(), batch.function(i), options_, &kernel_, &workspace_, theta_.data());
+    batch.offer(i, theta_.data(), fit.rmse * fit.rmse, kOfferPays);
+  }
+}
+
+AdamStage::AdamStage(const Generator& generator, int steps)
+    : options_(refinementAdam(generator.representation(), steps)), theta_(generator.representation().thetaCount()) {
+  warmUp(generator, [&](const Representation& representation, const WeightingFunction& tent, float* theta) {
+    AdamOptions once = options_;
+    once.steps = 1;
+    iterateAdam(representation, tent, once, &workspace_, theta);
+  });
+}
+
+void AdamStage::run(ThetaBatch& batch, int* members, int member_count) {
+  for (int n = 0; n < member_count; ++n) {
+    const int i = members[n];
+    batch.meanSquare(i);
+    std::copy_n(batch.theta(i), batch.thetaCount(), theta_.begin());
+    const FitResult fit = iterateAdam(batch.representation(), batch.function(i), options_, &workspace_, theta_.data());
+    batch.offer(i, theta_.data(), fit.rmse * fit.rmse, kOfferPays);
+  }
+}
+
+}  // namespace nlg

@@ -1,0 +1,107 @@
+#include "runtime_eval/fit/theta_batch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/numbers/finite.h"
+
+namespace nlg {
+namespace {
+
+constexpr double kNotMeasured = -1.0;
+
+// A last layer solved on few points may have numbers of any size.
+bool fitsFloat16(const float* theta, size_t count) {
+  constexpr float kLargestHalf = 65504.0f;
+  return std::all_of(theta, theta + count, [](float value) { return std::fabs(value) <= kLargestHalf; });
+}
+
+}  // namespace
+
+ThetaBatch::ThetaBatch(const Generator& generator)
+    : generator_(&generator),
+      theta_count_(static_cast<size_t>(generator.representation().thetaCount())),
+      coefficient_count_(static_cast<size_t>(generator.coefficientCount())),
+      scratch_(generator),
+      phi_(static_cast<size_t>(kBatchCount) * kSupportPointCount),
+      coefficients_(kBatchCount * coefficient_count_),
+      rows_(kBatchCount * coefficient_count_),
+      mean_square_(kBatchCount) {
+  const PointOrder& order = pointOrder(generator.representation());
+  function_.phi.resize(order.placeCount());
+  function_.mask.resize(order.placeCount());
+  function_.valid_count.resize(order.batchCount());
+}
+
+void ThetaBatch::begin(const StoredFunction* functions, int count, float* theta) {
+  functions_ = functions;
+  count_ = count;
+  theta_ = theta;
+  function_idx_ = -1;
+  std::fill(mean_square_.begin(), mean_square_.end(), kNotMeasured);
+  for (int i = 0; i < count; ++i) std::memcpy(&phi_[size_t(i) * kSupportPointCount], functions[i].phi, kSupportPointCount);
+  generator_->project(phi_.data(), count, coefficients_.data(), &scratch_);
+}
+
+void ThetaBatch::generate() {
+  generator_->generateFromCoefficients(coefficients_.data(), count_, theta_, &scratch_);
+  std::fill(mean_square_.begin(), mean_square_.end(), kNotMeasured);
+}
+
+void ThetaBatch::generateMirrored(int mirror, const int* members, int member_count, float* theta) {
+  // the generator reads rows without gaps
+  for (int n = 0; n < member_count; ++n) mirrorCoefficients(members[n], mirror, &rows_[n * coefficient_count_]);
+  generator_->generateFromCoefficients(rows_.data(), member_count, theta, &scratch_);
+}
+
+void ThetaBatch::mirrorCoefficients(int i, int mirror, float* coefficients) const {
+  generator_->projection().mirrorCoefficients(&coefficients_[static_cast<size_t>(i) * coefficient_count_], mirror, coefficients);
+}
+
+const WeightingFunction& ThetaBatch::function(int i, int mirror) {
+  if (function_idx_ == i && function_mirror_ == mirror) return function_;
+  const PointOrder& order = pointOrder(representation());
+  valid_count_ = 0;
+  for (int b = 0; b < order.batchCount(); ++b) {
+    const int begin = order.batch_begin[b];
+    function_.valid_count[b] = decodeBatch(order, b, functions_[i], mirror, &function_.phi[begin], &function_.mask[begin]);
+    valid_count_ += function_.valid_count[b];
+  }
+  function_idx_ = i;
+  function_mirror_ = mirror;
+  return function_;
+}
+
+double ThetaBatch::meanSquareOf(const float* theta) const {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  if (valid_count_ == 0 || !allFinite({theta, theta_count_})) return kInfinite;
+  const int place_count = static_cast<int>(function_.phi.size());
+  const double sum = loss(representation(), 0, place_count, function_.phi.data(), function_.mask.data(), theta);
+  return std::isfinite(sum) ? sum / valid_count_ : kInfinite;
+}
+
+double ThetaBatch::meanSquare(int i) {
+  if (mean_square_[i] < 0.0) {
+    function(i);
+    mean_square_[i] = meanSquareOf(theta(i));
+  }
+  return mean_square_[i];
+}
+
+bool ThetaBatch::offer(int i, const float* theta, double mean_square, double share) {
+  if (!(mean_square < share * meanSquare(i)) || !fitsFloat16(theta, theta_count_)) return false;
+  set(i, theta, mean_square);
+  return true;
+}
+
+void ThetaBatch::putBack(int i, const float* theta) { set(i, theta, kNotMeasured); }
+
+void ThetaBatch::set(int i, const float* theta, double mean_square) {
+  std::copy_n(theta, theta_count_, theta_ + static_cast<size_t>(i) * theta_count_);
+  mean_square_[i] = mean_square;
+}
+
+}  // namespace nlg

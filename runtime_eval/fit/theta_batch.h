@@ -1,0 +1,73 @@
+// A batch of functions on its way through the stages of one representation: the best theta of each so far, and what stages share.
+#pragma once
+
+#include <vector>
+
+#include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/support/weighting_function.h"
+
+namespace nlg {
+
+// One of these a thread and generator. It allocates nothing, once it is made.
+class ThetaBatch {
+ public:
+  // generator   must outlive it
+  explicit ThetaBatch(const Generator& generator);
+
+  // Takes functions up, whose theta nobody has measured yet, and projects them.
+  // functions, theta   at most kBatchCount of them; count x D, changed in place. Both must last until the next call
+  void begin(const StoredFunction* functions, int count, float* theta);
+
+  const Generator& generator() const { return *generator_; }
+  const Representation& representation() const { return generator_->representation(); }
+  int count() const { return count_; }
+  size_t thetaCount() const { return theta_count_; }
+  const float* theta(int i) const { return theta_ + static_cast<size_t>(i) * theta_count_; }
+  // count x K: what the generator's layers read.
+  const float* coefficients() const { return coefficients_.data(); }
+
+  // The network's theta for all functions, in place of what they have.
+  void generate();
+  // … for some mirror image of some functions. theta: member_count x D
+  void generateMirrored(int mirror, const int* members, int member_count, float* theta);
+  // K numbers: those of function i, mirrored.
+  void mirrorCoefficients(int i, int mirror, float* coefficients) const;
+
+  // Function i, seen in a mirror (0: as it is), in the order of the representation; kept until another one is asked for.
+  const WeightingFunction& function(int i, int mirror = 0);
+  // Mean square of residuals over the valid points of the function asked for last; infinite where theta is not finite or there is
+  // no such point.
+  double meanSquareOf(const float* theta) const;
+  int validCount() const { return valid_count_; }
+
+  // Mean square of theta(i); measured once.
+  double meanSquare(int i);
+  // Takes a theta for function i when its mean square is below `share` of what theta(i) has. Nothing that float16 cannot hold is
+  // taken, as light grids store it.
+  // returns   whether it was taken
+  bool offer(int i, const float* theta, double mean_square, double share);
+  // Puts back what theta(i) was before.
+  void putBack(int i, const float* theta);
+
+ private:
+  void set(int i, const float* theta, double mean_square);
+
+  const Generator* generator_;
+  size_t theta_count_, coefficient_count_;
+  GeneratorScratch scratch_;
+  const StoredFunction* functions_ = nullptr;
+  int count_ = 0;
+  float* theta_ = nullptr;
+  std::vector<uint8_t> phi_;         // one batch
+  AlignedFloats coefficients_;       // one batch
+  AlignedFloats rows_;               // … of those that generateMirrored is asked for, one behind another
+  std::vector<double> mean_square_;  // by function; below 0: not measured yet
+  WeightingFunction function_;       // the one asked for last …
+  int function_idx_ = -1, function_mirror_ = 0;
+  int valid_count_ = 0;
+};
+
+// By what an offer has to be better: below lies rounding, since sums in another order differ.
+inline constexpr double kOfferPays = 0.999;
+
+}  // namespace nlg
