@@ -22,7 +22,8 @@ set(NLG_MAY_LINK_basis         nlg::dataset nlg::runtime_eval Eigen3::Eigen BLAS
 set(NLG_MAY_LINK_training_data nlg::dataset nlg::runtime_eval nlg::tool nlohmann_json::nlohmann_json Threads::Threads)
 set(NLG_MAY_LINK_generator     nlg::training_data nlg::basis nlg::dataset nlg::runtime_eval nlg::torch)
 set(NLG_MAY_LINK_statistics    "")
-set(NLG_MAY_LINK_validation    nlg::statistics nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
+set(NLG_MAY_LINK_errors        nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
+set(NLG_MAY_LINK_frontier      nlg::errors nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_comparison    nlg::statistics nlg::tool)
 set(NLG_MAY_LINK_stability     nlg::shard_job nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_policy_options nlg::runtime_eval nlg::tool)
@@ -35,7 +36,7 @@ set(NLG_MAY_LINK_nlg-cache     nlg::training_data nlg::basis nlg::runtime_eval n
 set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch)
 set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_file nlg::for_bake nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch)
 set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-validate  nlg::stability nlg::validation nlg::comparison nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-validate  nlg::stability nlg::errors nlg::frontier nlg::comparison nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 
 function(nlg_check_links name)
   if(NOT DEFINED NLG_MAY_LINK_${name})

@@ -9,6 +9,7 @@
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
+#include "validate/errors/even_choice.h"
 #include "validate/errors/function_error.h"
 #include "validate/errors/held_out.h"
 #include "validate/frontier/frontier_json.h"
