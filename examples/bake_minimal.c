@@ -1,4 +1,4 @@
-/* The same from C: the function of a probe beside a wall, generated, checked and refined.
+/* The same from C: the function of a probe beside a wall, by the policy of nlg-bake.
  *
  *   bake_minimal_c WEIGHTS.safetensors
  */
@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   if (argc != 2) return fprintf(stderr, "usage: bake_minimal_c WEIGHTS.safetensors\n"), 2;
   nlg_status status = nlg_generator_load(argv[1], NLG_FLOAT32, &generator, detail, sizeof detail);
   if (status != NLG_OK) return fprintf(stderr, "%s (%s)\n", detail, nlg_status_name(status)), 3;
-  if (nlg_scratch_create(generator, &scratch) != NLG_OK || nlg_support_pattern(&points, &pattern_hash) != NLG_OK) return 1;
+  if (nlg_scratch_create(generator, NULL, &scratch) != NLG_OK || nlg_support_pattern(&points, &pattern_hash) != NLG_OK) return 1;
   printf("%s, %zu numbers a function\n", nlg_representation_name(generator), nlg_theta_count(generator));
 
   /* a wall from x = 0.3 to 0.4: the tent on the probe's side of it, nothing behind */
@@ -35,16 +35,14 @@ int main(int argc, char** argv) {
   }
   float* theta = malloc(nlg_theta_count(generator) * sizeof(float));
   if (theta == NULL) return 1;
-  nlg_generate(generator, phi, 1, theta, scratch);
+  nlg_made made;
+  if (nlg_make_theta(generator, phi, validity, 1, theta, &made, scratch) != NLG_OK) return 1;
   nlg_evaluate(generator, theta, NLG_SUPPORT_POINT_COUNT, x, y, z, values, scratch);
 
-  printf("at the first support point: %.4f, generated %.4f\n", phi[0] / 255.0, values[0]);
-
-  const nlg_refinement_options options = nlg_default_refinement();
-  nlg_check check = nlg_check_theta(generator, phi, validity, theta, &options, scratch);
-  printf("generated: RMSE %.5f, %s\n", check.rmse, check.passes ? "accepted" : "refined");
-  if (!check.passes && nlg_refine(generator, phi, validity, theta, &options, &check, scratch) != NLG_OK) return 1;
-  printf("stored:    RMSE %.5f\n", check.rmse);
+  printf("at the first support point: %.4f, stored %.4f\n", phi[0] / 255.0, values[0]);
+  printf("network:   RMSE %.5f\n", made.network.rmse);
+  printf("corrected: RMSE %.5f\n", made.corrected.rmse);
+  printf("fitted:    RMSE %.5f, %s\n", made.fitted.rmse, made.fitted.passes ? "accepted" : "still failing");
   free(theta);
   nlg_scratch_free(scratch);
   nlg_generator_free(generator);

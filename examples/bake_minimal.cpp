@@ -1,5 +1,4 @@
-// The smallest bake: the weighting function of one probe beside a wall becomes theta, which is checked, and refined when it
-// fails.
+// The smallest bake: the weighting function of one probe beside a wall becomes theta, by the policy of nlg-bake.
 //
 //   bake_minimal WEIGHTS.safetensors
 #include <cmath>
@@ -8,7 +7,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/fit/refinement.h"
+#include "runtime_eval/fit/theta_policy.h"
 
 namespace {
 
@@ -44,23 +43,20 @@ int main(int argc, char** argv) {
   const nlg::Representation& representation = generator.representation();
   std::printf("%s, %d numbers a function\n", nlg::representationName(representation), representation.thetaCount());
 
-  // one scratch a thread; a real bake generates thousands of functions in a call
-  nlg::GeneratorScratch scratch(generator);
+  // one policy a thread; a real bake gives it thousands of functions in a call
+  nlg::ThetaPolicy policy({&generator}, nlg::PolicyOptions{});
   const SampledFunction sampled = besideAWall();
-  nlg::Theta theta(representation.thetaCount());
-  generator.generate(sampled.phi.data(), 1, theta.data(), &scratch);
-
   const nlg::StoredFunction function = {sampled.phi.data(), sampled.validity.data()};
-  nlg::FunctionChecker checker;
-  const nlg::RefinementOptions policy;
-  const nlg::FunctionCheck generated = checker.check(representation, function, theta.data(), policy.check);
-  print("generated", generated);
-  if (generated.passes(policy.check)) return 0;
+  nlg::MadeTheta made;
+  policy.bake(&function, 1, &made);
+  if (made.isBareTent()) return std::printf("the bare tent is enough: no theta\n"), 0;
 
-  nlg::Refiner refiner;
-  const nlg::Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
-  const nlg::RefinementResult refined = refiner.refine(representation, function, theta, theta0, policy);
-  print("refined", refined.check);
-  std::printf("%d steps, %s\n", refined.steps, refined.check.passes(policy.check) ? "accepted" : "still failing");
+  for (const nlg::ThetaWord word :
+       {nlg::ThetaWord::network, nlg::ThetaWord::corrected, nlg::ThetaWord::fitted, nlg::ThetaWord::stored}) {
+    print(nlg::wordName(word), made.record.at(word));
+  }
+  std::printf("%s, by the stage \"%s\" in %.0f microseconds\n",
+              made.check().passes(policy.options().check()) ? "accepted" : "still failing", nlg::stageTitle(made.record.ended),
+              made.record.elapsedUs(nlg::ThetaWord::stored));
   return 0;
 }

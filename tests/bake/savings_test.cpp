@@ -33,8 +33,9 @@ BakeOptions houseOptions() {
   BakeOptions options;
   options.spacing_m = 1.5;
   options.extent_m = {"0", "0", "0", "6", "6", "3"};
-  options.refinement.rounds = 0;
-  options.refinement.first_steps = 4;
+  options.policy.refinement.rounds = 0;
+  options.policy.refinement.first_steps = 4;
+  options.policy.stages.adam_steps = 20;
   options.threads = 2;
   return options;
 }
@@ -52,8 +53,8 @@ const BakeScene& house() {
   return scene;
 }
 
-Bake bakeHouse(const std::vector<Generator>& generators, const BakeOptions& options, const BakeSavings& savings = {}) {
-  return bakeScene(house(), generators, options, ThetaPrecision::float32, spoolFolder(), savings);
+Bake bakeHouse(const std::vector<Generator>& generators, const BakeOptions& options, const LeftOut& left_out = {}) {
+  return bakeScene(house(), generators, options, spoolFolder(), left_out);
 }
 
 std::string fileBytes(const LightGrid& grid) {
@@ -69,18 +70,19 @@ uint64_t probesOf(const LightGrid& grid, uint32_t function) {
 
 // The median error of what generators make, nothing corrected.
 double medianRmse(const std::vector<Generator>& generators, BakeOptions options) {
-  options.correction.correct_rmse = 1e3;
-  options.refinement.check = {1e3, 1e3, 1.0};
+  options.policy.stages.good_rmse = 1e3;
+  options.policy.refinement.check = {1e3, 1e3, 1.0};
   std::vector<double> rmse;
-  for (const FunctionCheck& check : bakeHouse(generators, options).statistics.stored) rmse.push_back(check.rmse);
+  for (const ThetaRecord& record : bakeHouse(generators, options).statistics.records)
+    rmse.push_back(record.at(ThetaWord::stored).rmse);
   std::sort(rmse.begin(), rmse.end());
   return rmse[rmse.size() / 2];
 }
 
-TEST(Needs, CountsAreThoseOfTheBakeAndAddUp) {
+TEST(Savings, CountsAreThoseOfTheBakeAndAddUp) {
   const std::vector<Generator> both = generators({"tent_mlp", "mlp"});
   const Bake bake = bakeHouse(both, houseOptions());
-  std::vector<Saving> savings = countSavings(bake, both, ThetaPrecision::float32, {1000, 2000});
+  std::vector<Saving> savings = countSavings(bake, both, houseOptions().policy, {1000, 2000});
   const ShardCounts& counts = bake.statistics.counts;
   const auto line = [&](const char* what) -> const Saving& {
     Saving* saving = findSaving(savings, what);
@@ -96,12 +98,10 @@ TEST(Needs, CountsAreThoseOfTheBakeAndAddUp) {
                          line(saving::kDuplicates).count + line(saving::kBareTent).count;
   EXPECT_EQ(line(saving::kAllProbes).count, parts);
   EXPECT_EQ(parts + counts.functions, counts.grid_probes);
-  EXPECT_EQ(line(saving::kLargestTheta).count + bake.statistics.chosen.back(), counts.functions);
-  EXPECT_EQ(line(saving::kRefinement).count + bake.statistics.failed_check, counts.functions);
-  // the smaller generator ran for all functions, the larger for those that it was not enough for
-  EXPECT_EQ(line(saving::kCorrection).of, 2 * counts.functions - bake.statistics.smallest_enough);
+  EXPECT_EQ(line(saving::kLargestTheta).count + bake.statistics.chosen(2).back(), counts.functions);
+  EXPECT_EQ(line(saving::kRefinement).count + bake.statistics.refined(), counts.functions);
   uint64_t never_bytes = 0;
-  for (size_t g = 0; g < both.size(); ++g) never_bytes += bake.statistics.chosen[g] == 0 ? 1000 * (g + 1) : 0;
+  for (size_t g = 0; g < both.size(); ++g) never_bytes += bake.statistics.chosen(2)[g] == 0 ? 1000 * (g + 1) : 0;
   EXPECT_EQ(line(saving::kNeverChosen).bytes_saved, static_cast<int64_t>(never_bytes));
   for (const Saving& saving : savings) {
     EXPECT_LE(saving.count, saving.of) << saving.what;
@@ -111,9 +111,9 @@ TEST(Needs, CountsAreThoseOfTheBakeAndAddUp) {
   }
 }
 
-TEST(Needs, TablesHaveEveryLineAndTheKeysOfTheReport) {
+TEST(Savings, TablesHaveEveryLineAndTheKeysOfTheReport) {
   const std::vector<Generator> one = generators({"tent_mlp"});
-  const std::vector<Saving> savings = countSavings(bakeHouse(one, houseOptions()), one, ThetaPrecision::float32, {1000});
+  const std::vector<Saving> savings = countSavings(bakeHouse(one, houseOptions()), one, houseOptions().policy, {1000});
   const nlohmann::ordered_json json = toJson(savings);
   const std::string text = toTable(savings);
   ASSERT_EQ(json.size(), savings.size());
@@ -130,10 +130,10 @@ TEST(Needs, TablesHaveEveryLineAndTheKeysOfTheReport) {
   EXPECT_EQ(json.back().at("what"), saving::kLighting);
 }
 
-TEST(BakeSavings, FreeSpaceIsOneFunctionForAllOfIt) {
+TEST(LeftOut, FreeSpaceIsOneFunctionForAllOfIt) {
   const std::vector<Generator> one = generators({"tent_mlp"});
   BakeOptions options = exactOptions();
-  options.bare_tent_rmse = 0.0;
+  options.policy.bare_tent_rmse = 0.0;
   const Bake with = bakeHouse(one, options), without = bakeHouse(one, options, {.free_space = false});
   ASSERT_GT(probesOf(with.grid, kFreeSpace), 0u);
   EXPECT_EQ(probesOf(without.grid, kFreeSpace), 0u);
@@ -149,82 +149,80 @@ TEST(BakeSavings, FreeSpaceIsOneFunctionForAllOfIt) {
               fileBytes(bakeHouse(one, exactOptions()).grid));
 }
 
-TEST(BakeSavings, WithoutThemEveryProbeHasAFunctionOfItsOwn) {
+TEST(LeftOut, WithoutThemEveryProbeHasAFunctionOfItsOwn) {
   const std::vector<Generator> one = generators({"tent_mlp"});
-  BakeSavings none;
-  none.free_space = none.in_solid = none.empty = none.duplicates = none.bare_tent = false;
-  const Bake bake = bakeHouse(one, houseOptions(), none);
+  BakeOptions options = houseOptions();
+  options.policy.bare_tent_rmse = 0.0;
+  const Bake bake = bakeHouse(one, options, {false, false, false, false});
   EXPECT_EQ(bake.grid.functionCount(), bake.grid.probe_function.size());
   std::vector<uint32_t> numbers = bake.grid.probe_function;
   std::sort(numbers.begin(), numbers.end());
   for (size_t p = 0; p < numbers.size(); ++p) ASSERT_EQ(numbers[p], p);
 }
 
-TEST(BakeSavings, DuplicatesTakeAThetaEach) {
+TEST(LeftOut, DuplicatesTakeAThetaEach) {
   const std::vector<Generator> one = generators({"tent_mlp"});
   const Bake with = bakeHouse(one, houseOptions()), without = bakeHouse(one, houseOptions(), {.duplicates = false});
   const uint64_t duplicates = with.statistics.counts.duplicates;
   ASSERT_GT(duplicates, 0u);
   EXPECT_EQ(without.grid.functionCount(), with.grid.functionCount() + duplicates);
   // what the table says without measuring: D floats and a byte a function
-  std::vector<Saving> savings = countSavings(with, one, ThetaPrecision::float32, {1000});
+  std::vector<Saving> savings = countSavings(with, one, houseOptions().policy, {1000});
   const auto theta_bytes = static_cast<int64_t>(4 * (without.grid.theta.size() - with.grid.theta.size()));
   EXPECT_EQ(findSaving(savings, saving::kDuplicates)->bytes_saved, theta_bytes + static_cast<int64_t>(duplicates));
 }
 
-TEST(BakeSavings, LargerGeneratorsWhereTheSmallestIsEnoughChangeNoByte) {
+TEST(Savings, LargerGeneratorsRunOnlyWhereTheSmallestIsNotEnough) {
   const std::vector<Generator> both = generators({"tent_mlp4", "tent_mlp"});
   BakeOptions options = houseOptions();
   // enough for about half of the functions; the larger representation for all others, however little it is better
-  options.choice.flat_ratio = 1e-6;
-  options.choice.enough_rmse = medianRmse(generators({"tent_mlp4"}), options) / options.choice.generator_excess;
-  options.correction.correct_rmse = 1e3;
-  options.refinement.check = {1e3, 1e3, 1.0};
-  const Bake with = bakeHouse(both, options), without = bakeHouse(both, options, {.larger_generators = false});
-  EXPECT_GT(with.statistics.smallest_enough, 0u);
-  EXPECT_LT(with.statistics.smallest_enough, with.statistics.counts.functions);
-  EXPECT_EQ(with.statistics.smallest_enough, without.statistics.smallest_enough);
-  EXPECT_EQ(with.statistics.chosen[1], with.statistics.counts.functions - with.statistics.smallest_enough);
-  EXPECT_EQ(without.statistics.checked, 2 * with.statistics.counts.functions);
-  EXPECT_EQ(with.statistics.checked, without.statistics.checked - with.statistics.smallest_enough);
-  EXPECT_TRUE(fileBytes(with.grid) == fileBytes(without.grid));
+  options.policy.choice.flat_ratio = 1e-6;
+  options.policy.choice.enough_rmse = medianRmse(generators({"tent_mlp4"}), options) / options.policy.choice.generator_excess;
+  options.policy.stages.good_rmse = 1e3;
+  options.policy.refinement.check = {1e3, 1e3, 1.0};
+  const Bake house = bakeHouse(both, options);
+  const auto& larger_ran = house.statistics.larger_ran;
+  const auto larger = static_cast<uint64_t>(std::count(larger_ran.begin(), larger_ran.end(), 1));
+  EXPECT_GT(larger, 0u);
+  EXPECT_LT(larger, house.statistics.counts.functions);
+  EXPECT_EQ(house.statistics.chosen(2)[1], larger);
+  std::vector<Saving> savings = countSavings(house, both, options.policy, {1000, 2000});
+  EXPECT_EQ(findSaving(savings, saving::kLargerGenerators)->count, house.statistics.counts.functions - larger);
 }
 
-TEST(BakeSavings, RefiningWhatPassesTheCheckOnlyLowersErrors) {
+TEST(Savings, WhatIsGoodTakesNoStageAfterTheNetwork) {
   const std::vector<Generator> one = generators({"tent_mlp"});
   BakeOptions options = houseOptions();
-  options.refinement.check = {1e3, 1e3, 1.0};  // everything passes
-  options.refinement.rounds = 1;
-  const Bake with = bakeHouse(one, options), without = bakeHouse(one, options, {.refinement = false});
-  EXPECT_EQ(with.statistics.refined, 0u);
+  options.policy.stages.good_rmse = 1e3;
+  options.policy.refinement.check = {1e3, 1e3, 1.0};
+  const Bake good = bakeHouse(one, options);
+  std::vector<Saving> savings = countSavings(good, one, options.policy, {1000});
+  EXPECT_EQ(findSaving(savings, saving::kGoodTheta)->count, good.statistics.counts.functions);
+  for (const ThetaRecord& record : good.statistics.records) EXPECT_EQ(record.ended, ThetaStage::network);
+  options.policy.stages.good_rmse = 0.0;
+  const Bake all = bakeHouse(one, options);
+  savings = countSavings(all, one, options.policy, {1000});
+  EXPECT_EQ(findSaving(savings, saving::kGoodTheta)->count, 0u);
   uint64_t better = 0;
-  for (size_t f = 0; f < with.grid.functionCount(); ++f) {
-    EXPECT_LE(without.statistics.stored[f].rmse, with.statistics.stored[f].rmse) << "function " << f;
-    better += without.statistics.stored[f].rmse < with.statistics.stored[f].rmse;
+  for (size_t f = 0; f < all.statistics.records.size(); ++f) {
+    const ThetaRecord &record = all.statistics.records[f], &before = good.statistics.records[f];
+    EXPECT_LE(record.at(ThetaWord::stored).rmse, before.at(ThetaWord::stored).rmse * (1.0 + 1e-6)) << "function " << f;
+    better += record.at(ThetaWord::stored).rmse < before.at(ThetaWord::stored).rmse;
   }
   EXPECT_GT(better, 0u);
 }
 
-TEST(BakeSavings, WhatIsRightIsCorrectedOnlyWithoutTheSaving) {
-  const std::vector<Generator> one = generators({"tent_mlp"});
-  BakeOptions options = houseOptions();
-  options.correction.correct_rmse = 1e3;
-  options.refinement.check = {1e3, 1e3, 1.0};
-  const Bake with = bakeHouse(one, options), without = bakeHouse(one, options, {.correction = false});
-  EXPECT_EQ(with.statistics.right, with.statistics.counts.functions);
-  EXPECT_EQ(with.statistics.corrected, 0u);
-  EXPECT_EQ(without.statistics.right, with.statistics.right);
-  EXPECT_GT(without.statistics.corrected, 0u);
-}
-
-TEST(BakeSavings, WhatIsAllButTheBareTentHasNoThetaAndIsNoFurtherOff) {
+TEST(LeftOut, WhatIsAllButTheBareTentHasNoThetaAndIsNoFurtherOff) {
   const std::vector<Generator> one = generators({"tent_mlp"});
   BakeOptions options = exactOptions();
-  options.bare_tent_rmse = 0.004;
-  const Bake with = bakeHouse(one, options), without = bakeHouse(one, options, {.bare_tent = false});
+  options.policy.bare_tent_rmse = 0.004;
+  const Bake with = bakeHouse(one, options);
+  BakeOptions none = options;
+  none.policy.bare_tent_rmse = 0.0;
+  const Bake without = bakeHouse(one, none);
   const BareTents& tents = with.statistics.bare_tents;
   ASSERT_GT(tents.count, 0u);
-  EXPECT_LE(tents.rmse_sum, options.bare_tent_rmse * static_cast<double>(tents.count));
+  EXPECT_LE(tents.rmse_sum, options.policy.bare_tent_rmse * static_cast<double>(tents.count));
   EXPECT_GT(tents.rmse_sum, 0.0);
   EXPECT_EQ(without.statistics.bare_tents.count, 0u);
   EXPECT_EQ(probesOf(with.grid, kFreeSpace), probesOf(without.grid, kFreeSpace) + tents.count);
@@ -235,15 +233,16 @@ TEST(BakeSavings, WhatIsAllButTheBareTentHasNoThetaAndIsNoFurtherOff) {
       EXPECT_TRUE(a == b || (a == kFreeSpace && b < without.grid.functionCount())) << "probe " << p;
       continue;
     }
-    EXPECT_EQ(with.statistics.stored[a].rmse, without.statistics.stored[b].rmse) << "probe " << p;
+    EXPECT_EQ(with.statistics.records[a].at(ThetaWord::stored).rmse, without.statistics.records[b].at(ThetaWord::stored).rmse)
+        << "probe " << p;
   }
-  options.bare_tent_rmse = 0.0;
-  EXPECT_TRUE(fileBytes(bakeHouse(one, options).grid) == fileBytes(without.grid));
 }
 
-TEST(BakeSavings, BareTentsThatPassTheCheckCouldCountAsFreeSpace) {
+TEST(LeftOut, BareTentsThatPassTheCheckCouldCountAsFreeSpace) {
   const std::vector<Generator> one = generators({"tent_mlp"});
-  const Bake now = bakeHouse(one, exactOptions()), then = bakeHouse(one, exactOptions(), {.passing_tent = true});
+  BakeOptions passing_tents = exactOptions();
+  passing_tents.policy.bare_tent_rmse = passing_tents.policy.check().tau_rmse;
+  const Bake now = bakeHouse(one, exactOptions()), then = bakeHouse(one, passing_tents);
   const auto passing = [](const Bake& bake) {
     return std::count(bake.statistics.tent_passes.begin(), bake.statistics.tent_passes.end(), 1);
   };
@@ -290,15 +289,15 @@ TEST(LookUpPlaces, AreThoseOfTheDrawsThatLieInAir) {
 TEST(SavingsMeasurement, EveryLineThatCanBeTurnedHasFiguresAndSaysWhatChanged) {
   const std::vector<Generator> both = generators({"tent_mlp4", "tent_mlp"});
   BakeOptions options = houseOptions();
-  options.choice.enough_rmse = 1e3;  // of the larger one nothing is needed
-  options.refinement.check = {1e3, 1e3, 1.0};
-  options.refinement.rounds = 1;
+  options.policy.choice.enough_rmse = 1e3;  // of the larger one nothing is needed
+  options.policy.refinement.check = {1e3, 1e3, 1.0};
+  options.policy.refinement.rounds = 1;
   const Bake bake = bakeHouse(both, options);
-  std::vector<Saving> savings = countSavings(bake, both, ThetaPrecision::float32, {1000, 2000});
+  std::vector<Saving> savings = countSavings(bake, both, houseOptions().policy, {1000, 2000});
   // the house a kilometre from the world's origin: places in it are told from solid all the same
   BakeScene scene("house:3", houseOptions());
   scene.source.scene.origin_m = {1024.0, -512.0, 0.0};
-  measureSavings({scene, both, options, ThetaPrecision::float32, spoolFolder()}, bake.statistics, 2, &savings);
+  measureSavings({scene, both, options, spoolFolder()}, bake.statistics, 2, &savings);
   const SupportVisibility visibility(scene.rays, scene.links);
   uint64_t in_air = 0;
   for (const PositionM& place : lookUpPlaces(scene.tree, 20000, 1, everywhere)) {
@@ -308,8 +307,9 @@ TEST(SavingsMeasurement, EveryLineThatCanBeTurnedHasFiguresAndSaysWhatChanged) {
   EXPECT_GT(in_air, 0u);
   EXPECT_LT(in_air, 20000u) << "no solid: nothing is left out of the comparison";
   const std::string places_in_air = fmt::format("at {} places in air", in_air);
-  const std::set<std::string> only_counted = {saving::kNeverChosen, saving::kLevels,   saving::kThroughLevels,
-                                              saving::kEmptyRoots,  saving::kLighting, saving::kSolidRays};
+  const std::set<std::string> only_counted = {saving::kNeverChosen,      saving::kLevels,    saving::kThroughLevels,
+                                              saving::kEmptyRoots,       saving::kLighting,  saving::kSolidRays,
+                                              saving::kLargerGenerators, saving::kRefinement};
   for (const Saving& saving : savings) {
     if (saving.count == 0 || only_counted.contains(saving.what)) continue;
     EXPECT_TRUE(saving.seconds_saved) << saving.what;
@@ -320,17 +320,18 @@ TEST(SavingsMeasurement, EveryLineThatCanBeTurnedHasFiguresAndSaysWhatChanged) {
     EXPECT_NE(saving.note.find(places_in_air), std::string::npos) << saving.what << ": " << saving.note;
     EXPECT_TRUE(saving.bytes_saved) << saving.what;
     ASSERT_TRUE(saving.same_result) << saving.what;
-    EXPECT_EQ(*saving.same_result, saving.note.find("largest difference") == std::string::npos) << saving.what << ": " << saving.note;
+    EXPECT_EQ(*saving.same_result, saving.note.find("largest difference") == std::string::npos)
+        << saving.what << ": " << saving.note;
     EXPECT_NE(saving.note.find("in 2 rounds"), std::string::npos) << saving.what << ": " << saving.note;
   }
   const auto line = [&](const char* what) { return *findSaving(savings, what); };
   EXPECT_EQ(line(saving::kLargerGenerators).count, bake.statistics.counts.functions);
-  EXPECT_EQ(line(saving::kLargerGenerators).same_result, true);
   EXPECT_EQ(line(saving::kLargerGenerators).bytes_saved, 0);
   EXPECT_EQ(line(saving::kNeverChosen).bytes_saved, 2000);
   EXPECT_EQ(line(saving::kNeverChosenGenerators).same_result, true) << "its generator never ran";
   EXPECT_EQ(line(saving::kHalfTheta).same_result, false);
-  EXPECT_NEAR(static_cast<double>(*line(saving::kHalfTheta).bytes_saved), 2.0 * static_cast<double>(bake.grid.theta.size()), 128.0)
+  EXPECT_NEAR(static_cast<double>(*line(saving::kHalfTheta).bytes_saved), 2.0 * static_cast<double>(bake.grid.theta.size()),
+              128.0)
       << "the file's fillers are at most 64 bytes a tensor";
   EXPECT_GT(*line(saving::kAllProbes).bytes_saved, *line(saving::kDuplicates).bytes_saved);
   EXPECT_TRUE(line(saving::kSolidRays).seconds_saved);

@@ -8,8 +8,7 @@
 
 #include "runtime_eval/c_api/nlg.h"
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/fit/correction.h"
-#include "runtime_eval/fit/refinement.h"
+#include "runtime_eval/fit/theta_policy.h"
 #include "tests/runtime_eval/c_api/c_engine.h"
 #include "tests/runtime_eval/sample_generator.h"
 
@@ -60,10 +59,10 @@ struct EngineFunctions {
 struct Loaded {
   nlg_generator* generator = nullptr;
   nlg_scratch* scratch = nullptr;
-  explicit Loaded(const GeneratorData& data) {
+  explicit Loaded(const GeneratorData& data, const nlg_policy_options* options = nullptr) {
     const std::string bytes = serializeWeights(weightsFromGenerator(data));
     EXPECT_EQ(nlg_generator_load_bytes(bytes.data(), bytes.size(), NLG_FLOAT32, &generator, nullptr, 0), NLG_OK);
-    EXPECT_EQ(nlg_scratch_create(generator, &scratch), NLG_OK);
+    EXPECT_EQ(nlg_scratch_create(generator, options, &scratch), NLG_OK);
   }
   ~Loaded() {
     nlg_scratch_free(scratch);
@@ -82,11 +81,14 @@ TEST(CApi, GivesAnEngineInCTheNumbersOfTheLibrary) {
   ASSERT_EQ(failed_step, 0);
 
   const Generator generator(correctedData());
-  GeneratorScratch scratch(generator);
   const size_t theta_count = ThetaLayout::count;
-  std::vector<float> expected(kCount * theta_count);
-  generator.generate(functions.phi.data(), kCount, expected.data(), &scratch);
-  ASSERT_EQ(Corrector(generator).correct(functions.views().data(), kCount, expected.data()), kCount);
+  std::vector<MadeTheta> made(kCount);
+  ThetaPolicy({&generator}, {}).bake(functions.views().data(), kCount, made.data());
+  std::vector<float> expected;
+  for (const MadeTheta& one : made) {
+    ASSERT_FALSE(one.isBareTent());
+    expected.insert(expected.end(), one.theta.begin(), one.theta.end());
+  }
   const PointSet points = makePointSet(supportPattern().points);
   AlignedFloats expected_values(points.padded_count);
   for (int n = 0; n < kCount; ++n) {
@@ -102,7 +104,7 @@ TEST(CApi, LoadsInThePrecisionAskedFor) {
   nlg_generator* generator = nullptr;
   nlg_scratch* c_scratch = nullptr;
   ASSERT_EQ(nlg_generator_load_bytes(sampleBytes().data(), sampleBytes().size(), NLG_INT16, &generator, nullptr, 0), NLG_OK);
-  ASSERT_EQ(nlg_scratch_create(generator, &c_scratch), NLG_OK);
+  ASSERT_EQ(nlg_scratch_create(generator, nullptr, &c_scratch), NLG_OK);
   const std::vector<uint8_t> phi = sampleFunctions(1);
   std::vector<float> theta(ThetaLayout::count), int16(theta), float32(theta);
   nlg_generate(generator, phi.data(), 1, theta.data(), c_scratch);
@@ -210,72 +212,94 @@ TEST(CApi, NamesEveryStatus) {
   EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_SIMD_UNAVAILABLE + 1)), "unknown");
 }
 
-TEST(CApi, ChecksAndRefinesAsTheLibraryDoes) {
-  const Loaded loaded(sampleData());
-  const StoredSample sample = wallSample(3);
-  std::vector<float> theta(113);
-  nlg_generate(loaded.generator, sample.phi.data(), 1, theta.data(), loaded.scratch);
-  nlg_refinement_options options = nlg_default_refinement();
-  EXPECT_EQ(options.tau_rmse, RefinementOptions{}.check.tau_rmse);
-  EXPECT_EQ(options.growth, RefinementOptions{}.growth);
-  options.first_steps = 100;
-  RefinementOptions same;
-  same.first_steps = 100;
-  const Representation& representation = Generator(sampleData()).representation();
-  FunctionChecker checker;
-  const FunctionCheck expected = checker.check(representation, sample.view(), theta.data(), same.check);
-  const nlg_check before =
-      nlg_check_theta(loaded.generator, sample.phi.data(), sample.validity.data(), theta.data(), &options, loaded.scratch);
-  EXPECT_EQ(before.rmse, expected.rmse);
-  EXPECT_EQ(before.leak_mean, expected.leak_mean);
-  EXPECT_EQ(before.leak_share, expected.leak_share);
-  EXPECT_EQ(before.passes, 0);
-  const RefinementResult refined =
-      Refiner().refine(representation, sample.view(), theta, {sampleData().theta0.begin(), sampleData().theta0.end()}, same);
-  nlg_check after{};
-  EXPECT_EQ(
-      nlg_refine(loaded.generator, sample.phi.data(), sample.validity.data(), theta.data(), &options, &after, loaded.scratch),
-      NLG_OK);
-  EXPECT_EQ(theta, refined.theta);
-  EXPECT_EQ(after.rmse, refined.check.rmse);
-  EXPECT_LT(after.rmse, before.rmse);
+TEST(CApi, ItsDefaultPolicyIsTheLibrarys) {
+  const nlg_policy_options c = nlg_default_policy();
+  const PolicyOptions o;
+  EXPECT_EQ(c.bare_tent_rmse, o.bare_tent_rmse);
+  EXPECT_EQ(c.good_rmse, o.stages.good_rmse);
+  EXPECT_EQ(c.learned_steps, o.stages.learned_steps);
+  EXPECT_EQ(c.mirror_images, o.stages.mirror_images);
+  EXPECT_EQ(c.retry_rmse, o.stages.retry_rmse);
+  EXPECT_EQ(c.lm_iterations, o.stages.lm_iterations);
+  EXPECT_EQ(c.lm_theta0_iterations, o.stages.lm_theta0_iterations);
+  EXPECT_EQ(c.adam_rmse, o.stages.adam_rmse);
+  EXPECT_EQ(c.adam_steps, o.stages.adam_steps);
+  EXPECT_EQ(c.tau_rmse, o.check().tau_rmse);
+  EXPECT_EQ(c.tau_leak, o.check().tau_leak);
+  EXPECT_EQ(c.leak_share, o.check().leak_share);
+  EXPECT_EQ(c.refine_rounds, o.refinement.rounds);
+  EXPECT_EQ(c.refine_first_steps, o.refinement.first_steps);
+  EXPECT_EQ(c.refine_growth, o.refinement.growth);
+  EXPECT_EQ(c.refine_leak_weight, o.refinement.leak_weight);
 }
 
-TEST(CApi, CorrectsAnyNumberOfFunctionsAsTheLibraryDoes) {
+// Every option has a value of its own, so that two of them taken for one another would show.
+TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
   constexpr size_t kCount = 2 * kBatchCount + 5;
-  const EngineFunctions functions(kCount);
+  EngineFunctions functions(kCount);
+  // every tenth is the bare tent
+  for (size_t n = 0; n < kCount; n += 10) {
+    std::fill_n(&functions.validity[n * kValidityByteCount], kValidityByteCount, uint8_t{255});
+    for (int p = 0; p < kSupportPointCount; ++p) {
+      functions.phi[n * kSupportPointCount + p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
+    }
+  }
+  nlg_policy_options options = nlg_default_policy();
+  options = {.bare_tent_rmse = 0.0021,
+             .good_rmse = 0.0011,
+             .learned_steps = 2,
+             .mirror_images = 3,
+             .retry_rmse = 0.0051,
+             .lm_iterations = 4,
+             .lm_theta0_iterations = 5,
+             .adam_rmse = 0.0031,
+             .adam_steps = 60,
+             .tau_rmse = 0.021,
+             .tau_leak = 0.11,
+             .leak_share = 0.012,
+             .refine_rounds = 1,
+             .refine_first_steps = 70,
+             .refine_growth = 8,
+             .refine_leak_weight = 9.0};
+  PolicyOptions same;
+  same.bare_tent_rmse = 0.0021;
+  same.stages = {0.0011, 2, 3, 0.0051, 4, 5, 0.0031, 60};
+  same.refinement = {{0.021, 0.11, 0.012}, 1, 70, 8, 9.0};
   const GeneratorData field = withCorrection(fieldData(), 20, 3, 2, 4);
   for (const GeneratorData* data : {&correctedData(), &field}) {
-    const Loaded loaded(*data);
+    const Loaded loaded(*data, &options);
     const Generator generator(*data);
+    ThetaPolicy policy({&generator}, same);
+    std::vector<MadeTheta> expected(kCount);
+    policy.bake(functions.views().data(), static_cast<int>(kCount), expected.data());
     const size_t theta_count = data->theta0.size();
     for (const size_t count : {size_t{0}, size_t{1}, size_t{kBatchCount}, kCount}) {
       std::vector<float> theta(count * theta_count + 1, -7.0f);
-      nlg_generate(loaded.generator, functions.phi.data(), count, theta.data(), loaded.scratch);
-      std::vector<float> expected = theta;
-      const int changed = Corrector(generator).correct(functions.views().data(), static_cast<int>(count), expected.data());
-      EXPECT_EQ(
-          nlg_correct(loaded.generator, functions.phi.data(), functions.validity.data(), count, theta.data(), loaded.scratch),
-          static_cast<size_t>(changed))
-          << count;
-      EXPECT_EQ(theta, expected) << count;
+      std::vector<nlg_made> made(count + 1);
+      ASSERT_EQ(nlg_make_theta(loaded.generator, functions.phi.data(), functions.validity.data(), count, theta.data(),
+                               made.data(), loaded.scratch),
+                NLG_OK);
       EXPECT_EQ(theta.back(), -7.0f) << count;
-      // the best last layer is better than one of random numbers
-      if (data == &correctedData()) {
-        EXPECT_EQ(changed, static_cast<int>(count));
+      for (size_t n = 0; n < count; ++n) {
+        const MadeTheta& one = expected[n];
+        const Theta of_c(&theta[n * theta_count], &theta[n * theta_count] + theta_count);
+        EXPECT_EQ(of_c, one.isBareTent() ? Theta(theta_count, 0.0f) : one.theta) << n;
+        EXPECT_EQ(made[n].has_theta, !one.isBareTent()) << n;
+        EXPECT_EQ(made[n].has_theta, n % 10 != 0) << n;
+        EXPECT_EQ(made[n].took_fit, one.record.took_fit) << n;
+        EXPECT_STREQ(made[n].ended, stageName(one.record.ended)) << n;
+        EXPECT_EQ(made[n].network.rmse, one.record.at(ThetaWord::network).rmse) << n;
+        EXPECT_EQ(made[n].corrected.leak_share, one.record.at(ThetaWord::corrected).leak_share) << n;
+        EXPECT_EQ(made[n].fitted.rmse, one.record.at(ThetaWord::fitted).rmse) << n;
+        EXPECT_EQ(made[n].fitted.passes, one.check().passes(same.check())) << n;
+        if (made[n].has_theta == 0) continue;
+        const nlg_check check = nlg_check_theta(loaded.generator, &functions.phi[n * kSupportPointCount],
+                                                &functions.validity[n * kValidityByteCount], of_c.data(), loaded.scratch);
+        EXPECT_EQ(check.rmse, made[n].fitted.rmse) << n;
+        EXPECT_EQ(check.leak_mean, made[n].fitted.leak_mean) << n;
       }
     }
   }
-}
-
-TEST(CApi, CorrectsNothingWithoutStepsInTheWeights) {
-  const Loaded loaded(sampleData());
-  const EngineFunctions functions(2);
-  std::vector<float> theta(2 * nlg_theta_count(loaded.generator));
-  nlg_generate(loaded.generator, functions.phi.data(), 2, theta.data(), loaded.scratch);
-  const std::vector<float> generated = theta;
-  EXPECT_EQ(nlg_correct(loaded.generator, functions.phi.data(), functions.validity.data(), 2, theta.data(), loaded.scratch), 0u);
-  EXPECT_EQ(theta, generated);
 }
 
 TEST(CApi, FreesNothingWhenThereIsNothing) {

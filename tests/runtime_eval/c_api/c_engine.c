@@ -16,12 +16,11 @@ int engine_bake(const char* path, const unsigned char* phi, const unsigned char*
   size_t i, n, theta_count;
   *theta = *values = NULL;
   if (nlg_generator_load(path, NLG_FLOAT32, &generator, detail, sizeof detail) != NLG_OK) return 1;
-  if (nlg_support_pattern(&points, &hash) != NLG_OK || nlg_scratch_create(generator, &scratch) != NLG_OK) return 2;
+  if (nlg_support_pattern(&points, &hash) != NLG_OK || nlg_scratch_create(generator, NULL, &scratch) != NLG_OK) return 2;
 
   theta_count = nlg_theta_count(generator);
   *theta = malloc(count * theta_count * sizeof(float));
-  nlg_generate(generator, phi, count, *theta, scratch);
-  nlg_correct(generator, phi, validity, count, *theta, scratch);
+  if (nlg_make_theta(generator, phi, validity, count, *theta, NULL, scratch) != NLG_OK) return 3;
 
   x = malloc(3 * NLG_SUPPORT_POINT_COUNT * sizeof(float));
   y = x + NLG_SUPPORT_POINT_COUNT;

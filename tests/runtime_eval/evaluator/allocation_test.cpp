@@ -1,7 +1,7 @@
 // The hot calls allocate nothing.
 #include <gtest/gtest.h>
 
-#include "runtime_eval/fit/correction.h"
+#include "runtime_eval/fit/theta_policy.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/sample_generator.h"
 
@@ -34,19 +34,21 @@ TEST(Generator, AllocatesNothingAfterLoad) {
   }
 }
 
-TEST(Corrector, AllocatesNothingOnceMade) {
+TEST(StageRunner, AllocatesNothingOnceMade) {
   constexpr int kCount = 97;
   const std::vector<uint8_t> phi = sampleFunctions(kCount), validity(kValidityByteCount, 255);
   for (const Representation& representation : {Representation::mlp(), Representation::productField(5)}) {
     GeneratorData data = withCorrection(sampleGenerator(representation, 48, 3, 1), 32, 3, 2, 5);
     data.correction.exact_last_layer = !representation.isField();
     const Generator generator(data);
-    Corrector corrector(generator);
+    StageRunner runner(generator, PolicyOptions{});
+    std::vector<ThetaRecord> records(kCount);
     std::vector<StoredFunction> functions;
     for (int i = 0; i < kCount; ++i) functions.push_back({&phi[size_t(i) * kSupportPointCount], validity.data()});
     std::vector<float> theta(size_t(kCount) * representation.thetaCount(), 0.1f);
     const long before = allocationCount();
-    corrector.correct(functions.data(), kCount, theta.data());
+    runner.improve(functions.data(), kCount, theta.data(), records.data());
+    runner.make(functions.data(), kCount, theta.data(), records.data());
     EXPECT_EQ(allocationCount(), before) << representationName(representation);
   }
 }

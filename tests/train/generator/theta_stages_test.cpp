@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "runtime_eval/fit/correction.h"
+#include "runtime_eval/fit/theta_policy.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"
 #include "train/generator/trainer.h"
@@ -270,7 +270,6 @@ double errorAtBakeTime(const ThetaStages& stages, int solve_count, int64_t n, in
 }
 
 TEST(ThetaStages, AreThoseOfBakeTime) {
-  const FunctionSet set = sampleSet(kHeldOutCount, 5000);
   for (const Representation& representation : kRepresentations) {
     GeneratorNetwork& network = trained(representation);
     torch::NoGradGuard guard;
@@ -279,19 +278,21 @@ TEST(ThetaStages, AreThoseOfBakeTime) {
     const Generator generator(network->toData(representation, basis()));
     ASSERT_EQ(generator.correctionStepCount(), kSteps);
     ASSERT_EQ(generator.exactLastLayer(), solveCount(representation) == 1);
-    GeneratorScratch scratch(generator);
     const size_t D = static_cast<size_t>(representation.thetaCount());
     std::vector<float> theta(kHeldOutCount * D);
-    generator.generate(set.phi.data(), kHeldOutCount, theta.data(), &scratch);
     std::vector<StoredFunction> functions;
     for (int n = 0; n < kHeldOutCount; ++n) functions.push_back(heldOut().function(n));
-    Corrector corrector(generator, {.correct_rmse = 0.0,
-                                    .most_steps = kSteps,
-                                    .mirror_images = 1,
-                                    .adam_steps = 0,
-                                    .iterations = 0,
-                                    .theta0_iterations = 0});
-    corrector.correct(functions.data(), kHeldOutCount, theta.data());
+    PolicyOptions options;
+    options.stages = {.good_rmse = 0.0,
+                      .learned_steps = kSteps,
+                      .mirror_images = 1,
+                      .lm_iterations = 0,
+                      .lm_theta0_iterations = 0,
+                      .adam_steps = 0};
+    // nothing passes, so that no theta is put back for its leaks
+    options.refinement.check.tau_rmse = 1e-9;
+    std::vector<ThetaRecord> records(kHeldOutCount);
+    StageRunner(generator, options).make(functions.data(), kHeldOutCount, theta.data(), records.data());
 
     int went_all_the_way = 0;
     for (int n = 0; n < kHeldOutCount; ++n) {

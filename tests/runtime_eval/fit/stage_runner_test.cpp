@@ -1,4 +1,3 @@
-#include "runtime_eval/fit/correction.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/fit/theta_policy.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_generator.h"
 
@@ -14,8 +14,45 @@ namespace nlg {
 namespace {
 
 // Learned steps and nothing else, for any theta.
-constexpr CorrectionOptions kStepsAlone{
-    .correct_rmse = 0.0, .mirror_images = 1, .adam_steps = 0, .iterations = 0, .theta0_iterations = 0};
+constexpr StageOptions kStepsAlone{
+    .good_rmse = 0.0, .mirror_images = 1, .lm_iterations = 0, .lm_theta0_iterations = 0, .adam_steps = 0};
+
+// Stages from a theta that stands in the network's place. Nothing passes the check, so that every function takes them and no theta
+// is put back for its leaks.
+class Improver {
+ public:
+  explicit Improver(const Generator& generator, const StageOptions& stages = {}, double tau_rmse = 1e-9)
+      : theta_count_(static_cast<size_t>(generator.representation().thetaCount())),
+        runner_(generator, optionsOf(stages, tau_rmse)) {}
+
+  // How many theta changed.
+  int improve(const StoredFunction* functions, int count, float* theta) {
+    const std::vector<float> before(theta, theta + count * theta_count_);
+    records_.resize(count);
+    runner_.improve(functions, count, theta, records_.data());
+    int changed = 0;
+    for (int i = 0; i < count; ++i) {
+      const bool same = std::memcmp(&before[i * theta_count_], theta + i * theta_count_, theta_count_ * sizeof(float)) == 0;
+      // the record tells as much
+      EXPECT_EQ(records_[i].ended == ThetaStage::network, same) << "function " << i;
+      changed += !same;
+    }
+    return changed;
+  }
+  const ThetaRecord& record(int i) const { return records_[i]; }
+
+ private:
+  static PolicyOptions optionsOf(const StageOptions& stages, double tau_rmse) {
+    PolicyOptions options;
+    options.stages = stages;
+    options.refinement.check.tau_rmse = tau_rmse;
+    return options;
+  }
+
+  size_t theta_count_;
+  StageRunner runner_;
+  std::vector<ThetaRecord> records_;
+};
 
 const Representation kRepresentations[] = {Representation::mlp(), Representation::tentMlp(), Representation::productField(3)};
 
@@ -65,17 +102,17 @@ TEST(LayerStack, RunsACorrectionAsItsFormulasSayOnEveryTarget) {
   }
 }
 
-TEST(Corrector, FollowsTheGradientWhenItsNetworkSaysSo) {
+TEST(StageRunner, FollowsTheGradientWhenItsNetworkSaysSo) {
   for (const Representation& representation : kRepresentations) {
     const double length = 1e-3;
     const Generator generator(steepestDescent(representation, length, 1));
-    Corrector corrector(generator, kStepsAlone);
+    Improver improver(generator, kStepsAlone);
     for (uint64_t seed = 1; seed < 5; ++seed) {
       const StoredSample sample = wallSample(seed);
       const StoredFunction stored = sample.view();
       const Theta start = randomTheta(representation, seed);
       Theta corrected = start;
-      ASSERT_EQ(corrector.correct(&stored, 1, corrected.data()), 1) << "seed " << seed;
+      ASSERT_EQ(improver.improve(&stored, 1, corrected.data()), 1) << "seed " << seed;
       const WeightingFunction function = decodeFunction(stored, pointOrder(representation));
       Theta gradient(start.size());
       lossAndGradient(representation, 0, pointOrder(representation).placeCount(), function.phi.data(), function.mask.data(),
@@ -92,27 +129,27 @@ TEST(Corrector, FollowsTheGradientWhenItsNetworkSaysSo) {
   }
 }
 
-TEST(Corrector, GoesFurtherWithMoreSteps) {
+TEST(StageRunner, GoesFurtherWithMoreSteps) {
   const Representation representation = Representation::tentMlp();
   const StoredSample sample = wallSample(2);
   const StoredFunction stored = sample.view();
   double last = INFINITY;
   const Generator generator(steepestDescent(representation, 2e-2, 1));
   for (const int step_count : {1, 2, 4}) {
-    CorrectionOptions options = kStepsAlone;
-    options.most_steps = step_count;
+    StageOptions options = kStepsAlone;
+    options.learned_steps = step_count;
     Theta theta = randomTheta(representation, 2);
-    Corrector(generator, options).correct(&stored, 1, theta.data());
+    Improver(generator, options).improve(&stored, 1, theta.data());
     const double rmse = rmseOf(representation, sample, theta.data());
     EXPECT_LT(rmse, last) << step_count << " steps";
     last = rmse;
   }
 }
 
-TEST(Corrector, NeverMakesAThetaWorse) {
+TEST(StageRunner, NeverMakesAThetaWorse) {
   for (const Representation& representation : kRepresentations) {
     const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
-    Corrector corrector(generator, kStepsAlone);
+    Improver improver(generator, kStepsAlone);
     const size_t D = static_cast<size_t>(representation.thetaCount());
     constexpr int kCount = 101;
     std::vector<StoredSample> samples;
@@ -126,7 +163,7 @@ TEST(Corrector, NeverMakesAThetaWorse) {
     for (const StoredSample& sample : samples) functions.push_back(sample.view());
     std::vector<float> theta = start;
     int changed = 0;
-    const int told = corrector.correct(functions.data(), kCount, theta.data());
+    const int told = improver.improve(functions.data(), kCount, theta.data());
     for (int i = 0; i < kCount; ++i) {
       const double before = rmseOf(representation, samples[i], &start[i * D]),
                    after = rmseOf(representation, samples[i], &theta[i * D]);
@@ -135,17 +172,17 @@ TEST(Corrector, NeverMakesAThetaWorse) {
       changed += !same;
       // whatever stands beside it
       std::vector<float> alone(&start[i * D], &start[i * D] + D);
-      corrector.correct(&functions[i], 1, alone.data());
+      improver.improve(&functions[i], 1, alone.data());
       EXPECT_TRUE(std::equal(alone.begin(), alone.end(), &theta[i * D])) << "function " << i;
     }
     EXPECT_EQ(told, changed);
   }
 }
 
-TEST(Corrector, LeavesWhatItCannotMeasure) {
+TEST(StageRunner, LeavesWhatItCannotMeasure) {
   const Representation representation = Representation::tentMlp();
   const Generator generator(steepestDescent(representation, 1e-3, 2));
-  Corrector corrector(generator, kStepsAlone);
+  Improver improver(generator, kStepsAlone);
   const StoredSample sample = wallSample(1);
   StoredSample nowhere = sample;
   std::fill(nowhere.validity.begin(), nowhere.validity.end(), uint8_t{0});
@@ -159,11 +196,11 @@ TEST(Corrector, LeavesWhatItCannotMeasure) {
   theta[2 * D + 7] = NAN;
   theta[3 * D + 7] = 1e30f;
   const std::vector<float> before = theta;
-  EXPECT_EQ(corrector.correct(functions, 4, theta.data()), 1);
+  EXPECT_EQ(improver.improve(functions, 4, theta.data()), 1);
   EXPECT_EQ(std::memcmp(&theta[D], &before[D], 3 * D * sizeof(float)), 0);
 }
 
-TEST(Corrector, LeavesThetaThatItsNetworkWouldSendAstray) {
+TEST(StageRunner, LeavesThetaThatItsNetworkWouldSendAstray) {
   for (const Representation& representation : kRepresentations) {
     // theta that overflow on their function, changes that are infinite, and changes that are not a number
     for (const auto& [weight, bias] : {std::pair{0.0f, 3e38f}, {3e38f, 0.0f}, {3e38f, -3e38f}}) {
@@ -177,13 +214,13 @@ TEST(Corrector, LeavesThetaThatItsNetworkWouldSendAstray) {
       const StoredFunction stored = sample.view();
       const Theta start = randomTheta(representation, 1);
       Theta theta = start;
-      EXPECT_EQ(Corrector(generator, kStepsAlone).correct(&stored, 1, theta.data()), 0) << weight << ' ' << bias;
+      EXPECT_EQ(Improver(generator, kStepsAlone).improve(&stored, 1, theta.data()), 0) << weight << ' ' << bias;
       EXPECT_EQ(theta, start) << weight << ' ' << bias;
     }
   }
 }
 
-TEST(Corrector, TakesTheSolutionWhereItsNetworkGoesAstray) {
+TEST(StageRunner, TakesTheSolutionWhereItsNetworkGoesAstray) {
   GeneratorData data = steepestDescent(Representation::tentMlp(), 1e-3, 2);
   data.correction.exact_last_layer = true;
   const StoredSample sample = wallSample(1);
@@ -192,46 +229,46 @@ TEST(Corrector, TakesTheSolutionWhereItsNetworkGoesAstray) {
   ASSERT_TRUE(solveLastLayer(data.representation, decodeFunction(stored), solved.data()));
   std::fill(data.correction.layers.front().bias.begin(), data.correction.layers.front().bias.end(), 3e38f);
   const Generator generator(data);
-  Corrector corrector(generator, kStepsAlone);
+  Improver improver(generator, kStepsAlone);
   Theta theta = randomTheta(data.representation, 1);
-  EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 1);
+  EXPECT_EQ(improver.improve(&stored, 1, theta.data()), 1);
   EXPECT_EQ(theta, solved);
   // one that only its last layer makes infinite
   theta = randomTheta(data.representation, 1);
   theta[data.representation.shape().b3()] = NAN;
-  EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 1);
+  EXPECT_EQ(improver.improve(&stored, 1, theta.data()), 1);
   EXPECT_EQ(theta, solved);
   // nothing to solve for
   StoredSample nowhere = sample;
   std::fill(nowhere.validity.begin(), nowhere.validity.end(), uint8_t{0});
   const StoredFunction empty = nowhere.view();
   theta = randomTheta(data.representation, 1);
-  EXPECT_EQ(corrector.correct(&empty, 1, theta.data()), 0);
+  EXPECT_EQ(improver.improve(&empty, 1, theta.data()), 0);
   EXPECT_EQ(theta, randomTheta(data.representation, 1));
 }
 
-TEST(Corrector, SolvesTheLastLayerWhenTheWeightsSaySo) {
+TEST(StageRunner, SolvesTheLastLayerWhenTheWeightsSaySo) {
   for (const Representation& representation : {Representation::mlp(), Representation::tentMlp()}) {
     GeneratorData data = sampleGenerator(representation, 48, 3, 1);
     data.correction.exact_last_layer = true;
     const Generator generator(data);
-    Corrector corrector(generator, kStepsAlone);
+    Improver improver(generator, kStepsAlone);
     for (uint64_t seed = 1; seed < 5; ++seed) {
       const StoredSample sample = wallSample(seed);
       const StoredFunction stored = sample.view();
       const Theta start = randomTheta(representation, seed);
       Theta expected = start, theta = start;
       ASSERT_TRUE(solveLastLayer(representation, decodeFunction(stored), expected.data()));
-      EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 1);
+      EXPECT_EQ(improver.improve(&stored, 1, theta.data()), 1);
       EXPECT_EQ(theta, expected) << "seed " << seed;
       // what is solved already stays
-      EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 0) << "seed " << seed;
+      EXPECT_EQ(improver.improve(&stored, 1, theta.data()), 0) << "seed " << seed;
       EXPECT_EQ(theta, expected) << "seed " << seed;
     }
   }
 }
 
-TEST(Corrector, TakesNoThetaThatFloat16CannotHold) {
+TEST(StageRunner, TakesNoThetaThatFloat16CannotHold) {
   const Representation representation = Representation::tentMlp();
   GeneratorData data = steepestDescent(representation, 0.0, 1);
   data.correction.exact_last_layer = true;
@@ -241,7 +278,7 @@ TEST(Corrector, TakesNoThetaThatFloat16CannotHold) {
     data.correction.layers[0].bias[d] = static_cast<float>(1e7 * random.normal());
   }
   const Generator generator(data);
-  Corrector corrector(generator, kStepsAlone);
+  Improver improver(generator, kStepsAlone);
   int tempting = 0;
   for (uint64_t seed = 1; seed < 40; ++seed) {
     const StoredSample sample = wallSample(seed);
@@ -250,7 +287,7 @@ TEST(Corrector, TakesNoThetaThatFloat16CannotHold) {
     Theta theta = randomTheta(representation, seed);
     std::fill(theta.begin() + ThetaLayout::w1, theta.begin() + ThetaLayout::b1, 0.0f);
     Theta beyond = theta;
-    corrector.correct(&stored, 1, theta.data());
+    improver.improve(&stored, 1, theta.data());
     for (const float value : theta) EXPECT_LE(std::fabs(value), 65504.0f) << "seed " << seed;
     for (int d = ThetaLayout::w1; d < ThetaLayout::b1; ++d) beyond[d] += data.output_scale[d] * data.correction.layers[0].bias[d];
     solveLastLayer(representation, decodeFunction(stored), beyond.data());
@@ -259,15 +296,14 @@ TEST(Corrector, TakesNoThetaThatFloat16CannotHold) {
   EXPECT_GT(tempting, 0) << "no function says anything";
 }
 
-TEST(Corrector, DoesNothingWithoutStepsInTheWeights) {
+TEST(StageRunner, DoesNothingWithoutStepsInTheWeights) {
   const Generator generator(sampleGenerator({}, 48, 3, 1));
-  Corrector corrector(generator, kStepsAlone);
-  EXPECT_TRUE(corrector.empty());
+  Improver improver(generator, kStepsAlone);
   const StoredSample sample = wallSample(1);
   const StoredFunction stored = sample.view();
   const Theta start = randomTheta({}, 1);
   Theta theta = start;
-  EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 0);
+  EXPECT_EQ(improver.improve(&stored, 1, theta.data()), 0);
   EXPECT_EQ(theta, start);
 }
 
@@ -282,13 +318,13 @@ StoredSample mirrored(const StoredSample& sample, int mirror) {
   return image;
 }
 
-TEST(Corrector, TakesTheBestOfAllMirrorImages) {
+TEST(StageRunner, TakesTheBestOfAllMirrorImages) {
   const Representation representation = Representation::tentMlp();
   GeneratorData data = withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11);
   data.correction.exact_last_layer = true;
   const Generator generator(data);
   GeneratorScratch scratch(generator);
-  Corrector alone(generator, kStepsAlone);
+  Improver alone(generator, kStepsAlone);
   int from_an_image = 0;
   for (uint64_t seed = 0; seed < 12; ++seed) {
     const StoredSample sample = wallSample(seed);
@@ -299,7 +335,7 @@ TEST(Corrector, TakesTheBestOfAllMirrorImages) {
       const StoredSample image = mirrored(sample, mirror);
       const StoredFunction view = image.view();
       generator.generate(image.phi.data(), 1, theta.data(), &scratch);
-      alone.correct(&view, 1, theta.data());
+      alone.improve(&view, 1, theta.data());
       const double rmse = rmseOf(representation, image, theta.data());
       if (mirror == 0) own = rmse;
       least = std::min(least, rmse);
@@ -308,19 +344,19 @@ TEST(Corrector, TakesTheBestOfAllMirrorImages) {
     from_an_image += least < 0.99 * own;
     for (const auto& [image_count, expected] : {std::pair{8, least}, {3, least_of_three}, {1, own}}) {
       generator.generate(sample.phi.data(), 1, theta.data(), &scratch);
-      CorrectionOptions options = kStepsAlone;
+      StageOptions options = kStepsAlone;
       options.mirror_images = image_count;
       options.retry_rmse = 0.0;
-      EXPECT_EQ(Corrector(generator, options).correct(&stored, 1, theta.data()), 1) << "seed " << seed;
+      EXPECT_EQ(Improver(generator, options).improve(&stored, 1, theta.data()), 1) << "seed " << seed;
       // an image has to be better by a two-thousandth to be taken; sums in another order change the steps a little
       EXPECT_NEAR(rmseOf(representation, sample, theta.data()), expected, 2e-3 * expected) << "seed " << seed;
     }
     // good enough: not tried again
     generator.generate(sample.phi.data(), 1, theta.data(), &scratch);
-    CorrectionOptions content = kStepsAlone;
+    StageOptions content = kStepsAlone;
     content.mirror_images = 8;
     content.retry_rmse = 1.01 * own;
-    Corrector(generator, content).correct(&stored, 1, theta.data());
+    Improver(generator, content).improve(&stored, 1, theta.data());
     EXPECT_NEAR(rmseOf(representation, sample, theta.data()), own, 1e-6 * own) << "seed " << seed;
   }
   EXPECT_GT(from_an_image, 5) << "images that say nothing";
@@ -336,7 +372,7 @@ StoredSample tentSample() {
   return sample;
 }
 
-TEST(Corrector, TriesAgainOnlyWhatIsWorseThanTheTentUpToTwiceTheThreshold) {
+TEST(StageRunner, TriesAgainOnlyWhatIsWorseThanTheTentUpToTwiceTheThreshold) {
   const Representation representation;
   const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
   GeneratorScratch scratch(generator);
@@ -349,10 +385,10 @@ TEST(Corrector, TriesAgainOnlyWhatIsWorseThanTheTentUpToTwiceTheThreshold) {
     const StoredSample sample = wallSample(seed);
     const StoredFunction stored = sample.view();
     const auto rmseWith = [&](int images, double retry_rmse) {
-      CorrectionOptions options = kStepsAlone;
+      StageOptions options = kStepsAlone;
       options.mirror_images = images, options.retry_rmse = retry_rmse;
       generator.generate(sample.phi.data(), 1, theta.data(), &scratch);
-      Corrector(generator, options).correct(&stored, 1, theta.data());
+      Improver(generator, options).improve(&stored, 1, theta.data());
       return rmseOf(representation, sample, theta.data());
     };
     const double own = rmseWith(1, 0.0), again = rmseWith(2, 0.0);
@@ -368,18 +404,18 @@ TEST(Corrector, TriesAgainOnlyWhatIsWorseThanTheTentUpToTwiceTheThreshold) {
   EXPECT_GT(content, 0);
 }
 
-TEST(Corrector, ReplacesAThetaThatIsNoNumberByThatOfAnImage) {
+TEST(StageRunner, ReplacesAThetaThatIsNoNumberByThatOfAnImage) {
   const Representation representation = Representation::tentMlp();
   const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
-  Corrector corrector(generator);
+  Improver improver(generator);
   const StoredSample sample = wallSample(1);
   const StoredFunction stored = sample.view();
   Theta theta(representation.thetaCount(), NAN);
-  EXPECT_EQ(corrector.correct(&stored, 1, theta.data()), 1);
+  EXPECT_EQ(improver.improve(&stored, 1, theta.data()), 1);
   EXPECT_TRUE(std::isfinite(rmseOf(representation, sample, theta.data())));
 }
 
-TEST(Corrector, TakesAnInfiniteThetaForNoThetaEvenWhereItsValuesAreFinite) {
+TEST(StageRunner, TakesAnInfiniteThetaForNoThetaEvenWhereItsValuesAreFinite) {
   // the sigmoid of an infinite sum is 0 or 1
   const Representation representation{RepresentationKind::tent_mlp4};
   const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
@@ -387,11 +423,11 @@ TEST(Corrector, TakesAnInfiniteThetaForNoThetaEvenWhereItsValuesAreFinite) {
   const StoredFunction stored = sample.view();
   Theta theta(representation.thetaCount(), 0.1f);
   theta[representation.shape().b3()] = INFINITY;
-  EXPECT_EQ(Corrector(generator).correct(&stored, 1, theta.data()), 1);
+  EXPECT_EQ(Improver(generator).improve(&stored, 1, theta.data()), 1);
   for (const float value : theta) EXPECT_TRUE(std::isfinite(value));
 }
 
-TEST(Corrector, LeavesWhatIsGoodEnough) {
+TEST(StageRunner, LeavesWhatIsGoodEnough) {
   for (const Representation& representation : kRepresentations) {
     const Generator generator(steepestDescent(representation, 1e-3, 2));
     const StoredSample sample = wallSample(1);
@@ -400,7 +436,16 @@ TEST(Corrector, LeavesWhatIsGoodEnough) {
     const double rmse = rmseOf(representation, sample, start.data());
     for (const double factor : {0.999, 1.001}) {
       Theta theta = start;
-      EXPECT_EQ(Corrector(generator, {.correct_rmse = factor * rmse}).correct(&stored, 1, theta.data()), factor < 1.0);
+      EXPECT_EQ(Improver(
+                    generator,
+                    [&] {
+                      StageOptions o = kStepsAlone;
+                      o.good_rmse = factor * rmse;
+                      return o;
+                    }(),
+                    1.0)
+                    .improve(&stored, 1, theta.data()),
+                factor < 1.0);
       EXPECT_EQ(theta == start, factor > 1.0);
     }
   }
@@ -417,64 +462,64 @@ FitResult iterated(const Representation& representation, const StoredSample& sam
 
 const Representation kCheap[] = {Representation::productField(3), Representation{RepresentationKind::tent_mlp4}};
 
-TEST(Corrector, EndsWithLevenbergMarquardtAfterOneStepWhereItIsCheap) {
+TEST(StageRunner, EndsWithLevenbergMarquardtAfterOneStepWhereItIsCheap) {
   for (const Representation& representation : kCheap) {
     const Generator generator(steepestDescent(representation, 1e-3, 1));
     const StoredSample sample = wallSample(4);
     const StoredFunction stored = sample.view();
-    CorrectionOptions one_step = kStepsAlone, iterating = kStepsAlone;
-    one_step.most_steps = 1;
-    iterating.iterations = 3;
+    StageOptions one_step = kStepsAlone, iterating = kStepsAlone;
+    one_step.learned_steps = 1;
+    iterating.lm_iterations = 3;
     Theta stepped = randomTheta(representation, 4), theta = stepped;
-    Corrector(generator, one_step).correct(&stored, 1, stepped.data());
+    Improver(generator, one_step).improve(&stored, 1, stepped.data());
     const FitResult expected = iterated(representation, sample, stepped, 3);
-    EXPECT_EQ(Corrector(generator, iterating).correct(&stored, 1, theta.data()), 1);
+    EXPECT_EQ(Improver(generator, iterating).improve(&stored, 1, theta.data()), 1);
     EXPECT_EQ(theta, expected.theta);
     EXPECT_LT(expected.rmse, 0.8 * rmseOf(representation, sample, stepped.data()));
   }
 }
 
-TEST(Corrector, TakesTheta0ForAnotherStartOfAFunctionThatIsStillWrong) {
+TEST(StageRunner, TakesTheta0ForAnotherStartOfAFunctionThatIsStillWrong) {
   for (const Representation& representation : kCheap) {
     const Generator generator(steepestDescent(representation, 1e-3, 1));
     const StoredSample sample = wallSample(4);
     const StoredFunction stored = sample.view();
-    CorrectionOptions options = kStepsAlone;
-    options.theta0_iterations = 8;
+    StageOptions options = kStepsAlone;
+    options.lm_theta0_iterations = 8;
     const Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
     const FitResult expected = iterated(representation, sample, theta0, 8);
     const Theta start = randomTheta(representation, 4);
     Theta stepped = start;
-    Corrector(generator, kStepsAlone).correct(&stored, 1, stepped.data());
+    Improver(generator, kStepsAlone).improve(&stored, 1, stepped.data());
     const double before = rmseOf(representation, sample, stepped.data());
     ASSERT_LT(expected.rmse, 0.9 * before) << "a start that theta_0 is not better than says nothing";
     for (const double factor : {0.45, 1.01}) {
       Theta theta = start;
       options.retry_rmse = factor * before;
-      EXPECT_EQ(Corrector(generator, options).correct(&stored, 1, theta.data()), 1);
+      EXPECT_EQ(Improver(generator, options).improve(&stored, 1, theta.data()), 1);
       EXPECT_EQ(theta, factor < 1.0 ? expected.theta : stepped);
     }
     // theta_0's fit is no better: kept is what came
     Theta best = iterated(representation, sample, expected.theta, 200).theta;
     const Theta kept = best;
     options.retry_rmse = 0.0;
-    Corrector(generator, options).correct(&stored, 1, best.data());
+    Improver(generator, options).improve(&stored, 1, best.data());
     EXPECT_LE(rmseOf(representation, sample, best.data()), rmseOf(representation, sample, kept.data()));
   }
 }
 
-TEST(Corrector, EndsWithAdamWhereTheNormalEquationsAreLarge) {
+TEST(StageRunner, EndsWithAdamWhereTheNormalEquationsAreLarge) {
   for (const Representation& representation : {Representation{}, Representation::tentMlp()}) {
     const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
     const StoredSample sample = wallSample(1);
     const StoredFunction stored = sample.view();
-    CorrectionOptions options = kStepsAlone;
-    options.iterations = options.theta0_iterations = 8;  // not there
+    StageOptions options = kStepsAlone;
+    options.lm_iterations = options.lm_theta0_iterations = 8;  // not there
     const Theta start = randomTheta(representation, 2);
     Theta stepped = start;
-    Corrector(generator, options).correct(&stored, 1, stepped.data());
+    Improver(generator, options).improve(&stored, 1, stepped.data());
     Theta of_steps = start;
-    Corrector(generator, kStepsAlone).correct(&stored, 1, of_steps.data());
+    Improver(generator, kStepsAlone).improve(&stored, 1, of_steps.data());
     EXPECT_EQ(stepped, of_steps);
     const FitResult expected =
         fitAdam(representation, decodeFunction(stored, pointOrder(representation)), stepped, refinementAdam(representation, 60));
@@ -482,12 +527,12 @@ TEST(Corrector, EndsWithAdamWhereTheNormalEquationsAreLarge) {
     ASSERT_LT(expected.rmse, 0.9 * before);
     options.adam_steps = 60;
     options.retry_rmse = 0.0;
-    Corrector below(generator, [&] {
+    Improver below(generator, [&] {
       auto o = options;
       o.adam_rmse = 0.99 * before;
       return o;
     }());
-    Corrector above(generator, [&] {
+    Improver above(generator, [&] {
       auto o = options;
       o.adam_rmse = 1.01 * before;
       return o;
@@ -495,11 +540,11 @@ TEST(Corrector, EndsWithAdamWhereTheNormalEquationsAreLarge) {
     // twice: what one function leaves in the workspace changes nothing for the next
     for (int run = 0; run < 2; ++run) {
       Theta theta = start;
-      EXPECT_EQ(below.correct(&stored, 1, theta.data()), 1);
+      EXPECT_EQ(below.improve(&stored, 1, theta.data()), 1);
       EXPECT_EQ(theta, expected.theta);
     }
     Theta theta = start;
-    above.correct(&stored, 1, theta.data());
+    above.improve(&stored, 1, theta.data());
     EXPECT_EQ(theta, stepped);
   }
 }

@@ -1,4 +1,4 @@
-// What the generators that ship take a function, with the check, without and with their correction steps: one group a file of weights/.
+// What the generators that ship take a function, stage by stage of the policy: one group a file of weights/.
 
 #include <benchmark/benchmark.h>
 
@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "benchmarks/sample_function.h"
-#include "runtime_eval/fit/correction.h"
-#include "runtime_eval/fit/function_check.h"
+#include "runtime_eval/fit/theta_policy.h"
 
 namespace nlg {
 namespace {
@@ -53,15 +52,14 @@ void runCheck(benchmark::State& state, const Generator& generator) {
   setRate(state);
 }
 
-// Every function of the batch is corrected, as if all had failed the check.
-void runCorrection(benchmark::State& state, const Generator& generator) {
+// The network and every stage up to one of them, on functions of which hardly any is right at once.
+void runStages(benchmark::State& state, const Generator& generator, ThetaStage last) {
   Batch batch(generator);
-  Corrector corrector(generator);
-  batch.generate();
-  const std::vector<float> generated = batch.theta;
+  StageRunner runner(generator, PolicyOptions{}, last);
+  std::vector<ThetaRecord> records(kBatchCount);
   for (auto _ : state) {
-    std::copy(generated.begin(), generated.end(), batch.theta.begin());
-    benchmark::DoNotOptimize(corrector.correct(batch.functions.data(), kBatchCount, batch.theta.data()));
+    runner.make(batch.functions.data(), kBatchCount, batch.theta.data(), records.data());
+    benchmark::DoNotOptimize(batch.theta.data());
   }
   setRate(state);
 }
@@ -81,7 +79,10 @@ const int kRegistered = [] {
     const std::string name = "shipped/" + std::string(representationName(loaded.representation()));
     benchmark::RegisterBenchmark((name + "/generator").c_str(), runGenerator, loaded);
     benchmark::RegisterBenchmark((name + "/check").c_str(), runCheck, loaded);
-    benchmark::RegisterBenchmark((name + "/correction").c_str(), runCorrection, loaded);
+    for (const StagePlan& plan : stagesOf(stageFacts(loaded), PolicyOptions{})) {
+      if (plan.stage == ThetaStage::network || plan.stage == ThetaStage::refinement) continue;
+      benchmark::RegisterBenchmark((name + "/up_to_" + stageName(plan.stage)).c_str(), runStages, loaded, plan.stage);
+    }
   }
   return static_cast<int>(generators.size());
 }();

@@ -1,0 +1,263 @@
+#include "runtime_eval/fit/theta_policy.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "runtime_eval/fit/fit_stages.h"
+#include "tests/runtime_eval/sample_generator.h"
+
+namespace nlg {
+namespace {
+
+StoredSample tentSample() {
+  StoredSample sample;
+  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{255});
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    sample.phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
+  }
+  return sample;
+}
+
+// Walls, and a bare tent in every fifth place.
+struct Functions {
+  explicit Functions(int count) {
+    for (int i = 0; i < count; ++i) samples.push_back(i % 5 == 4 ? tentSample() : wallSample(static_cast<uint64_t>(i)));
+    for (const StoredSample& sample : samples) views.push_back(sample.view());
+  }
+  std::vector<StoredSample> samples;
+  std::vector<StoredFunction> views;
+};
+
+Generator solvedGenerator(const Representation& representation, uint64_t seed = 1) {
+  GeneratorData data = withCorrection(sampleGenerator(representation, 48, 3, seed), 40, 3, 3, 11);
+  data.correction.exact_last_layer = !representation.isField() && representation.shape().output == OutputFunction::linear;
+  return Generator(data);
+}
+
+// Short, and with limits that some functions pass and others do not.
+PolicyOptions shortOptions() {
+  PolicyOptions options;
+  options.stages.mirror_images = 2;
+  options.stages.adam_steps = 40;
+  options.refinement.check.tau_rmse = 0.05;
+  options.refinement.rounds = 1;
+  options.refinement.first_steps = 60;
+  return options;
+}
+
+std::vector<ThetaStage> namesOf(const std::vector<StagePlan>& plan) {
+  std::vector<ThetaStage> names;
+  for (const StagePlan& stage : plan) names.push_back(stage.stage);
+  return names;
+}
+
+TEST(StagesOf, IsTheListThatEachKindOfRepresentationGoesThrough) {
+  using enum ThetaStage;
+  const PolicyOptions options;
+  EXPECT_EQ(namesOf(stagesOf({Representation::tentMlp(), true, true}, options)),
+            (std::vector{network, last_layer, learned_steps, mirror_images, adam, refinement}));
+  EXPECT_EQ(namesOf(stagesOf({Representation{RepresentationKind::tent_mlp4}, false, true}, options)),
+            (std::vector{network, learned_steps, mirror_images, lm, lm_theta0, refinement}));
+  EXPECT_EQ(namesOf(stagesOf({Representation::productField(5), false, true}, options)),
+            (std::vector{network, learned_steps, lm, lm_theta0, refinement}));
+  // weights without corrections
+  EXPECT_EQ(namesOf(stagesOf({Representation::mlp(), false, false}, options)),
+            (std::vector{network, mirror_images, adam, refinement}));
+  PolicyOptions none;
+  none.stages = {.learned_steps = 0, .mirror_images = 1, .lm_iterations = 0, .lm_theta0_iterations = 0, .adam_steps = 0};
+  none.refinement.rounds = 0;
+  EXPECT_EQ(namesOf(stagesOf({Representation::productField(3), false, true}, none)), std::vector{network});
+}
+
+TEST(StagesOf, IsInTheOrderOfTheWords) {
+  for (const char* name : kRepresentationNames) {
+    Representation representation;
+    ASSERT_TRUE(findRepresentation(name, &representation));
+    const std::vector<StagePlan> plan = stagesOf({representation, !representation.isField(), true}, {});
+    for (size_t i = 1; i < plan.size(); ++i) {
+      EXPECT_LT(plan[i - 1].stage, plan[i].stage) << name;
+      EXPECT_LE(wordOf(plan[i - 1].stage), wordOf(plan[i].stage)) << name;
+    }
+    for (const StagePlan& stage : plan) EXPECT_EQ(isFit(stage.stage), wordOf(stage.stage) == ThetaWord::fitted) << name;
+  }
+}
+
+TEST(StagesOf, RaisesThresholdsForWhatIsWrongAboutTheTentUpToTwice) {
+  const PolicyOptions options;
+  const auto retryOf = [&](double tent_rmse) {
+    for (const StagePlan& plan : stagesOf({Representation::tentMlp(), true, true, tent_rmse}, options)) {
+      if (plan.stage == ThetaStage::mirror_images) return plan.above_rmse;
+    }
+    return -1.0;
+  };
+  EXPECT_EQ(retryOf(0.0), options.stages.retry_rmse);
+  EXPECT_DOUBLE_EQ(retryOf(0.006), 1.25 * 0.006);
+  EXPECT_DOUBLE_EQ(retryOf(0.5), 2.0 * options.stages.retry_rmse);
+  EXPECT_EQ(retryOf(NAN), options.stages.retry_rmse);
+}
+
+TEST(ThetaPolicy, GivesAFunctionTheSameThetaWhateverStandsBesideIt) {
+  const Functions functions(2 * kBatchCount + 7);
+  const auto count = static_cast<int>(functions.views.size());
+  for (const Representation& representation :
+       {Representation::tentMlp(), Representation{RepresentationKind::tent_mlp4}, Representation::productField(3)}) {
+    const Generator generator = solvedGenerator(representation);
+    ThetaPolicy policy({&generator}, shortOptions());
+    std::vector<MadeTheta> together(count);
+    policy.bake(functions.views.data(), count, together.data());
+    int bare = 0;
+    for (int i = 0; i < count; i += 3) {
+      MadeTheta alone;
+      policy.bake(&functions.views[i], 1, &alone);
+      EXPECT_EQ(alone.theta, together[i].theta) << "function " << i;
+      EXPECT_EQ(alone.record.ended, together[i].record.ended) << "function " << i;
+      EXPECT_EQ(alone.record.took_fit, together[i].record.took_fit) << "function " << i;
+      for (int w = 0; w < kThetaWordCount; ++w) {
+        EXPECT_EQ(alone.record.check[w].rmse, together[i].record.check[w].rmse) << "function " << i << ", word " << w;
+      }
+      EXPECT_EQ(alone.isBareTent(), i % 5 == 4) << "function " << i;
+      bare += alone.isBareTent();
+    }
+    EXPECT_GT(bare, 0);
+  }
+}
+
+TEST(ThetaPolicy, RecordsWhatItsThetaIs) {
+  const Functions functions(kBatchCount);
+  const Generator generator = solvedGenerator(Representation::tentMlp());
+  const PolicyOptions options = shortOptions();
+  ThetaPolicy policy({&generator}, options);
+  FunctionChecker checker;
+  std::vector<MadeTheta> made(functions.views.size());
+  ThetaTrace trace;
+  policy.bake(functions.views.data(), static_cast<int>(made.size()), made.data(), &trace);
+  const size_t D = ThetaLayout::count;
+  size_t n = 0;
+  std::vector<ThetaStage> ended;
+  for (size_t i = 0; i < made.size(); ++i) {
+    const ThetaRecord& record = made[i].record;
+    if (made[i].isBareTent()) {
+      EXPECT_TRUE(made[i].theta.empty());
+      EXPECT_FALSE(record.took_fit);
+      continue;
+    }
+    const auto rmseOf = [&](const float* theta) {
+      return checker.check(generator.representation(), functions.views[i], theta, options.check()).rmse;
+    };
+    EXPECT_EQ(record.at(ThetaWord::network).rmse, rmseOf(&trace.network[n * D])) << "function " << i;
+    EXPECT_EQ(record.at(ThetaWord::corrected).rmse, rmseOf(&trace.corrected[n * D])) << "function " << i;
+    EXPECT_EQ(record.at(ThetaWord::stored).rmse, rmseOf(made[i].theta.data())) << "function " << i;
+    // the trace ends before the refinement
+    if (!record.refined) {
+      EXPECT_EQ(std::memcmp(made[i].theta.data(), &trace.fitted[n * D], D * sizeof(float)), 0) << "function " << i;
+    }
+    EXPECT_EQ(record.refined, !record.at(ThetaWord::stored).passes(options.check()) || record.ended == ThetaStage::refinement)
+        << "function " << i;
+    EXPECT_LE(record.at(ThetaWord::corrected).rmse, record.at(ThetaWord::network).rmse * (1 + 1e-6)) << "function " << i;
+    const bool fitted = isFit(record.ended);
+    EXPECT_LE(fitted, record.took_fit) << "function " << i;
+    // a stage that ended it took time
+    EXPECT_GT(record.stage_us[static_cast<size_t>(record.ended)], 0.0f) << "function " << i;
+    double of_stages = 0.0;
+    for (const float us : record.stage_us) of_stages += us;
+    EXPECT_NEAR(of_stages, record.elapsedUs(ThetaWord::stored), 1e-3 * of_stages) << "function " << i;
+    ended.push_back(record.ended);
+    ++n;
+  }
+  EXPECT_EQ(trace.network.size(), n * D);
+  EXPECT_GT(std::count_if(ended.begin(), ended.end(), isFit), 0) << "nothing here says anything about fits";
+}
+
+TEST(ThetaPolicy, ALaterWordIsNeverInTroubleThatTheOneBeforeWasNot) {
+  const Functions functions(60);
+  PolicyOptions options = shortOptions();
+  // leaks decide
+  options.refinement.check = {1e3, 1e-2, 0.05};
+  for (const Representation& representation : {Representation::tentMlp(), Representation::productField(3)}) {
+    for (uint64_t seed = 1; seed < 4; ++seed) {
+      const Generator generator = solvedGenerator(representation, seed);
+      std::vector<MadeTheta> made(functions.views.size());
+      ThetaPolicy({&generator}, options).bake(functions.views.data(), static_cast<int>(made.size()), made.data());
+      for (size_t i = 0; i < made.size(); ++i) {
+        for (int w = 1; w < kThetaWordCount; ++w) {
+          if (!made[i].record.check[w - 1].passes(options.check())) continue;
+          EXPECT_TRUE(made[i].record.check[w].passes(options.check())) << "function " << i << ", word " << w;
+        }
+      }
+    }
+  }
+}
+
+TEST(ThetaPolicy, EndsAfterTheStageThatItIsTold) {
+  const Functions functions(20);
+  const Generator generator = solvedGenerator(Representation::tentMlp());
+  const PolicyOptions options = shortOptions();
+  double last_sum = INFINITY;
+  for (const StagePlan& plan : stagesOf(stageFacts(generator), options)) {
+    ThetaPolicy policy({&generator}, options, plan.stage);
+    std::vector<MadeTheta> made(functions.views.size());
+    policy.bake(functions.views.data(), static_cast<int>(made.size()), made.data());
+    double sum = 0.0;
+    for (const MadeTheta& one : made) {
+      sum += one.check().rmse;
+      if (one.isBareTent()) continue;
+      EXPECT_LE(one.record.ended, plan.stage);
+      for (int s = static_cast<int>(plan.stage) + 1; s <= static_cast<int>(ThetaStage::larger); ++s) {
+        EXPECT_EQ(one.record.stage_us[s], 0.0f) << stageName(plan.stage);
+      }
+    }
+    EXPECT_LE(sum, last_sum * (1 + 1e-6)) << stageName(plan.stage);
+    last_sum = sum;
+  }
+}
+
+TEST(ThetaPolicy, RoundsToFloat16AndChecksWhatThatMakesOfIt) {
+  const Functions functions(10);
+  const Generator generator = solvedGenerator(Representation::tentMlp());
+  PolicyOptions options = shortOptions();
+  std::vector<MadeTheta> full(functions.views.size()), half(full);
+  ThetaPolicy({&generator}, options).bake(functions.views.data(), static_cast<int>(full.size()), full.data());
+  options.theta_precision = ThetaPrecision::float16;
+  ThetaPolicy({&generator}, options).bake(functions.views.data(), static_cast<int>(half.size()), half.data());
+  FunctionChecker checker;
+  for (size_t i = 0; i < full.size(); ++i) {
+    if (full[i].isBareTent()) continue;
+    bool differs = false;
+    for (size_t d = 0; d < full[i].theta.size(); ++d) {
+      // half a unit in the last of 11 bits, and the smallest half
+      EXPECT_NEAR(half[i].theta[d], full[i].theta[d], std::fabs(full[i].theta[d]) * 0x1p-11 + 0x1p-25) << i;
+      differs = differs || half[i].theta[d] != full[i].theta[d];
+    }
+    EXPECT_TRUE(differs) << i;
+    EXPECT_EQ(half[i].check().rmse,
+              checker.check(generator.representation(), functions.views[i], half[i].theta.data(), options.check()).rmse);
+    EXPECT_EQ(half[i].record.at(ThetaWord::fitted).rmse, full[i].record.at(ThetaWord::fitted).rmse);
+  }
+}
+
+TEST(ThetaPolicy, CountsAFitInWhateverRepresentationItWasMade) {
+  const Functions functions(20);
+  const Generator small = solvedGenerator(Representation{RepresentationKind::tent_mlp4}),
+                  large = solvedGenerator(Representation::tentMlp());
+  PolicyOptions options = shortOptions();
+  options.refinement.rounds = 0;
+  options.choice.enough_rmse = 0.0;  // the larger one always runs …
+  options.choice.flat_ratio = 1e-6;  // … and is taken, unless it is no better
+  std::vector<MadeTheta> made(functions.views.size());
+  ThetaPolicy({&small, &large}, options).bake(functions.views.data(), static_cast<int>(made.size()), made.data());
+  int larger = 0;
+  for (const MadeTheta& one : made) {
+    if (one.isBareTent()) continue;
+    EXPECT_TRUE(one.larger_ran);
+    // Levenberg-Marquardt of the small one ran for every function
+    EXPECT_TRUE(one.record.took_fit);
+    EXPECT_GT(one.record.stage_us[static_cast<size_t>(ThetaStage::lm)], 0.0f);
+    larger += one.generator == 1;
+    EXPECT_EQ(one.theta.size(), one.generator == 1 ? 113u : 21u);
+  }
+  EXPECT_GT(larger, 0);
+}
+
+}  // namespace
+}  // namespace nlg
