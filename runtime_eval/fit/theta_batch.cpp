@@ -93,6 +93,8 @@ double ThetaBatch::meanSquare(int i) {
 
 bool ThetaBatch::offer(int i, const float* theta, double mean_square, double share) {
   if (!(mean_square < share * meanSquare(i)) || !fitsFloat16(theta, theta_count_)) return false;
+  // sums of another kernel may say that a theta is better than itself
+  if (std::memcmp(theta, this->theta(i), theta_count_ * sizeof(float)) == 0) return false;
   set(i, theta, mean_square);
   return true;
 }
