@@ -59,7 +59,7 @@ std::vector<Need> countNeeds(const Bake& bake, const std::vector<Generator>& gen
 // The line of a name; nothing when the table has none.
 Need* findNeed(std::vector<Need>& needs, const std::string& what);
 
-// Keys: docs/bake.md.
+// Keys: docs/guide/bake.md.
 nlohmann::ordered_json toJson(const std::vector<Need>& needs);
 // One line of text each.
 std::string toTable(const std::vector<Need>& needs);

@@ -1,5 +1,5 @@
 // nlg-validate: how good exported generators are on held-out scenes, against direct optimisation and the bare tent.
-// Writes summary.json, functions.csv and slices.json; docs/formats.md says what stands in them.
+// Writes summary.json, functions.csv and slices.json; docs/reference/formats.md says what stands in them.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -16,7 +16,7 @@ from pathlib import Path
 
 INTRODUCTION = """# Weights that ship
 
-Trained generators, one a representation: what `nlg-bake` takes when no weights are named (`--representation` says which, [docs/bake.md](../docs/bake.md)). Every file is checked by the test suite: it loads, and all together they take at most 12 MB.
+Trained generators, one a representation: what `nlg-bake` takes when no weights are named (`--representation` says which, [docs/guide/bake.md](../docs/guide/bake.md)). Every file is checked by the test suite: it loads, and all together they take at most 12 MB.
 
 They are made by a run of the pipeline and put here, with these cards, by
 

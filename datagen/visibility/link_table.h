@@ -14,7 +14,7 @@ namespace nlg {
 
 inline constexpr int kLinkCount = 32;
 // Validity travels along each point's 16 nearest links, at a bit more than half the cost of all 32: a ten-thousandth of all
-// points are judged otherwise (docs/visibility.md).
+// points are judged otherwise (docs/theory/visibility.md).
 inline constexpr int kCarryingLinkCount = 16;
 inline constexpr int kMaxUnseenPointCount = 65536 - kSupportPointCount;  // a point's index fits 16 bits
 

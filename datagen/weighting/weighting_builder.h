@@ -1,6 +1,6 @@
 // Generates the weighting function of a probe: the bare tent where the probe sees, carried round corners by diffusion.
 //
-// Method: the talk, "How do we generate the functions"; the formula is in docs/math.md §1.
+// Method: the talk, "How do we generate the functions"; the formula is in docs/theory/math.md §1.
 #pragma once
 
 #include <vector>

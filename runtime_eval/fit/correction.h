@@ -6,7 +6,7 @@
 // is tried again as its mirror images: to the generator each is another function, with another theta and other mistakes, and
 // theta mirrors back exactly. Where an iteration of Levenberg–Marquardt is cheap, for product fields and for networks of few numbers,
 // a few of them end the correction, and theta_0 is one more start for a function that is still not good enough: there they gain more
-// in the same time than learned steps. Elsewhere a short run of Adam ends it, for functions that are not good enough. docs/math.md §6; what each setting costs and gives: docs/training.md.
+// in the same time than learned steps. Elsewhere a short run of Adam ends it, for functions that are not good enough. docs/theory/math.md §6; what each setting costs and gives: docs/lab/training.md.
 #pragma once
 
 #include <vector>

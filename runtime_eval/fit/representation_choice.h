@@ -2,7 +2,7 @@
 //
 // The talk evaluates product fields of all resolutions and takes the point where their errors flatten. Here that is done over any
 // representations, on the errors of the check; how often it agrees with the choice that direct optimisation would make is in
-// docs/measurements.md.
+// docs/lab/measurements.md.
 #pragma once
 
 #include <vector>

@@ -54,7 +54,7 @@ struct ProbeWeights {
   int count = 0;         // 0 … 8; 0 where every probe around has weight 0, as inside solid
 };
 
-// The weights of the 8 probes around a position: max(0, phi(local)) * tent_ratio (docs/probes.md); those below kLeastWeight are
+// The weights of the 8 probes around a position: max(0, phi(local)) * tent_ratio (docs/theory/probes.md); those below kLeastWeight are
 // left out. Takes no memory, cannot fail; any number of threads may look up in one grid.
 // returns   false, *weights unchanged, where ProbeTree::lookUp is: outside
 bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights);

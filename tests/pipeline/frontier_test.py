@@ -39,8 +39,8 @@ def must(*command):
 
 
 def documented_keys():
-    """Of each list and object of frontier.json, the keys in the table of docs/formats.md."""
-    text = open(os.path.join(SOURCES, "docs/formats.md")).read()
+    """Of each list and object of frontier.json, the keys in the table of docs/reference/formats.md."""
+    text = open(os.path.join(SOURCES, "docs/reference/formats.md")).read()
     section = re.search(r"\n## frontier\.json.*?(?=\n## )", text, re.S).group(0)
     keys = {"": set(), "points": set(), "hard": set(), "bare_tent": set(), "by_scene": set(), "hierarchy": set(), "walks": set()}
     for cell in re.findall(r"^\| (`.*?) \|", section, re.M):

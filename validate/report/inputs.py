@@ -1,6 +1,6 @@
 """The files that the report is drawn from: read, checked, and refused in one line that names file, place, expected and got.
 
-docs/formats.md says what stands in them. Nothing here draws or decides.
+docs/reference/formats.md says what stands in them. Nothing here draws or decides.
 """
 import csv
 import hashlib

@@ -5,7 +5,7 @@
         [--frontier FRONTIER.json] [--stability STABILITY.json] [--needs BAKE_REPORT.json ...] [--test] --out report.html
 
 The same inputs give the same bytes. A file that cannot be used ends it with one line on stderr and exit code 3, an output that
-cannot be written with 5, a Python without its packages with 2 (tool/error.h); nothing half-written is left behind. docs/formats.md says what the inputs hold.
+cannot be written with 5, a Python without its packages with 2 (tool/error.h); nothing half-written is left behind. docs/reference/formats.md says what the inputs hold.
 """
 import argparse
 import base64

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures and tables of docs/weighting_functions.md from what nlg-solve wrote: FOLDER/SCENE.json and FOLDER/SCENE.csv.
+"""Pictures and tables of docs/lab/weighting_functions.md from what nlg-solve wrote: FOLDER/SCENE.json and FOLDER/SCENE.csv.
 
 usage: weighting_slices.py FOLDER IMAGE_FOLDER    draws IMAGE_FOLDER/weighting_SCENE.png, prints the table of means as Markdown
 """

@@ -1,6 +1,6 @@
 // Weighting functions solved for, together with the probes' lighting: the talk's "weighting functions can be solved for".
 //
-// Minimised over probe values L and functions φ >= 0, sampled at the points, with w = φ / Σ_p φ (docs/weighting_functions.md):
+// Minimised over probe values L and functions φ >= 0, sampled at the points, with w = φ / Σ_p φ (docs/lab/weighting_functions.md):
 //
 //   mean over points and signals of (Σ_p w_p(x) L_p − E(x))²  +  smoothness · mean over points of |∇w|²
 //   +  anchor · mean over probes of (L_p − E(x_p))²

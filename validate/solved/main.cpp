@@ -1,6 +1,6 @@
 // nlg-solve: weighting functions of a small scene solved for, and what rules that generate them make of the same scene.
-// Writes SCENE.csv, a row a rule, and SCENE.json, slices for pictures (docs/weighting_functions.md says what stands in them); with
-// --weights instead SCENE.hierarchy.json, from solved functions to a generator's (docs/frontier.md).
+// Writes SCENE.csv, a row a rule, and SCENE.json, slices for pictures (docs/lab/weighting_functions.md says what stands in them); with
+// --weights instead SCENE.hierarchy.json, from solved functions to a generator's (docs/reference/frontier.md).
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
