@@ -40,7 +40,7 @@ def main():
                 if reason := broken_link(file, target):
                     problems.append(f"{name}: {target}: {reason}")
         for path in re.findall(r"(?<![\w/.-])docs/[\w./-]*\w", text):
-            if not (ROOT / path).exists():
+            if not (ROOT / path).exists() and not re.search(r"\b[A-Z]+\b", path):  # docs/results/NAME.json
                 problems.append(f"{name}: {path}: no such file")
     print("\n".join(problems), file=sys.stderr)
     return 1 if problems else 0

@@ -1,0 +1,246 @@
+"""docs/reference/results.md: all results, as tables. Written by results.py from docs/results/."""
+from results_collect import FITS, STAGES
+from results_quotes import MAIN, microseconds, number, percent
+
+POPULATION_NAMES = {"theta": "functions that take a θ", "hard": "hard functions", "all": "all distinct functions"}
+POPULATION_ORDER = ("theta", "hard", "all")
+FIT_NAMES = {"direct": "direct", "adam_theta0": "Adam from θ₀", "lm_theta0": "Levenberg–Marquardt from θ₀", "adam_random": "Adam from a random start",
+             "best_known": "best known"}
+SPLIT_TITLES = {"evaluation": "Evaluation: levels that no generator was trained on", "validation": "Validation: held-out levels of the game trained on"}
+
+INTRODUCTION = """# Results
+
+*Written by `workflow/results.py write` from `docs/results/`; other texts quote from there. Change nothing here by hand.*
+
+Errors are RMSE over all valid support points, of functions of scenes that no generator was trained on. They are given at four stages, always in this order:
+
+- **network**: one pass of the generator's network, and nothing else.
+- **corrected**: with the exact last layer, the learned steps and the mirror images. No iterative fit.
+- **fitted**: with every step of Adam or Levenberg–Marquardt that the bake takes before it writes the grid.
+- **stored**: what the grid holds in the end, bare tents and the rounding of θ included.
+
+**Share fitted** is the share of functions that took any step of Adam or Levenberg–Marquardt, whether or not its result was kept. Among all distinct functions it is what stands beside the 4 to 13 % of the talk.
+Populations: *functions that take a θ* are the main one. *All distinct functions* also has those for which the bare tent is enough; they count as the bare tent at every stage, in no time, as a bake has them. *Hard functions* are those whose bare tent has an RMSE of .01 or more.
+*Test points* are points that no fit has seen. *Occluded* points are valid points that the probe does not see. Numbers in parentheses are 95 % intervals, by bootstrap over scenes. How it is all measured: [formats](formats.md#summaryjson), [error against run time](frontier.md), [stability](stability.md).
+"""
+PENDING_NOTE = "\n*These figures are measured again with the present policy; what is not there yet reads \"pending\" elsewhere.*\n"
+
+
+def table(head, rows):
+    lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head), *(f"| {' | '.join(map(str, row))} |" for row in rows)]
+    return "\n" + "\n".join(lines) + "\n"
+
+
+def spread(interval, write):
+    return f" ({write(interval[0])} to {write(interval[1])})"
+
+
+def with_interval(q, key):
+    return number(q[key]) + spread(q["interval"][key], number)
+
+
+def share(entry):
+    return percent(entry["value"]) + spread([entry["low"], entry["high"]], percent)
+
+
+def ratio(entry):
+    return number(entry["value"], 2) + spread([entry["low"], entry["high"]], lambda value: number(value, 2))
+
+
+def figure_cells(entry):
+    rmse = entry["rmse"]
+    return [f"{rmse['functions']:,}", number(rmse["median"]), with_interval(rmse, "mean"), with_interval(rmse, "p95"), number(rmse["p99"]),
+            number(rmse["worst"]), number(entry["rmse_test_points"]["mean"]), number(entry["rmse_occluded"]["mean"]),
+            f"{number(entry['leak']['mean'], 5)}, {number(entry['leak']['p99'], 3)}", share(entry["share_failing_check"])]
+
+
+FIGURE_HEAD = ["", "stage", "functions", "median", "mean", "p95", "p99", "worst", "test points, mean", "occluded, mean", "leak: mean, p99",
+               "fails the check", "fitted", "µs a function"]
+
+
+def stage_rows(name, entry, population):
+    return [[f"`{name}`" if word == STAGES[0] else "", word, *figure_cells(entry[word][population]), share(entry[word][population]["share_fitted"]),
+             microseconds(entry[word][population]["us_per_function"])] for word in STAGES]
+
+
+def figures_section(split):
+    text = ""
+    for population in POPULATION_ORDER:
+        rows = [["no network", "bare tent", *figure_cells(split["tent"][population]), "0 %", "0"]]
+        for name, entry in split["representations"].items():
+            rows += stage_rows(name, entry, population)
+        text += f"\n### {POPULATION_NAMES[population].capitalize()}\n" + table(FIGURE_HEAD, rows)
+    return text
+
+
+def stages_section(split):
+    """What each representation goes through, from the policy's own list."""
+    rows = [[f"`{name}`", stage["word"], stage["name"], POPULATION_NAMES.get(stage["population"], stage["population"]),
+             "" if stage["above_rmse"] is None else f"RMSE > {number(stage['above_rmse']).rstrip('0')}", "" if stage["budget"] is None else f"{stage['budget']:g}",
+             stage["text"]] for name, entry in split["representations"].items() for stage in entry["stages"]]
+    return "\n## What a bake does with each representation\n" + table(["", "stage", "step", "of", "where", "budget", ""], rows)
+
+
+def size_section(split):
+    rows = [[f"`{name}`", entry["parameters"], entry["bytes"] // 2, f"{entry['weights_bytes'] / 1000:,.0f} kB", entry["correction_steps"],
+             microseconds(entry["evaluate_us"]) if "evaluate_us" in entry else ""] for name, entry in split["representations"].items()]
+    head = ["", "numbers a function", "bytes, float16", "weights file", "learned steps", "µs for one θ at 8,192 points"]
+    return "\n## Sizes\n" + table(head, rows)
+
+
+RATIO_HEAD = ["", "stage", "median", "hard, median", "at test points, median", "hard, at occluded points, median", "without duplicates: median", "hard, median"]
+RATIO_KEYS = ["median", "median_hard", "median_test_points", "median_occluded_hard"]
+
+
+def ratio_rows(name, ratios, reference):
+    rows = []
+    for word in STAGES:
+        entry = ratios[word]
+        cells = [ratio(entry[reference][key]) for key in RATIO_KEYS]
+        # those without duplicates are to the best known alone
+        cells += [ratio(entry["without_duplicates"][key]) for key in RATIO_KEYS[:2]] if reference == "to_best_known" else ["", ""]
+        rows.append([f"`{name}`" if word == STAGES[0] else "", word, *cells])
+    return rows
+
+
+def sample_section(split):
+    """Against fits of single functions: of a sample, which stands by itself."""
+    sampled = {name: entry["sample"] for name, entry in split["representations"].items() if "sample" in entry}
+    if not sampled:
+        return ""
+    first = next(iter(sampled.values()))
+    rows = []
+    for name, entry in sampled.items():
+        for word in (*STAGES, *(fit for fit in FITS if fit in entry)):
+            theta, hard = entry[word]["theta"], entry[word]["hard"]
+            rows.append([f"`{name}`" if word == STAGES[0] else "", FIT_NAMES.get(word, word), *(number(theta["rmse"][key]) for key in ("median", "mean")),
+                         *(number(hard["rmse"][key]) for key in ("median", "mean")), microseconds(theta["us_per_function"])])
+    text = (f"\n### Against direct fits\nA sample of {first['functions']:,} functions, {first['hard']:,} of them hard. *Direct* is the best of long fits from θ₀ and "
+            "from random starts; *best known* the least error that any long fit has found, from the generator's θ too. Sample and whole set have different "
+            "percentiles: compare within this table alone.\n")
+    text += table(["", "", "median", "mean", "hard: median", "hard: mean", "µs a function"], rows)
+    for reference, title in (("to_best_known", "best known"), ("to_direct", "direct")):
+        rows = [row for name, entry in sampled.items() for row in ratio_rows(name, entry["ratios"], reference)]
+        text += f"\nError over that of *{title}*, function by function:\n" + table(RATIO_HEAD, rows)
+    return text
+
+
+def split_section(key, split):
+    counts = split["functions"]
+    text = f"\n## {SPLIT_TITLES[key]}\n\n" if key in SPLIT_TITLES else f"\n## {key}\n\n"
+    text += (f"{counts['held_out']:,} distinct functions of {counts['held_out_scenes']} scenes; {counts['take_theta']:,} of them take a θ, {counts['hard']:,} are hard. "
+             f"Training has {counts['held_out_in_training']:,} of them too, by the rule for duplicates, and {counts['held_out_in_training_mirrored']:,} when mirror "
+             f"images count. Revision `{split['revision']}`.\n")
+    if key == "evaluation":
+        text += ("\nOne setting was once chosen with the help of these levels (commits a41ee66 to 04510fc). They were never trained on, but they are no test that "
+                 "nobody has looked at.\n")
+    return text + figures_section(split) + sample_section(split)
+
+
+FRONT_HEAD = ["", "", "µs a function", "median", "mean", "p95", "hard: median", "hard: mean", "hard: p95", "on a front"]
+FRONT_KEYS = ["rmse_median", "rmse_mean", "rmse_p95"]
+
+
+def point_row(name, point):
+    hard = point["hard"]
+    fronts = [word for word, on in (("all", point["on_front"]), ("hard", hard and hard["on_front"])) if on]
+    return [f"`{name}`", point["label"], microseconds(point["us_median"]), *(number(point[key]) for key in FRONT_KEYS),
+            *(number(hard[key]) if hard else "" for key in FRONT_KEYS), ", ".join(fronts)]
+
+
+def generic_rows(rows):
+    """Rows of like keys as a table; numbers as they are, at four digits."""
+    head = [key for key in rows[0] if not isinstance(rows[0][key], (dict, list))]
+    cell = lambda value: "" if value is None else f"{value:.4g}" if isinstance(value, float) else f"{value:,}" if isinstance(value, int) else f"{value}"
+    return table([key.replace("_", " ") for key in head], [[cell(row[key]) for key in head] for row in rows])
+
+
+def equal_error_section(front):
+    """Generators against fits from scratch at equal error: rows of the frontier's own, where it has them."""
+    rows = front.get("equal_error", [])
+    return "\n### Faster than a direct fit of equal error\n" + generic_rows(rows) if rows else ""
+
+
+def frontier_section(front):
+    hard = f", {front['hard_functions']:,} of them hard" if "hard_functions" in front else ""
+    text = f"\n## Error against run time\n\n{front['functions']:,} functions of the evaluation{hard}. Revision `{front['revision']}`.\n"
+    text += "".join(f"\n{front[key]}\n" for key in ("hard_front_sentence", "front_sentence") if front.get(key))
+    text += "\n![Error against run time](../images/error_against_time.png)\n"
+    text += table(FRONT_HEAD, [point_row(name, point) for name, points in front["points"].items() for point in points.values()])
+    text += equal_error_section(front)
+    if front.get("hierarchy"):
+        text += "\n### The hierarchy of truths\n" + generic_rows(front["hierarchy"])
+    if front.get("walks"):
+        text += "\n### Walks\n" + generic_rows(front["walks"])
+    return text
+
+
+def stability_section(stability):
+    cases = stability["cases"]
+    ran, held = [case for case in cases if case["ran"]], [case for case in cases if case["ran"] and case["passes"]]
+    rows = [[case["group"], case["name"], case["must_hold"], case["measured"] + (f" ({case['note']})" if case["note"] else ""),
+             ("yes" if case["passes"] else "**no**") if case["ran"] else "not run"] for case in cases]
+    text = f"\n## Stability\n\n{len(cases)} cases; {len(held)} of the {len(ran)} that ran hold. Revision `{stability['revision']}`.\n"
+    return text + table(["group", "case", "what must hold", "measured", "holds"], rows)
+
+
+def savings_section(savings):
+    text = "\n## What a bake leaves out\n"
+    words = {True: "yes", False: "not yet", None: "–"}
+    cell = lambda value: "" if value is None else f"{value:,.1f}" if isinstance(value, float) else f"{value:,}"
+    for scene, entry in savings.items():
+        rows = [[line["what"], words[line["left_out"]], f"{line['count']:,} of {line['of']:,}", cell(line["seconds_saved"]), cell(line["seconds_noise"]),
+                 cell(line["bytes_saved"]), {True: "yes", False: "no", None: ""}[line["same_result"]]] for line in entry["lines"].values()]
+        text += f"\n### {scene}\n" + table(["what", "left out", "how many", "CPU s saved", "± s", "bytes saved", "same look-ups"], rows)
+    return text
+
+
+def bakes_section(bakes):
+    columns = {"probes": "probes", "functions": "functions", "bare_tents": "bare tents", "bytes": "bytes", "still_failing": "fail the check"}
+    seconds = list(dict.fromkeys(key for entry in bakes.values() for key in entry.get("thread_seconds", {})))
+    cell = lambda value: "" if value is None else f"{value:.2f}" if isinstance(value, float) else f"{value:,}"
+    rows = [[scene, *(cell(entry.get(key)) for key in columns), *(cell(entry.get("thread_seconds", {}).get(key)) for key in seconds),
+             cell(entry.get("wall_seconds", {}).get("all"))] for scene, entry in bakes.items()]
+    head = ["level", *columns.values(), *(f"{key.replace('_', ' ')}, thread s" for key in seconds), "whole bake, s"]
+    return "\n## Whole bakes\n" + table(head, rows)
+
+
+def tree_rows(node, way=()):
+    """Leaves of a tree of numbers, by their way."""
+    if isinstance(node, dict):
+        return [row for key, value in node.items() for row in tree_rows(value, (*way, key.replace("_", " ")))]
+    if isinstance(node, list):
+        if node and all(isinstance(item, dict) for item in node):
+            return [row for i, item in enumerate(node) for row in tree_rows(item, (*way, str(i)))]
+        return [[": ".join(way), ", ".join(f"{item:.4g}" if isinstance(item, float) else str(item) for item in node)]]
+    return [[": ".join(way), f"{node:.4g}" if isinstance(node, float) else f"{node:,}" if isinstance(node, int) else node]]
+
+
+def look_up_section(look_up):
+    return "\n## What a look-up blends\n" + table(["", ""], tree_rows({key: value for key, value in look_up.items() if key != "revision"}))
+
+
+def benchmarks_section(benchmarks):
+    rows = [[f"`{entry['case']}`", microseconds(entry["us"]), "; ".join(f"{key} {value:,.4g}" for key, value in entry.items() if key not in {"case", "us", "wall_us"})]
+            for entry in benchmarks.values()]
+    return "\n## Benchmarks\n" + table(["case", "µs", "counters"], rows)
+
+
+def provenance(results):
+    weights = "".join(f"\n- `{name}`: `{sha256}`" for name, sha256 in results.get("weights", {}).items())
+    text = f"\nMade by `{results['command']}` and `workflow/results.py collect out/{results['run']}`."
+    return text + (f" SHA-256 of the weights:\n{weights}\n" if weights else "\n")
+
+
+def page(all_results):
+    """The whole page, of the main results."""
+    results = all_results[MAIN]
+    text = INTRODUCTION + provenance(results) + (PENDING_NOTE if results.get("pending") else "")
+    if "representations" in results.get("evaluation", {}):
+        text += size_section(results["evaluation"]) + stages_section(results["evaluation"])
+    for key in ("evaluation", "validation"):
+        if "representations" in results.get(key, {}):
+            text += split_section(key, results[key])
+    sections = {"frontier": frontier_section, "look_up": look_up_section, "stability": stability_section, "savings": savings_section,
+                "bakes": bakes_section, "benchmarks": benchmarks_section}
+    return text + "".join(write(results[key]) for key, write in sections.items() if key in results)
