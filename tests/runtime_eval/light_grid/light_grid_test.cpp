@@ -44,8 +44,9 @@ double expectedWeight(const LightGrid& grid, const ProbeAround& corner, double* 
   const Representation& representation = grid.representations[grid.function_representation[function]];
   const Theta theta = thetaOf(grid, function);
   const double phi = evaluateReference(representation, corner.local, toDouble(theta).data());
-  *bound = (errorBound(representation, corner.local, theta) + std::fabs(phi) * kFloatRounding) * corner.tent_ratio;
-  return std::max(0.0, phi) * corner.tent_ratio;
+  // clamping moves two values no further apart
+  *bound = (errorBound(representation, corner.local, theta) + kFloatRounding) * corner.tent_ratio;
+  return std::clamp(phi, 0.0, double{tent(corner.local)}) * corner.tent_ratio;
 }
 
 float weightOf(const ProbeWeights& weights, uint32_t probe) {
@@ -113,7 +114,7 @@ TEST(LightGrid, LooksUpTheWeightsOfItsDefinition) {
                      }
                      ASSERT_EQ(next, weights.count) << "every probe is a corner, in the order of corners";
                      for (int i = 0; i < weights.count; ++i)
-                       ASSERT_TRUE(weights.weight[i] >= kLeastWeight && std::isfinite(weights.weight[i]));
+                       ASSERT_TRUE(weights.weight[i] >= kLeastWeight && weights.weight[i] <= 1.0f);
                      counted += weights.count;
                    });
   EXPECT_GT(found, 1000);
@@ -150,19 +151,112 @@ TEST(LightGrid, GivesNoWeightToProbesWithout) {
   EXPECT_GT(found, 100);
 }
 
-TEST(LightGrid, LeavesNegativeWeightsOut) {
+// A grid whose probes all have one function: the same value everywhere.
+LightGrid constantGrid(float value) {
   LightGrid grid = randomGrid(smallTree(), 1);
-  const Theta negative = [] {
-    Theta theta(ThetaLayout::count);
-    theta[ThetaLayout::b3] = -0.5f;
-    return theta;
-  }();
-  const uint32_t function = grid.addFunction(0, negative.data());
+  Theta theta(ThetaLayout::count);
+  theta[ThetaLayout::b3] = value;
+  const uint32_t function = grid.addFunction(0, theta.data());  // mlp
   std::fill(grid.probe_function.begin(), grid.probe_function.end(), function);
+  return grid;
+}
+
+TEST(LightGrid, LeavesNegativeWeightsOut) {
+  const LightGrid grid = constantGrid(-0.5f);
   ASSERT_TRUE(checkLightGrid(grid).ok());
   ProbeWeights weights;
   ASSERT_TRUE(lookUpWeights(grid, grid.tree.probePosition(0), &weights));
   EXPECT_EQ(weights.count, 0);
+}
+
+TEST(LightGrid, GivesNoFunctionMoreThanItsTent) {
+  const LightGrid above = constantGrid(3.5f);
+  LightGrid free = above;
+  std::fill(free.probe_function.begin(), free.probe_function.end(), kFreeSpace);
+  Random random(1);
+  int found = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const PositionM at = randomPosition(above.tree.frame(), random);
+    ProbeWeights weights, expected;
+    if (!lookUpWeights(above, at, &weights)) continue;
+    ASSERT_TRUE(lookUpWeights(free, at, &expected));
+    ASSERT_TRUE(sameWeights(weights, expected));
+    ++found;
+  }
+  EXPECT_GT(found, 100);
+}
+
+TEST(LightGrid, FadesOutWhereAPositionLeavesAProbesCells) {
+  // a probe that is not on a face has at most its share of the cell's side as weight, whatever its function says: what the look-up
+  // beyond the face no longer reads was 0 there
+  int64_t near_a_face = 0;
+  forManyPositions([](LightGrid&) {},
+                   [&](const LightGrid& grid, const PositionM& position_m) {
+                     ProbesAround around;
+                     ProbeWeights weights;
+                     if (!lookUpWeights(grid, position_m, &weights)) return;
+                     ASSERT_TRUE(grid.tree.lookUp(position_m, &around));
+                     for (int c = 0; c < 8; ++c) {
+                       for (int axis = 0; axis < 3; ++axis) {
+                         const double low = grid.tree.frame().first_m[axis] + grid.tree.frame().spacing_m * around.cell.low[axis],
+                                      side = grid.tree.frame().spacing_m * around.cell.side;
+                         const double from_low = (position_m[axis] - low) / side;
+                         const double to_far_face = c >> axis & 1 ? from_low : 1.0 - from_low;
+                         // up to 6 roundings of numbers up to 1
+                         ASSERT_LE(weightOf(weights, around.corners[c].probe), to_far_face + 6 * kFloatRounding)
+                             << "corner " << c << ", axis " << axis;
+                         near_a_face += to_far_face < 0.05;
+                       }
+                     }
+                   });
+  EXPECT_GT(near_a_face, 1000);
+}
+
+TEST(LightGrid, NormalisesToASumOfOneAndKeepsRatios) {
+  int64_t normalised = 0;
+  forManyPositions([](LightGrid&) {},
+                   [&](const LightGrid& grid, const PositionM& position_m) {
+                     ProbeWeights weights;
+                     if (!lookUpWeights(grid, position_m, &weights)) return;
+                     const ProbeWeights before = weights;
+                     ASSERT_EQ(normaliseWeights(&weights), before.count > 0);
+                     ASSERT_EQ(weights.count, before.count);
+                     double sum = 0.0;
+                     for (int i = 0; i < weights.count; ++i) {
+                       sum += double{weights.weight[i]};
+                       ASSERT_EQ(weights.probe[i], before.probe[i]);
+                       // one rounding of each quotient
+                       ASSERT_NEAR(weights.weight[i] * before.weight[0], weights.weight[0] * before.weight[i],
+                                   4 * kFloatRounding);
+                     }
+                     if (weights.count == 0) return;
+                     // 7 roundings of the sum, one of each of 8 quotients that add up to 1
+                     ASSERT_NEAR(sum, 1.0, 9 * kFloatRounding);
+                     ++normalised;
+                   });
+  EXPECT_GT(normalised, 1000);
+}
+
+TEST(LightGrid, GivesTentsToProbesThatHaveAnyWeight) {
+  int64_t found = 0;
+  forManyPositions([](LightGrid&) {},
+                   [&](const LightGrid& grid, const PositionM& position_m) {
+                     ProbesAround around;
+                     ProbeWeights weights;
+                     weights.count = 5;
+                     ASSERT_EQ(lookUpTents(grid, position_m, &weights), grid.tree.lookUp(position_m, &around));
+                     if (!grid.tree.lookUp(position_m, &around)) {
+                       ASSERT_EQ(weights.count, 5);
+                       return;
+                     }
+                     for (const ProbeAround& corner : around.corners) {
+                       const float expected = tent(corner.local) * corner.tent_ratio;
+                       const bool counts = grid.probe_function[corner.probe] != kNoWeight && expected >= kLeastWeight;
+                       ASSERT_EQ(weightOf(weights, corner.probe), counts ? expected : 0.0f);
+                       found += counts;
+                     }
+                   });
+  EXPECT_GT(found, 1000);
 }
 
 TEST(LightGrid, FindsNothingOutside) {
@@ -178,7 +272,7 @@ TEST(LightGrid, FindsNothingOutside) {
   EXPECT_FALSE(lookUpWeights(LightGrid{}, {0, 0, 0}, &weights));
 }
 
-TEST(LightGrid, StaysFiniteUpToTheLargestTheta) {
+TEST(LightGrid, StaysInRangeUpToTheLargestTheta) {
   LightGrid grid = randomGrid(smallTree(), 1);
   for (float& value : grid.theta) value = value < 0 ? -kMaxGridTheta : kMaxGridTheta;
   for (size_t function = 0; function < 2; ++function)
@@ -190,11 +284,11 @@ TEST(LightGrid, StaysFiniteUpToTheLargestTheta) {
     ProbeWeights weights;
     if (!lookUpWeights(grid, randomPosition(grid.tree.frame(), random), &weights)) continue;
     for (int k = 0; k < weights.count; ++k) {
-      ASSERT_TRUE(std::isfinite(weights.weight[k])) << "probe " << weights.probe[k];
+      ASSERT_TRUE(weights.weight[k] >= kLeastWeight && weights.weight[k] <= 1.0f) << "probe " << weights.probe[k];
       largest = std::max(largest, weights.weight[k]);
     }
   }
-  EXPECT_GT(largest, 1e20f);
+  EXPECT_GT(largest, 0.5f);
 }
 
 TEST(LightGrid, AllocatesNothingInALookUp) {
