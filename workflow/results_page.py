@@ -163,7 +163,7 @@ def equal_error_section(front):
 
 def frontier_section(front):
     hard = f", {front['hard_functions']:,} of them hard" if "hard_functions" in front else ""
-    text = f"\n## Error against run time\n\n{front['functions']:,} functions of the evaluation{hard}. Revision `{front['revision']}`.\n"
+    text = f"\n{front['functions']:,} functions of the evaluation{hard}. Revision `{front['revision']}`.\n"
     text += "".join(f"\n{front[key]}\n" for key in ("hard_front_sentence", "front_sentence") if front.get(key))
     text += "\n![Error against run time](../images/error_against_time.png)\n"
     text += table(FRONT_HEAD, [point_row(name, point) for name, points in front["points"].items() for point in points.values()])
@@ -180,12 +180,12 @@ def stability_section(stability):
     ran, held = [case for case in cases if case["ran"]], [case for case in cases if case["ran"] and case["passes"]]
     rows = [[case["group"], case["name"], case["must_hold"], case["measured"] + (f" ({case['note']})" if case["note"] else ""),
              ("yes" if case["passes"] else "**no**") if case["ran"] else "not run"] for case in cases]
-    text = f"\n## Stability\n\n{len(cases)} cases; {len(held)} of the {len(ran)} that ran hold. Revision `{stability['revision']}`.\n"
+    text = f"\n{len(cases)} cases; {len(held)} of the {len(ran)} that ran hold. Revision `{stability['revision']}`.\n"
     return text + table(["group", "case", "what must hold", "measured", "holds"], rows)
 
 
 def savings_section(savings):
-    text = "\n## What a bake leaves out\n"
+    text = ""
     words = {True: "yes", False: "not yet", None: "–"}
     cell = lambda value: "" if value is None else f"{value:,.1f}" if isinstance(value, float) else f"{value:,}"
     for scene, entry in savings.items():
@@ -202,7 +202,7 @@ def bakes_section(bakes):
     rows = [[scene, *(cell(entry.get(key)) for key in columns), *(cell(entry.get("thread_seconds", {}).get(key)) for key in seconds),
              cell(entry.get("wall_seconds", {}).get("all"))] for scene, entry in bakes.items()]
     head = ["level", *columns.values(), *(f"{key.replace('_', ' ')}, thread s" for key in seconds), "whole bake, s"]
-    return "\n## Whole bakes\n" + table(head, rows)
+    return table(head, rows)
 
 
 def tree_rows(node, way=()):
@@ -217,13 +217,13 @@ def tree_rows(node, way=()):
 
 
 def look_up_section(look_up):
-    return "\n## What a look-up blends\n" + table(["", ""], tree_rows({key: value for key, value in look_up.items() if key != "revision"}))
+    return table(["", ""], tree_rows({key: value for key, value in look_up.items() if key != "revision"}))
 
 
 def benchmarks_section(benchmarks):
     rows = [[f"`{entry['case']}`", microseconds(entry["us"]), "; ".join(f"{key} {value:,.4g}" for key, value in entry.items() if key not in {"case", "us", "wall_us"})]
             for entry in benchmarks.values()]
-    return "\n## Benchmarks\n" + table(["case", "µs", "counters"], rows)
+    return table(["case", "µs", "counters"], rows)
 
 
 def provenance(results):
@@ -241,6 +241,9 @@ def page(all_results):
     for key in ("evaluation", "validation"):
         if "representations" in results.get(key, {}):
             text += split_section(key, results[key])
-    sections = {"frontier": frontier_section, "look_up": look_up_section, "stability": stability_section, "savings": savings_section,
-                "bakes": bakes_section, "benchmarks": benchmarks_section}
-    return text + "".join(write(results[key]) for key, write in sections.items() if key in results)
+    sections = {"frontier": ("Error against run time", frontier_section), "look_up": ("What a look-up blends", look_up_section),
+                "stability": ("Stability", stability_section), "savings": ("What a bake leaves out", savings_section),
+                "bakes": ("Whole bakes", bakes_section), "benchmarks": ("Benchmarks", benchmarks_section)}
+    for key, (title, write) in sections.items():
+        text += f"\n## {title}\n" + (write(results[key]) if key in results else "\nNot measured at this revision.\n")
+    return text

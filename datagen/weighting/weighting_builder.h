@@ -30,7 +30,8 @@ struct GeneratedFunction {
   bool open_shell = false;     // votes about solid were disputed
 };
 
-// Where looking at a probe ends early. Both off: every probe has a function, whatever it is good for.
+// Which probes WeightingBuilder::see gives up early, because nobody needs their function. With both off every probe gets one; a
+// bake asks for that only to measure what giving up saves.
 struct SeeOptions {
   bool stops_in_solid = true;
   bool stops_in_free_space = true;

@@ -72,8 +72,9 @@ class FunctionCache {
 // RMSE of the bare tent over the valid points of a function; 0 when there are none.
 float tentRmse(const StoredFunction& function);
 
-// Indices 0 … count - 1 in the order in which a cache holds the functions that its shards gave: the same for the same count, and
-// that of a smaller count is what remains of it.
+// The order in which a cache holds its functions: entry i is the number, counted over the shards, of the function in place i.
+// It depends on count alone. Leaving out every number from some n on gives cacheOrder(n), so that a set which grows at its end
+// keeps the order of the functions that it had.
 std::vector<uint32_t> cacheOrder(int64_t count);
 
 }  // namespace nlg
