@@ -7,6 +7,9 @@
 
 collect takes a run's result folder, out/NAME, reduces what it measured to docs/results/NAME.json, draws the plots of docs/images anew and fills the texts.
 write makes docs/reference/results.md and weights/README.md whole, and fills what README, CONTRIBUTING, the pages of docs/ and the headers quote.
+What a run's folder does not have by itself, and is taken when it is there:
+    nlg-bake LEVEL --threads 1 --out GRID > RUN/bakes/LEVEL.json
+    bench_runtime_eval --benchmark_repetitions=7 --benchmark_out=RUN/benchmarks/runtime_eval.json --benchmark_out_format=json
 check changes nothing; exit code 6 when a text disagrees, 3 when a text quotes what no results file holds.
 """
 import argparse

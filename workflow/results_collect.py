@@ -135,16 +135,20 @@ def stability(path):
     return {"revision": revision(document, path), "cases": [take(case, keys, path) for case in document["cases"]]}
 
 
-def numbers_of(document):
-    """Numbers, texts and truths of a tool's line, and those one level further down."""
-    def flat(value):
-        return isinstance(value, (int, float, str, bool)) or value is None
-    return {key: value for key, value in document.items()
-            if flat(value) or isinstance(value, dict) and key != "provenance" and all(map(flat, value.values()))}
+BAKE_COUNTS = ("threads", "probes", "free_space", "in_solid", "empty", "bare_tents", "duplicates", "functions", "took_fit", "still_failing", "bytes",
+               "bytes_per_probe")
+BAKE_STAGES = {"network": ["network", "check"], "corrected": ["last_layer", "learned_steps", "mirror_images"], "fitted": ["lm", "lm_theta0", "adam"],
+               "refinement": ["refinement", "larger"]}
 
 
 def bake(path):
-    return numbers_of(read_json(path))
+    """One bake: counts, thread seconds by stage, errors by stage."""
+    document = read_json(path)
+    seconds = take(document, ["thread_seconds"], path)["thread_seconds"]
+    out = {**take(document, ["scene", *BAKE_COUNTS, "share_fitted"], path), "wall_s": document["wall_seconds"]["all"],
+           "thread_s": take(seconds, ["visibility", "functions", "duplicates"], path)}
+    out["thread_s"].update({word: sum(seconds["stages"].get(stage, 0.0) for stage in stages) for word, stages in BAKE_STAGES.items()})
+    return {**out, "rmse": {word: take(document["rmse"][word], ["mean", "p95", "worst"], path) for word in STAGES}}
 
 
 def savings(path):
