@@ -163,7 +163,7 @@ def equal_error_section(front):
 
 def frontier_section(front):
     hard = f", {front['hard_functions']:,} of them hard" if "hard_functions" in front else ""
-    text = f"\n{front['functions']:,} functions of the evaluation{hard}. Revision `{front['revision']}`.\n"
+    text = f"\n{front['functions']:,} functions of the evaluation{hard}. Times and the first three errors are over all of them, the last three over the hard ones. Revision `{front['revision']}`.\n"
     text += "".join(f"\n{front[key]}\n" for key in ("hard_front_sentence", "front_sentence") if front.get(key))
     text += "\n![Error against run time](../images/error_against_time.png)\n"
     text += table(FRONT_HEAD, [point_row(name, point) for name, points in front["points"].items() for point in points.values()])
@@ -180,7 +180,7 @@ def stability_section(stability):
     ran, held = [case for case in cases if case["ran"]], [case for case in cases if case["ran"] and case["passes"]]
     rows = [[case["group"], case["name"], case["must_hold"], case["measured"] + (f" ({case['note']})" if case["note"] else ""),
              ("yes" if case["passes"] else "**no**") if case["ran"] else "not run"] for case in cases]
-    text = f"\n{len(cases)} cases; {len(held)} of the {len(ran)} that ran hold. Revision `{stability['revision']}`.\n"
+    text = f"\n{len(cases)} cases; {len(ran)} were run, and {len(held)} of these hold. Revision `{stability['revision']}`.\n"
     return text + table(["group", "case", "what must hold", "measured", "holds"], rows)
 
 
@@ -250,7 +250,9 @@ def look_up_section(look_up):
 
 
 def benchmarks_section(benchmarks):
-    rows = [[f"`{entry['case']}`", microseconds(entry["us"]), "; ".join(f"{key} {value:,.4g}" for key, value in entry.items() if key not in {"case", "us", "wall_us"})]
+    shown = lambda value: f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.4g}"
+    rows = [[f"`{entry['case']}`", microseconds(entry["us"]),
+             "; ".join(f"{key.replace('_', ' ')} {shown(value)}" for key, value in entry.items() if key not in {"case", "us", "wall_us"})]
             for entry in benchmarks.values()]
     return table(["case", "µs", "counters"], rows)
 
