@@ -111,7 +111,7 @@ std::string toTable(const BakeReport& report) {
   if (s.bare_tents.count > 0) {
     text += fmt::format("all but the bare tent: RMSE mean {:.4f}, in none of the figures above\n", s.bare_tents.meanRmse());
   }
-  if (s.corrected > 0) text += fmt::format("{} generated thetas were corrected\n", s.corrected);
+  if (s.corrected > 0) text += fmt::format("{} predicted thetas were corrected\n", s.corrected);
   if (s.still_failing > 0 || s.left_for_time > 0) {
     text += fmt::format("{} functions still fail the check ({:.2f} %), {} of all were left for want of time\n", s.still_failing,
                         100.0 * share(s.still_failing, counts.functions), s.left_for_time);

@@ -159,7 +159,7 @@ class NeedsCount {
          {},
          corrects ? std::optional<int64_t>(0) : std::nullopt,
          {},
-         corrects ? "generated thetas whose error is low enough, of all representations" : "the weights hold no corrections"});
+         corrects ? "predicted thetas whose error is low enough, of all representations" : "the weights hold no corrections"});
     needs_.push_back({need::kRefinement,
                       true,
                       counts_.functions - statistics_.failed_check,

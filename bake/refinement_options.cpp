@@ -4,7 +4,7 @@ namespace nlg {
 
 void describeCorrection(CorrectionOptions& o, OptionTable& table) {
   table.add("correct_rmse", &o.correct_rmse,
-            "generated theta whose RMSE is above are corrected, as are those that fail the check; 0: all", 0.0, 1e3);
+            "predicted theta whose RMSE is above are corrected, as are those that fail the check; 0: all", 0.0, 1e3);
   table.add("correct_steps", &o.most_steps, "learned correction steps of an attempt at most", 0, 64);
   table.add("correct_images", &o.mirror_images, "networks: attempts at a function, itself and mirror images of it", 1, 8);
   table.add("correct_retry_rmse", &o.retry_rmse, "… another one while its RMSE is above", 0.0, 1e3);

@@ -19,8 +19,8 @@ struct BakeStatistics {
   FunctionTimes function_times;
   double generator_s = 0.0, check_s = 0.0, correction_s = 0.0, refinement_s = 0.0;
   double wall_s = 0.0, load_wall_s = 0.0, functions_wall_s = 0.0, refinement_wall_s = 0.0;  // functions: generators included
-  uint64_t corrected = 0;           // generated theta that corrections replaced, of all representations
-  uint64_t checked = 0, right = 0;  // generated theta, of all representations; those that need no correction
+  uint64_t corrected = 0;           // predicted theta that corrections replaced, of all representations
+  uint64_t checked = 0, right = 0;  // predicted theta, of all representations; those that need no correction
   uint64_t smallest_enough = 0;     // functions for which no larger generator ran
   uint64_t failed_check = 0;        // functions whose theta failed, corrected or not
   uint64_t refined = 0;             // of these were refined

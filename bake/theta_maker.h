@@ -17,7 +17,7 @@ class ThetaMaker {
   // What it did since construction. Seconds by the clock.
   struct Work {
     double generator_s = 0.0, check_s = 0.0, correction_s = 0.0;
-    uint64_t checked = 0, right = 0;  // generated theta; of these need no correction
+    uint64_t checked = 0, right = 0;  // predicted theta; of these need no correction
     uint64_t corrected = 0;           // were replaced by better ones
   };
 

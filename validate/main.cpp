@@ -174,8 +174,8 @@ Json sliceJson(const std::string& which, const Slice& slice, const MethodSample&
           {"size", slice.size},
           {"valid", slice.valid},
           {"seen", slice.seen},
-          {"generated_permille", permille(slice.generated)},
-          {"approximated_permille", permille(slice.approximated)},
+          {"target_permille", permille(slice.target)},
+          {"predicted_permille", permille(slice.predicted)},
           {"difference_permille", permille(slice.difference)}};
 }
 

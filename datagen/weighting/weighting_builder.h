@@ -22,7 +22,7 @@ enum class ProbeOutcome {
   empty,       // generated, but zero at every valid support point
 };
 
-// The result for one probe; arrays run over all points of the link table (P support points, then the unseen ones).
+// The result for one probe; arrays run over all points of the link table (P support points, then the test points).
 struct GeneratedFunction {
   std::vector<float> phi;      // [0, 1]; 0 at invalid points
   std::vector<uint8_t> valid;  // 0 or 1

@@ -16,7 +16,7 @@ struct ChoiceOptions {
   double enough_rmse = 0.004;     // … and so is any error below this, by direct optimisation
   double generator_excess = 2.5;  // generated errors are about so many times those of direct optimisation
 
-  // The same choice on the errors of generated theta, which have further to fall.
+  // The same choice on the errors of predicted theta, which have further to fall.
   ChoiceOptions forGenerated() const { return {flat_ratio, enough_rmse * generator_excess, 1.0}; }
 };
 

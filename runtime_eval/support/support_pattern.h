@@ -41,7 +41,7 @@ const SupportPattern& supportPattern();
 
 // Points that no fit sees, for judging fits: a low-discrepancy sequence (Roberts 2018, R3) over the whole support.
 // count   >= 0; the first points of a longer set are the shorter set
-std::vector<LocalPoint> unseenPoints(int count);
+std::vector<LocalPoint> testPoints(int count);
 
 // Hash of any list of points: FNV-1a over their bits.
 uint64_t hashPoints(const std::vector<LocalPoint>& points);

@@ -353,7 +353,7 @@ TEST_F(SceneBakeTest, ReportHoldsTheSameNumbersForProgramsAndPeople) {
   EXPECT_EQ(json.at("probes"), wall.grid.tree.probeCount());
   EXPECT_DOUBLE_EQ(json.at("bytes_per_probe").get<double>() * static_cast<double>(wall.grid.tree.probeCount()), 123456.0);
   const std::string table = toTable(report);
-  EXPECT_NE(table.find("2 generated thetas were corrected"), std::string::npos) << table;
+  EXPECT_NE(table.find("2 predicted thetas were corrected"), std::string::npos) << table;
   EXPECT_NE(table.find(std::to_string(wall.grid.tree.probeCount())), std::string::npos) << table;
 }
 

@@ -140,7 +140,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         for name, seed, flags in [("one", 1, ["--held-out"]), ("two", 2, ["--held-out"]), ("training", 3, [])]:
-            must(os.path.join(BIN, "nlg-datagen"), "--scene", f"house:{seed}", "--max-functions", "8", "--unseen-points", "64", *flags,
+            must(os.path.join(BIN, "nlg-datagen"), "--scene", f"house:{seed}", "--max-functions", "8", "--test-points", "64", *flags,
                  "--out", f"{name}.h5")
         for name in ["tent_mlp", "pf3", "pf5"]:
             must(MAKE_WEIGHTS, f"{name}.safetensors", name)

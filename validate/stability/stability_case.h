@@ -60,7 +60,7 @@ std::vector<StabilityCase> singularMatrixCases();
 std::vector<StabilityCase> pcaCases();
 // generator
 std::vector<StabilityCase> generatorPrecisionCases();
-std::vector<StabilityCase> unseenFamilyCases();
+std::vector<StabilityCase> heldOutFamilyCases();
 // scenes
 std::vector<StabilityCase> sceneSizeCases();
 std::vector<StabilityCase> strangeTriangleCases();

@@ -11,7 +11,7 @@ namespace nlg {
 namespace {
 
 const LinkTable& table() {
-  static const LinkTable links = makeLinkTable(unseenPoints(512));
+  static const LinkTable links = makeLinkTable(testPoints(512));
   return links;
 }
 

@@ -81,7 +81,7 @@ TEST(EvaluatePoint, EqualsTheReference) {
   for (const Representation& representation : kGridRepresentations) {
     for (uint64_t seed = 0; seed < 20; ++seed) {
       const Theta theta = randomTheta(representation, seed);
-      std::vector<LocalPoint> points = unseenPoints(50);
+      std::vector<LocalPoint> points = testPoints(50);
       for (const float x : {-1.0f, 0.0f, 1.0f}) points.push_back({x, -x, 1.0f});
       for (const LocalPoint& point : points) {
         ASSERT_NEAR(evaluatePoint(representation, point, theta.data()),
