@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <latch>
 #include <limits>
 #include <thread>
 
@@ -304,21 +305,57 @@ TEST(LightGrid, AllocatesNothingInALookUp) {
   EXPECT_GT(found, 100);
 }
 
-TEST(LightGrid, GivesTheSameToTwoThreadsAtOnce) {
-  const LightGrid grid = randomGrid(smallTree(), 4);
+// What a look-up kept between calls, of a cell, a function or a result, would be another grid's or another thread's here: all
+// look-ups go through the same places in other orders.
+struct ManyLookUps {
+  LightGrid grids[2] = {randomGrid(smallTree(), 4), randomGrid(smallTree(), 5)};
   std::vector<PositionM> positions;
-  Random random(4);
-  for (int i = 0; i < 20000; ++i) positions.push_back(randomPosition(grid.tree.frame(), random));
-  const auto lookUpAll = [&](std::vector<ProbeWeights>* all) {
-    for (const PositionM& position_m : positions) lookUpWeights(grid, position_m, &all->emplace_back());
+  std::vector<ProbeWeights> alone[2];  // by grid and position, one after another
+
+  ManyLookUps() {
+    Random random(4);
+    for (int i = 0; i < 20000; ++i) positions.push_back(randomPosition(grids[0].tree.frame(), random));
+    for (int grid = 0; grid < 2; ++grid) {
+      for (const PositionM& position_m : positions) lookUpWeights(grids[grid], position_m, &alone[grid].emplace_back());
+    }
+  }
+  bool isSame(int grid, size_t i) const {
+    ProbeWeights weights;
+    lookUpWeights(grids[grid], positions[i], &weights);
+    return sameWeights(weights, alone[grid][i]);
+  }
+};
+
+TEST(LightGrid, KeepsNothingFromOneLookUpToTheNext) {
+  const ManyLookUps many;
+  size_t different = 0;
+  for (size_t i = many.positions.size(); i-- > 0;) {
+    ASSERT_TRUE(many.isSame(0, i) && many.isSame(1, i)) << "position " << i;
+    different += !sameWeights(many.alone[0][i], many.alone[1][i]);
+  }
+  EXPECT_GT(different, many.positions.size() / 2) << "two grids that are hardly different";
+}
+
+TEST(LightGrid, GivesTheSameToTwoThreadsAtOnce) {
+  const ManyLookUps many;
+  constexpr int kRounds = 5;  // long enough for the threads to meet, also where they share one core
+  std::latch start(2);
+  // the places that differ; one thread takes the positions forwards in one grid, the other backwards in the other grid
+  const auto wrong = [&](int grid) {
+    int count = 0;
+    start.arrive_and_wait();
+    for (int round = 0; round < kRounds; ++round) {
+      for (size_t i = 0; i < many.positions.size(); ++i) {
+        count += !many.isSame((grid + round) % 2, grid == 0 ? i : many.positions.size() - 1 - i);
+      }
+    }
+    return count;
   };
-  std::vector<ProbeWeights> alone, one, other;
-  lookUpAll(&alone);
-  std::thread thread(lookUpAll, &one);
-  lookUpAll(&other);
+  int other = -1;
+  std::thread thread([&] { other = wrong(1); });
+  EXPECT_EQ(wrong(0), 0);
   thread.join();
-  for (size_t i = 0; i < positions.size(); ++i)
-    ASSERT_TRUE(sameWeights(alone[i], one[i]) && sameWeights(alone[i], other[i])) << "position " << i;
+  EXPECT_EQ(other, 0);
 }
 
 // A good grid with one thing wrong, and what the check says to it.
