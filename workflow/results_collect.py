@@ -6,7 +6,7 @@ Taken are, where the run's folder has them:
     stability.json                                     nlg-validate stability
     savings/SCENE.json                                 nlg-bake --measure-savings (stdout)
     bakes/SCENE.json                                   nlg-bake (stdout)
-    look_up.json                                       what a look-up blends, beside the functions themselves
+    look_up/SCENE.json                                 nlg-validate look-up
     benchmarks/*.json                                  bench_* --benchmark_out=FILE --benchmark_out_format=json
 """
 import json
@@ -199,11 +199,11 @@ def collect(run, configuration):
     """The results of one run's folder."""
     out = {"schema_version": 1, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
     readers = {"evaluation": ("evaluation/summary.json", summary), "validation": ("validation/summary.json", summary),
-               "frontier": ("evaluation/frontier.json", frontier), "stability": ("stability.json", stability), "look_up": ("look_up.json", look_up)}
+               "frontier": ("evaluation/frontier.json", frontier), "stability": ("stability.json", stability)}
     for section, (file, read) in readers.items():
         if (run / file).exists():
             out[section] = read(run / file)
-    for section, read in (("savings", savings), ("bakes", bake)):
+    for section, read in (("savings", savings), ("bakes", bake), ("look_up", look_up)):
         if files := sorted((run / section).glob("*.json")):
             out[section] = {file.stem: read(file) for file in files}
     if files := sorted((run / "benchmarks").glob("*.json")):

@@ -234,19 +234,45 @@ def bakes_section(bakes):
     return text + table(BAKE_HEAD, rows)
 
 
-def tree_rows(node, way=()):
-    """Leaves of a tree of numbers, by their way."""
-    if isinstance(node, dict):
-        return [row for key, value in node.items() for row in tree_rows(value, (*way, key.replace("_", " ")))]
-    if isinstance(node, list):
-        if node and all(isinstance(item, dict) for item in node):
-            return [row for i, item in enumerate(node) for row in tree_rows(item, (*way, str(i)))]
-        return [[": ".join(way), ", ".join(f"{item:.4g}" if isinstance(item, float) else str(item) for item in node)]]
-    return [[": ".join(way), f"{node:.4g}" if isinstance(node, float) else f"{node:,}" if isinstance(node, int) else node]]
+LOOK_UP_HEAD = ["", "unlit", "RMSE of a share", "wrong light: mean", "p99", "from the seen tents", "leak: mean", "p99"]
+
+
+def look_up_rows(entry, write):
+    """Of target φ, of the bare tents, and of every representation."""
+    named = {"target φ": entry["target"], "bare tents": entry["tent"], **{f"`{name}`": found for name, found in entry["representations"].items()}}
+    return [[name, *write(found)] for name, found in named.items()]
+
+
+def distance_words(entry):
+    """Heads of the classes of distance: "below 5 cm", "5 to 20 cm", …"""
+    words = []
+    for place in entry["places"]["by_distance"]:
+        low, high = place["from_m"], place["to_m"]
+        words.append(f"above {100 * low:g} cm" if high is None else f"below {100 * high:g} cm" if not low else f"{100 * low:g} to {100 * high:g} cm")
+    return words
 
 
 def look_up_section(look_up):
-    return table(["", ""], tree_rows({key: value for key, value in look_up.items() if key != "revision"}))
+    text = ("\nAt random places in air the weights of the probes around are divided by their sum, as a look-up blends them, and compared with those of target φ at the "
+            "same places. *Unlit* is the share of places that get no weight. *Wrong light* is half the sum of the differences of the shares: the share of the "
+            "light that comes from wrong probes. *Leak* is the share that comes from probes that do not see the place. *From the seen tents* is the wrong light "
+            "against the tents of those probes that do.\n")
+    for scene, entry in look_up.items():
+        cells = lambda found: [percent(found["unlit"]), number(found["rmse"]), number(found["wrong"]["mean"]), number(found["wrong"]["p99"]), number(found["wrong_to_seen"]),
+                               number(found["leak"]["mean"]), number(found["leak"]["p99"])]
+        places = entry["places"]
+        text += (f"\n### {scene}\nProbes {entry['spacing_m']:g} m apart; revision `{entry['revision']}`. Even target φ leaves {percent(places['unlit_by_target'])} of the "
+                 f"places unlit, and {percent(places['seen_by_no_probe'])} are seen by no probe around.\n")
+        text += table(LOOK_UP_HEAD, look_up_rows(entry, lambda found: cells(found["all"])))
+        heads = distance_words(entry)
+        text += "\nBy distance to the nearest surface, mean of the wrong light and of the leak:\n"
+        text += table(["", *heads], look_up_rows(entry, lambda found: [f"{number(by['wrong']['mean'])}, {number(by['leak']['mean'])}" for by in found["by_distance"]]))
+        jumps = [[name, *(number(found["jumps"][key], 6) for key in ("mean", "p99", "largest")), *(number(found["border"][key]) if "border" in found else ""
+                                                                                                   for key in ("mean", "p99", "largest"))]
+                 for name, found in [("bare tents", entry["tent"]), *((f"`{name}`", found) for name, found in entry["representations"].items())]]
+        text += "\nJumps of the shares through faces of cells, and what functions say at the border of their supports, where the look-up's bound makes it 0:\n"
+        text += table(["", "jump: mean", "p99", "largest", "border: mean", "p99", "largest"], jumps)
+    return text
 
 
 def benchmarks_section(benchmarks):

@@ -79,6 +79,15 @@ def bake():
             "wall_seconds": {"load": 0.2, "all": 7.6}, "rmse": {word: errors for word in ("network", "corrected", "fitted", "stored")}, "savings": [line]}
 
 
+def look_up():
+    found = {"places": 8000, "unlit": 0.001, "rmse": 0.01, "wrong": {"mean": 0.02, "p99": 0.2}, "wrong_to_seen": 0.1, "leak": {"mean": 0.001, "p99": 0.01}}
+    blend = {"all": found, "by_distance": [found, found], "jumps": {"segments": 10, "hanging": 1, "mean": 1e-6, "p99": 1e-5, "largest": 1e-4}}
+    places = {"unlit_by_target": 0.0, "seen_by_no_probe": 0.002, "by_distance": [{"from_m": 0.0, "to_m": 0.05}, {"from_m": 0.05, "to_m": None}]}
+    border = {"functions": 9, "mean": 0.005, "p99": 0.1, "largest": 1.0}
+    return {"schema_version": 1, "provenance": {"revision": "0123abc"}, "scene": "kaos2", "spacing_m": 1.0, "places": places, "target": blend, "tent": blend,
+            "representations": {"tent_mlp": {**blend, "border": border}}}
+
+
 def benchmarks():
     case = {"name": "generator/float32:96_median", "run_name": "generator/float32:96", "run_type": "aggregate", "aggregate_name": "median", "threads": 1,
             "iterations": 7, "real_time": 18.4, "cpu_time": 18.3, "time_unit": "us", "items_per_second": 54400.0}
@@ -115,6 +124,7 @@ class Results(unittest.TestCase):
         self.write(run + "stability.json", stability())
         self.write(run + "savings/kaos2.json", bake())
         self.write(run + "bakes/kaos2.json", bake())
+        self.write(run + "look_up/kaos2.json", look_up())
         self.write(run + "benchmarks/runtime_eval.json", benchmarks())
 
     def write(self, path, content):
@@ -155,6 +165,7 @@ class Results(unittest.TestCase):
             "benchmarks.generator_float32_96.us": "18",
             "bakes.kaos2.thread_s.network:.2": ".06",
             "bakes.kaos2.share_fitted.all": "10 %",
+            "look_up.kaos2.representations.tent_mlp.all.wrong.mean:.3": ".020",
             "weights@tent_mlp.minutes": "33",
             "evaluation.revision": "0123abc",
         }
@@ -206,8 +217,9 @@ class Results(unittest.TestCase):
             for line in filter(lambda line: line.startswith("|"), text.splitlines()):
                 self.assertNotIn("None", line)
         page = (self.root / "docs/reference/results.md").read_text()
-        for title in ("## Error against run time", "## Stability", "## What a bake leaves out", "## Whole bakes", "## Benchmarks"):
+        for title in ("## Error against run time", "## What a look-up blends", "## Stability", "## What a bake leaves out", "## Whole bakes", "## Benchmarks"):
             self.assertIn(title, page)
+        self.assertNotIn("Not measured", page)
 
     def test_all_rows_of_a_table_have_the_cells_of_its_head(self):
         self.filled("tent_mlp.stored.theta.rmse.mean")
