@@ -29,7 +29,7 @@ struct BakeReport {
   std::string simd;
 };
 
-// Keys: docs/bake.md.
+// Keys: docs/guide/bake.md.
 nlohmann::ordered_json toJson(const BakeReport& report);
 
 // A few lines of text, the talk's columns first.

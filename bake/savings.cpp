@@ -12,7 +12,7 @@
 namespace nlg {
 namespace {
 
-// Of a node in the file: the tensors node.… (docs/formats.md).
+// Of a node in the file: the tensors node.… (docs/reference/formats.md).
 constexpr int64_t kNodeBytes = 8 + 8 + 4 + 4 + 1 + 1;
 constexpr int kTreeLevels = 3;
 

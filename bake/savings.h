@@ -60,7 +60,7 @@ std::vector<Saving> countSavings(const Bake& bake, const std::vector<Generator>&
 // The line of a name; nothing when the table has none.
 Saving* findSaving(std::vector<Saving>& savings, const std::string& what);
 
-// Keys: docs/bake.md.
+// Keys: docs/guide/bake.md.
 nlohmann::ordered_json toJson(const std::vector<Saving>& savings);
 // One line of text each.
 std::string toTable(const std::vector<Saving>& savings);

@@ -36,7 +36,7 @@ void evaluateAllCells(benchmark::State& state, int resolution) {
 
 void evaluateAnyPoints(benchmark::State& state, int resolution) {
   const Theta theta = sampleField(resolution);
-  const PointSet points = makePointSet(unseenPoints(kSupportPointCount));
+  const PointSet points = makePointSet(testPoints(kSupportPointCount));
   AlignedFloats values(points.padded_count);
   for (auto _ : state) {
     evaluateField(resolution, points, theta.data(), values.data());

@@ -94,7 +94,7 @@ void roundMatrices(GeneratorNetwork& network) {
 // Functions at equal distances; the i-th of count.
 int64_t spread(const TrainingData& data, int64_t i, int64_t count) { return i * data.functionCount() / count; }
 
-// Mean RMSE of generated theta.
+// Mean RMSE of predicted theta.
 double meanRmse(const Generator& generator, const TrainingData& data, int limit) {
   const int64_t count = std::min<int64_t>(limit, data.functionCount());
   GeneratorScratch scratch(generator);

@@ -12,7 +12,7 @@
 
 namespace nlg {
 
-// Exit codes of every tool; also listed in docs/formats.md.
+// Exit codes of every tool; also listed in docs/reference/formats.md.
 enum class ExitCode : int {
   success = 0,
   internal_error = 1,   // a bug of ours

@@ -246,6 +246,11 @@ void takeFlag(const Option& option, const std::string& place, const std::string&
 struct OptionTable::Impl {
   std::string section;
   std::vector<Option> options;
+  struct FormerName {
+    std::string old_name, name;
+    CLI::Option* flag = nullptr;
+  };
+  std::vector<FormerName> former_names;
 
   void add(const std::string& name, Target target, const std::string& help) {
     const bool repeated = std::any_of(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
@@ -276,6 +281,10 @@ void OptionTable::add(const std::string& name, std::vector<std::string>* value, 
   impl_->add(name, value, help);
 }
 
+void OptionTable::renamed(const std::string& old_name, const std::string& name) {
+  impl_->former_names.push_back({old_name, name});
+}
+
 void OptionTable::addFlags(CLI::App& app) {
   for (Option& option : impl_->options) {
     const std::string expectation = std::visit([](const auto& target) { return expected(target); }, option.target);
@@ -285,6 +294,8 @@ void OptionTable::addFlags(CLI::App& app) {
     const bool is_switch = std::holds_alternative<bool*>(option.target);
     option.flag = is_switch ? app.add_flag(flagOf(option.name), help) : app.add_option(flagOf(option.name), help);
   }
+  // the empty group keeps them out of --help
+  for (Impl::FormerName& former : impl_->former_names) former.flag = app.add_option(flagOf(former.old_name))->group("");
 }
 
 void OptionTable::readYaml(const std::string& path) {
@@ -293,6 +304,9 @@ void OptionTable::readYaml(const std::string& path) {
     const auto& options = impl_->options;
     const auto option = std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.name == key; });
     if (option != options.end()) return takeYaml(*option, file, value, place);
+    for (const Impl::FormerName& former : impl_->former_names) {
+      if (former.old_name == key) throw UsageError(place, quoted(former.name) + ", its present name", quoted(key));
+    }
     std::vector<std::string> known;
     for (const Option& o : options) known.push_back(o.name);
     throwUnknownKey(place, key, known);
@@ -305,6 +319,10 @@ void OptionTable::readYaml(const std::string& path) {
 }
 
 void OptionTable::applyFlags() {
+  for (const Impl::FormerName& former : impl_->former_names) {
+    if (former.flag == nullptr || former.flag->count() == 0) continue;
+    throw UsageError(flagOf(former.old_name), flagOf(former.name) + ", its present name", flagOf(former.old_name));
+  }
   for (const Option& option : impl_->options) {
     if (option.flag == nullptr || option.flag->count() == 0) continue;
     const std::vector<std::string> given = option.flag->results();

@@ -44,6 +44,9 @@ class OptionTable {
   void add(const std::string& name, std::vector<std::string>* value,
            const std::string& help);  // a YAML sequence; the flag takes a comma-separated list
 
+  // An option's former name: a key or flag of that name is refused in one line that tells the present one.
+  void renamed(const std::string& old_name, const std::string& name);
+
   // Adds one flag an option to the command line, each with its help, default and range. Values are only remembered here.
   void addFlags(CLI::App& app);
 

@@ -144,7 +144,7 @@ void printReport(const Request& request, const TrainingData& training, const Tra
   const nlohmann::ordered_json result = {{"representation", request.representation},
                                          {"functions", training.functionCount()},
                                          {"steps", state.step},
-                                         {"held_out_generated", report.held_out.generated},
+                                         {"held_out_network", report.held_out.network},
                                          {"held_out_rmse", report.held_out.final},
                                          {"rollbacks", state.rollbacks},
                                          {"elapsed_s", report.elapsed_s},

@@ -1,5 +1,5 @@
 // nlg-validate: how good exported generators are on held-out scenes, against direct optimisation and the bare tent.
-// Writes summary.json, functions.csv and slices.json; docs/formats.md says what stands in them.
+// Writes summary.json, functions.csv and slices.json; docs/reference/formats.md says what stands in them.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -174,8 +174,8 @@ Json sliceJson(const std::string& which, const Slice& slice, const MethodSample&
           {"size", slice.size},
           {"valid", slice.valid},
           {"seen", slice.seen},
-          {"generated_permille", permille(slice.generated)},
-          {"approximated_permille", permille(slice.approximated)},
+          {"target_permille", permille(slice.target)},
+          {"predicted_permille", permille(slice.predicted)},
           {"difference_permille", permille(slice.difference)}};
 }
 

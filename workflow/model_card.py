@@ -1,10 +1,13 @@
-"""Model cards of the weights that ship: weights/README.md, from the folder of the run that made them.
+"""Model cards of the weights that ship: weights/README.md.
 
-    workflow/model_card.py RUN CONFIG WEIGHTS REPRESENTATION ...
+    workflow/model_card.py RUN CONFIG REPRESENTATION ...
 
-RUN      a run's result folder (out/NAME): weights/, training/, validation/, and test/ where the configuration has a test
-CONFIG   the configuration that the run was made by
-WEIGHTS  the folder that holds the shipped files; its README.md gets a card for every REPRESENTATION, others keep theirs
+writes down in docs/results/weights.json how the weights of a run came about that now lie in weights/: scenes, time, rounding. Called by
+workflow/ship_weights.sh. The cards themselves are written by workflow/results.py, from that file, from the headers of the weights, and from the figures
+that all of the documentation quotes (docs/results/openarena.json).
+
+RUN     the run's result folder (out/NAME): dataset/, training/, weights/
+CONFIG  the configuration that the run was made by
 """
 import argparse
 import hashlib
@@ -14,28 +17,36 @@ import struct
 import sys
 from pathlib import Path
 
+from results_collect import STAGES, dump
+from results_page import POPULATION_NAMES, POPULATION_ORDER, ratio, share, table
+from results_quotes import MAIN, microseconds, number, percent
+
+ROOT = Path(__file__).resolve().parents[1]
+WEIGHTS = ROOT / "weights"
+FACTS = ROOT / "docs" / "results" / "weights.json"
+
 INTRODUCTION = """# Weights that ship
 
-Trained generators, one a representation: what `nlg-bake` takes when no weights are named (`--representation` says which, [docs/bake.md](../docs/bake.md)). Every file is checked by the test suite: it loads, and all together they take at most 12 MB.
+*Written by `workflow/results.py write`; change nothing here by hand.*
 
-They are made by a run of the pipeline and put here, with these cards, by
+These are trained generators, one for each representation. `nlg-bake` takes them when no weights are named; `--representation` says which ([bake](../docs/guide/bake.md)). The test suite loads every file and holds all of them together to 12 MB.
+Each comes from a run of the pipeline, and
 
 ```sh
 ./pipeline.sh CONFIG                                              # out/NAME
 workflow/ship_weights.sh out/NAME CONFIG REPRESENTATION ...
 ```
 
-Errors are RMSE over all valid support points, of what the generator yields, nothing refined, on scenes that were not trained on; *hard* functions are those whose bare tent is off by .01 or more; *over τ* is the share that needs refinement: a bake refines it. The generator is its network and what
-corrects θ after it (an exact last layer, learned correction steps): all that comes before Adam or Levenberg–Marquardt; *network alone* is without these. *Over direct*: median of the error over that of direct optimisation of the same functions: over all, over hard ones, over hard ones at points that the probe does not see.
+puts it here with its card.
 
-"""
-OVERVIEW_HEAD = """| | numbers | bytes, float16 | file | correction steps | mean | p95 | hard, median | over τ | over direct: all | hard | hard, shadow | network alone: mean | over τ | over direct, hard | on |
-|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|
+All errors are RMSE over all valid support points, of functions of levels that the generators were not trained on. They stand at four stages. *Network* is one pass of the generator's network and nothing else. *Corrected* adds the exact last layer, the learned steps and the mirror images: everything without an iterative fit. *Fitted* adds every step of Adam or Levenberg–Marquardt that the bake takes. *Stored* is what the grid holds in the end, bare tents and rounding included.
+*Share fitted* is the share of functions that took any such step, whether or not its result was kept. *Best known* is the least error that any long fit has found for the same functions. Parentheses hold 95 % intervals. The whole tables, and how all of it was measured, are on the [results page](../docs/reference/results.md).
 """
 
 
 def fail(place, expected, got):
-    sys.exit(f"model_card: {place}: expected {expected}, got {got}")
+    print(f"model_card: error: {place}: expected {expected}, got {got}", file=sys.stderr)
+    sys.exit(3)
 
 
 def read_json(path):
@@ -45,59 +56,16 @@ def read_json(path):
         fail(path, "a file of the run", error)
 
 
-def read_metadata(path):
-    """The header of a weights file: its texts, and the dtypes of its tensors."""
+def sha256_of(path):
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def read_header(path):
+    """The texts of a weights file, and its tensors' dtypes and shapes."""
     with open(path, "rb") as stream:
         header = json.loads(stream.read(struct.unpack("<Q", stream.read(8))[0]))
     metadata = header.pop("__metadata__")
-    dtypes = {name: tensor["dtype"] for name, tensor in header.items() if not name.startswith("padding.")}
-    return metadata, dtypes
-
-
-def number(value, digits=4):
-    """.0123, as everywhere in the documentation."""
-    return f"{value:.{digits}f}".lstrip("0") or "0"
-
-
-def percent(share):
-    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
-
-
-def quantile_cells(q):
-    return f"{q['functions']:,} | " + " | ".join(number(q[key]) for key in ("median", "mean", "p95", "p99", "worst"))
-
-
-def ratios(to_direct):
-    """How far above direct optimisation, in words; a ratio that no function stands behind is left out."""
-    parts = [("median", "in the median"), ("median_hard", "over hard functions"), ("median_shadow_hard", "over these at shadow points")]
-    return "error over direct " + ", ".join(f"{number(to_direct[key], 2)} {words}" for key, words in parts if to_direct[key] > 0)
-
-
-def overview_row(run, shipped, name):
-    """The representation's row of the table over all: on the test where the run has one, otherwise on its held-out scenes."""
-    on = "test" if (run / "test" / "summary.json").exists() else "validation"
-    entry = read_json(run / on / "summary.json")["representations"][name]
-    generator, alone, ratio, ratio_alone = (entry[key] for key in ("generator", "uncorrected", "generator_to_direct", "uncorrected_to_direct"))
-    cells = [f"[{name}](#{name})", f"{entry['parameters']}", f"{entry['bytes'] // 2}", f"{shipped.stat().st_size / 1000:,.0f} kB",
-             f"{entry['correction_steps']}", number(generator["rmse"]["mean"]), number(generator["rmse"]["p95"]), number(generator["rmse_hard"]["median"]),
-             percent(generator["share_over_tau"]), *(number(ratio[key], 2) for key in ("median", "median_hard", "median_shadow_hard")),
-             number(alone["rmse"]["mean"]), percent(alone["share_over_tau"]), number(ratio_alone["median_hard"], 2), on]
-    return f"| {' | '.join(cells)} |"
-
-
-def error_table(title, summary, name):
-    """Errors by scene of one set of scenes, all of them and the hard functions first."""
-    entry = summary["representations"][name]
-    generator, alone = entry["generator"], entry["uncorrected"]
-    lines = [f"{title} ({summary['functions']['held_out']:,} functions of {summary['functions']['held_out_scenes']} scenes): "
-             f"{percent(generator['share_over_tau'])} over τ; {ratios(entry['generator_to_direct'])}.", "",
-             "| scene | functions | median | mean | p95 | p99 | worst |", "|---|---|---|---|---|---|---|",
-             f"| **all** | {quantile_cells(generator['rmse'])} |", f"| **hard** | {quantile_cells(generator['rmse_hard'])} |"]
-    if alone["rmse"] != generator["rmse"]:
-        lines[0] += f" Network alone: {percent(alone['share_over_tau'])} over τ; {ratios(entry['uncorrected_to_direct'])}."
-        lines += [f"| **all, network alone** | {quantile_cells(alone['rmse'])} |", f"| **hard, network alone** | {quantile_cells(alone['rmse_hard'])} |"]
-    lines += [f"| {scene} | {quantile_cells(q)} |" for scene, q in sorted(entry["by_scene"].items())]
-    return "\n".join(lines) + "\n"
+    return metadata, {name: tensor for name, tensor in header.items() if not name.startswith("padding.")}
 
 
 def training_scenes(run):
@@ -116,74 +84,120 @@ def training_scenes(run):
     return f"{len(scenes)} scenes, {len(shards)} shards: " + "; ".join(parts)
 
 
-def card(run, config, shipped, name):
-    weights = run / "weights" / f"{name}.safetensors"
-    metadata, dtypes = read_metadata(shipped)
-    sha256 = hashlib.sha256(shipped.read_bytes()).hexdigest()
+def training_facts(run, config, name):
+    """What the weights file itself does not say of how it came about."""
+    shipped, made = WEIGHTS / f"{name}.safetensors", run / "weights" / f"{name}.safetensors"
+    if sha256_of(shipped) != sha256_of(made):
+        fail(shipped, f"the run's {made}", "another file")
     exported, training = read_json(run / "weights" / f"{name}.json"), read_json(run / "training" / f"{name}.json")
-    summaries = {"Validation": read_json(run / "validation" / "summary.json")}
-    if (run / "test" / "summary.json").exists():
-        summaries["Test"] = read_json(run / "test" / "summary.json")
-    if hashlib.sha256(weights.read_bytes()).hexdigest() != sha256:
-        fail(shipped, f"the run's {weights}", "another file")
-    for title, summary in summaries.items():
-        measured = summary["representations"].get(name, {}).get("weights_sha256")
-        if measured != sha256:
-            fail(f"{run}: {title.lower()} of {name}", f"figures of weights {sha256}", measured)
-    entry = summaries["Validation"]["representations"][name]
-    options = json.loads(metadata["training_options"])
-    halves = sorted(tensor for tensor, dtype in dtypes.items() if dtype == "F16")
-    loss = exported["held_out_rmse"] - exported["held_out_rmse_float32"]
+    return {"sha256": sha256_of(shipped), "configuration": config, "scenes": training_scenes(run), "minutes": round(training["elapsed_s"] / 60),
+            "samples_per_s": round(training["samples_per_s"]), "steps": training["steps"], "parity_theta": exported["parity_theta"],
+            "parity_functions": exported["parity_functions"], "held_out_rmse": exported["held_out_rmse"],
+            "rounding_rmse": exported["held_out_rmse"] - exported["held_out_rmse_float32"]}
+
+
+def facts_table(name, facts, entry):
+    path = WEIGHTS / f"{name}.safetensors"
+    metadata, tensors = read_header(path)
+    sha256, parameters = sha256_of(path), tensors["theta0"]["shape"][0]
+    if facts["sha256"] != sha256:
+        fail(f"{FACTS}: {name}", f"facts of weights {sha256}", facts["sha256"])
+    if entry and entry["weights_sha256"] != sha256:
+        fail(f"docs/results/{MAIN}.json: {name}", f"figures of weights {sha256}", entry["weights_sha256"])
+    halves = any(tensor["dtype"] == "F16" for tensor in tensors.values())
     rows = [
-        ("file", f"`{shipped.name}`, {shipped.stat().st_size:,} bytes, " + ("matrices in float16" if halves else "float32")),
+        ("file", f"`{path.name}`, {path.stat().st_size:,} bytes, " + ("matrices in float16" if halves else "float32")),
         ("SHA-256", f"`{sha256}`"),
-        ("a function", f"{entry['parameters']} numbers: {entry['bytes']} bytes as float32, {entry['bytes'] // 2} as float16"),
-        ("trained on", f"{int(metadata['training_functions']):,} distinct functions; {training_scenes(run)}"),
+        ("a function", f"{parameters} numbers: {4 * parameters} bytes as float32, {2 * parameters} as float16"),
+        ("trained on", f"{int(metadata['training_functions']):,} distinct functions; {facts['scenes']}"),
         ("training set", f"`{metadata['training_set_sha256']}`"),
-        ("configuration", f"`{config}`"),
-        ("options", ", ".join(f"{key} {value}" for key, value in options.items())),
-        ("time", f"{training['elapsed_s'] / 60:.0f} minutes, {training['samples_per_s']:,.0f} samples/s, {training['steps']:,} steps"),
+        ("configuration", f"`{facts['configuration']}`"),
+        ("options", ", ".join(f"{key} {value}" for key, value in json.loads(metadata["training_options"]).items())),
+        ("time", f"{facts['minutes']} minutes, {facts['samples_per_s']:,} samples/s, {facts['steps']:,} steps"),
         ("revision", f"`{json.loads(metadata['provenance'])['revision']}`"),
-        ("parity", f"θ of libtorch and of the evaluator differ by at most {exported['parity_theta']:.1e} over {exported['parity_functions']:,} functions"),
-        ("rounding", f"mean RMSE over those {number(exported['held_out_rmse'], 5)}, {loss:+.1e} against float32"),
-        ("inference", f"{entry['generator']['us_per_function']:,.0f} µs a function on one thread, {entry['uncorrected']['us_per_function']:,.0f} µs of it the network"
-                      + (f"; evaluation at 8,192 points {entry['evaluate_us']:.0f} µs" if "evaluate_us" in entry else "")),
+        ("parity", f"θ of libtorch and of the evaluator differ by at most {facts['parity_theta']:.1e} over {facts['parity_functions']:,} functions"),
+        ("rounding", f"float16 changes the mean RMSE over those functions by {facts['rounding_rmse']:+.1e}"),
     ]
-    lines = ["| | |", "|---|---|", *(f"| {key} | {value} |" for key, value in rows), ""]
-    return "\n".join(lines) + "\n" + "\n".join(error_table(title, summary, name) for title, summary in summaries.items())
+    if entry and "evaluate_us" in entry:
+        rows.append(("evaluation", f"{microseconds(entry['evaluate_us'])} µs for one θ at 8,192 points"))
+    return table(["", ""], rows)
 
 
-def read_cards(readme):
-    """Representation → text of its card and → its row of the table over all, of a README that stands."""
-    if not readme.exists():
-        return {}, {}
-    head, *parts = re.split(r"^## (\S+)\n\n", readme.read_text(), flags=re.MULTILINE)
-    rows = {match[1]: match[0] for match in re.finditer(r"^\| \[(\S+)\]\(#.*$", head, flags=re.MULTILINE)}
-    return dict(zip(parts[0::2], parts[1::2])), rows
+def quantile_cells(q):
+    return [f"{q['functions']:,}", *(number(q[key]) for key in ("median", "mean", "p95", "p99", "worst"))]
 
 
-def by_size(row):
-    """Rows in the order of the numbers of a function."""
-    return int(row.split("|")[2]), row
+def split_text(title, split, name):
+    """Errors of one set of scenes: by population and stage, then by scene."""
+    entry, counts = split["representations"][name], split["functions"]
+    rows = []
+    for population in POPULATION_ORDER:
+        for word in STAGES:
+            found = entry[word][population]
+            rows.append([POPULATION_NAMES[population] if word == STAGES[0] else "", word, *quantile_cells(found["rmse"]),
+                         number(found["rmse_test_points"]["mean"]), number(found["rmse_occluded"]["mean"]),
+                         percent(found["share_failing_check"]["value"]), percent(found["share_fitted"]["value"]), microseconds(found["us_per_function"])])
+    head = ["", "stage", "functions", "median", "mean", "p95", "p99", "worst", "test points, mean", "occluded, mean", "fails the check", "fitted", "µs"]
+    text = f"\n{title}: {counts['held_out']:,} functions of {counts['held_out_scenes']} scenes.\n" + table(head, rows)
+    if "sample" in entry:
+        ratios = entry["sample"]["ratios"]
+        parts = [f"{word} {ratio(ratios[word]['to_best_known']['median'])}, hard {ratio(ratios[word]['to_best_known']['median_hard'])}" for word in STAGES]
+        text += f"\nError over the best known, median over a sample of {entry['sample']['functions']:,} functions: " + "; ".join(parts) + ".\n"
+    rows = [[scene, *quantile_cells(words["stored"]), number(words["network"]["mean"]), number(words["network"]["p95"])]
+            for scene, words in entry["by_scene"].items()]
+    head = ["scene", "functions that take a θ", "stored: median", "mean", "p95", "p99", "worst", "network: mean", "p95"]
+    return text + table(head, rows)
+
+
+def overview(names, evaluation):
+    """One row a representation, the smallest first."""
+    rows = []
+    for name in names:
+        entry = evaluation["representations"][name]
+        theta, hard = ({word: entry[word][population] for word in STAGES} for population in ("theta", "hard"))
+        cells = [f"[{name}](#{name})", entry["parameters"], entry["bytes"] // 2, f"{entry['weights_bytes'] / 1000:,.0f} kB",
+                 *(number(theta[word]["rmse"]["mean"]) for word in STAGES), number(theta["stored"]["rmse"]["p95"]), number(hard["stored"]["rmse"]["median"]),
+                 percent(theta["network"]["share_failing_check"]["value"]), share(theta["fitted"]["share_fitted"]),
+                 share(entry["fitted"]["all"]["share_fitted"])]
+        if "sample" in entry:
+            to_best = entry["sample"]["ratios"]["stored"]["to_best_known"]
+            cells += [ratio(to_best["median"]), ratio(to_best["median_hard"])]
+        rows.append((entry["parameters"], cells))
+    head = ["", "numbers", "bytes, float16", "file", "network: mean", "corrected: mean", "fitted: mean", "stored: mean", "stored: p95", "hard, stored: median",
+            "network fails the check", "share fitted", "of all functions", "stored over best known, median", "hard"]
+    rows = [cells + [""] * (len(head) - len(cells)) for _, cells in sorted(rows, key=lambda row: row[0])]
+    counts = evaluation["functions"]
+    text = f"\nEvaluation: the {counts['take_theta']:,} functions that take a θ, of {counts['held_out_scenes']} levels, none of them trained on.\n"
+    return text + table(head, rows)
+
+
+def page(all_results):
+    """weights/README.md: a table over all, then a card each."""
+    facts, results = all_results["weights"], all_results[MAIN]
+    names = sorted(path.stem for path in WEIGHTS.glob("*.safetensors"))
+    splits = {title: results[key] for key, title in (("evaluation", "Evaluation"), ("validation", "Validation")) if "representations" in results.get(key, {})}
+    text = INTRODUCTION
+    measured = [name for name in names if name in splits.get("Evaluation", {"representations": {}})["representations"]]
+    text += overview(measured, splits["Evaluation"]) if measured else "\nThe figures are measured again with the present policy and are pending.\n"
+    for name in names:
+        if name not in facts:
+            fail(FACTS, f"how {name}.safetensors came about", "nothing: ship it by workflow/ship_weights.sh")
+        entries = [split["representations"][name] for split in splits.values() if name in split["representations"]]
+        text += f"\n## {name}\n" + facts_table(name, facts[name], entries[0] if entries else None)
+        text += "".join(split_text(title, split, name) for title, split in splits.items() if name in split["representations"])
+    return text
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("run", type=Path)
     parser.add_argument("config")
-    parser.add_argument("weights", type=Path)
-    parser.add_argument("representations", nargs="*")
+    parser.add_argument("representations", nargs="+")
     arguments = parser.parse_args()
-    readme = arguments.weights / "README.md"
-    old_cards, old_rows = read_cards(readme)
-    cards = {name: text for name, text in old_cards.items() if (arguments.weights / f"{name}.safetensors").exists()}
-    rows = {name: row for name, row in old_rows.items() if name in cards}
-    for name in arguments.representations:
-        shipped = arguments.weights / f"{name}.safetensors"
-        cards[name] = card(arguments.run, arguments.config, shipped, name)
-        rows[name] = overview_row(arguments.run, shipped, name)
-    overview = OVERVIEW_HEAD + "".join(f"{row}\n" for row in sorted(rows.values(), key=by_size)) if rows else ""
-    readme.write_text(INTRODUCTION + overview + "".join(f"\n## {name}\n\n{text.strip()}\n" for name, text in sorted(cards.items())))
+    facts = read_json(FACTS) if FACTS.exists() else {}
+    facts.update({name: training_facts(arguments.run, arguments.config, name) for name in arguments.representations})
+    FACTS.parent.mkdir(parents=True, exist_ok=True)
+    FACTS.write_text(dump(dict(sorted(facts.items()))) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Puts a run's exported weights into weights/, with a model card each.
+# Puts a run's exported weights into weights/, with a model card each, and takes what the run measured as the figures of all documentation.
 #
 #   workflow/ship_weights.sh RUN CONFIG REPRESENTATION ...
 #
 # RUN      the result folder of a finished run, out/NAME
 # CONFIG   the configuration that it was made by: the cards name it
-# Files of other representations stay, and so do their cards. The test suite then checks what lies there: it loads, all of it is
-# float16, and together it takes at most 12 MB.
+# Files of other representations stay; their cards keep figures only where this run measured them too. The test suite then checks what
+# lies there: it loads, all of it is float16, and together it takes at most 12 MB.
 set -euo pipefail
 [ $# -ge 3 ] || { sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 run=$(realpath "$1") config=$2
@@ -19,5 +19,6 @@ done
 for name in "$@"; do
   install -m 644 "$run/weights/$name.safetensors" "weights/$name.safetensors"
 done
-/usr/bin/python3 workflow/model_card.py "$run" "$config" weights "$@"
+/usr/bin/python3 workflow/model_card.py "$run" "$config" "$@"
+/usr/bin/python3 workflow/results.py collect "$run" --config "$config"
 du -cb weights/*.safetensors

@@ -4,7 +4,7 @@
 // neither is a duplicate of the other, and every function that was refused has its match among those that were added. The search
 // looks only at functions whose counts of valid points, octant by octant, and whose sums over groups of points are near enough,
 // and that can be no reason to miss one: the rule itself, the triangle and the Cauchy-Schwarz inequality bound how far those of
-// duplicates may lie apart (docs/formats.md, "Duplicates").
+// duplicates may lie apart (docs/reference/formats.md, "Duplicates").
 //
 // Memory: at most about 160 bytes a function; the samples themselves stay wherever the caller keeps them.
 #pragma once

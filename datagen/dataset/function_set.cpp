@@ -19,8 +19,8 @@ void checkSameKind(const std::string& path, const Shard& shard, const FunctionSe
   };
   require("pattern_hash", set.pattern_hash, shard.pattern_hash);
   require("point_count", set.point_count, shard.point_count);
-  require("unseen_point_count", set.unseen_point_count, shard.unseen_point_count);
-  require("unseen_pattern_hash", set.unseen_pattern_hash, shard.unseen_pattern_hash);
+  require("test_point_count", set.test_point_count, shard.test_point_count);
+  require("test_pattern_hash", set.test_pattern_hash, shard.test_pattern_hash);
 }
 
 uint32_t sceneIndex(const Shard& shard, FunctionSet& set) {
@@ -43,9 +43,9 @@ void appendShard(const Shard& shard, FunctionSet& set) {
   append(shard.phi, set.phi);
   append(shard.validity, set.validity);
   append(shard.seen, set.seen);
-  append(shard.phi_unseen, set.phi_unseen);
-  append(shard.validity_unseen, set.validity_unseen);
-  append(shard.seen_unseen, set.seen_unseen);
+  append(shard.phi_test, set.phi_test);
+  append(shard.validity_test, set.validity_test);
+  append(shard.seen_test, set.seen_test);
 }
 
 // Checks the headers against the first one, and takes the memory of all functions at once.
@@ -55,9 +55,9 @@ void prepare(const std::vector<std::string>& paths, uint64_t pattern_hash, int p
     const Shard header = readShardHeader(path, pattern_hash, point_count);
     if (&path == &paths.front()) {
       set.pattern_hash = header.pattern_hash;
-      set.unseen_pattern_hash = header.unseen_pattern_hash;
+      set.test_pattern_hash = header.test_pattern_hash;
       set.point_count = header.point_count;
-      set.unseen_point_count = header.unseen_point_count;
+      set.test_point_count = header.test_point_count;
     }
     checkSameKind(path, header, set);
     count += header.counts.functions;
@@ -65,7 +65,7 @@ void prepare(const std::vector<std::string>& paths, uint64_t pattern_hash, int p
   set.phi.reserve(count * set.point_count);
   set.validity.reserve(count * set.point_count / 8);
   set.seen.reserve(count * set.point_count / 8);
-  set.phi_unseen.reserve(count * set.unseen_point_count);
+  set.phi_test.reserve(count * set.test_point_count);
 }
 
 }  // namespace

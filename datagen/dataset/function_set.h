@@ -12,15 +12,15 @@ namespace nlg {
 
 struct FunctionSet {
   uint64_t pattern_hash = 0;
-  uint64_t unseen_pattern_hash = 0;
-  int point_count = 0;                                            // P
-  int unseen_point_count = 0;                                     // U, the same in all shards
-  ShardCounts counts;                                             // sums over the shards; duplicates include those between shards
-  std::vector<std::string> scene_ids;                             // distinct scenes
-  std::vector<std::string> families;                              // of each distinct scene
-  std::vector<uint32_t> scene_idx;                                // N, into scene_ids
-  std::vector<uint8_t> phi, validity, seen;                       // N x P, N x P/8, N x P/8
-  std::vector<uint8_t> phi_unseen, validity_unseen, seen_unseen;  // N x U, N x U/8, N x U/8
+  uint64_t test_pattern_hash = 0;
+  int point_count = 0;                                      // P
+  int test_point_count = 0;                                 // U, the same in all shards
+  ShardCounts counts;                                       // sums over the shards; duplicates include those between shards
+  std::vector<std::string> scene_ids;                       // distinct scenes
+  std::vector<std::string> families;                        // of each distinct scene
+  std::vector<uint32_t> scene_idx;                          // N, into scene_ids
+  std::vector<uint8_t> phi, validity, seen;                 // N x P, N x P/8, N x P/8
+  std::vector<uint8_t> phi_test, validity_test, seen_test;  // N x U, N x U/8, N x U/8
   std::string sha256;  // of the shards' hashes in the order of the paths: the data set's identity
 
   uint64_t functionCount() const { return scene_idx.size(); }
@@ -51,7 +51,7 @@ class DuplicateFilter {
 void addCounts(const ShardCounts& from, ShardCounts* to);
 
 // Reads shards one after another; a function that duplicates one of an earlier shard is dropped and counted.
-// throws   InputError as readShard does; when shards disagree in pattern or unseen points; when paths is empty; UsageError when two
+// throws   InputError as readShard does; when shards disagree in pattern or test points; when paths is empty; UsageError when two
 //          shards have the same bytes: the set would have another identity than the same functions given once
 FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash, int point_count = 0);
 

@@ -1,6 +1,6 @@
 // A shard: the distinct weighting functions of one scene under one jitter, as they lie in a data set file.
 //
-// The on-disk contract, with every attribute, is in docs/formats.md. N functions, P = 8192 support points in pattern order,
+// The on-disk contract, with every attribute, is in docs/reference/formats.md. N functions, P = 8192 support points in pattern order,
 // U points that no fit sees (0 in shards for training).
 #pragma once
 
@@ -32,14 +32,14 @@ struct ShardCounts {
 
 struct Shard {
   std::string path;             // of the file that it was read from; empty for one that was made in memory
-  uint64_t schema_version = 2;  // of that file
+  uint64_t schema_version = 3;  // of that file
   std::string scene_id;
   std::string family;  // procedural family, or "level"
   uint64_t jitter = 0;
   uint64_t pattern_hash = 0;  // of the support pattern: SupportPattern::hash
-  uint64_t unseen_pattern_hash = 0;
-  int point_count = 0;         // P
-  int unseen_point_count = 0;  // U
+  uint64_t test_pattern_hash = 0;
+  int point_count = 0;       // P
+  int test_point_count = 0;  // U
   ShardCounts counts;
   DuplicateRule duplicate_rule;  // that no two of its functions satisfy
   std::string provenance_json;   // tool/provenance.h
@@ -51,9 +51,9 @@ struct Shard {
   std::vector<float> spacing_m;          // N
   std::vector<uint8_t> flags;            // N, FunctionFlag
 
-  std::vector<uint8_t> phi_unseen;       // N x U
-  std::vector<uint8_t> validity_unseen;  // N x U/8
-  std::vector<uint8_t> seen_unseen;      // N x U/8
+  std::vector<uint8_t> phi_test;       // N x U
+  std::vector<uint8_t> validity_test;  // N x U/8
+  std::vector<uint8_t> seen_test;      // N x U/8
 
   uint64_t functionCount() const { return flags.size(); }
 };
@@ -69,7 +69,7 @@ inline constexpr uint64_t kChunkFunctions = 32;
 // same bytes. For shards that fit in memory; ShardWriter (shard_writer.h) takes the others. throws OutputError
 void writeShard(const std::string& path, const Shard& shard);
 
-// Reads a shard back, checks every shape against the attributes and the checksums against the bytes. Schema versions 1 and 2.
+// Reads a shard back, checks every shape against the attributes and the checksums against the bytes. Schema versions 1 to 3.
 // pattern_hash   the pattern that the caller works with; 0 takes any
 // point_count    its points; 0 takes any number
 // throws         InputError on a missing, truncated or damaged file, another schema version or another pattern

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 namespace nlg {
 namespace {
@@ -60,18 +61,28 @@ double functionsPerProbe(const ShardCounts& counts) {
   return static_cast<double>(counts.functions + (counts.free_space > 0 ? 1 : 0)) / static_cast<double>(counts.visited_probes);
 }
 
+std::string storedName(const std::string& name, uint64_t schema_version) {
+  static const std::map<std::string, std::string> names_before_3 = {{"phi_test", "phi_unseen"},
+                                                                    {"validity_test", "validity_unseen"},
+                                                                    {"seen_test", "seen_unseen"},
+                                                                    {"test_point_count", "unseen_point_count"},
+                                                                    {"test_pattern_hash", "unseen_pattern_hash"}};
+  const auto old = names_before_3.find(name);
+  return schema_version < 3 && old != names_before_3.end() ? old->second : name;
+}
+
 std::vector<uint64_t> withRows(uint64_t rows, std::vector<uint64_t> columns) {
   columns.insert(columns.begin(), rows);
   return columns;
 }
 
-Fault pointCountFault(uint64_t point_count, uint64_t unseen_point_count) {
+Fault pointCountFault(uint64_t point_count, uint64_t test_point_count) {
   const std::string expected = fmt::format("a multiple of 8, at most {}", kMaxPointCount);
   if (point_count == 0 || point_count > kMaxPointCount || point_count % 8 != 0) {
     return {"attribute point_count", expected + ", not 0", std::to_string(point_count)};
   }
-  if (unseen_point_count > kMaxPointCount || unseen_point_count % 8 != 0) {
-    return {"attribute unseen_point_count", expected, std::to_string(unseen_point_count)};
+  if (test_point_count > kMaxPointCount || test_point_count % 8 != 0) {
+    return {"attribute test_point_count", expected, std::to_string(test_point_count)};
   }
   return {};
 }
@@ -86,7 +97,7 @@ Fault valueFault(const Shard& shard, uint64_t first_function) {
   if (!fault.place.empty()) return fault;
   fault = hiddenValueFault("phi", shard.phi, shard.validity, static_cast<uint64_t>(shard.point_count), first_function);
   if (!fault.place.empty()) return fault;
-  return hiddenValueFault("phi_unseen", shard.phi_unseen, shard.validity_unseen, static_cast<uint64_t>(shard.unseen_point_count),
+  return hiddenValueFault("phi_test", shard.phi_test, shard.validity_test, static_cast<uint64_t>(shard.test_point_count),
                           first_function);
 }
 

@@ -27,16 +27,16 @@ inline uint64_t rowWidth(const std::vector<uint64_t>& columns) { return columns.
 template <class AnyShard, class Visit>
 void forEachArray(AnyShard& shard, const Visit& visit) {
   const auto P = static_cast<uint64_t>(shard.point_count);
-  const auto U = static_cast<uint64_t>(shard.unseen_point_count);
+  const auto U = static_cast<uint64_t>(shard.test_point_count);
   visit("phi", shard.phi, std::vector<uint64_t>{P});
   visit("validity", shard.validity, std::vector<uint64_t>{P / 8});
   visit("seen", shard.seen, std::vector<uint64_t>{P / 8});
   visit("probe_position_m", shard.probe_position_m, std::vector<uint64_t>{3});
   visit("spacing_m", shard.spacing_m, std::vector<uint64_t>{});
   visit("flags", shard.flags, std::vector<uint64_t>{});
-  visit("phi_unseen", shard.phi_unseen, std::vector<uint64_t>{U});
-  visit("validity_unseen", shard.validity_unseen, std::vector<uint64_t>{U / 8});
-  visit("seen_unseen", shard.seen_unseen, std::vector<uint64_t>{U / 8});
+  visit("phi_test", shard.phi_test, std::vector<uint64_t>{U});
+  visit("validity_test", shard.validity_test, std::vector<uint64_t>{U / 8});
+  visit("seen_test", shard.seen_test, std::vector<uint64_t>{U / 8});
 }
 
 }  // namespace nlg

@@ -23,7 +23,7 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
   if (kind != kShardKind) throw InputError(path, "attribute kind", kShardKind, kind);
   const uint64_t version = file.readIntegerAttribute("schema_version");
   if (version < 1 || version > kSchemaVersion) {
-    throw InputError(path, "attribute schema_version", "1 or 2", std::to_string(version));
+    throw InputError(path, "attribute schema_version", "1, 2 or 3", std::to_string(version));
   }
   Shard shard;
   shard.path = path;
@@ -33,15 +33,15 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
   shard.jitter = file.readIntegerAttribute("jitter");
   shard.pattern_hash = file.readIntegerAttribute("pattern_hash");
   requirePattern(path, pattern_hash, shard.pattern_hash);
-  shard.unseen_pattern_hash = file.readIntegerAttribute("unseen_pattern_hash");
+  shard.test_pattern_hash = file.readIntegerAttribute(storedName("test_pattern_hash", version));
   const uint64_t point_count = file.readIntegerAttribute("point_count");
-  const uint64_t unseen_point_count = file.readIntegerAttribute("unseen_point_count");
-  refuse(path, pointCountFault(point_count, unseen_point_count));
+  const uint64_t test_point_count = file.readIntegerAttribute(storedName("test_point_count", version));
+  refuse(path, pointCountFault(point_count, test_point_count));
   if (expected_point_count != 0 && point_count != static_cast<uint64_t>(expected_point_count)) {
     throw InputError(path, "attribute point_count", std::to_string(expected_point_count), std::to_string(point_count));
   }
   shard.point_count = static_cast<int>(point_count);
-  shard.unseen_point_count = static_cast<int>(unseen_point_count);
+  shard.test_point_count = static_cast<int>(test_point_count);
   shard.provenance_json = file.readTextAttribute("provenance_json");
   if (version >= 2) {
     shard.duplicate_rule.rms = file.readRealAttribute("duplicate_rms");
@@ -56,7 +56,8 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
 
 ShardReader::ShardReader(const std::string& path, uint64_t pattern_hash, int point_count)
     : file_(path), header_(readAttributes(path, file_, pattern_hash, point_count)) {
-  forEachArray(header_, [&](const char* name, const auto&, const std::vector<uint64_t>& columns) {
+  forEachArray(header_, [&](const char* present_name, const auto&, const std::vector<uint64_t>& columns) {
+    const std::string name = storedName(present_name, header_.schema_version);
     const std::vector<uint64_t> expected = withRows(functionCount(), columns), got = file_.shape(name);
     if (got == expected) return;
     throw InputError(path, fmt::format("dataset {}", name), fmt::format("shape {}", fmt::join(expected, " x ")),
@@ -67,7 +68,8 @@ ShardReader::ShardReader(const std::string& path, uint64_t pattern_hash, int poi
 Shard ShardReader::read(uint64_t first, uint64_t count) const {
   NLG_CHECK(first + count, <=, functionCount());
   Shard shard = header_;
-  forEachArray(shard, [&](const char* name, auto& values, const std::vector<uint64_t>& columns) {
+  forEachArray(shard, [&](const char* present_name, auto& values, const std::vector<uint64_t>& columns) {
+    const std::string name = storedName(present_name, header_.schema_version);
     using Element = typename std::remove_reference_t<decltype(values)>::value_type;
     const std::vector<uint64_t> shape = withRows(functionCount(), columns);
     if (count == functionCount()) {
@@ -89,7 +91,9 @@ bool ShardReader::verifyDigest() const {
 
 uint64_t ShardReader::storedBytes() const {
   uint64_t bytes = 0;
-  forEachArray(header_, [&](const char* name, const auto&, const auto&) { bytes += file_.storedBytes(name); });
+  forEachArray(header_, [&](const char* name, const auto&, const auto&) {
+    bytes += file_.storedBytes(storedName(name, header_.schema_version));
+  });
   return bytes;
 }
 

@@ -48,10 +48,10 @@ EncodedFunctions encodeFunctions(const Shard& shard, uint64_t first, uint64_t co
 }
 
 ShardWriter::ShardWriter(const std::string& path, const Shard& header)
-    : file_(path), point_count_(header.point_count), unseen_point_count_(header.unseen_point_count) {
+    : file_(path), point_count_(header.point_count), test_point_count_(header.test_point_count) {
   NLG_CHECK(point_count_, >=, 0);
-  NLG_CHECK(unseen_point_count_, >=, 0);
-  const Fault fault = pointCountFault(static_cast<uint64_t>(point_count_), static_cast<uint64_t>(unseen_point_count_));
+  NLG_CHECK(test_point_count_, >=, 0);
+  const Fault fault = pointCountFault(static_cast<uint64_t>(point_count_), static_cast<uint64_t>(test_point_count_));
   NLG_CHECK(fault.place, ==, "");
   NLG_CHECK(duplicateRuleFault(header.duplicate_rule).place, ==, "");
   file_.writeAttribute("kind", std::string(kShardKind));
@@ -60,9 +60,9 @@ ShardWriter::ShardWriter(const std::string& path, const Shard& header)
   file_.writeAttribute("family", header.family);
   file_.writeAttribute("jitter", header.jitter);
   file_.writeAttribute("pattern_hash", header.pattern_hash);
-  file_.writeAttribute("unseen_pattern_hash", header.unseen_pattern_hash);
+  file_.writeAttribute("test_pattern_hash", header.test_pattern_hash);
   file_.writeAttribute("point_count", static_cast<uint64_t>(header.point_count));
-  file_.writeAttribute("unseen_point_count", static_cast<uint64_t>(header.unseen_point_count));
+  file_.writeAttribute("test_point_count", static_cast<uint64_t>(header.test_point_count));
   file_.writeAttribute("duplicate_rms", header.duplicate_rule.rms);
   file_.writeAttribute("duplicate_validity_points", header.duplicate_rule.validity_points);
   file_.writeAttribute("provenance_json", header.provenance_json);
@@ -74,7 +74,7 @@ ShardWriter::ShardWriter(const std::string& path, const Shard& header)
 void ShardWriter::append(const EncodedFunctions& functions) {
   Shard shape;
   shape.point_count = point_count_;
-  shape.unseen_point_count = unseen_point_count_;
+  shape.test_point_count = test_point_count_;
   size_t array = 0;
   forEachArray(shape, [&](const char* name, const auto&, const std::vector<uint64_t>& columns) {
     const std::vector<uint8_t>& encoded = functions.arrays.at(array++);
@@ -89,7 +89,7 @@ void ShardWriter::finish(const ShardCounts& counts) {
   NLG_CHECK(counts.functions, ==, function_count_);
   Shard shape;
   shape.point_count = point_count_;
-  shape.unseen_point_count = unseen_point_count_;
+  shape.test_point_count = test_point_count_;
   forEachArray(shape, [&](const char* name, const auto& values, const std::vector<uint64_t>& columns) {
     if (isEmptyRow(columns)) file_.write(name, withRows(function_count_, columns), values.data());
   });

@@ -37,7 +37,7 @@ class ShardWriter {
 
  private:
   Hdf5Writer file_;
-  int point_count_, unseen_point_count_;
+  int point_count_, test_point_count_;
   uint64_t function_count_ = 0, byte_count_ = 0;
 };
 

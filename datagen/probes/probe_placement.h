@@ -35,7 +35,7 @@ std::optional<ExtentBox> extentFromNumbers(const std::vector<std::string>& numbe
 // Every position in the extent has probes; so has what else lies in a cell that reaches into it. Along an axis where the scene's
 // bounds are thinner than a spacing the extent reaches one spacing beyond them on both sides. A scene without triangles has an
 // empty tree when no extent is given, and one of the largest cells when it is. With density_growth <= 1/sqrt(3) a probe with a
-// triangle in its support always has the finest spacing (docs/probes.md).
+// triangle in its support always has the finest spacing (docs/theory/probes.md).
 //
 // throws   UsageError when an option lies outside its range, or when the tree would hold more than max_probes probes (it names a
 //          spacing that fits) or reach over more than kMaxLatticeSide spacings

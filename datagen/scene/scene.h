@@ -12,7 +12,7 @@ namespace nlg {
 struct Material {
   glm::vec3 base_color{0.5f};  // linear, 0..1
   glm::vec3 emissive{0.0f};    // linear, >= 0
-  bool double_sided = false;   // faces of it are no evidence of solid: see docs/visibility.md
+  bool double_sided = false;   // faces of it are no evidence of solid: see docs/theory/visibility.md
 };
 
 // What jitter moves as one: a glTF node with a mesh, a connected component of one, or a part that the generator names.

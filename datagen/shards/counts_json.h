@@ -9,7 +9,7 @@
 
 namespace nlg {
 
-// grid_probes, visited_probes, functions, … as docs/formats.md lists them, without their prefix; then functions_per_probe.
+// grid_probes, visited_probes, functions, … as docs/reference/formats.md lists them, without their prefix; then functions_per_probe.
 inline nlohmann::ordered_json countsJson(const ShardCounts& counts) {
   nlohmann::ordered_json json;
   forEachCount(counts, [&](const char* name, uint64_t count) { json[name + std::strlen("count_")] = count; });

@@ -36,26 +36,26 @@ void appendValues(const std::vector<T>& from, uint64_t n, size_t width, std::vec
 }  // namespace
 
 void appendFunction(const GeneratedFunction& function, const glm::dvec3& position_m, float spacing_m, Shard* rows) {
-  const auto points = static_cast<size_t>(rows->point_count), unseen = static_cast<size_t>(rows->unseen_point_count);
+  const auto points = static_cast<size_t>(rows->point_count), test = static_cast<size_t>(rows->test_point_count);
   appendSamples(function, 0, points, rows->phi);
   appendBits(function.valid, 0, points, rows->validity);
   appendBits(function.seen, 0, points, rows->seen);
-  appendSamples(function, points, unseen, rows->phi_unseen);
-  appendBits(function.valid, points, unseen, rows->validity_unseen);
-  appendBits(function.seen, points, unseen, rows->seen_unseen);
+  appendSamples(function, points, test, rows->phi_test);
+  appendBits(function.valid, points, test, rows->validity_test);
+  appendBits(function.seen, points, test, rows->seen_test);
   for (int axis = 0; axis < 3; ++axis) rows->probe_position_m.push_back(position_m[axis]);
   rows->spacing_m.push_back(spacing_m);
   rows->flags.push_back(functionFlags(function, points));
 }
 
 void appendRow(const Shard& from, uint64_t n, Shard* to) {
-  const auto points = static_cast<size_t>(to->point_count), unseen = static_cast<size_t>(to->unseen_point_count);
+  const auto points = static_cast<size_t>(to->point_count), test = static_cast<size_t>(to->test_point_count);
   appendValues(from.phi, n, points, to->phi);
   appendValues(from.validity, n, points / 8, to->validity);
   appendValues(from.seen, n, points / 8, to->seen);
-  appendValues(from.phi_unseen, n, unseen, to->phi_unseen);
-  appendValues(from.validity_unseen, n, unseen / 8, to->validity_unseen);
-  appendValues(from.seen_unseen, n, unseen / 8, to->seen_unseen);
+  appendValues(from.phi_test, n, test, to->phi_test);
+  appendValues(from.validity_test, n, test / 8, to->validity_test);
+  appendValues(from.seen_test, n, test / 8, to->seen_test);
   appendValues(from.probe_position_m, n, 3, to->probe_position_m);
   appendValues(from.spacing_m, n, 1, to->spacing_m);
   appendValues(from.flags, n, 1, to->flags);

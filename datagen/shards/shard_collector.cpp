@@ -29,13 +29,13 @@ ShardCollector::ShardCollector(const Shard& header, const CollectorLimits& limit
       index_(header.duplicate_rule, header.point_count, [this](uint64_t id) { return spool_.read(id); }),
       differences_(header.duplicate_rule.rms) {
   chunk_.point_count = header.point_count;
-  chunk_.unseen_point_count = header.unseen_point_count;
+  chunk_.test_point_count = header.test_point_count;
 }
 
 Shard ShardCollector::emptyChunk() const {
   Shard chunk;
   chunk.point_count = chunk_.point_count;
-  chunk.unseen_point_count = chunk_.unseen_point_count;
+  chunk.test_point_count = chunk_.test_point_count;
   return chunk;
 }
 

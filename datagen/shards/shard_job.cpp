@@ -29,8 +29,8 @@ Shard makeHeader(const SceneSource& source, const ShardRequest& request, const D
   shard.jitter = request.jitter;
   shard.pattern_hash = supportPattern().hash;
   shard.point_count = kSupportPointCount;
-  shard.unseen_point_count = request.held_out ? options.unseen_points : 0;
-  shard.unseen_pattern_hash = hashPoints(unseenPoints(shard.unseen_point_count));
+  shard.test_point_count = request.held_out ? options.test_points : 0;
+  shard.test_pattern_hash = hashPoints(testPoints(shard.test_point_count));
   shard.duplicate_rule = {options.duplicate_rms, static_cast<uint64_t>(options.duplicate_validity_points)};
   nlohmann::ordered_json resolved = table.toJson();
   resolved.erase("threads");
@@ -44,8 +44,7 @@ Shard makeHeader(const SceneSource& source, const ShardRequest& request, const D
 }
 
 SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& options) {
-  if (options.unseen_points % 16 != 0)
-    throw UsageError("unseen_points", "a multiple of 16", std::to_string(options.unseen_points));
+  if (options.test_points % 16 != 0) throw UsageError("test_points", "a multiple of 16", std::to_string(options.test_points));
   if (options.probes.spacing_max_m < options.probes.spacing_min_m) {
     throw UsageError("spacing_max_m", "at least spacing_min_m", std::to_string(options.probes.spacing_max_m));
   }
@@ -75,8 +74,9 @@ void describe(DatagenOptions& o, OptionTable& table) {
             1 << 30);
   table.add("max_visited_probes", &o.max_visited_probes, "stop a shard after so many probes, most of them empty in sparse scenes",
             1, 2000000000);
-  table.add("unseen_points", &o.unseen_points, "points that no fit sees, for held-out shards; a multiple of 16", 0,
-            kMaxUnseenPointCount);
+  table.add("test_points", &o.test_points, "points that no fit sees, for held-out shards; a multiple of 16", 0,
+            kMaxTestPointCount);
+  table.renamed("unseen_points", "test_points");
   table.add("duplicate_rms", &o.duplicate_rms,
             "functions that differ by no more than this RMS, in steps of 1/255, count as one; 0: the same bytes", 0.0, 16.0);
   table.add("duplicate_validity_points", &o.duplicate_validity_points,
@@ -103,7 +103,7 @@ ShardJob::ShardJob(const SceneSource& source, const ShardRequest& request, const
       seed_(shardSeed(options.seed, source.id, request.jitter)),
       scene_(shardScene(source.scene, options.jitter, seed_, request.jitter)),
       tree_(placeProbes(scene_, options, seed_)),
-      links_(makeLinkTable(unseenPoints(header_.unseen_point_count))),
+      links_(makeLinkTable(testPoints(header_.test_point_count))),
       rays_(scene_) {}
 
 CollectorLimits ShardJob::limits() const {
@@ -113,7 +113,7 @@ CollectorLimits ShardJob::limits() const {
 
 void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& probes, ProbeBlock* block) const {
   block->functions.point_count = header_.point_count;
-  block->functions.unseen_point_count = header_.unseen_point_count;
+  block->functions.test_point_count = header_.test_point_count;
   GeneratedFunction function;
   for (const uint64_t index : probes) {
     const auto [x, y, z] = tree_.probePosition(index);

@@ -136,7 +136,7 @@ void listEdges(LinkTable& table) {
       if ((link.b < kSupportPointCount) == to_support) list(link.a, link.b, l);
       if ((link.a < kSupportPointCount) == to_support) list(link.b, link.a, l);
     }
-    if (to_support) table.first_unseen_edge = next;
+    if (to_support) table.first_test_edge = next;
   }
 }
 
@@ -149,11 +149,11 @@ void packPoints(LinkTable& table) {
 
 }  // namespace
 
-LinkTable makeLinkTable(const std::vector<LocalPoint>& unseen) {
-  NLG_CHECK(unseen.size(), <=, static_cast<size_t>(kMaxUnseenPointCount));
+LinkTable makeLinkTable(const std::vector<LocalPoint>& test) {
+  NLG_CHECK(test.size(), <=, static_cast<size_t>(kMaxTestPointCount));
   LinkTable table;
   table.points = supportPattern().points;
-  table.points.insert(table.points.end(), unseen.begin(), unseen.end());
+  table.points.insert(table.points.end(), test.begin(), test.end());
   findNearest(table);
   indexLinks(table);
   listEdges(table);

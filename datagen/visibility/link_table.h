@@ -1,6 +1,6 @@
 // The fixed links of the support: each point's 32 nearest support points.
 //
-// Points [0, P) are the support points in pattern order; points [P, P + U) are further ones (unseen points), which read from
+// Points [0, P) are the support points in pattern order; points [P, P + U) are further ones (test points), which read from
 // support points but which nothing reads. A link is undirected: a pair of points that appears in either's list has one index.
 #pragma once
 
@@ -14,9 +14,9 @@ namespace nlg {
 
 inline constexpr int kLinkCount = 32;
 // Validity travels along each point's 16 nearest links, at a bit more than half the cost of all 32: a ten-thousandth of all
-// points are judged otherwise (docs/visibility.md).
+// points are judged otherwise (docs/theory/visibility.md).
 inline constexpr int kCarryingLinkCount = 16;
-inline constexpr int kMaxUnseenPointCount = 65536 - kSupportPointCount;  // a point's index fits 16 bits
+inline constexpr int kMaxTestPointCount = 65536 - kSupportPointCount;  // a point's index fits 16 bits
 
 struct LinkTable {
   struct Link {
@@ -27,21 +27,21 @@ struct LinkTable {
     uint32_t link;   // index into links
   };
 
-  std::vector<LocalPoint> points;           // P + U, local coordinates
-  std::vector<Link> links;                  // 143,812 for the support points alone; a link's index is its place in link_packets
-  std::vector<Edge> nearest;                // (P + U) x 32, nearest first; ties go to the lower index of the mirrored pair
-  std::vector<float> distance;              // (P + U) x 32, local units
-  std::vector<uint32_t> first_edge;         // P + U + 1: edges of point p are [first_edge[p], first_edge[p + 1]), and among them
-  std::vector<uint32_t> first_unseen_edge;  // P + U: from here on those that lead to unseen points
-  std::vector<uint16_t> edge_point;         // every carrying link at both its ends: the point at the other end,
-  std::vector<uint32_t> edge_link;          // and the link
-  LinkPackets link_packets;                 // the links, and
-  PointPackets point_packets;               // the points, as the segment tests read them
+  std::vector<LocalPoint> points;         // P + U, local coordinates
+  std::vector<Link> links;                // 143,812 for the support points alone; a link's index is its place in link_packets
+  std::vector<Edge> nearest;              // (P + U) x 32, nearest first; ties go to the lower index of the mirrored pair
+  std::vector<float> distance;            // (P + U) x 32, local units
+  std::vector<uint32_t> first_edge;       // P + U + 1: edges of point p are [first_edge[p], first_edge[p + 1]), and among them
+  std::vector<uint32_t> first_test_edge;  // P + U: from here on those that lead to test points
+  std::vector<uint16_t> edge_point;       // every carrying link at both its ends: the point at the other end,
+  std::vector<uint32_t> edge_link;        // and the link
+  LinkPackets link_packets;               // the links, and
+  PointPackets point_packets;             // the points, as the segment tests read them
 
   int pointCount() const { return static_cast<int>(points.size()); }
 };
 
-// The table for the support pattern and `unseen` further points, at most kMaxUnseenPointCount.
-LinkTable makeLinkTable(const std::vector<LocalPoint>& unseen);
+// The table for the support pattern and `test` further points, at most kMaxTestPointCount.
+LinkTable makeLinkTable(const std::vector<LocalPoint>& test);
 
 }  // namespace nlg

@@ -74,7 +74,7 @@ void SupportVisibility::testLinks() {
 bool SupportVisibility::reachesValid(uint32_t point) const {
   const State* state = state_.data();
   const uint16_t* other = table_.edge_point.data();
-  for (uint32_t e = table_.first_edge[point], end = table_.first_unseen_edge[point]; e < end; ++e) {
+  for (uint32_t e = table_.first_edge[point], end = table_.first_test_edge[point]; e < end; ++e) {
     if (state[other[e]] == State::valid && linkOpen(table_.edge_link[e])) return true;
   }
   return false;
@@ -86,7 +86,7 @@ void SupportVisibility::flood(State carried, std::vector<uint32_t>* members) {
   const uint16_t* other = table_.edge_point.data();
   for (size_t i = 0; i < members->size(); ++i) {
     const uint32_t point = (*members)[i];
-    if (point >= kSupportPointCount) continue;  // nothing reads an unseen point
+    if (point >= kSupportPointCount) continue;  // nothing reads a test point
     for (uint32_t e = table_.first_edge[point], end = table_.first_edge[point + 1]; e < end; ++e) {
       const uint32_t reached = other[e];
       if (state[reached] != State::unknown || !linkOpen(table_.edge_link[e])) continue;

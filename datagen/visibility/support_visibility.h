@@ -4,7 +4,7 @@
 // rays and over the links (segment_kernel.h). Validity is carried along open links: what a valid point sees is valid. Only a
 // group of points that nothing valid sees casts rays of its own, and is solid when two fifths of those that meet a one-sided face
 // meet its back. Rays that meet nothing, or a double-sided face, are no evidence; a group without evidence is valid (open air).
-// Flipped objects therefore count as air inside, and a crack in a shell lets validity through: docs/visibility.md says what was
+// Flipped objects therefore count as air inside, and a crack in a shell lets validity through: docs/theory/visibility.md says what was
 // measured on real levels.
 #pragma once
 
@@ -21,7 +21,7 @@ namespace nlg {
 struct SolidVote {
   int front = 0, back = 0;
   // solid from two fifths of backs on: on real and procedural levels shares of backs lie below a tenth or above two fifths,
-  // seldom between, and exactly a half is common inside a slab that rests on another one (docs/visibility.md)
+  // seldom between, and exactly a half is common inside a slab that rests on another one (docs/theory/visibility.md)
   bool solid() const { return back > 0 && 5 * back >= 2 * (front + back); }
   // a share of backs in that gap: open, flipped or self-intersecting geometry
   bool disputed() const { return 10 * back > front + back && !solid(); }
@@ -51,7 +51,7 @@ class SupportVisibility {
   bool seen(uint32_t point) const { return seen_[point]; }
   const std::vector<uint32_t>& dark() const { return dark_; }  // the points that it does not see, rising
 
-  // Which links are open: all of them, which is cheaper than to find out which of them anything reads (docs/visibility.md).
+  // Which links are open: all of them, which is cheaper than to find out which of them anything reads (docs/theory/visibility.md).
   void testLinks();
   bool linkOpen(uint32_t link) const { return (blocked_links_[link / kPacketLanes] >> (link % kPacketLanes) & 1) == 0; }
 

@@ -1,6 +1,6 @@
 // Generates the weighting function of a probe: the bare tent where the probe sees, carried round corners by diffusion.
 //
-// Method: the talk, "How do we generate the functions"; the formula is in docs/math.md §1.
+// Method: the talk, "How do we generate the functions"; the formula is in docs/theory/math.md §1.
 #pragma once
 
 #include <vector>
@@ -22,7 +22,7 @@ enum class ProbeOutcome {
   empty,       // generated, but zero at every valid support point
 };
 
-// The result for one probe; arrays run over all points of the link table (P support points, then the unseen ones).
+// The result for one probe; arrays run over all points of the link table (P support points, then the test points).
 struct GeneratedFunction {
   std::vector<float> phi;      // [0, 1]; 0 at invalid points
   std::vector<uint8_t> valid;  // 0 or 1
@@ -30,7 +30,8 @@ struct GeneratedFunction {
   bool open_shell = false;     // votes about solid were disputed
 };
 
-// Where looking at a probe ends early. Both off: every probe has a function, whatever it is good for.
+// Which probes WeightingBuilder::see gives up early, because nobody needs their function. With both off every probe gets one; a
+// bake asks for that only to measure what giving up saves.
 struct SeeOptions {
   bool stops_in_solid = true;
   bool stops_in_free_space = true;

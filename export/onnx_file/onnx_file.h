@@ -1,6 +1,6 @@
 // The exported generator as ONNX, for programs that have a runtime of their own: opset 17, IR version 8.
 //
-// docs/formats.md lists inputs, outputs and texts. A matrix whose values are all float16's own is stored as float16 and widened in
+// docs/reference/formats.md lists inputs, outputs and texts. A matrix whose values are all float16's own is stored as float16 and widened in
 // the graph: a model of float16 weights is as small as they are, and not less exact.
 #pragma once
 

@@ -1,7 +1,7 @@
 /* The bake-time evaluator for engines in other languages: weights in, theta out, and what theta stands for at any point.
  *
  * C11. No exception leaves these functions and none of them keeps state, but for the support pattern, which the first of them
- * that needs it makes once (about 0.1 s; safe from any thread). Words and formats are those of docs/formats.md.
+ * that needs it makes once (about 0.1 s; safe from any thread). Words and formats are those of docs/reference/formats.md.
  *
  * Threads   A generator is only read once it is loaded: any number of threads may share it. A scratch serves one thread at a
  *           time.
@@ -49,7 +49,7 @@ typedef struct nlg_generator nlg_generator;
 /* Working memory of one thread for one generator. */
 typedef struct nlg_scratch nlg_scratch;
 
-/* What the products of a generator are made of: docs/inference.md has the errors and the speeds. */
+/* What the products of a generator are made of: docs/theory/inference.md has the errors and the speeds. */
 typedef enum nlg_precision {
   NLG_FLOAT32 = 0,
   NLG_INT16 = 1 /* fixed point with exact sums: the same bits on every SIMD target */
@@ -66,7 +66,7 @@ nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_pr
                                     char* detail, size_t detail_size);
 void nlg_generator_free(nlg_generator* generator);
 
-/* "mlp", "tent_mlp", "pf5", …: what theta stands for (docs/formats.md). Lives for ever. */
+/* "mlp", "tent_mlp", "pf5", …: what theta stands for (docs/reference/formats.md). Lives for ever. */
 const char* nlg_representation_name(const nlg_generator* generator);
 /* Networks: the slope of their LeakyReLU, in (0, 1), which a look-up in the game needs. */
 float nlg_representation_slope(const nlg_generator* generator);

@@ -1,6 +1,6 @@
 // The generator network at bake time: stored weighting functions in, theta out.
 //
-// Loads what nlg-export wrote (docs/formats.md lists the tensors). No exceptions; no allocation after load; one Generator may be
+// Loads what nlg-export wrote (docs/reference/formats.md lists the tensors). No exceptions; no allocation after load; one Generator may be
 // used by any number of threads, each with a scratch of its own.
 #pragma once
 
@@ -19,7 +19,7 @@ namespace nlg {
 // The version of the tensors' meaning that this code writes and the newest that it reads.
 inline constexpr int kWeightsVersion = 1;
 
-// Learned correction steps (docs/math.md §6): a network that sees a theta, how wrong it is on its function and which way is down,
+// Learned correction steps (docs/theory/math.md §6): a network that sees a theta, how wrong it is on its function and which way is down,
 // and says how theta should change. Same layers as the generator's; inputs are CorrectionFeatures (below) in their order.
 struct CorrectionData {
   int step_count = 0;                  // times in a row that it was trained for; 0: the generator has none

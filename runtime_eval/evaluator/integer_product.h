@@ -1,7 +1,7 @@
 // Products of a batch of rows of 16-bit integers with one fixed matrix of 16-bit integers: the cheaper kind of matrix_product.h.
 //
 // Twice the multiply-adds of float32 an instruction, half the bytes, and sums that are exact: no order of summation, and no SIMD
-// target, changes a bit of the result. Scales: docs/inference.md §3.
+// target, changes a bit of the result. Scales: docs/theory/inference.md §3.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // Projects weighting functions onto the PCA basis: the generator's input.
 //
-// The basis is block-diagonal over the 8 parity classes (docs/math.md §3): class c of a function is the signed sum of its 8
+// The basis is block-diagonal over the 8 parity classes (docs/theory/math.md §3): class c of a function is the signed sum of its 8
 // mirror images, sign (-1)^popcount(c & m), divided by sqrt(8). A component lives in one class and has 1024 numbers.
 #pragma once
 
@@ -26,7 +26,7 @@ struct BasisData {
 // The largest batch that one call projects; scratch is sized for it.
 inline constexpr int kBatchCount = 96;
 
-// What the products of a generator are made of; docs/inference.md has the errors and the speeds of both.
+// What the products of a generator are made of; docs/theory/inference.md has the errors and the speeds of both.
 enum class GeneratorPrecision {
   float32,
   int16,  // fixed point with exact sums: the same bits on every SIMD target

@@ -1,6 +1,6 @@
 // The networks' part of the shared kernel (loss_kernel.h): loss of one theta of a network, and its gradient.
 //
-// The formulas are in docs/math.md §4.
+// The formulas are in docs/theory/math.md §4.
 // `mlp`: 264 fused multiply-adds a point; the gradient is summed in float over blocks of 256 points, the loss in double over blocks.
 #pragma once
 

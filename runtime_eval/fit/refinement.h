@@ -3,7 +3,7 @@
 // Rounds of Adam (product fields: Levenberg–Marquardt), each longer than the one before, until the check passes: most functions
 // pass after the first. Points where phi
 // is 0 weigh more, which brings leaks under the threshold at no cost in RMSE. Why Adam and not Levenberg–Marquardt, and why these
-// numbers: docs/measurements.md.
+// numbers: docs/lab/measurements.md.
 #pragma once
 
 #include <cstdint>

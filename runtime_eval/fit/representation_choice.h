@@ -2,7 +2,7 @@
 //
 // The talk evaluates product fields of all resolutions and takes the point where their errors flatten. Here that is done over any
 // representations, on the errors of the check; how often it agrees with the choice that direct optimisation would make is in
-// docs/measurements.md.
+// docs/lab/measurements.md.
 #pragma once
 
 #include <vector>
@@ -16,7 +16,7 @@ struct ChoiceOptions {
   double enough_rmse = 0.004;     // … and so is any error below this, by direct optimisation
   double generator_excess = 2.5;  // generated errors are about so many times those of direct optimisation
 
-  // The same choice on the errors of generated theta, which have further to fall.
+  // The same choice on the errors of predicted theta, which have further to fall.
   ChoiceOptions forGenerated() const { return {flat_ratio, enough_rmse * generator_excess, 1.0}; }
 };
 

@@ -1,5 +1,6 @@
 #include "runtime_eval/light_grid/light_grid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
@@ -49,6 +50,23 @@ WeightsResult checkFunctions(const LightGrid& grid) {
   return {};
 }
 
+// phiOf   the function of a corner, in [0, tent] or not a number, by the corner and by what probe_function holds for it
+template <class PhiOf>
+bool gatherWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights, const PhiOf& phiOf) {
+  ProbesAround around;
+  if (!grid.tree.lookUp(position_m, &around)) return false;
+  weights->count = 0;
+  for (const ProbeAround& corner : around.corners) {
+    const uint32_t function = grid.probe_function[corner.probe];
+    if (function == kNoWeight) continue;
+    const float weight = phiOf(corner, function) * corner.tent_ratio;
+    if (!(weight >= kLeastWeight)) continue;  // NaN too
+    weights->probe[weights->count] = corner.probe;
+    weights->weight[weights->count++] = weight;
+  }
+  return true;
+}
+
 }  // namespace
 
 uint32_t LightGrid::addFunction(uint8_t representation, const float* theta_D) {
@@ -81,20 +99,22 @@ WeightsResult checkLightGrid(const LightGrid& grid) {
 }
 
 bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights) {
-  ProbesAround around;
-  if (!grid.tree.lookUp(position_m, &around)) return false;
-  weights->count = 0;
-  for (const ProbeAround& corner : around.corners) {
-    const uint32_t function = grid.probe_function[corner.probe];
-    if (function == kNoWeight) continue;
-    const float phi = function == kFreeSpace ? tent(corner.local)
-                                             : evaluatePoint(grid.representations[grid.function_representation[function]],
-                                                             corner.local, grid.functionTheta(function));
-    const float weight = phi * corner.tent_ratio;
-    if (!(weight >= kLeastWeight)) continue;
-    weights->probe[weights->count] = corner.probe;
-    weights->weight[weights->count++] = weight;
-  }
+  return gatherWeights(grid, position_m, weights, [&](const ProbeAround& corner, uint32_t function) {
+    if (function == kFreeSpace) return tent(corner.local);
+    const Representation& representation = grid.representations[grid.function_representation[function]];
+    return std::clamp(evaluatePoint(representation, corner.local, grid.functionTheta(function)), 0.0f, tent(corner.local));
+  });
+}
+
+bool lookUpTents(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights) {
+  return gatherWeights(grid, position_m, weights, [](const ProbeAround& corner, uint32_t) { return tent(corner.local); });
+}
+
+bool normaliseWeights(ProbeWeights* weights) {
+  if (weights->count == 0) return false;
+  float sum = 0.0f;
+  for (int i = 0; i < weights->count; ++i) sum += weights->weight[i];
+  for (int i = 0; i < weights->count; ++i) weights->weight[i] /= sum;
   return true;
 }
 

@@ -50,13 +50,27 @@ WeightsResult checkLightGrid(const LightGrid& grid);
 // The probes that count at a position, in the order of ProbesAround's corners.
 struct ProbeWeights {
   uint32_t probe[8] = {};
-  float weight[8] = {};  // >= kLeastWeight, finite; not normalised: in free space they sum to 1
-  int count = 0;         // 0 … 8; 0 where every probe around has weight 0, as inside solid
+  float weight[8] = {};  // of the first `count`: in [kLeastWeight, 1]; not normalised, in free space they sum to 1
+  int count = 0;         // 0 … 8
 };
 
-// The weights of the 8 probes around a position: max(0, phi(local)) * tent_ratio (docs/probes.md); those below kLeastWeight are
-// left out. Takes no memory, cannot fail; any number of threads may look up in one grid.
-// returns   false, *weights unchanged, where ProbeTree::lookUp is: outside
+// The weights of the 8 probes around a position: phi(local), clamped to [0, tent(local)], times tent_ratio (docs/theory/probes.md).
+// The tent as upper bound has every function, of any representation, fade to 0 at the border of its support. Left out are probes
+// whose weight is below kLeastWeight, and those that have none anywhere (kNoWeight). Takes no memory, cannot fail; any number of
+// threads may look up in one grid.
+//
+// returns   false, *weights unchanged, where ProbeTree::lookUp is: outside. True with a count of 0 where no probe has weight: in
+//           solid, and at few places in air (lookUpTents is for those)
 bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights);
+
+// The weights of bare tents, whatever the functions say, of the probes that have any (all but kNoWeight): what a caller may take
+// where lookUpWeights counts none and something has to be lit all the same. Nothing stops these at walls.
+//
+// returns   as lookUpWeights; the count is 0 where all probes around are without weight, or the position stands at one of those
+bool lookUpTents(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights);
+
+// Divides the weights by their sum: the shares that a blend of the probes takes.
+// returns   false, *weights unchanged, when the count is 0
+bool normaliseWeights(ProbeWeights* weights);
 
 }  // namespace nlg

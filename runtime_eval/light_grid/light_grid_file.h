@@ -1,4 +1,4 @@
-// The file of a light grid: safetensors, written by nlg-bake, read by engines. What the tensors mean: docs/formats.md.
+// The file of a light grid: safetensors, written by nlg-bake, read by engines. What the tensors mean: docs/reference/formats.md.
 //
 // Neither direction throws; results are those of weights_file.h, with one line that says where and why.
 #pragma once

@@ -4,7 +4,7 @@
 // of root nodes, 64 units a side, covers the extent; each is a tree of at most 3 levels that splits every axis in 4: node sides
 // are 64, 16 and 4 units. A node's brick of 2³, 3³ or 5³ probes cuts it into cells of its whole, half or quarter side, so that
 // cell sides are powers of two from 1 to 64 units. The cells of a 5³ brick coincide with the node's 64 children; each is a child,
-// or is used itself, or is left out where nobody needs probes. What happens at the borders of levels: docs/probes.md.
+// or is used itself, or is left out where nobody needs probes. What happens at the borders of levels: docs/theory/probes.md.
 //
 // Needs a compiler and nothing else. A built tree is constant: any number of threads may look up; a look-up takes no memory and
 // cannot fail.

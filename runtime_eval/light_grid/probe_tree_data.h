@@ -1,6 +1,6 @@
 // A probe tree as plain lists of numbers, for files.
 //
-// What the lists mean is what ProbeTree's look-up reads (docs/formats.md, "Light grid"). A tree made of lists is checked to the
+// What the lists mean is what ProbeTree's look-up reads (docs/reference/formats.md, "Light grid"). A tree made of lists is checked to the
 // last entry: what passes is a tree that ProbeTree::build gives for some verdicts, so no look-up can leave it.
 #pragma once
 

@@ -1,5 +1,7 @@
-// Whether numbers are numbers. Of a theta the values of its representation do not tell: a sigmoid makes something finite of an
-// infinite weight.
+// Whether all numbers of an array are finite.
+//
+// A theta has to be asked itself. The values that it stands for can be finite even when one of its weights is infinite, because a
+// sigmoid at the output maps infinity to 0 or 1.
 #pragma once
 
 #include <algorithm>

@@ -97,7 +97,7 @@ const SupportPattern& supportPattern() {
   return pattern;
 }
 
-std::vector<LocalPoint> unseenPoints(int count) {
+std::vector<LocalPoint> testPoints(int count) {
   // 2^32 divided by the powers of the root of g^4 = g + 1
   constexpr uint32_t kStep[3] = {3518319155u, 2882110345u, 2360945575u};
   std::vector<LocalPoint> points(count);

@@ -2,7 +2,7 @@
 //
 // 1024 points in the positive octant, and their 8 mirror images. Point i of mirror m has index m * 1024 + i; bit 0, 1, 2 of m
 // says that x, y, z is negative. Mirroring a function is therefore a permutation of whole runs of 1024 values (index XOR), and
-// the Walsh–Hadamard transform over m splits any function into 8 parity classes (docs/math.md §2).
+// the Walsh–Hadamard transform over m splits any function into 8 parity classes (docs/theory/math.md §2).
 //
 // Inside an octant the points follow a Morton curve: neighbours in memory are neighbours in space. Every eighth of them is again
 // well spread: stratum k holds the points with i % 8 == k of all mirrors, 1024 points. So is every 32nd: a quarter of a stratum,
@@ -41,7 +41,7 @@ const SupportPattern& supportPattern();
 
 // Points that no fit sees, for judging fits: a low-discrepancy sequence (Roberts 2018, R3) over the whole support.
 // count   >= 0; the first points of a longer set are the shorter set
-std::vector<LocalPoint> unseenPoints(int count);
+std::vector<LocalPoint> testPoints(int count);
 
 // Hash of any list of points: FNV-1a over their bits.
 uint64_t hashPoints(const std::vector<LocalPoint>& points);

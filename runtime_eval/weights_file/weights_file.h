@@ -5,7 +5,7 @@
 // bytes of the file, and `__metadata__` holds text. The standard allows no holes between tensors, so filler tensors of dtype U8 named
 // "padding.0", "padding.1", … stand where bytes are skipped, and spaces at the end of the header: other tools read these files
 // as they are. Readers check fillers like any tensor, then forget them. No exceptions (compiles with -fno-exceptions), no
-// dependency: an engine links this. What the names mean: docs/formats.md.
+// dependency: an engine links this. What the names mean: docs/reference/formats.md.
 #pragma once
 
 #include <cstddef>

@@ -26,7 +26,7 @@ class GeneratedShard : public testing::Test {
     fs::create_directories(folder_);
     describe(options_, table_);
     options_.max_functions = 100;
-    options_.unseen_points = 64;
+    options_.test_points = 64;
   }
   ~GeneratedShard() override { fs::remove_all(folder_); }
 

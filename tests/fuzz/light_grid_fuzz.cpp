@@ -30,7 +30,7 @@ void lookUpEverywhere(const LightGrid& grid) {
     if (!lookUpWeights(grid, position_m, &weights)) continue;
     for (int k = 0; k < weights.count; ++k) {
       FUZZ_CHECK(weights.probe[k] < grid.tree.probeCount(), std::to_string(weights.probe[k]));
-      FUZZ_CHECK(weights.weight[k] > 0.0f && weights.weight[k] < 1e38f, std::to_string(weights.weight[k]));
+      FUZZ_CHECK(weights.weight[k] >= kLeastWeight && weights.weight[k] <= 1.0f, std::to_string(weights.weight[k]));
     }
   }
 }

@@ -24,8 +24,8 @@ while read -r header; do
 done < <(cd "$headers" && find . -name '*.h' | sed 's#^\./##' | sort)
 # what the documentation tells engines to include is there, needed by another header or not
 while read -r header; do
-  [ -f "$headers/$header" ] || fail "docs/library.md names $header, which is not installed"
-done < <(grep -oE '(runtime_eval|export)/[a-z_/]+\.h' "$source/docs/library.md" | sort -u)
+  [ -f "$headers/$header" ] || fail "docs/guide/library.md names $header, which is not installed"
+done < <(grep -oE '(runtime_eval|export)/[a-z_/]+\.h' "$source/docs/guide/library.md" | sort -u)
 "$cc" -x c -std=c11 -Wall -Wextra -Wpedantic -Werror -fsyntax-only "$headers/runtime_eval/c_api/nlg.h" || fail "nlg.h is no C"
 
 "$cmake" -S "$source/examples" -B "$work/build" -G "$generator" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE="$configuration" \

@@ -84,7 +84,7 @@ def damaged_copies(path):
 
 
 def make_good_files():
-    write("good.yaml", "datagen: {max_functions: 12, unseen_points: 64}\nbasis: {components: 8}\n"
+    write("good.yaml", "datagen: {max_functions: 12, test_points: 64}\nbasis: {components: 8}\n"
           "train: {steps: 4, batch: 4, checkpoint_steps: 2, start_candidates: 1, width: 16, layers: 2}\n"
           "bake: {spacing_m: 1.5, extent_m: [0, 0, 0, 2, 2, 2], refine_rounds: 0}\n"
           "validate: {direct_functions: 1, direct_adam_steps: 2, direct_lm_iterations: 1, direct_restarts: 1, refine_first_steps: 2}\n")
@@ -124,7 +124,7 @@ def arguments_of(tool, replaced=None):
 def check_command_lines():
     flags = {
         "nlg-datagen": [("--max-functions", "0"), ("--spacing-min-m", "-1"), ("--spacing-min-m", "nan"), ("--diffusion-passes", "99"),
-                        ("--unseen-points", "17"), ("--jitter", "minus one"), ("--scale", "inf"), ("--seed", "-1")],
+                        ("--test-points", "17"), ("--jitter", "minus one"), ("--scale", "inf"), ("--seed", "-1")],
         "nlg-pca": [("--components", "0"), ("--components", "1e3"), ("--components", "99999999999999999999")],
         "nlg-cache": [],
         "nlg-train": [("--hard-share", "1"), ("--steps", "0"), ("--batch", "-5"), ("--learning-rate", "nan"), ("--width", "1000000"), ("--layers", "0"),
@@ -139,7 +139,7 @@ def check_command_lines():
         refuses(USAGE_ERROR, ["--no-such-flag"], outputs, tool, *arguments, "--no-such-flag")
         for flag, value in flags[tool]:
             # "=" so that a negative number is no flag of its own
-            refuses(USAGE_ERROR, [flag.lstrip("-").replace("-", "_") if flag in ("--unseen-points", "--extent-m") else flag], outputs, tool, *arguments, f"{flag}={value}")
+            refuses(USAGE_ERROR, [flag.lstrip("-").replace("-", "_") if flag in ("--test-points", "--extent-m") else flag], outputs, tool, *arguments, f"{flag}={value}")
     arguments, outputs = arguments_of("nlg-datagen")
     refuses(USAGE_ERROR, ["spacing_max_m"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "3", "--spacing-max-m", "2")
     refuses(USAGE_ERROR, ["134217728", "spacing_min_m"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "0.0001", "--spacing-max-m", "0.0001")
@@ -452,7 +452,7 @@ def check_killed_run():
 
 
 def check_inputs_that_do_not_belong_together():
-    must("nlg-datagen", "--config", "good.yaml", "--scene", "house:2", "--held-out", "--unseen-points", "128", "--out", "other_unseen.h5")
+    must("nlg-datagen", "--config", "good.yaml", "--scene", "house:2", "--held-out", "--test-points", "128", "--out", "other_test.h5")
     must("nlg-pca", "--config", "good.yaml", "--components", "7", "--shards", "training.h5", "--out", "other_basis.h5")
     write("empty.yaml", "datagen: {max_functions: 1, spacing_min_m: 50, spacing_max_m: 50}\n")
     arguments, outputs = arguments_of("nlg-export", {"basis.h5": "other_basis.h5"})
@@ -469,8 +469,8 @@ def check_inputs_that_do_not_belong_together():
         refuses(USAGE_ERROR, shards, ["bad_validation"], *command, *once, "held_out.h5", "held_out_again.h5", "--out", "bad_validation")
     refuses(USAGE_ERROR, both, ["bad.json"], "nlg-validate", "stability", *twice, "--out", "bad.json")
     refuses(USAGE_ERROR, both, ["bad_solved"], "nlg-solve", "--scene", "doorway", *twice, "--out-dir", "bad_solved")
-    refuses(INPUT_ERROR, ["other_unseen.h5"], ["bad_validation"], "nlg-validate", "--weights", "weights.safetensors",
-            "--held-out", "held_out.h5", "other_unseen.h5", "--out", "bad_validation")
+    refuses(INPUT_ERROR, ["other_test.h5"], ["bad_validation"], "nlg-validate", "--weights", "weights.safetensors",
+            "--held-out", "held_out.h5", "other_test.h5", "--out", "bad_validation")
     # an unfinished run's state of other options is refused unless asked otherwise
     shutil.copytree("run", "other_run", symlinks=True)
     refuses(INPUT_ERROR, ["other_run/step-"], ["bad.ckpt", "bad.csv"], "nlg-train", "--config", "good.yaml", "--steps", "5", *TRAIN_INPUTS,

@@ -39,8 +39,8 @@ def must(*command):
 
 
 def documented_keys():
-    """Of each list and object of frontier.json, the keys in the table of docs/formats.md."""
-    text = open(os.path.join(SOURCES, "docs/formats.md")).read()
+    """Of each list and object of frontier.json, the keys in the table of docs/reference/formats.md."""
+    text = open(os.path.join(SOURCES, "docs/reference/formats.md")).read()
     section = re.search(r"\n## frontier\.json.*?(?=\n## )", text, re.S).group(0)
     keys = {"": set(), "points": set(), "hard": set(), "bare_tent": set(), "by_scene": set(), "hierarchy": set(), "walks": set()}
     for cell in re.findall(r"^\| (`.*?) \|", section, re.M):
@@ -140,7 +140,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         for name, seed, flags in [("one", 1, ["--held-out"]), ("two", 2, ["--held-out"]), ("training", 3, [])]:
-            must(os.path.join(BIN, "nlg-datagen"), "--scene", f"house:{seed}", "--max-functions", "8", "--unseen-points", "64", *flags,
+            must(os.path.join(BIN, "nlg-datagen"), "--scene", f"house:{seed}", "--max-functions", "8", "--test-points", "64", *flags,
                  "--out", f"{name}.h5")
         for name in ["tent_mlp", "pf3", "pf5"]:
             must(MAKE_WEIGHTS, f"{name}.safetensors", name)

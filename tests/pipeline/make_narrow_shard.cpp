@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
   shard.scene_id = "narrow";
   shard.family = "level";
   shard.pattern_hash = nlg::supportPattern().hash;
-  shard.unseen_pattern_hash = nlg::hashPoints({});
+  shard.test_pattern_hash = nlg::hashPoints({});
   shard.point_count = kPoints;
   shard.counts.grid_probes = shard.counts.visited_probes = shard.counts.functions = kFunctions;
   shard.provenance_json = "{}";

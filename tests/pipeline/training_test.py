@@ -145,7 +145,7 @@ def check_processes():
     one, two = compare_curves("plain", ["training_loss", "held_out_rmse"], 2e-4, "--correction-steps", "0", "--exact-last-layer=false")
     # exact last layers are steep: what goes into them at 1e-7 comes out at 1e-2 after three steps of so rough a run, and the stages
     # behind them go their own ways; the generator before them does not
-    compare_curves("corrected", ["held_out_generated"], 0.01)
+    compare_curves("corrected", ["held_out_network"], 0.01)
     check(one["step"] == two["step"], f"two processes: other steps: {two['step']}")
 
 

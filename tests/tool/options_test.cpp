@@ -30,6 +30,7 @@ OptionTable tableOf(Values* values) {
   table.add("cull", &values->cull, "skip what nobody sees");
   table.add("scene", &values->scene, "scene file");
   table.add("families", &values->families, "procedural families");
+  table.renamed("culling", "cull");
   return table;
 }
 
@@ -185,6 +186,15 @@ TEST_F(Options, RefuseUnknownAndRepeatedKeysWithLineAndColumn) {
   EXPECT_EQ(refusalOfYaml("datagen: {}\ndatagen: {}\n"), ":2:1: expected each key once, got 'datagen' again");
   EXPECT_EQ(refusalOfYaml("datagen:\n  [1, 2]: 1\n"), ":2:3: expected a key, got a sequence");
   EXPECT_EQ(refusalOfYaml("datagen:\n  <<: {jobs: 3}\n").substr(0, 6), ":2:3: ");
+}
+
+TEST_F(Options, RefuseAFormerNameAndTellThePresentOne) {
+  EXPECT_EQ(refusalOfYaml("datagen:\n  culling: true\n"), ":2:3: expected 'cull', its present name, got 'culling'");
+  EXPECT_EQ(refusalOfFlags({"--culling", "true"}), "--culling: expected --cull, its present name, got --culling");
+  OptionTable table = tableOf(&values_);
+  CLI::App app;
+  table.addFlags(app);
+  EXPECT_EQ(app.help().find("culling"), std::string::npos);
 }
 
 TEST_F(Options, RefuseWhatIsNoYaml) {

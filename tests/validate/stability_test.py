@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""nlg-validate stability in its short form: every case holds, and the table keeps its contract (docs/formats.md).
+"""nlg-validate stability in its short form: every case holds, and the table keeps its contract (docs/reference/formats.md).
 
     stability_test.py BIN_FOLDER WEIGHTS_FOLDER
 """

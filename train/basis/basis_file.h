@@ -1,4 +1,4 @@
-// The basis's file (HDF5; layout in docs/formats.md).
+// The basis's file (HDF5; layout in docs/reference/formats.md).
 #pragma once
 
 #include <string>

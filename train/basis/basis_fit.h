@@ -2,7 +2,7 @@
 //
 // Input of the generator: K coefficients stand for the P samples of one function. The basis is that of the training set *and all
 // its mirror images*; over such a set the covariance falls into one block of 1024² for each of the 8 parity classes, exactly, so
-// that eight small eigenproblems give the components (docs/math.md §3).
+// that eight small eigenproblems give the components (docs/theory/math.md §3).
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // A training set as one flat file that is mapped into memory: any size trains in the memory of a few windows of it.
 //
-// Made once from shards and a basis (function_cache_writer.h; layout in docs/formats.md). Functions lie in an order shuffled over
+// Made once from shards and a basis (function_cache_writer.h; layout in docs/reference/formats.md). Functions lie in an order shuffled over
 // all shards, with everything that training reads of them side by side, so that neighbours make a fair batch and reading runs
 // along the disk.
 #pragma once
@@ -72,8 +72,9 @@ class FunctionCache {
 // RMSE of the bare tent over the valid points of a function; 0 when there are none.
 float tentRmse(const StoredFunction& function);
 
-// Indices 0 … count - 1 in the order in which a cache holds the functions that its shards gave: the same for the same count, and
-// that of a smaller count is what remains of it.
+// The order in which a cache holds its functions: entry i is the number, counted over the shards, of the function in place i.
+// It depends on count alone. Leaving out every number from some n on gives cacheOrder(n), so that a set which grows at its end
+// keeps the order of the functions that it had.
 std::vector<uint32_t> cacheOrder(int64_t count);
 
 }  // namespace nlg

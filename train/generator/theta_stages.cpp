@@ -41,10 +41,10 @@ HeldOutError heldOutError(GeneratorNetwork& network, const Representation& repre
     }
     const ThetaStages stages = runStages(network, representation, data, samples);
     const torch::Tensor least = std::get<0>(torch::stack(stages.mean_squares).min(0));
-    error.generated += stages.mean_squares.front().sqrt().sum().item<double>();
+    error.network += stages.mean_squares.front().sqrt().sum().item<double>();
     error.final += least.sqrt().sum().item<double>();
   }
-  if (count > 0) error.generated /= static_cast<double>(count), error.final /= static_cast<double>(count);
+  if (count > 0) error.network /= static_cast<double>(count), error.final /= static_cast<double>(count);
   return error;
 }
 

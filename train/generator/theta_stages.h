@@ -1,4 +1,4 @@
-// What becomes of a function's theta on its way: generated, last layer solved, corrected step by step.
+// What becomes of a function's theta on its way: predicted, last layer solved, corrected step by step.
 //
 // The same way as at bake time (runtime_eval/fit/correction.h), but differentiable and without taking back steps that do not pay.
 #pragma once
@@ -9,7 +9,7 @@
 namespace nlg {
 
 struct ThetaStages {
-  // One a stage, B each, differentiable: of the generated theta; of that with its last layer solved (networks with a linear
+  // One a stage, B each, differentiable: of the predicted theta; of that with its last layer solved (networks with a linear
   // output, when the shape says so); after each correction step.
   std::vector<torch::Tensor> mean_squares;
 };
@@ -21,7 +21,7 @@ ThetaStages runStages(GeneratorNetwork& network, const Representation& represent
 
 // How the stages do on held-out functions.
 struct HeldOutError {
-  double generated = 0.0;  // mean RMSE of the generator alone
+  double network = 0.0;  // mean RMSE of one pass of the network alone
   // … and of each function's best stage. At bake time the steps end at the first that does not pay, so it may be above.
   double final = 0.0;
 };

@@ -123,7 +123,7 @@ std::string logLine(const TrainOptions& options, const TrainingState& state, dou
     return std::string(digits);
   };
   return std::to_string(state.step) + ',' + text(scheduledRate(options, state, state.step - 1)) + ',' + text(loss) + ',' +
-         text(held_out.generated) + ',' + text(held_out.final) + ',' + std::to_string(state.rollbacks) + '\n';
+         text(held_out.network) + ',' + text(held_out.final) + ',' + std::to_string(state.rollbacks) + '\n';
 }
 
 SampleOrder sampleOrder(const TrainOptions& options, const Representation& representation, const TrainingData& training) {
@@ -202,7 +202,7 @@ TrainingState makeState(const TrainOptions& options, const Theta& theta0) {
   state.average->to(options.device);
   state.optimizer = std::make_shared<torch::optim::Adam>(state.network->parameters(),
                                                          torch::optim::AdamOptions(options.learning_rate).betas({0.9, 0.99}));
-  state.log_csv = "step,learning_rate,training_loss,held_out_generated,held_out_rmse,rollbacks\n";
+  state.log_csv = "step,learning_rate,training_loss,held_out_network,held_out_rmse,rollbacks\n";
   return state;
 }
 

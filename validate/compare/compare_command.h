@@ -3,7 +3,7 @@
 
 namespace nlg {
 
-// returns   the process's exit code: check_failed where something is worse beyond noise (docs/formats.md)
+// returns   the process's exit code: check_failed where something is worse beyond noise (docs/reference/formats.md)
 int compareMain(int argc, char** argv);
 
 }  // namespace nlg

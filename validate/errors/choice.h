@@ -22,7 +22,7 @@ struct ChoiceColumn {
 // columns   by rising theta_count; at least two
 // returns   "functions"; "agree", "generator_smaller", "generator_larger": shares; "counts": for each pair "generator → direct" of
 //           names how many functions; "floats": mean number of parameters by either choice; "rmse_direct": mean error of direct
-//           optimisation in the representation that either chose; keys: docs/formats.md
+//           optimisation in the representation that either chose; keys: docs/reference/formats.md
 nlohmann::ordered_json choiceJson(const std::vector<ChoiceColumn>& columns, const CheckOptions& check,
                                   const ChoiceOptions& options);
 

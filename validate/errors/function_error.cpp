@@ -21,7 +21,7 @@ struct MeanSquare {
 ErrorMeter::ErrorMeter(const FunctionSet& set)
     : set_(set),
       points_(makePointSet(supportPattern().points)),
-      unseen_points_(makePointSet(unseenPoints(set.unseen_point_count))),
+      unseen_points_(makePointSet(testPoints(set.test_point_count))),
       values_(points_.padded_count),
       unseen_values_(unseen_points_.padded_count) {}
 
@@ -37,7 +37,7 @@ FunctionError ErrorMeter::measureTent(uint64_t index, PooledMagnitudes* leaks) {
 }
 
 FunctionError ErrorMeter::compare(const float* values, const float* unseen_values, uint64_t index, PooledMagnitudes* leaks) {
-  const size_t point_count = set_.point_count, unseen_count = set_.unseen_point_count;
+  const size_t point_count = set_.point_count, test_count = set_.test_point_count;
   MeanSquare all, shadow, unseen;
   zero_point_values_.clear();
   for (size_t i = 0; i < point_count; ++i) {
@@ -50,9 +50,9 @@ FunctionError ErrorMeter::compare(const float* values, const float* unseen_value
     zero_point_values_.push_back(std::fabs(values[i]));
     if (leaks) leaks->add(values[i]);
   }
-  for (size_t i = 0; i < unseen_count; ++i) {
-    if (!bit(set_.validity_unseen, index, unseen_count, i)) continue;
-    unseen.add(unseen_values[i] - set_.phi_unseen[index * unseen_count + i] / 255.0);
+  for (size_t i = 0; i < test_count; ++i) {
+    if (!bit(set_.validity_test, index, test_count, i)) continue;
+    unseen.add(unseen_values[i] - set_.phi_test[index * test_count + i] / 255.0);
   }
   FunctionError error{all.root(), unseen.root(), shadow.root(), shadow.count > 0};
   for (const double value : zero_point_values_) error.leak_mean += value;

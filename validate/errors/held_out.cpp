@@ -8,11 +8,11 @@ namespace nlg {
 FunctionSet readHeldOut(const std::vector<std::string>& paths) {
   FunctionSet set = readFunctionSet(paths, supportPattern().hash, kSupportPointCount);
   if (set.functionCount() == 0) throw InputError(paths.front(), "held-out functions", "at least one in all shards", "none");
-  if (set.unseen_point_count == 0)
-    throw InputError(paths.front(), "unseen points", "shards made with --held-out", "shards without them");
-  if (const uint64_t expected = hashPoints(unseenPoints(set.unseen_point_count)); set.unseen_pattern_hash != expected) {
-    throw InputError(paths.front(), "attribute unseen_pattern_hash", std::to_string(expected),
-                     std::to_string(set.unseen_pattern_hash));
+  if (set.test_point_count == 0)
+    throw InputError(paths.front(), "test points", "shards made with --held-out", "shards without them");
+  if (const uint64_t expected = hashPoints(testPoints(set.test_point_count)); set.test_pattern_hash != expected) {
+    throw InputError(paths.front(), "attribute test_pattern_hash", std::to_string(expected),
+                     std::to_string(set.test_pattern_hash));
   }
   return set;
 }

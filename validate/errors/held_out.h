@@ -11,7 +11,7 @@ namespace nlg {
 
 // The functions of held-out shards, with points that no fit sees.
 // throws   InputError as readFunctionSet does; when there is no function at all, when the shards were made without --held-out, or
-//          with another pattern of unseen points than this code's
+//          with another pattern of test points than this code's
 FunctionSet readHeldOut(const std::vector<std::string>& paths);
 
 // throws   InputError naming the file and what the reader says of it

@@ -72,12 +72,12 @@ Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& re
   const PointSet points = makePointSet(plane);
   AlignedFloats values(points.padded_count);
   evaluate(representation, points, theta, values.data());
-  slice.approximated.assign(values.begin(), values.begin() + points.count);
+  slice.predicted.assign(values.begin(), values.begin() + points.count);
   for (const LocalPoint& point : plane) {
     const size_t nearest = nearestSupportPoint(point);
     const uint64_t at = index * kSupportPointCount + nearest;
     const float phi = static_cast<float>(set.phi[at]) / 255.0f;
-    slice.generated.push_back(phi);
+    slice.target.push_back(phi);
     slice.valid.push_back(bitAt(set.validity, at));
     slice.seen.push_back(bitAt(set.seen, at));
     slice.difference.push_back(support_values[nearest] - phi);

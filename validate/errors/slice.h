@@ -12,11 +12,11 @@ namespace nlg {
 struct Slice {
   int axis = 1;  // the axis that the plane is normal to: 0 x, 1 y, 2 z
   int size = 0;
-  std::vector<float> generated;     // phi at the support point nearest to each pixel
-  std::vector<uint8_t> valid;       // of the same point: 0 in solid
-  std::vector<uint8_t> seen;        // of the same point: in plain sight of the probe; a valid point that is not lies in shadow
-  std::vector<float> approximated;  // the representation at the pixel
-  std::vector<float> difference;    // representation minus phi at that support point: no trace of the mosaic
+  std::vector<float> target;      // phi at the support point nearest to each pixel
+  std::vector<uint8_t> valid;     // of the same point: 0 in solid
+  std::vector<uint8_t> seen;      // of the same point: in plain sight of the probe; a valid point that is not is occluded
+  std::vector<float> predicted;   // the representation at the pixel
+  std::vector<float> difference;  // representation minus phi at that support point: no trace of the mosaic
 };
 
 // Of the three axis planes through the probe the one that tells most: function against bare tent, representation against

@@ -1,4 +1,4 @@
-// frontier.json and frontier.csv from the figures; keys and columns: docs/formats.md.
+// frontier.json and frontier.csv from the figures; keys and columns: docs/reference/formats.md.
 #pragma once
 
 #include <nlohmann/json.hpp>

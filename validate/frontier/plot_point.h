@@ -20,7 +20,7 @@ struct FittedFunction {
 
 struct PlotPoint {
   std::string representation;   // a name of kRepresentationNames; of a choice, those that it chose from, joined by "+"
-  std::string family;           // docs/formats.md, frontier.json
+  std::string family;           // docs/reference/formats.md, frontier.json
   std::optional<int> budget;    // what grows along the family: steps, coefficients, bits, threads
   std::string label;            // "generator + 4 LM"
   bool may_be_on_front = true;  // false where the time is not that of one thread

@@ -230,7 +230,7 @@ class Findings:
             lowest = int(np.argmin(log.held_out_rmse))
             trend = ("it was measured this once" if len(log.step) == 1 else f"since step {since} it fell by {percent(1 - last / before)}" if last < before else
                      f"since step {since} it no longer fell (lowest: {error(log.held_out_rmse[lowest])} at step {grouped(int(log.step[lowest]))})")
-            alone = f" ({error(log.held_out_generated[-1])} before corrections)" if log.held_out_generated[-1] != last else ""
+            alone = f" ({error(log.held_out_network[-1])} before corrections)" if log.held_out_network[-1] != last else ""
             return f"the held-out error ends at {error(last)}{alone} after {plural(int(log.step[-1]), 'step')}; {trend}"
         return self.each(text)
 

@@ -1,6 +1,6 @@
 """The files that the report is drawn from: read, checked, and refused in one line that names file, place, expected and got.
 
-docs/formats.md says what stands in them. Nothing here draws or decides.
+docs/reference/formats.md says what stands in them. Nothing here draws or decides.
 """
 import csv
 import hashlib
@@ -168,8 +168,8 @@ class Samples:
 class Log:
     step: np.ndarray
     training_loss: np.ndarray
-    held_out_generated: np.ndarray  # before corrections
-    held_out_rmse: np.ndarray       # after them
+    held_out_network: np.ndarray  # before corrections
+    held_out_rmse: np.ndarray     # after them
 
 
 @dataclass
@@ -180,8 +180,8 @@ class Slice:
     scene: str
     rmse: float
     axis: int
-    generated: np.ndarray     # size x size, phi at the support point nearest to each pixel
-    approximated: np.ndarray  # size x size
+    target: np.ndarray        # size x size, phi at the support point nearest to each pixel
+    predicted: np.ndarray     # size x size
     difference: np.ndarray    # size x size, at the support point nearest to each pixel
     valid: np.ndarray         # size x size, bool
     seen: np.ndarray          # size x size, bool: in plain sight of the probe
@@ -233,13 +233,13 @@ def read_functions(path, representations):
     return {key: Samples(*(np.array(column) for column in zip(*rows))) for key, rows in groups.items()}
 
 
-LOG_COLUMNS = ("step", "learning_rate", "training_loss", "held_out_generated", "held_out_rmse", "rollbacks")
+LOG_COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network", "held_out_rmse", "rollbacks")
 
 
 def read_log(path):
     rows = [[parse_number(path, line, c, text) for c, text in zip(LOG_COLUMNS, row)] for line, row in read_columns(path, LOG_COLUMNS)]
     columns = dict(zip(LOG_COLUMNS, np.array(rows).T))
-    return Log(columns["step"], columns["training_loss"], columns["held_out_generated"], columns["held_out_rmse"])
+    return Log(columns["step"], columns["training_loss"], columns["held_out_network"], columns["held_out_rmse"])
 
 
 def read_logs(paths, representations):
@@ -265,8 +265,8 @@ def read_slices(path, representations):
         if axis > 2:
             node["axis"].refuse("0, 1 or 2", axis)
         slices.append(Slice(node["representation"].text(), node["which"].text(), node["function"].count(), node["scene"].text(),
-                            node["rmse"].number(), axis, picture("generated_permille", 0, 1000) / 1000,
-                            picture("approximated_permille", -2000, 2000) / 1000,
+                            node["rmse"].number(), axis, picture("target_permille", 0, 1000) / 1000,
+                            picture("predicted_permille", -2000, 2000) / 1000,
                             picture("difference_permille", -2000, 2000) / 1000, picture("valid", 0, 1) > 0, picture("seen", 0, 1) > 0))
     found = {(s.representation, s.which) for s in slices}
     for name in representations:

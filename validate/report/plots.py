@@ -287,8 +287,8 @@ def training_curve(inputs, representation, limits):
     log = inputs.logs[representation]
     figure, axes = start(representation, x="training step", y="mean RMSE")
     axes.plot(log.step, np.clip(log.training_loss, *limits), color=MUTED, linewidth=1.2, linestyle=(0, (3, 2)), label="training loss")
-    if not np.array_equal(log.held_out_generated, log.held_out_rmse):
-        axes.plot(log.step, np.clip(log.held_out_generated, *limits), color=colour("uncorrected"), linewidth=1.4, marker="o", markersize=2.6,
+    if not np.array_equal(log.held_out_network, log.held_out_rmse):
+        axes.plot(log.step, np.clip(log.held_out_network, *limits), color=colour("uncorrected"), linewidth=1.4, marker="o", markersize=2.6,
                   label="held-out scenes, network alone")
     axes.plot(log.step, np.clip(log.held_out_rmse, *limits), color=colour("generator"), linewidth=1.8, marker="o", markersize=3.2,
               label="held-out scenes")

@@ -1,6 +1,6 @@
 """The files of the proof beside nlg-validate's summary: the error-time frontier, the stability suite, what bakes did without.
 
-docs/formats.md says what stands in them. Read and checked as everything else (inputs.py); nothing here draws or decides.
+docs/reference/formats.md says what stands in them. Read and checked as everything else (inputs.py); nothing here draws or decides.
 """
 from dataclasses import dataclass
 

@@ -5,7 +5,7 @@
         [--frontier FRONTIER.json] [--stability STABILITY.json] [--needs BAKE_REPORT.json ...] [--test] --out report.html
 
 The same inputs give the same bytes. A file that cannot be used ends it with one line on stderr and exit code 3, an output that
-cannot be written with 5, a Python without its packages with 2 (tool/error.h); nothing half-written is left behind. docs/formats.md says what the inputs hold.
+cannot be written with 5, a Python without its packages with 2 (tool/error.h); nothing half-written is left behind. docs/reference/formats.md says what the inputs hold.
 """
 import argparse
 import base64
@@ -61,7 +61,7 @@ def draw_plots(inputs, findings, frontier, scene_order):
     spread = lambda values: np.quantile(values[np.isfinite(values)], (0.05, 0.95)) if np.isfinite(values).any() else values
     shadow_limits = plots.error_limits([spread(getattr(s, key)) for (_, m), s in inputs.samples.items()
                                         if m in ("tent", "uncorrected", "generator", "refined", "direct") for key in ("rmse", "rmse_shadow")])
-    log_limits = plots.error_limits([array for log in inputs.logs.values() for array in (log.training_loss, log.held_out_generated, log.held_out_rmse)])
+    log_limits = plots.error_limits([array for log in inputs.logs.values() for array in (log.training_loss, log.held_out_network, log.held_out_rmse)])
     tent_median = float(np.median(inputs.chosen(names[0], "tent").rmse)) if len(tent) else 0.0
     return {
         "curve": [plots.finish(curve.draw(inputs.summary), "curve", "Error against bytes a function and against evaluation time")],

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures and tables of docs/weighting_functions.md from what nlg-solve wrote: FOLDER/SCENE.json and FOLDER/SCENE.csv.
+"""Pictures and tables of docs/lab/weighting_functions.md from what nlg-solve wrote: FOLDER/SCENE.json and FOLDER/SCENE.csv.
 
 usage: weighting_slices.py FOLDER IMAGE_FOLDER    draws IMAGE_FOLDER/weighting_SCENE.png, prints the table of means as Markdown
 """
@@ -29,7 +29,7 @@ DIFFERENCE_LIMIT = 0.5
 PROBES_A_SCENE = 3
 REACH_M = 1.15  # shown on each side of the probe: its support is one metre
 CELL = 2.1  # inches
-FIGURES = ("rmse", "rmse_shadow", "unlit_share", "leak", "step_p99", "distance_solved")
+FIGURES = ("rmse", "rmse_occluded", "unlit_share", "leak", "step_p99", "distance_solved")
 
 
 def picture(scene, values, colours, low, high):

@@ -9,7 +9,7 @@
 namespace nlg {
 namespace {
 
-constexpr float kShadowTent = 0.02f;
+constexpr float kOccludedTent = 0.02f;
 constexpr float kWayLimit_m = 2.0f;   // two spacings
 constexpr float kFirstStep_m = 0.5f;  // the way from a probe begins at points that it sees within this
 
@@ -77,7 +77,7 @@ double stepP99(const SolvedScene& scene, const Weights& w) {
   const float pixel_m = scene.small.lattice.spacing_m / kSlicePixelsACell;
   std::vector<double> steps;
   for (const PointLinks::Link& link : scene.links.links) {
-    if (!scene.in_shadow[link.a] && !scene.in_shadow[link.b]) continue;
+    if (!scene.occluded[link.a] && !scene.occluded[link.b]) continue;
     const bool on_slice = scene.points.use[link.a] == PointUse::slice && scene.points.use[link.b] == PointUse::slice;
     if (on_slice && link.distance_m < 1.1f * pixel_m) steps.push_back(weightChange(scene.points, w, link.a, link.b));
   }
@@ -116,26 +116,26 @@ SolvedScene::SolvedScene(const std::string& name, const SolveSetup& setup)
   const auto seen = seenCorners(*this);
   path_m = findPaths(*this, seen);
   const Weights tents = points.tent();
-  in_shadow.assign(points.count(), 0);
+  occluded.assign(points.count(), 0);
   for (size_t i = 0; i < points.count(); ++i) {
-    for (int c = 0; c < kCornerCount; ++c) in_shadow[i] |= tents[i][c] >= kShadowTent && !seen[i][c];
+    for (int c = 0; c < kCornerCount; ++c) occluded[i] |= tents[i][c] >= kOccludedTent && !seen[i][c];
   }
 }
 
 Quality judge(const SolvedScene& scene, const Weights& weights, PointUse at) {
   const SamplePoints& points = scene.points;
   const Weights w = normalised(weights);
-  const std::vector<float> probes = solveProbes(points, w, scene.light.held_out, pointsOf(points, {PointUse::fit}));
-  const std::vector<double> errors = squaredErrors(points, w, probes, scene.light.held_out);
-  double all = 0.0, shadow = 0.0, unlit = 0.0, leak = 0.0, distance = 0.0;
-  size_t count = 0, shadow_count = 0, pair_count = 0;
+  const std::vector<float> probes = solveProbes(points, w, scene.light.test, pointsOf(points, {PointUse::fit}));
+  const std::vector<double> errors = squaredErrors(points, w, probes, scene.light.test);
+  double all = 0.0, occluded = 0.0, unlit = 0.0, leak = 0.0, distance = 0.0;
+  size_t count = 0, occluded_count = 0, pair_count = 0;
   for (size_t i = 0; i < points.count(); ++i) {
     if (points.use[i] != at) continue;
     ++count;
     all += errors[i];
-    if (!scene.in_shadow[i]) continue;
-    ++shadow_count;
-    shadow += errors[i];
+    if (!scene.occluded[i]) continue;
+    ++occluded_count;
+    occluded += errors[i];
     float sum = 0.0f;
     for (int c = 0; c < kCornerCount; ++c) {
       if (points.probe[i][c] < 0) continue;
@@ -148,7 +148,8 @@ Quality judge(const SolvedScene& scene, const Weights& weights, PointUse at) {
     unlit += sum == 0.0f;
   }
   const auto mean = [](double sum, size_t n) { return n > 0 ? sum / static_cast<double>(n) : 0.0; };
-  return {std::sqrt(mean(all, count)), std::sqrt(mean(shadow, shadow_count)), mean(unlit, shadow_count), mean(leak, shadow_count),
+  return {std::sqrt(mean(all, count)), std::sqrt(mean(occluded, occluded_count)),
+          mean(unlit, occluded_count), mean(leak, occluded_count),
           stepP99(scene, w),           std::sqrt(mean(distance, pair_count))};
 }
 

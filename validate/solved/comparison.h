@@ -29,18 +29,19 @@ class SolvedScene {
   // N x 8: metres of the shortest way through air from each point to each probe around it, along linked points; infinity: none
   Weights path_m;
   // N: a probe whose tent is at least .02 here does not see the point. Only there do rules differ.
-  std::vector<uint8_t> in_shadow;
+  std::vector<uint8_t> occluded;
 };
 
-// Errors are in shares of the lighting's root mean square, at held-out points under held-out lamps; the probes' values are the
+// Errors are in shares of the lighting's root mean square, at test points under test lamps; the probes' values are the
 // best ones for these functions at the fit points, so that every variant is judged by its functions alone.
 struct Quality {
   double rmse = 0.0;
-  double rmse_shadow = 0.0;      // at points in shadow
-  double unlit_share = 0.0;      // of the points in shadow: no probe around has weight; they count as black
-  double leak = 0.0;             // points in shadow: mean weight of probes behind a wall (unseen, and no way below 2 spacings)
-  double step_p99 = 0.0;         // half the sum of |changes of w| between slice pixels that see each other, one of them in shadow
-  double distance_solved = 0.0;  // root mean square over points in shadow, and their probes, of w − solved w
+  double rmse_occluded = 0.0;  // at occluded points
+  double unlit_share = 0.0;    // of the occluded points: no probe around has weight; they count as black
+  double leak =
+      0.0;  // occluded points: mean weight of probes behind a wall (it does not see the point, and no way below 2 spacings)
+  double step_p99 = 0.0;         // half the sum of |changes of w| between slice pixels that see each other, one of them occluded
+  double distance_solved = 0.0;  // root mean square over occluded points, and their probes, of w − solved w
 };
 
 // Half of the sum over all probes of |w(a) − w(b)|, of normalised weights: 0 for equal ones, 1 when no probe counts at both points.
@@ -48,6 +49,6 @@ double weightChange(const SamplePoints& points, const Weights& w, uint32_t a, ui
 
 // weights   N x 8, not normalised
 // at        the points that figures are taken at
-Quality judge(const SolvedScene& scene, const Weights& weights, PointUse at = PointUse::held_out);
+Quality judge(const SolvedScene& scene, const Weights& weights, PointUse at = PointUse::test);
 
 }  // namespace nlg

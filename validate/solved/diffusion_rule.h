@@ -1,7 +1,7 @@
 // Variants of the rule that generates weighting functions, all on the same visibility, so that they can be compared.
 //
 // A point that the probe sees has the tent. In each pass every valid point without weight that sees a point with weight
-// receives; `passes`, `sigma` and `falloff` mean what DiffusionOptions and docs/math.md §1 say.
+// receives; `passes`, `sigma` and `falloff` mean what DiffusionOptions and docs/theory/math.md §1 say.
 #pragma once
 
 #include <limits>

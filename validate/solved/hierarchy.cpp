@@ -19,15 +19,15 @@ class Hierarchy {
   // returns  the lit result's error at the points of the solve
   double add(const std::string& step, const Json& representation, const Weights& weights, const Json& function_rmse,
              const double* after) {
-    const Quality at_fit = judge(scene_, weights, PointUse::fit), held_out = judge(scene_, weights, PointUse::held_out);
+    const Quality at_fit = judge(scene_, weights, PointUse::fit), at_test = judge(scene_, weights, PointUse::test);
     hierarchy_.push_back({{"scene", scene_.small.name},
                           {"step", step},
                           {"representation", representation},
                           {"rmse_mean", at_fit.rmse},
                           {"rmse_added", after ? Json(at_fit.rmse - *after) : Json(nullptr)},
-                          {"rmse_shadow", at_fit.rmse_shadow},
-                          {"rmse_held_out", held_out.rmse},
-                          {"rmse_shadow_held_out", held_out.rmse_shadow},
+                          {"rmse_occluded", at_fit.rmse_occluded},
+                          {"rmse_test", at_test.rmse},
+                          {"rmse_occluded_test", at_test.rmse_occluded},
                           {"unlit_share", at_fit.unlit_share},
                           {"leak", at_fit.leak},
                           {"distance_solved", at_fit.distance_solved},

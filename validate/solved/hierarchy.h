@@ -12,7 +12,7 @@ namespace nlg {
 // throws   InputError naming the file and what the reader says of it; UsageError when two are of one representation
 std::vector<Generator> loadGenerators(const std::vector<std::string>& paths);
 
-// The lists "hierarchy" and "walks" of SCENE.hierarchy.json; keys: docs/formats.md.
+// The lists "hierarchy" and "walks" of SCENE.hierarchy.json; keys: docs/reference/formats.md.
 nlohmann::ordered_json hierarchyJson(const SolvedScene& scene, const std::vector<Generator>& generators,
                                      const DirectOptions& direct);
 

@@ -41,12 +41,12 @@ float dot(const float* a, const float* b, int count) {
 void carryToHeldOut(const SamplePoints& points, const PointLinks& links, Weights& weights) {
   const Weights tent = normalised(points.tent());
   for (uint32_t i = 0; i < points.count(); ++i) {
-    if (points.use[i] != PointUse::held_out) continue;
+    if (points.use[i] != PointUse::test) continue;
     std::array<double, kCornerCount> correction{};
     double total = 0.0;
     for (uint32_t e = links.first[i]; e < links.first[i + 1]; ++e) {
       const uint32_t other = links.other(links.of[e], i);
-      if (points.use[other] == PointUse::held_out || points.use[other] == PointUse::probe) continue;
+      if (points.use[other] == PointUse::test || points.use[other] == PointUse::probe) continue;
       const double ratio = links.links[links.of[e]].distance_m / kCarryDeviation_m, gaussian = std::exp(-0.5 * ratio * ratio);
       const std::array<int8_t, kCornerCount> same = sameProbes(points, i, other);
       for (int c = 0; c < kCornerCount; ++c) {
@@ -144,7 +144,7 @@ double JointProblem::evaluate(const Weights& phi, const std::vector<float>& prob
   if (!by_phi) return value;
   // from w to φ: w_p = φ_p / Σ φ
   for (size_t i = 0; i < phi.size(); ++i) {
-    if (points_.use[i] == PointUse::held_out || points_.use[i] == PointUse::probe) {
+    if (points_.use[i] == PointUse::test || points_.use[i] == PointUse::probe) {
       (*by_phi)[i] = {};  // they do not move
       continue;
     }
@@ -174,7 +174,7 @@ SolvedFunctions solveFunctions(const SamplePoints& points, const PointLinks& lin
     const double rate = options.rate * 0.5 * (1.0 + std::cos(kPi * step / options.steps));
     const double mean_share = 1.0 - std::pow(kMeanDecay, step + 1), square_share = 1.0 - std::pow(kSquareDecay, step + 1);
     for (size_t i = 0; i < phi.size(); ++i) {
-      if (points.use[i] == PointUse::held_out || points.use[i] == PointUse::probe) continue;
+      if (points.use[i] == PointUse::test || points.use[i] == PointUse::probe) continue;
       for (int c = 0; c < kCornerCount; ++c) {
         const double g = per_point * gradient[i][c];
         mean[i][c] = static_cast<float>(kMeanDecay * mean[i][c] + (1 - kMeanDecay) * g);

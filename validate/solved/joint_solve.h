@@ -1,6 +1,6 @@
 // Weighting functions solved for, together with the probes' lighting: the talk's "weighting functions can be solved for".
 //
-// Minimised over probe values L and functions φ >= 0, sampled at the points, with w = φ / Σ_p φ (docs/weighting_functions.md):
+// Minimised over probe values L and functions φ >= 0, sampled at the points, with w = φ / Σ_p φ (docs/lab/weighting_functions.md):
 //
 //   mean over points and signals of (Σ_p w_p(x) L_p − E(x))²  +  smoothness · mean over points of |∇w|²
 //   +  anchor · mean over probes of (L_p − E(x_p))²
@@ -30,7 +30,7 @@ class JointProblem {
 
   // phi       N x 8, >= 0, with a positive sum at every point that is not held out
   // probes    probes x S
-  // by_phi, by_probes   receive the gradient, 0 for functions at held-out points and at probes; either may be null
+  // by_phi, by_probes   receive the gradient, 0 for functions at test points and at probes; either may be null
   // returns   the value
   double evaluate(const Weights& phi, const std::vector<float>& probes, Weights* by_phi, std::vector<float>* by_probes) const;
 
@@ -48,13 +48,13 @@ class JointProblem {
 
   const SamplePoints& points_;
   const Signals& signals_;
-  std::vector<float> counts_;  // of each point in the mean over points; 0 for held-out ones, and the anchor's for probes
+  std::vector<float> counts_;  // of each point in the mean over points; 0 for test points, and the anchor's for probes
   size_t used_count_ = 0;      // points that are not held out, and no probe's
   std::vector<Slope> slopes_;
 };
 
 struct SolvedFunctions {
-  Weights weights;  // N x 8, normalised; at held-out points carried over from the neighbours that they see
+  Weights weights;  // N x 8, normalised; at test points carried over from the neighbours that they see
   double loss = 0.0;
 };
 

@@ -188,12 +188,12 @@ LightField gatherLight(const RayScene& rays, const Scene& scene, const SamplePoi
   if (lamps.size() < 2) {
     throw InputError(scene.id, "surfaces", "at least two patches that can be lamps", std::to_string(lamps.size()));
   }
-  const size_t held_out = std::min<size_t>(options.held_out_lamps, lamps.size() / 2);
-  lamps.resize(std::min<size_t>(lamps.size(), held_out + options.fit_lamps));
+  const size_t test_count = std::min<size_t>(options.test_lamps, lamps.size() / 2);
+  lamps.resize(std::min<size_t>(lamps.size(), test_count + options.fit_lamps));
   const std::vector<float> sent = radiosity.reflected(lamps);
   LightField field;
-  field.held_out = gather(options, met, sent, lamps.size(), 0, held_out);
-  field.fit = gather(options, met, sent, lamps.size(), held_out, lamps.size() - held_out);
+  field.test = gather(options, met, sent, lamps.size(), 0, test_count);
+  field.fit = gather(options, met, sent, lamps.size(), test_count, lamps.size() - test_count);
   return field;
 }
 

@@ -26,14 +26,14 @@ struct LightOptions {
   int rays_per_point = 1024;
   int rays_per_element = 512;
   float element_m = 0.5f;
-  double lamp_m = 1.25;    // a thin wall must stand on a multiple of both sides, or a voxel holds the floor of two rooms
-  int fit_lamps = 40;      // at most; scenes with fewer patches have fewer
-  int held_out_lamps = 8;  // no solve sees these
+  double lamp_m = 1.25;  // a thin wall must stand on a multiple of both sides, or a voxel holds the floor of two rooms
+  int fit_lamps = 40;    // at most; scenes with fewer patches have fewer
+  int test_lamps = 8;    // no solve sees these
   uint64_t seed = 1;
 };
 
 struct LightField {
-  Signals fit, held_out;  // signal 6 lamp + axis; each lamp's root mean square over all points and axes is 1
+  Signals fit, test;  // signal 6 lamp + axis; each lamp's root mean square over all points and axes is 1
 };
 
 // throws InputError when the scene has fewer than two patches that could be lamps

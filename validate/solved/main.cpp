@@ -1,6 +1,6 @@
 // nlg-solve: weighting functions of a small scene solved for, and what rules that generate them make of the same scene.
-// Writes SCENE.csv, a row a rule, and SCENE.json, slices for pictures (docs/weighting_functions.md says what stands in them); with
-// --weights instead SCENE.hierarchy.json, from solved functions to a generator's (docs/frontier.md).
+// Writes SCENE.csv, a row a rule, and SCENE.json, slices for pictures (docs/lab/weighting_functions.md says what stands in them); with
+// --weights instead SCENE.hierarchy.json, from solved functions to a generator's (docs/reference/frontier.md).
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -27,11 +27,11 @@ struct Request {
 void describe(SolveSetup& o, DirectOptions& direct, OptionTable& table) {
   table.add("seed", &o.light.seed, "seed of rays and of the choice of lamps");
   table.add("fit_points", &o.samples.fit_points, "points in a cell that the solve sees", 8, 4096);
-  table.add("held_out_points", &o.samples.held_out_points, "points in a cell that figures are taken at", 1, 4096);
+  table.add("test_points", &o.samples.test_points, "points in a cell that figures are taken at", 1, 4096);
   table.add("rays_per_point", &o.light.rays_per_point, "rays that gather the lighting of a point", 16, 1 << 20);
   table.add("lamp_m", &o.light.lamp_m, "side of a lamp, metres", 0.5, 100.0);
   table.add("fit_lamps", &o.light.fit_lamps, "lamps that the solve sees", 1, 1024);
-  table.add("held_out_lamps", &o.light.held_out_lamps, "lamps that figures are taken under", 1, 1024);
+  table.add("test_lamps", &o.light.test_lamps, "lamps that figures are taken under", 1, 1024);
   table.add("steps", &o.solve.steps, "steps of Adam", 0, 100000);
   table.add("rate", &o.solve.rate, "learning rate", 1e-6, 1.0);
   table.add("anchor", &o.solve.anchor, "weight of the error at the probes themselves", 0.0, 1e3);
@@ -62,7 +62,7 @@ std::string row(const std::string& scene, const DiffusionRule& rule, const Quali
   const std::string constants = !is_diffused                ? ",,,"
                                 : rule.carry == Carry::path ? fmt::format("{},,,{}", rule.passes, rule.path_power)
                                                             : fmt::format("{},{},{},", rule.passes, rule.sigma, rule.falloff);
-  return fmt::format("{},{},{},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f}\n", scene, rule.name, constants, q.rmse, q.rmse_shadow,
+  return fmt::format("{},{},{},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f}\n", scene, rule.name, constants, q.rmse, q.rmse_occluded,
                      q.unlit_share, q.leak, q.step_p99, q.distance_solved);
 }
 
@@ -108,7 +108,7 @@ Json slicesJson(const SolvedScene& scene) {
     slice["u"].push_back(scene.points.position_m[i][u]);
     slice["v"].push_back(scene.points.position_m[i][v]);
     float sum = 0.0f;
-    for (int axis_idx = 0; axis_idx < kAxisCount; ++axis_idx) sum += scene.light.held_out.row(i)[axis_idx];
+    for (int axis_idx = 0; axis_idx < kAxisCount; ++axis_idx) sum += scene.light.test.row(i)[axis_idx];
     slice["light"].push_back(std::round(1e3 * sum / kAxisCount) / 1e3);
   }
   const auto weightsOf = [&](const DiffusionRule& rule) { return generateWeights(scene.table, scene.views, scene.points, rule); };
@@ -130,7 +130,7 @@ Json slicesJson(const SolvedScene& scene) {
 }
 
 void compareRules(const Request& request, const SolvedScene& scene) {
-  std::string csv = "scene,rule,passes,sigma,falloff,path_power,rmse,rmse_shadow,unlit_share,leak,step_p99,distance_solved\n";
+  std::string csv = "scene,rule,passes,sigma,falloff,path_power,rmse,rmse_occluded,unlit_share,leak,step_p99,distance_solved\n";
   const DiffusionRule tent{"bare tent", Baseline::bare_tent}, seen{"seen tent", Baseline::visible_tent}, present{"present"};
   const auto weightsOf = [&](const DiffusionRule& rule) { return generateWeights(scene.table, scene.views, scene.points, rule); };
   // functions are solved for at the fit points only: elsewhere they are carried over, which costs some of their quality

@@ -14,15 +14,15 @@ glm::vec3 vec(const LocalPoint& point) { return {point[0], point[1], point[2]}; 
 glm::ivec3 cornerOffset(int corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
 
 void addCellPoints(const SmallScene& small, const SampleOptions& options, SamplePoints& points) {
-  const int volume_count = options.fit_points + options.held_out_points;
-  const std::vector<LocalPoint> spread = unseenPoints(volume_count);
+  const int volume_count = options.fit_points + options.test_points;
+  const std::vector<LocalPoint> spread = testPoints(volume_count);
   for (int i = 0; i < volume_count; ++i) {
     const LocalPoint& p = spread[i];
     points.cell_points.push_back({0.5f * (p[0] + 1), 0.5f * (p[1] + 1), 0.5f * (p[2] + 1)});
     // every third point or so, spread over the sequence, which is well distributed from its first point on
-    const int64_t rank = int64_t{i} * options.held_out_points;
-    const bool is_held_out = rank / volume_count != (rank + options.held_out_points) / volume_count;
-    points.cell_use.push_back(is_held_out ? PointUse::held_out : PointUse::fit);
+    const int64_t rank = int64_t{i} * options.test_points;
+    const bool is_test = rank / volume_count != (rank + options.test_points) / volume_count;
+    points.cell_use.push_back(is_test ? PointUse::test : PointUse::fit);
   }
   points.cell_points.push_back({0, 0, 0});
   points.cell_use.push_back(PointUse::probe);
@@ -159,7 +159,7 @@ std::vector<uint8_t> seeEachOther(const RayScene& rays, const std::vector<glm::v
 }
 
 PointLinks linkPoints(const RayScene& rays, const SamplePoints& points) {
-  const Buckets volume(points, PointUse::fit, PointUse::held_out), slice(points, PointUse::slice, PointUse::slice);
+  const Buckets volume(points, PointUse::fit, PointUse::test), slice(points, PointUse::slice, PointUse::slice);
   std::vector<std::pair<uint32_t, uint32_t>> pairs;
   std::vector<uint32_t> near;
   for (uint32_t i = 0; i < points.count(); ++i) {

@@ -1,6 +1,6 @@
 // The points at which small scenes are solved: the same pattern in every cell between eight probes, less what is in solid.
 //
-// Because the pattern repeats, its points are at the same local coordinates for every probe: as "unseen points" of one LinkTable
+// Because the pattern repeats, its points are at the same local coordinates for every probe: as "test points" of one LinkTable
 // they get generated functions too, so that solved and generated ones are compared at the same places.
 #pragma once
 
@@ -12,15 +12,15 @@
 
 namespace nlg {
 
-// held_out: no solve sees it; slice: on the plane of the pictures; probe: where a probe stands
-enum class PointUse : uint8_t { fit, held_out, slice, probe };
+// test: no solve sees it; slice: on the plane of the pictures; probe: where a probe stands
+enum class PointUse : uint8_t { fit, test, slice, probe };
 
 inline constexpr int kCornerCount = 8;        // probes around a point; bit 0, 1, 2 of a corner: on the upper side in x, y, z
 inline constexpr int kSlicePixelsACell = 16;  // along each side
 
 struct SampleOptions {
   int fit_points = 96;  // a cell
-  int held_out_points = 48;
+  int test_points = 48;
 };
 
 struct SamplePoints {

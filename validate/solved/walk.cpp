@@ -33,7 +33,7 @@ double lightJump(const float* a, const float* b, int count) {
 
 WalkFigures walk(const SolvedScene& scene, const Weights& weights) {
   const SamplePoints& points = scene.points;
-  const Signals& signals = scene.light.held_out;
+  const Signals& signals = scene.light.test;
   const Weights w = normalised(weights);
   const std::vector<float> probes = solveProbes(points, w, signals, pointsOf(points, {PointUse::fit}));
   std::vector<float> lit_a(signals.count), lit_b(signals.count);
@@ -50,7 +50,7 @@ WalkFigures walk(const SolvedScene& scene, const Weights& weights) {
 }
 
 WalkFigures walkTrueLight(const SolvedScene& scene) {
-  const Signals& signals = scene.light.held_out;
+  const Signals& signals = scene.light.test;
   std::vector<double> jumps;
   for (const PointLinks::Link& step : stepsOf(scene)) {
     jumps.push_back(lightJump(signals.row(step.a), signals.row(step.b), signals.count));

@@ -1,7 +1,7 @@
 // One case of the stability suite: what must hold for a stiff or extreme input, and how that is measured.
 //
 // A case measures through the same entry points as the tools; what it promises is what a user of them needs, never what happens
-// to come out. docs/stability.md lists all cases.
+// to come out. docs/reference/stability.md lists all cases.
 #pragma once
 
 #include <functional>
@@ -60,7 +60,7 @@ std::vector<StabilityCase> singularMatrixCases();
 std::vector<StabilityCase> pcaCases();
 // generator
 std::vector<StabilityCase> generatorPrecisionCases();
-std::vector<StabilityCase> unseenFamilyCases();
+std::vector<StabilityCase> heldOutFamilyCases();
 // scenes
 std::vector<StabilityCase> sceneSizeCases();
 std::vector<StabilityCase> strangeTriangleCases();

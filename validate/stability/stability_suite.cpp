@@ -45,7 +45,7 @@ std::vector<StabilityCase> allCases() {
        {sampledFunctionCases(), wallCases(),                                                      // functions
         singularJacobianCases(), extremeFitCases(), hopelessStartCases(), singularMatrixCases(),  // optimisers
         pcaCases(),                                                                               // pca
-        generatorPrecisionCases(), unseenFamilyCases(),                                           // generator
+        generatorPrecisionCases(), heldOutFamilyCases(),                                          // generator
         sceneSizeCases(), strangeTriangleCases(), triangleCountCases()}) {                        // scenes
     all.insert(all.end(), cases.begin(), cases.end());
   }

@@ -18,7 +18,7 @@ struct StabilityRequest {
 };
 
 struct StabilityReport {
-  nlohmann::ordered_json cases;     // docs/formats.md
+  nlohmann::ordered_json cases;     // docs/reference/formats.md
   std::vector<std::string> failed;  // names of cases that ran and did not hold
   int passed = 0, not_run = 0;
 };

@@ -3,7 +3,7 @@
 
     training_cases.py BIN_FOLDER OUT.json
 
-Writes {"schema_version": 1, "cases": [...]} as stability.json holds them (docs/formats.md); `nlg-validate stability --training OUT.json`
+Writes {"schema_version": 1, "cases": [...]} as stability.json holds them (docs/reference/formats.md); `nlg-validate stability --training OUT.json`
 takes them over. Exit code 1 when some case does not hold.
 """
 import csv
@@ -20,7 +20,7 @@ import tempfile
 import time
 
 INPUT_ERROR, NUMERICAL_ERROR = 3, 4  # tool/error.h
-HEAD, POINTS, VALIDITY, BLOCK = 4096, 8192, 1024, 512  # docs/formats.md, "Function cache"
+HEAD, POINTS, VALIDITY, BLOCK = 4096, 8192, 1024, 512  # docs/reference/formats.md, "Function cache"
 
 CHECKPOINT_STEPS = 10
 OPTIONS = ["--batch", "8", "--checkpoint-steps", str(CHECKPOINT_STEPS), "--start-candidates", "1", "--width", "24", "--layers", "2", "--hard-share", "0.25"]
@@ -29,7 +29,7 @@ LONG = 1000000  # steps that no run here comes to the end of
 
 
 def fletcher32(data):
-    """docs/formats.md: big-endian 16-bit words."""
+    """docs/reference/formats.md: big-endian 16-bit words."""
     sum1 = sum2 = 0
     for (word,) in struct.iter_unpack(">H", data):
         sum1 = (sum1 + word) % 65535

@@ -27,8 +27,8 @@ struct Built {
   uint64_t unreachable = 0;    // lit points that lie more links from every seen one than there are passes
   uint64_t lit_in_dark = 0;    // lit points where nothing may be lit
   uint64_t off_tent = 0;       // points in plain sight without the tent
-  uint64_t valid = 0, seen = 0, lit = 0, lit_unseen = 0;
-  double brightest_unseen = 0.0, brightest_seen = 0.0;
+  uint64_t valid = 0, seen = 0, lit = 0, lit_occluded = 0;
+  double brightest_occluded = 0.0, brightest_seen = 0.0;
   SampledFunction stored;
 };
 
@@ -65,8 +65,8 @@ void countLight(const WallScene& scene, const GeneratedFunction& function, Built
     built->unreachable += distance[p] > scene.diffusion.passes;
     built->lit_in_dark += scene.dark(pointAt(p));
     if (function.seen[p]) continue;
-    ++built->lit_unseen;
-    built->brightest_unseen = std::max(built->brightest_unseen, phi);
+    ++built->lit_occluded;
+    built->brightest_occluded = std::max(built->brightest_occluded, phi);
   }
   built->stored = sampleFunction([&](int p) { return std::clamp<double>(function.phi[p], 0.0, 1.0); },
                                  [&](int p) { return function.valid[p] != 0; });
@@ -85,14 +85,14 @@ Built buildAtOrigin(const WallScene& scene) {
 
 constexpr const char* kWallMustHold =
     "phi is in [0, 1] and 0 in solid, nothing behind the wall is lit, no light goes more links from what the probe sees than "
-    "there are passes, nothing unseen is brighter than what is seen, and what a bake stores of it is finite and no worse than "
+    "there are passes, nothing occluded is brighter than what is seen, and what a bake stores of it is finite and no worse than "
     "answering 0";
 
 // The functions of some scenes, all of which must hold.
 StabilityResult measureWalls(const StabilityInputs& inputs, const std::vector<WallScene>& scenes) {
   StabilityResult result;
   result.passes = true;
-  uint64_t lit_wrongly = 0, seen = 0, lit_unseen = 0;
+  uint64_t lit_wrongly = 0, seen = 0, lit_occluded = 0;
   double brightest = 0.0, stored_rmse = 0.0;
   std::string outcomes;
   for (const WallScene& scene : scenes) {
@@ -101,11 +101,11 @@ StabilityResult measureWalls(const StabilityInputs& inputs, const std::vector<Wa
     const uint64_t wrong = built.outside_range + built.unreachable + built.lit_in_dark + built.off_tent;
     lit_wrongly += wrong;
     seen += built.seen;
-    lit_unseen += built.lit_unseen;
-    brightest = std::max(brightest, built.brightest_unseen);
+    lit_occluded += built.lit_occluded;
+    brightest = std::max(brightest, built.brightest_occluded);
     // free space says that the wall was missed: nothing would be measured then
     const bool is_found = built.outcome == ProbeOutcome::function && built.seen > 0;
-    result.passes = result.passes && is_found && wrong == 0 && built.brightest_unseen <= built.brightest_seen;
+    result.passes = result.passes && is_found && wrong == 0 && built.brightest_occluded <= built.brightest_seen;
     if (!is_found || inputs.generators.empty()) continue;
     const WorstBake worst = worstBake(inputs, built.stored.view());
     stored_rmse = std::max(stored_rmse, worst.final_rmse);
@@ -114,11 +114,11 @@ StabilityResult measureWalls(const StabilityInputs& inputs, const std::vector<Wa
   }
   result.measured =
       fmt::format("{}; {} points seen, {} lit by diffusion (brightest {:.3f}), {} lit wrongly; RMSE of what is stored {:.4f}",
-                  outcomes, seen, lit_unseen, brightest, lit_wrongly, stored_rmse);
+                  outcomes, seen, lit_occluded, brightest, lit_wrongly, stored_rmse);
   result.figures = {{"points_seen", double(seen)},
-                    {"points_lit_by_diffusion", double(lit_unseen)},
+                    {"points_lit_by_diffusion", double(lit_occluded)},
                     {"points_lit_wrongly", double(lit_wrongly)},
-                    {"brightest_unseen", brightest}};
+                    {"brightest_occluded", brightest}};
   if (!inputs.generators.empty()) result.figures["rmse_stored"] = stored_rmse;
   return result;
 }

@@ -11,26 +11,26 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kPattern = 0x1234;
-constexpr int kPoints = 32, kUnseen = 16;
+constexpr int kPoints = 32, kTest = 16;
 
 // Functions that are told apart by the number of `first` on.
-Shard shardOf(const std::string& scene, int count, int first, int unseen = kUnseen) {
+Shard shardOf(const std::string& scene, int count, int first, int test = kTest) {
   Shard shard;
   shard.scene_id = scene;
   shard.family = "family of " + scene;
   shard.pattern_hash = kPattern;
-  shard.unseen_pattern_hash = 77;
+  shard.test_pattern_hash = 77;
   shard.point_count = kPoints;
-  shard.unseen_point_count = unseen;
+  shard.test_point_count = test;
   shard.provenance_json = "{}";
   shard.counts = {100, 50, static_cast<uint64_t>(count), 5, 6, 7, 8};
   for (int n = first; n < first + count; ++n) {
     for (int p = 0; p < kPoints; ++p) shard.phi.push_back(static_cast<uint8_t>(n + p));
     shard.validity.insert(shard.validity.end(), kPoints / 8, 0xff);
     shard.seen.insert(shard.seen.end(), kPoints / 8, static_cast<uint8_t>(n));
-    shard.phi_unseen.insert(shard.phi_unseen.end(), unseen, static_cast<uint8_t>(n));
-    shard.validity_unseen.insert(shard.validity_unseen.end(), unseen / 8, 0xff);
-    shard.seen_unseen.insert(shard.seen_unseen.end(), unseen / 8, static_cast<uint8_t>(n));
+    shard.phi_test.insert(shard.phi_test.end(), test, static_cast<uint8_t>(n));
+    shard.validity_test.insert(shard.validity_test.end(), test / 8, 0xff);
+    shard.seen_test.insert(shard.seen_test.end(), test / 8, static_cast<uint8_t>(n));
     shard.probe_position_m.insert(shard.probe_position_m.end(), 3, n);
     shard.spacing_m.push_back(1.0f);
     shard.flags.push_back(0);
@@ -63,13 +63,13 @@ TEST_F(FunctionSetFiles, AreReadInOrder) {
   const uint8_t first_values[] = {10, 11, 12, 40, 41, 80};
   ASSERT_EQ(set.phi.size(), 6u * kPoints);
   ASSERT_EQ(set.validity.size(), 6u * kPoints / 8);
-  ASSERT_EQ(set.phi_unseen.size(), 6u * kUnseen);
-  ASSERT_EQ(set.seen_unseen.size(), 6u * kUnseen / 8);
+  ASSERT_EQ(set.phi_test.size(), 6u * kTest);
+  ASSERT_EQ(set.seen_test.size(), 6u * kTest / 8);
   for (int n = 0; n < 6; ++n) {
     EXPECT_EQ(set.phi[n * kPoints], first_values[n]) << "function " << n;
     EXPECT_EQ(set.seen[n * kPoints / 8], first_values[n]) << "function " << n;
-    EXPECT_EQ(set.phi_unseen[n * kUnseen], first_values[n]) << "function " << n;
-    EXPECT_EQ(set.seen_unseen[n * kUnseen / 8], first_values[n]) << "function " << n;
+    EXPECT_EQ(set.phi_test[n * kTest], first_values[n]) << "function " << n;
+    EXPECT_EQ(set.seen_test[n * kTest / 8], first_values[n]) << "function " << n;
   }
   EXPECT_EQ(set.counts.grid_probes, 300u);
   EXPECT_EQ(set.counts.functions, 6u);
@@ -141,13 +141,12 @@ TEST_F(FunctionSetFiles, AreIdentifiedByTheirBytesAndOrder) {
 
 TEST_F(FunctionSetFiles, RefuseShardsThatDoNotBelongTogether) {
   const std::string first = write(shardOf("a", 2, 10));
-  EXPECT_THROW(readFunctionSet({first, write(shardOf("b", 2, 40, 8))}, kPattern), InputError)
-      << "another number of unseen points";
-  EXPECT_THROW(readFunctionSet({first, write(shardOf("b", 2, 40, 0))}, kPattern), InputError) << "no unseen points";
+  EXPECT_THROW(readFunctionSet({first, write(shardOf("b", 2, 40, 8))}, kPattern), InputError) << "another number of test points";
+  EXPECT_THROW(readFunctionSet({first, write(shardOf("b", 2, 40, 0))}, kPattern), InputError) << "no test points";
   EXPECT_THROW(readFunctionSet({first}, kPattern + 1), InputError) << "another pattern";
-  Shard other_unseen = shardOf("b", 2, 40);
-  other_unseen.unseen_pattern_hash = 78;
-  EXPECT_THROW(readFunctionSet({first, write(other_unseen)}, kPattern), InputError) << "other unseen points";
+  Shard other_test = shardOf("b", 2, 40);
+  other_test.test_pattern_hash = 78;
+  EXPECT_THROW(readFunctionSet({first, write(other_test)}, kPattern), InputError) << "other test points";
   Shard other_pattern = shardOf("b", 2, 40);
   other_pattern.pattern_hash = kPattern + 1;
   EXPECT_THROW(readFunctionSet({first, write(other_pattern)}, 0), InputError) << "two patterns, when any is taken";

@@ -27,9 +27,9 @@ Shard shardOf(uint64_t N, int P, int U) {
   shard.family = "rooms";
   shard.jitter = 3;
   shard.pattern_hash = 0x0123456789abcdef;
-  shard.unseen_pattern_hash = 0xfedcba9876543210;
+  shard.test_pattern_hash = 0xfedcba9876543210;
   shard.point_count = P;
-  shard.unseen_point_count = U;
+  shard.test_point_count = U;
   shard.counts = {1000, 900, N, 5, 6, 7, 8};
   shard.duplicate_rule = {0.75, 12};
   shard.provenance_json = R"({"tool":"nlg-datagen"})";
@@ -43,7 +43,7 @@ Shard shardOf(uint64_t N, int P, int U) {
     }
   };
   fill(P, &shard.phi, &shard.validity, &shard.seen);
-  fill(U, &shard.phi_unseen, &shard.validity_unseen, &shard.seen_unseen);
+  fill(U, &shard.phi_test, &shard.validity_test, &shard.seen_test);
   for (uint64_t i = 0; i < N; ++i) {
     for (int axis = 0; axis < 3; ++axis) shard.probe_position_m.push_back(1e5 + 0.1 * static_cast<double>(3 * i) + axis);
     shard.spacing_m.push_back(0.25f * static_cast<float>(i + 1));
@@ -57,9 +57,9 @@ void expectEqualHeaders(const Shard& a, const Shard& b) {
   EXPECT_EQ(a.family, b.family);
   EXPECT_EQ(a.jitter, b.jitter);
   EXPECT_EQ(a.pattern_hash, b.pattern_hash);
-  EXPECT_EQ(a.unseen_pattern_hash, b.unseen_pattern_hash);
+  EXPECT_EQ(a.test_pattern_hash, b.test_pattern_hash);
   EXPECT_EQ(a.point_count, b.point_count);
-  EXPECT_EQ(a.unseen_point_count, b.unseen_point_count);
+  EXPECT_EQ(a.test_point_count, b.test_point_count);
   EXPECT_EQ(a.duplicate_rule, b.duplicate_rule);
   EXPECT_EQ(a.provenance_json, b.provenance_json);
   EXPECT_EQ(a.counts.grid_probes, b.counts.grid_probes);
@@ -79,9 +79,9 @@ void expectEqual(const Shard& a, const Shard& b) {
   EXPECT_EQ(a.probe_position_m, b.probe_position_m);
   EXPECT_EQ(a.spacing_m, b.spacing_m);
   EXPECT_EQ(a.flags, b.flags);
-  EXPECT_EQ(a.phi_unseen, b.phi_unseen);
-  EXPECT_EQ(a.validity_unseen, b.validity_unseen);
-  EXPECT_EQ(a.seen_unseen, b.seen_unseen);
+  EXPECT_EQ(a.phi_test, b.phi_test);
+  EXPECT_EQ(a.validity_test, b.validity_test);
+  EXPECT_EQ(a.seen_test, b.seen_test);
 }
 
 class ShardFile : public testing::Test {
@@ -123,9 +123,9 @@ void writeByHand(const std::string& path, Shard shard, uint64_t version, const s
   file.writeAttribute("provenance_json", shard.provenance_json);
   file.writeAttribute("jitter", shard.jitter);
   file.writeAttribute("pattern_hash", shard.pattern_hash);
-  file.writeAttribute("unseen_pattern_hash", shard.unseen_pattern_hash);
+  file.writeAttribute(version < 3 ? "unseen_pattern_hash" : "test_pattern_hash", shard.test_pattern_hash);
   file.writeAttribute("point_count", static_cast<uint64_t>(shard.point_count));
-  file.writeAttribute("unseen_point_count", static_cast<uint64_t>(shard.unseen_point_count));
+  file.writeAttribute(version < 3 ? "unseen_point_count" : "test_point_count", static_cast<uint64_t>(shard.test_point_count));
   if (version >= 2) {
     file.writeAttribute("duplicate_rms", shard.duplicate_rule.rms);
     file.writeAttribute("duplicate_validity_points", shard.duplicate_rule.validity_points);
@@ -135,16 +135,16 @@ void writeByHand(const std::string& path, Shard shard, uint64_t version, const s
     file.writeAttribute(std::string("count_") + name, uint64_t{0});
   }
   const uint64_t N = told.functionCount(), P = static_cast<uint64_t>(told.point_count),
-                 U = static_cast<uint64_t>(told.unseen_point_count);
+                 U = static_cast<uint64_t>(told.test_point_count);
   file.write("phi", {N, P}, shard.phi.data());
   file.write("validity", {N, P / 8}, shard.validity.data());
   file.write("seen", {N, P / 8}, shard.seen.data());
   file.write("probe_position_m", {N, 3}, shard.probe_position_m.data());
   file.write("spacing_m", {N}, shard.spacing_m.data());
   file.write("flags", {N}, shard.flags.data());
-  file.write("phi_unseen", {N, U}, shard.phi_unseen.data());
-  file.write("validity_unseen", {N, U / 8}, shard.validity_unseen.data());
-  file.write("seen_unseen", {N, U / 8}, shard.seen_unseen.data());
+  file.write(version < 3 ? "phi_unseen" : "phi_test", {N, U}, shard.phi_test.data());
+  file.write(version < 3 ? "validity_unseen" : "validity_test", {N, U / 8}, shard.validity_test.data());
+  file.write(version < 3 ? "seen_unseen" : "seen_test", {N, U / 8}, shard.seen_test.data());
   file.close();
 }
 
@@ -176,7 +176,7 @@ TEST_F(ShardFile, RefusesAMissingFile) {
 }
 
 TEST_F(ShardFile, RefusesWhatBreaksTheContract) {
-  uint64_t version = 1;
+  uint64_t version = 3;
   const auto refusalOf = [&](const auto& change) {
     writeByHand(path_, shardOf(4, 16, 8), version, "nlg-weighting-functions", change);
     return refusal();
@@ -191,8 +191,8 @@ TEST_F(ShardFile, RefusesWhatBreaksTheContract) {
   EXPECT_EQ(refusalOf([](Shard* s) { s->point_count = 65544; }), "attribute point_count: " + sane + ", not 0, got 65544");
   EXPECT_EQ(refusalOf([](Shard* s) { s->point_count = -8; }),
             "attribute point_count: " + sane + ", not 0, got 18446744073709551608");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->unseen_point_count = 9; }), "attribute unseen_point_count: " + sane + ", got 9");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->unseen_point_count = 16; }), "dataset phi_unseen: expected shape 4 x 16, got 4 x 8");
+  EXPECT_EQ(refusalOf([](Shard* s) { s->test_point_count = 9; }), "attribute test_point_count: " + sane + ", got 9");
+  EXPECT_EQ(refusalOf([](Shard* s) { s->test_point_count = 16; }), "dataset phi_test: expected shape 4 x 16, got 4 x 8");
   EXPECT_EQ(refusalOf([](Shard* s) { s->spacing_m[2] = 0; }),
             "dataset spacing_m: function 2: expected a finite number above 0, got 0");
   EXPECT_EQ(refusalOf([](Shard* s) { s->spacing_m[3] = std::numeric_limits<float>::infinity(); }),
@@ -205,12 +205,10 @@ TEST_F(ShardFile, RefusesWhatBreaksTheContract) {
             }),
             "dataset phi: function 1, point 1: expected 0 at an invalid point, got 9");
   EXPECT_EQ(refusalOf([](Shard* s) {
-              s->validity_unseen[3] = 0x7f;
-              s->phi_unseen[31] = 255;
+              s->validity_test[3] = 0x7f;
+              s->phi_test[31] = 255;
             }),
-            "dataset phi_unseen: function 3, point 7: expected 0 at an invalid point, got 255");
-  version = 2;
-  EXPECT_EQ(refusalOf([](Shard*) {}), "taken");
+            "dataset phi_test: function 3, point 7: expected 0 at an invalid point, got 255");
   EXPECT_EQ(refusalOf([](Shard* s) { s->duplicate_rule.rms = -1; }),
             "attribute duplicate_rms: expected a number from 0 to 255, got -1");
   EXPECT_EQ(refusalOf([](Shard* s) { s->duplicate_rule.rms = std::numeric_limits<double>::quiet_NaN(); }),
@@ -222,15 +220,24 @@ TEST_F(ShardFile, OfVersionOneIsStillRead) {
   writeByHand(path_, shard, 1, "nlg-weighting-functions", [](Shard*) {});
   const Shard read = readShard(path_, 0);
   EXPECT_EQ(read.phi, shard.phi);
-  EXPECT_EQ(read.seen_unseen, shard.seen_unseen);
+  EXPECT_EQ(read.seen_test, shard.seen_test);
   EXPECT_EQ(read.duplicate_rule, DuplicateRule{});
   EXPECT_FALSE(ShardReader(path_).verifyDigest());
 }
 
+// Written by the last revision that wrote version 2, from the same shard.
+TEST_F(ShardFile, OfVersionTwoIsStillRead) {
+  const std::string path = NLG_TEST_FOLDER "/datagen/dataset/version_2.h5";
+  expectEqual(readShard(path, 0), shardOf(3, 64, 8));
+  EXPECT_EQ(readShardHeader(path, 0).schema_version, 2u);
+  EXPECT_TRUE(ShardReader(path).verifyDigest());
+  EXPECT_GT(ShardReader(path).storedBytes(), 0u);
+}
+
 TEST_F(ShardFile, RefusesAnotherKindOrVersion) {
   const auto keep = [](Shard*) {};
-  writeByHand(path_, shardOf(1, 8, 0), 3, "nlg-weighting-functions", keep);
-  EXPECT_EQ(refusal(), "attribute schema_version: expected 1 or 2, got 3");
+  writeByHand(path_, shardOf(1, 8, 0), 4, "nlg-weighting-functions", keep);
+  EXPECT_EQ(refusal(), "attribute schema_version: expected 1, 2 or 3, got 4");
   writeByHand(path_, shardOf(1, 8, 0), 1, "nlg-basis", keep);
   EXPECT_EQ(refusal(), "attribute kind: expected nlg-weighting-functions, got nlg-basis");
   {

@@ -123,14 +123,6 @@ TEST(BspPatch, NeighboursThatAgreeAlongAnEdgeLeaveNoCrack) {
   }
 }
 
-TEST(BspPatch, TheSameInputGivesTheSameBits) {
-  std::mt19937 random(9);
-  const Points control = randomControl(random, 5, 7, 60.0);
-  const PatchMesh a = tessellatePatch(control, 5, 7, 0.5), b = tessellatePatch(control, 5, 7, 0.5);
-  EXPECT_EQ(a.positions, b.positions);
-  EXPECT_EQ(a.triangles, b.triangles);
-}
-
 TEST(BspPatch, PointsThatAllFallTogetherGiveNoEndlessWork) {
   const PatchMesh mesh = tessellatePatch(Points(9, glm::dvec3(3.0)), 3, 3, 0.1);
   EXPECT_EQ(mesh.triangles.size(), 2u);  // of zero area: the reader drops them

@@ -354,7 +354,7 @@ TEST_F(BspInArchives, AnyChangedBytesOfTheArchiveGiveASceneOrAnError) {
   }
 }
 
-// The levels of docs/levels.md, where their packages are installed, or unpacked below NLG_ARCHIVE_ROOT.
+// The levels of docs/guide/levels.md, where their packages are installed, or unpacked below NLG_ARCHIVE_ROOT.
 TEST(InstalledLevels, AllOfThemLoad) {
   const char* root = std::getenv("NLG_ARCHIVE_ROOT");
   int found_count = 0;

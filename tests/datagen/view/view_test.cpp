@@ -36,7 +36,7 @@ Shard tentsOverAHouse(int count) {
   shard.family = "house";
   shard.jitter = 2;
   shard.pattern_hash = supportPattern().hash;
-  shard.unseen_pattern_hash = hashPoints({});
+  shard.test_pattern_hash = hashPoints({});
   shard.point_count = kSupportPointCount;
   shard.counts.functions = static_cast<uint64_t>(count);
   shard.provenance_json = std::string("{\"options\":{") + kOptions + "},\"inputs\":{}}";

@@ -9,10 +9,10 @@
 namespace nlg {
 namespace {
 
-constexpr int kUnseen = 200;
+constexpr int kTest = 200;
 
 const LinkTable& table() {
-  static const LinkTable links = makeLinkTable(unseenPoints(kUnseen));
+  static const LinkTable links = makeLinkTable(testPoints(kTest));
   return links;
 }
 
@@ -23,11 +23,11 @@ double distanceBetween(uint32_t a, uint32_t b) {
   return std::hypot(double{p[0]} - q[0], double{p[1]} - q[1], double{p[2]} - q[2]);
 }
 
-TEST(LinkTable, HoldsTheSupportThenTheUnseenPoints) {
-  ASSERT_EQ(table().pointCount(), kSupportPointCount + kUnseen);
-  const std::vector<LocalPoint> unseen = unseenPoints(kUnseen);
+TEST(LinkTable, HoldsTheSupportThenTheTestPoints) {
+  ASSERT_EQ(table().pointCount(), kSupportPointCount + kTest);
+  const std::vector<LocalPoint> test = testPoints(kTest);
   EXPECT_TRUE(std::equal(supportPattern().points.begin(), supportPattern().points.end(), table().points.begin()));
-  EXPECT_TRUE(std::equal(unseen.begin(), unseen.end(), table().points.begin() + kSupportPointCount));
+  EXPECT_TRUE(std::equal(test.begin(), test.end(), table().points.begin() + kSupportPointCount));
 }
 
 TEST(LinkTable, ListsThe32NearestByBruteForce) {
@@ -92,7 +92,7 @@ TEST(LinkTable, ListsEveryCarryingLinkAtBothEndsSupportPointsFirst) {
       const LinkTable::Link& link = table().links[table().edge_link[e]];
       const uint32_t other = table().edge_point[e];
       ASSERT_TRUE((link.a == point && link.b == other) || (link.b == point && link.a == other)) << "edge " << e;
-      ASSERT_EQ(e < table().first_unseen_edge[point], other < kSupportPointCount) << "edge " << e;
+      ASSERT_EQ(e < table().first_test_edge[point], other < kSupportPointCount) << "edge " << e;
       ++visits[table().edge_link[e]];
     }
   }
@@ -114,11 +114,11 @@ TEST(LinkTable, PacksEveryLinkAtItsIndex) {
   }
 }
 
-TEST(LinkTable, LetsNothingReadAnUnseenPoint) {
+TEST(LinkTable, LetsNothingReadATestPoint) {
   for (const LinkTable::Edge& edge : table().nearest) ASSERT_LT(edge.point, uint32_t{kSupportPointCount});
 }
 
-TEST(LinkTable, IsTheSameForTheSupportWithAndWithoutUnseenPoints) {
+TEST(LinkTable, IsTheSameForTheSupportWithAndWithoutTestPoints) {
   const LinkTable plain = makeLinkTable({});
   for (size_t i = 0; i < plain.nearest.size(); ++i) {
     ASSERT_EQ(plain.nearest[i].point, table().nearest[i].point) << "entry " << i;

@@ -16,7 +16,7 @@ namespace nlg {
 namespace {
 
 const LinkTable& table() {
-  static const LinkTable links = makeLinkTable(unseenPoints(512));
+  static const LinkTable links = makeLinkTable(testPoints(512));
   return links;
 }
 
@@ -162,11 +162,11 @@ TEST(SupportVisibility, CarriesValidityToWhatOpenLinksConnect) {
       }
       ASSERT_EQ(visibility.valid(p), visibility.valid(root(p))) << named.name << ": one group, two verdicts, point " << p;
     }
-    // an unseen point follows any support point that it has an open link to
+    // a test point follows any support point that it has an open link to
     for (uint32_t l = 0; l < table().links.size(); ++l) {
       const LinkTable::Link& link = table().links[l];
       if (link.b < kSupportPointCount || !carries[l] || !whole.linkOpen(l) || !visibility.valid(link.a)) continue;
-      ASSERT_TRUE(visibility.valid(link.b)) << named.name << ", unseen point " << link.b;
+      ASSERT_TRUE(visibility.valid(link.b)) << named.name << ", test point " << link.b;
     }
   }
 }

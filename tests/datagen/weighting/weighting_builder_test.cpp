@@ -11,7 +11,7 @@ namespace nlg {
 namespace {
 
 const LinkTable& table() {
-  static const LinkTable links = makeLinkTable(unseenPoints(512));
+  static const LinkTable links = makeLinkTable(testPoints(512));
   return links;
 }
 
@@ -37,7 +37,7 @@ std::vector<Scene> scenes() {
           crossingBoxes(),      crateWithFin()};
 }
 
-// The definition, with every link tested beforehand and nothing left out: docs/math.md §1.
+// The definition, with every link tested beforehand and nothing left out: docs/theory/math.md §1.
 std::vector<double> diffusedNaively(const Scene& scene, const GeneratedFunction& function, const DiffusionOptions& options) {
   const RayScene rays(scene);
   SupportVisibility visibility(rays, table());

@@ -140,7 +140,7 @@ TEST(CApi, NamesTheSupportPointsAndTheirHash) {
 }
 
 TEST(CApi, EvaluatesAnyNumberOfPointsAndWritesNoMore) {
-  const std::vector<LocalPoint> points = unseenPoints(1025);
+  const std::vector<LocalPoint> points = testPoints(1025);
   std::vector<float> x, y, z;
   for (const LocalPoint& point : points) x.push_back(point[0]), y.push_back(point[1]), z.push_back(point[2]);
   for (const GeneratorData* data : {&sampleData(), &fieldData()}) {

@@ -21,7 +21,7 @@ TEST(Evaluate, EqualsTheReferenceOnEveryTarget) {
       for (const int count : kRaggedCounts) {
         const Theta theta = randomTheta(representation, static_cast<uint64_t>(count));
         const std::vector<double> exact = toDouble(theta), absolute = magnitudes(representation, theta);
-        const std::vector<LocalPoint> list = unseenPoints(count);
+        const std::vector<LocalPoint> list = testPoints(count);
         const PointSet points = makePointSet(list);
         AlignedFloats values(points.padded_count);
         evaluate(representation, points, theta.data(), values.data());
@@ -40,7 +40,7 @@ TEST(EvaluatePoint, EqualsTheReference) {
   for (const Representation& representation : kNetworkRepresentations) {
     const Theta theta = randomTheta(representation, 31);
     const std::vector<double> exact = toDouble(theta), absolute = magnitudes(representation, theta);
-    for (const LocalPoint& point : unseenPoints(300)) {
+    for (const LocalPoint& point : testPoints(300)) {
       const double bound =
           kRoundings * kFloatRounding *
           evaluateNetworkReference(magnitudeNetwork(representation), representation.slope, magnitudes(point), absolute.data());
@@ -53,7 +53,7 @@ TEST(EvaluatePoint, EqualsTheReference) {
 
 TEST(Evaluate, WritesNothingBehindThePaddedCount) {
   forEachTarget([] {
-    const PointSet points = makePointSet(unseenPoints(17));
+    const PointSet points = makePointSet(testPoints(17));
     AlignedFloats values(points.padded_count + 16, 7.0f);
     evaluate({}, points, randomTheta({}, 1).data(), values.data());
     for (int i = points.padded_count; i < points.padded_count + 16; ++i) ASSERT_EQ(values[i], 7.0f) << "at " << i;
@@ -63,7 +63,7 @@ TEST(Evaluate, WritesNothingBehindThePaddedCount) {
 TEST(Evaluate, GivesTheOutputsBiasWhenAllElseIsZero) {
   Theta theta(ThetaLayout::count);
   theta[ThetaLayout::b3] = 0.75f;
-  const PointSet points = makePointSet(unseenPoints(40));
+  const PointSet points = makePointSet(testPoints(40));
   AlignedFloats values(points.padded_count);
   evaluate(Representation::mlp(0.01f), points, theta.data(), values.data());
   for (int i = 0; i < points.count; ++i) ASSERT_EQ(values[i], 0.75f) << "point " << i;
@@ -110,7 +110,7 @@ TEST(EvaluateReference, FollowsASmallNetworkWrittenOutByHand) {
 TEST(EvaluateReference, IsContinuousAcrossKinks) {
   Theta theta = randomTheta({}, 3);
   const std::vector<double> exact = toDouble(theta);
-  const std::vector<LocalPoint> list = unseenPoints(200);
+  const std::vector<LocalPoint> list = testPoints(200);
   for (size_t i = 1; i < list.size(); ++i) {
     // along a segment of length <= 2 sqrt(3) cut into 10^4 steps nothing may jump: the slope is at most the network of magnitudes
     LocalPoint last = list[i - 1];
@@ -141,7 +141,7 @@ TEST(Representation, IsFoundByItsNameAlone) {
 TEST(MirrorTheta, IsThatOfTheMirrorImage) {
   std::vector<Representation> representations(std::begin(kNetworkRepresentations), std::end(kNetworkRepresentations));
   for (const int resolution : kFieldResolutions) representations.push_back(Representation::productField(resolution));
-  const std::vector<LocalPoint> points = unseenPoints(64);
+  const std::vector<LocalPoint> points = testPoints(64);
   for (const Representation& representation : representations) {
     const Theta theta = randomTheta(representation, 3);
     const std::vector<double> exact(theta.begin(), theta.end());

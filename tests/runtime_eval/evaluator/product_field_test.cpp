@@ -43,7 +43,7 @@ TEST(ProductField, AgreesWithTheReferenceAtAnyPoints) {
   for (const int resolution : kFieldResolutions) {
     for (const int count : {1, 15, 16, 17, 127, 129, 1000}) {
       SCOPED_TRACE(testing::Message() << "resolution " << resolution << ", points " << count);
-      const std::vector<LocalPoint> points = unseenPoints(count);
+      const std::vector<LocalPoint> points = testPoints(count);
       const Theta theta = randomField(resolution, 12, -0.5, 1.5);
       const std::vector<double> exact = toDouble(theta);
       const double bound = fieldError(resolution, theta);
@@ -140,7 +140,7 @@ TEST(ProductField, StaysTheSameOnAGridThatHoldsAllItsNodes) {
     Theta finer(Representation::productField(to).thetaCount());
     resampleField(from, theta.data(), to, finer.data());
     const std::vector<double> exact = toDouble(theta), exact_finer = toDouble(finer);
-    for (const LocalPoint& point : unseenPoints(500)) {
+    for (const LocalPoint& point : testPoints(500)) {
       // one rounding of each new node
       ASSERT_NEAR(evaluateFieldReference(to, point, exact_finer.data()), evaluateFieldReference(from, point, exact.data()),
                   fieldError(from, theta));
@@ -170,7 +170,7 @@ TEST(ProductField, StaysInTheUnitIntervalHoweverLargeItsNodes) {
   for (const int resolution : kFieldResolutions) {
     Theta theta = randomField(resolution, 17, -1.0, 1.0);
     for (float& node : theta) node = std::copysign(1e37f, node);
-    const std::vector<LocalPoint> points = unseenPoints(1000);
+    const std::vector<LocalPoint> points = testPoints(1000);
     forEachTarget([&] {
       std::vector<float> values = evaluatedCells(resolution, theta);
       for (const float value : evaluatedAt(resolution, points, theta)) values.push_back(value);

@@ -159,13 +159,35 @@ TEST(LossKernel, AddsUpOverStrata) {
     EXPECT_NEAR(whole.values[i], parts.values[i], 64 * kFloatRounding * 8 * largest) << i;
 }
 
-TEST(LossKernel, GivesTheSameBitsEveryTime) {
-  const Theta theta = randomTheta({}, 8);
+// phi, mask, theta and the gradient lie where the caller has them, and the gradient holds whatever stood there.
+TEST(LossKernel, GivesTheSameBitsWhereverItsArraysLie) {
   const WeightingFunction function = decodeFunction(noiseSample(8).view());
-  const auto run = [&] { return vectorised({}, 0, kSupportPointCount, function.phi.data(), function.mask.data(), theta); };
-  const Gradient first = run(), second = run();
-  EXPECT_EQ(first.sum, second.sum);
-  EXPECT_EQ(first.values, second.values);
+  for (const Representation& representation : kNetworkRepresentations) {
+    const Theta theta = randomTheta(representation, 8);
+    const int count = representation.thetaCount();
+    forEachTarget([&] {
+      const Gradient expected =
+          vectorised(representation, 0, kSupportPointCount, function.phi.data(), function.mask.data(), theta);
+      for (const int shift : {1, 3, 8}) {
+        const auto shifted = [shift](const float* first, size_t size) {
+          AlignedFloats moved(size + shift, NAN);
+          std::copy(first, first + size, moved.begin() + shift);
+          return moved;
+        };
+        const AlignedFloats phi = shifted(function.phi.data(), function.phi.size()),
+                            mask = shifted(function.mask.data(), function.mask.size()),
+                            moved = shifted(theta.data(), theta.size());
+        AlignedFloats gradient(shift + count + 1, NAN);
+        const double sum = networkLossAndGradient(representation, points(), 0, kSupportPointCount, &phi[shift], &mask[shift],
+                                                  &moved[shift], &gradient[shift]);
+        EXPECT_EQ(sum, expected.sum) << representationName(representation) << " at " << shift;
+        for (int k = 0; k < count; ++k)
+          EXPECT_EQ(gradient[shift + k], static_cast<float>(expected.values[k]))
+              << representationName(representation) << " at " << shift << ", theta " << k;
+        EXPECT_TRUE(std::isnan(gradient[shift - 1]) && std::isnan(gradient[shift + count])) << "written beyond its ends";
+      }
+    });
+  }
 }
 
 }  // namespace

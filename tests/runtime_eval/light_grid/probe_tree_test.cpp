@@ -229,7 +229,7 @@ TEST(ProbeTree, IsContinuousThroughFacesOfCellsOfOneSize) {
 }
 
 TEST(ProbeTree, JumpsAtHangingFacesByNoMoreThanTheBound) {
-  // docs/probes.md: (C² + c²) / 8 (M_u + M_v) for cells of side C and c and second derivatives of at most M along the face;
+  // docs/theory/probes.md: (C² + c²) / 8 (M_u + M_v) for cells of side C and c and second derivatives of at most M along the face;
   // here M = 2 along every axis
   const auto field = [](const std::array<double, 3>& u) {
     const double x = u[0] - 50, y = u[1] - 50, z = u[2] - 50;

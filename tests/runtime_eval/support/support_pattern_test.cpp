@@ -66,7 +66,7 @@ TEST(SupportPattern, LeavesNoHole) {
   // A place that is farther than the packing distance from all points, and from its own images in the mirror planes and in the
   // border, has room for another point.
   const double largest = packingDistance(kOctantPointCount);
-  for (const LocalPoint& place : unseenPoints(4000)) {
+  for (const LocalPoint& place : testPoints(4000)) {
     const auto has_room = [&](float c) { return std::fabs(c) > largest / 2 && std::fabs(c) < 1 - largest / 2; };
     if (!has_room(place[0]) || !has_room(place[1]) || !has_room(place[2])) continue;
     double nearest = 2.0;
@@ -121,31 +121,31 @@ TEST(Tent, IsTheProductOfThreeRamps) {
   EXPECT_EQ(tent({2, 2, 0}), 0.0f);  // two negative ramps are no positive product
 }
 
-TEST(UnseenPoints, ExtendShorterSets) {
-  EXPECT_TRUE(unseenPoints(0).empty());
-  const std::vector<LocalPoint> longer = unseenPoints(4096);
-  const std::vector<LocalPoint> shorter = unseenPoints(100);
+TEST(TestPoints, ExtendShorterSets) {
+  EXPECT_TRUE(testPoints(0).empty());
+  const std::vector<LocalPoint> longer = testPoints(4096);
+  const std::vector<LocalPoint> shorter = testPoints(100);
   EXPECT_TRUE(std::equal(shorter.begin(), shorter.end(), longer.begin()));
 }
 
-TEST(UnseenPoints, AreInsideDistinctAndNoSupportPoints) {
+TEST(TestPoints, AreInsideDistinctAndNoSupportPoints) {
   std::set<LocalPoint> all(points().begin(), points().end());
-  for (const LocalPoint& point : unseenPoints(65536)) {
+  for (const LocalPoint& point : testPoints(65536)) {
     ASSERT_TRUE(all.insert(point).second) << point[0] << ' ' << point[1] << ' ' << point[2];
     for (const float coordinate : point) ASSERT_TRUE(std::fabs(coordinate) < 1.0f) << coordinate;
   }
 }
 
-TEST(UnseenPoints, FillAllOctantsEvenly) {
+TEST(TestPoints, FillAllOctantsEvenly) {
   // low discrepancy: far closer to a share of an eighth than independent points, whose deviation is sqrt(2048 * 7/64) = 15
   std::array<int, 8> counts{};
-  for (const LocalPoint& p : unseenPoints(2048)) ++counts[(p[0] < 0) + 2 * (p[1] < 0) + 4 * (p[2] < 0)];
+  for (const LocalPoint& p : testPoints(2048)) ++counts[(p[0] < 0) + 2 * (p[1] < 0) + 4 * (p[2] < 0)];
   for (int octant = 0; octant < 8; ++octant) EXPECT_NEAR(counts[octant], 256, 15) << "octant " << octant;
 }
 
 TEST(PointSet, PadsWithCopiesOfTheFirstPoint) {
   for (const int count : {0, 1, 15, 16, 17, 33}) {
-    const std::vector<LocalPoint> list = unseenPoints(count);
+    const std::vector<LocalPoint> list = testPoints(count);
     const PointSet set = makePointSet(list);
     ASSERT_EQ(set.count, count);
     ASSERT_EQ(set.padded_count, (count + 15) / 16 * 16);
@@ -158,7 +158,7 @@ TEST(PointSet, PadsWithCopiesOfTheFirstPoint) {
 }
 
 TEST(HashPoints, DependsOnEveryBitAndOnOrder) {
-  std::vector<LocalPoint> list = unseenPoints(3);
+  std::vector<LocalPoint> list = testPoints(3);
   const uint64_t hash = hashPoints(list);
   std::swap(list[0], list[1]);
   EXPECT_NE(hashPoints(list), hash);

@@ -219,9 +219,9 @@ TEST(ThetaStages, LearnToCorrectFunctionsThatTrainingHasNotSeen) {
     const HeldOutError before = heldOutError(untrained, representation, heldOut(), kHeldOutCount);
     const HeldOutError after = heldOutError(trained(representation), representation, heldOut(), kHeldOutCount);
     // 300 steps on 150 functions: the generator alone has not come far
-    EXPECT_LT(after.generated, 0.9 * before.generated) << representationName(representation);
+    EXPECT_LT(after.network, 0.9 * before.network) << representationName(representation);
     EXPECT_LT(after.final, 0.8 * before.final) << representationName(representation);
-    EXPECT_LT(after.final, 0.9 * after.generated) << representationName(representation);
+    EXPECT_LT(after.final, 0.9 * after.network) << representationName(representation);
 
     // corrections pay on average, beyond what solving gives; the later ones next to nothing after so short a training, but they
     // do no harm either
@@ -249,7 +249,7 @@ TEST(HeldOutError, IsTheMeanOverFunctionsOfTheBestStage) {
     final += std::sqrt(least) / kHeldOutCount;
   }
   const HeldOutError error = heldOutError(network, kTentMlp, heldOut(), 2048);
-  EXPECT_NEAR(error.generated, generated, 1e-6 * generated);
+  EXPECT_NEAR(error.network, generated, 1e-6 * generated);
   EXPECT_NEAR(error.final, final, 1e-6 * final);
 }
 

@@ -97,11 +97,11 @@ TEST(Train, LowersTheLoss) {
   EXPECT_EQ(saves, 2);
   for (GeneratorNetwork* network : {&state.network, &state.average}) {  // the average follows
     const HeldOutError after = heldOutError(*network, kTentMlp, run().training, 24);
-    EXPECT_LT(after.generated, before.generated);
+    EXPECT_LT(after.network, before.network);
     EXPECT_LT(after.final, before.final);
   }
   const HeldOutError held_out = heldOutError(state.average, kTentMlp, run().held_out, 2048);
-  EXPECT_EQ(report.held_out.generated, held_out.generated);
+  EXPECT_EQ(report.held_out.network, held_out.network);
   EXPECT_EQ(report.held_out.final, held_out.final);
   EXPECT_EQ(std::count(state.log_csv.begin(), state.log_csv.end(), '\n'), 3) << state.log_csv;
 }
@@ -136,9 +136,9 @@ TEST(Train, BeatsTheBestThetaForAllFunctions) {
   options.start.final_steps = 1000;
   options.start.levenberg_iterations = 30;
   TrainingState state = makeState(options, fitTheta0(kTentMlp, meanOf(sampleSet(24, 1)), options.start));
-  const double best_constant = heldOutError(state.network, kTentMlp, run().training, 24).generated;
+  const double best_constant = heldOutError(state.network, kTentMlp, run().training, 24).network;
   train(options, kTentMlp, run().training, run().held_out, &state, [] {});
-  EXPECT_LT(heldOutError(state.network, kTentMlp, run().training, 24).generated, 0.9 * best_constant);
+  EXPECT_LT(heldOutError(state.network, kTentMlp, run().training, 24).network, 0.9 * best_constant);
 }
 
 TEST(Train, RaisesOnNumbersThatAreNotFinite) {

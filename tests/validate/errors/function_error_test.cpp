@@ -10,7 +10,7 @@
 namespace nlg {
 namespace {
 
-constexpr int kUnseen = 64;
+constexpr int kTest = 64;
 
 using Bits = std::function<bool(int)>;
 
@@ -22,19 +22,19 @@ void appendBits(int count, const Bits& at, std::vector<uint8_t>& bytes) {
   }
 }
 
-// Appends a function that is `phi` at its support points and `phi_unseen` elsewhere.
-void append(FunctionSet& set, const std::function<uint8_t(int)>& phi, const Bits& valid, const Bits& seen, uint8_t phi_unseen) {
+// Appends a function that is `phi` at its support points and `phi_test` elsewhere.
+void append(FunctionSet& set, const std::function<uint8_t(int)>& phi, const Bits& valid, const Bits& seen, uint8_t phi_test) {
   set.point_count = kSupportPointCount;
-  set.unseen_point_count = kUnseen;
+  set.test_point_count = kTest;
   set.scene_idx.push_back(0);
   for (int p = 0; p < kSupportPointCount; ++p) set.phi.push_back(valid(p) ? phi(p) : 0);
   appendBits(kSupportPointCount, valid, set.validity);
   appendBits(kSupportPointCount, seen, set.seen);
-  set.phi_unseen.insert(set.phi_unseen.end(), kUnseen, phi_unseen);
+  set.phi_test.insert(set.phi_test.end(), kTest, phi_test);
   appendBits(
-      kUnseen, [](int i) { return i % 2 == 0; }, set.validity_unseen);
+      kTest, [](int i) { return i % 2 == 0; }, set.validity_test);
   appendBits(
-      kUnseen, [](int) { return true; }, set.seen_unseen);
+      kTest, [](int) { return true; }, set.seen_test);
 }
 
 const Bits kAlways = [](int) { return true; };

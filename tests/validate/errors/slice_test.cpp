@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSize = 24;
 
-// One function: solid where x > 0.5, else seen where y > 0, else in shadow. 1 near the plane z = 0, which thus tells most, and
+// One function: solid where x > 0.5, else seen where y > 0, else occluded. 1 near the plane z = 0, which thus tells most, and
 // the bare tent elsewhere.
 FunctionSet cutByWall() {
   FunctionSet set;
@@ -32,7 +32,7 @@ FunctionSet cutByWall() {
   return set;
 }
 
-TEST(Slice, ShowsSolidShadowAndPlainSightWhereTheyAre) {
+TEST(Slice, ShowsSolidOccludedAndPlainSightWhereTheyAre) {
   const FunctionSet set = cutByWall();
   const Representation representation = Representation::productField(3);
   const std::vector<float> theta(representation.thetaCount(), 0.0f);
@@ -45,9 +45,9 @@ TEST(Slice, ShowsSolidShadowAndPlainSightWhereTheyAre) {
   std::array<int, 3> found{};
   for (int i = 0; i < kSize * kSize; ++i) {
     const auto at = [](int pixel) { return 2.0f * (static_cast<float>(pixel) + 0.5f) / kSize - 1.0f; };
-    const float from_wall = at(i % kSize) - 0.5f, from_shadow = at(i / kSize);
-    if (std::abs(from_wall) < kApart || std::abs(from_shadow) < kApart) continue;
-    const bool solid = from_wall > 0.0f, seen = !solid && from_shadow > 0.0f;
+    const float from_wall = at(i % kSize) - 0.5f, from_occluded = at(i / kSize);
+    if (std::abs(from_wall) < kApart || std::abs(from_occluded) < kApart) continue;
+    const bool solid = from_wall > 0.0f, seen = !solid && from_occluded > 0.0f;
     EXPECT_EQ(slice.valid[i], !solid) << "pixel " << i;
     EXPECT_EQ(slice.seen[i], seen) << "pixel " << i;
     ++found[solid ? 0 : seen ? 1 : 2];

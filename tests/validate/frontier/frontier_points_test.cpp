@@ -16,14 +16,14 @@
 namespace nlg {
 namespace {
 
-constexpr int kFunctionCount = 6, kUnseen = 8;
+constexpr int kFunctionCount = 6, kTest = 8;
 
 // Tents that walls cut off at several depths, in two scenes.
 const FunctionSet& sampleSet() {
   static const FunctionSet set = [] {
     FunctionSet made;
     made.point_count = kSupportPointCount;
-    made.unseen_point_count = kUnseen;
+    made.test_point_count = kTest;
     made.scene_ids = {"hall", "cellar"};
     for (int i = 0; i < kFunctionCount; ++i) {
       made.scene_idx.push_back(static_cast<uint32_t>(i % 2));
@@ -34,9 +34,9 @@ const FunctionSet& sampleSet() {
     }
     made.validity.assign(kFunctionCount * kValidityByteCount, 0xff);
     made.seen = made.validity;
-    made.phi_unseen.assign(kFunctionCount * kUnseen, 0);
-    made.validity_unseen.assign(kFunctionCount * kUnseen / 8, 0xff);
-    made.seen_unseen = made.validity_unseen;
+    made.phi_test.assign(kFunctionCount * kTest, 0);
+    made.validity_test.assign(kFunctionCount * kTest / 8, 0xff);
+    made.seen_test = made.validity_test;
     return made;
   }();
   return set;

@@ -78,7 +78,7 @@ def slices():
         for which in ("best", "median", "p95", "worst"):
             ramp = [1000 * i // (size * size) for i in range(size * size)]
             result.append({"representation": name, "which": which, "function": 7, "scene": SCENES[1], "rmse": .03, "axis": 1, "size": size,
-                           "valid": [int(i % size > 2) for i in range(size * size)], "seen": [int(i % size > 6) for i in range(size * size)], "generated_permille": ramp, "approximated_permille": ramp[::-1],
+                           "valid": [int(i % size > 2) for i in range(size * size)], "seen": [int(i % size > 6) for i in range(size * size)], "target_permille": ramp, "predicted_permille": ramp[::-1],
                            "difference_permille": [b - a for a, b in zip(ramp, ramp[::-1])]})
     return result
 
@@ -155,7 +155,7 @@ def write_all(folder):
     write_json(path("slices.json"), slices())
     write_json(path("basis.json"), {"functions": 140, "components": 64, "spectrum": [1.0 / (i + 1) for i in range(90)], "held_out_variance_kept": {"16": .8, "64": .95}})
     for name in REPRESENTATIONS:
-        write_csv(path(f"{name}.csv"), "step,learning_rate,training_loss,held_out_generated,held_out_rmse,rollbacks".split(","),
+        write_csv(path(f"{name}.csv"), "step,learning_rate,training_loss,held_out_network,held_out_rmse,rollbacks".split(","),
                   [(i, .001, .02 / i, .03 / i, .01 / i, 0) for i in range(1, 6)])
     write_json(path("frontier.json"), frontier())
     write_json(path("stability.json"), stability())

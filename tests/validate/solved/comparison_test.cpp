@@ -14,7 +14,7 @@ SolveSetup smallSetup() {
   setup.light.rays_per_point = 128;
   setup.light.rays_per_element = 128;
   setup.light.fit_lamps = 8;
-  setup.light.held_out_lamps = 4;
+  setup.light.test_lamps = 4;
   setup.solve.steps = 5;
   return setup;
 }
@@ -66,7 +66,7 @@ TEST(LightField, IsOneOnAverageAndTheSameAgain) {
   const SolvedScene& scene = doorway();
   const LightField again = gatherLight(scene.rays, scene.scene, scene.points, smallSetup().light);
   EXPECT_EQ(again.fit.value, scene.light.fit.value);
-  EXPECT_EQ(again.held_out.value, scene.light.held_out.value);
+  EXPECT_EQ(again.test.value, scene.light.test.value);
   ASSERT_EQ(again.fit.count, 8 * kAxisCount);
   for (int lamp = 0; lamp < 8; ++lamp) {
     double sum = 0.0;
@@ -104,7 +104,7 @@ TEST(Comparison, SeesTheTentLeakAndTheSeenTentNot) {
   const Quality tent = quality(Baseline::bare_tent), seen = quality(Baseline::visible_tent);
   EXPECT_GT(tent.leak, 0.1);
   EXPECT_EQ(seen.leak, 0.0);
-  EXPECT_GT(tent.rmse_shadow, 1.1 * seen.rmse_shadow);
+  EXPECT_GT(tent.rmse_occluded, 1.1 * seen.rmse_occluded);
   EXPECT_LT(judge(scene, scene.solved.weights).distance_solved, 1e-6);  // weights are normalised once more
 }
 

@@ -17,7 +17,7 @@ const SolvedScene& room() {
     setup.light.rays_per_point = 64;
     setup.light.rays_per_element = 64;
     setup.light.fit_lamps = 4;
-    setup.light.held_out_lamps = 2;
+    setup.light.test_lamps = 2;
     setup.solve.steps = 2;
     return setup;
   }());

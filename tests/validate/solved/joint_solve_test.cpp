@@ -91,7 +91,7 @@ TEST(JointSolve, GivesBackNearlyTheTentWhereLightingVariesLinearly) {
   const Weights tent = normalised(points.tent());
   double squares = 0.0, squares_of_tent = 0.0;
   for (size_t i = 0; i < points.count(); ++i) {
-    if (points.use[i] == PointUse::held_out) continue;
+    if (points.use[i] == PointUse::test) continue;
     for (int c = 0; c < kCornerCount; ++c) {
       squares += std::pow(double{solved.weights[i][c]} - tent[i][c], 2.0);
       squares_of_tent += std::pow(tent[i][c] - 0.125, 2.0);
@@ -113,7 +113,7 @@ TEST(JointSolve, StopsAWallsProbesAtTheWall) {
   const Weights tent = normalised(rooms.points.tent());
   for (size_t i = 0; i < rooms.points.count(); ++i) {
     const float x = rooms.points.position_m[i].x;
-    if (rooms.points.use[i] == PointUse::held_out || x < 1.0f || x > 2.0f) continue;
+    if (rooms.points.use[i] == PointUse::test || x < 1.0f || x > 2.0f) continue;
     ++count;
     for (int c = 0; c < kCornerCount; ++c) {
       const int probe = rooms.points.probe[i][c];
@@ -136,11 +136,11 @@ TEST(JointSolve, BeatsTheTentOnLightingThatItHasNotSeenAtPointsThatItHasNotSeen)
       return shines_here ? 1.5 + 0.5 * (std::sin(turn) * at.x + std::cos(turn) * at.z + std::sin(3.0 * turn) * at.y) : 0.0;
     };
   };
-  const Signals seen = rooms.signals(24, lighting(0)), unseen = rooms.signals(8, lighting(50));
+  const Signals seen = rooms.signals(24, lighting(0)), test = rooms.signals(8, lighting(50));
   const SolvedFunctions solved = solveFunctions(rooms.points, rooms.links, seen, {100, 0.03, 1e-3, 0.1});
   const auto error = [&](const Weights& weights) {
-    const std::vector<float> probes = solveProbes(rooms.points, weights, unseen, pointsOf(rooms.points, {PointUse::fit}));
-    return meanSquare(rooms.points, squaredErrors(rooms.points, weights, probes, unseen), PointUse::held_out);
+    const std::vector<float> probes = solveProbes(rooms.points, weights, test, pointsOf(rooms.points, {PointUse::fit}));
+    return meanSquare(rooms.points, squaredErrors(rooms.points, weights, probes, test), PointUse::test);
   };
   EXPECT_LT(error(solved.weights), 0.25 * error(normalised(rooms.points.tent())));
 }
@@ -186,7 +186,7 @@ TEST_F(Gradient, ByFunctionsIsThatOfFiniteDifferences) {
   for (int trial = 0; trial < 60; ++trial) {
     const uint32_t i = random.below(count);
     const int c = static_cast<int>(random.below(kCornerCount));
-    if (box_.points.probe[i][c] < 0 || box_.points.use[i] == PointUse::held_out || box_.points.use[i] == PointUse::probe) {
+    if (box_.points.probe[i][c] < 0 || box_.points.use[i] == PointUse::test || box_.points.use[i] == PointUse::probe) {
       ASSERT_EQ(by_phi[i][c], 0.0f);
       continue;
     }

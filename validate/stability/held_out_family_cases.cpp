@@ -75,7 +75,7 @@ StabilityResult measureFamilies(const StabilityInputs& inputs) {
 
 }  // namespace
 
-std::vector<StabilityCase> unseenFamilyCases() {
+std::vector<StabilityCase> heldOutFamilyCases() {
   return {
       {"generator", "families that were never trained on",
        "every generator's theta is finite, neither correction nor refinement makes it worse, and what a bake stores errs by no "

@@ -1,0 +1,266 @@
+#!/usr/bin/env python3
+"""workflow/results.py on a made-up run: what it takes, what it writes, and what it finds wrong. results_test.py (from anywhere)."""
+import json
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+SOURCES = Path(__file__).resolve().parents[2]
+SHA256 = "ab" * 32
+QUOTE = "<!--={}-->{}<!---->"
+
+
+def interval(value):
+    return {"value": value, "low": value * 0.9, "high": value * 1.1}
+
+
+def quantiles(mean):
+    q = {"median": mean / 2, "mean": mean, "p95": 3 * mean, "p99": 5 * mean, "worst": 9 * mean, "functions": 1000}
+    return {**q, "interval": {key: [0.9 * q[key], 1.1 * q[key]] for key in ("median", "mean", "p95")}}
+
+
+def figures(mean):
+    return {"functions": 1000, "rmse": quantiles(mean), "rmse_test_points": quantiles(1.2 * mean), "rmse_occluded": quantiles(2 * mean),
+            "leak": {"mean": 0.00012, "p99": 0.01}, "share_failing_check": interval(0.0312), "share_fitted": interval(0.25),
+            "us_per_function": 612.3, "us_per_function_median": 20.0}
+
+
+def populations(mean):
+    return {"all": figures(mean / 2), "theta": figures(mean), "hard": figures(3 * mean)}
+
+
+def representation(weights_sha256):
+    words = {word: populations(mean) for word, mean in (("network", 0.0053), ("corrected", 0.0027), ("fitted", 0.00241), ("stored", 0.00239))}
+    fits = {word: populations(0.0017) for word in ("direct", "adam_theta0", "lm_theta0", "adam_random", "best_known")}
+    ratio = {key: interval(1.48) for key in ("median", "median_hard", "median_test_points", "median_occluded_hard")}
+    ratios = {word: {"to_best_known": ratio, "to_direct": ratio, "without_duplicates": ratio} for word in words}
+    stages = [{"name": "network", "word": "network", "population": "theta", "above_rmse": None, "budget": None, "text": "one pass"},
+              {"name": "adam", "word": "fitted", "population": "theta", "above_rmse": 0.003, "budget": 500, "text": "500 steps of Adam"}]
+    return {"parameters": 113, "bytes": 452, "weights_bytes": 3032068, "weights_sha256": weights_sha256, "correction_steps": 3, "evaluate_us": 9.1,
+            "stages": stages, **words, "sample": {"functions": 280, "hard": 70, **words, **fits, "ratios": ratios},
+            "by_scene": {"kaos2": {"stored": quantiles(0.002), "network": quantiles(0.005)}}}
+
+
+def summary(weights_sha256=SHA256):
+    counts = {"distinct": 9000, "free_space": 1, "duplicates": 2, "in_solid": 3, "empty": 4, "visited_probes": 5, "grid_probes": 6, "held_out": 2000,
+              "held_out_scenes": 41, "take_theta": 1000, "hard": 300, "held_out_in_training": 20, "held_out_in_training_mirrored": 30}
+    return {"schema_version": 2, "provenance": {"tool": "nlg-validate", "revision": "0123abc", "options": {}, "inputs": {"held_out": "cd" * 32}},
+            "tau": {"rmse": 0.02, "leak": 0.1, "leak_share": 0.01, "hard_tent_rmse": 0.01, "bare_tent_rmse": 0.002}, "functions": counts,
+            "tent": populations(0.012), "representations": {"tent_mlp": representation(weights_sha256)}}
+
+
+def frontier():
+    errors = {"rmse_mean": 0.003, "rmse_median": 0.001, "rmse_p5": 0.0005, "rmse_p95": 0.009, "rmse_worst": 0.02}
+    point = {"representation": "tent_mlp", "family": "lm_from_theta0", "budget": 16, "label": "16 LM from theta0", "us_median": 5246, "us_p25": 5000,
+             "us_p75": 5500, "leak_p99": 0.01, "on_front": True, "hard": {**errors, "on_front": False}, "by_scene": {"kaos2": {}}, **errors}
+    return {"schema_version": 1, "provenance": {"revision": "0123abc", "inputs": {"held_out": "cd" * 32}}, "functions": 246, "hard_functions": 50,
+            "scenes": ["kaos2"], "points": [point, {**point, "family": "corrected", "budget": None, "label": "corrected"}],
+            "bare_tent": {**errors, "hard": errors, "by_scene": {}}, "front_sentence": "One point.", "hard_front_sentence": "Another.",
+            "equal_error": [{"representation": "tent_mlp", "speedup": 6.6}], "hierarchy": [{"step": "solved", "representation": None, "rmse_mean": 0.17}],
+            "walks": []}
+
+
+def stability():
+    case = {"group": "functions", "name": "free space", "must_hold": "it holds", "measured": "0.0059", "figures": {}, "passes": True, "ran": True, "note": ""}
+    return {"schema_version": 1, "provenance": {"revision": "0123abc"}, "cases": [case, {**case, "name": "other", "ran": False, "passes": False}]}
+
+
+def bake():
+    line = {"what": "probes in solid", "left_out": True, "count": 3, "of": 9, "seconds_saved": 33.8, "seconds_noise": 0.4, "bytes_saved": None,
+            "same_result": False, "note": ""}
+    counts = {key: 100 for key in ("probes", "free_space", "in_solid", "empty", "bare_tents", "duplicates", "functions", "took_fit", "still_failing", "bytes")}
+    errors = {"mean": 0.0034, "median": 0.002, "p95": 0.01, "p99": 0.02, "worst": 0.03, "leak_mean": 0.0, "failing": 0, "us_per_function": 600.0}
+    return {"scene": "kaos2", "threads": 2, **counts, "bytes_per_probe": 26.0, "share_fitted": {"all": 0.1, "theta": 0.4},
+            "thread_seconds": {"visibility": 3.6, "functions": 0.9, "duplicates": 0.1, "stages": {"network": 0.05, "check": 0.01, "adam": 2.0}},
+            "wall_seconds": {"load": 0.2, "all": 7.6}, "rmse": {word: errors for word in ("network", "corrected", "fitted", "stored")}, "savings": [line]}
+
+
+def look_up():
+    found = {"places": 8000, "unlit": 0.001, "rmse": 0.01, "wrong": {"mean": 0.02, "p99": 0.2}, "wrong_to_seen": 0.1, "leak": {"mean": 0.001, "p99": 0.01}}
+    blend = {"all": found, "by_distance": [found, found], "jumps": {"segments": 10, "hanging": 1, "mean": 1e-6, "p99": 1e-5, "largest": 1e-4}}
+    places = {"unlit_by_target": 0.0, "seen_by_no_probe": 0.002, "by_distance": [{"from_m": 0.0, "to_m": 0.05}, {"from_m": 0.05, "to_m": None}]}
+    border = {"functions": 9, "mean": 0.005, "p99": 0.1, "largest": 1.0}
+    return {"schema_version": 1, "provenance": {"revision": "0123abc"}, "scene": "kaos2", "spacing_m": 1.0, "places": places, "target": blend, "tent": blend,
+            "representations": {"tent_mlp": {**blend, "border": border}}}
+
+
+def benchmarks():
+    case = {"name": "generator/float32:96_median", "run_name": "generator/float32:96", "run_type": "aggregate", "aggregate_name": "median", "threads": 1,
+            "iterations": 7, "real_time": 18.4, "cpu_time": 18.3, "time_unit": "us", "items_per_second": 54400.0}
+    return {"context": {}, "benchmarks": [{**case, "name": "generator/float32:96", "run_type": "iteration", "cpu_time": 99.0}, case]}
+
+
+def write_weights(path):
+    metadata = {"training_functions": "352884", "training_set_sha256": SHA256, "training_options": '{"seed": 1}', "provenance": '{"revision": "8d19a80"}'}
+    header = json.dumps({"__metadata__": metadata, "theta0": {"dtype": "F32", "shape": [113], "data_offsets": [0, 452]}}).encode()
+    path.write_bytes(struct.pack("<Q", len(header)) + header + bytes(452))
+
+
+class Results(unittest.TestCase):
+    def setUp(self):
+        self.root = Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.root)
+        (self.root / "workflow").mkdir()
+        for script in SOURCES.glob("workflow/*.py"):
+            shutil.copy(script, self.root / "workflow")
+        for folder in ("docs/results", "docs/reference", "weights"):
+            (self.root / folder).mkdir(parents=True)
+        write_weights(self.root / "weights" / "tent_mlp.safetensors")
+        sys.path.insert(0, str(SOURCES / "workflow"))
+        import model_card
+        self.sha256 = model_card.sha256_of(self.root / "weights" / "tent_mlp.safetensors")
+        facts = {"sha256": self.sha256, "configuration": "c.yaml", "scenes": "2 scenes", "minutes": 33, "samples_per_s": 3893, "steps": 30000,
+                 "parity_theta": 7e-6, "parity_functions": 1024, "held_out_rmse": 0.005, "rounding_rmse": 1e-8}
+        self.write("docs/results/weights.json", {"tent_mlp": facts})
+        self.write("docs/results/openarena.json", {"schema_version": 1, "run": "openarena", "command": "./pipeline.sh", "pending": True})
+        run = "out/openarena/"
+        self.write(run + "evaluation/summary.json", summary(self.sha256))
+        self.write(run + "validation/summary.json", summary(self.sha256))
+        self.write(run + "evaluation/frontier.json", frontier())
+        self.write(run + "stability.json", stability())
+        self.write(run + "savings/kaos2.json", bake())
+        self.write(run + "bakes/kaos2.json", bake())
+        self.write(run + "look_up/kaos2.json", look_up())
+        self.write(run + "benchmarks/runtime_eval.json", benchmarks())
+
+    def write(self, path, content):
+        file = self.root / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(content if isinstance(content, str) else json.dumps(content))
+
+    def run_results(self, *arguments):
+        command = ["/usr/bin/python3", self.root / "workflow" / "results.py", *arguments]
+        return subprocess.run(command, capture_output=True, text=True, cwd=self.root)
+
+    def collect(self):
+        return self.run_results("collect", "out/openarena", "--config", "c.yaml", "--no-pictures")
+
+    def filled(self, *keys):
+        """What stands in the README for these keys after a whole collection."""
+        self.write("README.md", "\n".join(QUOTE.format(key, "?") for key in keys))
+        result = self.collect()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return [line.split("-->")[1].split("<!--")[0] for line in (self.root / "README.md").read_text().splitlines()]
+
+    def test_quotes_are_written_as_their_keys_say(self):
+        expected = {
+            "tent_mlp.stored.theta.rmse.mean": ".0024",
+            "tent_mlp.stored.theta.rmse.mean:interval": ".0024 (.0022 to .0026)",
+            "tent_mlp.stored.theta.rmse.mean:.3": ".002",
+            "tent_mlp.fitted.all.share_fitted": "25 %",
+            "tent_mlp.fitted.all.share_fitted:interval": "25 % (22 % to 28 %)",
+            "tent_mlp.fitted.theta.us_per_function": "612",
+            "tent_mlp.sample.ratios.stored.to_best_known.median_hard": "1.48",
+            "tent_mlp.network.theta.rmse.mean / tent_mlp.stored.theta.rmse.mean:.1": "2.2",
+            "functions.take_theta": "1,000",
+            "validation.functions.held_out_scenes": "41",
+            "tent.theta.rmse.mean": ".0120",
+            "frontier.points.tent_mlp.lm_from_theta0_16.us_median": "5,246",
+            "savings.kaos2.lines.probes_in_solid.seconds_saved:.1": "33.8",
+            "benchmarks.generator_float32_96.items_per_second:int": "54,400",
+            "benchmarks.generator_float32_96.us": "18",
+            "bakes.kaos2.thread_s.network:.2": ".06",
+            "bakes.kaos2.share_fitted.all": "10 %",
+            "look_up.kaos2.representations.tent_mlp.all.wrong.mean:.3": ".020",
+            "weights@tent_mlp.minutes": "33",
+            "evaluation.revision": "0123abc",
+        }
+        self.assertEqual(dict(zip(expected, self.filled(*expected))), expected)
+
+    def test_writing_twice_changes_nothing_and_check_agrees(self):
+        self.filled("tent_mlp.stored.theta.rmse.mean")
+        self.assertEqual(self.run_results("write").stdout, "")
+        self.assertEqual(self.run_results("check").returncode, 0)
+
+    def test_check_names_the_text_that_says_something_else(self):
+        self.filled("tent_mlp.stored.theta.rmse.mean")
+        self.write("README.md", "\n" + QUOTE.format("tent_mlp.stored.theta.rmse.mean", ".0025"))
+        result = self.run_results("check")
+        self.assertEqual(result.returncode, 6)
+        self.assertIn("README.md:2: tent_mlp.stored.theta.rmse.mean: expected .0024, got .0025", result.stderr)
+
+    def test_check_names_a_generated_page_that_somebody_changed(self):
+        self.filled("tent_mlp.stored.theta.rmse.mean")
+        page = self.root / "docs" / "reference" / "results.md"
+        page.write_text(page.read_text().replace(".0024", ".0023"))
+        result = self.run_results("check")
+        self.assertEqual(result.returncode, 6)
+        self.assertIn("docs/reference/results.md", result.stderr)
+
+    def test_a_key_that_leads_nowhere_is_refused(self):
+        self.write("README.md", QUOTE.format("tent_mlp.sorted.theta.rmse.mean", "?"))
+        result = self.collect()
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("tent_mlp.sorted.theta.rmse.mean", result.stderr)
+
+    def test_what_is_not_measured_yet_is_pending(self):
+        self.write("README.md", QUOTE.format("tent_mlp.stored.theta.rmse.mean", "?"))
+        self.assertEqual(self.run_results("write").returncode, 0)
+        self.assertEqual((self.root / "README.md").read_text(), QUOTE.format("tent_mlp.stored.theta.rmse.mean", "pending"))
+
+    def test_an_example_in_backticks_stays_as_it_is(self):
+        text = "`" + QUOTE.format("no.key", "?") + "`"
+        self.write("README.md", text)
+        self.assertEqual(self.run_results("write").returncode, 0)
+        self.assertEqual((self.root / "README.md").read_text(), text)
+
+    def test_the_page_and_the_cards_hold_every_stage(self):
+        self.filled("tent_mlp.stored.theta.rmse.mean")
+        for page in ("docs/reference/results.md", "weights/README.md"):
+            text = (self.root / page).read_text()
+            for word in ("| network |", "| corrected |", "| fitted |", "| stored |"):
+                self.assertIn(word, text, page)
+            for line in filter(lambda line: line.startswith("|"), text.splitlines()):
+                self.assertNotIn("None", line)
+        page = (self.root / "docs/reference/results.md").read_text()
+        for title in ("## Error against run time", "## What a look-up blends", "## Stability", "## What a bake leaves out", "## Whole bakes", "## Benchmarks"):
+            self.assertIn(title, page)
+        self.assertNotIn("Not measured", page)
+
+    def test_all_rows_of_a_table_have_the_cells_of_its_head(self):
+        self.filled("tent_mlp.stored.theta.rmse.mean")
+        for page in ("docs/reference/results.md", "weights/README.md"):
+            cells = 0
+            for line in (self.root / page).read_text().splitlines():
+                if not line.startswith("|"):
+                    cells = 0
+                    continue
+                cells = cells or line.count("|")
+                self.assertEqual(line.count("|"), cells, f"{page}: {line}")
+
+    def test_refuses_another_schema_version(self):
+        self.write("out/openarena/evaluation/summary.json", {**summary(self.sha256), "schema_version": 1})
+        result = self.collect()
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("schema_version 2", result.stderr)
+
+    def test_refuses_numbers_that_are_not_finite(self):
+        broken = summary(self.sha256)
+        broken["tent"]["all"]["rmse"]["mean"] = float("nan")
+        self.write("out/openarena/evaluation/summary.json", broken)
+        result = self.collect()
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("finite", result.stderr)
+
+    def test_refuses_validation_and_evaluation_of_different_weights(self):
+        self.write("out/openarena/validation/summary.json", summary(SHA256))
+        result = self.collect()
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("figures of weights", result.stderr)
+
+    def test_refuses_figures_of_weights_that_do_not_ship(self):
+        self.write("out/openarena/evaluation/summary.json", summary(SHA256))
+        (self.root / "out/openarena/validation/summary.json").unlink()
+        before = (self.root / "docs/results/openarena.json").read_text()
+        result = self.collect()
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("figures of weights", result.stderr)
+        self.assertEqual((self.root / "docs/results/openarena.json").read_text(), before)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""One source for every number that the documentation states: docs/results/NAME.json.
+
+    workflow/results.py collect RUN [--config CONFIG] [--no-pictures]    measured → docs/results, then write
+    workflow/results.py write                                            docs/results → every text
+    workflow/results.py check                                            names every text that says something else
+
+collect takes a run's result folder, out/NAME, reduces what it measured to docs/results/NAME.json, draws the plots of docs/images anew and fills the texts.
+write makes docs/reference/results.md and weights/README.md whole, and fills what README, CONTRIBUTING, the pages of docs/ and the headers quote.
+What a run's folder does not have by itself, and is taken when it is there:
+    nlg-bake LEVEL --threads 1 --out GRID > RUN/bakes/LEVEL.json
+    bench_runtime_eval --benchmark_repetitions=7 --benchmark_out=RUN/benchmarks/runtime_eval.json --benchmark_out_format=json
+check changes nothing; exit code 6 when a text disagrees, 3 when a text quotes what no results file holds.
+"""
+import argparse
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import model_card
+import results_collect
+import results_page
+from results_quotes import MAIN, fill, load_results
+
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "docs" / "results"
+IMAGES = ROOT / "docs" / "images"
+GENERATED = {ROOT / "docs" / "reference" / "results.md": results_page.page, ROOT / "weights" / "README.md": model_card.page}
+
+
+def quoting_texts():
+    """Every text that may quote: pages, and headers."""
+    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
+    headers = [path for folder in ("runtime_eval", "datagen", "bake", "train", "export", "validate", "tool", "benchmarks") for path in (ROOT / folder).rglob("*.h")]
+    return [path for path in sorted(pages + headers) if path not in GENERATED]
+
+
+def expected_texts(all_results, problems):
+    """Path → the text as the results have it; problems gets a line and whether it is the key that is wrong."""
+    texts = {}
+    for path, page in GENERATED.items():
+        texts[path] = page(all_results)
+        if not path.exists() or path.read_text() != texts[path]:
+            problems.append((f"{path.relative_to(ROOT)}: expected what docs/results says, got another text", False))
+    for path in quoting_texts():
+        text = path.read_text()
+        if "<!--=" in text:
+            texts[path] = fill(text, all_results, problems, path.relative_to(ROOT))
+    return texts
+
+
+def report(problems, *, only_keys):
+    """Says what is wrong; returns the exit code."""
+    shown = [(line, is_key) for line, is_key in problems if is_key or not only_keys]
+    for line, _ in shown:
+        print(f"results: error: {line}", file=sys.stderr)
+    return 3 if any(is_key for _, is_key in shown) else 6 if shown else 0
+
+
+def write(all_results):
+    problems = []
+    for path, text in expected_texts(all_results, problems).items():
+        if not path.exists() or path.read_text() != text:
+            path.write_text(text)
+            print(path.relative_to(ROOT))
+    return report(problems, only_keys=True)
+
+
+def draw(run):
+    """The plots of README and the results page, from the same run."""
+    evaluation = run / "evaluation"
+    plots = [("frontier.py", "--frontier", "frontier.json", "error_against_time.png"), ("curve.py", "--summary", "summary.json", "error_against_bytes.png")]
+    for script, flag, source, picture in plots:
+        if (evaluation / source).exists():
+            subprocess.run(["/usr/bin/python3", ROOT / "validate" / "report" / script, flag, evaluation / source, "--out", IMAGES / picture], check=True)
+    if (evaluation / "slices.png").exists():
+        shutil.copyfile(evaluation / "slices.png", IMAGES / "slices.png")
+
+
+def collect(run, configuration, pictures):
+    results = results_collect.collect(run.resolve(), configuration)
+    all_results = {**load_results(RESULTS), results["run"]: results}
+    expected_texts(all_results, [])  # refuses figures of other weights than those that ship, before anything is written
+    RESULTS.mkdir(parents=True, exist_ok=True)
+    (RESULTS / f"{results['run']}.json").write_text(results_collect.dump(results) + "\n")
+    if pictures and results["run"] == MAIN:
+        draw(run)
+    return write(all_results)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    collecting = commands.add_parser("collect", help="measured → docs/results, then write")
+    collecting.add_argument("run", type=Path, help="the run's result folder, out/NAME")
+    collecting.add_argument("--config", default=f"configs/{MAIN}.yaml", help="the configuration that the run was made by (%(default)s)")
+    collecting.add_argument("--no-pictures", action="store_true", help="leave docs/images as it is")
+    commands.add_parser("write", help="docs/results → every text")
+    commands.add_parser("check", help="names every text that says something else")
+    arguments = parser.parse_args()
+    if arguments.command == "collect":
+        return collect(arguments.run, arguments.config, not arguments.no_pictures)
+    if arguments.command == "write":
+        return write(load_results(RESULTS))
+    problems = []
+    expected_texts(load_results(RESULTS), problems)
+    return report(problems, only_keys=False)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

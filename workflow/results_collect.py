@@ -1,0 +1,227 @@
+"""What a run measured, reduced to what the documentation quotes or tables: docs/results/NAME.json. Read by results.py.
+
+Taken are, where the run's folder has them:
+    evaluation/summary.json, validation/summary.json   nlg-validate, schema_version 2
+    evaluation/frontier.json                           nlg-validate frontier
+    stability.json                                     nlg-validate stability
+    savings/SCENE.json                                 nlg-bake --measure-savings (stdout)
+    bakes/SCENE.json                                   nlg-bake (stdout)
+    look_up/SCENE.json                                 nlg-validate look-up
+    benchmarks/*.json                                  bench_* --benchmark_out=FILE --benchmark_out_format=json
+"""
+import json
+import math
+import re
+import sys
+
+STAGES = ("network", "corrected", "fitted", "stored")
+POPULATIONS = ("all", "theta", "hard")
+FITS = ("direct", "adam_theta0", "lm_theta0", "adam_random", "best_known")
+STATISTICS = ("median", "mean", "p95", "p99", "worst")
+DIGITS = 5  # significant: more than any text shows
+
+
+def fail(place, expected, got):
+    print(f"results: error: {place}: expected {expected}, got {got}", file=sys.stderr)
+    sys.exit(3)
+
+
+def read_json(path):
+    try:
+        return json.loads(path.read_text())
+    except (OSError, ValueError) as error:
+        fail(path, "a file of the run", error)
+
+
+def rounded(value, place=""):
+    """The same value with numbers of at most DIGITS significant digits; refuses NaN and infinity."""
+    if isinstance(value, dict):
+        return {key: rounded(item, f"{place}.{key}") for key, item in value.items()}
+    if isinstance(value, list):
+        return [rounded(item, place) for item in value]
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            fail(place, "a finite number", value)
+        return int(value) if value.is_integer() and abs(value) < 1e15 else float(f"{value:.{DIGITS}g}")
+    return value
+
+
+def take(source, keys, place):
+    """The named keys, all of which must be there."""
+    missing = [key for key in keys if key not in source]
+    if missing:
+        fail(place, f"the keys {', '.join(keys)}", f"none of the name {missing[0]}")
+    return {key: source[key] for key in keys}
+
+
+def slug(name):
+    """A key that can stand in a way of keys: "generator/float32:96" is generator_float32_96."""
+    return re.sub(r"\W+", "_", name).strip("_")
+
+
+def revision(document, place):
+    return take(document, ["provenance"], place)["provenance"].get("revision", "unknown")
+
+
+def quantiles(q, place, *, intervals):
+    kept = take(q, [*STATISTICS, "functions"], place)
+    return {**kept, "interval": q["interval"]} if intervals else kept
+
+
+def figures(source, place, *, intervals=True):
+    """One population's figures: the errors in full, their means alone at test points and occluded points."""
+    out = {"functions": source["functions"], "rmse": quantiles(source["rmse"], f"{place}.rmse", intervals=intervals)}
+    for key in ("rmse_test_points", "rmse_occluded"):
+        out[key] = take(source[key], ["median", "mean", "functions"], f"{place}.{key}")
+        if intervals:
+            out[key]["interval"] = take(source[key]["interval"], ["mean"], f"{place}.{key}.interval")
+    keys = ["leak", "share_failing_check", "share_fitted", "us_per_function", "us_per_function_median"]
+    return {**out, **take(source, keys, place)}
+
+
+def by_population(source, place, *, intervals=True):
+    return {key: figures(take(source, POPULATIONS, place)[key], f"{place}.{key}", intervals=intervals) for key in POPULATIONS}
+
+
+def sample(source, place):
+    """What direct fits were made of: too few functions for percentiles of their own to stand beside those of all."""
+    words = [word for word in (*STAGES, *FITS) if word in source]
+    return {**take(source, ["functions", "hard", "ratios"], place),
+            **{word: by_population(source[word], f"{place}.{word}", intervals=False) for word in words}}
+
+
+def representation(source, place):
+    out = take(source, ["parameters", "bytes", "weights_bytes", "weights_sha256", "correction_steps", "stages"], place)
+    if "evaluate_us" in source:
+        out["evaluate_us"] = source["evaluate_us"]
+    out.update({word: by_population(source[word], f"{place}.{word}") for word in STAGES})
+    if "sample" in source:
+        out["sample"] = sample(source["sample"], f"{place}.sample")
+    out["by_scene"] = {scene: {word: quantiles(q, f"{place}.by_scene.{scene}.{word}", intervals=False) for word, q in words.items()}
+                       for scene, words in sorted(source["by_scene"].items())}
+    return out
+
+
+def summary(path):
+    document = read_json(path)
+    if document.get("schema_version") != 2:
+        fail(path, "schema_version 2", document.get("schema_version"))
+    out = {"revision": revision(document, path), "held_out_sha256": document["provenance"].get("inputs", {}).get("held_out", ""),
+           **take(document, ["tau", "functions"], path), "tent": by_population(document["tent"], f"{path}: tent")}
+    out["representations"] = {name: representation(entry, f"{path}: {name}") for name, entry in document["representations"].items()}
+    return out
+
+
+def point_key(point):
+    """"corrected", "corrected_8", "lm_from_theta0_16": the name of a point among those of its representation."""
+    return point["family"] if point["budget"] is None else f"{point['family']}_{point['budget']:g}"
+
+
+def frontier(path):
+    """Points by representation and family; what is by scene stays behind."""
+    document = read_json(path)
+    out = {"revision": revision(document, path), "held_out_sha256": document["provenance"].get("inputs", {}).get("held_out", ""),
+           **{key: value for key, value in document.items() if key not in {"schema_version", "provenance", "points", "scenes", "bare_tent"}},
+           "bare_tent": {key: value for key, value in document["bare_tent"].items() if key != "by_scene"}, "points": {}}
+    for point in document["points"]:
+        kept = {key: value for key, value in point.items() if key not in {"representation", "by_scene"}}
+        out["points"].setdefault(point["representation"], {})[point_key(point)] = kept
+    return out
+
+
+def stability(path):
+    document = read_json(path)
+    keys = ["group", "name", "must_hold", "measured", "passes", "ran", "note"]
+    return {"revision": revision(document, path), "cases": [take(case, keys, path) for case in document["cases"]]}
+
+
+BAKE_COUNTS = ("threads", "probes", "free_space", "in_solid", "empty", "bare_tents", "duplicates", "functions", "took_fit", "still_failing", "bytes",
+               "bytes_per_probe")
+BAKE_STAGES = {"network": ["network", "check"], "corrected": ["last_layer", "learned_steps", "mirror_images"], "fitted": ["lm", "lm_theta0", "adam"],
+               "refinement": ["refinement", "larger"]}
+
+
+def bake(path):
+    """One bake: counts, thread seconds by stage, errors by stage."""
+    document = read_json(path)
+    seconds = take(document, ["thread_seconds"], path)["thread_seconds"]
+    out = {**take(document, ["scene", *BAKE_COUNTS, "share_fitted"], path), "wall_s": document["wall_seconds"]["all"],
+           "thread_s": take(seconds, ["visibility", "functions", "duplicates"], path)}
+    out["thread_s"].update({word: sum(seconds["stages"].get(stage, 0.0) for stage in stages) for word, stages in BAKE_STAGES.items()})
+    return {**out, "rmse": {word: take(document["rmse"][word], ["mean", "p95", "worst"], path) for word in STAGES}}
+
+
+def savings(path):
+    document = read_json(path)
+    keys = ["what", "left_out", "count", "of", "seconds_saved", "seconds_noise", "bytes_saved", "same_result"]
+    lines = take(document, ["savings"], path)["savings"]
+    return {**take(document, ["scene", "threads"], path), "lines": {slug(line["what"]): take(line, keys, path) for line in lines}}
+
+
+def look_up(path):
+    document = read_json(path)
+    return {"revision": revision(document, path),
+            **{key: value for key, value in document.items() if key not in {"schema_version", "provenance"}}}
+
+
+TIME_UNITS_US = {"ns": 1e-3, "us": 1, "ms": 1e3, "s": 1e6}
+NO_COUNTERS = {"name", "family_index", "per_family_instance_index", "run_name", "run_type", "repetitions", "repetition_index", "threads", "iterations",
+               "real_time", "cpu_time", "time_unit", "aggregate_name", "aggregate_unit"}
+
+
+def benchmarks(paths):
+    """Every case's time and counters; of repetitions the median."""
+    out = {}
+    for path in paths:
+        cases = read_json(path)["benchmarks"]
+        medians = [case for case in cases if case.get("aggregate_name") == "median"]
+        for case in medians or [case for case in cases if case.get("run_type") != "aggregate"]:
+            if case.get("error_occurred"):
+                continue
+            unit = TIME_UNITS_US[case["time_unit"]]
+            name = case.get("run_name", case["name"])
+            out[slug(name)] = {"case": name, "us": case["cpu_time"] * unit, "wall_us": case["real_time"] * unit,
+                                        **{key: value for key, value in case.items() if key not in NO_COUNTERS and isinstance(value, (int, float))}}
+    return out
+
+
+def check_weights(results, path):
+    """Every section's figures are of the same weights."""
+    hashes = {}
+    for split in ("evaluation", "validation"):
+        for name, entry in results.get(split, {}).get("representations", {}).items():
+            if hashes.setdefault(name, entry["weights_sha256"]) != entry["weights_sha256"]:
+                fail(f"{path}: {split}: {name}", f"figures of weights {hashes[name]}", entry["weights_sha256"])
+    return hashes
+
+
+def collect(run, configuration):
+    """The results of one run's folder."""
+    out = {"schema_version": 1, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
+    readers = {"evaluation": ("evaluation/summary.json", summary), "validation": ("validation/summary.json", summary),
+               "frontier": ("evaluation/frontier.json", frontier), "stability": ("stability.json", stability)}
+    for section, (file, read) in readers.items():
+        if (run / file).exists():
+            out[section] = read(run / file)
+    for section, read in (("savings", savings), ("bakes", bake), ("look_up", look_up)):
+        if files := sorted((run / section).glob("*.json")):
+            out[section] = {file.stem: read(file) for file in files}
+    if files := sorted((run / "benchmarks").glob("*.json")):
+        out["benchmarks"] = benchmarks(files)
+    if len(out) == 4:
+        fail(run, "the folder of a run that measured something", "none of its files")
+    if "frontier" in out and "evaluation" in out and out["frontier"]["held_out_sha256"] != out["evaluation"]["held_out_sha256"]:
+        fail(run / "evaluation/frontier.json", "the shards that summary.json is of", "others")
+    out["weights"] = check_weights(out, run)
+    return rounded(out, str(run))
+
+
+def dump(value, indent=""):
+    """JSON with a line for every leaf of the tree that fits on one: differences between two revisions are readable."""
+    text = json.dumps(value, ensure_ascii=False)
+    if not isinstance(value, (dict, list)) or len(indent) + len(text) <= 150:
+        return text
+    deeper = indent + " "
+    if isinstance(value, list):
+        return "[\n" + ",\n".join(deeper + dump(item, deeper) for item in value) + f"\n{indent}]"
+    return "{\n" + ",\n".join(f"{deeper}{json.dumps(key, ensure_ascii=False)}: {dump(item, deeper)}" for key, item in value.items()) + f"\n{indent}}}"
