@@ -39,12 +39,6 @@ GeneratorPrecision generatorPrecision(const std::string& name) {
   throw UsageError("generator_precision", "float32 or int16", "'" + name + "'");
 }
 
-ThetaPrecision thetaPrecision(const std::string& name) {
-  if (name == "float32") return ThetaPrecision::float32;
-  if (name == "float16") return ThetaPrecision::float16;
-  throw UsageError("theta_precision", "float32 or float16", "'" + name + "'");
-}
-
 void chooseSimd(const std::string& name) {
   // the variable first, whatever the option says: later Generator::load would read it and override the option
   const SimdStatus inherited = forceSimdTargetFromEnvironment();
@@ -105,7 +99,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   inputs.insert(inputs.end(), {request.scene, request.config});
   if (request.out_is_given) refuseToReplaceInputs(request.out, inputs);
   const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
-  options.policy.theta_precision = thetaPrecision(options.theta_precision);
+  options.policy.theta_precision = thetaPrecisionFromName(options.theta_precision);
   chooseSimd(options.simd);
   std::map<std::string, WeightsUsed> weights;
   const std::vector<Generator> generators = loadGenerators(request.weights, precision, &weights);

@@ -1,5 +1,7 @@
 #include "bake/policy_options.h"
 
+#include "tool/error.h"
+
 namespace nlg {
 
 void describePolicy(PolicyOptions& o, OptionTable& table) {
@@ -34,6 +36,12 @@ void describePolicy(PolicyOptions& o, OptionTable& table) {
             "several weights: an error of direct optimisation that needs no larger representation", 0.0, 1e3);
   table.add("choice_generator_excess", &o.choice.generator_excess,
             "errors of predicted theta are about so many times those of direct optimisation", 1.0, 1e3);
+}
+
+ThetaPrecision thetaPrecisionFromName(const std::string& name) {
+  if (name == "float32") return ThetaPrecision::float32;
+  if (name == "float16") return ThetaPrecision::float16;
+  throw UsageError("theta_precision", "float32 or float16", "'" + name + "'");
 }
 
 std::string stagesHelp(const PolicyOptions& options) {

@@ -11,6 +11,10 @@ namespace nlg {
 // Every option of the policy but theta_precision, which only a grid has.
 void describePolicy(PolicyOptions& options, OptionTable& table);
 
+// "float32" or "float16", as the option theta_precision takes them.
+// throws   UsageError on any other name
+ThetaPrecision thetaPrecisionFromName(const std::string& name);
+
 // The stages that every representation goes through with these options, a line each, for --help. Weights are taken to hold an exact
 // last layer (networks with a linear output) and learned steps; thresholds may rise for a generator that is wrong about the tent.
 std::string stagesHelp(const PolicyOptions& options);

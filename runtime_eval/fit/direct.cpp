@@ -8,12 +8,15 @@
 
 namespace nlg {
 
+int directAdamSteps(const Representation& representation, const DirectOptions& options) {
+  const int64_t points = int64_t{options.adam_steps} * kMinibatchPointCount;
+  return static_cast<int>(points / std::min(pointOrder(representation).minibatch_places, kSupportPointCount));
+}
+
 DirectResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,
                        const DirectOptions& options, NormalEquationsKernel* kernel) {
   const LevenbergMarquardtOptions polish = refinementLevenbergMarquardt(representation, options.levenberg_iterations);
-  // a field's step reads all points: fewer of them for the same work
-  const int adam_steps =
-      options.adam_steps * kMinibatchPointCount / std::min(pointOrder(representation).minibatch_places, kSupportPointCount);
+  const int adam_steps = directAdamSteps(representation, options);
   DirectResult result;
   const auto consider = [&](const FitResult& candidate) {
     // also when the best so far is not finite, which a theta0 of NaN would make it
@@ -26,13 +29,15 @@ DirectResult fitDirect(const Representation& representation, const WeightingFunc
   result.adam_from_theta0 = fitAdam(representation, function, theta0, refinementAdam(representation, adam_steps));
   result.best = result.levenberg_from_theta0;
   consider(polished(result.adam_from_theta0));
+  if (representation.isField()) consider(fitNested(representation, function, options.levenberg_iterations, kernel));
+  result.best_by_restarts.push_back(result.best.rmse);
   for (int restart = 0; restart < options.restarts; ++restart) {
     const Theta start = randomTheta(representation, mixSeed(options.seed, restart));
     const FitResult fit = fitAdam(representation, function, start, randomStartAdam(adam_steps));
     if (restart == 0) result.adam_from_random = fit;
     consider(polished(fit));
+    result.best_by_restarts.push_back(result.best.rmse);
   }
-  if (representation.isField()) consider(fitNested(representation, function, options.levenberg_iterations, kernel));
   return result;
 }
 

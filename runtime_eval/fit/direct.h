@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
@@ -20,8 +21,12 @@ struct DirectResult {
   FitResult best;
   FitResult adam_from_theta0;  // long Adam alone
   FitResult levenberg_from_theta0;
-  FitResult adam_from_random;  // the first random start, Adam alone: what a fixed budget from scratch reaches
+  FitResult adam_from_random;            // the first random start, Adam alone: what a fixed budget from scratch reaches
+  std::vector<double> best_by_restarts;  // RMSE of the best before any random start, after the first, … after the last
 };
+
+// Adam's steps of every start: a field's step reads all points, so that it takes fewer of them for the same work.
+int directAdamSteps(const Representation& representation, const DirectOptions& options);
 
 // Best of: Adam from theta0, then LM; LM from theta0; Adam from each random start, then LM; for product fields also fitNested.
 DirectResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,

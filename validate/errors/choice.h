@@ -7,23 +7,23 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runtime_eval/fit/representation_choice.h"
-#include "validate/errors/method.h"
+#include "runtime_eval/evaluator/generator.h"
+#include "validate/errors/populations.h"
 
 namespace nlg {
 
-// One representation on the functions that direct optimisation ran on, in the same order for all representations.
+// Direct optimisation in one representation.
 struct ChoiceColumn {
-  std::string name;
-  int theta_count = 0;
-  std::vector<FunctionError> generated, direct;
+  const Generator* generator = nullptr;
+  std::vector<FunctionCheck> direct;  // by function of the sample
 };
 
+// Runs the policy over all the generators at once, as a bake does, on the sample's functions.
 // columns   by rising theta_count; at least two
 // returns   "functions"; "agree", "generator_smaller", "generator_larger": shares; "counts": for each pair "generator → direct" of
 //           names how many functions; "floats": mean number of parameters by either choice; "rmse_direct": mean error of direct
 //           optimisation in the representation that either chose; keys: docs/reference/formats.md
-nlohmann::ordered_json choiceJson(const std::vector<ChoiceColumn>& columns, const CheckOptions& check,
-                                  const ChoiceOptions& options);
+nlohmann::ordered_json choiceJson(const std::vector<ChoiceColumn>& columns, const FunctionSet& set,
+                                  const Populations& populations, const ValidateOptions& options);
 
 }  // namespace nlg

@@ -21,44 +21,42 @@ struct MeanSquare {
 ErrorMeter::ErrorMeter(const FunctionSet& set)
     : set_(set),
       points_(makePointSet(supportPattern().points)),
-      unseen_points_(makePointSet(testPoints(set.test_point_count))),
+      test_points_(makePointSet(testPoints(set.test_point_count))),
       values_(points_.padded_count),
-      unseen_values_(unseen_points_.padded_count) {}
+      test_values_(test_points_.padded_count) {}
 
 FunctionError ErrorMeter::measure(const Representation& representation, const float* theta, uint64_t index,
                                   PooledMagnitudes* leaks) {
   evaluate(representation, points_, theta, values_.data());
-  evaluate(representation, unseen_points_, theta, unseen_values_.data());
-  return compare(values_.data(), unseen_values_.data(), index, leaks);
+  evaluate(representation, test_points_, theta, test_values_.data());
+  return compare(values_.data(), test_values_.data(), index, leaks);
 }
 
 FunctionError ErrorMeter::measureTent(uint64_t index, PooledMagnitudes* leaks) {
-  return compare(points_.tent.data(), unseen_points_.tent.data(), index, leaks);
+  return compare(points_.tent.data(), test_points_.tent.data(), index, leaks);
 }
 
-FunctionError ErrorMeter::compare(const float* values, const float* unseen_values, uint64_t index, PooledMagnitudes* leaks) {
+FunctionError ErrorMeter::compare(const float* values, const float* test_values, uint64_t index, PooledMagnitudes* leaks) {
   const size_t point_count = set_.point_count, test_count = set_.test_point_count;
-  MeanSquare all, shadow, unseen;
-  zero_point_values_.clear();
+  MeanSquare all, occluded, test;
+  leak_magnitudes_.clear();
   for (size_t i = 0; i < point_count; ++i) {
     if (!bit(set_.validity, index, point_count, i)) continue;
     const uint8_t phi = set_.phi[index * point_count + i];
     const double residual = values[i] - phi / 255.0;
     all.add(residual);
-    if (!bit(set_.seen, index, point_count, i)) shadow.add(residual);
+    if (bit(set_.seen, index, point_count, i)) continue;
+    occluded.add(residual);
     if (phi != 0) continue;
-    zero_point_values_.push_back(std::fabs(values[i]));
+    leak_magnitudes_.push_back(std::fabs(values[i]));
     if (leaks) leaks->add(values[i]);
   }
   for (size_t i = 0; i < test_count; ++i) {
     if (!bit(set_.validity_test, index, test_count, i)) continue;
-    unseen.add(unseen_values[i] - set_.phi_test[index * test_count + i] / 255.0);
+    test.add(test_values[i] - set_.phi_test[index * test_count + i] / 255.0);
   }
-  FunctionError error{all.root(), unseen.root(), shadow.root(), shadow.count > 0};
-  for (const double value : zero_point_values_) error.leak_mean += value;
-  if (!zero_point_values_.empty()) error.leak_mean /= static_cast<double>(zero_point_values_.size());
-  error.leak_p99 = quantile(zero_point_values_, 0.99);
-  return error;
+  sorted_ = leak_magnitudes_;
+  return {all.root(), test.root(), occluded.root(), occluded.count > 0, mean(leak_magnitudes_), quantile(sorted_, 0.99)};
 }
 
 }  // namespace nlg

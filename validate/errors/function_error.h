@@ -9,33 +9,41 @@
 namespace nlg {
 
 struct FunctionError {
-  double rmse = 0;         // over valid support points: what fits minimise
-  double rmse_unseen = 0;  // over valid points that no fit sees
-  double rmse_shadow = 0;  // over valid support points that the probe does not see; 0 when there are none
-  bool has_shadow = false;
-  double leak_mean = 0;  // mean |value| over valid support points whose phi is stored as 0
+  double rmse = 0;              // over valid support points: what fits minimise
+  double rmse_test_points = 0;  // over valid test points, which no fit has seen
+  double rmse_occluded = 0;     // over valid support points that the probe does not see; 0 when there are none
+  bool has_occluded = false;
+  double leak_mean = 0;  // mean |value| over occluded points whose phi is stored as 0; 0 when there are none
   double leak_p99 = 0;   // 99th percentile of the same
 };
 
-// Points that all functions of a set share, prepared once.
+// Points that all functions of a set share, prepared once. One of these a thread.
+//
+// A leak is weight where the probe does not see and where phi is 0. The bake's check (FunctionCheck) does not know what the probe
+// sees, and counts every valid point whose phi is stored as 0; a twentieth of these it does see, at the tent's rim, where the tent
+// rounds to 0.
 class ErrorMeter {
  public:
   explicit ErrorMeter(const FunctionSet& set);
 
   // index         function of the set
-  // leaks         collects |value| at every valid point whose phi is 0; may be null
-  FunctionError measure(const Representation& representation, const float* theta, uint64_t index, PooledMagnitudes* leaks);
+  // leaks         collects |value| at every point that counts for leaks; may be null
+  FunctionError measure(const Representation& representation, const float* theta, uint64_t index,
+                        PooledMagnitudes* leaks = nullptr);
 
   // The same for the bare tent, no network at all.
-  FunctionError measureTent(uint64_t index, PooledMagnitudes* leaks);
+  FunctionError measureTent(uint64_t index, PooledMagnitudes* leaks = nullptr);
+
+  // |value| at every point that counted for leaks in what was measured last.
+  const std::vector<double>& leakMagnitudes() const { return leak_magnitudes_; }
 
  private:
-  FunctionError compare(const float* values, const float* unseen_values, uint64_t index, PooledMagnitudes* leaks);
+  FunctionError compare(const float* values, const float* test_values, uint64_t index, PooledMagnitudes* leaks);
 
   const FunctionSet& set_;
-  PointSet points_, unseen_points_;  // pattern order
-  AlignedFloats values_, unseen_values_;
-  std::vector<double> zero_point_values_;
+  PointSet points_, test_points_;  // pattern order
+  AlignedFloats values_, test_values_;
+  std::vector<double> leak_magnitudes_, sorted_;
 };
 
 }  // namespace nlg

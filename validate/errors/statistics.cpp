@@ -38,7 +38,7 @@ void PooledMagnitudes::add(double value) {
   const double magnitude = std::fabs(value);
   ++bins_[static_cast<size_t>(std::min<double>(kBinCount - 1, magnitude * 2048.0))];
   ++count_;
-  sum_ += magnitude;
+  sum_ += static_cast<uint64_t>(std::llround(std::min(magnitude, 16.0) * 0x1p30));
 }
 
 void PooledMagnitudes::add(const PooledMagnitudes& other) {

@@ -21,19 +21,19 @@ Quantiles quantiles(std::vector<double> values);
 // The value at a share of the sorted list, whose order it may change; 0 <= share <= 1; 0 for an empty list.
 double quantile(std::vector<double>& values, double share);
 
-// Mean and quantiles of magnitudes pooled over points, in constant memory: bins of 1/2048 up to 2, larger ones in the last bin.
+// Mean and quantiles of magnitudes pooled over points, in constant memory: bins of 1/2048 up to 2, larger ones in the last bin. The
+// same, bit for bit, in whatever order they come: sums are whole numbers of 2^-30, and what is above 16 counts as 16.
 class PooledMagnitudes {
  public:
   void add(double value);
   void add(const PooledMagnitudes& other);
-  double mean() const { return count_ > 0 ? sum_ / static_cast<double>(count_) : 0.0; }
+  double mean() const { return count_ > 0 ? static_cast<double>(sum_) * 0x1p-30 / static_cast<double>(count_) : 0.0; }
   double quantile(double share) const;  // upper edge of the bin
 
  private:
   static constexpr int kBinCount = 4096;
   std::array<uint64_t, kBinCount> bins_{};
-  uint64_t count_ = 0;
-  double sum_ = 0.0;
+  uint64_t count_ = 0, sum_ = 0;
 };
 
 }  // namespace nlg

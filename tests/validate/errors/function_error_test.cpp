@@ -5,12 +5,10 @@
 #include <cmath>
 #include <functional>
 
-#include "validate/errors/method.h"
-
 namespace nlg {
 namespace {
 
-constexpr int kTest = 64;
+constexpr int kTestPoints = 64;
 
 using Bits = std::function<bool(int)>;
 
@@ -25,19 +23,19 @@ void appendBits(int count, const Bits& at, std::vector<uint8_t>& bytes) {
 // Appends a function that is `phi` at its support points and `phi_test` elsewhere.
 void append(FunctionSet& set, const std::function<uint8_t(int)>& phi, const Bits& valid, const Bits& seen, uint8_t phi_test) {
   set.point_count = kSupportPointCount;
-  set.test_point_count = kTest;
+  set.test_point_count = kTestPoints;
   set.scene_idx.push_back(0);
   for (int p = 0; p < kSupportPointCount; ++p) set.phi.push_back(valid(p) ? phi(p) : 0);
   appendBits(kSupportPointCount, valid, set.validity);
   appendBits(kSupportPointCount, seen, set.seen);
-  set.phi_test.insert(set.phi_test.end(), kTest, phi_test);
+  set.phi_test.insert(set.phi_test.end(), kTestPoints, phi_test);
   appendBits(
-      kTest, [](int i) { return i % 2 == 0; }, set.validity_test);
+      kTestPoints, [](int i) { return i % 2 == 0; }, set.validity_test);
   appendBits(
-      kTest, [](int) { return true; }, set.seen_test);
+      kTestPoints, [](int) { return true; }, set.seen_test);
 }
 
-const Bits kAlways = [](int) { return true; };
+const Bits kAlways = [](int) { return true; }, kNever = [](int) { return false; };
 
 // A network whose output is the constant `value` everywhere.
 std::vector<float> constantTheta(float value) {
@@ -55,9 +53,9 @@ TEST(ErrorMeter, MeasuresAConstantInClosedForm) {
   PooledMagnitudes leaks;
   const FunctionError error = meter.measure({}, constantTheta(0.5f).data(), 0, &leaks);
   EXPECT_NEAR(error.rmse, std::sqrt(0.25 * 0.3 * 0.3 + 0.75 * 0.25), 1e-12);
-  EXPECT_TRUE(error.has_shadow);
-  EXPECT_NEAR(error.rmse_shadow, 0.5, 1e-12);
-  EXPECT_NEAR(error.rmse_unseen, 0.1, 1e-12);
+  EXPECT_TRUE(error.has_occluded);
+  EXPECT_NEAR(error.rmse_occluded, 0.5, 1e-12);
+  EXPECT_NEAR(error.rmse_test_points, 0.1, 1e-12);
   EXPECT_EQ(error.leak_mean, 0.5);
   EXPECT_EQ(error.leak_p99, 0.5);
   EXPECT_EQ(leaks.mean(), 0.5);
@@ -71,20 +69,38 @@ TEST(ErrorMeter, LeavesInvalidPointsOut) {
   PooledMagnitudes leaks;
   const FunctionError error = meter.measure({}, constantTheta(1.0f).data(), 0, &leaks);
   EXPECT_EQ(error.rmse, 0.0);
-  EXPECT_EQ(error.rmse_unseen, 0.0);
-  EXPECT_FALSE(error.has_shadow);
-  EXPECT_EQ(error.rmse_shadow, 0.0);
+  EXPECT_EQ(error.rmse_test_points, 0.0);
+  EXPECT_FALSE(error.has_occluded);
+  EXPECT_EQ(error.rmse_occluded, 0.0);
   EXPECT_EQ(error.leak_mean + error.leak_p99 + leaks.mean(), 0.0) << "no valid point has phi 0";
 }
 
 TEST(ErrorMeter, CountsALeakOfEitherSign) {
   FunctionSet set;
   append(
-      set, [](int) { return 0; }, kAlways, kAlways, 0);
+      set, [](int) { return 0; }, kAlways, kNever, 0);
   ErrorMeter meter(set);
   PooledMagnitudes leaks;
   EXPECT_EQ(meter.measure({}, constantTheta(-0.25f).data(), 0, &leaks).leak_mean, 0.25);
   EXPECT_EQ(leaks.mean(), 0.25);
+}
+
+TEST(ErrorMeter, CountsNoLeakWhereTheProbeSees) {
+  // phi is 0 everywhere; the probe sees every fourth point, as it does at the rim of the tent
+  FunctionSet set;
+  append(
+      set, [](int) { return 0; }, kAlways, [](int p) { return p % 4 == 0; }, 0);
+  ErrorMeter meter(set);
+  PooledMagnitudes leaks;
+  EXPECT_EQ(meter.measure({}, constantTheta(0.5f).data(), 0, &leaks).leak_mean, 0.5);
+  EXPECT_EQ(meter.leakMagnitudes().size(), 3u * kSupportPointCount / 4);
+  append(
+      set, [](int) { return 0; }, kAlways, kAlways, 0);
+  const FunctionError all_seen = meter.measure({}, constantTheta(0.5f).data(), 1, &leaks);
+  EXPECT_EQ(all_seen.rmse, 0.5);
+  EXPECT_EQ(all_seen.leak_mean, 0.0);
+  EXPECT_EQ(all_seen.leak_p99, 0.0);
+  EXPECT_EQ(leaks.mean(), 0.5) << "nothing was added";
 }
 
 TEST(ErrorMeter, GivesZerosForAFunctionWithoutAnyValidPoint) {
@@ -93,14 +109,14 @@ TEST(ErrorMeter, GivesZerosForAFunctionWithoutAnyValidPoint) {
       set, [](int) { return 0; }, [](int) { return false; }, [](int) { return false; }, 0);
   ErrorMeter meter(set);
   const FunctionError error = meter.measure({}, constantTheta(1.0f).data(), 0, nullptr);
-  EXPECT_EQ(error.rmse + error.rmse_shadow + error.leak_mean + error.leak_p99, 0.0);
+  EXPECT_EQ(error.rmse + error.rmse_occluded + error.leak_mean + error.leak_p99, 0.0);
 }
 
 TEST(ErrorMeter, FindsTheTentNearlyRight) {
   // stored as bytes: the tent is off by at most half a step, 1/510, at every point; uniform errors of a step: 1/255/sqrt(12)
   FunctionSet set;
   const auto stored = [](int p) { return static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p]))); };
-  append(set, stored, kAlways, kAlways, 0);
+  append(set, stored, kAlways, kNever, 0);
   ErrorMeter meter(set);
   const FunctionError error = meter.measureTent(0, nullptr);
   EXPECT_LE(error.rmse, 1.0 / 510);
@@ -121,21 +137,8 @@ TEST(ErrorMeter, ReadsTheFunctionThatItIsAskedFor) {
   for (uint64_t n = 0; n < 3; ++n) {
     const FunctionError error = meter.measure({}, constantTheta(0.2f).data(), n, nullptr);
     EXPECT_NEAR(error.rmse, expected[n], 1e-8) << "function " << n;
-    EXPECT_NEAR(error.rmse_unseen, expected[n], 1e-8) << "function " << n;
+    EXPECT_NEAR(error.rmse_test_points, expected[n], 1e-8) << "function " << n;
   }
-}
-
-TEST(NeedsRefinement, IsToldByEitherThreshold) {
-  ValidateOptions options;
-  options.refinement.check.tau_rmse = 0.02, options.refinement.check.tau_leak = 0.1;
-  FunctionError error;
-  EXPECT_FALSE(needsRefinement(error, options));
-  error.rmse = 0.021;
-  EXPECT_TRUE(needsRefinement(error, options));
-  error.rmse = 0.02, error.leak_p99 = 0.11;
-  EXPECT_TRUE(needsRefinement(error, options));
-  error.leak_p99 = 0.1;
-  EXPECT_FALSE(needsRefinement(error, options)) << "neither is above its threshold";
 }
 
 }  // namespace

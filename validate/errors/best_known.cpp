@@ -1,0 +1,112 @@
+#include "validate/errors/best_known.h"
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <mutex>
+
+#include "runtime_eval/numbers/random.h"
+#include "tool/parallel_for.h"
+#include "tool/progress.h"
+
+namespace nlg {
+namespace {
+
+using FunctionFits = std::array<FitResult, kLongFitCount>;
+
+struct Candidate {
+  const char* name;
+  FitResult fit;
+};
+
+// All fits of one function. from: receives the name of the one that is best known
+FunctionFits fitAll(const Generator& generator, const WeightingFunction& function, const Theta& stored,
+                    const DirectOptions& options, NormalEquationsKernel* kernel, const char** from) {
+  const Representation& representation = generator.representation();
+  const Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
+  const LevenbergMarquardtOptions polish = refinementLevenbergMarquardt(representation, options.levenberg_iterations);
+  DirectResult direct;
+  FitResult best = timedFit([&] {
+    direct = fitDirect(representation, function, theta0, options, kernel);
+    return direct.best;
+  });
+  FunctionFits fits = {best, direct.adam_from_theta0, direct.levenberg_from_theta0, direct.adam_from_random, {}};
+  const auto adamStored = [&] {
+    const FitResult adam =
+        fitAdam(representation, function, stored, refinementAdam(representation, directAdamSteps(representation, options)));
+    return fitLevenbergMarquardt(representation, function, adam.theta, polish, kernel);
+  };
+  const Candidate others[] = {{"adam_stored", timedFit(adamStored)},
+                              {"lm_stored", fitLevenbergMarquardt(representation, function, stored, polish, kernel)}};
+  *from = longFitName(LongFit::direct);
+  double elapsed_us = best.elapsed_us;
+  for (const Candidate& other : others) {
+    elapsed_us += other.fit.elapsed_us;
+    if (!(other.fit.rmse < best.rmse) && std::isfinite(best.rmse)) continue;
+    best = other.fit;
+    *from = other.name;
+  }
+  best.elapsed_us = elapsed_us;  // nobody knows the best before all have run
+  fits[static_cast<size_t>(LongFit::best_known)] = best;
+  return fits;
+}
+
+struct Thread {
+  explicit Thread(const FunctionSet& set) : meter(set) {}
+  ErrorMeter meter;
+  FunctionChecker checker;
+  NormalEquationsKernel kernel;
+  std::vector<PopulationLeaks> leaks{kLongFitCount};
+};
+
+}  // namespace
+
+const char* longFitName(LongFit fit) {
+  constexpr const char* kNames[kLongFitCount] = {"direct", "adam_theta0", "lm_theta0", "adam_random", "best_known"};
+  return kNames[static_cast<size_t>(fit)];
+}
+
+uint64_t startSeed(const ValidateOptions& options, uint64_t function) { return mixSeed(options.seed, function); }
+
+LongFits measureLongFits(const Generator& generator, const FunctionSet& set, const Populations& populations,
+                         const std::vector<MadeTheta>& made, const ValidateOptions& options) {
+  const Representation& representation = generator.representation();
+  const std::vector<uint64_t>& sample = populations.sample();
+  LongFits result;
+  for (int f = 0; f < kLongFitCount; ++f) {
+    result.words.push_back({longFitName(static_cast<LongFit>(f)), std::vector<MeasuredFunction>(sample.size()), {}});
+  }
+  result.direct_checks.resize(sample.size());
+  std::vector<std::unique_ptr<Thread>> threads;
+  for (int t = 0; t < options.threadCount(); ++t) threads.push_back(std::make_unique<Thread>(set));
+  Progress progress(std::string(representationName(representation)) + ": functions fitted", static_cast<int64_t>(sample.size()));
+  std::mutex mutex;
+  int64_t done = 0;
+  parallelFor(sample.size(), options.threadCount(), [&](uint64_t n, int t) {
+    Thread& thread = *threads[t];
+    const uint64_t function = sample[n];
+    const StoredFunction stored = storedFunction(set, function);
+    DirectOptions direct = options.direct;
+    direct.seed = startSeed(options, function);
+    const char* from = nullptr;
+    const FunctionFits fits = fitAll(generator, decodeFunction(stored, pointOrder(representation)), made[function].theta, direct,
+                                     &thread.kernel, &from);
+    for (int f = 0; f < kLongFitCount; ++f) {
+      const FunctionCheck check = thread.checker.check(representation, stored, fits[f].theta.data(), options.policy.check());
+      if (f == static_cast<int>(LongFit::direct)) result.direct_checks[n] = check;
+      const FunctionError error = thread.meter.measure(representation, fits[f].theta.data(), function);
+      result.words[f].functions[n] = {function, error, !check.passes(options.policy.check()), true, fits[f].elapsed_us};
+      thread.leaks[f].add(thread.meter.leakMagnitudes(), function, populations);
+    }
+    const std::lock_guard lock(mutex);
+    ++result.best_known_from[from];
+    progress.update(++done);
+  });
+  for (int f = 0; f < kLongFitCount; ++f) {
+    for (const auto& thread : threads) result.words[f].leaks.add(thread->leaks[f]);
+    result.words[f].mustBeFinite();
+  }
+  return result;
+}
+
+}  // namespace nlg

@@ -1,0 +1,36 @@
+// What long fits reach on the sample: direct optimisation, its parts, and the best that is known of a function.
+//
+// *Direct* starts from theta_0 and at random (runtime_eval/fit/direct.h). *Best known* is the lowest error of direct and of two long
+// fits that start from what the policy stores: Adam with direct's budget, then Levenberg–Marquardt; Levenberg–Marquardt alone.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/fit/theta_policy.h"
+#include "validate/errors/measured_word.h"
+
+namespace nlg {
+
+enum class LongFit : uint8_t { direct, adam_theta0, lm_theta0, adam_random, best_known };
+inline constexpr int kLongFitCount = 5;
+const char* longFitName(LongFit fit);
+
+struct LongFits {
+  std::vector<MeasuredWord> words;                  // by LongFit, on the sample's functions
+  std::vector<FunctionCheck> direct_checks;         // by function of the sample
+  std::map<std::string, uint64_t> best_known_from;  // the fit that found it ("direct", "adam_stored", "lm_stored") → functions
+
+  const MeasuredWord& at(LongFit fit) const { return words[static_cast<size_t>(fit)]; }
+};
+
+// made   by function of the set: what the policy stores
+LongFits measureLongFits(const Generator& generator, const FunctionSet& set, const Populations& populations,
+                         const std::vector<MadeTheta>& made, const ValidateOptions& options);
+
+// The seed of a function's random starts.
+uint64_t startSeed(const ValidateOptions& options, uint64_t function);
+
+}  // namespace nlg

@@ -1,0 +1,52 @@
+// Intervals by bootstrap over scenes: how far a figure would move if other scenes had been held out.
+//
+// Functions of one scene resemble each other, so that scenes are drawn, never functions: a resample has as many scenes as there are,
+// drawn with replacement, with all functions of each (Efron & Tibshirani 1993, chapter 8). The interval reaches from the 2.5th to
+// the 97.5th percentile of the resamples' figures. With few scenes it is somewhat too narrow: of a mean over 24 scenes it holds the
+// truth nine times in ten (bootstrap_test.cpp). One scene says nothing of others: there both ends are the value itself, and
+// isOneScene says so.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace nlg {
+
+struct BootstrapOptions {
+  int resamples = 1000;
+  double confidence = 0.95;
+  uint64_t seed = 1;
+};
+
+struct Interval {
+  double value = 0.0, low = 0.0, high = 0.0;  // low <= value <= high, but for figures that resampling shifts to one side
+};
+
+class SceneBootstrap {
+ public:
+  // scene_of_value   of every value of the lists to come; scenes without any value are not drawn
+  explicit SceneBootstrap(const std::vector<uint32_t>& scene_of_value, const BootstrapOptions& options = {});
+
+  bool isOneScene() const { return scene_count_ <= 1; }
+
+  // Zeros for an empty list.
+  // values   one a scene_of_value, in their order; finite
+  Interval mean(const std::vector<double>& values) const;
+  // Linear between order statistics, as quantile() is.
+  // shares    rising, in [0, 1]
+  // returns   one interval a share
+  std::vector<Interval> quantiles(const std::vector<double>& values, const std::vector<double>& shares) const;
+
+ private:
+  Interval interval(double value, std::vector<double> resampled) const;
+  const uint32_t* draws(int resample) const { return &draws_[static_cast<size_t>(resample) * scene_count_]; }
+
+  BootstrapOptions options_;
+  size_t scene_count_ = 0;        // that have a value
+  std::vector<uint32_t> scene_;   // of every value: 0 … scene_count - 1
+  std::vector<uint64_t> values_;  // by scene: how many
+  std::vector<uint32_t> draws_;   // by resample and scene: how often it was drawn
+};
+
+}  // namespace nlg

@@ -1,0 +1,27 @@
+// Whether direct optimisation has converged: its error on hard functions with more random starts, and with fewer and more steps.
+#pragma once
+
+#include <vector>
+
+#include "runtime_eval/evaluator/generator.h"
+#include "validate/errors/populations.h"
+
+namespace nlg {
+
+// Mean RMSE over the same functions of the best of all fits, at one setting.
+struct ConvergencePoint {
+  int restarts = 0;
+  int adam_steps = 0;
+  double rmse_mean = 0.0;
+};
+
+struct Convergence {
+  uint64_t functions = 0;
+  std::vector<ConvergencePoint> by_restarts;  // 0 … twice those of direct, at its steps
+  std::vector<ConvergencePoint> by_steps;     // a quarter, half, all, twice those of direct, at its restarts
+};
+
+Convergence measureConvergence(const Generator& generator, const FunctionSet& set, const Populations& populations,
+                               const ValidateOptions& options);
+
+}  // namespace nlg

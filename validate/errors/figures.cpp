@@ -1,0 +1,80 @@
+#include "validate/errors/figures.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ends(const Interval& interval) { return {interval.low, interval.high}; }
+
+// The columns of one population.
+struct Columns {
+  std::vector<uint32_t> scenes;  // of all but the occluded ones
+  std::vector<double> rmse, rmse_test_points, fails, fitted, elapsed_us;
+  ValuesByScene rmse_occluded;
+};
+
+Columns columnsOf(const MeasuredWord& word, Scope scope, Population population, const FigureContext& context) {
+  Columns columns;
+  for (const MeasuredFunction& one : word.functions) {
+    if (!context.populations.contains(scope, population, one.function)) continue;
+    const uint32_t scene = context.set.scene_idx[one.function];
+    columns.scenes.push_back(scene);
+    columns.rmse.push_back(one.error.rmse);
+    columns.rmse_test_points.push_back(one.error.rmse_test_points);
+    if (one.error.has_occluded) columns.rmse_occluded.add(one.error.rmse_occluded, scene);
+    columns.fails.push_back(one.fails_check);
+    columns.fitted.push_back(one.fitted);
+    columns.elapsed_us.push_back(one.elapsed_us);
+  }
+  return columns;
+}
+
+Json quantilesJson(const std::vector<double>& values, const SceneBootstrap& bootstrap) {
+  Json json = nlg::quantilesJson(values);
+  const std::vector<Interval> quantiles = bootstrap.quantiles(values, {0.5, 0.95});
+  json["interval"] = {{"median", ends(quantiles[0])}, {"mean", ends(bootstrap.mean(values))}, {"p95", ends(quantiles[1])}};
+  return json;
+}
+
+Json figures(const MeasuredWord& word, Scope scope, Population population, const FigureContext& context) {
+  const Columns columns = columnsOf(word, scope, population, context);
+  const SceneBootstrap bootstrap(columns.scenes, context.bootstrap);
+  const PooledMagnitudes& leaks = word.leaks.of(scope, population);
+  const Quantiles time = quantiles(columns.elapsed_us);
+  return {{"functions", columns.rmse.size()},
+          {"rmse", quantilesJson(columns.rmse, bootstrap)},
+          {"rmse_test_points", quantilesJson(columns.rmse_test_points, bootstrap)},
+          {"rmse_occluded", nlg::quantilesJson(columns.rmse_occluded, context.bootstrap)},
+          {"leak", {{"mean", leaks.mean()}, {"p99", leaks.quantile(0.99)}}},
+          {"share_failing_check", intervalJson(bootstrap.mean(columns.fails))},
+          {"share_fitted", intervalJson(bootstrap.mean(columns.fitted))},
+          {"us_per_function", time.mean},
+          {"us_per_function_median", time.median}};
+}
+
+}  // namespace
+
+Json intervalJson(const Interval& interval) {
+  return {{"value", interval.value}, {"low", interval.low}, {"high", interval.high}};
+}
+
+Json quantilesJson(const std::vector<double>& values) {
+  const Quantiles q = quantiles(values);
+  return {{"median", q.median}, {"mean", q.mean}, {"p95", q.p95}, {"p99", q.p99}, {"worst", q.worst}, {"functions", q.count}};
+}
+
+Json quantilesJson(const ValuesByScene& values, const BootstrapOptions& bootstrap) {
+  return quantilesJson(values.values, SceneBootstrap(values.scenes, bootstrap));
+}
+
+Json figuresByPopulation(const MeasuredWord& word, Scope scope, const FigureContext& context) {
+  Json json;
+  for (int p = 0; p < kPopulationCount; ++p) {
+    const auto population = static_cast<Population>(p);
+    json[populationName(population)] = figures(word, scope, population, context);
+  }
+  return json;
+}
+
+}  // namespace nlg

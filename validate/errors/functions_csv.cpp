@@ -1,0 +1,25 @@
+#include "validate/errors/functions_csv.h"
+
+#include "validate/errors/csv_field.h"
+
+namespace nlg {
+
+FunctionsCsv::FunctionsCsv(const FunctionSet& set, const Populations& populations) : set_(set), populations_(populations) {
+  text_
+      << "representation,word,function,scene,take_theta,hard,rmse,rmse_test_points,rmse_occluded,leak_mean,leak_p99,fails_check,"
+         "fitted,elapsed_us\n";
+}
+
+void FunctionsCsv::add(const std::string& representation, const MeasuredWord& word) {
+  for (const MeasuredFunction& one : word.functions) {
+    const FunctionError& error = one.error;
+    text_ << representation << ',' << word.name << ',' << one.function << ','
+          << csvField(set_.scene_ids[set_.scene_idx[one.function]]) << ',' << populations_.takesTheta(one.function) << ','
+          << populations_.isHard(one.function) << ',' << error.rmse << ',' << error.rmse_test_points << ',';
+    if (error.has_occluded) text_ << error.rmse_occluded;
+    text_ << ',' << error.leak_mean << ',' << error.leak_p99 << ',' << one.fails_check << ',' << one.fitted << ','
+          << one.elapsed_us << '\n';
+  }
+}
+
+}  // namespace nlg

@@ -1,0 +1,78 @@
+#include "validate/errors/policy_words.h"
+
+#include <chrono>
+#include <mutex>
+
+#include "tool/progress.h"
+#include "validate/errors/policy_run.h"
+
+namespace nlg {
+namespace {
+
+struct Thread {
+  explicit Thread(const FunctionSet& set) : meter(set) {}
+  ErrorMeter meter;
+  std::vector<PopulationLeaks> leaks{kThetaWordCount};  // by word
+};
+
+MeasuredFunction measured(uint64_t function, const FunctionError& error, const ThetaRecord& record, ThetaWord word,
+                          const CheckOptions& check) {
+  const bool may_be_fitted = word == ThetaWord::fitted || word == ThetaWord::stored;
+  return {function, error, !record.at(word).passes(check), may_be_fitted && record.took_fit, record.elapsedUs(word)};
+}
+
+}  // namespace
+
+std::vector<StoredFunction> storedFunctions(const FunctionSet& set) {
+  std::vector<StoredFunction> functions;
+  for (uint64_t i = 0; i < set.functionCount(); ++i) functions.push_back(storedFunction(set, i));
+  return functions;
+}
+
+PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, const Populations& populations,
+                          const ValidateOptions& options) {
+  PolicyWords result;
+  for (int w = 0; w < kThetaWordCount; ++w) {
+    result.words.push_back({wordName(static_cast<ThetaWord>(w)), std::vector<MeasuredFunction>(set.functionCount()), {}});
+  }
+  std::vector<Thread> threads(options.threadCount(), Thread(set));
+  Progress progress(std::string(representationName(generator.representation())) + ": functions",
+                    static_cast<int64_t>(set.functionCount()));
+  std::mutex mutex;
+  int64_t done = 0;
+  const UseTheta measure = [&](int t, uint64_t i, const MadeTheta& made, const ThetaByWord& theta) {
+    ErrorMeter& meter = threads[t].meter;
+    FunctionError tent;
+    if (made.isBareTent()) tent = meter.measureTent(i);
+    for (int w = 0; w < kThetaWordCount; ++w) {
+      const auto word = static_cast<ThetaWord>(w);
+      const FunctionError error = made.isBareTent() ? tent : meter.measure(generator.representation(), theta[w], i);
+      result.words[w].functions[i] = measured(i, error, made.record, word, options.policy.check());
+      threads[t].leaks[w].add(meter.leakMagnitudes(), i, populations);
+    }
+    const std::lock_guard lock(mutex);
+    progress.update(++done);
+  };
+  result.made = runPolicy({&generator}, storedFunctions(set), options.policy, {options.threadCount()}, measure);
+  for (int w = 0; w < kThetaWordCount; ++w) {
+    for (const Thread& thread : threads) result.words[w].leaks.add(thread.leaks[w]);
+    result.words[w].mustBeFinite();
+  }
+  result.plan = ThetaPolicy({&generator}, options.policy).plan(0);
+  return result;
+}
+
+double measureEvaluation(const Representation& representation) {
+  const PointSet points = makePointSet(supportPattern().points);
+  const Theta theta = randomTheta(representation, 1);
+  AlignedFloats values(points.padded_count);
+  std::vector<double> elapsed_us(201);  // the median leaves out the first, on cold caches, and whatever is interrupted
+  for (double& elapsed : elapsed_us) {
+    const auto start = std::chrono::steady_clock::now();
+    evaluate(representation, points, theta.data(), values.data());
+    elapsed = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+  }
+  return quantile(elapsed_us, 0.5);
+}
+
+}  // namespace nlg

@@ -1,0 +1,146 @@
+#include "validate/errors/summary_json.h"
+
+#include <filesystem>
+
+#include "tool/atomic_file.h"
+#include "validate/errors/ratios.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* nameOf(StagePlan::Who who) {
+  switch (who) {
+    case StagePlan::Who::wrong:
+      return "wrong";
+    case StagePlan::Who::above:
+      return "above";
+    case StagePlan::Who::failing:
+      return "failing";
+    default:
+      return populationName(Population::theta);
+  }
+}
+
+bool hasThreshold(StagePlan::Who who) { return who == StagePlan::Who::wrong || who == StagePlan::Who::above; }
+
+Json sampleRatios(const MeasuredWord& word, const LongFits& fits, const FigureContext& context) {
+  const auto all = [](uint64_t) { return true; };
+  return {{"to_best_known", ratiosJson(word, fits.at(LongFit::best_known), context, all)},
+          {"to_direct", ratiosJson(word, fits.at(LongFit::direct), context, all)}};
+}
+
+Json sampleJson(const PolicyWords& policy, const LongFits& fits, const FigureContext& context) {
+  Json json = {{"functions", context.populations.count(Scope::sample, Population::theta)},
+               {"hard", context.populations.count(Scope::sample, Population::hard)}};
+  Json ratios;
+  for (const MeasuredWord& word : policy.words) {
+    json[word.name] = figuresByPopulation(word, Scope::sample, context);
+    ratios[word.name] = sampleRatios(word, fits, context);
+  }
+  for (const MeasuredWord& fit : fits.words) json[fit.name] = figuresByPopulation(fit, Scope::sample, context);
+  json["best_known_from"] = fits.best_known_from;
+  json["ratios"] = ratios;
+  return json;
+}
+
+// Quantiles of population theta, scene by scene.
+Json sceneJson(const PolicyWords& policy, const FigureContext& context) {
+  const auto quantilesOf = [&](ThetaWord word, uint32_t scene) {
+    std::vector<double> rmse;
+    for (const MeasuredFunction& one : policy.at(word).functions) {
+      const bool counts = context.populations.takesTheta(one.function) && context.set.scene_idx[one.function] == scene;
+      if (counts) rmse.push_back(one.error.rmse);
+    }
+    return quantilesJson(rmse);
+  };
+  Json json;
+  for (uint32_t scene = 0; scene < context.set.scene_ids.size(); ++scene) {
+    for (const ThetaWord word : {ThetaWord::stored, ThetaWord::network}) {
+      json[context.set.scene_ids[scene]][wordName(word)] = quantilesOf(word, scene);
+    }
+  }
+  return json;
+}
+
+Json convergenceJson(const Convergence& convergence) {
+  const auto curve = [](const std::vector<ConvergencePoint>& points) {
+    Json json = Json::array();
+    for (const ConvergencePoint& point : points) {
+      json.push_back({{"restarts", point.restarts}, {"adam_steps", point.adam_steps}, {"rmse_mean", point.rmse_mean}});
+    }
+    return json;
+  };
+  return {{"functions", convergence.functions},
+          {"by_restarts", curve(convergence.by_restarts)},
+          {"by_adam_steps", curve(convergence.by_steps)}};
+}
+
+}  // namespace
+
+Json tauJson(const ValidateOptions& options) {
+  const CheckOptions& check = options.policy.check();
+  return {{"rmse", check.tau_rmse},
+          {"leak", check.tau_leak},
+          {"leak_share", check.leak_share},
+          {"hard_tent_rmse", options.hard_tent_rmse},
+          {"bare_tent_rmse", options.policy.bare_tent_rmse}};
+}
+
+Json functionsJson(const FunctionCounts& counts, const FigureContext& context) {
+  return {{"distinct", counts.all.functions},
+          {"free_space", counts.all.free_space},
+          {"duplicates", counts.all.duplicates},
+          {"in_solid", counts.all.in_solid},
+          {"empty", counts.all.empty},
+          {"visited_probes", counts.all.visited_probes},
+          {"grid_probes", counts.all.grid_probes},
+          {"held_out", context.set.functionCount()},
+          {"held_out_scenes", context.set.scene_ids.size()},
+          {"take_theta", context.populations.count(Scope::set, Population::theta)},
+          {"hard", context.populations.count(Scope::set, Population::hard)},
+          {"held_out_in_training", counts.held_out_in_training}};
+}
+
+Json bootstrapJson(const FigureContext& context) {
+  const size_t scenes = context.set.scene_ids.size();
+  return {{"over", "scenes"},
+          {"scenes", scenes},
+          {"resamples", context.bootstrap.resamples},
+          {"confidence", context.bootstrap.confidence},
+          {"seed", context.bootstrap.seed},
+          {"note", scenes > 1 ? "a figure whose functions are all of one scene has no interval: both ends are the value"
+                              : "one scene: there is no interval, both ends are the value"}};
+}
+
+Json stagesJson(const std::vector<StagePlan>& plan) {
+  Json json = Json::array();
+  for (const StagePlan& stage : plan) {
+    json.push_back({{"name", stageName(stage.stage)},
+                    {"word", wordName(wordOf(stage.stage))},
+                    {"population", nameOf(stage.who)},
+                    {"above_rmse", hasThreshold(stage.who) ? Json(stage.above_rmse) : Json(nullptr)},
+                    {"budget", stage.budget > 0 ? Json(stage.budget) : Json(nullptr)},
+                    {"text", describe(stage)}});
+  }
+  return json;
+}
+
+Json representationJson(const ValidatedGenerator& validated, const FigureContext& context) {
+  const Representation& representation = validated.generator.representation();
+  Json json = {{"parameters", representation.thetaCount()},
+               {"bytes", static_cast<size_t>(representation.thetaCount()) * sizeof(float)},
+               {"weights_bytes", std::filesystem::file_size(validated.path)},
+               {"weights_sha256", fileSha256(validated.path)},
+               {"correction_steps", validated.generator.correctionStepCount()},
+               {"evaluate_us", measureEvaluation(representation)},
+               {"stages", stagesJson(validated.policy.plan)}};
+  for (const MeasuredWord& word : validated.policy.words) json[word.name] = figuresByPopulation(word, Scope::set, context);
+  json["sample"] = sampleJson(validated.policy, validated.fits, context);
+  json["convergence"] = convergenceJson(validated.convergence);
+  json["by_scene"] = sceneJson(validated.policy, context);
+  return json;
+}
+
+}  // namespace nlg

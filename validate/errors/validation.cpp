@@ -1,0 +1,72 @@
+#include "validate/errors/validation.h"
+
+#include <algorithm>
+#include <iostream>
+
+#include "bake/policy_options.h"
+#include "tool/atomic_file.h"
+#include "tool/provenance.h"
+#include "validate/errors/choice.h"
+#include "validate/errors/functions_csv.h"
+#include "validate/errors/held_out.h"
+#include "validate/errors/summary_json.h"
+#include "validate/errors/telling_functions.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchemaVersion = 2;
+
+ValidatedGenerator measure(const Generator& generator, const std::string& path, const FigureContext& context,
+                           const ValidateOptions& options) {
+  PolicyWords policy = measurePolicy(generator, context.set, context.populations, options);
+  LongFits fits = measureLongFits(generator, context.set, context.populations, policy.made, options);
+  Convergence convergence = measureConvergence(generator, context.set, context.populations, options);
+  return {generator, path, std::move(policy), std::move(fits), std::move(convergence)};
+}
+
+}  // namespace
+
+void validate(const ValidationRequest& request, ValidateOptions options, const OptionTable& table) {
+  options.policy.theta_precision = thetaPrecisionFromName(options.theta_precision);
+  const std::vector<Generator> generators = loadGenerators(request.weights);
+  const FunctionSet set = readHeldOut(request.held_out);
+  const Populations populations(set, options);
+  const FigureContext context{set, populations};
+  const MeasuredWord tents = measureTents(set, populations, options);
+
+  FunctionsCsv csv(set, populations);
+  csv.add(tents.name, tents);
+  Json slices = Json::array();
+  Json summary = {{"schema_version", kSchemaVersion},
+                  {"provenance", provenance("nlg-validate", table.toJson(), {{"held_out", set.sha256}})},
+                  {"tau", tauJson(options)},
+                  {"functions", functionsJson(countFunctions(request.training, request.held_out, set.functionCount()), context)},
+                  {"bootstrap", bootstrapJson(context)},
+                  {tents.name, figuresByPopulation(tents, Scope::set, context)}};
+  std::vector<ChoiceColumn> fields;
+  for (size_t i = 0; i < generators.size(); ++i) {
+    const Representation& representation = generators[i].representation();
+    const std::string name = representationName(representation);
+    const ValidatedGenerator validated = measure(generators[i], request.weights[i], context, options);
+    summary["representations"][name] = representationJson(validated, context);
+    for (const MeasuredWord& word : validated.policy.words) csv.add(name, word);
+    for (const MeasuredWord& fit : validated.fits.words) csv.add(name, fit);
+    appendSlices(representation, validated.policy, set, populations, &slices);
+    if (representation.isField()) fields.push_back({&generators[i], validated.fits.direct_checks});
+  }
+  if (fields.size() > 1) {
+    std::sort(fields.begin(), fields.end(), [](const ChoiceColumn& a, const ChoiceColumn& b) {
+      return a.generator->representation().thetaCount() < b.generator->representation().thetaCount();
+    });
+    summary["choice"] = choiceJson(fields, set, populations, options);
+  }
+  writeFileAtomically(request.out_dir + "/functions.csv", csv.text());
+  writeFileAtomically(request.out_dir + "/slices.json", slices.dump());
+  writeFileAtomically(request.out_dir + "/summary.json", summary.dump(1) + "\n");
+  std::cout << request.out_dir << "/summary.json\n";
+}
+
+}  // namespace nlg
