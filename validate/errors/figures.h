@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "datagen/dataset/known_functions.h"
 #include "validate/errors/bootstrap.h"
 #include "validate/errors/measured_word.h"
 
@@ -15,6 +16,7 @@ namespace nlg {
 struct FigureContext {
   const FunctionSet& set;
   const Populations& populations;
+  const KnownFunctions& known;  // to training
   BootstrapOptions bootstrap = {};
 };
 

@@ -1,23 +1,33 @@
 #include "validate/errors/function_counts.h"
 
-#include "runtime_eval/support/support_pattern.h"
+#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 
 FunctionCounts countFunctions(const std::vector<std::string>& training, const std::vector<std::string>& held_out,
-                              uint64_t held_out_count) {
+                              const FunctionSet& set) {
+  const auto read = [](const std::string& path) { return readShard(path, supportPattern().hash, kSupportPointCount); };
+  const DuplicateRule rule = readShardHeader(held_out.front(), supportPattern().hash, kSupportPointCount).duplicate_rule;
   FunctionCounts counts;
   DuplicateFilter filter;
-  const auto add = [&](const std::string& path) {
-    Shard shard = readShard(path, supportPattern().hash, kSupportPointCount);
-    filter.removeKnown(&shard);
-    addCounts(shard.counts, &counts.all);
-    return shard.counts.functions;
+  const auto add = [&](Shard* shard) {
+    filter.removeKnown(shard);
+    addCounts(shard->counts, &counts.all);
   };
-  for (const std::string& path : training) add(path);
-  uint64_t new_count = 0;
-  for (const std::string& path : held_out) new_count += add(path);
-  counts.held_out_in_training = held_out_count - new_count;
+  KnownFunctionSearch search(rule, set);
+  for (const std::string& path : training) {
+    Shard shard = read(path);
+    for (uint64_t n = 0; n < shard.counts.functions; ++n) {
+      const StoredFunction stored = storedFunction(shard, n);
+      search.see({stored.phi, stored.validity});
+    }
+    add(&shard);
+  }
+  for (const std::string& path : held_out) {
+    Shard shard = read(path);
+    add(&shard);
+  }
+  counts.known = search.known();
   return counts;
 }
 

@@ -1,20 +1,23 @@
-// How many functions training and held-out shards hold together.
+// How many functions training and held-out shards hold together, and which held-out ones training holds already.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "datagen/dataset/function_set.h"
+#include "datagen/dataset/known_functions.h"
 
 namespace nlg {
 
 struct FunctionCounts {
-  ShardCounts all;                    // over all shards; a function that two of them hold is one function
-  uint64_t held_out_in_training = 0;  // held-out functions that some training scene has too, by the rule for duplicates
+  ShardCounts all;       // over all shards; a function that two of them hold is one function
+  KnownFunctions known;  // by held-out function: whether some training scene has it too, as it is or mirrored
 };
 
-// held_out_count   distinct functions of the held-out shards
+// Reads every shard once. Without training shards nothing is known.
+// set      the functions of the held-out shards
+// throws   InputError as readShard does, or when shards were made with different rules for duplicates
 FunctionCounts countFunctions(const std::vector<std::string>& training, const std::vector<std::string>& held_out,
-                              uint64_t held_out_count);
+                              const FunctionSet& set);
 
 }  // namespace nlg

@@ -10,16 +10,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* nameOf(StagePlan::Who who) {
+// Who takes the stage, in the report's table; the threshold stands in a column of its own.
+const char* populationText(StagePlan::Who who) {
   switch (who) {
     case StagePlan::Who::wrong:
-      return "wrong";
+      return "functions that fail the check after the network, and those";
     case StagePlan::Who::above:
-      return "above";
+      return "those of them";
     case StagePlan::Who::failing:
-      return "failing";
+      return "functions that fail the check";
     default:
-      return populationName(Population::theta);
+      return "functions that take a theta";
   }
 }
 
@@ -27,8 +28,11 @@ bool hasThreshold(StagePlan::Who who) { return who == StagePlan::Who::wrong || w
 
 Json sampleRatios(const MeasuredWord& word, const LongFits& fits, const FigureContext& context) {
   const auto all = [](uint64_t) { return true; };
-  return {{"to_best_known", ratiosJson(word, fits.at(LongFit::best_known), context, all)},
-          {"to_direct", ratiosJson(word, fits.at(LongFit::direct), context, all)}};
+  const auto isNew = [&](uint64_t function) { return !context.known.in_training_mirrored[function]; };
+  const MeasuredWord &best = fits.at(LongFit::best_known), &direct = fits.at(LongFit::direct);
+  return {{"to_best_known", ratiosJson(word, best, context, all)},
+          {"to_direct", ratiosJson(word, direct, context, all)},
+          {"without_duplicates", ratiosJson(word, best, context, isNew)}};
 }
 
 Json sampleJson(const PolicyWords& policy, const LongFits& fits, const FigureContext& context) {
@@ -88,19 +92,20 @@ Json tauJson(const ValidateOptions& options) {
           {"bare_tent_rmse", options.policy.bare_tent_rmse}};
 }
 
-Json functionsJson(const FunctionCounts& counts, const FigureContext& context) {
-  return {{"distinct", counts.all.functions},
-          {"free_space", counts.all.free_space},
-          {"duplicates", counts.all.duplicates},
-          {"in_solid", counts.all.in_solid},
-          {"empty", counts.all.empty},
-          {"visited_probes", counts.all.visited_probes},
-          {"grid_probes", counts.all.grid_probes},
+Json functionsJson(const ShardCounts& counts, const FigureContext& context) {
+  return {{"distinct", counts.functions},
+          {"free_space", counts.free_space},
+          {"duplicates", counts.duplicates},
+          {"in_solid", counts.in_solid},
+          {"empty", counts.empty},
+          {"visited_probes", counts.visited_probes},
+          {"grid_probes", counts.grid_probes},
           {"held_out", context.set.functionCount()},
           {"held_out_scenes", context.set.scene_ids.size()},
           {"take_theta", context.populations.count(Scope::set, Population::theta)},
           {"hard", context.populations.count(Scope::set, Population::hard)},
-          {"held_out_in_training", counts.held_out_in_training}};
+          {"held_out_in_training", context.known.countInTraining()},
+          {"held_out_in_training_mirrored", context.known.countInTrainingMirrored()}};
 }
 
 Json bootstrapJson(const FigureContext& context) {
@@ -119,7 +124,7 @@ Json stagesJson(const std::vector<StagePlan>& plan) {
   for (const StagePlan& stage : plan) {
     json.push_back({{"name", stageName(stage.stage)},
                     {"word", wordName(wordOf(stage.stage))},
-                    {"population", nameOf(stage.who)},
+                    {"population", populationText(stage.who)},
                     {"above_rmse", hasThreshold(stage.who) ? Json(stage.above_rmse) : Json(nullptr)},
                     {"budget", stage.budget > 0 ? Json(stage.budget) : Json(nullptr)},
                     {"text", describe(stage)}});

@@ -9,7 +9,6 @@
 #include "validate/errors/best_known.h"
 #include "validate/errors/convergence.h"
 #include "validate/errors/figures.h"
-#include "validate/errors/function_counts.h"
 #include "validate/errors/policy_words.h"
 
 namespace nlg {
@@ -24,7 +23,7 @@ struct ValidatedGenerator {
 };
 
 nlohmann::ordered_json tauJson(const ValidateOptions& options);
-nlohmann::ordered_json functionsJson(const FunctionCounts& counts, const FigureContext& context);
+nlohmann::ordered_json functionsJson(const ShardCounts& counts, const FigureContext& context);
 nlohmann::ordered_json bootstrapJson(const FigureContext& context);
 // A stage a line: name, word, population, above_rmse, budget, and the sentence that --help prints.
 nlohmann::ordered_json stagesJson(const std::vector<StagePlan>& plan);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "validate/errors/slice.h"
 
@@ -24,23 +25,27 @@ nlohmann::ordered_json sliceJson(const TellingFunction& telling, const Slice& sl
           {"size", slice.size},
           {"valid", slice.valid},
           {"seen", slice.seen},
-          {"generated_permille", permille(slice.target)},
-          {"approximated_permille", permille(slice.predicted)},
+          {"target_permille", permille(slice.target)},
+          {"predicted_permille", permille(slice.predicted)},
           {"difference_permille", permille(slice.difference)}};
+}
+
+// The tent times a network that says 1.
+Theta bareTentTheta() {
+  Theta theta(Representation::tentMlp().thetaCount(), 0.0f);
+  theta[ThetaLayout::b3] = 1.0f;
+  return theta;
 }
 
 }  // namespace
 
 std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const Populations& populations) {
   std::vector<MeasuredFunction> functions;
-  for (const Population population : {Population::hard, Population::theta}) {
-    for (const MeasuredFunction& one : stored.functions) {
-      if (populations.takesTheta(one.function) && populations.contains(Scope::set, population, one.function))
-        functions.push_back(one);
-    }
+  for (const Population population : {Population::hard, Population::theta, Population::all}) {
+    std::copy_if(stored.functions.begin(), stored.functions.end(), std::back_inserter(functions),
+                 [&](const MeasuredFunction& one) { return populations.contains(Scope::set, population, one.function); });
     if (!functions.empty()) break;
   }
-  if (functions.empty()) return {};
   std::stable_sort(functions.begin(), functions.end(),
                    [](const MeasuredFunction& a, const MeasuredFunction& b) { return a.error.rmse < b.error.rmse; });
   const auto at = [&](double share) {
@@ -53,7 +58,10 @@ void appendSlices(const Representation& representation, const PolicyWords& words
                   const Populations& populations, nlohmann::ordered_json* slices) {
   const MeasuredWord& stored = words.at(ThetaWord::stored);
   for (const TellingFunction& telling : tellingFunctions(stored, populations)) {
-    const Slice slice = makeSlice(set, telling.function, representation, words.made[telling.function].theta.data(), kSlicePixels);
+    const MadeTheta& made = words.made[telling.function];
+    const Slice slice = made.isBareTent()
+                            ? makeSlice(set, telling.function, Representation::tentMlp(), bareTentTheta().data(), kSlicePixels)
+                            : makeSlice(set, telling.function, representation, made.theta.data(), kSlicePixels);
     nlohmann::ordered_json entry = sliceJson(telling, slice, stored.functions[telling.function].error.rmse, set);
     entry["representation"] = representationName(representation);
     slices->push_back(entry);

@@ -15,7 +15,7 @@ struct TellingFunction {
   uint64_t function = 0;
 };
 
-// By the error of what is stored, among the hard functions; among those that take a theta when none is hard; none when none does.
+// By the error of what is stored, among the hard functions; among those that take a theta when none is hard, among all when none does.
 std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const Populations& populations);
 
 // Slices through them, for slices.json: docs/reference/formats.md.

@@ -7,6 +7,7 @@
 #include "tool/atomic_file.h"
 #include "tool/provenance.h"
 #include "validate/errors/choice.h"
+#include "validate/errors/function_counts.h"
 #include "validate/errors/functions_csv.h"
 #include "validate/errors/held_out.h"
 #include "validate/errors/summary_json.h"
@@ -34,7 +35,8 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
   const std::vector<Generator> generators = loadGenerators(request.weights);
   const FunctionSet set = readHeldOut(request.held_out);
   const Populations populations(set, options);
-  const FigureContext context{set, populations};
+  const FunctionCounts counts = countFunctions(request.training, request.held_out, set);
+  const FigureContext context{set, populations, counts.known};
   const MeasuredWord tents = measureTents(set, populations, options);
 
   FunctionsCsv csv(set, populations);
@@ -43,7 +45,7 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
   Json summary = {{"schema_version", kSchemaVersion},
                   {"provenance", provenance("nlg-validate", table.toJson(), {{"held_out", set.sha256}})},
                   {"tau", tauJson(options)},
-                  {"functions", functionsJson(countFunctions(request.training, request.held_out, set.functionCount()), context)},
+                  {"functions", functionsJson(counts.all, context)},
                   {"bootstrap", bootstrapJson(context)},
                   {tents.name, figuresByPopulation(tents, Scope::set, context)}};
   std::vector<ChoiceColumn> fields;
