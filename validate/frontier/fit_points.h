@@ -1,22 +1,27 @@
-// Points of fits, from what a generator yields and from scratch, at growing budgets.
+// Points of fits at growing budgets: from the corrected theta, and from theta0 and a random start, which need no generator.
 #pragma once
 
-#include <memory>
-
-#include "validate/frontier/generator_run.h"
+#include "validate/frontier/policy_run.h"
 
 namespace nlg {
 
 // Steps, each list rising.
 struct FitBudgets {
-  std::vector<int> lm, adam;                // after the generator
+  std::vector<int> lm, adam;                // from the corrected theta
   std::vector<int> direct_lm, direct_adam;  // from theta0 and from a random start; of Adam, product fields take a 32nd: each of
                                             // their steps reads all points
 };
 
-// Families lm_from_generator, adam_from_generator (both after correction, as a bake refines), lm_from_theta0, adam_from_theta0,
-// lm_from_random, adam_from_random. The time holds all that comes before the fit: generator, correction, decoding.
+// Families lm_from_corrected and adam_from_corrected, whose time holds all that comes before the fit.
+std::vector<PlotRun> fitsOfCorrected(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
+                                     const FitBudgets& budgets);
+
+// The rivals of a generator. Families lm_from_theta0, adam_from_theta0 and adam_from_random fit every function, each budget from
+// the start. Beside each stand two under the policy's own gate: in rounds of the same budgets, each from where the one before ended,
+// a function is fitted on only while it fails the check or its RMSE is above a threshold. That is good_rmse in the families …_gated,
+// and in …_gated_loosely the one above which the policy takes its last fit before the refinement, where that is larger.
 // seed   of the random starts; every function has one of its own, the same for all budgets
-std::vector<PlotPoint> fitPoints(const std::shared_ptr<GeneratorRun>& run, const FitBudgets& budgets, uint64_t seed);
+std::vector<PlotRun> directFits(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
+                                const FitBudgets& budgets, uint64_t seed);
 
 }  // namespace nlg

@@ -47,19 +47,22 @@ std::vector<bool> frontMembers(const std::vector<FrontPoint>& points, const Fron
   return members;
 }
 
-std::string frontSentence(const std::string& over, const std::vector<FrontPoint>& points, const std::vector<bool>& members,
+std::string frontSentence(const std::string& population, const std::vector<FrontPoint>& points, const std::vector<bool>& members,
                           const std::vector<std::string>& names) {
   std::vector<size_t> chosen;
   for (size_t i = 0; i < points.size(); ++i) {
     if (members[i]) chosen.push_back(i);
   }
-  if (chosen.empty()) return "Nothing has a smaller median error" + over + " than the bare tent, which takes no time.";
-  std::string sentence = "On the front of time and median error" + over + ", from the fastest:";
-  for (const size_t i : byTime(points, chosen)) {
-    sentence +=
-        fmt::format("{} {} ({}, {:.3g})", sentence.back() == ':' ? "" : ",", names[i], timeText(points[i].us), points[i].rmse);
-  }
-  return sentence + ".";
+  if (chosen.empty()) return "Over " + population + " nothing has a smaller mean error than the bare tent, which takes no time.";
+  const auto text = [&](size_t i, const char* what) {
+    return fmt::format("{} ({}, {}{:.3g})", names[i], timeText(points[i].us), what, points[i].rmse);
+  };
+  const std::vector<size_t> order = byTime(points, chosen);
+  const std::string begin =
+      fmt::format("Of {} ways from a function to its θ, {} beaten by none in both time and mean error over {}: ", points.size(),
+                  order.size() == 1 ? "one is" : fmt::format("{} are", order.size()), population);
+  if (order.size() == 1) return begin + text(order.front(), "mean error ") + '.';
+  return begin + "from " + text(order.front(), "mean error ") + " to " + text(order.back(), "") + '.';
 }
 
 }  // namespace nlg

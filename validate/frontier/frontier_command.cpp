@@ -9,9 +9,8 @@
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
-#include "validate/errors/even_choice.h"
-#include "validate/errors/function_error.h"
 #include "validate/errors/held_out.h"
+#include "validate/errors/summary_json.h"
 #include "validate/frontier/frontier_json.h"
 #include "validate/frontier/frontier_options.h"
 #include "validate/frontier/generator_points.h"
@@ -19,39 +18,53 @@
 namespace nlg {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct Request {
   std::vector<std::string> weights, held_out, hierarchies;
   std::string out_dir;
 };
 
-void append(std::vector<PlotPoint> more, std::vector<PlotPoint>& points) {
-  std::move(more.begin(), more.end(), std::back_inserter(points));
-}
+// What is measured, in the order of the weights.
+struct Plan {
+  std::vector<PlotRun> runs;
+  Json representations;  // name → stages
+
+  void append(std::vector<PlotRun> more) { std::move(more.begin(), more.end(), std::back_inserter(runs)); }
+  std::vector<PlotPoint> points() const {
+    std::vector<PlotPoint> all;
+    for (const PlotRun& run : runs) all.insert(all.end(), run.points.begin(), run.points.end());
+    return all;
+  }
+};
 
 // The points of all weights, and the choice between those of product fields when there are several.
-std::vector<PlotPoint> allPoints(const Request& request, const FrontierOptions& options) {
+Plan planOf(const Request& request, const FrontierOptions& options) {
   const std::vector<int> coefficients = options.coefficientCounts();
   const FitBudgets budgets = options.budgets();
-  std::vector<PlotPoint> points;
-  std::vector<std::shared_ptr<const Generator>> fields;
+  Plan plan;
+  SharedGenerators fields;
   OneFileEach given("--weights", "representation");
   for (const std::string& path : request.weights) {
     const GeneratorData data = loadGeneratorData(path);
-    given.add(path, representationName(data.representation));
+    const std::string name = representationName(data.representation);
+    given.add(path, name);
     const int all = data.basis.coefficientCount();
     if (!coefficients.empty() && coefficients.back() > all) {
       throw UsageError("--coefficients", "at most the " + std::to_string(all) + " of " + path,
                        std::to_string(coefficients.back()));
     }
     const auto generator = std::make_shared<const Generator>(data);
-    append(generatorPoints(data, generator, options.correction, coefficients), points);
-    append(fitPoints(std::make_shared<GeneratorRun>(generator, options.correction), budgets, options.seed), points);
+    plan.representations[name]["stages"] = stagesJson(stagesOf(stageFacts(*generator), options.policy));
+    plan.append(generatorPoints(data, generator, options.policy, coefficients));
+    plan.append(fitsOfCorrected(generator, options.policy, budgets));
+    plan.append(directFits(generator, options.policy, budgets, options.seed));
     if (generator->representation().isField()) fields.push_back(generator);
   }
   std::sort(fields.begin(), fields.end(),
             [](const auto& a, const auto& b) { return a->representation().thetaCount() < b->representation().thetaCount(); });
-  if (fields.size() > 1) points.push_back(choicePoint(fields, options.correction, options.check, options.choice));
-  return points;
+  if (fields.size() > 1) plan.runs.push_back(choicePoint(fields, options.policy));
+  return plan;
 }
 
 std::map<std::string, std::string> inputHashes(const Request& request, const FunctionSet& set) {
@@ -60,39 +73,75 @@ std::map<std::string, std::string> inputHashes(const Request& request, const Fun
   return hashes;
 }
 
-std::vector<double> tentErrors(const FunctionSet& set, const std::vector<uint64_t>& functions) {
-  ErrorMeter meter(set);
-  std::vector<double> rmse;
-  for (const uint64_t function : functions) rmse.push_back(meter.measureTent(function, nullptr).rmse);
-  return rmse;
+// Every word of every representation against its direct fits, over the functions that count.
+std::vector<WordSpeed> speedsOver(const std::vector<bool>& counts, const FrontierResult& result,
+                                  const std::vector<PointMeasurement>& measured, const std::vector<FunctionBlock>& blocks,
+                                  const FunctionSet& set, const FrontierOptions& options) {
+  std::vector<uint32_t> scene;
+  size_t at = 0;
+  for (const FunctionBlock& block : blocks) {
+    for (const uint64_t function : block.functions) {
+      if (counts[at++]) scene.push_back(set.scene_idx[function]);
+    }
+  }
+  std::vector<WordSpeed> speeds;
+  if (scene.empty()) return speeds;
+  const auto timed = [&](size_t p) {
+    const std::vector<double> us = functionTimes(measured[p], blocks);
+    TimedPoint point{result.points[p].family, result.points[p].label, {}, {}};
+    for (size_t i = 0; i < us.size(); ++i) {
+      if (!counts[i]) continue;
+      point.us.push_back(us[i]);
+      point.rmse.push_back(measured[p].rmse[i]);
+    }
+    return point;
+  };
+  std::map<std::string, std::vector<TimedPoint>> rivals;
+  for (size_t p = 0; p < measured.size(); ++p) {
+    if (result.points[p].is_direct) rivals[result.points[p].representation].push_back(timed(p));
+  }
+  for (size_t p = 0; p < measured.size(); ++p) {
+    const std::string& name = result.points[p].representation;
+    if (result.points[p].words.empty()) continue;
+    const EqualError equal =
+        compareAtEqualError(timed(p), rivals[name], scene, set.scene_ids.size(), options.bootstrap_draws, options.seed);
+    for (const ThetaWord word : result.points[p].words) speeds.push_back({name, word, equal});
+  }
+  return speeds;
 }
 
 void measureFrontier(const Request& request, const FrontierOptions& options, const OptionTable& table) {
-  std::vector<PlotPoint> points = allPoints(request, options);
+  const Plan plan = planOf(request, options);
   const FunctionSet set = readHeldOut(request.held_out);
-  nlohmann::ordered_json json = {{"schema_version", 1}};
+  Json json = {{"schema_version", 2}};
   json["provenance"] = provenance("nlg-validate frontier", table.toJson(), inputHashes(request, set));
   addHierarchies(request.hierarchies, json);
-  const std::vector<uint64_t> functions =
-      chooseEvenly(set.scene_idx, set.scene_ids.size(), static_cast<uint64_t>(options.functions));
-  const std::vector<FunctionBlock> blocks = makeBlocks(set, functions);
-  Progress progress("runs", static_cast<int64_t>(points.size() * blocks.size()) * (1 + options.interleave.repeats));
+  const ChosenFunctions functions =
+      chooseFunctions(set, static_cast<uint64_t>(options.functions), options.policy, options.hard_tent_rmse);
+  const std::vector<FunctionBlock> blocks = makeBlocks(set, functions.with_theta);
+  Progress progress("runs", static_cast<int64_t>(plan.runs.size() * blocks.size()) * (1 + options.interleave.repeats));
   const std::vector<PointMeasurement> measured =
-      measureInterleaved(set, blocks, points, options.interleave, [&](int64_t done) { progress.update(done); });
+      measureInterleaved(set, functions, blocks, plan.runs, options.interleave, [&](int64_t done) { progress.update(done); });
+  const BareTents tents = measureBareTents(set, functions);
   std::vector<PointFigures> figures;
-  const std::vector<double> tent_rmse = tentErrors(set, functions);
-  std::vector<bool> hard;
-  for (const double rmse : tent_rmse) hard.push_back(rmse >= options.hard_tent_rmse);
-  for (const PointMeasurement& point : measured) figures.push_back(figuresOf(point, blocks, set, hard));
-  const FrontierResult result =
-      makeResult(std::move(points), std::move(figures), figuresOfTent(tent_rmse, blocks, set, hard), options.front);
-  json["functions"] = functions.size();
-  json["hard_functions"] = std::count(hard.begin(), hard.end(), true);
+  for (const PointMeasurement& point : measured) figures.push_back(figuresOf(point, set, functions, blocks, tents));
+  FrontierResult result = makeResult(plan.points(), std::move(figures), figuresOfTent(set, functions, tents), options.front);
+  const std::vector<bool> every(functions.with_theta.size(), true);
+  result.speeds = speedsOver(every, result, measured, blocks, set, options);
+  result.speeds_hard = speedsOver(functions.hard, result, measured, blocks, set, options);
+  for (const Population population : kPopulations) {
+    json["functions"][populationName(population)] = functions.count(population);
+  }
+  json["functions"]["bare_tents_at_time_0"] = functions.bare_tents.size();
   json["scenes"] = set.scene_ids;
+  json["representations"] = plan.representations;
   json.update(pointsJson(result));
   writeFileAtomically(request.out_dir + "/frontier.csv", pointsCsv(result));
   writeFileAtomically(request.out_dir + "/frontier.json", json.dump(1) + "\n");
-  std::cout << result.all.sentence << '\n' << result.hard.sentence << '\n' << request.out_dir << "/frontier.json\n";
+  for (const Front& front : result.fronts) {
+    if (!front.sentence.empty()) std::cout << front.sentence << '\n';
+  }
+  std::cout << request.out_dir << "/frontier.json\n";
 }
 
 }  // namespace
@@ -104,8 +153,7 @@ int frontierMain(int argc, char** argv) {
   FrontierOptions options;
   OptionTable table("frontier");
   describe(options, table);
-  describeCorrection(options.correction, table);
-  describeChoice(options.choice, table);
+  describePolicy(options.policy, table);
   app.add_option("--weights", request.weights, "exported generators, one a representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
   app.add_option("--hierarchy", request.hierarchies, "SCENE.hierarchy.json of nlg-solve --weights, one a scene");

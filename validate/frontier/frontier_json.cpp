@@ -12,44 +12,90 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void addErrors(const ErrorFigures& rmse, Json& json) {
-  json["rmse_mean"] = rmse.mean;
-  json["rmse_median"] = rmse.median;
-  json["rmse_p5"] = rmse.p5;
-  json["rmse_p95"] = rmse.p95;
-  json["rmse_worst"] = rmse.worst;
+Json errorsJson(const ErrorFigures& rmse) {
+  return {{"rmse_mean", rmse.mean},
+          {"rmse_median", rmse.median},
+          {"rmse_p5", rmse.p5},
+          {"rmse_p95", rmse.p95},
+          {"rmse_worst", rmse.worst}};
 }
 
-void addFigures(const TimeFigures& time, const ErrorFigures& rmse, Json& json) {
-  json["us_median"] = time.median_us;
-  json["us_p25"] = time.p25_us;
-  json["us_p75"] = time.p75_us;
-  addErrors(rmse, json);
-}
-
-Json pointJson(const PlotPoint& point, const PointFigures& figures, bool on_front, bool on_hard_front) {
-  Json json = {{"representation", point.representation}, {"family", point.family}};
-  json["budget"] = point.budget ? Json(*point.budget) : Json(nullptr);
-  json["label"] = point.label;
-  addFigures(figures.time, figures.rmse, json);
-  json["leak_p99"] = figures.leak_p99;
-  json["on_front"] = on_front;
-  json["hard"] = nullptr;
-  if (figures.rmse_hard) {
-    json["hard"] = {{"on_front", on_hard_front}};
-    addErrors(*figures.rmse_hard, json["hard"]);
-  }
-  json["by_scene"] = Json::object();
-  for (const auto& [scene, of_scene] : figures.by_scene) addFigures(of_scene.time, of_scene.rmse, json["by_scene"][scene]);
+Json figuresJson(const TimeFigures& time, const ErrorFigures& rmse) {
+  Json json = {{"us_median", time.median_us}, {"us_p25", time.p25_us}, {"us_p75", time.p75_us}};
+  json.update(errorsJson(rmse));
   return json;
 }
 
-std::string csvErrors(const ErrorFigures& rmse) {
-  return fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", rmse.mean, rmse.median, rmse.p5, rmse.p95, rmse.worst);
+Json wordsJson(const std::vector<ThetaWord>& words) {
+  Json json = Json::array();
+  for (const ThetaWord word : words) json.push_back(wordName(word));
+  return json;
 }
 
-std::string csvFigures(const TimeFigures& time, const ErrorFigures& rmse) {
-  return fmt::format("{:.6g},{:.6g},{:.6g},{}", time.median_us, time.p25_us, time.p75_us, csvErrors(rmse));
+Json pointJson(const FrontierResult& result, size_t p) {
+  const PlotPoint& point = result.points[p];
+  Json json = {{"representation", point.representation}, {"family", point.family}};
+  json["budget"] = point.budget ? Json(*point.budget) : Json(nullptr);
+  json["label"] = point.label;
+  json["words"] = wordsJson(point.words);
+  for (const Population population : kPopulations) {
+    const auto& figures = result.figures[p].figures[static_cast<size_t>(population)];
+    Json& of = json["figures"][populationName(population)] = nullptr;
+    if (!figures) continue;
+    of = figuresJson(figures->time, figures->rmse);
+    of["leak_p99"] = figures->leak_p99;
+    of["share_fitted"] = figures->share_fitted;
+    of["on_front"] = static_cast<bool>(result.fronts[static_cast<size_t>(population)].members[p]);
+  }
+  json["by_scene"] = Json::object();
+  for (const auto& [scene, of_scene] : result.figures[p].by_scene) {
+    json["by_scene"][scene] = figuresJson(of_scene.time, of_scene.rmse);
+  }
+  return json;
+}
+
+Json tentJson(const TentFigures& tent) {
+  Json json;
+  for (const Population population : kPopulations) {
+    const auto& figures = tent.figures[static_cast<size_t>(population)];
+    json["figures"][populationName(population)] = figures ? errorsJson(*figures) : Json(nullptr);
+  }
+  json["by_scene"] = Json::object();
+  for (const auto& [scene, rmse] : tent.by_scene) json["by_scene"][scene] = errorsJson(rmse);
+  return json;
+}
+
+Json speedJson(const EqualError& equal) {
+  Json json = {{"time_us", equal.time_us}, {"rmse_mean", equal.rmse_mean}};
+  for (const char* key : {"rival", "rival_us_at_equal_error", "ratio", "reason"}) json[key] = nullptr;
+  if (!equal.ratio) {
+    json["reason"] = equal.reason;
+    return json;
+  }
+  json["rival"] = equal.rival;
+  json["rival_us_at_equal_error"] = equal.rival_us;
+  json["ratio"] = {{"value", equal.ratio->value}, {"low", equal.ratio->low}, {"high", nullptr}};
+  if (equal.ratio->high) json["ratio"]["high"] = *equal.ratio->high;
+  return json;
+}
+
+Json speedsJson(const std::vector<WordSpeed>& speeds) {
+  Json json = Json::object();
+  for (const WordSpeed& speed : speeds) json[speed.representation][wordName(speed.word)] = speedJson(speed.equal);
+  return json;
+}
+
+std::string csvRow(const FrontierResult& result, size_t p, Population population) {
+  const PlotPoint& point = result.points[p];
+  const PopulationFigures& figures = *result.figures[p].figures[static_cast<size_t>(population)];
+  std::string words;
+  for (const ThetaWord word : point.words) words += (words.empty() ? "" : "+") + std::string(wordName(word));
+  const ErrorFigures& rmse = figures.rmse;
+  return fmt::format("{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{}\n",
+                     point.representation, point.family, point.budget ? fmt::format("{}", *point.budget) : "",
+                     csvField(point.label), words, populationName(population), figures.time.median_us, figures.time.p25_us,
+                     figures.time.p75_us, rmse.mean, rmse.median, rmse.p5, rmse.p95, rmse.worst, figures.leak_p99,
+                     figures.share_fitted, result.fronts[static_cast<size_t>(population)].members[p] ? 1 : 0);
 }
 
 Json readHierarchy(const std::string& path) {
@@ -107,64 +153,48 @@ struct SceneMean {
   }
 };
 
-Front frontOf(const std::string& over, const std::vector<FrontPoint>& points, const std::vector<std::string>& names,
-              const FrontTolerances& tolerances) {
-  Front front{frontMembers(points, tolerances), {}};
-  front.sentence = frontSentence(over, points, front.members, names);
-  return front;
-}
-
 }  // namespace
 
 FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, TentFigures tent,
                           const FrontTolerances& tolerances) {
-  std::vector<FrontPoint> all, hard;
+  FrontierResult result{std::move(points), std::move(figures), std::move(tent), {}, {}, {}};
   std::vector<std::string> names;
-  for (size_t p = 0; p < points.size(); ++p) {
-    const double us = figures[p].time.median_us;
-    all.push_back({us, figures[p].rmse.median, points[p].may_be_on_front && figures[p].rmse.median < tent.rmse.median});
-    // the time is that of a bake, which does not know beforehand what is hard
-    if (figures[p].rmse_hard) {
-      const double median = figures[p].rmse_hard->median;
-      hard.push_back({us, median, points[p].may_be_on_front && median < tent.rmse_hard->median});
+  for (const PlotPoint& point : result.points) names.push_back(point.representation + ": " + point.label);
+  for (const Population population : kPopulations) {
+    const auto at = static_cast<size_t>(population);
+    if (!result.tent.figures[at]) continue;
+    std::vector<FrontPoint> times_and_errors;
+    for (const PointFigures& point : result.figures) {
+      const double rmse = point.figures[at]->rmse.mean;
+      times_and_errors.push_back({point.figures[at]->time.median_us, rmse, rmse < result.tent.figures[at]->mean});
     }
-    names.push_back(points[p].representation + ": " + points[p].label);
+    Front& front = result.fronts[at];
+    front.members = frontMembers(times_and_errors, tolerances);
+    front.sentence = frontSentence(populationWords(population), times_and_errors, front.members, names);
   }
-  FrontierResult result{std::move(points), std::move(figures), std::move(tent), {}, {}};
-  result.all = frontOf("", all, names, tolerances);
-  if (!hard.empty()) result.hard = frontOf(" over hard functions", hard, names, tolerances);
   return result;
 }
 
 Json pointsJson(const FrontierResult& result) {
   Json json = {{"points", Json::array()}};
-  for (size_t p = 0; p < result.points.size(); ++p) {
-    json["points"].push_back(pointJson(result.points[p], result.figures[p], result.all.members[p],
-                                       result.figures[p].rmse_hard && result.hard.members[p]));
+  for (size_t p = 0; p < result.points.size(); ++p) json["points"].push_back(pointJson(result, p));
+  json["bare_tent"] = tentJson(result.tent);
+  for (const Population population : kPopulations) {
+    json["front_sentences"][populationName(population)] = result.fronts[static_cast<size_t>(population)].sentence;
   }
-  addErrors(result.tent.rmse, json["bare_tent"]);
-  json["bare_tent"]["hard"] = nullptr;
-  if (result.tent.rmse_hard) {
-    json["bare_tent"]["hard"] = Json::object();
-    addErrors(*result.tent.rmse_hard, json["bare_tent"]["hard"]);
-  }
-  for (const auto& [scene, rmse] : result.tent.by_scene) addErrors(rmse, json["bare_tent"]["by_scene"][scene]);
-  json["front_sentence"] = result.all.sentence;
-  json["hard_front_sentence"] = result.hard.sentence;
+  json["speed_at_equal_error"] = speedsJson(result.speeds);
+  json["speed_at_equal_error_hard"] = speedsJson(result.speeds_hard);
   return json;
 }
 
 std::string pointsCsv(const FrontierResult& result) {
   std::string csv =
-      "representation,family,budget,label,us_median,us_p25,us_p75,rmse_mean,rmse_median,rmse_p5,rmse_p95,rmse_worst,"
-      "leak_p99,on_front,hard_rmse_mean,hard_rmse_median,hard_rmse_p5,hard_rmse_p95,hard_rmse_worst,on_hard_front\n";
+      "representation,family,budget,label,words,population,us_median,us_p25,us_p75,rmse_mean,rmse_median,rmse_p5,rmse_p95,"
+      "rmse_worst,leak_p99,share_fitted,on_front\n";
   for (size_t p = 0; p < result.points.size(); ++p) {
-    const PlotPoint& point = result.points[p];
-    const PointFigures& figures = result.figures[p];
-    const std::string budget = point.budget ? fmt::format("{}", *point.budget) : "";
-    const std::string hard = figures.rmse_hard ? csvErrors(*figures.rmse_hard) + (result.hard.members[p] ? ",1" : ",0") : ",,,,,";
-    csv += fmt::format("{},{},{},{},{},{:.6g},{},{}\n", point.representation, point.family, budget, csvField(point.label),
-                       csvFigures(figures.time, figures.rmse), figures.leak_p99, result.all.members[p] ? 1 : 0, hard);
+    for (const Population population : kPopulations) {
+      if (result.figures[p].figures[static_cast<size_t>(population)]) csv += csvRow(result, p, population);
+    }
   }
   return csv;
 }

@@ -3,33 +3,42 @@
 
 #include <nlohmann/json.hpp>
 
+#include "validate/frontier/equal_error.h"
 #include "validate/frontier/front.h"
 #include "validate/frontier/plot_point.h"
 #include "validate/frontier/point_figures.h"
 
 namespace nlg {
 
-// What is written of all points, in their order.
+// The front of one population.
 struct Front {
   std::vector<bool> members;  // by point
-  std::string sentence;       // names them; empty when there is no front
+  std::string sentence;       // empty when the population is
+};
+
+// One word of one representation against its direct fits.
+struct WordSpeed {
+  std::string representation;
+  ThetaWord word = ThetaWord::network;
+  EqualError equal;
 };
 
 struct FrontierResult {
   std::vector<PlotPoint> points;
   std::vector<PointFigures> figures;  // by point
   TentFigures tent;
-  Front all, hard;  // of the median error over all functions, and over the hard ones
+  std::array<Front, kPopulationCount> fronts;  // of median time and mean error
+  std::vector<WordSpeed> speeds, speeds_hard;  // over functions that take a theta, and over the hard ones
 };
 
-// Finds the fronts and says who is on them.
+// Finds the fronts and says what they are. The speeds are left empty.
 FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, TentFigures tent,
                           const FrontTolerances& tolerances);
 
-// The keys points, bare_tent, front_sentence and hard_front_sentence.
+// The keys points, bare_tent, front_sentences, speed_at_equal_error and speed_at_equal_error_hard.
 nlohmann::ordered_json pointsJson(const FrontierResult& result);
 
-// One row a point, over all functions.
+// One row a point and population.
 std::string pointsCsv(const FrontierResult& result);
 
 // The lists hierarchy and walks, means over the scenes, out of the files that nlg-solve --weights writes, one a scene; both empty

@@ -33,22 +33,21 @@ FitBudgets FrontierOptions::budgets() const {
 std::vector<int> FrontierOptions::coefficientCounts() const { return risingNumbers("--coefficients", coefficients); }
 
 void describe(FrontierOptions& o, OptionTable& table) {
-  table.add("functions", &o.functions, "held-out functions that all points run on, evenly over scenes", 1, 1000000);
+  table.add("functions", &o.functions, "held-out functions that take a theta, evenly over scenes: all points run on them", 1,
+            1000000);
   table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);
   table.add("repeats", &o.interleave.repeats, "timed runs of a short point on every block", 1, 10000);
   table.add("repeat_seconds", &o.interleave.repeat_seconds, "a point that takes longer for its first block is run once", 0.0,
             1e6);
-  table.add("lm_steps", &o.lm_steps, "LM steps after the generator");
-  table.add("adam_steps", &o.adam_steps, "Adam steps after the generator");
-  table.add("direct_lm_steps", &o.direct_lm_steps, "LM steps from theta0 and from random starts");
+  table.add("lm_steps", &o.lm_steps, "LM steps from the corrected theta");
+  table.add("adam_steps", &o.adam_steps, "Adam steps from the corrected theta");
+  table.add("direct_lm_steps", &o.direct_lm_steps, "LM steps from theta0");
   table.add("direct_adam_steps", &o.direct_adam_steps, "Adam steps from theta0 and from random starts; product fields: a 32nd");
-  table.add("coefficients", &o.coefficients, "coefficients that the generator sees; empty: powers of two from 32, and all");
-  table.add("tau_rmse", &o.check.tau_rmse, "choice: RMSE that passes the check", 1e-6, 1.0);
-  table.add("tau_leak", &o.check.tau_leak, "choice: weight that counts as a leak where the function is 0", 1e-6, 1.0);
-  table.add("leak_share", &o.check.leak_share, "choice: share of those points that may leak", 1e-6, 1.0);
+  table.add("coefficients", &o.coefficients, "coefficients that the network sees; empty: 32, 128, 512, … below all");
   table.add("front_time_tolerance", &o.front.time, "front: times that differ by a smaller share are equal", 0.0, 10.0);
   table.add("front_error_tolerance", &o.front.error, "front: errors that differ by a smaller share are equal", 0.0, 10.0);
-  table.add("seed", &o.seed, "seed of random starts");
+  table.add("bootstrap_draws", &o.bootstrap_draws, "speed at equal error: draws of scenes behind its interval", 1, 1000000);
+  table.add("seed", &o.seed, "seed of random starts and draws");
 }
 
 }  // namespace nlg

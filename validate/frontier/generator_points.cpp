@@ -3,93 +3,83 @@
 #include <algorithm>
 #include <numeric>
 
-#include "runtime_eval/numbers/half.h"
 #include "tool/error.h"
-#include "tool/parallel_for.h"
-#include "validate/frontier/stopwatch.h"
 
 namespace nlg {
 namespace {
 
-using Functions = std::vector<FittedFunction>;
-
-// The points so far of one representation.
-struct PointList {
-  std::string representation;
-  std::vector<PlotPoint> points;
-
-  PlotPoint& add(const std::string& family, std::optional<int> budget, const std::string& label,
-                 std::function<Functions(const FunctionBlock&)> run) {
-    return points.emplace_back(PlotPoint{representation, family, budget, label, true, std::move(run)});
-  }
-};
-
 std::vector<int> defaultCoefficients(int all) {
   std::vector<int> counts;
-  for (int count = 32; count < all; count *= 2) counts.push_back(count);
-  counts.push_back(all);
+  for (int count = 32; count < all; count *= 4) counts.push_back(count);
   return counts;
 }
 
-// theta as a light grid of float16 holds it.
-void roundToHalf(FittedFunction& function) {
-  for (float& value : function.theta) {
-    Half half;
-    if (!halfFromFloat(value, &half)) throw NumericalError("validate", "rounding to float16", "theta", value);
-    value = floatFromHalf(half);
-  }
+PlotRun runOf(PlotPoint point, const std::shared_ptr<NetworkRun>& network) {
+  return {{std::move(point)}, [network](const FunctionBlock& block) { return FittedFunctions{network->run(block)}; }};
 }
 
-Functions correctedInHalf(GeneratorRun& run, const FunctionBlock& block) {
-  Functions functions = run.generateAndCorrect(block);
-  const Stopwatch watch;
-  for (FittedFunction& function : functions) roundToHalf(function);
-  const double elapsed_us = watch.elapsedUs() / block.count();
-  for (FittedFunction& function : functions) function.elapsed_us += elapsed_us;
-  return functions;
+PlotRun runOf(PlotPoint point, const std::shared_ptr<PolicyRun>& policy) {
+  return {{std::move(point)}, [policy](const FunctionBlock& block) { return FittedFunctions{policy->run(block)}; }};
 }
 
-// Every thread runs the whole block on a generator of its own; the time of a function is that of all over their number.
-Functions onThreads(const std::vector<std::shared_ptr<GeneratorRun>>& runs, const FunctionBlock& block) {
-  std::vector<Functions> of_thread(runs.size());
-  const WallStopwatch watch;
-  parallelFor(runs.size(), static_cast<int>(runs.size()),
-              [&](uint64_t item, int) { of_thread[item] = runs[item]->generateAndCorrect(block); });
-  const double elapsed_us = watch.elapsedUs() / (static_cast<double>(runs.size()) * block.count());
-  for (FittedFunction& function : of_thread.front()) function.elapsed_us = elapsed_us;
-  return std::move(of_thread.front());
-}
-
-void addThreads(const std::shared_ptr<const Generator>& generator, const CorrectionOptions& correction, PointList& list) {
-  for (const int count : {1, 2}) {
-    std::vector<std::shared_ptr<GeneratorRun>> runs;
-    for (int t = 0; t < count; ++t) runs.push_back(std::make_shared<GeneratorRun>(generator, correction));
-    list.add("threads", count, "generator + correction, " + std::to_string(count) + (count > 1 ? " threads" : " thread"),
-             [runs](const FunctionBlock& block) { return onThreads(runs, block); })
-        .may_be_on_front = false;
-  }
-}
-
-// The correction's own settings, one at a time: learned steps, and what follows them.
-void addCorrections(const std::shared_ptr<const Generator>& generator, const CorrectionOptions& standard, PointList& list) {
-  const auto add = [&](int budget, const std::string& unit, const CorrectionOptions& options) {
-    const auto run = std::make_shared<GeneratorRun>(generator, options);
-    list.add("corrected", budget, "generator + correction, " + std::to_string(budget) + ' ' + unit,
-             [run](const FunctionBlock& block) { return run->generateAndCorrect(block); });
+// What theta is called after a stage of the list: each word that no later stage has, as far as it is not the last of all.
+std::vector<ThetaWord> wordsAfter(const std::vector<StagePlan>& plan, size_t at) {
+  const auto wordOfPlace = [&](size_t n) {
+    if (n == plan.size()) return ThetaWord::stored;
+    // what the refinement leaves is what a grid holds
+    return plan[n].stage >= ThetaStage::refinement ? ThetaWord::stored : wordOf(plan[n].stage);
   };
-  const bool iterates = iteratesCheaply(generator->representation());
-  for (const int count : {1, 2, 4, 8}) {
-    CorrectionOptions options = standard;
-    options.most_steps = count, options.mirror_images = 1,
-    options.iterations = options.theta0_iterations = options.adam_steps = 0;
-    if (generator->correctionStepCount() > 0)
-      add(count, "learned step" + std::string(count > 1 ? "s" : "") + " at most", options);
+  std::vector<ThetaWord> words;
+  for (auto word = static_cast<int>(wordOfPlace(at)); word < static_cast<int>(wordOfPlace(at + 1)); ++word) {
+    words.push_back(static_cast<ThetaWord>(word));
   }
-  for (const int count : {1, 2, 4, 8}) {
-    CorrectionOptions options = standard;
-    (iterates ? options.iterations : options.mirror_images) = count;
-    const std::string unit = iterates ? "LM iteration" : "mirror image";
-    add(count, count > 1 ? unit + 's' : unit, options);
+  if (at + 1 == plan.size()) words.push_back(ThetaWord::stored);
+  return words;
+}
+
+void addStages(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options, std::vector<PlotRun>& runs) {
+  const std::string name = representationName(generator->representation());
+  const std::vector<StagePlan> plan = stagesOf(stageFacts(*generator), options);
+  for (size_t n = 0; n < plan.size(); ++n) {
+    const ThetaStage stage = plan[n].stage;
+    const PlotPoint point{name, "stages", {}, stageTitle(stage), wordsAfter(plan, n)};
+    if (stage == ThetaStage::network) {
+      runs.push_back(runOf(point, std::make_shared<NetworkRun>(generator)));
+      continue;
+    }
+    const auto run = std::make_shared<PolicyRun>(SharedGenerators{generator}, options, stage);
+    runs.push_back(runOf(point, run));
+  }
+  const auto last = std::make_shared<PolicyRun>(SharedGenerators{generator}, options, ThetaStage::rounding);
+  const PlotPoint rounded{name, "stages", 16, "rounding to float16", {}};
+  runs.push_back({{rounded}, [last](const FunctionBlock& block) { return FittedFunctions{last->runAndRound(block)}; }});
+}
+
+// A setting at some values below the one that it has, the stage that it belongs to being the last one.
+struct Setting {
+  int StageOptions::*value;
+  ThetaStage stage;
+  std::vector<int> budgets;
+};
+
+void addSettings(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options, std::vector<PlotRun>& runs) {
+  const Setting settings[] = {{&StageOptions::learned_steps, ThetaStage::learned_steps, {1, 2, 4}},
+                              {&StageOptions::mirror_images, ThetaStage::mirror_images, {2, 4}},
+                              {&StageOptions::lm_iterations, ThetaStage::lm, {1, 2}}};
+  for (const StagePlan& plan : stagesOf(stageFacts(*generator), options)) {
+    for (const Setting& setting : settings) {
+      for (const int budget : setting.budgets) {
+        if (plan.stage != setting.stage || budget >= plan.budget) continue;
+        PolicyOptions changed = options;
+        changed.stages.*setting.value = budget;
+        runs.push_back(runOf({representationName(generator->representation()),
+                              stageName(plan.stage),
+                              budget,
+                              std::string(stageTitle(plan.stage)) + ", " + std::to_string(budget) + " at most",
+                              {}},
+                             std::make_shared<PolicyRun>(SharedGenerators{generator}, changed, setting.stage)));
+      }
+    }
   }
 }
 
@@ -108,32 +98,31 @@ GeneratorData keepCoefficients(GeneratorData data, int kept) {
   return data;
 }
 
-std::vector<PlotPoint> generatorPoints(const GeneratorData& data, const std::shared_ptr<const Generator>& generator,
-                                       const CorrectionOptions& correction, const std::vector<int>& coefficients) {
-  PointList list{representationName(data.representation), {}};
-  const auto run = std::make_shared<GeneratorRun>(generator, correction);
-  const auto alone = [](std::shared_ptr<GeneratorRun> r) {
-    return [r](const FunctionBlock& block) { return r->generate(block); };
+std::vector<PlotRun> generatorPoints(const GeneratorData& data, const std::shared_ptr<const Generator>& generator,
+                                     const PolicyOptions& options, const std::vector<int>& coefficients) {
+  std::vector<PlotRun> runs;
+  addStages(generator, options, runs);
+  addSettings(generator, options, runs);
+  const std::string name = representationName(data.representation);
+  const auto networkOf = [](auto&&... settings) {
+    return std::make_shared<NetworkRun>(std::make_shared<const Generator>(settings...));
   };
-  const auto aloneOf = [&](auto&&... settings) {
-    return alone(std::make_shared<GeneratorRun>(std::make_shared<const Generator>(settings...)));
-  };
-  const auto corrected = [run](const FunctionBlock& block) { return run->generateAndCorrect(block); };
-  list.add("generator", {}, "generator alone", alone(run));
-  list.add("corrected", {}, "generator + correction", corrected);
-  addCorrections(generator, correction, list);
+  runs.push_back(runOf({name, "precision", 16, "network, int16", {}}, networkOf(data, GeneratorPrecision::int16)));
   const int all = data.basis.coefficientCount();
   for (const int kept : coefficients.empty() ? defaultCoefficients(all) : coefficients) {
-    list.add("coefficients", kept, "generator alone, " + std::to_string(kept) + " of " + std::to_string(all) + " coefficients",
-             aloneOf(keepCoefficients(data, kept)));
+    const std::string label = "network, " + std::to_string(kept) + " of " + std::to_string(all) + " coefficients";
+    runs.push_back(runOf({name, "coefficients", kept, label, {}}, networkOf(keepCoefficients(data, kept))));
   }
-  list.add("precision", 32, "generator alone, float32", alone(run));
-  list.add("precision", 16, "generator alone, int16", aloneOf(data, GeneratorPrecision::int16));
-  list.add("theta_precision", 32, "generator + correction, theta float32", corrected);
-  list.add("theta_precision", 16, "generator + correction, theta float16",
-           [run](const FunctionBlock& block) { return correctedInHalf(*run, block); });
-  addThreads(generator, correction, list);
-  return list.points;
+  return runs;
+}
+
+PlotRun choicePoint(const SharedGenerators& generators, const PolicyOptions& options) {
+  std::string names;
+  for (const auto& generator : generators) {
+    names += (names.empty() ? "" : "+") + std::string(representationName(generator->representation()));
+  }
+  return runOf({names, "choice", {}, "automatic choice", {}},
+               std::make_shared<PolicyRun>(generators, options, ThetaStage::rounding));
 }
 
 }  // namespace nlg

@@ -1,18 +1,21 @@
-// Points of one generator that no fit follows: alone, corrected, in fewer bits, on fewer coefficients, on more threads.
+// Points of the policy: after every stage of a representation's list, and with settings of its own one at a time.
 #pragma once
 
-#include <memory>
-
-#include "validate/frontier/generator_run.h"
+#include "validate/frontier/policy_run.h"
 
 namespace nlg {
 
-// Families generator, corrected, coefficients, precision, theta_precision, threads.
+// Family stages: after each stage of the list, and theta rounded to float16 after the last. The last point of a word is named by it:
+// network, corrected, fitted (before the refinement), stored. Families learned_steps, mirror_images and lm: so many of them at most,
+// and no stage after them. Families precision and coefficients: the network alone.
 // generator      made of data
-// correction     of every point but those of family corrected that say otherwise
-// coefficients   1 <= each <= the basis's K; empty: 32, 64, 128, … below K, and K
-std::vector<PlotPoint> generatorPoints(const GeneratorData& data, const std::shared_ptr<const Generator>& generator,
-                                       const CorrectionOptions& correction, const std::vector<int>& coefficients);
+// coefficients   1 <= each <= the basis's K; empty: 32, 128, 512, … below K
+std::vector<PlotRun> generatorPoints(const GeneratorData& data, const std::shared_ptr<const Generator>& generator,
+                                     const PolicyOptions& options, const std::vector<int>& coefficients);
+
+// Family choice: the policy over several generators, all of it.
+// generators   at least two, by rising number of parameters
+PlotRun choicePoint(const SharedGenerators& generators, const PolicyOptions& options);
 
 // The same generator that sees only the `kept` coefficients of largest deviation: the others are 0, their mean over the training
 // set. What each coefficient carries in a generator that was trained with all of them, not what one trained with fewer would do.

@@ -8,6 +8,9 @@
 namespace nlg {
 namespace {
 
+// What takes longer on a block has its own weights and functions in the caches for most of that time.
+constexpr double kColdSeconds = 0.02;
+
 BlockTimes timesOf(size_t block, const std::vector<FittedFunction>& functions) {
   BlockTimes times{block, {}};
   for (const FittedFunction& function : functions) times.elapsed_us.push_back(function.elapsed_us);
@@ -16,67 +19,92 @@ BlockTimes timesOf(size_t block, const std::vector<FittedFunction>& functions) {
 
 class Interleaved {
  public:
-  Interleaved(const FunctionSet& set, const std::vector<FunctionBlock>& blocks, const std::vector<PlotPoint>& points)
-      : blocks_(blocks), points_(points), meter_(set), measured_(points.size()), block_s_(points.size(), 0.0) {}
+  Interleaved(const FunctionSet& set, const ChosenFunctions& functions, const std::vector<FunctionBlock>& blocks,
+              const std::vector<PlotRun>& runs)
+      : functions_(functions), blocks_(blocks), runs_(runs), meter_(set), block_s_(runs.size(), 0.0) {
+    for (const PlotRun& run : runs) measured_.emplace_back(run.points.size());
+  }
 
   // The first run on a block: errors, and how long it takes.
-  void measureErrors(size_t p, size_t b) {
+  void measureErrors(size_t r, size_t b) {
     const WallStopwatch watch;
-    const std::vector<FittedFunction> functions = points_[p].run(blocks_[b]);
-    if (b == 0) block_s_[p] = 1e-6 * watch.elapsedUs();
-    NLG_CHECK(functions.size(), ==, blocks_[b].functions.size());
-    PointMeasurement& point = measured_[p];
-    for (size_t i = 0; i < functions.size(); ++i) {
-      const uint64_t function = blocks_[b].functions[i];
-      point.errors.push_back(meter_.measure(functions[i].representation, functions[i].theta.data(), function, &point.leaks));
-      if (!std::isfinite(point.errors.back().rmse)) {
-        throw NumericalError("validate frontier", points_[p].representation + ": " + points_[p].label,
-                             "RMSE of function " + std::to_string(function), point.errors.back().rmse);
-      }
-    }
-    point.times.push_back(timesOf(b, functions));
+    const FittedFunctions points = runs_[r].run(blocks_[b]);
+    if (b == 0) block_s_[r] = 1e-6 * watch.elapsedUs();
+    NLG_CHECK(points.size(), ==, runs_[r].points.size());
+    for (size_t p = 0; p < points.size(); ++p) addErrors(runs_[r].points[p], blocks_[b], points[p], measured_[r][p]);
+    addTimes(r, b, points);
   }
 
-  bool isShort(size_t p, const InterleaveOptions& options) const { return block_s_[p] <= options.repeat_seconds; }
+  bool isShort(size_t r, const InterleaveOptions& options) const { return block_s_[r] <= options.repeat_seconds; }
 
   // The times of cold caches are not those that the repeats are about to give.
-  void forgetTimes(size_t p) { measured_[p].times.clear(); }
-
-  void repeat(size_t p, size_t b) {
-    points_[p].run(blocks_[b]);
-    measured_[p].times.push_back(timesOf(b, points_[p].run(blocks_[b])));
+  void forgetTimes(size_t r) {
+    for (PointMeasurement& point : measured_[r]) point.times.clear();
   }
 
-  std::vector<PointMeasurement> take() { return std::move(measured_); }
+  void repeat(size_t r, size_t b) {
+    if (block_s_[r] <= kColdSeconds) runs_[r].run(blocks_[b]);
+    addTimes(r, b, runs_[r].run(blocks_[b]));
+  }
+
+  std::vector<PointMeasurement> take() {
+    std::vector<PointMeasurement> all;
+    for (auto& points : measured_) std::move(points.begin(), points.end(), std::back_inserter(all));
+    return all;
+  }
 
  private:
+  void addErrors(const PlotPoint& point, const FunctionBlock& block, const std::vector<FittedFunction>& fitted,
+                 PointMeasurement& measured) {
+    NLG_CHECK(fitted.size(), ==, block.functions.size());
+    for (size_t i = 0; i < fitted.size(); ++i) {
+      PooledMagnitudes leaks;
+      const bool is_hard = functions_.hard[measured.rmse.size()];
+      const double rmse = meter_.measure(fitted[i].representation, fitted[i].theta.data(), block.functions[i], &leaks).rmse;
+      if (!std::isfinite(rmse)) {
+        throw NumericalError("validate frontier", point.representation + ": " + point.label,
+                             "RMSE of function " + std::to_string(block.functions[i]), rmse);
+      }
+      measured.rmse.push_back(rmse);
+      measured.took_fit.push_back(fitted[i].took_fit);
+      measured.leaks.add(leaks);
+      if (is_hard) measured.leaks_hard.add(leaks);
+    }
+  }
+
+  void addTimes(size_t r, size_t b, const FittedFunctions& points) {
+    for (size_t p = 0; p < points.size(); ++p) measured_[r][p].times.push_back(timesOf(b, points[p]));
+  }
+
+  const ChosenFunctions& functions_;
   const std::vector<FunctionBlock>& blocks_;
-  const std::vector<PlotPoint>& points_;
+  const std::vector<PlotRun>& runs_;
   ErrorMeter meter_;
-  std::vector<PointMeasurement> measured_;
-  std::vector<double> block_s_;  // by point: wall time of its first run
+  std::vector<std::vector<PointMeasurement>> measured_;  // by run, then by its points
+  std::vector<double> block_s_;                          // by run: wall time of its first
 };
 
 }  // namespace
 
-std::vector<PointMeasurement> measureInterleaved(const FunctionSet& set, const std::vector<FunctionBlock>& blocks,
-                                                 const std::vector<PlotPoint>& points, const InterleaveOptions& options,
+std::vector<PointMeasurement> measureInterleaved(const FunctionSet& set, const ChosenFunctions& functions,
+                                                 const std::vector<FunctionBlock>& blocks, const std::vector<PlotRun>& runs,
+                                                 const InterleaveOptions& options,
                                                  const std::function<void(int64_t done)>& progress) {
-  Interleaved interleaved(set, blocks, points);
+  Interleaved interleaved(set, functions, blocks, runs);
   int64_t done = 0;
   for (size_t b = 0; b < blocks.size(); ++b) {
-    for (size_t p = 0; p < points.size(); ++p) {
-      interleaved.measureErrors(p, b);
+    for (size_t r = 0; r < runs.size(); ++r) {
+      interleaved.measureErrors(r, b);
       progress(++done);
     }
   }
-  for (size_t p = 0; p < points.size(); ++p) {
-    if (interleaved.isShort(p, options)) interleaved.forgetTimes(p);
+  for (size_t r = 0; r < runs.size(); ++r) {
+    if (interleaved.isShort(r, options) && options.repeats > 0) interleaved.forgetTimes(r);
   }
   for (int repeat = 0; repeat < options.repeats; ++repeat) {
     for (size_t b = 0; b < blocks.size(); ++b) {
-      for (size_t p = 0; p < points.size(); ++p) {
-        if (interleaved.isShort(p, options)) interleaved.repeat(p, b);
+      for (size_t r = 0; r < runs.size(); ++r) {
+        if (interleaved.isShort(r, options)) interleaved.repeat(r, b);
         progress(++done);
       }
     }

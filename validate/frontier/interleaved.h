@@ -1,19 +1,20 @@
 // Runs all points of the plot on the same functions, interleaved, so that a slow moment of the machine hits all alike.
 //
-// The outer loops run over repeats and blocks of functions, the inner one over all points. A point's first run on every block gives
-// its errors; where a block took no longer than repeat_seconds, the repeats give its times, each after an unmeasured run that brings
-// the point's own weights and functions into the caches, as in a bake of many blocks. Points that take longer are run once: their
-// times are those of the first run, each the mean of many long fits.
+// The outer loops run over repeats and blocks of functions, the inner one over all runs. The first run on every block gives errors;
+// where a block took no longer than repeat_seconds, the repeats give times. What takes next to no time is run once more before each
+// of them, unmeasured, which brings its own weights and functions into the caches, as in a bake of many blocks. Runs that take
+// longer are made once: their times are those of the first, each the mean of many long fits.
 #pragma once
 
 #include "validate/errors/function_error.h"
+#include "validate/frontier/chosen_functions.h"
 #include "validate/frontier/plot_point.h"
 
 namespace nlg {
 
 struct InterleaveOptions {
-  int repeats = 5;               // timed runs of every short point on every block
-  double repeat_seconds = 0.25;  // a point that takes longer on its first block is run once
+  int repeats = 5;               // timed runs of every short one on every block
+  double repeat_seconds = 0.25;  // what takes longer on its first block is run once
 };
 
 // The times of one run on one block: µs of each of its functions, in its order.
@@ -23,16 +24,19 @@ struct BlockTimes {
 };
 
 struct PointMeasurement {
-  std::vector<FunctionError> errors;  // by function, in the order of the blocks
-  PooledMagnitudes leaks;             // over all of them
+  std::vector<double> rmse;            // by function, in the order of the blocks
+  std::vector<bool> took_fit;          // by function
+  PooledMagnitudes leaks, leaks_hard;  // over all of them, over the hard ones
   std::vector<BlockTimes> times;
 };
 
-// returns    one a point, in their order
-// progress   called with the number of finished runs
-// throws     NumericalError when a theta's error is not finite
-std::vector<PointMeasurement> measureInterleaved(const FunctionSet& set, const std::vector<FunctionBlock>& blocks,
-                                                 const std::vector<PlotPoint>& points, const InterleaveOptions& options,
+// functions   whose with_theta the blocks hold, in their order
+// returns     one a point, run after run
+// progress    called with the number of finished runs
+// throws      NumericalError when a theta's error is not finite
+std::vector<PointMeasurement> measureInterleaved(const FunctionSet& set, const ChosenFunctions& functions,
+                                                 const std::vector<FunctionBlock>& blocks, const std::vector<PlotRun>& runs,
+                                                 const InterleaveOptions& options,
                                                  const std::function<void(int64_t done)>& progress);
 
 }  // namespace nlg

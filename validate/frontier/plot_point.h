@@ -1,4 +1,4 @@
-// One point of the plot of error against run time: a method with all its settings.
+// Points of the plot of error against run time, and the runs that give them.
 #pragma once
 
 #include <functional>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/fit/theta_stage.h"
 #include "validate/frontier/function_block.h"
 
 namespace nlg {
@@ -16,16 +17,27 @@ struct FittedFunction {
   Representation representation;
   Theta theta;
   double elapsed_us = 0.0;  // processor time of the thread; of what runs in batches, its share of the batch
+  bool took_fit = false;    // any step of Adam or Levenberg–Marquardt
 };
 
+// One method with all its settings.
 struct PlotPoint {
-  std::string representation;   // a name of kRepresentationNames; of a choice, those that it chose from, joined by "+"
-  std::string family;           // docs/reference/formats.md, frontier.json
-  std::optional<int> budget;    // what grows along the family: steps, coefficients, bits, threads
-  std::string label;            // "generator + 4 LM"
-  bool may_be_on_front = true;  // false where the time is not that of one thread
+  std::string representation;    // a name of kRepresentationNames; of a choice, those that it chose from, joined by "+"
+  std::string family;            // docs/reference/frontier.md
+  std::optional<int> budget;     // what grows along the family: steps, coefficients, bits
+  std::string label;             // "4 LM from theta0"
+  std::vector<ThetaWord> words;  // what its theta is called; most points have none
+  bool is_direct = false;        // a fit that sees no generator: a rival at equal error
+};
+
+// By point of a run, then by function of a block.
+using FittedFunctions = std::vector<std::vector<FittedFunction>>;
+
+// A run gives one point, or several where one is on the way to another.
+struct PlotRun {
+  std::vector<PlotPoint> points;
   // theta of every function of a block, in its order, and the time that each took. The same theta every time.
-  std::function<std::vector<FittedFunction>(const FunctionBlock&)> run;
+  std::function<FittedFunctions(const FunctionBlock&)> run;
 };
 
 }  // namespace nlg

@@ -1,6 +1,7 @@
-// The figures of a point: what its measurement comes to, over all functions and scene by scene.
+// The figures of a point: what its measurement comes to, by population and scene by scene.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 
@@ -22,27 +23,41 @@ struct SceneFigures {
   ErrorFigures rmse;
 };
 
-struct PointFigures {
+struct PopulationFigures {
   TimeFigures time;
   ErrorFigures rmse;
-  std::optional<ErrorFigures> rmse_hard;  // over the hard functions alone, which decide what a bake looks like; none without any
-  double leak_p99 = 0;                    // of |value| pooled over valid support points whose phi is 0
-  std::map<std::string, SceneFigures> by_scene;
+  double leak_p99 = 0;  // of |value| pooled over the points that count as leaks
+  double share_fitted = 0;
+};
+
+// By Population; none where it is empty.
+template <class Figures>
+using ByPopulation = std::array<std::optional<Figures>, kPopulationCount>;
+
+struct PointFigures {
+  ByPopulation<PopulationFigures> figures;
+  std::map<std::string, SceneFigures> by_scene;  // of functions that take a theta
 };
 
 // The bare tent, which takes no time and no theta: what does not have a smaller error is on no front.
 struct TentFigures {
-  ErrorFigures rmse;
-  std::optional<ErrorFigures> rmse_hard;
-  std::map<std::string, ErrorFigures> by_scene;
+  ByPopulation<ErrorFigures> figures;
+  std::map<std::string, ErrorFigures> by_scene;  // of functions that take a theta
 };
 
-// tent_rmse   by function, in the order of the blocks
-TentFigures figuresOfTent(const std::vector<double>& tent_rmse, const std::vector<FunctionBlock>& blocks, const FunctionSet& set,
-                          const std::vector<bool>& hard);
+// Functions that take no theta: what they have in every point's figures over all functions.
+struct BareTents {
+  std::vector<double> rmse;
+  PooledMagnitudes leaks;
+};
+BareTents measureBareTents(const FunctionSet& set, const ChosenFunctions& functions);
 
-// hard    by function, in the order of the blocks
-PointFigures figuresOf(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks, const FunctionSet& set,
-                       const std::vector<bool>& hard);
+TentFigures figuresOfTent(const FunctionSet& set, const ChosenFunctions& functions, const BareTents& tents);
+
+PointFigures figuresOf(const PointMeasurement& measured, const FunctionSet& set, const ChosenFunctions& functions,
+                       const std::vector<FunctionBlock>& blocks, const BareTents& tents);
+
+// The time of every function that takes a theta, the median of its runs, µs.
+std::vector<double> functionTimes(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks);
 
 }  // namespace nlg

@@ -1,17 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/error.h"
-#include "validate/frontier/choice_point.h"
 #include "validate/frontier/fit_points.h"
 #include "validate/frontier/frontier_json.h"
 #include "validate/frontier/frontier_options.h"
 #include "validate/frontier/generator_points.h"
-#include "validate/frontier/interleaved.h"
+#include "validate/frontier/point_figures.h"
 
 namespace nlg {
 namespace {
@@ -46,81 +46,166 @@ std::vector<FunctionBlock> sampleBlocks() {
   return {makeBlocks(sampleSet(), {0, 1, 2, 3}).front(), makeBlocks(sampleSet(), {4, 5}).front()};
 }
 
-std::vector<PointMeasurement> measureOnce(const std::vector<PlotPoint>& points) {
-  return measureInterleaved(sampleSet(), sampleBlocks(), points, {0, 0.0}, [](int64_t) {});
+// All of them take a theta, every second one is hard.
+const ChosenFunctions& sampleFunctions() {
+  static const ChosenFunctions functions = {{0, 1, 2, 3, 4, 5}, {6, 5, 4, 3, 2, 1}, {false, true, false, true, true, false}, {}};
+  return functions;
 }
 
-// A point that gives the tent times 1 and notes what it was asked for.
+std::vector<PointMeasurement> measure(const std::vector<PlotRun>& runs, const InterleaveOptions& options) {
+  return measureInterleaved(sampleSet(), sampleFunctions(), sampleBlocks(), runs, options, [](int64_t) {});
+}
+
+std::vector<PointMeasurement> measureOnce(const std::vector<PlotRun>& runs) { return measure(runs, {0, 0.0}); }
+
+// A run that gives a network that is 1 and notes what it was asked for.
 struct Asked {
   std::vector<std::vector<uint64_t>> blocks;
-  PlotPoint point(const std::string& label, double elapsed_us) {
-    const auto run = [this, elapsed_us](const FunctionBlock& block) {
+  PlotRun run(const std::vector<double>& elapsed_us) {
+    PlotRun run;
+    for (const double us : elapsed_us) run.points.push_back({"tent_mlp", "stages", {}, std::to_string(us), {}});
+    run.run = [this, elapsed_us](const FunctionBlock& block) {
       blocks.push_back(block.functions);
       Theta theta(ThetaLayout::count, 0.0f);
       theta[ThetaLayout::b3] = 1.0f;
-      return std::vector<FittedFunction>(block.functions.size(), {Representation::tentMlp(), theta, elapsed_us});
+      FittedFunctions points;
+      for (const double us : elapsed_us) {
+        points.emplace_back(block.functions.size(), FittedFunction{Representation::tentMlp(), theta, us});
+      }
+      return points;
     };
-    return {"tent_mlp", "generator", {}, label, true, run};
+    return run;
   }
 };
 
 TEST(Interleaved, RunsEveryPointOnTheSameFunctions) {
   Asked a, b;
-  const std::vector<PointMeasurement> measured = measureOnce({a.point("a", 1), b.point("b", 2)});
+  const std::vector<PointMeasurement> measured = measureOnce({a.run({1, 10}), b.run({2})});
   EXPECT_EQ(a.blocks, (std::vector<std::vector<uint64_t>>{{0, 1, 2, 3}, {4, 5}}));
   EXPECT_EQ(a.blocks, b.blocks);
+  ASSERT_EQ(measured.size(), 3u) << "a run may give two points";
+  EXPECT_EQ(measured[0].times[1].elapsed_us, (std::vector<double>{1, 1}));
+  EXPECT_EQ(measured[1].times[1].elapsed_us, (std::vector<double>{10, 10}));
   for (const PointMeasurement& point : measured) {
-    ASSERT_EQ(point.errors.size(), size_t{kFunctionCount});
-    for (int i = 1; i < kFunctionCount; ++i)
-      EXPECT_LT(point.errors[i].rmse, point.errors[i - 1].rmse) << "walls stand further off";
+    ASSERT_EQ(point.rmse.size(), size_t{kFunctionCount});
+    for (int i = 1; i < kFunctionCount; ++i) EXPECT_LT(point.rmse[i], point.rmse[i - 1]) << "walls stand further off";
   }
 }
 
-TEST(Interleaved, RepeatsShortPointsAndRunsLongOnesOnce) {
+TEST(Interleaved, RepeatsShortRunsAndMakesLongOnesOnce) {
   Asked a;
-  // a warming run before every one that counts; the first pass only measures errors
-  const auto repeated = measureInterleaved(sampleSet(), sampleBlocks(), {a.point("a", 3)}, {4, 1e6}, [](int64_t) {});
+  // it takes next to nothing: a warming run before every one that counts; the first pass only measures errors
+  const auto repeated = measure({a.run({3})}, {4, 1e6});
   EXPECT_EQ(a.blocks.size(), 2u * (1 + 2 * 4));
   EXPECT_EQ(repeated.front().times.size(), 2u * 4);
   Asked b;
-  const auto once = measureInterleaved(sampleSet(), sampleBlocks(), {b.point("b", 3)}, {4, 0.0}, [](int64_t) {});
+  const auto once = measure({b.run({3})}, {4, 0.0});
   EXPECT_EQ(b.blocks.size(), 2u);
   EXPECT_EQ(once.front().times.size(), 2u);
-  EXPECT_EQ(once.front().errors.size(), repeated.front().errors.size());
+  EXPECT_EQ(once.front().rmse, repeated.front().rmse);
 }
 
 TEST(Interleaved, RefusesAnErrorThatIsNotFinite) {
   Asked a;
-  PlotPoint point = a.point("broken", 1);
-  point.run = [](const FunctionBlock& block) {
-    return std::vector<FittedFunction>(block.functions.size(), {Representation::tentMlp(), Theta(ThetaLayout::count, NAN), 1.0});
+  PlotRun run = a.run({1});
+  run.run = [](const FunctionBlock& block) {
+    const FittedFunction broken{Representation::tentMlp(), Theta(ThetaLayout::count, NAN), 1.0};
+    return FittedFunctions{std::vector<FittedFunction>(block.functions.size(), broken)};
   };
-  EXPECT_THROW(measureOnce({point}), NumericalError);
+  EXPECT_THROW(measureOnce({run}), NumericalError);
+}
+
+// Of a population.
+template <class Figures>
+const Figures& of(const ByPopulation<Figures>& figures, Population population) {
+  return figures[static_cast<size_t>(population)].value();
 }
 
 TEST(PointFigures, AreMeansOfRunsAndQuantilesOverThem) {
   PointMeasurement measured;
-  for (const double rmse : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}) measured.errors.push_back({rmse});
+  measured.rmse = {1, 2, 3, 4, 5, 6};
+  measured.took_fit = {true, true, false, false, false, false};
   measured.times = {{0, {1, 2, 3, 4}}, {1, {10, 20}}, {0, {3, 2, 1, 4}}};
-  const PointFigures figures = figuresOf(measured, sampleBlocks(), sampleSet(), {false, true, false, true, true, false});
-  EXPECT_EQ(figures.time.median_us, 2.5);
-  EXPECT_EQ(figures.time.p25_us, 2.5);
-  EXPECT_EQ(figures.time.p75_us, 0.5 * (2.5 + 15));
-  EXPECT_EQ(figures.rmse.median, 3.5);
-  EXPECT_EQ(figures.rmse.worst, 6.0);
-  ASSERT_TRUE(figures.rmse_hard);
-  EXPECT_EQ(figures.rmse_hard->median, 4.0);
-  EXPECT_EQ(figures.rmse_hard->worst, 5.0);
-  EXPECT_FALSE(figuresOf(measured, sampleBlocks(), sampleSet(), std::vector<bool>(6, false)).rmse_hard);
-  const TentFigures tent =
-      figuresOfTent({6, 5, 4, 3, 2, 1}, sampleBlocks(), sampleSet(), {true, true, false, false, false, false});
-  EXPECT_EQ(tent.rmse.median, 3.5);
-  EXPECT_EQ(tent.rmse_hard->mean, 5.5);
+  const PointFigures figures = figuresOf(measured, sampleSet(), sampleFunctions(), sampleBlocks(), {});
+  const PopulationFigures& theta = of(figures.figures, Population::theta);
+  EXPECT_EQ(theta.time.median_us, 2.5);
+  EXPECT_EQ(theta.time.p25_us, 2.5);
+  EXPECT_EQ(theta.time.p75_us, 0.5 * (2.5 + 15));
+  EXPECT_EQ(theta.rmse.median, 3.5);
+  EXPECT_EQ(theta.rmse.worst, 6.0);
+  EXPECT_EQ(theta.share_fitted, 2.0 / 6.0);
+  // hard: functions 1, 3 and 4
+  const PopulationFigures& hard = of(figures.figures, Population::hard);
+  EXPECT_EQ(hard.rmse.median, 4.0);
+  EXPECT_EQ(hard.rmse.worst, 5.0);
+  EXPECT_EQ(hard.time.median_us, 3.0) << "of 3, 10 and 3";
+  EXPECT_EQ(hard.share_fitted, 1.0 / 3.0);
+  const TentFigures tent = figuresOfTent(sampleSet(), sampleFunctions(), {});
+  EXPECT_EQ(of(tent.figures, Population::theta).median, 3.5);
+  EXPECT_EQ(of(tent.figures, Population::hard).mean, 10.0 / 3.0);
   EXPECT_EQ(tent.by_scene.at("hall").median, 4.0);
   // functions 0, 2 and 4 are the hall's: times 2, 10 and 2
   EXPECT_EQ(figures.by_scene.at("hall").time.median_us, 2.0);
   EXPECT_EQ(figures.by_scene.at("hall").rmse.median, 3.0);
   EXPECT_EQ(figures.by_scene.at("cellar").rmse.mean, 4.0);
+  EXPECT_EQ(functionTimes(measured, sampleBlocks()), (std::vector<double>{2, 2, 2, 4, 10, 20}));
+}
+
+TEST(PointFigures, OfAllFunctionsHoldBareTentsAtTimeZero) {
+  PointMeasurement measured;
+  measured.rmse = {1, 2, 3, 4, 5, 6};
+  measured.took_fit.assign(6, true);
+  measured.times = {{0, {8, 8, 8, 8}}};
+  const BareTents tents = {{0.5, 0.5}, {}};
+  const PointFigures figures = figuresOf(measured, sampleSet(), sampleFunctions(), sampleBlocks(), tents);
+  const PopulationFigures& all = of(figures.figures, Population::all);
+  EXPECT_EQ(all.time.median_us, 6.0) << "two of eight take none";
+  EXPECT_EQ(all.rmse.mean, 22.0 / 8.0);
+  EXPECT_EQ(all.share_fitted, 0.75);
+  EXPECT_EQ(of(figures.figures, Population::theta).rmse.mean, 3.5);
+}
+
+TEST(PointFigures, HaveNoneOfHardFunctionsWithoutAny) {
+  ChosenFunctions functions = sampleFunctions();
+  functions.hard.assign(6, false);
+  PointMeasurement measured;
+  measured.rmse.assign(6, 1.0);
+  measured.took_fit.assign(6, false);
+  measured.times = {{0, {1, 2, 3, 4}}};
+  EXPECT_FALSE(figuresOf(measured, sampleSet(), functions, sampleBlocks(), {}).figures[2]);
+  EXPECT_FALSE(figuresOfTent(sampleSet(), functions, {}).figures[2]);
+}
+
+TEST(ChosenFunctions, TakeBareTentsInTheProportionOfEveryScene) {
+  FunctionSet set;
+  set.point_count = kSupportPointCount;
+  set.scene_ids = {"hall", "cellar"};
+  const auto add = [&](uint32_t scene, bool is_tent) {
+    set.scene_idx.push_back(scene);
+    for (const LocalPoint& point : supportPattern().points) {
+      set.phi.push_back(is_tent || point[0] < 0 ? static_cast<uint8_t>(std::lround(255.0f * tent(point))) : 0);
+    }
+    set.validity.insert(set.validity.end(), kValidityByteCount, 0xff);
+  };
+  // a third of the hall takes a theta, a half of the cellar
+  for (int i = 0; i < 6; ++i) add(0, i % 3 != 0);
+  for (int i = 0; i < 4; ++i) add(1, i % 2 != 0);
+  set.seen = set.validity;
+  const PolicyOptions policy;
+  const ChosenFunctions all = chooseFunctions(set, 100, policy, 0.01);
+  EXPECT_EQ(std::set<uint64_t>(all.with_theta.begin(), all.with_theta.end()), (std::set<uint64_t>{0, 3, 6, 8}));
+  EXPECT_EQ(all.hard, std::vector<bool>(4, true)) << "half a tent is far from the tent";
+  EXPECT_EQ(all.count(Population::all), 10u);
+  const ChosenFunctions some = chooseFunctions(set, 2, policy, 10.0);
+  EXPECT_EQ(some.with_theta.size(), 2u);
+  EXPECT_EQ(some.bare_tents.size(), 3u) << "two in the hall, one in the cellar";
+  EXPECT_EQ(some.count(Population::hard), 0u);
+  PolicyOptions every;
+  every.bare_tent_rmse = 0.0;
+  EXPECT_EQ(chooseFunctions(set, 100, every, 0.01).count(Population::theta), 10u);
+  PolicyOptions none;
+  none.bare_tent_rmse = 1.0, none.refinement.check.tau_rmse = 1.0, none.refinement.check.leak_share = 1.0;
+  EXPECT_THROW(chooseFunctions(set, 100, none, 0.01), InputError);
 }
 
 GeneratorData sampleData(const Representation& representation) {
@@ -131,47 +216,82 @@ std::shared_ptr<const Generator> sampleShared(const Representation& representati
   return std::make_shared<const Generator>(sampleData(representation));
 }
 
-std::vector<PlotPoint> pointsOfGenerator(const Representation& representation, const std::vector<int>& coefficients) {
+std::vector<PlotRun> runsOfGenerator(const Representation& representation, const std::vector<int>& coefficients) {
   return generatorPoints(sampleData(representation), sampleShared(representation), {}, coefficients);
 }
 
-// First point of a family and budget.
-const PlotPoint& find(const std::vector<PlotPoint>& points, const std::string& family, std::optional<int> budget = {}) {
-  for (const PlotPoint& point : points) {
-    if (point.family == family && point.budget == budget) return point;
+std::vector<Theta> thetaOf(const std::vector<FittedFunction>& functions) {
+  std::vector<Theta> thetas;
+  for (const FittedFunction& function : functions) {
+    EXPECT_GT(function.elapsed_us, 0.0);
+    thetas.push_back(function.theta);
   }
-  throw std::runtime_error("no point of family " + family);
+  return thetas;
+}
+
+// What the first point of a family and budget makes; of `stages`, the one of that label.
+std::vector<FittedFunction> runPoint(const std::vector<PlotRun>& runs, const FunctionBlock& block, const std::string& family,
+                                     std::optional<int> budget = {}, const std::string& label = "") {
+  for (const PlotRun& run : runs) {
+    for (size_t p = 0; p < run.points.size(); ++p) {
+      const PlotPoint& point = run.points[p];
+      if (point.family == family && point.budget == budget && (label.empty() || point.label == label)) return run.run(block)[p];
+    }
+  }
+  throw std::runtime_error("no point of family " + family + ' ' + label);
 }
 
 TEST(GeneratorPoints, MeasureWhatTheyAreNamedFor) {
-  const std::vector<PlotPoint> points = pointsOfGenerator(Representation::tentMlp(), {5, 25});
+  const std::vector<PlotRun> runs = runsOfGenerator(Representation::tentMlp(), {5, 25});
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 3, 5}).front();
-  const auto theta = [&](const std::string& family, std::optional<int> budget = {}) {
-    std::vector<Theta> thetas;
-    for (const FittedFunction& function : find(points, family, budget).run(block)) {
-      EXPECT_GT(function.elapsed_us, 0.0) << family;
-      thetas.push_back(function.theta);
-    }
-    EXPECT_EQ(thetas.size(), 3u) << family;
-    return thetas;
+  const auto theta = [&](const std::string& family, std::optional<int> budget = {}, const std::string& label = "") {
+    return thetaOf(runPoint(runs, block, family, budget, label));
   };
-  const std::vector<Theta> generated = theta("generator");
-  EXPECT_EQ(generated, theta("precision", 32));
-  EXPECT_EQ(generated, theta("coefficients", 25)) << "all of them";
-  EXPECT_NE(generated, theta("coefficients", 5));
-  EXPECT_NE(generated, theta("precision", 16));
-  const std::vector<Theta> corrected = theta("corrected");
-  EXPECT_EQ(corrected, theta("threads", 1));
-  EXPECT_EQ(corrected, theta("threads", 2));
-  EXPECT_EQ(corrected, theta("theta_precision", 32));
-  const std::vector<Theta> half = theta("theta_precision", 16);
-  EXPECT_NE(corrected, half);
+  const std::vector<Theta> network = theta("stages", {}, "network");
+  EXPECT_EQ(network, theta("coefficients", 25)) << "all of them";
+  EXPECT_NE(network, theta("coefficients", 5));
+  EXPECT_NE(network, theta("precision", 16));
+  const std::vector<Theta> stored = theta("stages", {}, "refinement"), half = theta("stages", 16);
+  EXPECT_NE(stored, half);
   for (size_t i = 0; i < half.front().size(); ++i) {
     // half a unit in the last of float16's 11 bits, or of its smallest number
-    EXPECT_NEAR(half.front()[i], corrected.front()[i], std::fabs(corrected.front()[i]) * 0x1p-11f + 0x1p-25f)
-        << "parameter " << i;
+    EXPECT_NEAR(half.front()[i], stored.front()[i], std::fabs(stored.front()[i]) * 0x1p-11f + 0x1p-25f) << "parameter " << i;
   }
-  EXPECT_FALSE(find(points, "threads", 2).may_be_on_front);
+}
+
+TEST(GeneratorPoints, HaveOneAfterEveryStageOfThePolicyAsThePolicyLeavesIt) {
+  for (const Representation& representation : {Representation::tentMlp(), Representation::productField(3)}) {
+    const std::string name = representationName(representation);
+    const auto generator = sampleShared(representation);
+    const std::vector<PlotRun> runs = runsOfGenerator(representation, {25});
+    const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
+    std::map<ThetaWord, Theta> named;
+    std::vector<std::string> stages;
+    for (const PlotRun& run : runs) {
+      if (run.points.front().family != "stages") continue;
+      stages.push_back(run.points.front().label);
+      const std::vector<FittedFunction> functions = run.run(block).front();
+      for (const ThetaWord word : run.points.front().words) {
+        EXPECT_TRUE(named.emplace(word, functions.back().theta).second) << name << ": two points are " << wordName(word);
+      }
+      // functions share out the time of the whole block
+      for (const FittedFunction& function : functions) EXPECT_GE(function.elapsed_us, 0.0);
+    }
+    std::vector<std::string> expected;
+    for (const StagePlan& plan : stagesOf(stageFacts(*generator), {})) expected.push_back(stageTitle(plan.stage));
+    expected.push_back("rounding to float16");
+    EXPECT_EQ(stages, expected) << name;
+    ASSERT_EQ(named.size(), size_t{kThetaWordCount}) << name;
+    ThetaPolicy policy({generator.get()}, {});
+    std::vector<MadeTheta> made(block.functions.size());
+    ThetaTrace trace;
+    policy.bake(block.stored.data(), block.count(), made.data(), &trace);
+    const auto last = [&](const std::vector<float>& all) { return Theta(all.end() - representation.thetaCount(), all.end()); };
+    EXPECT_EQ(named[ThetaWord::network], last(trace.network)) << name;
+    EXPECT_EQ(named[ThetaWord::corrected], last(trace.corrected)) << name;
+    EXPECT_EQ(named[ThetaWord::fitted], last(trace.fitted)) << name;
+    EXPECT_EQ(named[ThetaWord::stored], made.back().theta) << name;
+  }
 }
 
 TEST(KeepCoefficients, LeavesTheLargestDeviationsAndSetsTheOthersToTheirMean) {
@@ -190,77 +310,121 @@ TEST(KeepCoefficients, LeavesTheLargestDeviationsAndSetsTheOthersToTheirMean) {
   }
 }
 
+std::vector<PlotPoint> pointsOf(const std::vector<PlotRun>& runs) {
+  std::vector<PlotPoint> points;
+  for (const PlotRun& run : runs) points.insert(points.end(), run.points.begin(), run.points.end());
+  return points;
+}
+
 TEST(FitPoints, StartWhereTheySayAndNeverEndAboveIt) {
-  const auto run = std::make_shared<GeneratorRun>(sampleShared(Representation::tentMlp()));
-  const std::vector<PlotPoint> fits = fitPoints(run, {{1, 4}, {16}, {8}, {64}}, 3);
-  std::vector<PlotPoint> points = pointsOfGenerator(Representation::tentMlp(), {25});
-  const size_t corrected = 1, first_fit = points.size();
-  ASSERT_EQ(points[corrected].family, "corrected");
-  points.insert(points.end(), fits.begin(), fits.end());
-  const std::vector<PointMeasurement> measured = measureOnce(points);
-  std::set<std::string> families;
-  for (size_t p = first_fit; p < points.size(); ++p) {
-    families.insert(points[p].family);
-    for (int i = 0; i < kFunctionCount && points[p].family.ends_with("_generator"); ++i) {
+  const auto generator = sampleShared(Representation::tentMlp());
+  const FitBudgets budgets = {{1, 4}, {16}, {8}, {64}};
+  const auto corrected = std::make_shared<PolicyRun>(SharedGenerators{generator}, PolicyOptions{}, ThetaStage::mirror_images);
+  std::vector<PlotRun> runs = {{{{"tent_mlp", "stages", {}, "corrected", {}}},
+                                [&](const FunctionBlock& block) { return FittedFunctions{corrected->run(block)}; }}};
+  for (PlotRun& run : fitsOfCorrected(generator, {}, budgets)) runs.push_back(std::move(run));
+  const std::vector<PlotPoint> points = pointsOf(runs);
+  const std::vector<PointMeasurement> measured = measureOnce(runs);
+  ASSERT_EQ(measured.size(), 4u);
+  for (size_t p = 1; p < points.size(); ++p) {
+    EXPECT_FALSE(points[p].is_direct);
+    for (int i = 0; i < kFunctionCount; ++i) {
       // fits read the kernels' sums, errors the evaluator's: the two differ by rounding
-      EXPECT_LE(measured[p].errors[i].rmse, measured[corrected].errors[i].rmse * (1 + 1e-5)) << points[p].label << ", " << i;
+      EXPECT_LE(measured[p].rmse[i], measured[0].rmse[i] * (1 + 1e-5)) << points[p].label << ", " << i;
+      EXPECT_TRUE(measured[p].took_fit[i]);
     }
   }
-  EXPECT_EQ(families, (std::set<std::string>{"lm_from_generator", "adam_from_generator", "lm_from_theta0", "adam_from_theta0",
-                                             "lm_from_random", "adam_from_random"}));
+  const std::vector<PlotRun> direct = directFits(generator, {}, budgets, 3);
+  std::set<std::string> families;
+  for (const PlotPoint& point : pointsOf(direct)) {
+    families.insert(point.family);
+    EXPECT_TRUE(point.is_direct);
+  }
+  std::set<std::string> expected;
+  for (const char* family : {"lm_from_theta0", "adam_from_theta0", "adam_from_random"}) {
+    for (const char* gate : {"", "_gated", "_gated_loosely"}) expected.insert(family + std::string(gate));
+  }
+  EXPECT_EQ(families, expected);
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 1}).front();
-  const PlotPoint& random = find(fits, "lm_from_random", 8);
-  EXPECT_EQ(random.run(block)[1].theta, random.run(block)[1].theta) << "the same start every time";
+  const auto random = [&] { return thetaOf(runPoint(direct, block, "adam_from_random", 64)); };
+  EXPECT_EQ(random(), random()) << "the same start every time";
+}
+
+TEST(FitPoints, OfAGateFitOnOnlyWhatIsNotGoodYet) {
+  const auto generator = sampleShared(Representation::productField(3));
+  const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
+  PolicyOptions lenient;
+  lenient.refinement.check.tau_rmse = 1e3, lenient.refinement.check.leak_share = 1.0;
+  const auto gated = [&](double good_rmse, int budget) {
+    PolicyOptions options = lenient;
+    options.stages.good_rmse = good_rmse;
+    return runPoint(directFits(generator, options, {{}, {}, {2, 8, 32}, {}}, 1), block, "lm_from_theta0_gated", budget);
+  };
+  const Theta theta0(generator->theta0(), generator->theta0() + generator->representation().thetaCount());
+  for (const FittedFunction& function : gated(1e3, 32)) {
+    EXPECT_EQ(function.theta, theta0) << "everything is good: nothing is fitted";
+    EXPECT_FALSE(function.took_fit);
+  }
+  // what the first round left so good is not touched again, all others are
+  const std::vector<FittedFunction> first = gated(0.0, 2), last = gated(0.0, 32);
+  std::vector<double> rmse;
+  for (size_t i = 0; i < first.size(); ++i) {
+    EXPECT_TRUE(first[i].took_fit);
+    const WeightingFunction function = decodeFunction(block.stored[i], pointOrder(first[i].representation));
+    rmse.push_back(functionRmse(first[i].representation, function, first[i].theta.data()));
+    EXPECT_LE(functionRmse(last[i].representation, function, last[i].theta.data()), rmse.back());
+  }
+  std::vector<double> sorted = rmse;
+  std::sort(sorted.begin(), sorted.end());
+  const double middle = 0.5 * (sorted[2] + sorted[3]);
+  const std::vector<FittedFunction> some = gated(middle, 32);
+  for (size_t i = 0; i < some.size(); ++i) {
+    EXPECT_EQ(some[i].theta == first[i].theta, rmse[i] <= middle) << "function " << i;
+  }
 }
 
 TEST(FitPoints, GiveProductFieldsAThirtySecondOfDirectAdamSteps) {
-  const auto run = std::make_shared<GeneratorRun>(sampleShared(Representation::productField(3)));
   std::vector<int> budgets;
-  for (const PlotPoint& point : fitPoints(run, {{}, {}, {}, {8, 16, 64, 320}}, 1)) {
+  for (const PlotPoint& point :
+       pointsOf(directFits(sampleShared(Representation::productField(3)), {}, {{}, {}, {}, {8, 16, 64, 320}}, 1))) {
     if (point.family == "adam_from_random") budgets.push_back(*point.budget);
   }
   EXPECT_EQ(budgets, (std::vector<int>{1, 2, 10}));
 }
 
-TEST(ChoicePoint, TakesForEveryFunctionAThetaThatOneGeneratorGave) {
-  std::vector<std::shared_ptr<const Generator>> generators;
-  for (const int r : {3, 5}) generators.push_back(sampleShared(Representation::productField(r)));
+TEST(ChoicePoint, IsThePolicyOverSeveralGenerators) {
+  SharedGenerators generators;
+  std::vector<const Generator*> pointers;
+  for (const int r : {3, 5}) {
+    generators.push_back(sampleShared(Representation::productField(r)));
+    pointers.push_back(generators.back().get());
+  }
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
-  CorrectionOptions all;  // every theta is corrected …
-  all.correct_rmse = 0.0;
-  CheckOptions lenient;  // … and passes the check: what is chosen follows from the errors alone
-  lenient.tau_rmse = 1e3, lenient.leak_share = 1.0;
-  const auto chosenBy = [&](const ChoiceOptions& choice) {
-    const PlotPoint point = choicePoint(generators, all, lenient, choice);
-    EXPECT_EQ(point.representation, "pf3+pf5");
-    return point.run(block);
-  };
-  ChoiceOptions never_larger, always_best;
-  never_larger.flat_ratio = 1e6;
-  always_best.flat_ratio = 1.0, always_best.enough_rmse = 0.0;
-  const auto small = chosenBy(never_larger), best = chosenBy(always_best);
-  std::vector<std::vector<FittedFunction>> generated;
-  for (const auto& generator : generators) generated.push_back(GeneratorRun(generator, all).generateAndCorrect(block));
-  for (size_t i = 0; i < block.functions.size(); ++i) {
-    EXPECT_EQ(small[i].theta, generated[0][i].theta) << "function " << i;
-    EXPECT_TRUE(best[i].theta == generated[0][i].theta || best[i].theta == generated[1][i].theta) << "function " << i;
-    EXPECT_EQ(best[i].theta.size(), size_t(best[i].representation.thetaCount()));
+  PolicyOptions options;
+  options.choice.flat_ratio = 1.0, options.choice.enough_rmse = 0.0;
+  const PlotRun run = choicePoint(generators, options);
+  EXPECT_EQ(run.points.front().representation, "pf3+pf5");
+  const std::vector<FittedFunction> chosen = run.run(block).front();
+  std::vector<MadeTheta> made(block.functions.size());
+  ThetaPolicy(pointers, options).bake(block.stored.data(), block.count(), made.data());
+  for (size_t i = 0; i < made.size(); ++i) {
+    EXPECT_EQ(chosen[i].theta, made[i].theta) << "function " << i;
+    EXPECT_EQ(chosen[i].representation.resolution, generators[made[i].generator]->representation().resolution);
   }
 }
 
-TEST(GeneratorPoints, VaryTheCorrectionOneSettingAtATime) {
-  const auto budgets = [](const Representation& representation, const std::string& word) {
+TEST(GeneratorPoints, VaryOneSettingAtATimeBelowItsValue) {
+  const auto budgets = [](const Representation& representation, const std::string& family) {
     std::vector<int> found;
-    for (const PlotPoint& point : pointsOfGenerator(representation, {25})) {
-      if (point.family == "corrected" && point.label.find(word) != std::string::npos) found.push_back(*point.budget);
+    for (const PlotPoint& point : pointsOf(runsOfGenerator(representation, {25}))) {
+      if (point.family == family) found.push_back(*point.budget);
     }
     return found;
   };
-  const std::vector<int> all = {1, 2, 4, 8};
-  EXPECT_EQ(budgets(Representation::tentMlp(), "learned step"), all);
-  EXPECT_EQ(budgets(Representation::tentMlp(), "mirror image"), all);
-  EXPECT_EQ(budgets(Representation::productField(3), "learned step"), all);
-  EXPECT_EQ(budgets(Representation::productField(3), "LM iteration"), all);
+  EXPECT_EQ(budgets(Representation::tentMlp(), "learned_steps"), (std::vector<int>{1, 2, 4}));
+  EXPECT_EQ(budgets(Representation::tentMlp(), "mirror_images"), (std::vector<int>{2, 4}));
+  EXPECT_EQ(budgets(Representation::productField(3), "learned_steps"), std::vector<int>()) << "one is all that it takes";
+  EXPECT_EQ(budgets(Representation::productField(3), "lm"), (std::vector<int>{1, 2}));
 }
 
 TEST(FrontierOptions, RefuseListsThatDoNotRise) {

@@ -1,0 +1,99 @@
+#include "validate/frontier/equal_error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace nlg {
+namespace {
+
+// Three scenes of two functions.
+const std::vector<uint32_t> kScene = {0, 0, 1, 1, 2, 2};
+constexpr size_t kScenes = 3;
+
+// The same for every function.
+TimedPoint even(const std::string& family, const std::string& label, double us, double rmse) {
+  return {family, label, std::vector<double>(kScene.size(), us), std::vector<double>(kScene.size(), rmse)};
+}
+
+EqualError compare(const TimedPoint& own, const std::vector<TimedPoint>& rivals) {
+  return compareAtEqualError(own, rivals, kScene, kScenes, 200, 1);
+}
+
+TEST(EqualError, LiesOnALineInLogarithmsBetweenTwoBudgets) {
+  // error falls as 1 / sqrt(time), so that it is .01 after 400 µs
+  const EqualError equal = compare(even("", "own", 10, 0.01), {even("lm", "short", 100, 0.02), even("lm", "long", 10000, 0.002)});
+  EXPECT_NEAR(equal.rival_us, 400, 1e-9 * 400);
+  EXPECT_EQ(equal.rival, "between short and long");
+  ASSERT_TRUE(equal.ratio);
+  EXPECT_NEAR(equal.ratio->value, 40, 1e-9 * 40);
+  // all scenes alike: no draw moves it
+  EXPECT_NEAR(equal.ratio->low, 40, 1e-9 * 40);
+  ASSERT_TRUE(equal.ratio->high);
+  EXPECT_NEAR(*equal.ratio->high, 40, 1e-9 * 40);
+}
+
+TEST(EqualError, TakesTheFastestFamily) {
+  const EqualError equal =
+      compare(even("", "own", 10, 0.01), {even("lm", "lm 1", 100, 0.02), even("lm", "lm 2", 10000, 0.002),
+                                          even("adam", "adam 1", 50, 0.02), even("adam", "adam 2", 200, 0.01)});
+  EXPECT_NEAR(equal.rival_us, 200, 1e-9 * 200);
+  EXPECT_NE(equal.rival.find("adam 2"), std::string::npos) << equal.rival;
+}
+
+TEST(EqualError, PassesOverBudgetsThatAnotherOfTheirFamilyBeats) {
+  // the middle one is slower and worse than the first: were it on the line, 500 µs would be the answer
+  const EqualError equal =
+      compare(even("", "own", 10, 0.01), {even("lm", "1", 100, 0.02), even("lm", "2", 500, 0.03), even("lm", "4", 10000, 0.002)});
+  EXPECT_NEAR(equal.rival_us, 400, 1e-9 * 400);
+  EXPECT_EQ(equal.rival, "between 1 and 4");
+}
+
+TEST(EqualError, SaysWhyThereIsNoRatio) {
+  const EqualError never = compare(even("", "own", 10, 0.01), {even("lm", "1", 100, 0.02)});
+  EXPECT_FALSE(never.ratio);
+  EXPECT_EQ(never.reason, "no direct fit reaches this error");
+  const EqualError below = compare(even("", "own", 10, 0.01), {even("lm", "the first", 100, 0.005)});
+  EXPECT_FALSE(below.ratio);
+  EXPECT_NE(below.reason.find("the first"), std::string::npos) << below.reason;
+  EXPECT_EQ(below.rmse_mean, 0.01);
+  EXPECT_EQ(below.time_us, 10.0);
+}
+
+TEST(EqualError, HasAnIntervalOverScenesThatHoldsItsValue) {
+  TimedPoint own = even("", "own", 10, 0.01), first = even("lm", "1", 100, 0.02), second = even("lm", "2", 10000, 0.002);
+  for (size_t i = 0; i < kScene.size(); ++i) {
+    first.us[i] *= 1 + kScene[i];
+    second.us[i] *= 1 + kScene[i];
+  }
+  const EqualError equal = compare(own, {first, second});
+  ASSERT_TRUE(equal.ratio && equal.ratio->high);
+  // scenes at ratios of 40, 80 and 120: draws of one scene three times are 1 in 27 each, more than the tails hold
+  EXPECT_NEAR(equal.ratio->value, 80, 1e-9 * 80);
+  EXPECT_NEAR(equal.ratio->low, 40, 1e-9 * 40);
+  EXPECT_NEAR(*equal.ratio->high, 120, 1e-9 * 120);
+}
+
+TEST(EqualError, HasNoUpperBoundWhenManyDrawsNeverReachIt) {
+  TimedPoint own = even("", "own", 10, 0.01), fit = even("lm", "2", 10000, 0.002);
+  // in one scene of three fits stay far above; a draw of that scene alone never reaches the error
+  for (size_t i = 0; i < kScene.size(); ++i) {
+    if (kScene[i] == 2) fit.rmse[i] = 0.02;
+  }
+  const EqualError equal = compare(own, {even("lm", "1", 100, 0.03), fit});
+  ASSERT_TRUE(equal.ratio);
+  EXPECT_FALSE(equal.ratio->high);
+}
+
+TEST(EqualError, LeavesScenesWithoutFunctionsOutOfTheDraws) {
+  const std::vector<uint32_t> of_last(2, 7);
+  const TimedPoint own{"", "own", {10, 10}, {0.01, 0.01}}, fit{"lm", "1", {50, 50}, {0.01, 0.01}};
+  const EqualError equal = compareAtEqualError(own, {fit}, of_last, 8, 50, 3);
+  ASSERT_TRUE(equal.ratio && equal.ratio->high);
+  EXPECT_EQ(equal.ratio->value, 5.0);
+  EXPECT_EQ(equal.ratio->low, 5.0);
+  EXPECT_EQ(*equal.ratio->high, 5.0);
+}
+
+}  // namespace
+}  // namespace nlg

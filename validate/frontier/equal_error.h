@@ -1,0 +1,41 @@
+// "So many times faster than direct at equal error": what direct fits take to exactly the error that the generator's theta has.
+//
+// Of every family of fits those budgets count that no other of the family beats in both mean time and mean error; between two of
+// them time follows error on a straight line in logarithms. The fastest family at the error is the rival.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nlg {
+
+// A point on the same functions as all others.
+struct TimedPoint {
+  std::string family, label;
+  std::vector<double> us, rmse;  // by function, above 0
+};
+
+struct Ratio {
+  double value = 0.0;
+  double low = 0.0;
+  std::optional<double> high;  // none: no bound, since too many draws have no fit that reaches the error
+};
+
+struct EqualError {
+  double time_us = 0.0, rmse_mean = 0.0;  // means over functions
+  std::string rival;                      // in words; empty when there is no ratio
+  double rival_us = 0.0;                  // at exactly rmse_mean
+  std::optional<Ratio> ratio;             // rival_us over time_us, with a 95 % interval
+  std::string reason;                     // why there is none
+};
+
+// rivals    points of a family next to each other
+// scene     by function, < scene_count: what the bootstrap draws; at least one
+// draws     at least one
+// returns   the same for the same arguments
+EqualError compareAtEqualError(const TimedPoint& own, const std::vector<TimedPoint>& rivals, const std::vector<uint32_t>& scene,
+                               size_t scene_count, int draws, uint64_t seed);
+
+}  // namespace nlg

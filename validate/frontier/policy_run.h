@@ -1,0 +1,46 @@
+// The policy on blocks of functions, timed by this tool's clock, up to any of its stages.
+#pragma once
+
+#include <memory>
+
+#include "runtime_eval/fit/theta_policy.h"
+#include "validate/frontier/plot_point.h"
+
+namespace nlg {
+
+// generators   one a representation, by rising D; any number of runs may share them
+using SharedGenerators = std::vector<std::shared_ptr<const Generator>>;
+
+class PolicyRun {
+ public:
+  // last   no stage after this one runs
+  PolicyRun(SharedGenerators generators, const PolicyOptions& options, ThetaStage last);
+
+  // theta of functions that take one. The policy's time on the block is shared out among them as its record says.
+  std::vector<FittedFunction> run(const FunctionBlock& block);
+  // … rounded to float16 where it can hold them; for this `last` must be the rounding.
+  std::vector<FittedFunction> runAndRound(const FunctionBlock& block);
+
+  const Generator& generator() const { return *generators_.front(); }
+
+ private:
+  std::vector<FittedFunction> fitted(const FunctionBlock& block, double elapsed_us) const;
+
+  SharedGenerators generators_;
+  ThetaPolicy policy_;
+  std::vector<MadeTheta> made_;  // one block
+};
+
+// One pass of the generator's network, which the policy never runs without the check that follows.
+class NetworkRun {
+ public:
+  explicit NetworkRun(std::shared_ptr<const Generator> generator);
+  std::vector<FittedFunction> run(const FunctionBlock& block);
+
+ private:
+  std::shared_ptr<const Generator> generator_;
+  GeneratorScratch scratch_;
+  std::vector<float> theta_;  // one block
+};
+
+}  // namespace nlg
