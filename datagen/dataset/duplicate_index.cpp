@@ -85,21 +85,8 @@ bool DuplicateIndex::mayMatch(const Entry& a, const Entry& b) const {
   return squared <= max_squared_distance_;
 }
 
-std::optional<DuplicateIndex::Match> DuplicateIndex::findInCell(uint64_t cell, const Entry& entry,
-                                                                const FunctionSamples& function) {
-  const auto found = cells_.find(cell);
-  if (found == cells_.end()) return std::nullopt;
-  for (const Entry& other : found->second) {
-    if (!mayMatch(entry, other)) continue;
-    ++compared_count_;
-    const std::optional<double> distance = duplicateDistance(rule_, function, fetch_(other.id), point_count_);
-    if (distance) return Match{other.id, *distance};
-  }
-  return std::nullopt;
-}
-
-std::optional<DuplicateIndex::Match> DuplicateIndex::findOrAdd(const FunctionSamples& function) {
-  Entry entry = sketch(function);
+template <class Visit>
+void DuplicateIndex::forEachNear(const Entry& entry, const Visit& visit) const {
   const Features place = features(entry);
   Features home{}, low{}, high{};
   for (size_t i = 0; i < kFeatureCount; ++i) {
@@ -107,20 +94,54 @@ std::optional<DuplicateIndex::Match> DuplicateIndex::findOrAdd(const FunctionSam
     low[i] = std::max<int64_t>(0, place[i] - reach_[i]) / cell_width_[i];
     high[i] = (place[i] + reach_[i]) / cell_width_[i];
   }
-  // the function's own cell first: most matches lie there
-  std::optional<Match> match = findInCell(cellKey(home), entry, function);
-  for (Features cell = low; !match;) {
-    if (cell != home) match = findInCell(cellKey(cell), entry, function);
+  const auto visitCell = [&](const Features& cell) {
+    const auto found = cells_.find(cellKey(cell));
+    if (found == cells_.end()) return false;
+    return std::any_of(found->second.begin(), found->second.end(),
+                       [&](const Entry& other) { return mayMatch(entry, other) && visit(other); });
+  };
+  bool done = visitCell(home);
+  for (Features cell = low; !done;) {
+    if (cell != home) done = visitCell(cell);
     size_t i = 0;
     for (; i < kFeatureCount && cell[i] == high[i]; ++i) cell[i] = low[i];
     if (i == kFeatureCount) break;
     ++cell[i];
   }
-  if (match) return match;
+}
+
+std::optional<DuplicateIndex::Match> DuplicateIndex::compare(const FunctionSamples& function, uint64_t id) {
+  ++compared_count_;
+  const std::optional<double> distance = duplicateDistance(rule_, function, fetch_(id), point_count_);
+  if (!distance) return std::nullopt;
+  return Match{id, *distance};
+}
+
+std::optional<DuplicateIndex::Match> DuplicateIndex::findOrAdd(const FunctionSamples& function) {
+  const Entry entry = sketch(function);
+  std::optional<Match> match;
+  forEachNear(entry, [&](const Entry& other) { return (match = compare(function, other.id)).has_value(); });
+  if (!match) add(entry);
+  return match;
+}
+
+void DuplicateIndex::add(const FunctionSamples& function) { add(sketch(function)); }
+
+void DuplicateIndex::add(Entry entry) {
   NLG_CHECK(function_count_, <, uint64_t{std::numeric_limits<uint32_t>::max()});
   entry.id = static_cast<uint32_t>(function_count_++);
-  cells_[cellKey(home)].push_back(entry);
-  return std::nullopt;
+  Features cell = features(entry);
+  for (size_t i = 0; i < kFeatureCount; ++i) cell[i] /= cell_width_[i];
+  cells_[cellKey(cell)].push_back(entry);
+}
+
+void DuplicateIndex::forEachMatch(const FunctionSamples& function, const std::function<bool(uint64_t id)>& isWanted,
+                                  const std::function<void(const Match&)>& visit) {
+  forEachNear(sketch(function), [&](const Entry& other) {
+    if (!isWanted(other.id)) return false;
+    if (const auto match = compare(function, other.id)) visit(*match);
+    return false;
+  });
 }
 
 }  // namespace nlg

@@ -36,6 +36,13 @@ class DuplicateIndex {
   // keeps its samples for fetch.
   std::optional<Match> findOrAdd(const FunctionSamples& function);
 
+  // Adds a function whatever it duplicates; its id is the number of functions added before.
+  void add(const FunctionSamples& function);
+
+  // Calls visit for every added function with isWanted(id) that this one duplicates; perhaps twice for one of them.
+  void forEachMatch(const FunctionSamples& function, const std::function<bool(uint64_t id)>& isWanted,
+                    const std::function<void(const Match&)>& visit);
+
   uint64_t functionCount() const { return function_count_; }
   uint64_t comparedCount() const { return compared_count_; }  // calls of fetch so far
 
@@ -53,7 +60,11 @@ class DuplicateIndex {
   Entry sketch(const FunctionSamples& function) const;
   static Features features(const Entry& entry);
   bool mayMatch(const Entry& a, const Entry& b) const;
-  std::optional<Match> findInCell(uint64_t cell, const Entry& entry, const FunctionSamples& function);
+  void add(Entry entry);
+  // Calls visit(other entry) for what may match, the function's own cell first (most matches lie there), until visit returns true.
+  template <class Visit>
+  void forEachNear(const Entry& entry, const Visit& visit) const;
+  std::optional<Match> compare(const FunctionSamples& function, uint64_t id);
 
   DuplicateRule rule_;
   int point_count_;
