@@ -101,12 +101,12 @@ class Decision:
         limits, sample = self.limits, node["sample"]
         failing = [percent(node[word]["theta"]["share_failing_check"]["value"].number()) for word in WORDS] if node["stored"]["theta"]["functions"].count() else []
         above = [factor(sample["ratios"][word]["to_best_known"]["median_hard"]["value"].number()) + " ×" for word in WORDS] if lead.hard.value else []
-        along = lambda texts: ", ".join(f"{NAMES[word]} {text}" for word, text in zip(WORDS, texts))
+        along = lambda texts: " Stage by stage: " + ", ".join(f"{NAMES[word]} {text}" for word, text in zip(WORDS, texts)) + "." if texts else ""
         return [
             self.card("Stored functions that fail the check", lambda j: j.failing, percent, f"at most {percent(limits.share_failing)}", limits.share_failing,
-                      f"of {self.leader}’s functions that take a θ. Stage by stage: {along(failing)}.", lead),
+                      f"of {self.leader}’s functions that take a θ.{along(failing)}", lead),
             self.card("Error on hard functions", lambda j: j.hard, lambda v: f"{factor(v)} ×", f"at most {limits.error_hard:g} ×", limits.error_hard,
-                      f"the best known: {self.leader} as stored, median over the {plural(sample['hard'].count(), 'hard function')} of the sample. Stage by stage: {along(above)}.", lead),
+                      f"the best known: {self.leader} as stored, median over the {plural(sample['hard'].count(), 'hard function')} of the sample.{along(above)}", lead),
             self.card("Speed at equal error", lambda j: j.speedup, lambda v: f"{factor(v)} ×", f"at least {limits.speedup:g} ×", limits.speedup,
                       equal_error_words(lead) + ".", lead, logarithmic=True)]
 
