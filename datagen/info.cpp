@@ -105,18 +105,42 @@ void print(const Json& shard) {
   }
 }
 
+void describe(const std::string& path, const InfoRequest& request) {
+  const ShardReader reader(path);
+  const Statistics statistics = verify(reader);
+  if (request.quiet) return;
+  const Json shard = shardJson(reader, statistics);
+  if (request.json)
+    std::cout << shard.dump() << '\n';
+  else
+    print(shard);
+}
+
+// Whether a file that was refused is proven damaged: throws DamagedShard with the refusal's words when its bytes break HDF5's own
+// structure, a checksum or the digest, and returns when they do not (a sound file of another kind, version or pattern).
+// throws   InputError with the system's reason when the system does not give every byte: that proves nothing
+void refuseDamage(const std::string& path, const InputError& refusal) {
+  fileSha256(path);
+  if (dynamic_cast<const DamageError*>(&refusal) != nullptr) throw DamagedShard(refusal.what());
+  try {
+    Hdf5Reader(path).verifyDigest();
+  } catch (const DamageError&) {
+    throw DamagedShard(refusal.what());
+  } catch (const InputError&) {
+    // no digest: a stranger's file, or a shard of version 1
+  }
+}
+
 }  // namespace
 
 void describeShards(const InfoRequest& request) {
   for (const std::string& path : request.paths) {
-    const ShardReader reader(path);
-    const Statistics statistics = verify(reader);
-    if (request.quiet) continue;
-    const Json shard = shardJson(reader, statistics);
-    if (request.json)
-      std::cout << shard.dump() << '\n';
-    else
-      print(shard);
+    try {
+      describe(path, request);
+    } catch (const InputError& refusal) {
+      refuseDamage(path, refusal);
+      throw;
+    }
   }
 }
 
