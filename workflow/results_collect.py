@@ -112,9 +112,10 @@ def summary(path):
     return out
 
 
-def point_key(point):
-    """"corrected", "corrected_8", "lm_from_theta0_16": the name of a point among those of its representation."""
-    return point["family"] if point["budget"] is None else f"{point['family']}_{point['budget']:g}"
+def point_key(point, others):
+    """"corrected", "lm_from_theta0_16", "stages_learned_steps": the name of a point among those of its representation."""
+    key = point["family"] if point["budget"] is None else slug(f"{point['family']}_{point['budget']}")
+    return key if key not in others and point["family"] != "stages" else slug(f"{point['family']}_{point['label']}")
 
 
 def frontier(path):
@@ -125,14 +126,16 @@ def frontier(path):
            "bare_tent": {key: value for key, value in document["bare_tent"].items() if key != "by_scene"}, "points": {}}
     for point in document["points"]:
         kept = {key: value for key, value in point.items() if key not in {"representation", "by_scene"}}
-        out["points"].setdefault(point["representation"], {})[point_key(point)] = kept
+        others = out["points"].setdefault(point["representation"], {})
+        others[point_key(point, others)] = kept
     return out
 
 
 def stability(path):
     document = read_json(path)
     keys = ["group", "name", "must_hold", "measured", "passes", "ran", "note"]
-    return {"revision": revision(document, path), "cases": [take(case, keys, path) for case in document["cases"]]}
+    cases = [{**take(case, keys, path), "fails_check": case.get("fails_check", False)} for case in document["cases"]]
+    return {"revision": revision(document, path), "cases": cases}
 
 
 BAKE_COUNTS = ("threads", "probes", "free_space", "in_solid", "empty", "bare_tents", "duplicates", "functions", "took_fit", "still_failing", "bytes",

@@ -76,7 +76,7 @@ def figures_section(split):
 def stages_section(split):
     """What each representation goes through, from the policy's own list."""
     rows = [[f"`{name}`", stage["word"], stage["name"], POPULATION_NAMES.get(stage["population"], stage["population"]),
-             "" if stage["above_rmse"] is None else f"RMSE > {number(stage['above_rmse']).rstrip('0')}", "" if stage["budget"] is None else f"{stage['budget']:g}",
+             "" if stage["above_rmse"] is None else f"RMSE > {number(stage['above_rmse']).rstrip('0')}", "" if stage["budget"] is None else stage["budget"],
              stage["text"]] for name, entry in split["representations"].items() for stage in entry["stages"]]
     return "\n## What a bake does with each representation\n" + table(["", "stage", "step", "of", "where", "budget", ""], rows)
 
@@ -144,7 +144,8 @@ FRONT_KEYS = ["rmse_median", "rmse_mean", "rmse_p95"]
 def point_row(name, point):
     hard = point["hard"]
     fronts = [word for word, on in (("all", point["on_front"]), ("hard", hard and hard["on_front"])) if on]
-    return [f"`{name}`", point["label"], microseconds(point["us_median"]), *(number(point[key]) for key in FRONT_KEYS),
+    label = f"bake, after: {point['label']}" if point["family"] == "stages" else point["label"]
+    return [f"`{name}`", label, microseconds(point["us_median"]), *(number(point[key]) for key in FRONT_KEYS),
             *(number(hard[key]) if hard else "" for key in FRONT_KEYS), ", ".join(fronts)]
 
 
@@ -152,7 +153,7 @@ def generic_rows(rows):
     """Rows of like keys as a table; numbers as they are, at four digits."""
     head = [key for key in rows[0] if not isinstance(rows[0][key], (dict, list))]
     cell = lambda value: "" if value is None else f"{value:.4g}" if isinstance(value, float) else f"{value:,}" if isinstance(value, int) else f"{value}"
-    return table([key.replace("_", " ") for key in head], [[cell(row[key]) for key in head] for row in rows])
+    return table([key.replace("_", " ") for key in head], [[cell(row.get(key)) for key in head] for row in rows])
 
 
 def equal_error_section(front):
@@ -166,8 +167,10 @@ def frontier_section(front):
     text = f"\n{front['functions']:,} functions of the evaluation{hard}. Times and the first three errors are over all of them, the last three over the hard ones. Revision `{front['revision']}`.\n"
     text += "".join(f"\n{front[key]}\n" for key in ("hard_front_sentence", "front_sentence") if front.get(key))
     text += "\n![Error against run time](../images/error_against_time.png)\n"
-    text += table(FRONT_HEAD, [point_row(name, point) for name, points in front["points"].items() for point in points.values()])
+    rows = [(point["us_median"], point_row(name, point)) for name, points in front["points"].items() for point in points.values()]
+    text += "\nWhat nothing beats, from the fastest on:\n" + table(FRONT_HEAD, [row for _, row in sorted(rows, key=lambda row: row[0]) if row[-1]])
     text += equal_error_section(front)
+    text += "\n### Every point\n" + table(FRONT_HEAD, [row for _, row in rows])
     if front.get("hierarchy"):
         text += "\n### The hierarchy of truths\n" + generic_rows(front["hierarchy"])
     if front.get("walks"):
@@ -179,7 +182,8 @@ def stability_section(stability):
     cases = stability["cases"]
     ran, held = [case for case in cases if case["ran"]], [case for case in cases if case["ran"] and case["passes"]]
     rows = [[case["group"], case["name"], case["must_hold"], case["measured"] + (f" ({case['note']})" if case["note"] else ""),
-             ("yes" if case["passes"] else "**no**") if case["ran"] else "not run"] for case in cases]
+             ("yes, and fails the check" if case["passes"] and case["fails_check"] else "yes" if case["passes"] else "**no**") if case["ran"] else "not run"]
+            for case in cases]
     text = f"\n{len(cases)} cases; {len(ran)} were run, and {len(held)} of these hold. Revision `{stability['revision']}`.\n"
     return text + table(["group", "case", "what must hold", "measured", "holds"], rows)
 
