@@ -17,13 +17,14 @@ import time
 USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR, CHECK_FAILED, DAMAGED_FILE = 2, 3, 5, 6, 7  # tool/error.h
 
 BIN, MAKE_NARROW_SHARD = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+TIMEOUT_FACTOR = float(os.environ.get("NLG_TEST_TIMEOUT_FACTOR", "1"))  # of sanitizers, which slow everything down
 SOURCES = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 failures = []
 cases = 0
 
 
 def run(tool, *arguments):
-    return subprocess.run([os.path.join(BIN, tool), *arguments], capture_output=True, text=True, timeout=60)
+    return subprocess.run([os.path.join(BIN, tool), *arguments], capture_output=True, text=True, timeout=60 * TIMEOUT_FACTOR)
 
 
 def must(tool, *arguments):
@@ -464,7 +465,7 @@ def check_full_disk():
 
     before = set(os.listdir("."))
     result = subprocess.run([os.path.join(BIN, "nlg-datagen"), "--scene", "house:1", "--out", "large.h5"], capture_output=True, text=True,
-                            preexec_fn=limit, timeout=60)
+                            preexec_fn=limit, timeout=60 * TIMEOUT_FACTOR)
     if result.returncode != OUTPUT_ERROR or set(os.listdir(".")) != before:
         failures.append(f"file size limit: exit code {result.returncode}, left {set(os.listdir('.')) - before}")
     for words in ["large.h5", "it needs", "are free"]:
