@@ -259,7 +259,7 @@ def check_levels():
 def judged(command, scenes, split, report, more):
     """Whether a command takes a configuration, and its words. Absolute folders of archives lie in this one."""
     write("workflow.yaml", f"name: run\nrepresentations: [mlp]\nscenes: {{{scenes}}}\nsplit: {{{split}}}\nreport: {report}\n{more}\n")
-    result = subprocess.run([*command, os.path.abspath("workflow.yaml")], capture_output=True, text=True, timeout=120, cwd=SOURCES,
+    result = subprocess.run([*command, os.path.abspath("workflow.yaml")], capture_output=True, text=True, timeout=120 * TIMEOUT_FACTOR, cwd=SOURCES,
                             env={**os.environ, "NLG_OUT": os.path.abspath("out"), "NLG_LEVELS": "", "NLG_ARCHIVE_ROOT": os.getcwd()})
     return result.returncode, result.stdout + result.stderr
 
