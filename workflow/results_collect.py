@@ -2,7 +2,7 @@
 
 Taken are, where the run's folder has them:
     evaluation/summary.json, validation/summary.json   nlg-validate, schema_version 2
-    evaluation/frontier.json                           nlg-validate frontier
+    evaluation/frontier.json                           nlg-validate frontier, schema_version 2
     stability.json                                     nlg-validate stability
     savings/SCENE.json                                 nlg-bake --measure-savings (stdout)
     bakes/SCENE.json                                   nlg-bake (stdout)
@@ -121,9 +121,12 @@ def point_key(point, others):
 def frontier(path):
     """Points by representation and family; what is by scene stays behind."""
     document = read_json(path)
+    if document.get("schema_version") != 2:
+        fail(path, "schema_version 2", document.get("schema_version"))
+    keys = ["functions", "bare_tent", "front_sentences", "speed_at_equal_error", "speed_at_equal_error_hard", "hierarchy", "walks"]
     out = {"revision": revision(document, path), "held_out_sha256": document["provenance"].get("inputs", {}).get("held_out", ""),
-           **{key: value for key, value in document.items() if key not in {"schema_version", "provenance", "points", "scenes", "bare_tent"}},
-           "bare_tent": {key: value for key, value in document["bare_tent"].items() if key != "by_scene"}, "points": {}}
+           **take(document, keys, path), "points": {}}
+    out["bare_tent"] = {key: value for key, value in out["bare_tent"].items() if key != "by_scene"}
     for point in document["points"]:
         kept = {key: value for key, value in point.items() if key not in {"representation", "by_scene"}}
         others = out["points"].setdefault(point["representation"], {})

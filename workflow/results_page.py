@@ -137,15 +137,17 @@ def split_section(key, split):
     return text + figures_section(split) + sample_section(split)
 
 
-FRONT_HEAD = ["", "", "µs a function", "median", "mean", "p95", "hard: median", "hard: mean", "hard: p95", "on a front"]
-FRONT_KEYS = ["rmse_median", "rmse_mean", "rmse_p95"]
+FRONT_POPULATIONS = ("theta", "hard")
+FRONT_HEAD = ["", "", "stage", "µs a function", "share fitted", "mean", "median", "p95", "hard: mean", "hard: median", "hard: p95", "on a front"]
+FRONT_KEYS = ["rmse_mean", "rmse_median", "rmse_p95"]
 
 
 def point_row(name, point):
-    hard = point["hard"]
-    fronts = [word for word, on in (("all", point["on_front"]), ("hard", hard and hard["on_front"])) if on]
+    """Of the functions that take a θ, then of the hard ones among them."""
+    theta, hard = (point["figures"][population] for population in FRONT_POPULATIONS)
     label = f"bake, after: {point['label']}" if point["family"] == "stages" else point["label"]
-    return [f"`{name}`", label, microseconds(point["us_median"]), *(number(point[key]) for key in FRONT_KEYS),
+    fronts = [population for population in FRONT_POPULATIONS if point["figures"][population] and point["figures"][population]["on_front"]]
+    return [f"`{name}`", label, ", ".join(point["words"]), microseconds(theta["us_median"]), percent(theta["share_fitted"]), *(number(theta[key]) for key in FRONT_KEYS),
             *(number(hard[key]) if hard else "" for key in FRONT_KEYS), ", ".join(fronts)]
 
 
@@ -156,24 +158,38 @@ def generic_rows(rows):
     return table([key.replace("_", " ") for key in head], [[cell(row.get(key)) for key in head] for row in rows])
 
 
+def speed_cells(speed):
+    cells = [microseconds(speed["time_us"]), number(speed["rmse_mean"])]
+    if speed["ratio"] is None:
+        return [*cells, speed["reason"], "", ""]
+    low, high = speed["ratio"]["low"], speed["ratio"]["high"]
+    bounds = f" ({number(low, 1)} or more)" if high is None else f" ({number(low, 1)} to {number(high, 1)})"
+    return [*cells, speed["rival"], microseconds(speed["rival_us_at_equal_error"]), number(speed["ratio"]["value"], 1) + bounds]
+
+
 def equal_error_section(front):
-    """Generators against fits from scratch at equal error: rows of the frontier's own, where it has them."""
-    rows = front.get("equal_error", [])
-    return "\n### Faster than a direct fit of equal error\n" + generic_rows(rows) if rows else ""
+    """How much longer the fastest direct fit takes to the same mean error."""
+    text = "\n### Speed at equal error\nHow many times as long the fastest direct fit takes to exactly the mean error of a stage, with the 95 % interval.\n"
+    head = ["", "stage", "µs, mean", "RMSE, mean", "fastest direct fit", "µs at that error", "times as long"]
+    for key, title in (("speed_at_equal_error", POPULATION_NAMES["theta"]), ("speed_at_equal_error_hard", POPULATION_NAMES["hard"])):
+        rows = [[f"`{name}`" if i == 0 else "", word, *speed_cells(speed)] for name, words in front[key].items() for i, (word, speed) in enumerate(words.items())]
+        text += f"\n{title.capitalize()}:\n" + table(head, rows) if rows else ""
+    return text
 
 
 def frontier_section(front):
-    hard = f", {front['hard_functions']:,} of them hard" if "hard_functions" in front else ""
-    text = f"\n{front['functions']:,} functions of the evaluation{hard}. Times and the first three errors are over all of them, the last three over the hard ones. Revision `{front['revision']}`.\n"
-    text += "".join(f"\n{front[key]}\n" for key in ("hard_front_sentence", "front_sentence") if front.get(key))
+    counts = front["functions"]
+    text = (f"\n{counts['theta']:,} functions of the evaluation that take a θ, {counts['hard']:,} of them hard. Times and the first three errors are over all of these, "
+            f"the last three errors over the hard ones. Revision `{front['revision']}`.\n")
+    text += "".join(f"\n{front['front_sentences'][population]}\n" for population in FRONT_POPULATIONS if front["front_sentences"].get(population))
     text += "\n![Error against run time](../images/error_against_time.png)\n"
-    rows = [(point["us_median"], point_row(name, point)) for name, points in front["points"].items() for point in points.values()]
+    rows = [(point["figures"]["theta"]["us_median"], point_row(name, point)) for name, points in front["points"].items() for point in points.values()]
     text += "\nWhat nothing beats, from the fastest on:\n" + table(FRONT_HEAD, [row for _, row in sorted(rows, key=lambda row: row[0]) if row[-1]])
     text += equal_error_section(front)
     text += "\n### Every point\n" + table(FRONT_HEAD, [row for _, row in rows])
-    if front.get("hierarchy"):
+    if front["hierarchy"]:
         text += "\n### The hierarchy of truths\n" + generic_rows(front["hierarchy"])
-    if front.get("walks"):
+    if front["walks"]:
         text += "\n### Walks\n" + generic_rows(front["walks"])
     return text
 
