@@ -86,14 +86,13 @@ def by_population(source, place, *, intervals=True):
 def sample(source, place):
     """What direct fits were made of: too few functions for percentiles of their own to stand beside those of all."""
     words = [word for word in (*STAGES, *FITS) if word in source]
-    return {**take(source, ["functions", "hard", "ratios"], place),
+    return {**take(source, ["functions", "hard", "ratios"], place), **{key: source[key] for key in ("best_known_from",) if key in source},
             **{word: by_population(source[word], f"{place}.{word}", intervals=False) for word in words}}
 
 
 def representation(source, place):
     out = take(source, ["parameters", "bytes", "weights_bytes", "weights_sha256", "correction_steps", "stages"], place)
-    if "evaluate_us" in source:
-        out["evaluate_us"] = source["evaluate_us"]
+    out.update({key: source[key] for key in ("evaluate_us", "convergence") if key in source})
     out.update({word: by_population(source[word], f"{place}.{word}") for word in STAGES})
     if "sample" in source:
         out["sample"] = sample(source["sample"], f"{place}.sample")

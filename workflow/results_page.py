@@ -75,10 +75,9 @@ def figures_section(split):
 
 def stages_section(split):
     """What each representation goes through, from the policy's own list."""
-    rows = [[f"`{name}`", stage["word"], stage["name"], POPULATION_NAMES.get(stage["population"], stage["population"]),
-             "" if stage["above_rmse"] is None else f"RMSE > {number(stage['above_rmse']).rstrip('0')}", "" if stage["budget"] is None else stage["budget"],
-             stage["text"]] for name, entry in split["representations"].items() for stage in entry["stages"]]
-    return "\n## What a bake does with each representation\n" + table(["", "stage", "step", "of", "where", "budget", ""], rows)
+    rows = [[f"`{name}`" if i == 0 else "", stage["word"], stage["text"]] for name, entry in split["representations"].items()
+            for i, stage in enumerate(entry["stages"])]
+    return "\n## What a bake does with each representation\n" + table(["", "stage", "step, and which functions take it"], rows)
 
 
 def size_section(split):
@@ -125,6 +124,20 @@ def sample_section(split):
     return text
 
 
+def convergence_section(split):
+    """Whether direct fits have converged: their error over restarts and over steps."""
+    curves = {name: entry["convergence"] for name, entry in split["representations"].items() if "convergence" in entry}
+    if not any(curve["functions"] for curve in curves.values()):
+        return ""
+    text = "\n### Whether direct fits have converged\nMean RMSE of the best of all fits of the same hard functions, with more random starts and with fewer and more steps of Adam.\n"
+    rows = []
+    for name, curve in curves.items():
+        points = [(point, f"{point['restarts']} random starts") for point in curve["by_restarts"]]
+        points += [(point, f"{point['adam_steps']:,} steps of Adam") for point in curve["by_adam_steps"]]
+        rows.append([f"`{name}`", f"{curve['functions']:,}", "; ".join(f"{words}: {number(point['rmse_mean'], 5)}" for point, words in points)])
+    return text + table(["", "hard functions", "mean RMSE"], rows)
+
+
 def split_section(key, split):
     counts = split["functions"]
     text = f"\n## {SPLIT_TITLES[key]}\n\n" if key in SPLIT_TITLES else f"\n## {key}\n\n"
@@ -134,7 +147,7 @@ def split_section(key, split):
     if key == "evaluation":
         text += ("\nOne setting was once chosen with the help of these levels (commits a41ee66 to 04510fc). They were never trained on, but they are no test that "
                  "nobody has looked at.\n")
-    return text + figures_section(split) + sample_section(split)
+    return text + figures_section(split) + sample_section(split) + convergence_section(split)
 
 
 FRONT_POPULATIONS = ("theta", "hard")
