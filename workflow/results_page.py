@@ -118,6 +118,10 @@ def sample_section(split):
             "from random starts; *best known* the least error that any long fit has found, from the generator's θ too. Sample and whole set have different "
             "percentiles: compare within this table alone.\n")
     text += table(["", "", "median", "mean", "hard: median", "hard: mean", "µs a function"], rows)
+    found = [[f"`{name}`", ", ".join(f"{fit.replace('_', ' ')} {count:,}" for fit, count in entry["best_known_from"].items())]
+             for name, entry in sampled.items() if "best_known_from" in entry]
+    if found:
+        text += "\nWhich fit found the best known, and of how many functions:\n" + table(["", ""], found)
     for reference, title in (("to_best_known", "best known"), ("to_direct", "direct")):
         rows = [row for name, entry in sampled.items() for row in ratio_rows(name, entry["ratios"], reference)]
         text += f"\nError over that of *{title}*, function by function:\n" + table(RATIO_HEAD, rows)
