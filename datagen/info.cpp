@@ -28,7 +28,7 @@ struct Statistics {
   float spacing_min_m = std::numeric_limits<float>::infinity(), spacing_max_m = 0.0f;
 };
 
-void requireCountsThatAddUp(const Shard& header) {
+void requireCountsThatAddUp(const ShardHeader& header) {
   const ShardCounts& c = header.counts;
   const uint64_t sum = c.functions + c.free_space + c.in_solid + c.duplicates + c.empty;
   if (sum == c.visited_probes && c.visited_probes <= c.grid_probes) return;
@@ -37,7 +37,7 @@ void requireCountsThatAddUp(const Shard& header) {
                    std::to_string(c.visited_probes));
 }
 
-void addTo(const Shard& piece, Statistics& statistics) {
+void addTo(const FunctionRows& piece, Statistics& statistics) {
   for (const uint8_t flags : piece.flags) {
     statistics.open_shell += (flags & kFlagOpenShell) != 0;
     statistics.few_seen += (flags & kFlagFewSeen) != 0;
