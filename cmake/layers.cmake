@@ -23,7 +23,7 @@ set(NLG_MAY_LINK_training_data nlg::dataset nlg::runtime_eval nlg::tool nlohmann
 set(NLG_MAY_LINK_generator     nlg::training_data nlg::basis nlg::dataset nlg::runtime_eval nlg::torch)
 set(NLG_MAY_LINK_statistics    "")
 set(NLG_MAY_LINK_validation    nlg::statistics nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
-set(NLG_MAY_LINK_comparison    nlg::statistics nlg::tool)
+set(NLG_MAY_LINK_comparison    nlg::statistics nlg::tool Eigen3::Eigen)
 set(NLG_MAY_LINK_stability     nlg::shard_job nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_refinement_options nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_bake          nlg::refinement_options nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::shard_job nlg::runtime_eval nlg::weights_file nlg::tool)

@@ -14,6 +14,10 @@ import tempfile
 import zipfile
 import time
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "validate", "report"))
+import made_up
+
 USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR, CHECK_FAILED, DAMAGED_FILE = 2, 3, 5, 6, 7  # tool/error.h
 
 BIN, MAKE_NARROW_SHARD = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
@@ -545,7 +549,11 @@ def check_shards_whose_width_lies():
 
 def check_comparisons():
     """Two validations: only of the same functions, and nothing is worse than itself."""
-    summary = "validation/summary.json"
+    summary = "compared/summary.json"
+    os.makedirs("compared", exist_ok=True)
+    table = made_up.samples(1)
+    made_up.write_json(summary, made_up.summary(table))
+    made_up.write_functions("compared/functions.csv", table)
     must("nlg-validate", "compare", summary, summary)
     must("nlg-validate", "--compare", summary, summary, "--json")
     refuses(USAGE_ERROR, ["new"], [], "nlg-validate", "compare", summary)
@@ -557,9 +565,13 @@ def check_comparisons():
     write("worse/summary.json", text.replace(held_out, "f" * 64))
     refuses(INPUT_ERROR, ["worse/summary.json", "held_out", held_out], [], "nlg-validate", "compare", summary, "worse/summary.json")
     changed = json.loads(text)
-    changed["representations"]["tent_mlp"]["generator"]["rmse"]["mean"] *= 2
+    changed["schema_version"] = 1
     write("worse/summary.json", json.dumps(changed))
-    refuses(CHECK_FAILED, ["1 worse", "tent_mlp: generator, mean RMSE"], [], "nlg-validate", "compare", summary, "worse/summary.json")
+    refuses(INPUT_ERROR, ["worse/summary.json", "schema_version", "the same schema only"], [], "nlg-validate", "compare", summary, "worse/summary.json")
+    changed["schema_version"] = 2
+    changed["representations"]["tent_mlp"]["stored"]["theta"]["rmse"]["mean"] *= 2
+    write("worse/summary.json", json.dumps(changed))
+    refuses(CHECK_FAILED, ["1 worse", "tent_mlp: stored, mean RMSE"], [], "nlg-validate", "compare", summary, "worse/summary.json")
 
 
 def check_outputs():
