@@ -30,12 +30,12 @@ cd "$(dirname "$0")"
 source workflow/setup.sh
 mkdir -p build
 install_packages
+# judged before anything is built, made or moved
+run=$(/usr/bin/python3 workflow/configuration.py "$config")
 if [ -n "$plan" ]; then build nlg-datagen; else build nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-solve nlg-validate nlg-bake; fi
 # our own lock instead of snakemake's, which outlives a killed run: this one is gone with the last process that holds it
 exec 9> build/pipeline.lock
 flock -n 9 || { echo "pipeline.sh: another run of this checkout is at work" >&2; exit 2; }
-name=$(/usr/bin/python3 -c 'import sys, yaml; print(yaml.safe_load(open(sys.argv[1]))["name"])' "$config")
-run=${NLG_OUT:-out}/$name
 workflow() {
   /usr/bin/snakemake -s workflow/Snakefile --configfile "$config" --cores "$(nproc)" --rerun-incomplete --nolock \
     --rerun-triggers mtime params input --quiet rules -- "$@"
@@ -44,12 +44,12 @@ if [ -n "$plan" ]; then
   workflow plan
   exit
 fi
-# damaged shards go, and are asked for by name: what nothing out of date needs, snakemake would not miss
-removed=$(workflow/check_shards.sh "${NLG_BIN:-build/release/bin}" "$run/dataset")
-mapfile -t again <<<"$removed"
-workflow ${removed:+"${again[@]}"} all
+# damaged shards are put aside, and asked for by name: what nothing out of date needs, snakemake would not miss
+damaged=$(/usr/bin/python3 workflow/check_shards.py "$config" "${NLG_BIN:-build/release/bin}")
+mapfile -t again <<<"$damaged"
+workflow ${damaged:+"${again[@]}"} all
 echo "The report: $(realpath "$run/report.html")"
-[ ! -e "$run/test/report.html" ] || echo "… of the test: $(realpath "$run/test/report.html")"
+[ ! -e "$run/evaluation/report.html" ] || echo "… of the evaluation: $(realpath "$run/evaluation/report.html")"
 code=0
 failed=$(/usr/bin/python3 workflow/failed_cases.py "$run/stability.json") || code=$?
 [ "$code" != 6 ] || printf 'pipeline.sh: stability cases that do not hold:\n%s\n' "$failed" >&2

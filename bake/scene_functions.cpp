@@ -76,7 +76,7 @@ FunctionTimes SceneFunctions::times() const {
 StoredFunction SceneFunctions::read(uint64_t number, std::vector<uint8_t>* samples) {
   samples->resize(kSupportPointCount + kValidityByteCount);
   const std::lock_guard lock(spool_mutex_);
-  const FunctionSamples row = spool_.read(number);
+  const StoredFunction row = spool_.read(number);
   std::memcpy(samples->data(), row.phi, kSupportPointCount);
   std::memcpy(samples->data() + kSupportPointCount, row.validity, kValidityByteCount);
   return {samples->data(), samples->data() + kSupportPointCount};
@@ -96,7 +96,7 @@ ProbeOutcome SceneFunctions::seeAndGenerate(const glm::dvec3& position, float sp
 }
 
 void SceneFunctions::makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadState& state, CheckedBlock* block) const {
-  Shard& rows = block->probes.functions;
+  FunctionRows& rows = block->probes.functions;
   rows.point_count = kSupportPointCount;
   for (uint64_t probe = first_probe; probe < end_probe; ++probe) {
     const auto [x, y, z] = scene_.tree.probePosition(probe);
@@ -131,19 +131,18 @@ SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<CheckedBl
       const uint64_t n = row++;
       const FunctionCheck& tent = block.tents[n];
       const StoredFunction stored = storedFunction(block.probes.functions, n);
-      const FunctionSamples samples{stored.phi, stored.validity};
       if (takesBareTent(tent, options_.policy)) {
         ++bare_tents_.count;
         bare_tents_.rmse_sum += tent.rmse;
         probe_function_.push_back(kFreeSpace);
         continue;
       }
-      const auto match = left_out_.duplicates ? index_.findOrAdd(samples) : std::nullopt;
+      const auto match = left_out_.duplicates ? index_.findOrAdd(stored) : std::nullopt;
       probe_function_.push_back(static_cast<uint32_t>(match ? match->id : counts_.functions));
       counts_.duplicates += match.has_value();
       if (match) continue;
       ++counts_.functions;
-      spool_.append(samples);
+      spool_.append(stored);
       result.functions.push_back(stored);
       result.tent_passes.push_back(tent.passes(options_.policy.check()));
     }

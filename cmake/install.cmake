@@ -18,6 +18,7 @@ set(NLG_PUBLIC_HEADERS
   simd/simd_target.h
   support/support_pattern.h
   support/point_order.h
+  support/stored_function.h
   support/weighting_function.h
   evaluator/representation.h
   evaluator/evaluate.h

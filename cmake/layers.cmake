@@ -24,7 +24,7 @@ set(NLG_MAY_LINK_generator     nlg::training_data nlg::basis nlg::dataset nlg::r
 set(NLG_MAY_LINK_statistics    "")
 set(NLG_MAY_LINK_errors        nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_frontier      nlg::errors nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
-set(NLG_MAY_LINK_comparison    nlg::statistics nlg::tool)
+set(NLG_MAY_LINK_comparison    nlg::statistics nlg::tool Eigen3::Eigen)
 set(NLG_MAY_LINK_stability     nlg::shard_job nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_policy_options nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_bake          nlg::policy_options nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::shard_job nlg::runtime_eval nlg::weights_file nlg::tool)

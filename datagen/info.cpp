@@ -28,7 +28,7 @@ struct Statistics {
   float spacing_min_m = std::numeric_limits<float>::infinity(), spacing_max_m = 0.0f;
 };
 
-void requireCountsThatAddUp(const Shard& header) {
+void requireCountsThatAddUp(const ShardHeader& header) {
   const ShardCounts& c = header.counts;
   const uint64_t sum = c.functions + c.free_space + c.in_solid + c.duplicates + c.empty;
   if (sum == c.visited_probes && c.visited_probes <= c.grid_probes) return;
@@ -37,7 +37,7 @@ void requireCountsThatAddUp(const Shard& header) {
                    std::to_string(c.visited_probes));
 }
 
-void addTo(const Shard& piece, Statistics& statistics) {
+void addTo(const FunctionRows& piece, Statistics& statistics) {
   for (const uint8_t flags : piece.flags) {
     statistics.open_shell += (flags & kFlagOpenShell) != 0;
     statistics.few_seen += (flags & kFlagFewSeen) != 0;
@@ -105,18 +105,42 @@ void print(const Json& shard) {
   }
 }
 
+void describe(const std::string& path, const InfoRequest& request) {
+  const ShardReader reader(path);
+  const Statistics statistics = verify(reader);
+  if (request.quiet) return;
+  const Json shard = shardJson(reader, statistics);
+  if (request.json)
+    std::cout << shard.dump() << '\n';
+  else
+    print(shard);
+}
+
+// Whether a file that was refused is proven damaged: throws DamagedShard with the refusal's words when its bytes break HDF5's own
+// structure, a checksum or the digest, and returns when they do not (a sound file of another kind, version or pattern).
+// throws   InputError with the system's reason when the system does not give every byte: that proves nothing
+void refuseDamage(const std::string& path, const InputError& refusal) {
+  fileSha256(path);
+  if (dynamic_cast<const DamageError*>(&refusal) != nullptr) throw DamagedShard(refusal.what());
+  try {
+    Hdf5Reader(path).verifyDigest();
+  } catch (const DamageError&) {
+    throw DamagedShard(refusal.what());
+  } catch (const InputError&) {
+    // no digest: a stranger's file, or a shard of version 1
+  }
+}
+
 }  // namespace
 
 void describeShards(const InfoRequest& request) {
   for (const std::string& path : request.paths) {
-    const ShardReader reader(path);
-    const Statistics statistics = verify(reader);
-    if (request.quiet) continue;
-    const Json shard = shardJson(reader, statistics);
-    if (request.json)
-      std::cout << shard.dump() << '\n';
-    else
-      print(shard);
+    try {
+      describe(path, request);
+    } catch (const InputError& refusal) {
+      refuseDamage(path, refusal);
+      throw;
+    }
   }
 }
 

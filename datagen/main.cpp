@@ -58,8 +58,10 @@ int planMain(int argc, char** argv) {
 }
 
 int infoMain(int argc, char** argv) {
-  CLI::App app{"Says what shards are and verifies all of them: exit code 3 and one line at the first that does not hold.",
-               "nlg-datagen info"};
+  CLI::App app{
+      "Says what shards are and verifies all of them: one line at the first that does not hold, with exit\n"
+      "code 7 when its own bytes prove that it is damaged, and 3 otherwise (unreadable, of another kind or version).",
+      "nlg-datagen info"};
   InfoRequest request;
   OptionTable table("datagen");
   app.add_option("files", request.paths, "shards (.h5)")->required();

@@ -40,7 +40,7 @@ Sample takeSample(const ShardJob& job) {
   const ShardPipeline pipeline = job.pipeline();
   const auto generate = pipeline.makeGenerator();
   const double start = threadSeconds();
-  const auto encode = [&](const Shard& chunk) {
+  const auto encode = [&](const FunctionRows& chunk) {
     if (chunk.functionCount() == 0) return;
     for (const auto& array : encodeFunctions(chunk, 0, chunk.functionCount()).arrays)
       sample.bytes += static_cast<double>(array.size());
@@ -51,7 +51,7 @@ Sample takeSample(const ShardJob& job) {
     if (sample.whole) break;
     ProbeBlock block;
     generate(probes, &block);
-    for (const Shard& chunk : collector.add(block)) encode(chunk);
+    for (const FunctionRows& chunk : collector.add(block)) encode(chunk);
     sample.counts = collector.counts();
     if (sample.made() <= kSampleFunctions / 2) {
       sample.half_made = sample.made();

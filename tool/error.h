@@ -21,6 +21,7 @@ enum class ExitCode : int {
   numerical_error = 4,  // NaN, divergence; the last good state has been saved
   output_error = 5,     // a file that cannot be written; nothing half-written is left behind
   check_failed = 6,     // a comparison that the tool makes by itself did not hold (export parity)
+  damaged_file = 7,     // nlg-datagen info alone: a shard whose own bytes prove that it is damaged; it may be made again
 };
 
 // Base of the errors below: what() is the one line that the user sees.
@@ -48,6 +49,13 @@ class InputError : public ToolError {
  public:
   InputError(const std::string& path, const std::string& place, const std::string& expected, const std::string& got)
       : ToolError(ExitCode::input_error, path + ": " + place + ": expected " + expected + ", got " + got) {}
+};
+
+// An input file whose own bytes prove that it is damaged: cut short, a checksum that does not hold. What the system refused to
+// open or to read proves nothing, and is an InputError. Tools that only read the file end as they do for any other InputError.
+class DamageError : public InputError {
+ public:
+  using InputError::InputError;
 };
 
 // Numbers that went wrong: names stage, step, quantity and value.

@@ -27,7 +27,7 @@ struct Request {
 // Mean over the functions, then over their mirror images, and the share of functions in which each point is valid.
 class MeanFunction {
  public:
-  void add(const Shard& shard) {
+  void add(const FunctionRows& shard) {
     for (uint64_t n = 0; n < shard.functionCount(); ++n) {
       for (int p = 0; p < kSupportPointCount; ++p) {
         phi_[p] += shard.phi[n * kSupportPointCount + p];

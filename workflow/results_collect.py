@@ -2,7 +2,7 @@
 
 Taken are, where the run's folder has them:
     evaluation/summary.json, validation/summary.json   nlg-validate, schema_version 2
-    evaluation/frontier.json                           nlg-validate frontier
+    evaluation/frontier.json                           nlg-validate frontier, schema_version 2
     stability.json                                     nlg-validate stability
     savings/SCENE.json                                 nlg-bake --measure-savings (stdout)
     bakes/SCENE.json                                   nlg-bake (stdout)
@@ -86,14 +86,13 @@ def by_population(source, place, *, intervals=True):
 def sample(source, place):
     """What direct fits were made of: too few functions for percentiles of their own to stand beside those of all."""
     words = [word for word in (*STAGES, *FITS) if word in source]
-    return {**take(source, ["functions", "hard", "ratios"], place),
+    return {**take(source, ["functions", "hard", "ratios"], place), **{key: source[key] for key in ("best_known_from",) if key in source},
             **{word: by_population(source[word], f"{place}.{word}", intervals=False) for word in words}}
 
 
 def representation(source, place):
     out = take(source, ["parameters", "bytes", "weights_bytes", "weights_sha256", "correction_steps", "stages"], place)
-    if "evaluate_us" in source:
-        out["evaluate_us"] = source["evaluate_us"]
+    out.update({key: source[key] for key in ("evaluate_us", "convergence") if key in source})
     out.update({word: by_population(source[word], f"{place}.{word}") for word in STAGES})
     if "sample" in source:
         out["sample"] = sample(source["sample"], f"{place}.sample")
@@ -112,27 +111,33 @@ def summary(path):
     return out
 
 
-def point_key(point):
-    """"corrected", "corrected_8", "lm_from_theta0_16": the name of a point among those of its representation."""
-    return point["family"] if point["budget"] is None else f"{point['family']}_{point['budget']:g}"
+def point_key(point, others):
+    """"corrected", "lm_from_theta0_16", "stages_learned_steps": the name of a point among those of its representation."""
+    key = point["family"] if point["budget"] is None else slug(f"{point['family']}_{point['budget']}")
+    return key if key not in others and point["family"] != "stages" else slug(f"{point['family']}_{point['label']}")
 
 
 def frontier(path):
     """Points by representation and family; what is by scene stays behind."""
     document = read_json(path)
+    if document.get("schema_version") != 2:
+        fail(path, "schema_version 2", document.get("schema_version"))
+    keys = ["functions", "bare_tent", "front_sentences", "speed_at_equal_error", "speed_at_equal_error_hard", "hierarchy", "walks"]
     out = {"revision": revision(document, path), "held_out_sha256": document["provenance"].get("inputs", {}).get("held_out", ""),
-           **{key: value for key, value in document.items() if key not in {"schema_version", "provenance", "points", "scenes", "bare_tent"}},
-           "bare_tent": {key: value for key, value in document["bare_tent"].items() if key != "by_scene"}, "points": {}}
+           **take(document, keys, path), "points": {}}
+    out["bare_tent"] = {key: value for key, value in out["bare_tent"].items() if key != "by_scene"}
     for point in document["points"]:
         kept = {key: value for key, value in point.items() if key not in {"representation", "by_scene"}}
-        out["points"].setdefault(point["representation"], {})[point_key(point)] = kept
+        others = out["points"].setdefault(point["representation"], {})
+        others[point_key(point, others)] = kept
     return out
 
 
 def stability(path):
     document = read_json(path)
     keys = ["group", "name", "must_hold", "measured", "passes", "ran", "note"]
-    return {"revision": revision(document, path), "cases": [take(case, keys, path) for case in document["cases"]]}
+    cases = [{**take(case, keys, path), "fails_check": case.get("fails_check", False)} for case in document["cases"]]
+    return {"revision": revision(document, path), "cases": cases}
 
 
 BAKE_COUNTS = ("threads", "probes", "free_space", "in_solid", "empty", "bare_tents", "duplicates", "functions", "took_fit", "still_failing", "bytes",

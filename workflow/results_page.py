@@ -75,10 +75,9 @@ def figures_section(split):
 
 def stages_section(split):
     """What each representation goes through, from the policy's own list."""
-    rows = [[f"`{name}`", stage["word"], stage["name"], POPULATION_NAMES.get(stage["population"], stage["population"]),
-             "" if stage["above_rmse"] is None else f"RMSE > {number(stage['above_rmse']).rstrip('0')}", "" if stage["budget"] is None else f"{stage['budget']:g}",
-             stage["text"]] for name, entry in split["representations"].items() for stage in entry["stages"]]
-    return "\n## What a bake does with each representation\n" + table(["", "stage", "step", "of", "where", "budget", ""], rows)
+    rows = [[f"`{name}`" if i == 0 else "", stage["word"], stage["text"]] for name, entry in split["representations"].items()
+            for i, stage in enumerate(entry["stages"])]
+    return "\n## What a bake does with each representation\n" + table(["", "stage", "step, and which functions take it"], rows)
 
 
 def size_section(split):
@@ -119,10 +118,28 @@ def sample_section(split):
             "from random starts; *best known* the least error that any long fit has found, from the generator's θ too. Sample and whole set have different "
             "percentiles: compare within this table alone.\n")
     text += table(["", "", "median", "mean", "hard: median", "hard: mean", "µs a function"], rows)
+    found = [[f"`{name}`", ", ".join(f"{fit.replace('_', ' ')} {count:,}" for fit, count in entry["best_known_from"].items())]
+             for name, entry in sampled.items() if "best_known_from" in entry]
+    if found:
+        text += "\nWhich fit found the best known, and of how many functions:\n" + table(["", ""], found)
     for reference, title in (("to_best_known", "best known"), ("to_direct", "direct")):
         rows = [row for name, entry in sampled.items() for row in ratio_rows(name, entry["ratios"], reference)]
         text += f"\nError over that of *{title}*, function by function:\n" + table(RATIO_HEAD, rows)
     return text
+
+
+def convergence_section(split):
+    """Whether direct fits have converged: their error over restarts and over steps."""
+    curves = {name: entry["convergence"] for name, entry in split["representations"].items() if "convergence" in entry}
+    if not any(curve["functions"] for curve in curves.values()):
+        return ""
+    text = "\n### Whether direct fits have converged\nMean RMSE of the best of all fits of the same hard functions, with more random starts and with fewer and more steps of Adam.\n"
+    rows = []
+    for name, curve in curves.items():
+        points = [(point, f"{point['restarts']} random starts") for point in curve["by_restarts"]]
+        points += [(point, f"{point['adam_steps']:,} steps of Adam") for point in curve["by_adam_steps"]]
+        rows.append([f"`{name}`", f"{curve['functions']:,}", "; ".join(f"{words}: {number(point['rmse_mean'], 5)}" for point, words in points)])
+    return text + table(["", "hard functions", "mean RMSE"], rows)
 
 
 def split_section(key, split):
@@ -134,17 +151,20 @@ def split_section(key, split):
     if key == "evaluation":
         text += ("\nOne setting was once chosen with the help of these levels (commits a41ee66 to 04510fc). They were never trained on, but they are no test that "
                  "nobody has looked at.\n")
-    return text + figures_section(split) + sample_section(split)
+    return text + figures_section(split) + sample_section(split) + convergence_section(split)
 
 
-FRONT_HEAD = ["", "", "µs a function", "median", "mean", "p95", "hard: median", "hard: mean", "hard: p95", "on a front"]
-FRONT_KEYS = ["rmse_median", "rmse_mean", "rmse_p95"]
+FRONT_POPULATIONS = ("theta", "hard")
+FRONT_HEAD = ["", "", "stage", "µs a function", "share fitted", "mean", "median", "p95", "hard: mean", "hard: median", "hard: p95", "on a front"]
+FRONT_KEYS = ["rmse_mean", "rmse_median", "rmse_p95"]
 
 
 def point_row(name, point):
-    hard = point["hard"]
-    fronts = [word for word, on in (("all", point["on_front"]), ("hard", hard and hard["on_front"])) if on]
-    return [f"`{name}`", point["label"], microseconds(point["us_median"]), *(number(point[key]) for key in FRONT_KEYS),
+    """Of the functions that take a θ, then of the hard ones among them."""
+    theta, hard = (point["figures"][population] for population in FRONT_POPULATIONS)
+    label = f"bake, after: {point['label']}" if point["family"] == "stages" else point["label"]
+    fronts = [population for population in FRONT_POPULATIONS if point["figures"][population] and point["figures"][population]["on_front"]]
+    return [f"`{name}`", label, ", ".join(point["words"]), microseconds(theta["us_median"]), percent(theta["share_fitted"]), *(number(theta[key]) for key in FRONT_KEYS),
             *(number(hard[key]) if hard else "" for key in FRONT_KEYS), ", ".join(fronts)]
 
 
@@ -152,25 +172,41 @@ def generic_rows(rows):
     """Rows of like keys as a table; numbers as they are, at four digits."""
     head = [key for key in rows[0] if not isinstance(rows[0][key], (dict, list))]
     cell = lambda value: "" if value is None else f"{value:.4g}" if isinstance(value, float) else f"{value:,}" if isinstance(value, int) else f"{value}"
-    return table([key.replace("_", " ") for key in head], [[cell(row[key]) for key in head] for row in rows])
+    return table([key.replace("_", " ") for key in head], [[cell(row.get(key)) for key in head] for row in rows])
+
+
+def speed_cells(speed):
+    cells = [microseconds(speed["time_us"]), number(speed["rmse_mean"])]
+    if speed["ratio"] is None:
+        return [*cells, speed["reason"], "", ""]
+    low, high = speed["ratio"]["low"], speed["ratio"]["high"]
+    bounds = f" ({number(low, 1)} or more)" if high is None else f" ({number(low, 1)} to {number(high, 1)})"
+    return [*cells, speed["rival"], microseconds(speed["rival_us_at_equal_error"]), number(speed["ratio"]["value"], 1) + bounds]
 
 
 def equal_error_section(front):
-    """Generators against fits from scratch at equal error: rows of the frontier's own, where it has them."""
-    rows = front.get("equal_error", [])
-    return "\n### Faster than a direct fit of equal error\n" + generic_rows(rows) if rows else ""
+    """How much longer the fastest direct fit takes to the same mean error."""
+    text = "\n### Speed at equal error\nHow many times as long the fastest direct fit takes to exactly the mean error of a stage, with the 95 % interval.\n"
+    head = ["", "stage", "µs, mean", "RMSE, mean", "fastest direct fit", "µs at that error", "times as long"]
+    for key, title in (("speed_at_equal_error", POPULATION_NAMES["theta"]), ("speed_at_equal_error_hard", POPULATION_NAMES["hard"])):
+        rows = [[f"`{name}`" if i == 0 else "", word, *speed_cells(speed)] for name, words in front[key].items() for i, (word, speed) in enumerate(words.items())]
+        text += f"\n{title.capitalize()}:\n" + table(head, rows) if rows else ""
+    return text
 
 
 def frontier_section(front):
-    hard = f", {front['hard_functions']:,} of them hard" if "hard_functions" in front else ""
-    text = f"\n{front['functions']:,} functions of the evaluation{hard}. Times and the first three errors are over all of them, the last three over the hard ones. Revision `{front['revision']}`.\n"
-    text += "".join(f"\n{front[key]}\n" for key in ("hard_front_sentence", "front_sentence") if front.get(key))
+    counts = front["functions"]
+    text = (f"\n{counts['theta']:,} functions of the evaluation that take a θ, {counts['hard']:,} of them hard. Times and the first three errors are over all of these, "
+            f"the last three errors over the hard ones. Revision `{front['revision']}`.\n")
+    text += "".join(f"\n{front['front_sentences'][population]}\n" for population in FRONT_POPULATIONS if front["front_sentences"].get(population))
     text += "\n![Error against run time](../images/error_against_time.png)\n"
-    text += table(FRONT_HEAD, [point_row(name, point) for name, points in front["points"].items() for point in points.values()])
+    rows = [(point["figures"]["theta"]["us_median"], point_row(name, point)) for name, points in front["points"].items() for point in points.values()]
+    text += "\nWhat nothing beats, from the fastest on:\n" + table(FRONT_HEAD, [row for _, row in sorted(rows, key=lambda row: row[0]) if row[-1]])
     text += equal_error_section(front)
-    if front.get("hierarchy"):
+    text += "\n### Every point\n" + table(FRONT_HEAD, [row for _, row in rows])
+    if front["hierarchy"]:
         text += "\n### The hierarchy of truths\n" + generic_rows(front["hierarchy"])
-    if front.get("walks"):
+    if front["walks"]:
         text += "\n### Walks\n" + generic_rows(front["walks"])
     return text
 
@@ -179,7 +215,8 @@ def stability_section(stability):
     cases = stability["cases"]
     ran, held = [case for case in cases if case["ran"]], [case for case in cases if case["ran"] and case["passes"]]
     rows = [[case["group"], case["name"], case["must_hold"], case["measured"] + (f" ({case['note']})" if case["note"] else ""),
-             ("yes" if case["passes"] else "**no**") if case["ran"] else "not run"] for case in cases]
+             ("yes, and fails the check" if case["passes"] and case["fails_check"] else "yes" if case["passes"] else "**no**") if case["ran"] else "not run"]
+            for case in cases]
     text = f"\n{len(cases)} cases; {len(ran)} were run, and {len(held)} of these hold. Revision `{stability['revision']}`.\n"
     return text + table(["group", "case", "what must hold", "measured", "holds"], rows)
 

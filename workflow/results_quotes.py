@@ -13,6 +13,8 @@ import re
 
 MAIN = "openarena"
 PENDING = "pending"
+NOTHING = "–"  # measured, and there is no such number
+MISSING = object()
 MARKER = re.compile(r"(?<!`)<!--=([^\n]*?)-->([^\n]*?)<!---->")
 
 
@@ -40,19 +42,22 @@ def load_results(folder):
 
 
 def descend(node, steps):
-    """The value at the end of a way of keys, or None. A dict that has "value" stands for it."""
+    """The value at the end of a way of keys, or MISSING."""
     for step in steps:
         if isinstance(node, list) and step.isdigit() and int(step) < len(node):
             node = node[int(step)]
         elif isinstance(node, dict) and step in node:
             node = node[step]
         else:
-            return None
+            return MISSING
     return node
 
 
 def find(all_results, key):
-    """The value that a key leads to, and its interval; UnknownKey where it leads nowhere. (PENDING, None) before anything was measured."""
+    """The value that a key leads to (that of a dict is its "value"), and its interval; UnknownKey where it leads nowhere.
+
+    PENDING before anything was measured, NOTHING where the results say null.
+    """
     name, _, way = key.rpartition("@")
     results = all_results.get(name or MAIN)
     if results is None:
@@ -62,8 +67,9 @@ def find(all_results, key):
         node = descend(results, start + steps)
         if isinstance(node, dict) and "value" in node:
             return node["value"], [node["low"], node["high"]]
-        if node is not None and not isinstance(node, (dict, list)):
-            return node, descend(results, [*start, *steps[:-1], "interval", steps[-1]])
+        if node is not MISSING and not isinstance(node, (dict, list)):
+            interval = descend(results, [*start, *steps[:-1], "interval", steps[-1]])
+            return NOTHING if node is None else node, None if interval is MISSING else interval
     if results.get("pending"):
         return PENDING, None
     raise UnknownKey(key)
@@ -78,7 +84,7 @@ def default_style(key, value):
         return "%"
     if any(name == "us" or name.startswith("us_") or name.endswith("_us") for name in names):
         return "us"
-    if "ratios" in names or "speedup" in names[-1]:
+    if "ratios" in names or "ratio" in names:
         return ".2"
     if isinstance(value, int):
         return "int"
@@ -88,8 +94,6 @@ def default_style(key, value):
 
 
 def written(value, style):
-    if value == PENDING:
-        return PENDING
     if style == "text":
         return str(value)
     if style == "%":
@@ -108,8 +112,9 @@ def quote(all_results, spec):
     keys, _, style = spec.strip().partition(":")
     found = [find(all_results, key.strip()) for key in keys.split(" / ")]
     values = [value for value, _ in found]
-    if PENDING in values:
-        return PENDING
+    for word in (PENDING, NOTHING):
+        if word in values:
+            return word
     if len(values) == 2:
         return written(values[0] / values[1], style or ".2")
     value, interval = found[0]
@@ -119,7 +124,8 @@ def quote(all_results, spec):
     if with_interval:
         if interval is None:
             raise UnknownKey(f"{keys}: its interval")
-        text += f" ({written(interval[0], style)} to {written(interval[1], style)})"
+        low, high = (bound if bound is None else written(bound, style) for bound in interval)
+        text += f" ({low} or more)" if high is None else f" ({low} to {high})"
     return text
 
 

@@ -1,31 +1,15 @@
-#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "datagen/dataset/function_set.h"
 #include "datagen/dataset/row_spool.h"
-#include "datagen/dataset/shard_fields.h"
 #include "tool/error.h"
 
 namespace nlg {
-namespace {
-
-// Moves row `from` of an N x width array to row `to`.
-template <class T>
-void moveRow(std::vector<T>& rows, size_t width, uint64_t from, uint64_t to) {
-  std::copy_n(rows.begin() + from * width, width, rows.begin() + to * width);
-}
-
-}  // namespace
-
 struct DuplicateFilter::Impl {
-  FunctionSamples samples(uint64_t id) {
-    const auto P = static_cast<uint64_t>(current->point_count);
+  StoredFunction samples(uint64_t id) {
     // those of the shard at work have moved to the front of its arrays
-    if (id >= first_of_current) {
-      const uint64_t n = id - first_of_current;
-      return {&current->phi[n * P], &current->validity[n * P / 8]};
-    }
+    if (id >= first_of_current) return functionAt(*current, id - first_of_current);
     return earlier ? earlier(id) : spool->read(id);
   }
 
@@ -59,17 +43,15 @@ void DuplicateFilter::removeKnown(Shard* shard) {
   }
   m.current = shard;
   m.first_of_current = m.index->functionCount();
-  const uint64_t count = shard->functionCount(), P = static_cast<uint64_t>(shard->point_count);
+  const uint64_t count = shard->functionCount();
   uint64_t kept = 0;
   for (uint64_t n = 0; n < count; ++n) {
-    if (m.index->findOrAdd({&shard->phi[n * P], &shard->validity[n * P / 8]})) continue;
-    if (m.spool) m.spool->append({&shard->phi[n * P], &shard->validity[n * P / 8]});
-    if (n != kept) {
-      forEachArray(*shard, [&](const char*, auto& rows, const auto& columns) { moveRow(rows, rowWidth(columns), n, kept); });
-    }
+    if (m.index->findOrAdd(functionAt(*shard, n))) continue;
+    if (m.spool) m.spool->append(functionAt(*shard, n));
+    if (n != kept) moveRow(n, kept, shard);
     ++kept;
   }
-  forEachArray(*shard, [&](const char*, auto& rows, const auto& columns) { rows.resize(kept * rowWidth(columns)); });
+  truncateRows(kept, shard);
   shard->counts.functions -= count - kept;
   shard->counts.duplicates += count - kept;
   m.current = nullptr;

@@ -42,7 +42,7 @@ DuplicateIndex::DuplicateIndex(const DuplicateRule& rule, int point_count, Fetch
   max_squared_distance_ = rule.rms == 0.0 ? 0 : static_cast<uint64_t>(std::ceil(kMaxGroupPoints * squared)) + 1;
 }
 
-DuplicateIndex::Entry DuplicateIndex::sketch(const FunctionSamples& function) const {
+DuplicateIndex::Entry DuplicateIndex::sketch(const StoredFunction& function) const {
   Entry entry{};
   for (int g = 0; g < kGroupCount; ++g) {
     const int first = static_cast<int>(int64_t{g} * point_count_ / kGroupCount);
@@ -110,14 +110,14 @@ void DuplicateIndex::forEachNear(const Entry& entry, const Visit& visit) const {
   }
 }
 
-std::optional<DuplicateIndex::Match> DuplicateIndex::compare(const FunctionSamples& function, uint64_t id) {
+std::optional<DuplicateIndex::Match> DuplicateIndex::compare(const StoredFunction& function, uint64_t id) {
   ++compared_count_;
   const std::optional<double> distance = duplicateDistance(rule_, function, fetch_(id), point_count_);
   if (!distance) return std::nullopt;
   return Match{id, *distance};
 }
 
-std::optional<DuplicateIndex::Match> DuplicateIndex::findOrAdd(const FunctionSamples& function) {
+std::optional<DuplicateIndex::Match> DuplicateIndex::findOrAdd(const StoredFunction& function) {
   const Entry entry = sketch(function);
   std::optional<Match> match;
   forEachNear(entry, [&](const Entry& other) { return (match = compare(function, other.id)).has_value(); });
@@ -125,7 +125,7 @@ std::optional<DuplicateIndex::Match> DuplicateIndex::findOrAdd(const FunctionSam
   return match;
 }
 
-void DuplicateIndex::add(const FunctionSamples& function) { add(sketch(function)); }
+void DuplicateIndex::add(const StoredFunction& function) { add(sketch(function)); }
 
 void DuplicateIndex::add(Entry entry) {
   NLG_CHECK(function_count_, <, uint64_t{std::numeric_limits<uint32_t>::max()});
@@ -135,7 +135,7 @@ void DuplicateIndex::add(Entry entry) {
   cells_[cellKey(cell)].push_back(entry);
 }
 
-void DuplicateIndex::forEachMatch(const FunctionSamples& function, const std::function<bool(uint64_t id)>& isWanted,
+void DuplicateIndex::forEachMatch(const StoredFunction& function, const std::function<bool(uint64_t id)>& isWanted,
                                   const std::function<void(const Match&)>& visit) {
   forEachNear(sketch(function), [&](const Entry& other) {
     if (!isWanted(other.id)) return false;

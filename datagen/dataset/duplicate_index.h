@@ -23,7 +23,7 @@ namespace nlg {
 class DuplicateIndex {
  public:
   // Gives the samples of the id-th function that was added; they need to last until the next call.
-  using Fetch = std::function<FunctionSamples(uint64_t id)>;
+  using Fetch = std::function<StoredFunction(uint64_t id)>;
   struct Match {
     uint64_t id;            // of the function that is there already
     double rms_difference;  // in 1/255
@@ -34,13 +34,13 @@ class DuplicateIndex {
 
   // The match of a function, if there is one. Otherwise adds it, with the number of functions added before as its id: the caller
   // keeps its samples for fetch.
-  std::optional<Match> findOrAdd(const FunctionSamples& function);
+  std::optional<Match> findOrAdd(const StoredFunction& function);
 
   // Adds a function whatever it duplicates; its id is the number of functions added before.
-  void add(const FunctionSamples& function);
+  void add(const StoredFunction& function);
 
   // Calls visit for every added function with isWanted(id) that this one duplicates; perhaps twice for one of them.
-  void forEachMatch(const FunctionSamples& function, const std::function<bool(uint64_t id)>& isWanted,
+  void forEachMatch(const StoredFunction& function, const std::function<bool(uint64_t id)>& isWanted,
                     const std::function<void(const Match&)>& visit);
 
   uint64_t functionCount() const { return function_count_; }
@@ -57,14 +57,14 @@ class DuplicateIndex {
   static constexpr int kFeatureCount = kOctantCount + 2;
   using Features = std::array<int64_t, kFeatureCount>;
 
-  Entry sketch(const FunctionSamples& function) const;
+  Entry sketch(const StoredFunction& function) const;
   static Features features(const Entry& entry);
   bool mayMatch(const Entry& a, const Entry& b) const;
   void add(Entry entry);
   // Calls visit(other entry) for what may match, the function's own cell first (most matches lie there), until visit returns true.
   template <class Visit>
   void forEachNear(const Entry& entry, const Visit& visit) const;
-  std::optional<Match> compare(const FunctionSamples& function, uint64_t id);
+  std::optional<Match> compare(const StoredFunction& function, uint64_t id);
 
   DuplicateRule rule_;
   int point_count_;

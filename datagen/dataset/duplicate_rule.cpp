@@ -20,7 +20,7 @@ uint32_t squaredDifference(const uint8_t* a, const uint8_t* b, int count) {
 
 }  // namespace
 
-std::optional<double> duplicateDistance(const DuplicateRule& rule, const FunctionSamples& a, const FunctionSamples& b,
+std::optional<double> duplicateDistance(const DuplicateRule& rule, const StoredFunction& a, const StoredFunction& b,
                                         int point_count) {
   uint64_t differing = 0, valid_in_both = 0;
   for (int i = 0; i < point_count / 8; ++i) {

@@ -5,13 +5,9 @@
 #include <cstdint>
 #include <optional>
 
-namespace nlg {
+#include "runtime_eval/support/stored_function.h"
 
-// The stored samples of one function: P bytes and P/8 bytes, phi 0 where a point is not valid.
-struct FunctionSamples {
-  const uint8_t* phi = nullptr;
-  const uint8_t* validity = nullptr;
-};
+namespace nlg {
 
 // Two functions are duplicates when their validity differs in at most validity_points points and
 //   sum over all P points of (difference of phi)^2  <=  rms^2 * (points valid in both):
@@ -26,7 +22,7 @@ struct DuplicateRule {
 
 // The RMS difference of two duplicates, in 1/255; nothing when they are none. Symmetric, and the same on every machine.
 // point_count   P, a multiple of 8
-std::optional<double> duplicateDistance(const DuplicateRule& rule, const FunctionSamples& a, const FunctionSamples& b,
+std::optional<double> duplicateDistance(const DuplicateRule& rule, const StoredFunction& a, const StoredFunction& b,
                                         int point_count);
 
 }  // namespace nlg

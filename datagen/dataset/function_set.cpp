@@ -37,15 +37,7 @@ void appendShard(const Shard& shard, FunctionSet& set) {
   const uint32_t scene = sceneIndex(shard, set);
   addCounts(shard.counts, &set.counts);
   set.scene_idx.insert(set.scene_idx.end(), shard.functionCount(), scene);
-  const auto append = [](const std::vector<uint8_t>& from, std::vector<uint8_t>& to) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
-  append(shard.phi, set.phi);
-  append(shard.validity, set.validity);
-  append(shard.seen, set.seen);
-  append(shard.phi_test, set.phi_test);
-  append(shard.validity_test, set.validity_test);
-  append(shard.seen_test, set.seen_test);
+  appendRows(shard, 0, shard.functionCount(), &set);
 }
 
 // Checks the headers against the first one, and takes the memory of all functions at once.
@@ -62,10 +54,7 @@ void prepare(const std::vector<std::string>& paths, uint64_t pattern_hash, int p
     checkSameKind(path, header, set);
     count += header.counts.functions;
   }
-  set.phi.reserve(count * set.point_count);
-  set.validity.reserve(count * set.point_count / 8);
-  set.seen.reserve(count * set.point_count / 8);
-  set.phi_test.reserve(count * set.test_point_count);
+  reserveRows(count, &set);
 }
 
 }  // namespace
@@ -84,8 +73,7 @@ FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t patt
   if (paths.empty()) throw InputError("shards", "files", "at least one", "none");
   FunctionSet set;
   prepare(paths, pattern_hash, point_count, set);
-  const uint64_t P = static_cast<uint64_t>(set.point_count);
-  DuplicateFilter filter([&](uint64_t id) { return FunctionSamples{&set.phi[id * P], &set.validity[id * P / 8]}; });
+  DuplicateFilter filter([&](uint64_t id) { return functionAt(set, id); });
   std::string hashes;
   OneFileEach given("shards", "content");
   for (const std::string& path : paths) {

@@ -10,19 +10,16 @@
 
 namespace nlg {
 
-struct FunctionSet {
+struct FunctionSet : FunctionRows {
   uint64_t pattern_hash = 0;
   uint64_t test_pattern_hash = 0;
-  int point_count = 0;                                      // P
-  int test_point_count = 0;                                 // U, the same in all shards
-  ShardCounts counts;                                       // sums over the shards; duplicates include those between shards
-  std::vector<std::string> scene_ids;                       // distinct scenes
-  std::vector<std::string> families;                        // of each distinct scene
-  std::vector<uint32_t> scene_idx;                          // N, into scene_ids
-  std::vector<uint8_t> phi, validity, seen;                 // N x P, N x P/8, N x P/8
-  std::vector<uint8_t> phi_test, validity_test, seen_test;  // N x U, N x U/8, N x U/8
-  std::string sha256;  // of the shards' hashes in the order of the paths: the data set's identity
+  ShardCounts counts;                  // sums over the shards; duplicates include those between shards
+  std::vector<std::string> scene_ids;  // distinct scenes
+  std::vector<std::string> families;   // of each distinct scene
+  std::vector<uint32_t> scene_idx;     // N, into scene_ids
+  std::string sha256;                  // of the shards' hashes in the order of the paths: the data set's identity
 
+  // also of a set made by hand, which may lack arrays that its readers do not ask for
   uint64_t functionCount() const { return scene_idx.size(); }
 };
 

@@ -57,7 +57,8 @@ class Hdf5Writer {
 class Hdf5Reader {
  public:
   // throws InputError when the file is missing, truncated, no HDF5 file, or has an older superblock than version 3 (ours have
-  // it; h5py writes it with libver="latest"): older ones carry no checksums
+  // it; h5py writes it with libver="latest"): older ones carry no checksums. Here and below it is a DamageError where HDF5's own
+  // structure or a checksum does not hold; a file that is sound but another than expected is no damage
   explicit Hdf5Reader(const std::string& path);
   ~Hdf5Reader();
   Hdf5Reader(const Hdf5Reader&) = delete;

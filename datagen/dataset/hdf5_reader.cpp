@@ -25,8 +25,12 @@ struct Place {
   [[noreturn]] void refuse(const std::string& expected, const std::string& got) const {
     throw InputError(path, what, expected, got);
   }
+  [[noreturn]] void refuseDamage(const std::string& expected, const std::string& got) const {
+    throw DamageError(path, what, expected, got);
+  }
+  // For calls of HDF5 that cannot fail on an undamaged file: absent names are asked for beforehand.
   void require(bool good, const std::string& expected) const {
-    if (!good) refuse(expected, innermostError());
+    if (!good) refuseDamage(expected, innermostError());
   }
 };
 
@@ -38,12 +42,15 @@ void requireOurSuperblock(const std::string& path) {
   char start[9] = {};
   file.read(start, sizeof start);
   if (file.gcount() != sizeof start || std::memcmp(start, "\x89HDF\r\n\x1a\n", 8) != 0) {
-    place.refuse("an HDF5 file", "another or a truncated one");
+    place.refuseDamage("an HDF5 file", "another or a truncated one");
   }
   if (start[8] != 3) place.refuse("an HDF5 superblock of version 3", std::to_string(start[8]));
 }
 
 Handle openDataset(hid_t file, const Place& place, const std::string& name) {
+  const htri_t exists = H5Lexists(file, name.c_str(), H5P_DEFAULT);
+  place.require(exists >= 0, "an array");
+  if (exists == 0) place.refuse("an array", "none of that name");
   H5L_info_t link{};
   place.require(H5Lget_info(file, name.c_str(), &link, H5P_DEFAULT) >= 0, "an array");
   // any other link may lead into a file that nobody named
@@ -164,7 +171,8 @@ void fillRows(hid_t dataset, const Place& place, const std::vector<uint64_t>& sh
     hsize_t encoded_bytes = 0;
     place.require(H5Dget_chunk_storage_size(dataset, offset.data(), &encoded_bytes) >= 0, "undamaged data");
     // deflate stores what it cannot compress: a few bytes more than the data
-    if (encoded_bytes > chunk_bytes + chunk_bytes / 8 + 1024) place.refuse("undamaged data", "a chunk larger than its rows");
+    if (encoded_bytes > chunk_bytes + chunk_bytes / 8 + 1024)
+      place.refuseDamage("undamaged data", "a chunk larger than its rows");
     encoded.resize(encoded_bytes);
     uint32_t skipped_filters = 0;
     place.require(H5Dread_chunk(dataset, H5P_DEFAULT, offset.data(), &skipped_filters, encoded.data()) >= 0, "undamaged data");
@@ -173,13 +181,16 @@ void fillRows(hid_t dataset, const Place& place, const std::vector<uint64_t>& sh
     if (!whole) decoded.resize(chunk_bytes);
     uint8_t* const target = out + (from - rows.first) * row_bytes;
     if (skipped_filters != 0 || !decodeChunk(encoded.data(), encoded.size(), whole ? target : decoded.data(), chunk_bytes)) {
-      place.refuse("undamaged data", fmt::format("a wrong checksum in the chunk of row {}", chunk));
+      place.refuseDamage("undamaged data", fmt::format("a wrong checksum in the chunk of row {}", chunk));
     }
     if (!whole) std::memcpy(target, decoded.data() + (from - chunk) * row_bytes, (to - from) * row_bytes);
   }
 }
 
 Handle openAttribute(hid_t file, const Place& place, const std::string& name) {
+  const htri_t exists = H5Aexists(file, name.c_str());
+  place.require(exists >= 0, "an attribute");
+  if (exists == 0) place.refuse("an attribute", "none of that name");
   Handle attribute(H5Aopen(file, name.c_str(), H5P_DEFAULT), H5Aclose);
   place.require(attribute.ok(), "an attribute");
   const Handle space(H5Aget_space(attribute), H5Sclose);
@@ -196,7 +207,7 @@ Hdf5Reader::Hdf5Reader(const std::string& path) : path_(path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access, false, true);
   file_ = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access);
-  if (file_ < 0) Place{path_, "open"}.refuse("a whole HDF5 file", innermostError());
+  if (file_ < 0) Place{path_, "open"}.refuseDamage("a whole HDF5 file", innermostError());
 }
 
 Hdf5Reader::~Hdf5Reader() {
@@ -241,7 +252,8 @@ void Hdf5Reader::verifyDigest() const {
   const Handle dataset = openDataset(file_, place, kDigestName);
   const haddr_t offset = H5Dget_offset(dataset);
   if (offset == HADDR_UNDEF) place.refuse("bytes in one piece", "chunks");
-  if (fileSha256Bytes(path_, {offset, kDigestBytes}) != stored) place.refuse("the SHA-256 of the file", "that of other bytes");
+  if (fileSha256Bytes(path_, {offset, kDigestBytes}) != stored)
+    place.refuseDamage("the SHA-256 of the file", "that of other bytes");
 }
 
 uint64_t Hdf5Reader::storedBytes(const std::string& name) const {

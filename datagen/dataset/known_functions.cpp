@@ -17,7 +17,7 @@ class MirroredSamples {
   explicit MirroredSamples(size_t point_count) : point_count_(point_count), row_(point_count + point_count / 8) {}
 
   // Good until the next call.
-  FunctionSamples of(const FunctionSamples& function, size_t mirror) {
+  StoredFunction of(const StoredFunction& function, size_t mirror) {
     if (mirror == 0) return function;
     uint8_t* const validity = row_.data() + point_count_;
     const size_t points = point_count_ / kMirrorCount, bytes = points / 8;
@@ -47,10 +47,7 @@ struct KnownFunctionSearch::Impl {
         mirrored(static_cast<size_t>(set.point_count)),
         index(rule, set.point_count, [this](uint64_t id) { return image(id); }) {}
 
-  FunctionSamples image(uint64_t id) {
-    const uint64_t n = id / kMirrorCount, P = static_cast<uint64_t>(held_out.point_count);
-    return mirrored.of({&held_out.phi[n * P], &held_out.validity[n * P / 8]}, id % kMirrorCount);
-  }
+  StoredFunction image(uint64_t id) { return mirrored.of(functionAt(held_out, id / kMirrorCount), id % kMirrorCount); }
   // Nothing is left to learn about an image of a function that is known already.
   bool isOpen(uint64_t id) const {
     const uint64_t n = id / kMirrorCount;
@@ -74,7 +71,7 @@ KnownFunctionSearch::KnownFunctionSearch(const DuplicateRule& rule, const Functi
 
 KnownFunctionSearch::~KnownFunctionSearch() = default;
 
-void KnownFunctionSearch::see(const FunctionSamples& training) {
+void KnownFunctionSearch::see(const StoredFunction& training) {
   // a training function equals an image of a held-out one exactly when that one equals the same image of the training function:
   // every mirror is its own inverse, and the rule does not care in which order points come
   impl_->index.forEachMatch(
@@ -91,12 +88,11 @@ const KnownFunctions& KnownFunctionSearch::known() const { return impl_->known; 
 KnownFunctions findKnown(const DuplicateRule& rule, const FunctionSet& held_out,
                          const std::vector<std::string>& training_shards) {
   KnownFunctionSearch search(rule, held_out);
-  const auto P = static_cast<uint64_t>(held_out.point_count);
   for (const std::string& path : training_shards) {
     const ShardReader reader(path, held_out.pattern_hash, held_out.point_count);
     for (uint64_t first = 0; first < reader.functionCount(); first += kPieceFunctions) {
       const Shard piece = reader.read(first, std::min(kPieceFunctions, reader.functionCount() - first));
-      for (uint64_t n = 0; n < piece.functionCount(); ++n) search.see({&piece.phi[n * P], &piece.validity[n * P / 8]});
+      for (uint64_t n = 0; n < piece.functionCount(); ++n) search.see(functionAt(piece, n));
     }
   }
   return search.known();

@@ -31,7 +31,7 @@ class KnownFunctionSearch {
   KnownFunctionSearch& operator=(const KnownFunctionSearch&) = delete;
 
   // A training function, of as many points as the held-out ones.
-  void see(const FunctionSamples& training);
+  void see(const StoredFunction& training);
 
   const KnownFunctions& known() const;
 

@@ -41,7 +41,7 @@ RowSpool::RowSpool(const std::string& folder, int point_count)
 
 RowSpool::~RowSpool() { ::close(file_); }
 
-void RowSpool::append(const FunctionSamples& function) {
+void RowSpool::append(const StoredFunction& function) {
   std::copy_n(function.phi, point_count_, row_.begin());
   std::copy_n(function.validity, point_count_ / 8, row_.begin() + static_cast<ptrdiff_t>(point_count_));
   for (size_t done = 0; done < row_.size();) {
@@ -54,7 +54,7 @@ void RowSpool::append(const FunctionSamples& function) {
   ++count_;
 }
 
-FunctionSamples RowSpool::read(uint64_t n) {
+StoredFunction RowSpool::read(uint64_t n) {
   NLG_CHECK(n, <, count_);
   for (size_t done = 0; done < row_.size();) {
     const auto offset = static_cast<off_t>(n * row_.size() + done);

@@ -24,9 +24,9 @@ class RowSpool {
   RowSpool& operator=(const RowSpool&) = delete;
 
   // Appends a function; its number is the count of those before. throws OutputError (disk full)
-  void append(const FunctionSamples& function);
+  void append(const StoredFunction& function);
   // The n-th function; good until the next call. throws OutputError when the disk fails
-  FunctionSamples read(uint64_t n);
+  StoredFunction read(uint64_t n);
 
   uint64_t byteCount() const { return count_ * row_.size(); }
 

@@ -9,14 +9,9 @@
 #include <vector>
 
 #include "datagen/dataset/duplicate_rule.h"
+#include "datagen/dataset/function_rows.h"
 
 namespace nlg {
-
-// Bits of Shard::flags, one byte a function.
-enum FunctionFlag : uint8_t {
-  kFlagOpenShell = 1,  // rays for validity disagreed: open, flipped or self-intersecting geometry near by
-  kFlagFewSeen = 2,    // the probe sees less than one support point in a hundred
-};
 
 // What a shard left out, and why; every visited probe is counted exactly once among functions, free_space, in_solid, duplicates
 // and empty.
@@ -30,7 +25,8 @@ struct ShardCounts {
   uint64_t empty = 0;           // phi is zero at every support point
 };
 
-struct Shard {
+// What a file says beside its functions.
+struct ShardHeader {
   std::string path;             // of the file that it was read from; empty for one that was made in memory
   uint64_t schema_version = 3;  // of that file
   std::string scene_id;
@@ -38,25 +34,13 @@ struct Shard {
   uint64_t jitter = 0;
   uint64_t pattern_hash = 0;  // of the support pattern: SupportPattern::hash
   uint64_t test_pattern_hash = 0;
-  int point_count = 0;       // P
-  int test_point_count = 0;  // U
   ShardCounts counts;
   DuplicateRule duplicate_rule;  // that no two of its functions satisfy
   std::string provenance_json;   // tool/provenance.h
-
-  std::vector<uint8_t> phi;              // N x P, round(255 phi)
-  std::vector<uint8_t> validity;         // N x P/8, bit i of byte b is point 8 b + i
-  std::vector<uint8_t> seen;             // N x P/8, points that the probe sees
-  std::vector<double> probe_position_m;  // N x 3, world
-  std::vector<float> spacing_m;          // N
-  std::vector<uint8_t> flags;            // N, FunctionFlag
-
-  std::vector<uint8_t> phi_test;       // N x U
-  std::vector<uint8_t> validity_test;  // N x U/8
-  std::vector<uint8_t> seen_test;      // N x U/8
-
-  uint64_t functionCount() const { return flags.size(); }
 };
+
+// All of it; without functions where only the rest and the numbers of points are asked for.
+struct Shard : ShardHeader, FunctionRows {};
 
 // Distinct functions a visited probe: the stored ones, and free space as one more when there is any, over all probes that were
 // looked at, those in solid included. 0 when there were none.

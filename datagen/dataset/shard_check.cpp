@@ -39,17 +39,17 @@ Fault hiddenValueFault(const std::string& name, const std::vector<uint8_t>& phi,
   return {};
 }
 
-Fault placementFault(const Shard& shard, uint64_t first_function) {
-  for (size_t i = 0; i < shard.spacing_m.size(); ++i) {
-    const float spacing_m = shard.spacing_m[i];
+Fault placementFault(const FunctionRows& rows, uint64_t first_function) {
+  for (size_t i = 0; i < rows.spacing_m.size(); ++i) {
+    const float spacing_m = rows.spacing_m[i];
     if (std::isfinite(spacing_m) && spacing_m > 0) continue;
     return {fmt::format("dataset spacing_m: function {}", first_function + i), "a finite number above 0",
             fmt::format("{}", spacing_m)};
   }
-  for (size_t i = 0; i < shard.probe_position_m.size(); ++i) {
-    if (std::isfinite(shard.probe_position_m[i])) continue;
+  for (size_t i = 0; i < rows.probe_position_m.size(); ++i) {
+    if (std::isfinite(rows.probe_position_m[i])) continue;
     return {fmt::format("dataset probe_position_m: function {}", first_function + i / 3), "finite numbers",
-            fmt::format("{}", shard.probe_position_m[i])};
+            fmt::format("{}", rows.probe_position_m[i])};
   }
   return {};
 }
@@ -92,12 +92,12 @@ Fault duplicateRuleFault(const DuplicateRule& rule) {
   return {"attribute duplicate_rms", "a number from 0 to 255", fmt::format("{}", rule.rms)};
 }
 
-Fault valueFault(const Shard& shard, uint64_t first_function) {
-  Fault fault = placementFault(shard, first_function);
+Fault valueFault(const FunctionRows& rows, uint64_t first_function) {
+  Fault fault = placementFault(rows, first_function);
   if (!fault.place.empty()) return fault;
-  fault = hiddenValueFault("phi", shard.phi, shard.validity, static_cast<uint64_t>(shard.point_count), first_function);
+  fault = hiddenValueFault("phi", rows.phi, rows.validity, static_cast<uint64_t>(rows.point_count), first_function);
   if (!fault.place.empty()) return fault;
-  return hiddenValueFault("phi_test", shard.phi_test, shard.validity_test, static_cast<uint64_t>(shard.test_point_count),
+  return hiddenValueFault("phi_test", rows.phi_test, rows.validity_test, static_cast<uint64_t>(rows.test_point_count),
                           first_function);
 }
 

@@ -21,7 +21,7 @@ Fault duplicateRuleFault(const DuplicateRule& rule);
 
 // What must hold of the values once all lengths are known to be right.
 // first_function   what the arrays' first row is called in messages
-Fault valueFault(const Shard& shard, uint64_t first_function = 0);
+Fault valueFault(const FunctionRows& rows, uint64_t first_function = 0);
 
 // What a dataset or attribute is called in a file of a schema version: before 3, what is of test points had other names.
 std::string storedName(const std::string& name, uint64_t schema_version);

@@ -56,29 +56,33 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
 
 ShardReader::ShardReader(const std::string& path, uint64_t pattern_hash, int point_count)
     : file_(path), header_(readAttributes(path, file_, pattern_hash, point_count)) {
-  forEachArray(header_, [&](const char* present_name, const auto&, const std::vector<uint64_t>& columns) {
-    const std::string name = storedName(present_name, header_.schema_version);
-    const std::vector<uint64_t> expected = withRows(functionCount(), columns), got = file_.shape(name);
-    if (got == expected) return;
-    throw InputError(path, fmt::format("dataset {}", name), fmt::format("shape {}", fmt::join(expected, " x ")),
-                     fmt::format("{}", fmt::join(got, " x ")));
-  });
+  forEachArray(
+      [&](const char* present_name, const std::vector<uint64_t>& columns, const auto&) {
+        const std::string name = storedName(present_name, header_.schema_version);
+        const std::vector<uint64_t> expected = withRows(functionCount(), columns), got = file_.shape(name);
+        if (got == expected) return;
+        throw InputError(path, fmt::format("dataset {}", name), fmt::format("shape {}", fmt::join(expected, " x ")),
+                         fmt::format("{}", fmt::join(got, " x ")));
+      },
+      header_);
 }
 
 Shard ShardReader::read(uint64_t first, uint64_t count) const {
   NLG_CHECK(first + count, <=, functionCount());
   Shard shard = header_;
-  forEachArray(shard, [&](const char* present_name, auto& values, const std::vector<uint64_t>& columns) {
-    const std::string name = storedName(present_name, header_.schema_version);
-    using Element = typename std::remove_reference_t<decltype(values)>::value_type;
-    const std::vector<uint64_t> shape = withRows(functionCount(), columns);
-    if (count == functionCount()) {
-      values = file_.read<Element>(name, shape);
-      return;
-    }
-    values.resize(count * rowWidth(columns));
-    file_.readRows<Element>(name, shape, first, count, values.data());
-  });
+  forEachArray(
+      [&](const char* present_name, const std::vector<uint64_t>& columns, auto& values) {
+        const std::string name = storedName(present_name, header_.schema_version);
+        using Element = typename std::remove_reference_t<decltype(values)>::value_type;
+        const std::vector<uint64_t> shape = withRows(functionCount(), columns);
+        if (count == functionCount()) {
+          values = file_.read<Element>(name, shape);
+          return;
+        }
+        values.resize(count * rowWidth(columns));
+        file_.readRows<Element>(name, shape, first, count, values.data());
+      },
+      shard);
   refuse(header_.path, valueFault(shard, first));
   return shard;
 }
@@ -91,9 +95,9 @@ bool ShardReader::verifyDigest() const {
 
 uint64_t ShardReader::storedBytes() const {
   uint64_t bytes = 0;
-  forEachArray(header_, [&](const char* name, const auto&, const auto&) {
-    bytes += file_.storedBytes(storedName(name, header_.schema_version));
-  });
+  forEachArray(
+      [&](const char* name, const auto&, const auto&) { bytes += file_.storedBytes(storedName(name, header_.schema_version)); },
+      header_);
   return bytes;
 }
 

@@ -16,42 +16,43 @@ bool isEmptyRow(const std::vector<uint64_t>& columns) { return rowWidth(columns)
 
 // The writer's promises: a shard that readShard would refuse is a bug of whoever made it.
 void checkOwnPromises(const Shard& shard) {
-  forEachArray(shard, [&](const char*, const auto& values, const std::vector<uint64_t>& columns) {
-    NLG_CHECK(values.size(), ==, shard.functionCount() * rowWidth(columns));
-  });
+  forEachArray([&](const char*, const std::vector<uint64_t>& columns,
+                   const auto& values) { NLG_CHECK(values.size(), ==, shard.functionCount() * rowWidth(columns)); },
+               shard);
   NLG_CHECK(valueFault(shard).place, ==, "");
 }
 
 }  // namespace
 
-EncodedFunctions encodeFunctions(const Shard& shard, uint64_t first, uint64_t count) {
+EncodedFunctions encodeFunctions(const FunctionRows& rows, uint64_t first, uint64_t count) {
   NLG_CHECK(count, >=, 1u);
   NLG_CHECK(count, <=, kChunkFunctions);
   EncodedFunctions encoded{count, {}};
-  forEachArray(shard, [&](const char*, const auto& values, const std::vector<uint64_t>& columns) {
-    if (isEmptyRow(columns)) {
-      encoded.arrays.emplace_back();
-      return;
-    }
-    const size_t width = rowWidth(columns), row_bytes = width * sizeof(ElementOf<decltype(values)>);
-    const auto* const bytes = reinterpret_cast<const uint8_t*>(values.data() + first * width);
-    if (count == kChunkFunctions) {
-      encoded.arrays.push_back(encodeChunk(bytes, count * row_bytes));
-      return;
-    }
-    // HDF5 stores whole chunks: zeros behind the last function
-    std::vector<uint8_t> padded(bytes, bytes + count * row_bytes);
-    padded.resize(kChunkFunctions * row_bytes, 0);
-    encoded.arrays.push_back(encodeChunk(padded.data(), padded.size()));
-  });
+  forEachArray(
+      [&](const char*, const std::vector<uint64_t>& columns, const auto& values) {
+        if (isEmptyRow(columns)) {
+          encoded.arrays.emplace_back();
+          return;
+        }
+        const size_t width = rowWidth(columns), row_bytes = width * sizeof(ElementOf<decltype(values)>);
+        const auto* const bytes = reinterpret_cast<const uint8_t*>(values.data() + first * width);
+        if (count == kChunkFunctions) {
+          encoded.arrays.push_back(encodeChunk(bytes, count * row_bytes));
+          return;
+        }
+        // HDF5 stores whole chunks: zeros behind the last function
+        std::vector<uint8_t> padded(bytes, bytes + count * row_bytes);
+        padded.resize(kChunkFunctions * row_bytes, 0);
+        encoded.arrays.push_back(encodeChunk(padded.data(), padded.size()));
+      },
+      rows);
   return encoded;
 }
 
-ShardWriter::ShardWriter(const std::string& path, const Shard& header)
-    : file_(path), point_count_(header.point_count), test_point_count_(header.test_point_count) {
-  NLG_CHECK(point_count_, >=, 0);
-  NLG_CHECK(test_point_count_, >=, 0);
-  const Fault fault = pointCountFault(static_cast<uint64_t>(point_count_), static_cast<uint64_t>(test_point_count_));
+ShardWriter::ShardWriter(const std::string& path, const Shard& header) : file_(path), shape_(emptyLike(header)) {
+  NLG_CHECK(header.point_count, >=, 0);
+  NLG_CHECK(header.test_point_count, >=, 0);
+  const Fault fault = pointCountFault(static_cast<uint64_t>(header.point_count), static_cast<uint64_t>(header.test_point_count));
   NLG_CHECK(fault.place, ==, "");
   NLG_CHECK(duplicateRuleFault(header.duplicate_rule).place, ==, "");
   file_.writeAttribute("kind", std::string(kShardKind));
@@ -66,33 +67,33 @@ ShardWriter::ShardWriter(const std::string& path, const Shard& header)
   file_.writeAttribute("duplicate_rms", header.duplicate_rule.rms);
   file_.writeAttribute("duplicate_validity_points", header.duplicate_rule.validity_points);
   file_.writeAttribute("provenance_json", header.provenance_json);
-  forEachArray(header, [&](const char* name, const auto& values, const std::vector<uint64_t>& columns) {
-    if (!isEmptyRow(columns)) file_.makeGrowing<ElementOf<decltype(values)>>(name, columns, kChunkFunctions);
-  });
+  forEachArray(
+      [&](const char* name, const std::vector<uint64_t>& columns, const auto& values) {
+        if (!isEmptyRow(columns)) file_.makeGrowing<ElementOf<decltype(values)>>(name, columns, kChunkFunctions);
+      },
+      header);
 }
 
 void ShardWriter::append(const EncodedFunctions& functions) {
-  Shard shape;
-  shape.point_count = point_count_;
-  shape.test_point_count = test_point_count_;
   size_t array = 0;
-  forEachArray(shape, [&](const char* name, const auto&, const std::vector<uint64_t>& columns) {
-    const std::vector<uint8_t>& encoded = functions.arrays.at(array++);
-    if (isEmptyRow(columns)) return;
-    file_.appendChunk(name, encoded, functions.function_count);
-    byte_count_ += encoded.size();
-  });
+  forEachArray(
+      [&](const char* name, const std::vector<uint64_t>& columns, const auto&) {
+        const std::vector<uint8_t>& encoded = functions.arrays.at(array++);
+        if (isEmptyRow(columns)) return;
+        file_.appendChunk(name, encoded, functions.function_count);
+        byte_count_ += encoded.size();
+      },
+      shape_);
   function_count_ += functions.function_count;
 }
 
 void ShardWriter::finish(const ShardCounts& counts) {
   NLG_CHECK(counts.functions, ==, function_count_);
-  Shard shape;
-  shape.point_count = point_count_;
-  shape.test_point_count = test_point_count_;
-  forEachArray(shape, [&](const char* name, const auto& values, const std::vector<uint64_t>& columns) {
-    if (isEmptyRow(columns)) file_.write(name, withRows(function_count_, columns), values.data());
-  });
+  forEachArray(
+      [&](const char* name, const std::vector<uint64_t>& columns, const auto& values) {
+        if (isEmptyRow(columns)) file_.write(name, withRows(function_count_, columns), values.data());
+      },
+      shape_);
   forEachCount(counts, [&](const char* name, uint64_t count) { file_.writeAttribute(name, count); });
   file_.closeWithDigest();
 }

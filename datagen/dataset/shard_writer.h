@@ -13,17 +13,17 @@ namespace nlg {
 // Up to kChunkFunctions functions as they lie in the file.
 struct EncodedFunctions {
   uint64_t function_count = 0;
-  std::vector<std::vector<uint8_t>> arrays;  // in the order of forEachArray (shard_fields.h)
+  std::vector<std::vector<uint8_t>> arrays;  // in the order of forEachArray (function_rows.h)
 };
 
-// Compresses functions [first, first + count) of a shard's arrays; 1 <= count <= kChunkFunctions. Any number of threads may do so
+// Compresses functions [first, first + count); 1 <= count <= kChunkFunctions. Any number of threads may do so
 // at the same time.
-EncodedFunctions encodeFunctions(const Shard& shard, uint64_t first, uint64_t count);
+EncodedFunctions encodeFunctions(const FunctionRows& rows, uint64_t first, uint64_t count);
 
 class ShardWriter {
  public:
   // Creates path: the temporary name of writeAtomically.
-  // header   everything but counts and arrays, which are not looked at
+  // header   the shard's; its counts and functions are not looked at
   // throws   OutputError, as every function here does when the disk refuses
   ShardWriter(const std::string& path, const Shard& header);
 
@@ -37,7 +37,7 @@ class ShardWriter {
 
  private:
   Hdf5Writer file_;
-  int point_count_, test_point_count_;
+  FunctionRows shape_;  // of no functions
   uint64_t function_count_ = 0, byte_count_ = 0;
 };
 

@@ -27,15 +27,9 @@ uint8_t functionFlags(const GeneratedFunction& function, size_t point_count) {
   return flags;
 }
 
-template <class T>
-void appendValues(const std::vector<T>& from, uint64_t n, size_t width, std::vector<T>& to) {
-  const auto first = from.begin() + static_cast<ptrdiff_t>(n * width);
-  to.insert(to.end(), first, first + static_cast<ptrdiff_t>(width));
-}
-
 }  // namespace
 
-void appendFunction(const GeneratedFunction& function, const glm::dvec3& position_m, float spacing_m, Shard* rows) {
+void appendFunction(const GeneratedFunction& function, const glm::dvec3& position_m, float spacing_m, FunctionRows* rows) {
   const auto points = static_cast<size_t>(rows->point_count), test = static_cast<size_t>(rows->test_point_count);
   appendSamples(function, 0, points, rows->phi);
   appendBits(function.valid, 0, points, rows->validity);
@@ -46,19 +40,6 @@ void appendFunction(const GeneratedFunction& function, const glm::dvec3& positio
   for (int axis = 0; axis < 3; ++axis) rows->probe_position_m.push_back(position_m[axis]);
   rows->spacing_m.push_back(spacing_m);
   rows->flags.push_back(functionFlags(function, points));
-}
-
-void appendRow(const Shard& from, uint64_t n, Shard* to) {
-  const auto points = static_cast<size_t>(to->point_count), test = static_cast<size_t>(to->test_point_count);
-  appendValues(from.phi, n, points, to->phi);
-  appendValues(from.validity, n, points / 8, to->validity);
-  appendValues(from.seen, n, points / 8, to->seen);
-  appendValues(from.phi_test, n, test, to->phi_test);
-  appendValues(from.validity_test, n, test / 8, to->validity_test);
-  appendValues(from.seen_test, n, test / 8, to->seen_test);
-  appendValues(from.probe_position_m, n, 3, to->probe_position_m);
-  appendValues(from.spacing_m, n, 1, to->spacing_m);
-  appendValues(from.flags, n, 1, to->flags);
 }
 
 }  // namespace nlg

@@ -6,21 +6,18 @@
 
 #include <glm/glm.hpp>
 
-#include "datagen/dataset/shard.h"
+#include "datagen/dataset/function_rows.h"
 #include "datagen/weighting/weighting_builder.h"
 
 namespace nlg {
 
 struct ProbeBlock {
   std::vector<ProbeOutcome> outcomes;  // one a probe, in visiting order
-  Shard functions;                     // arrays only: one row for every outcome `function`, in the same order
+  FunctionRows functions;              // one row for every outcome `function`, in the same order
 };
 
-// Appends the function, quantised, to the rows of a shard whose point counts are set.
+// Appends the function, quantised, to rows whose point counts are set.
 // position_m   in the world
-void appendFunction(const GeneratedFunction& function, const glm::dvec3& position_m, float spacing_m, Shard* rows);
-
-// Appends row n of one shard's arrays to those of another with the same point counts.
-void appendRow(const Shard& from, uint64_t n, Shard* to);
+void appendFunction(const GeneratedFunction& function, const glm::dvec3& position_m, float spacing_m, FunctionRows* rows);
 
 }  // namespace nlg

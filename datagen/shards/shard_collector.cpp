@@ -27,21 +27,11 @@ ShardCollector::ShardCollector(const Shard& header, const CollectorLimits& limit
     : limits_(limits),
       spool_(spool_folder, header.point_count),
       index_(header.duplicate_rule, header.point_count, [this](uint64_t id) { return spool_.read(id); }),
-      differences_(header.duplicate_rule.rms) {
-  chunk_.point_count = header.point_count;
-  chunk_.test_point_count = header.test_point_count;
-}
+      differences_(header.duplicate_rule.rms),
+      chunk_(emptyLike(header)) {}
 
-Shard ShardCollector::emptyChunk() const {
-  Shard chunk;
-  chunk.point_count = chunk_.point_count;
-  chunk.test_point_count = chunk_.test_point_count;
-  return chunk;
-}
-
-std::vector<Shard> ShardCollector::add(const ProbeBlock& block) {
-  std::vector<Shard> chunks;
-  const auto P = static_cast<size_t>(chunk_.point_count);
+std::vector<FunctionRows> ShardCollector::add(const ProbeBlock& block) {
+  std::vector<FunctionRows> chunks;
   uint64_t row = 0;
   for (const ProbeOutcome outcome : block.outcomes) {
     if (full()) break;
@@ -51,20 +41,20 @@ std::vector<Shard> ShardCollector::add(const ProbeBlock& block) {
     counts_.empty += outcome == ProbeOutcome::empty;
     if (outcome != ProbeOutcome::function) continue;
     const uint64_t n = row++;
-    const FunctionSamples samples{&block.functions.phi[n * P], &block.functions.validity[n * P / 8]};
+    const StoredFunction samples = functionAt(block.functions, n);
     if (const auto match = index_.findOrAdd(samples)) {
       ++counts_.duplicates;
       differences_.add(match->rms_difference);
       continue;
     }
     spool_.append(samples);
-    appendRow(block.functions, n, &chunk_);
+    appendRows(block.functions, n, 1, &chunk_);
     ++counts_.functions;
-    if (chunk_.functionCount() == kChunkFunctions) chunks.push_back(std::exchange(chunk_, emptyChunk()));
+    if (chunk_.functionCount() == kChunkFunctions) chunks.push_back(std::exchange(chunk_, emptyLike(chunk_)));
   }
   return chunks;
 }
 
-Shard ShardCollector::takeRest() { return std::exchange(chunk_, emptyChunk()); }
+FunctionRows ShardCollector::takeRest() { return std::exchange(chunk_, emptyLike(chunk_)); }
 
 }  // namespace nlg

@@ -42,9 +42,9 @@ class ShardCollector {
 
   // Goes through the probes of the next block, as far as the limits go; returns the full chunks of kChunkFunctions functions that
   // came together. throws OutputError when the spool's disk refuses
-  std::vector<Shard> add(const ProbeBlock& block);
+  std::vector<FunctionRows> add(const ProbeBlock& block);
   // The functions that make no full chunk; call it last.
-  Shard takeRest();
+  FunctionRows takeRest();
 
   bool full() const { return counts_.functions >= limits_.functions || counts_.visited_probes >= limits_.visited_probes; }
   const ShardCounts& counts() const { return counts_; }
@@ -52,14 +52,12 @@ class ShardCollector {
   uint64_t spooledBytes() const { return spool_.byteCount(); }
 
  private:
-  Shard emptyChunk() const;
-
   CollectorLimits limits_;
   ShardCounts counts_;
   RowSpool spool_;
   DuplicateIndex index_;
   DifferenceStatistics differences_;
-  Shard chunk_;
+  FunctionRows chunk_;
 };
 
 }  // namespace nlg

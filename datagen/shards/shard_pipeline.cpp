@@ -38,7 +38,7 @@ class Run {
 
   void finish() {
     if (error_) std::rethrow_exception(error_);
-    const Shard rest = collector_.takeRest();
+    const FunctionRows rest = collector_.takeRest();
     if (rest.functionCount() > 0) writer_.append(encodeFunctions(rest, 0, rest.functionCount()));
   }
 
@@ -91,12 +91,12 @@ class Run {
   void collect(std::unique_lock<std::mutex>& lock) {
     collecting_ = true;
     const ProbeBlock block = std::move(generated_.extract(next_collected_).mapped());
-    std::vector<Shard> chunks;
+    std::vector<FunctionRows> chunks;
     unlocked(lock, [&] {
       chunks = collector_.add(block);
       if (pipeline_.report) pipeline_.report(collector_);
     });
-    for (Shard& chunk : chunks) chunks_.emplace_back(next_chunk_++, std::move(chunk));
+    for (FunctionRows& chunk : chunks) chunks_.emplace_back(next_chunk_++, std::move(chunk));
     ++next_collected_;
     collecting_ = false;
     if (!collector_.full()) return;
@@ -132,7 +132,7 @@ class Run {
   uint64_t next_block_ = 0, next_collected_ = 0, next_chunk_ = 0, next_written_ = 0;
   int at_work_ = 0;
   std::map<uint64_t, ProbeBlock> generated_;
-  std::deque<std::pair<uint64_t, Shard>> chunks_;
+  std::deque<std::pair<uint64_t, FunctionRows>> chunks_;
   std::map<uint64_t, EncodedFunctions> encoded_;
 };
 

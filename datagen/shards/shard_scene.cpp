@@ -22,7 +22,7 @@ uint64_t hashText(const std::string& text) {
 // The options of the run that made a shard.
 class ShardOptions {
  public:
-  ShardOptions(const Shard& shard, const std::string& path) : path_(path) {
+  ShardOptions(const ShardHeader& shard, const std::string& path) : path_(path) {
     provenance_ = nlohmann::json::parse(shard.provenance_json, nullptr, false);
     if (!provenance_.is_object()) throw InputError(path, "provenance_json", "a JSON object", "other text");
   }
@@ -87,14 +87,14 @@ Scene shardScene(const Scene& scene, const JitterOptions& options, uint64_t shar
   return jitterScene(scene, options, jitter == 0 ? 0 : shard_seed | 1);
 }
 
-std::string proceduralRequest(const Shard& shard) {
+std::string proceduralRequest(const ShardHeader& shard) {
   const std::vector<std::string>& families = proceduralFamilies();
   if (std::find(families.begin(), families.end(), shard.family) == families.end()) return "";
   const std::string prefix = shard.family + "_";
   return shard.scene_id.rfind(prefix, 0) == 0 ? shard.family + ":" + shard.scene_id.substr(prefix.size()) : "";
 }
 
-Scene rebuildShardScene(const Shard& shard, const std::string& shard_path, const std::string& request) {
+Scene rebuildShardScene(const ShardHeader& shard, const std::string& shard_path, const std::string& request) {
   const ShardOptions options(shard, shard_path);
   JitterOptions jitter;
   jitter.move_m = options.real("move_m", 1e4);
@@ -115,7 +115,7 @@ Scene rebuildShardScene(const Shard& shard, const std::string& shard_path, const
   return shardScene(source.scene, jitter, seed, shard.jitter);
 }
 
-std::optional<ProbeTree> rebuildShardTree(const Shard& shard, const std::string& shard_path, const Scene& scene) {
+std::optional<ProbeTree> rebuildShardTree(const ShardHeader& shard, const std::string& shard_path, const Scene& scene) {
   const ShardOptions options(shard, shard_path);
   if (!options.has("density_growth")) return std::nullopt;
   ProbePlacementOptions placement;

@@ -22,18 +22,18 @@ Scene shardScene(const Scene& scene, const JitterOptions& options, uint64_t shar
 
 // The request by which loadScene makes the shard's scene again: "house:3" for a procedural one, empty for a level, whose file
 // the shard does not name.
-std::string proceduralRequest(const Shard& shard);
+std::string proceduralRequest(const ShardHeader& shard);
 
 // The jittered scene of a shard, made again from its provenance.
 // shard        its header is enough; shard_path is for messages
 // request      the scene, as loadScene takes it
 // throws       InputError when the provenance lacks an option, or when the scene is not the shard's: another SHA-256 of the file,
 //              another id of a procedural scene; whatever loadScene throws
-Scene rebuildShardScene(const Shard& shard, const std::string& shard_path, const std::string& request);
+Scene rebuildShardScene(const ShardHeader& shard, const std::string& shard_path, const std::string& request);
 
 // The probe tree of a shard, made again over its jittered scene.
 // returns      nothing when the shard's probes stood on a uniform grid: its provenance has no density_growth
 // throws       InputError as above; whatever placeProbes throws
-std::optional<ProbeTree> rebuildShardTree(const Shard& shard, const std::string& shard_path, const Scene& scene);
+std::optional<ProbeTree> rebuildShardTree(const ShardHeader& shard, const std::string& shard_path, const Scene& scene);
 
 }  // namespace nlg

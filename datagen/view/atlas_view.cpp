@@ -28,7 +28,7 @@ std::vector<uint64_t> randomFunctions(uint64_t count, uint64_t seed) {
 }
 
 void drawCell(Image& image, const ViewedShard& viewed, uint64_t idx, int size, int x, int y) {
-  const FunctionRow function = viewed.function(idx);
+  const StoredFunction function = viewed.function(idx);
   const std::optional<std::vector<ViewTriangle>> triangles = viewed.localTriangles(idx);
   const std::vector<ViewTriangle>* near = triangles ? &*triangles : nullptr;
   const FunctionSlice slice = makeFunctionSlice(function, mostTellingPlane(function), size, near);

@@ -14,7 +14,7 @@ struct Candidate {
   PixelKind kind = PixelKind::unknown;
 };
 
-std::vector<Candidate> allPoints(const FunctionRow& function) {
+std::vector<Candidate> allPoints(const StoredFunction& function) {
   const std::vector<LocalPoint>& points = supportPattern().points;
   std::vector<Candidate> result(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
@@ -144,7 +144,8 @@ PlaneView planeView(int normal) {
   return {2, 0, 1, 1.0};
 }
 
-FunctionSlice makeFunctionSlice(const FunctionRow& function, int normal, int size, const std::vector<ViewTriangle>* triangles) {
+FunctionSlice makeFunctionSlice(const StoredFunction& function, int normal, int size,
+                                const std::vector<ViewTriangle>* triangles) {
   FunctionSlice slice;
   slice.plane = planeView(normal);
   slice.size = size;
@@ -159,7 +160,7 @@ FunctionSlice makeFunctionSlice(const FunctionRow& function, int normal, int siz
   return slice;
 }
 
-int mostTellingPlane(const FunctionRow& function) {
+int mostTellingPlane(const StoredFunction& function) {
   constexpr float kSlab = 0.08f;
   const std::vector<LocalPoint>& points = supportPattern().points;
   double score[3] = {};

@@ -7,19 +7,10 @@
 #include <glm/glm.hpp>
 
 #include "datagen/view/triangles.h"
+#include "runtime_eval/support/stored_function.h"
 #include "runtime_eval/support/support_pattern.h"
 
 namespace nlg {
-
-// One function of a shard; the pointers must outlive the view.
-struct FunctionRow {
-  const uint8_t* phi = nullptr;       // P, round(255 phi), pattern order
-  const uint8_t* validity = nullptr;  // P / 8, bit i of byte b is point 8 b + i
-  const uint8_t* seen = nullptr;      // P / 8
-
-  bool isValid(size_t point) const { return validity[point / 8] >> (point % 8) & 1; }
-  bool isSeen(size_t point) const { return seen[point / 8] >> (point % 8) & 1; }
-};
 
 // How an axis plane lies in its picture: x, y, z of the plane point right, up or down. Top views look down: z points down.
 struct PlaneView {
@@ -57,11 +48,11 @@ struct FunctionSlice {
 // every pixel takes its nearest support point.
 //
 // triangles   those near the probe, in local coordinates
-FunctionSlice makeFunctionSlice(const FunctionRow& function, int normal, int size, const std::vector<ViewTriangle>* triangles);
+FunctionSlice makeFunctionSlice(const StoredFunction& function, int normal, int size, const std::vector<ViewTriangle>* triangles);
 
 inline constexpr double kSliceReach = 0.2;  // shares of the spacing; the points stand 0.1 apart
 
 // The normal of the plane in which the function differs most from the bare tent, summed over the points near it.
-int mostTellingPlane(const FunctionRow& function);
+int mostTellingPlane(const StoredFunction& function);
 
 }  // namespace nlg

@@ -67,7 +67,7 @@ void viewProbe(const std::string& shard_path, uint64_t probe_idx, const ViewOpti
   const int size = options.slice_px;
   Image image(std::max(3 * size + 4 * kMargin, kMinWidth), kHeaderHeight + size + kLegendHeight, kPaper);
   drawHeader(image, viewed, probe_idx);
-  const FunctionRow function = viewed.function(probe_idx);
+  const StoredFunction function = viewed.function(probe_idx);
   const std::optional<std::vector<ViewTriangle>> triangles = viewed.localTriangles(probe_idx);
   int x = kMargin;
   // as seen from the front, from above, and from the side

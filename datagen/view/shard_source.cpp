@@ -15,9 +15,9 @@ double shareOfBits(const uint8_t* bytes) {
 
 }  // namespace
 
-FunctionRow ViewedShard::function(uint64_t idx) const {
+StoredFunction ViewedShard::function(uint64_t idx) const {
   NLG_CHECK(idx, <, shard.functionCount());
-  return {&shard.phi[idx * kSupportPointCount], &shard.validity[idx * kValidityByteCount], &shard.seen[idx * kValidityByteCount]};
+  return functionAt(shard, idx);
 }
 
 glm::dvec3 ViewedShard::probePosition(uint64_t idx) const {

@@ -18,7 +18,7 @@ struct ViewedShard {
   std::optional<Scene> scene;     // jittered as the shard's; none: a level whose file was not named
   std::optional<ProbeTree> tree;  // none without a scene, and when the probes stood on a uniform grid
 
-  FunctionRow function(uint64_t idx) const;
+  StoredFunction function(uint64_t idx) const;
   glm::dvec3 probePosition(uint64_t idx) const;  // world, metres
   // The scene's triangles around the probe in local coordinates; none when there is no scene.
   std::optional<std::vector<ViewTriangle>> localTriangles(uint64_t idx) const;

@@ -52,7 +52,7 @@ void drawBorderCell(Image& image, const FunctionSlice& slice, int x, int y) {
   for (int i = 0; i + 1 < count; i += 2) drawLine(image, crossing[i], crossing[i + 1], 1.6, kSeenBorder);
 }
 
-void drawPoints(Image& image, const FunctionSlice& slice, const FunctionRow& function) {
+void drawPoints(Image& image, const FunctionSlice& slice, const StoredFunction& function) {
   const std::vector<LocalPoint>& points = supportPattern().points;
   for (size_t i = 0; i < points.size(); ++i) {
     if (std::fabs(points[i][slice.plane.normal]) > kPointSlab) continue;
@@ -78,7 +78,7 @@ void drawCutLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double 
   drawLine(image, a, b, width_px, double_sided ? kTwoSidedCut : kBlack);
 }
 
-Image drawSlicePanel(const FunctionSlice& slice, const FunctionRow& function, const std::vector<ViewTriangle>* triangles,
+Image drawSlicePanel(const FunctionSlice& slice, const StoredFunction& function, const std::vector<ViewTriangle>* triangles,
                      const PanelOptions& options) {
   Image image(slice.size, slice.size, kUnknown);
   drawValues(image, slice);

@@ -20,7 +20,7 @@ inline constexpr double kPointSlab = 0.06;          // support points this near 
 
 // size x size pixels of slice.size.
 // triangles   those near the probe in local coordinates; null: no cut is drawn
-Image drawSlicePanel(const FunctionSlice& slice, const FunctionRow& function, const std::vector<ViewTriangle>* triangles,
+Image drawSlicePanel(const FunctionSlice& slice, const StoredFunction& function, const std::vector<ViewTriangle>* triangles,
                      const PanelOptions& options);
 
 // Draws what stands for a support point: a disc in the colour of its value, with a white rim when the probe sees it and a red one

@@ -6,14 +6,9 @@
 
 #include "runtime_eval/simd/aligned.h"
 #include "runtime_eval/support/point_order.h"
+#include "runtime_eval/support/stored_function.h"
 
 namespace nlg {
-
-// One function as a data set stores it. Both pointers must outlive the view.
-struct StoredFunction {
-  const uint8_t* phi = nullptr;       // P, round(255 phi), pattern order
-  const uint8_t* validity = nullptr;  // P / 8, bit i of byte b is point 8 b + i
-};
 
 // The function at a place of what holds many as a data set does: `phi` N x P and `validity` N x P / 8, one behind another.
 template <class Functions>

@@ -84,7 +84,7 @@ TEST_F(GeneratedShard, HoldsNoTwoFunctionsWithinTheTolerance) {
   EXPECT_EQ(shard.duplicate_rule, (DuplicateRule{4.0, 200}));
   EXPECT_LT(shard.functionCount(), exact.functionCount());
   const auto samples = [](const Shard& s, uint64_t n) {
-    return FunctionSamples{&s.phi[n * kSupportPointCount], &s.validity[n * kSupportPointCount / 8]};
+    return StoredFunction{&s.phi[n * kSupportPointCount], &s.validity[n * kSupportPointCount / 8]};
   };
   for (uint64_t a = 0; a < shard.functionCount(); ++a) {
     for (uint64_t b = 0; b < a; ++b) {

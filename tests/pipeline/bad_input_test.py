@@ -14,16 +14,21 @@ import tempfile
 import zipfile
 import time
 
-USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR, CHECK_FAILED = 2, 3, 5, 6  # tool/error.h
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "validate", "report"))
+import made_up
+
+USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR, CHECK_FAILED, DAMAGED_FILE = 2, 3, 5, 6, 7  # tool/error.h
 
 BIN, MAKE_NARROW_SHARD = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+TIMEOUT_FACTOR = float(os.environ.get("NLG_TEST_TIMEOUT_FACTOR", "1"))  # of sanitizers, which slow everything down
 SOURCES = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 failures = []
 cases = 0
 
 
 def run(tool, *arguments):
-    return subprocess.run([os.path.join(BIN, tool), *arguments], capture_output=True, text=True, timeout=60)
+    return subprocess.run([os.path.join(BIN, tool), *arguments], capture_output=True, text=True, timeout=60 * TIMEOUT_FACTOR)
 
 
 def must(tool, *arguments):
@@ -255,13 +260,28 @@ def check_levels():
         refuses(INPUT_ERROR, names, ["bad.h5"], "nlg-datagen", "--scene", scene, "--out", "bad.h5")
 
 
-def workflow(scenes, split, report="{}"):
-    """Whether snakemake takes a configuration, and its words: a dry run. Absolute folders of archives lie in this one."""
-    write("workflow.yaml", f"name: run\nrepresentations: [mlp]\nscenes: {{{scenes}}}\nsplit: {{{split}}}\nreport: {report}\n")
-    result = subprocess.run(["/usr/bin/snakemake", "-n", "-p", "-s", os.path.join(SOURCES, "workflow", "Snakefile"), "--configfile", os.path.abspath("workflow.yaml"),
-                             "--cores", "1", "--nolock"], capture_output=True, text=True, timeout=60, cwd=SOURCES,
+def judged(command, scenes, split, report, more):
+    """Whether a command takes a configuration, and its words. Absolute folders of archives lie in this one."""
+    write("workflow.yaml", f"name: run\nrepresentations: [mlp]\nscenes: {{{scenes}}}\nsplit: {{{split}}}\nreport: {report}\n{more}\n")
+    result = subprocess.run([*command, os.path.abspath("workflow.yaml")], capture_output=True, text=True, timeout=120 * TIMEOUT_FACTOR, cwd=SOURCES,
                             env={**os.environ, "NLG_OUT": os.path.abspath("out"), "NLG_LEVELS": "", "NLG_ARCHIVE_ROOT": os.getcwd()})
-    return result.returncode == 0, result.stdout + result.stderr
+    return result.returncode, result.stdout + result.stderr
+
+
+def workflow(scenes, split, report="{}", more=""):
+    """Whether snakemake takes a configuration, and its words: a dry run."""
+    code, text = judged(["/usr/bin/snakemake", "-n", "-p", "-s", os.path.join(SOURCES, "workflow", "Snakefile"), "--cores", "1", "--nolock", "--configfile"],
+                        scenes, split, report, more)
+    return code == 0, text
+
+
+def refuses_configuration(scenes, split, report, words, more=""):
+    """pipeline.sh's judgement, which is snakemake's too: one line that holds the words, exit code 2."""
+    global cases
+    cases += 1
+    code, text = judged(["/usr/bin/python3", "workflow/configuration.py"], scenes, split, report, more)
+    if code != USAGE_ERROR or words not in text or len(text.splitlines()) != 1 or "workflow.yaml: " not in text:
+        failures.append(f"configuration with {scenes}, {split}, {report}, {more}: expected a refusal with '{words}', got {code} and\n    {text.strip()[-600:]}")
 
 
 def check_workflow():
@@ -280,10 +300,10 @@ def check_workflow():
 
     accepted = [
         (basis, held_out, ["--scene house:0"]),
-        (game, held_out + ", test: [two]", ["/game:one", "dataset/test/two.0.h5", "dataset/training/one.0.h5", "/game:two --jitter 0 --held-out"]),
-        # one scene of each split in the reports' tables of needs, with what a bake can take of the scene's options
-        (game + ", by_scene: {'*': {max_functions: 3, extent_m: [0, 0, 0, 3, 3, 3]}}", held_out + ", test: [two, house_1]",
-         ["nlg-bake house:2 ", "nlg-bake house:1 ", "--extent-m=0,0,0,3,3,3 --measure-needs 1 ", "out/run/test/report.html", "--scene two_rooms ", "--scene table "]),
+        (game, held_out + ", evaluation: [two]", ["/game:one", "dataset/evaluation/two.0.h5", "dataset/training/one.0.h5", "/game:two --jitter 0 --held-out"]),
+        # one scene of each split in the reports' tables of savings, with what a bake can take of the scene's options
+        (game + ", by_scene: {'*': {max_functions: 3, extent_m: [0, 0, 0, 3, 3, 3]}}", held_out + ", evaluation: [two, house_1]",
+         ["nlg-bake house:2 ", "nlg-bake house:1 ", "--extent-m=0,0,0,3,3,3 --weights", "out/run/evaluation/report.html", "--scene two_rooms ", "--scene table "]),
         (basis + ", by_scene: {'house_*': {max_functions: 3, scale: 0.5}, house_1: {max_functions: 4, extent_m: [0, 0, 0, 3, 3, 3]}}", held_out,
          ["--max-functions=3 --scale=0.5", "--extent-m=0,0,0,3,3,3 --max-functions=4 --scale=0.5"]),
     ]
@@ -296,23 +316,42 @@ def check_workflow():
             if is_taken and word not in text:
                 failures.append(f"workflow with {scenes}, {split}: its commands do not hold '{word}'")
         if is_taken and "dataset/training/two" in text:
-            failures.append(f"workflow with {scenes}, {split}: trains on a scene of the test set")
+            failures.append(f"workflow with {scenes}, {split}: trains on a scene of the evaluation")
 
-    for report, words, absent in [("{small_scenes: [], needs: [], stability: short}", ["stability --short"], ["nlg-solve", "nlg-bake", "training_cases", "--hierarchy", "--needs"]),
-                                  ("{stability: long, needs: ['*_2'], needs_rounds: 0}", ["stability --long", "--measure-needs 0", "training_cases"], [])]:
+    for report, words, absent in [("{small_scenes: [], savings: [], stability: short}", ["stability --short"], ["nlg-solve", "nlg-bake", "training_cases", "--hierarchy", "--needs"]),
+                                  ("{stability: long, savings: ['*_2'], savings_rounds: 3}", ["stability --long", "--measure-needs 3", "training_cases"], [])]:
         cases += 1
         is_taken, text = workflow(basis, held_out, report)
         if not is_taken or any(word not in text for word in words) or any(word in text for word in absent):
             failures.append(f"workflow with report {report}: expected {words} and no {absent}, got\n    {text.strip()[-1500:]}")
-    for report, words in [("{colour: red}", "unknown key 'colour'"), ("[a]", "report: expected keys"), ("{needs: house_2}", "a list of names or patterns"),
-                          ("{needs: [house_0]}", "held out or for the test, got 'house_0'"), ("{needs_rounds: 1.5}", "an integer from 0 to 99, got 1.5"),
-                          ("{needs_rounds: true}", "an integer from 0 to 99"), ("{small_scenes: [cellar]}", "a list out of two_rooms"),
+    # a short run, and the full one by one key: what `full` holds goes over the file's own, a representation's or scene's own over that
+    full = "full: {train: {steps: 77}, datagen: {max_functions: 9, scale: 0.5}, scenes: {per_family: 5}, report: {stability: long, savings: []}}"
+    options = (basis + ", by_scene: {house_1: {max_functions: 4}}", held_out, "{stability: short, savings: [house_2]}")
+    for effort, words, absent in [("", ["stability --short", "--measure-needs", "--max-functions=4"], ["--steps", "--scale", "house:4"]),
+                                  ("effort: full\n", ["stability --long", "--steps=77", "--max-functions=4 --scale=0.5", "--max-functions=9 --scale=0.5", "house:4"],
+                                   ["--measure-needs"])]:
+        cases += 1
+        is_taken, text = workflow(*options, more=effort + full)
+        if not is_taken or any(word not in text for word in words) or any(word in text for word in absent):
+            failures.append(f"workflow with {effort}: expected {words} and no {absent}, got\n    {text.strip()[-1500:]}")
+    for more, words in [("effort: half", "short or full, got 'half'"), ("effort: [full]", "short or full"), ("full: {name: x}", "unknown key 'name'"), ("full: 3", "full: expected keys"),
+                        ("full: {train: {Steps: 1}}", "options of that section"), ("train: [steps]", "a map of options"), ("colour: red", "unknown key 'colour'"),
+                        ("train: {steps: 2001-01-01}", "a text, a number"), ("train: {1: 2}", "keys that are texts"), ("train: {a: 1, a: 2}", "each key once"),
+                        ("effort: full\nfull: {report: {savings: [house_0]}}", "held out or for the evaluation")]:
+        # a place in the file, where the YAML itself is at fault
+        if words == "each key once":
+            code, text = judged(["/usr/bin/python3", "workflow/configuration.py"], basis, held_out, "{}", more)
+            if code != USAGE_ERROR or "workflow.yaml:6:15: " not in text or words not in text:
+                failures.append(f"a key twice: {code}, {text}")
+            continue
+        refuses_configuration(basis, held_out, "{}", words, more)
+    for report, words in [("{colour: red}", "unknown key 'colour'"), ("[a]", "report: expected a map"), ("{savings: house_2}", "a list of names or patterns"),
+                          ("{savings: [house_0]}", "held out or for the evaluation, got 'house_0'"), ("{savings_rounds: 1.5}", "an integer from 0 to 99, got 1.5"),
+                          ("{needs: [house_2]}", "called 'savings' now"),
+                          ("{savings_rounds: true}", "an integer from 0 to 99"), ("{small_scenes: [cellar]}", "a list out of two_rooms"),
                           ("{small_scenes: column}", "a list out of two_rooms"), ("{stability: brief}", "one of short, full, long, got 'brief'"),
                           ("{stability: [full]}", "one of short, full, long")]:
-        cases += 1
-        is_taken, text = workflow(basis, held_out, report)
-        if is_taken or words not in text:
-            failures.append(f"workflow with report {report}: expected a refusal with '{words}', got\n    {text.strip()[-600:]}")
+        refuses_configuration(basis, held_out, report, words)
 
     def archives(text):
         return f"{basis}, archives: [{text}]", held_out
@@ -320,9 +359,11 @@ def check_workflow():
     refused = [
         (basis + ", colour: red", held_out, "unknown key 'colour'"),
         (basis, held_out + ", tests: []", "unknown key 'tests'"),
-        (basis, held_out + ", test: [castle_*]", "expected a pattern of some scene, got 'castle_*'"),
-        (basis, held_out + ", test: [house_2]", "house_2 in both"),
-        (basis, held_out + ", test: house_1", "a list of names or patterns"),
+        (basis, held_out + ", test: []", "it is called 'evaluation' now"),
+        (basis, held_out + ", evaluation: [castle_*]", "expected a pattern of some scene, got 'castle_*'"),
+        (basis, held_out + ", evaluation: [house_2]", "house_2 in both"),
+        (basis, held_out + ", evaluation: house_1", "a list of names or patterns"),
+        (basis.replace("per_family: 3", "per_family: 200000, jitters: 200").replace(", jitters: 1", ""), held_out, "at most 1000000 shards"),
         (*archives("{folder: /game, maps: ['*'], colour: red}"), "unknown key 'colour'"),
         (*archives("{folder: /game}"), "missing key 'maps'"),
         (*archives("game"), "archives: 0"),
@@ -339,20 +380,23 @@ def check_workflow():
         (basis + ", by_scene: {house_1: 3}", held_out, "options of nlg-datagen"),
     ]
     for scenes, split, words in refused:
-        cases += 1
-        is_taken, text = workflow(scenes, split)
-        if is_taken or words not in text:
-            failures.append(f"workflow with {scenes}, {split}: expected a refusal with '{words}', got\n    {text.strip()[-600:]}")
+        refuses_configuration(scenes, split, "{}", words)
+    # snakemake ends with the same words
+    is_taken, text = workflow(basis, held_out + ", tests: []")
+    if is_taken or "unknown key 'tests'" not in text:
+        failures.append(f"snakemake takes what pipeline.sh refuses: {text}")
 
 
 def check_shards():
-    """nlg-datagen info: every damage, anywhere; and a shard whose functions repeat."""
-    for bad in ["missing.h5", "folder", "basis.h5", "weights.safetensors", *damaged_copies("held_out.h5")]:
+    """nlg-datagen info: every damage, anywhere, which is told from what the system refuses and from sound files of another kind."""
+    for bad in ["missing.h5", "folder", "basis.h5"]:
         refuses(INPUT_ERROR, [bad], [], "nlg-datagen", "info", bad)
+    for bad in ["weights.safetensors", *damaged_copies("held_out.h5")]:
+        refuses(DAMAGED_FILE, [bad], [], "nlg-datagen", "info", bad)
     whole = open("training.h5", "rb").read()
-    for place in [9, 700, len(whole) // 3, len(whole) - 3]:
+    for place in [9, 700, *range(len(whole) // 12, len(whole), len(whole) // 12), len(whole) - 3]:
         write("flipped.h5", whole[:place] + bytes([whole[place] ^ 16]) + whole[place + 1 :])
-        refuses(INPUT_ERROR, ["flipped.h5"], [], "nlg-datagen", "info", "--quiet", "flipped.h5")
+        refuses(DAMAGED_FILE, ["flipped.h5"], [], "nlg-datagen", "info", "--quiet", "flipped.h5")
     subprocess.run([MAKE_NARROW_SHARD, "repeating.h5", "repeating"], check=True)
     refuses(INPUT_ERROR, ["repeating.h5", "duplicates"], [], "nlg-datagen", "info", "repeating.h5")
     refuses(USAGE_ERROR, [], [], "nlg-datagen", "info")
@@ -425,7 +469,7 @@ def check_full_disk():
 
     before = set(os.listdir("."))
     result = subprocess.run([os.path.join(BIN, "nlg-datagen"), "--scene", "house:1", "--out", "large.h5"], capture_output=True, text=True,
-                            preexec_fn=limit, timeout=60)
+                            preexec_fn=limit, timeout=60 * TIMEOUT_FACTOR)
     if result.returncode != OUTPUT_ERROR or set(os.listdir(".")) != before:
         failures.append(f"file size limit: exit code {result.returncode}, left {set(os.listdir('.')) - before}")
     for words in ["large.h5", "it needs", "are free"]:
@@ -505,7 +549,11 @@ def check_shards_whose_width_lies():
 
 def check_comparisons():
     """Two validations: only of the same functions, and nothing is worse than itself."""
-    summary = "validation/summary.json"
+    summary = "compared/summary.json"
+    os.makedirs("compared", exist_ok=True)
+    table = made_up.samples(1)
+    made_up.write_json(summary, made_up.summary(table))
+    made_up.write_functions("compared/functions.csv", table)
     must("nlg-validate", "compare", summary, summary)
     must("nlg-validate", "--compare", summary, summary, "--json")
     refuses(USAGE_ERROR, ["new"], [], "nlg-validate", "compare", summary)
@@ -517,9 +565,13 @@ def check_comparisons():
     write("worse/summary.json", text.replace(held_out, "f" * 64))
     refuses(INPUT_ERROR, ["worse/summary.json", "held_out", held_out], [], "nlg-validate", "compare", summary, "worse/summary.json")
     changed = json.loads(text)
-    changed["representations"]["tent_mlp"]["generator"]["rmse"]["mean"] *= 2
+    changed["schema_version"] = 1
     write("worse/summary.json", json.dumps(changed))
-    refuses(CHECK_FAILED, ["1 worse", "tent_mlp: generator, mean RMSE"], [], "nlg-validate", "compare", summary, "worse/summary.json")
+    refuses(INPUT_ERROR, ["worse/summary.json", "schema_version", "the same schema only"], [], "nlg-validate", "compare", summary, "worse/summary.json")
+    changed["schema_version"] = 2
+    changed["representations"]["tent_mlp"]["stored"]["theta"]["rmse"]["mean"] *= 2
+    write("worse/summary.json", json.dumps(changed))
+    refuses(CHECK_FAILED, ["1 worse", "tent_mlp: stored, mean RMSE"], [], "nlg-validate", "compare", summary, "worse/summary.json")
 
 
 def check_outputs():

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A damaged shard is found and made again, to the same bytes; the sound ones are left alone.
+# A damaged shard is put aside and made again, to the same bytes; whatever else lies there is left alone.
 #
 #   damaged_shard_test.sh BIN_FOLDER     (from the source folder)
 set -euo pipefail
@@ -25,9 +25,31 @@ workflow() {
 shards=("$dataset/training/house_0.0.h5" "$dataset/training/clutter_1.0.h5" "$dataset/held_out/house_2.0.h5")
 workflow "${shards[@]}"
 before=$(sha256sum "${shards[@]}")
-[ -z "$(workflow/check_shards.sh "$NLG_BIN" "$dataset")" ] || fail "sound shards were removed"
 
-# one bit in the middle of one shard; another shard cut short
+# checks the shards of configuration $2 with the tools in $1: what is to be made again on stdout, messages in $temporary/messages
+check() {
+  NLG_OUT=$temporary /usr/bin/python3 workflow/check_shards.py "$2" "$1" 2>"$temporary/messages"
+}
+
+# the check must end with exit code $1 and one line that holds $2, and move nothing
+refuses() {
+  local code=0 files
+  files=$(find "$temporary" -path "$temporary/messages" -prune -o -print | sort)
+  check "$3" "$4" >"$temporary/again" || code=$?
+  rm "$temporary/again"
+  [ "$code" = "$1" ] || fail "exit code $code, expected $1 and '$2': $(cat "$temporary/messages")"
+  [ "$(wc -l <"$temporary/messages")" = 1 ] && grep -qF -- "$2" "$temporary/messages" || fail "expected one line with '$2', got: $(cat "$temporary/messages")"
+  [ "$(find "$temporary" -path "$temporary/messages" -prune -o -print | sort)" = "$files" ] || fail "a check that ended with $1 moved files"
+}
+
+[ -z "$(check "$NLG_BIN" configs/smoke.yaml)" ] || fail "sound shards were put aside"
+
+# --- one bit in the middle of one shard; another shard cut short; files that no plan names, and a link out of the folder, are damaged too
+mkdir "$temporary/elsewhere"
+echo notes >"$dataset/notes.h5"
+echo notes >"$dataset/training/house_0.1.h5"
+echo notes >"$temporary/elsewhere/linked.h5"
+ln -s "$temporary/elsewhere/linked.h5" "$dataset/training/clutter_0.0.h5"
 /usr/bin/python3 - "${shards[0]}" "${shards[2]}" <<'PYTHON'
 import os, sys
 
@@ -39,11 +61,66 @@ with open(sys.argv[1], "r+b") as file:
     file.write(bytes([byte ^ 4]))
 os.truncate(sys.argv[2], os.path.getsize(sys.argv[2]) - 1)
 PYTHON
+damaged=$(sha256sum <"${shards[0]}")
+
+# a shard that the system refuses to read stops the check before anything moves: a folder, even for root
+mkdir "$dataset/training/house_1.0.h5"
+mv "$dataset/training/clutter_0.0.h5" "$temporary/link"
+refuses 3 "house_1.0.h5" "$NLG_BIN" configs/smoke.yaml
+rmdir "$dataset/training/house_1.0.h5"
+# … and so does whatever a tool calls no damage: permission denied, a crash, a tool that is not there
+mkdir "$temporary/bin"
+for code in 3 134; do
+  printf '#!/bin/sh\ncase "$4" in *clutter_1*) echo "nlg-datagen info: error: $4: permission denied" >&2; exit %s;; *house_0*) exit 7;; esac\n' "$code" >"$temporary/bin/nlg-datagen"
+  chmod +x "$temporary/bin/nlg-datagen"
+  refuses "$([ "$code" = 3 ] && echo 3 || echo 1)" "permission denied" "$temporary/bin" configs/smoke.yaml
+done
+refuses 5 "nowhere" "$temporary/nowhere" configs/smoke.yaml
+mv "$temporary/link" "$dataset/training/clutter_0.0.h5"
+
 age=$(stat -c '%Y %Z' "${shards[1]}")
-mapfile -t removed < <(workflow/check_shards.sh "$NLG_BIN" "$dataset" 2>"$temporary/messages" | sort)
-[ "${removed[*]}" = "${shards[2]} ${shards[0]}" ] || fail "removed: ${removed[*]}"
+mapfile -t again < <(check "$NLG_BIN" configs/smoke.yaml | sort)
+[ "${again[*]}" = "${shards[2]} ${shards[0]}" ] || fail "to make again: ${again[*]}; $(cat "$temporary/messages")"
 [ "$(grep -c 'made again' "$temporary/messages")" = 2 ] || fail "messages: $(cat "$temporary/messages")"
-workflow "${removed[@]}"
+grep -q "clutter_0.0.h5 leads elsewhere" "$temporary/messages" || fail "nothing was said of a link: $(cat "$temporary/messages")"
+[ "$(sha256sum <"${shards[0]}.damaged")" = "$damaged" ] || fail "a damaged shard was not kept as it was"
+for stranger in "$dataset/notes.h5" "$dataset/training/house_0.1.h5" "$dataset/training/clutter_0.0.h5" "$temporary/elsewhere/linked.h5"; do
+  [ "$(cat "$stranger")" = notes ] || fail "$stranger, which is none of the run's files, was touched"
+done
+rm "$dataset/training/clutter_0.0.h5"
+# a run that was stopped before it made them again still asks for them
+[ "$(check "$NLG_BIN" configs/smoke.yaml | sort)" = "$(printf '%s\n' "${again[@]}")" ] || fail "shards put aside are forgotten"
+workflow "${again[@]}"
 [ "$(sha256sum "${shards[@]}")" = "$before" ] || fail "the shards made again are others"
 [ "$(stat -c '%Y %Z' "${shards[1]}")" = "$age" ] || fail "a sound shard was made again"
+
+# --- a configuration that cannot be used: nothing is looked at, one line, exit code 2
+mkdir -p "$temporary/victim/dataset/training"
+echo precious >"$temporary/victim/dataset/training/house_0.0.h5"
+configuration() { sed "s|^name: smoke\$|$1|" configs/smoke.yaml >"$temporary/bad.yaml"; }
+mkdir -p "$temporary/out"
+many=$(printf '9%.0s' {1..400})
+for case in "name: ../victim|a folder's name" "name: ..|a folder's name" "name: /tmp|a folder's name" "name: a/b|a folder's name" "name: ''|a folder's name" "name: 3|a folder's name" \
+  "|missing key 'name'" "name: [|bad.yaml" "name: a\\nname: b|each key once" "name: smoke\\ncolour: red|unknown key 'colour'" "name: \"a\\\\nb\"|one line" \
+  "name: $many|64 bits" "name: smoke\\nfull: {train: {steps: $many}}|64 bits" "name: smoke\\nexport: {parity_tolerance: .nan}|a finite number"; do
+  configuration "${case%|*}"
+  (
+    temporary_out=$temporary/out
+    code=0
+    NLG_OUT=$temporary_out /usr/bin/python3 workflow/check_shards.py "$temporary/bad.yaml" "$NLG_BIN" >"$temporary/stdout" 2>"$temporary/messages" || code=$?
+    [ "$code" = 2 ] && [ "$(wc -l <"$temporary/messages")" = 1 ] && grep -qF -- "${case##*|}" "$temporary/messages" ||
+      fail "a configuration with ${case%|*}: exit code $code, $(head -c 600 "$temporary/messages")"
+    grep -q "bad.yaml" "$temporary/messages" && [ ! -s "$temporary/stdout" ] || fail "${case%|*}: $(cat "$temporary/messages")"
+  )
+done
+printf '%s\n' "- a list" >"$temporary/bad.yaml"
+refuses 2 "top level" "$NLG_BIN" "$temporary/bad.yaml"
+sed "s/per_family: 3/per_family: $many/" configs/smoke.yaml >"$temporary/bad.yaml"
+refuses 2 "per_family" "$NLG_BIN" "$temporary/bad.yaml"
+sed "s/per_family: 3/per_family: $(printf '9%.0s' {1..5000})/" configs/smoke.yaml >"$temporary/bad.yaml"
+refuses 2 "bad.yaml" "$NLG_BIN" "$temporary/bad.yaml"
+printf 'name: &a [*a]\n' >"$temporary/bad.yaml"
+refuses 2 "levels of lists" "$NLG_BIN" "$temporary/bad.yaml"
+refuses 2 "nowhere.yaml" "$NLG_BIN" "$temporary/nowhere.yaml"
+[ "$(cat "$temporary/victim/dataset/training/house_0.0.h5")" = precious ] || fail "another folder's file was touched"
 echo "damaged shard test: all holds"

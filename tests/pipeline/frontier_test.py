@@ -15,6 +15,7 @@ import tempfile
 USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
 
 BIN, MAKE_WEIGHTS, MAKE_NARROW_SHARD = (os.path.abspath(path) for path in sys.argv[1:4])
+TIMEOUT_FACTOR = float(os.environ.get("NLG_TEST_TIMEOUT_FACTOR", "1"))  # of sanitizers, which slow everything down
 SOURCES = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 TINY = ["--functions", "7", "--repeats", "2", "--lm-steps", "1,2", "--adam-steps", "2", "--direct-lm-steps", "2", "--direct-adam-steps", "64",
         "--coefficients", "5,25"]
@@ -28,11 +29,11 @@ def expect(holds, what):
 
 
 def run(tool, *arguments):
-    return subprocess.run([os.path.join(BIN, tool), *arguments], capture_output=True, text=True, timeout=120)
+    return subprocess.run([os.path.join(BIN, tool), *arguments], capture_output=True, text=True, timeout=120 * TIMEOUT_FACTOR)
 
 
 def must(*command):
-    result = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    result = subprocess.run(command, capture_output=True, text=True, timeout=120 * TIMEOUT_FACTOR)
     if result.returncode != 0:
         sys.exit(f"{' '.join(command)}: exit code {result.returncode}\n{result.stderr}")
     return result.stdout

@@ -32,11 +32,11 @@ NLG_OUT=$temporary/default /usr/bin/snakemake -s workflow/Snakefile --configfile
 
 # --- what it leaves
 [ -s "$out/report.html" ] || fail "no report.html"
-for part in frontier stability needs; do
+for part in stages frontier stability savings; do
   grep -q "<section id=\"$part\">" "$out/report.html" || fail "report.html lacks the section $part"
 done
 grep -q "From the truth to the generator" "$out/report.html" || fail "report.html lacks the hierarchy of truths"
-[ ! -e "$out/needs/clutter_2.safetensors" ] || fail "the light grid of a table of needs was kept"
+[ ! -e "$out/savings/clutter_2.safetensors" ] || fail "the light grid of a table of savings was kept"
 ! grep -Eq '(src|href)="(https?:)?//' "$out/report.html" || fail "report.html loads something from elsewhere"
 for copy in 1 2; do
   /usr/bin/python3 validate/report/curve.py --summary "$out/validation/summary.json" --out "$temporary/curve.$copy.png" || fail "curve.py refuses the summary"

@@ -16,6 +16,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from training_cases import poisoned_cache  # noqa: E402
 
 BIN = os.path.abspath(sys.argv[1])
+TIMEOUT_FACTOR = float(os.environ.get("NLG_TEST_TIMEOUT_FACTOR", "1"))  # of sanitizers, which slow everything down
 INPUT_ERROR, NUMERICAL_ERROR = 3, 4  # tool/error.h
 failures = []
 
@@ -35,7 +36,7 @@ def start(tool, *arguments):
 
 
 def end(process, expected=0):
-    out, err = process.communicate(timeout=120)
+    out, err = process.communicate(timeout=120 * TIMEOUT_FACTOR)
     if process.returncode != expected:
         for failure in failures:
             print("FAILED:", failure)

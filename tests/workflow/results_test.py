@@ -41,7 +41,8 @@ def representation(weights_sha256):
     stages = [{"name": "network", "word": "network", "population": "theta", "above_rmse": None, "budget": None, "text": "one pass"},
               {"name": "adam", "word": "fitted", "population": "theta", "above_rmse": 0.003, "budget": 500, "text": "500 steps of Adam"}]
     return {"parameters": 113, "bytes": 452, "weights_bytes": 3032068, "weights_sha256": weights_sha256, "correction_steps": 3, "evaluate_us": 9.1,
-            "stages": stages, **words, "sample": {"functions": 280, "hard": 70, **words, **fits, "ratios": ratios},
+            "convergence": {"functions": 100, "by_restarts": [{"restarts": 2, "adam_steps": 32000, "rmse_mean": 0.0017}],
+                            "by_adam_steps": [{"restarts": 2, "adam_steps": 64000, "rmse_mean": 0.0016}]}, "stages": stages, **words, "sample": {"functions": 280, "hard": 70, "best_known_from": {"direct": 200, "adam_stored": 80}, **words, **fits, "ratios": ratios},
             "by_scene": {"kaos2": {"stored": quantiles(0.002), "network": quantiles(0.005)}}}
 
 
@@ -55,13 +56,19 @@ def summary(weights_sha256=SHA256):
 
 def frontier():
     errors = {"rmse_mean": 0.003, "rmse_median": 0.001, "rmse_p5": 0.0005, "rmse_p95": 0.009, "rmse_worst": 0.02}
-    point = {"representation": "tent_mlp", "family": "lm_from_theta0", "budget": 16, "label": "16 LM from theta0", "us_median": 5246, "us_p25": 5000,
-             "us_p75": 5500, "leak_p99": 0.01, "on_front": True, "hard": {**errors, "on_front": False}, "by_scene": {"kaos2": {}}, **errors}
-    return {"schema_version": 1, "provenance": {"revision": "0123abc", "inputs": {"held_out": "cd" * 32}}, "functions": 246, "hard_functions": 50,
-            "scenes": ["kaos2"], "points": [point, {**point, "family": "corrected", "budget": None, "label": "corrected"}],
-            "bare_tent": {**errors, "hard": errors, "by_scene": {}}, "front_sentence": "One point.", "hard_front_sentence": "Another.",
-            "equal_error": [{"representation": "tent_mlp", "speedup": 6.6}], "hierarchy": [{"step": "solved", "representation": None, "rmse_mean": 0.17}],
-            "walks": []}
+    found = {"us_median": 5246, "us_p25": 5000, "us_p75": 5500, **errors, "leak_p99": 0.01, "share_fitted": 1.0, "on_front": True}
+    point = {"representation": "tent_mlp", "family": "lm_from_theta0", "budget": 16, "label": "16 LM from theta0", "words": [],
+             "figures": {"all": found, "theta": found, "hard": {**found, "on_front": False}}, "by_scene": {"kaos2": {}}}
+    stage = {**point, "family": "stages", "budget": None, "label": "learned steps", "words": ["corrected"]}
+    speed = {"time_us": 600.0, "rmse_mean": 0.0024, "rival": "Adam from theta0", "rival_us_at_equal_error": 3960.0,
+             "ratio": {"value": 6.6, "low": 5.1, "high": None}, "reason": None}
+    none = {**speed, "rival": None, "rival_us_at_equal_error": None, "ratio": None, "reason": "no direct fit reaches the error"}
+    return {"schema_version": 2, "provenance": {"revision": "0123abc", "inputs": {"held_out": "cd" * 32}},
+            "functions": {"all": 500, "theta": 246, "hard": 50, "bare_tents_at_time_0": 254}, "scenes": ["kaos2"],
+            "points": [point, stage, {**stage, "label": "mirror images"}], "bare_tent": {"figures": {"all": errors, "theta": errors, "hard": errors}, "by_scene": {}},
+            "front_sentences": {"all": "One point.", "theta": "Another.", "hard": ""},
+            "speed_at_equal_error": {"tent_mlp": {"network": speed, "corrected": none}}, "speed_at_equal_error_hard": {},
+            "hierarchy": [{"step": "solved", "representation": None, "rmse_mean": 0.17}], "walks": []}
 
 
 def stability():
@@ -159,7 +166,11 @@ class Results(unittest.TestCase):
             "functions.take_theta": "1,000",
             "validation.functions.held_out_scenes": "41",
             "tent.theta.rmse.mean": ".0120",
-            "frontier.points.tent_mlp.lm_from_theta0_16.us_median": "5,246",
+            "frontier.points.tent_mlp.lm_from_theta0_16.figures.theta.us_median": "5,246",
+            "frontier.points.tent_mlp.stages_mirror_images.figures.theta.rmse_mean": ".0030",
+            "frontier.speed_at_equal_error.tent_mlp.network.ratio:.1": "6.6",
+            "frontier.speed_at_equal_error.tent_mlp.corrected.ratio:interval": "–",
+            "frontier.speed_at_equal_error.tent_mlp.network.ratio:interval": "6.60 (5.10 or more)",
             "savings.kaos2.lines.probes_in_solid.seconds_saved:.1": "33.8",
             "benchmarks.generator_float32_96.items_per_second:int": "54,400",
             "benchmarks.generator_float32_96.us": "18",

@@ -80,7 +80,7 @@ class CacheWriter {
   int64_t functionCount() const { return count_; }
 
   // The samples of the id-th function; good until the next call.
-  FunctionSamples samples(uint64_t id) {
+  StoredFunction samples(uint64_t id) {
     fetched_.resize(kSupportPointCount + kValidityByteCount);
     file_.read(placeOf(places_[id]), fetched_.data(), fetched_.size());
     return {fetched_.data(), fetched_.data() + kSupportPointCount};

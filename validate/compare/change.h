@@ -23,8 +23,8 @@ enum class Trend { better, same, worse };
 // One figure in both runs; lower is better.
 struct Change {
   std::string representation;
-  std::string scene;   // empty: all held-out functions
-  std::string figure;  // "generator, mean RMSE"
+  std::string scene;   // empty: all held-out functions that the figure is of
+  std::string figure;  // "stored, mean RMSE"
   double old_value = 0, new_value = 0;
   double standard_error = 0;     // of new_value - old_value; 0 where it is not known
   std::optional<double> chance;  // that noise alone makes so large a difference; nothing: judged by a tolerance or a factor

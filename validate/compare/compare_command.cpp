@@ -42,12 +42,15 @@ std::string placeOf(const Change& change) {
 void printText(const Comparison& comparison, const ComparisonOptions& options, bool all_scenes) {
   if (comparison.is_paired) {
     std::cout << fmt::format(
-        "noise: a chance of at most {:g} that it has any of the {} figures judged by chance called changed; and {:g} % of the "
-        "old value\n",
+        "of functions that take a theta; noise: a chance of at most {:g} that it has any of the {} figures judged by chance "
+        "called "
+        "changed; and {:g} % of the old value\n",
         options.false_alarms, comparison.judged_by_chance, 100.0 * options.smallest_change);
   } else {
-    std::cout << fmt::format("noise: {:g} % of the old value; no functions.csv beside both files to pair functions by\n",
-                             100.0 * options.tolerance);
+    std::cout << fmt::format(
+        "of functions that take a theta; noise: {:g} % of the old value; no functions.csv beside both files to pair functions "
+        "by\n",
+        100.0 * options.tolerance);
   }
   std::string representation;
   for (const Change& change : comparison.changes) {
@@ -74,7 +77,7 @@ void printText(const Comparison& comparison, const ComparisonOptions& options, b
 
 void printJson(const Comparison& comparison, const ComparisonOptions& options) {
   nlohmann::ordered_json json = {
-      {"schema_version", 1}, {"paired", comparison.is_paired}, {"lost", comparison.lost}, {"added", comparison.added}};
+      {"schema_version", 2}, {"paired", comparison.is_paired}, {"lost", comparison.lost}, {"added", comparison.added}};
   if (comparison.is_paired) json["false_alarms"] = options.false_alarms;
   json["judged_by_chance"] = comparison.judged_by_chance;
   json["changes"] = nlohmann::ordered_json::array();
@@ -108,7 +111,9 @@ void refuseWhatIsWorse(const Comparison& comparison) {
 
 int compareMain(int argc, char** argv) {
   CLI::App app{
-      "Says what got better or worse between two validations of the same held-out functions, beyond noise; exit code 6 where "
+      "Says what got better or worse between two validations of the same held-out functions, beyond noise, of network, "
+      "corrected, "
+      "fitted and stored; exit code 6 where "
       "something is worse.",
       "nlg-validate compare"};
   Request request;

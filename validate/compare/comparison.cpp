@@ -40,22 +40,30 @@ void refuseOtherRuns(const ValidationResult& old_run, const ValidationResult& ne
 }
 
 // Both runs number the functions of a held-out set alike.
-void refuseOtherFunctions(const ValidationResult& new_run, const std::string& name, const std::string& method,
+void refuseOtherFunctions(const ValidationResult& new_run, const std::string& name, const std::string& word,
                           const std::vector<ComparedFunction>& old_rows, const std::vector<ComparedFunction>& new_rows) {
   const auto is_same = [](const ComparedFunction& a, const ComparedFunction& b) {
-    return a.function == b.function && a.scene == b.scene && a.hard == b.hard;
+    return a.function == b.function && a.scene == b.scene && a.takes_theta == b.takes_theta && a.hard == b.hard;
   };
   if (std::equal(old_rows.begin(), old_rows.end(), new_rows.begin(), new_rows.end(), is_same)) return;
-  throw InputError(new_run.path, "rows of '" + name + "', '" + method + "' in functions.csv beside it",
+  throw InputError(new_run.path, "rows of '" + name + "', '" + word + "' in functions.csv beside it",
                    "the functions of the old run, in its order", "others");
 }
 
-void addTime(const std::string& method, const ComparedRepresentation& old_one, const ComparedRepresentation& new_one,
+bool takesTheta(const ComparedFunction& function) { return function.takes_theta; }
+bool isHard(const ComparedFunction& function) { return function.hard; }
+
+// What a word costs: how many functions took a fit, which is shown and never judged, and the time.
+void addCost(const std::string& word, const ComparedRepresentation& old_one, const ComparedRepresentation& new_one,
              const ComparisonOptions& options, std::vector<Change>* changes) {
-  Change time = unpairedChange(old_one.figures.at(method).us_per_function, new_one.figures.at(method).us_per_function,
-                               options.time_tolerance);
+  const ComparedFigures &a = old_one.figures.at(word), &b = new_one.figures.at(word);
+  Change fitted = unpairedChange(a.share_fitted, b.share_fitted, 0.0);
+  fitted.trend = Trend::same;
+  fitted.figure = word + ", share that took a fit";
+  changes->push_back(fitted);
+  Change time = unpairedChange(a.us_per_function, b.us_per_function, options.time_tolerance);
   if (options.time_tolerance == 0.0) time.trend = Trend::same;
-  time.figure = method + ", µs a function";
+  time.figure = word + ", µs a function";
   changes->push_back(time);
 }
 
@@ -67,27 +75,25 @@ void comparePaired(const ComparedRepresentation& old_one, const ComparedRepresen
     changes->push_back(change);
   };
   std::map<std::string, PairedFigures> figures;
-  for (const std::string method : kComparedMethods) {
-    const auto &old_rows = old_one.functions.at(method), &new_rows = new_one.functions.at(method);
-    refuseOtherFunctions(new_run, old_one.name, method, old_rows, new_rows);
-    figures.emplace(method, PairedFigures(old_rows, new_rows, new_run, options));
-  }
-  const auto all = [](const ComparedFunction&) { return true; };
-  for (const auto& [method, of] : figures) {
-    add("", method + ", mean RMSE", of.rmse(all));
-    add("", method + ", mean RMSE of hard functions", of.rmse([](const ComparedFunction& f) { return f.hard; }));
-    add("", method + ", p99 of RMSE", of.p99(all));
-    add("", method + ", worst RMSE", of.worst(all));
-    add("", method + ", share over tau", of.shareOverTau(all));
-    add("", method + ", mean leak of a function", of.leak(all));
-    addTime(method, old_one, new_one, options, changes);
+  for (const std::string word : kComparedWords) {
+    const auto &old_rows = old_one.functions.at(word), &new_rows = new_one.functions.at(word);
+    refuseOtherFunctions(new_run, old_one.name, word, old_rows, new_rows);
+    const PairedFigures& of = figures.emplace(word, PairedFigures(old_rows, new_rows, new_run, options)).first->second;
+    add("", word + ", mean RMSE", of.rmse(takesTheta));
+    add("", word + ", mean RMSE of hard functions", of.rmse(isHard));
+    add("", word + ", p99 of RMSE", of.p99(takesTheta));
+    add("", word + ", worst RMSE", of.worst(takesTheta));
+    add("", word + ", share that fails the check", of.shareFailingCheck(takesTheta));
+    add("", word + ", mean leak of a function", of.leak(takesTheta));
+    addCost(word, old_one, new_one, options, changes);
   }
   for (const auto& [scene, _] : old_one.scene_rmse) {
-    const auto here = [&scene = scene](const ComparedFunction& f) { return f.scene == scene; };
-    for (const auto& [method, of] : figures) {
-      add(scene, method + ", mean RMSE", of.rmse(here));
-      add(scene, method + ", worst RMSE", of.worst(here));
-      add(scene, method + ", share over tau", of.shareOverTau(here));
+    const auto here = [&scene = scene](const ComparedFunction& f) { return f.takes_theta && f.scene == scene; };
+    for (const std::string word : kWordsByScene) {
+      const PairedFigures& of = figures.at(word);
+      add(scene, word + ", mean RMSE", of.rmse(here));
+      add(scene, word + ", worst RMSE", of.worst(here));
+      add(scene, word + ", share that fails the check", of.shareFailingCheck(here));
     }
   }
 }
@@ -110,19 +116,21 @@ void compareSummaries(const ComparedRepresentation& old_one, const ComparedRepre
     changes->push_back(std::move(change));
   };
   const auto within = [&](double old_value, double new_value) { return unpairedChange(old_value, new_value, options.tolerance); };
-  for (const std::string method : kComparedMethods) {
-    const ComparedFigures &a = old_one.figures.at(method), &b = new_one.figures.at(method);
-    add("", method + ", mean RMSE", within(a.rmse, b.rmse));
-    add("", method + ", mean RMSE of hard functions", within(a.rmse_hard, b.rmse_hard));
-    add("", method + ", p99 of RMSE", within(a.rmse_p99, b.rmse_p99));
-    add("", method + ", worst RMSE", unpairedWorst(a.rmse_worst, b.rmse_worst, tau_rmse, options.worst_factor));
-    add("", method + ", share over tau", within(a.share_over_tau, b.share_over_tau));
-    add("", method + ", mean leak of a point", within(a.leak_mean, b.leak_mean));
-    addTime(method, old_one, new_one, options, changes);
+  for (const std::string word : kComparedWords) {
+    const ComparedFigures &a = old_one.figures.at(word), &b = new_one.figures.at(word);
+    add("", word + ", mean RMSE", within(a.rmse, b.rmse));
+    add("", word + ", mean RMSE of hard functions", within(a.rmse_hard, b.rmse_hard));
+    add("", word + ", p99 of RMSE", within(a.rmse_p99, b.rmse_p99));
+    add("", word + ", worst RMSE", unpairedWorst(a.rmse_worst, b.rmse_worst, tau_rmse, options.worst_factor));
+    add("", word + ", share that fails the check", within(a.share_failing_check, b.share_failing_check));
+    add("", word + ", mean leak of a point", within(a.leak_mean, b.leak_mean));
+    addCost(word, old_one, new_one, options, changes);
   }
-  for (const auto& [scene, rmse] : old_one.scene_rmse) {
-    const auto other = new_one.scene_rmse.find(scene);
-    if (other != new_one.scene_rmse.end()) add(scene, "generator, mean RMSE", within(rmse, other->second));
+  for (const auto& [scene, old_rmse] : old_one.scene_rmse) {
+    const auto new_rmse = new_one.scene_rmse.find(scene);
+    if (new_rmse == new_one.scene_rmse.end()) continue;
+    for (const std::string word : kWordsByScene)
+      add(scene, word + ", mean RMSE", within(old_rmse.at(word), new_rmse->second.at(word)));
   }
 }
 

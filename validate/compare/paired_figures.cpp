@@ -58,11 +58,7 @@ Change p99Change(const std::vector<double>& old_values, const std::vector<double
 
 PairedFigures::PairedFigures(const std::vector<ComparedFunction>& old_rows, const std::vector<ComparedFunction>& new_rows,
                              const ValidationResult& run, const ComparisonOptions& options)
-    : old_rows_(old_rows),
-      new_rows_(new_rows),
-      tau_rmse_(run.tau.at("rmse")),
-      tau_leak_(run.tau.at("leak_p99")),
-      worst_factor_(options.worst_factor) {
+    : old_rows_(old_rows), new_rows_(new_rows), tau_rmse_(run.tau.at("rmse")), worst_factor_(options.worst_factor) {
   NLG_CHECK(old_rows.size(), ==, new_rows.size());
 }
 
@@ -90,8 +86,8 @@ Change PairedFigures::p99(const Choice& chosen) const {
   return p99Change(values(old_rows_, chosen, value), values(new_rows_, chosen, value));
 }
 
-Change PairedFigures::shareOverTau(const Choice& chosen) const {
-  const auto fails = [this](const ComparedFunction& f) { return f.rmse > tau_rmse_ || f.leak_p99 > tau_leak_ ? 1.0 : 0.0; };
+Change PairedFigures::shareFailingCheck(const Choice& chosen) const {
+  const auto fails = [](const ComparedFunction& f) { return f.fails_check ? 1.0 : 0.0; };
   const std::vector<double> old_fails = values(old_rows_, chosen, fails), new_fails = values(new_rows_, chosen, fails);
   if (old_fails.empty()) return {};
   Change change;

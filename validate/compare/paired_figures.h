@@ -21,7 +21,7 @@ Change meanChange(const std::vector<double>& old_values, const std::vector<doubl
 // percentile of both runs' values together, which favours neither run.
 Change p99Change(const std::vector<double>& old_values, const std::vector<double>& new_values);
 
-// The figures of one method; of each of them on the functions that are chosen.
+// The figures of one word; of each of them on the functions that are chosen.
 class PairedFigures {
  public:
   // old_rows, new_rows   of the same functions in the same order; they must outlive this object
@@ -32,8 +32,8 @@ class PairedFigures {
   Change rmse(const Choice& chosen) const;
   Change leak(const Choice& chosen) const;
   Change p99(const Choice& chosen) const;
-  // Sign test between the functions that came to fail the check of tau and those that came to pass it.
-  Change shareOverTau(const Choice& chosen) const;
+  // Sign test between the functions that came to fail the check and those that came to pass it.
+  Change shareFailingCheck(const Choice& chosen) const;
   // Worse where any function leaps: its new RMSE is above worst_factor times the larger of its old one and tau. Better where none
   // does, and some would the other way round. What these very functions do is no matter of chance.
   Change worst(const Choice& chosen) const;
@@ -44,7 +44,7 @@ class PairedFigures {
   bool leaps(const ComparedFunction& from, const ComparedFunction& to) const;
 
   const std::vector<ComparedFunction>&old_rows_, &new_rows_;
-  double tau_rmse_, tau_leak_, worst_factor_;
+  double tau_rmse_, worst_factor_;
 };
 
 }  // namespace nlg

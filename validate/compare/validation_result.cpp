@@ -1,5 +1,7 @@
 #include "validate/compare/validation_result.h"
 
+#include <fmt/format.h>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -14,60 +16,62 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+using Place = Json::json_pointer;
+
 constexpr const char* kColumns =
-    "representation,method,function,scene,hard,rmse,rmse_unseen_points,rmse_shadow,leak_mean,leak_p99,elapsed_us";
-constexpr size_t kColumnCount = 11;
+    "representation,word,function,scene,take_theta,hard,rmse,rmse_test_points,rmse_occluded,leak_mean,leak_p99,fails_check,"
+    "fitted,elapsed_us";
+constexpr size_t kColumnCount = 14;
 
-// The value at a place like "representations.mlp.generator.rmse.mean"; keys are given one by one, for names may hold dots.
-const Json& at(const std::string& path, const Json& json, const std::vector<std::string>& keys) {
-  const Json* node = &json;
-  std::string place;
-  for (const std::string& key : keys) {
-    if (!node->is_object() || !node->contains(key)) {
-      throw InputError(path, place.empty() ? "top level" : place, "a key '" + key + "'", "none");
-    }
-    node = &(*node)[key];
-    place += (place.empty() ? "" : ".") + key;
-  }
-  return *node;
-}
-
-std::string joined(const std::vector<std::string>& keys) {
-  std::string place;
-  for (const std::string& key : keys) place += (place.empty() ? "" : ".") + key;
+// A place as "/representations/mlp/stored/theta": its steps are given one by one, for names may hold slashes and dots.
+Place placeOf(std::initializer_list<std::string> steps) {
+  Place place;
+  for (const std::string& step : steps) place /= step;
   return place;
 }
 
-double number(const std::string& path, const Json& json, const std::vector<std::string>& keys) {
-  const Json& value = at(path, json, keys);
+const Json& at(const std::string& path, const Json& json, const Place& place) {
+  try {
+    return json.at(place);
+  } catch (const Json::exception&) {
+    throw InputError(path, place.to_string(), "a value", "none");
+  }
+}
+
+double number(const std::string& path, const Json& json, const Place& place) {
+  const Json& value = at(path, json, place);
   if (!value.is_number() || !std::isfinite(value.get<double>())) {
-    throw InputError(path, joined(keys), "a finite number", value.dump().substr(0, 40));
+    throw InputError(path, place.to_string(), "a finite number", value.dump().substr(0, 40));
   }
   return value.get<double>();
 }
 
-const Json& object(const std::string& path, const Json& json, const std::vector<std::string>& keys) {
-  const Json& value = at(path, json, keys);
+const Json& object(const std::string& path, const Json& json, const Place& place) {
+  const Json& value = at(path, json, place);
   if (!value.is_object() || value.empty())
-    throw InputError(path, joined(keys), "an object with keys", value.dump().substr(0, 40));
+    throw InputError(path, place.to_string(), "an object with keys", value.dump().substr(0, 40));
   return value;
 }
 
 ComparedRepresentation representationOf(const std::string& path, const Json& json, const std::string& name) {
   ComparedRepresentation result;
   result.name = name;
-  const auto figure = [&](const char* method, std::vector<std::string> keys) {
-    keys.insert(keys.begin(), {"representations", name, method});
-    return number(path, json, keys);
-  };
-  for (const char* method : kComparedMethods) {
-    result.figures[method] = {figure(method, {"rmse", "mean"}),   figure(method, {"rmse", "p99"}),
-                              figure(method, {"rmse", "worst"}),  figure(method, {"rmse_hard", "mean"}),
-                              figure(method, {"share_over_tau"}), figure(method, {"leak", "mean"}),
-                              figure(method, {"us_per_function"})};
+  const Place whole = placeOf({"representations", name});
+  for (const char* word : kComparedWords) {
+    const Place theta = whole / std::string(word) / "theta", hard = whole / std::string(word) / "hard";
+    const auto figure = [&](const Place& place) { return number(path, json, place); };
+    result.figures[word] = {.rmse = figure(theta / "rmse" / "mean"),
+                            .rmse_p99 = figure(theta / "rmse" / "p99"),
+                            .rmse_worst = figure(theta / "rmse" / "worst"),
+                            .rmse_hard = figure(hard / "rmse" / "mean"),
+                            .share_failing_check = figure(theta / "share_failing_check" / "value"),
+                            .share_fitted = figure(theta / "share_fitted" / "value"),
+                            .leak_mean = figure(theta / "leak" / "mean"),
+                            .us_per_function = figure(theta / "us_per_function")};
   }
-  for (const auto& [scene, _] : object(path, json, {"representations", name, "by_scene"}).items()) {
-    result.scene_rmse[scene] = number(path, json, {"representations", name, "by_scene", scene, "mean"});
+  for (const auto& [scene, _] : object(path, json, whole / "by_scene").items()) {
+    for (const char* word : kWordsByScene)
+      result.scene_rmse[scene][word] = number(path, json, whole / "by_scene" / scene / std::string(word) / "mean");
   }
   return result;
 }
@@ -125,28 +129,29 @@ ComparedRepresentation* find(std::vector<ComparedRepresentation>& all, const std
   return nullptr;
 }
 
-bool isCompared(const std::string& method) {
-  for (const char* compared : kComparedMethods) {
-    if (method == compared) return true;
-  }
-  return false;
+bool isCompared(const std::string& word) {
+  return std::find(std::begin(kComparedWords), std::end(kComparedWords), word) != std::end(kComparedWords);
 }
 
 void readFunctions(const std::string& path, ValidationResult* result) {
   CsvRows rows(path, readFile(path));
   std::vector<std::string> fields;
   const bool has_header = rows.next(&fields);
-  std::string header;
-  for (const std::string& field : fields) header += (header.empty() ? "" : ",") + field;
-  if (!has_header || header != kColumns) throw InputError(path, "row 1", kColumns, header.substr(0, 120));
+  if (!has_header || fmt::format("{}", fmt::join(fields, ",")) != kColumns)
+    throw InputError(path, "row 1", kColumns, fmt::format("{}", fmt::join(fields, ",")).substr(0, 120));
   while (rows.next(&fields)) {
     if (fields.size() != kColumnCount) {
       throw InputError(path, rows.place(), std::to_string(kColumnCount) + " fields", std::to_string(fields.size()));
     }
     ComparedRepresentation* representation = find(result->representations, fields[0]);
     if (!representation || !isCompared(fields[1])) continue;
-    representation->functions[fields[1]].push_back({static_cast<uint64_t>(rows.number(fields[2])), fields[3], fields[4] == "1",
-                                                    rows.number(fields[5]), rows.number(fields[8]), rows.number(fields[9])});
+    representation->functions[fields[1]].push_back({.function = static_cast<uint64_t>(rows.number(fields[2])),
+                                                    .scene = fields[3],
+                                                    .takes_theta = fields[4] == "1",
+                                                    .hard = fields[5] == "1",
+                                                    .rmse = rows.number(fields[6]),
+                                                    .leak_mean = rows.number(fields[9]),
+                                                    .fails_check = fields[11] == "1"});
   }
 }
 
@@ -156,31 +161,34 @@ ValidationResult readValidation(const std::string& summary_path) {
   const Json json = Json::parse(readFile(summary_path), nullptr, false);
   if (json.is_discarded() || !json.is_object())
     throw InputError(summary_path, "content", "summary.json of nlg-validate", "no JSON object");
-  if (const double version = number(summary_path, json, {"schema_version"}); version != 1) {
-    throw InputError(summary_path, "schema_version", "1", std::to_string(static_cast<int64_t>(version)));
+  if (const double version = number(summary_path, json, placeOf({"schema_version"})); version != kComparedSchemaVersion) {
+    throw InputError(summary_path, "schema_version",
+                     fmt::format("{}: results are compared with those of the same schema only", kComparedSchemaVersion),
+                     fmt::format("{:g}", version));
   }
   ValidationResult result;
   result.path = summary_path;
-  const Json& held_out = at(summary_path, json, {"provenance", "inputs", "held_out"});
-  if (!held_out.is_string())
-    throw InputError(summary_path, "provenance.inputs.held_out", "a text", held_out.dump().substr(0, 40));
+  const Place held_out_place = placeOf({"provenance", "inputs", "held_out"});
+  const Json& held_out = at(summary_path, json, held_out_place);
+  if (!held_out.is_string()) throw InputError(summary_path, held_out_place.to_string(), "a text", held_out.dump().substr(0, 40));
   result.held_out = held_out.get<std::string>();
-  for (const char* key : {"rmse", "leak_p99", "hard_tent_rmse"}) result.tau[key] = number(summary_path, json, {"tau", key});
-  for (const auto& [name, _] : object(summary_path, json, {"representations"}).items()) {
+  for (const char* key : {"rmse", "leak", "leak_share", "hard_tent_rmse", "bare_tent_rmse"})
+    result.tau[key] = number(summary_path, json, placeOf({"tau", key}));
+  for (const auto& [name, _] : object(summary_path, json, placeOf({"representations"})).items()) {
     result.representations.push_back(representationOf(summary_path, json, name));
   }
   const std::string functions = (std::filesystem::path(summary_path).parent_path() / "functions.csv").string();
   result.has_functions = std::filesystem::exists(functions);
   if (!result.has_functions) return result;
   readFunctions(functions, &result);
-  for (const ComparedRepresentation& representation : result.representations) {
-    for (const char* method : kComparedMethods) {
-      const double expected = number(summary_path, json, {"representations", representation.name, method, "functions"});
-      const auto rows = representation.functions.find(method);
-      const size_t count = rows == representation.functions.end() ? 0 : rows->second.size();
+  for (ComparedRepresentation& representation : result.representations) {
+    for (const char* word : kComparedWords) {
+      const double expected =
+          number(summary_path, json, placeOf({"representations", representation.name, word, "all", "functions"}));
+      const size_t count = representation.functions[word].size();
       if (static_cast<double>(count) != expected) {
-        throw InputError(functions, "rows of '" + representation.name + "', '" + method + "'",
-                         std::to_string(static_cast<int64_t>(expected)) + " as in summary.json", std::to_string(count));
+        throw InputError(functions, "rows of '" + representation.name + "', '" + word + "'",
+                         fmt::format("{:g} as in summary.json", expected), std::to_string(count));
       }
     }
   }

@@ -8,28 +8,35 @@
 
 namespace nlg {
 
-// One function under one method: a row of functions.csv.
+// The schema_version that is read: results of different schemas say different things, and are not compared.
+inline constexpr int kComparedSchemaVersion = 2;
+
+// The words that are compared, in their order: stages of a function on its way into the grid.
+inline constexpr const char* kComparedWords[] = {"network", "corrected", "fitted", "stored"};
+// Those that are compared scene by scene: what training makes, and what ships.
+inline constexpr const char* kWordsByScene[] = {"network", "stored"};
+
+// One function at one stage: a row of functions.csv.
 struct ComparedFunction {
   uint64_t function = 0;
   std::string scene;
-  bool hard = false;
-  double rmse = 0, leak_mean = 0, leak_p99 = 0;
+  bool takes_theta = false, hard = false;
+  double rmse = 0, leak_mean = 0;
+  bool fails_check = false;
 };
 
-// The figures of one method over all held-out functions, from summary.json.
+// The figures of one word over the functions that take a theta, from summary.json; rmse_hard: over the hard ones.
 struct ComparedFigures {
-  double rmse = 0, rmse_p99 = 0, rmse_worst = 0, rmse_hard = 0, share_over_tau = 0, leak_mean = 0, us_per_function = 0;
+  double rmse = 0, rmse_p99 = 0, rmse_worst = 0, rmse_hard = 0, share_failing_check = 0, share_fitted = 0, leak_mean = 0,
+         us_per_function = 0;
 };
-
-// The methods that are compared, those of what ships: the generator, and what a bake makes of it.
-inline constexpr const char* kComparedMethods[] = {"generator", "refined"};
 
 struct ComparedRepresentation {
   std::string name;
-  std::map<std::string, ComparedFigures> figures;  // by method
-  std::map<std::string, double> scene_rmse;        // mean of the generator's RMSE, by scene
+  std::map<std::string, ComparedFigures> figures;                   // by word
+  std::map<std::string, std::map<std::string, double>> scene_rmse;  // mean RMSE, by scene and word of kWordsByScene
   std::map<std::string, std::vector<ComparedFunction>>
-      functions;  // by method, in the order of the file; empty without functions.csv
+      functions;  // by word, in the order of the file; empty without functions.csv
 };
 
 struct ValidationResult {
@@ -42,7 +49,7 @@ struct ValidationResult {
 
 // Reads summary.json, and functions.csv of the same folder where there is one.
 // throws   InputError naming file and place: not readable, another schema_version, a figure that is missing or no finite number, a
-//          row that is damaged, a method with other rows than the summary counts
+//          row that is damaged, a word with other rows than the summary counts
 ValidationResult readValidation(const std::string& summary_path);
 
 }  // namespace nlg

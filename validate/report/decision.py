@@ -1,4 +1,4 @@
-"""What a lead reads first, as texts: the verdict with its three figures, scenes by trouble, the suite's cases, what scenes do without."""
+"""What a lead reads first, as texts: the verdict with its three figures, scenes by trouble, the suite's cases, what bakes leave out."""
 import math
 
 import numpy as np
@@ -6,28 +6,28 @@ import numpy as np
 import plots
 import proof_inputs
 import verdict
-from findings import error, grouped, over_tau, percent, plural
-from frontier import front_of
-from plots import duration
+from findings import TALK_FITTED, bracket, error, factor, figures_row, grouped, percent, plural
+from frontier import front_of, stage_points
+from inputs import WORDS
+from plots import NAMES, duration, short
 
 GROUP_NAMES = {"functions": "Functions", "optimisers": "Optimisers", "pca": "Principal components", "generator": "Generator", "scenes": "Scenes",
                "training": "Training"}
-
-
-def factor(value):
-    """A ratio to three figures at most."""
-    return f"{value:.2f}" if value < 10 else grouped(int(float(f"{value:.3g}")))
 
 
 def joined(names):
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-CASE_STATES = ("fails", "explained", "holds", "not-run")  # in the order of the table
+CASE_STATES = ("fails", "explained", "fails-check", "holds", "not-run")  # in the order of the table
 
 
 def case_state(case):
-    return "not-run" if not case.ran else "holds" if case.passes else "explained" if case.note.strip() else "fails"
+    if not case.ran:
+        return "not-run"
+    if not case.holds:
+        return "explained" if case.note.strip() else "fails"
+    return "fails-check" if case.fails_check else "holds"
 
 
 def equal_error_words(judgement):
@@ -52,7 +52,7 @@ class Decision:
         self.judgements = verdict.judge(inputs, limits, frontier)
         self.leader = verdict.leader(inputs, self.judgements)
         self.blocked = bool(cases) and bool(verdict.unexplained(cases))
-        self.tau_rmse, self.tau_leak = (inputs.summary["tau"][key].number() for key in ("rmse", "leak_p99"))
+        self.tau_rmse, self.tau_leak, self.tau_leak_share = (inputs.summary["tau"][key].number() for key in ("rmse", "leak", "leak_share"))
 
     # ---- the first screen
 
@@ -79,12 +79,14 @@ class Decision:
         result = []
         for j in self.judgements:
             said = []
-            if j.refined.value is None or not j.refined.passes:
-                said.append(f"{percent(j.refined.value)} of its functions need refinement (limit {percent(limits.share_refined)})")
+            if j.failing.value is None:
+                said.append("no function takes a θ, so it stays undecided")
+            elif not j.failing.passes:
+                said.append(f"{percent(j.failing.value)} of its functions that take a θ fail the check as they are stored (limit {percent(limits.share_failing)})")
             if j.hard.value is None:
-                said.append("no hard function to compare with direct optimisation, so it stays undecided")
+                said.append("no hard function to compare with the best known, so it stays undecided")
             elif not j.hard.passes:
-                said.append(f"{factor(j.hard.value)} × the error of direct optimisation on hard functions (limit {limits.error_hard:g} ×)")
+                said.append(f"{factor(j.hard.value)} × the best known error on hard functions (limit {limits.error_hard:g} ×)")
             if j.speedup.value is None:
                 said.append("no frontier was given that times direct fits of the same error, so it stays undecided")
             elif not j.speedup.passes:
@@ -96,15 +98,24 @@ class Decision:
     def cards(self):
         lead = next(j for j in self.judgements if j.representation == self.leader)
         node = self.inputs.summary["representations"][self.leader]
-        hard = int(self.inputs.samples[self.leader, "direct"].hard.sum())
-        limits = self.limits
+        limits, sample = self.limits, node["sample"]
+        failing = [percent(node[word]["theta"]["share_failing_check"]["value"].number()) for word in WORDS] if node["stored"]["theta"]["functions"].count() else []
+        above = [factor(sample["ratios"][word]["to_best_known"]["median_hard"]["value"].number()) + " ×" for word in WORDS] if lead.hard.value else []
+        along = lambda texts: " Stage by stage: " + ", ".join(f"{NAMES[word]} {text}" for word, text in zip(WORDS, texts)) + "." if texts else ""
         return [
-            self.card("Functions that need refinement", lambda j: j.refined, percent, f"at most {percent(limits.share_refined)}", limits.share_refined,
-                      f"of {self.leader}’s fail the bake’s check and are fitted on; {percent(node['refined']['share_over_tau'].number())} fail even then", lead),
+            self.card("Stored functions that fail the check", lambda j: j.failing, percent, f"at most {percent(limits.share_failing)}", limits.share_failing,
+                      f"of {self.leader}’s functions that take a θ.{along(failing)}", lead),
             self.card("Error on hard functions", lambda j: j.hard, lambda v: f"{factor(v)} ×", f"at most {limits.error_hard:g} ×", limits.error_hard,
-                      f"that of direct optimisation: {self.leader}, before refinement, median over {plural(hard, 'hard function')}", lead),
+                      f"the best known: {self.leader} as stored, median over the {plural(sample['hard'].count(), 'hard function')} of the sample.{along(above)}", lead),
             self.card("Speed at equal error", lambda j: j.speedup, lambda v: f"{factor(v)} ×", f"at least {limits.speedup:g} ×", limits.speedup,
-                      equal_error_words(lead), lead, logarithmic=True)]
+                      equal_error_words(lead) + ".", lead, logarithmic=True)]
+
+    def four_words(self):
+        """The leader's four words over the functions that take a θ: the table that the first screen ends with."""
+        node = self.inputs.summary["representations"][self.leader]
+        of_all = lambda word: figures_row(word, node[word]["all"], "all", self.tau_rmse)["fitted"]
+        return [figures_row(word, node[word]["theta"], "theta", self.tau_rmse) | {"fitted_of_all": of_all(word), "hard": figures_row(word, node[word]["hard"], "hard", self.tau_rmse)["cells"][0]}
+                for word in WORDS]
 
     def card(self, title, figure_of, text_of, limit_text, limit, meaning, lead, logarithmic=False):
         """One figure: large for the leader, a bar for every generator, and the limit as a line across the bars."""
@@ -115,42 +126,65 @@ class Decision:
         place = (lambda v: max(0.0, math.log(max(v, low) / low) / math.log(top / low))) if logarithmic else lambda v: v / top
         rows = [{"name": j.representation, "text": shown(figure_of(j)), "passes": figure_of(j).passes,
                  "width": 100 * place(figure_of(j).value) if figure_of(j).value is not None else 0.0} for j in self.judgements]
-        return {"title": title, "big": shown(figure_of(lead)), "passes": figure_of(lead).passes, "meaning": meaning, "limit": limit_text,
+        return {"title": title, "big": shown(figure_of(lead)), "interval": bracket(figure_of(lead).interval, text_of), "passes": figure_of(lead).passes, "meaning": meaning, "limit": limit_text,
                 "at": 100 * place(limit), "rows": rows}
+
+    # ---- stages
+
+    def stage_tables(self, frontier):
+        """What each representation goes through, by the policy's own list; what a stage costs and gains where the frontier has its point."""
+        tables = []
+        for name in [self.leader, *self.others()]:
+            points, rows = stage_points(frontier, name), []
+            for stage in self.inputs.summary["representations"][name]["stages"].items():
+                above, budget = stage["above_rmse"].value, stage["budget"].value
+                point = points.get(stage["name"].text())
+                takes = stage["population"].text() + (f", where the RMSE is above {short(above)}" if above is not None else "")
+                rows.append({"name": stage["name"].text().replace("_", " "), "word": stage["word"].text(), "label": NAMES[stage["word"].text()], "text": stage["text"].text(), "takes": takes,
+                             "budget": "–" if budget is None else budget if isinstance(budget, str) else f"{budget:g}",
+                             "errors": [error(v) for v in (point.figures["rmse_median"], point.figures["rmse_mean"], point.figures["rmse_p95"])] if point else ["–"] * 3,
+                             "time": duration(point.whole.us) if point else "–"})
+            tables.append({"name": name, "rows": rows, "has_points": bool(points)})
+        return tables
 
     # ---- scenes
 
     def scene_rows(self):
-        """Scenes by falling share of the leader's functions over τ, then by its 95th percentile."""
-        rows = []
-        for scene in sorted(set(self.inputs.samples[self.leader, "generator"].scene)):
-            part = {key: self.inputs.samples[key].only(self.inputs.samples[key].scene == scene)
-                    for key in [(name, m) for name in self.inputs.representations for m in ("generator", "refined")]}
-            share = {key: float(over_tau(some, self.tau_rmse, self.tau_leak).mean()) for key, some in part.items()}
-            lead = part[self.leader, "generator"]
-            high = float(np.quantile(lead.rmse, 0.95))
-            cells = [(error(v), v > self.tau_rmse) for v in (float(np.median(lead.rmse)), high, float(lead.rmse.max()))]
-            rows.append({"key": (-share[self.leader, "generator"], -high, scene), "scene": scene, "functions": grouped(len(lead)),
-                         "hard": grouped(int(lead.hard.sum())), "cells": cells, "left": percent(share[self.leader, "refined"]),
-                         "is_left": share[self.leader, "refined"] > 0,
-                         "shares": [self.heat(share[name, "generator"]) for name in [self.leader, *self.others()]]})
+        """Scenes by falling share of the leader's stored functions that fail the check, then by their 95th percentile; functions that take a θ."""
+        rows, inputs, lead = [], self.inputs, self.leader
+        every = {key: inputs.over(*key) for key in [(name, word) for name in inputs.representations for word in WORDS]}
+        for scene in sorted(set(inputs.samples[lead, "stored"].scene)):
+            part = {key: some.only(some.scene == scene) for key, some in every.items()}
+            stored = part[lead, "stored"]
+            if not len(stored):
+                rows.append({"key": (0.0, 0.0, scene), "scene": scene, "functions": "0", "hard": "0", "cells": [("–", False)] * 3, "fitted": "–",
+                             "shares": [("–", 0.0, False)] * (len(WORDS) + len(self.others()))})
+                continue
+            share = {key: float(some.fails_check.mean()) for key, some in part.items()}
+            high = float(np.quantile(stored.rmse, 0.95))
+            cells = [(error(v), v > self.tau_rmse) for v in (float(np.median(stored.rmse)), high, float(stored.rmse.max()))]
+            rows.append({"key": (-share[lead, "stored"], -high, scene), "scene": scene, "functions": grouped(len(stored)),
+                         "hard": grouped(int(stored.hard.sum())), "cells": cells, "fitted": percent(float(stored.fitted.mean())),
+                         "shares": [self.heat(share[lead, word], word == "stored") for word in WORDS] + [self.heat(share[name, "stored"]) for name in self.others()]})
         return sorted(rows, key=lambda row: row["key"])
 
     def others(self):
         return [name for name in self.inputs.representations if name != self.leader]
 
-    def heat(self, share):
-        """Text, how strongly to shade it, and whether it is above what a generator may have."""
-        return percent(share), round(min(0.75, 0.3 * share / max(self.limits.share_refined, 1e-9)), 3), share > self.limits.share_refined
+    def heat(self, share, is_judged=True):
+        """Text, how strongly to shade it, and whether it is above what a generator may store."""
+        return percent(share), round(min(0.6, 0.12 * share / max(self.limits.share_failing, 1e-9)), 3), is_judged and share > self.limits.share_failing
 
     def scene_sentence(self):
         rows = self.scene_rows()
-        over = [row["scene"] for row in rows if row["shares"][0][2]]
-        limit = percent(self.limits.share_refined)
+        stored = WORDS.index("stored")
+        over = [row["scene"] for row in rows if row["shares"][stored][2]]
+        limit = percent(self.limits.share_failing)
+        whose = f"{self.leader}’s functions that take a θ"
         if not over:
-            return f"In every scene at most {limit} of {self.leader}’s functions are over τ; most are in {rows[0]['scene']}, {rows[0]['shares'][0][0]}."
+            return f"In every scene at most {limit} of {whose} fail the check as they are stored; the most do in {rows[0]['scene']}, {rows[0]['shares'][stored][0]}."
         named = joined(over) if len(over) <= 3 else f"{', '.join(over[:2])} and {len(over) - 2} more"
-        return f"In {len(over)} of {plural(len(rows), 'scene')} more than {limit} of {self.leader}’s functions are over τ: {named}."
+        return f"In {len(over)} of {plural(len(rows), 'scene')} more than {limit} of {whose} fail the check as they are stored: {named}."
 
     # ---- stability
 
@@ -160,13 +194,15 @@ class Decision:
         for group in proof_inputs.GROUPS:
             rows = sorted(((case_state(case), case) for case in self.cases if case.group == group), key=lambda row: CASE_STATES.index(row[0]))
             left = sum(state == "not-run" for state, _ in rows)
-            held = f"{sum(state == 'holds' for state, _ in rows)} of {len(rows) - left} hold" + (f", {left} not run" if left else "")
+            checked = sum(state == "fails-check" for state, _ in rows)
+            held = f"{sum(state in ('holds', 'fails-check') for state, _ in rows)} of {len(rows) - left} hold"
+            held += (f", and the bake’s check fails {checked} of these" if checked else "") + (f"; {left} not run" if left else "")
             groups += [(GROUP_NAMES[group], held, rows)] if rows else []
         return groups
 
     @property
     def stability_state(self):
-        """For the colour: good only where every case was run and holds."""
+        """For the colour: good only where every case was run, holds, and passes the bake's check."""
         states = {case_state(case) for case in self.cases}
         return "bad" if "fails" in states else "good" if states == {"holds"} else "mixed"
 
@@ -179,6 +215,9 @@ class Decision:
             text += f"; {explained} {'fails and is' if explained == 1 else 'fail and are'} explained"
         if unexplained:
             text += f"; {unexplained} {'fails' if unexplained == 1 else 'fail'} without an explanation"
+        checked = sum(case_state(case) == "fails-check" for case in self.cases)
+        if checked:
+            text += f"; the bake’s check fails {checked} of those that hold"
         left = len(self.cases) - len(ran)
         return text + (f"; {left} {'was' if left == 1 else 'were'} not run." if left else ".")
 
@@ -230,7 +269,7 @@ def table(rows):
     return [c.replace("_", " ") for c in columns], [[(plain(row.get(c)), aligned(row, c)) for c in columns] for row in rows]
 
 
-# ---- needs
+# ---- savings
 
 
 def bytes_text(value):
@@ -248,19 +287,19 @@ def seconds_text(value):
 LEFT, NOT_YET, NOTHING, FOREIGN = range(4)  # in the order of the table
 
 
-def need_state(row):
+def saving_state(row):
     """NOTHING: a bake would leave such a thing out, and this scene has none; FOREIGN: this bake cannot tell."""
     if row.left_out is None:
         return FOREIGN
     return NOTHING if row.count == 0 else LEFT if row.left_out else NOT_YET
 
 
-def need_groups(needs):
+def saving_groups(savings):
     """(scene, rows): what is left out first, by falling time saved, then what is not yet, then what this bake has none of."""
     groups = []
-    for scene, rows in needs:
-        ordered = sorted(rows, key=lambda r: (need_state(r), -(r.seconds_saved or 0)))
-        groups.append((scene, [{"what": r.what, "state": need_state(r), "count": grouped(r.count), "of": grouped(r.of), "share": percent(r.count / r.of) if r.of else "–",
+    for scene, rows in savings:
+        ordered = sorted(rows, key=lambda r: (saving_state(r), -(r.seconds_saved or 0)))
+        groups.append((scene, [{"what": r.what, "state": saving_state(r), "count": grouped(r.count), "of": grouped(r.of), "share": percent(r.count / r.of) if r.of else "–",
                                 "seconds": "–" if r.seconds_saved is None else seconds_text(r.seconds_saved),
                                 "bytes": "–" if r.bytes_saved is None else bytes_text(r.bytes_saved),
                                 "same": {None: "–", True: "same result", False: "differs"}[r.same_result], "differs": r.same_result is False, "note": r.note}
@@ -268,11 +307,11 @@ def need_groups(needs):
     return groups
 
 
-def needs_sentence(needs):
+def savings_sentence(savings):
     """Lines overlap (all probes together, and each kind by itself), so nothing is added up: the one that saves most speaks."""
-    rows = [(scene, r) for scene, some in needs for r in some]
-    left, not_yet = ([(s, r) for s, r in rows if need_state(r) == state] for state in (LEFT, NOT_YET))
-    text = f"{plural(len(needs), 'scene')}, {plural(len(rows), 'line')}: {len(left)} left out"
+    rows = [(scene, r) for scene, some in savings for r in some]
+    left, not_yet = ([(s, r) for s, r in rows if saving_state(r) == state] for state in (LEFT, NOT_YET))
+    text = f"{plural(len(savings), 'scene')}, {plural(len(rows), 'line')}: {len(left)} left out"
     timed = [(s, r) for s, r in left if r.seconds_saved is not None and r.seconds_saved > 0]
     if timed:
         scene, best = max(timed, key=lambda pair: pair[1].seconds_saved)

@@ -1,9 +1,18 @@
-"""What the page says in numbers: the verdict's rows, what was left out, and one sentence below every plot."""
+"""What the page says in numbers: the tables of the four words, what was left out, and one sentence below every plot."""
+import re
+
 import numpy as np
 
-from curve import costs
-from inputs import METHODS, QUANTILES
-from plots import NAMES, duration, pareto
+from curve import SHOWN, costs
+from inputs import FITS, INTERVALS, POPULATIONS, QUANTILES, RATIOS, REFERENCES, WORDS, interval_of
+from plots import NAMES, POPULATION_NAMES, duration, pareto
+from verdict import estimate, share_of
+
+TALK_FITTED = "4–13\u00a0%"  # of its functions the talk gave to Adam after the network
+NONE = {"text": "–", "over": False, "interval": ""}
+# an option of nlg-validate that says how much a long fit was given, and how the page says it
+BUDGETS = (("direct_adam_steps", "{} steps of Adam a start"), ("direct_lm_iterations", "{} iterations of LM a start"), ("direct_restarts", "{} random starts"))
+REFERENCE_NAMES = {"to_best_known": "over the best known", "to_direct": "over direct", "without_duplicates": "over the best known, without functions that training saw too"}
 
 
 def error(value):
@@ -36,16 +45,56 @@ def plural(count, noun):
     return f"{grouped(count)} {noun}{'' if count == 1 else 's'}"
 
 
-def method_cells(method, key, tau):
-    """Quantiles as text; errors above tau are marked. Dashes where no function stands behind them."""
-    if method[key]["functions"].count() == 0:
-        return [("–", False)] * len(QUANTILES)
-    values = [method[key][q].number() for q in QUANTILES]
-    return [(error(v), v > tau) for v in values]
+def factor(value):
+    """A ratio to three figures at most."""
+    return f"{value:.2f}" if value < 10 else grouped(int(float(f"{value:.3g}")))
 
 
-def over_tau(samples, tau_rmse, tau_leak):
-    return (samples.rmse > tau_rmse) | (samples.leak_p99 > tau_leak)
+def bracket(interval, text):
+    """A 95 % interval, as short as it can be: .0118–.0145, 5–7 %, 1.02–1.27; empty where there is none, or no width to it."""
+    if not interval or interval[0] == interval[1]:
+        return ""
+    low, high = (text(value) for value in interval)
+    for unit in ("\u00a0%", " ×"):
+        if high.endswith(unit):
+            return f"{low.removesuffix(unit)}–{high}"
+    return "–".join(re.sub(r"^0\.", ".", value) for value in (low, high))
+
+
+def quantile_cells(quantiles, limit=float("inf")):
+    """Quantiles as texts with their intervals; errors above the limit are marked. Dashes where no function stands behind them."""
+    if quantiles["functions"].count() == 0:
+        return [NONE] * len(QUANTILES)
+    cells = []
+    for q in QUANTILES:
+        value = quantiles[q].number()
+        interval = interval_of(quantiles["interval"][q]) if q in INTERVALS else None
+        cells.append({"text": error(value), "over": value > limit, "interval": bracket(interval, error)})
+    return cells
+
+
+def share_cell(figures, key):
+    value, interval = share_of(figures, key)
+    return NONE if value is None else {"text": percent(value), "over": False, "interval": bracket(interval, percent)}
+
+
+def ratio_cell(ratio):
+    value, interval = estimate(ratio)
+    return NONE if value is None else {"text": f"{factor(value)}\u00a0×", "over": False, "interval": bracket(interval, factor)}
+
+
+def figures_row(word, figures, population, limit):
+    """One row of a table of errors: one word (or fit) over one population."""
+    row = {"label": NAMES[word], "word": word, "population": POPULATION_NAMES[population], "cells": quantile_cells(figures["rmse"], limit),
+           "test_points": NONE, "occluded": NONE, "failing": NONE, "fitted": NONE, "leak_mean": "–", "leak_p99": "–", "time": "–", "functions": "0"}
+    if figures["functions"].count() == 0:
+        row["cells"] = [NONE] * len(QUANTILES)
+        return row
+    row |= {"functions": grouped(figures["functions"].count()), "failing": share_cell(figures, "share_failing_check"),
+            "fitted": share_cell(figures, "share_fitted"), "leak_mean": error(figures["leak"]["mean"].number()),
+            "leak_p99": f"{figures['leak']['p99'].number():.3f}", "time": duration(figures["us_per_function"].number()) if word != "tent" else "none",
+            "test_points": quantile_cells(figures["rmse_test_points"])[0], "occluded": quantile_cells(figures["rmse_occluded"])[0]}
+    return row
 
 
 class Findings:
@@ -53,91 +102,116 @@ class Findings:
         self.inputs = inputs
         summary = inputs.summary
         self.functions = {key: node.count() for key, node in summary["functions"].entries()}
-        self.tau_rmse, self.tau_leak = summary["tau"]["rmse"].number(), summary["tau"]["leak_p99"].number()
-        self.chosen_count = len(inputs.samples[inputs.representations[0], "direct"])
+        self.tau = {key: node.number() for key, node in summary["tau"].entries()}
+        self.sample_count = len(inputs.sampled(inputs.representations[0], "best_known", "all"))
+        self.sample_theta_count = len(inputs.sampled(inputs.representations[0], "best_known"))
 
     def summary_of(self, representation):
         return self.inputs.summary["representations"][representation]
 
-    def generated(self, representation):
-        return self.inputs.samples[representation, "generator"]
+    def stored(self, representation):
+        return self.inputs.over(representation, "stored")
 
     def each(self, text_of):
         """The same sentence about every representation: (name, text)."""
         return [(name, text_of(name) + ".") for name in self.inputs.representations]
 
-    # ---- verdict
+    # ---- the four words
+
+    def population_sentence(self):
+        f = self.functions
+        return (f"{plural(f['held_out'], 'distinct function')} of {plural(f['held_out_scenes'], 'scene')} that no training saw; {grouped(f['take_theta'])} of them take a θ "
+                f"(for the others the bare tent is enough), and {grouped(f['hard'])} are hard")
+
+    def effort(self):
+        """What the configuration says of how much work the run was given; empty where it says nothing."""
+        origin = self.inputs.summary["provenance"]
+        for place in (origin, origin["options"]):
+            if "effort" in place.value and place.value["effort"] is not None:
+                return self.effort_text(place.value["effort"])
+        return ""
+
+    def effort_text(self, value):
+        if isinstance(value, dict):
+            return "; ".join(f"{key.replace('_', ' ')}: {self.effort_text(some)}" for key, some in value.items())
+        return ", ".join(str(some) for some in value) if isinstance(value, list) else str(value)
+
+    def duplicates_sentence(self):
+        f = self.functions
+        return (f"{grouped(f['held_out_in_training'])} of the held-out functions stand in some training scene too ({grouped(f['held_out_in_training_mirrored'])}, mirror images counted): "
+                f"a plain wall is the same everywhere. Ratios are also given without them.")
 
     def lead(self):
         def text(name):
-            rmse = self.summary_of(name)["generator"]["rmse"]
-            left = self.summary_of(name)["refined"]["share_over_tau"].number()
-            return (f"half of the functions come out below RMSE {error(rmse['median'].number())}, 95 % below "
-                         f"{error(rmse['p95'].number())}; {percent(self.summary_of(name)['share_refined'].number())} are over τ and refined, "
-                         f"{percent(left)} stay over τ even then")
+            node = self.summary_of(name)["stored"]
+            if node["theta"]["functions"].count() == 0:
+                return "no function takes a θ"
+            rmse = node["theta"]["rmse"]
+            return (f"of the functions that take a θ, half are stored with an RMSE below {error(rmse['median'].number())} and 95 % below {error(rmse['p95'].number())}; "
+                    f"{percent(node['theta']['share_fitted']['value'].number())} of them took a fit ({percent(node['all']['share_fitted']['value'].number())} of all distinct functions), "
+                    f"and {percent(node['theta']['share_failing_check']['value'].number())} fail the check as they are stored")
         return self.each(text)
 
-    def verdict(self):
+    def generators(self):
+        """One group of rows a representation: its four words over every population; the bare tent last."""
         groups = []
         for name in self.inputs.representations:
             node = self.summary_of(name)
-            ratio = node["generator_to_direct"]
-            direct_hard = int(self.inputs.samples[name, "direct"].hard.sum())
-            corrected = self.inputs.is_corrected(name)
-            alone = lambda key: f" (network alone {node['uncorrected_to_direct'][key].number():.2f} ×)" if corrected else ""
-            ratios = [(f"{ratio['median'].number():.2f} ×",
-                       f"the error of direct optimisation{alone('median')}, median over {plural(self.chosen_count, 'chosen function')}")]
-            if direct_hard:
-                ratios.append((f"{ratio['median_hard'].number():.2f} ×", f"over the {grouped(direct_hard)} hard ones of them{alone('median_hard')}"))
-            if ratio["median_shadow_hard"].number() > 0:
-                ratios.append((f"{ratio['median_shadow_hard'].number():.2f} ×", f"at shadow points of these{alone('median_shadow_hard')}"))
-            rows = [row for method, label in (("uncorrected", NAMES["uncorrected"]), ("generator", "generator"), ("refined", "refined where over τ"))
-                    if corrected or method != "uncorrected" for row in self.pair(node[method], self.inputs.samples[name, method], label, method)]
-            groups.append({"name": name, "parameters": node["parameters"].count(), "bytes": node["bytes"].count(), "ratios": ratios,
-                           "weights_bytes": grouped(round(node["weights_bytes"].count() / 1000)), "steps": node["correction_steps"].count(),
-                           "reference": ratio["reference"].text(), "rows": rows})
+            rows = [figures_row(word, node[word][population], population, self.tau["rmse"]) | {"first": word == WORDS[0], "main": population == POPULATIONS[0]}
+                    for population in POPULATIONS for word in WORDS]
+            groups.append({"name": name, "note": f"{grouped(node['parameters'].count())} parameters, {grouped(node['bytes'].count())} bytes a function as float32. The generator: "
+                           f"{grouped(round(node['weights_bytes'].count() / 1000))} kB, {plural(node['correction_steps'].count(), 'learned correction step')}.", "rows": rows})
         tent = self.inputs.summary["tent"]
-        groups.append({"name": "bare tent", "note": "no network at all, the same for every probe: what a generator has to beat", "rows":
-                       self.pair(tent, self.inputs.samples["tent", "tent"], "bare tent", "tent")})
+        groups.append({"name": "bare tent", "note": "No network at all and the same for every probe: this is what a generator has to beat.",
+                       "rows": [figures_row("tent", tent[population], population, self.tau["rmse"]) | {"first": True, "main": population == POPULATIONS[0]} for population in POPULATIONS]})
         return groups
 
-    def pair(self, method, samples, label, key):
-        """Two rows: all functions and hard ones. Leak and time exist for all functions only."""
-        over = over_tau(samples, self.tau_rmse, self.tau_leak)
-        hard = samples.hard
-        share_hard = percent(over[hard].mean()) if hard.any() else "–"
-        time = duration(method["us_per_function"].number()) if key != "tent" else "–"
-        return [{"label": label, "method": key, "first": True, "scope": "all", "cells": method_cells(method, "rmse", self.tau_rmse),
-                 "over": percent(method["share_over_tau"].number()), "leak_mean": error(method["leak"]["mean"].number()),
-                 "leak_p99": f"{method['leak']['p99'].number():.3f}", "time": time},
-                {"label": label, "method": key, "first": False, "scope": "hard", "cells": method_cells(method, "rmse_hard", self.tau_rmse),
-                 "over": share_hard}]
-
-    def over_reasons(self):
+    def failing_reasons(self):
         def text(name):
-            samples = self.generated(name)
-            rmse, leak = samples.rmse > self.tau_rmse, samples.leak_p99 > self.tau_leak
-            return f"{percent(np.mean(rmse))} by RMSE, {percent(np.mean(leak))} by leak, {percent(np.mean(rmse & leak))} by both"
+            samples = self.stored(name)
+            if not len(samples):
+                return "no function takes a θ"
+            by_error = samples.fails_check & (samples.rmse > self.tau["rmse"])
+            return f"{percent(np.mean(by_error))} by their RMSE, {percent(np.mean(samples.fails_check & ~by_error))} by their leak alone"
         return self.each(text)
 
+    # ---- the sample, which long fits ran on
+
     def budgets(self):
-        """What each fit was given, from validate's own options."""
-        option_value = lambda key: self.inputs.summary["provenance"]["options"][key].count()
-        option = lambda key: grouped(option_value(key))
-        return (f"{NAMES['refined']}: for those functions only, up to {plural(option_value('refine_rounds'), 'round')} of Adam, the first of "
-                f"{option('refine_first_steps')} steps and each {option('refine_growth')} times as long as the one before; {NAMES['refined_adam']}: "
-                f"{option('adam_refine_steps')} steps for every function; {NAMES['refined_lm']}: {option('lm_refine_iterations')} iterations; "
-                f"{NAMES['adam_theta0']} and {NAMES['adam_random']}: {option('direct_adam_steps')} steps; {NAMES['lm_theta0']}: "
-                f"{option('direct_lm_iterations')} iterations; direct: the best of LM from θ₀, Adam from θ₀ and Adam from "
-                f"{plural(option_value('direct_restarts'), 'random start')}, both polished by LM.")
+        """What each long fit was given, from validate's own options; what these do not name is left out."""
+        options = self.inputs.summary["provenance"]["options"]
+        some = [words.format(grouped(options[key].count())) for key, words in BUDGETS if key in options.value]
+        return f"Long fits were given {', '.join(some)}." if some else ""
+
+    def sample_tables(self):
+        """Every way to a θ on the same functions, one table a representation; ratios where a word has them."""
+        tables = []
+        for name in self.inputs.representations:
+            sample = self.summary_of(name)["sample"]
+            rows = []
+            for word in WORDS + FITS:
+                row = figures_row(word, sample[word]["theta"], "theta", self.tau["rmse"])
+                row["hard"] = quantile_cells(sample[word]["hard"]["rmse"])[0]
+                rows.append(row)
+            tables.append({"name": name, "rows": rows})
+        return tables
+
+    def ratio_tables(self):
+        """How far each word is above the best known and above direct, function by function."""
+        tables = []
+        for name in self.inputs.representations:
+            ratios = self.summary_of(name)["sample"]["ratios"]
+            tables.append({"name": name, "parts": [{"title": REFERENCE_NAMES[reference], "rows": [
+                {"label": NAMES[word], "word": word, "cells": [ratio_cell(ratios[word][reference][key]) for key in RATIOS]} for word in WORDS]} for reference in REFERENCES]})
+        return tables
 
     # ---- what was left out
 
     def left_out(self):
         counts = self.functions
         visited = max(1, counts["visited_probes"])
-        kinds = (("distinct", "stored functions", "#0072B2"), ("free_space", "free space: no geometry near, the bare tent", "#56B4E9"),
-                 ("in_solid", "in solid: nothing is lit from there", "#7a828a"), ("duplicates", "duplicates of a stored function", "#E69F00"),
+        kinds = (("distinct", "distinct functions", "#0072B2"), ("free_space", "free space: no geometry near, the bare tent", "#56B4E9"),
+                 ("in_solid", "in solid: nothing is lit from there", "#7a828a"), ("duplicates", "duplicates of a distinct function", "#E69F00"),
                  ("empty", "empty: the probe reaches no point", "#CC79A7"))
         return [{"count": grouped(counts[key]), "share": 100.0 * counts[key] / visited, "text": percent(counts[key] / visited), "label": label,
                  "colour": colour} for key, label, colour in kinds]
@@ -157,66 +231,71 @@ class Findings:
         def text(name):
             worst = next(s for s in self.inputs.slices if s.representation == name and s.which == "worst")
             difference = worst.difference[worst.valid]
-            bias = f"; in its plane {percent(np.mean(difference > self.tau_leak))} of the valid pixels are too bright by more than {self.tau_leak:g}" if len(difference) else ""
+            bias = f"; in its plane {percent(np.mean(difference > self.tau['leak']))} of the valid pixels are too bright by more than {self.tau['leak']:g}" if len(difference) else ""
             return f"the worst {'hard ' if self.functions['hard'] else ''}function is no. {worst.function} of {worst.scene}, RMSE {error(worst.rmse)}{bias}"
         return self.each(text)
 
     def curve(self):
-        """Who is best by bytes and by error: over the chosen functions, generators with all that comes before Adam or LM."""
+        """Who is best by bytes and by error, as stored, over the functions of the sample that take a θ."""
         some = costs(self.inputs.summary)
-        front = [name for _, _, name in pareto([(c.bytes_float32, c.generator["mean"], c.name) for c in some])]
-        best = min(some, key=lambda c: c.generator["mean"])
-        text = (f"The lowest mean error of a generator has {best.name}, {error(best.generator['mean'])} at {best.bytes_float32 // 2} bytes in float16 "
-                f"(direct optimisation: {error(best.direct['mean'])}); on the front of bytes: {', '.join(front)}.")
+        mean = lambda cost, word: cost.sample[word]["mean"]
+        front = [name for _, _, name in pareto([(c.bytes_float32, mean(c, "stored"), c.name) for c in some])]
+        best = min(some, key=lambda c: mean(c, "stored"))
+        text = (f"The lowest mean error of what is stored has {best.name}, {error(mean(best, 'stored'))} at {best.bytes_float32 // 2} bytes in float16 "
+                f"(best known: {error(mean(best, 'best_known'))}). On the front of bytes and error: {', '.join(front)}.")
         return [("", text)]
 
     def curve_table(self):
+        """By bytes: the mean error of every word, and the time that what is stored took."""
         rows = []
-        for c in sorted(costs(self.inputs.summary), key=lambda c: (c.bytes_float32, c.generator["mean"])):
-            rows.append({"name": c.name, "bytes": (grouped(c.bytes_float32 // 2), grouped(c.bytes_float32)),
-                         "time": duration(c.evaluate_us) if c.evaluate_us > 0 else "–",
-                         "cells": [error(some[q]) for some in (c.generator, c.direct) for q in ("median", "mean", "p95")]})
+        for c in sorted(costs(self.inputs.summary), key=lambda c: (c.bytes_float32, c.sample["stored"]["mean"])):
+            sample = self.summary_of(c.name)["sample"]
+            mean_of = lambda word: quantile_cells(sample[word]["theta"]["rmse"])[QUANTILES.index("mean")]
+            time_of = lambda word: duration(sample[word]["theta"]["us_per_function"].number())
+            rows.append({"name": c.name, "bytes": (grouped(c.bytes_float32 // 2), grouped(c.bytes_float32)), "time": duration(c.evaluate_us) if c.evaluate_us > 0 else "–",
+                         "cells": [(mean_of(word), time_of(word)) for word in SHOWN], "fitted": share_cell(sample["stored"]["theta"], "share_fitted")})
         return rows
 
     def histogram(self):
         def text(name):
-            tent, generator = self.inputs.samples["tent", "tent"].rmse, self.generated(name).rmse
-            return (f"the generator is better than the bare tent on {percent(np.mean(generator < tent))} of the functions, and brings the "
-                    f"95th percentile from {error(np.quantile(tent, 0.95))} to {error(np.quantile(generator, 0.95))}")
+            tent, stored = self.inputs.over(name, "tent").rmse, self.stored(name).rmse
+            if not len(stored):
+                return "no function takes a θ"
+            return (f"what is stored is better than the bare tent for {percent(np.mean(stored < tent))} of these functions, and brings the "
+                    f"95th percentile from {error(np.quantile(tent, 0.95))} to {error(np.quantile(stored, 0.95))}")
         return self.each(text)
 
     def run_time(self):
         def text(name):
-            medians = {m: np.median(self.inputs.chosen(name, m).rmse) for m in METHODS}
-            elapsed = {m: float(np.mean(self.inputs.chosen(name, m).elapsed_us)) for m in METHODS}
-            front = [m for _, _, m in pareto([(elapsed[m], medians[m], m) for m in METHODS])]
-            best = min(medians, key=medians.get)
-            faster = elapsed["direct"] / max(elapsed["generator"], 1e-9)
-            return (f"the generator takes {duration(elapsed['generator'])} a function, direct optimisation {duration(elapsed['direct'])} "
-                    f"({times(faster)} times as long) for a median of {error(medians['direct'])} instead of {error(medians['generator'])}; "
-                    f"lowest median: {NAMES[best]}, {error(medians[best])}; on the front: {', '.join(NAMES[m] for m in front)}")
+            some = {word: self.inputs.sampled(name, word) for word in WORDS + FITS}
+            medians = {word: np.median(samples.rmse) for word, samples in some.items()}
+            elapsed = {word: float(np.mean(samples.elapsed_us)) for word, samples in some.items()}
+            front = [word for _, _, word in pareto([(elapsed[word], medians[word], word) for word in some])]
+            said = ", ".join(f"{NAMES[word]} {duration(elapsed[word])} and {error(medians[word])}" for word in WORDS)
+            longer = elapsed["direct"] / max(elapsed["stored"], 1e-9)
+            return (f"time a function and median error: {said}. Direct takes {duration(elapsed['direct'])}, {times(longer)} times as long as what is stored, for {error(medians['direct'])}; "
+                    f"on the front: {', '.join(NAMES[word] for word in front)}")
         return self.each(text)
 
-    def unseen_points(self):
+    def test_points(self):
         def text(name):
-            samples = self.generated(name)
-            some = samples.rmse > 0
-            ratio = samples.rmse_unseen[some] / samples.rmse[some]
+            samples = self.stored(name)
+            some = (samples.rmse > 0) & np.isfinite(samples.rmse_test_points)
+            ratio = samples.rmse_test_points[some] / samples.rmse[some]
             if not len(ratio):
-                return f"no error to compare"
-            return (f"the error on unseen points is {np.median(ratio):.2f} times that on seen ones (median), above 1.5 times for "
+                return "there is no error to compare"
+            return (f"the error at test points is {np.median(ratio):.2f} times that at support points (median), and above 1.5 times for "
                     f"{percent(np.mean(ratio > 1.5))} of the functions")
         return self.each(text)
 
-    def shadow(self):
+    def occluded(self):
         def text(name):
-            samples = self.generated(name)
-            samples = samples.only(np.isfinite(samples.rmse_shadow))
+            samples = self.stored(name)
+            samples = samples.only(np.isfinite(samples.rmse_occluded))
             if not len(samples):
-                return f"no function has shadow points"
-            tent = self.inputs.samples["tent", "tent"].rmse_shadow
-            middle = np.median(samples.rmse_shadow)
-            return (f"median {error(middle)} in the shadow against {error(np.median(samples.rmse))} over all valid points of the same "
+                return "no function has occluded points"
+            tent = self.inputs.over(name, "tent").rmse_occluded
+            return (f"as stored, the median is {error(np.median(samples.rmse_occluded))} at occluded points against {error(np.median(samples.rmse))} at all valid points of the same "
                     f"functions; the bare tent has {error(np.nanmedian(tent))} there")
         return self.each(text)
 
@@ -230,7 +309,7 @@ class Findings:
             lowest = int(np.argmin(log.held_out_rmse))
             trend = ("it was measured this once" if len(log.step) == 1 else f"since step {since} it fell by {percent(1 - last / before)}" if last < before else
                      f"since step {since} it no longer fell (lowest: {error(log.held_out_rmse[lowest])} at step {grouped(int(log.step[lowest]))})")
-            alone = f" ({error(log.held_out_network[-1])} before corrections)" if log.held_out_network[-1] != last else ""
+            alone = f" (network: {error(log.held_out_network[-1])})" if log.held_out_network[-1] != last else ""
             return f"the held-out error ends at {error(last)}{alone} after {plural(int(log.step[-1]), 'step')}; {trend}"
         return self.each(text)
 
@@ -242,22 +321,3 @@ class Findings:
         return (f"{plural(basis['functions'].count(), 'training function')} (mirror images not counted) gave {plural(components, 'component')}; "
                 f"the first {at} keep {percent(kept[at], 1)} of the variance of held-out functions, so the generator never sees the other "
                 f"{percent(1 - kept[at], 1)}.")
-
-    # ---- all methods on the chosen functions
-
-    def methods_table(self):
-        tables = []
-        for name in self.inputs.representations:
-            rows = []
-            for method in METHODS:
-                # of all, only what ran on the chosen functions can be compared
-                samples = self.inputs.chosen(name, method)
-                values = [np.median(samples.rmse), np.mean(samples.rmse), *np.quantile(samples.rmse, (0.95, 0.99)), np.max(samples.rmse)]
-                hard = samples.rmse[samples.hard]
-                unseen, shadow = np.median(samples.rmse_unseen), samples.rmse_shadow[np.isfinite(samples.rmse_shadow)]
-                rows.append({"label": NAMES[method], "method": method, "cells": [error(v) for v in values],
-                             "hard": error(np.median(hard)) if len(hard) else "–", "unseen": error(unseen),
-                             "shadow": error(np.median(shadow)) if len(shadow) else "–",
-                             "over": percent(over_tau(samples, self.tau_rmse, self.tau_leak).mean()), "time": duration(float(np.mean(samples.elapsed_us)))})
-            tables.append({"name": name, "rows": rows})
-        return tables

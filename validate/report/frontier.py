@@ -28,12 +28,12 @@ import proof_inputs
 import verdict
 
 # marker, filled, size, words
-MARKS = {"generator": ("o", True, 6.5, "generator"), "corrected": ("s", True, 5.5, "generator, corrected"), "lm": ("^", True, 5.5, "+ LM"),
+MARKS = {"network": ("o", True, 6.5, "network"), "corrected": ("s", True, 5.5, "corrected"), "stages": ("D", True, 4.5, "stages"), "lm": ("^", True, 5.5, "+ LM"),
          "adam": ("v", True, 5.5, "+ Adam"), "direct_lm": ("^", False, 5.5, "LM from θ₀ or random"),
          "direct_adam": ("v", False, 5.5, "Adam from θ₀ or random"), "setting": ("x", True, 4.5, "other settings")}
-FAMILIES = {"generator": "generator", "corrected": "corrected", "lm_from_generator": "lm", "adam_from_generator": "adam",
+FAMILIES = {"network": "network", "generator": "network", "corrected": "corrected", "stages": "stages", "lm_from_generator": "lm", "adam_from_generator": "adam",
             "lm_from_theta0": "direct_lm", "lm_from_random": "direct_lm", "adam_from_theta0": "direct_adam", "adam_from_random": "direct_adam"}
-CHAINS = ("lm_from_generator", "adam_from_generator", *verdict.DIRECT)
+CHAINS = ("stages", "lm_from_generator", "adam_from_generator", *verdict.DIRECT)
 BAND = "#0072B2"
 KEY_HEIGHTS = (0.965, 0.925)  # of the two rows of the key, shares of the figure
 
@@ -54,6 +54,11 @@ def views(frontier):
     every = View(f"all {frontier.function_count} functions", lambda p: p.whole, lambda p: p.figures["rmse_mean"], frontier.tent, lambda p: p.on_front, frontier.front_sentence)
     hard = View(f"the {frontier.hard_count} hard functions", lambda p: p.whole_hard, lambda p: p.hard["rmse_mean"], frontier.tent_hard, lambda p: p.on_hard_front, frontier.hard_front_sentence)
     return [hard, every] if frontier.hard_count else [every]
+
+
+def stage_points(frontier, representation):
+    """Stage's name → the point after it: what every stage of the policy costs and gains."""
+    return {point.label: point for point in frontier.points if point.family == "stages" and point.representation == representation} if frontier else {}
 
 
 def look(family):
@@ -143,7 +148,7 @@ def draw_whole(frontier, view, name):
         spread, on_front = view.spread(point), view.on_front(point)
         marker, filled, size, _ = look(point.family)
         shade = plots.representation_colour(point.representation)
-        is_default = point.family in ("generator", "corrected") and point.budget is None
+        is_default = look(point.family) in (MARKS["network"], MARKS["corrected"]) and point.budget is None
         axes.plot(spread.us, spread.median, marker, color=shade, gid=f"{name}-point-{index}",
                   markersize=size * (1.5 if on_front else 1.25 if is_default else 0.8), alpha=1 if on_front or is_default else 0.6,
                   markerfacecolor=shade if filled else "white", markeredgecolor=plots.INK if on_front else shade,

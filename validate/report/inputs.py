@@ -11,8 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-METHODS = ("uncorrected", "generator", "refined", "refined_adam", "refined_lm", "adam_theta0", "lm_theta0", "adam_random", "direct")
+import summary_v1
+
+# the four words of every table: what a function is, stage by stage, on its way into the grid; in this order everywhere
+WORDS = ("network", "corrected", "fitted", "stored")
+# what stands beside them, on the functions of the sample only; best known: the lowest error that any long fit found
+FITS = ("adam_theta0", "lm_theta0", "adam_random", "direct", "best_known")
+POPULATIONS = ("theta", "hard", "all")  # the main one first: functions that take a theta
+SCHEMA_VERSION = 2
 QUANTILES = ("median", "mean", "p95", "p99", "worst")
+INTERVALS = ("median", "mean", "p95")   # the quantiles that have one
+RATIOS = ("median", "median_hard", "median_test_points", "median_occluded_hard")
+REFERENCES = ("to_best_known", "to_direct", "without_duplicates")
 SLICE_NAMES = ("best", "median", "p95", "worst")
 MAX_FILE_BYTES = 1 << 30
 
@@ -147,14 +157,17 @@ def parse_number(path, line, column, text, empty=None):
 
 @dataclass
 class Samples:
-    """One method's errors, one entry a function; rmse_shadow is NaN where a function has no shadow point."""
+    """One word's errors, one entry a function; rmse_occluded is NaN where the probe sees all valid points."""
     function: np.ndarray
     scene: np.ndarray
+    takes_theta: np.ndarray
     hard: np.ndarray
     rmse: np.ndarray
-    rmse_unseen: np.ndarray
-    rmse_shadow: np.ndarray
+    rmse_test_points: np.ndarray
+    rmse_occluded: np.ndarray
     leak_p99: np.ndarray
+    fails_check: np.ndarray
+    fitted: np.ndarray
     elapsed_us: np.ndarray
 
     def __len__(self):
@@ -163,13 +176,16 @@ class Samples:
     def only(self, mask):
         return Samples(*(getattr(self, name)[mask] for name in self.__dataclass_fields__))
 
+    def of(self, population):
+        return self if population == "all" else self.only(self.takes_theta if population == "theta" else self.hard)
+
 
 @dataclass
 class Log:
     step: np.ndarray
     training_loss: np.ndarray
     held_out_network: np.ndarray  # before corrections
-    held_out_rmse: np.ndarray     # after them
+    held_out_rmse: np.ndarray       # after them
 
 
 @dataclass
@@ -191,45 +207,40 @@ class Slice:
 class Inputs:
     summary: Node
     representations: list     # names in the order of the summary
-    samples: dict             # (representation, method) → Samples; the bare tent is ("tent", "tent")
+    samples: dict             # (representation, word or fit) → Samples; the bare tent is ("tent", "tent")
     slices: list
     basis: Node
     logs: dict                # representation → Log
     paths: dict               # role → path
 
-    def chosen(self, representation, method):
-        """A method's samples on the functions that direct optimisation ran on."""
-        key = ("tent", "tent") if method == "tent" else (representation, method)
-        samples = self.samples[key]
-        return samples.only(np.isin(samples.function, self.samples[representation, "direct"].function))
+    def over(self, representation, word, population="theta"):
+        """The errors of one word over a population of all held-out functions."""
+        return self.samples[("tent", "tent") if word == "tent" else (representation, word)].of(population)
 
-    def compared(self, representation):
-        """The methods that panels of one representation set side by side."""
-        return ("tent", *(("uncorrected",) if self.is_corrected(representation) else ()), "generator", "refined", "direct")
-
-    def is_corrected(self, representation):
-        """Whether the generator does anything after its network: if not, the two are the same."""
-        return not np.array_equal(self.samples[representation, "uncorrected"].rmse, self.samples[representation, "generator"].rmse)
+    def sampled(self, representation, word, population="theta"):
+        """The same over the functions of the sample, those that long fits ran on."""
+        some = self.over(representation, word, population)
+        return some.only(np.isin(some.function, self.samples[representation, "best_known"].function))
 
 
-FUNCTION_COLUMNS = ("representation", "method", "function", "scene", "hard", "rmse", "rmse_unseen_points", "rmse_shadow",
-                    "leak_mean", "leak_p99", "elapsed_us")
+FUNCTION_COLUMNS = ("representation", "word", "function", "scene", "take_theta", "hard", "rmse", "rmse_test_points", "rmse_occluded",
+                    "leak_mean", "leak_p99", "fails_check", "fitted", "elapsed_us")
 
 
 def read_functions(path, representations):
     groups = {}
-    for line, row in read_columns(path, FUNCTION_COLUMNS):
+    for line, row in summary_v1.rows(path) or read_columns(path, FUNCTION_COLUMNS):
         number = lambda column, empty=None: parse_number(path, line, column, row[FUNCTION_COLUMNS.index(column)], empty)
         groups.setdefault((row[0], row[1]), []).append(
-            (int(number("function")), row[3], row[4] == "1", number("rmse"), number("rmse_unseen_points"),
-             number("rmse_shadow", math.nan), number("leak_p99"), number("elapsed_us")))
-    expected = [("tent", "tent")] + [(r, m) for r in representations for m in METHODS]
+            (int(number("function")), row[3], number("take_theta") == 1, number("hard") == 1, number("rmse"), number("rmse_test_points", math.nan),
+             number("rmse_occluded", math.nan), number("leak_p99"), number("fails_check") == 1, number("fitted") == 1, number("elapsed_us")))
+    expected = [("tent", "tent")] + [(r, w) for r in representations for w in WORDS + FITS]
     for key in expected:
         if key not in groups:
-            raise InputError(path, "columns representation, method", f"rows of '{key[0]}', '{key[1]}'", "none")
+            raise InputError(path, "columns representation, word", f"rows of '{key[0]}', '{key[1]}'", "none")
     for key in groups:
         if key not in expected:
-            raise InputError(path, "columns representation, method", "those of the summary", f"'{key[0]}', '{key[1]}'")
+            raise InputError(path, "columns representation, word", "those of the summary", f"'{key[0]}', '{key[1]}'")
     return {key: Samples(*(np.array(column) for column in zip(*rows))) for key, rows in groups.items()}
 
 
@@ -276,37 +287,91 @@ def read_slices(path, representations):
     return [s for s in slices if s.representation in representations]
 
 
+def interval_of(node):
+    """(low, high) of a list of two numbers."""
+    low, high = node.numbers(2)
+    if low > high:
+        node.refuse("[low, high]", f"[{low:g}, {high:g}]")
+    return low, high
+
+
+def check_quantiles(node, has_intervals=True):
+    """What stands in a list of no function is not read."""
+    if node["functions"].count() == 0:
+        return
+    [node[q].number() for q in QUANTILES]
+    if has_intervals:
+        [interval_of(node["interval"][q]) for q in INTERVALS]
+
+
+def check_estimate(node, high):
+    [node[key].number(high=high) for key in ("value", "low", "high")]
+
+
+def check_figures(node):
+    if node["functions"].count() == 0:
+        return
+    [check_quantiles(node[key]) for key in ("rmse", "rmse_test_points", "rmse_occluded")]
+    [node["leak"][key].number() for key in ("mean", "p99")]
+    [check_estimate(node[key], 1.0) for key in ("share_failing_check", "share_fitted")]
+    node["us_per_function"].number(), node["us_per_function_median"].number()
+
+
+def check_populations(node):
+    [check_figures(node[population]) for population in POPULATIONS]
+
+
+def check_sample(sample):
+    sample["functions"].number(1), sample["hard"].count()
+    [check_populations(sample[word]) for word in WORDS + FITS]
+    for word in WORDS:
+        for reference in REFERENCES:
+            for key in RATIOS:
+                ratio = sample["ratios"][word][reference][key]
+                if ratio["value"].value:  # 0 or null: no function stands behind it
+                    check_estimate(ratio, math.inf)
+
+
+def check_stage(stage):
+    [stage[key].text() for key in ("name", "population", "text")]
+    if stage["word"].text() not in WORDS:
+        stage["word"].refuse(" or ".join(WORDS), f"'{stage['word'].value}'")
+    if stage["above_rmse"].value is not None:
+        stage["above_rmse"].number()
+    if not isinstance(stage["budget"].value, (int, float, str, type(None))):
+        stage["budget"].refuse("a number, a text or null", type(stage["budget"].value).__name__)
+
+
+def check_representation(node):
+    [node[key].count() for key in ("parameters", "bytes", "weights_bytes", "correction_steps")]
+    node["weights_sha256"].text(), node["evaluate_us"].number()
+    [check_stage(stage) for stage in node["stages"].items()]
+    [check_populations(node[word]) for word in WORDS]
+    check_sample(node["sample"])
+    for _, scene in node["by_scene"].entries():
+        [check_quantiles(scene[word], has_intervals=False) for word in ("stored", "network")]
+
+
 def check_summary(summary):
     """Every figure that the report quotes is there and is a number, so that nothing is missed half-way."""
-    if summary["schema_version"].count() != 1:
-        summary["schema_version"].refuse("1", summary["schema_version"].value)
+    if summary["schema_version"].count() != SCHEMA_VERSION:
+        summary["schema_version"].refuse(str(SCHEMA_VERSION), summary["schema_version"].value)
     for key in ("distinct", "free_space", "duplicates", "in_solid", "empty", "visited_probes", "grid_probes", "held_out",
-                "held_out_scenes", "hard"):
+                "held_out_scenes", "take_theta", "hard", "held_out_in_training", "held_out_in_training_mirrored"):
         summary["functions"][key].count()
-    for key in ("rmse", "leak_p99", "hard_tent_rmse"):
+    for key in ("rmse", "leak", "leak_share", "hard_tent_rmse", "bare_tent_rmse"):
         summary["tau"][key].number()
-    methods = [summary["tent"]]
-    for _, representation in summary["representations"].entries():
-        methods += [representation[m] for m in METHODS] + [representation["generator_chosen"], representation["tent_chosen"]]
-        representation["parameters"].count(), representation["bytes"].count(), representation["share_refined"].number()
-        for ratio in (representation["uncorrected_to_direct"], representation["generator_to_direct"]):
-            ratio["reference"].text()
-            [ratio[key].number() for key in ("median", "median_hard", "median_unseen_points", "median_shadow_hard")]
-        representation["correction_steps"].count(), representation["weights_bytes"].count()
-        if "evaluate_us" in representation.value:
-            representation["evaluate_us"].number()
-        representation["weights_sha256"].text()
-    for method in methods:
-        method["functions"].number(1)
-        for key in ("rmse", "rmse_hard"):
-            [method[key][q].number() for q in QUANTILES]
-            method[key]["functions"].count()
-        [method["leak"][q].number() for q in ("mean", "p99")]
-        method["share_over_tau"].number(), method["us_per_function"].number()
+    check_populations(summary["tent"])
+    [check_representation(node) for _, node in summary["representations"].entries()]
     origin = summary["provenance"]
     origin["tool"].text(), origin["revision"].text(), [node.text() for _, node in origin["inputs"].entries()]
-    for key in ("adam_refine_steps", "lm_refine_iterations", "refine_rounds", "refine_first_steps", "refine_growth", "direct_adam_steps", "direct_lm_iterations", "direct_restarts"):
-        origin["options"][key].count()
+    origin["options"].entries()
+
+
+def read_summary(path):
+    summary = summary_v1.upgraded(read_json(path))
+    check_summary(summary)
+    return summary
 
 
 def check_basis(basis):
@@ -319,18 +384,19 @@ def check_basis(basis):
 
 
 def read_inputs(summary_path, functions_path, slices_path, basis_path, log_paths):
-    summary = read_json(summary_path)
-    check_summary(summary)
+    summary = read_summary(summary_path)
     representations = [name for name, _ in summary["representations"].entries()]
     basis = read_json(basis_path)
     check_basis(basis)
     logs = read_logs(log_paths, representations)
     samples = read_functions(functions_path, representations)
-    for (name, method), some in samples.items():
-        node = summary["tent"] if name == "tent" else summary["representations"][name][method]
-        expected = node["functions"].count()
-        if len(some) != expected:
-            raise InputError(functions_path, f"rows of '{name}', '{method}'", f"{expected} as in the summary", str(len(some)))
+    for (name, word), some in samples.items():
+        node = summary["tent"] if name == "tent" else summary["representations"][name]
+        node = node if name == "tent" else node["sample"][word] if word in FITS else node[word]
+        for population in POPULATIONS:
+            expected = node[population]["functions"].count()
+            if len(some.of(population)) != expected:
+                raise InputError(functions_path, f"rows of '{name}', '{word}', population '{population}'", f"{expected} as in the summary", str(len(some.of(population))))
     paths = {"summary": summary_path, "functions": functions_path, "slices": slices_path, "basis": basis_path}
     paths.update({f"log {os.path.basename(p)}": p for p in log_paths})
     return Inputs(summary, representations, samples, read_slices(slices_path, representations), basis, logs, paths)

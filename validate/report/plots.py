@@ -1,6 +1,6 @@
 """The report's plots: one panel, one SVG with its text as text, so that panels wrap like words in a narrow window.
 
-Colours of methods are those of Okabe and Ito (2008), told apart by colour-blind readers; a colour means one method everywhere.
+Colours of words are those of Okabe and Ito (2008), told apart by colour-blind readers; a colour means one word everywhere.
 Representations have colours and shapes of their own, dark enough for print: networks cold, product fields warm.
 """
 import html
@@ -14,11 +14,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from inputs import FITS, WORDS
+
 INK, MUTED, RULE = "#1d232a", "#5d6772", "#d5dbe1"
-COLOURS = {"tent": "#7a828a", "uncorrected": "#56B4E9", "generator": "#0072B2", "refined": "#D55E00", "direct": "#009E73", "other": "#9b6a8f"}
-NAMES = {"tent": "bare tent", "uncorrected": "network alone", "generator": "generator", "refined": "refined where over τ", "refined_adam": "generator + Adam",
-         "refined_lm": "generator + LM", "adam_theta0": "Adam from θ₀", "lm_theta0": "LM from θ₀",
-         "adam_random": "Adam from random", "direct": "direct"}
+COLOURS = {"tent": "#7a828a", "network": "#56B4E9", "corrected": "#0072B2", "fitted": "#E69F00", "stored": "#D55E00", "direct": "#CC79A7",
+           "best_known": "#009E73", "other": "#9b6a8f"}
+NAMES = {"tent": "bare tent", "network": "network", "corrected": "corrected", "fitted": "fitted", "stored": "stored", "adam_theta0": "Adam from θ₀",
+         "lm_theta0": "LM from θ₀", "adam_random": "Adam from a random start", "direct": "direct", "best_known": "best known"}
+POPULATION_NAMES = {"theta": "functions that take a θ", "hard": "hard functions", "all": "all distinct functions"}
 REPRESENTATIONS = {"mlp": ("#1d232a", "s"), "tent_mlp": ("#0b4f9c", "o"), "tent_mlp88": ("#2a8ac2", "D"), "tent_mlp44": ("#118a7e", "^"),
                    "tent_mlp4": ("#7a3fb0", "v"), "pf3": ("#c08a00", "<"), "pf5": ("#d95f0e", ">"), "pf7": ("#b3173c", "p"),
                    "pf9": ("#6b2d0f", "h")}
@@ -41,8 +44,8 @@ def png(figure):
     return buffer.getvalue()
 
 
-def colour(method):
-    return COLOURS.get(method, COLOURS["other"])
+def colour(word):
+    return COLOURS.get(word, COLOURS["other"])
 
 
 def representation_colour(name):
@@ -116,6 +119,7 @@ def error_limits(arrays, low=0.0006):
 
 
 def mark_tau(axes, tau, vertical):
+    """The RMSE above which a function fails the check."""
     low, high = axes.get_xlim() if vertical else axes.get_ylim()
     if not low <= tau <= high:
         return
@@ -123,7 +127,7 @@ def mark_tau(axes, tau, vertical):
     line(tau, color=INK, linewidth=0.9, linestyle=(0, (1, 2)), zorder=1)
     place = dict(x=tau, y=1.0, xytext=(3, -1), va="top", ha="left") if vertical else dict(x=1.0, y=tau, xytext=(-2, 2), va="bottom", ha="right")
     transform = axes.get_xaxis_transform() if vertical else axes.get_yaxis_transform()
-    axes.annotate(f"τ {short(tau)}", (place.pop("x"), place.pop("y")), xycoords=transform, textcoords="offset points", fontsize=7.5,
+    axes.annotate(f"the check: {short(tau)}", (place.pop("x"), place.pop("y")), xycoords=transform, textcoords="offset points", fontsize=7.5,
                   color=MUTED, **place)
 
 
@@ -186,23 +190,22 @@ def sample_path(corners, step):
 
 
 def histogram(inputs, representation, limits, tau):
-    figure, axes = start(representation, x="RMSE of a function", y="share of functions, % a bin")
+    figure, axes = start(representation, x="RMSE of a function that takes a θ", y="share of functions, % a bin")
     bins = np.geomspace(*limits, 41)
     top = 0.0
-    for method in inputs.compared(representation):
-        samples = inputs.samples[("tent", "tent") if method == "tent" else (representation, method)]
-        share = 100.0 * np.histogram(np.clip(samples.rmse, *limits), bins)[0] / len(samples)
+    for word in ("tent", *WORDS):
+        samples = inputs.over(representation, word)
+        share = 100.0 * np.histogram(np.clip(samples.rmse, *limits), bins)[0] / max(1, len(samples))
         top = max(top, share.max())
-        filled = method == "generator"
-        axes.stairs(share, bins, color=colour(method), linewidth=1.5, linestyle="--" if method == "direct" else "-",
-                    label=NAMES[method] + (f" ({len(samples)} functions)" if method == "direct" else ""), zorder=3)
-        if filled:
-            axes.stairs(share, bins, color=colour(method), alpha=0.15, fill=True, zorder=2)
-    axes.set_ylim(0, 1.6 * top)  # the legend lies above the bars
+        # what is fitted and what is stored differ by rounding alone: dots over a line
+        axes.stairs(share, bins, color=colour(word), linewidth=1.5, linestyle=(0, (1, 1.5)) if word == "stored" else "-", label=NAMES[word], zorder=3)
+        if word == "stored":
+            axes.stairs(share, bins, color=colour(word), alpha=0.15, fill=True, zorder=2)
+    axes.set_ylim(0, 1.6 * max(top, 1.0))  # the legend lies above the bars
     log_error_axis(axes.xaxis, *limits)
     mark_tau(axes, tau, vertical=True)
-    axes.legend(loc="upper left", ncol=2, borderaxespad=0.2, columnspacing=1.0, handlelength=1.6, bbox_to_anchor=(0, 0.95))
-    return finish(figure, f"histogram-{representation}", f"Histogram of RMSE over functions, {representation}")
+    axes.legend(loc="upper left", ncol=3, borderaxespad=0.2, columnspacing=1.0, handlelength=1.6, bbox_to_anchor=(0, 0.95))
+    return finish(figure, f"histogram-{representation}", f"Histogram of RMSE over functions that take a θ, {representation}")
 
 
 def pareto(points):
@@ -224,16 +227,14 @@ def run_time(inputs, representation, limits, time_limits, tent_median):
     tent_name = axes.annotate("bare tent", (1.0, tent_median), xycoords=axes.get_yaxis_transform(), xytext=(-2, 2),
                               textcoords="offset points", ha="right", fontsize=7.5, color=colour("tent"))
     points, labels, lines = [], [], [[(t, tent_median) for t in time_limits]]
-    for (owner, method) in inputs.samples:
-        if owner != representation or (method == "uncorrected" and not inputs.is_corrected(representation)):
-            continue
-        samples = inputs.chosen(representation, method)
+    for word in WORDS + FITS:
+        samples = inputs.sampled(representation, word)
         time = max(float(np.mean(samples.elapsed_us)), time_limits[0])
         low, middle, high = np.clip(np.quantile(samples.rmse, (0.05, 0.5, 0.95)), *limits)
-        axes.plot([time, time], [low, high], color=colour(method), linewidth=1.6, alpha=0.5, zorder=3)
-        axes.plot(time, middle, "o", color=colour(method), markersize=6, markeredgecolor="white", zorder=5)
+        axes.plot([time, time], [low, high], color=colour(word), linewidth=1.6, alpha=0.5, zorder=3)
+        axes.plot(time, middle, "o", color=colour(word), markersize=6, markeredgecolor="white", zorder=5)
         points.append((time, middle))
-        labels.append((time, middle, NAMES[method], colour(method)))
+        labels.append((time, middle, NAMES[word], colour(word)))
         lines.append([(time, low), (time, high)])
     front = pareto(points)
     axes.plot(*zip(*front), color=INK, linewidth=1.0, linestyle=(0, (4, 2)), zorder=2, alpha=0.7)
@@ -241,46 +242,45 @@ def run_time(inputs, representation, limits, time_limits, tent_median):
     return finish(figure, f"time-{representation}", f"Error against run time, {representation}")
 
 
-def unseen_points(inputs, representation, limits):
-    samples = inputs.samples[representation, "generator"]
-    figure, axes = start(representation, size=(4.7, 4.1), x="RMSE on support points (seen)", y="RMSE on unseen points")
+def test_points(inputs, representation, limits):
+    samples = inputs.over(representation, "stored")
+    figure, axes = start(representation, size=(4.7, 4.1), x="RMSE on support points", y="RMSE on test points")
     axes.plot(limits, limits, color=INK, linewidth=0.9, zorder=3)
     axes.annotate("equal", (limits[0], limits[0]), xytext=(14, 5), textcoords="offset points", fontsize=7.5, color=MUTED)
     size = 9 if len(samples) < 1000 else 3
-    for hard, shade, label in ((False, "#56B4E9", "easy"), (True, "#0072B2", "hard")):
+    for hard, shade, label in ((False, "#F0B27A", "easy"), (True, "#D55E00", "hard")):
         some = samples.hard == hard
-        axes.scatter(np.clip(samples.rmse[some], *limits), np.clip(samples.rmse_unseen[some], *limits), s=size, linewidths=0,
+        axes.scatter(np.clip(samples.rmse[some], *limits), np.clip(samples.rmse_test_points[some], *limits), s=size, linewidths=0,
                      color=shade, alpha=0.6, rasterized=True, zorder=2)
         axes.plot([], [], "o", color=shade, markersize=4, label=label)
     log_error_axis(axes.xaxis, *limits)
     log_error_axis(axes.yaxis, *limits)
     axes.set_aspect("equal")
     axes.legend(loc="upper left", handletextpad=0.1)
-    return finish(figure, f"unseen-{representation}", f"Error on unseen against seen points, {representation}")
+    return finish(figure, f"test-points-{representation}", f"Error on test points against support points, {representation}")
 
 
-def shadow(inputs, representation, limits):
-    figure, axes = start(representation, size=(4.7, 2.75), x="RMSE of a function (median; bar p5–p95)", grid="x")
-    methods = inputs.compared(representation)
-    for row, method in enumerate(methods):
-        samples = inputs.chosen(representation, method) if method == "direct" else inputs.samples[
-            ("tent", "tent") if method == "tent" else (representation, method)]
-        has_shadow = np.isfinite(samples.rmse_shadow)
-        for values, offset, filled in ((samples.rmse[has_shadow], -0.17, False), (samples.rmse_shadow[has_shadow], 0.17, True)):
+def occluded(inputs, representation, limits):
+    figure, axes = start(representation, size=(4.7, 2.75), x="RMSE of a function that takes a θ (median; bar p5–p95)", grid="x")
+    rows = ("tent", *WORDS)
+    for row, word in enumerate(rows):
+        samples = inputs.over(representation, word)
+        has_occluded = np.isfinite(samples.rmse_occluded)
+        for values, offset, filled in ((samples.rmse[has_occluded], -0.17, False), (samples.rmse_occluded[has_occluded], 0.17, True)):
             if not len(values):
                 continue
             low, middle, high = np.clip(np.quantile(values, (0.05, 0.5, 0.95)), *limits)
-            axes.plot([low, high], [row + offset] * 2, color=colour(method), linewidth=2.2, alpha=0.8 if filled else 0.3, zorder=2)
-            axes.plot(middle, row + offset, "o", markersize=6, color=colour(method), zorder=3,
-                      markerfacecolor=colour(method) if filled else "white")
-    for filled, label in ((False, "all valid points"), (True, "shadow points")):
+            axes.plot([low, high], [row + offset] * 2, color=colour(word), linewidth=2.2, alpha=0.8 if filled else 0.3, zorder=2)
+            axes.plot(middle, row + offset, "o", markersize=6, color=colour(word), zorder=3,
+                      markerfacecolor=colour(word) if filled else "white")
+    for filled, label in ((False, "all valid points"), (True, "occluded points")):
         axes.plot([], [], "o-", color=MUTED, markersize=5.5, markerfacecolor=MUTED if filled else "white", label=label)
-    axes.set_yticks(range(len(methods)), [NAMES[m] for m in methods])
-    axes.set_ylim(len(methods) - 0.5, -0.5)
+    axes.set_yticks(range(len(rows)), [NAMES[word] for word in rows])
+    axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)
     log_error_axis(axes.xaxis, *limits)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=2, borderaxespad=0.1, columnspacing=1.0)
-    return finish(figure, f"shadow-{representation}", f"Error on shadow points, {representation}")
+    return finish(figure, f"occluded-{representation}", f"Error on occluded points, {representation}")
 
 
 def training_curve(inputs, representation, limits):
@@ -288,15 +288,15 @@ def training_curve(inputs, representation, limits):
     figure, axes = start(representation, x="training step", y="mean RMSE")
     axes.plot(log.step, np.clip(log.training_loss, *limits), color=MUTED, linewidth=1.2, linestyle=(0, (3, 2)), label="training loss")
     if not np.array_equal(log.held_out_network, log.held_out_rmse):
-        axes.plot(log.step, np.clip(log.held_out_network, *limits), color=colour("uncorrected"), linewidth=1.4, marker="o", markersize=2.6,
-                  label="held-out scenes, network alone")
-    axes.plot(log.step, np.clip(log.held_out_rmse, *limits), color=colour("generator"), linewidth=1.8, marker="o", markersize=3.2,
-              label="held-out scenes")
+        axes.plot(log.step, np.clip(log.held_out_network, *limits), color=colour("network"), linewidth=1.4, marker="o", markersize=2.6,
+                  label="held-out scenes, network")
+    axes.plot(log.step, np.clip(log.held_out_rmse, *limits), color=colour("corrected"), linewidth=1.8, marker="o", markersize=3.2,
+              label="held-out scenes, learned steps applied")
     log_error_axis(axes.yaxis, *limits)
     axes.set_xlim(0, log.step.max() * 1.02)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: short(v)))
     axes.annotate(f"{log.held_out_rmse[-1]:.4f}", (log.step[-1], log.held_out_rmse[-1]), xytext=(0, 7), textcoords="offset points",
-                  ha="right", fontsize=8, color=colour("generator"))
+                  ha="right", fontsize=8, color=colour("corrected"))
     axes.legend(loc="best")
     return finish(figure, f"training-{representation}", f"Training curve, {representation}")
 
@@ -306,7 +306,7 @@ def spectrum(basis):
     kept_count = basis["components"].count()
     values = values[values > 1e-9 * values.max()] if values.max() > 0 else values
     figure, axes = start("Spectrum of the training set", x="component, by falling variance", y="variance (sum over points)")
-    axes.plot(np.arange(1, len(values) + 1), values, color=colour("generator"), linewidth=1.6)
+    axes.plot(np.arange(1, len(values) + 1), values, color=colour("corrected"), linewidth=1.6)
     axes.set(xscale="log", yscale="log", xlim=(1, 2.2 * len(values)))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: short(v)))
     axes.axvline(kept_count, color=INK, linewidth=0.9, linestyle=(0, (1, 2)))
@@ -320,7 +320,7 @@ def kept_variance(basis):
     counts, kept = zip(*pairs)
     lost = 100.0 * (1.0 - np.array(kept))
     figure, axes = start("Held-out variance that is lost", x="components", y="lost, %")
-    axes.plot(counts, lost, color=colour("generator"), linewidth=1.6, marker="o", markersize=5)
+    axes.plot(counts, lost, color=colour("corrected"), linewidth=1.6, marker="o", markersize=5)
     axes.set_xscale("log", base=2)
     axes.set_xticks(counts, [short(c) for c in counts])
     axes.set_xlim(counts[0] / 1.35, counts[-1] * 1.5)

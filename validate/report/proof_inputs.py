@@ -1,4 +1,4 @@
-"""The files of the proof beside nlg-validate's summary: the error-time frontier, the stability suite, what bakes did without.
+"""The files of the proof beside nlg-validate's summary: the error-time frontier, the stability suite, what bakes leave out.
 
 docs/reference/formats.md says what stands in them. Read and checked as everything else (inputs.py); nothing here draws or decides.
 """
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from inputs import InputError, read_json
 
 GROUPS = ("functions", "optimisers", "pca", "generator", "scenes", "training")
+SAVINGS_KEYS = ("savings", "needs")  # of nlg-bake's report: today's name and the one before
 ERRORS = ("median", "p5", "p95")
 HARD_KEYS = ("rmse_mean", "rmse_median", "rmse_p5", "rmse_p95", "rmse_worst")
 POINT_KEYS = ("us_median", "us_p25", "us_p75", "rmse_mean", "rmse_median", "rmse_p5", "rmse_p95", "rmse_worst", "leak_p99")
@@ -64,20 +65,21 @@ class Frontier:
 
 @dataclass
 class Case:
-    """One case of the stability suite. A failing case with a note is explained, not green; one that was not run holds nothing and
-    fails nothing, and its note says why."""
+    """One case of the stability suite. A case that does not hold but has a note is explained, not green; one that was not run holds
+    nothing and fails nothing, and its note says why. One that holds may still yield a θ that fails the bake's check."""
     group: str
     name: str
     must_hold: str
     measured: str
-    passes: bool
+    holds: bool
     note: str
     ran: bool = True
+    fails_check: bool = False
 
 
 @dataclass
-class Need:
-    """One thing that a scene does without, or could."""
+class Saving:
+    """One thing that a bake leaves out because the scene does not need it, or could."""
     what: str
     left_out: object       # true, false: not yet; None: there is none of it in this bake
     count: int
@@ -189,23 +191,25 @@ def read_stability(path):
     for node in file["cases"].items():
         if node["group"].text() not in GROUPS:
             node["group"].refuse(" or ".join(GROUPS), f"'{node['group'].value}'")
-        cases.append(Case(*(node[key].text() for key in ("group", "name", "must_hold", "measured")), truth(node["passes"]),
-                          node["note"].text(), truth(node["ran"])))
-        if cases[-1].passes and not cases[-1].ran:
-            node["passes"].refuse("false of a case that was not run", "true")
+        holds = node["holds" if "holds" in node.value else "passes"]  # "passes": files from before "holds" and "fails_check"
+        fails_check = "fails_check" in node.value and truth(node["fails_check"])
+        cases.append(Case(*(node[key].text() for key in ("group", "name", "must_hold", "measured")), truth(holds),
+                          node["note"].text(), truth(node["ran"]), fails_check))
+        if cases[-1].holds and not cases[-1].ran:
+            holds.refuse("false of a case that was not run", "true")
     if not cases:
         file["cases"].refuse("at least one case", "none")
     return cases
 
 
-def read_needs(path):
+def read_savings(path):
     """(scene, its rows) of one bake's report."""
     file = read_json(path)
     rows = []
-    for node in file["needs"].items():
+    for node in file[next((key for key in SAVINGS_KEYS if key in (file.value or ())), SAVINGS_KEYS[0])].items():
         saved = [optional(node[key], lambda n: n.number(low=-1e18)) for key in ("seconds_saved", "bytes_saved")]
-        rows.append(Need(node["what"].text(), optional(node["left_out"], truth), node["count"].count(), node["of"].count(), *saved,
-                         optional(node["same_result"], truth), node["note"].text()))
+        rows.append(Saving(node["what"].text(), optional(node["left_out"], truth), node["count"].count(), node["of"].count(), *saved,
+                           optional(node["same_result"], truth), node["note"].text()))
         if rows[-1].count > rows[-1].of:
             node["count"].refuse(f"at most 'of', {rows[-1].of}", rows[-1].count)
     return file["scene"].text(), rows

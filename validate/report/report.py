@@ -2,7 +2,7 @@
 """Draws nlg-validate's results as one self-contained page, report.html, and the slices as slices.png beside it.
 
     report.py --summary S.json --functions F.csv --slices L.json --basis B.json --logs mlp.csv tent_mlp.csv
-        [--frontier FRONTIER.json] [--stability STABILITY.json] [--needs BAKE_REPORT.json ...] [--test] --out report.html
+        [--frontier FRONTIER.json] [--stability STABILITY.json] [--savings BAKE_REPORT.json ...] [--evaluation] --out report.html
 
 The same inputs give the same bytes. A file that cannot be used ends it with one line on stderr and exit code 3, an output that
 cannot be written with 5, a Python without its packages with 2 (tool/error.h); nothing half-written is left behind. docs/reference/formats.md says what the inputs hold.
@@ -42,43 +42,41 @@ class Proof:
     """What is given beside nlg-validate's results; a section of the page appears only where its part is."""
     frontier: object = None  # proof_inputs.Frontier
     cases: object = None     # of proof_inputs.Case
-    needs: object = None     # of (scene, rows)
+    savings: object = None   # of (scene, rows)
     paths: dict = field(default_factory=dict)  # role → path
-    is_test: bool = False    # no decision was made by these scenes
+    is_evaluation: bool = False  # the scenes that published figures are of
 
 
 def draw_plots(inputs, findings, frontier, scene_order):
     """Section name → one SVG a representation (or a figure, or a scene)."""
-    tau, names = findings.tau_rmse, inputs.representations
-    tent = inputs.samples["tent", "tent"]
-    shown = [inputs.samples[key].rmse for key in inputs.samples if key[1] in ("tent", "uncorrected", "generator", "refined", "direct")]
-    all_limits = plots.error_limits(shown)
-    generated = [inputs.samples[n, "generator"] for n in names]
-    time_limits = run_time_limits(inputs)
-    chosen = [inputs.chosen(n, m).rmse for n in names for m in inputs_module.METHODS]
-    fit_limits = plots.error_limits([np.quantile(c, (0.05, 0.95)) for c in chosen] + [[np.median(inputs.chosen(names[0], "tent").rmse)]])
-    seen_limits = plots.error_limits([s.rmse for s in generated] + [s.rmse_unseen for s in generated])
+    names = inputs.representations
+    over = lambda word: [inputs.over(n, word) for n in names]
+    every = [some for word in ("tent", *inputs_module.WORDS) for some in over(word)]
+    limits = plots.error_limits([some.rmse for some in every])
+    sampled = [inputs.sampled(n, word).rmse for n in names for word in inputs_module.WORDS + inputs_module.FITS]
     spread = lambda values: np.quantile(values[np.isfinite(values)], (0.05, 0.95)) if np.isfinite(values).any() else values
-    shadow_limits = plots.error_limits([spread(getattr(s, key)) for (_, m), s in inputs.samples.items()
-                                        if m in ("tent", "uncorrected", "generator", "refined", "direct") for key in ("rmse", "rmse_shadow")])
+    tent = inputs.sampled(names[0], "tent").rmse
+    tent_median = float(np.median(tent)) if len(tent) else 0.0
+    fit_limits = plots.error_limits([spread(some) for some in sampled] + [[tent_median]])
+    test_limits = plots.error_limits([values for some in over("stored") for values in (some.rmse, some.rmse_test_points)])
+    occluded_limits = plots.error_limits([spread(values) for some in every for values in (some.rmse, some.rmse_occluded)])
     log_limits = plots.error_limits([array for log in inputs.logs.values() for array in (log.training_loss, log.held_out_network, log.held_out_rmse)])
-    tent_median = float(np.median(inputs.chosen(names[0], "tent").rmse)) if len(tent) else 0.0
     return {
         "curve": [plots.finish(curve.draw(inputs.summary), "curve", "Error against bytes a function and against evaluation time")],
-        "histogram": [plots.histogram(inputs, n, all_limits, tau) for n in names],
-        "run_time": [plots.run_time(inputs, n, fit_limits, time_limits, tent_median) for n in ([] if frontier else names)],
+        "histogram": [plots.histogram(inputs, n, limits, findings.tau["rmse"]) for n in names],
+        "run_time": [plots.run_time(inputs, n, fit_limits, run_time_limits(inputs), tent_median) for n in ([] if frontier else names)],
         "frontier": frontier_module.whole_svgs(frontier) if frontier else [],
         "frontier_scenes": frontier_module.scene_svgs(frontier, scene_order) if frontier else [],
-        "unseen_points": [plots.unseen_points(inputs, n, seen_limits) for n in names],
-        "shadow": [plots.shadow(inputs, n, shadow_limits) for n in names],
+        "test_points": [plots.test_points(inputs, n, test_limits) for n in names],
+        "occluded": [plots.occluded(inputs, n, occluded_limits) for n in names],
         "training": [plots.training_curve(inputs, n, log_limits) for n in names],
         "spectrum": [plots.spectrum(inputs.basis), plots.kept_variance(inputs.basis)],
     }
 
 
 def run_time_limits(inputs):
-    """Whole decades around all methods; a method without a time stands at the left edge."""
-    times = [float(np.mean(inputs.chosen(n, m).elapsed_us)) for n in inputs.representations for m in inputs_module.METHODS]
+    """Whole decades around everything; what has no time stands at the left edge."""
+    times = [float(np.mean(inputs.sampled(n, word).elapsed_us)) for n in inputs.representations for word in inputs_module.WORDS + inputs_module.FITS]
     times = [t for t in times if t > 0] or [1.0]
     return 10 ** np.floor(np.log10(min(times) / 1.3)), 10 ** np.ceil(np.log10(max(times) * 1.3))
 
@@ -88,18 +86,18 @@ def frontier_tables(frontier):
     settings = [{"representation": p.representation, "what": p.label, "time": plots.duration(p.figures["us_median"]),
                  **{key.replace("rmse_", "RMSE ", 1): p.figures[key] for key in ("rmse_median", "rmse_mean", "rmse_p95", "rmse_worst")},
                  "leak p99": p.figures["leak_p99"]} for p in frontier.points if p.family not in frontier_module.CHAINS]
-    return [("From the truth to the generator", "How much error each step adds: solved-for function, generated function, direct fit, generator.", frontier.hierarchy),
+    return [("From the truth to the generator", "How much error each step adds: the function that was solved for, the target φ, a direct fit, the generator's θ.", frontier.hierarchy),
             ("Along straight walks", "What a viewer would notice: the largest jump between neighbouring samples.", frontier.walks),
-            ("Generators and settings", "Without any optimisation after them, and with other resolutions, coefficients, precisions, cores.", settings)]
+            ("Generators and settings", "Without any fit after them, and with other resolutions, coefficients, precisions, cores.", settings)]
 
 
 # section's id → its name in the list of contents
-CONTENTS = {"frontier": "Error against time", "run_time": "Error against time", "scenes": "Scenes", "slices": "Worst functions", "stability": "Stability",
-            "needs": "Left out", "training": "Training", "figures": "Every figure", "provenance": "Provenance"}
+CONTENTS = {"stages": "Stages", "frontier": "Error against time", "run_time": "Error against time", "scenes": "Scenes", "slices": "Worst functions", "stability": "Stability",
+            "savings": "Savings", "training": "Training", "figures": "Every figure", "sample": "Best known", "provenance": "Provenance"}
 
 
 def contents(proof):
-    absent = {"run_time" if proof.frontier else "frontier", *(() if proof.cases else ("stability",)), *(() if proof.needs else ("needs",))}
+    absent = {"run_time" if proof.frontier else "frontier", *(() if proof.cases else ("stability",)), *(() if proof.savings else ("savings",))}
     return [(section, name) for section, name in CONTENTS.items() if section not in absent]
 
 
@@ -116,14 +114,14 @@ def provenance_rows(inputs, proof, limits):
 
 def proof_values(proof, decision):
     """What the template shows of the proof's files."""
-    values = {"decision": decision, "frontier": proof.frontier, "needs": proof.needs, "is_test": proof.is_test, "contents": contents(proof), "table": decision_module.table,
-              "percent": findings_module.percent}
+    values = {"decision": decision, "frontier": proof.frontier, "savings": proof.savings, "is_evaluation": proof.is_evaluation, "contents": contents(proof), "table": decision_module.table,
+              "percent": findings_module.percent, "talk_fitted": findings_module.TALK_FITTED, "stage_tables": decision.stage_tables(proof.frontier)}
     if proof.frontier:
         views = frontier_module.views(proof.frontier)
         values |= {"frontier_views": [(view, decision_module.front_rows(proof.frontier, view)) for view in views], "front_summary": decision_module.front_summary, "frontier_tables": frontier_tables(proof.frontier),
                    "frontier_csv": base64.b64encode(frontier_module.csv_bytes(proof.frontier)).decode()}
-    if proof.needs:
-        values |= {"need_groups": decision_module.need_groups(proof.needs), "needs_sentence": decision_module.needs_sentence(proof.needs)}
+    if proof.savings:
+        values |= {"saving_groups": decision_module.saving_groups(proof.savings), "savings_sentence": decision_module.savings_sentence(proof.savings)}
     return values
 
 
@@ -139,12 +137,12 @@ def render(inputs, proof, limits):
     page = environment.get_template("report.html.j2").render(
         findings=findings, grouped=findings_module.grouped, plural=findings_module.plural, plots=svg, galleries=galleries,
         scales=slices.scales(limit), colour=plots.colour, representation_colour=plots.representation_colour,
-        provenance=provenance_rows(inputs, proof, limits), quantiles=inputs_module.QUANTILES, **proof_values(proof, decision))
+        provenance=provenance_rows(inputs, proof, limits), quantiles=inputs_module.QUANTILES, names=plots.NAMES, shown=curve.SHOWN, **proof_values(proof, decision))
     return page.encode(), slices.plate(inputs, limit)
 
 
 def read_proof(arguments, summary):
-    proof = Proof(is_test=arguments.test)
+    proof = Proof(is_evaluation=arguments.evaluation)
     if arguments.frontier:
         proof.frontier, proof.paths["frontier"] = proof_inputs.read_frontier(arguments.frontier), arguments.frontier
         proof_inputs.refuse_other_weights(arguments.frontier, summary, {point.representation for point in proof.frontier.points})
@@ -152,9 +150,9 @@ def read_proof(arguments, summary):
     if arguments.stability:
         proof.cases, proof.paths["stability"] = proof_inputs.read_stability(arguments.stability), arguments.stability
         proof_inputs.refuse_other_weights(arguments.stability, summary, {name for name, _ in summary["representations"].entries()})
-    if arguments.needs:
-        proof.needs = [proof_inputs.read_needs(path) for path in arguments.needs]
-        proof.paths |= {f"needs of {scene}": path for path, (scene, _) in zip(arguments.needs, proof.needs)}
+    if arguments.savings:
+        proof.savings = [proof_inputs.read_savings(path) for path in arguments.savings]
+        proof.paths |= {f"savings of {scene}": path for path, (scene, _) in zip(arguments.savings, proof.savings)}
     return proof
 
 
@@ -167,11 +165,11 @@ def parse_arguments():
     parser.add_argument("--logs", required=True, nargs="+", help="training curves of nlg-train, each named after its representation")
     parser.add_argument("--frontier", help="frontier.json of nlg-validate frontier")
     parser.add_argument("--stability", help="what nlg-validate stability wrote")
-    parser.add_argument("--needs", nargs="+", help="what nlg-bake printed, with the key 'needs', one a scene")
-    parser.add_argument("--test", action="store_true", help="the scenes are those of the test, by which no decision was made: the page says so")
+    parser.add_argument("--savings", "--needs", nargs="+", help="what nlg-bake printed, with its table of savings, one a scene (--needs: the name before)")
+    parser.add_argument("--evaluation", "--test", action="store_true", help="the scenes are the evaluation, which published figures are of: the page says so (--test: the name before)")
     limits = verdict.Limits()
-    parser.add_argument("--max-share-refined", type=float, default=limits.share_refined, help="a generator may ship whose functions need refinement at most this often (default: %(default)g)")
-    parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and have at most so many times direct optimisation's error on hard functions, by median (default: %(default)g)")
+    parser.add_argument("--max-share-failing", type=float, default=limits.share_failing, help="a generator may ship of whose stored functions that take a theta at most this share fails the check (default: %(default)g)")
+    parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and whose stored error is at most so many times the best known on hard functions, by median (default: %(default)g)")
     parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="and that, corrected, is at least so many times as fast as the fastest direct fit of no larger mean error (default: %(default)g)")
     parser.add_argument("--out", required=True, help="the page to write; slices.png is written beside it")
     return parser.parse_args()
@@ -182,7 +180,7 @@ def main():
 
     def make():
         inputs = inputs_module.read_inputs(arguments.summary, arguments.functions, arguments.slices, arguments.basis, arguments.logs)
-        limits = verdict.Limits(arguments.max_share_refined, arguments.max_error_hard, arguments.min_speedup)
+        limits = verdict.Limits(arguments.max_share_failing, arguments.max_error_hard, arguments.min_speedup)
         page, plate = render(inputs, read_proof(arguments, inputs.summary), limits)
         return {os.path.join(os.path.dirname(arguments.out), "slices.png"): plate, arguments.out: page}
     return output.run("report.py", arguments.out, make)

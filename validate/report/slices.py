@@ -10,7 +10,7 @@ from plots import INK, MUTED, plt, representation_colour
 PHI_MAP = matplotlib.colormaps["inferno"]
 DIFFERENCE_MAP = matplotlib.colormaps["PuOr_r"]  # orange: the representation lets more in than the function
 KINDS = ("target", "predicted", "difference", "geometry cut")
-SIGHT, SHADOW = "#ffe9a8", "#46566e"  # valid points: in plain sight of the probe, and not
+SIGHT, OCCLUDED = "#ffe9a8", "#46566e"  # valid points: in plain sight of the probe, and not
 PLATE_REPRESENTATIONS = 2  # beside each other; the others go below
 ZOOM = 3
 AXIS_NAMES = "xyz"
@@ -41,8 +41,8 @@ def difference_limit(slices):
 def colour_image(slice_, kind, limit):
     """One picture as RGB bytes, enlarged; invalid points hatched grey, the probe a ring in the middle."""
     if kind == "geometry cut":
-        sight, shadow = map(matplotlib.colors.to_rgb, (SIGHT, SHADOW))
-        rgb = np.where(slice_.seen[..., None], sight, shadow)
+        sight, occluded = map(matplotlib.colors.to_rgb, (SIGHT, OCCLUDED))
+        rgb = np.where(slice_.seen[..., None], sight, occluded)
     elif kind == "difference":
         rgb = DIFFERENCE_MAP(np.clip(0.5 + 0.5 * slice_.difference / limit, 0, 1))[..., :3]
     else:
@@ -73,7 +73,7 @@ def gradient(colour_map, transfer=lambda v: v):
 
 
 def scales(limit):
-    return {"phi": gradient(PHI_MAP, np.sqrt), "difference": gradient(DIFFERENCE_MAP), "limit": limit, "sight": SIGHT, "shadow": SHADOW}
+    return {"phi": gradient(PHI_MAP, np.sqrt), "difference": gradient(DIFFERENCE_MAP), "limit": limit, "sight": SIGHT, "occluded": OCCLUDED}
 
 
 def gallery(slices, limit):
@@ -103,7 +103,7 @@ def plate(inputs, limit):
     draw_scale(figure, left, 0.2, PHI_MAP, lambda v: v, np.linspace(0, 1, 5) ** 0.5, ("0", ".25", ".5", ".75", "1"), "φ")
     draw_scale(figure, left + 3.2, 0.2, DIFFERENCE_MAP, lambda v: v, (0, 0.5, 1), (f"−{limit:g}", "0", f"+{limit:g}"), "difference")
     place = (left / width, 0.42 / height) if narrow else ((left + 6.6) / width, 0.12 / height)
-    figure.text(*place, "hatched: in solid, masked out · ring: the probe\ngeometry cut: pale in plain sight of the probe, dark in its shadow", fontsize=8, color=MUTED)
+    figure.text(*place, "hatched: in solid, masked out · ring: the probe\ngeometry cut: pale in plain sight of the probe, dark where it is occluded", fontsize=8, color=MUTED)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=120, facecolor="white")
     plt.close(figure)

@@ -47,7 +47,7 @@ const char* outcomeName(ProbeOutcome outcome);
 // What the probes of a scene gave, in one order.
 struct ProbeFunctions {
   std::vector<ProbeOutcome> outcomes;
-  Shard functions;           // quantised; one row for every outcome `function`
+  FunctionRows functions;    // quantised; one row for every outcome `function`
   uint64_t broken = 0;       // functions with a value that is not in [0, 1], or not 0 at an invalid point
   uint64_t disputed = 0;     // functions whose votes about solid were disputed
   uint64_t probe_count = 0;  // of the whole tree

@@ -1,7 +1,7 @@
 // One case of the stability suite: what must hold for a stiff or extreme input, and how that is measured.
 //
 // A case measures through the same entry points as the tools; what it promises is what a user of them needs, never what happens
-// to come out. docs/reference/stability.md lists all cases.
+// to come out. docs/reference/results.md lists all cases.
 #pragma once
 
 #include <functional>

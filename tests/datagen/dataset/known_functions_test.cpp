@@ -18,7 +18,7 @@ constexpr DuplicateRule kRule{0.5, 4};
 
 struct Function {
   std::vector<uint8_t> phi = std::vector<uint8_t>(kPoints), validity = std::vector<uint8_t>(kPoints / 8, 0xff);
-  FunctionSamples samples() const { return {phi.data(), validity.data()}; }
+  StoredFunction samples() const { return {phi.data(), validity.data()}; }
 };
 
 // No two octants alike, some points in solid.

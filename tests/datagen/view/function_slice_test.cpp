@@ -29,7 +29,7 @@ struct MadeFunction {
       phi[i] = static_cast<uint8_t>(std::lround(255 * value(point)));
     }
   }
-  FunctionRow samples() const { return {phi.data(), validity.data(), seen.data()}; }
+  StoredFunction samples() const { return {phi.data(), validity.data(), seen.data()}; }
 };
 
 PixelKind alwaysSeen(const LocalPoint&) { return PixelKind::seen; }

@@ -1,0 +1,295 @@
+"""What a run's configuration says, judged in one place before anything is built, made or moved.
+
+    configuration.py CONFIG
+
+Prints the run's folder. A configuration that cannot be used ends with one line on stderr and exit code 2. The Snakefile, pipeline.sh
+and check_shards.py take names, scenes and paths from here and from nowhere else; the tools judge the values in their own sections.
+"""
+import json
+import math
+import os
+import re
+import shlex
+import sys
+from fnmatch import fnmatch
+from pathlib import Path
+
+import yaml
+
+from levels import find_levels, is_texts
+
+TOOL_SECTIONS = {"datagen", "basis", "train", "export", "bake", "validate", "frontier", "solve"}
+OWN_SECTIONS = {"name", "scenes", "split", "representations"}
+OPTIONAL_SECTIONS = {"report", "effort", "full"} | TOOL_SECTIONS
+FAMILIES = ["house", "maze", "colonnade", "stairs", "clutter", "outdoor", "cave"]
+REPRESENTATIONS = ["mlp", "tent_mlp", "tent_mlp88", "tent_mlp44", "tent_mlp4", "pf3", "pf5", "pf7", "pf9"]
+SMALL_SCENES = ["two_rooms", "doorway", "column", "clutter", "corridor", "table"]  # of nlg-solve
+STABILITY_DEPTHS = {"short": "--short", "full": "", "long": "--long"}
+SPLITS = ["training", "held_out", "evaluation"]
+# what nlg-datagen and nlg-bake call by the same name; all else says how a shard is sampled, which a bake does not do
+BAKE_TOO = {"extent_m", "density_growth", "diffusion_passes", "diffusion_sigma", "diffusion_falloff", "duplicate_rms", "duplicate_validity_points"}
+# keys that were called otherwise before
+RENAMED = {"test": "evaluation", "needs": "savings", "needs_rounds": "savings_rounds"}
+MAX_SHARDS = 1000000
+MAX_DEPTH = 16
+
+
+class ConfigurationError(ValueError):
+    """A configuration that cannot be used; its text is the one line that the user sees."""
+
+
+def require(place, value, holds, expected):
+    if not holds:
+        shown = repr(value)
+        raise ConfigurationError(f"{place}: expected {expected}, got {shown if len(shown) < 200 else shown[:200] + '…'}")
+
+
+def require_keys(place, found, expected, optional=frozenset()):
+    """Refuses a key that nothing reads, or one that is missing; the tools do the same for their own sections."""
+    keys = f"keys {sorted(expected | optional)}"
+    require(place, found, isinstance(found, dict), keys)
+    for key in sorted((set(found) - optional) ^ expected):
+        hint = f" (it is called {RENAMED[key]!r} now)" if RENAMED.get(key) in expected | optional else ""
+        problem = "unknown key" if key in found else "missing key"
+        raise ConfigurationError(f"{place}: expected {keys}, got {problem} {key!r}{hint}")
+
+
+def require_plain(place, value, depth=0):
+    """Values that every reader of the file can hold: texts of one line, numbers of 64 bits, lists and maps of them, not too deep."""
+    require(place, "more", depth < MAX_DEPTH, f"at most {MAX_DEPTH} levels of lists and maps")
+    if isinstance(value, dict):
+        for key, item in value.items():
+            require(place, key, isinstance(key, str), "keys that are texts")
+            require_plain(place, key, depth + 1)
+            require_plain(f"{place}: {key}" if depth else key, item, depth + 1)
+    elif isinstance(value, list):
+        for item in value:
+            require_plain(place, item, depth + 1)
+    elif isinstance(value, str):
+        require(place, value, value.isprintable(), "a text of one line")
+    elif isinstance(value, int):
+        # before it is shown: Python refuses to print an integer of thousands of digits
+        require(place, f"one of {value.bit_length()} bits", -2**63 <= value < 2**64, "a number of 64 bits")
+    elif isinstance(value, float):
+        require(place, value, math.isfinite(value), "a finite number")
+    else:
+        require(place, value, value is None, "a text, a number, a list or a map")
+
+
+class Loader(yaml.SafeLoader):
+    """YAML's safe loader, which would take the last of two equal keys."""
+
+    def construct_mapping(self, node, deep=False):
+        seen = set()
+        for key, _ in node.value:
+            if isinstance(key, yaml.ScalarNode):
+                if key.value in seen:
+                    raise yaml.constructor.ConstructorError(None, None, f"expected each key once, got {key.value!r} again", key.start_mark)
+                seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
+def read(path):
+    """The file's content.
+
+    throws   ConfigurationError when it cannot be read, or is no YAML
+    """
+    try:
+        with open(path, encoding="utf-8") as file:
+            return yaml.load(file, Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        raise ConfigurationError(f"{path}:{mark.line + 1}:{mark.column + 1}: {error.problem or error.context}") from None
+    except OSError as error:
+        raise ConfigurationError(f"{path}: expected a configuration file, got: {error.strerror}") from None
+    except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
+        raise ConfigurationError(f"{path}: expected readable YAML, got: {' '.join(str(error).split())}") from None
+
+
+def matching(scenes, patterns):
+    return [scene for scene in scenes if any(fnmatch(scene, pattern) for pattern in patterns)]
+
+
+def flags(options):
+    """Options of a configuration as flags of a tool."""
+    texts = {key: ",".join(map(str, value)) if isinstance(value, list) else value if isinstance(value, str) else json.dumps(value)
+             for key, value in options.items()}
+    return shlex.join(f"--{key.replace('_', '-')}={text}" for key, text in sorted(texts.items()))
+
+
+def is_option(key):
+    return re.fullmatch(r"[a-z][a-z0-9_]*", key)
+
+
+def find_scenes(options, environment):
+    """Name of every scene → (what nlg-datagen is asked for, the files that it reads)."""
+    scenes = {f"{family}_{seed}": (f"{family}:{seed}", []) for family in options["families"] for seed in range(options["per_family"])}
+    folder = environment.get("NLG_LEVELS") or options["folder"]
+    if folder:
+        files = sorted(p for p in Path(folder).glob("*") if p.suffix.lower() in (".glb", ".gltf"))
+        require("scenes: folder", "none", files, f".glb or .gltf files in {folder}")
+        for path in files:
+            require(path, path.name, not set(path.stem) & set("{}") and path.name.isprintable(), "a name of one line without braces")
+            if path.stem in scenes:
+                raise ConfigurationError(f"{path}: expected a name of its own, got one that {scenes[path.stem][0]} has too")
+            # a text file's buffers lie beside it
+            buffers = sorted(str(p) for p in path.parent.glob("*.bin")) if path.suffix.lower() == ".gltf" else []
+            scenes[path.stem] = (str(path), [str(path), *buffers])
+    for name, level in find_levels(options.get("archives", []), environment.get("NLG_ARCHIVE_ROOT", "")).items():
+        if name in scenes:
+            raise ConfigurationError(f"{level[0]}: expected a name of its own, got one that {scenes[name][0]} has too")
+        scenes[name] = level
+    require("scenes", "none", scenes, "families, a folder or archives")
+    return scenes
+
+
+class Run:
+    """A configuration that was judged, and what follows from it: scenes, splits, and the paths of all shards."""
+
+    def __init__(self, config, environment):
+        require_plain("configuration", config)
+        require_keys("top level", config, OWN_SECTIONS, OPTIONAL_SECTIONS)
+        self.name = config["name"]
+        require("name", self.name, isinstance(self.name, str) and len(self.name) <= 100 and re.fullmatch(r"[\w.-]*\w[\w.-]*", self.name),
+                "a folder's name")
+        self.folder = os.path.join(environment.get("NLG_OUT") or "out", self.name)
+        self._take_effort(config)
+        self._take_representations(config["representations"])
+        self._take_scenes(self.sections["scenes"], environment)
+        self._take_split(config["split"])
+        self._take_report(self.sections["report"])
+
+    def _take_effort(self, config):
+        """Sections with what `full` holds over them, where the effort is full."""
+        self.effort, full = config.get("effort", "short"), config.get("full") or {}
+        require("effort", self.effort, self.effort in ("short", "full"), "short or full")
+        require_keys("full", full, set(), {"scenes", "report"} | TOOL_SECTIONS)
+        self.sections, self.full = {}, {}
+        for name in {"scenes", "report"} | TOOL_SECTIONS:
+            section, more = config.get(name) or {}, full.get(name) or {}
+            for place, options in ((name, section), (f"full: {name}", more)):
+                require(place, options, isinstance(options, dict), "a map of options")
+            for key in more:
+                require(f"full: {name}", key, is_option(key), "options of that section")
+            self.full[name] = more
+            self.sections[name] = {**section, **more} if self.effort == "full" else section
+        self.left_out = [] if self.effort == "full" else [f"{name}.{key}: {json.dumps((config.get(name) or {}).get(key))}, full {json.dumps(value)}"
+                                                          for name, options in sorted(self.full.items()) for key, value in options.items()]
+
+    def _take_representations(self, found):
+        if is_texts(found):
+            found = {name: {} for name in found}
+        require("representations", found, isinstance(found, dict) and found and set(found) <= set(REPRESENTATIONS),
+                "a list out of " + ", ".join(REPRESENTATIONS) + ", or each of them with options of the train section")
+        for name, options in found.items():
+            require(f"representations: {name}", options,
+                    isinstance(options, dict) and all(is_option(key) and isinstance(value, (bool, int, float, str)) for key, value in options.items()),
+                    "options of the train section")
+        self.representations = found
+
+    def _take_scenes(self, options, environment):
+        require_keys("scenes", options, {"families", "per_family", "folder", "jitters"}, {"archives", "by_scene"})
+        require("scenes: families", options["families"], is_texts(options["families"]) and set(options["families"]) <= set(FAMILIES),
+                "a list out of " + ", ".join(FAMILIES))
+        require("scenes: folder", options["folder"], isinstance(options["folder"], str), "a folder or an empty text")
+        for key, smallest in (("per_family", 0), ("jitters", 1)):
+            require(f"scenes: {key}", options[key], type(options[key]) is int and smallest <= options[key] <= MAX_SHARDS,
+                    f"an integer from {smallest} to {MAX_SHARDS}")
+        shards = len(options["families"]) * options["per_family"] * options["jitters"]
+        require("scenes", f"{shards}", shards <= MAX_SHARDS, f"at most {MAX_SHARDS} shards")
+        self.jitters = options["jitters"]
+        self.scenes = find_scenes(options, environment)
+        self.by_scene = options.get("by_scene", {})
+        require("scenes: by_scene", self.by_scene, isinstance(self.by_scene, dict), "patterns of scenes, each with options")
+        for pattern, values in self.by_scene.items():
+            place = f"scenes: by_scene: {pattern}"
+            require(place, pattern, matching(self.scenes, [pattern]), "a pattern of some scene")
+            require(place, values, isinstance(values, dict) and values, "options of nlg-datagen")
+            for key, value in values.items():
+                require(place, key, is_option(key) and key not in {"scene", "jitter", "held_out", "out", "config"}, "an option of the datagen section")
+                is_list = isinstance(value, list) and all(isinstance(item, (int, float)) for item in value)
+                require(f"{place}: {key}", value, is_list or isinstance(value, (int, float, str)), "a number, a text or a list of numbers")
+
+    def _take_split(self, split):
+        require_keys("split", split, {"held_out"}, {"evaluation"})
+        for key in ("held_out", "evaluation"):
+            require(f"split: {key}", split.get(key, []), is_texts(split.get(key, [])), "a list of names or patterns")
+        self.held_out, self.evaluation = (matching(self.scenes, split.get(key, [])) for key in ("held_out", "evaluation"))
+        kept = {*self.held_out, *self.evaluation}
+        self.training = [scene for scene in self.scenes if scene not in kept]
+        require("split: held_out", f"{len(self.held_out)} of {len(self.scenes)}", self.held_out and self.training, "some of the scenes, but not all")
+        for pattern in split.get("evaluation", []):
+            # a scene that a wrong name leaves out would be trained on
+            require("split: evaluation", pattern, matching(self.scenes, [pattern]), "a pattern of some scene")
+        for scene in sorted({*self.held_out} & {*self.evaluation}):
+            raise ConfigurationError(f"split: expected scenes that are held out or for the evaluation, got {scene} in both")
+
+    def _take_report(self, found):
+        judged = self.held_out + self.evaluation
+        report = {"savings": [*self.held_out[:1], *self.evaluation[:1]], "savings_rounds": 1, "small_scenes": SMALL_SCENES, "stability": "full"}
+        require_keys("report", found, set(), set(report))
+        report.update(found)
+        require("report: savings", report["savings"], is_texts(report["savings"]), "a list of names or patterns")
+        for pattern in report["savings"]:
+            require("report: savings", pattern, matching(judged, [pattern]), "a pattern of some scene that is held out or for the evaluation")
+        rounds = report["savings_rounds"]
+        require("report: savings_rounds", rounds, type(rounds) is int and 0 <= rounds <= 99, "an integer from 0 to 99")
+        require("report: small_scenes", report["small_scenes"], is_texts(report["small_scenes"]) and set(report["small_scenes"]) <= set(SMALL_SCENES),
+                "a list out of " + ", ".join(SMALL_SCENES))
+        require("report: stability", report["stability"], isinstance(report["stability"], str) and report["stability"] in STABILITY_DEPTHS,
+                "one of " + ", ".join(STABILITY_DEPTHS))
+        self.report = report
+
+    def shards(self, split):
+        """Paths of the shards of a split, in the order in which the tools are given them."""
+        scenes, jitters = (self.training, self.jitters) if split == "training" else (getattr(self, split), 1)
+        return [f"{self.folder}/dataset/{split}/{scene}.{jitter}.h5" for scene in scenes for jitter in range(jitters)]
+
+    def section(self, name):
+        """A tool's options as text: a change of them re-runs the rule."""
+        return json.dumps(self.sections[name], sort_keys=True)
+
+    def flags_over(self, name, own=None):
+        """Flags over a tool's section of the file: what the effort sets, and over it what a scene or a representation has for itself."""
+        return flags({**(self.full[name] if self.effort == "full" else {}), **(own or {})})
+
+    def scene_options(self, scene):
+        """The options of every pattern that matches, later ones over earlier ones."""
+        options = {}
+        for pattern, values in self.by_scene.items():
+            if fnmatch(scene, pattern):
+                options.update(values)
+        return options
+
+    def bake_options(self, scene):
+        return {key: value for key, value in self.scene_options(scene).items() if key in BAKE_TOO}
+
+
+def judge(config, path, environment=os.environ):
+    """The run that a configuration describes.
+
+    config        what the file holds; path: the file, for the message
+    environment   NLG_OUT, NLG_LEVELS and NLG_ARCHIVE_ROOT stand in for `out`, scenes.folder and the root of archives' folders
+    throws        ConfigurationError
+    """
+    try:
+        return Run(config, environment)
+    except (ValueError, OSError) as error:
+        raise ConfigurationError(f"{path}: {error}") from None
+
+
+def load(path):
+    return judge(read(path), path)
+
+
+def load_or_exit(path, tool):
+    """For scripts: one line and exit code 2 on a configuration that cannot be used."""
+    try:
+        return load(path)
+    except ConfigurationError as error:
+        print(f"{tool}: error: {error}", file=sys.stderr)
+        sys.exit(2)
+
+
+if __name__ == "__main__":
+    print(load_or_exit(sys.argv[1], "pipeline.sh").folder)
