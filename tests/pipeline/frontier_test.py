@@ -17,9 +17,11 @@ USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
 BIN, MAKE_WEIGHTS, MAKE_NARROW_SHARD = (os.path.abspath(path) for path in sys.argv[1:4])
 TIMEOUT_FACTOR = float(os.environ.get("NLG_TEST_TIMEOUT_FACTOR", "1"))  # of sanitizers, which slow everything down
 SOURCES = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-TINY = ["--functions", "7", "--repeats", "2", "--lm-steps", "1,2", "--adam-steps", "2", "--direct-lm-steps", "2", "--direct-adam-steps", "64",
+TINY = ["--functions", "7", "--repeats", "2", "--lm-steps", "1,2", "--adam-steps", "2", "--direct-lm-steps", "2,3", "--direct-adam-steps", "64",
         "--coefficients", "5,25"]
 GOOD = ["--weights", "tent_mlp.safetensors", "pf3.safetensors", "pf5.safetensors", "--held-out", "one.h5", "two.h5", *TINY]
+POPULATIONS = ["all", "theta", "hard"]
+WORDS = ["network", "corrected", "fitted", "stored"]
 failures = []
 
 
@@ -43,7 +45,7 @@ def documented_keys():
     """Of each list and object of frontier.json, the keys in the table of docs/reference/formats.md."""
     text = open(os.path.join(SOURCES, "docs/reference/formats.md")).read()
     section = re.search(r"\n## frontier\.json.*?(?=\n## )", text, re.S).group(0)
-    keys = {"": set(), "points": set(), "hard": set(), "bare_tent": set(), "by_scene": set(), "hierarchy": set(), "walks": set()}
+    keys = {part: set() for part in ("", "functions", "representations", "points", "figures", "by_scene", "bare_tent", "speed")}
     for cell in re.findall(r"^\| (`.*?) \|", section, re.M):
         for name in re.findall(r"`([^`]+)`", cell):
             part, _, key = name.rpartition(".")
@@ -51,11 +53,68 @@ def documented_keys():
     return keys
 
 
-def check_front(members, errors, tent, sentence):
-    """The sentence names every member; there are some when anything is better than the bare tent."""
-    expect(bool(members) == (min(errors) < tent), f"{len(members)} members, errors from {min(errors)}, the tent's {tent}")
-    expect(all(f"{p['representation']}: {p['label']} (" in sentence for p in members), sentence)
-    expect(members or sentence.startswith("Nothing has a smaller median error"), sentence)
+def check_front(points, population, result):
+    """There are members when anything is better than the bare tent; the sentence names the fastest and the most accurate."""
+    sentence, tent = result["front_sentences"][population], result["bare_tent"]["figures"][population]["rmse_mean"]
+    figures = [point["figures"][population] for point in points]
+    members = sorted((f["us_median"], f"{p['representation']}: {p['label']} (") for p, f in zip(points, figures) if f["on_front"])
+    expect(bool(members) == (min(f["rmse_mean"] for f in figures) < tent), f"{population}: {len(members)} members; the tent's error is {tent}")
+    expect(all(name in sentence for _, name in members[:1] + members[-1:]), sentence)
+    expect(members or "nothing has a smaller mean error" in sentence, sentence)
+
+
+def check_numbers(figures, keys, name):
+    numbers = [figures[key] for key in keys if key != "on_front"]
+    expect(all(math.isfinite(number) and number >= 0 for number in numbers), f"{name}: {numbers}")
+    expect(0 < figures["us_p25"] <= figures["us_median"] <= figures["us_p75"], f"{name}: times {figures}")
+    expect(figures["rmse_p5"] <= figures["rmse_median"] <= figures["rmse_p95"] <= figures["rmse_worst"], f"{name}: errors {figures}")
+
+
+def check_point(point, keys, result):
+    name = f"{point['representation']}: {point['label']}"
+    expect(set(point) == keys["points"], f"{name}: keys {set(point) ^ keys['points']}")
+    expect(list(point["figures"]) == POPULATIONS, f"{name}: populations {list(point['figures'])}")
+    for population, figures in point["figures"].items():
+        expect(set(figures) == keys["figures"], f"{name}: keys {set(figures) ^ keys['figures']}")
+        check_numbers(figures, keys["figures"], f"{name}, {population}")
+    every, theta, hard = (point["figures"][population] for population in POPULATIONS)
+    expect(hard["rmse_worst"] <= theta["rmse_worst"] <= every["rmse_worst"], f"{name}: a hard function is worse than the worst")
+    share = result["functions"]["theta"] / result["functions"]["all"]
+    expect(math.isclose(every["us_median"], theta["us_median"] * share, rel_tol=1e-9), f"{name}: bare tents take time")
+    expect(math.isclose(every["share_fitted"], theta["share_fitted"] * share, abs_tol=1e-9), f"{name}: bare tents are fitted")
+    for scene, figures in point["by_scene"].items():
+        expect(scene in result["scenes"] and set(figures) == keys["by_scene"], f"{name}: {scene} {set(figures) ^ keys['by_scene']}")
+        check_numbers(figures, keys["by_scene"], f"{name}, {scene}")
+
+
+def check_speeds(result, key, population, keys):
+    """Of every representation all four words, each with the figures of its point, and a ratio or a reason."""
+    expect(set(result[key]) == {"tent_mlp", "pf3", "pf5"}, f"{key}: {set(result[key])}")
+    for name, words in result[key].items():
+        expect(list(words) == WORDS, f"{key}, {name}: {list(words)}")
+        for word, speed in words.items():
+            expect(set(speed) == keys["speed"], f"{key}, {name}, {word}: keys {set(speed) ^ keys['speed']}")
+            point = next(p for p in result["points"] if p["representation"] == name and word in p["words"])
+            expect(math.isclose(speed["rmse_mean"], point["figures"][population]["rmse_mean"], rel_tol=1e-9), f"{key}, {name}, {word}: {speed}")
+            expect((speed["ratio"] is None) == (speed["rival"] is None) == (speed["reason"] is not None), f"{key}, {name}, {word}: {speed}")
+            if speed["ratio"]:
+                expect(math.isclose(speed["ratio"]["value"], speed["rival_us_at_equal_error"] / speed["time_us"], rel_tol=1e-9), f"{key}: {speed}")
+                expect(set(speed["ratio"]) == {"value", "low", "high"}, f"{key}: {speed}")
+
+
+def check_families(points):
+    fits = {"lm_from_corrected": 2, "adam_from_corrected": 1, "lm_from_theta0": 2, "adam_from_theta0": 1, "adam_from_random": 1}
+    count = {**fits, **{family + "_gated": number for family, number in fits.items() if "corrected" not in family}, "coefficients": 2, "precision": 1}
+    for name in ["tent_mlp", "pf3", "pf5"]:
+        own = [point for point in points if point["representation"] == name]
+        for family, wanted in count.items():
+            found = [point["budget"] for point in own if point["family"] == family]
+            expect(len(found) == wanted, f"{name}, {family}: budgets {found}")
+        stages = [point for point in own if point["family"] == "stages"]
+        expect(stages[0]["label"] == "network" and stages[-1]["label"] == "rounding to float16", f"{name}: {[p['label'] for p in stages]}")
+        expect([word for point in stages for word in point["words"]] == WORDS, f"{name}: {[p['words'] for p in stages]}")
+    choices = [point["representation"] for point in points if point["family"] == "choice"]
+    expect(choices == ["pf3+pf5"], f"choices: {choices}")
 
 
 def check_result():
@@ -64,44 +123,33 @@ def check_result():
     keys = documented_keys()
     points = result["points"]
     expect(set(result) == keys[""], f"keys of the file: {set(result) ^ keys['']}")
+    counts = result["functions"]
+    expect(set(counts) == keys["functions"], f"keys of functions: {counts}")
+    expect(0 < counts["hard"] <= counts["theta"] <= 7 and counts["all"] == counts["theta"] + counts["bare_tents_at_time_0"], f"functions: {counts}")
+    expect(result["scenes"] == ["house_1", "house_2"], f"scenes: {result['scenes']}")
+    for name, entry in result["representations"].items():
+        titles = [point["label"] for point in points if (point["representation"], point["family"]) == (name, "stages")]
+        expect(set(entry) == keys["representations"] and len(entry["stages"]) == len(titles) - 1, f"{name}: {entry} and {titles}")
     for point in points:
-        name = f"{point['representation']}: {point['label']}"
-        expect(set(point) == keys["points"], f"{name}: keys {set(point) ^ keys['points']}")
-        expect(set(point["hard"]) == keys["hard"], f"{name}: keys of hard {point['hard']}")
-        expect(point["hard"]["rmse_worst"] <= point["rmse_worst"], f"{name}: a hard function is worse than the worst")
-        expect(set(point["by_scene"]) == set(result["scenes"]), f"{name}: scenes {set(point['by_scene'])}")
-        for figures in [point, *point["by_scene"].values()]:
-            expect(figures is point or set(figures) == keys["by_scene"], f"{name}: keys of a scene {set(figures) ^ keys['by_scene']}")
-            numbers = [figures[key] for key in keys["by_scene"]]
-            expect(all(math.isfinite(number) and number >= 0 for number in numbers), f"{name}: {numbers}")
-            expect(0 < figures["us_p25"] <= figures["us_median"] <= figures["us_p75"], f"{name}: times {figures}")
-            expect(figures["rmse_p5"] <= figures["rmse_median"] <= figures["rmse_p95"] <= figures["rmse_worst"], f"{name}: errors {figures}")
-    expect(0 < result["hard_functions"] <= 7, f"{result['hard_functions']} hard functions")
-    expect(result["functions"] == 7 and result["scenes"] == ["house_1", "house_2"], f"{result['functions']} of {result['scenes']}")
-    count = {"generator": 1, "corrected": 5, "lm_from_generator": 2, "adam_from_generator": 1, "lm_from_theta0": 1, "adam_from_theta0": 1,
-             "lm_from_random": 1, "adam_from_random": 1, "coefficients": 2, "precision": 2, "theta_precision": 2, "threads": 2}
-    for family, wanted in count.items():
-        for name in ["tent_mlp", "pf3", "pf5"]:
-            found = [p["budget"] for p in points if (p["representation"], p["family"]) == (name, family)]
-            expect(len(found) == wanted, f"{name}, {family}: budgets {found}")
-    choices = [point["representation"] for point in points if point["family"] == "choice"]
-    expect(choices == ["pf3+pf5"], f"choices: {choices}")
+        check_point(point, keys, result)
+    check_families(points)
     tent = result["bare_tent"]
-    expect(set(tent) == keys["bare_tent"] and set(tent["by_scene"]) == set(result["scenes"]), f"bare tent: {tent}")
-    check_front([p for p in points if p["on_front"]], [p["rmse_median"] for p in points], tent["rmse_median"], result["front_sentence"])
-    hard_members = [point for point in points if point["hard"]["on_front"]]
-    check_front(hard_members, [p["hard"]["rmse_median"] for p in points], tent["hard"]["rmse_median"], result["hard_front_sentence"])
-    expect(" over hard functions" in result["hard_front_sentence"], result["hard_front_sentence"])
-    expect(not any(p["on_front"] or p["hard"]["on_front"] for p in points if p["family"] == "threads"), "a point of several threads is on a front")
+    expect(set(tent) == keys["bare_tent"] and list(tent["figures"]) == POPULATIONS, f"bare tent: {tent}")
+    for population in POPULATIONS:
+        check_front(points, population, result)
+    check_speeds(result, "speed_at_equal_error", "theta", keys)
+    check_speeds(result, "speed_at_equal_error_hard", "hard", keys)
     expect(result["hierarchy"] == [{"step": "solved", "representation": None, "scenes": 2, "rmse_mean": 2, "function_rmse": None}],
            f"hierarchy: {result['hierarchy']}")
     expect(result["walks"] == [{"functions": "solved", "representation": None, "scenes": 2, "light_jump_worst": 3}], f"walks: {result['walks']}")
     rows = list(csv.DictReader(open("out/frontier.csv")))
-    expect([row["label"] for row in rows] == [point["label"] for point in points], "frontier.csv has other rows than frontier.json")
-    for row, point in zip(rows, points):
-        expect(math.isclose(float(row["hard_rmse_p95"]), point["hard"]["rmse_p95"], rel_tol=1e-5), f"{row['label']}: {row}")
-        for key in ["us_median", "rmse_median", "leak_p99"]:
-            expect(math.isclose(float(row[key]), point[key], rel_tol=1e-5), f"{row['label']}: {key} is {row[key]} and {point[key]}")
+    expected = [(point, population) for point in points for population in POPULATIONS]
+    expect([(row["label"], row["population"]) for row in rows] == [(point["label"], population) for point, population in expected],
+           "frontier.csv has other rows than frontier.json")
+    for row, (point, population) in zip(rows, expected):
+        for key in ["us_median", "rmse_median", "rmse_p95", "leak_p99", "share_fitted"]:
+            value = point["figures"][population][key]
+            expect(math.isclose(float(row[key]), value, rel_tol=1e-5), f"{row['label']}: {key} is {row[key]} and {value}")
 
 
 def refuses(code, names, *arguments):

@@ -49,18 +49,31 @@ Interval SceneBootstrap::interval(double value, std::vector<double> resampled) c
 }
 
 Interval SceneBootstrap::mean(const std::vector<double>& values) const {
-  const double value = nlg::mean(values);
+  return ofMeans({&values}, [](const std::vector<double>& means) { return means.front(); });
+}
+
+Interval SceneBootstrap::ofMeans(const std::vector<const std::vector<double>*>& lists,
+                                 const std::function<double(const std::vector<double>&)>& figure) const {
+  std::vector<double> means;
+  for (const std::vector<double>* list : lists) means.push_back(nlg::mean(*list));
+  const double value = figure(means);
   if (isOneScene()) return {value, value, value};
-  std::vector<double> sums(scene_count_);
-  for (size_t i = 0; i < values.size(); ++i) sums[scene_[i]] += values[i];
+  // by list and scene, so that a resample takes no second look at the values
+  std::vector<std::vector<double>> sums;
+  for (const std::vector<double>* list : lists) {
+    sums.emplace_back(scene_count_);
+    for (size_t i = 0; i < list->size(); ++i) sums.back()[scene_[i]] += (*list)[i];
+  }
   std::vector<double> resampled;
   for (int r = 0; r < options_.resamples; ++r) {
-    double sum = 0.0, count = 0.0;
-    for (size_t s = 0; s < scene_count_; ++s) {
-      sum += draws(r)[s] * sums[s];
-      count += static_cast<double>(draws(r)[s] * values_[s]);
+    double count = 0.0;
+    for (size_t s = 0; s < scene_count_; ++s) count += static_cast<double>(draws(r)[s] * values_[s]);
+    for (size_t n = 0; n < lists.size(); ++n) {
+      double sum = 0.0;
+      for (size_t s = 0; s < scene_count_; ++s) sum += draws(r)[s] * sums[n][s];
+      means[n] = sum / count;
     }
-    resampled.push_back(sum / count);
+    resampled.push_back(figure(means));
   }
   return interval(value, std::move(resampled));
 }

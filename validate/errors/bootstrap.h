@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace nlg {
@@ -37,6 +38,11 @@ class SceneBootstrap {
   // shares    rising, in [0, 1]
   // returns   one interval a share
   std::vector<Interval> quantiles(const std::vector<double>& values, const std::vector<double>& shares) const;
+  // Any figure of several lists' means.
+  // lists    each as `values` of mean
+  // figure   of the means of one resample, in the order of the lists; may be infinite, and so may then be an end of the interval
+  Interval ofMeans(const std::vector<const std::vector<double>*>& lists,
+                   const std::function<double(const std::vector<double>&)>& figure) const;
 
  private:
   Interval interval(double value, std::vector<double> resampled) const;

@@ -4,10 +4,11 @@
 // them time follows error on a straight line in logarithms. The fastest family at the error is the rival.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "validate/errors/bootstrap.h"
 
 namespace nlg {
 
@@ -20,7 +21,7 @@ struct TimedPoint {
 struct Ratio {
   double value = 0.0;
   double low = 0.0;
-  std::optional<double> high;  // none: no bound, since too many draws have no fit that reaches the error
+  std::optional<double> high;  // none: no bound, since too many resamples have no fit that reaches the error
 };
 
 struct EqualError {
@@ -31,11 +32,8 @@ struct EqualError {
   std::string reason;                     // why there is none
 };
 
-// rivals    points of a family next to each other
-// scene     by function, < scene_count: what the bootstrap draws; at least one
-// draws     at least one
-// returns   the same for the same arguments
-EqualError compareAtEqualError(const TimedPoint& own, const std::vector<TimedPoint>& rivals, const std::vector<uint32_t>& scene,
-                               size_t scene_count, int draws, uint64_t seed);
+// rivals      points of a family next to each other
+// bootstrap   over the scenes of the functions
+EqualError compareAtEqualError(const TimedPoint& own, const std::vector<TimedPoint>& rivals, const SceneBootstrap& bootstrap);
 
 }  // namespace nlg

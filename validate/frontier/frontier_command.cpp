@@ -86,6 +86,7 @@ std::vector<WordSpeed> speedsOver(const std::vector<bool>& counts, const Frontie
   }
   std::vector<WordSpeed> speeds;
   if (scene.empty()) return speeds;
+  const SceneBootstrap bootstrap(scene, {options.bootstrap_draws, 0.95, options.seed});
   const auto timed = [&](size_t p) {
     const std::vector<double> us = functionTimes(measured[p], blocks);
     TimedPoint point{result.points[p].family, result.points[p].label, {}, {}};
@@ -103,8 +104,7 @@ std::vector<WordSpeed> speedsOver(const std::vector<bool>& counts, const Frontie
   for (size_t p = 0; p < measured.size(); ++p) {
     const std::string& name = result.points[p].representation;
     if (result.points[p].words.empty()) continue;
-    const EqualError equal =
-        compareAtEqualError(timed(p), rivals[name], scene, set.scene_ids.size(), options.bootstrap_draws, options.seed);
+    const EqualError equal = compareAtEqualError(timed(p), rivals[name], bootstrap);
     for (const ThetaWord word : result.points[p].words) speeds.push_back({name, word, equal});
   }
   return speeds;

@@ -9,7 +9,6 @@ namespace {
 
 // Three scenes of two functions.
 const std::vector<uint32_t> kScene = {0, 0, 1, 1, 2, 2};
-constexpr size_t kScenes = 3;
 
 // The same for every function.
 TimedPoint even(const std::string& family, const std::string& label, double us, double rmse) {
@@ -17,7 +16,7 @@ TimedPoint even(const std::string& family, const std::string& label, double us, 
 }
 
 EqualError compare(const TimedPoint& own, const std::vector<TimedPoint>& rivals) {
-  return compareAtEqualError(own, rivals, kScene, kScenes, 200, 1);
+  return compareAtEqualError(own, rivals, SceneBootstrap(kScene));
 }
 
 TEST(EqualError, LiesOnALineInLogarithmsBetweenTwoBudgets) {
@@ -83,16 +82,6 @@ TEST(EqualError, HasNoUpperBoundWhenManyDrawsNeverReachIt) {
   const EqualError equal = compare(own, {even("lm", "1", 100, 0.03), fit});
   ASSERT_TRUE(equal.ratio);
   EXPECT_FALSE(equal.ratio->high);
-}
-
-TEST(EqualError, LeavesScenesWithoutFunctionsOutOfTheDraws) {
-  const std::vector<uint32_t> of_last(2, 7);
-  const TimedPoint own{"", "own", {10, 10}, {0.01, 0.01}}, fit{"lm", "1", {50, 50}, {0.01, 0.01}};
-  const EqualError equal = compareAtEqualError(own, {fit}, of_last, 8, 50, 3);
-  ASSERT_TRUE(equal.ratio && equal.ratio->high);
-  EXPECT_EQ(equal.ratio->value, 5.0);
-  EXPECT_EQ(equal.ratio->low, 5.0);
-  EXPECT_EQ(*equal.ratio->high, 5.0);
 }
 
 }  // namespace
