@@ -36,6 +36,12 @@ void describePolicy(PolicyOptions& o, OptionTable& table) {
             "several weights: an error of direct optimisation that needs no larger representation", 0.0, 1e3);
   table.add("choice_generator_excess", &o.choice.generator_excess,
             "errors of predicted theta are about so many times those of direct optimisation", 1.0, 1e3);
+  table.renamed("correct_rmse", "good_rmse");
+  table.renamed("correct_retry_rmse", "retry_rmse");
+  table.renamed("correct_iterations", "fit_lm_iterations");
+  table.renamed("correct_theta0_iterations", "fit_lm_theta0_iterations");
+  table.renamed("correct_adam_rmse", "fit_adam_rmse");
+  table.renamed("correct_adam_steps", "fit_adam_steps");
 }
 
 ThetaPrecision thetaPrecisionFromName(const std::string& name) {

@@ -1,11 +1,11 @@
 #include "validate/errors/convergence.h"
 
+#include <algorithm>
 #include <iterator>
 #include <mutex>
 
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
-#include "validate/errors/best_known.h"
 #include "validate/errors/statistics.h"
 
 namespace nlg {
@@ -39,7 +39,7 @@ FunctionCurves curvesOf(const Generator& generator, const WeightingFunction& fun
 }  // namespace
 
 Convergence measureConvergence(const Generator& generator, const FunctionSet& set, const Populations& populations,
-                               const ValidateOptions& options) {
+                               const LongFits& fits, const ValidateOptions& options) {
   const std::vector<uint64_t> functions = populations.hardOfSample(static_cast<uint64_t>(options.convergence_functions));
   std::vector<FunctionCurves> curves(functions.size());
   std::vector<NormalEquationsKernel> kernels(options.threadCount());
@@ -55,13 +55,19 @@ Convergence measureConvergence(const Generator& generator, const FunctionSet& se
     const std::lock_guard lock(mutex);
     progress.update(++done);
   });
-  Convergence result{functions.size(), {}, {}};
+  Convergence result;
+  result.functions = functions.size();
   if (functions.empty()) return result;
   const auto meanAt = [&](std::vector<double> FunctionCurves::*curve, size_t i) {
     std::vector<double> rmse;
     for (const FunctionCurves& one : curves) rmse.push_back((one.*curve)[i]);
     return mean(rmse);
   };
+  std::vector<double> best_known;
+  for (const MeasuredFunction& one : fits.at(LongFit::best_known).functions) {
+    if (std::binary_search(functions.begin(), functions.end(), one.function)) best_known.push_back(one.error.rmse);
+  }
+  result.best_known_rmse_mean = mean(best_known);
   for (int r = 0; r <= 2 * options.direct.restarts; ++r) {
     result.by_restarts.push_back({r, options.direct.adam_steps, meanAt(&FunctionCurves::by_restarts, r)});
   }

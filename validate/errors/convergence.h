@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/generator.h"
-#include "validate/errors/populations.h"
+#include "validate/errors/best_known.h"
 
 namespace nlg {
 
@@ -19,9 +19,11 @@ struct Convergence {
   uint64_t functions = 0;
   std::vector<ConvergencePoint> by_restarts;  // 0 … twice those of direct, at its steps
   std::vector<ConvergencePoint> by_steps;     // a quarter, half, all, twice those of direct, at its restarts
+  double best_known_rmse_mean = 0.0;          // of the same functions: what the sample's ratios are taken to
 };
 
+// fits   of the sample
 Convergence measureConvergence(const Generator& generator, const FunctionSet& set, const Populations& populations,
-                               const ValidateOptions& options);
+                               const LongFits& fits, const ValidateOptions& options);
 
 }  // namespace nlg

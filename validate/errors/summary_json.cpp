@@ -78,7 +78,8 @@ Json convergenceJson(const Convergence& convergence) {
   };
   return {{"functions", convergence.functions},
           {"by_restarts", curve(convergence.by_restarts)},
-          {"by_adam_steps", curve(convergence.by_steps)}};
+          {"by_adam_steps", curve(convergence.by_steps)},
+          {"best_known_rmse_mean", convergence.best_known_rmse_mean}};
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ ValidatedGenerator measure(const Generator& generator, const std::string& path, 
                            const ValidateOptions& options) {
   PolicyWords policy = measurePolicy(generator, context.set, context.populations, options);
   LongFits fits = measureLongFits(generator, context.set, context.populations, policy.made, options);
-  Convergence convergence = measureConvergence(generator, context.set, context.populations, options);
+  Convergence convergence = measureConvergence(generator, context.set, context.populations, fits, options);
   return {generator, path, std::move(policy), std::move(fits), std::move(convergence)};
 }
 
