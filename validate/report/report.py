@@ -83,12 +83,13 @@ def run_time_limits(inputs):
 
 def frontier_tables(frontier):
     """(title, what it says, rows) behind the frontier's plots."""
-    settings = [{"representation": p.representation, "what": p.label, "time": plots.duration(p.figures["us_median"]),
-                 **{key.replace("rmse_", "RMSE ", 1): p.figures[key] for key in ("rmse_median", "rmse_mean", "rmse_p95", "rmse_worst")},
-                 "leak p99": p.figures["leak_p99"]} for p in frontier.points if p.family not in frontier_module.CHAINS]
+    settings = [{"representation": p.representation, "what": p.label, "time": plots.duration(p.figures["theta"]["us_median"]),
+                 **{key.replace("rmse_", "RMSE ", 1): p.figures["theta"][key] for key in ("rmse_median", "rmse_mean", "rmse_p95", "rmse_worst")},
+                 "took a fit": findings_module.percent(p.figures["theta"]["share_fitted"]), "leak p99": p.figures["theta"]["leak_p99"]}
+                for p in frontier.points if not frontier_module.is_chain(p) and p.figures["theta"]]
     return [("From the truth to the generator", "How much error each step adds: the function that was solved for, the target φ, a direct fit, the generator's θ.", frontier.hierarchy),
             ("Along straight walks", "What a viewer would notice: the largest jump between neighbouring samples.", frontier.walks),
-            ("Generators and settings", "Without any fit after them, and with other resolutions, coefficients, precisions, cores.", settings)]
+            ("Generators and settings", "Functions that take a θ: the policy with smaller budgets, and the network with fewer coefficients or in other precisions.", settings)]
 
 
 # section's id → its name in the list of contents
