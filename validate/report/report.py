@@ -45,6 +45,7 @@ class Proof:
     savings: object = None   # of (scene, rows)
     paths: dict = field(default_factory=dict)  # role → path
     is_evaluation: bool = False  # the scenes that published figures are of
+    left_out: list = field(default_factory=list)  # what the run did less of than a full one, in words
 
 
 def draw_plots(inputs, findings, frontier, scene_order):
@@ -105,6 +106,7 @@ def contents(proof):
 def provenance_rows(inputs, proof, limits):
     origin = inputs.summary["provenance"]
     rows = [("made by", f"{origin['tool'].text()}, revision {origin['revision'].text()}")]
+    rows += [("left out of this run; effort: full brings it back", text) for text in proof.left_out]
     rows += [(f"option {key}", str(node.value)) for key, node in origin["options"].entries()]
     rows += [(f"SHA-256 of {key}", node.text()) for key, node in origin["inputs"].entries()]
     rows += [(f"SHA-256 of the weights of {n}", inputs.summary["representations"][n]["weights_sha256"].text()) for n in inputs.representations]
@@ -143,7 +145,7 @@ def render(inputs, proof, limits):
 
 
 def read_proof(arguments, summary):
-    proof = Proof(is_evaluation=arguments.evaluation)
+    proof = Proof(is_evaluation=arguments.evaluation, left_out=arguments.left_out)
     if arguments.frontier:
         proof.frontier, proof.paths["frontier"] = proof_inputs.read_frontier(arguments.frontier), arguments.frontier
         proof_inputs.refuse_other_weights(arguments.frontier, summary, {point.representation for point in proof.frontier.points})
@@ -168,6 +170,7 @@ def parse_arguments():
     parser.add_argument("--stability", help="what nlg-validate stability wrote")
     parser.add_argument("--savings", "--needs", nargs="+", help="what nlg-bake printed, with its table of savings, one a scene (--needs: the name before)")
     parser.add_argument("--evaluation", "--test", action="store_true", help="the scenes are the evaluation, which published figures are of: the page says so (--test: the name before)")
+    parser.add_argument("--left-out", nargs="*", default=[], help="what the run did less of than a full one, a text each: stands in the page's provenance")
     limits = verdict.Limits()
     parser.add_argument("--max-share-failing", type=float, default=limits.share_failing, help="a generator may ship of whose stored functions that take a theta at most this share fails the check (default: %(default)g)")
     parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and whose stored error is at most so many times the best known on hard functions, by median (default: %(default)g)")
