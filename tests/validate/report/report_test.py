@@ -156,7 +156,10 @@ def check_stages(needed):
     for table in tables:
         points = [p for p in front.points if p.family == "stages" and p.representation == table["name"]]
         expect([(row["name"], row["errors"][0]) for row in table["rows"]] == [(p.label, f"{p.figures['theta']['rmse_median']:.4f}") for p in points] and len(points) == len(made_up.STAGES), f"{table['name']}: {table['rows']}")
-        expect("functions that fail the check after the network, and those whose RMSE is above 0.001" == table["rows"][2]["takes"] and table["rows"][2]["budget"] == "3" and table["rows"][0]["budget"] == "–", f"{table['rows'][2]}")
+        expect((table["rows"][2]["takes"], table["rows"][2]["budget"], table["rows"][0]["takes"], table["rows"][0]["budget"])
+               == ("functions that the network left above an RMSE of 0.001 or failing the check", "3 steps at most", "all functions that take a θ", "–"), f"{table['rows'][2]}")
+    other = inputs.Node("", "", {"name": "learned_steps", "population": "those of them", "above_rmse": .005, "budget": 3, "text": "Steps."})
+    expect(some.stage_words(other) == {"name": "learned steps", "text": "Steps.", "budget": "3", "takes": "those of them whose RMSE is above 0.005"}, "a stage whose text is no description")
     expect(not any(table["has_points"] for table in some.stage_tables(None)), "figures of stages that nobody measured")
 
 
