@@ -2,6 +2,8 @@
 
 docs/reference/formats.md says what stands in them. Read and checked as everything else (inputs.py); nothing here draws or decides.
 """
+import json
+import re
 from dataclasses import dataclass
 
 import summary_v1
@@ -224,3 +226,21 @@ def read_savings(path):
         if rows[-1].count > rows[-1].of:
             node["count"].refuse(f"at most 'of', {rows[-1].of}", rows[-1].count)
     return file["scene"].text(), rows
+
+
+def setting_words(text):
+    """"train.steps: 3000, full 8000" of the workflow as words: "train, steps: 3,000 instead of 8,000"."""
+    found = re.fullmatch(r"(\w+)\.(\w+): (.+), full (.+)", text)
+    if not found:
+        return text
+    section, key, value, full = found.groups()
+
+    def plain(some):
+        try:
+            some = json.loads(some)
+        except ValueError:
+            return some
+        if isinstance(some, list):
+            return ", ".join(map(str, some)) or "none"
+        return f"{some:,}" if isinstance(some, int) and not isinstance(some, bool) else "the default" if some is None else str(some)
+    return f"{section}, {key.replace('_', ' ')}: {plain(value)} instead of {plain(full)}"

@@ -117,7 +117,7 @@ def provenance_rows(inputs, proof, limits):
 
 def proof_values(proof, decision):
     """What the template shows of the proof's files."""
-    values = {"decision": decision, "frontier": proof.frontier, "savings": proof.savings, "is_evaluation": proof.is_evaluation, "contents": contents(proof), "table": decision_module.table,
+    values = {"decision": decision, "frontier": proof.frontier, "savings": proof.savings, "is_evaluation": proof.is_evaluation, "left_out": [proof_inputs.setting_words(text) for text in proof.left_out], "contents": contents(proof), "table": decision_module.table,
               "percent": findings_module.percent, "talk_fitted": findings_module.TALK_FITTED, "stage_tables": decision.stage_tables(proof.frontier)}
     if proof.frontier:
         views = frontier_module.views(proof.frontier)

@@ -113,7 +113,7 @@ def check_page(needed, proof):
     expect(text.count('<tr class="fails-check">') == 1, "a case that holds but fails the bake's check is not marked as what it is")
     expect(text.count('<tr class="not-run">') == 1 and "19 of 21 cases hold; 1 fails and is explained; 1 fails without an explanation; the bake’s check fails 1 of those that hold; 1 was not run." in text,
            "a case that was not run counts as one that held or failed")
-    expect("Its configuration says of its effort: short." in text, "a shortened run does not say so")
+    expect("brings back 2 settings" in text and "<li>train, steps: 3,000 instead of 8,000</li>" in text and "doorway, table instead of two_rooms, doorway, table" in text, "a short run does not say what it left out")
     expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
     expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
     os.makedirs("evaluation", exist_ok=True)
