@@ -38,7 +38,7 @@ exec 9> build/pipeline.lock
 flock -n 9 || { echo "pipeline.sh: another run of this checkout is at work" >&2; exit 2; }
 workflow() {
   /usr/bin/snakemake -s workflow/Snakefile --configfile "$config" --cores "$(nproc)" --rerun-incomplete --nolock \
-    --rerun-triggers mtime params input --quiet rules -- "$@"
+    --rerun-triggers mtime params input --log-handler-script workflow/run_progress.py -- "$@"
 }
 if [ -n "$plan" ]; then
   workflow plan

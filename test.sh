@@ -43,7 +43,7 @@ done
 
 source workflow/setup.sh
 mkdir -p build
-install_packages
+install_packages tests
 
 if [ "$what" = tidy ]; then
   exec tests/tidy.sh

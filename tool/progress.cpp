@@ -5,7 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstdlib>
+#include <string_view>
 
 namespace nlg {
 namespace {
@@ -25,10 +28,15 @@ std::string duration(double seconds) {
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
 
+bool isWanted() {
+  const char* const wish = std::getenv("NLG_PROGRESS");
+  return (wish == nullptr || std::string_view(wish) != "off") && ::isatty(STDERR_FILENO) == 1;
+}
+
 }  // namespace
 
 Progress::Progress(std::string what, int64_t total)
-    : what_(std::move(what)), total_(total), terminal_(::isatty(STDERR_FILENO) == 1), start_(std::chrono::steady_clock::now()) {}
+    : what_(std::move(what)), total_(total), terminal_(isWanted()), start_(std::chrono::steady_clock::now()) {}
 
 Progress::~Progress() {
   if (printed_) std::fputs("\r\033[K", stderr);
@@ -43,7 +51,7 @@ void Progress::update(int64_t done, const std::string& note) {
   const auto now = std::chrono::steady_clock::now();
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
   const double rate = elapsed_s > 0 ? static_cast<double>(done) / elapsed_s : 0;
-  std::string line = fmt::format("{}: {} of {}", what_, done, total_);
+  std::string line = fmt::format("{}: {}: {} of {}", program_invocation_short_name, what_, done, total_);
   if (total_ > 0) line += fmt::format(" ({:.1f} %)", 100.0 * static_cast<double>(done) / static_cast<double>(total_));
   if (rate > 0) {
     line += fmt::format(", {:.4g}/s, {} left", rate, duration(static_cast<double>(total_ - done) / rate));

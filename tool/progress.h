@@ -1,4 +1,7 @@
-// Progress of a long loop on stderr: one line that rewrites itself, only when stderr is a terminal.
+// Progress of a long loop on stderr: one line with the tool's name that rewrites itself, only when stderr is a terminal.
+//
+// The environment's NLG_PROGRESS=off keeps it quiet: where several tools share a terminal, their lines would overwrite each other.
+// The workflow sets it (workflow/environment.sh) and says itself how far the run is.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,8 @@
-# Settings of the libraries' threads and memory that cost a factor of two when they are wrong; sourced before every stage.
+# What every stage of the workflow finds in its environment; sourced before each of them. The settings of the libraries' threads and
+# memory cost a factor of two when they are wrong.
 
+# several tools share one terminal: run_progress.py says how far the run is
+export NLG_PROGRESS=off
 # stages bring their own parallelism: one BLAS thread each, and OpenMP threads that sleep while they wait
 export OPENBLAS_NUM_THREADS=1 OMP_WAIT_POLICY=passive
 # OpenBLAS 0.3.21 takes newer AVX-512 processors for Haswell and halves sgemm

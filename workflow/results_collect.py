@@ -18,7 +18,7 @@ STAGES = ("network", "corrected", "fitted", "stored")
 POPULATIONS = ("all", "theta", "hard")
 FITS = ("direct", "adam_theta0", "lm_theta0", "adam_random", "best_known")
 STATISTICS = ("median", "mean", "p95", "p99", "worst")
-DIGITS = 5  # significant: more than any text shows
+DIGITS = 4  # significant: as many as any text shows
 
 
 def fail(place, expected, got):
@@ -63,31 +63,30 @@ def revision(document, place):
     return take(document, ["provenance"], place)["provenance"].get("revision", "unknown")
 
 
-def quantiles(q, place, *, intervals):
-    kept = take(q, [*STATISTICS, "functions"], place)
-    return {**kept, "interval": q["interval"]} if intervals else kept
+def quantiles(q, place):
+    return take(q, [*STATISTICS, "functions"], place)
 
 
-def figures(source, place, *, intervals=True):
+def figures(source, place):
     """One population's figures: the errors in full, their means alone at test points and occluded points."""
-    out = {"functions": source["functions"], "rmse": quantiles(source["rmse"], f"{place}.rmse", intervals=intervals)}
+    out = {"functions": source["functions"], "rmse": {**quantiles(source["rmse"], f"{place}.rmse"), "interval": source["rmse"]["interval"]}}
     for key in ("rmse_test_points", "rmse_occluded"):
-        out[key] = take(source[key], ["median", "mean", "functions"], f"{place}.{key}")
-        if intervals:
-            out[key]["interval"] = take(source[key]["interval"], ["mean"], f"{place}.{key}.interval")
+        out[key] = {**take(source[key], ["mean"], f"{place}.{key}"), "interval": take(source[key]["interval"], ["mean"], f"{place}.{key}.interval")}
     keys = ["leak", "share_failing_check", "share_fitted", "us_per_function", "us_per_function_median"]
     return {**out, **take(source, keys, place)}
 
 
-def by_population(source, place, *, intervals=True):
-    return {key: figures(take(source, POPULATIONS, place)[key], f"{place}.{key}", intervals=intervals) for key in POPULATIONS}
+def by_population(source, place):
+    return {key: figures(take(source, POPULATIONS, place)[key], f"{place}.{key}") for key in POPULATIONS}
 
 
 def sample(source, place):
     """What direct fits were made of: too few functions for percentiles of their own to stand beside those of all."""
+    def short(population, where):
+        return {"rmse": take(population["rmse"], ["median", "mean"], where), **take(population, ["functions", "us_per_function"], where)}
     words = [word for word in (*STAGES, *FITS) if word in source]
     return {**take(source, ["functions", "hard", "ratios"], place), **{key: source[key] for key in ("best_known_from",) if key in source},
-            **{word: by_population(source[word], f"{place}.{word}", intervals=False) for word in words}}
+            **{word: {key: short(source[word][key], f"{place}.{word}.{key}") for key in ("theta", "hard")} for word in words}}
 
 
 def representation(source, place):
@@ -96,7 +95,7 @@ def representation(source, place):
     out.update({word: by_population(source[word], f"{place}.{word}") for word in STAGES})
     if "sample" in source:
         out["sample"] = sample(source["sample"], f"{place}.sample")
-    out["by_scene"] = {scene: {word: quantiles(q, f"{place}.by_scene.{scene}.{word}", intervals=False) for word, q in words.items()}
+    out["by_scene"] = {scene: {word: quantiles(q, f"{place}.by_scene.{scene}.{word}") for word, q in words.items()}
                        for scene, words in sorted(source["by_scene"].items())}
     return out
 

@@ -40,6 +40,8 @@ def with_interval(q, key):
 
 
 def share(entry):
+    if entry["low"] == entry["value"] == entry["high"]:
+        return percent(entry["value"])
     return percent(entry["value"]) + spread([entry["low"], entry["high"]], percent)
 
 

@@ -1,13 +1,14 @@
 # Set-up that pipeline.sh and test.sh share: packages, configuration. Sourced from the root of the checkout.
 
-# Installs what is missing from cmake/packages.txt; asks for nothing when all of it is there.
+# Installs what is missing from cmake/packages.txt; asks for nothing when all of it is there. With `tests`: what the suite needs, too.
 install_packages() {
-  local missing=() package
+  local missing=() package purpose
   if ! command -v dpkg-query > /dev/null; then
     echo "This system has no dpkg: install the equivalents of cmake/packages.txt, then call cmake and snakemake as README.md shows." >&2
     return 1
   fi
-  while read -r package; do
+  while read -r package purpose; do
+    [ -z "$purpose" ] || [ "$purpose" = "${1:-}" ] || continue
     [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2> /dev/null || true)" = installed ] || missing+=("$package")
   done < <(grep -v '^#' cmake/packages.txt)
   [ ${#missing[@]} -gt 0 ] || return 0

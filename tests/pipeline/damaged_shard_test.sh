@@ -15,7 +15,8 @@ fail() {
 }
 
 workflow() {
-  NLG_OUT=$temporary /usr/bin/snakemake -s workflow/Snakefile --configfile configs/smoke.yaml --cores 2 --nolock "$@" \
+  NLG_OUT=$temporary /usr/bin/snakemake -s workflow/Snakefile --configfile configs/smoke.yaml --cores 2 --nolock \
+    --log-handler-script workflow/run_progress.py "$@" \
     >"$temporary/log" 2>&1 || {
     cat "$temporary/log" >&2
     fail "snakemake $*"
@@ -24,6 +25,8 @@ workflow() {
 
 shards=("$dataset/training/house_0.0.h5" "$dataset/training/clutter_1.0.h5" "$dataset/held_out/house_2.0.h5")
 workflow "${shards[@]}"
+# what a run says through a pipe: one line a stage
+[ "$(sed 's/[0-9.]* s$/TIME/' "$temporary/log")" = "[3/3] datagen: 3 jobs, TIME" ] || fail "a run says: $(cat "$temporary/log")"
 before=$(sha256sum "${shards[@]}")
 
 # checks the shards of configuration $2 with the tools in $1: what is to be made again on stdout, messages in $temporary/messages

@@ -1,5 +1,6 @@
 """What a lead reads first, as texts: the verdict with its three figures, scenes by trouble, the suite's cases, what bakes leave out."""
 import math
+import re
 
 import numpy as np
 
@@ -31,11 +32,14 @@ def case_state(case):
 
 
 def equal_error_words(judgement):
-    equal = judgement.equal
+    equal, name = judgement.equal, judgement.representation
     if equal is None:
-        return "not measured: this page was drawn without a frontier (--frontier)"
-    text = f"{judgement.representation}, {duration(equal.generator_us)} corrected, against {duration(equal.direct_us)} of "
-    return text + (f"the fastest direct fit of no larger mean error ({equal.label})" if equal.label else "the longest direct fit, whose mean error is still larger")
+        return "not measured: this page was drawn without a frontier that times it (--frontier)"
+    if equal.ratio is None:
+        return f"{name} as stored takes {duration(equal.stored_us)}; there is no ratio, because {equal.reason}"
+    if equal.label is None:
+        return f"at least: {name} as stored takes {duration(equal.stored_us)}, the longest direct fit {duration(equal.direct_us)}, and its mean error is still larger"
+    return f"{name} as stored takes {duration(equal.stored_us)}, and the fastest direct fit to the same mean error {duration(equal.direct_us)} ({equal.label})"
 
 
 class Decision:
@@ -88,9 +92,9 @@ class Decision:
             elif not j.hard.passes:
                 said.append(f"{factor(j.hard.value)} × the best known error on hard functions (limit {limits.error_hard:g} ×)")
             if j.speedup.value is None:
-                said.append("no frontier was given that times direct fits of the same error, so it stays undecided")
+                said.append((f"no speed at equal error, because {j.equal.reason}" if j.equal else "no frontier was given that times direct fits of the same error") + ", so it stays undecided")
             elif not j.speedup.passes:
-                said.append(f"{factor(j.speedup.value)} × as fast as a direct fit of no larger error (at least {limits.speedup:g} × is asked for)")
+                said.append(f"{factor(j.speedup.value)} × as fast as a direct fit of the same error (at least {limits.speedup:g} × is asked for)")
             if said:
                 result.append((j.representation, "; ".join(said) + "."))
         return result
@@ -137,15 +141,25 @@ class Decision:
         for name in [self.leader, *self.others()]:
             points, rows = stage_points(frontier, name), []
             for stage in self.inputs.summary["representations"][name]["stages"].items():
-                above, budget = stage["above_rmse"].value, stage["budget"].value
-                point = points.get(stage["name"].text())
-                takes = stage["population"].text() + (f", where the RMSE is above {short(above)}" if above is not None else "")
-                rows.append({"name": stage["name"].text().replace("_", " "), "word": stage["word"].text(), "label": NAMES[stage["word"].text()], "text": stage["text"].text(), "takes": takes,
-                             "budget": "–" if budget is None else budget if isinstance(budget, str) else f"{budget:g}",
-                             "errors": [error(v) for v in (point.figures["rmse_median"], point.figures["rmse_mean"], point.figures["rmse_p95"])] if point else ["–"] * 3,
-                             "time": duration(point.whole.us) if point else "–"})
+                said = self.stage_words(stage)
+                point = points.get(next((title for title in (said["name"], stage["name"].text()) if title in points), None))
+                figures = point and point.figures["theta"]
+                rows.append({**said, "word": stage["word"].text(), "label": NAMES[stage["word"].text()],
+                             "errors": [error(figures[f"rmse_{q}"]) for q in ("median", "mean", "p95")] if figures else ["–"] * 3,
+                             "fitted": percent(figures["share_fitted"]) if figures else "–", "time": duration(figures["us_median"]) if figures else "–"})
             tables.append({"name": name, "rows": rows, "has_points": bool(points)})
         return tables
+
+    @staticmethod
+    def stage_words(stage):
+        """Title, budget and who takes it: of a text "TITLE, BUDGET: WHO", as the policy describes itself, or of the stage's other keys."""
+        above, budget, text = stage["above_rmse"].value, stage["budget"].value, stage["text"].text()
+        described = re.fullmatch(r"([^,:]+)(?:, ([^:]+))?: (.+)", text)
+        if described:
+            title, budget, takes = described.groups()
+            return {"name": title, "text": "", "budget": budget or "–", "takes": "all functions that take a θ" if takes == "all functions" else takes}
+        takes = stage["population"].text().replace("theta", "θ") + (f" whose RMSE is above {short(above)}" if above is not None else "")
+        return {"name": stage["name"].text().replace("_", " "), "text": text, "budget": "–" if budget is None else budget if isinstance(budget, str) else f"{budget:g}", "takes": takes}
 
     # ---- scenes
 
@@ -229,10 +243,10 @@ def front_rows(frontier, view):
     """Members of a view's front by rising time, numbered as in its plot."""
     rows = []
     for number, (point, spread) in enumerate(front_of(frontier, view), 1):
-        f = point.figures
-        rows.append({"number": number, "representation": point.representation, "label": point.label, "time": duration(spread.us),
-                     "spread": f"{duration(f['us_p25'])}–{duration(f['us_p75'])}", "errors": [error(v) for v in (spread.median, view.mean(point), spread.p5, spread.p95)],
-                     "all": [error(f[key]) for key in ("rmse_median", "rmse_mean")], "leak": f"{f['leak_p99']:.3f}"})
+        f = point.figures[view.population]
+        rows.append({"number": number, "representation": point.representation, "label": point.label, "words": ", ".join(point.words) or "–", "time": duration(spread.us),
+                     "spread": f"{duration(f['us_p25'])}–{duration(f['us_p75'])}", "errors": [error(f[f"rmse_{q}"]) for q in ("median", "mean", "p5", "p95")],
+                     "fitted": percent(f["share_fitted"]), "leak": f"{f['leak_p99']:.3f}"})
     return rows
 
 
@@ -244,8 +258,8 @@ def front_summary(frontier, view, rows):
     for row in rows:
         spans.setdefault(row["representation"], []).append(row["time"])
     parts = [f"{name} from {times[0]} to {times[-1]}" if len(times) > 1 else f"{name} at {times[0]}" for name, times in spans.items()]
-    return (f"Over {view.words}, {len(rows)} of {grouped(len(frontier.points))} ways to a θ are beaten by none in time and median error: {joined(parts)}. "
-            f"The error falls from {rows[0]['errors'][0]} to {rows[-1]['errors'][0]}; the bare tent’s is {error(view.tent)}.")
+    return (f"Over {view.words}, {len(rows)} of {grouped(len(frontier.points))} ways to a θ are beaten by none in time and mean error: {joined(parts)}. "
+            f"The error falls from {rows[0]['errors'][1]} to {rows[-1]['errors'][1]}; the bare tent’s is {error(view.tent)}.")
 
 
 def plain(value):

@@ -54,6 +54,8 @@ def bracket(interval, text):
     """A 95 % interval, as short as it can be: .0118–.0145, 5–7 %, 1.02–1.27; empty where there is none, or no width to it."""
     if not interval or interval[0] == interval[1]:
         return ""
+    if interval[1] is None:
+        return f"{text(interval[0])} or more"
     low, high = (text(value) for value in interval)
     for unit in ("\u00a0%", " ×"):
         if high.endswith(unit):
@@ -103,7 +105,6 @@ class Findings:
         summary = inputs.summary
         self.functions = {key: node.count() for key, node in summary["functions"].entries()}
         self.tau = {key: node.number() for key, node in summary["tau"].entries()}
-        self.sample_count = len(inputs.sampled(inputs.representations[0], "best_known", "all"))
         self.sample_theta_count = len(inputs.sampled(inputs.representations[0], "best_known"))
 
     def summary_of(self, representation):
@@ -195,6 +196,19 @@ class Findings:
                 rows.append(row)
             tables.append({"name": name, "rows": rows})
         return tables
+
+    def convergence(self):
+        """Whether direct fits have converged: mean error by random starts and by steps of Adam, where validate measured it."""
+        rows = []
+        for name in self.inputs.representations:
+            node = self.summary_of(name)
+            if "convergence" not in node.value or not node["convergence"]["functions"].count():
+                continue
+            point = lambda p, key, noun: (plural(p[key].count(), noun), error(p["rmse_mean"].number()))
+            of = node["convergence"]
+            rows.append({"name": name, "functions": grouped(of["functions"].count()), "restarts": [point(p, "restarts", "start") for p in of["by_restarts"].items()],
+                         "steps": [point(p, "adam_steps", "step") for p in of["by_adam_steps"].items()]})
+        return rows
 
     def ratio_tables(self):
         """How far each word is above the best known and above direct, function by function."""

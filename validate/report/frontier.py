@@ -28,12 +28,11 @@ import proof_inputs
 import verdict
 
 # marker, filled, size, words
-MARKS = {"network": ("o", True, 6.5, "network"), "corrected": ("s", True, 5.5, "corrected"), "stages": ("D", True, 4.5, "stages"), "lm": ("^", True, 5.5, "+ LM"),
-         "adam": ("v", True, 5.5, "+ Adam"), "direct_lm": ("^", False, 5.5, "LM from θ₀ or random"),
-         "direct_adam": ("v", False, 5.5, "Adam from θ₀ or random"), "setting": ("x", True, 4.5, "other settings")}
-FAMILIES = {"network": "network", "generator": "network", "corrected": "corrected", "stages": "stages", "lm_from_generator": "lm", "adam_from_generator": "adam",
+MARKS = {"network": ("o", True, 6.5, "network"), "corrected": ("s", True, 5.5, "corrected"), "fitted": ("D", True, 5, "fitted"), "stored": ("P", True, 6.5, "stored"),
+         "stages": (".", True, 5.5, "other stages"), "lm": ("^", True, 5, "+ LM"), "adam": ("v", True, 5, "+ Adam"), "direct_lm": ("^", False, 5.5, "LM alone"),
+         "direct_adam": ("v", False, 5.5, "Adam alone"), "setting": ("x", True, 4.5, "settings")}
+FAMILIES = {"stages": "stages", "lm_from_corrected": "lm", "adam_from_corrected": "adam",
             "lm_from_theta0": "direct_lm", "lm_from_random": "direct_lm", "adam_from_theta0": "direct_adam", "adam_from_random": "direct_adam"}
-CHAINS = ("stages", "lm_from_generator", "adam_from_generator", *verdict.DIRECT)
 BAND = "#0072B2"
 KEY_HEIGHTS = (0.965, 0.925)  # of the two rows of the key, shares of the figure
 
@@ -41,55 +40,68 @@ KEY_HEIGHTS = (0.965, 0.925)  # of the two rows of the key, shares of the figure
 @dataclass
 class View:
     """The functions that a plot of the whole set is over."""
+    population: str
     words: str
-    spread: object    # point → Spread
-    mean: object      # point → mean RMSE
-    tent: float       # median RMSE of the bare tent
-    on_front: object  # point → bool
+    tent: float       # mean RMSE of the bare tent
     sentence: str
+
+    def spread(self, point):
+        return point.over(self.population)
+
+    def on_front(self, point):
+        return point.fronts[self.population]
 
 
 def views(frontier):
-    """Hard functions first: most functions of a level are nearly the bare tent, and a median over all sees little else."""
-    every = View(f"all {frontier.function_count} functions", lambda p: p.whole, lambda p: p.figures["rmse_mean"], frontier.tent, lambda p: p.on_front, frontier.front_sentence)
-    hard = View(f"the {frontier.hard_count} hard functions", lambda p: p.whole_hard, lambda p: p.hard["rmse_mean"], frontier.tent_hard, lambda p: p.on_hard_front, frontier.hard_front_sentence)
-    return [hard, every] if frontier.hard_count else [every]
+    """Functions that take a theta, then the hard ones of them."""
+    return [View(population, f"{frontier.functions[population]} {words}", frontier.tent[population], frontier.sentences[population])
+            for population, words in (("theta", "functions that take a θ"), ("hard", "hard functions")) if frontier.functions[population]]
 
 
 def stage_points(frontier, representation):
-    """Stage's name → the point after it: what every stage of the policy costs and gains."""
-    return {point.label: point for point in frontier.points if point.family == "stages" and point.representation == representation} if frontier else {}
+    """Stages' titles → the point after each: what a stage of the policy costs and gains."""
+    return {point.label: point for point in frontier.points if point.family == "stages" and point.budget is None and point.representation == representation} if frontier else {}
 
 
-def look(family):
-    return MARKS[FAMILIES.get(family, "setting")]
+def kind_of(point):
+    """Which mark: the last of its words, or its family."""
+    if point.words:
+        return point.words[-1]
+    return FAMILIES.get(point.family.removesuffix("_loosely").removesuffix("_gated"), "setting")
+
+
+def is_chain(point):
+    """Whether a line joins the budgets of the point's family."""
+    return point.family == "stages" and point.budget is None or kind_of(point) in ("lm", "adam", "direct_lm", "direct_adam")
+
+
+def look(point):
+    return MARKS[kind_of(point)]
 
 
 def figure_text(point, spread):
     return (f"{point.representation}: {point.label}\n{plots.duration(spread.us)} a function\n"
-            f"RMSE {spread.median:.4f}, p5–p95 {spread.p5:.4f} to {spread.p95:.4f}")
+            f"RMSE {spread.mean:.4f}, p5–p95 {spread.p5:.4f} to {spread.p95:.4f}")
 
 
 def front_of(frontier, view):
     """(point, its spread) of the front by rising time, as nlg-validate marked it."""
     members = [(point, view.spread(point)) for point in frontier.points if view.on_front(point)]
-    return sorted(members, key=lambda member: (member[1].us, member[1].median))
+    return sorted(members, key=lambda member: (member[1].us, member[1].mean))
 
 
 def front_of_scene(frontier, scene):
-    """The same of one scene, by median error. Left out is what several cores did at once, which took longer than its time says, and
-    what is no better than the bare tent, which takes no time."""
-    some = [(p.by_scene[scene].us, p.by_scene[scene].median, i) for i, p in enumerate(frontier.points)
-            if scene in p.by_scene and p.by_scene[scene].us > 0 and p.family != "threads"
-            and p.by_scene[scene].median < frontier.tent_by_scene.get(scene, float("inf"))]
+    """The same of one scene, by mean error. Left out is what is no better than the bare tent, which takes no time."""
+    some = [(p.by_scene[scene].us, p.by_scene[scene].mean, i) for i, p in enumerate(frontier.points)
+            if scene in p.by_scene and p.by_scene[scene].us > 0 and p.by_scene[scene].mean < frontier.tent_by_scene.get(scene, float("inf"))]
     members = [(frontier.points[i], frontier.points[i].by_scene[scene]) for _, _, i in plots.pareto(some)]
-    return sorted(members, key=lambda member: (member[1].us, member[1].median))
+    return sorted(members, key=lambda member: (member[1].us, member[1].mean))
 
 
 def limits_of(spreads, members):
     """((time from, to), (error from, to)) around all points; the bands of fronts are cut at the edge."""
     times = [s.us for s in spreads if s.us > 0]
-    errors = [s.median for s in spreads if s.median > 0] or [1e-3]
+    errors = [s.mean for s in spreads if s.mean > 0] or [1e-3]
     bands = [value for s in members for value in (s.p5, s.p95) if value > 0] or errors
     return (min(times) / 1.6, max(times) * 1.9), (max(min(errors + bands) / 1.25, max(errors) / 2000), max(errors + bands) * 1.3)
 
@@ -107,14 +119,14 @@ def draw_front(axes, front, bounds):
     axes.fill_between(times, clipped([s.p5 for _, s in front]), clipped([s.p95 for _, s in front]), color=BAND, alpha=0.13, linewidth=0, zorder=1)
     for key in ("p5", "p95"):
         axes.plot(times, clipped([getattr(s, key) for _, s in front]), color=BAND, linewidth=0.7, alpha=0.55, zorder=1)
-    axes.plot(times, clipped([s.median for _, s in front]), color=plots.INK, linewidth=1.8, zorder=4)
+    axes.plot(times, clipped([s.mean for _, s in front]), color=plots.INK, linewidth=1.8, zorder=4)
 
 
-def draw_tent(axes, median, bounds):
+def draw_tent(axes, error, bounds):
     """What costs nothing: whatever lies above this line is worth nothing."""
-    if bounds[0] < median < bounds[1]:
-        axes.axhline(median, color=plots.COLOURS["tent"], linewidth=1.1, linestyle=(0, (5, 3)), zorder=3)
-        axes.annotate("bare tent, no network", (0.995, median), xycoords=("axes fraction", "data"), xytext=(0, 3), textcoords="offset points", ha="right", va="bottom",
+    if bounds[0] < error < bounds[1]:
+        axes.axhline(error, color=plots.COLOURS["tent"], linewidth=1.1, linestyle=(0, (5, 3)), zorder=3)
+        axes.annotate("bare tent, no network", (0.995, error), xycoords=("axes fraction", "data"), xytext=(0, 3), textcoords="offset points", ha="right", va="bottom",
                       fontsize=8, color=plots.COLOURS["tent"], zorder=8)
 
 
@@ -123,11 +135,11 @@ def draw_chains(axes, frontier, view, bounds):
     chains = {}
     for point in frontier.points:
         spread = view.spread(point)
-        if point.family in CHAINS and spread.median > 0:
-            chains.setdefault((point.representation, point.family), []).append((spread.us, spread.median))
+        if is_chain(point) and spread.mean > 0:
+            chains.setdefault((point.representation, point.family), []).append((spread.us, spread.mean))
     for (representation, family), line in sorted(chains.items()):
         axes.plot(*zip(*sorted(line)), color=plots.representation_colour(representation), linewidth=0.7, alpha=0.4,
-                  linestyle="-" if look(family)[1] else (0, (3, 2)), zorder=2)
+                  linestyle=(0, (3, 2)) if verdict.is_direct(family) else "-", zorder=2)
 
 
 def draw_whole(frontier, view, name):
@@ -137,19 +149,19 @@ def draw_whole(frontier, view, name):
     axes.grid(True)
     front, hover = front_of(frontier, view), {}
     # what random starts are after a few steps would take half of the height: it lies above the plot
-    time_limits, bounds = limits_of([view.spread(point) for point in frontier.points if "random" not in point.family], [spread for _, spread in front])
+    time_limits, bounds = limits_of([view.spread(point) for point in frontier.points if not ("random" in point.family or point.family.startswith("adam_from_theta0"))], [spread for _, spread in front])
     time_axis(axes, *time_limits)
     plots.log_error_axis(axes.yaxis, *bounds)
-    axes.set(xlabel="time per function, median (log)", ylabel=f"RMSE, median over {view.words} (log)")
+    axes.set(xlabel="time per function, median (log)", ylabel=f"RMSE, mean over {view.words} (log)")
     draw_tent(axes, view.tent, bounds)
     draw_front(axes, front, bounds)
     draw_chains(axes, frontier, view, bounds)
     for index, point in enumerate(frontier.points):
         spread, on_front = view.spread(point), view.on_front(point)
-        marker, filled, size, _ = look(point.family)
+        marker, filled, size, _ = look(point)
         shade = plots.representation_colour(point.representation)
-        is_default = look(point.family) in (MARKS["network"], MARKS["corrected"]) and point.budget is None
-        axes.plot(spread.us, spread.median, marker, color=shade, gid=f"{name}-point-{index}",
+        is_default = bool(point.words)
+        axes.plot(spread.us, spread.mean, marker, color=shade, gid=f"{name}-point-{index}",
                   markersize=size * (1.5 if on_front else 1.25 if is_default else 0.8), alpha=1 if on_front or is_default else 0.6,
                   markerfacecolor=shade if filled else "white", markeredgecolor=plots.INK if on_front else shade,
                   markeredgewidth=1.1, zorder=7 if on_front else 6 if is_default else 5 if filled else 3)
@@ -157,7 +169,7 @@ def draw_whole(frontier, view, name):
     key(axes, frontier)
     # below the front there is nothing: numbers stand there and cover no point
     for number, (_, spread) in enumerate(front, 1):
-        axes.annotate(str(number), (spread.us, spread.median), xytext=(-3, -6), textcoords="offset points", ha="right", va="top",
+        axes.annotate(str(number), (spread.us, spread.mean), xytext=(-3, -6), textcoords="offset points", ha="right", va="top",
                       fontsize=9, fontweight="bold", color=plots.INK, zorder=8)
     return figure, hover
 
@@ -172,8 +184,8 @@ def list_members(figure, frontier, view):
     figure.get_layout_engine().set(rect=(0, share, 1, 1 - share - 0.08 * above / height))
     for legend, y in zip(figure.legends, KEY_HEIGHTS):
         legend.set_bbox_to_anchor((0.005, share + y * (1 - share)))
-    head = ("", "on the front, from the fastest", "time a function", "RMSE, median", "mean", "p95")
-    rows = [head] + [(str(n), f"{point.representation}: {point.label}", plots.duration(s.us), f"{s.median:.4f}", f"{view.mean(point):.4f}", f"{s.p95:.4f}")
+    head = ("", "on the front, from the fastest", "time a function", "RMSE, mean", "p5", "p95")
+    rows = [head] + [(str(n), f"{point.representation}: {point.label}", plots.duration(s.us), f"{s.mean:.4f}", f"{s.p5:.4f}", f"{s.p95:.4f}")
                      for n, (point, s) in enumerate(front, 1)]
     shades = [plots.MUTED] + [plots.representation_colour(point.representation) for point, _ in front]
     for index, (row, shade) in enumerate(zip(rows, shades)):
@@ -184,7 +196,7 @@ def list_members(figure, frontier, view):
 
 def key(axes, frontier):
     line = plots.plt.Line2D
-    present = {FAMILIES.get(point.family, "setting") for point in frontier.points}
+    present = {kind_of(point) for point in frontier.points}
     marks = [line([], [], linewidth=0, marker=marker, markersize=size, color=plots.MUTED, markerfacecolor=plots.MUTED if filled else "white", label=words)
              for name, (marker, filled, size, words) in MARKS.items() if name in present]
     shades = [line([], [], linewidth=0, marker="o", markersize=5, color=plots.representation_colour(name), label=name)
@@ -204,17 +216,17 @@ def draw_scene(frontier, scene, time_limits, bounds):
     time_axis(axes, *time_limits)
     plots.log_error_axis(axes.yaxis, *bounds)
     axes.tick_params(labelsize=7.5)
-    axes.set(xlabel="time per function", ylabel="RMSE, median")
+    axes.set(xlabel="time per function", ylabel="RMSE, mean")
     some = [(p, p.by_scene[scene]) for p in frontier.points if scene in p.by_scene]
-    axes.scatter([s.us for _, s in some], np.clip([s.median for _, s in some], *bounds), s=7, linewidths=0, alpha=0.45, rasterized=True, zorder=2,
+    axes.scatter([s.us for _, s in some], np.clip([s.mean for _, s in some], *bounds), s=7, linewidths=0, alpha=0.45, rasterized=True, zorder=2,
                  c=[plots.representation_colour(p.representation) for p, _ in some])
     front, hover = front_of_scene(frontier, scene), {}
     draw_tent(axes, frontier.tent_by_scene.get(scene, 0.0), bounds)
     draw_front(axes, front, bounds)
     for index, (point, spread) in enumerate(front):
-        marker, filled, size, _ = look(point.family)
+        marker, filled, size, _ = look(point)
         shade = plots.representation_colour(point.representation)
-        axes.plot(spread.us, np.clip(spread.median, *bounds), marker, color=shade, markersize=size, markeredgewidth=1.0, gid=f"front-{index}",
+        axes.plot(spread.us, np.clip(spread.mean, *bounds), marker, color=shade, markersize=size, markeredgewidth=1.0, gid=f"front-{index}",
                   markerfacecolor=shade if filled else "white", markeredgecolor=plots.INK, zorder=5)
         hover[f"front-{index}"] = figure_text(point, spread)
     return figure, hover
@@ -240,17 +252,18 @@ def scene_svgs(frontier, order):
 
 
 def csv_bytes(frontier):
-    """One row a point and scene; the whole set as scene 'all'."""
+    """One row a point and population, over the whole set as scene 'all', then one a point and scene, of functions that take a theta."""
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(["scene", "representation", "family", "budget", "label", "on_front", *proof_inputs.POINT_KEYS, "on_hard_front", *(f"hard_{key}" for key in proof_inputs.HARD_KEYS)])
+    rows.writerow(["scene", "representation", "family", "budget", "label", "words", "population", "on_front", *proof_inputs.POINT_KEYS])
     for p in frontier.points:
-        who = [p.representation, p.family, "" if p.budget is None else f"{p.budget:g}", p.label]
-        rows.writerow(["all", *who, int(p.on_front), *(f"{p.figures[k]:.6g}" for k in proof_inputs.POINT_KEYS),
-                       *([int(p.on_hard_front), *(f"{p.hard[k]:.6g}" for k in proof_inputs.HARD_KEYS)] if p.hard else [""] * 6)])
+        who = [p.representation, p.family, "" if p.budget is None else f"{p.budget:g}", p.label, "+".join(p.words)]
+        for population, figures in p.figures.items():
+            if figures:
+                rows.writerow(["all", *who, population, int(p.fronts[population]), *(f"{figures[k]:.6g}" for k in proof_inputs.POINT_KEYS)])
         for scene, s in p.by_scene.items():
-            values = {"us_median": s.us, "rmse_median": s.median, "rmse_p5": s.p5, "rmse_p95": s.p95}
-            rows.writerow([scene, *who, "", *(f"{values[k]:.6g}" if k in values else "" for k in proof_inputs.POINT_KEYS), *[""] * 6])
+            values = {"us_median": s.us, "rmse_mean": s.mean, "rmse_p5": s.p5, "rmse_p95": s.p95}
+            rows.writerow([scene, *who, "theta", "", *(f"{values[k]:.6g}" if k in values else "" for k in proof_inputs.POINT_KEYS)])
     return text.getvalue().encode()
 
 

@@ -2,63 +2,69 @@
 
 docs/reference/formats.md says what stands in them. Read and checked as everything else (inputs.py); nothing here draws or decides.
 """
+import json
+import re
 from dataclasses import dataclass
 
-from inputs import InputError, read_json
+import summary_v1
+from inputs import POPULATIONS, InputError, read_json
 
 GROUPS = ("functions", "optimisers", "pca", "generator", "scenes", "training")
+FRONTIER_SCHEMA_VERSION = 2
 SAVINGS_KEYS = ("savings", "needs")  # of nlg-bake's report: today's name and the one before
-ERRORS = ("median", "p5", "p95")
-HARD_KEYS = ("rmse_mean", "rmse_median", "rmse_p5", "rmse_p95", "rmse_worst")
-POINT_KEYS = ("us_median", "us_p25", "us_p75", "rmse_mean", "rmse_median", "rmse_p5", "rmse_p95", "rmse_worst", "leak_p99")
+ERROR_KEYS = ("rmse_mean", "rmse_median", "rmse_p5", "rmse_p95", "rmse_worst")
+POINT_KEYS = ("us_median", "us_p25", "us_p75", *ERROR_KEYS, "leak_p99", "share_fitted")
 
 
 @dataclass
 class Spread:
-    """One method on some functions: time and error, the median and what lies around it."""
+    """One way on some functions: its time, its mean error, and between which percentiles its errors lie."""
     us: float
-    median: float
+    mean: float
     p5: float
     p95: float
 
 
 @dataclass
 class Point:
-    """One method at one budget."""
+    """One way at one budget."""
     representation: str
     family: str
     budget: object        # a number, or None where the family has none
     label: str
-    figures: dict         # POINT_KEYS → number
-    on_front: bool
-    by_scene: dict        # scene → Spread
-    hard: object          # figures of the hard functions: HARD_KEYS → number; None where there is none
-    on_hard_front: bool
+    words: list           # of network, corrected, fitted, stored: what theta is after this
+    figures: dict         # population → POINT_KEYS → number; None where the population has no function
+    fronts: dict          # population → whether the point is on its front
+    by_scene: dict        # scene → Spread, of functions that take a theta
 
-    @property
-    def whole(self):
-        f = self.figures
-        return Spread(f["us_median"], f["rmse_median"], f["rmse_p5"], f["rmse_p95"])
+    def over(self, population):
+        f = self.figures[population]
+        return Spread(f["us_median"], f["rmse_mean"], f["rmse_p5"], f["rmse_p95"]) if f else None
 
-    @property
-    def whole_hard(self):
-        """The hard functions' errors, at the time of all: a bake does not know beforehand what is hard."""
-        return Spread(self.figures["us_median"], *(self.hard[f"rmse_{q}"] for q in ERRORS)) if self.hard else None
+
+@dataclass
+class Speed:
+    """How much longer the fastest direct fit takes to the mean error of one word, over the functions that take a theta."""
+    time_us: float
+    rival: object         # which fit; None: there is no ratio, and the reason says why
+    rival_us: object
+    ratio: object
+    low: object           # 95 %
+    high: object          # None: no bound
+    reason: object
 
 
 @dataclass
 class Frontier:
     path: str
     held_out: str         # SHA-256 of the shards that it was measured on
-    function_count: int
-    hard_count: int
+    functions: dict       # population → how many
     scenes: list
     points: list
-    front_sentence: str
-    hard_front_sentence: str
-    tent: float           # median RMSE of the bare tent, which takes no time
-    tent_hard: object     # … over the hard functions; None where there is none
+    sentences: dict       # population → its front in words
+    tent: dict            # population → mean RMSE of the bare tent, which takes no time; None without functions
     tent_by_scene: dict   # scene → the same
+    speeds: dict          # representation → word → Speed
     hierarchy: list       # one dict a step: texts and numbers
     walks: list           # the same
 
@@ -90,9 +96,9 @@ class Saving:
     note: str
 
 
-def check_schema(node):
-    if node["schema_version"].count() != 1:
-        node["schema_version"].refuse("1", node["schema_version"].value)
+def check_schema(node, version=1):
+    if node["schema_version"].count() != version:
+        node["schema_version"].refuse(str(version), node["schema_version"].value)
 
 
 def truth(node):
@@ -137,44 +143,51 @@ def refuse_other_weights(path, summary, representations):
 
 def read_spread(node):
     check_quantiles(node)
-    return Spread(node["us_median"].number(), *(node[f"rmse_{q}"].number() for q in ERRORS))
+    return Spread(*(node[key].number() for key in ("us_median", "rmse_mean", "rmse_p5", "rmse_p95")))
 
 
-def read_hard(node):
+def read_figures(node):
     check_quantiles(node)
-    return {key: node[key].number() for key in HARD_KEYS}
+    if node["us_median"].number() <= 0:
+        node["us_median"].refuse("a time above 0", node["us_median"].value)
+    return {key: node[key].number() for key in POINT_KEYS}
 
 
 def read_point(node):
-    budget = optional(node["budget"], lambda n: n.number())
-    by_scene = {scene: read_spread(some) for scene, some in node["by_scene"].entries()}
-    point = Point(node["representation"].text(), node["family"].text(), budget, node["label"].text(),
-                  {key: node[key].number() for key in POINT_KEYS}, truth(node["on_front"]), by_scene,
-                  optional(node["hard"], read_hard), bool(optional(node["hard"], lambda hard: truth(hard["on_front"]))))
-    check_quantiles(node)
-    if point.whole.us <= 0:
-        node["us_median"].refuse("a time above 0", point.whole.us)
-    return point
+    figures = {population: optional(node["figures"][population], read_figures) for population in POPULATIONS}
+    fronts = {population: figures[population] is not None and truth(node["figures"][population]["on_front"]) for population in POPULATIONS}
+    return Point(node["representation"].text(), node["family"].text(), optional(node["budget"], lambda n: n.number()), node["label"].text(),
+                 [word.text() for word in node["words"].items()], figures, fronts, {scene: read_spread(some) for scene, some in node["by_scene"].value and node["by_scene"].entries() or ()})
+
+
+def read_speed(node):
+    ratio = [optional(node["ratio"], lambda n: optional(n[key], lambda m: m.number())) for key in ("value", "low", "high")]
+    if ratio[0] is None and node["reason"].value is None:
+        node["ratio"].refuse("a ratio, or a reason why there is none", "neither")
+    return Speed(node["time_us"].number(), optional(node["rival"], lambda n: n.text()), optional(node["rival_us_at_equal_error"], lambda n: n.number()), *ratio,
+                 optional(node["reason"], lambda n: n.text()))
 
 
 def read_frontier(path):
-    file = read_json(path)
-    check_schema(file)
+    file = summary_v1.upgraded_frontier(read_json(path))
+    check_schema(file, FRONTIER_SCHEMA_VERSION)
     scenes = [node.text() for node in file["scenes"].items()]
+    functions = {population: file["functions"][population].count() for population in POPULATIONS}
     points = [read_point(node) for node in file["points"].items()]
     for index, point in enumerate(points):
         for scene in point.by_scene:
             if scene not in scenes:
                 raise InputError(path, f"points[{index}].by_scene", "scenes of the list 'scenes'", f"'{scene}'")
-    hard_count = file["hard_functions"].count()
-    for index, point in enumerate(points):
-        if (point.hard is None) != (hard_count == 0):
-            file["points"].refuse("figures of hard functions in all points, or no hard function", f"points[{index}]")
+        for population in POPULATIONS:
+            if (point.figures[population] is None) != (functions[population] == 0):
+                file["points"].refuse(f"figures of '{population}' where it has functions, and only there", f"points[{index}]")
     tent = file["bare_tent"]
+    entries = lambda node: node.entries() if node.value else []
+    speeds = {name: {word: read_speed(speed) for word, speed in entries(words)} for name, words in entries(file["speed_at_equal_error"])}
     lists = [[row(node) for node in file[key].items()] for key in ("hierarchy", "walks")]
-    return Frontier(path, file["provenance"]["inputs"]["held_out"].text(), file["functions"].count(), hard_count, scenes, points, file["front_sentence"].text(), file["hard_front_sentence"].text(),
-                    tent["rmse_median"].number(), optional(tent["hard"], lambda n: n["rmse_median"].number()),
-                    {scene: node["rmse_median"].number() for scene, node in tent["by_scene"].entries()}, *lists)
+    return Frontier(path, file["provenance"]["inputs"]["held_out"].text(), functions, scenes, points, {population: file["front_sentences"][population].text() for population in POPULATIONS},
+                    {population: optional(tent["figures"][population], lambda n: n["rmse_mean"].number()) for population in POPULATIONS},
+                    {scene: node["rmse_mean"].number() for scene, node in entries(tent["by_scene"])}, speeds, *lists)
 
 
 def check_same_scenes(frontier, summary):
@@ -213,3 +226,21 @@ def read_savings(path):
         if rows[-1].count > rows[-1].of:
             node["count"].refuse(f"at most 'of', {rows[-1].of}", rows[-1].count)
     return file["scene"].text(), rows
+
+
+def setting_words(text):
+    """"train.steps: 3000, full 8000" of the workflow as words: "train, steps: 3,000 instead of 8,000"."""
+    found = re.fullmatch(r"(\w+)\.(\w+): (.+), full (.+)", text)
+    if not found:
+        return text
+    section, key, value, full = found.groups()
+
+    def plain(some):
+        try:
+            some = json.loads(some)
+        except ValueError:
+            return some
+        if isinstance(some, list):
+            return ", ".join(map(str, some)) or "none"
+        return f"{some:,}" if isinstance(some, int) and not isinstance(some, bool) else "the default" if some is None else str(some)
+    return f"{section}, {key.replace('_', ' ')}: {plain(value)} instead of {plain(full)}"

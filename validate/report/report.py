@@ -45,6 +45,7 @@ class Proof:
     savings: object = None   # of (scene, rows)
     paths: dict = field(default_factory=dict)  # role → path
     is_evaluation: bool = False  # the scenes that published figures are of
+    left_out: list = field(default_factory=list)  # what the run did less of than a full one, in words
 
 
 def draw_plots(inputs, findings, frontier, scene_order):
@@ -83,12 +84,13 @@ def run_time_limits(inputs):
 
 def frontier_tables(frontier):
     """(title, what it says, rows) behind the frontier's plots."""
-    settings = [{"representation": p.representation, "what": p.label, "time": plots.duration(p.figures["us_median"]),
-                 **{key.replace("rmse_", "RMSE ", 1): p.figures[key] for key in ("rmse_median", "rmse_mean", "rmse_p95", "rmse_worst")},
-                 "leak p99": p.figures["leak_p99"]} for p in frontier.points if p.family not in frontier_module.CHAINS]
+    settings = [{"representation": p.representation, "what": p.label, "time": plots.duration(p.figures["theta"]["us_median"]),
+                 **{key.replace("rmse_", "RMSE ", 1): p.figures["theta"][key] for key in ("rmse_median", "rmse_mean", "rmse_p95", "rmse_worst")},
+                 "took a fit": findings_module.percent(p.figures["theta"]["share_fitted"]), "leak p99": p.figures["theta"]["leak_p99"]}
+                for p in frontier.points if not frontier_module.is_chain(p) and p.figures["theta"]]
     return [("From the truth to the generator", "How much error each step adds: the function that was solved for, the target φ, a direct fit, the generator's θ.", frontier.hierarchy),
             ("Along straight walks", "What a viewer would notice: the largest jump between neighbouring samples.", frontier.walks),
-            ("Generators and settings", "Without any fit after them, and with other resolutions, coefficients, precisions, cores.", settings)]
+            ("Generators and settings", "Functions that take a θ: the policy with smaller budgets, and the network with fewer coefficients or in other precisions.", settings)]
 
 
 # section's id → its name in the list of contents
@@ -104,6 +106,7 @@ def contents(proof):
 def provenance_rows(inputs, proof, limits):
     origin = inputs.summary["provenance"]
     rows = [("made by", f"{origin['tool'].text()}, revision {origin['revision'].text()}")]
+    rows += [("left out of this run; effort: full brings it back", text) for text in proof.left_out]
     rows += [(f"option {key}", str(node.value)) for key, node in origin["options"].entries()]
     rows += [(f"SHA-256 of {key}", node.text()) for key, node in origin["inputs"].entries()]
     rows += [(f"SHA-256 of the weights of {n}", inputs.summary["representations"][n]["weights_sha256"].text()) for n in inputs.representations]
@@ -114,7 +117,7 @@ def provenance_rows(inputs, proof, limits):
 
 def proof_values(proof, decision):
     """What the template shows of the proof's files."""
-    values = {"decision": decision, "frontier": proof.frontier, "savings": proof.savings, "is_evaluation": proof.is_evaluation, "contents": contents(proof), "table": decision_module.table,
+    values = {"decision": decision, "frontier": proof.frontier, "savings": proof.savings, "is_evaluation": proof.is_evaluation, "left_out": [proof_inputs.setting_words(text) for text in proof.left_out], "contents": contents(proof), "table": decision_module.table,
               "percent": findings_module.percent, "talk_fitted": findings_module.TALK_FITTED, "stage_tables": decision.stage_tables(proof.frontier)}
     if proof.frontier:
         views = frontier_module.views(proof.frontier)
@@ -142,7 +145,7 @@ def render(inputs, proof, limits):
 
 
 def read_proof(arguments, summary):
-    proof = Proof(is_evaluation=arguments.evaluation)
+    proof = Proof(is_evaluation=arguments.evaluation, left_out=arguments.left_out)
     if arguments.frontier:
         proof.frontier, proof.paths["frontier"] = proof_inputs.read_frontier(arguments.frontier), arguments.frontier
         proof_inputs.refuse_other_weights(arguments.frontier, summary, {point.representation for point in proof.frontier.points})
@@ -167,6 +170,7 @@ def parse_arguments():
     parser.add_argument("--stability", help="what nlg-validate stability wrote")
     parser.add_argument("--savings", "--needs", nargs="+", help="what nlg-bake printed, with its table of savings, one a scene (--needs: the name before)")
     parser.add_argument("--evaluation", "--test", action="store_true", help="the scenes are the evaluation, which published figures are of: the page says so (--test: the name before)")
+    parser.add_argument("--left-out", nargs="*", default=[], help="what the run did less of than a full one, a text each: stands in the page's provenance")
     limits = verdict.Limits()
     parser.add_argument("--max-share-failing", type=float, default=limits.share_failing, help="a generator may ship of whose stored functions that take a theta at most this share fails the check (default: %(default)g)")
     parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and whose stored error is at most so many times the best known on hard functions, by median (default: %(default)g)")

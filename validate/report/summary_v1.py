@@ -90,3 +90,24 @@ def upgraded(node):
                                         "stages": [], **{word: populations(table[name, word], leak[word]) for word in ("network", "corrected", "fitted", "stored")}, "sample": sample,
                                         "by_scene": {scene: {"stored": q, "network": q} for scene, q in r["by_scene"].items()}}
     return type(node)(node.path, node.place, new)
+
+
+def upgraded_frontier(node):
+    """The same for frontier.json of version 1, which did not time exactly equal errors."""
+    old = node.value
+    if not isinstance(old, dict) or old.get("schema_version") != 1 or "hard_functions" not in old:
+        return node
+    keys = ("us_median", "us_p25", "us_p75", "leak_p99")
+    points = []
+    for p in old["points"]:
+        all_of = {**{k: v for k, v in p.items() if k in keys or k.startswith("rmse_") or k == "on_front"}, "share_fitted": 0.0}
+        hard = {**all_of, **p["hard"]} if p["hard"] else None
+        word = {"generator": ["network"], "corrected": ["corrected"]}.get(p["family"], [])
+        points.append({"representation": p["representation"], "family": p["family"].replace("_from_generator", "_from_corrected"), "budget": p["budget"], "label": p["label"], "words": word,
+                       "figures": {"all": all_of, "theta": all_of, "hard": hard}, "by_scene": p["by_scene"]})
+    tent = old["bare_tent"]
+    count, errors = old["functions"], {k: v for k, v in tent.items() if k.startswith("rmse_")}
+    return type(node)(node.path, node.place, {**old, "schema_version": 2, "functions": {"all": count, "theta": count, "hard": old["hard_functions"]}, "points": points,
+                                              "bare_tent": {"figures": {"all": errors, "theta": errors, "hard": tent["hard"]}, "by_scene": tent["by_scene"]},
+                                              "front_sentences": {"all": old["front_sentence"], "theta": old["front_sentence"], "hard": old["hard_front_sentence"]},
+                                              "speed_at_equal_error": {}, "speed_at_equal_error_hard": {}})

@@ -7,7 +7,7 @@ report.py's flags, and stand on the page beside what was measured.
 """
 from dataclasses import dataclass
 
-DIRECT = ("lm_from_theta0", "lm_from_random", "adam_from_theta0", "adam_from_random")  # families of the frontier
+DIRECT = ("lm_from_theta0", "lm_from_random", "adam_from_theta0", "adam_from_random")  # families of the frontier; each may stand with a gate as well
 SHIPS, FAILS, UNDECIDED = "may ship", "may not ship", "undecided"
 
 
@@ -32,7 +32,7 @@ class Judgement:
     failing: Figure   # share of stored functions that fail the check, of those that take a theta
     hard: Figure      # stored error over the best known, median over hard functions of the sample
     equal: object     # EqualError, or None
-    speedup: Figure   # its ratio: time of the fastest direct fit of no larger mean error over that of generator and correction
+    speedup: Figure   # its ratio: time of the fastest direct fit to exactly the mean error that is stored, over that of the policy
 
     @property
     def figures(self):
@@ -47,26 +47,32 @@ class Judgement:
 
 @dataclass
 class EqualError:
-    """What a generator is worth in time: against the fastest direct fit whose mean error is no larger."""
-    generator_us: float
-    direct_us: float
-    label: object  # of that fit; None: no budget reaches the generator's error, and direct_us is the longest's
+    """What a generator is worth in time: what is stored, against the fastest direct fit to the same mean error."""
+    stored_us: float
+    direct_us: object  # None: not known
+    label: object      # of that fit; None: no budget reaches the error, and direct_us is the longest's
+    ratio: object
+    interval: object   # (low, high), 95 %; high None: no bound
+    reason: object     # why there is no ratio of exactly equal errors
 
-    @property
-    def ratio(self):
-        return self.direct_us / self.generator_us
+
+def is_direct(family):
+    return family.removesuffix("_loosely").removesuffix("_gated") in DIRECT
 
 
 def at_equal_error(frontier, representation):
-    """None without a frontier, or where it has no corrected generator or no direct fit of the representation."""
-    own = [point for point in frontier.points if point.representation == representation] if frontier else []
-    corrected = [point for point in own if point.family == "corrected" and point.budget is None]
-    fits = sorted((point for point in own if point.family in DIRECT), key=lambda point: point.whole.us)
-    if not corrected or not fits:
+    """None without a frontier, or where it says nothing of the representation."""
+    speed = frontier.speeds.get(representation, {}).get("stored") if frontier else None
+    if speed is None:
         return None
-    reached = [point for point in fits if point.figures["rmse_mean"] <= corrected[0].figures["rmse_mean"]]
-    fit, label = (reached[0], reached[0].label) if reached else (fits[-1], None)
-    return EqualError(corrected[0].whole.us, fit.whole.us, label)
+    if speed.ratio is not None:
+        return EqualError(speed.time_us, speed.rival_us, speed.rival, speed.ratio, (speed.low, speed.high), None)
+    fits = [point.over("theta") for point in frontier.points if point.representation == representation and is_direct(point.family) and point.figures["theta"]]
+    error = [point.over("theta").mean for point in frontier.points if point.representation == representation and "stored" in point.words and point.figures["theta"]]
+    if fits and error and all(fit.mean > error[0] for fit in fits):  # the longest fit's time is what it takes at least
+        longest = max(fit.us for fit in fits)
+        return EqualError(speed.time_us, longest, None, longest / speed.time_us, None, speed.reason)
+    return EqualError(speed.time_us, None, None, None, None, speed.reason)
 
 
 def estimate(node):
@@ -96,7 +102,7 @@ def judge(inputs, limits, frontier=None):
         equal = at_equal_error(frontier, name)
         judgements.append(Judgement(name, at_most(share_of(node["stored"]["theta"], "share_failing_check"), limits.share_failing),
                                     at_most(estimate(node["sample"]["ratios"]["stored"]["to_best_known"]["median_hard"]), limits.error_hard), equal,
-                                    Figure(equal and equal.ratio, equal is not None and equal.ratio >= limits.speedup)))
+                                    Figure(equal and equal.ratio, bool(equal and equal.ratio and equal.ratio >= limits.speedup), equal and equal.interval)))
     return judgements
 
 

@@ -7,7 +7,8 @@
 #include <filesystem>
 #include <numeric>
 
-#include "datagen/scene/gltf_reader.h"
+#include "datagen/scene/procedural.h"
+#include "datagen/scene/scene_source.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tests/runtime_eval/each_target.h"
@@ -287,16 +288,24 @@ TEST(SupportVisibility, KnowsAnEmptySupport) {
   EXPECT_FALSE(visibility.supportIsEmpty());
 }
 
-// The definition over every triangle whose box reaches the support, wherever the tool's own collection found it or not.
-TEST(SupportVisibility, FindsEveryLinkOfRealLevelsByTheDefinition) {
-  const char* shared = std::getenv("NLG_SHARED_SCENES");
-  if (shared == nullptr) GTEST_SKIP() << "NLG_SHARED_SCENES names no folder";
-  const std::filesystem::path folder = std::filesystem::path(shared) / "levels";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " does not exist";
-  size_t links = 0, unlike_embree = 0;
+// One level of each procedural family, and the real ones of $NLG_SHARED_SCENES/levels where that names a folder.
+std::vector<std::string> levels() {
+  std::vector<std::string> requests;
+  for (const std::string& family : proceduralFamilies()) requests.push_back(family + ":3");
+  const char* const shared = std::getenv("NLG_SHARED_SCENES");
+  const std::filesystem::path folder = std::filesystem::path(shared != nullptr ? shared : "") / "levels";
+  if (shared == nullptr || !std::filesystem::exists(folder)) return requests;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() != ".glb") continue;
-    const Scene level = readGltf(entry.path());
+    if (entry.path().extension() == ".glb") requests.push_back(entry.path().string());
+  }
+  return requests;
+}
+
+// The definition over every triangle whose box reaches the support, wherever the tool's own collection found it or not.
+TEST(SupportVisibility, FindsEveryLinkOfWholeLevelsByTheDefinition) {
+  size_t links = 0, unlike_embree = 0;
+  for (const std::string& request : levels()) {
+    const Scene level = loadScene(request).scene;
     const RayScene scene(level);
     SupportVisibility visibility(scene, table());
     Random random(7);
@@ -323,8 +332,7 @@ TEST(SupportVisibility, FindsEveryLinkOfRealLevelsByTheDefinition) {
       collectLocalTriangles(level.positions, level.triangles, reaching, position, 1.5, &triangles);
       for (uint32_t l = 0; l < table().links.size(); ++l) {
         const LocalPoint &a = table().points[table().links[l].a], &b = table().points[table().links[l].b];
-        ASSERT_EQ(visibility.linkOpen(l), !meetsAny(triangles, 0.0f, a, b))
-            << entry.path() << ", probe " << attempt << ", link " << l;
+        ASSERT_EQ(visibility.linkOpen(l), !meetsAny(triangles, 0.0f, a, b)) << request << ", probe " << attempt << ", link " << l;
         unlike_embree += visibility.linkOpen(l) !=
                          clear(scene, pointAt(position, 1.5f, table().links[l].a), pointAt(position, 1.5f, table().links[l].b));
         ++links;

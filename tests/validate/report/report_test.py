@@ -106,14 +106,14 @@ def check_page(needed, proof):
         expect(target in page.ids, f"the list of contents points at #{target}, which there is none of")
     expect(page.sections[:6] == ["stages", "frontier", "scenes", "slices", "stability", "savings"] and page.sections[-1] == "provenance", f"sections: {page.sections}")
     expect("<b>&" not in text and "kaos &lt;b&gt;&amp;" in text, "a scene's name is not escaped")
-    expect(all(made_up.frontier()[key] in text for key in ("front_sentence", "hard_front_sentence")), "a sentence that names a front is missing")
+    expect(all(made_up.frontier()["front_sentences"][population] in text for population in ("theta", "hard")), "a sentence that names a front is missing")
     # the made-up suite has one failure without an explanation
     expect(page.headline == "Nothing may ship: 1 stability case failed without an explanation", f"headline: {page.headline}")
     expect(text.count('<tr class="fails">') == 1 and text.count('<tr class="explained">') == 1, "failing cases are not marked, each as what it is")
     expect(text.count('<tr class="fails-check">') == 1, "a case that holds but fails the bake's check is not marked as what it is")
     expect(text.count('<tr class="not-run">') == 1 and "19 of 21 cases hold; 1 fails and is explained; 1 fails without an explanation; the bake’s check fails 1 of those that hold; 1 was not run." in text,
            "a case that was not run counts as one that held or failed")
-    expect("Its configuration says of its effort: short." in text, "a shortened run does not say so")
+    expect("brings back 2 settings" in text and "<li>train, steps: 3,000 instead of 8,000</li>" in text and "doorway, table instead of two_rooms, doorway, table" in text, "a short run does not say what it left out")
     expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
     expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
     os.makedirs("evaluation", exist_ok=True)
@@ -155,8 +155,11 @@ def check_stages(needed):
     expect({table["name"] for table in tables} == set(made_up.REPRESENTATIONS) and tables[0]["name"] == some.leader, "a representation's stages are missing")
     for table in tables:
         points = [p for p in front.points if p.family == "stages" and p.representation == table["name"]]
-        expect([row["errors"][0] for row in table["rows"]] == [f"{p.figures['rmse_median']:.4f}" for p in points] and len(points) == len(made_up.STAGES), f"{table['name']}: {table['rows']}")
-        expect("where the RMSE is above 0.001" in table["rows"][2]["takes"] and table["rows"][2]["budget"] == "3" and table["rows"][0]["budget"] == "–", f"{table['rows'][2]}")
+        expect([(row["name"], row["errors"][0]) for row in table["rows"]] == [(p.label, f"{p.figures['theta']['rmse_median']:.4f}") for p in points] and len(points) == len(made_up.STAGES), f"{table['name']}: {table['rows']}")
+        expect((table["rows"][2]["takes"], table["rows"][2]["budget"], table["rows"][0]["takes"], table["rows"][0]["budget"])
+               == ("functions that the network left above an RMSE of 0.001 or failing the check", "3 steps at most", "all functions that take a θ", "–"), f"{table['rows'][2]}")
+    other = inputs.Node("", "", {"name": "learned_steps", "population": "those of them", "above_rmse": .005, "budget": 3, "text": "Steps."})
+    expect(some.stage_words(other) == {"name": "learned steps", "text": "Steps.", "budget": "3", "takes": "those of them whose RMSE is above 0.005"}, "a stage whose text is no description")
     expect(not any(table["has_points"] for table in some.stage_tables(None)), "figures of stages that nobody measured")
 
 
@@ -190,16 +193,21 @@ def check_verdict(needed):
     expect(undecided.judgements[1].verdict == verdict.UNDECIDED and "no hard function" in dict(undecided.objections())["mlp"], "a figure that nothing was measured for counts as reached")
     timeless = decision.Decision(data, free, None)
     expect(all("no frontier" in text for _, text in timeless.objections()) and len(timeless.objections()) == 3, f"times that nobody measured: {timeless.objections()}")
-    own = {p.label: p for p in front.points if p.representation == "mlp"}
-    fits = sorted((p for p in own.values() if p.family in verdict.DIRECT), key=lambda p: p.whole.us)
+    equal = verdict.at_equal_error(front, "tent_mlp")
+    expect((equal.stored_us, equal.direct_us, equal.label, equal.ratio, equal.interval) == (500.0, 3000.0, "LM from theta0, gated", 6.0, (4.5, 8.1)), f"another speed than the file's: {equal}")
+    speed = front.speeds["mlp"]["stored"]
+    expect(decision.Decision(data, free, None, front).judgements[1].speedup.interval == (3.0, None) and findings.bracket((3.0, None), findings.factor) == "3.00 or more", "an interval without a bound")
+    speed.ratio, speed.reason = None, "no direct fit reaches this error"
+    fits = [p for p in front.points if p.representation == "mlp" and verdict.is_direct(p.family)]
+    expect({p.family for p in fits} == {"lm_from_theta0", "lm_from_theta0_gated", "adam_from_random"}, f"direct fits: {[p.family for p in fits]}")
     for fit in fits:
-        fit.figures["rmse_mean"] = 1.0
+        fit.figures["theta"]["rmse_mean"] = 1.0
     equal = verdict.at_equal_error(front, "mlp")
-    expect((equal.generator_us, equal.direct_us, equal.label) == (own["corrected"].whole.us, fits[-1].whole.us, None), f"no fit reaches the generator's error: {equal}")
-    for fit in fits[2:4]:
-        fit.figures["rmse_mean"] = own["corrected"].figures["rmse_mean"]
-    equal = verdict.at_equal_error(front, "mlp")
-    expect((equal.direct_us, equal.label) == (fits[2].whole.us, fits[2].label), f"the fastest of the fits that reach it: {equal}")
+    longest = max(p.figures["theta"]["us_median"] for p in fits)
+    expect((equal.label, equal.direct_us, equal.ratio) == (None, longest, longest / 500.0), f"no fit reaches the stored error: {equal}")
+    fits[0].figures["theta"]["rmse_mean"], speed.reason = 1e-9, "the shortest fit is below it"
+    silent = decision.Decision(data, free, None, front)
+    expect(silent.judgements[1].speedup.value is None and "because the shortest fit is below it" in dict(silent.objections())["mlp"], f"a ratio that nobody measured: {silent.objections()}")
     explained = [proof_inputs.Case("pca", "a", "b", "c", False, "why")]
     expect(not decision.Decision(data, free, explained).blocked, "an explained failure blocks")
     expect(decision.Decision(data, free, [proof_inputs.Case("pca", "a", "b", "c", False, " ")]).headline().startswith("Nothing may ship"), "an unexplained failure does not block")
@@ -251,22 +259,22 @@ def check_frontier():
     front = proof_inputs.read_frontier("frontier.json")
     for scene in front.scenes:
         members = frontier.front_of_scene(front, scene)
-        others = [p.by_scene[scene] for p in front.points if p.family != "threads"]
-        expect(all(not any(o.us <= s.us and o.median <= s.median and (o.us, o.median) != (s.us, s.median) for o in others) for _, s in members), f"{scene}: a member of the front is beaten")
-        expect(all(any(s.us <= o.us and s.median <= o.median for _, s in members) for o in others), f"{scene}: the front leaves a point unbeaten out")
+        others = [p.by_scene[scene] for p in front.points]
+        expect(all(not any(o.us <= s.us and o.mean <= s.mean and (o.us, o.mean) != (s.us, s.mean) for o in others) for _, s in members), f"{scene}: a member of the front is beaten")
+        expect(all(any(s.us <= o.us and s.mean <= o.mean for _, s in members) for o in others), f"{scene}: the front leaves a point unbeaten out")
     views = frontier.views(front)
-    expect([view.sentence for view in views] == [front.hard_front_sentence, front.front_sentence], "the plot over hard functions does not come first")
-    hard = frontier.front_of(front, views[0])
-    expect(hard and all(p.on_hard_front and s.median == p.hard["rmse_median"] and s.us == p.figures["us_median"] for p, s in hard), "the hard front shows other figures")
+    expect([view.population for view in views] == ["theta", "hard"] and [view.sentence for view in views] == [front.sentences["theta"], front.sentences["hard"]], "the main population does not come first")
+    hard = frontier.front_of(front, views[1])
+    expect(hard and all(p.fronts["hard"] and s.mean == p.figures["hard"]["rmse_mean"] and s.us == p.figures["hard"]["us_median"] for p, s in hard), "the hard front shows other figures")
     content = made_up.frontier()
-    content["hard_functions"], content["hard_front_sentence"], content["bare_tent"]["hard"] = 0, "", None
+    content["functions"]["hard"], content["front_sentences"]["hard"], content["bare_tent"]["figures"]["hard"] = 0, "", None
     for point in content["points"]:
-        point["hard"] = None
+        point["figures"]["hard"] = None
     made_up.write_json("no_hard.json", content)
     expect(len(frontier.views(proof_inputs.read_frontier("no_hard.json"))) == 1, "a plot over no function")
     expect(run("frontier.py", "--frontier", "no_hard.json", "--out", "no_hard.png").returncode == 0, "frontier.py refuses a file without hard functions")
     rows = frontier.csv_bytes(front).decode().splitlines()
-    expect(len(rows) == 1 + len(front.points) * (1 + len(front.scenes)), f"{len(rows)} rows in frontier.csv")
+    expect(len(rows) == 1 + len(front.points) * (3 + len(front.scenes)), f"{len(rows)} rows in frontier.csv")
     for copy in ("one.png", "two.png"):
         expect(run("frontier.py", "--frontier", "frontier.json", "--out", copy).returncode == 0, "frontier.py refuses its file")
     expect(open("one.png", "rb").read() == open("two.png", "rb").read(), "the figure differs between two runs")
@@ -321,17 +329,18 @@ def check_refusals(needed):
         refuses(["JSON"], reader, "mlp.csv")
         refuses(["key"], reader, "basis.json")
         if source != "bake0.json":
-            refuses(["schema_version"], reader, changed(source, lambda c: c.update(schema_version=2)))
+            refuses(["schema_version"], reader, changed(source, lambda c: c.update(schema_version=3)))
     readers["slices.json"] = lambda path: inputs.read_slices(path, list(made_up.REPRESENTATIONS))
     readers["slices.json"].__name__ = "read_slices"
     for source, change, place in [
-            ("frontier.json", lambda c: c["points"][3].pop("rmse_p95"), "points[3]"),
-            ("frontier.json", lambda c: c["points"][0].update(us_median=0), "us_median"),
-            ("frontier.json", lambda c: c["points"][0].update(rmse_p5=1), "rmse_p5"),
-            ("frontier.json", lambda c: c["points"][1].update(on_front="yes"), "points[1].on_front"),
+            ("frontier.json", lambda c: c["points"][3]["figures"]["all"].pop("rmse_p95"), "points[3].figures.all"),
+            ("frontier.json", lambda c: c["points"][0]["figures"]["theta"].update(us_median=0), "us_median"),
+            ("frontier.json", lambda c: c["points"][0]["figures"]["theta"].update(rmse_p5=1), "rmse_p5"),
+            ("frontier.json", lambda c: c["points"][1]["figures"]["theta"].update(on_front="yes"), "points[1].figures.theta.on_front"),
             ("frontier.json", lambda c: c["scenes"].pop(), "by_scene"),
-            ("frontier.json", lambda c: c["points"][2].update(hard=None), "points[2]"),
-            ("frontier.json", lambda c: c["points"][2]["hard"].update(rmse_median=2), "points[2].hard"),
+            ("frontier.json", lambda c: c["points"][2]["figures"].update(hard=None), "points[2]"),
+            ("frontier.json", lambda c: c["points"][2].pop("words"), "points[2]: expected a key 'words'"),
+            ("frontier.json", lambda c: c["speed_at_equal_error"]["pf5"]["stored"].update(ratio=None), "speed_at_equal_error.pf5.stored.ratio"),
             ("frontier.json", lambda c: c["bare_tent"].pop("by_scene"), "bare_tent"),
             ("frontier.json", lambda c: c["provenance"]["inputs"].pop("held_out"), "provenance.inputs: expected a key 'held_out'"),
             ("stability.json", lambda c: c["cases"][2].update(holds=1), "cases[2].holds"),

@@ -1,0 +1,155 @@
+"""How far a run of the workflow is: snakemake's log handler (--log-handler-script), in place of what it prints itself.
+
+In a terminal one line that rewrites itself: jobs done of all, what is at work, time left. Every stage that is over leaves one line
+with its time, and so it does where stderr is a file or a pipe. Errors and warnings of snakemake are printed as they are.
+"""
+import os
+import re
+import shutil
+import sys
+import threading
+import time
+
+# Seconds of one job of a rule in the default run on one core, or on both where it takes all: only their relation counts, and only
+# until a job of the rule has shown what it takes here.
+TYPICAL_S = {"datagen": 0.7, "plan_shard": 0.5, "pca": 15, "cache": 10, "train": 150, "export": 5, "validate": 60, "evaluate": 60, "hierarchy": 10,
+             "frontier": 20, "training_cases": 20, "stability": 15, "savings": 25, "report": 8, "evaluation_report": 8}
+
+
+def duration(seconds):
+    seconds = int(seconds + 0.5)
+    if seconds < 60:
+        return f"{seconds} s"
+    if seconds < 3600:
+        return f"{seconds // 60} min {seconds % 60:02} s"
+    return f"{seconds // 3600} h {seconds // 60 % 60:02} min"
+
+
+class RunProgress:
+    """Takes snakemake's events and says where the run stands.
+
+    write      where text goes; is_terminal: whether a line can rewrite itself there
+    now        the clock, in seconds
+    """
+
+    def __init__(self, write, is_terminal, now=time.time, cores=os.cpu_count() or 1):
+        self.write, self.is_terminal, self.now, self.cores = write, is_terminal, now, cores
+        self.lock = threading.Lock()
+        self.started_s = now()
+        self.planned = {}      # rule → how many jobs
+        self.done = {}         # rule → how many of them are done
+        self.spent_s = {}      # rule → seconds of its jobs, together
+        self.first_s = {}      # rule → when its first job began
+        self.threads = {}      # rule → cores that a job takes
+        self.running = {}      # job → (rule, what it is of, when it began)
+        self.has_line = False
+
+    def take(self, event):
+        with self.lock:
+            handle = getattr(self, f"_take_{event['level']}", None)
+            if handle:
+                handle(event)
+                self._draw()
+
+    def tick(self):
+        with self.lock:
+            self._draw()
+
+    def _take_run_info(self, event):
+        # snakemake's table of rules and their jobs; it comes again when jobs were added
+        rows = re.findall(r"^(\w+)\s+(\d+)(?:\s+\d+)*\s*$", event["msg"] or "", flags=re.MULTILINE)
+        self.planned = {rule: int(count) for rule, count in rows if rule not in ("total", "all")}
+
+    def _take_job_info(self, event):
+        rule, now = event["name"], self.now()
+        if rule == "all":
+            return
+        self.first_s.setdefault(rule, now)
+        self.threads[rule] = event.get("threads") or 1
+        self.running[event["jobid"]] = (rule, " ".join(str(value) for value in dict(event.get("wildcards") or {}).values()), now)
+
+    def _take_job_finished(self, event):
+        if event["jobid"] not in self.running:
+            return
+        rule, _, began_s = self.running.pop(event["jobid"])
+        self.done[rule] = self.done.get(rule, 0) + 1
+        self.spent_s[rule] = self.spent_s.get(rule, 0) + self.now() - began_s
+        if self.done[rule] == self.planned.get(rule):
+            jobs = f"{self.done[rule]} jobs, " if self.done[rule] > 1 else ""
+            self._print(f"{self._count()} {rule}: {jobs}{duration(self.now() - self.first_s[rule])}")
+
+    def _take_job_error(self, event):
+        self.running.pop(event["jobid"], None)
+        self._print(f"{self._count()} {event['name']} failed: {', '.join(event.get('output') or [])}; its own line stands above")
+
+    def _take_info(self, event):
+        # all else that snakemake says at this level is about itself
+        if "Nothing to be done" in event["msg"]:
+            self._print("nothing to be done: all of it is there and of this configuration")
+
+    def _take_warning(self, event):
+        self._print(event["msg"])
+
+    _take_error = _take_warning
+
+    def _count(self):
+        total = sum(self.planned.values())
+        return f"[{str(sum(self.done.values())).rjust(len(str(total)))}/{total}]"
+
+    def left_s(self):
+        """Seconds until the end, from what jobs took so far; None before the first is done."""
+        known = {rule: self.spent_s[rule] / count for rule, count in self.done.items()}
+        guessed = sum(TYPICAL_S.get(rule, 10) * self.done[rule] for rule in known)
+        if not guessed:
+            return None
+        pace = sum(self.spent_s.values()) / guessed
+        left = 0.0
+        for rule, count in self.planned.items():
+            took = known.get(rule, pace * TYPICAL_S.get(rule, 10))
+            seconds = took * max(count - self.done.get(rule, 0), 0)
+            for name, _, began_s in self.running.values():
+                seconds -= min(self.now() - began_s, took) if name == rule else 0
+            alone = self.threads.get(rule, 1) > 1 or rule in ("validate", "evaluate", "frontier", "savings", "pca")
+            left += seconds / (1 if alone else min(self.cores, max(count, 1)))
+        return left
+
+    def line(self):
+        at_work = ", ".join(f"{rule} {of}".strip() for rule, of, _ in self.running.values()) or "waiting"
+        left = self.left_s()
+        ending = f", about {duration(left)} left" if left is not None else ""
+        return f"{self._count()} {duration(self.now() - self.started_s)}{ending}: {at_work}"
+
+    def _draw(self):
+        if not self.is_terminal or not self.planned:
+            return
+        # a longer line would wrap, and the next could not rewrite it; the cursor goes back, so that others' lines begin at the margin
+        self.write("\r\033[K" + self.line()[: shutil.get_terminal_size().columns - 1] + "\r")
+        self.has_line = True
+
+    def _print(self, text):
+        self.write(("\r\033[K" if self.has_line else "") + text + "\n")
+        self.has_line = False
+
+
+def write_stderr(text):
+    sys.stderr.write(text)
+    sys.stderr.flush()
+
+
+progress = RunProgress(write_stderr, sys.stderr.isatty())
+# snakemake would print its own lines beside ours; its --quiet would keep the ends of jobs from us as well
+if "snakemake.logging" in sys.modules:
+    sys.modules["snakemake.logging"].logger.log_handler.clear()
+
+
+def log_handler(event):
+    """What snakemake calls with every event."""
+    if event["level"] == "run_info" and progress.is_terminal and not progress.planned:
+        threading.Thread(target=keep_time, daemon=True).start()
+    progress.take(event)
+
+
+def keep_time():
+    while True:
+        time.sleep(1)
+        progress.tick()
