@@ -1,6 +1,5 @@
 #include "validate/errors/best_known.h"
 
-#include <array>
 #include <cmath>
 #include <memory>
 #include <mutex>
@@ -12,44 +11,10 @@
 namespace nlg {
 namespace {
 
-using FunctionFits = std::array<FitResult, kLongFitCount>;
-
 struct Candidate {
   const char* name;
   FitResult fit;
 };
-
-// All fits of one function. from: receives the name of the one that is best known
-FunctionFits fitAll(const Generator& generator, const WeightingFunction& function, const Theta& stored,
-                    const DirectOptions& options, NormalEquationsKernel* kernel, const char** from) {
-  const Representation& representation = generator.representation();
-  const Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
-  const LevenbergMarquardtOptions polish = refinementLevenbergMarquardt(representation, options.levenberg_iterations);
-  DirectResult direct;
-  FitResult best = timedFit([&] {
-    direct = fitDirect(representation, function, theta0, options, kernel);
-    return direct.best;
-  });
-  FunctionFits fits = {best, direct.adam_from_theta0, direct.levenberg_from_theta0, direct.adam_from_random, {}};
-  const auto adamStored = [&] {
-    const FitResult adam =
-        fitAdam(representation, function, stored, refinementAdam(representation, directAdamSteps(representation, options)));
-    return fitLevenbergMarquardt(representation, function, adam.theta, polish, kernel);
-  };
-  const Candidate others[] = {{"adam_stored", timedFit(adamStored)},
-                              {"lm_stored", fitLevenbergMarquardt(representation, function, stored, polish, kernel)}};
-  *from = longFitName(LongFit::direct);
-  double elapsed_us = best.elapsed_us;
-  for (const Candidate& other : others) {
-    elapsed_us += other.fit.elapsed_us;
-    if (!(other.fit.rmse < best.rmse) && std::isfinite(best.rmse)) continue;
-    best = other.fit;
-    *from = other.name;
-  }
-  best.elapsed_us = elapsed_us;  // nobody knows the best before all have run
-  fits[static_cast<size_t>(LongFit::best_known)] = best;
-  return fits;
-}
 
 struct Thread {
   explicit Thread(const FunctionSet& set) : meter(set) {}
@@ -67,6 +32,38 @@ const char* longFitName(LongFit fit) {
 }
 
 uint64_t startSeed(const ValidateOptions& options, uint64_t function) { return mixSeed(options.seed, function); }
+
+FunctionFits fitLong(const Generator& generator, const WeightingFunction& function, const Theta& stored,
+                     const DirectOptions& options, NormalEquationsKernel* kernel) {
+  const Representation& representation = generator.representation();
+  const Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
+  const LevenbergMarquardtOptions polish = refinementLevenbergMarquardt(representation, options.levenberg_iterations);
+  DirectResult direct;
+  FitResult best = timedFit([&] {
+    direct = fitDirect(representation, function, theta0, options, kernel);
+    return direct.best;
+  });
+  FunctionFits result;
+  result.fits = {best, direct.adam_from_theta0, direct.levenberg_from_theta0, direct.adam_from_random, {}};
+  result.best_known_from = longFitName(LongFit::direct);
+  const auto adamStored = [&] {
+    const FitResult adam =
+        fitAdam(representation, function, stored, refinementAdam(representation, directAdamSteps(representation, options)));
+    return fitLevenbergMarquardt(representation, function, adam.theta, polish, kernel);
+  };
+  const Candidate others[] = {{"adam_stored", timedFit(adamStored)},
+                              {"lm_stored", fitLevenbergMarquardt(representation, function, stored, polish, kernel)}};
+  double elapsed_us = best.elapsed_us;
+  for (const Candidate& other : others) {
+    elapsed_us += other.fit.elapsed_us;
+    if (!(other.fit.rmse < best.rmse) && std::isfinite(best.rmse)) continue;
+    best = other.fit;
+    result.best_known_from = other.name;
+  }
+  best.elapsed_us = elapsed_us;  // nobody knows the best before all have run
+  result.fits[static_cast<size_t>(LongFit::best_known)] = best;
+  return result;
+}
 
 LongFits measureLongFits(const Generator& generator, const FunctionSet& set, const Populations& populations,
                          const std::vector<MadeTheta>& made, const ValidateOptions& options) {
@@ -88,9 +85,9 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
     const StoredFunction stored = storedFunction(set, function);
     DirectOptions direct = options.direct;
     direct.seed = startSeed(options, function);
-    const char* from = nullptr;
-    const FunctionFits fits = fitAll(generator, decodeFunction(stored, pointOrder(representation)), made[function].theta, direct,
-                                     &thread.kernel, &from);
+    const FunctionFits of_function =
+        fitLong(generator, decodeFunction(stored, pointOrder(representation)), made[function].theta, direct, &thread.kernel);
+    const std::array<FitResult, kLongFitCount>& fits = of_function.fits;
     for (int f = 0; f < kLongFitCount; ++f) {
       const FunctionCheck check = thread.checker.check(representation, stored, fits[f].theta.data(), options.policy.check());
       if (f == static_cast<int>(LongFit::direct)) result.direct_checks[n] = check;
@@ -99,7 +96,7 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
       thread.leaks[f].add(thread.meter.leakMagnitudes(), function, populations);
     }
     const std::lock_guard lock(mutex);
-    ++result.best_known_from[from];
+    ++result.best_known_from[of_function.best_known_from];
     progress.update(++done);
   });
   for (int f = 0; f < kLongFitCount; ++f) {

@@ -4,11 +4,13 @@
 // fits that start from what the policy stores: Adam with direct's budget, then Levenberg–Marquardt; Levenberg–Marquardt alone.
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/fit/direct.h"
 #include "runtime_eval/fit/theta_policy.h"
 #include "validate/errors/measured_word.h"
 
@@ -18,10 +20,23 @@ enum class LongFit : uint8_t { direct, adam_theta0, lm_theta0, adam_random, best
 inline constexpr int kLongFitCount = 5;
 const char* longFitName(LongFit fit);
 
+// All long fits of one function.
+struct FunctionFits {
+  std::array<FitResult, kLongFitCount> fits;  // by LongFit
+  const char* best_known_from = "";           // the fit that found it: "direct", "adam_stored", "lm_stored"
+
+  const FitResult& at(LongFit fit) const { return fits[static_cast<size_t>(fit)]; }
+};
+
+// function   in the order of the generator's representation
+// stored     the policy's theta for it
+FunctionFits fitLong(const Generator& generator, const WeightingFunction& function, const Theta& stored,
+                     const DirectOptions& options, NormalEquationsKernel* kernel);
+
 struct LongFits {
   std::vector<MeasuredWord> words;                  // by LongFit, on the sample's functions
   std::vector<FunctionCheck> direct_checks;         // by function of the sample
-  std::map<std::string, uint64_t> best_known_from;  // the fit that found it ("direct", "adam_stored", "lm_stored") → functions
+  std::map<std::string, uint64_t> best_known_from;  // as of one function → functions
 
   const MeasuredWord& at(LongFit fit) const { return words[static_cast<size_t>(fit)]; }
 };

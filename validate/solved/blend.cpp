@@ -47,8 +47,8 @@ void substitute(const std::vector<double>& lower, size_t n, size_t width, std::v
 
 }  // namespace
 
-Weights normalised(const Weights& weights) {
-  Weights result(weights.size());
+BlendWeights normalised(const BlendWeights& weights) {
+  BlendWeights result(weights.size());
   for (size_t i = 0; i < weights.size(); ++i) {
     float sum = 0.0f;
     for (const float w : weights[i]) sum += w;
@@ -64,7 +64,7 @@ std::vector<float> pointsOf(const SamplePoints& points, std::initializer_list<Po
   return counts;
 }
 
-std::vector<float> solveProbes(const SamplePoints& points, const Weights& weights, const Signals& signals,
+std::vector<float> solveProbes(const SamplePoints& points, const BlendWeights& weights, const Signals& signals,
                                const std::vector<float>& counts) {
   const size_t n = points.probe_position_m.size(), width = signals.count;
   std::vector<double> matrix(n * n, 0.0), right(n * width, 0.0);
@@ -100,7 +100,7 @@ void blend(const std::array<int, kCornerCount>& probe, const std::array<float, k
   }
 }
 
-std::vector<double> squaredErrors(const SamplePoints& points, const Weights& weights, const std::vector<float>& probes,
+std::vector<double> squaredErrors(const SamplePoints& points, const BlendWeights& weights, const std::vector<float>& probes,
                                   const Signals& signals) {
   std::vector<double> errors(points.count());
   std::vector<float> blended(signals.count);

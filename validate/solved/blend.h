@@ -6,10 +6,10 @@
 namespace nlg {
 
 // N x 8: the weights of the probes around each point, >= 0; 0 for a probe that is not there.
-using Weights = std::vector<std::array<float, kCornerCount>>;
+using BlendWeights = std::vector<std::array<float, kCornerCount>>;
 
 // Every point's weights divided by their sum; points whose sum is below 1e-6 keep zeros: no probe lights them.
-Weights normalised(const Weights& weights);
+BlendWeights normalised(const BlendWeights& weights);
 
 // N: 1 at the points of these uses, 0 at others.
 std::vector<float> pointsOf(const SamplePoints& points, std::initializer_list<PointUse> uses);
@@ -20,7 +20,7 @@ std::vector<float> pointsOf(const SamplePoints& points, std::initializer_list<Po
 // weights   N x 8, normalised
 // counts    N, >= 0: how much the error at each point counts
 // returns   probes x S, row-major
-std::vector<float> solveProbes(const SamplePoints& points, const Weights& weights, const Signals& signals,
+std::vector<float> solveProbes(const SamplePoints& points, const BlendWeights& weights, const Signals& signals,
                                const std::vector<float>& counts);
 
 // The blend at one point: S numbers to `out`.
@@ -28,7 +28,7 @@ void blend(const std::array<int, kCornerCount>& probe, const std::array<float, k
            const std::vector<float>& probes, int signal_count, float* out);
 
 // N: mean over signals of the squared error at each point.
-std::vector<double> squaredErrors(const SamplePoints& points, const Weights& weights, const std::vector<float>& probes,
+std::vector<double> squaredErrors(const SamplePoints& points, const BlendWeights& weights, const std::vector<float>& probes,
                                   const Signals& signals);
 
 }  // namespace nlg

@@ -59,10 +59,10 @@ std::vector<float> waysFrom(const SolvedScene& scene, const glm::vec3& probe_m) 
 }
 
 // Points that a probe sees have their straight distance.
-Weights findPaths(const SolvedScene& scene, const std::vector<std::array<uint8_t, kCornerCount>>& seen) {
+BlendWeights findPaths(const SolvedScene& scene, const std::vector<std::array<uint8_t, kCornerCount>>& seen) {
   std::vector<std::vector<float>> ways;
   for (const glm::vec3& probe : scene.points.probe_position_m) ways.push_back(waysFrom(scene, probe));
-  Weights path(scene.points.count());
+  BlendWeights path(scene.points.count());
   for (size_t i = 0; i < path.size(); ++i) {
     for (int c = 0; c < kCornerCount; ++c) {
       const int probe = scene.points.probe[i][c];
@@ -73,7 +73,7 @@ Weights findPaths(const SolvedScene& scene, const std::vector<std::array<uint8_t
   return path;
 }
 
-double stepP99(const SolvedScene& scene, const Weights& w) {
+double stepP99(const SolvedScene& scene, const BlendWeights& w) {
   const float pixel_m = scene.small.lattice.spacing_m / kSlicePixelsACell;
   std::vector<double> steps;
   for (const PointLinks::Link& link : scene.links.links) {
@@ -89,7 +89,7 @@ double stepP99(const SolvedScene& scene, const Weights& w) {
 
 }  // namespace
 
-double weightChange(const SamplePoints& points, const Weights& w, uint32_t a, uint32_t b) {
+double weightChange(const SamplePoints& points, const BlendWeights& w, uint32_t a, uint32_t b) {
   std::array<float, kCornerCount> of_b = w[b];
   double sum = 0.0;
   for (int c = 0; c < kCornerCount; ++c) {
@@ -115,16 +115,16 @@ SolvedScene::SolvedScene(const std::string& name, const SolveSetup& setup)
       solved(solveFunctions(points, links, light.fit, setup.solve)) {
   const auto seen = seenCorners(*this);
   path_m = findPaths(*this, seen);
-  const Weights tents = points.tent();
+  const BlendWeights tents = points.tent();
   occluded.assign(points.count(), 0);
   for (size_t i = 0; i < points.count(); ++i) {
     for (int c = 0; c < kCornerCount; ++c) occluded[i] |= tents[i][c] >= kOccludedTent && !seen[i][c];
   }
 }
 
-Quality judge(const SolvedScene& scene, const Weights& weights, PointUse at) {
+Quality judge(const SolvedScene& scene, const BlendWeights& weights, PointUse at) {
   const SamplePoints& points = scene.points;
-  const Weights w = normalised(weights);
+  const BlendWeights w = normalised(weights);
   const std::vector<float> probes = solveProbes(points, w, scene.light.test, pointsOf(points, {PointUse::fit}));
   const std::vector<double> errors = squaredErrors(points, w, probes, scene.light.test);
   double all = 0.0, occluded = 0.0, unlit = 0.0, leak = 0.0, distance = 0.0;

@@ -27,7 +27,7 @@ class SolvedScene {
   std::vector<ProbeView> views;
   SolvedFunctions solved;
   // N x 8: metres of the shortest way through air from each point to each probe around it, along linked points; infinity: none
-  Weights path_m;
+  BlendWeights path_m;
   // N: a probe whose tent is at least .02 here does not see the point. Only there do rules differ.
   std::vector<uint8_t> occluded;
 };
@@ -45,10 +45,10 @@ struct Quality {
 };
 
 // Half of the sum over all probes of |w(a) − w(b)|, of normalised weights: 0 for equal ones, 1 when no probe counts at both points.
-double weightChange(const SamplePoints& points, const Weights& w, uint32_t a, uint32_t b);
+double weightChange(const SamplePoints& points, const BlendWeights& w, uint32_t a, uint32_t b);
 
 // weights   N x 8, not normalised
 // at        the points that figures are taken at
-Quality judge(const SolvedScene& scene, const Weights& weights, PointUse at = PointUse::test);
+Quality judge(const SolvedScene& scene, const BlendWeights& weights, PointUse at = PointUse::test);
 
 }  // namespace nlg

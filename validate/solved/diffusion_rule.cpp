@@ -122,11 +122,11 @@ std::vector<float> generate(const LinkTable& links, const ProbeView& view, const
   return diffusion.take();
 }
 
-Weights generateWeights(const LinkTable& links, const std::vector<ProbeView>& views, const SamplePoints& points,
-                        const DiffusionRule& rule) {
+BlendWeights generateWeights(const LinkTable& links, const std::vector<ProbeView>& views, const SamplePoints& points,
+                             const DiffusionRule& rule) {
   std::vector<std::vector<float>> phi;
   for (const ProbeView& view : views) phi.push_back(generate(links, view, rule));
-  Weights weights(points.count());
+  BlendWeights weights(points.count());
   for (size_t i = 0; i < points.count(); ++i) {
     for (int corner = 0; corner < kCornerCount; ++corner) {
       const int probe = points.probe[i][corner];

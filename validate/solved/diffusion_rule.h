@@ -46,7 +46,7 @@ std::vector<ProbeView> viewProbes(const RayScene& rays, const LinkTable& links, 
 std::vector<float> generate(const LinkTable& links, const ProbeView& view, const DiffusionRule& rule);
 
 // The functions of all probes at the sample points, not normalised.
-Weights generateWeights(const LinkTable& links, const std::vector<ProbeView>& views, const SamplePoints& points,
-                        const DiffusionRule& rule);
+BlendWeights generateWeights(const LinkTable& links, const std::vector<ProbeView>& views, const SamplePoints& points,
+                             const DiffusionRule& rule);
 
 }  // namespace nlg

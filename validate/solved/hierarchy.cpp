@@ -1,7 +1,5 @@
 #include "validate/solved/hierarchy.h"
 
-#include "tool/error.h"
-#include "tool/one_file_each.h"
 #include "validate/solved/approximation.h"
 #include "validate/solved/walk.h"
 
@@ -10,14 +8,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Collects both lists, step after step.
+// Collects both lists, step by step.
 class Hierarchy {
  public:
   explicit Hierarchy(const SolvedScene& scene) : scene_(scene) {}
 
-  // after    error of the step before; null for the first
+  // after    error of the step that this one adds to; null for the first
   // returns  the lit result's error at the points of the solve
-  double add(const std::string& step, const Json& representation, const Weights& weights, const Json& function_rmse,
+  double add(const std::string& step, const Json& representation, const BlendWeights& weights, const Json& function_rmse,
              const double* after) {
     const Quality at_fit = judge(scene_, weights, PointUse::fit), at_test = judge(scene_, weights, PointUse::test);
     hierarchy_.push_back({{"scene", scene_.small.name},
@@ -57,32 +55,26 @@ class Hierarchy {
 
 }  // namespace
 
-std::vector<Generator> loadGenerators(const std::vector<std::string>& paths) {
-  std::vector<Generator> generators(paths.size());
-  OneFileEach given("--weights", "representation");
-  for (size_t i = 0; i < paths.size(); ++i) {
-    const WeightsResult loaded = Generator::load(paths[i], &generators[i]);
-    if (!loaded.ok())
-      throw InputError(paths[i], weightsStatusName(loaded.status), "a generator of this support pattern", loaded.detail);
-    given.add(paths[i], representationName(generators[i].representation()));
-  }
-  return generators;
-}
-
-Json hierarchyJson(const SolvedScene& scene, const std::vector<Generator>& generators, const DirectOptions& direct) {
+Json hierarchyJson(const SolvedScene& scene, const std::vector<Generator>& generators, const PolicyOptions& policy,
+                   const DirectOptions& direct) {
   const DiffusionRule present{"present"}, bare_tent{"bare tent", Baseline::bare_tent};
   Hierarchy hierarchy(scene);
   hierarchy.addWalk("lighting itself", nullptr, walkTrueLight(scene));
   hierarchy.addWalk("bare tent", nullptr, walk(scene, generateWeights(scene.table, scene.views, scene.points, bare_tent)));
   const double solved = hierarchy.add("solved", nullptr, scene.solved.weights, nullptr, nullptr);
-  const Weights generated = generateWeights(scene.table, scene.views, scene.points, present);
-  const double generated_rmse = hierarchy.add("generated", nullptr, generated, nullptr, &solved);
+  const BlendWeights targets = generateWeights(scene.table, scene.views, scene.points, present);
+  const double target = hierarchy.add("target", nullptr, targets, nullptr, &solved);
+  const TargetFunctions functions = targetFunctions(scene, present);
   for (const Generator& generator : generators) {
-    const std::string name = representationName(generator.representation());
-    const Approximation fitted = approximate(scene, present, generator.representation(), directFit(generator, direct));
-    const double fitted_rmse = hierarchy.add("direct fit", name, fitted.weights, fitted.function_rmse_mean, &generated_rmse);
-    const Approximation given = approximate(scene, present, generator.representation(), generatorFit(generator));
-    hierarchy.add("generator", name, given.weights, given.function_rmse_mean, &fitted_rmse);
+    const Representation& representation = generator.representation();
+    const auto add = [&](const char* step, const ThetaOfFunctions& theta, double after) {
+      const Approximation approximation = approximate(scene, functions, representation, theta);
+      return hierarchy.add(step, representationName(representation), approximation.weights, approximation.function_rmse_mean,
+                           &after);
+    };
+    const auto words = thetaByWord(generator, functions, policy);
+    const double best_known = add("best known", bestKnownTheta(generator, functions, words.back(), direct), target);
+    for (int word = 0; word < kThetaWordCount; ++word) add(wordName(static_cast<ThetaWord>(word)), words[word], best_known);
   }
   return hierarchy.take();
 }

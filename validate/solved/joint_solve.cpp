@@ -38,8 +38,8 @@ float dot(const float* a, const float* b, int count) {
 }
 
 // Held-out points take the tent, corrected as their neighbours were.
-void carryToHeldOut(const SamplePoints& points, const PointLinks& links, Weights& weights) {
-  const Weights tent = normalised(points.tent());
+void carryToHeldOut(const SamplePoints& points, const PointLinks& links, BlendWeights& weights) {
+  const BlendWeights tent = normalised(points.tent());
   for (uint32_t i = 0; i < points.count(); ++i) {
     if (points.use[i] != PointUse::test) continue;
     std::array<double, kCornerCount> correction{};
@@ -87,7 +87,7 @@ JointProblem::JointProblem(const SamplePoints& points, const PointLinks& links, 
   }
 }
 
-double JointProblem::addLight(const Weights& w, const std::vector<float>& probes, Weights* by_w,
+double JointProblem::addLight(const BlendWeights& w, const std::vector<float>& probes, BlendWeights* by_w,
                               std::vector<float>* by_probes) const {
   const int signal_count = signals_.count;
   const auto scale = static_cast<float>(1.0 / (static_cast<double>(used_count_) * signal_count));
@@ -112,7 +112,7 @@ double JointProblem::addLight(const Weights& w, const std::vector<float>& probes
   return sum * scale;
 }
 
-double JointProblem::addSlopes(const Weights& w, Weights* by_w) const {
+double JointProblem::addSlopes(const BlendWeights& w, BlendWeights* by_w) const {
   double sum = 0.0;
   for (const Slope& slope : slopes_) {
     std::array<float, kCornerCount> of_b = w[slope.b];  // what is left of it has no partner at a
@@ -135,9 +135,9 @@ double JointProblem::addSlopes(const Weights& w, Weights* by_w) const {
   return sum;
 }
 
-double JointProblem::evaluate(const Weights& phi, const std::vector<float>& probes, Weights* by_phi,
+double JointProblem::evaluate(const BlendWeights& phi, const std::vector<float>& probes, BlendWeights* by_phi,
                               std::vector<float>* by_probes) const {
-  const Weights w = normalised(phi);
+  const BlendWeights w = normalised(phi);
   if (by_phi) by_phi->assign(phi.size(), {});
   if (by_probes) by_probes->assign(probes.size(), 0.0f);
   const double value = addLight(w, probes, by_phi, by_probes) + addSlopes(w, by_phi);
@@ -157,7 +157,7 @@ double JointProblem::evaluate(const Weights& phi, const std::vector<float>& prob
   return value;
 }
 
-std::vector<float> JointProblem::bestProbes(const Weights& phi) const {
+std::vector<float> JointProblem::bestProbes(const BlendWeights& phi) const {
   return solveProbes(points_, normalised(phi), signals_, counts_);
 }
 
@@ -167,7 +167,7 @@ SolvedFunctions solveFunctions(const SamplePoints& points, const PointLinks& lin
   const JointProblem problem(points, links, signals, options);
   const double per_point = static_cast<double>(points.count());  // gradients of the size of a point's own error
   SolvedFunctions solved;
-  Weights phi = normalised(points.tent()), gradient, mean(phi.size()), square(phi.size());
+  BlendWeights phi = normalised(points.tent()), gradient, mean(phi.size()), square(phi.size());
   for (int step = 0; step < options.steps; ++step) {
     solved.loss = problem.evaluate(phi, problem.bestProbes(phi), &gradient, nullptr);
     if (!std::isfinite(solved.loss)) throw NumericalError("solve", "step " + std::to_string(step), "loss", solved.loss);

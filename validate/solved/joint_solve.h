@@ -32,10 +32,11 @@ class JointProblem {
   // probes    probes x S
   // by_phi, by_probes   receive the gradient, 0 for functions at test points and at probes; either may be null
   // returns   the value
-  double evaluate(const Weights& phi, const std::vector<float>& probes, Weights* by_phi, std::vector<float>* by_probes) const;
+  double evaluate(const BlendWeights& phi, const std::vector<float>& probes, BlendWeights* by_phi,
+                  std::vector<float>* by_probes) const;
 
   // The probes that minimise it for these functions.
-  std::vector<float> bestProbes(const Weights& phi) const;
+  std::vector<float> bestProbes(const BlendWeights& phi) const;
 
  private:
   struct Slope {
@@ -43,8 +44,9 @@ class JointProblem {
     float weight;                             // of the squared difference
     std::array<int8_t, kCornerCount> corner;  // of b that is the same probe as this one of a; -1: none
   };
-  double addLight(const Weights& w, const std::vector<float>& probes, Weights* by_w, std::vector<float>* by_probes) const;
-  double addSlopes(const Weights& w, Weights* by_w) const;
+  double addLight(const BlendWeights& w, const std::vector<float>& probes, BlendWeights* by_w,
+                  std::vector<float>* by_probes) const;
+  double addSlopes(const BlendWeights& w, BlendWeights* by_w) const;
 
   const SamplePoints& points_;
   const Signals& signals_;
@@ -54,7 +56,7 @@ class JointProblem {
 };
 
 struct SolvedFunctions {
-  Weights weights;  // N x 8, normalised; at test points carried over from the neighbours that they see
+  BlendWeights weights;  // N x 8, normalised; at test points carried over from the neighbours that they see
   double loss = 0.0;
 };
 

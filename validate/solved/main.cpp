@@ -1,6 +1,6 @@
 // nlg-solve: weighting functions of a small scene solved for, and what rules that generate them make of the same scene.
 // Writes SCENE.csv, a row a rule, and SCENE.json, slices for pictures (docs/lab/weighting_functions.md says what stands in them); with
-// --weights instead SCENE.hierarchy.json, from solved functions to a generator's (docs/reference/frontier.md).
+// --weights instead SCENE.hierarchy.json, from solved functions to what a bake stores (docs/reference/frontier.md).
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -9,6 +9,7 @@
 #include "tool/atomic_file.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
+#include "validate/errors/held_out.h"
 #include "validate/solved/comparison.h"
 #include "validate/solved/hierarchy.h"
 
@@ -24,7 +25,7 @@ struct Request {
   std::vector<std::string> weights;
 };
 
-void describe(SolveSetup& o, DirectOptions& direct, OptionTable& table) {
+void describeOptions(SolveSetup& o, DirectOptions& direct, OptionTable& table) {
   table.add("seed", &o.light.seed, "seed of rays and of the choice of lamps");
   table.add("fit_points", &o.samples.fit_points, "points in a cell that the solve sees", 8, 4096);
   table.add("test_points", &o.samples.test_points, "points in a cell that figures are taken at", 1, 4096);
@@ -36,9 +37,9 @@ void describe(SolveSetup& o, DirectOptions& direct, OptionTable& table) {
   table.add("rate", &o.solve.rate, "learning rate", 1e-6, 1.0);
   table.add("anchor", &o.solve.anchor, "weight of the error at the probes themselves", 0.0, 1e3);
   table.add("smoothness", &o.solve.smoothness, "weight of the squared slope of functions, square metres", 0.0, 1e3);
-  table.add("direct_adam_steps", &direct.adam_steps, "--weights: direct fits: Adam steps a start", 0, 10000000);
-  table.add("direct_lm_iterations", &direct.levenberg_iterations, "--weights: direct fits: LM iterations a start", 0, 100000);
-  table.add("direct_restarts", &direct.restarts, "--weights: direct fits: random starts", 1, 1000);
+  table.add("direct_adam_steps", &direct.adam_steps, "--weights: best known: Adam steps a start", 0, 10000000);
+  table.add("direct_lm_iterations", &direct.levenberg_iterations, "--weights: best known: LM iterations a start", 0, 100000);
+  table.add("direct_restarts", &direct.restarts, "--weights: best known: random starts", 1, 1000);
 }
 
 // The rules that are compared; the first of `none` baseline is the present one.
@@ -67,7 +68,7 @@ std::string row(const std::string& scene, const DiffusionRule& rule, const Quali
 }
 
 // One number a slice point: the weight of one probe.
-Json weightsJson(const SolvedScene& scene, const Weights& weights, int probe) {
+Json weightsJson(const SolvedScene& scene, const BlendWeights& weights, int probe) {
   Json values = Json::array();
   for (size_t i = 0; i < scene.points.count(); ++i) {
     if (scene.points.use[i] != PointUse::slice) continue;
@@ -81,10 +82,10 @@ Json weightsJson(const SolvedScene& scene, const Weights& weights, int probe) {
 }
 
 // The probes of the layer nearest to the slice, those first whose tent the walls change most there.
-std::vector<int> picturedProbes(const SolvedScene& scene, const Weights& seen) {
+std::vector<int> picturedProbes(const SolvedScene& scene, const BlendWeights& seen) {
   const SamplePoints& points = scene.points;
   std::vector<double> changed(points.probe_position_m.size());
-  const Weights tents = points.tent();
+  const BlendWeights tents = points.tent();
   for (size_t i = 0; i < points.count(); ++i) {
     if (points.use[i] != PointUse::slice) continue;
     for (int c = 0; c < kCornerCount; ++c) {
@@ -112,8 +113,8 @@ Json slicesJson(const SolvedScene& scene) {
     slice["light"].push_back(std::round(1e3 * sum / kAxisCount) / 1e3);
   }
   const auto weightsOf = [&](const DiffusionRule& rule) { return generateWeights(scene.table, scene.views, scene.points, rule); };
-  const Weights seen = weightsOf({"", Baseline::visible_tent});
-  const std::vector<std::pair<std::string, Weights>> kinds = {
+  const BlendWeights seen = weightsOf({"", Baseline::visible_tent});
+  const std::vector<std::pair<std::string, BlendWeights>> kinds = {
       {"solved", scene.solved.weights},
       {"seen tent", normalised(seen)},
       {"present", normalised(weightsOf({""}))},
@@ -152,7 +153,7 @@ void descendHierarchy(const Request& request, const SolvedScene& scene, const st
   std::map<std::string, std::string> hashes;
   for (size_t i = 0; i < generators.size(); ++i) hashes["weights." + std::to_string(i)] = fileSha256(request.weights[i]);
   Json json = {{"schema_version", 1}, {"provenance", provenance("nlg-solve", table.toJson(), hashes)}};
-  json.update(hierarchyJson(scene, generators, direct));
+  json.update(hierarchyJson(scene, generators, PolicyOptions{}, direct));  // as nlg-bake has it unless told otherwise
   writeFileAtomically(request.out_dir + "/" + request.scene + ".hierarchy.json", json.dump(1) + "\n");
 }
 
@@ -178,12 +179,12 @@ int main(int argc, char** argv) {
   nlg::SolveSetup setup;
   nlg::DirectOptions direct;
   nlg::OptionTable table("solve");
-  nlg::describe(setup, direct, table);
+  nlg::describeOptions(setup, direct, table);
   app.add_option("--scene", request.scene, "two_rooms, doorway, column, clutter, corridor or table")->required();
   app.add_option("--out-dir", request.out_dir, "folder for SCENE.csv and SCENE.json; with --weights: for SCENE.hierarchy.json")
       ->required();
-  app.add_option(
-      "--weights", request.weights,
-      "exported generators: instead of comparing rules, say how much error direct fits and they add to generated functions");
+  app.add_option("--weights", request.weights,
+                 "exported generators: instead of comparing rules, say how much error a bake with each adds to the target "
+                 "functions, stage by stage");
   return nlg::runTool(argc, argv, app, table, [&] { nlg::solve(request, setup, direct, table); });
 }

@@ -31,10 +31,10 @@ double lightJump(const float* a, const float* b, int count) {
 
 }  // namespace
 
-WalkFigures walk(const SolvedScene& scene, const Weights& weights) {
+WalkFigures walk(const SolvedScene& scene, const BlendWeights& weights) {
   const SamplePoints& points = scene.points;
   const Signals& signals = scene.light.test;
-  const Weights w = normalised(weights);
+  const BlendWeights w = normalised(weights);
   const std::vector<float> probes = solveProbes(points, w, signals, pointsOf(points, {PointUse::fit}));
   std::vector<float> lit_a(signals.count), lit_b(signals.count);
   std::vector<double> weight_jumps, light_jumps;

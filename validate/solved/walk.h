@@ -14,7 +14,7 @@ struct WalkFigures {
 };
 
 // weights   N x 8, not normalised; the lit result is blended from the probes that are best for them, as judge() has it
-WalkFigures walk(const SolvedScene& scene, const Weights& weights);
+WalkFigures walk(const SolvedScene& scene, const BlendWeights& weights);
 
 // The same walks under the lighting itself: what a perfect grid would show. No weights, hence no jumps of them.
 WalkFigures walkTrueLight(const SolvedScene& scene);

@@ -88,7 +88,7 @@ TEST(JointSolve, GivesBackNearlyTheTentWhereLightingVariesLinearly) {
   }
   // light must outweigh slopes by far to settle it: slopes alone would have the functions flatter
   const SolvedFunctions solved = solveFunctions(points, links, signals, {200, 0.03, 1e-6, 0.1});
-  const Weights tent = normalised(points.tent());
+  const BlendWeights tent = normalised(points.tent());
   double squares = 0.0, squares_of_tent = 0.0;
   for (size_t i = 0; i < points.count(); ++i) {
     if (points.use[i] == PointUse::test) continue;
@@ -110,7 +110,7 @@ TEST(JointSolve, StopsAWallsProbesAtTheWall) {
   const SolvedFunctions solved = solveFunctions(rooms.points, rooms.links, signals, {200, 0.03, 1e-4, 0.1});
   double leak = 0.0, leak_of_tent = 0.0;
   int count = 0;
-  const Weights tent = normalised(rooms.points.tent());
+  const BlendWeights tent = normalised(rooms.points.tent());
   for (size_t i = 0; i < rooms.points.count(); ++i) {
     const float x = rooms.points.position_m[i].x;
     if (rooms.points.use[i] == PointUse::test || x < 1.0f || x > 2.0f) continue;
@@ -138,7 +138,7 @@ TEST(JointSolve, BeatsTheTentOnLightingThatItHasNotSeenAtPointsThatItHasNotSeen)
   };
   const Signals seen = rooms.signals(24, lighting(0)), test = rooms.signals(8, lighting(50));
   const SolvedFunctions solved = solveFunctions(rooms.points, rooms.links, seen, {100, 0.03, 1e-3, 0.1});
-  const auto error = [&](const Weights& weights) {
+  const auto error = [&](const BlendWeights& weights) {
     const std::vector<float> probes = solveProbes(rooms.points, weights, test, pointsOf(rooms.points, {PointUse::fit}));
     return meanSquare(rooms.points, squaredErrors(rooms.points, weights, probes, test), PointUse::test);
   };
@@ -171,13 +171,13 @@ class Gradient : public ::testing::Test {
 
   Fixture box_;
   Signals signals_;
-  Weights phi_;
+  BlendWeights phi_;
   std::vector<float> probes_;
 };
 
 TEST_F(Gradient, ByFunctionsIsThatOfFiniteDifferences) {
   const JointProblem problem(box_.points, box_.links, signals_, {0, 0.0, 0.3, 0.2});
-  Weights by_phi;
+  BlendWeights by_phi;
   problem.evaluate(phi_, probes_, &by_phi, nullptr);
   Random random(4);
   const auto count = static_cast<uint32_t>(phi_.size());
@@ -190,7 +190,7 @@ TEST_F(Gradient, ByFunctionsIsThatOfFiniteDifferences) {
       ASSERT_EQ(by_phi[i][c], 0.0f);
       continue;
     }
-    Weights lower = phi_, upper = phi_;
+    BlendWeights lower = phi_, upper = phi_;
     lower[i][c] -= static_cast<float>(step);
     upper[i][c] += static_cast<float>(step);
     const double difference =
