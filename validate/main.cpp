@@ -22,6 +22,7 @@
 #include "validate/errors/method.h"
 #include "validate/errors/slice.h"
 #include "validate/frontier/frontier_command.h"
+#include "validate/look_up/look_up_command.h"
 #include "validate/stability/stability_suite.h"
 
 namespace nlg {
@@ -326,6 +327,7 @@ int validateMain(int argc, char** argv) {
       "Measures exported generators on held-out scenes against direct optimisation.\n"
       "nlg-validate stability --out FILE: stiff and extreme cases, what must hold and what was measured.\n"
       "nlg-validate frontier: error against run time, of generators, their settings and every fit.\n"
+      "nlg-validate look-up SCENE: what a viewer sees of a level's light grid, at random places in its air.\n"
       "nlg-validate compare OLD NEW: what got better or worse between two runs, beyond noise.",
       "nlg-validate"};
   Request request;
@@ -344,8 +346,11 @@ struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
 };
-constexpr Command kCommands[] = {
-    {"stability", stabilityMain}, {"frontier", frontierMain}, {"compare", compareMain}, {"--compare", compareMain}};
+constexpr Command kCommands[] = {{"stability", stabilityMain},
+                                 {"frontier", frontierMain},
+                                 {"look-up", lookUpMain},
+                                 {"compare", compareMain},
+                                 {"--compare", compareMain}};
 
 }  // namespace
 }  // namespace nlg

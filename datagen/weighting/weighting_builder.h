@@ -52,7 +52,7 @@ class WeightingBuilder {
   ProbeOutcome generate(GeneratedFunction* result);
 
   // Of the probe that was seen last: whether it sees a place of its support, and what its function is there, by the rule that
-  // gives functions at unseen points of a link table. The place must be in air: nobody votes about it.
+  // gives functions at the test points of a link table. The place must be in air: nobody votes about it.
   // function   as generate gave it
   bool sees(const LocalPoint& place) const { return visibility_.isOpen({}, place); }
   float valueAt(const LocalPoint& place, const GeneratedFunction& function) const;

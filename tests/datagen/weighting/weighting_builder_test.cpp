@@ -85,7 +85,7 @@ TEST(WeightingBuilder, FollowsTheDefinition) {
   }
 }
 
-TEST(WeightingBuilder, GivesAnyPlaceWhatItGivesUnseenPoints) {
+TEST(WeightingBuilder, GivesAnyPlaceWhatItGivesTestPoints) {
   int in_shadow = 0;
   for (const Scene& scene : scenes()) {
     const RayScene rays(scene);
