@@ -73,7 +73,7 @@ struct Totals {
 
   LookUpFigures figures() {
     return {places,       unlit.mean(),         unlit_target.mean(),  seen_by_none.mean(), std::sqrt(squares.mean()),
-            wrong.mean(), wrong.quantile(0.99), wrong_to_seen.mean(), leak.mean(),   leak.quantile(0.99)};
+            wrong.mean(), wrong.quantile(0.99), wrong_to_seen.mean(), leak.mean(),         leak.quantile(0.99)};
   }
 };
 

@@ -37,7 +37,7 @@ struct LookUpFigures {
   uint64_t places = 0;
   double unlit = 0.0;                        // share of places that the blend gives no weight
   double unlit_target = 0.0;                 // … that target φ gives none: in no figure of differences from it
-  double seen_by_none = 0.0;                     // … that no probe around sees: in no figure of differences from the seen tents
+  double seen_by_none = 0.0;                 // … that no probe around sees: in no figure of differences from the seen tents
   double rmse = 0.0;                         // of a probe's share from target φ's, over 8 probes a place
   double wrong_mean = 0.0, wrong_p99 = 0.0;  // Σ |difference from target φ's shares| / 2: the light that comes from wrong probes
   double wrong_to_seen = 0.0;                // the mean of the same, from the tents of those probes that see the place
