@@ -8,6 +8,7 @@
 #include "validate/compare/compare_command.h"
 #include "validate/errors/validation.h"
 #include "validate/frontier/frontier_command.h"
+#include "validate/look_up/look_up_command.h"
 #include "validate/stability/stability_suite.h"
 
 namespace nlg {
@@ -18,6 +19,7 @@ int validateMain(int argc, char** argv) {
       "Measures exported generators on held-out scenes, through the bake's own policy, against long fits.\n"
       "nlg-validate stability --out FILE: stiff and extreme cases, what must hold and what was measured.\n"
       "nlg-validate frontier: error against run time, of generators, their settings and every fit.\n"
+      "nlg-validate look-up SCENE: what a viewer sees of a level's light grid, at random places in its air.\n"
       "nlg-validate compare OLD NEW: what got better or worse between two runs, beyond noise.",
       "nlg-validate"};
   app.footer(stagesHelp({}));
@@ -37,8 +39,11 @@ struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
 };
-constexpr Command kCommands[] = {
-    {"stability", stabilityMain}, {"frontier", frontierMain}, {"compare", compareMain}, {"--compare", compareMain}};
+constexpr Command kCommands[] = {{"stability", stabilityMain},
+                                 {"frontier", frontierMain},
+                                 {"look-up", lookUpMain},
+                                 {"compare", compareMain},
+                                 {"--compare", compareMain}};
 
 }  // namespace
 }  // namespace nlg

@@ -18,6 +18,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+sys.dont_write_bytecode = True
+
 import model_card
 import results_collect
 import results_page

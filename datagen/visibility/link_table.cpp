@@ -10,6 +10,8 @@
 namespace nlg {
 namespace {
 
+constexpr uint32_t kNoPoint = 0xffffffffu;
+
 struct Neighbour {
   float squared_distance;
   uint32_t order;  // breaks ties the same way in all mirror images
@@ -19,8 +21,8 @@ struct Neighbour {
   }
 };
 
-// The 32 support points nearest to `point`, itself (index self, or none) left out.
-std::vector<Neighbour> nearestSupportPoints(const LocalPoint& point, uint32_t self) {
+// The 32 support points nearest to `point`, itself (index self, or kNoPoint) left out.
+std::vector<Neighbour> neighboursOf(const LocalPoint& point, uint32_t self) {
   const std::vector<LocalPoint>& support = supportPattern().points;
   const uint32_t mirror = self < kSupportPointCount ? self / kOctantPointCount : 0;
   std::vector<Neighbour> found;
@@ -44,7 +46,7 @@ void findNearest(LinkTable& table) {
     table.distance[size_t(point) * kLinkCount + k] = std::sqrt(squared_distance);
   };
   for (uint32_t i = 0; i < kOctantPointCount; ++i) {
-    const std::vector<Neighbour> neighbours = nearestSupportPoints(table.points[i], i);
+    const std::vector<Neighbour> neighbours = neighboursOf(table.points[i], i);
     for (uint32_t mirror = 0; mirror < kMirrorCount; ++mirror) {
       for (int k = 0; k < kLinkCount; ++k) {
         set(mirror * kOctantPointCount + i, k, neighbours[k].point ^ (mirror * kOctantPointCount),
@@ -53,7 +55,7 @@ void findNearest(LinkTable& table) {
     }
   }
   for (uint32_t i = kSupportPointCount; i < table.points.size(); ++i) {
-    const std::vector<Neighbour> neighbours = nearestSupportPoints(table.points[i], i);
+    const std::vector<Neighbour> neighbours = neighboursOf(table.points[i], i);
     for (int k = 0; k < kLinkCount; ++k) set(i, k, neighbours[k].point, neighbours[k].squared_distance);
   }
 }
@@ -148,6 +150,16 @@ void packPoints(LinkTable& table) {
 }
 
 }  // namespace
+
+NearestPoints nearestSupportPoints(const LocalPoint& place) {
+  const std::vector<Neighbour> neighbours = neighboursOf(place, kNoPoint);
+  NearestPoints nearest;
+  for (int k = 0; k < kLinkCount; ++k) {
+    nearest.point[k] = neighbours[k].point;
+    nearest.distance[k] = std::sqrt(neighbours[k].squared_distance);
+  }
+  return nearest;
+}
 
 LinkTable makeLinkTable(const std::vector<LocalPoint>& test) {
   NLG_CHECK(test.size(), <=, static_cast<size_t>(kMaxTestPointCount));

@@ -4,6 +4,7 @@
 // support points but which nothing reads. A link is undirected: a pair of points that appears in either's list has one index.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -40,6 +41,13 @@ struct LinkTable {
 
   int pointCount() const { return static_cast<int>(points.size()); }
 };
+
+// The 32 support points nearest to any place, nearest first: the links that a further point there has.
+struct NearestPoints {
+  std::array<uint32_t, kLinkCount> point;
+  std::array<float, kLinkCount> distance;  // local units
+};
+NearestPoints nearestSupportPoints(const LocalPoint& place);
 
 // The table for the support pattern and `test` further points, at most kMaxTestPointCount.
 LinkTable makeLinkTable(const std::vector<LocalPoint>& test);

@@ -67,6 +67,11 @@ void SupportVisibility::traceProbeRays() {
   }
 }
 
+bool SupportVisibility::isOpen(const LocalPoint& from, const LocalPoint& to) const {
+  return std::none_of(triangles_.begin(), triangles_.end(),
+                      [&](const LocalTriangle& triangle) { return segmentMeets(triangle, from, to); });
+}
+
 void SupportVisibility::testLinks() {
   packet_test_count_ += blockLinks(table_.link_packets, triangles_, &scratch_, blocked_links_.data());
 }

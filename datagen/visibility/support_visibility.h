@@ -53,6 +53,8 @@ class SupportVisibility {
 
   // Which links are open: all of them, which is cheaper than to find out which of them anything reads (docs/theory/visibility.md).
   void testLinks();
+  // Whether no triangle of the support meets a segment in it, local coordinates: the rule of all its rays and links, one at a time.
+  bool isOpen(const LocalPoint& from, const LocalPoint& to) const;
   bool linkOpen(uint32_t link) const { return (blocked_links_[link / kPacketLanes] >> (link % kPacketLanes) & 1) == 0; }
 
   // Carries validity from the points that the probe sees to all others; after traceProbeRays and testLinks. returns whether any

@@ -1,19 +1,35 @@
 #include "datagen/weighting/weighting_builder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace nlg {
+namespace {
+
+// What a point without weight receives in one pass from the neighbours that it sees (docs/theory/math.md §1).
+struct Gathering {
+  double open = 0.0, lit = 0.0, weighted = 0.0;
+  void addOpen(float gaussian) { open += gaussian; }
+  void addLit(float gaussian, float phi) {
+    lit += gaussian;
+    weighted += gaussian * phi;
+  }
+  float phi(double falloff) const { return static_cast<float>(weighted / lit * std::min(1.0, falloff * lit / open)); }
+};
+
+float gaussianAt(float distance, double sigma) {
+  return static_cast<float>(std::exp(-0.5 / (sigma * sigma) * distance * distance));
+}
+
+}  // namespace
 
 WeightingBuilder::WeightingBuilder(const RayScene& scene, const LinkTable& links, const DiffusionOptions& options)
     : table_(links), options_(options), visibility_(scene, links), lit_(links.points.size()) {
   tent_.reserve(links.points.size());
   for (const LocalPoint& point : links.points) tent_.push_back(tent(point));
   gaussian_.reserve(links.distance.size());
-  const double scale = -0.5 / (options.sigma * options.sigma);
-  for (const float distance : links.distance) {
-    gaussian_.push_back(static_cast<float>(std::exp(scale * distance * distance)));
-  }
+  for (const float distance : links.distance) gaussian_.push_back(gaussianAt(distance, options.sigma));
 }
 
 ProbeOutcome WeightingBuilder::build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result) {
@@ -59,26 +75,44 @@ void WeightingBuilder::lightSeenPoints(GeneratedFunction* result) {
 
 // One pass: every valid point without weight gathers from its nearest points that are lit before this pass.
 void WeightingBuilder::diffuse(int pass, GeneratedFunction* result) {
-  const auto litBefore = [&](uint32_t point) { return lit_[point] != 0 && lit_[point] <= pass; };
+  const auto litBefore = [&](uint32_t point) { return isLitBefore(pass, point); };
   std::erase_if(waiting_, [&](uint32_t point) {
     const LinkTable::Edge* nearest = &table_.nearest[size_t(point) * kLinkCount];
     if (std::none_of(nearest, nearest + kLinkCount, [&](const LinkTable::Edge& edge) { return litBefore(edge.point); }))
       return false;
     const float* gaussian = &gaussian_[size_t(point) * kLinkCount];
-    double weighted = 0.0, lit_sum = 0.0, open_sum = 0.0;
+    Gathering gathering;
     for (int k = 0; k < kLinkCount; ++k) {
       const LinkTable::Edge& edge = nearest[k];
       if (!result->valid[edge.point] || !visibility_.linkOpen(edge.link)) continue;
-      open_sum += gaussian[k];
-      if (!litBefore(edge.point)) continue;
-      lit_sum += gaussian[k];
-      weighted += gaussian[k] * result->phi[edge.point];
+      gathering.addOpen(gaussian[k]);
+      if (litBefore(edge.point)) gathering.addLit(gaussian[k], result->phi[edge.point]);
     }
-    if (lit_sum == 0.0) return false;
-    result->phi[point] = static_cast<float>(weighted / lit_sum * std::min(1.0, options_.falloff * lit_sum / open_sum));
+    if (gathering.lit == 0.0) return false;
+    result->phi[point] = gathering.phi(options_.falloff);
     lit_[point] = static_cast<uint8_t>(pass + 1);
     return true;
   });
+}
+
+float WeightingBuilder::valueAt(const LocalPoint& place, const GeneratedFunction& function) const {
+  if (sees(place)) return tent(place);
+  const NearestPoints nearest = nearestSupportPoints(place);
+  std::array<bool, kLinkCount> open;
+  for (int k = 0; k < kLinkCount; ++k)
+    open[k] = function.valid[nearest.point[k]] && visibility_.isOpen(table_.points[nearest.point[k]], place);
+  for (int pass = 1; pass <= options_.passes; ++pass) {
+    Gathering gathering;
+    for (int k = 0; k < kLinkCount; ++k) {
+      if (!open[k]) continue;
+      const uint32_t point = nearest.point[k];
+      const float gaussian = gaussianAt(nearest.distance[k], options_.sigma);
+      gathering.addOpen(gaussian);
+      if (isLitBefore(pass, point)) gathering.addLit(gaussian, function.phi[point]);
+    }
+    if (gathering.lit > 0.0) return gathering.phi(options_.falloff);
+  }
+  return 0.0f;
 }
 
 }  // namespace nlg

@@ -51,11 +51,18 @@ class WeightingBuilder {
   ProbeOutcome see(const glm::dvec3& position_m, float spacing_m, const SeeOptions& options = {});
   ProbeOutcome generate(GeneratedFunction* result);
 
+  // Of the probe that was seen last: whether it sees a place of its support, and what its function is there, by the rule that
+  // gives functions at the test points of a link table. The place must be in air: nobody votes about it.
+  // function   as generate gave it
+  bool sees(const LocalPoint& place) const { return visibility_.isOpen({}, place); }
+  float valueAt(const LocalPoint& place, const GeneratedFunction& function) const;
+
   const SupportVisibility& visibility() const { return visibility_; }
 
  private:
   void lightSeenPoints(GeneratedFunction* result);
   void diffuse(int pass, GeneratedFunction* result);
+  bool isLitBefore(int pass, uint32_t point) const { return lit_[point] != 0 && lit_[point] <= pass; }
 
   const LinkTable& table_;
   DiffusionOptions options_;

@@ -10,7 +10,7 @@ import numpy as np
 
 WORDS = {"uncorrected": ("network",), "generator": ("corrected",), "refined": ("fitted", "stored"), "adam_theta0": ("adam_theta0",), "lm_theta0": ("lm_theta0",),
          "adam_random": ("adam_random",), "direct": ("direct", "best_known"), "tent": ("tent",)}
-NOTE = "measured by an nlg-validate of before schema_version 2: all functions count as taking a θ, there are no intervals, stored is fitted, and best known is direct"
+NOTE = "measured by an nlg-validate of before schema_version 2: all functions count as taking a θ, there are no intervals, stored is fitted, best known is direct, and of fits only the refinement counts"
 
 
 def rows(path, tau_rmse=.02, tau_leak=.1):

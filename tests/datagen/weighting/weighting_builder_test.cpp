@@ -85,6 +85,25 @@ TEST(WeightingBuilder, FollowsTheDefinition) {
   }
 }
 
+TEST(WeightingBuilder, GivesAnyPlaceWhatItGivesTestPoints) {
+  int in_shadow = 0;
+  for (const Scene& scene : scenes()) {
+    const RayScene rays(scene);
+    for (const DiffusionOptions& options : {DiffusionOptions{}, DiffusionOptions{4, 0.05, 1.0}}) {
+      WeightingBuilder builder(rays, table(), options);
+      GeneratedFunction function;
+      ASSERT_EQ(builder.build(glm::dvec3(0), 1.0f, &function), ProbeOutcome::function);
+      for (size_t p = kSupportPointCount; p < table().points.size(); ++p) {
+        if (!function.valid[p]) continue;
+        ASSERT_EQ(builder.sees(table().points[p]), function.seen[p] != 0) << "point " << p;
+        ASSERT_EQ(builder.valueAt(table().points[p], function), function.phi[p]) << "point " << p;
+        in_shadow += !function.seen[p] && function.phi[p] > 0.0f;
+      }
+    }
+  }
+  EXPECT_GT(in_shadow, 100);
+}
+
 TEST(WeightingBuilder, KeepsItsPromisesInEveryScene) {
   for (const Scene& scene : scenes()) {
     const GeneratedFunction function = build(scene).function;

@@ -44,7 +44,7 @@ const Fitter kFitters[] = {{"Adam", [](const Representation& r, const WeightingF
 // The promises that hold whatever goes in. Returns the result.
 FitResult expectNeverWorse(const Fitter& fitter, const Representation& representation, const WeightingFunction& function,
                            const Theta& start, const std::string& what) {
-  const FitResult result = fitter.fit(representation, function, start);
+  FitResult result = fitter.fit(representation, function, start);
   const double before = functionRmse(representation, function, start.data());
   EXPECT_TRUE(std::isfinite(result.rmse)) << fitter.name << ", " << what;
   EXPECT_LE(result.rmse, before) << fitter.name << ", " << what;

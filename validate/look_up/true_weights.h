@@ -1,0 +1,30 @@
+// What the probes around a place should weigh there: target φ itself, not what stands for it.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "datagen/weighting/weighting_builder.h"
+#include "runtime_eval/light_grid/probe_tree.h"
+#include "validate/look_up/places.h"
+
+namespace nlg {
+
+inline constexpr int kCornerCount = 8;
+using CornerWeights = std::array<float, kCornerCount>;
+
+// Of one place, by corner as ProbesAround has them; none normalised.
+struct TrueWeights {
+  std::array<uint32_t, kCornerCount> probe{};
+  CornerWeights target{};  // target φ, by the formula at this very place, times tent_ratio; 0 for a probe in solid
+  CornerWeights seen{};    // the cell's tent where place and probe see each other, 0 otherwise and for a probe in solid
+  std::array<bool, kCornerCount> is_seen{};
+};
+
+// The function of every probe that a place reads is generated once.
+// scene_rays, links, tree   in the scene's coordinates; must outlive the call
+// returns                   by place
+std::vector<TrueWeights> trueWeights(const std::vector<Place>& places, const ProbeTree& tree, const RayScene& rays,
+                                     const LinkTable& links, const DiffusionOptions& diffusion, int thread_count);
+
+}  // namespace nlg
