@@ -91,7 +91,7 @@ class Generator {
   void project(const uint8_t* phi, int count, float* coefficients, GeneratorScratch* scratch) const;
   void generateFromCoefficients(const float* coefficients, int count, float* theta, GeneratorScratch* scratch) const;
 
-  // Learned correction steps, for Corrector (fit/correction.h); 0 steps and no layers when the weights have none. Always float32.
+  // Learned correction steps, for StageRunner (fit/theta_policy.h); 0 steps and no layers when the weights have none. Always float32.
   int correctionStepCount() const { return correction_step_count_; }
   bool exactLastLayer() const { return exact_last_layer_; }
   const LayerStack& correctionLayers() const { return correction_layers_; }

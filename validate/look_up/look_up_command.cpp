@@ -131,7 +131,7 @@ void measureLookUps(Request request, const BakeOptions& options, const OptionTab
   json["places"] = placesJson(measurement.places(), target);
   json["target"] = byDistanceJson(target);
   for (const Generator& generator : generators) {
-    const Bake bake = bakeScene(scene, {generator}, options, ThetaPrecision::float32, temporaryFolder());
+    const Bake bake = bakeScene(scene, {generator}, options, temporaryFolder());
     if (!json.contains("tent")) {
       LightGrid tents = bake.grid;
       for (uint32_t& function : tents.probe_function) function = function == kNoWeight ? kNoWeight : kFreeSpace;
