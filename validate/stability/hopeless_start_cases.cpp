@@ -82,7 +82,7 @@ StabilityResult measureStuck(const StabilityInputs& inputs) {
     worst_refined = std::max(worst_refined, refined.check.rmse);
   }
   StabilityResult result;
-  result.passes = silent == 0 && refined_out == static_cast<int>(starts.size());
+  result.holds = silent == 0 && refined_out == static_cast<int>(starts.size());
   result.measured = fmt::format(
       "{} fits: {} got out, {} stayed and fail the check, {} stayed unnoticed; refinement got {} of {} starts out, worst RMSE "
       "{:.4f}",
@@ -114,7 +114,7 @@ StabilityResult measureDirect(const StabilityInputs&) {
   }
   StabilityResult result;
   const double zero = rmseOfZero(wall);
-  result.passes = finite && worst < 0.5 * zero;
+  result.holds = finite && worst < 0.5 * zero;
   result.measured = fmt::format("tent_mlp and pf5: worst RMSE {:.4f}; answering 0: {:.4f}", worst, zero);
   result.figures = {{"worst_rmse", worst}, {"rmse_of_zero", zero}};
   return result;

@@ -29,8 +29,7 @@ StabilityResult measureFewFunctions(const StabilityInputs&) {
   const int components = basis.data.coefficientCount();
   const double error = orthonormalityError(basis.data), kept = keptVariance(basis, phi.data(), kFunctions, {kAsked}).front();
   StabilityResult result;
-  result.passes =
-      components > 0 && components < kFunctions * kMirrorCount && error < kOrthonormal && std::fabs(1.0 - kept) < 1e-6;
+  result.holds = components > 0 && components < kFunctions * kMirrorCount && error < kOrthonormal && std::fabs(1.0 - kept) < 1e-6;
   result.measured =
       fmt::format("{} functions, {} components asked for: {} given, off orthonormal by {:.1e}, {:.7f} of the set's variance kept",
                   kFunctions, kAsked, components, error, kept);
@@ -52,8 +51,8 @@ StabilityResult measureEqual(const StabilityInputs&) {
   const Basis lopsided = fitBasis(wallFunctions(1, 7), 512);
   const int components = lopsided.data.coefficientCount();
   StabilityResult result;
-  result.passes = !refusal.empty() && components <= kMirrorCount - 1 && components > 0 && lopsided.data.class_count[0] == 0 &&
-                  orthonormalityError(lopsided.data) < kOrthonormal;
+  result.holds = !refusal.empty() && components <= kMirrorCount - 1 && components > 0 && lopsided.data.class_count[0] == 0 &&
+                 orthonormalityError(lopsided.data) < kOrthonormal;
   result.measured =
       fmt::format("mirror-symmetric: {}; lopsided: {} components, {} of them even",
                   refusal.empty() ? "not refused" : "refused (" + refusal + ")", components, lopsided.data.class_count[0]);
@@ -72,7 +71,7 @@ StabilityResult measureOutlier(const StabilityInputs&) {
   const double error = orthonormalityError(basis.data), apart = spectrumError(fallingSpectrum(basis), referenceSpectrum(phi));
   const std::vector<double> spectrum = fallingSpectrum(basis);
   StabilityResult result;
-  result.passes = error < kOrthonormal && apart < kSpectrumBound && basis.data.coefficientCount() > kFunctions;
+  result.holds = error < kOrthonormal && apart < kSpectrumBound && basis.data.coefficientCount() > kFunctions;
   result.measured = fmt::format(
       "63 functions of one step of noise and one of 255 everywhere: {} components, off orthonormal by {:.1e}; first eigenvalue "
       "{:.1e} times the second; spectrum within {:.1e} of the reference",
@@ -108,8 +107,8 @@ StabilityResult measureIdentical(const StabilityInputs& inputs) {
     }
   }
   StabilityResult result;
-  result.passes = basis.data.coefficientCount() == 1 && basis.data.class_count[0] == 1 &&
-                  std::fabs(found / variance - 1.0) < 1e-6 && std::fabs(std::fabs(cosine) - 1.0) < 1e-6;
+  result.holds = basis.data.coefficientCount() == 1 && basis.data.class_count[0] == 1 &&
+                 std::fabs(found / variance - 1.0) < 1e-6 && std::fabs(std::fabs(cosine) - 1.0) < 1e-6;
   result.measured = fmt::format(
       "{} identical functions and one other: {} components; variance {:.6e}, in closed form {:.6e}; 1 - cosine to the difference "
       "{:.1e}",
@@ -145,7 +144,7 @@ StabilityResult measureIllScaled(const StabilityInputs&) {
   }
   const int components = fitBasis(phi, 64).data.coefficientCount();
   StabilityResult result;
-  result.passes = components == 3 && worst < 1e-6 && spectrum[3] < 1e-9 * spectrum[0];
+  result.holds = components == 3 && worst < 1e-6 && spectrum[3] < 1e-9 * spectrum[0];
   result.measured = fmt::format(
       "variances from {:.1e} to {:.1e}: {} components, each within {:.1e} of its closed form; the next eigenvalue is {:.1e}",
       spectrum[0], spectrum[2], components, worst, spectrum[3]);
@@ -160,7 +159,7 @@ StabilityResult measureSpectrum(const StabilityInputs&) {
   const Basis basis = fitBasis(phi, 512);
   const double apart = spectrumError(fallingSpectrum(basis), referenceSpectrum(phi));
   StabilityResult result;
-  result.passes = apart < kSpectrumBound;
+  result.holds = apart < kSpectrumBound;
   result.measured =
       fmt::format("{} functions and their mirror images: {} components; all 8192 eigenvalues within {:.1e} of the largest",
                   kFunctions, basis.data.coefficientCount(), apart);
@@ -198,7 +197,7 @@ StabilityResult measureParity(const StabilityInputs&) {
   }
   forceSimdTarget(before);
   StabilityResult result;
-  result.passes = worst == 0.0 && targets > 0;
+  result.holds = worst == 0.0 && targets > 0;
   result.measured =
       fmt::format("{} functions on {} SIMD targets, float and 16-bit: largest difference of energies {} steps squared", functions,
                   targets, worst);

@@ -23,7 +23,7 @@ StabilityResult measureScale(const StabilityInputs& inputs, double scale) {
       probeFunctions(inputs, scaled(furnishedRoom(), scale, glm::dvec3(0.0)).finish(), kRoomSpacing_m * scale);
   const FunctionDifference apart = difference(room, other);
   StabilityResult result;
-  result.passes =
+  result.holds =
       apart.same_outcomes && other.broken == 0 && room.count(ProbeOutcome::function) > 0 &&
       static_cast<double>(apart.points_apart + apart.validity_apart) <= kGrazingShare * static_cast<double>(apart.points);
   result.measured = describe(other) + "; against the room of 4 m: " + describe(apart);
@@ -44,7 +44,7 @@ StabilityResult measureSpacings(const StabilityInputs&) {
   }
   const ProbeFunctions tiny = probeFunctions(scaled(furnishedRoom(), 0.00025, glm::dvec3(0.0)).finish(), {}, 64);
   StabilityResult result;
-  result.passes =
+  result.holds =
       refusal.find("spacing") != std::string::npos && tiny.probe_count > 0 && tiny.probe_count <= 64 && tiny.broken == 0;
   result.measured =
       fmt::format("100 km: {}; 1 mm: {}", refusal.empty() ? "not refused" : "refused (" + refusal + ")", describe(tiny));
@@ -57,12 +57,12 @@ StabilityResult measureFarAway(const StabilityInputs& inputs) {
   house.add(makeProceduralScene("house", 3));
   const ProbeFunctions here = probeFunctions(inputs, house.finish());
   StabilityResult result;
-  result.passes = here.count(ProbeOutcome::function) > 0 && here.broken == 0;
+  result.holds = here.count(ProbeOutcome::function) > 0 && here.broken == 0;
   FunctionDifference worst;
   for (const glm::dvec3& shift : {glm::dvec3(100000.0, 0.0, 0.0), glm::dvec3(-100000.0, 3000.0, 70001.0)}) {
     const ProbeFunctions there = probeFunctions(inputs, scaled(house, 1.0, shift).finish());
     const FunctionDifference apart = difference(here, there);
-    result.passes = result.passes && apart.same_bits();
+    result.holds = result.holds && apart.same_bits();
     if (worst.points == 0 || apart.largest_bytes > worst.largest_bytes || !apart.same_outcomes) worst = apart;
   }
   result.measured = describe(here) + "; 100 km away: " + describe(worst);

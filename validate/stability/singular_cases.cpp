@@ -71,8 +71,8 @@ StabilityResult measureDeficient(const DeficientStart& start) {
   const FitResult fit = fitLevenbergMarquardt(start.representation, function, start.theta, options, &kernel);
   const double before = functionRmse(start.representation, function, start.theta.data());
   StabilityResult result;
-  result.passes = spectrum.rank < spectrum.size && fit.rmse < before &&
-                  judge(start.representation, function, start.theta, fit, kIterations).holds();
+  result.holds = spectrum.rank < spectrum.size && fit.rmse < before &&
+                 judge(start.representation, function, start.theta, fit, kIterations).holds();
   result.measured =
       fmt::format("{}: J^T J has rank {} of {}, condition {}{:.1e}; RMSE {:.4f} -> {:.4f} in {} iterations, stop: {}",
                   representationName(start.representation), spectrum.rank, spectrum.size, spectrum.at_limit ? "at least " : "",
@@ -157,7 +157,7 @@ StabilityResult measureSolver(const StabilityInputs&) {
   }
   StabilityResult result;
   // Cholesky is backward stable: a small multiple of the count times a rounding (Higham 2002, theorem 10.4)
-  result.passes = worst_residual <= 24 * 24 * 0x1p-53 && solved > 0 && refused > 0;
+  result.holds = worst_residual <= 24 * 24 * 0x1p-53 && solved > 0 && refused > 0;
   result.measured = fmt::format(
       "Hilbert matrices of 4 to 24 rows, condition up to {:.1e}: {} solved with a relative residual of at most {:.1e}, {} "
       "refused",

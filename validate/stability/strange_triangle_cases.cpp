@@ -26,7 +26,7 @@ StabilityResult measureUnchanged(const StabilityInputs& inputs, const FaceScene&
   const ProbeFunctions other = probeFunctions(inputs, scene);
   const FunctionDifference apart = difference(room, other);
   StabilityResult result;
-  result.passes = apart.same_bits() && other.broken == 0 && scene.dropped_triangle_count == expected_drops;
+  result.holds = apart.same_bits() && other.broken == 0 && scene.dropped_triangle_count == expected_drops;
   result.measured = fmt::format("{} triangles dropped and counted; against the room without them: {}",
                                 scene.dropped_triangle_count, describe(apart));
   addFigures(other, &result);
@@ -112,7 +112,7 @@ StabilityResult measureOnProbes(const StabilityInputs&) {
     ++row;
   }
   StabilityResult result;
-  result.passes = once.broken == 0 && difference(once, again).same_bits() && lit_through == 0;
+  result.holds = once.broken == 0 && difference(once, again).same_bits() && lit_through == 0;
   result.measured = fmt::format("{}; {} points lit on a second side of a sheet through the probe", describe(once), lit_through);
   addFigures(once, &result);
   result.figures["lit_through"] = static_cast<double>(lit_through);
@@ -155,7 +155,7 @@ StabilityResult measureNotFinite(const StabilityInputs&) {
   const std::string nan = lineOf(std::nanf("")), inf = lineOf(infinity), minus = lineOf(-infinity), good = lineOf(1.0f);
   std::filesystem::remove_all(folder);
   StabilityResult result;
-  result.passes = !nan.empty() && !inf.empty() && !minus.empty() && good.empty();
+  result.holds = !nan.empty() && !inf.empty() && !minus.empty() && good.empty();
   result.measured = fmt::format("NaN: {}; Inf: {}; a finite one is {}", nan.empty() ? "read" : "refused (" + nan + ")",
                                 inf.empty() || minus.empty() ? "read" : "refused", good.empty() ? "read" : "refused");
   result.figures = {{"refused", double(!nan.empty() + !inf.empty() + !minus.empty())}};

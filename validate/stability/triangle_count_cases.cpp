@@ -19,7 +19,7 @@ StabilityResult measureNone(const StabilityInputs&) {
   somewhere.extent = ExtentBox{glm::dvec3(0.0), glm::dvec3(3.0)};
   const ProbeFunctions given = probeFunctions(scene, somewhere, 10);
   StabilityResult result;
-  result.passes =
+  result.holds =
       asked.probe_count == 0 && given.probe_count > 0 && given.count(ProbeOutcome::free_space) == given.outcomes.size();
   result.measured = fmt::format("without an extent {} probes; with one: {}", asked.probe_count, describe(given));
   result.figures = {{"probes_without_extent", double(asked.probe_count)}, {"probes_with_extent", double(given.probe_count)}};
@@ -30,7 +30,7 @@ StabilityResult measureOne(const StabilityInputs& inputs) {
   FaceScene faces;
   faces.addTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, FaceScene::Sides::two);
   StabilityResult result = measureSound(inputs, faces);
-  result.passes = result.passes && result.figures.at("functions") > 0;
+  result.holds = result.holds && result.figures.at("functions") > 0;
   return result;
 }
 
@@ -70,7 +70,7 @@ StabilityResult measureTenMillion(const StabilityInputs&) {
   getrusage(RUSAGE_SELF, &usage);
   const double peak_gb = static_cast<double>(usage.ru_maxrss) * 1024 * 1e-9;
   StabilityResult result;
-  result.passes = scene.triangles.size() >= 9990000 && probes.broken == 0 && probes.count(ProbeOutcome::function) > 0;
+  result.holds = scene.triangles.size() >= 9990000 && probes.broken == 0 && probes.count(ProbeOutcome::function) > 0;
   result.measured = fmt::format("{} triangles; {}; {:.0f} s, most memory of the process so far {:.1f} GB", scene.triangles.size(),
                                 describe(probes), elapsed_s, peak_gb);
   addFigures(probes, &result);
