@@ -37,8 +37,7 @@ struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
 };
-constexpr Command kCommands[] = {
-    {"stability", stabilityMain}, {"frontier", frontierMain}, {"compare", compareMain}, {"--compare", compareMain}};
+constexpr Command kCommands[] = {{"stability", stabilityMain}, {"frontier", frontierMain}, {"compare", compareMain}};
 
 }  // namespace
 }  // namespace nlg
