@@ -105,7 +105,7 @@ assert needs["all of these probes together"]["count"] == one["probes"] - one["fu
 assert all(row["what"] in table and row["seconds_saved"] is None for row in one["needs"]), table
 PYTHON
 for source in one.safetensors one.json; do
-  "$NLG_BIN/nlg-export" for-bake --bake "$temporary/$source" --weights "${weights[@]}" --out "$temporary/for_$source" >/dev/null 2>&1 || fail "for-bake refuses $source"
+  "$NLG_BIN/nlg-export" used-by --bake "$temporary/$source" --weights "${weights[@]}" --out "$temporary/for_$source" >/dev/null 2>&1 || fail "used-by refuses $source"
   for copy in "$temporary/for_$source"/*; do cmp "$copy" "$out/weights/$(basename "$copy")" || fail "$copy is no copy"; done
 done
 diff -r "$temporary/for_one.safetensors" "$temporary/for_one.json" || fail "the light grid and the report name other weights"

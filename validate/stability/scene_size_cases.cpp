@@ -1,9 +1,8 @@
-// Scenes of extreme size and place, and spacings that do not suit them.
+// Scenes of extreme size and place.
 
 #include <fmt/format.h>
 
 #include "datagen/scene/procedural.h"
-#include "tool/error.h"
 #include "validate/stability/scene_measures.h"
 
 namespace nlg {
@@ -29,26 +28,6 @@ StabilityResult measureScale(const StabilityInputs& inputs, double scale) {
   result.measured = describe(other) + "; against the room of 4 m: " + describe(apart);
   addFigures(other, &result);
   addFigures(apart, &result);
-  return result;
-}
-
-// Spacings that do not suit the scene: refused with a line that helps, or few probes.
-StabilityResult measureSpacings(const StabilityInputs&) {
-  std::string refusal;
-  try {
-    ProbePlacementOptions options;
-    options.density_growth = 0.0;
-    probeFunctions(scaled(furnishedRoom(), 25000.0, glm::dvec3(0.0)).finish(), options, 1);
-  } catch (const UsageError& error) {
-    refusal = error.what();
-  }
-  const ProbeFunctions tiny = probeFunctions(scaled(furnishedRoom(), 0.00025, glm::dvec3(0.0)).finish(), {}, 64);
-  StabilityResult result;
-  result.holds =
-      refusal.find("spacing") != std::string::npos && tiny.probe_count > 0 && tiny.probe_count <= 64 && tiny.broken == 0;
-  result.measured =
-      fmt::format("100 km: {}; 1 mm: {}", refusal.empty() ? "not refused" : "refused (" + refusal + ")", describe(tiny));
-  addFigures(tiny, &result);
   return result;
 }
 
@@ -82,9 +61,6 @@ std::vector<StabilityCase> sceneSizeCases() {
        [](const StabilityInputs& inputs) { return measureScale(inputs, 0.00025); }},
       {"scenes", "100 km across", scale_must_hold, full, false,
        [](const StabilityInputs& inputs) { return measureScale(inputs, 25000.0); }},
-      {"scenes", "spacings that do not suit the scene",
-       "100 km at the default spacing is refused with a line that names a spacing, 1 mm gives a handful of sound probes", brief,
-       false, measureSpacings},
       {"scenes", "100 km from the origin", "the functions are bit for bit those at the origin", brief, false, measureFarAway},
   };
 }

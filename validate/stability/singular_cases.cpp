@@ -82,19 +82,6 @@ StabilityResult measureDeficient(const DeficientStart& start) {
   return result;
 }
 
-// Half of both layers' units say nothing, and nothing hears them.
-DeficientStart deadUnits() {
-  const Representation network = Representation::tentMlp();
-  Theta theta = randomTheta(network, 3);
-  for (int unit = 0; unit < kHiddenCount; unit += 2) {
-    for (int i = 0; i < 3; ++i) theta[ThetaLayout::w1 + 3 * unit + i] = 0.0f;
-    theta[ThetaLayout::b1 + unit] = 0.0f;
-    for (int row = 0; row < kHiddenCount; ++row) theta[ThetaLayout::w2 + kHiddenCount * row + unit] = 0.0f;
-    theta[ThetaLayout::w3 + unit] = 0.0f;
-  }
-  return {network, functionBesideWall(5, 0.3), theta};
-}
-
 // Pairs of units that are the same: what one of them could learn the other one learns too.
 DeficientStart twinUnits() {
   const Representation network = Representation::tentMlp();
@@ -107,13 +94,6 @@ DeficientStart twinUnits() {
     }
   }
   return {network, functionBesideWall(6, 0.3), theta};
-}
-
-DeficientStart fewPoints() {
-  const SampledFunction wall = functionBesideWall(7, 0.3);
-  const SampledFunction few =
-      sampleFunction([&](int p) { return wall.phi[p] / 255.0; }, [](int p) { return p % (kSupportPointCount / 20) == 7; });
-  return {Representation::tentMlp(), few, randomTheta(Representation::tentMlp(), 5)};
 }
 
 // The nearest to duplicate points that a fixed pattern allows: all of them in one corner, a handful of cells of 9³ nodes.
@@ -172,9 +152,7 @@ StabilityResult measureSolver(const StabilityInputs&) {
 std::vector<StabilityCase> singularJacobianCases() {
   const auto brief = StabilityDepth::brief, full = StabilityDepth::full;
   return {
-      deficientCase("dead units", deadUnits, brief),
       deficientCase("twin units", twinUnits, brief),
-      deficientCase("fewer valid points than parameters", fewPoints, brief),
       deficientCase("all points in one corner", crowdedPoints, full),
   };
 }

@@ -1,4 +1,4 @@
-// Scenes of no triangle, of one, and of ten million.
+// Scenes of one triangle, and of ten million.
 
 #include <sys/resource.h>
 
@@ -11,20 +11,6 @@
 
 namespace nlg {
 namespace {
-
-StabilityResult measureNone(const StabilityInputs&) {
-  const Scene scene = FaceScene().finish();
-  const ProbeFunctions asked = probeFunctions(scene, {}, 10);
-  ProbePlacementOptions somewhere;
-  somewhere.extent = ExtentBox{glm::dvec3(0.0), glm::dvec3(3.0)};
-  const ProbeFunctions given = probeFunctions(scene, somewhere, 10);
-  StabilityResult result;
-  result.holds =
-      asked.probe_count == 0 && given.probe_count > 0 && given.count(ProbeOutcome::free_space) == given.outcomes.size();
-  result.measured = fmt::format("without an extent {} probes; with one: {}", asked.probe_count, describe(given));
-  result.figures = {{"probes_without_extent", double(asked.probe_count)}, {"probes_with_extent", double(given.probe_count)}};
-  return result;
-}
 
 StabilityResult measureOne(const StabilityInputs& inputs) {
   FaceScene faces;
@@ -84,8 +70,6 @@ StabilityResult measureTenMillion(const StabilityInputs&) {
 
 std::vector<StabilityCase> triangleCountCases() {
   return {
-      {"scenes", "no triangle", "no probe without an extent, and only free space with one", StabilityDepth::brief, false,
-       measureNone},
       {"scenes", "one triangle", std::string(kSoundMustHold) + ", and some probe has a function", StabilityDepth::brief, false,
        measureOne},
       {"scenes", "ten million triangles", "functions are made, all of them sound", StabilityDepth::lengthy, false,
