@@ -96,17 +96,27 @@ DirectOptions longFits(const StabilityInputs& inputs) {
   return options;
 }
 
-double mostRmse(const StabilityInputs& inputs, const NamedGenerator& named, const StoredFunction& stored,
-                const BakedFunction& baked, ErrorBound bound) {
+struct Bound {
+  double rmse = 0.0;
+  std::string text;
+};
+
+Bound boundOf(const StabilityInputs& inputs, const NamedGenerator& named, const StoredFunction& stored,
+              const BakedFunction& baked, ErrorBound kind) {
   const double tau = CheckOptions{}.tau_rmse;
   const Representation& representation = named.generator.representation();
-  if (bound == ErrorBound::constant) return std::max(tau, kConstantFactor * constantRmse(representation, stored));
+  if (kind == ErrorBound::constant) {
+    const double constant = constantRmse(representation, stored);
+    return {std::max(tau, kConstantFactor * constant), fmt::format("{} (a constant: {:.4f})", named.name, constant)};
+  }
   // what is good enough asks for no long fits
-  if (baked.stored.rmse <= tau || baked.theta.empty()) return tau;
+  if (baked.stored.rmse <= tau || baked.theta.empty()) return {tau, named.name};
   NormalEquationsKernel kernel;
   const FunctionFits fits =
       fitLong(named.generator, decodeFunction(stored, pointOrder(representation)), baked.theta, longFits(inputs), &kernel);
-  return std::max(tau, kBestKnownFactor * fits.at(LongFit::best_known).rmse);
+  const double best_known = fits.at(LongFit::best_known).rmse;
+  return {std::max(tau, kBestKnownFactor * best_known),
+          fmt::format("{} (best known {:.4f} by {})", named.name, best_known, fits.best_known_from)};
 }
 
 }  // namespace
@@ -123,10 +133,10 @@ void WorstBake::add(const WorstBake& other) {
     stored_rmse = other.stored_rmse;
     stored_name = other.stored_name;
   }
-  if (bound_name.empty() || !(other.most_of_bound <= most_of_bound)) {
+  if (bound_text.empty() || !(other.most_of_bound <= most_of_bound)) {
     most_of_bound = other.most_of_bound;
     bound_rmse = other.bound_rmse;
-    bound_name = other.bound_name;
+    bound_text = other.bound_text;
   }
 }
 
@@ -136,17 +146,18 @@ WorstBake worstBake(const StabilityInputs& inputs, const StoredFunction& stored,
   for (const NamedGenerator& generator : inputs.generators) {
     const BakedFunction baked = bakeFunction(generator, stored, options);
     failing_count += baked.fails_check;
-    const double rmse = baked.stored.rmse, most_rmse = mostRmse(inputs, generator, stored, baked, bound);
+    const double rmse = baked.stored.rmse;
+    const Bound most = boundOf(inputs, generator, stored, baked, bound);
     worst.add({baked.is_finite, baked.never_worse, baked.network_rmse, baked.corrected_rmse, rmse, generator.name, 0, rmse,
-               rmse / most_rmse, most_rmse, generator.name});
+               rmse / most.rmse, most.rmse, most.text});
   }
   worst.failing_count = failing_count;
   return worst;
 }
 
 std::string describeBound(const WorstBake& worst) {
-  return fmt::format("nearest to what it may be: {} with {:.4f} of {:.4f}", worst.bound_name,
-                     worst.most_of_bound * worst.bound_rmse, worst.bound_rmse);
+  return fmt::format("nearest to its bound: {:.4f} of {:.4f}, {}", worst.most_of_bound * worst.bound_rmse, worst.bound_rmse,
+                     worst.bound_text);
 }
 
 }  // namespace nlg
