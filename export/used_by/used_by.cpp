@@ -65,11 +65,11 @@ std::vector<BakeWeights> weightsUsedBy(const BakedWeights& baked, const std::str
   for (const std::string& path : paths) {
     BakeWeights file = lookAt(path);
     given.add(path, file.representation);
-    const auto given = baked.sha256.find(file.representation);
-    if (given == baked.sha256.end()) {
+    const auto baked_with = baked.sha256.find(file.representation);
+    if (baked_with == baked.sha256.end()) {
       file.why = "the bake was not given any of " + file.representation;
-    } else if (given->second != file.sha256) {
-      throw InputError(path, "SHA-256", "the weights that " + bake_path + " was baked with, " + given->second, file.sha256);
+    } else if (baked_with->second != file.sha256) {
+      throw InputError(path, "SHA-256", "the weights that " + bake_path + " was baked with, " + baked_with->second, file.sha256);
     } else if (std::find(baked.used.begin(), baked.used.end(), file.representation) == baked.used.end()) {
       file.why = "no function of the scene has " + file.representation;
     } else {
