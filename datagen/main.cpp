@@ -104,9 +104,7 @@ struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
 };
-constexpr Command kCommands[] = {
-    {"generate", generateMain}, {"info", infoMain}, {"plan", planMain}, {"--plan", planMain}, {"view", viewMain},
-};
+constexpr Command kCommands[] = {{"info", infoMain}, {"plan", planMain}, {"view", viewMain}};
 
 }  // namespace
 }  // namespace nlg

@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "export/for_bake/for_bake.h"
 #include "export/onnx_export.h"
+#include "export/used_by/used_by.h"
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/weights_file/weights_file.h"
 #include "tool/atomic_file.h"
@@ -219,12 +219,11 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "onnx") == 0) return nlg::onnxMain(argc - 1, argv + 1);
-  if (argc > 1 && (std::strcmp(argv[1], "for-bake") == 0 || std::strcmp(argv[1], "--for-bake") == 0))
-    return nlg::forBakeMain(argc - 1, argv + 1);
+  if (argc > 1 && std::strcmp(argv[1], "used-by") == 0) return nlg::usedByMain(argc - 1, argv + 1);
   CLI::App app{
       "Exports a trained generator for the bake-time evaluator and checks the two against each other.\n"
       "nlg-export onnx --weights FILE --out FILE: weights as ONNX.\n"
-      "nlg-export for-bake --bake GRID --weights W1 [W2 ...] --out FOLDER: the weights that a scene uses.",
+      "nlg-export used-by --bake GRID --weights W1 [W2 ...] --out FOLDER: the weights that a scene uses.",
       "nlg-export"};
   nlg::Request request;
   nlg::ExportOptions options;

@@ -1,4 +1,4 @@
-// Weights → ONNX: what `nlg-export onnx` and `nlg-export --onnx` write.
+// Weights → ONNX: what `nlg-export onnx` and `nlg-export … --onnx FILE` write.
 #pragma once
 
 #include <string>

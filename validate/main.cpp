@@ -39,11 +39,8 @@ struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
 };
-constexpr Command kCommands[] = {{"stability", stabilityMain},
-                                 {"frontier", frontierMain},
-                                 {"look-up", lookUpMain},
-                                 {"compare", compareMain},
-                                 {"--compare", compareMain}};
+constexpr Command kCommands[] = {
+    {"stability", stabilityMain}, {"frontier", frontierMain}, {"look-up", lookUpMain}, {"compare", compareMain}};
 
 }  // namespace
 }  // namespace nlg

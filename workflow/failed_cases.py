@@ -11,7 +11,7 @@ import sys
 def main():
     with open(sys.argv[1]) as file:
         cases = json.load(file)["cases"]
-    failed = [case for case in cases if case["ran"] and not case["passes"]]
+    failed = [case for case in cases if case["ran"] and not case["holds"]]
     for case in failed:
         print(f"{case['group']}: {case['name']}: {case['measured']}")
     return 6 if failed else 0

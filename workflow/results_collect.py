@@ -134,9 +134,8 @@ def frontier(path):
 
 def stability(path):
     document = read_json(path)
-    keys = ["group", "name", "must_hold", "measured", "passes", "ran", "note"]
-    cases = [{**take(case, keys, path), "fails_check": case.get("fails_check", False)} for case in document["cases"]]
-    return {"revision": revision(document, path), "cases": cases}
+    keys = ["group", "name", "must_hold", "measured", "holds", "fails_check", "ran", "note"]
+    return {"revision": revision(document, path), "cases": [take(case, keys, path) for case in document["cases"]]}
 
 
 BAKE_COUNTS = ("threads", "probes", "free_space", "in_solid", "empty", "bare_tents", "duplicates", "functions", "took_fit", "still_failing", "bytes",

@@ -215,9 +215,9 @@ def frontier_section(front):
 
 def stability_section(stability):
     cases = stability["cases"]
-    ran, held = [case for case in cases if case["ran"]], [case for case in cases if case["ran"] and case["passes"]]
+    ran, held = [case for case in cases if case["ran"]], [case for case in cases if case["ran"] and case["holds"]]
     rows = [[case["group"], case["name"], case["must_hold"], case["measured"] + (f" ({case['note']})" if case["note"] else ""),
-             ("yes, and fails the check" if case["passes"] and case["fails_check"] else "yes" if case["passes"] else "**no**") if case["ran"] else "not run"]
+             ("yes, and fails the check" if case["holds"] and case["fails_check"] else "yes" if case["holds"] else "**no**") if case["ran"] else "not run"]
             for case in cases]
     text = f"\n{len(cases)} cases; {len(ran)} were run, and {len(held)} of these hold. Revision `{stability['revision']}`.\n"
     return text + table(["group", "case", "what must hold", "measured", "holds"], rows)

@@ -51,7 +51,7 @@ def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):
         return
     lines = result.stderr.splitlines()
     # a command of a tool names itself: "nlg-datagen info: error: "
-    name = f"{tool} {arguments[0].lstrip('-')}" if arguments and arguments[0].lstrip("-") in ("info", "plan", "view", "onnx", "for-bake", "compare", "frontier", "stability") else tool
+    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "used-by", "compare", "frontier", "stability") else tool
     errors = [line for line in lines if line.startswith(f"{name}: error: ")]
     if result.returncode != exit_code:
         failures.append(f"{command}: exit code {result.returncode}, expected {exit_code}\n    {result.stderr.strip()}")
@@ -432,21 +432,20 @@ def check_bakes():
     del os.environ["NLG_SIMD"]
 
 
-def check_weights_for_bakes():
-    """nlg-export for-bake: no bake, damaged ones, weights that are none or that the bake was not given."""
+def check_weights_used_by():
+    """nlg-export used-by: no bake, damaged ones, weights that are none or that the bake was not given."""
     must("nlg-bake", "house:1", "--weights", "weights.safetensors", "--config", "good.yaml", "--out", "grid.safetensors")
     for bake in ["missing.safetensors", "missing.json", "folder", "weights.safetensors", "good.yaml", *damaged_copies("grid.safetensors")]:
-        refuses(INPUT_ERROR, [bake], ["bad_weights"], "nlg-export", "for-bake", "--bake", bake, "--weights", "weights.safetensors", "--out", "bad_weights")
-        refuses(INPUT_ERROR, [bake], ["bad_weights"], "nlg-export", "--for-bake", "--bake", bake, "--weights", "weights.safetensors", "--out", "bad_weights")
+        refuses(INPUT_ERROR, [bake], ["bad_weights"], "nlg-export", "used-by", "--bake", bake, "--weights", "weights.safetensors", "--out", "bad_weights")
     for weights in ["missing.safetensors", "grid.safetensors", "basis.h5"]:
-        refuses(INPUT_ERROR, [weights], ["bad_weights"], "nlg-export", "for-bake", "--bake", "grid.safetensors", "--weights", weights, "--out", "bad_weights")
+        refuses(INPUT_ERROR, [weights], ["bad_weights"], "nlg-export", "used-by", "--bake", "grid.safetensors", "--weights", weights, "--out", "bad_weights")
     must("nlg-export", "--config", "good.yaml", *EXPORT_INPUTS, "--dtype", "float32", "--out", "other_weights.safetensors")
-    refuses(INPUT_ERROR, ["other_weights.safetensors", "SHA-256"], ["bad_weights"], "nlg-export", "for-bake", "--bake", "grid.safetensors",
+    refuses(INPUT_ERROR, ["other_weights.safetensors", "SHA-256"], ["bad_weights"], "nlg-export", "used-by", "--bake", "grid.safetensors",
             "--weights", "other_weights.safetensors", "--out", "bad_weights")
-    refuses(USAGE_ERROR, ["two of tent_mlp: weights.safetensors and again.safetensors"], ["bad_weights"], "nlg-export", "for-bake", "--bake", "grid.safetensors",
+    refuses(USAGE_ERROR, ["two of tent_mlp: weights.safetensors and again.safetensors"], ["bad_weights"], "nlg-export", "used-by", "--bake", "grid.safetensors",
             "--weights", "weights.safetensors", "again.safetensors", "--out", "bad_weights")
     write("file", "")
-    refuses(OUTPUT_ERROR, ["file/tent_mlp.safetensors"], [], "nlg-export", "for-bake", "--bake", "grid.safetensors", "--weights", "weights.safetensors", "--out", "file")
+    refuses(OUTPUT_ERROR, ["file/tent_mlp.safetensors"], [], "nlg-export", "used-by", "--bake", "grid.safetensors", "--weights", "weights.safetensors", "--out", "file")
 
 
 def check_plans():
@@ -457,8 +456,7 @@ def check_plans():
     os.environ["TMPDIR"] = "/nowhere"
     refuses(OUTPUT_ERROR, ["/nowhere", "TMPDIR"], [], "nlg-datagen", "plan", "--scene", "house:1")
     del os.environ["TMPDIR"]
-    for command in ["plan", "--plan"]:
-        must("nlg-datagen", command, "--config", "good.yaml", "--scene", "house:1", "--json")
+    must("nlg-datagen", "plan", "--config", "good.yaml", "--scene", "house:1", "--json")
 
 
 def check_full_disk():
@@ -555,7 +553,7 @@ def check_comparisons():
     made_up.write_json(summary, made_up.summary(table))
     made_up.write_functions("compared/functions.csv", table)
     must("nlg-validate", "compare", summary, summary)
-    must("nlg-validate", "--compare", summary, summary, "--json")
+    must("nlg-validate", "compare", summary, summary, "--json")
     refuses(USAGE_ERROR, ["new"], [], "nlg-validate", "compare", summary)
     refuses(INPUT_ERROR, ["missing.json"], [], "nlg-validate", "compare", summary, "missing.json")
     refuses(INPUT_ERROR, ["basis.h5"], [], "nlg-validate", "compare", "basis.h5", summary)
@@ -606,7 +604,7 @@ def main():
         check_workflow()
         check_shards()
         check_bakes()
-        check_weights_for_bakes()
+        check_weights_used_by()
         check_plans()
         check_full_disk()
         check_killed_run()

@@ -72,8 +72,8 @@ def frontier():
 
 
 def stability():
-    case = {"group": "functions", "name": "free space", "must_hold": "it holds", "measured": "0.0059", "figures": {}, "passes": True, "ran": True, "note": ""}
-    return {"schema_version": 1, "provenance": {"revision": "0123abc"}, "cases": [case, {**case, "name": "other", "ran": False, "passes": False}]}
+    case = {"group": "functions", "name": "free space", "must_hold": "it holds", "measured": "0.0059", "figures": {}, "holds": True, "fails_check": False, "ran": True, "note": ""}
+    return {"schema_version": 1, "provenance": {"revision": "0123abc"}, "cases": [case, {**case, "name": "other", "ran": False, "holds": False}]}
 
 
 def bake():

@@ -18,9 +18,10 @@ class BatchRun {
     theta_count_ = static_cast<size_t>(generators.front()->representation().thetaCount());
   }
 
+  // first             the batch's first function, for errors
   // functions, made   of one batch
   // use               with the number inside the batch
-  void run(const StoredFunction* functions, int count, MadeTheta* made,
+  void run(uint64_t first, const StoredFunction* functions, int count, MadeTheta* made,
            const std::function<void(int i, const ThetaByWord& theta)>& use) {
     splitOffTents(functions, count, made);
     std::vector<MadeTheta> results(with_theta_.size());
@@ -33,7 +34,7 @@ class BatchRun {
       if (!policy_.round(with_theta_[n], &one)) {
         const auto largest =
             std::max_element(fitted.begin(), fitted.end(), [](float a, float b) { return std::fabs(a) < std::fabs(b); });
-        throw NumericalError("validate", "a function", "theta, for float16,", *largest);
+        throw NumericalError("validate", "function " + std::to_string(first + numbers_[n]), "theta, for float16,", *largest);
       }
       made[numbers_[n]] = one;
       if (!use) continue;
@@ -81,7 +82,7 @@ std::vector<MadeTheta> runPolicy(const std::vector<const Generator*>& generators
   parallelFor((functions.size() + batch - 1) / batch, options.threads, [&](uint64_t b, int thread) {
     const uint64_t begin = b * batch, end = std::min<uint64_t>(begin + batch, functions.size());
     const auto useOne = [&](int i, const ThetaByWord& theta) { use(thread, begin + i, made[begin + i], theta); };
-    threads[thread]->run(&functions[begin], static_cast<int>(end - begin), &made[begin],
+    threads[thread]->run(begin, &functions[begin], static_cast<int>(end - begin), &made[begin],
                          use ? useOne : std::function<void(int, const ThetaByWord&)>());
   });
   return made;

@@ -148,8 +148,8 @@ FittedFunctions fitGated(const Fits& fits, const std::vector<double>& thresholds
   return points;
 }
 
-// Budgets of direct Adam as fitDirect gives them to a representation.
-std::vector<int> directAdamSteps(const Representation& representation, std::vector<int> steps) {
+// Budgets of Adam as fitDirect gives them to a representation.
+std::vector<int> adamSteps(const Representation& representation, std::vector<int> steps) {
   if (!representation.isField()) return steps;
   for (int& count : steps) count = std::max(1, count / 32);
   steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
@@ -197,8 +197,9 @@ std::vector<PlotRun> fitsOfCorrected(const std::shared_ptr<const Generator>& gen
   std::vector<PlotRun> runs;
   const auto corrected = std::make_shared<PolicyRun>(SharedGenerators{generator}, options, ThetaStage::mirror_images);
   for (const Method method : {Method::lm, Method::adam}) {
-    const Fits fits{generator, method, Start::corrected, method == Method::lm ? budgets.lm : budgets.adam, options};
-    if (fits.budgets.empty()) continue;
+    const std::vector<int> steps = method == Method::lm ? budgets.lm : adamSteps(generator->representation(), budgets.adam);
+    if (steps.empty()) continue;
+    const Fits fits{generator, method, Start::corrected, steps, options};
     PlotRun run{{}, [fits, corrected](const FunctionBlock& block) { return fitOn(fits, *corrected, block); }};
     for (const int budget : fits.budgets) {
       run.points.push_back({representationName(generator->representation()), fits.family(), budget, fits.label(budget), {}});
@@ -212,7 +213,7 @@ std::vector<PlotRun> directFits(const std::shared_ptr<const Generator>& generato
                                 const FitBudgets& budgets, uint64_t seed) {
   std::vector<PlotRun> runs;
   const double loose_rmse = lastFitThreshold(*generator, options);
-  const std::vector<int> adam = directAdamSteps(generator->representation(), budgets.direct_adam);
+  const std::vector<int> adam = adamSteps(generator->representation(), budgets.direct_adam);
   addDirect({generator, Method::lm, Start::theta0, budgets.direct_lm, options}, loose_rmse, runs);
   addDirect({generator, Method::adam, Start::theta0, adam, options}, loose_rmse, runs);
   addDirect({generator, Method::adam, Start::random, adam, options, seed}, loose_rmse, runs);

@@ -7,9 +7,9 @@ namespace nlg {
 
 // Steps, each list rising.
 struct FitBudgets {
+  // of Adam, product fields take a 32nd: each of their steps reads all points
   std::vector<int> lm, adam;                // from the corrected theta
-  std::vector<int> direct_lm, direct_adam;  // from theta0 and from a random start; of Adam, product fields take a 32nd: each of
-                                            // their steps reads all points
+  std::vector<int> direct_lm, direct_adam;  // from theta0; Adam from a random start as well
 };
 
 // Families lm_from_corrected and adam_from_corrected, whose time holds all that comes before the fit.

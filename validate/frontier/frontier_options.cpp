@@ -40,7 +40,7 @@ void describe(FrontierOptions& o, OptionTable& table) {
   table.add("repeat_seconds", &o.interleave.repeat_seconds, "a point that takes longer for its first block is run once", 0.0,
             1e6);
   table.add("lm_steps", &o.lm_steps, "LM steps from the corrected theta");
-  table.add("adam_steps", &o.adam_steps, "Adam steps from the corrected theta");
+  table.add("adam_steps", &o.adam_steps, "Adam steps from the corrected theta; product fields: a 32nd");
   table.add("direct_lm_steps", &o.direct_lm_steps, "LM steps from theta0");
   table.add("direct_adam_steps", &o.direct_adam_steps, "Adam steps from theta0 and from random starts; product fields: a 32nd");
   table.add("coefficients", &o.coefficients, "coefficients that the network sees; empty: 32, 128, 512, … below all");

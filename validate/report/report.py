@@ -88,7 +88,7 @@ def frontier_tables(frontier):
                  **{key.replace("rmse_", "RMSE ", 1): p.figures["theta"][key] for key in ("rmse_median", "rmse_mean", "rmse_p95", "rmse_worst")},
                  "took a fit": findings_module.percent(p.figures["theta"]["share_fitted"]), "leak p99": p.figures["theta"]["leak_p99"]}
                 for p in frontier.points if not frontier_module.is_chain(p) and p.figures["theta"]]
-    return [("From the truth to the generator", "How much error each step adds: the function that was solved for, the target φ, a direct fit, the generator's θ.", frontier.hierarchy),
+    return [("From the truth to the generator", "How much error each step adds: the function that was solved for, the target φ, the best known of it in a representation, and what a bake makes of it, stage by stage.", frontier.hierarchy),
             ("Along straight walks", "What a viewer would notice: the largest jump between neighbouring samples.", frontier.walks),
             ("Generators and settings", "Functions that take a θ: the policy with smaller budgets, and the network with fewer coefficients or in other precisions.", settings)]
 

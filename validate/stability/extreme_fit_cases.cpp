@@ -93,7 +93,7 @@ struct FitTally {
   }
   StabilityResult result(const std::string& steps) const {
     StabilityResult result;
-    result.passes = broken.empty();
+    result.holds = broken.empty();
     result.measured = fmt::format("{} fits of {}: {} lowered the error, {} stopped as not finite, {}", fits, steps, lowered,
                                   refused, broken.empty() ? "none broke its promise" : "broken: " + broken);
     result.figures = {{"fits", fits}, {"lowered", lowered}, {"stopped_not_finite", refused}};

@@ -44,7 +44,7 @@ StabilityResult measureSound(const StabilityInputs& inputs, const FaceScene& fac
   const ProbeFunctions once = probeFunctions(inputs, scene);
   const ProbeFunctions again = probeFunctions(inputs, scene);
   StabilityResult result;
-  result.passes = once.broken == 0 && !once.outcomes.empty() && difference(once, again).same_bits();
+  result.holds = once.broken == 0 && !once.outcomes.empty() && difference(once, again).same_bits();
   result.measured = fmt::format("{}; {} votes about solid disputed", describe(once), once.disputed);
   addFigures(once, &result);
   result.figures["disputed"] = static_cast<double>(once.disputed);

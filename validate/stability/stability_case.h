@@ -33,7 +33,9 @@ struct StabilityInputs {
 };
 
 struct StabilityResult {
-  bool passes = false;
+  bool holds = false;
+  // what a bake stores of some function here fails its check, which counts it: allowed where the bound is wider than tau
+  bool fails_check = false;
   std::string measured;                   // one short sentence with the figures
   std::map<std::string, double> figures;  // by snake_case name with its unit
   std::string note;                       // what a reader must know to judge it; else empty

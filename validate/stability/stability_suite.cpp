@@ -11,6 +11,7 @@
 #include "tool/error.h"
 #include "tool/one_file_each.h"
 #include "tool/progress.h"
+#include "validate/errors/held_out.h"
 
 namespace nlg {
 namespace {
@@ -23,21 +24,6 @@ constexpr std::array<const char*, 6> kGroups = {"functions", "optimisers", "pca"
 constexpr std::array<const char*, 7> kTrainingCases = {
     "poisoned batch",      "poisoned batches without end", "exploding learning rate",       "extreme targets",
     "shard that vanishes", "cache that vanishes midway",   "cache that is truncated midway"};
-
-NamedGenerator loadGenerator(const std::string& path) {
-  NamedGenerator named;
-  WeightsResult result = Generator::load(path, &named.generator);
-  if (result.ok()) {
-    WeightsFile file;
-    result = readWeightsFile(path, &file);
-    if (result.ok()) result = generatorFromWeights(file, &named.data);
-  }
-  if (!result.ok()) {
-    throw InputError(path, weightsStatusName(result.status), "a generator of this support pattern", result.detail);
-  }
-  named.name = representationName(named.generator.representation());
-  return named;
-}
 
 std::vector<StabilityCase> allCases() {
   std::vector<StabilityCase> all;
@@ -57,27 +43,33 @@ Json caseJson(const std::string& group, const std::string& name, const std::stri
   Json figures = Json::object();
   // JSON knows no infinity: null says that a figure was not finite
   for (const auto& [key, value] : result.figures) figures[key] = std::isfinite(value) ? Json(value) : Json(nullptr);
-  return {
-      {"group", group},          {"name", name}, {"must_hold", must_hold}, {"measured", result.measured}, {"figures", figures},
-      {"passes", result.passes}, {"ran", ran},   {"note", result.note}};
+  return {{"group", group},
+          {"name", name},
+          {"must_hold", must_hold},
+          {"measured", result.measured},
+          {"figures", figures},
+          {"holds", result.holds},
+          {"fails_check", result.fails_check},
+          {"ran", ran},
+          {"note", result.note}};
 }
 
 // A remark that a case makes whatever comes out explains no failure: beside what was measured it may stand, as the note of a case
 // that fails it would excuse it.
 StabilityResult withoutExcuse(StabilityResult result) {
-  if (result.passes || result.note.empty()) return result;
+  if (result.holds || result.note.empty()) return result;
   result.measured += " (" + result.note + ")";
   result.note.clear();
   return result;
 }
 
-StabilityResult notRun(const std::string& why) { return {false, "not run", {}, "not run: " + why}; }
+StabilityResult notRun(const std::string& why) { return {.measured = "not run", .note = "not run: " + why}; }
 
 StabilityResult measure(const StabilityCase& stability_case, const StabilityInputs& inputs) {
   try {
     return withoutExcuse(stability_case.measure(inputs));
   } catch (const std::exception& error) {
-    return {false, std::string("ended with an exception: ") + error.what(), {}, ""};
+    return {.measured = std::string("ended with an exception: ") + error.what()};
   }
 }
 
@@ -89,17 +81,19 @@ std::string reasonToSkip(const StabilityCase& stability_case, const StabilityInp
 }
 
 void addTrainingCase(const Json& entry, StabilityReport* report) {
-  const StabilityResult result = withoutExcuse(
-      {entry.at("passes").get<bool>(), entry.at("measured").get<std::string>(), {}, entry.at("note").get<std::string>()});
+  const StabilityResult result = withoutExcuse({.holds = entry.at("holds").get<bool>(),
+                                                .measured = entry.at("measured").get<std::string>(),
+                                                .note = entry.at("note").get<std::string>()});
   report->cases.push_back({{"group", "training"},
                            {"name", entry.at("name")},
                            {"must_hold", entry.at("must_hold")},
                            {"measured", result.measured},
                            {"figures", entry.at("figures")},
-                           {"passes", result.passes},
+                           {"holds", result.holds},
+                           {"fails_check", false},
                            {"ran", true},
                            {"note", result.note}});
-  if (result.passes) {
+  if (result.holds) {
     ++report->passed;
   } else {
     report->failed.push_back("training: " + entry.at("name").get<std::string>());
@@ -139,7 +133,9 @@ StabilityReport runStability(const StabilityRequest& request) {
   inputs.depth = request.depth;
   OneFileEach given("--weights", "representation");
   for (const std::string& path : request.weights) {
-    inputs.generators.push_back(loadGenerator(path));
+    Generator generator = loadGenerator(path);
+    const std::string name = representationName(generator.representation());
+    inputs.generators.push_back({name, std::move(generator), loadGeneratorData(path)});
     given.add(path, inputs.generators.back().name);
   }
 
@@ -156,7 +152,7 @@ StabilityReport runStability(const StabilityRequest& request) {
     report.cases.push_back(caseJson(c.group, c.name, c.must_hold, result, reason.empty()));
     if (!reason.empty()) {
       ++report.not_run;
-    } else if (result.passes) {
+    } else if (result.holds) {
       ++report.passed;
     } else {
       report.failed.push_back(c.group + ": " + c.name);

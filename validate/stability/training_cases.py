@@ -113,8 +113,8 @@ class Training:
             return [float(row["held_out_rmse"]) for row in csv.DictReader(file)]
 
 
-def case(name, must_hold, passes, measured, figures, note=""):
-    return {"group": "training", "name": name, "must_hold": must_hold, "measured": measured, "figures": figures, "passes": bool(passes), "note": note}
+def case(name, must_hold, holds, measured, figures, note=""):
+    return {"group": "training", "name": name, "must_hold": must_hold, "measured": measured, "figures": figures, "holds": bool(holds), "note": note}
 
 
 def stopped_with_cause(run, code, words):
@@ -139,20 +139,20 @@ def poisoned_without_end(bin_folder):
 
 
 def exploding_rate(bin_folder):
-    measured, figures, passes = [], {}, True
+    measured, figures, holds = [], {}, True
     for rate in ["1", "1000"]:
         run = Training(bin_folder, f"rate_{rate}", ["--cache", "functions.cache"], 120, rate).end()
         errors = run.held_out() if run.has_checkpoint else []
         step = re.search(r"step (\d+)", run.line)
         # a run that diverges before its first checkpoint has none to leave
         gave_up = run.code == NUMERICAL_ERROR and step and (run.has_checkpoint or int(step[1]) < CHECKPOINT_STEPS)
-        passes = passes and all(map(math.isfinite, errors)) and (gave_up or (run.code == 0 and errors))
+        holds = holds and all(map(math.isfinite, errors)) and (gave_up or (run.code == 0 and errors))
         measured.append(f"rate {rate}: " + (f"held-out RMSE {errors[-1]:.4f} after {run.result['rollbacks']} rollbacks" if run.code == 0
                                             else f"exit code {run.code}: {run.line}; {len(errors)} checkpoints' errors, all finite"))
         figures[f"exit_code_rate_{rate}"] = run.code
     return case("exploding learning rate",
                 "no error of a checkpoint is ever not finite; the run goes on at half the rate, or ends with exit code 4 and one line and leaves its last checkpoint",
-                passes, "; ".join(measured), figures)
+                holds, "; ".join(measured), figures)
 
 
 def vanished_shard(bin_folder):
@@ -229,8 +229,8 @@ def main():
         file.write("\n")
     os.replace(out + ".part", out)
     for result in cases:
-        print("holds " if result["passes"] else "FAILED", f"{result['name']}: {result['measured']}")
-    sys.exit(0 if all(result["passes"] for result in cases) else 1)
+        print("holds " if result["holds"] else "FAILED", f"{result['name']}: {result['measured']}")
+    sys.exit(0 if all(result["holds"] for result in cases) else 1)
 
 
 if __name__ == "__main__":

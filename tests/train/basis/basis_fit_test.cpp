@@ -217,6 +217,17 @@ TEST(BasisFit, RefusesFunctionsThatAreAllEqual) {
   EXPECT_THROW(fit.fit(4), InputError);
 }
 
+TEST(BasisFit, HasNoEvenComponentOfOneLopsidedFunction) {
+  // all of its variance is between its mirror images
+  std::vector<uint8_t> one(kSupportPointCount);
+  for (int p = 0; p < kSupportPointCount; ++p) one[p] = static_cast<uint8_t>(37 * p % 251);
+  BasisFit fit;
+  fit.add(one.data(), 1);
+  const BasisData data = fit.fit(64).data;
+  EXPECT_EQ(data.class_count[0], 0);
+  EXPECT_EQ(data.coefficientCount(), kMirrorCount - 1);
+}
+
 TEST(TruncateBasis, KeepsTheComponentsOfLargestVariance) {
   const BasisData& wide = wideBasis().data;
   std::vector<float> deviations = wide.deviation;

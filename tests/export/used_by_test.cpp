@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "export/for_bake/for_bake.h"
+#include "export/used_by/used_by.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/atomic_file.h"
@@ -20,12 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class ForBake : public testing::Test {
+class UsedBy : public testing::Test {
  protected:
-  ForBake() : folder_(fs::temp_directory_path() / ("nlg_for_bake_" + std::to_string(::getpid()))) {
+  UsedBy() : folder_(fs::temp_directory_path() / ("nlg_used_by_" + std::to_string(::getpid()))) {
     fs::create_directories(folder_);
   }
-  ~ForBake() override { fs::remove_all(folder_); }
+  ~UsedBy() override { fs::remove_all(folder_); }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   std::string write(const std::string& name, const std::string& bytes) const {
@@ -71,14 +71,14 @@ class ForBake : public testing::Test {
     for (const auto& [name, sha256] : hash_) inputs["weights of " + name] = sha256;
     grid_ = writeGrid({"tent_mlp", "pf5"}, inputs);
   }
-  std::vector<BakeWeights> choose() const { return weightsForBake(readBakedWeights(grid_), grid_, weights_); }
+  std::vector<BakeWeights> choose() const { return weightsUsedBy(readBakedWeights(grid_), grid_, weights_); }
 
   static int forBake(const std::vector<std::string>& arguments) {
-    std::vector<std::string> texts = {"for-bake"};
+    std::vector<std::string> texts = {"used-by"};
     texts.insert(texts.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& text : texts) argv.push_back(text.data());
-    return forBakeMain(static_cast<int>(argv.size()), argv.data());
+    return usedByMain(static_cast<int>(argv.size()), argv.data());
   }
 
   fs::path folder_;
@@ -87,7 +87,7 @@ class ForBake : public testing::Test {
   std::map<std::string, std::string> hash_;
 };
 
-TEST_F(ForBake, CopiesThoseThatFunctionsUseByteForByteAndCountsTheRest) {
+TEST_F(UsedBy, CopiesThoseThatFunctionsUseByteForByteAndCountsTheRest) {
   makeBake();
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
@@ -108,7 +108,7 @@ TEST_F(ForBake, CopiesThoseThatFunctionsUseByteForByteAndCountsTheRest) {
   EXPECT_NE(said.find(std::to_string(fs::file_size(weights_[1])) + " bytes"), std::string::npos) << said;
 }
 
-TEST_F(ForBake, ReadsFromAReportWhatItReadsFromTheLightGrid) {
+TEST_F(UsedBy, ReadsFromAReportWhatItReadsFromTheLightGrid) {
   makeBake();
   nlohmann::json report = {{"scene", "level"}, {"representations", {{"tent_mlp", 3}, {"mlp", 0}, {"pf5", 1}}}};
   for (const auto& [name, sha256] : hash_) report["weights"][name] = {{"sha256", sha256}, {"bytes", 1}};
@@ -119,7 +119,7 @@ TEST_F(ForBake, ReadsFromAReportWhatItReadsFromTheLightGrid) {
             std::set<std::string>(of_grid.used.begin(), of_grid.used.end()));
 }
 
-TEST_F(ForBake, RefusesWeightsThatTheSceneWasNotBakedWith) {
+TEST_F(UsedBy, RefusesWeightsThatTheSceneWasNotBakedWith) {
   makeBake();
   // those that no function uses as well: they are not what the bake knew
   for (const auto& [index, name] : std::vector<std::pair<int, std::string>>{{0, "tent_mlp"}, {1, "mlp"}}) {
@@ -130,19 +130,19 @@ TEST_F(ForBake, RefusesWeightsThatTheSceneWasNotBakedWith) {
   }
 }
 
-TEST_F(ForBake, RefusesToLeaveAFunctionWithoutItsWeights) {
+TEST_F(UsedBy, RefusesToLeaveAFunctionWithoutItsWeights) {
   makeBake();
   weights_.pop_back();
   EXPECT_THROW(choose(), InputError);
 }
 
-TEST_F(ForBake, RefusesTwoFilesOfOneRepresentation) {
+TEST_F(UsedBy, RefusesTwoFilesOfOneRepresentation) {
   makeBake();
   weights_.push_back(write("again.safetensors", readFile(weights_[0])));
   EXPECT_THROW(choose(), UsageError);
 }
 
-TEST_F(ForBake, LeavesOutWhatTheBakeWasNotGivenAndSaysSo) {
+TEST_F(UsedBy, LeavesOutWhatTheBakeWasNotGivenAndSaysSo) {
   makeBake();
   weights_.push_back(writeWeights("d.safetensors", "pf9"));
   const std::vector<BakeWeights> chosen = choose();
@@ -152,26 +152,26 @@ TEST_F(ForBake, LeavesOutWhatTheBakeWasNotGivenAndSaysSo) {
   EXPECT_NE(chosen[1].why, chosen.back().why);
 }
 
-TEST_F(ForBake, ReplacesNoInputAndLeavesNoOtherWeightsBesideItsCopies) {
+TEST_F(UsedBy, ReplacesNoInputAndLeavesNoOtherWeightsBesideItsCopies) {
   makeBake();
   fs::rename(weights_[0], path("tent_mlp.safetensors"));
   weights_[0] = path("tent_mlp.safetensors");
-  EXPECT_THROW(copyWeightsForBake(choose(), grid_, folder_.string()), UsageError);
+  EXPECT_THROW(copyUsedWeights(choose(), grid_, folder_.string()), UsageError);
   // a folder of an earlier bake that used more
   fs::create_directories(path("scene"));
   write("scene/mlp.safetensors", "old");
-  EXPECT_THROW(copyWeightsForBake(choose(), grid_, path("scene")), UsageError);
+  EXPECT_THROW(copyUsedWeights(choose(), grid_, path("scene")), UsageError);
   EXPECT_FALSE(fs::exists(path("scene/tent_mlp.safetensors"))) << "refused after the first copy";
 }
 
-TEST_F(ForBake, WritesNothingForASceneWithoutFunctions) {
+TEST_F(UsedBy, WritesNothingForASceneWithoutFunctions) {
   makeBake();
   grid_ = writeGrid({}, {{"weights of tent_mlp", hash_["tent_mlp"]}});
-  copyWeightsForBake(choose(), grid_, path("scene"));
+  copyUsedWeights(choose(), grid_, path("scene"));
   EXPECT_FALSE(fs::exists(path("scene")));
 }
 
-TEST_F(ForBake, RefusesWhatIsNoBake) {
+TEST_F(UsedBy, RefusesWhatIsNoBake) {
   makeBake();
   const std::vector<std::string> bad = {
       path("missing.safetensors"),

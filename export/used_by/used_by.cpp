@@ -1,4 +1,4 @@
-#include "export/for_bake/for_bake.h"
+#include "export/used_by/used_by.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -34,8 +34,8 @@ BakeWeights lookAt(const std::string& path) {
 
 void run(const std::string& bake_path, const std::vector<std::string>& paths, const std::string& folder) {
   const BakedWeights baked = readBakedWeights(bake_path);
-  const std::vector<BakeWeights> weights = weightsForBake(baked, bake_path, paths);
-  copyWeightsForBake(weights, bake_path, folder);
+  const std::vector<BakeWeights> weights = weightsUsedBy(baked, bake_path, paths);
+  copyUsedWeights(weights, bake_path, folder);
   nlohmann::ordered_json written = nlohmann::ordered_json::array(), left_out = nlohmann::ordered_json::array();
   uint64_t bytes_written = 0, bytes_left_out = 0;
   for (const BakeWeights& file : weights) {
@@ -58,18 +58,18 @@ void run(const std::string& bake_path, const std::vector<std::string>& paths, co
 
 }  // namespace
 
-std::vector<BakeWeights> weightsForBake(const BakedWeights& baked, const std::string& bake_path,
-                                        const std::vector<std::string>& paths) {
+std::vector<BakeWeights> weightsUsedBy(const BakedWeights& baked, const std::string& bake_path,
+                                       const std::vector<std::string>& paths) {
   std::vector<BakeWeights> weights;
   OneFileEach given("--weights", "representation");
   for (const std::string& path : paths) {
     BakeWeights file = lookAt(path);
     given.add(path, file.representation);
-    const auto given = baked.sha256.find(file.representation);
-    if (given == baked.sha256.end()) {
+    const auto baked_with = baked.sha256.find(file.representation);
+    if (baked_with == baked.sha256.end()) {
       file.why = "the bake was not given any of " + file.representation;
-    } else if (given->second != file.sha256) {
-      throw InputError(path, "SHA-256", "the weights that " + bake_path + " was baked with, " + given->second, file.sha256);
+    } else if (baked_with->second != file.sha256) {
+      throw InputError(path, "SHA-256", "the weights that " + bake_path + " was baked with, " + baked_with->second, file.sha256);
     } else if (std::find(baked.used.begin(), baked.used.end(), file.representation) == baked.used.end()) {
       file.why = "no function of the scene has " + file.representation;
     } else {
@@ -85,7 +85,7 @@ std::vector<BakeWeights> weightsForBake(const BakedWeights& baked, const std::st
   return weights;
 }
 
-void copyWeightsForBake(const std::vector<BakeWeights>& weights, const std::string& bake_path, const std::string& folder) {
+void copyUsedWeights(const std::vector<BakeWeights>& weights, const std::string& bake_path, const std::string& folder) {
   std::vector<std::string> inputs = {bake_path};
   for (const BakeWeights& file : weights) inputs.push_back(file.path);
   // all refusals before the first copy
@@ -105,9 +105,9 @@ void copyWeightsForBake(const std::vector<BakeWeights>& weights, const std::stri
   }
 }
 
-int forBakeMain(int argc, char** argv) {
+int usedByMain(int argc, char** argv) {
   CLI::App app{"Copies of the weights that a bake was given those that its functions use, and says what is left out.",
-               "nlg-export for-bake"};
+               "nlg-export used-by"};
   std::string bake, out;
   std::vector<std::string> weights;
   OptionTable table("export");

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "export/for_bake/baked_weights.h"
+#include "export/used_by/baked_weights.h"
 
 namespace nlg {
 
@@ -22,17 +22,17 @@ struct BakeWeights {
 // bake_path   what `baked` was read from, for messages
 // throws      InputError when a file holds no generator, when its representation was baked with other weights, or when a
 //             representation that functions use is in none of the files; UsageError when two are of the same representation
-std::vector<BakeWeights> weightsForBake(const BakedWeights& baked, const std::string& bake_path,
-                                        const std::vector<std::string>& paths);
+std::vector<BakeWeights> weightsUsedBy(const BakedWeights& baked, const std::string& bake_path,
+                                       const std::vector<std::string>& paths);
 
 // Copies those that are used to FOLDER/REPRESENTATION.safetensors, byte for byte: where nlg-bake looks for weights when $NLG_WEIGHTS
 // is the folder. Without any it makes no folder.
 //
 // throws   UsageError when a copy would replace one of the inputs, or the folder holds weights of a representation that is left out;
 //          InputError when a file is no longer the one that was looked at; OutputError
-void copyWeightsForBake(const std::vector<BakeWeights>& weights, const std::string& bake_path, const std::string& folder);
+void copyUsedWeights(const std::vector<BakeWeights>& weights, const std::string& bake_path, const std::string& folder);
 
-// The tool's command `for-bake`: nlg-export for-bake --bake GRID --weights W1 [W2 …] --out FOLDER.
-int forBakeMain(int argc, char** argv);
+// The tool's command `used-by`: nlg-export used-by --bake GRID --weights W1 [W2 …] --out FOLDER.
+int usedByMain(int argc, char** argv);
 
 }  // namespace nlg

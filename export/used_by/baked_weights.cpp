@@ -1,4 +1,4 @@
-#include "export/for_bake/baked_weights.h"
+#include "export/used_by/baked_weights.h"
 
 #include <nlohmann/json.hpp>
 
