@@ -89,7 +89,8 @@ Approximation approximate(const SolvedScene& scene, const TargetFunctions& funct
       if (probe < 0) continue;
       const int function = functions.of_probe[probe];
       const std::vector<float>& values = function < 0 ? tents : value_of_function[function];
-      result.weights[i][corner] = std::max(0.0f, values[points.cell_point[i] * kCornerCount + corner]);
+      const size_t place = points.cell_point[i] * kCornerCount + corner;
+      result.weights[i][corner] = std::clamp(values[place], 0.0f, tents[place]);
     }
   }
   return result;

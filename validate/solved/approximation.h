@@ -33,7 +33,7 @@ ThetaOfFunctions bestKnownTheta(const Generator& generator, const TargetFunction
 
 // All probes of a scene as theta stand for their functions. Probes in free space have the bare tent, as in a light grid.
 struct Approximation {
-  BlendWeights weights;             // N x 8, not normalised: max(0, f)
+  BlendWeights weights;             // N x 8, not normalised: f from 0 to the tent, as a look-up has it
   double function_rmse_mean = 0.0;  // RMSE over valid support points, mean over the functions
 };
 Approximation approximate(const SolvedScene& scene, const TargetFunctions& functions, const Representation& representation,
