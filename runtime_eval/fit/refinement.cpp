@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/fit/direct.h"
+
 namespace nlg {
 namespace {
 
@@ -24,13 +26,13 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
   if (result.check.passes(options.check)) return result;
   WeightingFunction function = decodeFunction(stored, pointOrder(representation));
   weighLeaks(options.leak_weight, &function);
-  const auto tryFrom = [&](const Theta& from, int steps) {
-    const FitResult fit = fitOn(representation, function, from, steps);
+  const auto consider = [&](const FitResult& fit) {
     const FunctionCheck check = checker_.check(representation, stored, fit.theta.data(), options.check);
     result.steps += fit.steps;
     result.stop = fit.stop;
     if (check.trouble(options.check) < result.check.trouble(options.check)) result.theta = fit.theta, result.check = check;
   };
+  const auto tryFrom = [&](const Theta& from, int steps) { consider(fitOn(representation, function, from, steps)); };
   int64_t steps = options.first_steps, last_steps = 0;
   for (int round = 0; round < options.rounds && !result.check.passes(options.check); ++round) {
     last_steps = std::min(steps, kMostSteps);
@@ -39,6 +41,9 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
     steps = last_steps * options.growth;
   }
   if (last_steps > 0 && !theta0.empty() && !result.check.passes(options.check)) tryFrom(theta0, static_cast<int>(last_steps));
+  // a field that is stuck in a poor minimum: from coarse to fine it gets round most of them
+  if (last_steps > 0 && representation.isField() && !result.check.passes(options.check))
+    consider(fitNested(representation, function, 40, &kernel_));
   return result;
 }
 
