@@ -8,6 +8,7 @@
 namespace nlg {
 namespace {
 
+constexpr int kNestedIterations = 40;  // on every grid, as direct optimisation has them
 constexpr int64_t kMostSteps = 1 << 24;  // of one round, whatever the growth
 
 // Where phi is stored as 0 the residual counts `weight` times in the sum of squares.
@@ -43,7 +44,7 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
   if (last_steps > 0 && !theta0.empty() && !result.check.passes(options.check)) tryFrom(theta0, static_cast<int>(last_steps));
   // a field that is stuck in a poor minimum: from coarse to fine it gets round most of them
   if (last_steps > 0 && representation.isField() && !result.check.passes(options.check))
-    consider(fitNested(representation, function, 40, &kernel_));
+    consider(fitNested(representation, function, kNestedIterations, &kernel_));
   return result;
 }
 

@@ -1,6 +1,6 @@
 // What becomes of a function's theta on its way: predicted, last layer solved, corrected step by step.
 //
-// The same way as at bake time (runtime_eval/fit/correction.h), but differentiable and without taking back steps that do not pay.
+// The same way as at bake time (runtime_eval/fit/theta_policy.h), but differentiable and without taking back steps that do not pay.
 #pragma once
 
 #include "train/generator/function_loss.h"
