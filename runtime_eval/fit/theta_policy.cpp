@@ -268,9 +268,15 @@ void ThetaPolicy::bake(const StoredFunction* functions, int count, MadeTheta* ma
     addTime(ThetaStage::bare_tent, ThetaWord::network, tent_us[i], &made[i].record);
   }
   std::vector<MadeTheta> results(with_theta.size());
+  const size_t traced = trace != nullptr ? trace->fitted.size() : 0;
   make(with_theta.data(), static_cast<int>(with_theta.size()), results.data(), trace);
   for (size_t n = 0; n < results.size(); ++n) {
     refine(with_theta[n], &results[n]);
+    // the refinement is a fit like any other
+    if (trace != nullptr && results[n].generator == 0) {
+      std::copy(results[n].theta.begin(), results[n].theta.end(),
+                trace->fitted.begin() + static_cast<ptrdiff_t>(traced + n * results[n].theta.size()));
+    }
     round(with_theta[n], &results[n]);
     addTime(ThetaStage::bare_tent, ThetaWord::network, tent_us[numbers[n]], &results[n].record);
     made[numbers[n]] = std::move(results[n]);

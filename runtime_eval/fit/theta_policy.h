@@ -62,7 +62,8 @@ struct ThetaRecord {
   double elapsedUs(ThetaWord word) const;
 };
 
-// Copies of theta at the words before the last, for who measures them: count x D each.
+// Copies of theta at the words before the last, for who measures them: count x D each. Of StageRunner and ThetaPolicy::make, fitted
+// is before the refinement; of ThetaPolicy::bake, after it.
 struct ThetaTrace {
   std::vector<float> network, corrected, fitted;
 };

@@ -24,11 +24,7 @@ PlotRun runOf(PlotPoint point, const std::shared_ptr<PolicyRun>& policy) {
 
 // What theta is called after a stage of the list: each word that no later stage has, as far as it is not the last of all.
 std::vector<ThetaWord> wordsAfter(const std::vector<StagePlan>& plan, size_t at) {
-  const auto wordOfPlace = [&](size_t n) {
-    if (n == plan.size()) return ThetaWord::stored;
-    // what the refinement leaves is what a grid holds
-    return plan[n].stage >= ThetaStage::refinement ? ThetaWord::stored : wordOf(plan[n].stage);
-  };
+  const auto wordOfPlace = [&](size_t n) { return n == plan.size() ? ThetaWord::stored : wordOf(plan[n].stage); };
   std::vector<ThetaWord> words;
   for (auto word = static_cast<int>(wordOfPlace(at)); word < static_cast<int>(wordOfPlace(at + 1)); ++word) {
     words.push_back(static_cast<ThetaWord>(word));
