@@ -8,7 +8,7 @@
 namespace nlg {
 namespace {
 
-constexpr int kNestedIterations = 40;  // on every grid, as direct optimisation has them
+constexpr int kNestedIterations = 40;    // on every grid, as direct optimisation has them
 constexpr int64_t kMostSteps = 1 << 24;  // of one round, whatever the growth
 
 // Where phi is stored as 0 the residual counts `weight` times in the sum of squares.

@@ -38,12 +38,12 @@ for representation in mlp tent_mlp pf5; do
   output=$("$work/build/bake_minimal" "$work/weights.safetensors")
   echo "$output"
   grep -q "^$representation, [1-9][0-9]* numbers" <<< "$output" || fail "bake_minimal names another representation"
-  generated=$(sed -n 's/^generated: RMSE \([0-9.]*\),.*/\1/p' <<< "$output")
-  refined=$(sed -n 's/^refined: RMSE \([0-9.]*\),.*/\1/p' <<< "$output")
-  awk -v g="$generated" -v r="$refined" 'BEGIN { exit !(g > 0.02 && r > 0 && r < g) }' || fail "refinement: '$generated' to '$refined'"
+  network=$(sed -n 's/^network: RMSE \([0-9.]*\),.*/\1/p' <<< "$output")
+  stored=$(sed -n 's/^stored: RMSE \([0-9.]*\),.*/\1/p' <<< "$output")
+  awk -v n="$network" -v s="$stored" 'BEGIN { exit !(n > 0.02 && s > 0 && s < n) }' || fail "the policy: '$network' to '$stored'"
   # C and C++ sum the same numbers in another order
-  in_c=$("$work/build/bake_minimal_c" "$work/weights.safetensors" | sed -n 's/^generated: RMSE \([0-9.]*\),.*/\1/p')
-  awk -v g="$generated" -v c="$in_c" 'BEGIN { exit !(c > 0 && g - c < 2e-5 && c - g < 2e-5) }' || fail "C: '$in_c', C++: '$generated'"
+  in_c=$("$work/build/bake_minimal_c" "$work/weights.safetensors" | sed -n 's/^fitted: *RMSE \([0-9.]*\),.*/\1/p')
+  awk -v s="$stored" -v c="$in_c" 'BEGIN { exit !(c > 0 && s - c < 2e-5 && c - s < 2e-5) }' || fail "C: '$in_c', C++: '$stored'"
 done
 
 # the installed program finds the weights that were installed with it, wherever both were moved to

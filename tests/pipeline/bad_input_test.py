@@ -319,7 +319,7 @@ def check_workflow():
             failures.append(f"workflow with {scenes}, {split}: trains on a scene of the evaluation")
 
     for report, words, absent in [("{small_scenes: [], savings: [], stability: short}", ["stability --short"], ["nlg-solve", "nlg-bake", "training_cases", "--hierarchy", "--needs"]),
-                                  ("{stability: long, savings: ['*_2'], savings_rounds: 3}", ["stability --long", "--measure-needs 3", "training_cases"], [])]:
+                                  ("{stability: long, savings: ['*_2'], savings_rounds: 3}", ["stability --long", "--measure-savings 3", "training_cases"], [])]:
         cases += 1
         is_taken, text = workflow(basis, held_out, report)
         if not is_taken or any(word not in text for word in words) or any(word in text for word in absent):
@@ -327,9 +327,9 @@ def check_workflow():
     # a short run, and the full one by one key: what `full` holds goes over the file's own, a representation's or scene's own over that
     full = "full: {train: {steps: 77}, datagen: {max_functions: 9, scale: 0.5}, scenes: {per_family: 5}, report: {stability: long, savings: []}}"
     options = (basis + ", by_scene: {house_1: {max_functions: 4}}", held_out, "{stability: short, savings: [house_2]}")
-    for effort, words, absent in [("", ["stability --short", "--measure-needs", "--max-functions=4"], ["--steps", "--scale", "house:4"]),
+    for effort, words, absent in [("", ["stability --short", "--measure-savings", "--max-functions=4"], ["--steps", "--scale", "house:4"]),
                                   ("effort: full\n", ["stability --long", "--steps=77", "--max-functions=4 --scale=0.5", "--max-functions=9 --scale=0.5", "house:4"],
-                                   ["--measure-needs"])]:
+                                   ["--measure-savings"])]:
         cases += 1
         is_taken, text = workflow(*options, more=effort + full)
         if not is_taken or any(word not in text for word in words) or any(word in text for word in absent):
@@ -419,7 +419,7 @@ def check_bakes():
     refuses(INPUT_ERROR, ["bare.gltf", "triangle"], outputs, "nlg-bake", *arguments)
     for rounds in ["-1", "100", "x"]:
         arguments, outputs = arguments_of("nlg-bake")
-        refuses(USAGE_ERROR, ["--measure-needs"], outputs, "nlg-bake", *arguments, f"--measure-needs={rounds}")
+        refuses(USAGE_ERROR, ["--measure-savings"], outputs, "nlg-bake", *arguments, f"--measure-savings={rounds}")
     for scene in ["missing.glb", "castle:3", "folder"]:
         arguments, outputs = arguments_of("nlg-bake", {"house:1": scene})
         refuses(INPUT_ERROR, [scene], outputs, "nlg-bake", *arguments)

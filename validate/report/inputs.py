@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import summary_v1
 
 # the four words of every table: what a function is, stage by stage, on its way into the grid; in this order everywhere
 WORDS = ("network", "corrected", "fitted", "stored")
@@ -229,7 +228,7 @@ FUNCTION_COLUMNS = ("representation", "word", "function", "scene", "take_theta",
 
 def read_functions(path, representations):
     groups = {}
-    for line, row in summary_v1.rows(path) or read_columns(path, FUNCTION_COLUMNS):
+    for line, row in read_columns(path, FUNCTION_COLUMNS):
         number = lambda column, empty=None: parse_number(path, line, column, row[FUNCTION_COLUMNS.index(column)], empty)
         groups.setdefault((row[0], row[1]), []).append(
             (int(number("function")), row[3], number("take_theta") == 1, number("hard") == 1, number("rmse"), number("rmse_test_points", math.nan),
@@ -369,7 +368,7 @@ def check_summary(summary):
 
 
 def read_summary(path):
-    summary = summary_v1.upgraded(read_json(path))
+    summary = read_json(path)
     check_summary(summary)
     return summary
 

@@ -6,7 +6,6 @@ import json
 import re
 from dataclasses import dataclass
 
-import summary_v1
 from inputs import POPULATIONS, InputError, read_json
 
 GROUPS = ("functions", "optimisers", "pca", "generator", "scenes", "training")
@@ -169,7 +168,7 @@ def read_speed(node):
 
 
 def read_frontier(path):
-    file = summary_v1.upgraded_frontier(read_json(path))
+    file = read_json(path)
     check_schema(file, FRONTIER_SCHEMA_VERSION)
     scenes = [node.text() for node in file["scenes"].items()]
     functions = {population: file["functions"][population].count() for population in POPULATIONS}
