@@ -16,7 +16,7 @@ void describePolicy(PolicyOptions& o, OptionTable& table) {
   table.add("retry_rmse", &o.stages.retry_rmse, "… another one, or another start, while its RMSE is above", 0.0, 1e3);
   table.add("fit_lm_iterations", &o.stages.lm_iterations,
             "short fits of product fields and small networks: iterations of Levenberg-Marquardt", 0, 1000);
-  table.add("fit_lm_theta0_iterations", &o.stages.lm_theta0_iterations, "… and from theta_0, where the RMSE is above retry_rmse",
+  table.add("fit_lm_theta0_iterations", &o.stages.lm_theta0_iterations, "… and from theta0, where the RMSE is above retry_rmse",
             0, 1000);
   table.add("fit_adam_rmse", &o.stages.adam_rmse, "short fits of large networks: what is above after the corrections …", 0.0,
             1e3);
@@ -51,7 +51,9 @@ ThetaPrecision thetaPrecisionFromName(const std::string& name) {
 }
 
 std::string stagesHelp(const PolicyOptions& options) {
-  std::string text = "Stages of the policy, by representation:\n";
+  std::string text =
+      "Stages of the policy, by representation (thresholds rise for weights that are wrong about the tent itself: "
+      "docs/theory/math.md §6):\n";
   for (const char* name : kRepresentationNames) {
     Representation representation;
     findRepresentation(name, &representation);

@@ -157,7 +157,7 @@ class SavingsCount {
     const auto good = static_cast<uint64_t>(
         std::count_if(statistics_.records.begin(), statistics_.records.end(), [this](const ThetaRecord& record) {
           const FunctionCheck& network = record.at(ThetaWord::network);
-          return network.rmse <= policy_.stages.good_rmse && network.passes(policy_.check());
+          return isGood(network, policy_.stages.good_rmse, policy_.check());
         }));
     savings_.push_back({saving::kGoodTheta,
                         true,
@@ -169,7 +169,11 @@ class SavingsCount {
                         "good_rmse: thetas of the network, in the representation that was chosen"});
     savings_.push_back({saving::kRefinement,
                         true,
-                        counts_.functions - statistics_.refined() - statistics_.left_for_time,
+                        static_cast<uint64_t>(std::count_if(statistics_.records.begin(), statistics_.records.end(),
+                                                            [this](const ThetaRecord& record) {
+                                                              return !record.refined &&
+                                                                     record.at(ThetaWord::fitted).passes(policy_.check());
+                                                            })),
                         counts_.functions,
                         {},
                         0,

@@ -39,7 +39,7 @@ workflow/ship_weights.sh out/NAME CONFIG REPRESENTATION ...
 
 puts it here with its card.
 
-All errors are RMSE over all valid support points, of functions of levels that the generators were not trained on. They stand at four stages. *Network* is one pass of the generator's network and nothing else. *Corrected* adds the exact last layer, the learned steps and the mirror images: everything without an iterative fit. *Fitted* adds every step of Adam or Levenberg–Marquardt that the bake takes. *Stored* is what the grid holds in the end, bare tents and rounding included.
+All errors are RMSE over all valid support points, of functions of levels that the generators were not trained on. They stand under four words. *Network* is one pass of the generator's network and nothing else. *Corrected* adds the exact last layer, the learned steps and the mirror images: everything without an iterative fit. *Fitted* adds every step of Adam or Levenberg–Marquardt that the bake takes. *Stored* is what the grid holds in the end, bare tents and rounding included.
 *Share fitted* is the share of functions that took any such step, whether or not its result was kept. *Best known* is the least error that any long fit has found for the same functions. Parentheses hold 95 % intervals. The whole tables, and how all of it was measured, are on the [results page](../docs/reference/results.md).
 """
 
@@ -137,7 +137,7 @@ def split_text(title, split, name):
             rows.append([POPULATION_NAMES[population] if word == STAGES[0] else "", word, *quantile_cells(found["rmse"]),
                          number(found["rmse_test_points"]["mean"]), number(found["rmse_occluded"]["mean"]),
                          percent(found["share_failing_check"]["value"]), percent(found["share_fitted"]["value"]), microseconds(found["us_per_function"])])
-    head = ["", "stage", "functions", "median", "mean", "p95", "p99", "worst", "test points, mean", "occluded, mean", "fails the check", "fitted", "µs"]
+    head = ["", "word", "functions", "median", "mean", "p95", "p99", "worst", "test points, mean", "occluded, mean", "fails the check", "fitted", "µs"]
     text = f"\n{title}: {counts['held_out']:,} functions of {counts['held_out_scenes']} scenes.\n" + table(head, rows)
     if "sample" in entry:
         ratios = entry["sample"]["ratios"]

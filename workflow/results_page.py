@@ -12,7 +12,7 @@ INTRODUCTION = """# Results
 
 *Written by `workflow/results.py write` from `docs/results/`; other texts quote from there. Change nothing here by hand.*
 
-Errors are RMSE over all valid support points, of functions of scenes that no generator was trained on. They are given at four stages, always in this order:
+Errors are RMSE over all valid support points, of functions of scenes that no generator was trained on. They are given under four words, always in this order:
 
 - **network**: one pass of the generator's network, and nothing else.
 - **corrected**: with the exact last layer, the learned steps and the mirror images. No iterative fit.
@@ -20,7 +20,7 @@ Errors are RMSE over all valid support points, of functions of scenes that no ge
 - **stored**: what the grid holds in the end, bare tents and the rounding of θ included.
 
 **Share fitted** is the share of functions that took any step of Adam or Levenberg–Marquardt, whether or not its result was kept. Among all distinct functions it is what stands beside the 4 to 13 % of the talk.
-Populations: *functions that take a θ* are the main one. *All distinct functions* also has those for which the bare tent is enough; they count as the bare tent at every stage, in no time, as a bake has them. *Hard functions* are those whose bare tent has an RMSE of .01 or more.
+Populations: *functions that take a θ* are the main one. *All distinct functions* also has those for which the bare tent is enough; they count as the bare tent under every word, in the time of one check, as a bake has them. *Hard functions* are those whose bare tent has an RMSE of .01 or more.
 *Test points* are points that no fit has seen. *Occluded* points are valid points that the probe does not see. Numbers in parentheses are 95 % intervals, by bootstrap over scenes. How it is all measured: [formats](formats.md#summaryjson), [error against run time](frontier.md), [stability](stability.md).
 """
 PENDING_NOTE = "\n*These figures are measured again with the present policy; what is not there yet reads \"pending\" elsewhere.*\n"
@@ -56,7 +56,7 @@ def figure_cells(entry):
             f"{number(entry['leak']['mean'], 5)}, {number(entry['leak']['p99'], 3)}", share(entry["share_failing_check"])]
 
 
-FIGURE_HEAD = ["", "stage", "functions", "median", "mean", "p95", "p99", "worst", "test points, mean", "occluded, mean", "leak: mean, p99",
+FIGURE_HEAD = ["", "word", "functions", "median", "mean", "p95", "p99", "worst", "test points, mean", "occluded, mean", "leak: mean, p99",
                "fails the check", "fitted", "µs a function"]
 
 
@@ -79,7 +79,7 @@ def stages_section(split):
     """What each representation goes through, from the policy's own list."""
     rows = [[f"`{name}`" if i == 0 else "", stage["word"], stage["text"]] for name, entry in split["representations"].items()
             for i, stage in enumerate(entry["stages"])]
-    return "\n## What a bake does with each representation\n" + table(["", "stage", "step, and which functions take it"], rows)
+    return "\n## What a bake does with each representation\n" + table(["", "word", "stage, and which functions take it"], rows)
 
 
 def size_section(split):
@@ -89,7 +89,7 @@ def size_section(split):
     return "\n## Sizes\n" + table(head, rows)
 
 
-RATIO_HEAD = ["", "stage", "median", "hard, median", "at test points, median", "hard, at occluded points, median", "without duplicates: median", "hard, median"]
+RATIO_HEAD = ["", "word", "median", "hard, median", "at test points, median", "hard, at occluded points, median", "without duplicates: median", "hard, median"]
 RATIO_KEYS = ["median", "median_hard", "median_test_points", "median_occluded_hard"]
 
 
@@ -157,7 +157,7 @@ def split_section(key, split):
 
 
 FRONT_POPULATIONS = ("theta", "hard")
-FRONT_HEAD = ["", "", "stage", "µs a function", "share fitted", "mean", "median", "p95", "hard: mean", "hard: median", "hard: p95", "on a front"]
+FRONT_HEAD = ["", "", "word", "µs a function", "share fitted", "mean", "median", "p95", "hard: mean", "hard: median", "hard: p95", "on a front"]
 FRONT_KEYS = ["rmse_mean", "rmse_median", "rmse_p95"]
 
 
@@ -188,8 +188,8 @@ def speed_cells(speed):
 
 def equal_error_section(front):
     """How much longer the fastest direct fit takes to the same mean error."""
-    text = "\n### Speed at equal error\nHow many times as long the fastest direct fit takes to exactly the mean error of a stage, with the 95 % interval.\n"
-    head = ["", "stage", "µs, mean", "RMSE, mean", "fastest direct fit", "µs at that error", "times as long"]
+    text = "\n### Speed at equal error\nHow many times as long the fastest direct fit takes to exactly the mean error under each word, with the 95 % interval.\n"
+    head = ["", "word", "µs, mean", "RMSE, mean", "fastest direct fit", "µs at that error", "times as long"]
     for key, title in (("speed_at_equal_error", POPULATION_NAMES["theta"]), ("speed_at_equal_error_hard", POPULATION_NAMES["hard"])):
         rows = [[f"`{name}`" if i == 0 else "", word, *speed_cells(speed)] for name, words in front[key].items() for i, (word, speed) in enumerate(words.items())]
         text += f"\n{title.capitalize()}:\n" + table(head, rows) if rows else ""

@@ -19,9 +19,9 @@ def main():
     steps = [row["step"] for row in rows]
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
     axes.plot(steps, [row["training_loss"] for row in rows], linestyle="--", color="0.45", label="training loss")
-    generated, corrected = ([row[key] for row in rows] for key in ("held_out_network", "held_out_rmse"))
-    if generated != corrected:
-        axes.plot(steps, generated, marker="o", markersize=2.5, color="#56B4E9", label="held-out RMSE, network alone")
+    network, corrected = ([row[key] for row in rows] for key in ("held_out_network", "held_out_rmse"))
+    if network != corrected:
+        axes.plot(steps, network, marker="o", markersize=2.5, color="#56B4E9", label="held-out RMSE, network alone")
     axes.plot(steps, corrected, marker="o", markersize=3, color="#0072B2", label="held-out RMSE")
     for before, row in zip([{"rollbacks": 0.0}, *rows], rows):
         if row["rollbacks"] > before["rollbacks"]:

@@ -109,7 +109,7 @@ FunctionCheck FunctionChecker::check(const Representation& representation, const
   }
   FunctionCheck result = compare(values_.data(), stored, options);
   const bool is_finite = allFinite({theta, static_cast<size_t>(representation.thetaCount())});
-  if (result.valid_count > 0 && !is_finite) result.rmse = std::numeric_limits<double>::infinity();
+  if (!is_finite) result.rmse = std::numeric_limits<double>::infinity();
   return result;
 }
 

@@ -15,7 +15,7 @@ struct CheckOptions {
 // One theta against one stored function, over all valid support points. A bake does not store what the probe sees: leaks are counted at
 // all points whose phi is 0, a few of which it does see, at the tent's rim.
 struct FunctionCheck {
-  double rmse = 0.0;        // 0 when no point is valid; not finite when theta is not
+  double rmse = 0.0;        // 0 when no point is valid; not finite, whatever the points, when theta is not
   double leak_mean = 0.0;   // mean |value| over valid points whose phi is stored as 0; 0 when there are none
   double leak_share = 0.0;  // share of them above tau_leak
   int valid_count = 0;

@@ -1,8 +1,8 @@
 // What a bake does with a theta that fails the check: fits on from it, the worst functions first.
 //
 // Rounds of Adam (product fields: Levenberg–Marquardt), each longer than the one before, until the check passes: most functions
-// pass after the first. Points where phi
-// is 0 weigh more, which brings leaks under the threshold at no cost in RMSE. Why Adam and not Levenberg–Marquardt, and why these
+// pass after the first. What no round mends is tried from theta0, a field from coarse to fine as well. Points where phi is 0 weigh
+// more, which brings leaks under the threshold at no cost in RMSE. Why Adam and not Levenberg–Marquardt, and why these
 // numbers: docs/lab/measurements.md.
 #pragma once
 

@@ -19,13 +19,16 @@ bool isFlat(const std::vector<FunctionCheck>& checks, size_t index, const Choice
 }  // namespace
 
 int chooseRepresentation(const std::vector<FunctionCheck>& checks, const CheckOptions& check, const ChoiceOptions& options) {
-  int first_flat = -1;
+  int first_flat = -1, last_passing = -1;
   for (size_t i = 0; i < checks.size(); ++i) {
+    const bool passes = checks[i].passes(check);
+    if (passes) last_passing = static_cast<int>(i);
     if (!isFlat(checks, i, options)) continue;
-    if (checks[i].passes(check)) return static_cast<int>(i);
+    if (passes) return static_cast<int>(i);
     if (first_flat < 0) first_flat = static_cast<int>(i);
   }
-  return std::max(first_flat, 0);
+  // a theta that passes is never given up for one that fails
+  return last_passing >= 0 ? last_passing : std::max(first_flat, 0);
 }
 
 bool isSmallestEnough(const FunctionCheck& smallest, const CheckOptions& check, const ChoiceOptions& options) {

@@ -7,6 +7,7 @@
 
 #include "runtime_eval/fit/loss_kernel.h"
 #include "runtime_eval/numbers/finite.h"
+#include "runtime_eval/numbers/half.h"
 
 namespace nlg {
 namespace {
@@ -15,8 +16,7 @@ constexpr double kNotMeasured = -1.0;
 
 // A last layer solved on few points may have numbers of any size.
 bool fitsFloat16(const float* theta, size_t count) {
-  constexpr float kLargestHalf = 65504.0f;
-  return std::all_of(theta, theta + count, [](float value) { return std::fabs(value) <= kLargestHalf; });
+  return std::all_of(theta, theta + count, [](float value) { return std::fabs(value) <= kMaxHalf; });
 }
 
 }  // namespace

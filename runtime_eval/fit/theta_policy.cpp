@@ -61,6 +61,10 @@ bool takesBareTent(const FunctionCheck& tent, const PolicyOptions& options) {
          tent.passes(options.check());
 }
 
+bool isGood(const FunctionCheck& theta, double good_rmse, const CheckOptions& check) {
+  return theta.rmse <= good_rmse && theta.passes(check);
+}
+
 StageFacts stageFacts(const Generator& generator) {
   const Representation& representation = generator.representation();
   const PointOrder& order = pointOrder(representation);
@@ -183,7 +187,7 @@ void StageRunner::checkAll(const StoredFunction* functions, ThetaRecord* records
     const Clock::time_point start = Clock::now();
     const FunctionCheck check = checker_.check(batch_.representation(), functions[i], batch_.theta(i), options_.check());
     records[i].check.fill(check);
-    if (!(check.rmse <= options_.stages.good_rmse) || !check.passes(options_.check())) {
+    if (!isGood(check, options_.stages.good_rmse, options_.check())) {
       wrong_.push_back(i);
       std::copy_n(batch_.theta(i), batch_.thetaCount(), &kept_[i * batch_.thetaCount()]);
       kept_ended_[i] = ThetaStage::network;
@@ -249,7 +253,7 @@ FunctionCheck ThetaPolicy::checkBareTent(const StoredFunction& function) {
   return checker_.checkBareTent(function, options_.check());
 }
 
-void ThetaPolicy::bake(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace) {
+int ThetaPolicy::bake(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace) {
   std::vector<StoredFunction> with_theta;
   std::vector<int> numbers;
   std::vector<float> tent_us(count);
@@ -265,8 +269,9 @@ void ThetaPolicy::bake(const StoredFunction* functions, int count, MadeTheta* ma
     made[i] = {};
     made[i].record.check.fill(tent);
     made[i].record.ended = ThetaStage::bare_tent;
-    addTime(ThetaStage::bare_tent, ThetaWord::network, tent_us[i], &made[i].record);
+    addTime(ThetaStage::bare_tent, ThetaWord::corrected, tent_us[i], &made[i].record);
   }
+  int beyond = count;
   std::vector<MadeTheta> results(with_theta.size());
   const size_t traced = trace != nullptr ? trace->fitted.size() : 0;
   make(with_theta.data(), static_cast<int>(with_theta.size()), results.data(), trace);
@@ -277,10 +282,11 @@ void ThetaPolicy::bake(const StoredFunction* functions, int count, MadeTheta* ma
       std::copy(results[n].theta.begin(), results[n].theta.end(),
                 trace->fitted.begin() + static_cast<ptrdiff_t>(traced + n * results[n].theta.size()));
     }
-    round(with_theta[n], &results[n]);
-    addTime(ThetaStage::bare_tent, ThetaWord::network, tent_us[numbers[n]], &results[n].record);
+    if (!round(with_theta[n], &results[n])) beyond = std::min(beyond, numbers[n]);
+    addTime(ThetaStage::bare_tent, ThetaWord::corrected, tent_us[numbers[n]], &results[n].record);
     made[numbers[n]] = std::move(results[n]);
   }
+  return beyond;
 }
 
 void ThetaPolicy::make(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace) {
@@ -302,7 +308,7 @@ void ThetaPolicy::make(const StoredFunction* functions, int count, MadeTheta* ma
   std::vector<int> numbers;
   for (int i = 0; i < count; ++i) {
     made[i] = {0, false, thetaOf(0, theta, i), smallest[i]};
-    if (generators_.size() == 1 || isSmallestEnough(made[i].check(), options_.check(), options_.choice.forGenerated())) continue;
+    if (generators_.size() == 1 || isSmallestEnough(made[i].check(), options_.check(), options_.choice.forPredicted())) continue;
     made[i].larger_ran = true;
     others.push_back(all[i]);
     numbers.push_back(i);
@@ -322,7 +328,7 @@ void ThetaPolicy::make(const StoredFunction* functions, int count, MadeTheta* ma
       for (size_t s = 0; s < tried.stage_us.size(); ++s) tried.stage_us[s] += record.stage_us[s];
       for (size_t w = 0; w < tried.word_us.size(); ++w) tried.word_us[w] += record.word_us[w];
     }
-    const int chosen = chooseRepresentation(checks, options_.check(), options_.choice.forGenerated());
+    const int chosen = chooseRepresentation(checks, options_.check(), options_.choice.forPredicted());
     if (chosen > 0) {
       one.generator = static_cast<uint8_t>(chosen);
       one.theta = thetaOf(chosen, larger_theta[chosen], n);
@@ -336,7 +342,7 @@ void ThetaPolicy::make(const StoredFunction* functions, int count, MadeTheta* ma
 
 void ThetaPolicy::refine(const StoredFunction& function, MadeTheta* made) {
   ThetaRecord& record = made->record;
-  if (last_ < ThetaStage::refinement || options_.refinement.rounds == 0 || record.at(ThetaWord::stored).passes(options_.check()))
+  if (last_ < ThetaStage::refinement || options_.refinement.rounds <= 0 || record.at(ThetaWord::stored).passes(options_.check()))
     return;
   record.refined = record.took_fit = true;
   const size_t first = made->generator;

@@ -34,6 +34,9 @@ struct PolicyOptions {
 // Whether a function has no theta: the check of its bare tent says so.
 bool takesBareTent(const FunctionCheck& tent, const PolicyOptions& options);
 
+// Whether a theta is good as it stands: what the network leaves so takes no other stage.
+bool isGood(const FunctionCheck& theta, double good_rmse, const CheckOptions& check);
+
 // What the list depends on beside the options.
 struct StageFacts {
   Representation representation;
@@ -63,7 +66,8 @@ struct ThetaRecord {
 };
 
 // Copies of theta at the words before the last, for who measures them: count x D each. Of StageRunner and ThetaPolicy::make, fitted
-// is before the refinement; of ThetaPolicy::bake, after it.
+// is before the refinement; of ThetaPolicy::bake, after it; where a larger
+// representation was taken, that of the smallest before it.
 struct ThetaTrace {
   std::vector<float> network, corrected, fitted;
 };
@@ -117,7 +121,9 @@ struct MadeTheta {
   uint8_t generator = 0;    // index of the one whose representation stands for it
   bool larger_ran = false;  // whether more than the smallest representation was tried
   Theta theta;              // empty where the bare tent is enough
-  ThetaRecord record;       // of the representation that was chosen; times and took_fit are of all that were tried
+  ThetaRecord
+      record;  // of the representation that was chosen (where refinement took a larger one, fitted and stored are of that);
+               // times and took_fit are of all that were tried
 
   bool isBareTent() const { return record.ended == ThetaStage::bare_tent; }
   const FunctionCheck& check() const { return record.at(ThetaWord::stored); }
@@ -135,9 +141,10 @@ class ThetaPolicy {
 
   // All of it, but for a theta that rounding would take beyond float16: that one stays as it was. Every function has the same theta
   // whatever stands beside it.
-  // made    count of them, overwritten
-  // trace   theta of the functions that take one, in their order; of the smallest representation; may be null
-  void bake(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace = nullptr);
+  // made     count of them, overwritten
+  // trace    theta of the functions that take one, in their order; of the smallest representation; may be null
+  // returns  the first function whose theta rounding would take beyond float16; count where there is none
+  int bake(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace = nullptr);
 
   // The same in its parts, for who bakes many at once and refines the worst first: takesBareTent, make, refine, round.
   FunctionCheck checkBareTent(const StoredFunction& function);

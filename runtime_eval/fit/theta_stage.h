@@ -17,7 +17,7 @@ struct StageOptions {
   double retry_rmse = 0.005;  // no further attempt at a function whose RMSE is not above; up to twice that for a generator that
                               // is nearly as wrong about the tent
   int lm_iterations = 4;      // where they are cheap: of Levenberg–Marquardt, after the corrections
-  int lm_theta0_iterations = 32;  // … and from theta_0, for a function whose RMSE is above retry_rmse even then
+  int lm_theta0_iterations = 32;  // … and from theta0, for a function whose RMSE is above retry_rmse even then
   double adam_rmse = 0.003;       // elsewhere: a function whose RMSE is above (raised as retry_rmse is) …
   int adam_steps = 500;           // … takes so many steps of Adam
 };
@@ -30,7 +30,7 @@ enum class ThetaStage : uint8_t {
   learned_steps,  // the correction network, step by step
   mirror_images,  // the three above, for mirror images of the function
   lm,             // Levenberg–Marquardt
-  lm_theta0,      // … from theta_0
+  lm_theta0,      // … from theta0
   adam,           // a short run of Adam
   refinement,     // fits on until the check passes, in rounds
   larger,         // the same for the next larger representation
@@ -66,7 +66,7 @@ struct StagePlan {
   int budget = 0;  // learned steps, attempts, iterations, Adam's steps, rounds; 0 where the stage has none
 };
 
-// "functions whose RMSE is above 0.0050: 32 iterations of Levenberg-Marquardt from theta_0".
+// "Levenberg-Marquardt from theta0, 32 iterations at most: those of them whose RMSE is still above 0.005".
 std::string describe(const StagePlan& plan);
 
 class ThetaBatch;

@@ -1,6 +1,6 @@
 // What long fits reach on the sample: direct optimisation, its parts, and the best that is known of a function.
 //
-// *Direct* starts from theta_0 and at random (runtime_eval/fit/direct.h). *Best known* is the lowest error of direct and of two long
+// *Direct* starts from theta0 and at random (runtime_eval/fit/direct.h). *Best known* is the lowest error of direct and of two long
 // fits that start from what the policy stores: Adam with direct's budget, then Levenberg–Marquardt; Levenberg–Marquardt alone.
 #pragma once
 

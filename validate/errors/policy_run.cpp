@@ -23,52 +23,31 @@ class BatchRun {
   // use               with the number inside the batch
   void run(uint64_t first, const StoredFunction* functions, int count, MadeTheta* made,
            const std::function<void(int i, const ThetaByWord& theta)>& use) {
-    splitOffTents(functions, count, made);
-    std::vector<MadeTheta> results(with_theta_.size());
     ThetaTrace trace;
-    policy_.make(with_theta_.data(), static_cast<int>(with_theta_.size()), results.data(), traces_ ? &trace : nullptr);
-    for (size_t n = 0; n < results.size(); ++n) {
-      MadeTheta& one = results[n];
-      policy_.refine(with_theta_[n], &one);
-      const Theta fitted = one.theta;  // the trace ends before the refinement
-      if (!policy_.round(with_theta_[n], &one)) {
-        const auto largest =
-            std::max_element(fitted.begin(), fitted.end(), [](float a, float b) { return std::fabs(a) < std::fabs(b); });
-        throw NumericalError("validate", "function " + std::to_string(first + numbers_[n]), "theta, for float16,", *largest);
-      }
-      made[numbers_[n]] = one;
-      if (!use) continue;
-      ThetaByWord theta{};
-      if (traces_) theta = {&trace.network[n * theta_count_], &trace.corrected[n * theta_count_], fitted.data(), nullptr};
-      theta.back() = one.theta.data();
-      use(numbers_[n], theta);
+    const int beyond = policy_.bake(functions, count, made, traces_ ? &trace : nullptr);
+    if (beyond < count) {
+      const Theta& theta = made[beyond].theta;
+      const auto largest =
+          std::max_element(theta.begin(), theta.end(), [](float a, float b) { return std::fabs(a) < std::fabs(b); });
+      throw NumericalError("validate", "function " + std::to_string(first + beyond), "theta, for float16,", *largest);
     }
     if (!use) return;
+    size_t at = 0;  // in the trace
     for (int i = 0; i < count; ++i) {
-      if (made[i].isBareTent()) use(i, {});
+      ThetaByWord theta{};
+      if (!made[i].isBareTent()) {
+        if (traces_) theta = {&trace.network[at], &trace.corrected[at], &trace.fitted[at], nullptr};
+        theta.back() = made[i].theta.data();
+        at += theta_count_;
+      }
+      use(i, theta);
     }
   }
 
  private:
-  void splitOffTents(const StoredFunction* functions, int count, MadeTheta* made) {
-    with_theta_.clear();
-    numbers_.clear();
-    for (int i = 0; i < count; ++i) {
-      const FunctionCheck tent = policy_.checkBareTent(functions[i]);
-      made[i] = {};
-      made[i].record.check.fill(tent);
-      made[i].record.ended = ThetaStage::bare_tent;
-      if (takesBareTent(tent, policy_.options())) continue;
-      with_theta_.push_back(functions[i]);
-      numbers_.push_back(i);
-    }
-  }
-
   ThetaPolicy policy_;
   bool traces_;
   size_t theta_count_;
-  std::vector<StoredFunction> with_theta_;
-  std::vector<int> numbers_;  // of these in the batch
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 // The policy on many functions, on all threads, as a bake runs it: bare tents, batches through the stages, refinement, rounding.
 //
-// Bake and validation call the same four functions of ThetaPolicy; that they come to the same theta, bit for bit, whatever the batches
+// Validation calls ThetaPolicy::bake, a bake its parts; that they come to the same theta, bit for bit, whatever the batches
 // and threads, is tested (bake_equals_validation_test.cpp).
 #pragma once
 

@@ -98,7 +98,7 @@ class GatedFit {
     elapsed_us_ = watch_.elapsedUs();
   }
 
-  bool isGood(double threshold) const { return check_.rmse <= threshold && check_.passes(fits_.options.check()); }
+  bool isGood(double threshold) const { return nlg::isGood(check_, threshold, fits_.options.check()); }
 
   void fitOn(int steps) {
     if (has_ended_) return;

@@ -48,9 +48,9 @@ double rmseOfZero(const SampledFunction& function) {
 
 BakedFunction bakeFunction(const NamedGenerator& named, const StoredFunction& stored, const PolicyOptions& options) {
   ThetaPolicy policy({&named.generator}, options);
-  MadeTheta made;
-  ThetaTrace trace;
-  policy.bake(&stored, 1, &made, &trace);
+  MadeTheta made, before;
+  policy.bake(&stored, 1, &made);
+  policy.make(&stored, 1, &before);  // up to the refinement
   BakedFunction baked;
   baked.network_rmse = made.record.at(ThetaWord::network).rmse;
   baked.corrected_rmse = made.record.at(ThetaWord::corrected).rmse;
@@ -61,8 +61,7 @@ BakedFunction bakeFunction(const NamedGenerator& named, const StoredFunction& st
   // sums of another kernel: the same theta may differ in the last digits
   baked.never_worse = !(baked.corrected_rmse > baked.network_rmse * (1.0 + 1e-6));
   if (made.isBareTent()) return baked;
-  FunctionChecker checker;
-  const FunctionCheck unrefined = checker.check(named.generator.representation(), stored, trace.fitted.data(), options.check());
+  const FunctionCheck& unrefined = before.check();
   baked.never_worse = baked.never_worse && !(unrefined.rmse > baked.corrected_rmse * (1.0 + 1e-6)) &&
                       !(baked.stored.trouble(options.check()) > unrefined.trouble(options.check())) &&
                       (baked.stored.passes(options.check()) || !made.record.at(ThetaWord::network).passes(options.check()));

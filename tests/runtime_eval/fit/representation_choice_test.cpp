@@ -24,7 +24,7 @@ TEST(ChooseRepresentation, TakesTheSmallestWhereErrorsFlatten) {
 TEST(ChooseRepresentation, StopsAtAnErrorThatIsEnough) {
   const ChoiceOptions options{.flat_ratio = 1.5, .enough_rmse = 0.005};
   EXPECT_EQ(chooseRepresentation(checksOf({0.010, 0.0049, 0.001}), {}, options), 1);
-  EXPECT_EQ(chooseRepresentation(checksOf({0.010, 0.006, 0.001}), {}, options.forGenerated()), 0);
+  EXPECT_EQ(chooseRepresentation(checksOf({0.010, 0.006, 0.001}), {}, options.forPredicted()), 0);
 }
 
 TEST(ChooseRepresentation, PrefersOneThatPassesTheCheck) {
@@ -35,6 +35,10 @@ TEST(ChooseRepresentation, PrefersOneThatPassesTheCheck) {
   std::vector<FunctionCheck> leaking = checksOf({0.001, 0.001});
   leaking[0].leak_share = 0.5;
   EXPECT_EQ(chooseRepresentation(leaking, {}, {}), 1);
+  // one that passes is not given up for a better one that fails
+  leaking = checksOf({0.015, 0.009});
+  leaking[1].leak_share = 0.5;
+  EXPECT_EQ(chooseRepresentation(leaking, {}, {.enough_rmse = 0.001}), 0);
 }
 
 TEST(ChooseRepresentation, NeverTakesWhatIsNotFiniteWhenOthersAre) {

@@ -157,13 +157,13 @@ def frontier():
             "bare_tent": {"figures": {"all": tent(.5), "theta": tent(1), "hard": tent(2)}, "by_scene": {scene: tent(1) for scene in SCENES}},
             "front_sentences": {"all": "", "theta": "On the front: tent_mlp, stage after stage.", "hard": "On the front over hard functions: the same."},
             "speed_at_equal_error": speeds, "speed_at_equal_error_hard": {"tent_mlp": {"network": unreached}},
-            "hierarchy": [{"step": "solved", "rmse_mean": .08}, {"step": "generated", "rmse_mean": .0817}, {"step": "direct fit", "rmse_mean": .0819}],
+            "hierarchy": [{"step": "solved", "rmse_mean": .08}, {"step": "target", "rmse_mean": .0817}, {"step": "best known", "rmse_mean": .0819}],
             "walks": [{"scene": SCENES[0], "representation": "tent_mlp", "largest_jump": .05, "samples": 1000}]}
 
 
 def stability():
     case = lambda group, name, holds, note="": {"group": group, "name": name, "must_hold": "No NaN comes out, and nothing is worse than its start.",
-                                                 "measured": "largest error 1.2e-6 of 400 starts", "figures": {"largest_error": 1.2e-6}, "passes": holds, "holds": holds, "ran": True, "note": note}
+                                                 "measured": "largest error 1.2e-6 of 400 starts", "figures": {"largest_error": 1.2e-6}, "holds": holds, "ran": True, "note": note}
     groups = ("functions", "optimisers", "pca", "generator", "scenes", "training")
     cases = [case(group, f"{group} case {i}", True) for group in groups for i in range(3)]
     cases += [case("scenes", "triangles <slivers> of 1e6:1", False, "Known: a sliver's normal is lost."), case("optimisers", "LM at denormals", False)]
