@@ -82,7 +82,7 @@ TEST_F(PolicyWordsTest, PopulationsFollowTheCheckOfTheBareTent) {
   EXPECT_GE(populations_.sample().front(), uint64_t{kTents});
 }
 
-TEST_F(PolicyWordsTest, AFunctionWithoutThetaIsItsBareTentAtEveryWordAndTakesNoTime) {
+TEST_F(PolicyWordsTest, AFunctionWithoutThetaIsItsBareTentUnderEveryWordAndTakesNoNetwork) {
   const MeasuredWord tents = measureTents(set_, populations_, options_);
   const PolicyWords words = measurePolicy(generator_, set_, populations_, options_);
   for (const MeasuredWord& word : words.words) {
@@ -91,7 +91,8 @@ TEST_F(PolicyWordsTest, AFunctionWithoutThetaIsItsBareTentAtEveryWordAndTakesNoT
       EXPECT_EQ(one.function, i);
       if (i < kTents) {
         EXPECT_EQ(one.error.rmse, tents.functions[i].error.rmse) << word.name;
-        EXPECT_EQ(one.elapsed_us, 0.0) << word.name;
+        // the check of the bare tent is all that it takes
+        EXPECT_EQ(one.elapsed_us > 0.0, &word != &words.words.front()) << word.name;
         EXPECT_FALSE(one.fitted || one.fails_check) << word.name;
       } else {
         EXPECT_GT(one.elapsed_us, 0.0) << word.name;
