@@ -72,7 +72,7 @@ Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& re
   const PointSet points = makePointSet(plane);
   AlignedFloats values(points.padded_count);
   evaluate(representation, points, theta, values.data());
-  slice.predicted.assign(values.begin(), values.begin() + points.count);
+  slice.stored.assign(values.begin(), values.begin() + points.count);
   for (const LocalPoint& point : plane) {
     const size_t nearest = nearestSupportPoint(point);
     const uint64_t at = index * kSupportPointCount + nearest;

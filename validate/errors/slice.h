@@ -15,7 +15,7 @@ struct Slice {
   std::vector<float> target;      // phi at the support point nearest to each pixel
   std::vector<uint8_t> valid;     // of the same point: 0 in solid
   std::vector<uint8_t> seen;      // of the same point: in plain sight of the probe; a valid point that is not is occluded
-  std::vector<float> predicted;   // the representation at the pixel
+  std::vector<float> stored;      // the representation at the pixel
   std::vector<float> difference;  // representation minus phi at that support point: no trace of the mosaic
 };
 

@@ -26,7 +26,7 @@ nlohmann::ordered_json sliceJson(const TellingFunction& telling, const Slice& sl
           {"valid", slice.valid},
           {"seen", slice.seen},
           {"target_permille", permille(slice.target)},
-          {"predicted_permille", permille(slice.predicted)},
+          {"stored_permille", permille(slice.stored)},
           {"difference_permille", permille(slice.difference)}};
 }
 

@@ -196,7 +196,7 @@ class Slice:
     rmse: float
     axis: int
     target: np.ndarray        # size x size, phi at the support point nearest to each pixel
-    predicted: np.ndarray     # size x size
+    stored: np.ndarray        # size x size
     difference: np.ndarray    # size x size, at the support point nearest to each pixel
     valid: np.ndarray         # size x size, bool
     seen: np.ndarray          # size x size, bool: in plain sight of the probe
@@ -276,7 +276,7 @@ def read_slices(path, representations):
             node["axis"].refuse("0, 1 or 2", axis)
         slices.append(Slice(node["representation"].text(), node["which"].text(), node["function"].count(), node["scene"].text(),
                             node["rmse"].number(), axis, picture("target_permille", 0, 1000) / 1000,
-                            picture("predicted_permille", -2000, 2000) / 1000,
+                            picture("stored_permille", -2000, 2000) / 1000,
                             picture("difference_permille", -2000, 2000) / 1000, picture("valid", 0, 1) > 0, picture("seen", 0, 1) > 0))
     found = {(s.representation, s.which) for s in slices}
     for name in representations:

@@ -1,4 +1,4 @@
-"""Pictures of planes through weighting functions: target, predicted, difference, and what stands there; for the page and for the README."""
+"""Pictures of planes through weighting functions: target, stored, difference, and what stands there; for the page and for the README."""
 import base64
 import io
 
@@ -9,7 +9,7 @@ from plots import INK, MUTED, plt, representation_colour
 
 PHI_MAP = matplotlib.colormaps["inferno"]
 DIFFERENCE_MAP = matplotlib.colormaps["PuOr_r"]  # orange: the representation lets more in than the function
-KINDS = ("target", "predicted", "difference", "geometry cut")
+KINDS = ("target", "stored", "difference", "geometry cut")
 SIGHT, OCCLUDED = "#ffe9a8", "#46566e"  # valid points: in plain sight of the probe, and not
 PLATE_REPRESENTATIONS = 2  # beside each other; the others go below
 ZOOM = 3
@@ -46,7 +46,7 @@ def colour_image(slice_, kind, limit):
     elif kind == "difference":
         rgb = DIFFERENCE_MAP(np.clip(0.5 + 0.5 * slice_.difference / limit, 0, 1))[..., :3]
     else:
-        values = slice_.target if kind == "target" else slice_.predicted
+        values = slice_.target if kind == "target" else slice_.stored
         rgb = PHI_MAP(np.sqrt(np.clip(values, 0, 1)))[..., :3]
     rgb = np.stack([upright(slice_, rgb[..., c]) for c in range(3)], axis=-1)
     valid = np.kron(upright(slice_, slice_.valid), np.ones((ZOOM, ZOOM))) > 0

@@ -117,7 +117,7 @@ def slices():
         for which in ("best", "median", "p95", "worst"):
             ramp = [1000 * i // (size * size) for i in range(size * size)]
             result.append({"representation": name, "which": which, "function": 7, "scene": SCENES[1], "rmse": .03, "axis": 1, "size": size,
-                           "valid": [int(i % size > 2) for i in range(size * size)], "seen": [int(i % size > 6) for i in range(size * size)], "target_permille": ramp, "predicted_permille": ramp[::-1],
+                           "valid": [int(i % size > 2) for i in range(size * size)], "seen": [int(i % size > 6) for i in range(size * size)], "target_permille": ramp, "stored_permille": ramp[::-1],
                            "difference_permille": [b - a for a, b in zip(ramp, ramp[::-1])]})
     return result
 
