@@ -114,8 +114,7 @@ double ThetaRecord::elapsedUs(ThetaWord word) const {
 }
 
 StageRunner::StageRunner(const Generator& generator, const PolicyOptions& options, ThetaStage last)
-    : generator_(&generator),
-      options_(options),
+    : options_(options),
       plan_(stagesOf(stageFacts(generator), options)),
       batch_(generator),
       members_(kBatchCount),

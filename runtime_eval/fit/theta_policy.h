@@ -104,7 +104,6 @@ class StageRunner {
   void finishWord(ThetaWord word, const StoredFunction* functions, ThetaRecord* records);
   void checkAll(const StoredFunction* functions, ThetaRecord* records);
 
-  const Generator* generator_;
   PolicyOptions options_;
   std::vector<StagePlan> plan_;
   std::vector<Stage> stages_;

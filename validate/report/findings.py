@@ -124,19 +124,6 @@ class Findings:
         return (f"{plural(f['held_out'], 'distinct function')} of {plural(f['held_out_scenes'], 'scene')} that no training saw; {grouped(f['take_theta'])} of them take a θ "
                 f"(for the others the bare tent is enough), and {grouped(f['hard'])} are hard")
 
-    def effort(self):
-        """What the configuration says of how much work the run was given; empty where it says nothing."""
-        origin = self.inputs.summary["provenance"]
-        for place in (origin, origin["options"]):
-            if "effort" in place.value and place.value["effort"] is not None:
-                return self.effort_text(place.value["effort"])
-        return ""
-
-    def effort_text(self, value):
-        if isinstance(value, dict):
-            return "; ".join(f"{key.replace('_', ' ')}: {self.effort_text(some)}" for key, some in value.items())
-        return ", ".join(str(some) for some in value) if isinstance(value, list) else str(value)
-
     def duplicates_sentence(self):
         f = self.functions
         return (f"{grouped(f['held_out_in_training'])} of the held-out functions stand in some training scene too ({grouped(f['held_out_in_training_mirrored'])}, mirror images counted): "
