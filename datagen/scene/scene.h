@@ -7,11 +7,13 @@
 
 #include <glm/glm.hpp>
 
+#include "datagen/scene/scene_light.h"
+
 namespace nlg {
 
 struct Material {
   glm::vec3 base_color{0.5f};  // linear, 0..1
-  glm::vec3 emissive{0.0f};    // linear, >= 0
+  glm::vec3 emissive{0.0f};    // radiance of its front (of both sides when double_sided), linear, >= 0
   bool double_sided = false;   // faces of it are no evidence of solid: see docs/theory/visibility.md
 };
 
@@ -36,6 +38,7 @@ struct Scene {
   std::vector<Material> materials;          // at least one when there are triangles
   std::vector<SceneObject> objects;         // cover all triangles, in order, without gaps
   uint32_t dropped_triangle_count = 0;      // triangles of zero area that the source held
+  SceneLight light;
 };
 
 struct Bounds {

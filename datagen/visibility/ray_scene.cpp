@@ -17,17 +17,23 @@ struct RayScene::Impl {
   std::vector<uint32_t> material;     // by triangle
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  RTCScene light_scene = nullptr;      // with sky faces as geometry 1; null without any
+  std::vector<glm::vec3> sky_normals;  // by sky face, not normalised
 
+  void attach(RTCScene to, unsigned number, const std::vector<glm::vec3>& corners, const std::vector<glm::uvec3>& faces);
   RTCRayHit firstRayHit(const glm::vec3& origin, const glm::vec3& direction) const;
   glm::vec3 normal(uint32_t triangle) const;  // not normalised
 
   ~Impl() {
+    if (light_scene) rtcReleaseScene(light_scene);
     if (scene) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
   }
 };
 
 namespace {
+
+constexpr unsigned kSurfaces = 0, kSky = 1;  // numbers of geometries: they tell what a ray met
 
 bool collectTriangle(RTCPointQueryFunctionArguments* arguments) {
   static_cast<std::vector<uint32_t>*>(arguments->userPtr)->push_back(arguments->primID);
@@ -48,6 +54,21 @@ void* newBuffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size
 
 }  // namespace
 
+void RayScene::Impl::attach(RTCScene to, unsigned number, const std::vector<glm::vec3>& corners,
+                            const std::vector<glm::uvec3>& faces) {
+  if (faces.empty()) return;
+  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* positions_out = newBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), corners.size());
+  void* triangles_out = newBuffer(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, sizeof(glm::uvec3), faces.size());
+  if (positions_out && triangles_out) {
+    std::copy(corners.begin(), corners.end(), static_cast<glm::vec3*>(positions_out));
+    std::copy(faces.begin(), faces.end(), static_cast<glm::uvec3*>(triangles_out));
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(to, geometry, number);
+  }
+  rtcReleaseGeometry(geometry);
+}
+
 RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   impl_->positions = scene.positions;
   impl_->triangles = scene.triangles;
@@ -59,19 +80,18 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   impl_->device = rtcNewDevice("threads=1");
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-  if (!scene.triangles.empty()) {
-    const RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    void* positions = newBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), scene.positions.size());
-    void* triangles = newBuffer(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, sizeof(glm::uvec3), scene.triangles.size());
-    if (positions && triangles) {
-      std::copy(scene.positions.begin(), scene.positions.end(), static_cast<glm::vec3*>(positions));
-      std::copy(scene.triangles.begin(), scene.triangles.end(), static_cast<glm::uvec3*>(triangles));
-      rtcCommitGeometry(geometry);
-      rtcAttachGeometry(impl_->scene, geometry);
-    }
-    rtcReleaseGeometry(geometry);
-  }
+  impl_->attach(impl_->scene, kSurfaces, scene.positions, scene.triangles);
   rtcCommitScene(impl_->scene);
+  const SkyFaces& sky = scene.light.sky_faces;
+  if (!sky.triangles.empty()) {
+    impl_->light_scene = rtcNewScene(impl_->device);
+    rtcSetSceneFlags(impl_->light_scene, RTC_SCENE_FLAG_ROBUST);
+    impl_->attach(impl_->light_scene, kSurfaces, scene.positions, scene.triangles);
+    impl_->attach(impl_->light_scene, kSky, sky.positions, sky.triangles);
+    rtcCommitScene(impl_->light_scene);
+    for (const glm::uvec3& t : sky.triangles)
+      impl_->sky_normals.push_back(glm::cross(sky.positions[t.y] - sky.positions[t.x], sky.positions[t.z] - sky.positions[t.x]));
+  }
   if (const RTCError error = rtcGetDeviceError(impl_->device); error != RTC_ERROR_NONE) {
     throw InputError(scene.id, "acceleration structure", "Embree to build it", "Embree error " + std::to_string(error));
   }
@@ -157,6 +177,61 @@ std::optional<SurfaceHit> RayScene::firstHit(const glm::vec3& origin, const glm:
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const glm::vec3 normal = glm::normalize(impl_->normal(hit.hit.primID));
   return SurfaceHit{hit.ray.tfar, glm::dot(normal, direction) < 0.0f ? normal : -normal, impl_->material[hit.hit.primID]};
+}
+
+LightHit RayScene::lightHit(const glm::vec3& origin, const glm::vec3& direction) const {
+  RTCRayHit hit{};
+  hit.ray.org_x = origin.x;
+  hit.ray.org_y = origin.y;
+  hit.ray.org_z = origin.z;
+  hit.ray.dir_x = direction.x;
+  hit.ray.dir_y = direction.y;
+  hit.ray.dir_z = direction.z;
+  hit.ray.mask = ~0u;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  for (;;) {
+    hit.ray.tfar = std::numeric_limits<float>::infinity();
+    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(impl_->light_scene != nullptr ? impl_->light_scene : impl_->scene, &context, &hit);
+    LightHit result;
+    if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return result;
+    result.distance = hit.ray.tfar;
+    if (hit.hit.geomID == kSky) {
+      result.kind = LightHit::Kind::sky;
+      if (glm::dot(impl_->sky_normals[hit.hit.primID], direction) < 0.0f) return result;
+      // from behind: on, past this face
+      const float next = std::nextafter(hit.ray.tfar * (1.0f + 0x1p-20f), std::numeric_limits<float>::infinity());
+      if (!std::isfinite(next)) return {};
+      hit.ray.tnear = next;
+      continue;
+    }
+    result.kind = LightHit::Kind::surface;
+    result.triangle = hit.hit.primID;
+    result.u = hit.hit.u;
+    result.v = hit.hit.v;
+    const glm::vec3 normal = glm::normalize(impl_->normal(hit.hit.primID));
+    result.is_front = glm::dot(normal, direction) < 0.0f;
+    result.normal = result.is_front ? normal : -normal;
+    return result;
+  }
+}
+
+bool RayScene::isBlocked(const glm::vec3& from, const glm::vec3& to) const {
+  const glm::vec3 direction = to - from;
+  RTCRay ray{};
+  ray.org_x = from.x;
+  ray.org_y = from.y;
+  ray.org_z = from.z;
+  ray.dir_x = direction.x;
+  ray.dir_y = direction.y;
+  ray.dir_z = direction.z;
+  ray.tfar = 1.0f;
+  ray.mask = ~0u;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(impl_->scene, &context, &ray);
+  return ray.tfar < 0.0f;
 }
 
 void RayScene::trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const {

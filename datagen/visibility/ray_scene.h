@@ -31,9 +31,21 @@ struct SurfaceHit {
   uint32_t material = 0;   // index into the scene's materials
 };
 
+// Where a ray of light ends.
+struct LightHit {
+  enum class Kind : uint8_t { nothing, sky, surface };
+  Kind kind = Kind::nothing;
+  bool is_front = true;      // of a surface: the ray meets its front
+  uint32_t triangle = 0;     // of a surface: index into the scene's triangles
+  float distance = 0.0f;     // in lengths of the ray's direction
+  float u = 0.0f, v = 0.0f;  // weights of the triangle's second and third corner
+  glm::vec3 normal{0.0f};    // unit, of the side that the ray meets
+};
+
 class RayScene {
  public:
-  // Copies what it needs of the scene. throws InputError when Embree cannot build (out of memory)
+  // Copies what it needs of the scene. Sky faces end rays of light (lightHit) and no others. throws InputError when Embree cannot
+  // build (out of memory)
   explicit RayScene(const Scene& scene);
   ~RayScene();
   RayScene(const RayScene&) = delete;
@@ -50,6 +62,12 @@ class RayScene {
 
   // The first face a ray from origin meets, of either side; nothing when it meets none.
   std::optional<SurfaceHit> firstHit(const glm::vec3& origin, const glm::vec3& direction) const;
+
+  // The first surface, or front of a sky face, that a ray of light meets; sky faces let rays through from behind.
+  LightHit lightHit(const glm::vec3& origin, const glm::vec3& direction) const;
+
+  // Whether a surface stands between two places.
+  bool isBlocked(const glm::vec3& from, const glm::vec3& to) const;
 
   // Every triangle that touches the axis-aligned cube around center, rising, and perhaps some that only come near.
   void trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const;

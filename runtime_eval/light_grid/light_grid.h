@@ -32,6 +32,7 @@ struct LightGrid {
   std::vector<uint8_t> function_representation;  // by function: index into representations
   std::vector<uint64_t> theta_begin{0};          // by function, into theta; functionCount() + 1 numbers, the last is theta's size
   std::vector<float> theta;                      // D floats a function, one after another
+  std::vector<float> light;  // by probe: kShFloats each, radiance (spherical_harmonics.h); empty: the grid holds no light
 
   size_t functionCount() const { return function_representation.size(); }
   // D floats. function   < functionCount()

@@ -1,0 +1,65 @@
+// Directions from pairs of numbers in [0, 1), and a lattice of such pairs.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include <glm/glm.hpp>
+
+#include "runtime_eval/numbers/random.h"
+
+namespace nlg {
+
+// Fibonacci's lattice, shifted by a seed: its points cover the square far more evenly than random ones do, and so does every
+// eighth of them.
+class Lattice {
+ public:
+  explicit Lattice(uint64_t seed) {
+    Random random(seed);
+    shift_u_ = random.uniform();
+    shift_v_ = random.uniform();
+  }
+  // i < count
+  std::pair<double, double> point(int i, int count) const {
+    const double u = (i + shift_u_) / count;
+    const double v = i * 0.6180339887498949 + shift_v_;
+    return {u, v - std::floor(v)};
+  }
+
+ private:
+  double shift_u_, shift_v_;
+};
+
+// Two directions across `axis` and each other. By Duff and others, "Building an orthonormal basis, revisited" (JCGT 2017).
+inline std::pair<glm::vec3, glm::vec3> acrossOf(const glm::vec3& axis) {
+  const float sign = std::copysign(1.0f, axis.z);
+  const float a = -1.0f / (sign + axis.z), b = axis.x * axis.y * a;
+  return {{1.0f + sign * axis.x * axis.x * a, sign * b, -sign * axis.x}, {b, sign + axis.y * axis.y * a, -axis.y}};
+}
+
+inline glm::vec3 aroundAxis(const glm::vec3& axis, float cosine, double turn) {
+  const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
+  const auto angle = static_cast<float>(6.283185307179586 * turn);
+  const auto [x, y] = acrossOf(axis);
+  return glm::normalize(axis * cosine + x * (sine * std::cos(angle)) + y * (sine * std::sin(angle)));
+}
+
+// Uniform over the sphere; over the cap around axis whose height is 1 - cosine; by the cosine around a normal.
+inline glm::vec3 sphereDirection(double u, double v) {
+  return aroundAxis({0.0f, 0.0f, 1.0f}, static_cast<float>(1.0 - 2.0 * u), v);
+}
+inline glm::vec3 coneDirection(const glm::vec3& axis, float cap, double u, double v) {
+  // not 1 - u cap squared: a lamp far away keeps its size
+  const float height = cap * static_cast<float>(u);
+  const float sine = std::sqrt(std::max(0.0f, height * (2.0f - height)));
+  const auto angle = static_cast<float>(6.283185307179586 * v);
+  const auto [x, y] = acrossOf(axis);
+  return glm::normalize(axis * (1.0f - height) + x * (sine * std::cos(angle)) + y * (sine * std::sin(angle)));
+}
+inline glm::vec3 cosineDirection(const glm::vec3& normal, double u, double v) {
+  return aroundAxis(normal, static_cast<float>(std::sqrt(1.0 - u)), v);
+}
+
+}  // namespace nlg

@@ -1,0 +1,357 @@
+#include "datagen/lighting/light_transport.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "datagen/lighting/directions.h"
+#include "runtime_eval/numbers/random.h"
+
+namespace nlg {
+namespace {
+
+constexpr float kPi = 3.14159265f;
+constexpr float kHighestAlbedo = 0.9f;  // files without textures say 1 where they mean white paint: light would never end
+constexpr int kSetCount = 8;            // of directions, whose means say how sure the whole is
+constexpr int kSurePathVertices = 3;    // no roulette before
+constexpr float kSurvival = 0.95f;      // at most
+constexpr int kLampSamples = 16;        // of one lamp at a place, at least
+constexpr uint64_t kPathStream = 0x70617468, kLampStream = 0x6c616d70, kSunStream = 0x73756e;
+
+float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
+
+// What of a spot's intensity goes this way.
+float spotShare(const Lamp& lamp, const glm::vec3& from_lamp) {
+  if (lamp.cos_outer <= -1.0f) return 1.0f;
+  const float cosine = glm::dot(lamp.direction, from_lamp);
+  const float share = (cosine - lamp.cos_outer) / std::max(1e-4f, lamp.cos_inner - lamp.cos_outer);
+  const float clamped = std::clamp(share, 0.0f, 1.0f);
+  return clamped * clamped;
+}
+
+// Light from one direction, in what a sum over all directions takes of it: radiance times solid angle.
+struct Arriving {
+  glm::vec3 direction;
+  glm::vec3 flux{0.0f};
+};
+
+// A point on a shining triangle.
+struct EmitterSample {
+  glm::vec3 direction;  // towards it, unit
+  float distance = 0.0f;
+  float cosine = 0.0f;        // at the emitter
+  float area_density = 0.0f;  // of the choice
+  glm::vec3 radiance{0.0f};
+};
+
+}  // namespace
+
+struct LightTransport::Impl {
+  const Scene& scene;
+  const RayScene& rays;
+  std::vector<glm::vec3> albedo;     // by material
+  std::vector<uint32_t> emitters;    // triangles that shine
+  std::vector<double> emitter_sums;  // of area times luminance, running
+  float nudge_m = 1e-4f;             // off a surface, so that the next ray does not meet it again
+
+  Impl(const Scene& s, const RayScene& r) : scene(s), rays(r) {
+    for (const Material& material : scene.materials)
+      albedo.push_back(glm::clamp(material.base_color, glm::vec3(0.0f), glm::vec3(kHighestAlbedo)));
+    float furthest = 0.0f;
+    for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+    nudge_m = std::max(2e-5f, furthest * 0x1p-20f);
+    // with all bounces stored a ray meets most emitters by itself, and one sample of a whole level's emitters tells little
+    if (!isBaked()) findEmitters();
+  }
+
+  bool isBaked() const { return !scene.light.baked.empty(); }
+
+  void findEmitters() {
+    double sum = 0.0;
+    for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+      const float shine = luminance(scene.materials[scene.triangle_material[t]].emissive);
+      if (!(shine > 0.0f)) continue;
+      const double weight = 0.5 * glm::length(crossOf(t)) * shine;
+      if (!(weight > 0.0)) continue;
+      emitters.push_back(t);
+      emitter_sums.push_back(sum += weight);
+    }
+  }
+
+  glm::vec3 corner(uint32_t t, int k) const { return scene.positions[scene.triangles[t][k]]; }
+  glm::vec3 crossOf(uint32_t t) const { return glm::cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0)); }
+
+  const Material& materialOf(uint32_t triangle) const { return scene.materials[scene.triangle_material[triangle]]; }
+
+  glm::vec3 emission(const LightHit& hit) const {
+    const Material& material = materialOf(hit.triangle);
+    return hit.is_front || material.double_sided ? material.emissive : glm::vec3(0.0f);
+  }
+
+  // Of the point on the emitters that a ray met.
+  float areaDensity(uint32_t triangle) const {
+    return emitters.empty() ? 0.0f : static_cast<float>(luminance(materialOf(triangle).emissive) / emitter_sums.back());
+  }
+
+  bool sampleEmitter(const glm::vec3& from, Random& random, EmitterSample* sample) const {
+    if (emitters.empty()) return false;
+    const double at = random.uniform() * emitter_sums.back();
+    const auto found = std::upper_bound(emitter_sums.begin(), emitter_sums.end(), at);
+    const uint32_t t = emitters[std::min<size_t>(found - emitter_sums.begin(), emitters.size() - 1)];
+    float u = static_cast<float>(random.uniform()), v = static_cast<float>(random.uniform());
+    if (u + v > 1.0f) u = 1.0f - u, v = 1.0f - v;
+    const glm::vec3 point = corner(t, 0) * (1.0f - u - v) + corner(t, 1) * u + corner(t, 2) * v;
+    const glm::vec3 way = point - from;
+    sample->distance = glm::length(way);
+    if (!(sample->distance > 2.0f * nudge_m)) return false;
+    sample->direction = way / sample->distance;
+    const float cosine = -glm::dot(glm::normalize(crossOf(t)), sample->direction);
+    sample->cosine = materialOf(t).double_sided ? std::fabs(cosine) : cosine;
+    sample->area_density = areaDensity(t);
+    sample->radiance = materialOf(t).emissive;
+    return sample->cosine > 0.0f && !rays.isBlocked(from, from + way * (1.0f - 2.0f * nudge_m / sample->distance));
+  }
+
+  // Flux of one random emitter sample; by multiple importance sampling with directions of this density (per steradian).
+  template <class Density>
+  bool emitterLight(const glm::vec3& from, Random& random, const Density& density, Arriving* arriving) const {
+    EmitterSample sample;
+    if (!sampleEmitter(from, random, &sample)) return false;
+    const float solid_density = sample.area_density * sample.distance * sample.distance / sample.cosine;
+    arriving->direction = sample.direction;
+    arriving->flux = sample.radiance / (solid_density + density(sample.direction));
+    return true;
+  }
+
+  // Flux of a point of a lamp, and of a sun. places   two numbers in [0, 1)
+  bool lampLight(const Lamp& lamp, const glm::vec3& from, double place_u, double place_v, Arriving* arriving) const {
+    const glm::vec3 way = lamp.position - from;
+    const float to_centre = glm::length(way);
+    const float distance = std::max(to_centre, 1.001f * lamp.radius_m);
+    const glm::vec3 axis = to_centre > 0.0f ? way / to_centre : glm::vec3(0.0f, 1.0f, 0.0f);
+    const float sine = lamp.radius_m / distance;
+    // 1 - cosine, without losing small lamps to rounding
+    const float cap = sine * sine / (1.0f + std::sqrt(1.0f - sine * sine));
+    arriving->direction = coneDirection(axis, cap, place_u, place_v);
+    const float solid_angle = 2.0f * kPi * cap;
+    arriving->flux = lamp.intensity * (spotShare(lamp, -axis) * solid_angle / (kPi * lamp.radius_m * lamp.radius_m));
+    if (luminance(arriving->flux) <= 0.0f) return false;
+    // up to the sphere's front
+    const float reach = std::max(0.0f, to_centre - lamp.radius_m);
+    return !rays.isBlocked(from, from + arriving->direction * reach);
+  }
+
+  bool sunLight(const Sun& sun, const glm::vec3& from, double place_u, double place_v, Arriving* arriving) const {
+    const float sine = std::sin(sun.angular_radius);
+    const float cap = sine * sine / (1.0f + std::sqrt(1.0f - sine * sine));
+    arriving->direction = coneDirection(sun.to_sun, cap, place_u, place_v);
+    arriving->flux = sun.irradiance;
+    return rays.lightHit(from, arriving->direction).kind != LightHit::Kind::surface;
+  }
+
+  // What a surface there sends back of lamps and suns that shine on it: one lamp, drawn by what it would give without shadows.
+  glm::vec3 reflectedDirect(const glm::vec3& from, const glm::vec3& normal, Random& random) const {
+    glm::vec3 sum(0.0f);
+    Arriving arriving;
+    for (const Sun& sun : scene.light.suns) {
+      if (!sunLight(sun, from, random.uniform(), random.uniform(), &arriving)) continue;
+      sum += arriving.flux * std::max(0.0f, glm::dot(arriving.direction, normal));
+    }
+    float total = 0.0f;
+    for (const Lamp& lamp : scene.light.lamps) total += openLight(lamp, from);
+    if (total > 0.0f) {
+      float at = static_cast<float>(random.uniform()) * total;
+      const Lamp* chosen = nullptr;
+      float share = 0.0f;
+      for (const Lamp& lamp : scene.light.lamps) {
+        const float light = openLight(lamp, from);
+        if (light <= 0.0f) continue;
+        chosen = &lamp;
+        share = light / total;
+        if ((at -= light) < 0.0f) break;
+      }
+      if (lampLight(*chosen, from, random.uniform(), random.uniform(), &arriving))
+        sum += arriving.flux * (std::max(0.0f, glm::dot(arriving.direction, normal)) / share);
+    }
+    const auto density = [&](const glm::vec3& direction) { return std::max(0.0f, glm::dot(direction, normal)) / kPi; };
+    if (emitterLight(from, random, density, &arriving))
+      sum += arriving.flux * std::max(0.0f, glm::dot(arriving.direction, normal));
+    return sum / kPi;
+  }
+
+  // A lamp's irradiance if nothing stood between.
+  static float openLight(const Lamp& lamp, const glm::vec3& from) {
+    const glm::vec3 way = from - lamp.position;
+    const float squared = std::max(glm::dot(way, way), lamp.radius_m * lamp.radius_m);
+    return luminance(lamp.intensity) * spotShare(lamp, way / std::sqrt(squared)) / squared;
+  }
+
+  // Radiance that comes along a ray, but for lamps and suns as seen from its origin.
+  // density   of the ray's own direction, per steradian: emitters at its end were sampled too. 0: they were not
+  glm::vec3 radiance(glm::vec3 origin, glm::vec3 direction, int max_bounces, float density, Random& random) const {
+    glm::vec3 sum(0.0f), throughput(1.0f);
+    for (int vertex = 0;; ++vertex) {
+      const LightHit hit = rays.lightHit(origin, direction);
+      if (hit.kind != LightHit::Kind::surface) return sum + throughput * scene.light.sky.radiance(direction);
+      const glm::vec3 shine = emission(hit);
+      if (isBaked()) return sum + throughput * (bakedLight(hit) * albedo[scene.triangle_material[hit.triangle]] + shine);
+      if (luminance(shine) > 0.0f) {
+        float share = 1.0f;
+        if (density > 0.0f && !emitters.empty()) {
+          const float cosine = std::fabs(glm::dot(hit.normal, direction));
+          const float other = areaDensity(hit.triangle) * hit.distance * hit.distance / std::max(cosine, 1e-6f);
+          share = density / (density + other);
+        }
+        sum += throughput * shine * share;
+      }
+      if (vertex >= max_bounces) return sum;
+      throughput *= albedo[scene.triangle_material[hit.triangle]];
+      const float most = std::max({throughput.r, throughput.g, throughput.b});
+      if (!(most > 0.0f)) return sum;
+      if (vertex + 1 >= kSurePathVertices) {
+        const float survival = std::min(kSurvival, most);
+        if (random.uniform() >= survival) return sum;
+        throughput /= survival;
+      }
+      origin = origin + direction * hit.distance + hit.normal * nudge_m;
+      sum += throughput * reflectedDirect(origin, hit.normal, random);
+      direction = cosineDirection(hit.normal, random.uniform(), random.uniform());
+      density = std::max(1e-6f, glm::dot(direction, hit.normal) / kPi);
+    }
+  }
+
+  glm::vec3 bakedLight(const LightHit& hit) const {
+    const BakedLight& baked = scene.light.baked;
+    const glm::uvec3& t = scene.triangles[hit.triangle];
+    const float w = 1.0f - hit.u - hit.v;
+    const int32_t page = baked.triangle_page[hit.triangle];
+    if (page == BakedLight::kByVertex)
+      return baked.vertex_light[t.x] * w + baked.vertex_light[t.y] * hit.u + baked.vertex_light[t.z] * hit.v;
+    const glm::vec2 place = baked.vertex_place[t.x] * w + baked.vertex_place[t.y] * hit.u + baked.vertex_place[t.z] * hit.v;
+    const int side = baked.page_side;
+    const glm::vec3* texels = &baked.texels[static_cast<size_t>(page) * side * side];
+    // texel centres stand at halves
+    const auto split = [&](float at, int* low, float* share) {
+      const float texel = std::clamp(at * static_cast<float>(side) - 0.5f, 0.0f, static_cast<float>(side - 1));
+      *low = std::min(static_cast<int>(texel), side - 2);
+      *share = texel - static_cast<float>(*low);
+    };
+    int x, y;
+    float sx, sy;
+    split(place.x, &x, &sx);
+    split(place.y, &y, &sy);
+    const glm::vec3* row = texels + static_cast<size_t>(y) * side + x;
+    return (row[0] * (1.0f - sx) + row[1] * sx) * (1.0f - sy) + (row[side] * (1.0f - sx) + row[side + 1] * sx) * sy;
+  }
+
+  // Everything that arrives at a place, direction by direction: add(set, direction, flux). Flux is what the mean over a set's
+  // directions takes: the sum over all directions of radiance times solid angle is the mean over sets.
+  // direction_of   of ray i of a set: the direction; density: of a direction, per steradian
+  template <class DirectionOf, class Density, class Add>
+  void gather(const glm::vec3& from, const GatherOptions& options, uint64_t seed, const DirectionOf& direction_of,
+              const Density& density, const Add& add) const {
+    const int rays_per_set = std::max(1, options.rays / kSetCount);
+    const int count = rays_per_set * kSetCount;
+    const auto share = 1.0f / static_cast<float>(rays_per_set);
+    Arriving arriving;
+    for (int i = 0; i < count; ++i) {
+      Random random(mixSeed(seed, kPathStream, i));
+      const int set = i % kSetCount;
+      const glm::vec3 direction = direction_of(i, count);
+      const float direction_density = density(direction);
+      add(set, direction,
+          radiance(from, direction, options.max_bounces, direction_density, random) * (share / direction_density));
+      if (emitterLight(from, random, density, &arriving)) add(set, arriving.direction, arriving.flux * share);
+    }
+    const auto sampleAll = [&](int samples, uint64_t stream, const auto& light) {
+      const Lattice lattice(mixSeed(seed, stream));
+      for (int i = 0; i < samples; ++i) {
+        const auto [u, v] = lattice.point(i, samples);
+        if (light(u, v)) add(i % kSetCount, arriving.direction, arriving.flux * (static_cast<float>(kSetCount) / samples));
+      }
+    };
+    for (size_t s = 0; s < scene.light.suns.size(); ++s) {
+      sampleAll(2 * kLampSamples, mixSeed(kSunStream, s),
+                [&](double u, double v) { return sunLight(scene.light.suns[s], from, u, v, &arriving); });
+    }
+    float total = 0.0f;
+    for (const Lamp& lamp : scene.light.lamps) total += openLight(lamp, from);
+    for (size_t l = 0; l < scene.light.lamps.size() && total > 0.0f; ++l) {
+      const Lamp& lamp = scene.light.lamps[l];
+      const float part = openLight(lamp, from) / total;
+      if (part <= 0.0f) continue;
+      // far lamps that add next to nothing together get one sample a set, near ones what their size needs
+      const int samples = std::clamp(kSetCount * static_cast<int>(part * static_cast<float>(options.rays) / (4 * kSetCount)),
+                                     kSetCount, 4 * kLampSamples);
+      sampleAll(samples, mixSeed(kLampStream, l), [&](double u, double v) { return lampLight(lamp, from, u, v, &arriving); });
+    }
+  }
+};
+
+glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal) {
+  const std::array<float, kShCount> basis = shBasis(normal.x, normal.y, normal.z);
+  glm::vec3 sum(0.0f);
+  for (int i = 0; i < kShCount; ++i) sum += light[i] * (kCosineBand[i] * basis[i]);
+  return sum;
+}
+
+LightTransport::LightTransport(const Scene& scene, const RayScene& rays) : impl_(std::make_unique<Impl>(scene, rays)) {}
+LightTransport::~LightTransport() = default;
+
+const Scene& LightTransport::scene() const { return impl_->scene; }
+const RayScene& LightTransport::rays() const { return impl_->rays; }
+bool LightTransport::isBaked() const { return impl_->isBaked(); }
+
+GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed) const {
+  std::array<LightSh, kSetCount> sets{};
+  const Lattice lattice(seed);
+  impl_->gather(
+      glm::vec3(position_m), options, seed,
+      [&](int i, int count) {
+        const auto [u, v] = lattice.point(i, count);
+        return sphereDirection(u, v);
+      },
+      [](const glm::vec3&) { return 0.25f / kPi; },
+      [&](int set, const glm::vec3& direction, const glm::vec3& flux) {
+        const std::array<float, kShCount> basis = shBasis(direction.x, direction.y, direction.z);
+        for (int k = 0; k < kShCount; ++k) sets[set][k] += flux * basis[k];
+      });
+  GatheredLight result;
+  for (int k = 0; k < kShCount; ++k) {
+    for (const LightSh& set : sets) result.light[k] += set[k] / static_cast<float>(kSetCount);
+    glm::vec3 squares(0.0f);
+    for (const LightSh& set : sets) squares += (set[k] - result.light[k]) * (set[k] - result.light[k]);
+    result.deviation[k] = glm::sqrt(squares / static_cast<float>(kSetCount * (kSetCount - 1)));
+  }
+  return result;
+}
+
+GatheredIrradiance LightTransport::gatherIrradiance(const glm::dvec3& position_m, const glm::vec3& normal,
+                                                    const GatherOptions& options, uint64_t seed) const {
+  std::array<glm::vec3, kSetCount> sets{};
+  const Lattice lattice(seed);
+  impl_->gather(
+      glm::vec3(position_m), options, seed,
+      [&](int i, int count) {
+        const auto [u, v] = lattice.point(i, count);
+        return cosineDirection(normal, u, v);
+      },
+      [&](const glm::vec3& direction) { return std::max(1e-6f, glm::dot(direction, normal) / kPi); },
+      [&](int set, const glm::vec3& direction, const glm::vec3& flux) {
+        sets[set] += flux * std::max(0.0f, glm::dot(direction, normal));
+      });
+  GatheredIrradiance result;
+  for (const glm::vec3& set : sets) result.irradiance += set / static_cast<float>(kSetCount);
+  glm::vec3 squares(0.0f);
+  for (const glm::vec3& set : sets) squares += (set - result.irradiance) * (set - result.irradiance);
+  result.deviation = glm::sqrt(squares / static_cast<float>(kSetCount * (kSetCount - 1)));
+  return result;
+}
+
+glm::vec3 LightTransport::radianceAlong(const glm::vec3& origin, const glm::vec3& direction, int max_bounces,
+                                        uint64_t seed) const {
+  Random random(mixSeed(seed, kPathStream));
+  return impl_->radiance(origin, direction, max_bounces, 0.0f, random);
+}
+
+}  // namespace nlg

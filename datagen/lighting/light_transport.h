@@ -1,0 +1,68 @@
+// Light that arrives at places of a scene: what probes are lit by, and the ground truth that they are measured against.
+//
+// Surfaces are diffuse. Where the level's own compiler left light on them (SceneLight::baked) one ray holds all bounces: what it
+// meets shines with that light times the base colour, and with its own emission. Elsewhere paths are traced: next-event
+// estimation at every vertex to lamps, suns and shining triangles (these by multiple importance sampling), Russian roulette.
+// Lamps and suns are sampled at the place itself in both. Sky is met where a ray leaves the scene, or by a front of SkyFaces.
+//
+// Directions are low-discrepancy; every number is a pure function of the scene, the options and the seed of the place, the same
+// on any number of threads. Any number of threads may ask at once.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "datagen/scene/scene.h"
+#include "datagen/visibility/ray_scene.h"
+#include "runtime_eval/light_grid/spherical_harmonics.h"
+
+namespace nlg {
+
+// Coefficients of arriving radiance (spherical_harmonics.h), red, green, blue each.
+using LightSh = std::array<glm::vec3, kShCount>;
+
+glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal);
+
+struct GatherOptions {
+  int rays = 1024;       // first directions of a place; >= 8
+  int max_bounces = 64;  // of a path behind its first hit; Russian roulette ends most of them after a few. 0: direct light alone
+};
+
+struct GatheredLight {
+  LightSh light{};
+  LightSh deviation{};  // standard deviation of each coefficient: of the mean over 8 sets of directions
+};
+
+struct GatheredIrradiance {
+  glm::vec3 irradiance{0.0f};
+  glm::vec3 deviation{0.0f};  // as above
+};
+
+class LightTransport {
+ public:
+  // Both must outlive this object. rays has the scene's triangles and its sky's.
+  LightTransport(const Scene& scene, const RayScene& rays);
+  ~LightTransport();
+
+  // What arrives at a place from all sides.
+  // position_m   relative to the scene's origin, in air
+  GatheredLight gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed) const;
+
+  // What arrives on a small plane: exact for its normal, without harmonics. Ground truth of a place.
+  GatheredIrradiance gatherIrradiance(const glm::dvec3& position_m, const glm::vec3& normal, const GatherOptions& options,
+                                      uint64_t seed) const;
+
+  // What a camera sees along a ray, lamps and suns not among it: one path.
+  glm::vec3 radianceAlong(const glm::vec3& origin, const glm::vec3& direction, int max_bounces, uint64_t seed) const;
+
+  const Scene& scene() const;
+  const RayScene& rays() const;
+  // Whether a ray's first hit holds all bounces.
+  bool isBaked() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace nlg

@@ -1,0 +1,83 @@
+// Where a scene's light comes from, beside the emissive materials of its triangles.
+//
+// Radiance is linear and in one unit of the scene's own for all of these: glTF's are cd/m², a Quake III level's are 1 for a white
+// surface under a lightmap of full brightness (docs/theory/light.md). Positions are relative to the scene's origin.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+namespace nlg {
+
+// Radiance from beyond everything: a gradient from the horizon (y = 0) up to the zenith, and one colour for what lies below.
+struct Sky {
+  glm::vec3 zenith{0.0f}, horizon{0.0f}, ground{0.0f};  // >= 0
+
+  glm::vec3 radiance(const glm::vec3& direction) const {
+    if (direction.y < 0.0f) return ground;
+    return horizon + (zenith - horizon) * direction.y;
+  }
+};
+
+// A small sphere that shines; rays never meet it. A spot when cos_outer > -1: full inside the inner cone, nothing outside the
+// outer one, as KHR_lights_punctual has it.
+struct Lamp {
+  glm::vec3 position{0.0f};
+  glm::vec3 intensity{0.0f};                   // radiant intensity along the axis: irradiance is intensity / distance²
+  float radius_m = 0.1f;                       // > 0
+  glm::vec3 direction{0.0f, -1.0f, 0.0f};      // unit: where a spot points
+  float cos_inner = -1.0f, cos_outer = -1.0f;  // cos_outer <= cos_inner; -1 for a lamp that shines all round
+};
+
+struct Sun {
+  glm::vec3 to_sun{0.0f, 1.0f, 0.0f};  // unit
+  glm::vec3 irradiance{0.0f};          // on a plane that faces it
+  float angular_radius = 0.00465f;     // radians: half a degree across
+};
+
+// Light that the level's own compiler left on its surfaces: what leaves a surface is this times its material's base colour, and
+// all bounces are in it. Empty when the scene has none: then light is traced.
+struct BakedLight {
+  static constexpr int32_t kByVertex = -1;
+  int32_t page_side = 0;                // texels
+  std::vector<glm::vec3> texels;        // all pages, page_side² each, rows from the top
+  std::vector<int32_t> triangle_page;   // by triangle: its page, or kByVertex
+  std::vector<glm::vec2> vertex_place;  // by vertex: on the page, [0, 1]², x along a row
+  std::vector<glm::vec3> vertex_light;  // by vertex, for kByVertex
+
+  bool empty() const { return triangle_page.empty(); }
+};
+
+// Triangles of sky: they shine with the sky's radiance on their front, and nothing meets them from behind. They are no geometry
+// of the scene's: no weighting function knows them, but they end rays of light and lie inside the scene's bounds.
+struct SkyFaces {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+};
+
+// The light grid that a Quake III level's file ships (lump 15), decoded: a rival to measure against.
+struct QuakeGrid {
+  glm::vec3 first_m{0.0f};  // of the first cell, relative to the scene's origin
+  glm::vec3 step_m{1.0f};   // along the scene's axes; > 0
+  std::array<int, 3> count{};
+  struct Cell {
+    glm::vec3 ambient, directed;  // in the unit of the scene's radiance
+    glm::vec3 to_light;           // unit
+  };
+  std::vector<Cell> cells;  // x fastest, then y, then z, of the scene's axes
+  uint64_t file_bytes = 0;  // of the lump
+};
+
+struct SceneLight {
+  Sky sky;
+  std::vector<Lamp> lamps;
+  std::vector<Sun> suns;
+  SkyFaces sky_faces;
+  BakedLight baked;
+  QuakeGrid quake_grid;
+};
+
+}  // namespace nlg
