@@ -20,9 +20,22 @@ struct RayScene::Impl {
   RTCScene light_scene = nullptr;      // with sky faces as geometry 1; null without any
   std::vector<glm::vec3> sky_normals;  // by sky face, not normalised
 
+  // What a ray meets within a short stretch, all of it.
+  struct FacingCollector {
+    RTCIntersectContext context;  // first: Embree hands it to the filter
+    const Impl* scene;
+    glm::vec3 direction;
+    bool front = false, back = false, both = false;
+  };
+  static void collectFacing(const RTCFilterFunctionNArguments* arguments);
+
   void attach(RTCScene to, unsigned number, const std::vector<glm::vec3>& corners, const std::vector<glm::uvec3>& faces);
-  RTCRayHit firstRayHit(const glm::vec3& origin, const glm::vec3& direction) const;
+  RTCRayHit firstRayHit(RTCScene against, const glm::vec3& origin, const glm::vec3& direction) const;
   glm::vec3 normal(uint32_t triangle) const;  // not normalised
+  RTCScene lightScene() const { return light_scene != nullptr ? light_scene : scene; }
+  // geometry   kSurfaces or kSky
+  Facing facing(unsigned geometry, uint32_t triangle, const glm::vec3& direction) const;
+  Facing firstFacing(RTCScene against, const glm::vec3& origin, const glm::vec3& direction) const;
 
   ~Impl() {
     if (light_scene) rtcReleaseScene(light_scene);
@@ -39,14 +52,6 @@ bool collectTriangle(RTCPointQueryFunctionArguments* arguments) {
   static_cast<std::vector<uint32_t>*>(arguments->userPtr)->push_back(arguments->primID);
   return false;
 }
-
-// What a ray meets within a short stretch, all of it.
-struct FacingCollector {
-  RTCIntersectContext context;  // first: Embree hands it to the filter
-  const RayScene* scene;
-  glm::vec3 direction;
-  bool front = false, back = false, both = false;
-};
 
 void* newBuffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t stride, size_t count) {
   return rtcSetNewGeometryBuffer(geometry, type, 0, format, stride, count);
@@ -85,7 +90,7 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   const SkyFaces& sky = scene.light.sky_faces;
   if (!sky.triangles.empty()) {
     impl_->light_scene = rtcNewScene(impl_->device);
-    rtcSetSceneFlags(impl_->light_scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(impl_->light_scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     impl_->attach(impl_->light_scene, kSurfaces, scene.positions, scene.triangles);
     impl_->attach(impl_->light_scene, kSky, sky.positions, sky.triangles);
     rtcCommitScene(impl_->light_scene);
@@ -125,21 +130,23 @@ uint32_t RayScene::occluded(const SegmentPacket& segments, int count) const {
   return hits;
 }
 
-Facing RayScene::facing(uint32_t triangle, const glm::vec3& direction) const {
-  if (impl_->double_sided[triangle]) return Facing::both;
-  return glm::dot(impl_->normal(triangle), direction) < 0.0f ? Facing::front : Facing::back;
+Facing RayScene::Impl::facing(unsigned geometry, uint32_t triangle, const glm::vec3& direction) const {
+  if (geometry == kSurfaces && double_sided[triangle]) return Facing::both;
+  const glm::vec3 out = geometry == kSky ? sky_normals[triangle] : normal(triangle);
+  return glm::dot(out, direction) < 0.0f ? Facing::front : Facing::back;
 }
 
-void RayScene::collectFacing(const RTCFilterFunctionNArguments* arguments) {
+void RayScene::Impl::collectFacing(const RTCFilterFunctionNArguments* arguments) {
   FacingCollector& collector = *reinterpret_cast<FacingCollector*>(arguments->context);
-  const Facing facing = collector.scene->facing(RTCHitN_primID(arguments->hit, 1, 0), collector.direction);
+  const Facing facing =
+      collector.scene->facing(RTCHitN_geomID(arguments->hit, 1, 0), RTCHitN_primID(arguments->hit, 1, 0), collector.direction);
   collector.front |= facing == Facing::front;
   collector.back |= facing == Facing::back;
   collector.both |= facing == Facing::both;
   arguments->valid[0] = 0;  // go on to the next one
 }
 
-RTCRayHit RayScene::Impl::firstRayHit(const glm::vec3& origin, const glm::vec3& direction) const {
+RTCRayHit RayScene::Impl::firstRayHit(RTCScene against, const glm::vec3& origin, const glm::vec3& direction) const {
   RTCRayHit hit{};
   hit.ray = {
       origin.x, origin.y, origin.z, 0.0f, direction.x, direction.y, direction.z, 0.0f, std::numeric_limits<float>::infinity(),
@@ -147,7 +154,7 @@ RTCRayHit RayScene::Impl::firstRayHit(const glm::vec3& origin, const glm::vec3& 
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcIntersect1(scene, &context, &hit);
+  rtcIntersect1(against, &context, &hit);
   return hit;
 }
 
@@ -156,8 +163,8 @@ glm::vec3 RayScene::Impl::normal(uint32_t triangle) const {
   return glm::cross(positions[corners.y] - positions[corners.x], positions[corners.z] - positions[corners.x]);
 }
 
-Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction) const {
-  RTCRayHit hit = impl_->firstRayHit(origin, direction);
+Facing RayScene::Impl::firstFacing(RTCScene against, const glm::vec3& origin, const glm::vec3& direction) const {
+  RTCRayHit hit = firstRayHit(against, origin, direction);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return Facing::nothing;
   // which of coincident faces comes first is up to the traversal: ask for all of them
   FacingCollector collector{{}, this, direction};
@@ -167,13 +174,21 @@ Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction
   hit.ray.tnear = distance * (1.0f - 0x1p-18f);
   hit.ray.tfar = distance * (1.0f + 0x1p-18f);
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(impl_->scene, &collector.context, &hit);
+  rtcIntersect1(against, &collector.context, &hit);
   if (collector.both || (collector.front && collector.back)) return Facing::both;
   return collector.back ? Facing::back : Facing::front;
 }
 
+Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction) const {
+  return impl_->firstFacing(impl_->scene, origin, direction);
+}
+
+Facing RayScene::firstFacingWithSky(const glm::vec3& origin, const glm::vec3& direction) const {
+  return impl_->firstFacing(impl_->lightScene(), origin, direction);
+}
+
 std::optional<SurfaceHit> RayScene::firstHit(const glm::vec3& origin, const glm::vec3& direction) const {
-  const RTCRayHit hit = impl_->firstRayHit(origin, direction);
+  const RTCRayHit hit = impl_->firstRayHit(impl_->scene, origin, direction);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const glm::vec3 normal = glm::normalize(impl_->normal(hit.hit.primID));
   return SurfaceHit{hit.ray.tfar, glm::dot(normal, direction) < 0.0f ? normal : -normal, impl_->material[hit.hit.primID]};
@@ -193,7 +208,7 @@ LightHit RayScene::lightHit(const glm::vec3& origin, const glm::vec3& direction)
   for (;;) {
     hit.ray.tfar = std::numeric_limits<float>::infinity();
     hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(impl_->light_scene != nullptr ? impl_->light_scene : impl_->scene, &context, &hit);
+    rtcIntersect1(impl_->lightScene(), &context, &hit);
     LightHit result;
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return result;
     result.distance = hit.ray.tfar;

@@ -10,8 +10,6 @@
 
 #include "datagen/scene/scene.h"
 
-struct RTCFilterFunctionNArguments;
-
 namespace nlg {
 
 inline constexpr int kPacketSize = 16;
@@ -60,6 +58,9 @@ class RayScene {
   // whichever of them the traversal finds first.
   Facing firstFacing(const glm::vec3& origin, const glm::vec3& direction) const;
 
+  // The same with sky faces among the faces: their backs are where the scene ends.
+  Facing firstFacingWithSky(const glm::vec3& origin, const glm::vec3& direction) const;
+
   // The first face a ray from origin meets, of either side; nothing when it meets none.
   std::optional<SurfaceHit> firstHit(const glm::vec3& origin, const glm::vec3& direction) const;
 
@@ -77,8 +78,6 @@ class RayScene {
 
  private:
   struct Impl;
-  Facing facing(uint32_t triangle, const glm::vec3& direction) const;
-  static void collectFacing(const RTCFilterFunctionNArguments* arguments);  // Embree calls it
   std::unique_ptr<Impl> impl_;
 };
 

@@ -1,32 +1,8 @@
 #include "datagen/visibility/support_visibility.h"
 
 #include <algorithm>
-#include <array>
 
 namespace nlg {
-namespace {
-
-// 14 directions: the axes and diagonals of a cube, turned so that none runs along the walls of axis-aligned levels.
-const std::array<glm::vec3, 14>& voteDirections() {
-  static const std::array<glm::vec3, 14> directions = [] {
-    std::array<glm::vec3, 14> result;
-    int count = 0;
-    const glm::vec3 x(0.8018f, 0.5345f, 0.2673f), y(-0.5774f, 0.5774f, 0.5774f);
-    const glm::vec3 z = glm::cross(x, y);
-    for (const float sign : {-1.0f, 1.0f}) {
-      for (const glm::vec3& axis : {x, y, z}) result[count++] = sign * axis;
-    }
-    for (int corner = 0; corner < 8; ++corner) {
-      const auto sign = [&](int bit) { return corner >> bit & 1 ? 1.0f : -1.0f; };
-      result[count++] = glm::normalize(sign(0) * x + sign(1) * y + sign(2) * z);
-    }
-    return result;
-  }();
-  return directions;
-}
-
-}  // namespace
-
 SupportVisibility::SupportVisibility(const RayScene& scene, const LinkTable& links)
     : scene_(scene),
       table_(links),
@@ -44,15 +20,8 @@ void SupportVisibility::beginProbe(const glm::dvec3& position_m, float spacing_m
 }
 
 SolidVote SupportVisibility::voteAt(const glm::dvec3& position_m) const {
-  SolidVote vote;
-  const glm::vec3 origin(position_m);
-  for (const glm::vec3& direction : voteDirections()) {
-    const Facing facing = scene_.firstFacing(origin, direction);
-    vote.front += facing == Facing::front;
-    vote.back += facing == Facing::back;
-  }
-  ray_count_ += voteDirections().size();
-  return vote;
+  ray_count_ += kSolidVoteRays;
+  return solidVote(scene_, position_m);
 }
 
 void SupportVisibility::traceProbeRays() {

@@ -14,20 +14,9 @@
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/local_triangles.h"
 #include "datagen/visibility/ray_scene.h"
+#include "datagen/visibility/solid_vote.h"
 
 namespace nlg {
-
-// How rays from a place judged it.
-struct SolidVote {
-  int front = 0, back = 0;
-  // solid from two fifths of backs on: on real and procedural levels shares of backs lie below a tenth or above two fifths,
-  // seldom between, and exactly a half is common inside a slab that rests on another one (docs/theory/visibility.md)
-  bool solid() const { return back > 0 && 5 * back >= 2 * (front + back); }
-  // a share of backs in that gap: open, flipped or self-intersecting geometry
-  bool disputed() const { return 10 * back > front + back && !solid(); }
-  // at least half of one place's 14 rays met a one-sided face, all of them the same side
-  bool unanimous() const { return front + back >= 7 && (front == 0 || back == 0); }
-};
 
 class SupportVisibility {
  public:

@@ -1,0 +1,13 @@
+// Where light is asked for: the air of a scene.
+#pragma once
+
+#include "datagen/visibility/ray_scene.h"
+
+namespace nlg {
+
+// Whether a place is neither in solid nor disputed by the rays of solid_vote.h, sky faces among the surfaces: what lies behind the
+// sky is not air. Open ground around a model is. Any number of threads may ask at once.
+// position_m   relative to the scene's origin
+bool isInAir(const RayScene& rays, const glm::dvec3& position_m);
+
+}  // namespace nlg

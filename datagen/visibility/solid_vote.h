@@ -1,0 +1,29 @@
+// Whether a place lies in solid, by rays from it alone.
+#pragma once
+
+#include "datagen/visibility/ray_scene.h"
+
+namespace nlg {
+
+// How rays from a place judged it.
+struct SolidVote {
+  int front = 0, back = 0;
+  // solid from two fifths of backs on: on real and procedural levels shares of backs lie below a tenth or above two fifths,
+  // seldom between, and exactly a half is common inside a slab that rests on another one (docs/theory/visibility.md)
+  bool solid() const { return back > 0 && 5 * back >= 2 * (front + back); }
+  // a share of backs in that gap: open, flipped or self-intersecting geometry
+  bool disputed() const { return 10 * back > front + back && !solid(); }
+  // at least half of one place's 14 rays met a one-sided face, all of them the same side
+  bool unanimous() const { return front + back >= 7 && (front == 0 || back == 0); }
+};
+
+inline constexpr int kSolidVoteRays = 14;
+
+// The rays of one place against the scene's surfaces.
+// position_m   relative to the scene's origin
+SolidVote solidVote(const RayScene& rays, const glm::dvec3& position_m);
+
+// The same with sky faces among the surfaces: what lies behind the sky is no part of the scene.
+SolidVote solidVoteWithSky(const RayScene& rays, const glm::dvec3& position_m);
+
+}  // namespace nlg
