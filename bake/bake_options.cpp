@@ -14,6 +14,18 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add(
       "extent_m", &o.extent_m,
       "where there are probes, --extent-m=x,y,z,X,Y,Z: low and high corner, metres, world coordinates; none: the scene's bounds");
+  table.add("air_only", &o.air_only, "leave out cells that hold no air, and the probes that only they read");
+  table.add(
+      "light", &o.light,
+      "how probes are lit: solved (least squares over places in air), integrated (the talk's way), point (at the probe), or "
+      "none: the grid holds weighting functions alone");
+  table.add("light_places", &o.light_places, "places in air of every cell at which light is measured", 1, 4096);
+  table.add("light_rays", &o.light_rays, "rays of every such place", 8, 1 << 20);
+  table.add("light_probe_rays", &o.light_probe_rays, "rays of every probe, with light point", 8, 1 << 24);
+  table.add("light_pull", &o.light_pull,
+            "solved: how strongly a probe is held at its integrated light, in shares of what places say of it", 0.0, 1e3);
+  table.add("light_dark_share", &o.light_dark_share,
+            "solved: places darker than this share of the level's mean light count as if they had as much", 1e-6, 1e6);
   describe(o.diffusion, table);
   table.add("duplicate_rms", &o.duplicate_rms,
             "functions that differ by no more than this RMS, in steps of 1/255, share one theta; 0: the same bytes", 0.0, 16.0);

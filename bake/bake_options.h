@@ -17,10 +17,17 @@ struct BakeOptions {
   double spacing_m = 1.0;
   double density_growth = 0.5;
   std::vector<std::string> extent_m;
+  bool air_only = true;  // cells in solid, and probes that only they read, are left out
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;
   PolicyOptions policy;
+  std::string light = "solved";  // how probes are lit; "none": they are not
+  int light_places = 6;          // in air, of every cell
+  int light_rays = 64;           // of every place
+  int light_probe_rays = 512;    // of every probe, when light is "point"
+  double light_pull = 0.1;
+  double light_dark_share = 0.1;
   double refine_seconds = 0.0;  // 0: as long as it takes
   std::string generator_precision = "float32";
   std::string theta_precision = "float32";  // becomes the policy's when a bake begins

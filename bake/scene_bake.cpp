@@ -46,8 +46,10 @@ class SceneBake {
     statistics_.refinement_wall_s = secondsSince(refinement_start);
     roundAll();
     finishStatistics();
+    LightGrid grid = makeGrid();
+    statistics_.light = bakeLight(scene_, options_, &grid);
     statistics_.wall_s = secondsSince(start);
-    return {makeGrid(), std::move(statistics_)};
+    return {std::move(grid), std::move(statistics_)};
   }
 
  private:

@@ -1,4 +1,4 @@
-// The bake of one scene without light: functions, the policy from function to theta → a light grid.
+// The bake of one scene: functions, the policy from function to theta, light → a light grid.
 #pragma once
 
 #include <array>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bake/left_out.h"
+#include "bake/light_bake.h"
 #include "bake/scene_functions.h"
 #include "runtime_eval/evaluator/generator.h"
 #include "runtime_eval/fit/theta_policy.h"
@@ -17,6 +18,7 @@ namespace nlg {
 struct BakeStatistics {
   ShardCounts counts;
   FunctionTimes function_times;
+  LightStatistics light;
   double wall_s = 0.0, load_wall_s = 0.0, functions_wall_s = 0.0,
          refinement_wall_s = 0.0;    // functions: stages up to fits included
   uint64_t left_for_time = 0;        // functions that failed the check and were not refined: refine_seconds were over

@@ -26,6 +26,13 @@ ProbeTree placeProbes(const Scene& scene, const BakeOptions& options) {
   return placeProbes(scene, placement, options.seed);
 }
 
+AirPlaceOptions airPlaceOptions(const BakeOptions& options) {
+  AirPlaceOptions air;
+  air.places_per_cell = options.light_places;
+  air.seed = options.seed;
+  return air;
+}
+
 SceneSource loadWithTriangles(const std::string& request) {
   SceneSource source = loadScene(request);
   if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
@@ -36,9 +43,14 @@ SceneSource loadWithTriangles(const std::string& request) {
 
 BakeScene::BakeScene(const std::string& request, const BakeOptions& options)
     : source(loadWithTriangles(request)),
-      tree(placeProbes(source.scene, options)),
       links(makeLinkTable({})),
-      rays(source.scene) {}
+      rays(source.scene),
+      full_tree(placeProbes(source.scene, options)) {
+  const Clock::time_point start = Clock::now();
+  air = findAirPlaces(rays, full_tree, airPlaceOptions(options), options.threads > 0 ? options.threads : machineThreadCount());
+  tree = options.air_only ? treeOfAir(full_tree, air) : full_tree;
+  air_wall_s = secondsBetween(start, Clock::now());
+}
 
 struct SceneFunctions::ThreadState {
   ThreadState(const BakeScene& scene, const BakeOptions& options) : builder(scene.rays, scene.links, options.diffusion) {}

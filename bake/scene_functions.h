@@ -13,6 +13,7 @@
 #include "datagen/dataset/duplicate_index.h"
 #include "datagen/dataset/row_spool.h"
 #include "datagen/dataset/shard.h"
+#include "datagen/lighting/air_places.h"
 #include "datagen/scene/scene_source.h"
 #include "datagen/shards/probe_block.h"
 #include "datagen/visibility/link_table.h"
@@ -28,9 +29,12 @@ struct BakeScene {
   BakeScene(const std::string& request, const BakeOptions& options);
 
   SceneSource source;
-  ProbeTree tree;
   LinkTable links;
   RayScene rays;
+  ProbeTree full_tree;  // before cells in solid were left out
+  AirPlaces air;        // of full_tree
+  ProbeTree tree;
+  double air_wall_s = 0.0;  // to find the air
 };
 
 // By the clock, summed over threads.

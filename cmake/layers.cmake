@@ -29,7 +29,7 @@ set(NLG_MAY_LINK_solved        nlg::errors nlg::weighting nlg::visibility nlg::s
 set(NLG_MAY_LINK_look_up       nlg::statistics nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_stability     nlg::errors nlg::shard_job nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_policy_options nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_bake          nlg::policy_options nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::shard_job nlg::runtime_eval nlg::weights_file nlg::tool)
+set(NLG_MAY_LINK_bake          nlg::policy_options nlg::scene nlg::probes nlg::visibility nlg::lighting nlg::weighting nlg::dataset nlg::shard_job nlg::runtime_eval nlg::weights_file nlg::tool)
 # tools: the stage's own libraries, and what all tools share
 set(NLG_MAY_LINK_nlg-datagen   nlg::shard_job nlg::view nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-solve     nlg::solved nlg::errors nlg::tool)

@@ -1,0 +1,66 @@
+#include "bake/light_bake.h"
+
+#include <chrono>
+
+#include "runtime_eval/numbers/random.h"
+#include "tool/parallel_for.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kLightStream = 0x6c69676874;
+
+using Clock = std::chrono::steady_clock;
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+ProbeLightOptions probeLightOptions(const BakeOptions& options) {
+  ProbeLightOptions light;
+  light.way = lightWayFromName(options.light);
+  light.place.rays = options.light_rays;
+  light.probe.rays = options.light_probe_rays;
+  light.pull = options.light_pull;
+  light.dark_share = options.light_dark_share;
+  light.seed = mixSeed(options.seed, kLightStream);
+  return light;
+}
+
+double meanOf(const std::vector<LightSh>& light) {
+  // the mean of radiance over directions is its first coefficient times Y00
+  double sum = 0.0;
+  for (const LightSh& sh : light) sum += 0.28209479 * (sh[0].r + sh[0].g + sh[0].b) / 3.0;
+  return light.empty() ? 0.0 : sum / static_cast<double>(light.size());
+}
+
+}  // namespace
+
+LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid) {
+  grid->light.clear();
+  LightStatistics statistics;
+  if (options.light == "none") return statistics;
+  const ProbeLightOptions light_options = probeLightOptions(options);
+  const int threads = options.threads > 0 ? options.threads : machineThreadCount();
+  const LightTransport transport(scene.source.scene, scene.rays);
+  statistics.is_lit = true;
+  statistics.is_gathered = transport.isBaked();
+  statistics.places = scene.air.places.size();
+  statistics.rays_per_place = static_cast<uint64_t>(light_options.place.rays);
+
+  Clock::time_point start = Clock::now();
+  const std::vector<LightSh> place_light =
+      measureLight(transport, scene.air.places, light_options.place, light_options.seed, threads);
+  statistics.measure_wall_s = secondsSince(start);
+  statistics.mean = meanOf(place_light);
+
+  start = Clock::now();
+  const ProbeLight lit = lightProbes(transport, scene.tree, scene.air.places, place_light,
+                                     weightsOf(*grid, scene.source.scene.origin_m), light_options, threads);
+  statistics.solve_wall_s = secondsSince(start);
+  statistics.unread_probes = lit.unread;
+  statistics.solve_iterations = lit.iterations;
+  for (const LightSh& sh : lit.light) {
+    for (const glm::vec3& coefficient : sh) grid->light.insert(grid->light.end(), {coefficient.r, coefficient.g, coefficient.b});
+  }
+  return statistics;
+}
+
+}  // namespace nlg

@@ -1,0 +1,28 @@
+// Lights the probes of a baked grid.
+#pragma once
+
+#include "bake/scene_functions.h"
+#include "datagen/lighting/probe_light.h"
+#include "runtime_eval/light_grid/light_grid.h"
+
+namespace nlg {
+
+// Seconds by the clock.
+struct LightStatistics {
+  bool is_lit = false;       // whether light was baked at all
+  bool is_gathered = false;  // all bounces came from the level's own light: one ray held them
+  uint64_t places = 0, rays_per_place = 0;
+  uint64_t unread_probes = 0;  // that weigh nothing at any place
+  int solve_iterations = 0;
+  double measure_wall_s = 0.0;  // light at places
+  double solve_wall_s = 0.0;    // weights at places, and the solve
+  double mean = 0.0;            // radiance over places and directions, the channels' mean: 0 in a scene without light
+};
+
+// Fills grid->light by options.light; leaves it empty for "none".
+//
+// grid   of this scene and its tree, moved to the world's coordinates
+// throws   UsageError on an unknown way
+LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid);
+
+}  // namespace nlg
