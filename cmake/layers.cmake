@@ -38,7 +38,8 @@ set(NLG_MAY_LINK_nlg-cache     nlg::training_data nlg::basis nlg::runtime_eval n
 set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch)
 set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_file nlg::used_by nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch)
 set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-validate  nlg::look_up nlg::bake nlg::stability nlg::errors nlg::frontier nlg::comparison nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_light_noise   nlg::bake nlg::statistics nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-validate  nlg::look_up nlg::light_noise nlg::bake nlg::stability nlg::errors nlg::frontier nlg::comparison nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 
 function(nlg_check_links name)
   if(NOT DEFINED NLG_MAY_LINK_${name})

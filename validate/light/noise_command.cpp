@@ -1,0 +1,67 @@
+#include "validate/light/noise_command.h"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "tool/atomic_file.h"
+#include "tool/output_path.h"
+#include "tool/provenance.h"
+#include "tool/tool_main.h"
+#include "validate/errors/held_out.h"
+#include "validate/light/noise.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Request {
+  std::string scene, weights, out;
+  int runs = 4;
+};
+
+void measure(const Request& request, BakeOptions options, const OptionTable& table) {
+  refuseToReplaceInputs(request.out, {request.scene, request.weights});
+  const std::vector<Generator> generators = loadGenerators({request.weights});
+  const BakeScene scene(request.scene, options);
+  BakeOptions unlit = options;
+  unlit.light = "none";
+  const Bake bake = bakeScene(scene, generators, unlit, temporaryFolder());
+  const NoiseFigures figures = measureNoise(scene, options, bake.grid, request.runs);
+  std::map<std::string, std::string> hashes = {{"weights", fileSha256(request.weights)}};
+  if (!scene.source.sha256.empty()) hashes["scene"] = scene.source.sha256;
+  const Json json = {{"schema_version", 1},
+                     {"provenance", provenance("nlg-validate light-noise", table.toJson(), hashes)},
+                     {"scene", scene.source.id},
+                     {"light", options.light},
+                     {"spacing_m", options.spacing_m},
+                     {"runs", request.runs},
+                     {"probes", figures.probes},
+                     {"noise", {{"median", figures.noise_median}, {"p95", figures.noise_p95}}},
+                     {"probes_per_s", figures.probes_per_s},
+                     {"measure_share", figures.measure_share}};
+  writeFileAtomically(request.out, json.dump(1) + "\n");
+  std::cout << json.dump() << '\n';
+}
+
+}  // namespace
+
+int lightNoiseMain(int argc, char** argv) {
+  CLI::App app{
+      "Bakes one level and lights its probes several times on one thread, by rays of other seeds: the noise of what probes hold\n"
+      "and the probes lit a second. Settings of the bake: section bake of the configuration.",
+      "nlg-validate light-noise"};
+  Request request;
+  BakeOptions options;
+  OptionTable table("bake");
+  describe(options, table);
+  app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
+  app.add_option("--weights", request.weights, "an exported generator")->required();
+  app.add_option("--out", request.out, "the result (.json)")->required();
+  app.add_option("--runs", request.runs, "times that the light is baked")->check(CLI::Range(2, 1000));
+  return runTool(argc, argv, app, table, [&] { measure(request, options, table); });
+}
+
+}  // namespace nlg
