@@ -22,6 +22,8 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add("light_places", &o.light_places, "places in air of every cell at which light is measured", 1, 4096);
   table.add("light_rays", &o.light_rays, "rays of every such place", 8, 1 << 20);
   table.add("light_probe_rays", &o.light_probe_rays, "rays of every probe, with light point", 8, 1 << 24);
+  table.add("light_cache", &o.light_cache,
+            "keep what arrives at surfaces, so that each bounce is traced once for all probes; off: every path by itself");
   table.add("light_pull", &o.light_pull,
             "solved: how strongly a probe is held at its integrated light, in shares of what places say of it", 0.0, 1e3);
   table.add("light_dark_share", &o.light_dark_share,

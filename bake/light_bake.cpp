@@ -1,7 +1,10 @@
 #include "bake/light_bake.h"
 
+#include <algorithm>
 #include <chrono>
+#include <memory>
 
+#include "datagen/lighting/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 
@@ -24,6 +27,16 @@ ProbeLightOptions probeLightOptions(const BakeOptions& options) {
   return light;
 }
 
+// A quarter of the probes' spacing: bounces that a grid cannot tell apart anyway; finer in scenes that are small beside it.
+SurfaceCacheOptions cacheOptions(const BakeScene& scene, const BakeOptions& options) {
+  const Bounds bounds = sceneBounds(scene.source.scene);
+  SurfaceCacheOptions cache;
+  cache.cell_m =
+      std::max(1e-6f, std::min(0.25f * static_cast<float>(options.spacing_m), glm::length(bounds.max - bounds.min) / 48.0f));
+  cache.seed = options.seed;
+  return cache;
+}
+
 double meanOf(const std::vector<LightSh>& light) {
   // the mean of radiance over directions is its first coefficient times Y00
   double sum = 0.0;
@@ -37,7 +50,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   grid->light.clear();
   LightStatistics statistics;
   if (options.light == "none") return statistics;
-  const ProbeLightOptions light_options = probeLightOptions(options);
+  ProbeLightOptions light_options = probeLightOptions(options);
   const int threads = options.threads > 0 ? options.threads : machineThreadCount();
   const LightTransport transport(scene.source.scene, scene.rays);
   statistics.is_lit = true;
@@ -46,6 +59,16 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   statistics.rays_per_place = static_cast<uint64_t>(light_options.place.rays);
 
   Clock::time_point start = Clock::now();
+  std::unique_ptr<SurfaceCache> cache;
+  if (options.light_cache && !transport.isBaked()) {
+    cache = std::make_unique<SurfaceCache>(transport, scene.air.places, cacheOptions(scene, options), threads);
+    statistics.cache_cells = cache->cellCount();
+    statistics.cache_divided = cache->dividedCount();
+    statistics.cache_wall_s = secondsSince(start);
+    light_options.place.cache = light_options.probe.cache = cache.get();
+  }
+
+  start = Clock::now();
   const std::vector<LightSh> place_light =
       measureLight(transport, scene.air.places, light_options.place, light_options.seed, threads);
   statistics.measure_wall_s = secondsSince(start);

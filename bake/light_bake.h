@@ -14,9 +14,11 @@ struct LightStatistics {
   uint64_t places = 0, rays_per_place = 0;
   uint64_t unread_probes = 0;  // that weigh nothing at any place
   int solve_iterations = 0;
-  double measure_wall_s = 0.0;  // light at places
-  double solve_wall_s = 0.0;    // weights at places, and the solve
-  double mean = 0.0;            // radiance over places and directions, the channels' mean: 0 in a scene without light
+  uint64_t cache_cells = 0, cache_divided = 0;  // of surface; those that walls divide are not used
+  double cache_wall_s = 0.0;                    // bounces between surfaces
+  double measure_wall_s = 0.0;                  // light at places
+  double solve_wall_s = 0.0;                    // weights at places, and the solve
+  double mean = 0.0;  // radiance over places and directions, the channels' mean: 0 in a scene without light
 };
 
 // Fills grid->light by options.light; leaves it empty for "none".

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "datagen/lighting/directions.h"
+#include "datagen/lighting/emitters.h"
+#include "datagen/lighting/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {
@@ -35,48 +37,24 @@ struct Arriving {
   glm::vec3 flux{0.0f};
 };
 
-// A point on a shining triangle.
-struct EmitterSample {
-  glm::vec3 direction;  // towards it, unit
-  float distance = 0.0f;
-  float cosine = 0.0f;        // at the emitter
-  float area_density = 0.0f;  // of the choice
-  glm::vec3 radiance{0.0f};
-};
-
 }  // namespace
 
 struct LightTransport::Impl {
   const Scene& scene;
   const RayScene& rays;
-  std::vector<glm::vec3> albedo;     // by material
-  std::vector<uint32_t> emitters;    // triangles that shine
-  std::vector<double> emitter_sums;  // of area times luminance, running
-  float nudge_m = 1e-4f;             // off a surface, so that the next ray does not meet it again
+  std::vector<glm::vec3> albedo;  // by material
+  Emitters emitters;
+  float nudge_m = 1e-4f;  // off a surface, so that the next ray does not meet it again
 
-  Impl(const Scene& s, const RayScene& r) : scene(s), rays(r) {
+  Impl(const Scene& s, const RayScene& r) : scene(s), rays(r), emitters(s) {
     for (const Material& material : scene.materials)
       albedo.push_back(glm::clamp(material.base_color, glm::vec3(0.0f), glm::vec3(kHighestAlbedo)));
     float furthest = 0.0f;
     for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
     nudge_m = std::max(2e-5f, furthest * 0x1p-20f);
-    // with all bounces stored a ray meets most emitters by itself, and one sample of a whole level's emitters tells little
-    if (!isBaked()) findEmitters();
   }
 
   bool isBaked() const { return !scene.light.baked.empty(); }
-
-  void findEmitters() {
-    double sum = 0.0;
-    for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
-      const float shine = luminance(scene.materials[scene.triangle_material[t]].emissive);
-      if (!(shine > 0.0f)) continue;
-      const double weight = 0.5 * glm::length(crossOf(t)) * shine;
-      if (!(weight > 0.0)) continue;
-      emitters.push_back(t);
-      emitter_sums.push_back(sum += weight);
-    }
-  }
 
   glm::vec3 corner(uint32_t t, int k) const { return scene.positions[scene.triangles[t][k]]; }
   glm::vec3 crossOf(uint32_t t) const { return glm::cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0)); }
@@ -88,38 +66,21 @@ struct LightTransport::Impl {
     return hit.is_front || material.double_sided ? material.emissive : glm::vec3(0.0f);
   }
 
-  // Of the point on the emitters that a ray met.
-  float areaDensity(uint32_t triangle) const {
-    return emitters.empty() ? 0.0f : static_cast<float>(luminance(materialOf(triangle).emissive) / emitter_sums.back());
-  }
-
-  bool sampleEmitter(const glm::vec3& from, Random& random, EmitterSample* sample) const {
-    if (emitters.empty()) return false;
-    const double at = random.uniform() * emitter_sums.back();
-    const auto found = std::upper_bound(emitter_sums.begin(), emitter_sums.end(), at);
-    const uint32_t t = emitters[std::min<size_t>(found - emitter_sums.begin(), emitters.size() - 1)];
-    float u = static_cast<float>(random.uniform()), v = static_cast<float>(random.uniform());
-    if (u + v > 1.0f) u = 1.0f - u, v = 1.0f - v;
-    const glm::vec3 point = corner(t, 0) * (1.0f - u - v) + corner(t, 1) * u + corner(t, 2) * v;
-    const glm::vec3 way = point - from;
-    sample->distance = glm::length(way);
-    if (!(sample->distance > 2.0f * nudge_m)) return false;
-    sample->direction = way / sample->distance;
-    const float cosine = -glm::dot(glm::normalize(crossOf(t)), sample->direction);
-    sample->cosine = materialOf(t).double_sided ? std::fabs(cosine) : cosine;
-    sample->area_density = areaDensity(t);
-    sample->radiance = materialOf(t).emissive;
-    return sample->cosine > 0.0f && !rays.isBlocked(from, from + way * (1.0f - 2.0f * nudge_m / sample->distance));
-  }
-
-  // Flux of one random emitter sample; by multiple importance sampling with directions of this density (per steradian).
+  // Flux of one random emitter point; by multiple importance sampling with directions of this density (per steradian).
   template <class Density>
   bool emitterLight(const glm::vec3& from, Random& random, const Density& density, Arriving* arriving) const {
-    EmitterSample sample;
-    if (!sampleEmitter(from, random, &sample)) return false;
-    const float solid_density = sample.area_density * sample.distance * sample.distance / sample.cosine;
-    arriving->direction = sample.direction;
-    arriving->flux = sample.radiance / (solid_density + density(sample.direction));
+    if (emitters.empty()) return false;
+    const EmitterPoint point = emitters.draw(from, random);
+    const glm::vec3 way = point.position - from;
+    const float distance = glm::length(way);
+    if (!(distance > 2.0f * nudge_m)) return false;
+    arriving->direction = way / distance;
+    const Material& material = materialOf(point.triangle);
+    float cosine = -glm::dot(glm::normalize(crossOf(point.triangle)), arriving->direction);
+    if (material.double_sided) cosine = std::fabs(cosine);
+    if (!(cosine > 0.0f) || rays.isBlocked(from, from + way * (1.0f - 2.0f * nudge_m / distance))) return false;
+    const float solid_density = point.area_density * distance * distance / cosine;
+    arriving->flux = material.emissive / (solid_density + density(arriving->direction));
     return true;
   }
 
@@ -188,24 +149,31 @@ struct LightTransport::Impl {
 
   // Radiance that comes along a ray, but for lamps and suns as seen from its origin.
   // density   of the ray's own direction, per steradian: emitters at its end were sampled too. 0: they were not
-  glm::vec3 radiance(glm::vec3 origin, glm::vec3 direction, int max_bounces, float density, Random& random) const {
+  glm::vec3 radiance(glm::vec3 origin, glm::vec3 direction, const GatherOptions& options, float density, Random& random,
+                     SurfacePoint* hits = nullptr) const {
     glm::vec3 sum(0.0f), throughput(1.0f);
     for (int vertex = 0;; ++vertex) {
       const LightHit hit = rays.lightHit(origin, direction);
       if (hit.kind != LightHit::Kind::surface) return sum + throughput * scene.light.sky.radiance(direction);
+      const glm::vec3& reflectance = albedo[scene.triangle_material[hit.triangle]];
       const glm::vec3 shine = emission(hit);
-      if (isBaked()) return sum + throughput * (bakedLight(hit) * albedo[scene.triangle_material[hit.triangle]] + shine);
       if (luminance(shine) > 0.0f) {
         float share = 1.0f;
-        if (density > 0.0f && !emitters.empty()) {
+        if (density > 0.0f) {
           const float cosine = std::fabs(glm::dot(hit.normal, direction));
-          const float other = areaDensity(hit.triangle) * hit.distance * hit.distance / std::max(cosine, 1e-6f);
+          const float other = emitters.areaDensity(hit.triangle, origin) * hit.distance * hit.distance / std::max(cosine, 1e-6f);
           share = density / (density + other);
         }
         sum += throughput * shine * share;
       }
-      if (vertex >= max_bounces) return sum;
-      throughput *= albedo[scene.triangle_material[hit.triangle]];
+      if (isBaked()) return sum + throughput * bakedLight(hit) * reflectance;
+      if (hits != nullptr && vertex == 0) *hits = {origin + direction * hit.distance, hit.normal, hit.triangle};
+      if (vertex >= options.max_bounces) return sum;
+      throughput *= reflectance;
+      if (options.cache != nullptr) {
+        const glm::vec3 point = origin + direction * hit.distance;
+        if (const glm::vec3* stored = options.cache->irradiance(point, hit.normal)) return sum + throughput * *stored / kPi;
+      }
       const float most = std::max({throughput.r, throughput.g, throughput.b});
       if (!(most > 0.0f)) return sum;
       if (vertex + 1 >= kSurePathVertices) {
@@ -249,10 +217,11 @@ struct LightTransport::Impl {
   // direction_of   of ray i of a set: the direction; density: of a direction, per steradian
   template <class DirectionOf, class Density, class Add>
   void gather(const glm::vec3& from, const GatherOptions& options, uint64_t seed, const DirectionOf& direction_of,
-              const Density& density, const Add& add) const {
+              const Density& density, const Add& add, std::vector<SurfacePoint>* hits = nullptr) const {
     const int rays_per_set = std::max(1, options.rays / kSetCount);
     const int count = rays_per_set * kSetCount;
     const auto share = 1.0f / static_cast<float>(rays_per_set);
+    if (hits != nullptr) hits->assign(static_cast<size_t>(count), {});
     Arriving arriving;
     for (int i = 0; i < count; ++i) {
       Random random(mixSeed(seed, kPathStream, i));
@@ -260,7 +229,8 @@ struct LightTransport::Impl {
       const glm::vec3 direction = direction_of(i, count);
       const float direction_density = density(direction);
       add(set, direction,
-          radiance(from, direction, options.max_bounces, direction_density, random) * (share / direction_density));
+          radiance(from, direction, options, direction_density, random, hits != nullptr ? &(*hits)[i] : nullptr) *
+              (share / direction_density));
       if (emitterLight(from, random, density, &arriving)) add(set, arriving.direction, arriving.flux * share);
     }
     const auto sampleAll = [&](int samples, uint64_t stream, const auto& light) {
@@ -327,7 +297,8 @@ GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherO
 }
 
 GatheredIrradiance LightTransport::gatherIrradiance(const glm::dvec3& position_m, const glm::vec3& normal,
-                                                    const GatherOptions& options, uint64_t seed) const {
+                                                    const GatherOptions& options, uint64_t seed,
+                                                    std::vector<SurfacePoint>* hits) const {
   std::array<glm::vec3, kSetCount> sets{};
   const Lattice lattice(seed);
   impl_->gather(
@@ -339,7 +310,8 @@ GatheredIrradiance LightTransport::gatherIrradiance(const glm::dvec3& position_m
       [&](const glm::vec3& direction) { return std::max(1e-6f, glm::dot(direction, normal) / kPi); },
       [&](int set, const glm::vec3& direction, const glm::vec3& flux) {
         sets[set] += flux * std::max(0.0f, glm::dot(direction, normal));
-      });
+      },
+      hits);
   GatheredIrradiance result;
   for (const glm::vec3& set : sets) result.irradiance += set / static_cast<float>(kSetCount);
   glm::vec3 squares(0.0f);
@@ -351,7 +323,20 @@ GatheredIrradiance LightTransport::gatherIrradiance(const glm::dvec3& position_m
 glm::vec3 LightTransport::radianceAlong(const glm::vec3& origin, const glm::vec3& direction, int max_bounces,
                                         uint64_t seed) const {
   Random random(mixSeed(seed, kPathStream));
-  return impl_->radiance(origin, direction, max_bounces, 0.0f, random);
+  return impl_->radiance(origin, direction, {1, max_bounces}, 0.0f, random);
 }
+
+glm::vec3 LightTransport::reflected(const SurfacePoint& point, uint64_t seed) const {
+  Random random(mixSeed(seed, kPathStream));
+  const glm::vec3 from = point.position + point.normal * impl_->nudge_m;
+  const glm::vec3 direct = impl_->reflectedDirect(from, point.normal, random);
+  const glm::vec3 direction = cosineDirection(point.normal, random.uniform(), random.uniform());
+  const float density = std::max(1e-6f, glm::dot(direction, point.normal) / kPi);
+  return albedo(point.triangle) * (direct + impl_->radiance(from, direction, {}, density, random));
+}
+
+glm::vec3 LightTransport::albedo(uint32_t triangle) const { return impl_->albedo[impl_->scene.triangle_material[triangle]]; }
+
+float LightTransport::nudge() const { return impl_->nudge_m; }
 
 }  // namespace nlg

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "datagen/scene/scene.h"
 #include "datagen/visibility/ray_scene.h"
@@ -23,9 +24,21 @@ using LightSh = std::array<glm::vec3, kShCount>;
 
 glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal);
 
+class SurfaceCache;
+
 struct GatherOptions {
   int rays = 1024;       // first directions of a place; >= 8
   int max_bounces = 64;  // of a path behind its first hit; Russian roulette ends most of them after a few. 0: direct light alone
+  const SurfaceCache* cache = nullptr;  // ends paths where it knows what arrives (surface_cache.h); null: they go on
+};
+
+// Where a ray met a surface; without a normal: it met none.
+struct SurfacePoint {
+  glm::vec3 position{0.0f};
+  glm::vec3 normal{0.0f};  // of the side that it met
+  uint32_t triangle = 0;
+
+  bool isSurface() const { return normal != glm::vec3(0.0f); }
 };
 
 struct GatheredLight {
@@ -49,12 +62,20 @@ class LightTransport {
   GatheredLight gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed) const;
 
   // What arrives on a small plane: exact for its normal, without harmonics. Ground truth of a place.
+  // hits   receives where each ray ended, when given; of rays that carry the same share of a cosine over all directions
   GatheredIrradiance gatherIrradiance(const glm::dvec3& position_m, const glm::vec3& normal, const GatherOptions& options,
-                                      uint64_t seed) const;
+                                      uint64_t seed, std::vector<SurfacePoint>* hits = nullptr) const;
 
   // What a camera sees along a ray, lamps and suns not among it: one path.
   glm::vec3 radianceAlong(const glm::vec3& origin, const glm::vec3& direction, int max_bounces, uint64_t seed) const;
 
+  // Radiance that a surface point sends back, its own shine not among it: one path.
+  glm::vec3 reflected(const SurfacePoint& point, uint64_t seed) const;
+
+  // How far off a surface rays begin, metres, so that they do not meet it again.
+  float nudge() const;
+  // The share of light that a surface sends back, by channel.
+  glm::vec3 albedo(uint32_t triangle) const;
   const Scene& scene() const;
   const RayScene& rays() const;
   // Whether a ray's first hit holds all bounces.

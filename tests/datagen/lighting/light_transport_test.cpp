@@ -128,8 +128,9 @@ TEST(LightTransport, BakedLightIsWhatOneRayMeets) {
   scene.light.baked.vertex_light.assign(scene.positions.size(), glm::vec3(3.0f, 2.0f, 1.0f));
   const Lit lit(scene);
   const glm::vec3 result = lit.at({0, 0, 0}, {0, 1, 0});
-  EXPECT_NEAR(result.r, kPi * (1.5f + 0.25f), 1e-3f);
-  EXPECT_NEAR(result.b, kPi * (0.5f + 0.25f), 1e-3f);
+  // the share that shines by itself is sampled in two ways: a little noise
+  EXPECT_NEAR(result.r, kPi * (1.5f + 0.25f), 0.01f * kPi * 0.25f);
+  EXPECT_NEAR(result.b, kPi * (0.5f + 0.25f), 0.01f * kPi * 0.25f);
 }
 
 TEST(LightTransport, BakedPagesAreReadBetweenTexelCentres) {
