@@ -240,8 +240,9 @@ struct LightTransport::Impl {
         if (light(u, v)) add(i % kSetCount, arriving.direction, arriving.flux * (static_cast<float>(kSetCount) / samples));
       }
     };
+    const int sun_samples = std::clamp(options.rays / 4 / kSetCount * kSetCount, kSetCount, 2 * kLampSamples);
     for (size_t s = 0; s < scene.light.suns.size(); ++s) {
-      sampleAll(2 * kLampSamples, mixSeed(kSunStream, s),
+      sampleAll(sun_samples, mixSeed(kSunStream, s),
                 [&](double u, double v) { return sunLight(scene.light.suns[s], from, u, v, &arriving); });
     }
     float total = 0.0f;

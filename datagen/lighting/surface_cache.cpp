@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "datagen/lighting/directions.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 
@@ -45,17 +46,16 @@ SurfaceCache::SurfaceCache(const LightTransport& transport, const std::vector<gl
   const size_t stride = std::max<size_t>(1, (places.size() + options.max_places - 1) / options.max_places);
   const size_t count = (places.size() + stride - 1) / stride;
   std::vector<std::vector<Found>> blocks(blockCount(count));
-  const GatherOptions direct{std::max(8, options.discovery_rays), 0};
   forEachInBlocks(count, thread_count, [&](size_t i, uint64_t block) {
-    std::vector<SurfacePoint> hits;
-    Random random(mixSeed(options.seed, kDiscoveryStream, i));
-    // half of the rays each way: together they look all round
-    const glm::vec3 up = glm::normalize(glm::vec3(random.normal(), random.normal(), random.normal()) + glm::vec3(1e-6f));
-    for (const glm::vec3& normal : {up, -up}) {
-      transport.gatherIrradiance(places[i * stride], normal, {direct.rays / 2, 0}, mixSeed(options.seed, i, normal == up), &hits);
-      for (const SurfacePoint& hit : hits) {
-        if (hit.isSurface()) blocks[block].push_back({keyOf(hit.position, hit.normal), hit});
-      }
+    const glm::vec3 from(places[i * stride]);
+    const Lattice lattice(mixSeed(options.seed, kDiscoveryStream, i));
+    for (int ray = 0; ray < options.discovery_rays; ++ray) {
+      const auto [u, v] = lattice.point(ray, options.discovery_rays);
+      const glm::vec3 direction = sphereDirection(u, v);
+      const LightHit hit = transport.rays().lightHit(from, direction);
+      if (hit.kind != LightHit::Kind::surface) continue;
+      const SurfacePoint point{from + direction * hit.distance, hit.normal, hit.triangle};
+      blocks[block].push_back({keyOf(point.position, point.normal), point});
     }
   });
   std::vector<Found> found;

@@ -14,7 +14,7 @@ namespace nlg {
 
 struct SurfaceCacheOptions {
   float cell_m = 0.25f;     // side of a cube, > 0
-  int rays_per_cell = 128;  // >= 8
+  int rays_per_cell = 64;   // >= 8
   int discovery_rays = 32;  // from every place, to find the cells
   int max_places = 40000;   // that discover; more are thinned out evenly
   uint64_t seed = 1;
