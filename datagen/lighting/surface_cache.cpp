@@ -17,14 +17,21 @@ constexpr uint64_t kBlock = 64;
 constexpr int kCoordinateBits = 20;
 constexpr uint64_t kDiscoveryStream = 0x646973, kCellStream = 0x63656c6c, kPathStream = 0x72657374;
 constexpr int kMostIterations = 64;
-constexpr float kSettled = 1e-4f;    // of the largest irradiance: a change that ends the exchange
-constexpr float kLiftShare = 0.05f;  // of a cell: off the surface, to see whether two of its points see each other
+constexpr float kSettled = 1e-4f;      // of the largest irradiance: a change that ends the exchange
+constexpr float kMarginShare = 0.05f;  // of a cell: how far beyond the points that were found it holds
+constexpr float kLiftShare = 0.05f;    // of a cell: off the surface, to see whether two of its points see each other
 
 // 0 … 5: the axis that a normal is nearest to, and its sign.
 uint64_t sideOf(const glm::vec3& normal) {
   const glm::vec3 size = glm::abs(normal);
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   return static_cast<uint64_t>(2 * axis + (normal[axis] < 0.0f));
+}
+
+// The two axes across the one that a normal is nearest to.
+std::array<int, 2> acrossAxes(const glm::vec3& normal) {
+  const auto facing = static_cast<int>(sideOf(normal) / 2);
+  return {(facing + 1) % 3, (facing + 2) % 3};
 }
 
 uint64_t blockCount(size_t count) { return (count + kBlock - 1) / kBlock; }
@@ -78,20 +85,24 @@ uint64_t SurfaceCache::keyOf(const glm::vec3& point, const glm::vec3& normal) co
 }
 
 // Of a cell's points those that lie furthest out along the two axes across the way it faces: a wall that divides the cell stands
-// between some of them.
+// between some of them, and what lies further out still may be behind a wall that none of them told of.
 void SurfaceCache::keepOutermost(const Found* begin, const Found* end) {
-  const glm::vec3 size = glm::abs(begin->point.normal);
-  const int facing = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const auto [u, v] = acrossAxes(begin->point.normal);
   std::array<const Found*, kPointsPerCell> kept{};
   size_t count = 0;
-  for (const int axis : {(facing + 1) % 3, (facing + 2) % 3}) {
+  std::array<float, 4> reach{};
+  for (size_t a = 0; a < 2; ++a) {
+    const int axis = a == 0 ? u : v;
     const auto [low, high] = std::minmax_element(
-        begin, end, [&](const Found& a, const Found& b) { return a.point.position[axis] < b.point.position[axis]; });
+        begin, end, [&](const Found& x, const Found& y) { return x.point.position[axis] < y.point.position[axis]; });
+    reach[2 * a] = low->point.position[axis] - kMarginShare / cells_per_m_;
+    reach[2 * a + 1] = high->point.position[axis] + kMarginShare / cells_per_m_;
     for (const Found* outermost : {low, high}) {
       if (std::find(kept.begin(), kept.begin() + count, outermost) == kept.begin() + count) kept[count++] = outermost;
     }
   }
   for (size_t k = 0; k < count; ++k) points_.push_back(kept[k]->point);
+  reach_.push_back(reach);
 }
 
 void SurfaceCache::addCells(std::vector<Found> found) {
@@ -157,8 +168,8 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
           transport.gatherIrradiance(from, point.normal, {rays, 0}, seed, &hits).irradiance / static_cast<float>(points);
       for (size_t i = 0; i < hits.size(); ++i) {
         if (!hits[i].isSurface()) continue;
-        const uint32_t other = indexOf(keyOf(hits[i].position, hits[i].normal));
-        if (other != kNone && !is_divided_[other]) {
+        const uint32_t other = cellAt(hits[i].position, hits[i].normal);
+        if (other != kNone) {
           block_links[block].push_back({other, hits[i].triangle});
           ++link_count[cell];
         } else {
@@ -192,9 +203,18 @@ void SurfaceCache::exchange(const LightTransport& transport) {
   points_ = {};
 }
 
-const glm::vec3* SurfaceCache::irradiance(const glm::vec3& point, const glm::vec3& normal) const {
+uint32_t SurfaceCache::cellAt(const glm::vec3& point, const glm::vec3& normal) const {
   const uint32_t cell = indexOf(keyOf(point, normal));
-  return cell == kNone || is_divided_[cell] ? nullptr : &irradiance_[cell];
+  if (cell == kNone || is_divided_[cell]) return kNone;
+  const auto [u, v] = acrossAxes(normal);
+  const std::array<float, 4>& reach = reach_[cell];
+  const bool is_inside = point[u] >= reach[0] && point[u] <= reach[1] && point[v] >= reach[2] && point[v] <= reach[3];
+  return is_inside ? cell : kNone;
+}
+
+const glm::vec3* SurfaceCache::irradiance(const glm::vec3& point, const glm::vec3& normal) const {
+  const uint32_t cell = cellAt(point, normal);
+  return cell == kNone ? nullptr : &irradiance_[cell];
 }
 
 }  // namespace nlg

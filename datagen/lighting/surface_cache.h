@@ -5,6 +5,7 @@
 // floor that runs under it) are not used: paths that meet them go on. For the bake alone: ground truth never reads it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -45,7 +46,8 @@ class SurfaceCache {
   };
 
   uint64_t keyOf(const glm::vec3& point, const glm::vec3& normal) const;
-  uint32_t indexOf(uint64_t key) const;  // kNone without a cell
+  uint32_t indexOf(uint64_t key) const;                                    // kNone without a cell
+  uint32_t cellAt(const glm::vec3& point, const glm::vec3& normal) const;  // one that holds there; kNone without
   void addCells(std::vector<Found> found);
   void keepOutermost(const Found* begin, const Found* end);
   void findDivided(const LightTransport& transport, int thread_count);
@@ -60,9 +62,10 @@ class SurfaceCache {
   std::vector<uint64_t> keys_;         // by cell, rising
   std::vector<uint32_t> first_point_;  // by cell, into points_; one more at the end
   std::vector<SurfacePoint> points_;
-  std::vector<uint8_t> is_divided_;   // by cell
-  std::vector<glm::vec3> direct_;     // by cell: irradiance of lamps, suns, sky, emitters, and of what is no cell
-  std::vector<uint32_t> first_link_;  // by cell, into links_; one more at the end
+  std::vector<std::array<float, 4>> reach_;  // by cell: low and high along the two axes across the way it faces
+  std::vector<uint8_t> is_divided_;          // by cell
+  std::vector<glm::vec3> direct_;            // by cell: irradiance of lamps, suns, sky, emitters, and of what is no cell
+  std::vector<uint32_t> first_link_;         // by cell, into links_; one more at the end
   std::vector<Link> links_;
   std::vector<float> link_share_;      // by cell: what a link's radiance times albedo adds to irradiance
   std::vector<glm::vec3> irradiance_;  // by cell
