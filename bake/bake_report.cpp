@@ -86,6 +86,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"bare_tents", s.bare_tents.count},
           {"bare_tent_rmse_mean", s.bare_tents.meanRmse()},
           {"in_solid", counts.in_solid},
+          {"solid_functions", counts.solid_functions},
           {"empty", counts.empty},
           {"duplicates", counts.duplicates},
           {"functions", counts.functions},
@@ -139,8 +140,10 @@ std::string toTable(const BakeReport& report) {
       "seconds are summed over threads; {:.2f} s by the clock on {} threads ({}), {:.2f} s of them to load the scene\n",
       s.load_wall_s + s.wall_s, report.threads, report.simd, s.load_wall_s);
   text += fmt::format(
-      "probes: {} free space, {} all but the bare tent, {} in solid, {} without weight, {} duplicates ({:.2f} s to find)\n",
-      counts.free_space, s.bare_tents.count, counts.in_solid, counts.empty, counts.duplicates, s.function_times.duplicates_s);
+      "probes: {} free space, {} all but the bare tent, {} in solid, {} without weight, {} duplicates ({:.2f} s to find)\n"
+      "probes in solid that have weights, as seen from a place in air: {}\n",
+      counts.free_space, s.bare_tents.count, counts.in_solid, counts.empty, counts.duplicates, s.function_times.duplicates_s,
+      counts.solid_functions);
   for (const ThetaWord word : kWords) {
     const nlohmann::ordered_json errors = errorsJson(report, word);
     const auto number = [&](const char* key) { return errors.at(key).get<double>(); };

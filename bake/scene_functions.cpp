@@ -97,7 +97,8 @@ StoredFunction SceneFunctions::read(uint64_t number, std::vector<uint8_t>* sampl
 // What a probe comes to: visibility, then the function where there is one. A probe that is not left out goes through both.
 ProbeOutcome SceneFunctions::seeAndGenerate(const glm::dvec3& position, float spacing_m, ThreadState& state) const {
   const Clock::time_point start = Clock::now();
-  ProbeOutcome outcome = state.builder.see(position, spacing_m, {left_out_.in_solid, left_out_.free_space});
+  const InSolid in_solid = left_out_.in_solid ? InSolid::by_eye : InSolid::kept;
+  ProbeOutcome outcome = state.builder.see(position, spacing_m, {in_solid, left_out_.free_space});
   const Clock::time_point seen = Clock::now();
   state.visibility_s += secondsBetween(start, seen);
   if (outcome != ProbeOutcome::function) return outcome;
@@ -141,6 +142,7 @@ SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<CheckedBl
         continue;
       }
       const uint64_t n = row++;
+      counts_.solid_functions += (block.probes.functions.flags[n] & kFlagInSolid) != 0;
       const FunctionCheck& tent = block.tents[n];
       const StoredFunction stored = storedFunction(block.probes.functions, n);
       if (takesBareTent(tent, options_.policy)) {

@@ -24,7 +24,7 @@ constexpr uint64_t kPieceFunctions = 1024;  // about 10 MB at a time
 
 // What only a look at all functions tells.
 struct Statistics {
-  uint64_t open_shell = 0, few_seen = 0;
+  uint64_t open_shell = 0, few_seen = 0, in_solid = 0;
   float spacing_min_m = std::numeric_limits<float>::infinity(), spacing_max_m = 0.0f;
 };
 
@@ -41,6 +41,7 @@ void addTo(const FunctionRows& piece, Statistics& statistics) {
   for (const uint8_t flags : piece.flags) {
     statistics.open_shell += (flags & kFlagOpenShell) != 0;
     statistics.few_seen += (flags & kFlagFewSeen) != 0;
+    statistics.in_solid += (flags & kFlagInSolid) != 0;
   }
   for (const float spacing_m : piece.spacing_m) {
     statistics.spacing_min_m = std::min(statistics.spacing_min_m, spacing_m);
@@ -78,6 +79,7 @@ Json shardJson(const ShardReader& reader, const Statistics& statistics) {
                {"duplicate_validity_points", s.duplicate_rule.validity_points},
                {"flagged_open_shell", statistics.open_shell},
                {"flagged_few_seen", statistics.few_seen},
+               {"flagged_in_solid", statistics.in_solid},
                {"spacing_min_m", c.functions > 0 ? statistics.spacing_min_m : 0.0f},
                {"spacing_max_m", statistics.spacing_max_m},
                {"points", s.point_count},

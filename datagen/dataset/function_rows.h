@@ -15,6 +15,7 @@ namespace nlg {
 enum FunctionFlag : uint8_t {
   kFlagOpenShell = 1,  // rays for validity disagreed: open, flipped or self-intersecting geometry near by
   kFlagFewSeen = 2,    // the probe sees less than one support point in a hundred
+  kFlagInSolid = 4,    // the probe is in solid, and sees what its eye in air sees
 };
 
 // N functions, P support points in pattern order, U test points (0 for training).

@@ -67,6 +67,7 @@ void addCounts(const ShardCounts& from, ShardCounts* to) {
   to->in_solid += from.in_solid;
   to->duplicates += from.duplicates;
   to->empty += from.empty;
+  to->solid_functions += from.solid_functions;
 }
 
 FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash, int point_count) {

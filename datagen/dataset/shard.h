@@ -20,9 +20,12 @@ struct ShardCounts {
   uint64_t visited_probes = 0;  // of these were looked at (max_functions may stop earlier)
   uint64_t functions = 0;       // stored: N
   uint64_t free_space = 0;      // no triangle in the support: the bare tent
-  uint64_t in_solid = 0;        // the probe itself lies in solid
+  uint64_t in_solid = 0;        // the probe itself lies in solid, and has no function
   uint64_t duplicates = 0;      // by the shard's duplicate rule, of an earlier function of the shard
   uint64_t empty = 0;           // phi is zero at every support point
+  // Not an outcome of its own: probes in solid that got a function all the same, seen from an eye in air, before duplicates are
+  // left out.
+  uint64_t solid_functions = 0;
 };
 
 // What a file says beside its functions.

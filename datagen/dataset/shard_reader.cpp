@@ -1,5 +1,7 @@
 #include "datagen/dataset/shard_reader.h"
 
+#include <string_view>
+
 #include <fmt/format.h>
 
 #include "datagen/dataset/shard_check.h"
@@ -48,7 +50,10 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
     shard.duplicate_rule.validity_points = file.readIntegerAttribute("duplicate_validity_points");
     refuse(path, duplicateRuleFault(shard.duplicate_rule));
   }
-  forEachCount(shard.counts, [&](const char* name, uint64_t& count) { count = file.readIntegerAttribute(name); });
+  forEachCount(shard.counts, [&](const char* name, uint64_t& count) {
+    if (std::string_view(name) == kCountSolidFunctions && !file.hasAttribute(name)) return;
+    count = file.readIntegerAttribute(name);
+  });
   return shard;
 }
 

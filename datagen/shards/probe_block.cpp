@@ -24,6 +24,7 @@ uint8_t functionFlags(const GeneratedFunction& function, size_t point_count) {
   for (size_t i = 0; i < point_count; ++i) seen_count += function.seen[i];
   uint8_t flags = function.open_shell ? kFlagOpenShell : 0;
   if (100 * seen_count < point_count) flags |= kFlagFewSeen;
+  if (function.in_solid) flags |= kFlagInSolid;
   return flags;
 }
 

@@ -41,6 +41,7 @@ std::vector<FunctionRows> ShardCollector::add(const ProbeBlock& block) {
     counts_.empty += outcome == ProbeOutcome::empty;
     if (outcome != ProbeOutcome::function) continue;
     const uint64_t n = row++;
+    counts_.solid_functions += (block.functions.flags[n] & kFlagInSolid) != 0;
     const StoredFunction samples = functionAt(block.functions, n);
     if (const auto match = index_.findOrAdd(samples)) {
       ++counts_.duplicates;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "datagen/shards/shard_scene.h"
+#include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/provenance.h"
 
@@ -13,6 +14,8 @@ namespace {
 
 // A unit of work: long against what handing it on costs, short against a shard.
 constexpr size_t kBlockProbes = 64;
+
+constexpr uint64_t kInSolidStream = 0x736f6c6964;  // of the shard's seed: which probes in solid have functions
 
 ProbeTree placeProbes(const Scene& scene, const DatagenOptions& options, uint64_t seed) {
   ProbePlacementOptions placement = options.probes;
@@ -70,6 +73,8 @@ void describe(DatagenOptions& o, OptionTable& table) {
             "probe spacing over distance from the nearest triangle; 0: finest everywhere", 0.0, 1e3);
   table.add("extent_m", &o.extent_m,
             "where there are probes: low x, y, z, high x, y, z, metres, world coordinates; none: the scene's bounds");
+  table.add("in_solid", &o.in_solid,
+            "share of the probes in solid that have functions, as seen from a place in air; 0: none has one", 0.0, 1.0);
   table.add("max_functions", &o.max_functions, "stop a shard after so many functions; probes are visited in random order", 1,
             1 << 30);
   table.add("max_visited_probes", &o.max_visited_probes, "stop a shard after so many probes, most of them empty in sparse scenes",
@@ -119,7 +124,8 @@ void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& 
     const auto [x, y, z] = tree_.probePosition(index);
     const glm::dvec3 position(x, y, z);
     const float spacing_m = tree_.probeSpacing(index);
-    const ProbeOutcome outcome = builder.build(position, spacing_m, &function);
+    const bool by_eye = Random(mixSeed(seed_, kInSolidStream, index)).chance(options_.in_solid);
+    const ProbeOutcome outcome = builder.build(position, spacing_m, &function, {by_eye ? InSolid::by_eye : InSolid::left_out});
     block->outcomes.push_back(outcome);
     if (outcome != ProbeOutcome::function) continue;
     appendFunction(function, scene_.origin_m + position, spacing_m, &block->functions);

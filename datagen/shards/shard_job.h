@@ -22,6 +22,7 @@ struct DatagenOptions {
   std::vector<std::string> extent_m;  // becomes probes.extent
   JitterOptions jitter;
   DiffusionOptions diffusion;
+  double in_solid = 0.0;  // share of the probes in solid that have functions, as seen from their eyes
   int max_functions = 1200;
   int max_visited_probes = 4000000;
   int test_points = 2048;

@@ -36,7 +36,8 @@ void drawCell(Image& image, const ViewedShard& viewed, uint64_t idx, int size, i
   drawFrame(image, x, y, size, size, kPaleInk);
   constexpr const char* kPlanes[] = {"zy", "xz", "xy"};  // right, then up or down
   const uint8_t flags = viewed.shard.flags[idx];
-  const std::string marks = std::string(flags & kFlagOpenShell ? " open" : "") + (flags & kFlagFewSeen ? " few" : "");
+  const std::string marks = std::string(flags & kFlagOpenShell ? " open" : "") + (flags & kFlagFewSeen ? " few" : "") +
+                            (flags & kFlagInSolid ? " solid" : "");
   drawText(image, x, y + size + 2, fmt::format("{} {}", idx, kPlanes[slice.plane.normal]), kInk);
   drawText(image, x + size - textWidth(marks), y + size + 2, marks, kWarning);
   const std::string spacing = fixed(viewed.shard.spacing_m[idx], 2) + " m", seen = percent(viewed.seenShare(idx));

@@ -18,6 +18,7 @@ std::string flagsText(uint8_t flags) {
   std::string text;
   if (flags & kFlagOpenShell) text += "open shell (votes about solid disputed)";
   if (flags & kFlagFewSeen) text += std::string(text.empty() ? "" : ", ") + "few seen (below 1 %)";
+  if (flags & kFlagInSolid) text += std::string(text.empty() ? "" : ", ") + "in solid (seen from an eye in air)";
   return text.empty() ? "none" : text;
 }
 

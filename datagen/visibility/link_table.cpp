@@ -69,24 +69,10 @@ std::array<AlignedFloats, 3> gather(const std::vector<LocalPoint>& points, const
   return gathered;
 }
 
-// Puts pairs of points into packets; they become links in that order.
+// The links of the table are the pairs in the order of their packets.
 void packLinks(const std::vector<uint64_t>& pairs, LinkTable& table) {
-  std::vector<ItemBox> boxes;
-  boxes.reserve(pairs.size());
-  for (const uint64_t pair : pairs) {
-    const LocalPoint &a = table.points[pair >> 32], &b = table.points[static_cast<uint32_t>(pair)];
-    ItemBox box;
-    for (int axis = 0; axis < 3; ++axis) std::tie(box.low[axis], box.high[axis]) = std::minmax(a[axis], b[axis]);
-    boxes.push_back(box);
-  }
-  LinkPackets& packets = table.link_packets;
-  packets.tree = makePacketTree(boxes);
-  for (const uint32_t item : packets.tree.order) {
-    packets.from_point.push_back(static_cast<uint32_t>(pairs[item] >> 32));
-    packets.to_point.push_back(static_cast<uint32_t>(pairs[item]));
-  }
-  packets.from = gather(table.points, packets.from_point);
-  packets.to = gather(table.points, packets.to_point);
+  table.link_packets = makeLinkPackets(table.points, pairs);
+  const LinkPackets& packets = table.link_packets;
   for (size_t place = 0; place < pairs.size(); ++place) {
     table.links.push_back({packets.from_point[place], packets.to_point[place]});
   }
@@ -150,6 +136,26 @@ void packPoints(LinkTable& table) {
 }
 
 }  // namespace
+
+LinkPackets makeLinkPackets(const std::vector<LocalPoint>& points, const std::vector<uint64_t>& pairs) {
+  std::vector<ItemBox> boxes;
+  boxes.reserve(pairs.size());
+  for (const uint64_t pair : pairs) {
+    const LocalPoint &a = points[pair >> 32], &b = points[static_cast<uint32_t>(pair)];
+    ItemBox box;
+    for (int axis = 0; axis < 3; ++axis) std::tie(box.low[axis], box.high[axis]) = std::minmax(a[axis], b[axis]);
+    boxes.push_back(box);
+  }
+  LinkPackets packets;
+  packets.tree = makePacketTree(boxes);
+  for (const uint32_t item : packets.tree.order) {
+    packets.from_point.push_back(static_cast<uint32_t>(pairs[item] >> 32));
+    packets.to_point.push_back(static_cast<uint32_t>(pairs[item]));
+  }
+  packets.from = gather(points, packets.from_point);
+  packets.to = gather(points, packets.to_point);
+  return packets;
+}
 
 NearestPoints nearestSupportPoints(const LocalPoint& place) {
   const std::vector<Neighbour> neighbours = neighboursOf(place, kNoPoint);

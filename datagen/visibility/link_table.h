@@ -49,6 +49,10 @@ struct NearestPoints {
 };
 NearestPoints nearestSupportPoints(const LocalPoint& place);
 
+// Segments between points, packed as the segment tests read them.
+// pairs   from << 32 | to, indices into points; at least one
+LinkPackets makeLinkPackets(const std::vector<LocalPoint>& points, const std::vector<uint64_t>& pairs);
+
 // The table for the support pattern and `test` further points, at most kMaxTestPointCount.
 LinkTable makeLinkTable(const std::vector<LocalPoint>& test);
 

@@ -79,12 +79,11 @@ struct WideTriangle {
     return bits(near);
   }
 
-  // segmentMeets, a segment a lane. kFromProbe: all segments begin at the local origin, and `from` is not read.
-  template <bool kFromProbe>
+  // segmentMeets, a segment a lane.
   HWY_INLINE uint32_t meets(const Vectors& from, const Vectors& to) const {
     const Tag d;
     const Floats zero = hn::Zero(d);
-    const Floats from_side = kFromProbe ? hn::Sub(zero, offset) : hn::Sub(dot(normal, from), offset);
+    const Floats from_side = hn::Sub(dot(normal, from), offset);
     const Floats to_side = hn::Sub(dot(normal, to), offset);
     Mask met =
         hn::Or(hn::And(hn::Ge(from_side, zero), hn::Le(to_side, zero)), hn::And(hn::Le(from_side, zero), hn::Ge(to_side, zero)));
@@ -92,12 +91,9 @@ struct WideTriangle {
     if (hn::AllFalse(d, met)) return 0;
     // where it crosses the plane, times `scale`
     const Floats from_share = hn::Abs(to_side), to_share = hn::Abs(from_side), scale = hn::Add(from_share, to_share);
-    Vectors at = {hn::Mul(to.x, to_share), hn::Mul(to.y, to_share), hn::Mul(to.z, to_share)};
-    if (!kFromProbe) {
-      at.x = hn::Add(hn::Mul(from.x, from_share), at.x);
-      at.y = hn::Add(hn::Mul(from.y, from_share), at.y);
-      at.z = hn::Add(hn::Mul(from.z, from_share), at.z);
-    }
+    const Vectors at = {hn::Add(hn::Mul(from.x, from_share), hn::Mul(to.x, to_share)),
+                        hn::Add(hn::Mul(from.y, from_share), hn::Mul(to.y, to_share)),
+                        hn::Add(hn::Mul(from.z, from_share), hn::Mul(to.z, to_share))};
     for (int e = 0; e < 3; ++e) met = hn::And(met, hn::Le(dot(outward[e], at), hn::Mul(reach[e], scale)));
     if (hn::AllFalse(d, met)) return 0;
     met = hn::And(met, hn::Le(hn::Abs(hn::Sub(at.x, hn::Mul(center.x, scale))), hn::Mul(extent.x, scale)));
@@ -162,7 +158,7 @@ uint64_t blockLinksVectors(const LinkPackets& links, const std::vector<LocalTria
           uint32_t met = 0;
           for (size_t k = 0; k < kPacketLanes; k += lanes) {
             const size_t place = size_t{packet} * kPacketLanes + k;
-            met |= triangle.template meets<false>(load(links.from, place), load(links.to, place)) << k;
+            met |= triangle.meets(load(links.from, place), load(links.to, place)) << k;
           }
           blocked[packet] |= static_cast<uint16_t>(met);
           ++test_count;
@@ -173,25 +169,31 @@ uint64_t blockLinksVectors(const LinkPackets& links, const std::vector<LocalTria
   return test_count;
 }
 
-// The shadow of a triangle, seen from the local origin: four half-spaces. Linear in the point, so that boxes can be told to lie
-// wholly outside or wholly inside.
+// Scalars, in the order in which segmentMeets and WideTriangle compute them.
+HWY_INLINE float dot(const float* a, const LocalPoint& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+HWY_INLINE float absoluteDot(const float* a, const LocalPoint& b) {
+  return std::fabs(a[0] * b[0]) + std::fabs(a[1] * b[1]) + std::fabs(a[2] * b[2]);
+}
+
+// The shadow of a triangle, seen from the eye: four half-spaces. Linear in the point, so that boxes can be told to lie wholly
+// outside or wholly inside.
 struct Shadow {
-  explicit HWY_INLINE Shadow(const LocalTriangle& t) {
-    const float sign = t.offset < 0.0f ? -1.0f : 1.0f, distance = std::fabs(t.offset);
-    // behind the plane: sign · normal · x > distance
+  HWY_INLINE Shadow(const LocalTriangle& t, const LocalPoint& eye) {
+    const float eye_side = dot(t.normal, eye) - t.offset;
+    const float sign = eye_side > 0.0f ? -1.0f : 1.0f, distance = std::fabs(eye_side);
+    // behind the plane: sign · (normal · x - offset) > 0
     float plane[4][3], limit[4], margin[4];
     for (int axis = 0; axis < 3; ++axis) plane[3][axis] = -sign * t.normal[axis];
-    limit[3] = -distance;
+    limit[3] = -sign * t.offset;
     margin[3] = kBoxMargin;
-    // inside the edges: the crossing is x · distance / (sign · normal · x)
+    // inside the edges: the crossing is (eye · sign · (normal · x - offset) + x · distance) over the sum of the two
     for (int e = 0; e < 3; ++e) {
-      for (int axis = 0; axis < 3; ++axis) {
-        plane[e][axis] = distance * t.outward[e][axis] - t.reach[e] * sign * t.normal[axis];
-      }
-      limit[e] = 0.0f;
-      margin[e] = kBoxMargin * (distance + std::fabs(t.reach[e]));
+      const float eye_reach = t.reach[e] - dot(t.outward[e], eye);
+      for (int axis = 0; axis < 3; ++axis) plane[e][axis] = distance * t.outward[e][axis] - eye_reach * sign * t.normal[axis];
+      limit[e] = distance * t.reach[e] - eye_reach * sign * t.offset;
+      margin[e] = kBoxMargin * (distance + std::fabs(t.reach[e]) + absoluteDot(t.outward[e], eye));
     }
-    // a plane through the very origin is met on both sides: nothing is left out
+    // a plane through the very eye is met on both sides: nothing is left out
     const float unknown = distance == 0.0f ? std::numeric_limits<float>::infinity() : 0.0f;
     for (int h = 0; h < 4; ++h) {
       half_space[h] = broadcast(plane[h]);
@@ -219,9 +221,10 @@ struct Shadow {
   Floats outside[4], inside[4];
 };
 
-void blockProbeRaysVectors(const PointPackets& points, const std::vector<LocalTriangle>& triangles,
-                           uint16_t* HWY_RESTRICT blocked) {
+void blockRaysVectors(const PointPackets& points, const std::vector<LocalTriangle>& triangles, const LocalPoint& eye,
+                      uint16_t* HWY_RESTRICT blocked) {
   const PacketTree& tree = points.tree;
+  const Vectors from = broadcast(eye.data());
   std::fill(blocked, blocked + tree.packetCount(), uint16_t{0});
   const size_t lanes = hn::Lanes(Tag());
   const auto blockAll = [&](uint32_t first_leaf, uint32_t leaf_count) {
@@ -229,7 +232,7 @@ void blockProbeRaysVectors(const PointPackets& points, const std::vector<LocalTr
   };
   for (const LocalTriangle& local : triangles) {
     const WideTriangle triangle(local);
-    const Shadow shadow(local);
+    const Shadow shadow(local, eye);
     const auto judgeChildren = [&](size_t first, uint32_t* some, uint32_t* all) {
       *some = *all = 0;
       for (size_t i = 0; i < kTreeWidth; i += lanes) {
@@ -246,8 +249,7 @@ void blockProbeRaysVectors(const PointPackets& points, const std::vector<LocalTr
         if (blocked[packet] == kAllLanes) continue;
         uint32_t met = 0;
         for (size_t k = 0; k < kPacketLanes; k += lanes) {
-          const Vectors to = load(points.at, size_t{packet} * kPacketLanes + k);
-          met |= triangle.template meets<true>(to, to) << k;
+          met |= triangle.meets(from, load(points.at, size_t{packet} * kPacketLanes + k)) << k;
         }
         blocked[packet] |= static_cast<uint16_t>(met);
       }
@@ -277,7 +279,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace nlg {
 
-HWY_EXPORT(blockProbeRaysVectors);
+HWY_EXPORT(blockRaysVectors);
 HWY_EXPORT(blockLinksVectors);
 
 bool segmentMeets(const LocalTriangle& triangle, const LocalPoint& from, const LocalPoint& to) {
@@ -297,8 +299,9 @@ bool segmentMeets(const LocalTriangle& triangle, const LocalPoint& from, const L
   return true;
 }
 
-void blockProbeRays(const PointPackets& points, const std::vector<LocalTriangle>& triangles, uint16_t* blocked) {
-  HWY_DYNAMIC_DISPATCH(blockProbeRaysVectors)(points, triangles, blocked);
+void blockRays(const PointPackets& points, const std::vector<LocalTriangle>& triangles, const LocalPoint& eye,
+               uint16_t* blocked) {
+  HWY_DYNAMIC_DISPATCH(blockRaysVectors)(points, triangles, eye, blocked);
 }
 
 uint64_t blockLinks(const LinkPackets& links, const std::vector<LocalTriangle>& triangles, LinkScratch* scratch,

@@ -1,4 +1,4 @@
-// The segment tests of a support, vectorised: which links and which rays from the probe meet which triangles.
+// The segment tests of a support, vectorised: which links and which rays from one place meet which triangles.
 //
 // What counts as meeting is segmentMeets, a pure function of one segment and one triangle; everything here only leaves out pairs
 // that it would say no to. The same bits on every SIMD target: no fused multiply-adds. Rules and figures: docs/theory/visibility.md.
@@ -34,9 +34,10 @@ struct LinkScratch {
   std::array<std::vector<uint32_t>, kLeafCount> triangles_of_leaf;
 };
 
-// Sets bit i of blocked[p] when the segment from the local origin to the point at place 16 p + i meets a triangle.
+// Sets bit i of blocked[p] when the segment from the eye to the point at place 16 p + i meets a triangle.
+// eye       local coordinates, in the support; the local origin is the probe
 // blocked   a word a packet, all written
-void blockProbeRays(const PointPackets& points, const std::vector<LocalTriangle>& triangles, uint16_t* blocked);
+void blockRays(const PointPackets& points, const std::vector<LocalTriangle>& triangles, const LocalPoint& eye, uint16_t* blocked);
 
 // Sets bit i of blocked[p] when the link at place 16 p + i meets a triangle.
 // blocked   a word a packet, all written

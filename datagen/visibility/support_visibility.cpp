@@ -24,9 +24,10 @@ SolidVote SupportVisibility::voteAt(const glm::dvec3& position_m) const {
   return solidVote(scene_, position_m);
 }
 
-void SupportVisibility::traceProbeRays() {
+void SupportVisibility::traceRays(const LocalPoint& eye) {
+  eye_ = eye;
   const PacketTree& tree = table_.point_packets.tree;
-  blockProbeRays(table_.point_packets, triangles_, blocked_points_.data());
+  blockRays(table_.point_packets, triangles_, eye, blocked_points_.data());
   for (size_t place = 0; place < tree.order.size(); ++place) {
     seen_[tree.order[place]] = !(blocked_points_[place / kPacketLanes] >> (place % kPacketLanes) & 1);
   }
@@ -70,7 +71,6 @@ void SupportVisibility::flood(State carried, std::vector<uint32_t>* members) {
   }
 }
 
-// A few members vote together; the first one alone when its rays leave no doubt.
 SolidVote SupportVisibility::groupVote(const std::vector<uint32_t>& members) const {
   SolidVote total;
   const size_t stride = std::max<size_t>(1, members.size() / 3);

@@ -1,5 +1,6 @@
 // What one probe's support sees: which points the probe sees, which links are open, which points are valid.
 //
+// What the probe sees is what its eye sees: the probe's own place, or for a probe in solid a place in air (solid_eye.h).
 // Only the triangles that touch the support are looked at, in its local coordinates, through fixed hierarchies over the probe's
 // rays and over the links (segment_kernel.h). Validity is carried along open links: what a valid point sees is valid. Only a
 // group of points that nothing valid sees casts rays of its own, and is solid when two fifths of those that meet a one-sided face
@@ -35,8 +36,14 @@ class SupportVisibility {
   const std::vector<LocalTriangle>& triangles() const { return triangles_; }
   SolidVote probeVote() const { return voteAt(position_); }  // is the probe itself in solid?
 
+  // The rays of a few support points together, that stand for all of a group: the first one alone when its rays leave no doubt.
+  SolidVote groupVote(const std::vector<uint32_t>& members) const;
+
   // Which points the probe sees; call once a probe, before the rest.
-  void traceProbeRays();
+  void traceProbeRays() { traceRays({}); }
+  // The same from another eye: a place of the support, local coordinates.
+  void traceRays(const LocalPoint& eye);
+  const LocalPoint& eye() const { return eye_; }
   bool seen(uint32_t point) const { return seen_[point]; }
   const std::vector<uint32_t>& dark() const { return dark_; }  // the points that it does not see, rising
 
@@ -58,7 +65,6 @@ class SupportVisibility {
  private:
   enum class State : uint8_t { unknown, valid, solid };
 
-  SolidVote groupVote(const std::vector<uint32_t>& members) const;
   bool reachesValid(uint32_t point) const;
   void flood(State carried, std::vector<uint32_t>* members);
 
@@ -66,6 +72,7 @@ class SupportVisibility {
   const LinkTable& table_;
   glm::dvec3 position_{0.0};
   double spacing_ = 1.0;
+  LocalPoint eye_{};
   mutable uint64_t ray_count_ = 0;
   uint64_t packet_test_count_ = 0;
   std::vector<uint8_t> seen_;

@@ -1,10 +1,12 @@
 // Generates the weighting function of a probe: the bare tent where the probe sees, carried round corners by diffusion.
 //
-// Method: the talk, "How do we generate the functions"; the formula is in docs/theory/math.md §1.
+// Method: the talk, "How do we generate the functions"; the formula is in docs/theory/math.md §1. A probe in solid sees nothing
+// from where it is: on demand it sees what its eye in air sees (solid_eye.h), weighted by its own tent all the same.
 #pragma once
 
 #include <vector>
 
+#include "datagen/visibility/solid_eye.h"
 #include "datagen/visibility/support_visibility.h"
 
 namespace nlg {
@@ -18,7 +20,7 @@ struct DiffusionOptions {
 enum class ProbeOutcome {
   function,    // generated
   free_space,  // no geometry in the support: the bare tent
-  in_solid,    // the probe itself is in solid
+  in_solid,    // the probe itself is in solid, and has no eye or is not asked to have one
   empty,       // generated, but zero at every valid support point
 };
 
@@ -26,14 +28,21 @@ enum class ProbeOutcome {
 struct GeneratedFunction {
   std::vector<float> phi;      // [0, 1]; 0 at invalid points
   std::vector<uint8_t> valid;  // 0 or 1
-  std::vector<uint8_t> seen;   // 0 or 1: seen by the probe (and valid)
+  std::vector<uint8_t> seen;   // 0 or 1: seen by the probe's eye (and valid)
   bool open_shell = false;     // votes about solid were disputed
+  bool in_solid = false;       // the probe is in solid, its eye elsewhere
 };
 
-// Which probes WeightingBuilder::see gives up early, because nobody needs their function. With both off every probe gets one; a
-// bake asks for that only to measure what giving up saves.
+// What becomes of a probe in solid.
+enum class InSolid {
+  left_out,  // no function
+  by_eye,    // a function where it has an eye
+  kept,      // and where it has none, that of what it sees in solid: a bake asks for it to measure what leaving out saves
+};
+
+// Which probes WeightingBuilder::see gives up early, because nobody needs their function.
 struct SeeOptions {
-  bool stops_in_solid = true;
+  InSolid in_solid = InSolid::left_out;
   bool stops_in_free_space = true;
 };
 
@@ -44,7 +53,7 @@ class WeightingBuilder {
 
   // position_m  relative to the scene's origin; spacing_m > 0
   // result      filled when the outcome is `function` or `empty`
-  ProbeOutcome build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result);
+  ProbeOutcome build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result, const SeeOptions& options = {});
 
   // build in two steps. see: visibility and validity alone; `function` when there is one to generate.
   // generate: the function of the probe that was seen last, whose outcome was `function`; returns `function` or `empty`
@@ -54,12 +63,13 @@ class WeightingBuilder {
   // Of the probe that was seen last: whether it sees a place of its support, and what its function is there, by the rule that
   // gives functions at the test points of a link table. The place must be in air: nobody votes about it.
   // function   as generate gave it
-  bool sees(const LocalPoint& place) const { return visibility_.isOpen({}, place); }
+  bool sees(const LocalPoint& place) const { return visibility_.isOpen(visibility_.eye(), place); }
   float valueAt(const LocalPoint& place, const GeneratedFunction& function) const;
 
   const SupportVisibility& visibility() const { return visibility_; }
 
  private:
+  bool openEye(InSolid in_solid);
   void lightSeenPoints(GeneratedFunction* result);
   void diffuse(int pass, GeneratedFunction* result);
   bool isLitBefore(int pass, uint32_t point) const { return lit_[point] != 0 && lit_[point] <= pass; }
@@ -67,7 +77,8 @@ class WeightingBuilder {
   const LinkTable& table_;
   DiffusionOptions options_;
   SupportVisibility visibility_;
-  bool open_shell_ = false;
+  SolidEye solid_eye_;
+  bool open_shell_ = false, in_solid_ = false;
   std::vector<float> tent_;        // by point
   std::vector<float> gaussian_;    // by entry of LinkTable::nearest
   std::vector<uint8_t> lit_;       // 0: nothing received; otherwise 1 + the pass that lit it

@@ -76,6 +76,25 @@ TEST_F(GeneratedShard, StopsExactlyAtItsLimits) {
   }
 }
 
+TEST_F(GeneratedShard, HoldsFunctionsOfAsManyProbesInSolidAsAskedFor) {
+  const Shard none = readShard(make({100000, 700}, 2), 0);
+  EXPECT_EQ(none.counts.solid_functions, 0u);
+  options_.in_solid = 1.0;
+  const std::string bytes = readFile(make({100000, 700}, 1));
+  const Shard all = readShard(make({100000, 700}, 2), 0);
+  EXPECT_TRUE(readFile(at("shard.h5")) == bytes) << "threads";
+  EXPECT_GT(all.counts.solid_functions, 20u);
+  EXPECT_EQ(all.counts.in_solid + all.counts.solid_functions, none.counts.in_solid);
+  const auto flagged = std::count_if(all.flags.begin(), all.flags.end(), [](uint8_t flags) { return flags & kFlagInSolid; });
+  EXPECT_GT(flagged, 0);
+  EXPECT_LE(static_cast<uint64_t>(flagged), all.counts.solid_functions) << "some are duplicates";
+  options_.in_solid = 0.5;
+  const Shard half = readShard(make({100000, 700}, 2), 0);
+  // a binomial share of the same probes: six deviations
+  const double n = static_cast<double>(all.counts.solid_functions);
+  EXPECT_NEAR(static_cast<double>(half.counts.solid_functions), 0.5 * n, 6 * 0.5 * std::sqrt(n));
+}
+
 TEST_F(GeneratedShard, HoldsNoTwoFunctionsWithinTheTolerance) {
   const Shard exact = readShard(make({100000, 700}, 2), 0);
   options_.duplicate_rms = 4.0;

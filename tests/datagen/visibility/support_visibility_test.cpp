@@ -124,6 +124,26 @@ TEST(SupportVisibility, FindsEveryLinkAsTheDefinitionDoesOnEveryTarget) {
   }
 }
 
+TEST(SupportVisibility, FindsWhatAnyEyeSeesAsTheDefinitionDoesOnEveryTarget) {
+  // eyes anywhere in the support; one lies in the plane of a wall, one is a support point, one is all but on a face
+  const std::vector<LocalPoint> eyes = {{0.55f, -0.4f, 0.3f},   {-0.93f, 0.11f, -0.97f},  {0.31f, 0.2f, -0.6f},
+                                        table().points[4321],   {0.3100001f, 0.9f, 0.1f}, {0.2f, -0.13f, 0.0f},
+                                        {-0.01f, 0.02f, 0.015f}};
+  for (const NamedScene& named : scenes()) {
+    const RayScene scene(named.scene);
+    SupportVisibility visibility(scene, table());
+    visibility.beginProbe(glm::dvec3(0), 1.0f);
+    forEachTarget([&] {
+      for (const LocalPoint& eye : eyes) {
+        visibility.traceRays(eye);
+        for (uint32_t p = 0; p < table().points.size(); ++p)
+          ASSERT_EQ(visibility.seen(p), visibility.isOpen(eye, table().points[p]))
+              << named.name << ", eye " << eye[0] << ' ' << eye[1] << ' ' << eye[2] << ", point " << p;
+      }
+    });
+  }
+}
+
 TEST(SupportVisibility, SeesAlongALinkBothWays) {
   // A segment's ends are only rounding apart from its reverse, and no wall here passes within rounding of a segment's end.
   const RayScene scene(wallWithHole());

@@ -136,6 +136,97 @@ TEST(WeightingBuilder, TellsAProbeInSolid) {
   EXPECT_EQ(build(infiniteWall(), {}, {0.3f, 0.01f, 0.02f}).outcome, ProbeOutcome::function);
 }
 
+// The function of a probe in solid.
+Built buildByEye(const Scene& scene, const glm::vec3& position_m) {
+  const RayScene rays(scene);
+  WeightingBuilder builder(rays, table(), {});
+  Built built;
+  built.outcome = builder.build(position_m, 1.0f, &built.function, {InSolid::by_eye});
+  return built;
+}
+
+TEST(WeightingBuilder, LightsTheNearerSideOfAWallFromInsideIt) {
+  const Built built = buildByEye(infiniteWall(), {0.36f, 0.01f, 0.02f});
+  ASSERT_EQ(built.outcome, ProbeOutcome::function);
+  EXPECT_TRUE(built.function.in_solid);
+  for (size_t p = 0; p < built.function.phi.size(); ++p) {
+    const LocalPoint& at = table().points[p];
+    const float x = 0.36f + at[0];
+    ASSERT_EQ(built.function.phi[p], x < 0.31f ? tent(at) : 0.0f) << "point " << p << " at x = " << x;
+    ASSERT_EQ(built.function.valid[p], x < 0.31f || x > 0.47f) << "point " << p << " at x = " << x;
+  }
+}
+
+TEST(WeightingBuilder, LightsWhatIsAboveAFloorFromUnderIt) {
+  const Built built = buildByEye(terrainSheet(0.4f, Sides::one), {0, 0, 0});
+  ASSERT_EQ(built.outcome, ProbeOutcome::function);
+  for (size_t p = 0; p < built.function.phi.size(); ++p) {
+    const LocalPoint& at = table().points[p];
+    ASSERT_EQ(built.function.phi[p], at[1] > 0.4f ? tent(at) : 0.0f) << "point " << p;
+  }
+}
+
+TEST(WeightingBuilder, LeavesOutAProbeInSolidWithoutAnEye) {
+  SceneOfFaces faces;
+  faces.addBox({-5, -5, -5}, {5, 5, 5});
+  const Scene block = faces.finish();
+  EXPECT_EQ(buildByEye(block, {0, 0, 0}).outcome, ProbeOutcome::in_solid);
+  EXPECT_EQ(buildByEye(block, {4.02f, 0, 0}).outcome, ProbeOutcome::in_solid);
+  const RayScene rays(block);
+  WeightingBuilder builder(rays, table(), {});
+  EXPECT_EQ(builder.see({4.02, 0, 0}, 1.0f, {InSolid::kept}), ProbeOutcome::function);
+}
+
+TEST(WeightingBuilder, ChangesNothingForProbesInAirByAskingForEyes) {
+  for (const Scene& scene : scenes()) {
+    const Built plain = build(scene), by_eye = buildByEye(scene, {0, 0, 0});
+    EXPECT_EQ(plain.outcome, by_eye.outcome);
+    EXPECT_EQ(plain.function.phi, by_eye.function.phi);
+    EXPECT_EQ(plain.function.valid, by_eye.function.valid);
+    EXPECT_EQ(plain.function.seen, by_eye.function.seen);
+    EXPECT_FALSE(by_eye.function.in_solid);
+  }
+}
+
+TEST(WeightingBuilder, GivesAnyPlaceWhatItGivesTestPointsFromAnEyeToo) {
+  int lit = 0, in_shadow = 0;
+  for (const auto& [scene, position] :
+       {std::pair(wallWithHole(), glm::dvec3(0.4, -0.5, 0.1)), std::pair(halfWall(), glm::dvec3(0.36, -0.1, 0.02)),
+        std::pair(crossingBoxes(), glm::dvec3(0.3, -0.1, 0.2))}) {
+    const RayScene rays(scene);
+    WeightingBuilder builder(rays, table(), {});
+    GeneratedFunction function;
+    ASSERT_EQ(builder.build(position, 1.0f, &function, {InSolid::by_eye}), ProbeOutcome::function);
+    for (size_t p = kSupportPointCount; p < table().points.size(); ++p) {
+      if (!function.valid[p]) continue;
+      ASSERT_EQ(builder.sees(table().points[p]), function.seen[p] != 0) << "point " << p;
+      ASSERT_EQ(builder.valueAt(table().points[p], function), function.phi[p]) << "point " << p;
+      lit += function.seen[p];
+      in_shadow += !function.seen[p] && function.phi[p] > 0.0f;
+    }
+  }
+  EXPECT_GT(lit, 100);
+  EXPECT_GT(in_shadow, 10);
+}
+
+TEST(WeightingBuilder, MirrorsTheFunctionOfAProbeInSolidWithItsScene) {
+  // one candidate, or one of several that see the same, is best on either side of these walls
+  for (const auto& [scene, position] :
+       {std::pair(infiniteWall(), glm::vec3(0.36f, 0.01f, 0.02f)), std::pair(terrainSheet(0.4f, Sides::one), glm::vec3(0.0f))}) {
+    const GeneratedFunction plain = buildByEye(scene, position).function;
+    for (int mirror = 1; mirror < kMirrorCount; ++mirror) {
+      glm::vec3 mirrored_position = position;
+      for (int axis = 0; axis < 3; ++axis) mirrored_position[axis] *= (mirror >> axis) & 1 ? -1.0f : 1.0f;
+      const GeneratedFunction mirrored = buildByEye(mirroredScene(scene, mirror), mirrored_position).function;
+      for (int p = 0; p < kSupportPointCount; ++p) {
+        const int image = p ^ (mirror * kOctantPointCount);
+        ASSERT_EQ(mirrored.phi[image], plain.phi[p]) << "mirror " << mirror << ", point " << p;
+        ASSERT_EQ(mirrored.valid[image], plain.valid[p]) << "mirror " << mirror << ", point " << p;
+      }
+    }
+  }
+}
+
 TEST(WeightingBuilder, TellsAProbeThatSeesNoSupportPoint) {
   // a room smaller than the gap between the probe and its nearest support point
   SceneOfFaces faces;

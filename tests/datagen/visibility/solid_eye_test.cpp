@@ -1,0 +1,128 @@
+#include "datagen/visibility/solid_eye.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <set>
+
+#include "tests/datagen/hand_built_scenes.h"
+#include "tests/runtime_eval/each_target.h"
+
+namespace nlg {
+namespace {
+
+const LinkTable& table() {
+  static const LinkTable links = makeLinkTable({});
+  return links;
+}
+
+std::optional<LocalPoint> eyeAt(const Scene& scene, const glm::dvec3& position_m, float spacing_m = 1.0f) {
+  const RayScene rays(scene);
+  SupportVisibility visibility(rays, table());
+  visibility.beginProbe(position_m, spacing_m);
+  return SolidEye().open(&visibility);
+}
+
+// A wall between two rooms, thick, the probe inside it nearer to the one at x < 0.
+Scene wallBetweenRooms() {
+  SceneOfFaces faces;
+  faces.addBox({-0.15f, -50, -50}, {0.35f, 50, 50});
+  return faces.finish();
+}
+
+TEST(SolidEye, HasCandidatesThatAreMirrorImagesOfOneAnother) {
+  const std::set<uint32_t> candidates(eyeCandidates().begin(), eyeCandidates().end());
+  EXPECT_EQ(candidates.size(), static_cast<size_t>(kEyeCandidateCount)) << "one twice";
+  for (const uint32_t point : candidates) {
+    ASSERT_LT(point, static_cast<uint32_t>(kSupportPointCount));
+    for (uint32_t mirror = 1; mirror < kMirrorCount; ++mirror)
+      EXPECT_TRUE(candidates.count(point ^ (mirror * kOctantPointCount))) << "point " << point << ", mirror " << mirror;
+  }
+}
+
+TEST(SolidEye, IsOnTheNearerSideOfAWall) {
+  const auto eye = eyeAt(wallBetweenRooms(), {0, 0.01, 0.02});
+  ASSERT_TRUE(eye);
+  EXPECT_LT((*eye)[0], -0.15f);
+}
+
+TEST(SolidEye, IsAboveAFloor) {
+  for (const float height : {0.05f, 0.3f, 0.6f}) {
+    const auto eye = eyeAt(terrainSheet(height, Sides::one), {0, 0, 0});
+    ASSERT_TRUE(eye) << height;
+    EXPECT_GT((*eye)[1], height);
+  }
+}
+
+TEST(SolidEye, IsInTheLargerOfTwoRoomsEvenFartherAway) {
+  // a cupboard right beside the probe, and a hall twice as far away
+  SceneOfFaces faces;
+  faces.addBox({-0.7f, -0.3f, -0.3f}, {-0.05f, 0.3f, 0.3f}, true);
+  faces.addQuad({0.1f, -50, -50}, {0.1f, 50, -50}, {0.1f, 50, 50}, {0.1f, -50, 50});
+  const auto eye = eyeAt(faces.finish(), {0, 0, 0});
+  ASSERT_TRUE(eye);
+  EXPECT_GT((*eye)[0], 0.1f);
+}
+
+TEST(SolidEye, IsNowhereDeepInSolidAndInASupportWithoutTriangles) {
+  SceneOfFaces faces;
+  faces.addBox({-5, -5, -5}, {5, 5, 5});
+  EXPECT_FALSE(eyeAt(faces.finish(), {0, 0, 0})) << "no triangle";
+  EXPECT_FALSE(eyeAt(faces.finish(), {4.02, 0, 0})) << "a face in the support, beyond all candidates";
+  EXPECT_TRUE(eyeAt(faces.finish(), {4.4, 0, 0}));
+}
+
+TEST(SolidEye, SeesAtLeastAsMuchAsTheCandidateThatSeesMostOthers) {
+  for (const Scene& scene : {wallBetweenRooms(), halfWall(), wallWithHole()}) {
+    const RayScene rays(scene);
+    SupportVisibility visibility(rays, table());
+    for (const glm::dvec3& position : {glm::dvec3(0.02, 0.03, 0.01), glm::dvec3(0.4, -0.3, 0.2), glm::dvec3(0.4, -0.6, -0.35)}) {
+      visibility.beginProbe(position, 1.0f);
+      const auto isAir = [&](uint32_t point) {
+        const LocalPoint& at = table().points[point];
+        return !visibility.voteAt(position + glm::dvec3(at[0], at[1], at[2])).solid();
+      };
+      const auto seenTents = [&](const LocalPoint& from, const auto& points) {
+        double sum = 0.0;
+        for (const uint32_t point : points) {
+          const LocalPoint& to = table().points[point];
+          if (visibility.isOpen(from, to)) sum += double{tent(to)};
+        }
+        return sum;
+      };
+      std::vector<uint32_t> air;
+      std::copy_if(eyeCandidates().begin(), eyeCandidates().end(), std::back_inserter(air), isAir);
+      const auto best = std::max_element(air.begin(), air.end(), [&](uint32_t a, uint32_t b) {
+        return seenTents(table().points[a], air) < seenTents(table().points[b], air);
+      });
+      std::vector<uint32_t> all(kSupportPointCount);
+      std::iota(all.begin(), all.end(), 0u);
+      const double most = best == air.end() ? 0.0 : seenTents(table().points[*best], all);
+      forEachTarget([&] {
+        const auto eye = SolidEye().open(&visibility);
+        ASSERT_EQ(eye.has_value(), !air.empty());
+        if (!eye) return;
+        EXPECT_EQ(visibility.eye(), *eye);
+        // tents are rounded to 2^-32 each
+        EXPECT_GE(seenTents(*eye, all), most - kSupportPointCount * 0x1p-32);
+      });
+    }
+  }
+}
+
+TEST(SolidEye, DoesNotDependOnWhatWasAskedBefore) {
+  const RayScene rays(wallWithHole());
+  SupportVisibility visibility(rays, table());
+  SolidEye used;
+  visibility.beginProbe({0.1, 0.9, 0.2}, 1.7f);
+  used.open(&visibility);
+  visibility.beginProbe({0.4, -0.5, 0.1}, 1.0f);
+  const auto eye = used.open(&visibility);
+  EXPECT_TRUE(eye);
+  EXPECT_EQ(eye, SolidEye().open(&visibility));
+}
+
+}  // namespace
+}  // namespace nlg
