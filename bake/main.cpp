@@ -115,7 +115,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
 
   std::string bytes;
   const WeightsResult result =
-      serializeLightGrid(bake.grid, options.policy.theta_precision, metadata(scene, weights, table), &bytes);
+      serializeLightGrid(bake.grid, {options.policy.theta_precision}, metadata(scene, weights, table), &bytes);
   if (!result.ok()) throw NumericalError("bake", "light grid", result.detail, 0.0);
   writeFileAtomically(request.out, bytes);
 
@@ -132,7 +132,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   report.statistics.load_wall_s = load_s;
   report.policy = options.policy;
   report.file_bytes = bytes.size();
-  report.theta_bytes = lightGridBytes(bake.grid, options.policy.theta_precision).theta;
+  report.theta_bytes = lightGridBytes(bake.grid, {options.policy.theta_precision}).theta;
   report.peak_memory_bytes = peakMemoryBytes();
   if (request.savings_rounds > 0) {
     measureSavings({scene, generators, options, temporaryFolder()}, report.statistics, request.savings_rounds, &report.savings);

@@ -50,21 +50,26 @@ WeightsResult checkFunctions(const LightGrid& grid) {
   return {};
 }
 
-// phiOf   the function of a corner, in [0, tent] or not a number, by the corner and by what probe_function holds for it
-template <class PhiOf>
-bool gatherWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights, const PhiOf& phiOf) {
-  ProbesAround around;
-  if (!grid.tree.lookUp(position_m, &around)) return false;
-  weights->count = 0;
-  for (const ProbeAround& corner : around.corners) {
-    const uint32_t function = grid.probe_function[corner.probe];
-    if (function == kNoWeight) continue;
-    const float weight = phiOf(corner, function) * corner.tent_ratio;
-    if (!(weight >= kLeastWeight)) continue;  // NaN too
-    weights->probe[weights->count] = corner.probe;
-    weights->weight[weights->count++] = weight;
+WeightsResult checkValues(const char* name, const std::vector<float>& values, float most) {
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (std::abs(values[i]) <= most) continue;
+    const bool finite = std::isfinite(values[i]);
+    return refuse(finite ? WeightsStatus::value_out_of_range : WeightsStatus::value_not_finite,
+                  std::string(name) + ": value " + std::to_string(i));
   }
-  return true;
+  return {};
+}
+
+// A corner's function clamped to its tent; 0 where theta gives no number.
+float boundedPhi(const LightGrid& grid, const ProbeAround& corner, uint32_t function, const Representation& representation) {
+  const float phi = evaluatePoint(representation, corner.local, grid.functionTheta(function));
+  return phi > 0.0f ? std::min(phi, tent(corner.local)) : 0.0f;
+}
+
+void addWeight(uint32_t probe, float weight, ProbeWeights* weights) {
+  if (!(weight >= kLeastWeight)) return;
+  weights->probe[weights->count] = probe;
+  weights->weight[weights->count++] = weight;
 }
 
 }  // namespace
@@ -89,25 +94,53 @@ WeightsResult checkLightGrid(const LightGrid& grid) {
     return refuse(WeightsStatus::value_out_of_range, "probe " + std::to_string(probe) + ": function " + std::to_string(function) +
                                                          " of " + std::to_string(grid.functionCount()));
   }
-  for (size_t i = 0; i < grid.theta.size(); ++i) {
-    if (std::abs(grid.theta[i]) <= kMaxGridTheta) continue;
-    const bool finite = std::isfinite(grid.theta[i]);
-    return refuse(finite ? WeightsStatus::value_out_of_range : WeightsStatus::value_not_finite,
-                  "theta: value " + std::to_string(i));
+  if (!grid.light.empty() && grid.light.size() != probes * kShFloats)
+    return refuse(WeightsStatus::tensor_unexpected, sized("light", grid.light.size(), "27 a probe", probes * kShFloats));
+  result = checkValues("theta", grid.theta, kMaxGridTheta);
+  return result.ok() ? checkLight(grid.light) : result;
+}
+
+WeightsResult checkLight(const std::vector<float>& light) { return checkValues("light", light, kMaxGridLight); }
+
+void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {
+  float weight[8] = {}, residue[8] = {}, largest = 0.0f;
+  for (size_t c = 0; c < 8; ++c) {
+    const ProbeAround& corner = around.corners[c];
+    const uint32_t function = grid.probe_function[corner.probe];
+    if (function == kNoWeight) continue;
+    if (function == kFreeSpace) {
+      weight[c] = tent(corner.local) * corner.tent_ratio;
+    } else {
+      const Representation& representation = grid.representations[grid.function_representation[function]];
+      weight[c] = boundedPhi(grid, corner, function, representation) * corner.tent_ratio;
+      residue[c] = representation.residue() * corner.tent_ratio;
+    }
+    largest = std::max(largest, weight[c]);
   }
-  return {};
+  weights->count = 0;
+  for (size_t c = 0; c < 8; ++c) addWeight(around.corners[c].probe, weight[c] - std::min(residue[c], 0.5f * largest), weights);
+}
+
+void tentsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {
+  weights->count = 0;
+  for (const ProbeAround& corner : around.corners) {
+    if (grid.probe_function[corner.probe] == kNoWeight) continue;
+    addWeight(corner.probe, tent(corner.local) * corner.tent_ratio, weights);
+  }
 }
 
 bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights) {
-  return gatherWeights(grid, position_m, weights, [&](const ProbeAround& corner, uint32_t function) {
-    if (function == kFreeSpace) return tent(corner.local);
-    const Representation& representation = grid.representations[grid.function_representation[function]];
-    return std::clamp(evaluatePoint(representation, corner.local, grid.functionTheta(function)), 0.0f, tent(corner.local));
-  });
+  ProbesAround around;
+  if (!grid.tree.lookUp(position_m, &around)) return false;
+  weightsAround(grid, around, weights);
+  return true;
 }
 
 bool lookUpTents(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights) {
-  return gatherWeights(grid, position_m, weights, [](const ProbeAround& corner, uint32_t) { return tent(corner.local); });
+  ProbesAround around;
+  if (!grid.tree.lookUp(position_m, &around)) return false;
+  tentsAround(grid, around, weights);
+  return true;
 }
 
 bool normaliseWeights(ProbeWeights* weights) {

@@ -1,8 +1,8 @@
-// The light grid that a bake leaves behind, without light: where probes stand, and a weighting function for each of them.
+// The light grid that a bake leaves behind: where probes stand, a weighting function for each of them, and the light at each.
 //
 // Lighting at a position is the normalised sum over the probes around it, each with the weight that the look-up gives. Many
-// probes share a function; free space has none at all. Only a compiler is needed to look up; light_grid_file.h reads and writes
-// grids.
+// probes share a function; free space has none at all. Only a compiler is needed to look up: irradiance.h gives the blended light;
+// light_grid_file.h reads and writes grids.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,7 @@
 
 #include "runtime_eval/evaluator/representation.h"
 #include "runtime_eval/light_grid/probe_tree.h"
+#include "runtime_eval/light_grid/spherical_harmonics.h"
 #include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
@@ -23,7 +24,8 @@ inline constexpr size_t kMaxGridFunctions = kNoWeight;
 inline constexpr size_t kMaxGridRepresentations = 256;
 // A weight below counts as none: what it would add is not seen, and one over a sum of such could overflow.
 inline constexpr float kLeastWeight = 1e-6f;
-inline constexpr float kMaxGridTheta = 1e9f;  // of |theta|: no look-up overflows below it
+inline constexpr float kMaxGridTheta = 1e9f;     // of |theta|: no look-up overflows below it
+inline constexpr float kMaxGridLight = 0x1p30f;  // of |light|, likewise
 
 struct LightGrid {
   ProbeTree tree;
@@ -34,6 +36,8 @@ struct LightGrid {
   std::vector<float> theta;                      // D floats a function, one after another
   std::vector<float> light;  // by probe: kShFloats each, radiance (spherical_harmonics.h); empty: the grid holds no light
 
+  // kShFloats floats. probe   < probeCount(); of grids with light
+  const float* probeLight(size_t probe) const { return &light[probe * kShFloats]; }
   size_t functionCount() const { return function_representation.size(); }
   // D floats. function   < functionCount()
   const float* functionTheta(size_t function) const { return &theta[theta_begin[function]]; }
@@ -43,10 +47,13 @@ struct LightGrid {
   uint32_t addFunction(uint8_t representation, const float* theta_D);
 };
 
-// Whether all parts belong together: sizes, indices, known representations with slopes in (0, 1), |theta| <= kMaxGridTheta.
+// Whether all parts belong together: sizes, indices, known representations with slopes in (0, 1), |theta| <= kMaxGridTheta,
+// |light| <= kMaxGridLight.
 // The look-up is for grids that pass; what light_grid_file.h read has passed.
 // returns   ok; or tensor_unexpected (a size), value_out_of_range, value_not_finite, and in one line what is wrong
 WeightsResult checkLightGrid(const LightGrid& grid);
+// Of some light alone: |light| <= kMaxGridLight.
+WeightsResult checkLight(const std::vector<float>& light);
 
 // The probes that count at a position, in the order of ProbesAround's corners.
 struct ProbeWeights {
@@ -55,10 +62,12 @@ struct ProbeWeights {
   int count = 0;         // 0 … 8
 };
 
-// The weights of the 8 probes around a position: phi(local), clamped to [0, tent(local)], times tent_ratio (docs/theory/probes.md).
-// The tent as upper bound has every function, of any representation, fade to 0 at the border of its support. Left out are probes
-// whose weight is below kLeastWeight, and those that have none anywhere (kNoWeight). Takes no memory, cannot fail; any number of
-// threads may look up in one grid.
+// The weights of the 8 probes around a position: phi(local), clamped to [0, tent(local)], times tent_ratio, less the residue of the
+// fit (docs/theory/probes.md). The tent as upper bound has every function, of any representation, fade to 0 at the border of its
+// support. Of fitted functions Representation::residue() times tent_ratio is taken off, but never more than half of the largest
+// weight here, so that no place loses all its light by it, and all stays continuous; bare tents are exact and keep theirs. Left
+// out are probes whose weight is below kLeastWeight, and those that have none anywhere (kNoWeight). Takes no memory, cannot fail;
+// any number of threads may look up in one grid.
 //
 // returns   false, *weights unchanged, where ProbeTree::lookUp is: outside. True with a count of 0 where no probe has weight: in
 //           solid, and at few places in air (lookUpTents is for those)
@@ -69,6 +78,10 @@ bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeig
 //
 // returns   as lookUpWeights; the count is 0 where all probes around are without weight, or the position stands at one of those
 bool lookUpTents(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights);
+
+// The same of probes that ProbeTree has found already.
+void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights);
+void tentsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights);
 
 // Divides the weights by their sum: the shares that a blend of the probes takes.
 // returns   false, *weights unchanged, when the count is 0

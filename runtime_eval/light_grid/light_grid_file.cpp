@@ -12,7 +12,8 @@ namespace nlg {
 namespace {
 
 constexpr const char* kKind = "nlg-light-grid";
-constexpr const char* kVersion = "1";
+constexpr const char* kVersion = "2";
+constexpr const char* kOldVersion = "1";  // without light
 constexpr std::string_view kRepresentationPrefix = "representation.", kSlopePrefix = "slope.";
 
 WeightsResult refuse(WeightsStatus status, std::string detail) { return {status, std::move(detail)}; }
@@ -33,20 +34,21 @@ std::string slopeText(float slope) {
 }
 
 bool isOwnKey(std::string_view key) {
-  for (const std::string_view own : {"kind", "version", "pattern_hash", "representation_count"})
+  for (const std::string_view own : {"kind", "version", "pattern_hash", "light", "representation_count"})
     if (key == own) return true;
   return key.substr(0, kRepresentationPrefix.size()) == kRepresentationPrefix ||
          key.substr(0, kSlopePrefix.size()) == kSlopePrefix;
 }
 
 // The file's own keys beside the caller's.
-WeightsResult addOwnMetadata(const LightGrid& grid, GridMetadata* metadata) {
+WeightsResult addOwnMetadata(const LightGrid& grid, LightForm light, GridMetadata* metadata) {
   for (const auto& [key, text] : *metadata) {
     if (isOwnKey(key)) return refuse(WeightsStatus::value_out_of_range, "metadata " + key + ": a key of the file's own");
   }
   (*metadata)["kind"] = kKind;
   (*metadata)["version"] = kVersion;
   (*metadata)["pattern_hash"] = patternHash();
+  (*metadata)["light"] = lightFormName(light);
   (*metadata)["representation_count"] = std::to_string(grid.representations.size());
   for (size_t i = 0; i < grid.representations.size(); ++i) {
     const Representation& representation = grid.representations[i];
@@ -67,6 +69,29 @@ WeightsResult halvesOf(const LightGrid& grid, std::vector<Half>* halves) {
                                                          std::to_string(grid.theta[i]) + "; float16 holds up to 65504");
   }
   return {};
+}
+
+// Of probes whose light some look-up reads: those with weight, in their order.
+size_t countWithWeight(const LightGrid& grid) {
+  return grid.probe_function.size() -
+         static_cast<size_t>(std::count(grid.probe_function.begin(), grid.probe_function.end(), kNoWeight));
+}
+
+LightForm formOf(const LightGrid& grid, const GridPrecision& precision) {
+  return grid.light.empty() ? LightForm::none : precision.light;
+}
+
+WeightsResult packedLight(const LightGrid& grid, LightForm form, PackedLight* packed) {
+  std::vector<float> light;
+  for (size_t probe = 0; probe < grid.probe_function.size() && form != LightForm::none; ++probe) {
+    if (grid.probe_function[probe] != kNoWeight)
+      light.insert(light.end(), grid.probeLight(probe), grid.probeLight(probe) + kShFloats);
+  }
+  WeightsResult result = packLight(form, light, packed);
+  // a form may make more of the largest numbers than a reader takes
+  if (result.ok()) result = unpackLight(form, *packed, light.size() / kShFloats, &light);
+  if (result.ok()) result = checkLight(light);
+  return result;
 }
 
 void takeFirst(WeightsResult* result, WeightsResult next) {
@@ -128,14 +153,15 @@ WeightsResult refuseText(WeightsStatus status, const std::string& key, const std
                 "metadata " + key + ": expected " + expected + ", got " + jsonQuoted(std::string_view(got).substr(0, 40)));
 }
 
-WeightsResult takeIdentity(GridMetadata* metadata) {
-  std::string kind, version, pattern;
+WeightsResult takeIdentity(GridMetadata* metadata, std::string* version) {
+  std::string kind, pattern;
   WeightsResult result = takeText(metadata, "kind", &kind);
-  takeFirst(&result, takeText(metadata, "version", &version));
+  takeFirst(&result, takeText(metadata, "version", version));
   takeFirst(&result, takeText(metadata, "pattern_hash", &pattern));
   if (!result.ok()) return result;
   if (kind != kKind) return refuseText(WeightsStatus::value_out_of_range, "kind", kKind, kind);
-  if (version != kVersion) return refuseText(WeightsStatus::version_unknown, "version", kVersion, version);
+  if (*version != kVersion && *version != kOldVersion)
+    return refuseText(WeightsStatus::version_unknown, "version", std::string(kOldVersion) + " or " + kVersion, *version);
   if (pattern != patternHash()) return refuseText(WeightsStatus::pattern_unknown, "pattern_hash", patternHash(), pattern);
   return {};
 }
@@ -183,9 +209,39 @@ WeightsResult readFunctions(const TensorFileReader& reader, LightGrid* grid) {
   return {};
 }
 
+WeightsResult takeLightForm(GridMetadata* metadata, LightForm* form) {
+  std::string text;
+  const WeightsResult result = takeText(metadata, "light", &text);
+  if (!result.ok() || findLightForm(text, form)) return result;
+  return refuseText(WeightsStatus::value_out_of_range, "light", "none, sh2_float16, sh2_8bit, zh3_float16 or sh1_float16", text);
+}
+
+// After the functions of probes, which say whose light there is.
+WeightsResult readLight(const TensorFileReader& reader, LightForm form, LightGrid* grid) {
+  if (form == LightForm::none) return {};
+  PackedLight packed;
+  std::vector<float> light;
+  WeightsResult result = readNumbers<1>(reader, "light.scale", &packed.scale);
+  takeFirst(&result, reader.read("light.halves", &packed.halves));
+  if (form == LightForm::sh2_8bit) takeFirst(&result, reader.read("light.steps", &packed.steps));
+  if (result.ok()) result = unpackLight(form, packed, countWithWeight(*grid), &light);
+  if (!result.ok()) return result;
+  grid->light.resize(grid->probe_function.size() * kShFloats);
+  auto next = light.begin();
+  for (size_t probe = 0; probe < grid->probe_function.size(); ++probe) {
+    if (grid->probe_function[probe] == kNoWeight) continue;
+    std::copy_n(next, kShFloats, grid->light.begin() + static_cast<ptrdiff_t>(probe * kShFloats));
+    next += kShFloats;
+  }
+  return {};
+}
+
 WeightsResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
   *metadata = reader.metadata();
-  WeightsResult result = takeIdentity(metadata);
+  std::string version;
+  LightForm form = LightForm::none;
+  WeightsResult result = takeIdentity(metadata, &version);
+  if (result.ok() && version != kOldVersion) result = takeLightForm(metadata, &form);
   if (result.ok()) result = takeRepresentations(metadata, &grid->representations);
   if (!result.ok()) return result;
   for (const auto& [key, text] : *metadata) {
@@ -193,6 +249,7 @@ WeightsResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMeta
   }
   result = readTree(reader, &grid->tree);
   if (result.ok()) result = readFunctions(reader, grid);
+  if (result.ok()) result = readLight(reader, form, grid);
   return result.ok() ? checkLightGrid(*grid) : result;
 }
 
@@ -212,14 +269,18 @@ WeightsResult finish(WeightsResult result, const TensorFileReader& reader, Light
 
 }  // namespace
 
-WeightsResult serializeLightGrid(const LightGrid& grid, ThetaPrecision precision, const GridMetadata& metadata,
+WeightsResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precision, const GridMetadata& metadata,
                                  std::string* bytes) {
   bytes->clear();
   WeightsResult result = checkLightGrid(grid);
   GridMetadata texts = metadata;
-  takeFirst(&result, addOwnMetadata(grid, &texts));
+  const LightForm form = formOf(grid, precision);
+  takeFirst(&result, addOwnMetadata(grid, form, &texts));
+  PackedLight light;
+  if (result.ok()) result = packedLight(grid, form, &light);
+  const std::vector<float> light_scale{light.scale};
   std::vector<Half> halves;
-  if (precision == ThetaPrecision::float16) takeFirst(&result, halvesOf(grid, &halves));
+  if (precision.theta == ThetaPrecision::float16) takeFirst(&result, halvesOf(grid, &halves));
   if (!result.ok()) return result;
 
   const ProbeTreeData tree = probeTreeData(grid.tree);
@@ -240,11 +301,16 @@ WeightsResult serializeLightGrid(const LightGrid& grid, ThetaPrecision precision
   writer.add("probe.log2", tree.probe_log2);
   writer.add("probe.function", grid.probe_function);
   writer.add("function.representation", grid.function_representation);
-  if (precision == ThetaPrecision::float16) {
+  if (precision.theta == ThetaPrecision::float16) {
     writer.add("theta", halves);
   } else {
     writer.add("theta", grid.theta);
   }
+  if (form != LightForm::none) {
+    writer.add("light.scale", light_scale);
+    writer.add("light.halves", light.halves);
+  }
+  if (form == LightForm::sh2_8bit) writer.add("light.steps", light.steps);
   return writer.serialize(texts, bytes);
 }
 
@@ -262,8 +328,10 @@ WeightsResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetada
   return finish(opened, reader, grid, metadata);
 }
 
-LightGridBytes lightGridBytes(const LightGrid& grid, ThetaPrecision precision) {
-  return {.theta = grid.theta.size() * (precision == ThetaPrecision::float16 ? sizeof(Half) : sizeof(float)),
+LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precision) {
+  const LightForm form = formOf(grid, precision);
+  return {.light = form == LightForm::none ? 0 : sizeof(float) + countWithWeight(grid) * lightFormBytes(form),
+          .theta = grid.theta.size() * (precision.theta == ThetaPrecision::float16 ? sizeof(Half) : sizeof(float)),
           .functions = grid.function_representation.size() * sizeof(uint8_t),
           .probe_function = grid.probe_function.size() * sizeof(uint32_t),
           .tree = probeTreeData(grid.tree).byteCount()};

@@ -8,23 +8,32 @@
 #include <string>
 #include <string_view>
 
+#include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/light_grid.h"
 #include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
 
 // Texts for people, by key: scene, options, revision, hash of the weights. Any UTF-8, but for the keys that the file itself uses:
-// kind, version, pattern_hash, representation_count, representation.N, slope.N.
+// kind, version, pattern_hash, light, representation_count, representation.N, slope.N.
 using GridMetadata = std::map<std::string, std::string>;
 
+// What numbers become in a file.
+struct GridPrecision {
+  ThetaPrecision theta = ThetaPrecision::float16;
+  LightForm light = LightForm::sh2_8bit;  // none leaves light out; of a grid without light nothing is written, whatever the form
+};
+
 // The bytes of a file; the same grid, precision and texts give the same bytes.
-// float16 rounds every number of theta to the nearest half, ties to even: the error that this adds is the caller's to measure.
+// float16 rounds every number of theta to the nearest half, ties to even, and light_form.h says what a form makes of light: the
+// errors that this adds are the caller's to measure. Light of probes that have no weight anywhere (kNoWeight) is not written: no
+// look-up reads it, and a reader finds 0 there.
 //
 // grid      one that checkLightGrid accepts; others are refused with its result
-// returns   ok; also refused: with float16 a |theta| > 65504 (value_out_of_range, names function and value), a key of the file's
-//           own (value_out_of_range), texts that are no UTF-8 (header_malformed) or too long (header_too_large).
+// returns   ok; also refused: with float16 a |theta| > 65504 (value_out_of_range, names function and value), light
+//           that packLight refuses or a form takes beyond kMaxGridLight (value_out_of_range), a key of the file's own (value_out_of_range), texts that are no UTF-8 (header_malformed) or too long (header_too_large).
 //           *bytes is empty then.
-WeightsResult serializeLightGrid(const LightGrid& grid, ThetaPrecision precision, const GridMetadata& metadata,
+WeightsResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precision, const GridMetadata& metadata,
                                  std::string* bytes);
 
 // Reads a file, or bytes in memory. Every byte is checked: what is accepted passes checkLightGrid, and its tree is one that
@@ -36,12 +45,13 @@ WeightsResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetada
 
 // Where a file's bytes go, without header and fillers.
 struct LightGridBytes {
+  size_t light = 0;
   size_t theta = 0;
   size_t functions = 0;       // which representation each has
   size_t probe_function = 0;  // which function each probe has
   size_t tree = 0;            // where probes stand
-  size_t total() const { return theta + functions + probe_function + tree; }
+  size_t total() const { return light + theta + functions + probe_function + tree; }
 };
-LightGridBytes lightGridBytes(const LightGrid& grid, ThetaPrecision precision);
+LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precision);
 
 }  // namespace nlg

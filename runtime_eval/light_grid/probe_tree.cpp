@@ -1,6 +1,8 @@
 #include "runtime_eval/light_grid/probe_tree.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "runtime_eval/light_grid/morton.h"
 
@@ -31,6 +33,44 @@ bool ProbeTree::lookUp(const PositionM& position_m, ProbesAround* around) const 
     if (!(units[axis] >= 0.0 && units[axis] < kRootSide * frame_.root_count[axis])) return false;
     unit[axis] = static_cast<int32_t>(units[axis]);
   }
+  return lookUpUnit(unit, units, around);
+}
+
+bool ProbeTree::lookUpNear(const PositionM& position_m, ProbesAround* around) const {
+  if (lookUp(position_m, around)) return true;
+  PositionM units;
+  LatticePoint unit;
+  for (int axis = 0; axis < 3; ++axis) {
+    units[axis] = (position_m[axis] - frame_.first_m[axis]) / frame_.spacing_m;
+    if (!(units[axis] > -1.0 && units[axis] < kRootSide * frame_.root_count[axis] + 1.0)) return false;
+    unit[axis] = static_cast<int32_t>(std::floor(units[axis]));
+  }
+  // a used cell holds whole units: the nearest of the 26 around is as near as the nearest cell
+  double least_distance = HUGE_VAL;
+  for (int step = 0; step < 27; ++step) {
+    const LatticePoint near{unit[0] + step % 3 - 1, unit[1] + step / 3 % 3 - 1, unit[2] + step / 9 - 1};
+    if (!isOnLattice(near)) continue;
+    PositionM nearest;
+    double distance = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      nearest[axis] = std::clamp(units[axis], near[axis] + 0.0, near[axis] + 1.0);
+      distance += (units[axis] - nearest[axis]) * (units[axis] - nearest[axis]);
+    }
+    if (distance < least_distance && lookUpUnit(near, nearest, around)) least_distance = distance;
+  }
+  return least_distance < HUGE_VAL;
+}
+
+bool ProbeTree::isOnLattice(const LatticePoint& unit) const {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (unit[axis] < 0 || unit[axis] >= kRootSide * frame_.root_count[axis]) return false;
+  }
+  return true;
+}
+
+// unit    on the lattice: which cell is read
+// units   the position, in the closed cube [unit, unit + 1]
+bool ProbeTree::lookUpUnit(const LatticePoint& unit, const PositionM& units, ProbesAround* around) const {
   const auto root = [&](int axis) { return static_cast<uint32_t>(unit[axis] / kRootSide); };
   const auto roots = [&](int axis) { return static_cast<uint32_t>(frame_.root_count[axis]); };
   const Node* node = &nodes_[(root(2) * roots(1) + root(1)) * roots(0) + root(0)];

@@ -111,6 +111,10 @@ class ProbeTree {
   // upper one.
   bool lookUp(const PositionM& position_m, ProbesAround* around) const;
 
+  // The same, and for a position in no cell that of the nearest point of a used cell, if one lies within less than one unit along
+  // every axis. False, and *around unchanged, when there is none, or when the position is not finite.
+  bool lookUpNear(const PositionM& position_m, ProbesAround* around) const;
+
   // Nodes parents first, and cells in use, in a fixed order.
   void forEachNode(const std::function<void(const ProbeNode&)>& visit) const;
   void forEachCell(const std::function<void(const ProbeCell&)>& visit) const;
@@ -130,6 +134,9 @@ class ProbeTree {
     uint8_t cell_log2 = 0;     // side of a cell
     uint8_t cell_count = 1;    // cells along an edge: 1, 2, 4; 0: not needed at all
   };
+
+  bool isOnLattice(const LatticePoint& unit) const;
+  bool lookUpUnit(const LatticePoint& unit, const PositionM& units, ProbesAround* around) const;
 
   using NodeVisit = std::function<void(const ProbeNode&, uint32_t node_idx)>;
   void visitAllNodes(const NodeVisit& visit) const;

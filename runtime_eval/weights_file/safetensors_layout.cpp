@@ -115,8 +115,8 @@ ByteSource byteSource(std::string_view bytes) {
 bool isPadding(std::string_view name) { return name.substr(0, kPaddingPrefix.size()) == kPaddingPrefix; }
 
 uint64_t dtypeBytes(std::string_view dtype) {
-  constexpr std::pair<std::string_view, uint64_t> kTypes[] = {{"U8", 1},  {"U32", 4}, {"U64", 8}, {"I32", 4},
-                                                              {"F16", 2}, {"F32", 4}, {"F64", 8}};
+  constexpr std::pair<std::string_view, uint64_t> kTypes[] = {{"U8", 1},  {"U16", 2}, {"U32", 4}, {"U64", 8}, {"I8", 1},
+                                                              {"I32", 4}, {"F16", 2}, {"F32", 4}, {"F64", 8}};
   for (const auto& [name, bytes] : kTypes) {
     if (name == dtype) return bytes;
   }

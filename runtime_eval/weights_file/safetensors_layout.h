@@ -32,7 +32,7 @@ ByteSource byteSource(std::string_view bytes);
 // A tensor that only fills the space before the next one.
 bool isPadding(std::string_view name);
 
-// Bytes of one element: U8, U32, U64, I32, F16, F32, F64; 0 for any other dtype.
+// Bytes of one element: U8, U16, U32, U64, I8, I32, F16, F32, F64; 0 for any other dtype.
 uint64_t dtypeBytes(std::string_view dtype);
 
 // Reads the header and checks it against the source: every tensor's dtype, its shape against its bytes, its alignment; and that

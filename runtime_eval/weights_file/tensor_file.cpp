@@ -6,7 +6,7 @@ namespace nlg {
 namespace {
 
 std::string dtypeFault(const std::string&, const std::string& dtype) {
-  return dtypeBytes(dtype) > 0 ? "" : "dtype is none of U8, U32, U64, I32, F16, F32, F64";
+  return dtypeBytes(dtype) > 0 ? "" : "dtype is none of U8, U16, U32, U64, I8, I32, F16, F32, F64";
 }
 
 }  // namespace

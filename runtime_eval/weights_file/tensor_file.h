@@ -24,12 +24,14 @@ struct ByteSource;
 
 inline constexpr uint64_t kMaxTensorFileBytes = uint64_t{1} << 34;
 
-// The dtype of a type in memory: "U8", "U32", "U64", "I32", "F16", "F32" or "F64".
+// The dtype of a type in memory: "U8", "U16", "U32", "U64", "I8", "I32", "F16", "F32" or "F64".
 template <class T>
 constexpr const char* tensorDtype() {
   if constexpr (std::is_same_v<T, uint8_t>) return "U8";
+  if constexpr (std::is_same_v<T, uint16_t>) return "U16";
   if constexpr (std::is_same_v<T, uint32_t>) return "U32";
   if constexpr (std::is_same_v<T, uint64_t>) return "U64";
+  if constexpr (std::is_same_v<T, int8_t>) return "I8";
   if constexpr (std::is_same_v<T, int32_t>) return "I32";
   if constexpr (std::is_same_v<T, Half>) return "F16";
   if constexpr (std::is_same_v<T, float>) return "F32";

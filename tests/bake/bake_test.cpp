@@ -126,7 +126,7 @@ class SceneBakeTest : public testing::Test {
 
 std::string fileBytes(const LightGrid& grid, ThetaPrecision precision) {
   std::string bytes;
-  const WeightsResult result = serializeLightGrid(grid, precision, {}, &bytes);
+  const WeightsResult result = serializeLightGrid(grid, {precision}, {}, &bytes);
   EXPECT_TRUE(result.ok()) << result.detail;
   return bytes;
 }

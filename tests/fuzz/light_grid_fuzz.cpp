@@ -45,7 +45,7 @@ void readOne(std::string_view bytes) {
   FUZZ_CHECK(result.ok(), result.detail);
   lookUpEverywhere(grid);
   std::string again;
-  result = serializeLightGrid(grid, ThetaPrecision::float32, metadata, &again);
+  result = serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::sh2_float16}, metadata, &again);
   FUZZ_CHECK(result.ok(), result.detail);
 }
 

@@ -33,7 +33,7 @@ bool writeSeeds(const std::string& folder) {
   for (const int32_t finest : {32, 8, 2}) {
     for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::float16}) {
       std::string bytes;
-      written = written && serializeLightGrid(smallGrid(finest), precision, {{"scene", "house"}}, &bytes).ok();
+      written = written && serializeLightGrid(smallGrid(finest), {precision}, {{"scene", "house"}}, &bytes).ok();
       const char* name = precision == ThetaPrecision::float16 ? "/half_" : "/float_";
       std::ofstream stream(folder + name + std::to_string(finest), std::ios::binary);
       stream << bytes;

@@ -15,11 +15,21 @@
 namespace nlg {
 namespace {
 
-constexpr ThetaPrecision kBothPrecisions[] = {ThetaPrecision::float32, ThetaPrecision::float16};
+constexpr GridPrecision kPrecisions[] = {{ThetaPrecision::float32, LightForm::sh2_float16},
+                                         {ThetaPrecision::float16, LightForm::none},
+                                         {ThetaPrecision::float16, LightForm::sh2_8bit},
+                                         {ThetaPrecision::float16, LightForm::zh3_float16},
+                                         {ThetaPrecision::float16, LightForm::sh1_float16}};
+
+LightGrid litGrid(ProbeTree tree, uint64_t seed) {
+  LightGrid grid = randomGrid(std::move(tree), seed);
+  grid.light = randomLight(grid.tree.probeCount(), seed);
+  return grid;
+}
 
 const GridMetadata kMetadata = {{"scene", "house_3"}, {"options", R"({"tau": 0.02, "note": "é"})"}, {"weights_sha256", "00ff"}};
 
-std::string bytesOf(const LightGrid& grid, ThetaPrecision precision = ThetaPrecision::float32,
+std::string bytesOf(const LightGrid& grid, const GridPrecision& precision = {ThetaPrecision::float32},
                     const GridMetadata& metadata = kMetadata) {
   std::string bytes;
   const WeightsResult result = serializeLightGrid(grid, precision, metadata, &bytes);
@@ -36,7 +46,7 @@ WeightsResult parse(std::string_view bytes, LightGrid* grid) {
   EXPECT_EQ(result.ok(), result.detail.empty()) << result.detail;
   EXPECT_EQ(result.detail.find('\n'), std::string::npos) << result.detail;
   if (!result.ok()) {
-    EXPECT_TRUE(grid->theta.empty() && grid->probe_function.empty() && metadata.empty()) << result.detail;
+    EXPECT_TRUE(grid->theta.empty() && grid->probe_function.empty() && grid->light.empty() && metadata.empty()) << result.detail;
     EXPECT_EQ(grid->tree.probeCount() + grid->tree.nodeCount(), 0u) << result.detail;
   }
   return result;
@@ -48,6 +58,7 @@ void expectSameGrid(const LightGrid& a, const LightGrid& b) {
   EXPECT_EQ(a.function_representation, b.function_representation);
   EXPECT_EQ(a.theta_begin, b.theta_begin);
   EXPECT_EQ(a.theta, b.theta);
+  EXPECT_EQ(a.light, b.light);
   ASSERT_EQ(a.representations.size(), b.representations.size());
   for (size_t i = 0; i < a.representations.size(); ++i) {
     EXPECT_STREQ(representationName(a.representations[i]), representationName(b.representations[i]));
@@ -111,7 +122,7 @@ TEST(LightGridFile, ReadsBackWhatWasWritten) {
 TEST(LightGridFile, ReadsBackAnEmptyGrid) {
   LightGrid read;
   GridMetadata metadata;
-  const WeightsResult result = parseLightGrid(bytesOf(LightGrid{}, ThetaPrecision::float16, {}), &read, &metadata);
+  const WeightsResult result = parseLightGrid(bytesOf(LightGrid{}, {ThetaPrecision::float16}, {}), &read, &metadata);
   ASSERT_TRUE(result.ok()) << result.detail;
   expectSameGrid(read, {});
   EXPECT_TRUE(metadata.empty());
@@ -120,7 +131,7 @@ TEST(LightGridFile, ReadsBackAnEmptyGrid) {
 TEST(LightGridFile, RoundsThetaToTheNearestHalf) {
   LightGrid grid = randomGrid(smallTree(), 2), read;
   GridMetadata metadata;
-  ASSERT_TRUE(parseLightGrid(bytesOf(grid, ThetaPrecision::float16), &read, &metadata).ok());
+  ASSERT_TRUE(parseLightGrid(bytesOf(grid, {ThetaPrecision::float16}), &read, &metadata).ok());
   for (float& value : grid.theta) {
     Half half;
     ASSERT_TRUE(halfFromFloat(value, &half));
@@ -129,45 +140,92 @@ TEST(LightGridFile, RoundsThetaToTheNearestHalf) {
   expectSameGrid(read, grid);
 }
 
+TEST(LightGridFile, HoldsTheLightOfProbesWithWeightInEachForm) {
+  const LightGrid grid = litGrid(smallTree(), 3);
+  std::vector<float> with_weight;
+  for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) {
+    if (grid.probe_function[probe] != kNoWeight)
+      with_weight.insert(with_weight.end(), grid.probeLight(probe), grid.probeLight(probe) + kShFloats);
+  }
+  ASSERT_LT(with_weight.size(), grid.light.size());
+  for (const GridPrecision& precision : kPrecisions) {
+    LightGrid read;
+    ASSERT_TRUE(parse(bytesOf(grid, precision), &read).ok());
+    if (precision.light == LightForm::none) {
+      EXPECT_TRUE(read.light.empty());
+      continue;
+    }
+    std::vector<float> rounded = with_weight;
+    ASSERT_TRUE(roundLight(precision.light, &rounded).ok());
+    size_t next = 0;
+    for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) {
+      for (int i = 0; i < kShFloats; ++i) {
+        const float expected = grid.probe_function[probe] == kNoWeight ? 0.0f : rounded[next++];
+        ASSERT_EQ(read.probeLight(probe)[i], expected) << lightFormName(precision.light) << ", probe " << probe;
+      }
+    }
+    EXPECT_EQ(next, rounded.size());
+  }
+}
+
+TEST(LightGridFile, RefusesToWriteLightThatNoReaderTakes) {
+  LightGrid grid = litGrid(smallTree(), 3);
+  std::fill(grid.probe_function.begin(), grid.probe_function.end(), kFreeSpace);
+  for (int i = 0; i < kShFloats; ++i) grid.light[static_cast<size_t>(i)] = kMaxGridLight;
+  std::string bytes;
+  EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::sh2_float16}, {}, &bytes).ok());
+  EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::sh2_8bit}, {}, &bytes).ok());
+  // main direction (5, 5, 1), and order 2 all along it: together they are more there than any one of them
+  const float order_1_and_2[8] = {1.0f, 0.2f, 1.0f, 1.0f, 1.0f, -1.0f, 1.0f, 0.0f};
+  for (size_t i = kShChannels; i < kShFloats; ++i) grid.light[i] = kMaxGridLight * order_1_and_2[i / kShChannels - 1];
+  EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::sh2_8bit}, {}, &bytes).ok());
+  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::zh3_float16}, {}, &bytes).status,
+            WeightsStatus::value_out_of_range);
+  grid.light[1] = 1.01f * kMaxGridLight;
+  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::sh2_float16}, {}, &bytes).status,
+            WeightsStatus::value_out_of_range);
+  EXPECT_TRUE(bytes.empty());
+}
+
 TEST(LightGridFile, RefusesToWriteAThetaThatHalfCannotHold) {
   LightGrid grid = randomGrid(smallTree(), 2);
   grid.theta[grid.theta_begin[3] + 5] = -65505.0f;
   std::string bytes = "before";
-  const WeightsResult result = serializeLightGrid(grid, ThetaPrecision::float16, {}, &bytes);
+  const WeightsResult result = serializeLightGrid(grid, {ThetaPrecision::float16}, {}, &bytes);
   EXPECT_EQ(result.status, WeightsStatus::value_out_of_range);
   EXPECT_EQ(result.detail.substr(0, 27), "function 3: theta 5 is -655") << result.detail;
   EXPECT_TRUE(bytes.empty());
-  EXPECT_TRUE(serializeLightGrid(grid, ThetaPrecision::float32, {}, &bytes).ok());
+  EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32}, {}, &bytes).ok());
 }
 
 TEST(LightGridFile, RefusesToWriteWhatItWouldNotRead) {
   LightGrid grid = randomGrid(smallTree(), 2);
   std::string bytes;
   for (const char* key : {"kind", "version", "pattern_hash", "representation_count", "representation.0", "slope.7"}) {
-    EXPECT_EQ(serializeLightGrid(grid, ThetaPrecision::float32, {{key, ""}}, &bytes).status, WeightsStatus::value_out_of_range)
+    EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {{key, ""}}, &bytes).status, WeightsStatus::value_out_of_range)
         << key;
   }
-  EXPECT_EQ(serializeLightGrid(grid, ThetaPrecision::float32, {{"scene", "\xc0"}}, &bytes).status,
+  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {{"scene", "\xc0"}}, &bytes).status,
             WeightsStatus::header_malformed);
   grid.probe_function[0] = 1000;
-  EXPECT_EQ(serializeLightGrid(grid, ThetaPrecision::float32, {}, &bytes).status, WeightsStatus::value_out_of_range);
+  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {}, &bytes).status, WeightsStatus::value_out_of_range);
   EXPECT_TRUE(bytes.empty());
 }
 
 TEST(LightGridFile, IsTheSameBytesForTheSameGrid) {
-  for (const ThetaPrecision precision : kBothPrecisions) {
-    const std::string bytes = bytesOf(randomGrid(smallTree(), 5), precision);
-    EXPECT_EQ(bytes, bytesOf(randomGrid(smallTree(), 5), precision));
+  for (const GridPrecision& precision : kPrecisions) {
+    const std::string bytes = bytesOf(litGrid(smallTree(), 5), precision);
+    EXPECT_TRUE(bytes == bytesOf(litGrid(smallTree(), 5), precision)) << lightFormName(precision.light);
     // … and of the grid that was read from them
     LightGrid read;
     ASSERT_TRUE(parse(bytes, &read).ok());
-    EXPECT_EQ(bytes, bytesOf(read, precision));
+    EXPECT_TRUE(bytes == bytesOf(read, precision)) << lightFormName(precision.light);
   }
 }
 
 TEST(LightGridFile, AlignsEveryTensor) {
-  for (const ThetaPrecision precision : kBothPrecisions) {
-    for (const auto& [name, place] : placesIn(bytesOf(randomGrid(smallTree(), 5), precision))) {
+  for (const GridPrecision& precision : kPrecisions) {
+    for (const auto& [name, place] : placesIn(bytesOf(litGrid(smallTree(), 5), precision))) {
       const bool is_padding = name.substr(0, 8) == "padding.";
       EXPECT_TRUE(is_padding || place.begin % 64 == 0) << name;
     }
@@ -175,11 +233,12 @@ TEST(LightGridFile, AlignsEveryTensor) {
 }
 
 TEST(LightGridFile, AccountsForItsBytes) {
-  const LightGrid grid = randomGrid(smallTree(), 5);
-  for (const ThetaPrecision precision : kBothPrecisions) {
+  const LightGrid grid = litGrid(smallTree(), 5);
+  for (const GridPrecision& precision : kPrecisions) {
     const LightGridBytes counted = lightGridBytes(grid, precision);
     std::map<std::string, Place> places = placesIn(bytesOf(grid, precision));
     EXPECT_EQ(counted.theta, places["theta"].count);
+    EXPECT_EQ(counted.light, places["light.scale"].count + places["light.halves"].count + places["light.steps"].count);
     EXPECT_EQ(counted.functions, places["function.representation"].count);
     EXPECT_EQ(counted.probe_function, places["probe.function"].count);
     size_t all = 0;
@@ -207,7 +266,7 @@ TEST(LightGridFile, IsReadFromAFile) {
 }
 
 TEST(LightGridFile, RefusesEveryTruncation) {
-  const std::string bytes = bytesOf(randomGrid(smallTree(), 1), ThetaPrecision::float16);
+  const std::string bytes = bytesOf(litGrid(smallTree(), 1), {});
   LightGrid grid;
   for (size_t length = 0; length < bytes.size(); ++length)
     ASSERT_FALSE(parse(std::string_view(bytes).substr(0, length), &grid).ok()) << length << " of " << bytes.size() << " bytes";
@@ -215,11 +274,11 @@ TEST(LightGridFile, RefusesEveryTruncation) {
 }
 
 TEST(LightGridFile, SurvivesDamagedBytes) {
-  for (const ThetaPrecision precision : kBothPrecisions) {
-    const std::string bytes = bytesOf(randomGrid(smallTree(), 1), precision);
+  for (const GridPrecision& precision : kPrecisions) {
+    const std::string bytes = bytesOf(litGrid(smallTree(), 1), precision);
     Random random(1);
     int refused = 0, accepted = 0;
-    for (size_t i = 0; i < bytes.size(); i += precision == ThetaPrecision::float16 ? 1 : 7) {
+    for (size_t i = 0; i < bytes.size(); i += precision.theta == ThetaPrecision::float16 ? 5 : 7) {
       std::string damaged = bytes;
       damaged[i] = static_cast<char>(damaged[i] ^ (1 + random.below(255)));
       LightGrid grid;
@@ -316,9 +375,21 @@ TEST(LightGridFile, NamesHostileNumbers) {
        [=](std::string& b) { put(b, "function.representation", 4, uint8_t{5}); }},
       {"theta NaN", WeightsStatus::value_not_finite, "theta: value 9",
        [=](std::string& b) { put(b, "theta", 9, std::nanf("")); }},
+      {"light NaN", WeightsStatus::value_not_finite, "light.halves: value 9",
+       [=](std::string& b) { put(b, "light.halves", 9, uint16_t{0x7e00}); }},
+      {"a scale that is no power of two", kRange, "light.scale", [=](std::string& b) { put(b, "light.scale", 0, 3.0f); }},
+      {"a negative scale", kRange, "light.scale", [=](std::string& b) { put(b, "light.scale", 0, -1.0f); }},
+      {"a scale NaN", kRange, "light.scale", [=](std::string& b) { put(b, "light.scale", 0, std::nanf("")); }},
+      {"a tiny scale", kRange, "light.scale", [=](std::string& b) { put(b, "light.scale", 0, 1e-40f); }},
+      {"light beyond its bound", kRange, "light: value",
+       [=](std::string& b) {
+         put(b, "light.scale", 0, 4194304.0f);
+         put(b, "light.halves", 0, uint16_t{0x7bff});
+       }},
+      {"a step of -128", kRange, "light.steps: value 7", [=](std::string& b) { put(b, "light.steps", 7, int8_t{-128}); }},
       {"theta 2e9", kRange, "theta: value 9", [=](std::string& b) { put(b, "theta", 9, 2e9f); }},
   };
-  const std::string bytes = bytesOf(randomGrid(smallTree(), 1));
+  const std::string bytes = bytesOf(litGrid(smallTree(), 1), {ThetaPrecision::float32});
   ASSERT_EQ(at<uint32_t>(bytes, "slots", 0), kNoProbe) << "the low corner of a child";
   for (const Hostile& hostile : cases) {
     std::string spoilt = bytes;
@@ -331,7 +402,7 @@ TEST(LightGridFile, NamesHostileNumbers) {
 }
 
 TEST(LightGridFile, RefusesInfiniteHalves) {
-  std::string bytes = bytesOf(randomGrid(smallTree(), 1), ThetaPrecision::float16);
+  std::string bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::float16});
   put(bytes, "theta", 9, uint16_t{0x7c00});
   LightGrid grid;
   EXPECT_EQ(parse(bytes, &grid).status, WeightsStatus::value_not_finite);
@@ -345,7 +416,10 @@ TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
   const Edit edits[] = {
       {R"("kind":"nlg-light-grid")", R"("kind":"nlg-light-grod")", WeightsStatus::value_out_of_range},
       {R"("kind":)", R"("kin_":)", WeightsStatus::tensor_missing},
-      {R"("version":"1")", R"("version":"2")", WeightsStatus::version_unknown},
+      {R"("version":"2")", R"("version":"3")", WeightsStatus::version_unknown},
+      {R"("light":"sh2_8bit")", R"("light":"sh3_8bit")", WeightsStatus::value_out_of_range},
+      {R"("light":"sh2_8bit")", R"("lighd":"sh2_8bit")", WeightsStatus::tensor_missing},
+      {R"("light.steps":{)", R"("light.stops":{)", WeightsStatus::tensor_missing},
       {R"("pattern_hash":")", R"("pattern_hash":"\)", WeightsStatus::header_malformed},
       {R"("representation_count":"6")", R"("representation_count":"7")", WeightsStatus::tensor_missing},
       {R"("representation_count":"6")", R"("representation_count":"5")", WeightsStatus::value_out_of_range},
@@ -361,7 +435,7 @@ TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
       {R"("frame.spacing_m":{"dtype":"F64","shape":[1])", R"("frame.spacing_m":{"dtype":"F32","shape":[2])",
        WeightsStatus::tensor_unexpected},
   };
-  const std::string bytes = bytesOf(randomGrid(smallTree(), 1));
+  const std::string bytes = bytesOf(litGrid(smallTree(), 1));
   for (const Edit& edit : edits) {
     std::string edited = bytes;
     const size_t place = edited.find(edit.from);

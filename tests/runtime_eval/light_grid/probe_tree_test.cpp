@@ -374,6 +374,57 @@ TEST(ProbeTree, RefusesFramesOutOfRange) {
   EXPECT_EQ(ProbeTree::build({{}, 1.0, {most, most, most}}, nothing, kMaxTreeProbes, &tree), ProbeTreeStatus::too_many_probes);
 }
 
+// Where a look-up took its position to be, in units, by its first corner.
+std::array<double, 3> takenUnits(const ProbeTree& tree, const ProbesAround& around) {
+  const ProbeAround& corner = around.corners[0];
+  const double spacing = double{tree.probeSpacing(corner.probe)} / tree.frame().spacing_m;
+  const LatticePoint lattice = tree.probeLattice(corner.probe);
+  std::array<double, 3> units;
+  for (int axis = 0; axis < 3; ++axis) units[axis] = lattice[axis] + spacing * double{corner.local[axis]};
+  return units;
+}
+
+TEST(ProbeTree, FindsTheNearestCellWithinOneUnit) {
+  int64_t inside = 0, near = 0, far = 0;
+  for (uint64_t seed = 0; seed < 6; ++seed) {
+    const RandomTree random_tree = randomTree(seed);
+    const ProbeTree& tree = random_tree.tree;
+    const std::vector<ProbeCell> cells = expectedCells(random_tree.frame, random_tree.judge);
+    Random random(seed);
+    for (int i = 0; i < 300; ++i) {
+      std::array<double, 3> units;
+      for (int axis = 0; axis < 3; ++axis) units[axis] = random.uniform(-1.5, 64.0 * tree.frame().root_count[axis] + 1.5);
+      const PositionM at = positionAt(tree.frame(), units);
+      double least = HUGE_VAL;  // squared distance to a cell within one unit along every axis
+      for (const ProbeCell& cell : cells) {
+        double squares = 0.0, along = 0.0;
+        for (int axis = 0; axis < 3; ++axis) {
+          const double low = cell.low[axis], high = low + cell.side;
+          const double distance = std::max({0.0, low - units[axis], units[axis] - high});
+          squares += distance * distance;
+          along = std::max(along, distance);
+        }
+        if (along < 1.0) least = std::min(least, squares);
+      }
+      ProbesAround around;
+      ASSERT_EQ(tree.lookUpNear(at, &around), least < HUGE_VAL) << random_tree.name << ", " << i;
+      if (least == HUGE_VAL) {
+        ++far;
+        continue;
+      }
+      double squares = 0.0;
+      const std::array<double, 3> taken = takenUnits(tree, around);
+      for (int axis = 0; axis < 3; ++axis) squares += (taken[axis] - units[axis]) * (taken[axis] - units[axis]);
+      // coordinates in floats of cells up to 64 units
+      ASSERT_NEAR(std::sqrt(squares), std::sqrt(least), 1e-4) << random_tree.name << ", " << i;
+      ++(least == 0.0 ? inside : near);
+    }
+  }
+  EXPECT_GT(inside, 100);
+  EXPECT_GT(near, 20);
+  EXPECT_GT(far, 20);
+}
+
 TEST(ProbeTree, ReachesTheEndOfTheLargestLattice) {
   const int32_t most = kMaxLatticeSide / kRootSide;
   const CellJudge coarsest = [](const ProbeCell&) { return CellVerdict::fits; };

@@ -29,7 +29,18 @@ inline ProbeTree smallTree() {
   return tree;
 }
 
-// Two functions of each representation; probes have one of them, free space or no weight.
+// Radiance of kShFloats coefficients a probe that is nowhere below 0: Y00 far above the rest.
+inline std::vector<float> randomLight(size_t probe_count, uint64_t seed) {
+  Random random(mixSeed(seed, 0x6c69676874));
+  std::vector<float> light;
+  for (size_t i = 0; i < probe_count * kShFloats; ++i) {
+    const bool is_mean = i % kShFloats < kShChannels;
+    light.push_back(static_cast<float>(is_mean ? random.uniform(1.0, 4.0) : random.uniform(-0.3, 0.3)));
+  }
+  return light;
+}
+
+// Two functions of each representation; probes have one of them, free space or no weight. Without light.
 inline LightGrid randomGrid(ProbeTree tree, uint64_t seed) {
   Random random(mixSeed(seed, 0x67726964));
   LightGrid grid;

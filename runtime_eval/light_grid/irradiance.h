@@ -1,0 +1,43 @@
+// Light at a position, out of a light grid: the blend of the probes around it.
+//
+// The shares of the blend are normalised weights of light_grid.h. Where no function has weight, the bare tents of the probes that
+// have any weight anywhere take their place, and the status says so; where even those have none, light is 0. In no cell at all,
+// the nearest used cell within one unit of the tree lends its light: a position that a rounding or a collision put behind the
+// border is not dark. Takes no memory, cannot fail; any number of threads may look up in one grid.
+#pragma once
+
+#include <cstdint>
+
+#include "runtime_eval/light_grid/light_grid.h"
+#include "runtime_eval/light_grid/spherical_harmonics.h"
+
+namespace nlg {
+
+enum class LightStatus : uint8_t {
+  lit,       // by weighting functions
+  by_tents,  // no function has weight here: by bare tents, which nothing stops at walls
+  unlit,     // no probe around has light to give; the result is 0
+  outside,   // in no cell, or not finite; light of the nearest used cell within one unit, 0 where there is none
+};
+
+// "lit", "by_tents", "unlit", "outside"
+const char* lightStatusName(LightStatus status);
+
+// The shares that the probes around take of the blend, which add up to 1; a count of 0 where light is 0.
+LightStatus lookUpShares(const LightGrid& grid, const PositionM& position_m, ProbeWeights* shares);
+
+// Radiance that arrives, as spherical harmonics (spherical_harmonics.h): the blend of the probes' light.
+//
+// grid         one that checkLightGrid accepts. One without light is unlit everywhere inside
+// light_9x3    kShFloats floats, overwritten; all 0 where there is no light
+LightStatus lookUpLight(const LightGrid& grid, const PositionM& position_m, float* light_9x3);
+
+// Irradiance on a plane: what a diffuse surface multiplies by its albedo over pi. No channel is below 0.
+//
+// normal_3   length 1. One with a component that is not finite, or beyond ±kMaxNormal, is no direction: rgb is 0, the status unlit
+// rgb_3      3 floats, overwritten
+LightStatus lookUpIrradiance(const LightGrid& grid, const PositionM& position_m, const float* normal_3, float* rgb_3);
+
+inline constexpr float kMaxNormal = 1.5f;  // a component of a direction, generously: no rounding of length 1 reaches it
+
+}  // namespace nlg
