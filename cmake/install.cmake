@@ -43,6 +43,9 @@ set(NLG_PUBLIC_HEADERS
   fit/representation_choice.h
   light_grid/probe_tree.h
   light_grid/light_grid.h
+  light_grid/spherical_harmonics.h
+  light_grid/light_form.h
+  light_grid/irradiance.h
   light_grid/light_grid_file.h)
 list(TRANSFORM NLG_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/runtime_eval/)
 target_sources(nlg_runtime_eval PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${NLG_PUBLIC_HEADERS})
