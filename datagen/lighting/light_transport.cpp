@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "datagen/lighting/baked_light.h"
 #include "datagen/lighting/directions.h"
 #include "datagen/lighting/emitters.h"
 #include "datagen/lighting/surface_cache.h"
@@ -107,7 +108,9 @@ struct LightTransport::Impl {
     const float cap = sine * sine / (1.0f + std::sqrt(1.0f - sine * sine));
     arriving->direction = coneDirection(sun.to_sun, cap, place_u, place_v);
     arriving->flux = sun.irradiance;
-    return rays.lightHit(from, arriving->direction).kind != LightHit::Kind::surface;
+    const LightHit hit = rays.lightHit(from, arriving->direction);
+    return hit.kind == LightHit::Kind::nothing ||
+           (hit.kind == LightHit::Kind::sky && !scene.light.sky_faces.shines(hit.triangle));
   }
 
   // What a surface there sends back of lamps and suns that shine on it: one lamp, drawn by what it would give without shadows.
@@ -154,7 +157,9 @@ struct LightTransport::Impl {
     glm::vec3 sum(0.0f), throughput(1.0f);
     for (int vertex = 0;; ++vertex) {
       const LightHit hit = rays.lightHit(origin, direction);
-      if (hit.kind != LightHit::Kind::surface) return sum + throughput * scene.light.sky.radiance(direction);
+      if (hit.kind == LightHit::Kind::nothing) return sum + throughput * scene.light.sky.radiance(direction);
+      if (hit.kind == LightHit::Kind::sky)
+        return sum + throughput * scene.light.sky_faces.radiance(hit.triangle, direction, scene.light.sky);
       const glm::vec3& reflectance = albedo[scene.triangle_material[hit.triangle]];
       const glm::vec3 shine = emission(hit);
       if (luminance(shine) > 0.0f) {
@@ -166,7 +171,7 @@ struct LightTransport::Impl {
         }
         sum += throughput * shine * share;
       }
-      if (isBaked()) return sum + throughput * bakedLight(hit) * reflectance;
+      if (isBaked()) return sum + throughput * bakedLight(scene, hit.triangle, hit.u, hit.v) * reflectance;
       if (hits != nullptr && vertex == 0) *hits = {origin + direction * hit.distance, hit.normal, hit.triangle};
       if (vertex >= options.max_bounces) return sum;
       throughput *= reflectance;
@@ -186,30 +191,6 @@ struct LightTransport::Impl {
       direction = cosineDirection(hit.normal, random.uniform(), random.uniform());
       density = std::max(1e-6f, glm::dot(direction, hit.normal) / kPi);
     }
-  }
-
-  glm::vec3 bakedLight(const LightHit& hit) const {
-    const BakedLight& baked = scene.light.baked;
-    const glm::uvec3& t = scene.triangles[hit.triangle];
-    const float w = 1.0f - hit.u - hit.v;
-    const int32_t page = baked.triangle_page[hit.triangle];
-    if (page == BakedLight::kByVertex)
-      return baked.vertex_light[t.x] * w + baked.vertex_light[t.y] * hit.u + baked.vertex_light[t.z] * hit.v;
-    const glm::vec2 place = baked.vertex_place[t.x] * w + baked.vertex_place[t.y] * hit.u + baked.vertex_place[t.z] * hit.v;
-    const int side = baked.page_side;
-    const glm::vec3* texels = &baked.texels[static_cast<size_t>(page) * side * side];
-    // texel centres stand at halves
-    const auto split = [&](float at, int* low, float* share) {
-      const float texel = std::clamp(at * static_cast<float>(side) - 0.5f, 0.0f, static_cast<float>(side - 1));
-      *low = std::min(static_cast<int>(texel), side - 2);
-      *share = texel - static_cast<float>(*low);
-    };
-    int x, y;
-    float sx, sy;
-    split(place.x, &x, &sx);
-    split(place.y, &y, &sy);
-    const glm::vec3* row = texels + static_cast<size_t>(y) * side + x;
-    return (row[0] * (1.0f - sx) + row[1] * sx) * (1.0f - sy) + (row[side] * (1.0f - sx) + row[side + 1] * sx) * sy;
   }
 
   // Everything that arrives at a place, direction by direction: add(set, direction, flux). Flux is what the mean over a set's

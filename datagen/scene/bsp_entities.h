@@ -1,7 +1,9 @@
-// Where a Quake III level's submodels (doors, platforms) stand, from its entities' text.
+// A Quake III level's entities: where its submodels (doors, platforms) stand, and whatever else their keys say.
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +11,21 @@
 #include <glm/glm.hpp>
 
 namespace nlg {
+
+// Values by key, as written; of a key that comes twice the last one. Views into the entities' text.
+using BspEntity = std::map<std::string_view, std::string_view>;
+
+// The text of a key; empty when the entity has none.
+std::string_view textOf(const BspEntity& entity, std::string_view key);
+// Three numbers within 2^20; nothing when the text is anything else.
+std::optional<glm::dvec3> threeNumbers(std::string_view text);
+// A number within 2^20, read as far as one goes, as the game's tools do ("300 " and "300x" are 300); nothing when none is there.
+std::optional<double> leadingNumber(std::string_view text);
+
+// path     only named in errors
+// text     must outlive what is returned
+// throws   InputError naming the entity on: more than 2^16 entities, text between them
+std::vector<BspEntity> readEntities(const std::string& path, std::string_view text);
 
 struct BspPlacement {
   std::string classname;         // of the entity that shows the model: "func_door"; empty when none does
@@ -18,8 +35,7 @@ struct BspPlacement {
 // One for each model of the level; of several entities that name a model the first one counts. Model 0 stands at the origin.
 //
 // path     only named in errors
-// throws   InputError naming the entity on: more than 2^16 entities, a model that is not there, an origin that is no three
-//          numbers within 2^20 units
-std::vector<BspPlacement> readPlacements(const std::string& path, std::string_view entities, size_t model_count);
+// throws   InputError naming the entity on: a model that is not there, an origin that is no three numbers within 2^20 units
+std::vector<BspPlacement> readPlacements(const std::string& path, const std::vector<BspEntity>& entities, size_t model_count);
 
 }  // namespace nlg

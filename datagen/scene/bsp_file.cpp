@@ -28,6 +28,8 @@ constexpr Lump kModels{"models", 7, 40, size_t{1} << 16};
 constexpr Lump kVertices{"vertices", 10, 44, size_t{1} << 23};
 constexpr Lump kIndices{"indices", 11, 4, size_t{3} << 23};
 constexpr Lump kFaces{"faces", 13, 104, size_t{1} << 22};
+constexpr Lump kLightmaps{"lightmaps", 14, 3 * kBspLightmapSide* kBspLightmapSide, size_t{1} << 10};
+constexpr Lump kLightGrid{"light grid", 15, 8, size_t{1} << 23};
 
 class BspParser {
  public:
@@ -40,8 +42,10 @@ class BspParser {
     readShaders();
     readPositions();
     readIndices();
+    readLightmaps();
     readFaces();
     readModels();
+    file_.light_grid = std::string(records(kLightGrid).bytes);
     file_.entities = std::string(records(kEntities).bytes);
     return std::move(file_);
   }
@@ -65,6 +69,10 @@ class BspParser {
     for (size_t i = 0; i < 4; ++i) value |= static_cast<uint32_t>(static_cast<unsigned char>(bytes_[offset + i])) << (8 * i);
     return value;
   }
+
+  float number(size_t offset) const { return std::bit_cast<float>(word(offset)); }
+  uint8_t byte(size_t offset) const { return static_cast<uint8_t>(bytes_[offset]); }
+  BspColour colour(size_t offset) const { return {byte(offset), byte(offset + 1), byte(offset + 2)}; }
 
   Records records(const Lump& lump) const {
     const uint64_t offset = word(8 + 8 * lump.number);
@@ -100,15 +108,26 @@ class BspParser {
   void readPositions() {
     const Records vertices = records(kVertices);
     file_.positions.reserve(vertices.count);
+    file_.vertex_light.reserve(vertices.count);
     for (size_t i = 0; i < vertices.count; ++i) {
+      const size_t at = vertices.offset + i * kVertices.record_bytes;
       glm::vec3 position;
       for (int axis = 0; axis < 3; ++axis) {
-        position[axis] = std::bit_cast<float>(word(vertices.offset + i * kVertices.record_bytes + 4 * axis));
+        position[axis] = number(at + 4 * axis);
         if (!(std::abs(position[axis]) <= kFarthest))
           fail(kVertices, i, "coordinates within 1048576 units", std::to_string(position[axis]));
       }
       file_.positions.push_back(position);
+      file_.vertex_light.push_back({{number(at + 20), number(at + 24)}, colour(at + 40)});
     }
+  }
+
+  void readLightmaps() {
+    const Records lightmaps = records(kLightmaps);
+    file_.lightmap_count = static_cast<uint32_t>(lightmaps.count);
+    file_.lightmap_texels.reserve(lightmaps.bytes.size() / 3);
+    for (size_t at = lightmaps.offset; at < lightmaps.offset + lightmaps.bytes.size(); at += 3)
+      file_.lightmap_texels.push_back(colour(at));
   }
 
   void readIndices() {
@@ -125,10 +144,15 @@ class BspParser {
       const size_t at = faces.offset + i * kFaces.record_bytes;
       const uint32_t kind = word(at + 8);
       if (kind < 1 || kind > 4) fail(kFaces, i, "a kind from 1 to 4", std::to_string(kind));
-      BspFace face{word(at),      static_cast<BspFaceKind>(kind),
-                   word(at + 12), word(at + 16),
-                   word(at + 20), word(at + 24),
-                   word(at + 96), word(at + 100)};
+      BspFace face{word(at),
+                   static_cast<BspFaceKind>(kind),
+                   word(at + 12),
+                   word(at + 16),
+                   word(at + 20),
+                   word(at + 24),
+                   word(at + 96),
+                   word(at + 100),
+                   static_cast<int32_t>(word(at + 28))};
       checkRange(kFaces, i, "a shader", face.shader, 1, file_.shaders.size());
       if (face.kind != BspFaceKind::flare) checkFace(face, i);
       vertex_count += face.kind == BspFaceKind::flare ? 0 : face.vertex_count;
@@ -142,6 +166,7 @@ class BspParser {
   void checkFace(const BspFace& face, size_t i) const {
     checkRange(kFaces, i, "vertices", face.first_vertex, face.vertex_count, file_.positions.size());
     checkRange(kFaces, i, "indices", face.first_index, face.index_count, file_.indices.size());
+    if (face.lightmap >= 0 && static_cast<uint32_t>(face.lightmap) < file_.lightmap_count) checkLightmapPlaces(face);
     if (face.kind == BspFaceKind::patch) {
       for (const uint32_t side : {face.patch_width, face.patch_height}) {
         if (side < 3 || side > kMaxPatchSide || side % 2 == 0)
@@ -159,13 +184,32 @@ class BspParser {
     }
   }
 
+  void checkLightmapPlaces(const BspFace& face) const {
+    for (uint32_t k = face.first_vertex; k < face.first_vertex + face.vertex_count; ++k) {
+      const glm::vec2& place = file_.vertex_light[k].lightmap_place;
+      for (const float at : {place.x, place.y}) {
+        if (!std::isfinite(at)) fail(kVertices, k, "finite lightmap coordinates", std::to_string(at));
+      }
+    }
+  }
+
   void readModels() {
     const Records models = records(kModels);
     if (models.count == 0) fail("lump models", "at least one model", "none");
     uint64_t end = 0;
     for (size_t i = 0; i < models.count; ++i) {
       const size_t at = models.offset + i * kModels.record_bytes;
-      const BspModel model{word(at + 24), word(at + 28)};
+      BspModel model{word(at + 24), word(at + 28)};
+      for (int axis = 0; axis < 3; ++axis) {
+        model.min[axis] = number(at + 4 * axis);
+        model.max[axis] = number(at + 12 + 4 * axis);
+      }
+      // only the light grid asks for bounds, and only for those of the level itself
+      for (const glm::vec3& corner : {model.min, model.max}) {
+        for (int axis = 0; axis < 3 && i == 0; ++axis) {
+          if (!std::isfinite(corner[axis])) fail(kModels, i, "finite bounds", std::to_string(corner[axis]));
+        }
+      }
       checkRange(kModels, i, "faces", model.first_face, model.face_count, file_.faces.size());
       if (model.face_count > 0 && model.first_face < end)
         fail(kModels, i, "faces behind those of the models before it", "face " + std::to_string(model.first_face));

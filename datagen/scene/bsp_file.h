@@ -1,6 +1,7 @@
-// The records of a Quake III level (IBSP version 46) that hold geometry, read from bytes and checked.
+// The records of a Quake III level (IBSP version 46) that hold geometry and light, read from bytes and checked.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -39,27 +40,43 @@ struct BspFace {
   uint32_t first_vertex = 0, vertex_count = 0;
   uint32_t first_index = 0, index_count = 0;
   uint32_t patch_width = 0, patch_height = 0;
+  int32_t lightmap = -1;  // its page; negative or not below lightmap_count: light by vertex, as the engine has it
 };
+
+using BspColour = std::array<uint8_t, 3>;  // red, green, blue
+
+// What the level's compiler computed for a vertex.
+struct BspVertexLight {
+  glm::vec2 lightmap_place{0.0f};  // on the face's page, x along a row; finite where a face with a page names it
+  BspColour colour{};
+};
+
+inline constexpr uint32_t kBspLightmapSide = 128;  // texels
 
 // Model 0 is the level itself; the others are doors, platforms and the like. Models share no face.
 struct BspModel {
   uint32_t first_face = 0, face_count = 0;
+  glm::vec3 min{0.0f}, max{0.0f};  // in the game's units; as written, of model 0 finite
 };
 
 struct BspFile {
   std::string entities;  // text
   std::vector<BspShader> shaders;
-  std::vector<BspModel> models;      // at least one
-  std::vector<glm::vec3> positions;  // in the game's units, z up; finite, within 2^20 of the origin
+  std::vector<BspModel> models;              // at least one
+  std::vector<glm::vec3> positions;          // in the game's units, z up; finite, within 2^20 of the origin
+  std::vector<BspVertexLight> vertex_light;  // one for each position
   std::vector<uint32_t> indices;
   std::vector<BspFace> faces;
+  std::vector<BspColour> lightmap_texels;  // all pages, kBspLightmapSide² each, rows from the top; empty when the level has none
+  uint32_t lightmap_count = 0;             // pages
+  std::string light_grid;                  // 8 bytes a cell (bsp_light_grid.h); empty when the level has none
 };
 
 // path     only named in errors
 // bytes    the whole file
 // throws   InputError with lump and record on: another magic or version, a lump that leaves the file or is no whole number of
 //          records or more than any level has, an index or range out of bounds, numbers that are not finite or too large, a face
-//          of an unknown kind, models that share faces, faces that name more than 2^23 vertices or 3 * 2^23 indices together
+//          of an unknown kind, models that share faces, lightmap places that are not finite, faces that name more than 2^23 vertices or 3 * 2^23 indices together
 BspFile parseBsp(const std::string& path, std::string_view bytes);
 
 }  // namespace nlg

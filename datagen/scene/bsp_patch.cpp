@@ -77,9 +77,28 @@ uint32_t edgeStation(const std::vector<Station>& all, const std::vector<uint32_t
   return s - all[s].i + (all[s].i + stride / 2) / stride * stride;
 }
 
+// Values of all control points, curved to the grid's vertices, row by row.
+std::vector<glm::dvec3> gridValues(const std::vector<glm::dvec3>& control, uint32_t width, const std::vector<Station>& columns,
+                                   const std::vector<Station>& rows) {
+  std::vector<glm::dvec3> values;
+  values.reserve(columns.size() * rows.size());
+  for (const Station& v : rows) {
+    for (const Station& u : columns) {
+      glm::dvec3 p[3];
+      for (size_t k = 0; k < 3; ++k) {
+        const glm::dvec3* line = &control[(2 * v.piece + k) * width + 2 * u.piece];
+        p[k] = curvePoint(line[0], line[1], line[2], u.i, u.n);
+      }
+      values.push_back(curvePoint(p[0], p[1], p[2], v.i, v.n));
+    }
+  }
+  return values;
+}
+
 }  // namespace
 
-PatchMesh tessellatePatch(const std::vector<glm::dvec3>& control, uint32_t width, uint32_t height, double tolerance) {
+PatchMesh tessellatePatch(const std::vector<glm::dvec3>& control, uint32_t width, uint32_t height, double tolerance,
+                          const std::vector<std::vector<glm::dvec3>>& carried) {
   NLG_CHECK(control.size(), ==, size_t{width} * height);
   const Segments along = countSegments(control, {(width - 1) / 2, height, 1, width}, tolerance);
   const Segments across = countSegments(control, {(height - 1) / 2, width, width, 1}, tolerance);
@@ -89,15 +108,10 @@ PatchMesh tessellatePatch(const std::vector<glm::dvec3>& control, uint32_t width
   const auto row_count = static_cast<uint32_t>(rows.size());
 
   PatchMesh mesh;
-  for (const Station& v : rows) {
-    for (const Station& u : columns) {
-      glm::dvec3 p[3];
-      for (size_t k = 0; k < 3; ++k) {
-        const glm::dvec3* line = &control[(2 * v.piece + k) * width + 2 * u.piece];
-        p[k] = curvePoint(line[0], line[1], line[2], u.i, u.n);
-      }
-      mesh.positions.push_back(curvePoint(p[0], p[1], p[2], v.i, v.n));
-    }
+  mesh.positions = gridValues(control, width, columns, rows);
+  for (const std::vector<glm::dvec3>& values : carried) {
+    NLG_CHECK(values.size(), ==, control.size());
+    mesh.carried.push_back(gridValues(values, width, columns, rows));
   }
 
   // where an edge needs fewer segments than the inside, its vertices fall together

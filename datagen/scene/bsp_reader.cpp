@@ -1,15 +1,17 @@
 #include "datagen/scene/bsp_reader.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 
 #include "datagen/scene/bsp_entities.h"
 #include "datagen/scene/bsp_file.h"
+#include "datagen/scene/bsp_light.h"
+#include "datagen/scene/bsp_looks.h"
 #include "datagen/scene/bsp_patch.h"
 #include "datagen/scene/bsp_shader.h"
 #include "datagen/scene/free_standing.h"
 #include "datagen/scene/pk3_archive.h"
-#include "datagen/scene/texture_colour.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -17,32 +19,95 @@ namespace nlg {
 namespace {
 
 constexpr const char* kLevelName = "worldspawn";
-constexpr double kMetresPerUnit = 0.0254;
-constexpr double kPatchToleranceUnits = 0.04 / kMetresPerUnit;
+constexpr double kPatchToleranceUnits = 0.04 / kBspMetresPerUnit;
 constexpr size_t kMaxLevelBytes = size_t{256} << 20;
-constexpr size_t kMaxTextureBytes = size_t{64} << 20;
 constexpr uint64_t kMaxTriangles = uint64_t{1} << 23;
 
-// Scripts and textures of the archives that a level came from.
-struct LevelLooks {
-  const Pk3Archives& archives;
-  ShaderScripts scripts;
+// A face as triangles, counter-clockwise from its front; one entry of each for a vertex.
+struct FaceMesh {
+  std::vector<glm::dvec3> positions_m;  // world coordinates
+  std::vector<glm::vec2> lightmap_places;
+  std::vector<glm::vec3> light;
+  std::vector<glm::uvec3> triangles;
+};
+
+glm::dvec3 worldPosition(const glm::dvec3& units) {
+  // adding zero turns -0 into 0: components are found by comparing bits
+  return sceneAxes(units) * kBspMetresPerUnit + 0.0;
+}
+
+// What a shader's faces are to the scene.
+struct ShaderUse {
+  const char* drop_reason = nullptr;  // null: they are geometry
+  bool double_sided = false;
+  glm::vec3 emission{0.0f};
+  std::optional<uint32_t> material_idx;
+};
+
+// Faces that are no geometry but shine, and the sky that they show.
+class LightFaces {
+ public:
+  void addSky(const FaceMesh& mesh, uint32_t shader) {
+    append(mesh, sky_);
+    double area = 0.0;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::dvec3 a = mesh.positions_m[t.x];
+      area += 0.5 * glm::length(glm::cross(mesh.positions_m[t.y] - a, mesh.positions_m[t.z] - a));
+    }
+    area_of_shader_[shader] += area;
+  }
+
+  void addShining(const FaceMesh& mesh, const ShaderUse& use) {
+    append(mesh, shining_);
+    shine_.resize(shining_.size(), use.emission);
+    if (!use.double_sided) return;
+    for (const glm::uvec3& t : mesh.triangles) shining_.push_back(glm::uvec3(t.x, t.z, t.y) + lastBase(mesh));
+    shine_.resize(shining_.size(), use.emission);
+  }
+
+  size_t triangleCount() const { return sky_.size() + shining_.size(); }
+  // Square metres of sky by shader.
+  const std::map<uint32_t, double>& skyAreas() const { return area_of_shader_; }
+
+  SkyFaces finish(const glm::dvec3& origin_m) {
+    SkyFaces faces;
+    faces.positions = relativeTo(origin_m, positions_m_);
+    faces.triangles = std::move(sky_);
+    faces.triangles.insert(faces.triangles.end(), shining_.begin(), shining_.end());
+    faces.shine = std::move(shine_);
+    return faces;
+  }
+
+ private:
+  void append(const FaceMesh& mesh, std::vector<glm::uvec3>& triangles) {
+    positions_m_.insert(positions_m_.end(), mesh.positions_m.begin(), mesh.positions_m.end());
+    for (const glm::uvec3& t : mesh.triangles) triangles.push_back(t + lastBase(mesh));
+  }
+  uint32_t lastBase(const FaceMesh& mesh) const { return static_cast<uint32_t>(positions_m_.size() - mesh.positions_m.size()); }
+
+  std::vector<glm::dvec3> positions_m_;
+  std::vector<glm::uvec3> sky_, shining_;
+  std::vector<glm::vec3> shine_;
+  std::map<uint32_t, double> area_of_shader_;
 };
 
 class BspConverter {
  public:
   // looks    null when there are no archives
-  BspConverter(const std::string& path, const std::string& bytes, const LevelLooks* looks)
-      : path_(path), file_(parseBsp(path, bytes)), looks_(looks), material_of_shader_(file_.shaders.size()) {}
+  BspConverter(const std::string& path, const std::string& bytes, const BspLooks* looks)
+      : path_(path), file_(parseBsp(path, bytes)), looks_(looks), uses_(file_.shaders.size()) {}
 
   BspLevel convert(const std::string& id) {
     level_.scene.id = id;
-    const std::vector<BspPlacement> placements = readPlacements(path_, file_.entities, file_.models.size());
+    const std::vector<BspEntity> entities = readEntities(path_, file_.entities);
+    const std::vector<BspPlacement> placements = readPlacements(path_, entities, file_.models.size());
     for (size_t i = 0; i < file_.models.size(); ++i) {
       const std::string classname = placements[i].classname.empty() ? "submodel" : placements[i].classname;
       addModel(file_.models[i], i == 0 ? kLevelName : classname + " *" + std::to_string(i), placements[i].origin_units);
     }
+    finishBakedLight();
     finishScene(level_.scene, world_positions_);
+    addLights(entities);
     const std::vector<SceneObject>& objects = level_.scene.objects;
     if (!objects.empty() && objects[0].name == kLevelName) splitFreeStanding(level_.scene, 0);
     return std::move(level_);
@@ -57,97 +122,180 @@ class BspConverter {
   }
 
   void addFace(const BspFace& face, const glm::dvec3& origin_units) {
-    const BspShader& shader = file_.shaders[face.shader];
-    const ShaderScript* script = scriptOf(shader);
-    const uint32_t surface_flags = shader.surface_flags | (script != nullptr ? script->surface_flags : 0u);
-    const uint32_t content_flags = shader.content_flags | (script != nullptr ? script->content_flags : 0u);
-    const char* reason = face.kind == BspFaceKind::flare ? "flare" : dropReason(surface_flags, content_flags);
-    if (reason != nullptr) {
-      ++level_.dropped_faces[reason];
+    if (face.kind == BspFaceKind::flare) {
+      ++level_.dropped_faces["flare"];
       return;
     }
+    const ShaderUse& use = useOf(face.shader);
+    const bool is_sky = use.drop_reason != nullptr && std::string_view(use.drop_reason) == "sky";
+    if (use.drop_reason != nullptr) ++level_.dropped_faces[use.drop_reason];
+    if (use.drop_reason != nullptr && !is_sky && use.emission == glm::vec3(0.0f)) return;
     const uint64_t more =
         face.kind == BspFaceKind::patch ? maxPatchTriangles(face.patch_width, face.patch_height) : face.index_count / 3;
-    if (level_.scene.triangles.size() + more > kMaxTriangles) fail("triangles", "at most 2^23", "more");
-    if (face.kind == BspFaceKind::patch) {
-      addPatch(face, origin_units);
+    if (level_.scene.triangles.size() + light_faces_.triangleCount() + 2 * more > kMaxTriangles)
+      throw InputError(path_, "triangles", "at most 2^23", "more");
+    const FaceMesh mesh = face.kind == BspFaceKind::patch ? patchMesh(face, origin_units) : triangleMesh(face, origin_units);
+    if (is_sky) {
+      light_faces_.addSky(mesh, face.shader);
+    } else if (use.drop_reason != nullptr) {
+      light_faces_.addShining(mesh, use);
     } else {
-      addTriangles(face, origin_units);
+      addGeometry(face, mesh);
     }
-    level_.scene.triangle_material.resize(level_.scene.triangles.size(), materialOf(face.shader));
   }
 
-  [[noreturn]] void fail(const std::string& place, const std::string& expected, const std::string& got) const {
-    throw InputError(path_, place, expected, got);
+  void addGeometry(const BspFace& face, const FaceMesh& mesh) {
+    Scene& scene = level_.scene;
+    const glm::uvec3 base(static_cast<uint32_t>(world_positions_.size()));
+    world_positions_.insert(world_positions_.end(), mesh.positions_m.begin(), mesh.positions_m.end());
+    for (const glm::uvec3& triangle : mesh.triangles) scene.triangles.push_back(triangle + base);
+    scene.triangle_material.resize(scene.triangles.size(), materialOf(face.shader));
+    BakedLight& baked = scene.light.baked;
+    baked.vertex_light.insert(baked.vertex_light.end(), mesh.light.begin(), mesh.light.end());
+    baked.vertex_place.insert(baked.vertex_place.end(), mesh.lightmap_places.begin(), mesh.lightmap_places.end());
+    baked.triangle_page.resize(scene.triangles.size(), hasPage(face) ? face.lightmap : BakedLight::kByVertex);
+    if (face.lightmap >= 0 && !hasPage(face)) ++faces_without_page_;
   }
 
-  void addPosition(const glm::dvec3& units) {
-    // adding zero turns -0 into 0: components are found by comparing bits
-    world_positions_.push_back(glm::dvec3(units.x, units.z, -units.y) * kMetresPerUnit + 0.0);
+  bool hasPage(const BspFace& face) const {
+    return face.lightmap >= 0 && static_cast<uint32_t>(face.lightmap) < file_.lightmap_count;
   }
 
   // Polygons and meshes: clockwise in the file.
-  void addTriangles(const BspFace& face, const glm::dvec3& origin_units) {
-    const auto base = static_cast<uint32_t>(world_positions_.size());
-    for (uint32_t i = 0; i < face.vertex_count; ++i)
-      addPosition(glm::dvec3(file_.positions[face.first_vertex + i]) + origin_units);
-    for (uint32_t i = face.first_index; i < face.first_index + face.index_count; i += 3) {
-      level_.scene.triangles.emplace_back(base + file_.indices[i], base + file_.indices[i + 2], base + file_.indices[i + 1]);
+  FaceMesh triangleMesh(const BspFace& face, const glm::dvec3& origin_units) const {
+    FaceMesh mesh;
+    for (uint32_t i = face.first_vertex; i < face.first_vertex + face.vertex_count; ++i) {
+      mesh.positions_m.push_back(worldPosition(glm::dvec3(file_.positions[i]) + origin_units));
+      mesh.light.push_back(lightOf(file_.vertex_light[i].colour));
+      mesh.lightmap_places.push_back(placeOf(face, file_.vertex_light[i].lightmap_place));
     }
+    for (uint32_t i = face.first_index; i < face.first_index + face.index_count; i += 3)
+      mesh.triangles.emplace_back(file_.indices[i], file_.indices[i + 2], file_.indices[i + 1]);
+    return mesh;
   }
 
-  void addPatch(const BspFace& face, const glm::dvec3& origin_units) {
-    std::vector<glm::dvec3> control;
-    for (uint32_t i = 0; i < face.vertex_count; ++i) {
-      control.push_back(glm::dvec3(file_.positions[face.first_vertex + i]) + origin_units);
+  FaceMesh patchMesh(const BspFace& face, const glm::dvec3& origin_units) const {
+    std::vector<glm::dvec3> control, light, places;
+    for (uint32_t i = face.first_vertex; i < face.first_vertex + face.vertex_count; ++i) {
+      control.push_back(glm::dvec3(file_.positions[i]) + origin_units);
+      light.emplace_back(lightOf(file_.vertex_light[i].colour));
+      places.emplace_back(placeOf(face, file_.vertex_light[i].lightmap_place), 0.0);
     }
-    const PatchMesh mesh = tessellatePatch(control, face.patch_width, face.patch_height, kPatchToleranceUnits);
-    const auto base = static_cast<uint32_t>(world_positions_.size());
-    for (const glm::dvec3& p : mesh.positions) addPosition(p);
-    for (const glm::uvec3& triangle : mesh.triangles) level_.scene.triangles.push_back(triangle + base);
+    PatchMesh patch = tessellatePatch(control, face.patch_width, face.patch_height, kPatchToleranceUnits,
+                                      {std::move(light), std::move(places)});
+    FaceMesh mesh;
+    for (const glm::dvec3& p : patch.positions) mesh.positions_m.push_back(worldPosition(p));
+    for (const glm::dvec3& l : patch.carried[0]) mesh.light.emplace_back(l);
+    for (const glm::dvec3& p : patch.carried[1]) mesh.lightmap_places.emplace_back(p);
+    mesh.triangles = std::move(patch.triangles);
+    return mesh;
   }
 
-  const ShaderScript* scriptOf(const BspShader& shader) const {
-    if (looks_ == nullptr) return nullptr;
-    const auto found = looks_->scripts.find(shaderKey(shader.name));
-    return found == looks_->scripts.end() ? nullptr : &found->second;
+  // Numbers of faces without a page are garbage in real levels.
+  glm::vec2 placeOf(const BspFace& face, const glm::vec2& place) const {
+    return hasPage(face) ? glm::clamp(place, glm::vec2(0.0f), glm::vec2(1.0f)) : glm::vec2(0.0f);
+  }
+
+  ShaderUse& useOf(uint32_t shader_idx) {
+    std::optional<ShaderUse>& use = uses_[shader_idx];
+    if (use) return *use;
+    const BspShader& shader = file_.shaders[shader_idx];
+    const ShaderScript* script = looks_ != nullptr ? looks_->scriptOf(shader.name) : nullptr;
+    use.emplace();
+    use->drop_reason = dropReason(shader.surface_flags | (script != nullptr ? script->surface_flags : 0u),
+                                  shader.content_flags | (script != nullptr ? script->content_flags : 0u));
+    use->double_sided = script != nullptr && script->double_sided;
+    if (looks_ != nullptr) use->emission = looks_->emission(shader.name);
+    return *use;
   }
 
   uint32_t materialOf(uint32_t shader_idx) {
-    std::optional<uint32_t>& material_idx = material_of_shader_[shader_idx];
-    if (material_idx) return *material_idx;
-    material_idx = static_cast<uint32_t>(level_.scene.materials.size());
-    const BspShader& shader = file_.shaders[shader_idx];
-    const ShaderScript* script = scriptOf(shader);
+    ShaderUse& use = useOf(shader_idx);
+    if (use.material_idx) return *use.material_idx;
+    use.material_idx = static_cast<uint32_t>(level_.scene.materials.size());
     Material material;
-    material.double_sided = script != nullptr && script->double_sided;
-    const std::optional<glm::vec3> colour = textureColour(shader, script);
+    material.double_sided = use.double_sided;
+    material.emissive = use.emission;
+    const std::optional<glm::vec3> colour =
+        looks_ != nullptr ? looks_->textureColour(file_.shaders[shader_idx].name) : std::nullopt;
     if (colour) material.base_color = *colour;
     if (!colour) ++level_.materials_without_texture;
     level_.scene.materials.push_back(material);
-    return *material_idx;
+    return *use.material_idx;
   }
 
-  std::optional<glm::vec3> textureColour(const BspShader& shader, const ShaderScript* script) const {
-    if (looks_ == nullptr) return std::nullopt;
-    std::vector<std::string> names;
-    if (script != nullptr) names = script->textures;
-    names.push_back(shaderKey(shader.name));
-    for (const std::string& name : names) {
-      for (const char* suffix : {".tga", ".jpg"}) {
-        if (!looks_->archives.has(name + suffix)) continue;
-        const std::optional<glm::vec3> colour = averageColour(looks_->archives.read(name + suffix, kMaxTextureBytes));
-        if (colour) return colour;
-      }
+  // A level that was never lit has no lightmaps and one colour at all vertices.
+  void finishBakedLight() {
+    BakedLight& baked = level_.scene.light.baked;
+    const std::vector<glm::vec3>& colours = baked.vertex_light;
+    const bool is_lit =
+        file_.lightmap_count > 0 || std::any_of(colours.begin(), colours.end(), [&](const auto& c) { return c != colours[0]; });
+    if (!is_lit) {
+      baked = {};
+      if (!colours.empty()) note("neither lightmaps nor lit vertices: no baked light");
+      return;
     }
-    return std::nullopt;
+    if (faces_without_page_ > 0)
+      note(std::to_string(faces_without_page_) + " faces name a lightmap that is not there: lit by vertex, as the engine does");
+    baked.page_side = kBspLightmapSide;
+    baked.texels.reserve(file_.lightmap_texels.size());
+    for (const BspColour& texel : file_.lightmap_texels) baked.texels.push_back(lightOf(texel));
   }
+
+  void addLights(const std::vector<BspEntity>& entities) {
+    SceneLight& light = level_.scene.light;
+    const glm::dvec3& origin_m = level_.scene.origin_m;
+    EntityLights lights = entityLights(entities);
+    for (size_t i = 0; i < lights.lamps.size(); ++i)
+      lights.lamps[i].position = glm::vec3(worldPosition(lights.lamp_units[i]) - origin_m);
+    light.lamps = std::move(lights.lamps);
+    light.suns = std::move(lights.suns);
+    if (!light.baked.empty()) light.baked.ambient = lights.ambient;
+    if (lights.lamps_without_origin > 0) note(std::to_string(lights.lamps_without_origin) + " lamps without an origin: left out");
+    if (lights.linear_lamps > 0)
+      note(std::to_string(lights.linear_lamps) + " lamps that fade linearly: by the square of the distance instead");
+    addSky(lights.has_shader_suns);
+    light.sky_faces = light_faces_.finish(origin_m);
+    WorldQuakeGrid grid;
+    if (readQuakeGrid(file_, entities, &grid)) {
+      light.quake_grid = std::move(grid.grid);
+      light.quake_grid.first_m = glm::vec3(grid.first_m - origin_m);
+    } else if (!file_.light_grid.empty()) {
+      note("the light grid is not of the size that the level's bounds ask for: left out, as the engine does");
+    }
+  }
+
+  // Of several skies the mean by area: a scene has one.
+  void addSky(bool has_suns) {
+    if (looks_ == nullptr) return;
+    double total = 0.0;
+    for (const auto& [shader, area] : light_faces_.skyAreas()) total += area;
+    if (!(total > 0.0)) return;
+    Sky& sky = level_.scene.light.sky;
+    for (const auto& [shader, area] : light_faces_.skyAreas()) {
+      const std::string& name = file_.shaders[shader].name;
+      const Sky one = looks_->sky(name);
+      const auto share = static_cast<float>(area / total);
+      sky.zenith += share * one.zenith;
+      sky.horizon += share * one.horizon;
+      sky.ground += share * one.ground;
+      const ShaderScript* script = looks_->scriptOf(name);
+      if (script == nullptr || !has_suns) continue;
+      for (const ScriptSun& sun : script->light.suns) level_.scene.light.suns.push_back(sunOf(sun));
+    }
+    if (light_faces_.skyAreas().size() > 1)
+      note(std::to_string(light_faces_.skyAreas().size()) + " sky shaders: one sky, their mean by area");
+  }
+
+  void note(const std::string& line) { level_.light_notes.push_back(line); }
 
   const std::string path_;
   const BspFile file_;
-  const LevelLooks* looks_;
-  std::vector<std::optional<uint32_t>> material_of_shader_;
+  const BspLooks* looks_;
+  std::vector<std::optional<ShaderUse>> uses_;  // by shader
   std::vector<glm::dvec3> world_positions_;
+  LightFaces light_faces_;
+  uint32_t faces_without_page_ = 0;
   BspLevel level_;
 };
 
@@ -173,7 +321,7 @@ BspLevel readBspFromArchives(const std::string& path, const std::string& map) {
     throw InputError(path, "map \"" + map.substr(0, 80) + "\"", maps.empty() ? "archives with maps" : "one of " + someOf(maps),
                      "none of that name");
   }
-  const LevelLooks looks{archives, readShaderScripts(archives)};
+  const BspLooks looks(archives);
   return BspConverter(path + ":" + id, archives.read(name, kMaxLevelBytes), &looks).convert(id);
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "datagen/scene/scene.h"
 
@@ -14,6 +15,8 @@ struct BspLevel {
   // faces that are no geometry, by why: "sky", "nodraw", "fog", "liquid", "clip", "translucent", "flare"
   std::map<std::string, uint32_t> dropped_faces;
   uint32_t materials_without_texture = 0;  // have the default colour: no image of theirs is in the archives, or it is damaged
+  // what the level says of light and the scene does not hold, or holds otherwise; one line each
+  std::vector<std::string> light_notes;
 };
 
 // The level's polygons, meshes (models that its compiler built in) and patches, these tessellated to within 4 cm; one unit is
@@ -22,14 +25,18 @@ struct BspLevel {
 // (free_standing.h); behind them stands a movable one for each submodel that has triangles, named by its entity ("func_door *3"),
 // where that places it.
 //
+// Its light is that of docs/theory/light.md, "Quake III levels": baked light from lightmaps and vertices, faces of sky, lamps and
+// suns that the entities hold, the light grid.
+//
 // path     a .bsp file; without archives, shader scripts and textures are not at hand: flags are those that the .bsp holds, all
-//          faces are one-sided, all materials have the default colour
+//          faces are one-sided, all materials have the default colour, no face shines, the sky is dark
 // throws   InputError naming file, place, expected and got on what parseBsp and readPlacements refuse, and on a level of more
 //          than 2^23 triangles or 256 MiB
 BspLevel readBsp(const std::string& path);
 
 // The same for maps/MAP.bsp in the archives at path (pk3_archive.h), with their shader scripts and textures: surface parameters
-// add to the .bsp's flags, cull none makes a material double_sided, base_color is its texture's average.
+// add to the .bsp's flags, cull none makes a material double_sided, base_color is its texture's average; faces shine, and sky has
+// its light and its suns.
 //
 // map      without regard to case
 // throws   InputError also on what Pk3Archives and readShaderScripts refuse, and on a map that is not there (names some that are)

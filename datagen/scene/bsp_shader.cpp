@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "datagen/scene/bsp_entities.h"
 #include "datagen/scene/bsp_file.h"
 #include "datagen/scene/quake_tokens.h"
 #include "tool/error.h"
@@ -14,6 +15,7 @@ constexpr size_t kMaxScriptBytes = size_t{4} << 20;
 constexpr size_t kMaxAllScriptBytes = size_t{64} << 20;
 constexpr size_t kMaxShaders = size_t{1} << 16;
 constexpr size_t kMaxTextures = 8;
+constexpr size_t kMaxSuns = 8;
 
 struct SurfaceParm {
   std::string_view name;
@@ -39,9 +41,53 @@ void addTexture(std::string_view name, ShaderScript& script) {
   script.textures.push_back(shaderKey(name));
 }
 
+// The number that a line's next word begins with; 0 when there is none, as the compiler reads it.
+double nextNumber(QuakeTokens& tokens) {
+  std::string_view word;
+  return tokens.nextOnLine(&word) ? leadingNumber(word).value_or(0.0) : 0.0;
+}
+
+glm::dvec3 nextColour(QuakeTokens& tokens) {
+  glm::dvec3 colour;
+  for (int channel = 0; channel < 3; ++channel) colour[channel] = std::max(0.0, nextNumber(tokens));
+  return colour;
+}
+
+void addSun(bool is_extended, QuakeTokens& tokens, ScriptLight& light) {
+  ScriptSun sun;
+  sun.colour = nextColour(tokens);
+  sun.intensity = std::max(0.0, nextNumber(tokens));
+  sun.degrees = nextNumber(tokens);
+  sun.elevation = nextNumber(tokens);
+  if (is_extended) sun.deviance = std::clamp(nextNumber(tokens), 0.0, 90.0);
+  if (light.suns.size() < kMaxSuns) light.suns.push_back(sun);
+}
+
+// false for a line that says nothing about light
+bool readLightLine(const std::string& keyword, QuakeTokens& tokens, ScriptLight& light) {
+  std::string_view word;
+  if (keyword == "q3map_surfacelight") {
+    light.surface_light = std::max(0.0, nextNumber(tokens));
+  } else if (keyword == "q3map_skylight") {
+    light.sky_light = std::max(0.0, nextNumber(tokens));
+  } else if (keyword == "q3map_lightrgb") {
+    light.colour = nextColour(tokens);
+  } else if (keyword == "q3map_lightimage") {
+    if (tokens.nextOnLine(&word)) light.image = shaderKey(word);
+  } else if (keyword == "skyparms") {
+    if (tokens.nextOnLine(&word) && word != "-") light.sky_box = shaderKey(word);
+  } else if (keyword == "sun" || keyword == "q3map_sun" || keyword == "q3map_sunext") {
+    addSun(keyword == "q3map_sunext", tokens, light);
+  } else {
+    return false;
+  }
+  return true;
+}
+
 // One line inside a shader, outside its stages.
 void readGeneralLine(const std::string& keyword, QuakeTokens& tokens, ShaderScript& script) {
   std::string_view word;
+  if (readLightLine(keyword, tokens, script.light)) return;
   if (!tokens.nextOnLine(&word)) return;
   const std::string value = lowerCase(word);
   if (keyword == "surfaceparm") {

@@ -38,6 +38,10 @@ class SceneCopier {
     result_.origin_m = source.origin_m;
     result_.materials = source.materials;
     result_.dropped_triangle_count = source.dropped_triangle_count;
+    // what lay on the surfaces lay there for them as they stood
+    result_.light = source.light;
+    result_.light.baked = {};
+    result_.light.quake_grid = {};
   }
 
   // change is null for what stays exactly where it is

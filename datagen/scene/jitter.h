@@ -16,7 +16,8 @@ struct JitterOptions {
 };
 
 // A variant of scene: jitter 0 is the scene itself; every other number is another draw, a pure function of
-// (scene, options, jitter), the same on every machine. Objects are split into connected components first.
+// (scene, options, jitter), the same on every machine. Objects are split into connected components first. A variant has the
+// scene's lamps, suns and sky where they were, and no baked light.
 Scene jitterScene(const Scene& scene, const JitterOptions& options, uint64_t jitter);
 
 }  // namespace nlg

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <numeric>
+#include <type_traits>
 
 #include "tool/atomic_file.h"
 
@@ -13,6 +14,12 @@ namespace {
 void grow(Bounds& bounds, const glm::vec3& p, bool is_first) {
   bounds.min = is_first ? p : glm::min(bounds.min, p);
   bounds.max = is_first ? p : glm::max(bounds.max, p);
+}
+
+Bounds geometryBounds(const Scene& scene) {
+  Bounds bounds;
+  for (size_t i = 0; i < scene.positions.size(); ++i) grow(bounds, scene.positions[i], i == 0);
+  return bounds;
 }
 
 float largestSide(const Bounds& bounds) {
@@ -49,6 +56,7 @@ bool isFlat(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
 
 void dropFlatTriangles(Scene& scene) {
   std::vector<SceneObject> objects;
+  std::vector<int32_t>& pages = scene.light.baked.triangle_page;
   uint32_t kept = 0;
   for (SceneObject object : scene.objects) {
     const uint32_t end = object.first_triangle + object.triangle_count;
@@ -57,6 +65,7 @@ void dropFlatTriangles(Scene& scene) {
       const glm::uvec3 t = scene.triangles[i];
       if (isFlat(scene.positions[t.x], scene.positions[t.y], scene.positions[t.z])) continue;
       scene.triangles[kept] = t;
+      if (!pages.empty()) pages[kept] = pages[i];
       scene.triangle_material[kept++] = scene.triangle_material[i];
     }
     object.first_triangle = first_kept;
@@ -66,8 +75,33 @@ void dropFlatTriangles(Scene& scene) {
   scene.dropped_triangle_count = static_cast<uint32_t>(scene.triangles.size()) - kept;
   scene.triangles.resize(kept);
   scene.triangle_material.resize(kept);
+  if (!pages.empty()) pages.resize(kept);
   scene.objects = std::move(objects);
 }
+
+class HashedBytes {
+ public:
+  template <class Value>
+  void add(const Value& value) {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(Value));
+  }
+  template <class Value>
+  void addAll(const std::vector<Value>& values) {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
+  }
+  template <class Value>
+  void addCounted(const std::vector<Value>& values) {
+    add<uint64_t>(values.size());
+    addAll(values);
+  }
+  void addText(const std::string& text) { bytes_ += text; }
+  std::string hash() const { return sha256(bytes_); }
+
+ private:
+  std::string bytes_;
+};
 
 // Sorts triangles of one object by component, components by their first triangle, and appends an object for each.
 class ComponentSplitter {
@@ -113,6 +147,7 @@ class ComponentSplitter {
   void finish() {
     scene_.triangles = std::move(triangles_);
     scene_.triangle_material = std::move(materials_);
+    scene_.light.baked.triangle_page = std::move(pages_);
     scene_.objects = std::move(objects_);
   }
 
@@ -122,6 +157,8 @@ class ComponentSplitter {
   void append(uint32_t triangle) {
     triangles_.push_back(scene_.triangles[triangle]);
     materials_.push_back(scene_.triangle_material[triangle]);
+    const std::vector<int32_t>& pages = scene_.light.baked.triangle_page;
+    if (!pages.empty()) pages_.push_back(pages[triangle]);
   }
 
   void join(const glm::uvec3& triangle) {
@@ -145,6 +182,7 @@ class ComponentSplitter {
   std::vector<uint32_t> welded_, parent_, first_seen_;
   std::vector<glm::uvec3> triangles_;
   std::vector<uint32_t> materials_;
+  std::vector<int32_t> pages_;  // of baked light
   std::vector<SceneObject> objects_;
 };
 
@@ -160,8 +198,9 @@ Bounds objectBounds(const Scene& scene, const SceneObject& object) {
 }
 
 Bounds sceneBounds(const Scene& scene) {
-  Bounds bounds;
-  for (size_t i = 0; i < scene.positions.size(); ++i) grow(bounds, scene.positions[i], i == 0);
+  Bounds bounds = geometryBounds(scene);
+  const std::vector<glm::vec3>& sky = scene.light.sky_faces.positions;
+  for (size_t i = 0; i < sky.size(); ++i) grow(bounds, sky[i], i == 0 && scene.positions.empty());
   return bounds;
 }
 
@@ -175,28 +214,55 @@ void finishScene(Scene& scene, const std::vector<glm::dvec3>& world_positions_m)
     }
     scene.origin_m = glm::round(0.5 * (low + high));
   }
-  scene.positions.reserve(world_positions_m.size());
-  for (const glm::dvec3& p : world_positions_m) scene.positions.emplace_back(p - scene.origin_m);
+  scene.positions = relativeTo(scene.origin_m, world_positions_m);
   dropFlatTriangles(scene);
 }
 
+std::vector<glm::vec3> relativeTo(const glm::dvec3& origin_m, const std::vector<glm::dvec3>& world_positions_m) {
+  std::vector<glm::vec3> positions;
+  positions.reserve(world_positions_m.size());
+  for (const glm::dvec3& p : world_positions_m) positions.emplace_back(p - origin_m);
+  return positions;
+}
+
 std::string sceneSha256(const Scene& scene) {
-  std::string bytes;
-  const auto append = [&](const void* values, size_t size) { bytes.append(static_cast<const char*>(values), size); };
-  append(&scene.origin_m, sizeof(scene.origin_m));
-  append(scene.positions.data(), scene.positions.size() * sizeof(glm::vec3));
-  append(scene.triangles.data(), scene.triangles.size() * sizeof(glm::uvec3));
-  for (const uint32_t material : scene.triangle_material) bytes.push_back(scene.materials[material].double_sided ? 1 : 0);
+  HashedBytes bytes;
+  bytes.add(scene.origin_m);
+  bytes.addAll(scene.positions);
+  bytes.addAll(scene.triangles);
+  for (const uint32_t material : scene.triangle_material) bytes.add<char>(scene.materials[material].double_sided ? 1 : 0);
   for (const SceneObject& object : scene.objects) {
-    append(&object.first_triangle, sizeof(object.first_triangle));
-    append(&object.triangle_count, sizeof(object.triangle_count));
-    bytes.push_back(object.movable ? 1 : 0);
+    bytes.add(object.first_triangle);
+    bytes.add(object.triangle_count);
+    bytes.add<char>(object.movable ? 1 : 0);
   }
-  return sha256(bytes);
+  return bytes.hash();
+}
+
+std::string sceneLightSha256(const Scene& scene) {
+  HashedBytes bytes;
+  bytes.addText(sceneSha256(scene));
+  for (const uint32_t material : scene.triangle_material) {
+    bytes.add(scene.materials[material].base_color);
+    bytes.add(scene.materials[material].emissive);
+  }
+  const SceneLight& light = scene.light;
+  bytes.add(light.sky);
+  bytes.addCounted(light.lamps);
+  bytes.addCounted(light.suns);
+  bytes.addCounted(light.sky_faces.positions);
+  bytes.addCounted(light.sky_faces.triangles);
+  bytes.addCounted(light.sky_faces.shine);
+  bytes.add(light.baked.page_side);
+  bytes.addCounted(light.baked.texels);
+  bytes.addCounted(light.baked.triangle_page);
+  bytes.addCounted(light.baked.vertex_place);
+  bytes.addCounted(light.baked.vertex_light);
+  return bytes.hash();
 }
 
 void splitConnectedComponents(Scene& scene, double structure_share) {
-  const double limit = structure_share * largestSide(sceneBounds(scene));
+  const double limit = structure_share * largestSide(geometryBounds(scene));
   ComponentSplitter splitter(scene);
   for (const SceneObject& object : scene.objects) {
     if (object.movable) {

@@ -46,13 +46,16 @@ struct Bounds {
   glm::vec3 max{0.0f};
 };
 
-// Axis-aligned box around all vertices of an object, or of the scene; zeros when there are none.
+// Axis-aligned box around all vertices of an object, or of the scene with its sky's faces; zeros when there are none.
 Bounds objectBounds(const Scene& scene, const SceneObject& object);
 Bounds sceneBounds(const Scene& scene);
 
 // SHA-256 of what weighting functions can depend on, as it was read from whatever files: positions, triangles, which of them are
-// double-sided, objects, and the origin. Colours do not count.
+// double-sided, objects, and the origin. Neither colours nor light count.
 std::string sceneSha256(const Scene& scene);
+// SHA-256 of what light can depend on: all of that, colours, emission and the scene's light. The Quake III grid, which lights
+// nothing here, does not count.
+std::string sceneLightSha256(const Scene& scene);
 
 // Splits every object into its connected components: triangles that share a vertex position bit for bit. Triangle order within
 // a component stays. A component whose largest side exceeds structure_share of the scene's largest side becomes not movable.
@@ -60,10 +63,13 @@ std::string sceneSha256(const Scene& scene);
 void splitConnectedComponents(Scene& scene, double structure_share);
 
 // Ends the reading of a file: moves the origin to the middle of the positions, on whole metres, and drops triangles of zero area,
-// counted in dropped_triangle_count, and objects that have no other.
+// counted in dropped_triangle_count, and objects that have no other. What the scene's light says of triangles stays in step with
+// them here and above; places of its own are still to be moved to the origin (relativeTo).
 //
 // scene               all but origin and positions
 // world_positions_m   V, finite
 void finishScene(Scene& scene, const std::vector<glm::dvec3>& world_positions_m);
+
+std::vector<glm::vec3> relativeTo(const glm::dvec3& origin_m, const std::vector<glm::dvec3>& world_positions_m);
 
 }  // namespace nlg

@@ -1,7 +1,7 @@
 // Where a scene's light comes from, beside the emissive materials of its triangles.
 //
 // Radiance is linear and in one unit of the scene's own for all of these: glTF's are cd/m², a Quake III level's are 1 for a white
-// surface under a lightmap of full brightness (docs/theory/light.md). Positions are relative to the scene's origin.
+// surface that the engine shows at full brightness (docs/theory/light.md). Positions are relative to the scene's origin.
 #pragma once
 
 #include <array>
@@ -47,15 +47,25 @@ struct BakedLight {
   std::vector<int32_t> triangle_page;   // by triangle: its page, or kByVertex
   std::vector<glm::vec2> vertex_place;  // by vertex: on the page, [0, 1]², x along a row
   std::vector<glm::vec3> vertex_light;  // by vertex, for kByVertex
+  glm::vec3 ambient{0.0f};              // what of it comes from nowhere: the compiler added it everywhere
 
   bool empty() const { return triangle_page.empty(); }
 };
 
 // Triangles of sky: they shine with the sky's radiance on their front, and nothing meets them from behind. They are no geometry
-// of the scene's: no weighting function knows them, but they end rays of light and lie inside the scene's bounds.
+// of the scene's: no weighting function knows them, but they end rays of light and lie inside the scene's bounds. Behind them
+// stand faces that are no geometry either and shine by themselves: lava, flames.
 struct SkyFaces {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
+  std::vector<glm::vec3> shine;  // radiance of the last shine.size() triangles; all before them are sky
+
+  // Whether a triangle shines by itself.
+  bool shines(uint32_t triangle) const { return triangle + shine.size() >= triangles.size(); }
+  // What comes along a ray that meets a triangle's front.
+  glm::vec3 radiance(uint32_t triangle, const glm::vec3& direction, const Sky& sky) const {
+    return shines(triangle) ? shine[triangle + shine.size() - triangles.size()] : sky.radiance(direction);
+  }
 };
 
 // The light grid that a Quake III level's file ships (lump 15), decoded: a rival to measure against.

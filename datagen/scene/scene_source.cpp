@@ -31,6 +31,7 @@ SceneSource sourceOf(BspLevel level) {
   source.sha256 = sceneSha256(source.scene);
   source.dropped_faces = std::move(level.dropped_faces);
   source.materials_without_texture = level.materials_without_texture;
+  source.light_notes = std::move(level.light_notes);
   return source;
 }
 

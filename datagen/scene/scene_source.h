@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "datagen/scene/scene.h"
 
@@ -16,6 +17,7 @@ struct SceneSource {
   Scene scene;
   std::map<std::string, uint32_t> dropped_faces;  // of a .bsp, by why: bsp_reader.h
   uint32_t materials_without_texture = 0;         // of a .bsp: these have the default colour
+  std::vector<std::string> light_notes;           // of a .bsp: what its light lost; bsp_reader.h
 };
 
 // request   FAMILY:SEED for a procedural scene (house:3);

@@ -29,13 +29,15 @@ double linearOf(uint8_t code) {
 class ColourSum {
  public:
   void add(uint8_t red, uint8_t green, uint8_t blue) {
-    sum_ += glm::dvec3(linearOf(red), linearOf(green), linearOf(blue));
+    linear_ += glm::dvec3(linearOf(red), linearOf(green), linearOf(blue));
+    codes_ += glm::dvec3(red, green, blue);
     ++count_;
   }
-  glm::vec3 mean() const { return glm::vec3(sum_ / static_cast<double>(count_)); }
+  glm::vec3 linearMean() const { return glm::vec3(linear_ / static_cast<double>(count_)); }
+  glm::vec3 codeMean() const { return glm::vec3(codes_ / (255.0 * static_cast<double>(count_))); }
 
  private:
-  glm::dvec3 sum_{0.0};
+  glm::dvec3 linear_{0.0}, codes_{0.0};
   uint64_t count_ = 0;
 };
 
@@ -143,19 +145,25 @@ class TargaReader {
   size_t pixel_bytes_ = 0;
 };
 
+// false on an image that has no colour
+bool readImage(std::string_view bytes, ColourSum* sum) {
+  if (!bytes.starts_with("\xff\xd8")) return TargaReader(bytes).read(sum);
+  std::vector<JSAMPLE> row(3 * (kMaxSide / 8 + 1));
+  return decodeJpeg(bytes, row.data(), sum);
+}
+
 }  // namespace
 
 std::optional<glm::vec3> averageColour(std::string_view bytes) {
   ColourSum sum;
-  bool is_good = false;
-  if (bytes.starts_with("\xff\xd8")) {
-    std::vector<JSAMPLE> row(3 * (kMaxSide / 8 + 1));
-    is_good = decodeJpeg(bytes, row.data(), &sum);
-  } else {
-    is_good = TargaReader(bytes).read(&sum);
-  }
-  if (!is_good) return std::nullopt;
-  return sum.mean();
+  if (!readImage(bytes, &sum)) return std::nullopt;
+  return sum.linearMean();
+}
+
+std::optional<glm::vec3> averageCode(std::string_view bytes) {
+  ColourSum sum;
+  if (!readImage(bytes, &sum)) return std::nullopt;
+  return sum.codeMean();
 }
 
 }  // namespace nlg

@@ -16,4 +16,7 @@ namespace nlg {
 //           larger than 8192 pixels a side
 std::optional<glm::vec3> averageColour(std::string_view bytes);
 
+// The same mean of the codes themselves, over 255: what Quake III's compilers take for the colour of a light.
+std::optional<glm::vec3> averageCode(std::string_view bytes);
+
 }  // namespace nlg

@@ -214,6 +214,7 @@ LightHit RayScene::lightHit(const glm::vec3& origin, const glm::vec3& direction)
     result.distance = hit.ray.tfar;
     if (hit.hit.geomID == kSky) {
       result.kind = LightHit::Kind::sky;
+      result.triangle = hit.hit.primID;
       if (glm::dot(impl_->sky_normals[hit.hit.primID], direction) < 0.0f) return result;
       // from behind: on, past this face
       const float next = std::nextafter(hit.ray.tfar * (1.0f + 0x1p-20f), std::numeric_limits<float>::infinity());

@@ -34,7 +34,7 @@ struct LightHit {
   enum class Kind : uint8_t { nothing, sky, surface };
   Kind kind = Kind::nothing;
   bool is_front = true;      // of a surface: the ray meets its front
-  uint32_t triangle = 0;     // of a surface: index into the scene's triangles
+  uint32_t triangle = 0;     // of a surface: index into the scene's triangles; of sky: into its sky faces'
   float distance = 0.0f;     // in lengths of the ray's direction
   float u = 0.0f, v = 0.0f;  // weights of the triangle's second and third corner
   glm::vec3 normal{0.0f};    // unit, of the side that the ray meets
