@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datagen/lighting/air.h"
 #include "datagen/lighting/baked_light.h"
-#include "datagen/lighting/directions.h"
 #include "datagen/lighting/light_transport.h"
 #include "datagen/visibility/ray_scene.h"
 #include "runtime_eval/numbers/random.h"
@@ -13,8 +13,6 @@ namespace nlg {
 namespace {
 
 constexpr float kPi = 3.14159265f;
-constexpr int kSolidRays = 32;
-constexpr double kSolidShare = 0.1;  // of rays that meet backs: in solid
 constexpr uint64_t kPlaceStream = 0x636c6f73;
 
 double luminance(const glm::vec3& rgb) { return 0.2126 * rgb.r + 0.7152 * rgb.g + 0.0722 * rgb.b; }
@@ -93,23 +91,11 @@ class ClosureMeasurement {
     place.normal = glm::normalize(glm::cross(ab, ac));
     place.position = a + ab * u + ac * v + place.normal * static_cast<float>(options_.before_m);
     place.baked = bakedLight(scene_, triangle, u, v);
-    if (isInSolid(place, random.next())) {
-      ++result_.in_solid;
-    } else {
+    if (isInAir(rays_, glm::dvec3(place.position))) {
       result_.places.push_back(place);
+    } else {
+      ++result_.in_solid;
     }
-  }
-
-  bool isInSolid(const ClosurePlace& place, uint64_t seed) const {
-    const Lattice lattice(seed);
-    int backs = 0;
-    for (int i = 0; i < kSolidRays; ++i) {
-      const auto [u, v] = lattice.point(i, kSolidRays);
-      const LightHit hit = rays_.lightHit(place.position, cosineDirection(place.normal, u, v));
-      if (hit.kind != LightHit::Kind::surface || hit.is_front) continue;
-      backs += !scene_.materials[scene_.triangle_material[hit.triangle]].double_sided;
-    }
-    return backs > kSolidShare * kSolidRays;
   }
 
   template <class Target>

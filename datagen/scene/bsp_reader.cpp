@@ -231,8 +231,9 @@ class BspConverter {
     const bool is_lit =
         file_.lightmap_count > 0 || std::any_of(colours.begin(), colours.end(), [&](const auto& c) { return c != colours[0]; });
     if (!is_lit) {
+      const bool has_geometry = !colours.empty();
       baked = {};
-      if (!colours.empty()) note("neither lightmaps nor lit vertices: no baked light");
+      if (has_geometry) note("neither lightmaps nor lit vertices: no baked light");
       return;
     }
     if (faces_without_page_ > 0)

@@ -202,7 +202,7 @@ TEST_F(BspReader, RefusesRecordsThatPointOutside) {
   expectError("odd sides", [](BspParts& p) { p.faces[1].height = 0x80000003u; });
   expectError("a patch of 15 control points", [](BspParts& p) { p.faces[1].width = 5; });
   expectError("models 0: expected faces out of 2", [](BspParts& p) { p.models[0].face_count = 3; });
-  expectError("behind those of the models before it", [](BspParts& p) { p.models.push_back({1, 1}); });
+  expectError("behind those of the models before it", [](BspParts& p) { p.models.push_back({1, 1, {}, {}}); });
   expectError("at least one model", [](BspParts& p) { p.models.clear(); });
 }
 

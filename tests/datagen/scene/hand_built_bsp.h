@@ -26,16 +26,24 @@ struct BspParts {
   };
   struct Face {
     uint32_t shader = 0, kind = 1, first_vertex = 0, vertex_count = 0, first_index = 0, index_count = 0, width = 0, height = 0;
+    int32_t lightmap = -3;  // by vertex
   };
   struct Model {
     uint32_t first_face = 0, face_count = 0;
+    glm::vec3 min{0.0f}, max{0.0f};
+  };
+  struct Light {
+    glm::vec2 place{0.0f};  // on the lightmap
+    uint8_t colour[4] = {0, 0, 0, 0};
   };
   std::string entities = "{ \"classname\" \"worldspawn\" }";
   std::vector<Shader> shaders;
   std::vector<Model> models;
   std::vector<glm::vec3> vertices;
+  std::vector<Light> lights;  // of the first vertices; those behind have none
   std::vector<uint32_t> indices;
   std::vector<Face> faces;
+  std::string lightmaps, light_grid;  // lumps as they are
 
   // A polygon or mesh (kind 1, 3) of one quad, corners clockwise from its front; a patch (kind 2) of 3 x 3 points.
   void addFace(uint32_t shader, uint32_t kind, const std::vector<glm::vec3>& corners) {
@@ -52,7 +60,20 @@ struct BspParts {
     models.back().face_count = static_cast<uint32_t>(faces.size()) - models.back().first_face;
   }
 
-  void beginModel() { models.push_back({static_cast<uint32_t>(faces.size()), 0}); }
+  void beginModel() { models.push_back({static_cast<uint32_t>(faces.size()), 0, {}, {}}); }
+
+  // What the compiler left at a vertex; those before it that had nothing have black.
+  void lightVertex(size_t vertex, const glm::vec2& place, uint8_t red, uint8_t green, uint8_t blue) {
+    if (lights.size() <= vertex) lights.resize(vertex + 1);
+    lights[vertex] = {place, {red, green, blue, 255}};
+  }
+
+  // A page whose texel (x, y) is (x, y, 7).
+  void addLightmap() {
+    for (int y = 0; y < 128; ++y) {
+      for (int x = 0; x < 128; ++x) lightmaps += {static_cast<char>(x), static_cast<char>(y), 7};
+    }
+  }
 
   std::string bytes() const {
     std::string lumps[17];
@@ -63,18 +84,26 @@ struct BspParts {
       lumps[1] += name + words({shader.surface_flags, shader.content_flags});
     }
     for (const Model& model : models) {
-      lumps[7] += std::string(24, '\0') + words({model.first_face, model.face_count, 0, 0});
+      lumps[7].append(reinterpret_cast<const char*>(&model.min), 12);
+      lumps[7].append(reinterpret_cast<const char*>(&model.max), 12);
+      lumps[7] += words({model.first_face, model.face_count, 0, 0});
     }
-    for (const glm::vec3& v : vertices) {
-      lumps[10].append(reinterpret_cast<const char*>(&v), 12);
-      lumps[10] += std::string(32, '\0');
+    for (size_t i = 0; i < vertices.size(); ++i) {
+      const Light light = i < lights.size() ? lights[i] : Light{};
+      lumps[10].append(reinterpret_cast<const char*>(&vertices[i]), 12);
+      lumps[10] += std::string(8, '\0');
+      lumps[10].append(reinterpret_cast<const char*>(&light.place), 8);
+      lumps[10] += std::string(12, '\0');
+      lumps[10].append(reinterpret_cast<const char*>(light.colour), 4);
     }
     lumps[11] = words(indices);
     for (const Face& face : faces) {
       lumps[13] +=
           words({face.shader, ~0u, face.kind, face.first_vertex, face.vertex_count, face.first_index, face.index_count}) +
-          std::string(68, '\0') + words({face.width, face.height});
+          words({static_cast<uint32_t>(face.lightmap)}) + std::string(64, '\0') + words({face.width, face.height});
     }
+    lumps[14] = lightmaps;
+    lumps[15] = light_grid;
     std::string header = "IBSP" + words({46});
     std::string body;
     for (const std::string& lump : lumps) {
