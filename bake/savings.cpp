@@ -12,8 +12,10 @@
 namespace nlg {
 namespace {
 
-// Of a node in the file: the tensors node.… (docs/reference/formats.md).
-constexpr int64_t kNodeBytes = 8 + 8 + 4 + 4 + 1 + 1;
+// Of a node without used cells in the file: its kind, and the mask of its children where some cells are none
+// (docs/reference/formats.md).
+int64_t nodeBytes(uint64_t child_mask) { return child_mask == 0 || child_mask == ~uint64_t{0} ? 1 : 1 + 8; }
+
 constexpr int kTreeLevels = 3;
 
 // What a function takes in the file: theta, and which representation it is of.
@@ -225,15 +227,18 @@ class SavingsCount {
 
   void addTree() {
     const ProbeTreeData tree = probeTreeData(grid_.tree);
+    const std::vector<uint8_t> cell_log2 = probeTreeLists(grid_.tree).cell_log2;
     uint64_t roots = 0, empty_roots = 0;
     std::array<uint64_t, kTreeLevels> nodes{}, cells{};
+    std::array<int64_t, kTreeLevels> bytes{};
     for (size_t n = 0; n < tree.cell_count.size(); ++n) {
       const bool holds_nothing = tree.child_mask[n] == 0 && tree.used_mask[n] == 0;
-      const int side_log2 = tree.cell_log2[n] + std::countr_zero(static_cast<uint32_t>(tree.cell_count[n]));
+      const int side_log2 = cell_log2[n] + std::countr_zero(static_cast<uint32_t>(tree.cell_count[n]));
       const int level = holds_nothing ? 0 : (std::countr_zero(static_cast<uint32_t>(kRootSide)) - side_log2) / 2;
       roots += level == 0;
       empty_roots += holds_nothing;
       ++nodes[level];
+      bytes[level] += nodeBytes(tree.child_mask[n]);
       cells[level] += static_cast<uint64_t>(std::popcount(tree.used_mask[n]));
     }
     uint64_t without = 0, leading = 0;
@@ -242,7 +247,7 @@ class SavingsCount {
       without += nodes[level] == 0;
       if (nodes[level] == 0 || cells[level] > 0) continue;
       ++leading;
-      leading_bytes += kNodeBytes * static_cast<int64_t>(nodes[level]);
+      leading_bytes += bytes[level];
     }
     savings_.push_back(
         {saving::kLevels, true, without, kTreeLevels, {}, 0, {}, "look-ups end before them, files hold nothing of them"});
@@ -259,7 +264,7 @@ class SavingsCount {
                         empty_roots,
                         roots,
                         {},
-                        kNodeBytes * static_cast<int64_t>(empty_roots),
+                        nodeBytes(0) * static_cast<int64_t>(empty_roots),
                         {},
                         "the look-up finds its root by its place in the array"});
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -13,7 +14,7 @@ namespace {
 
 constexpr const char* kKind = "nlg-light-grid";
 constexpr const char* kVersion = "2";
-constexpr const char* kOldVersion = "1";  // without light
+constexpr const char* kOldVersion = "1";  // without light, and with the tree in lists that follow from its nodes
 constexpr std::string_view kRepresentationPrefix = "representation.", kSlopePrefix = "slope.";
 
 WeightsResult refuse(WeightsStatus status, std::string detail) { return {status, std::move(detail)}; }
@@ -112,25 +113,58 @@ WeightsResult readNumbers(const TensorFileReader& reader, const std::string& nam
   return {};
 }
 
-WeightsResult readTree(const TensorFileReader& reader, ProbeTree* tree) {
+WeightsResult readFrame(const TensorFileReader& reader, ProbeTreeFrame* frame) {
+  WeightsResult result = readNumbers<3>(reader, "frame.first_m", frame->first_m.data());
+  takeFirst(&result, readNumbers<1>(reader, "frame.spacing_m", &frame->spacing_m));
+  takeFirst(&result, readNumbers<3>(reader, "frame.root_count", frame->root_count.data()));
+  return result;
+}
+
+WeightsResult refuseTree(const std::string& fault) {
+  return fault.empty() ? WeightsResult{} : refuse(WeightsStatus::value_out_of_range, "probe tree: " + fault);
+}
+
+// After probe_function, which says how many probes there are.
+WeightsResult readTree(const TensorFileReader& reader, LightGrid* grid) {
   ProbeTreeData data;
-  WeightsResult result;
-  takeFirst(&result, readNumbers<3>(reader, "frame.first_m", data.frame.first_m.data()));
-  takeFirst(&result, readNumbers<1>(reader, "frame.spacing_m", &data.frame.spacing_m));
-  takeFirst(&result, readNumbers<3>(reader, "frame.root_count", data.frame.root_count.data()));
+  PackedNodes nodes;
+  WeightsResult result = readFrame(reader, &data.frame);
+  takeFirst(&result, reader.read("node.kind", &nodes.kind));
+  takeFirst(&result, reader.read("node.bits", &nodes.bits));
+  if (result.ok()) result = refuseTree(unpackNodes(nodes, &data));
+  if (result.ok()) result = refuseTree(makeProbeTree(data, grid->probe_function.size(), &grid->tree));
+  return result;
+}
+
+// A list of a version 1 file against the one that follows from its nodes.
+template <class T>
+WeightsResult compareList(const TensorFileReader& reader, const char* name, const std::vector<T>& expected) {
+  std::vector<T> list;
+  const WeightsResult result = reader.read(name, &list);
+  if (!result.ok() || list == expected) return result;
+  if (list.size() != expected.size())
+    return refuseTree(std::string(name) + ": expected " + std::to_string(expected.size()) + " entries");
+  const auto wrong = std::mismatch(list.begin(), list.end(), expected.begin());
+  return refuseTree(std::string(name) + ", entry " + std::to_string(wrong.first - list.begin()) + ": expected " +
+                    std::to_string(*wrong.second));
+}
+
+WeightsResult readOldTree(const TensorFileReader& reader, LightGrid* grid) {
+  ProbeTreeData data;
+  WeightsResult result = readFrame(reader, &data.frame);
   takeFirst(&result, reader.read("node.child_mask", &data.child_mask));
   takeFirst(&result, reader.read("node.used_mask", &data.used_mask));
-  takeFirst(&result, reader.read("node.first_child", &data.first_child));
-  takeFirst(&result, reader.read("node.first_slot", &data.first_slot));
-  takeFirst(&result, reader.read("node.cell_log2", &data.cell_log2));
   takeFirst(&result, reader.read("node.cell_count", &data.cell_count));
-  takeFirst(&result, reader.read("slots", &data.slots));
-  takeFirst(&result, reader.read("probe.key", &data.probe_keys));
-  takeFirst(&result, reader.read("probe.log2", &data.probe_log2));
+  if (result.ok()) result = refuseTree(makeProbeTree(data, grid->probe_function.size(), &grid->tree));
   if (!result.ok()) return result;
-  const std::string fault = makeProbeTree(std::move(data), tree);
-  if (!fault.empty()) return refuse(WeightsStatus::value_out_of_range, "probe tree: " + fault);
-  return {};
+  const ProbeTreeLists lists = probeTreeLists(grid->tree);
+  takeFirst(&result, compareList(reader, "node.first_child", lists.first_child));
+  takeFirst(&result, compareList(reader, "node.first_slot", lists.first_slot));
+  takeFirst(&result, compareList(reader, "node.cell_log2", lists.cell_log2));
+  takeFirst(&result, compareList(reader, "slots", lists.slots));
+  takeFirst(&result, compareList(reader, "probe.key", lists.probe_keys));
+  takeFirst(&result, compareList(reader, "probe.log2", lists.probe_log2));
+  return result;
 }
 
 template <class T>
@@ -191,9 +225,27 @@ WeightsResult takeRepresentations(GridMetadata* metadata, std::vector<Representa
   return {};
 }
 
-WeightsResult readFunctions(const TensorFileReader& reader, LightGrid* grid) {
-  WeightsResult result = reader.read("probe.function", &grid->probe_function);
-  takeFirst(&result, reader.read("function.representation", &grid->function_representation));
+// Functions of probes in two bytes: for grids of at most kMaxShortFunctions.
+constexpr size_t kMaxShortFunctions = 0xfffe;
+
+uint16_t shortFunction(uint32_t function) {
+  return function == kFreeSpace ? 0xffff : function == kNoWeight ? 0xfffe : static_cast<uint16_t>(function);
+}
+uint32_t longFunction(uint16_t function) { return function == 0xffff ? kFreeSpace : function == 0xfffe ? kNoWeight : function; }
+
+WeightsResult readProbeFunctions(const TensorFileReader& reader, bool is_short, std::vector<uint32_t>* probe_function) {
+  if (!is_short) return reader.read("probe.function", probe_function);
+  std::vector<uint16_t> functions;
+  const WeightsResult result = reader.read("probe.function", &functions);
+  std::transform(functions.begin(), functions.end(), std::back_inserter(*probe_function), longFunction);
+  return result;
+}
+
+// is_old   of a file of version 1
+WeightsResult readFunctions(const TensorFileReader& reader, bool is_old, LightGrid* grid) {
+  WeightsResult result = reader.read("function.representation", &grid->function_representation);
+  const bool is_short = !is_old && grid->functionCount() <= kMaxShortFunctions;
+  takeFirst(&result, readProbeFunctions(reader, is_short, &grid->probe_function));
   if (!result.ok()) return result;
   for (const uint8_t representation : grid->function_representation) {
     // those that do not exist are for checkLightGrid to name
@@ -247,8 +299,9 @@ WeightsResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMeta
   for (const auto& [key, text] : *metadata) {
     if (isOwnKey(key)) return refuse(WeightsStatus::value_out_of_range, "metadata " + key + ": expected no such key");
   }
-  result = readTree(reader, &grid->tree);
-  if (result.ok()) result = readFunctions(reader, grid);
+  const bool is_old = version == kOldVersion;
+  result = readFunctions(reader, is_old, grid);
+  if (result.ok()) result = is_old ? readOldTree(reader, grid) : readTree(reader, grid);
   if (result.ok()) result = readLight(reader, form, grid);
   return result.ok() ? checkLightGrid(*grid) : result;
 }
@@ -284,22 +337,25 @@ WeightsResult serializeLightGrid(const LightGrid& grid, const GridPrecision& pre
   if (!result.ok()) return result;
 
   const ProbeTreeData tree = probeTreeData(grid.tree);
+  const PackedNodes nodes = packNodes(tree);
   const std::vector<double> first_m(tree.frame.first_m.begin(), tree.frame.first_m.end()), spacing_m{tree.frame.spacing_m};
   const std::vector<int32_t> root_count(tree.frame.root_count.begin(), tree.frame.root_count.end());
+  const bool is_short = grid.functionCount() <= kMaxShortFunctions;
+  std::vector<uint16_t> short_functions;
+  if (is_short) {
+    std::transform(grid.probe_function.begin(), grid.probe_function.end(), std::back_inserter(short_functions), shortFunction);
+  }
   TensorFileWriter writer;
   writer.add("frame.first_m", first_m);
   writer.add("frame.spacing_m", spacing_m);
   writer.add("frame.root_count", root_count);
-  writer.add("node.child_mask", tree.child_mask);
-  writer.add("node.used_mask", tree.used_mask);
-  writer.add("node.first_child", tree.first_child);
-  writer.add("node.first_slot", tree.first_slot);
-  writer.add("node.cell_log2", tree.cell_log2);
-  writer.add("node.cell_count", tree.cell_count);
-  writer.add("slots", tree.slots);
-  writer.add("probe.key", tree.probe_keys);
-  writer.add("probe.log2", tree.probe_log2);
-  writer.add("probe.function", grid.probe_function);
+  writer.add("node.kind", nodes.kind);
+  writer.add("node.bits", nodes.bits);
+  if (is_short) {
+    writer.add("probe.function", short_functions);
+  } else {
+    writer.add("probe.function", grid.probe_function);
+  }
   writer.add("function.representation", grid.function_representation);
   if (precision.theta == ThetaPrecision::float16) {
     writer.add("theta", halves);
@@ -330,11 +386,14 @@ WeightsResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetada
 
 LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precision) {
   const LightForm form = formOf(grid, precision);
+  const PackedNodes nodes = packNodes(probeTreeData(grid.tree));
+  constexpr size_t kFrameBytes = sizeof(PositionM) + sizeof(double) + 3 * sizeof(int32_t);
   return {.light = form == LightForm::none ? 0 : sizeof(float) + countWithWeight(grid) * lightFormBytes(form),
           .theta = grid.theta.size() * (precision.theta == ThetaPrecision::float16 ? sizeof(Half) : sizeof(float)),
           .functions = grid.function_representation.size() * sizeof(uint8_t),
-          .probe_function = grid.probe_function.size() * sizeof(uint32_t),
-          .tree = probeTreeData(grid.tree).byteCount()};
+          .probe_function =
+              grid.probe_function.size() * (grid.functionCount() <= kMaxShortFunctions ? sizeof(uint16_t) : sizeof(uint32_t)),
+          .tree = kFrameBytes + nodes.kind.size() + nodes.bits.size()};
 }
 
 }  // namespace nlg

@@ -121,6 +121,7 @@ class ProbeTree {
 
  private:
   friend class ProbeTreeBuilder;
+  friend class ProbeTreeNumbering;
   friend class ProbeTreeAccess;  // probe_tree_data.h
 
   static constexpr int kIndexBits = 27;

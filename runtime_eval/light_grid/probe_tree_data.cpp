@@ -1,12 +1,11 @@
 #include "runtime_eval/light_grid/probe_tree_data.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <utility>
 
-#include "runtime_eval/light_grid/morton.h"
+#include "runtime_eval/light_grid/probe_tree_numbering.h"
 
 namespace nlg {
 
@@ -19,68 +18,79 @@ class ProbeTreeAccess {
     for (const ProbeTree::Node& node : tree.nodes_) {
       data.child_mask.push_back(node.child_mask);
       data.used_mask.push_back(node.used_mask);
-      data.first_child.push_back(node.first_child);
-      data.first_slot.push_back(node.first_slot);
-      data.cell_log2.push_back(node.cell_log2);
       data.cell_count.push_back(node.cell_count);
     }
-    data.slots = tree.slots_;
-    data.probe_keys = tree.probe_keys_;
-    data.probe_log2 = tree.probe_log2_;
     return data;
   }
 
-  // data   checked
-  static ProbeTree treeOf(ProbeTreeData data) {
-    ProbeTree tree;
-    tree.frame_ = data.frame;
-    tree.nodes_.resize(data.child_mask.size());
-    for (size_t i = 0; i < tree.nodes_.size(); ++i) {
-      tree.nodes_[i] = {data.child_mask[i], data.used_mask[i], data.first_child[i],
-                        data.first_slot[i], data.cell_log2[i], data.cell_count[i]};
-      tree.cell_count_ += static_cast<size_t>(std::popcount(data.used_mask[i]));
+  static ProbeTreeLists listsOf(const ProbeTree& tree) {
+    ProbeTreeLists lists;
+    for (const ProbeTree::Node& node : tree.nodes_) {
+      lists.first_child.push_back(node.first_child);
+      lists.first_slot.push_back(node.first_slot);
+      lists.cell_log2.push_back(node.cell_log2);
     }
-    tree.slots_ = std::move(data.slots);
-    tree.probe_keys_ = std::move(data.probe_keys);
-    tree.probe_log2_ = std::move(data.probe_log2);
-    return tree;
+    lists.slots = tree.slots_;
+    lists.probe_keys = tree.probe_keys_;
+    lists.probe_log2 = tree.probe_log2_;
+    return lists;
   }
 
-  static constexpr int kIndexBits = ProbeTree::kIndexBits;
+  // first_child, cell_log2   by node, as the builder would have them
+  static bool makeTree(const ProbeTreeData& data, const std::vector<uint32_t>& first_child, const std::vector<uint8_t>& cell_log2,
+                       uint64_t probe_limit, ProbeTree* tree) {
+    tree->frame_ = data.frame;
+    tree->nodes_.resize(data.child_mask.size());
+    for (size_t i = 0; i < tree->nodes_.size(); ++i) {
+      tree->nodes_[i] = {data.child_mask[i], data.used_mask[i], first_child[i], 0, cell_log2[i], data.cell_count[i]};
+      tree->cell_count_ += static_cast<size_t>(std::popcount(data.used_mask[i]));
+    }
+    return ProbeTreeNumbering(probe_limit, *tree).number();
+  }
 };
 
 namespace {
 
-// Walks the nodes as the builder made them, and expects in every list what it would have put there.
-class TreeChecker {
- public:
-  explicit TreeChecker(const ProbeTreeData& data) : data_(data), read_log2_(data.probe_keys.size(), kUnread) {}
+constexpr int kLastLevel = 2;
 
-  const std::string& fault() const { return fault_; }
+// The cells that a node has.
+uint64_t cellsOf(uint32_t cell_count) {
+  uint64_t mask = 0;
+  for (uint32_t bit = 0; bit < 64; ++bit) {
+    if ((bit & 3) < cell_count && (bit >> 2 & 3) < cell_count && bit >> 4 < cell_count) mask |= uint64_t{1} << bit;
+  }
+  return mask;
+}
+
+// Walks the nodes as the builder made them: what is wrong with them, and where their children stand.
+class NodeWalk {
+ public:
+  explicit NodeWalk(const ProbeTreeData& data) : data_(data) {}
+
+  std::vector<uint32_t> first_child;
+  std::vector<uint8_t> cell_log2;
+  uint64_t used_count = 0;  // cells
+  std::string fault;
 
   bool check() {
     if (!checkFrame() || !checkSizes()) return false;
-    uint64_t root = 0;
     const std::array<int32_t, 3>& roots = data_.frame.root_count;
-    next_node_ = static_cast<uint64_t>(roots[0]) * static_cast<uint64_t>(roots[1]) * static_cast<uint64_t>(roots[2]);
-    if (next_node_ > data_.child_mask.size()) return expected("frame", "no more roots than nodes");
-    for (int32_t z = 0; z < roots[2]; ++z) {
-      for (int32_t y = 0; y < roots[1]; ++y) {
-        for (int32_t x = 0; x < roots[0]; ++x)
-          if (!checkNode(root++, {x * kRootSide, y * kRootSide, z * kRootSide}, kRootSide, 0)) return false;
-      }
+    const uint64_t root_count =
+        static_cast<uint64_t>(roots[0]) * static_cast<uint64_t>(roots[1]) * static_cast<uint64_t>(roots[2]);
+    const uint64_t node_count = data_.child_mask.size();
+    if (root_count > node_count) return expected("frame", "no more roots than nodes");
+    first_child.resize(node_count);
+    cell_log2.resize(node_count);
+    next_node_ = root_count;
+    for (uint64_t root = 0; root < root_count; ++root) {
+      if (!checkNode(root, kRootSide, 0)) return false;
     }
-    if (next_node_ != data_.child_mask.size()) return expected("nodes", "each to be a root or a child");
-    if (next_slot_ != data_.slots.size()) return expected("slots", "no more than the bricks have");
-    return checkProbes();
+    return next_node_ == node_count || expected("nodes", "each to be a root or a child");
   }
 
  private:
-  static constexpr uint8_t kUnread = 0xff;
-  static constexpr int kLastLevel = 2;
-
   bool expected(const std::string& place, const std::string& what) {
-    fault_ = place + ": expected " + what;
+    fault = place + ": expected " + what;
     return false;
   }
 
@@ -97,120 +107,134 @@ class TreeChecker {
 
   bool checkSizes() {
     const size_t nodes = data_.child_mask.size();
-    for (const size_t size : {data_.used_mask.size(), data_.first_child.size(), data_.first_slot.size(), data_.cell_log2.size(),
-                              data_.cell_count.size()}) {
-      if (size != nodes) return expected("nodes", "lists of one length");
-    }
-    if (nodes > kNoProbe || data_.slots.size() > kNoProbe) return expected("nodes and slots", "fewer than 2^32");
-    if (data_.probe_keys.size() > kMaxTreeProbes) return expected("probes", "at most " + std::to_string(kMaxTreeProbes));
-    if (data_.probe_log2.size() != data_.probe_keys.size()) return expected("probes", "lists of one length");
+    if (data_.used_mask.size() != nodes || data_.cell_count.size() != nodes) return expected("nodes", "lists of one length");
+    if (nodes > kNoProbe) return expected("nodes", "fewer than 2^32");
     return true;
   }
 
-  bool checkNode(uint64_t node, const LatticePoint& low, int32_t side, int level) {
+  bool checkNode(uint64_t node, int32_t side, int level) {
     const std::string place = "node " + std::to_string(node);
     const uint32_t count = data_.cell_count[node];
     if (!(count == 2 || count == 4 || (count == 1 && level == 0))) return expected(place, "a cell_count of 1, 2 or 4");
     const int32_t cell_side = side / static_cast<int32_t>(count);
-    if (data_.cell_log2[node] != std::countr_zero(static_cast<uint32_t>(cell_side)))
-      return expected(place, "the cell_log2 of its level");
     const uint64_t children = data_.child_mask[node], used = data_.used_mask[node];
     if ((children & used) != 0) return expected(place, "no cell that is a child and used");
     if (((children | used) & ~cellsOf(count)) != 0) return expected(place, "only cells that it has");
     if (children != 0 && (count != 4 || level == kLastLevel)) return expected(place, "no children");
-    if (data_.first_child[node] != next_node_) return expected(place, "first_child in the order of nodes");
-    const uint64_t first_child = next_node_;
+    cell_log2[node] = static_cast<uint8_t>(std::countr_zero(static_cast<uint32_t>(cell_side)));
+    first_child[node] = static_cast<uint32_t>(next_node_);
+    used_count += static_cast<uint64_t>(std::popcount(used));
+    const uint64_t first = next_node_;
     next_node_ += static_cast<uint64_t>(std::popcount(children));
     if (next_node_ > data_.child_mask.size()) return expected(place, "children that are there");
-    if (!checkBrick(node, low)) return false;
-    uint64_t child = first_child;
-    for (uint64_t mask = children; mask != 0; mask &= mask - 1, ++child) {
-      const int bit = std::countr_zero(mask);
-      LatticePoint child_low = low;
-      for (int axis = 0; axis < 3; ++axis) child_low[axis] += cell_side * (bit >> 2 * axis & 3);
-      if (!checkNode(child, child_low, cell_side, level + 1)) return false;
-    }
-    return true;
-  }
-
-  static uint64_t cellsOf(uint32_t count) {
-    uint64_t mask = 0;
-    for (uint32_t bit = 0; bit < 64; ++bit) {
-      if ((bit & 3) < count && (bit >> 2 & 3) < count && bit >> 4 < count) mask |= uint64_t{1} << bit;
-    }
-    return mask;
-  }
-
-  bool checkBrick(uint64_t node, const LatticePoint& low) {
-    const std::string place = "node " + std::to_string(node);
-    const uint64_t used = data_.used_mask[node];
-    if (data_.first_slot[node] != (used != 0 ? next_slot_ : 0)) return expected(place, "first_slot in the order of nodes");
-    if (used == 0) return true;
-    const uint32_t edge = data_.cell_count[node] + 1u;
-    const uint64_t first = next_slot_;
-    next_slot_ += edge * edge * edge;
-    if (next_slot_ > data_.slots.size()) return expected(place, "slots that are there");
-    std::array<bool, 125> is_read{};
-    for (uint64_t mask = used; mask != 0; mask &= mask - 1) {
-      const auto bit = static_cast<uint32_t>(std::countr_zero(mask));
-      const uint32_t cell = ((bit >> 4) * edge + (bit >> 2 & 3)) * edge + (bit & 3);
-      for (uint32_t c = 0; c < 8; ++c) is_read[cell + (c & 1) + (c >> 1 & 1) * edge + (c >> 2) * edge * edge] = true;
-    }
-    for (uint32_t slot = 0; slot < edge * edge * edge; ++slot) {
-      LatticePoint point = low;
-      point[0] += static_cast<int32_t>(slot % edge << data_.cell_log2[node]);
-      point[1] += static_cast<int32_t>(slot / edge % edge << data_.cell_log2[node]);
-      point[2] += static_cast<int32_t>(slot / (edge * edge) << data_.cell_log2[node]);
-      if (!checkSlot(first + slot, is_read[slot], point, data_.cell_log2[node])) return false;
-    }
-    return true;
-  }
-
-  bool checkSlot(uint64_t slot, bool is_read, const LatticePoint& point, uint8_t cell_log2) {
-    const uint32_t value = data_.slots[slot];
-    const auto place = [&] { return "slot " + std::to_string(slot); };
-    if (!is_read) return value == kNoProbe || expected(place(), "no probe where no cell reads");
-    const uint32_t probe = value & (kMaxTreeProbes - 1);
-    if (value == kNoProbe || probe >= data_.probe_keys.size()) return expected(place(), "a probe");
-    if (value >> ProbeTreeAccess::kIndexBits != data_.probe_log2[probe]) return expected(place(), "the probe's spacing");
-    if (data_.probe_keys[probe] != mortonFromLattice(point)) return expected(place(), "the probe at this lattice point");
-    if (read_log2_[probe] == kUnread || read_log2_[probe] < cell_log2) read_log2_[probe] = cell_log2;
-    return true;
-  }
-
-  bool checkProbes() {
-    for (size_t probe = 0; probe < data_.probe_keys.size(); ++probe) {
-      const auto place = [&] { return "probe " + std::to_string(probe); };
-      if (probe > 0 && data_.probe_keys[probe - 1] >= data_.probe_keys[probe]) return expected(place(), "rising keys");
-      if (read_log2_[probe] == kUnread) return expected(place(), "a cell that reads it");
-      if (read_log2_[probe] != data_.probe_log2[probe]) return expected(place(), "the spacing of its largest cell");
+    for (uint64_t child = first; child < first + static_cast<uint64_t>(std::popcount(children)); ++child) {
+      if (!checkNode(child, cell_side, level + 1)) return false;
     }
     return true;
   }
 
   const ProbeTreeData& data_;
-  std::vector<uint8_t> read_log2_;  // by probe: of the largest cell that reads it so far
-  uint64_t next_node_ = 0, next_slot_ = 0;
-  std::string fault_;
+  uint64_t next_node_ = 0;
+};
+
+enum MaskForm : uint8_t { kNoCell, kAllCells, kStored, kFormCount };
+
+// The bits of a mask that a node of 2³ or 4³ cells has, side by side: x + 2 y + 4 z instead of x + 4 y + 16 z for 2³.
+void storeMask(uint64_t mask, uint32_t cell_count, std::vector<uint8_t>* bits) {
+  if (cell_count == 4) {
+    for (int byte = 0; byte < 8; ++byte) bits->push_back(static_cast<uint8_t>(mask >> 8 * byte));
+    return;
+  }
+  uint8_t small = 0;
+  for (int cell = 0; cell < 8; ++cell)
+    small |= static_cast<uint8_t>((mask >> ((cell & 1) + 4 * (cell >> 1 & 1) + 16 * (cell >> 2)) & 1) << cell);
+  bits->push_back(small);
+}
+
+uint64_t loadMask(const uint8_t* bits, uint32_t cell_count) {
+  uint64_t mask = 0;
+  for (int byte = 0; byte < 8 && cell_count == 4; ++byte) mask |= uint64_t{bits[byte]} << 8 * byte;
+  for (int cell = 0; cell < 8 && cell_count != 4; ++cell)
+    mask |= uint64_t{bits[0] >> cell & 1u} << ((cell & 1) + 4 * (cell >> 1 & 1) + 16 * (cell >> 2));
+  return mask;
+}
+
+// all   what the mask can be at most
+uint8_t formOf(uint64_t mask, uint64_t all) { return mask == 0 ? kNoCell : mask == all ? kAllCells : kStored; }
+
+// Takes masks out of stored bits, one after another.
+class MaskReader {
+ public:
+  explicit MaskReader(const std::vector<uint8_t>& bits) : bits_(bits) {}
+  bool isAtEnd() const { return next_ == bits_.size(); }
+
+  // false where no bits are left, or where stored bits say what another form says in less
+  bool read(uint32_t form, uint32_t cell_count, uint64_t all, uint64_t* mask) {
+    *mask = form == kAllCells ? all : 0;
+    if (form != kStored) return form != kAllCells || all != 0;
+    const size_t bytes = cell_count == 4 ? 8 : 1;
+    if (bytes > bits_.size() - next_) return false;
+    *mask = loadMask(&bits_[next_], cell_count);
+    next_ += bytes;
+    return formOf(*mask, all) == kStored;
+  }
+
+ private:
+  const std::vector<uint8_t>& bits_;
+  size_t next_ = 0;
 };
 
 }  // namespace
 
-size_t ProbeTreeData::byteCount() const {
-  const size_t frame_bytes = sizeof frame.first_m + sizeof frame.spacing_m + sizeof frame.root_count;
-  const size_t node_bytes = 2 * sizeof(uint64_t) + 2 * sizeof(uint32_t) + 2 * sizeof(uint8_t);
-  return frame_bytes + child_mask.size() * node_bytes + slots.size() * sizeof(uint32_t) +
-         probe_keys.size() * (sizeof(uint64_t) + sizeof(uint8_t));
-}
-
 ProbeTreeData probeTreeData(const ProbeTree& tree) { return ProbeTreeAccess::dataOf(tree); }
 
-std::string makeProbeTree(ProbeTreeData data, ProbeTree* tree) {
+ProbeTreeLists probeTreeLists(const ProbeTree& tree) { return ProbeTreeAccess::listsOf(tree); }
+
+std::string makeProbeTree(const ProbeTreeData& data, uint64_t probe_count, ProbeTree* tree) {
   *tree = {};
-  TreeChecker checker(data);
-  if (!checker.check()) return checker.fault();
-  *tree = ProbeTreeAccess::treeOf(std::move(data));
+  NodeWalk walk(data);
+  if (!walk.check()) return walk.fault;
+  const std::string wrong_count = "probes: expected the " + std::to_string(probe_count) + " that there are numbers for";
+  // every used cell has a low corner that no other has; before slots are made for them
+  if (probe_count > kMaxTreeProbes || walk.used_count > probe_count) return wrong_count;
+  ProbeTree made;
+  if (!ProbeTreeAccess::makeTree(data, walk.first_child, walk.cell_log2, probe_count, &made) || made.probeCount() != probe_count)
+    return wrong_count;
+  *tree = std::move(made);
   return {};
+}
+
+PackedNodes packNodes(const ProbeTreeData& data) {
+  PackedNodes packed;
+  for (size_t i = 0; i < data.child_mask.size(); ++i) {
+    const uint32_t count = data.cell_count[i];
+    const uint64_t cells = cellsOf(count), children = data.child_mask[i], used = data.used_mask[i];
+    const uint8_t child_form = formOf(children, cells), used_form = formOf(used, cells & ~children);
+    packed.kind.push_back(static_cast<uint8_t>(std::countr_zero(count) + 4 * child_form + 16 * used_form));
+    if (child_form == kStored) storeMask(children, count, &packed.bits);
+    if (used_form == kStored) storeMask(used, count, &packed.bits);
+  }
+  return packed;
+}
+
+std::string unpackNodes(const PackedNodes& packed, ProbeTreeData* data) {
+  data->child_mask.clear();
+  data->used_mask.clear();
+  data->cell_count.clear();
+  MaskReader reader(packed.bits);
+  for (size_t i = 0; i < packed.kind.size(); ++i) {
+    const uint32_t kind = packed.kind[i], count = 1u << (kind & 3), child_form = kind >> 2 & 3, used_form = kind >> 4;
+    const std::string place = "node " + std::to_string(i);
+    if (count > 4 || child_form >= kFormCount || used_form >= kFormCount) return place + ": expected a kind of node";
+    uint64_t children = 0, used = 0;
+    const uint64_t cells = cellsOf(count);
+    if (!reader.read(child_form, count, cells, &children) || !reader.read(used_form, count, cells & ~children, &used))
+      return place + ": expected bits of some of its cells";
+    data->child_mask.push_back(children);
+    data->used_mask.push_back(used);
+    data->cell_count.push_back(static_cast<uint8_t>(count));
+  }
+  return reader.isAtEnd() ? "" : "nodes: expected no more bits than masks";
 }
 
 }  // namespace nlg

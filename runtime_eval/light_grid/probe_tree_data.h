@@ -1,7 +1,8 @@
 // A probe tree as plain lists of numbers, for files.
 //
-// What the lists mean is what ProbeTree's look-up reads (docs/reference/formats.md, "Light grid"). A tree made of lists is checked to the
-// last entry: what passes is a tree that ProbeTree::build gives for some verdicts, so no look-up can leave it.
+// A file holds the nodes alone: which of their cells are children and which are used. Slots and probes follow from them. What
+// the lists mean: docs/reference/formats.md, "Light grid". A tree made of lists is checked to the last entry: what passes is a
+// tree that ProbeTree::build gives for some verdicts, so no look-up can leave it.
 #pragma once
 
 #include <cstddef>
@@ -13,28 +14,50 @@
 
 namespace nlg {
 
+// By node: the roots first, x fastest; the children of a node, then their descendants, in the order of forEachNode.
 struct ProbeTreeData {
   ProbeTreeFrame frame;
-  // by node: the roots first, x fastest; the children of a node, then their descendants, in the order of forEachNode
-  std::vector<uint64_t> child_mask;   // bit x + 4 y + 16 z: the cell is a child, not used itself
-  std::vector<uint64_t> used_mask;    // the cell is used itself
-  std::vector<uint32_t> first_child;  // node of the lowest bit of child_mask; of the next child to be, when there is none
-  std::vector<uint32_t> first_slot;   // of the brick; 0 when used_mask is 0
-  std::vector<uint8_t> cell_log2;     // side of a cell, units
-  std::vector<uint8_t> cell_count;    // cells along an edge: 1 (roots only), 2, 4
-  // by brick, in the order of nodes, (cell_count + 1)³ numbers each, x fastest: probe + 2^27 * probe_log2 of it, or kNoProbe
-  std::vector<uint32_t> slots;
-  std::vector<uint64_t> probe_keys;  // by probe: lattice point as a Morton code, x in bit 0; rising
-  std::vector<uint8_t> probe_log2;   // by probe: of the largest cell that reads it, units
-
-  // Bytes of all of it in a file.
-  size_t byteCount() const;
+  std::vector<uint64_t> child_mask;  // bit x + 4 y + 16 z: the cell is a child, not used itself
+  std::vector<uint64_t> used_mask;   // the cell is used itself
+  std::vector<uint8_t> cell_count;   // cells along an edge: 1 (roots only), 2, 4
 };
 
 ProbeTreeData probeTreeData(const ProbeTree& tree);
 
-// The tree of some lists. Takes no more memory than they do.
-// returns   an empty text, or what was expected and where: "node 17: first_child"; then *tree is empty
-std::string makeProbeTree(ProbeTreeData data, ProbeTree* tree);
+// The tree of some lists. Memory: 32 bytes a node, and for each of probe_count at most 500 of slots and 17 of its own: a caller
+// that has some bytes for each node and each probe takes memory in proportion to them.
+//
+// probe_count   what the tree must come to
+// returns       an empty text, or what was expected and where: "node 17: only cells that it has"; then *tree is empty
+std::string makeProbeTree(const ProbeTreeData& data, uint64_t probe_count, ProbeTree* tree);
+
+// The masks of all nodes in one or two bytes for most of them.
+struct PackedNodes {
+  // by node: log2 of cell_count + 4 * (form of child_mask) + 16 * (form of used_mask). Forms: 0 no cell; 1 all cells, of used_mask
+  // all that are no child; 2 the cells that stored bits say
+  std::vector<uint8_t> kind;
+  // bits of those masks that are stored, in the order of nodes, child_mask first; cells x fastest: 1 byte for 2³ cells, 8 for 4³
+  std::vector<uint8_t> bits;
+};
+
+PackedNodes packNodes(const ProbeTreeData& data);
+
+// The inverse, but for the frame. What packNodes does not give, such as stored bits that say all cells, is refused.
+// returns   an empty text, or what was expected and where
+std::string unpackNodes(const PackedNodes& packed, ProbeTreeData* data);
+
+// What the first version of files held beside the nodes, all of which follows from them.
+struct ProbeTreeLists {
+  std::vector<uint32_t>
+      first_child;                   // by node: node of the lowest bit of child_mask; of the next child to be, when there is none
+  std::vector<uint32_t> first_slot;  // of the brick; 0 when used_mask is 0
+  std::vector<uint8_t> cell_log2;    // side of a cell, units
+  // by brick, in the order of nodes, (cell_count + 1)³ numbers each, x fastest: probe + 2^27 * probe_log2 of it, or kNoProbe
+  std::vector<uint32_t> slots;
+  std::vector<uint64_t> probe_keys;  // by probe: lattice point as a Morton code, x in bit 0; rising
+  std::vector<uint8_t> probe_log2;   // by probe: of the largest cell that reads it, units
+};
+
+ProbeTreeLists probeTreeLists(const ProbeTree& tree);
 
 }  // namespace nlg

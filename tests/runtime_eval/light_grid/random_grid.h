@@ -73,13 +73,14 @@ inline void expectSameTree(const ProbeTree& a, const ProbeTree& b) {
   EXPECT_EQ(x.frame.root_count, y.frame.root_count);
   EXPECT_EQ(x.child_mask, y.child_mask);
   EXPECT_EQ(x.used_mask, y.used_mask);
-  EXPECT_EQ(x.first_child, y.first_child);
-  EXPECT_EQ(x.first_slot, y.first_slot);
-  EXPECT_EQ(x.cell_log2, y.cell_log2);
   EXPECT_EQ(x.cell_count, y.cell_count);
-  EXPECT_EQ(x.slots, y.slots);
-  EXPECT_EQ(x.probe_keys, y.probe_keys);
-  EXPECT_EQ(x.probe_log2, y.probe_log2);
+  const ProbeTreeLists v = probeTreeLists(a), w = probeTreeLists(b);
+  EXPECT_EQ(v.first_child, w.first_child);
+  EXPECT_EQ(v.first_slot, w.first_slot);
+  EXPECT_EQ(v.cell_log2, w.cell_log2);
+  EXPECT_EQ(v.slots, w.slots);
+  EXPECT_EQ(v.probe_keys, w.probe_keys);
+  EXPECT_EQ(v.probe_log2, w.probe_log2);
   EXPECT_EQ(a.cellCount(), b.cellCount());
 }
 
