@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "datagen/scene/gltf_file.h"
+#include "datagen/scene/gltf_light.h"
 #include "datagen/scene/gltf_mesh.h"
 #include "tool/error.h"
 
@@ -23,6 +24,7 @@ class GltfConverter {
   Scene convert() {
     checkExtensions();
     readMaterials();
+    lights_ = readGltfLights(path_, model_);
     for (const int node : rootNodes()) visitNode(node, glm::dmat4(1.0), 0);
     return finish();
   }
@@ -106,7 +108,28 @@ class GltfConverter {
     const tinygltf::Node& node = model_.nodes[node_idx];
     const glm::dmat4 world_from_local = world_from_parent * localTransform(node, place);
     if (node.mesh >= 0) addInstance(node, node_idx, world_from_local, place);
+    const int light = lightOfNode(path_, place, node, lights_.size());
+    if (light >= 0) addLight(lights_[light], world_from_local, place);
     for (const int child : node.children) visitNode(child, world_from_local, depth + 1);
+  }
+
+  void addLight(const GltfLight& light, const glm::dmat4& world_from_local, const std::string& place) {
+    const glm::dvec3 forward = -glm::dvec3(world_from_local[2]), position(world_from_local[3]);
+    const double length = glm::length(forward);
+    if (!(length > 0.0)) fail(place + ": light", "a node with a direction", "scale 0");
+    if (light.is_sun) {
+      scene_.light.suns.push_back(sunOf(light, forward / length));
+      return;
+    }
+    checkPosition(position, place);
+    scene_.light.lamps.push_back(lampOf(light, forward / length));
+    lamp_positions_.push_back(position);
+  }
+
+  void checkPosition(const glm::dvec3& world, const std::string& place) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(std::abs(world[axis]) <= kFarthest)) fail(place, "positions within 1e9 m of the origin", std::to_string(world[axis]));
+    }
   }
 
   // Lengths and that there is a matrix or the other three, not both, the text has been checked for.
@@ -150,10 +173,7 @@ class GltfConverter {
     const auto base = static_cast<uint32_t>(world_positions_.size());
     for (const glm::vec3& p : mesh.positions) {
       const glm::dvec3 world(world_from_local * glm::dvec4(glm::dvec3(p), 1.0));
-      for (int axis = 0; axis < 3; ++axis) {
-        if (!(std::abs(world[axis]) <= kFarthest))
-          fail(place, "positions within 1e9 m of the origin", std::to_string(world[axis]));
-      }
+      checkPosition(world, place);
       world_positions_.push_back(world);
     }
     const bool is_mirrored = glm::determinant(glm::dmat3(world_from_local)) < 0.0;
@@ -183,6 +203,8 @@ class GltfConverter {
   Scene finish() {
     scene_.id = std::filesystem::path(path_).stem().string();
     finishScene(scene_, world_positions_);
+    const std::vector<glm::vec3> lamp_positions = relativeTo(scene_.origin_m, lamp_positions_);
+    for (size_t i = 0; i < lamp_positions.size(); ++i) scene_.light.lamps[i].position = lamp_positions[i];
     return std::move(scene_);
   }
 
@@ -191,6 +213,8 @@ class GltfConverter {
   std::vector<std::optional<GltfMesh>> meshes_;
   std::vector<char> is_visited_;
   std::vector<glm::dvec3> world_positions_;
+  std::vector<GltfLight> lights_;
+  std::vector<glm::dvec3> lamp_positions_;  // of the scene's lamps, world coordinates
   Scene scene_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "datagen/scene/procedural/daylight.h"
 #include "datagen/scene/procedural/level.h"
 #include "tool/error.h"
 
@@ -13,13 +14,16 @@ struct Family {
   void (*build)(Level&);
 };
 
-constexpr std::array<Family, 7> kFamilies = {{{"house", buildHouse},
+constexpr uint64_t kDaylightStream = 0x6c69676874;
+
+constexpr std::array<Family, 8> kFamilies = {{{"house", buildHouse},
                                               {"maze", buildMaze},
                                               {"colonnade", buildColonnade},
                                               {"stairs", buildStairs},
                                               {"clutter", buildClutter},
                                               {"outdoor", buildOutdoor},
-                                              {"cave", buildCave}}};
+                                              {"cave", buildCave},
+                                              {"apartment", buildApartment}}};
 
 }  // namespace
 
@@ -37,7 +41,11 @@ Scene makeProceduralScene(const std::string& family, uint64_t seed) {
     if (family != kFamilies[i].name) continue;
     Level level(mixSeed(0x6c6576656c, i, seed));
     kFamilies[i].build(level);
-    return level.mesh.finish(family + "-" + std::to_string(seed));
+    Scene scene = level.mesh.finish(family + "-" + std::to_string(seed));
+    const Daylight daylight = drawDaylight(mixSeed(kDaylightStream, i, seed));
+    scene.light.sky = daylight.sky;
+    scene.light.suns = daylight.suns;
+    return scene;
   }
   std::string names;
   for (const Family& known : kFamilies) names += std::string(names.empty() ? "" : ", ") + known.name;

@@ -35,21 +35,37 @@ SceneSource sourceOf(BspLevel level) {
   return source;
 }
 
+// The seed behind NAME:, or 0 for a built-in scene's name alone; false when the request names something else.
+bool readSeed(const std::string& request, const std::string& name, bool may_stand_alone, uint64_t* seed) {
+  *seed = 0;
+  if (may_stand_alone && request == name) return true;
+  if (request.rfind(name + ":", 0) != 0) return false;
+  const std::string number = request.substr(name.size() + 1);
+  if (number.empty() || number.size() > 18 || number.find_first_not_of("0123456789") != std::string::npos)
+    throw UsageError("--scene", name + ":SEED with a decimal seed", "'" + request + "'");
+  *seed = std::stoull(number);
+  return true;
+}
+
+SceneSource sourceOf(const std::string& family, uint64_t seed, Scene scene) {
+  SceneSource source;
+  source.family = family;
+  source.id = family + "_" + std::to_string(seed);
+  source.scene = std::move(scene);
+  return source;
+}
+
 }  // namespace
 
 SceneSource loadScene(const std::string& request) {
-  SceneSource source;
+  uint64_t seed = 0;
   for (const std::string& family : proceduralFamilies()) {
-    if (request.rfind(family + ":", 0) != 0) continue;
-    const std::string number = request.substr(family.size() + 1);
-    if (number.empty() || number.size() > 18 || number.find_first_not_of("0123456789") != std::string::npos) {
-      throw UsageError("--scene", family + ":SEED with a decimal seed", "'" + request + "'");
-    }
-    source.family = family;
-    source.id = family + "_" + number;
-    source.scene = makeProceduralScene(family, std::stoull(number));
-    return source;
+    if (readSeed(request, family, false, &seed)) return sourceOf(family, seed, makeProceduralScene(family, seed));
   }
+  for (const std::string& name : builtInScenes()) {
+    if (readSeed(request, name, true, &seed)) return sourceOf(name, seed, makeBuiltInScene(name, seed));
+  }
+  SceneSource source;
   const size_t colon = archiveColon(request);
   if (colon != std::string::npos) return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1)));
   if (lowerCase(fs::path(request).extension().string()) == ".bsp") return sourceOf(readBsp(request));

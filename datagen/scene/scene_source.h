@@ -11,7 +11,7 @@
 namespace nlg {
 
 struct SceneSource {
-  std::string family = "level";  // procedural family, or "level"
+  std::string family = "level";  // procedural family, name of a built-in scene, or "level"
   std::string id;                // "house_3", the file's stem, or the map's name in lower case
   std::string sha256;            // of the scene as it was read: sceneSha256; empty for a procedural one
   Scene scene;
@@ -20,7 +20,7 @@ struct SceneSource {
   std::vector<std::string> light_notes;           // of a .bsp: what its light lost; bsp_reader.h
 };
 
-// request   FAMILY:SEED for a procedural scene (house:3);
+// request   FAMILY:SEED for a procedural scene (house:3), NAME or NAME:SEED for a built-in one (cornell, two_rooms:1);
 //           PATH:MAP for a level in archives, PATH a .pk3 file or a folder of them (baseoa:kaos2 is maps/kaos2.bsp);
 //           otherwise the path of a .glb, .gltf or .bsp file
 // throws    UsageError on a seed that is no decimal number; whatever the reader throws

@@ -1,4 +1,4 @@
-// The family "house": rooms with doors and windows on one or two storeys around a hall with the stairs.
+// The families "house" and "apartment": rooms with doors and windows on one or two storeys around a hall with the stairs.
 #include "datagen/scene/procedural/building.h"
 #include "datagen/scene/procedural/level.h"
 
@@ -13,15 +13,22 @@ struct House {
   double hall_m = 2.6;  // the strip's depth
   Flight flight;
   double flight_x = 0.0;  // where the flight starts
+  double inner_wall_m = 0.15;
 };
 
-House drawHouse(Level& level) {
+struct WallThickness {
+  double outer_low_m, outer_high_m, inner_m;
+};
+constexpr WallThickness kHouseWalls = {0.25, 0.4, 0.15}, kApartmentWalls = {0.15, 0.15, 0.1};
+
+House drawHouse(Level& level, const WallThickness& walls) {
   House house;
   Building& building = house.building;
   const double width = level.pick(9.0, 15.0);
   const double depth = level.pick(8.5, 13.0);
   building.outer = {-0.5 * width, -0.5 * depth, 0.5 * width, 0.5 * depth};
-  building.wall_m = level.pick(0.25, 0.4);
+  building.wall_m = level.pick(walls.outer_low_m, walls.outer_high_m);
+  house.inner_wall_m = walls.inner_m;
   building.slab_m = level.pick(0.2, 0.3);
   building.ground_m = level.pick(0.0, 0.15);
   building.clear_m.assign(level.random.chance(0.65) ? 2 : 1, 0.0);
@@ -76,7 +83,7 @@ void addStairs(Level& level, const House& house) {
 void addRooms(Level& level, const House& house, int storey) {
   const Building& building = house.building;
   const Rect in = building.inner();
-  const double wall = 0.15;
+  const double wall = house.inner_wall_m;
   const double hall_end = in.z0 + house.hall_m;
   const double floor = building.floorHeight(storey);
   const double clear = building.clear_m[storey];
@@ -100,6 +107,7 @@ void addRooms(Level& level, const House& house, int storey) {
         {house.flight_x - 1.0, in.z0, house.flight_x + house.flight.run_m + 1.0, in.z0 + house.flight.width_m + 0.2});
   PlanOptions options;
   options.min_side_m = level.pick(2.5, 3.2);
+  options.wall_m = wall;
   const Rect rest{in.x0, hall_end + wall, in.x1, in.z1};
   std::vector<Room> rooms = partStorey(level, building, storey, rest, options, keep_free);
   for (const Room& room : rooms) {
@@ -112,10 +120,8 @@ void addRooms(Level& level, const House& house, int storey) {
   furnishRoom(level, hall, RoomUse::study, 0.3);
 }
 
-}  // namespace
-
-void buildHouse(Level& level) {
-  House house = drawHouse(level);
+void build(Level& level, const WallThickness& walls) {
+  House house = drawHouse(level, walls);
   Building& building = house.building;
   addGround(level, building, level.pick(2.0, 5.0));
   fillShell(level, building);
@@ -133,5 +139,10 @@ void buildHouse(Level& level) {
   if (building.storeyCount() > 1) addStairs(level, house);
   for (int storey = 0; storey < building.storeyCount(); ++storey) addRooms(level, house, storey);
 }
+
+}  // namespace
+
+void buildHouse(Level& level) { build(level, kHouseWalls); }
+void buildApartment(Level& level) { build(level, kApartmentWalls); }
 
 }  // namespace nlg

@@ -48,5 +48,6 @@ void buildStairs(Level& level);
 void buildClutter(Level& level);
 void buildOutdoor(Level& level);
 void buildCave(Level& level);
+void buildApartment(Level& level);
 
 }  // namespace nlg

@@ -12,6 +12,7 @@
 #include <set>
 #include <sstream>
 
+#include "datagen/scene/gltf_light.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -284,6 +285,63 @@ TEST_F(GltfReader, ReadsMaterials) {
   EXPECT_FALSE(standard.double_sided);
 }
 
+const char* const kLights = R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[
+  {"type":"point","color":[1,0.5,0],"intensity":40,"range":3},
+  {"type":"spot","intensity":10,"spot":{"innerConeAngle":0.25,"outerConeAngle":0.5}},
+  {"type":"directional","color":[0.5,0.5,0.5],"intensity":8}]}})";
+
+TEST_F(GltfReader, ReadsLightsWhereTheirNodesStand) {
+  Parts parts;
+  parts.more = kLights;
+  // a parent 1000 km away; its children look along its -z, turned a quarter about x: down
+  parts.nodes = R"([{"mesh":0,"translation":[1e6,0,0]},
+    {"translation":[1e6,2,3],"rotation":[-0.70710678118,0,0,0.70710678118],"scale":[3,3,3],"children":[2,3,4]},
+    {"translation":[1,0,0],"extensions":{"KHR_lights_punctual":{"light":0}}},
+    {"extensions":{"KHR_lights_punctual":{"light":1}}},
+    {"extensions":{"KHR_lights_punctual":{"light":2}}}])";
+  parts.scenes = R"([{"nodes":[0,1]}])";
+  const Scene scene = read(parts);
+  ASSERT_EQ(scene.light.lamps.size(), 2u);
+  const Lamp &point = scene.light.lamps[0], &spot = scene.light.lamps[1];
+  EXPECT_EQ(point.intensity, glm::vec3(40, 20, 0));
+  EXPECT_EQ(point.radius_m, kGltfLampRadius_m);
+  EXPECT_LE(point.cos_outer, -1.0f);
+  expectNear(scene.origin_m + glm::dvec3(point.position), {1e6 + 3, 2, 3}, "the point's place");
+  EXPECT_EQ(spot.intensity, glm::vec3(10.0f));
+  EXPECT_NEAR(spot.cos_inner, std::cos(0.25f), 1e-6f);
+  EXPECT_NEAR(spot.cos_outer, std::cos(0.5f), 1e-6f);
+  expectNear(glm::dvec3(spot.direction), {0, -1, 0}, "where the spot points");
+  ASSERT_EQ(scene.light.suns.size(), 1u);
+  EXPECT_EQ(scene.light.suns[0].irradiance, glm::vec3(4.0f));
+  expectNear(glm::dvec3(scene.light.suns[0].to_sun), {0, 1, 0}, "where the sun stands");
+  EXPECT_TRUE(read(Parts{}).light.lamps.empty());
+}
+
+TEST_F(GltfReader, RefusesLightsThatAreNone) {
+  const auto expectError = [&](const std::string& words, const std::string& from, const std::string& to) {
+    Parts parts;
+    parts.more = replaced(kLights, from, to);
+    const std::string error = errorOf(parts.text());
+    EXPECT_NE(error.find(words), std::string::npos) << "expected " << words << ", got: " << error;
+  };
+  expectError("light 0: type", R"("type":"point")", R"("type":"area")");
+  expectError("light 0: color", "[1,0.5,0]", "[1,0.5]");
+  expectError("light 0: color", "[1,0.5,0]", "[1,0.5,-1]");
+  expectError("light 0: color", "[1,0.5,0]", "[1,0.5,\"red\"]");
+  expectError("light 0: intensity", "40", "-40");
+  expectError("light 0: intensity", "40", "1e300");
+  expectError("light 0: intensity", "40", "\"40\"");
+  expectError("light 1: spot", "0.25", "0.5");
+  expectError("light 1: outerConeAngle", R"("outerConeAngle":0.5)", R"("outerConeAngle":2)");
+  for (const char* idx : {"1", "-1", "0.5", "\"0\""}) {
+    Parts parts;
+    parts.nodes = std::string(R"([{"mesh":0,"extensions":{"KHR_lights_punctual":{"light":)") + idx + "}}}]";
+    parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point"}]}})";
+    const std::string error = errorOf(parts.text());
+    EXPECT_NE(error.find("node 0: light"), std::string::npos) << idx << ": " << error;
+  }
+}
+
 TEST_F(GltfReader, DropsAndCountsFlatTriangles) {
   Parts parts;
   parts.bin = kSquare.substr(0, 48) + bytesOf<uint16_t>({0, 1, 2, 0, 2, 2});
@@ -490,10 +548,14 @@ TEST_F(GltfReader, RefusesWhatIsNoGltf) {
 
 // Bytes changed at random anywhere: an error or a scene, never a crash; the sanitizer build sees to the rest.
 TEST_F(GltfReader, SurvivesRandomDamage) {
-  const std::string whole = Parts().binary();
+  Parts parts;
+  parts.more = kLights;
+  parts.nodes = R"([{"mesh":0,"extensions":{"KHR_lights_punctual":{"light":1}}}])";
+  const std::string whole = parts.binary();
+  ASSERT_EQ(readGltf(write("whole.glb", whole)).light.lamps.size(), 1u);
   uint32_t state = 1;
   const auto next = [&] { return (state = state * 1664525u + 1013904223u) >> 8; };
-  for (int round = 0; round < 500; ++round) {
+  for (int round = 0; round < 1000; ++round) {
     std::string damaged = whole;
     for (uint32_t i = 0; i < 1 + next() % 3; ++i) damaged[next() % damaged.size()] = static_cast<char>(next());
     const std::string path = write("damaged.glb", damaged);

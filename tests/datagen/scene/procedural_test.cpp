@@ -73,7 +73,7 @@ TEST(ProceduralScene, IsTheSameForTheSameSeed) {
 TEST(ProceduralScene, DiffersBetweenSeedsAndFamilies) {
   std::set<uint64_t> hashes;
   forEachScene([&](const Scene& scene) { EXPECT_TRUE(hashes.insert(hashOf(scene)).second); });
-  EXPECT_EQ(hashes.size(), 7 * kSeedCount);
+  EXPECT_EQ(hashes.size(), 8 * kSeedCount);
 }
 
 TEST(ProceduralScene, RefusesAnUnknownFamilyByNamingTheKnownOnes) {
