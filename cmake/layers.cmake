@@ -27,6 +27,7 @@ set(NLG_MAY_LINK_frontier      nlg::errors nlg::statistics nlg::policy_options n
 set(NLG_MAY_LINK_comparison    nlg::statistics nlg::tool Eigen3::Eigen)
 set(NLG_MAY_LINK_solved        nlg::errors nlg::weighting nlg::visibility nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_look_up       nlg::statistics nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_light_figures nlg::look_up nlg::statistics nlg::lighting nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_stability     nlg::errors nlg::shard_job nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_policy_options nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_bake          nlg::policy_options nlg::scene nlg::probes nlg::visibility nlg::lighting nlg::weighting nlg::dataset nlg::shard_job nlg::runtime_eval nlg::weights_file nlg::tool)
@@ -39,7 +40,7 @@ set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runti
 set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_file nlg::used_by nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch)
 set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_light_noise   nlg::bake nlg::statistics nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-validate  nlg::look_up nlg::light_noise nlg::bake nlg::stability nlg::errors nlg::frontier nlg::comparison nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-validate  nlg::light_figures nlg::look_up nlg::light_noise nlg::bake nlg::stability nlg::errors nlg::frontier nlg::comparison nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 
 function(nlg_check_links name)
   if(NOT DEFINED NLG_MAY_LINK_${name})

@@ -32,11 +32,7 @@ float spotShare(const Lamp& lamp, const glm::vec3& from_lamp) {
   return clamped * clamped;
 }
 
-// Light from one direction, in what a sum over all directions takes of it: radiance times solid angle.
-struct Arriving {
-  glm::vec3 direction;
-  glm::vec3 flux{0.0f};
-};
+using Arriving = ArrivingLight;
 
 }  // namespace
 
@@ -238,6 +234,18 @@ struct LightTransport::Impl {
       sampleAll(samples, mixSeed(kLampStream, l), [&](double u, double v) { return lampLight(lamp, from, u, v, &arriving); });
     }
   }
+
+  template <class Add>
+  void gatherFromAllSides(const glm::vec3& from, const GatherOptions& options, uint64_t seed, const Add& add) const {
+    const Lattice lattice(seed);
+    gather(
+        from, options, seed,
+        [&](int i, int count) {
+          const auto [u, v] = lattice.point(i, count);
+          return sphereDirection(u, v);
+        },
+        [](const glm::vec3&) { return 0.25f / kPi; }, add);
+  }
 };
 
 glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal) {
@@ -254,20 +262,22 @@ const Scene& LightTransport::scene() const { return impl_->scene; }
 const RayScene& LightTransport::rays() const { return impl_->rays; }
 bool LightTransport::isBaked() const { return impl_->isBaked(); }
 
+std::vector<ArrivingLight> LightTransport::arriving(const glm::dvec3& position_m, const GatherOptions& options,
+                                                    uint64_t seed) const {
+  std::vector<ArrivingLight> result;
+  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, [&](int, const glm::vec3& direction, const glm::vec3& flux) {
+    result.push_back({direction, flux / static_cast<float>(kSetCount)});
+  });
+  return result;
+}
+
 GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed) const {
   std::array<LightSh, kSetCount> sets{};
-  const Lattice lattice(seed);
-  impl_->gather(
-      glm::vec3(position_m), options, seed,
-      [&](int i, int count) {
-        const auto [u, v] = lattice.point(i, count);
-        return sphereDirection(u, v);
-      },
-      [](const glm::vec3&) { return 0.25f / kPi; },
-      [&](int set, const glm::vec3& direction, const glm::vec3& flux) {
-        const std::array<float, kShCount> basis = shBasis(direction.x, direction.y, direction.z);
-        for (int k = 0; k < kShCount; ++k) sets[set][k] += flux * basis[k];
-      });
+  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed,
+                            [&](int set, const glm::vec3& direction, const glm::vec3& flux) {
+                              const std::array<float, kShCount> basis = shBasis(direction.x, direction.y, direction.z);
+                              for (int k = 0; k < kShCount; ++k) sets[set][k] += flux * basis[k];
+                            });
   GatheredLight result;
   for (int k = 0; k < kShCount; ++k) {
     for (const LightSh& set : sets) result.light[k] += set[k] / static_cast<float>(kSetCount);

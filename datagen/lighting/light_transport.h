@@ -46,6 +46,12 @@ struct GatheredLight {
   LightSh deviation{};  // standard deviation of each coefficient: of the mean over 8 sets of directions
 };
 
+// One direction that light arrives from, and what it adds to the integral over all directions: radiance times solid angle.
+struct ArrivingLight {
+  glm::vec3 direction{0.0f};  // unit
+  glm::vec3 flux{0.0f};
+};
+
 struct GatheredIrradiance {
   glm::vec3 irradiance{0.0f};
   glm::vec3 deviation{0.0f};  // as above
@@ -60,6 +66,9 @@ class LightTransport {
   // What arrives at a place from all sides.
   // position_m   relative to the scene's origin, in air
   GatheredLight gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed) const;
+
+  // The same, direction by direction: for whoever stores light in a form of its own.
+  std::vector<ArrivingLight> arriving(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed) const;
 
   // What arrives on a small plane: exact for its normal, without harmonics. Ground truth of a place.
   // hits   receives where each ray ended, when given; of rays that carry the same share of a cosine over all directions

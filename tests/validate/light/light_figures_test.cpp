@@ -1,0 +1,131 @@
+#include "validate/light/light_figures.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/validate/light/lit_scenes.h"
+#include "validate/light/colour_difference.h"
+
+namespace nlg {
+namespace {
+
+using FiguresByMethod = std::map<std::string, LightFigures>;
+
+std::vector<LightAnswer> answersOf(const LightMethod& method, const LightPlaces& places) {
+  std::vector<LightAnswer> answers;
+  for (const LightPlace& place : places.places) answers.push_back(method.irradiance_at(place.position_m, place.normal));
+  return answers;
+}
+
+FiguresByMethod measureAll(const LitScene& lit) {
+  const LightPlaces places = lit.places();
+  const LightTruth truth = lightTruth(places, lit.transport, {256, 64}, 1, 1);
+  MethodSet methods = lit.methods();
+  methods.addTrilinear();
+  methods.addDdgi();
+  std::vector<glm::dvec3> asked;
+  for (const LightPlace& place : places.places) asked.push_back(place.position_m);
+  methods.addTargetFunctions(asked, {});
+  FiguresByMethod figures;
+  for (const LightMethod& method : methods.methods())
+    figures[method.weights + ", " + method.light] = lightFigures(places, truth, answersOf(method, places));
+  return figures;
+}
+
+// Everything shines alike, so that all blends of all probes are right. What is left: 64 and 256 directions add up second-order
+// harmonics to within a percent or two, DDGI's texels cosines.
+TEST(LightFigures, AreZeroInAFurnace) {
+  const LitScene lit(furnace());
+  for (const auto& [name, f] : measureAll(lit)) {
+    EXPECT_LT(f.air.rmse, 0.02) << name;
+    EXPECT_LT(f.surface.rmse, 0.02) << name;
+    EXPECT_LT(f.turned.rmse, 0.02) << name;
+    EXPECT_LT(f.air.smape, 0.02) << name;
+    EXPECT_LT(f.air.colour_p95, 1.0) << name;
+    EXPECT_LT(f.jumps.largest, 0.02) << name;
+    EXPECT_EQ(f.dark.places, 0u) << name;
+    EXPECT_EQ(f.air.unlit, 0.0) << name;
+    EXPECT_EQ(f.air.outside, 0.0) << name;
+    EXPECT_EQ(f.worst.size(), kWorstPlaceCount) << name;
+  }
+}
+
+TEST(LightFigures, FindTheLightThatTrilinearBlendsLeak) {
+  const LitScene lit(brightAndDarkRoom());
+  const FiguresByMethod figures = measureAll(lit);
+  const LightFigures &trilinear = figures.at("valid trilinear, point"), &exact = figures.at("exact visibility, point");
+  EXPECT_GT(trilinear.dark.places, 50u);
+  EXPECT_EQ(trilinear.dark.truth, 0.0) << "the dark room has no light at all";
+  // of a dark room 3 m long the first .6 m lie in cells with the bright room's probes: a sixth of the light at the least, there
+  EXPECT_GT(trilinear.dark.excess, 0.03);
+  EXPECT_EQ(exact.dark.excess, 0.0);
+  EXPECT_EQ(figures.at("target functions, point").dark.excess, 0.0);
+  EXPECT_LT(figures.at("DDGI float, own").dark.excess, trilinear.dark.excess);
+  EXPECT_GT(trilinear.air.rmse, exact.air.rmse);
+}
+
+TEST(LightFigures, KnowOfNothingBetterThanHarmonicsAtThePlace) {
+  const LitScene lit(brightAndDarkRoom());
+  const LightPlaces places = lit.places();
+  const LightTruth truth = lightTruth(places, lit.transport, {256, 64}, 1, 1);
+  std::vector<LightAnswer> answers;
+  for (const LightPlace& place : places.places)
+    answers.push_back({irradiance(lit.transport.gather(place.position_m, {256, 64}, 2).light, place.normal), Reach::lit});
+  const double floor = lightFigures(places, truth, answers).air.rmse;
+  for (const auto& [name, f] : measureAll(lit)) EXPECT_GT(f.air.rmse, floor) << name;
+}
+
+TEST(LightFigures, SayWhatTheirFormulasSay) {
+  LightPlaces places;
+  LightTruth truth;
+  // two places in air, one of them dark
+  places.places.resize(2);
+  truth.at = {{glm::vec3(10.0f), {}}, {glm::vec3(0.1f), {}}};
+  truth.mean = 5.05;
+  truth.rms = std::sqrt((100.0 + 0.01) / 2);
+  const std::vector<LightAnswer> answers = {{glm::vec3(9.0f), Reach::lit}, {glm::vec3(0.6f), Reach::fallback}};
+  const LightFigures f = lightFigures(places, truth, answers);
+  EXPECT_NEAR(f.air.rmse, std::sqrt((1.0 + 0.25) / 2) / truth.rms, 1e-6);
+  EXPECT_NEAR(f.air.smape, (1.0 / 19.0 + 0.5 / 0.7) / 2, 1e-6);
+  EXPECT_EQ(f.air.fallback, 0.5);
+  EXPECT_EQ(f.dark.places, 1u);
+  EXPECT_NEAR(f.dark.truth, 0.1 / 5.05, 1e-6);
+  EXPECT_NEAR(f.dark.excess, 0.5 / 5.05, 1e-6);
+  EXPECT_EQ(f.worst.front().place, 0u);
+  EXPECT_NEAR(f.worst.front().error, 1.0 / truth.rms, 1e-6);
+}
+
+TEST(LightFigures, CountOnlyJumpsThatTruthDoesNotMake) {
+  LightPlaces places;
+  LightTruth truth;
+  for (uint32_t i = 0; i < 6; ++i) {
+    LightPlace step;
+    step.group = PlaceGroup::walk;
+    step.walk = i / 3;
+    places.places.push_back(step);
+  }
+  for (const float light : {1.0f, 2.0f, 2.0f, 9.0f, 9.0f, 9.0f}) truth.at.push_back({glm::vec3(light), {}});
+  truth.rms = 2.0;
+  std::vector<LightAnswer> answers;
+  for (const float light : {1.0f, 1.5f, 2.0f, 5.0f, 5.0f, 6.0f}) answers.push_back({glm::vec3(light), Reach::lit});
+  // changes .5 where truth's is 1, .5 where it is 0, 0, 1 where it is 0; none between the two walks
+  const WalkFigures jumps = lightFigures(places, truth, answers).jumps;
+  EXPECT_EQ(jumps.steps, 4u);
+  EXPECT_NEAR(jumps.largest, 1.0 / 2.0, 1e-6);
+  EXPECT_NEAR(jumps.mean, (0.5 + 1.0) / 4 / 2.0, 1e-6);
+}
+
+TEST(ColourDifference, IsThatOfLab) {
+  EXPECT_EQ(hyAb(labOf(glm::vec3(0.3f)), labOf(glm::vec3(0.3f))), 0.0f);
+  EXPECT_NEAR(hyAb(labOf(glm::vec3(0.0f)), labOf(glm::vec3(1.0f))), 100.0f, 1e-2f);
+  EXPECT_EQ(labOf(glm::vec3(2.0f)), labOf(glm::vec3(1.0f))) << "a display shows no more than white";
+  // sRGB's red: L* 53.24, a* 80.09, b* 67.20
+  const glm::vec3 red = labOf({1.0f, 0.0f, 0.0f});
+  EXPECT_NEAR(red.x, 53.24f, 0.02f);
+  EXPECT_NEAR(red.y, 80.09f, 0.05f);
+  EXPECT_NEAR(red.z, 67.20f, 0.05f);
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,244 @@
+#include "validate/light/light_command.h"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "bake/scene_bake.h"
+#include "runtime_eval/numbers/random.h"
+#include "tool/atomic_file.h"
+#include "tool/output_path.h"
+#include "tool/parallel_for.h"
+#include "tool/progress.h"
+#include "tool/provenance.h"
+#include "tool/tool_main.h"
+#include "validate/errors/held_out.h"
+#include "validate/light/light_json.h"
+#include "validate/light/method_set.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr uint64_t kPlaceStream = 0x706c6163, kTruthStream = 0x7472757468, kFloorStream = 0x666c6f6f72,
+                   kMethodStream = 0x6d6574686f64;
+
+struct Request {
+  std::string scene, out;
+  std::vector<double> spacings_m;
+  std::vector<std::string> weights;  // each a bake: one file, or several with commas between them, of which the bake chooses
+  LightPlaceOptions places;
+  GatherOptions truth{1024, 64}, probe{1024, 64};
+  double look_up_seconds = 0.0;
+};
+
+std::vector<std::string> splitAtCommas(const std::string& text) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
+  return parts;
+}
+
+// A bake's generators by its name: "tent_mlp", "pf3 or pf5".
+using GeneratorSets = std::vector<std::pair<std::string, std::vector<Generator>>>;
+
+GeneratorSets loadSets(const std::vector<std::string>& weights, std::map<std::string, std::string>* hashes) {
+  GeneratorSets sets;
+  for (const std::string& listed : weights) {
+    const std::vector<std::string> paths = splitAtCommas(listed);
+    std::vector<Generator> generators = loadGenerators(paths);
+    std::string name;
+    for (size_t g = 0; g < generators.size(); ++g) {
+      const std::string representation(representationName(generators[g].representation()));
+      name += (g > 0 ? " or " : "") + representation;
+      (*hashes)["weights of " + representation] = fileSha256(paths[g]);
+    }
+    sets.emplace_back(name, std::move(generators));
+  }
+  return sets;
+}
+
+class LightMeasurement {
+ public:
+  LightMeasurement(const Request& request, const BakeOptions& options, const BakeScene& scene)
+      : request_(request),
+        options_(options),
+        threads_(options.threads > 0 ? options.threads : machineThreadCount()),
+        transport_(scene.source.scene, scene.rays),
+        places_(
+            drawLightPlaces(scene.source.scene, scene.rays, lightExtent(scene.source.scene, options.extent_m), request.places)),
+        truth_(lightTruth(places_, transport_, request.truth, mixSeed(options.seed, kTruthStream), threads_)),
+        origin_m_(scene.source.scene.origin_m) {}
+
+  const LightPlaces& places() const { return places_; }
+  const LightTruth& truth() const { return truth_; }
+  bool isBaked() const { return transport_.isBaked(); }
+
+  // Harmonics gathered at the place itself: what is left is what they cannot hold.
+  Json floorFigures() const {
+    const LightMethod method = {"harmonics at the place",
+                                "point",
+                                [&](const glm::dvec3& position_m, const glm::vec3& normal) {
+                                  const GatheredLight light =
+                                      transport_.gather(position_m, request_.probe, mixSeed(options_.seed, kFloorStream));
+                                  return LightAnswer{glm::max(irradiance(light.light, normal), glm::vec3(0.0f)), Reach::lit};
+                                },
+                                nullptr,
+                                {},
+                                0,
+                                0.0,
+                                0.0};
+    return measured(method);
+  }
+
+  // scene   as it is at this spacing
+  Json spacingFigures(const BakeScene& scene, const BakeOptions& options, const GeneratorSets& sets) const {
+    MethodSetOptions method_options;
+    method_options.probe = request_.probe;
+    method_options.solve.place.rays = options.light_rays;
+    method_options.solve.pull = options.light_pull;
+    method_options.solve.dark_share = options.light_dark_share;
+    method_options.thread_count = threads_;
+    method_options.seed = mixSeed(options.seed, kMethodStream);
+    const LightTransport transport(scene.source.scene, scene.rays);
+    MethodSet methods({transport, scene.links, scene.tree, scene.air}, method_options);
+    methods.addTrilinear();
+    methods.addDdgi();
+    std::vector<glm::dvec3> asked;
+    for (const LightPlace& place : places_.places) asked.push_back(place.position_m);
+    methods.addTargetFunctions(asked, options.diffusion);
+    for (const auto& [name, generators] : sets) {
+      BakeOptions without_light = options;
+      without_light.light = "none";
+      Bake bake = bakeScene(scene, generators, without_light, temporaryFolder());
+      methods.addGrid(name, std::move(bake.grid), bake.statistics.wall_s);
+    }
+    Json json = {{"spacing_m", options.spacing_m},
+                 {"probes", {{"count", methods.probes().count()}, {"in_air", methods.probes().air_count}}},
+                 {"methods", Json::array()}};
+    for (const LightMethod& method : methods.methods()) json["methods"].push_back(measured(method));
+    return json;
+  }
+
+ private:
+  Json measured(const LightMethod& method) const {
+    std::vector<LightAnswer> answers(places_.places.size());
+    parallelFor(answers.size(), threads_, [&](uint64_t i, int) {
+      answers[i] = method.irradiance_at(places_.places[i].position_m, places_.places[i].normal);
+    });
+    Json json = methodJson(method, lightFigures(places_, truth_, answers), places_, truth_, answers, origin_m_);
+    if (request_.look_up_seconds > 0.0) json["times"]["look_ups_per_s"] = lookUpsPerSecond(method);
+    return json;
+  }
+
+  // One thread, over the places in air; the median of five runs.
+  double lookUpsPerSecond(const LightMethod& method) const {
+    constexpr int kRuns = 5;
+    std::vector<double> rates;
+    glm::vec3 kept(0.0f);
+    for (int run = 0; run < kRuns; ++run) {
+      const auto start = std::chrono::steady_clock::now();
+      double seconds = 0.0;
+      uint64_t count = 0;
+      while (seconds < request_.look_up_seconds / kRuns) {
+        for (const LightPlace& place : places_.places) {
+          if (place.group != PlaceGroup::air) break;  // those in air come first
+          kept += method.irradiance_at(place.position_m, place.normal).irradiance;
+          ++count;
+        }
+        seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      }
+      rates.push_back(static_cast<double>(count) / seconds);
+    }
+    std::sort(rates.begin(), rates.end());
+    // read, so that no compiler leaves the loop out
+    return kept.x >= 0.0f ? rates[kRuns / 2] : 0.0;
+  }
+
+  const Request& request_;
+  const BakeOptions& options_;
+  const int threads_;
+  LightTransport transport_;
+  LightPlaces places_;
+  LightTruth truth_;
+  glm::dvec3 origin_m_;
+};
+
+void measureLight(Request request, BakeOptions options, const OptionTable& table) {
+  std::vector<std::string> inputs = {request.scene};
+  for (const std::string& listed : request.weights) {
+    for (const std::string& path : splitAtCommas(listed)) inputs.push_back(path);
+  }
+  refuseToReplaceInputs(request.out, inputs);
+  std::map<std::string, std::string> hashes;
+  const GeneratorSets sets = loadSets(request.weights, &hashes);
+  if (request.spacings_m.empty()) request.spacings_m = {options.spacing_m};
+  request.places.seed = mixSeed(options.seed, kPlaceStream);
+  request.places.step_m = *std::min_element(request.spacings_m.begin(), request.spacings_m.end()) / 16.0;
+
+  Json used = table.toJson();
+  used.erase("threads");
+  used.erase("representation");
+  used["spacings_m"] = request.spacings_m;
+  used["air_places"] = request.places.air;
+  used["surface_places"] = request.places.surface;
+  used["truth_rays"] = request.truth.rays;
+  used["probe_rays"] = request.probe.rays;
+
+  options.spacing_m = request.spacings_m.front();
+  auto scene = std::make_unique<BakeScene>(request.scene, options);
+  if (!scene->source.sha256.empty()) hashes["scene"] = scene->source.sha256;
+  const LightMeasurement measurement(request, options, *scene);
+  Json json = {{"schema_version", 1},
+               {"provenance", provenance("nlg-validate light", used, hashes)},
+               {"scene", scene->source.id},
+               {"truth", truthJson(measurement.places(), measurement.truth(), measurement.isBaked())}};
+  json["floor"] = measurement.floorFigures();
+  json["spacings"] = Json::array();
+  std::vector<std::unique_ptr<BakeScene>> others;
+  for (size_t s = 0; s < request.spacings_m.size(); ++s) {
+    options.spacing_m = request.spacings_m[s];
+    if (s > 0) others.push_back(std::make_unique<BakeScene>(request.scene, options));
+    json["spacings"].push_back(measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets));
+  }
+  writeFileAtomically(request.out, json.dump(1) + "\n");
+  std::cout << request.out << '\n';
+}
+
+}  // namespace
+
+int lightMain(int argc, char** argv) {
+  CLI::App app{
+      "Measures the light that methods give at places in a scene's air and before its surfaces, against ground truth:\n"
+      "trilinear blends, DDGI, the light grid with each of the given weights, with light gathered at probes and solved for.\n"
+      "Settings of the bake: section bake of the configuration.",
+      "nlg-validate light"};
+  Request request;
+  BakeOptions options;
+  OptionTable table("bake");
+  describe(options, table);
+  app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
+  app.add_option("--out", request.out, "the result (.json)")->required();
+  app.add_option("--weights", request.weights,
+                 "exported generators, each a bake of its own; several with commas between them: a bake that chooses");
+  app.add_option("--spacings", request.spacings_m, "finest distances between probes, metres; none: the bake's spacing_m")
+      ->check(CLI::Range(0.01, 1000.0));
+  app.add_option("--air-places", request.places.air, "places in air")->check(CLI::Range(8, 10000000))->capture_default_str();
+  app.add_option("--surface-places", request.places.surface, "places 2 to 50 cm before surfaces, a quarter of them in each class")
+      ->check(CLI::Range(8, 10000000))
+      ->capture_default_str();
+  app.add_option("--walks", request.places.walks, "straight walks in air")->check(CLI::Range(1, 100000))->capture_default_str();
+  app.add_option("--truth-rays", request.truth.rays, "rays of ground truth at a place")
+      ->check(CLI::Range(8, 1 << 24))
+      ->capture_default_str();
+  app.add_option("--probe-rays", request.probe.rays, "rays of every probe")->check(CLI::Range(8, 1 << 24))->capture_default_str();
+  app.add_option("--look-up-seconds", request.look_up_seconds, "how long to time each method's look-ups; 0: not at all")
+      ->check(CLI::Range(0.0, 600.0))
+      ->capture_default_str();
+  return runTool(argc, argv, app, table, [&] { measureLight(request, options, table); });
+}
+
+}  // namespace nlg

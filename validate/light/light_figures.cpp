@@ -1,0 +1,171 @@
+#include "validate/light/light_figures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime_eval/numbers/random.h"
+#include "tool/parallel_for.h"
+#include "validate/errors/statistics.h"
+#include "validate/light/colour_difference.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kTruthStream = 0x7472757468, kWalkStream = 0x77616c6b;
+
+double channelMean(const glm::vec3& rgb) { return (double{rgb.r} + rgb.g + rgb.b) / 3.0; }
+double squares(const glm::vec3& rgb) { return (double{rgb.r} * rgb.r + double{rgb.g} * rgb.g + double{rgb.b} * rgb.b) / 3.0; }
+double absolutes(const glm::vec3& rgb) { return double{std::fabs(rgb.r)} + std::fabs(rgb.g) + std::fabs(rgb.b); }
+double quotient(double a, double b) { return b > 0.0 ? a / b : 0.0; }
+
+// Steps of walks measure changes, places nearer than 5 cm are figures of their own.
+bool isCounted(const LightPlace& place) {
+  return place.group == PlaceGroup::air || (place.group != PlaceGroup::walk && place.surface_class >= kFirstFarClass);
+}
+
+class GroupSum {
+ public:
+  explicit GroupSum(double exposure) : exposure_(static_cast<float>(exposure)) {}
+
+  void add(const glm::vec3& truth, const LightAnswer& answer, double weight) {
+    ++figures_.places;
+    weight_ += weight;
+    error_ += weight * squares(answer.irradiance - truth);
+    truth_ += weight * squares(truth);
+    const double sum = absolutes(answer.irradiance) + absolutes(truth);
+    smape_ += weight * quotient(absolutes(answer.irradiance - truth), sum);
+    const double colour = hyAb(labOf(exposure_ * answer.irradiance), labOf(exposure_ * truth));
+    colour_ += weight * colour;
+    colours_.push_back({colour, weight});
+    unlit_ += weight * (answer.reach == Reach::unlit);
+    outside_ += weight * (answer.reach == Reach::outside);
+    fallback_ += weight * (answer.reach == Reach::fallback);
+  }
+
+  GroupFigures figures() {
+    figures_.rmse = std::sqrt(quotient(error_, truth_));
+    figures_.smape = quotient(smape_, weight_);
+    figures_.colour_mean = quotient(colour_, weight_);
+    figures_.colour_p95 = colourQuantile(0.95);
+    figures_.unlit = quotient(unlit_, weight_);
+    figures_.outside = quotient(outside_, weight_);
+    figures_.fallback = quotient(fallback_, weight_);
+    return figures_;
+  }
+
+ private:
+  double colourQuantile(double share) {
+    std::sort(colours_.begin(), colours_.end());
+    double below = 0.0;
+    for (const auto& [colour, weight] : colours_) {
+      if ((below += weight) >= share * weight_) return colour;
+    }
+    return 0.0;
+  }
+
+  const float exposure_;
+  GroupFigures figures_;
+  double weight_ = 0.0, error_ = 0.0, truth_ = 0.0, smape_ = 0.0, colour_ = 0.0, unlit_ = 0.0, outside_ = 0.0, fallback_ = 0.0;
+  std::vector<std::pair<double, double>> colours_;
+};
+
+DarkFigures darkFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
+  DarkFigures dark;
+  for (size_t i = 0; i < places.places.size(); ++i) {
+    const double light = channelMean(truth.at[i].irradiance);
+    if (!isCounted(places.places[i]) || light >= kDarkShare * truth.mean) continue;
+    const double answer = channelMean(answers[i].irradiance);
+    ++dark.places;
+    dark.truth += light;
+    dark.excess += answer - light;
+    dark.added += std::max(0.0, answer - light);
+  }
+  for (double* sum : {&dark.truth, &dark.excess, &dark.added})
+    *sum = quotient(*sum, static_cast<double>(dark.places) * truth.mean);
+  return dark;
+}
+
+WalkFigures walkFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
+  std::vector<double> jumps;
+  for (size_t i = 1; i < places.places.size(); ++i) {
+    const LightPlace &from = places.places[i - 1], &to = places.places[i];
+    if (from.group != PlaceGroup::walk || to.group != PlaceGroup::walk || from.walk != to.walk) continue;
+    const double answer = std::sqrt(squares(answers[i].irradiance - answers[i - 1].irradiance));
+    const double expected = std::sqrt(squares(truth.at[i].irradiance - truth.at[i - 1].irradiance));
+    jumps.push_back(quotient(std::max(0.0, answer - expected), truth.rms));
+  }
+  const Quantiles q = quantiles(jumps);
+  return {q.count, q.mean, q.p99, q.worst};
+}
+
+std::vector<WorstPlace> worstPlaces(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
+  std::vector<WorstPlace> all;
+  for (uint32_t i = 0; i < places.places.size(); ++i) {
+    if (!isCounted(places.places[i])) continue;
+    all.push_back({i, quotient(std::sqrt(squares(answers[i].irradiance - truth.at[i].irradiance)), truth.rms)});
+  }
+  const size_t kept = std::min(all.size(), kWorstPlaceCount);
+  std::partial_sort(
+      all.begin(), all.begin() + static_cast<std::ptrdiff_t>(kept), all.end(),
+      [](const WorstPlace& a, const WorstPlace& b) { return a.error != b.error ? a.error > b.error : a.place < b.place; });
+  all.resize(kept);
+  return all;
+}
+
+}  // namespace
+
+LightTruth lightTruth(const LightPlaces& places, const LightTransport& transport, const GatherOptions& options, uint64_t seed,
+                      int thread_count) {
+  LightTruth truth;
+  truth.at.resize(places.places.size());
+  parallelFor(places.places.size(), thread_count, [&](uint64_t i, int) {
+    const LightPlace& place = places.places[i];
+    // the same rays at all steps of a walk: what changes between steps is light, not noise
+    const uint64_t place_seed =
+        place.group == PlaceGroup::walk ? mixSeed(seed, kWalkStream, place.walk) : mixSeed(seed, kTruthStream, i);
+    truth.at[i] = transport.gatherIrradiance(place.position_m, place.normal, options, place_seed);
+  });
+  double count = 0.0, noise = 0.0, light = 0.0;
+  for (size_t i = 0; i < truth.at.size(); ++i) {
+    if (places.places[i].group != PlaceGroup::air) continue;
+    count += 1.0;
+    truth.mean += channelMean(truth.at[i].irradiance);
+    light += squares(truth.at[i].irradiance);
+    noise += squares(truth.at[i].deviation);
+  }
+  truth.mean = quotient(truth.mean, count);
+  truth.rms = std::sqrt(quotient(light, count));
+  truth.noise = std::sqrt(quotient(noise, light));
+  for (size_t i = 0; i < truth.at.size(); ++i)
+    truth.dark += isCounted(places.places[i]) && channelMean(truth.at[i].irradiance) < kDarkShare * truth.mean;
+  return truth;
+}
+
+LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
+  const double exposure = quotient(kExposedMean, truth.mean);
+  GroupSum air(exposure), surface(exposure), turned(exposure);
+  std::vector<GroupSum> surface_class(kSurfaceClassCount, GroupSum(exposure)), turned_class = surface_class;
+  for (size_t i = 0; i < places.places.size(); ++i) {
+    const LightPlace& place = places.places[i];
+    const glm::vec3& expected = truth.at[i].irradiance;
+    if (place.group == PlaceGroup::air) air.add(expected, answers[i], 1.0);
+    if (place.group != PlaceGroup::surface && place.group != PlaceGroup::turned) continue;
+    const bool is_turned = place.group == PlaceGroup::turned;
+    (is_turned ? turned_class : surface_class)[place.surface_class].add(expected, answers[i], 1.0);
+    if (isCounted(place)) (is_turned ? turned : surface).add(expected, answers[i], places.surfaceWeight(place.surface_class));
+  }
+  LightFigures figures;
+  figures.air = air.figures();
+  figures.surface = surface.figures();
+  figures.turned = turned.figures();
+  for (int c = 0; c < kSurfaceClassCount; ++c) {
+    figures.surface_class[c] = surface_class[c].figures();
+    figures.turned_class[c] = turned_class[c].figures();
+  }
+  figures.dark = darkFigures(places, truth, answers);
+  figures.jumps = walkFigures(places, truth, answers);
+  figures.worst = worstPlaces(places, truth, answers);
+  return figures;
+}
+
+}  // namespace nlg

@@ -1,0 +1,94 @@
+#include "validate/light/light_json.h"
+
+#include <array>
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+Json groupJson(const GroupFigures& f) {
+  return {{"places", f.places},    {"rmse", f.rmse},
+          {"smape", f.smape},      {"colour", {{"mean", f.colour_mean}, {"p95", f.colour_p95}}},
+          {"unlit", f.unlit},      {"outside", f.outside},
+          {"fallback", f.fallback}};
+}
+
+Json byDistanceJson(const GroupFigures& all, const std::array<GroupFigures, kSurfaceClassCount>& classes, int first_class) {
+  Json json = groupJson(all);
+  json["by_distance"] = Json::array();
+  for (int c = first_class; c < kSurfaceClassCount; ++c) {
+    Json of_class = {{"from_m", kSurfaceBordersM[c]}, {"to_m", kSurfaceBordersM[c + 1]}};
+    of_class.update(groupJson(classes[c]));
+    json["by_distance"].push_back(of_class);
+  }
+  return json;
+}
+
+const char* groupName(PlaceGroup group) {
+  constexpr std::array<const char*, 4> kNames = {"air", "surface", "turned", "walk"};
+  return kNames[static_cast<size_t>(group)];
+}
+
+Json worstJson(const LightFigures& figures, const LightPlaces& places, const LightTruth& truth,
+               const std::vector<LightAnswer>& answers, const glm::dvec3& origin_m) {
+  Json json = Json::array();
+  for (const WorstPlace& worst : figures.worst) {
+    const LightPlace& place = places.places[worst.place];
+    json.push_back({{"group", groupName(place.group)},
+                    {"position_m", vectorJson(place.position_m + origin_m)},
+                    {"normal", vectorJson(place.normal)},
+                    {"truth", vectorJson(truth.at[worst.place].irradiance)},
+                    {"answer", vectorJson(answers[worst.place].irradiance)},
+                    {"error", worst.error}});
+  }
+  return json;
+}
+
+}  // namespace
+
+Json truthJson(const LightPlaces& places, const LightTruth& truth, bool is_baked) {
+  uint64_t surface = 0;
+  for (const uint64_t count : places.surface_count) surface += count;
+  return {{"all_bounces_in_one_ray", is_baked},
+          {"mean", truth.mean},
+          {"rms", truth.rms},
+          {"noise", truth.noise},
+          {"places",
+           {{"drawn", places.drawn},
+            {"air", places.in_air},
+            {"surface", surface},
+            {"walks", places.walk_count},
+            {"dark", truth.dark}}}};
+}
+
+Json methodJson(const LightMethod& method, const LightFigures& figures, const LightPlaces& places, const LightTruth& truth,
+                const std::vector<LightAnswer>& answers, const glm::dvec3& origin_m) {
+  Json json = {{"weights", method.weights}, {"light", method.light}};
+  json["air"] = groupJson(figures.air);
+  json["surface"] = byDistanceJson(figures.surface, figures.surface_class, 0);
+  json["turned"] = byDistanceJson(figures.turned, figures.turned_class, kFirstFarClass);
+  json["dark"] = {{"places", figures.dark.places},
+                  {"truth", figures.dark.truth},
+                  {"excess", figures.dark.excess},
+                  {"added", figures.dark.added}};
+  json["jumps"] = {{"steps", figures.jumps.steps},
+                   {"mean", figures.jumps.mean},
+                   {"p99", figures.jumps.p99},
+                   {"largest", figures.jumps.largest}};
+  if (method.probes > 0) {
+    json["bytes"] = {{"light", method.bytes.light},
+                     {"weights", method.bytes.weights},
+                     {"tree", method.bytes.tree},
+                     {"total", method.bytes.total()},
+                     {"per_probe", static_cast<double>(method.bytes.total()) / static_cast<double>(method.probes)}};
+    json["probes"] = method.probes;
+  }
+  json["worst"] = worstJson(figures, places, truth, answers, origin_m);
+  json["times"] = {{"weights_s", method.weights_s}, {"light_s", method.light_s}};
+  return json;
+}
+
+}  // namespace nlg

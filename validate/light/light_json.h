@@ -1,0 +1,17 @@
+// light.json: keys and meanings in docs/reference/formats.md.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "validate/light/light_figures.h"
+#include "validate/light/light_method.h"
+
+namespace nlg {
+
+nlohmann::ordered_json truthJson(const LightPlaces& places, const LightTruth& truth, bool is_baked);
+
+// origin_m   of the scene: positions of the worst places are the world's
+nlohmann::ordered_json methodJson(const LightMethod& method, const LightFigures& figures, const LightPlaces& places,
+                                  const LightTruth& truth, const std::vector<LightAnswer>& answers, const glm::dvec3& origin_m);
+
+}  // namespace nlg

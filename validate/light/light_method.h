@@ -1,0 +1,79 @@
+// What is measured: a method that says what irradiance arrives at a place, and what it costs.
+//
+// Most methods blend what up to 8 probes hold. Their weights and the probes' light are told apart, so that every kind of weights can
+// be tried with every kind of light.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "datagen/lighting/light_transport.h"
+
+namespace nlg {
+
+enum class Reach : uint8_t {
+  lit,
+  fallback,  // lit by what the method takes where its own weights say nothing
+  unlit,     // no probe counts: black
+  outside,   // of what the method covers: black
+};
+
+// The shares of probes at a place.
+struct ProbeBlend {
+  std::array<uint32_t, 8> probe{};
+  std::array<float, 8> weight{};  // of the first `count`, > 0; they sum to 1
+  int count = 0;                  // 0 … 8; > 0 where reach is lit or fallback
+  Reach reach = Reach::unlit;
+
+  // Weights of 0 and below are left out.
+  void add(uint32_t which, float its_weight) {
+    if (!(its_weight > 0.0f)) return;
+    probe[count] = which;
+    weight[count++] = its_weight;
+  }
+  // Divides by the sum. Without weights the reach becomes unlit, otherwise `when_lit`.
+  void finish(Reach when_lit);
+};
+
+class Weighting {
+ public:
+  virtual ~Weighting() = default;
+  // position_m   relative to the scene's origin
+  // normal       unit; many methods do not look at it
+  // Any number of threads may ask at once.
+  virtual ProbeBlend blendAt(const glm::dvec3& position_m, const glm::vec3& normal) const = 0;
+};
+
+struct LightAnswer {
+  glm::vec3 irradiance{0.0f};  // >= 0
+  Reach reach = Reach::unlit;
+};
+
+// What a method stores.
+struct MethodBytes {
+  size_t light = 0;    // of probes
+  size_t weights = 0;  // what its weights are made of
+  size_t tree = 0;     // where probes stand
+  size_t total() const { return light + weights + tree; }
+};
+
+struct LightMethod {
+  std::string weights;  // the method's name
+  std::string light;    // "point": gathered where the probe stands; "solved"; "own": in the method's own form
+  std::function<LightAnswer(const glm::dvec3& position_m, const glm::vec3& normal)> irradiance_at;
+  const Weighting* weighting = nullptr;  // of those that blend probes
+  MethodBytes bytes;
+  size_t probes = 0;                      // that bytes are stored of
+  double weights_s = 0.0, light_s = 0.0;  // of its bake, by the clock
+};
+
+// What a blend of probes that hold spherical harmonics answers. Both must outlive it.
+std::function<LightAnswer(const glm::dvec3&, const glm::vec3&)> blendedLight(const Weighting& weighting,
+                                                                             const std::vector<LightSh>& light);
+
+}  // namespace nlg

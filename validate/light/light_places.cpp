@@ -1,0 +1,187 @@
+#include "validate/light/light_places.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datagen/lighting/air.h"
+#include "datagen/lighting/directions.h"
+#include "runtime_eval/numbers/random.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kAirStream = 1, kSurfaceStream = 2, kTurnStream = 3, kWalkStream = 4;  // of the seed
+
+glm::vec3 anyDirection(Random& random) {
+  const double u = random.uniform(), v = random.uniform();
+  return sphereDirection(u, v);
+}
+
+glm::dvec3 anyPosition(const ExtentBox& extent, Random& random) {
+  glm::dvec3 position;
+  for (int axis = 0; axis < 3; ++axis) position[axis] = random.uniform(extent.low_m[axis], extent.high_m[axis]);
+  return position;
+}
+
+bool isInside(const ExtentBox& extent, const glm::dvec3& p) {
+  return glm::all(glm::greaterThanEqual(p, extent.low_m)) && glm::all(glm::lessThanEqual(p, extent.high_m));
+}
+
+// Points on a scene's surfaces, uniform in their area.
+class SurfacePoints {
+ public:
+  explicit SurfacePoints(const Scene& scene) : scene_(scene) {
+    double sum = 0.0;
+    for (const glm::uvec3& t : scene.triangles) area_sums_.push_back(sum += 0.5 * glm::length(cross(t)));
+  }
+  bool empty() const { return area_sums_.empty() || !(area_sums_.back() > 0.0); }
+
+  // normal   of the side that light is asked for: the front, either one of a double-sided face
+  void draw(Random& random, glm::dvec3* point, glm::vec3* normal) const {
+    const double at = random.uniform() * area_sums_.back();
+    const auto found = std::upper_bound(area_sums_.begin(), area_sums_.end(), at);
+    const size_t t = std::min<size_t>(found - area_sums_.begin(), area_sums_.size() - 1);
+    const glm::uvec3& corners = scene_.triangles[t];
+    double u = random.uniform(), v = random.uniform();
+    if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
+    *point = glm::dvec3(scene_.positions[corners.x]) * (1.0 - u - v) + glm::dvec3(scene_.positions[corners.y]) * u +
+             glm::dvec3(scene_.positions[corners.z]) * v;
+    *normal = glm::vec3(glm::normalize(cross(corners)));
+    const bool turns = random.chance(0.5);
+    if (turns && scene_.materials[scene_.triangle_material[t]].double_sided) *normal = -*normal;
+  }
+
+ private:
+  glm::dvec3 cross(const glm::uvec3& t) const {
+    const glm::dvec3 a(scene_.positions[t.x]), b(scene_.positions[t.y]), c(scene_.positions[t.z]);
+    return glm::cross(b - a, c - a);
+  }
+  const Scene& scene_;
+  std::vector<double> area_sums_;
+};
+
+class Drawing {
+ public:
+  Drawing(const Scene& scene, const RayScene& rays, const ExtentBox& extent, const LightPlaceOptions& options)
+      : rays_(rays), extent_(extent), options_(options), surfaces_(scene) {}
+
+  LightPlaces draw() {
+    drawAir();
+    drawBeforeSurfaces();
+    turn();
+    drawWalks();
+    return std::move(result_);
+  }
+
+ private:
+  void drawAir() {
+    Random random(mixSeed(options_.seed, kAirStream));
+    for (uint64_t draw = 0; draw < options_.draws && result_.in_air < options_.air; ++draw) {
+      LightPlace place;
+      place.position_m = anyPosition(extent_, random);
+      place.normal = anyDirection(random);
+      ++result_.drawn;
+      if (!isInAir(rays_, place.position_m)) continue;
+      ++result_.in_air;
+      result_.places.push_back(place);
+    }
+  }
+
+  void drawBeforeSurfaces() {
+    if (surfaces_.empty()) return;
+    Random random(mixSeed(options_.seed, kSurfaceStream));
+    const uint64_t wanted = options_.surface / kSurfaceClassCount;
+    for (uint64_t draw = 0; draw < options_.draws; ++draw) {
+      const int c = static_cast<int>(draw % kSurfaceClassCount);
+      if (result_.surface_count[c] >= wanted) {
+        if (std::all_of(result_.surface_count.begin(), result_.surface_count.end(), [&](uint64_t n) { return n >= wanted; }))
+          break;
+        continue;
+      }
+      LightPlace place;
+      glm::dvec3 point;
+      surfaces_.draw(random, &point, &place.normal);
+      const double distance = random.uniform(kSurfaceBordersM[c], kSurfaceBordersM[c + 1]);
+      place.position_m = point + distance * glm::dvec3(place.normal);
+      place.group = PlaceGroup::surface;
+      place.surface_class = static_cast<uint8_t>(c);
+      const glm::vec3 off_surface(point + 0.1 * distance * glm::dvec3(place.normal));
+      if (!isInside(extent_, place.position_m) || rays_.isBlocked(off_surface, glm::vec3(place.position_m)) ||
+          !isInAir(rays_, place.position_m))
+        continue;
+      ++result_.surface_count[c];
+      result_.places.push_back(place);
+    }
+  }
+
+  void turn() {
+    Random random(mixSeed(options_.seed, kTurnStream));
+    const size_t end = result_.places.size();
+    for (size_t i = 0; i < end; ++i) {
+      LightPlace place = result_.places[i];
+      if (place.group != PlaceGroup::surface || place.surface_class < kFirstFarClass) continue;
+      place.group = PlaceGroup::turned;
+      place.normal = anyDirection(random);
+      result_.places.push_back(place);
+    }
+  }
+
+  void drawWalks() {
+    Random random(mixSeed(options_.seed, kWalkStream));
+    for (uint64_t draw = 0; draw < options_.draws && result_.walk_count < options_.walks; ++draw) {
+      LightPlace place;
+      place.position_m = anyPosition(extent_, random);
+      place.normal = anyDirection(random);
+      place.group = PlaceGroup::walk;
+      place.walk = static_cast<uint32_t>(result_.walk_count);
+      const glm::dvec3 step = options_.step_m * glm::dvec3(anyDirection(random));
+      std::vector<LightPlace> steps;
+      while (static_cast<int>(steps.size()) < options_.walk_steps && isInside(extent_, place.position_m) &&
+             isInAir(rays_, place.position_m)) {
+        if (!steps.empty() && rays_.isBlocked(glm::vec3(steps.back().position_m), glm::vec3(place.position_m))) break;
+        steps.push_back(place);
+        place.position_m += step;
+      }
+      if (static_cast<int>(steps.size()) < options_.least_walk_steps) continue;
+      ++result_.walk_count;
+      result_.places.insert(result_.places.end(), steps.begin(), steps.end());
+    }
+  }
+
+  const RayScene& rays_;
+  const ExtentBox extent_;
+  const LightPlaceOptions& options_;
+  SurfacePoints surfaces_;
+  LightPlaces result_;
+};
+
+}  // namespace
+
+double LightPlaces::surfaceWeight(uint8_t surface_class) const {
+  if (surface_class < kFirstFarClass || surface_count[surface_class] == 0) return 0.0;
+  // classes that no place was found in leave their share to the others
+  double covered = 0.0;
+  for (int c = kFirstFarClass; c < kSurfaceClassCount; ++c) {
+    if (surface_count[c] > 0) covered += kSurfaceBordersM[c + 1] - kSurfaceBordersM[c];
+  }
+  const double width = kSurfaceBordersM[surface_class + 1] - kSurfaceBordersM[surface_class];
+  return width / covered / static_cast<double>(surface_count[surface_class]);
+}
+
+ExtentBox lightExtent(const Scene& scene, const std::vector<std::string>& extent_m) {
+  if (const auto extent = extentFromNumbers(extent_m)) return {extent->low_m - scene.origin_m, extent->high_m - scene.origin_m};
+  Bounds bounds = sceneBounds(scene);
+  for (const glm::uvec3& t : scene.light.sky_faces.triangles) {
+    for (int corner = 0; corner < 3; ++corner) {
+      bounds.min = glm::min(bounds.min, scene.light.sky_faces.positions[t[corner]]);
+      bounds.max = glm::max(bounds.max, scene.light.sky_faces.positions[t[corner]]);
+    }
+  }
+  return {glm::dvec3(bounds.min), glm::dvec3(bounds.max)};
+}
+
+LightPlaces drawLightPlaces(const Scene& scene, const RayScene& rays, const ExtentBox& extent, const LightPlaceOptions& options) {
+  return Drawing(scene, rays, extent, options).draw();
+}
+
+}  // namespace nlg

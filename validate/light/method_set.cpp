@@ -1,0 +1,160 @@
+#include "validate/light/method_set.h"
+
+#include <bit>
+#include <chrono>
+
+#include "datagen/lighting/directions.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/numbers/random.h"
+#include "validate/light/grid_weighting.h"
+#include "validate/light/target_functions.h"
+#include "validate/light/trilinear.h"
+
+namespace nlg {
+namespace {
+
+constexpr size_t kShBytes = 2 * kShFloats;  // float16
+constexpr uint64_t kProbeStream = 0x70726f6265, kSolveStream = 0x736f6c7665, kDdgiStream = 0x64646769;
+
+using Clock = std::chrono::steady_clock;
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// Weights that look at the normal are solved for with any one: the same for the same place.
+glm::vec3 normalOfPlace(const glm::dvec3& place) {
+  Random random(mixSeed(std::bit_cast<uint64_t>(place.x), std::bit_cast<uint64_t>(place.y), std::bit_cast<uint64_t>(place.z),
+                        kSolveStream));
+  const double u = random.uniform(), v = random.uniform();
+  return sphereDirection(u, v);
+}
+
+WeightsAt weightsAt(const Weighting& weighting) {
+  return [&weighting](const glm::dvec3& position_m, ProbeWeights* weights) {
+    const ProbeBlend blend = weighting.blendAt(position_m, normalOfPlace(position_m));
+    weights->count = blend.count;
+    std::copy(blend.probe.begin(), blend.probe.end(), weights->probe);
+    std::copy(blend.weight.begin(), blend.weight.end(), weights->weight);
+  };
+}
+
+size_t treeBytes(const ProbeTree& tree) {
+  LightGrid grid;
+  grid.tree = tree;
+  grid.probe_function.assign(tree.probeCount(), kNoWeight);
+  return lightGridBytes(grid, ThetaPrecision::float16).tree;
+}
+
+}  // namespace
+
+MethodSet::MethodSet(const MethodScene& scene, const MethodSetOptions& options)
+    : scene_(scene),
+      options_(options),
+      probes_(
+          makeProbeSet(scene.tree, scene.transport, {options.probe, options.thread_count, mixSeed(options.seed, kProbeStream)})),
+      tree_bytes_(treeBytes(scene.tree)) {
+  const Clock::time_point start = Clock::now();
+  place_light_ = measureLight(scene.transport, scene.air.places, options.solve.place, mixSeed(options.seed, kSolveStream),
+                              options.thread_count);
+  measure_s_ = secondsSince(start);
+}
+
+const Weighting& MethodSet::own(std::unique_ptr<Weighting> weighting) { return *weightings_.emplace_back(std::move(weighting)); }
+
+const std::vector<LightSh>& MethodSet::own(std::vector<LightSh> light) { return lights_.emplace_back(std::move(light)); }
+
+void MethodSet::addBlends(Blends blends) {
+  const Weighting& weighting = own(std::move(blends.weighting));
+  for (const LightWay way : {LightWay::point, LightWay::solved}) {
+    LightMethod method;
+    method.weights = blends.name;
+    method.light = way == LightWay::point ? "point" : "solved";
+    method.weighting = &weighting;
+    method.probes = blends.probes;
+    method.bytes = {blends.probes * kShBytes, blends.weight_bytes, tree_bytes_};
+    method.weights_s = blends.weights_s;
+    const Clock::time_point start = Clock::now();
+    // a point sample in solid says nothing: such probes hold the light under their weights. Whoever reads all probes the same
+    // reads the samples themselves
+    ProbeLightOptions options = options_.solve;
+    options.way = way == LightWay::point ? LightWay::integrated : LightWay::solved;
+    const bool reads_all = blends.probes == probes_.count() && blends.weight_bytes == 0;
+    std::vector<LightSh> light = probes_.light;
+    if (way == LightWay::solved || !reads_all) {
+      light = lightProbes(scene_.transport, probes_.tree, scene_.air.places, place_light_, weightsAt(weighting), options,
+                          options_.thread_count)
+                  .light;
+      for (size_t p = 0; p < light.size() && way == LightWay::point; ++p) {
+        if (probes_.is_in_air[p]) light[p] = probes_.light[p];
+      }
+    }
+    method.light_s = secondsSince(start) + (way == LightWay::point ? probes_.gather_s : measure_s_);
+    method.irradiance_at = blendedLight(weighting, own(std::move(light)));
+    methods_.push_back(std::move(method));
+  }
+}
+
+void MethodSet::addTrilinear() {
+  const auto add = [&](const std::string& name, TrilinearKind kind, size_t probes, size_t weight_bytes) {
+    addBlends({name, std::make_unique<Trilinear>(kind, probes_, scene_.transport.rays()), weight_bytes, probes, 0.0});
+  };
+  add("trilinear", TrilinearKind::all, probes_.count(), 0);
+  // a bit each says which probes are in air
+  const size_t mask_bytes = (probes_.count() + 7) / 8;
+  add("valid trilinear", TrilinearKind::valid, probes_.air_count, mask_bytes);
+  add("exact visibility", TrilinearKind::visible, probes_.air_count, mask_bytes);
+}
+
+void MethodSet::addOwn(const std::string& name, const Ddgi& ddgi, const DdgiMaps& maps, size_t bytes) {
+  LightMethod method;
+  method.weights = name;
+  method.light = "own";
+  method.weighting = &ddgi;
+  method.probes = probes_.count();
+  method.bytes = {probes_.count() * bytes, 0, tree_bytes_};
+  method.light_s = maps.bake_s;
+  method.irradiance_at = [&ddgi](const glm::dvec3& position_m, const glm::vec3& normal) {
+    return ddgi.irradianceAt(position_m, normal);
+  };
+  methods_.push_back(std::move(method));
+}
+
+void MethodSet::addDdgi() {
+  const auto add = [&](const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t bytes) {
+    const auto& ddgi = static_cast<const Ddgi&>(own(std::make_unique<Ddgi>(probes_, maps, scene_.transport.rays(), visibility)));
+    addOwn(name, ddgi, maps, bytes);
+  };
+  DdgiMapsOptions options{options_.probe, false, options_.thread_count, mixSeed(options_.seed, kDdgiStream)};
+  for (const bool relocates : {false, true}) {
+    options.relocates = relocates;
+    const std::string suffix = relocates ? ", relocated" : "";
+    const DdgiMaps& maps = maps_.emplace_back(makeDdgiMaps(probes_, scene_.transport, options));
+    add("DDGI float" + suffix, maps, DdgiVisibility::depth, kDdgiFloatBytes);
+    add("DDGI as shipped" + suffix, maps_.emplace_back(asShipped(maps)), DdgiVisibility::depth, kDdgiShippedBytes);
+    if (relocates) continue;
+    add("DDGI, exact visibility", maps, DdgiVisibility::exact, kDdgiFloatBytes);
+    // its weights with light in harmonics, so that light and weights are told apart
+    addBlends({"DDGI's weights", std::make_unique<Ddgi>(probes_, maps, scene_.transport.rays(), DdgiVisibility::depth),
+               probes_.count() * 16 * 16 * 4, probes_.count(), maps.bake_s});
+  }
+}
+
+void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion) {
+  std::vector<glm::dvec3> all = places;
+  all.insert(all.end(), scene_.air.places.begin(), scene_.air.places.end());
+  const Clock::time_point start = Clock::now();
+  auto functions =
+      std::make_unique<TargetFunctions>(all, probes_, scene_.transport.rays(), scene_.links, diffusion, options_.thread_count);
+  const double seconds = secondsSince(start);
+  // 8,192 samples in 8 bits each
+  addBlends({"target functions", std::move(functions), probes_.count() * kSupportPointCount, probes_.count(), seconds});
+}
+
+void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s) {
+  const LightGrid& kept = grids_.emplace_back(std::move(grid));
+  const LightGridBytes bytes = lightGridBytes(kept, ThetaPrecision::float16);
+  size_t with_weight = 0;
+  for (const uint32_t function : kept.probe_function) with_weight += function != kNoWeight;
+  addBlends({name, std::make_unique<GridWeighting>(kept, scene_.transport.scene().origin_m),
+             bytes.theta + bytes.functions + bytes.probe_function, with_weight, bake_s});
+}
+
+}  // namespace nlg

@@ -1,0 +1,76 @@
+// All methods at one spacing, with the same probes, the same rays, and the same measurements of light to solve with.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "datagen/lighting/air_places.h"
+#include "datagen/lighting/probe_light.h"
+#include "datagen/visibility/link_table.h"
+#include "datagen/weighting/weighting_builder.h"
+#include "runtime_eval/light_grid/light_grid.h"
+#include "validate/light/ddgi.h"
+#include "validate/light/light_method.h"
+#include "validate/light/probe_set.h"
+
+namespace nlg {
+
+struct MethodSetOptions {
+  GatherOptions probe;      // of every probe
+  ProbeLightOptions solve;  // of places in air
+  int thread_count = 1;
+  uint64_t seed = 1;
+};
+
+// What methods are made from; all of it must outlive them.
+struct MethodScene {
+  const LightTransport& transport;
+  const LinkTable& links;
+  const ProbeTree& tree;  // in the scene's coordinates
+  const AirPlaces& air;   // places in cells of the tree
+};
+
+class MethodSet {
+ public:
+  // Gathers light at probes and at places in air.
+  MethodSet(const MethodScene& scene, const MethodSetOptions& options);
+
+  const ProbeSet& probes() const { return probes_; }
+  const std::deque<LightMethod>& methods() const { return methods_; }
+  double measure_s() const { return measure_s_; }  // light at places in air, for whoever solves
+
+  void addTrilinear();
+  void addDdgi();
+  // places   where the methods will be asked
+  void addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion);
+  // Of a grid that was baked without light. in the world's coordinates
+  void addGrid(const std::string& name, LightGrid grid, double bake_s);
+
+ private:
+  struct Blends {
+    std::string name;
+    std::unique_ptr<Weighting> weighting;
+    size_t weight_bytes = 0, probes = 0;
+    double weights_s = 0.0;
+  };
+  const Weighting& own(std::unique_ptr<Weighting> weighting);
+  const std::vector<LightSh>& own(std::vector<LightSh> light);
+  // With light gathered at the probes, and with light solved for.
+  void addBlends(Blends blends);
+  void addOwn(const std::string& name, const Ddgi& ddgi, const DdgiMaps& maps, size_t bytes);
+
+  const MethodScene scene_;
+  const MethodSetOptions options_;
+  ProbeSet probes_;
+  std::vector<LightSh> place_light_;  // of scene.air
+  double measure_s_ = 0.0;
+  size_t tree_bytes_ = 0;
+  std::deque<LightMethod> methods_;
+  std::deque<std::unique_ptr<Weighting>> weightings_;
+  std::deque<std::vector<LightSh>> lights_;
+  std::deque<DdgiMaps> maps_;
+  std::deque<LightGrid> grids_;
+};
+
+}  // namespace nlg
