@@ -1,4 +1,4 @@
-// The weights that our own light grid's look-up gives.
+// The shares that our own light grid's look-up gives (irradiance.h), fallbacks included.
 #pragma once
 
 #include "runtime_eval/light_grid/light_grid.h"
@@ -10,7 +10,6 @@ class GridWeighting : public Weighting {
  public:
   // grid   in the world's coordinates, positions relative to the scene's origin; must outlive this object
   GridWeighting(const LightGrid& grid, const glm::dvec3& origin_m) : grid_(grid), origin_m_(origin_m) {}
-  // Bare tents of probes that have any weight, as a fallback, where no function has.
   ProbeBlend blendAt(const glm::dvec3& position_m, const glm::vec3& normal) const override;
 
  private:

@@ -20,14 +20,14 @@ enum class Reach : uint8_t {
   lit,
   fallback,  // lit by what the method takes where its own weights say nothing
   unlit,     // no probe counts: black
-  outside,   // of what the method covers: black
+  outside,   // of what the method covers: black, or what stands nearest
 };
 
 // The shares of probes at a place.
 struct ProbeBlend {
   std::array<uint32_t, 8> probe{};
   std::array<float, 8> weight{};  // of the first `count`, > 0; they sum to 1
-  int count = 0;                  // 0 … 8; > 0 where reach is lit or fallback
+  int count = 0;                  // 0 … 8; > 0 where reach is lit or fallback, and perhaps outside
   Reach reach = Reach::unlit;
 
   // Weights of 0 and below are left out.

@@ -6,6 +6,7 @@
 #include "datagen/lighting/directions.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
+#include "tool/error.h"
 #include "validate/light/grid_weighting.h"
 #include "validate/light/target_functions.h"
 #include "validate/light/trilinear.h"
@@ -13,7 +14,6 @@
 namespace nlg {
 namespace {
 
-constexpr size_t kShBytes = 2 * kShFloats;  // float16
 constexpr uint64_t kProbeStream = 0x70726f6265, kSolveStream = 0x736f6c7665, kDdgiStream = 0x64646769;
 
 using Clock = std::chrono::steady_clock;
@@ -40,7 +40,22 @@ size_t treeBytes(const ProbeTree& tree) {
   LightGrid grid;
   grid.tree = tree;
   grid.probe_function.assign(tree.probeCount(), kNoWeight);
-  return lightGridBytes(grid, ThetaPrecision::float16).tree;
+  return lightGridBytes(grid, {ThetaPrecision::float16, LightForm::none}).tree;
+}
+
+// What a form leaves of light.
+std::vector<LightSh> rounded(LightForm form, const std::vector<LightSh>& light) {
+  std::vector<float> floats;
+  floats.reserve(light.size() * kShFloats);
+  for (const LightSh& sh : light) {
+    for (const glm::vec3& coefficient : sh) floats.insert(floats.end(), {coefficient.r, coefficient.g, coefficient.b});
+  }
+  const WeightsResult result = roundLight(form, &floats);
+  if (!result.ok()) throw NumericalError("light", result.detail, "a probe's light", 0.0);
+  std::vector<LightSh> kept(light.size());
+  for (size_t i = 0; i < floats.size(); ++i)
+    kept[i / kShFloats][i % kShFloats / kShChannels][static_cast<int>(i % kShChannels)] = floats[i];
+  return kept;
 }
 
 }  // namespace
@@ -69,7 +84,7 @@ void MethodSet::addBlends(Blends blends) {
     method.light = way == LightWay::point ? "point" : "solved";
     method.weighting = &weighting;
     method.probes = blends.probes;
-    method.bytes = {blends.probes * kShBytes, blends.weight_bytes, tree_bytes_};
+    method.bytes = {blends.probes * lightFormBytes(options_.form), blends.weight_bytes, tree_bytes_};
     method.weights_s = blends.weights_s;
     const Clock::time_point start = Clock::now();
     // a point sample in solid says nothing: such probes hold the light under their weights. Whoever reads all probes the same
@@ -87,7 +102,7 @@ void MethodSet::addBlends(Blends blends) {
       }
     }
     method.light_s = secondsSince(start) + (way == LightWay::point ? probes_.gather_s : measure_s_);
-    method.irradiance_at = blendedLight(weighting, own(std::move(light)));
+    method.irradiance_at = blendedLight(weighting, own(rounded(options_.form, light)));
     methods_.push_back(std::move(method));
   }
 }
@@ -150,7 +165,7 @@ void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const 
 
 void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s) {
   const LightGrid& kept = grids_.emplace_back(std::move(grid));
-  const LightGridBytes bytes = lightGridBytes(kept, ThetaPrecision::float16);
+  const LightGridBytes bytes = lightGridBytes(kept, {ThetaPrecision::float16, LightForm::none});
   size_t with_weight = 0;
   for (const uint32_t function : kept.probe_function) with_weight += function != kNoWeight;
   addBlends({name, std::make_unique<GridWeighting>(kept, scene_.transport.scene().origin_m),

@@ -9,6 +9,7 @@
 #include "datagen/lighting/probe_light.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/weighting/weighting_builder.h"
+#include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/light_grid.h"
 #include "validate/light/ddgi.h"
 #include "validate/light/light_method.h"
@@ -17,8 +18,9 @@
 namespace nlg {
 
 struct MethodSetOptions {
-  GatherOptions probe;      // of every probe
-  ProbeLightOptions solve;  // of places in air
+  GatherOptions probe;                   // of every probe
+  ProbeLightOptions solve;               // of places in air
+  LightForm form = LightForm::sh2_8bit;  // in which every method keeps harmonics
   int thread_count = 1;
   uint64_t seed = 1;
 };
