@@ -15,6 +15,7 @@ void describe(BakeOptions& o, OptionTable& table) {
       "extent_m", &o.extent_m,
       "where there are probes, --extent-m=x,y,z,X,Y,Z: low and high corner, metres, world coordinates; none: the scene's bounds");
   table.add("air_only", &o.air_only, "leave out cells that hold no air, and the probes that only they read");
+  describe(o.scene_light, table);
   table.add(
       "light", &o.light,
       "how probes are lit: solved (least squares over places in air), integrated (the talk's way), point (at the probe), or "

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "datagen/scene/light_options.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/fit/theta_policy.h"
 #include "tool/options.h"
@@ -22,6 +23,7 @@ struct BakeOptions {
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;
   PolicyOptions policy;
+  LightOptions scene_light;      // sky and sun
   std::string light = "solved";  // how probes are lit; "none": they are not
   int light_places = 6;          // in air, of every cell
   int light_rays = 64;           // of every place

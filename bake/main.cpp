@@ -86,6 +86,7 @@ std::map<std::string, std::string> metadata(const BakeScene& scene, const std::m
   options["simd"] = chosenSimdTarget();
   std::map<std::string, std::string> inputs;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
+  inputs["light of the scene"] = sceneLightSha256(scene.source.scene);
   for (const auto& [representation, used] : weights) inputs["weights of " + representation] = used.sha256;
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
@@ -106,6 +107,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
 
   const auto start = std::chrono::steady_clock::now();
   const BakeScene scene(request.scene, options);
+  for (const std::string& note : scene.source.light_notes) std::cerr << "light: " << note << '\n';
   const double load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.out_is_given) {
     request.out = scene.source.id + ".safetensors";
@@ -162,7 +164,7 @@ int main(int argc, char** argv) {
   nlg::describe(options, table);
   app.add_option("scene", request.scene,
                  "a .glb, .gltf or .bsp file, FOLDER:MAP for a level in .pk3 archives, or FAMILY:SEED (house, maze, colonnade, "
-                 "stairs, clutter, outdoor, cave)")
+                 "stairs, clutter, outdoor, cave, apartment, cornell, two_rooms)")
       ->required();
   app.add_option(
       "--weights", request.weights,

@@ -17,7 +17,7 @@ struct SceneSource {
   Scene scene;
   std::map<std::string, uint32_t> dropped_faces;  // of a .bsp, by why: bsp_reader.h
   uint32_t materials_without_texture = 0;         // of a .bsp: these have the default colour
-  std::vector<std::string> light_notes;           // of a .bsp: what its light lost; bsp_reader.h
+  std::vector<std::string> light_notes;           // what its light lost in reading (bsp_reader.h), or was given (light_options.h)
 };
 
 // request   FAMILY:SEED for a procedural scene (house:3), NAME or NAME:SEED for a built-in one (cornell, two_rooms:1);
