@@ -33,17 +33,17 @@ AirPlaceOptions airPlaceOptions(const BakeOptions& options) {
   return air;
 }
 
-SceneSource loadLit(const std::string& request, const LightOptions& light) {
+}  // namespace
+
+SceneSource loadLitScene(const std::string& request, const LightOptions& light) {
   SceneSource source = loadScene(request);
   if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
   for (const std::string& done : applyLight(source.scene, light)) source.light_notes.push_back(done);
   return source;
 }
 
-}  // namespace
-
 BakeScene::BakeScene(const std::string& request, const BakeOptions& options)
-    : source(loadLit(request, options.scene_light)),
+    : source(loadLitScene(request, options.scene_light)),
       links(makeLinkTable({})),
       rays(source.scene),
       full_tree(placeProbes(source.scene, options)) {

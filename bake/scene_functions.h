@@ -23,6 +23,10 @@
 
 namespace nlg {
 
+// A scene with the sky and suns of the options; what they did stands among its light_notes.
+// throws   InputError when the scene cannot be read or has no triangle; UsageError as applyLight does
+SceneSource loadLitScene(const std::string& request, const LightOptions& light);
+
 // A scene ready for its first probe.
 struct BakeScene {
   // throws   UsageError on a setting that cannot be used; InputError when the scene cannot be read or has no triangle

@@ -15,6 +15,18 @@ constexpr Colour kViridis[kKnotCount] = {
     {50, 182, 122}, {63, 188, 115}, {78, 195, 107}, {94, 201, 98},  {112, 207, 87}, {132, 212, 75}, {152, 216, 62},
     {173, 220, 48}, {194, 223, 35}, {216, 226, 25}, {236, 229, 27}, {253, 231, 37}};
 
+constexpr int kStepCount = 11;
+constexpr Colour kBlueToRed[kStepCount] = {{5, 48, 97},     {33, 102, 172},  {67, 147, 195},  {146, 197, 222},
+                                           {209, 229, 240}, {247, 247, 247}, {253, 219, 199}, {244, 165, 130},
+                                           {214, 96, 77},   {178, 24, 43},   {103, 0, 31}};
+
+// The colour of a table whose entries stand at even distances. at   in [0, 1]
+Colour between(const Colour* knots, int count, double at) {
+  const double knot = at * (count - 1);
+  const int low = std::min(static_cast<int>(knot), count - 2);
+  return mix(knots[low], knots[low + 1], knot - low);
+}
+
 double linear(uint8_t channel) {
   const double value = channel / 255.0;
   return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
@@ -22,11 +34,9 @@ double linear(uint8_t channel) {
 
 }  // namespace
 
-Colour viridis(double value) {
-  const double at = std::clamp(value, 0.0, 1.0) * (kKnotCount - 1);
-  const int knot = std::min(static_cast<int>(at), kKnotCount - 2);
-  return mix(kViridis[knot], kViridis[knot + 1], at - knot);
-}
+Colour viridis(double value) { return between(kViridis, kKnotCount, std::clamp(value, 0.0, 1.0)); }
+
+Colour diverging(double value) { return between(kBlueToRed, kStepCount, 0.5 + 0.5 * std::clamp(value, -1.0, 1.0)); }
 
 Colour phiColour(double phi) { return phi <= 0.0 ? kBlack : viridis(phi); }
 

@@ -9,6 +9,10 @@ namespace nlg {
 // value   clamped to [0, 1]
 Colour viridis(double value);
 
+// Red to blue over white (ColorBrewer's RdBu in 11 steps, Cynthia Brewer, Apache 2.0), turned: blue below 0, red above.
+// value   clamped to [-1, 1]
+Colour diverging(double value);
+
 // The colour of a weighting function's value: black where it is exactly 0, so that the smallest leak stands out against none;
 // viridis above.
 Colour phiColour(double phi);

@@ -1,0 +1,23 @@
+// A pinhole camera.
+#pragma once
+
+#include <glm/glm.hpp>
+
+namespace nlg {
+
+struct Camera {
+  glm::dvec3 eye_m{0.0};                 // relative to the scene's origin
+  glm::vec3 forward{0.0f, 0.0f, -1.0f};  // unit
+  glm::vec3 up{0.0f, 1.0f, 0.0f};        // unit, at a right angle to forward
+  double fov_y = 1.0472;                 // radians from the picture's lower to its upper edge, in (0, pi)
+
+  // Of the ray through a place of the picture, unit. x from the left, y from the top, both in [0, 1] inside the picture
+  // aspect   width over height
+  glm::vec3 direction(double x, double y, double aspect) const;
+};
+
+// A camera at eye_m that looks along a direction, upright: what is up in the world is up in the picture. Along the vertical, -z is.
+// direction   not 0
+Camera cameraAlong(const glm::dvec3& eye_m, const glm::dvec3& direction, double fov_y);
+
+}  // namespace nlg

@@ -1,0 +1,67 @@
+#include "render/lighting_method.h"
+
+#include <bit>
+
+#include "runtime_eval/light_grid/irradiance.h"
+#include "runtime_eval/numbers/random.h"
+
+namespace nlg {
+namespace {
+
+// Noise of neighbouring pixels must not be alike, and a receiver's must not depend on where in a picture it stands.
+uint64_t seedOf(const Receiver& receiver, uint64_t seed) {
+  const auto bits = [](double value) { return std::bit_cast<uint64_t>(value); };
+  const glm::dvec3& p = receiver.position_m;
+  const glm::dvec3 n(receiver.normal);
+  return mixSeed(mixSeed(bits(p.x), bits(p.y), bits(p.z), seed), bits(n.x), bits(n.y), bits(n.z));
+}
+
+PositionM worldPosition(const Receiver& receiver, const glm::dvec3& origin_m) {
+  const glm::dvec3 world = origin_m + receiver.position_m;
+  return {world.x, world.y, world.z};
+}
+
+bool isLit(LightStatus status, const glm::vec3& irradiance) {
+  return status == LightStatus::lit || status == LightStatus::by_tents || irradiance != glm::vec3(0.0f);
+}
+
+}  // namespace
+
+LightingMethod truthMethod(const LightTransport& transport, const GatherOptions& options, uint64_t seed) {
+  return {"truth", [&transport, options, seed](std::span<const Receiver> receivers, ReceivedLight* received) {
+            for (const Receiver& receiver : receivers) {
+              const GatheredIrradiance gathered =
+                  transport.gatherIrradiance(receiver.position_m, receiver.normal, options, seedOf(receiver, seed));
+              *received++ = {gathered.irradiance, gathered.deviation, true};
+            }
+          }};
+}
+
+LightingMethod gridMethod(const LightGrid& grid, const glm::dvec3& origin_m) {
+  return {"grid", [&grid, origin_m](std::span<const Receiver> receivers, ReceivedLight* received) {
+            for (const Receiver& receiver : receivers) {
+              ReceivedLight& light = *received++;
+              light = {};
+              const LightStatus status =
+                  lookUpIrradiance(grid, worldPosition(receiver, origin_m), &receiver.normal.x, &light.irradiance.x);
+              light.is_lit = isLit(status, light.irradiance);
+            }
+          }};
+}
+
+LightingMethod probeShareMethod(const LightGrid& grid, const glm::dvec3& origin_m, uint32_t probe) {
+  return {"weights", [&grid, origin_m, probe](std::span<const Receiver> receivers, ReceivedLight* received) {
+            for (const Receiver& receiver : receivers) {
+              ProbeWeights shares;
+              ReceivedLight& light = *received++;
+              light = {};
+              lookUpShares(grid, worldPosition(receiver, origin_m), &shares);
+              light.is_lit = shares.count > 0;
+              for (int i = 0; i < shares.count; ++i) {
+                if (shares.probe[i] == probe) light.irradiance = glm::vec3(shares.weight[i]);
+              }
+            }
+          }};
+}
+
+}  // namespace nlg

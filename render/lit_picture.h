@@ -1,0 +1,40 @@
+// A picture in numbers: radiance and irradiance by pixel, and how far one method's are from another's.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/lighting_method.h"
+#include "render/sight.h"
+
+namespace nlg {
+
+struct LitPicture {
+  std::string method;
+  int width = 0, height = 0;
+  // by pixel, row by row from the top
+  std::vector<glm::vec3> radiance;    // the mean of its samples: albedo x irradiance / pi + shine
+  std::vector<glm::vec3> irradiance;  // the mean of its receivers
+  std::vector<glm::vec3> deviation;   // of the irradiance's noise
+  std::vector<float> receiver_share;  // of its samples; 0: nothing is lit there
+  std::vector<uint8_t> in_solid;      // of a cut: 1 where no sample is in air
+  double unlit_share = 0.0;           // of all receivers: where the method knows no light
+};
+
+// The same bits for any number of threads.
+LitPicture lightPicture(const Sights& sights, const LightingMethod& method, int thread_count);
+
+// Over pixels that have receivers, all channels, of irradiance. In shares of the root mean square of truth's; 0 where truth is 0.
+struct PictureError {
+  double rmse = 0.0;
+  double bias = 0.0;         // mean of method less truth
+  double truth_noise = 0.0;  // root mean square of truth's standard deviation: an rmse below it says nothing
+};
+PictureError pictureError(const LitPicture& picture, const LitPicture& truth);
+
+// Root mean square of irradiance over pixels that have receivers, all channels.
+double irradianceRms(const LitPicture& picture);
+
+double luminanceOf(const glm::vec3& rgb);
+
+}  // namespace nlg

@@ -1,0 +1,329 @@
+#include "render/render_run.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "datagen/lighting/air.h"
+#include "datagen/view/legend.h"
+#include "datagen/view/png_file.h"
+#include "render/lighting_method.h"
+#include "render/lit_picture.h"
+#include "render/panel.h"
+#include "render/rendered_scene.h"
+#include "render/tone.h"
+#include "render/view_choice.h"
+#include "runtime_eval/numbers/random.h"
+#include "tool/error.h"
+#include "tool/output_path.h"
+#include "tool/provenance.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr uint64_t kBallStream = 0x62616c6c;
+constexpr double kDegree = 3.14159265358979 / 180.0;
+constexpr const char* kTone = "radiance x exposure, cut off at 1, sRGB";
+
+Json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+glm::dvec3 vectorOf(const std::vector<double>& three) { return {three[0], three[1], three[2]}; }
+
+void check(const RenderRequest& request) {
+  for (const std::string& name : methodNames(request)) {
+    checkMethodName(request.panel.empty() ? "--method" : "--panel", name);
+  }
+  const std::vector<std::string> shows = {"light", "error", "absolute", "weights"};
+  if (std::find(shows.begin(), shows.end(), request.show) == shows.end())
+    throw UsageError("--show", "light, error, absolute or weights", "'" + request.show + "'");
+  const bool needs_grid = asksFor(request, "grid") || request.show == "weights";
+  if (needs_grid && request.grid.empty() && !request.bake)
+    throw UsageError("--grid", "a light grid's file, or --bake", "neither");
+  if (request.bake && !request.grid.empty()) throw UsageError("--bake", "no --grid beside it", request.grid);
+  if (!request.look.empty() && request.eye.empty()) throw UsageError("--eye", "a place to look from, with --look", "none");
+  if (request.eye.empty() != request.look.empty()) throw UsageError("--look", "a place to look at, with --eye", "none");
+  if (!request.eye.empty() && !(glm::length(vectorOf(request.look) - vectorOf(request.eye)) > 1e-9))
+    throw UsageError("--look", "another place than --eye", "the same");
+  if (request.show == "weights" && request.probe < 0 && request.probe_near.empty())
+    throw UsageError("--probe", "the probe whose weights to show, or --probe-near", "neither");
+  if (request.show == "weights" && !request.panel.empty())
+    throw UsageError("--panel", "none with --show weights", std::to_string(request.panel.size()) + " methods");
+}
+
+Camera cameraOf(const RenderRequest& request, const BakeOptions& options, const RenderedScene& scene) {
+  if (!request.eye.empty()) {
+    const glm::dvec3 eye = vectorOf(request.eye);
+    return cameraAlong(eye - scene.scene().origin_m, vectorOf(request.look) - eye, request.fov * kDegree);
+  }
+  return chooseView(scene.transport(), request.fov * kDegree, static_cast<double>(request.width) / request.height, options.seed);
+}
+
+// Balls in air within the camera's view, none nearer to a surface than its radius, none in front of another.
+std::vector<Ball> hangBalls(const RenderRequest& request, const BakeOptions& options, const RenderedScene& scene,
+                            const Camera& camera) {
+  constexpr int kDraws = 200;  // of a ball
+  const Bounds bounds = sceneBounds(scene.scene());
+  const double radius_m =
+      request.ball_radius_m > 0.0 ? request.ball_radius_m : std::min(0.15, 0.02 * glm::length(bounds.max - bounds.min));
+  const RayScene& rays = scene.transport().rays();
+  Random random(mixSeed(options.seed, kBallStream));
+  std::vector<Ball> balls;
+  for (int draw = 0; draw < kDraws * request.balls && static_cast<int>(balls.size()) < request.balls; ++draw) {
+    const double x = random.uniform(0.05, 0.95), y = random.uniform(0.05, 0.95), share = random.uniform(0.15, 0.95);
+    const glm::vec3 direction = camera.direction(x, y, static_cast<double>(request.width) / request.height);
+    const LightHit hit = rays.lightHit(glm::vec3(camera.eye_m), direction);
+    if (hit.kind != LightHit::Kind::surface) continue;
+    const Ball ball{camera.eye_m + share * hit.distance * glm::dvec3(direction), radius_m};
+    const auto touches = [&](const glm::vec3& way) {
+      return rays.isBlocked(glm::vec3(ball.centre_m), glm::vec3(ball.centre_m) + way * static_cast<float>(1.05 * radius_m));
+    };
+    const bool is_free = share * hit.distance > 8.0 * radius_m && !touches({1, 0, 0}) && !touches({-1, 0, 0}) &&
+                         !touches({0, 1, 0}) && !touches({0, -1, 0}) && !touches({0, 0, 1}) && !touches({0, 0, -1}) &&
+                         isInAir(rays, ball.centre_m);
+    if (is_free) balls.push_back(ball);
+  }
+  return balls;
+}
+
+Cut cutOf(const RenderRequest& request, const Scene& scene) {
+  const Bounds bounds = boundsWithSky(scene);
+  Cut cut{glm::dvec3(bounds.min), glm::dvec3(bounds.max)};
+  const double y = request.slice_y[0] - scene.origin_m.y;
+  if (!(y >= cut.low_m.y && y <= cut.high_m.y)) {
+    throw UsageError("--slice-y",
+                     fmt::format("a height in the scene, from {:g} to {:g} m", cut.low_m.y + scene.origin_m.y,
+                                 cut.high_m.y + scene.origin_m.y),
+                     fmt::format("{:g}", request.slice_y[0]));
+  }
+  cut.low_m.y = cut.high_m.y = y;
+  return cut;
+}
+
+uint32_t shownProbe(const RenderRequest& request, const LightGrid& grid) {
+  const size_t count = grid.tree.probeCount();
+  if (request.probe >= 0) {
+    if (static_cast<uint64_t>(request.probe) >= count)
+      throw UsageError("--probe", "a probe below " + std::to_string(count), std::to_string(request.probe));
+    return static_cast<uint32_t>(request.probe);
+  }
+  const glm::dvec3 near = vectorOf(request.probe_near);
+  uint32_t nearest = 0;
+  double least = INFINITY;
+  for (size_t p = 0; p < count; ++p) {
+    const PositionM at = grid.tree.probePosition(p);
+    const double distance = glm::length(glm::dvec3(at[0], at[1], at[2]) - near);
+    if (distance < least) least = distance, nearest = static_cast<uint32_t>(p);
+  }
+  if (!std::isfinite(least)) throw UsageError("--probe-near", "a grid with probes", "none");
+  return nearest;
+}
+
+// One run: what it draws, and what it says of it.
+class Rendering {
+ public:
+  Rendering(const RenderRequest& request, const BakeOptions& options)
+      : request_(request), options_(options), scene_(request, options) {
+    said_ = {{"schema_version", 1}, {"scene", scene_.id()}, {"light", scene_.lightNotes()}};
+    see();
+  }
+
+  Json draw() {
+    const Image image = request_.show == "weights" ? drawWeights() : drawMethods();
+    said_["tone"] = kTone;
+    said_["width"] = image.width();
+    said_["height"] = image.height();
+    PngTexts texts = {{"Software", std::string("nlg-render ") + sourceRevision()}, {"Description", said_.dump()}};
+    if (said_.contains("exposure")) texts["Exposure"] = said_["exposure"].dump();
+    writePng(request_.out, image, texts);
+    return std::move(said_);
+  }
+
+ private:
+  void see() {
+    const glm::dvec3& origin_m = scene_.scene().origin_m;
+    if (!request_.slice_y.empty()) {
+      sights_ = sightsOfCut(scene_.transport(), cutOf(request_, scene_.scene()), request_.width, scene_.threads());
+      said_["slice_y_m"] = request_.slice_y[0];
+      place_ = fmt::format("cut at y = {:g} m, seen from above, lit on a white plane that faces up", request_.slice_y[0]);
+      return;
+    }
+    const Camera camera = cameraOf(request_, options_, scene_);
+    SightOptions sight;
+    sight.width = request_.width;
+    sight.height = request_.height;
+    sight.samples_per_side = request_.samples;
+    sight.offset_m = request_.offset_m;
+    sight.thread_count = scene_.threads();
+    if (request_.balls > 0) sight.balls = hangBalls(request_, options_, scene_, camera);
+    sights_ = sightsOf(scene_.transport(), camera, sight);
+    const glm::dvec3 eye = origin_m + camera.eye_m, look = eye + glm::dvec3(camera.forward);
+    said_["camera"] = {{"eye_m", numbers(eye)}, {"look_m", numbers(look)}, {"fov_degrees", camera.fov_y / kDegree}};
+    said_["balls"] = sight.balls.size();
+    place_ = "from " + positionText(eye) + " towards " + positionText(look);
+  }
+
+  LitPicture lit(const LightingMethod& method) const { return lightPicture(sights_, method, scene_.threads()); }
+
+  Image drawWeights() {
+    const uint32_t probe = shownProbe(request_, scene_.grid());
+    const PositionM at = scene_.grid().tree.probePosition(probe);
+    said_["probe"] = probe;
+    said_["probe_m"] = at;
+    const LitPicture shares = lit(probeShareMethod(scene_.grid(), scene_.scene().origin_m, probe));
+    const LitPicture shading = lit({"even", [](std::span<const Receiver> receivers, ReceivedLight* received) {
+                                      for (const Receiver& r : receivers)
+                                        *received++ = {glm::vec3(0.6f + 0.25f * r.normal.y + 0.15f * r.normal.x), {}, true};
+                                    }});
+    return withShareBar(shareMap(shares, shading),
+                        fmt::format("share of probe {} at {}", probe, positionText({at[0], at[1], at[2]})));
+  }
+
+  Image drawMethods() {
+    const bool shows_error = request_.show != "light";
+    const bool needs_truth = shows_error || asksFor(request_, "truth");
+    std::optional<LitPicture> truth;
+    if (needs_truth) truth = lit(scene_.method("truth"));
+    std::vector<LitPicture> pictures;
+    for (const std::string& name : methodNames(request_)) {
+      pictures.push_back(name == "truth" ? *truth : lit(scene_.method(name)));
+      said_["pictures"].push_back(figuresOf(pictures.back(), truth));
+    }
+    const double exposure = request_.exposure > 0.0 ? request_.exposure : automaticExposure(truth ? *truth : pictures.front());
+    said_["exposure"] = exposure;
+    said_["exposure_is_automatic"] = !(request_.exposure > 0.0);
+    const ErrorKind kind = request_.show == "absolute" ? ErrorKind::absolute : ErrorKind::with_sign;
+    double range = request_.error_range;
+    if (truth && !(range > 0.0)) {
+      std::vector<const LitPicture*> others;
+      for (const LitPicture& picture : pictures) {
+        if (picture.method != "truth") others.push_back(&picture);
+      }
+      range = errorRange(others, *truth);
+    }
+    if (truth) said_["error_range"] = range;
+    if (!request_.panel.empty()) return drawColumns(pictures, truth, exposure, kind, range);
+    if (shows_error) return withErrorBar(errorMap(pictures[0], *truth, kind, range), kind, range);
+    return toneMapped(pictures[0], exposure);
+  }
+
+  static Json figuresOf(const LitPicture& picture, const std::optional<LitPicture>& truth) {
+    Json figures = {{"method", picture.method}, {"unlit_share", picture.unlit_share}};
+    if (!truth) return figures;
+    const PictureError error = pictureError(picture, *truth);
+    if (picture.method != "truth") figures.update({{"rmse", error.rmse}, {"bias", error.bias}});
+    if (picture.method == "truth") figures["noise"] = error.truth_noise;
+    return figures;
+  }
+
+  Image drawColumns(const std::vector<LitPicture>& pictures, const std::optional<LitPicture>& truth, double exposure,
+                    ErrorKind kind, double range) const {
+    std::vector<PanelColumn> columns;
+    for (size_t i = 0; i < pictures.size(); ++i) {
+      const LitPicture& picture = pictures[i];
+      const Json& figures = said_["pictures"][i];
+      PanelColumn column{picture.method, {}, toneMapped(picture, exposure), std::nullopt};
+      if (picture.method == "truth") {
+        column.captions.push_back(
+            fmt::format("{} rays a sample, noise {:.3f}", request_.truth_rays, figures["noise"].get<double>()));
+      } else if (truth) {
+        column.captions.push_back(
+            fmt::format("RMSE {:.3f}, mean error {:+.3f}", figures["rmse"].get<double>(), figures["bias"].get<double>()));
+        column.error = errorMap(picture, *truth, kind, range);
+      }
+      if (picture.unlit_share > 0.0)
+        column.captions.push_back(fmt::format("unlit: {:.2f} % of the samples", 100.0 * picture.unlit_share));
+      columns.push_back(std::move(column));
+    }
+    return drawPanel(
+        columns,
+        {{scene_.id(), place_, fmt::format("exposure {:.4g}; errors of irradiance over truth's RMS", exposure)}, kind, range});
+  }
+
+  const RenderRequest& request_;
+  const BakeOptions& options_;
+  RenderedScene scene_;
+  Sights sights_;
+  std::string place_;
+  Json said_;
+};
+
+}  // namespace
+
+std::vector<std::string> methodNames(const RenderRequest& request) {
+  return request.panel.empty() ? std::vector<std::string>{request.method} : request.panel;
+}
+
+bool asksFor(const RenderRequest& request, const std::string& method) {
+  const std::vector<std::string> names = methodNames(request);
+  return std::find(names.begin(), names.end(), method) != names.end();
+}
+
+void describe(RenderRequest& r, CLI::App& app) {
+  app.add_option("scene", r.scene, "a scene, as nlg-bake takes it")->required();
+  app.add_option("--out", r.out, "the picture (.png)")->required();
+  app.add_option("--grid", r.grid, "a light grid that holds light, as nlg-bake writes it");
+  app.add_flag("--bake", r.bake, "bake the light grid here, by the settings of nlg-bake, instead of reading one");
+  app.add_option("--weights", r.weights, "weights for --bake; none: those that ship");
+  app.add_option("--method", r.method,
+                 "truth, grid, or a rival: trilinear, valid-trilinear, exact-visibility, ddgi and its kin; with :solved, light "
+                 "that is solved for")
+      ->capture_default_str();
+  app.add_option("--panel", r.panel, "several methods side by side, with titles, and errors when truth is among them")
+      ->delimiter(',');
+  app.add_option(
+         "--show", r.show,
+         "light; error: of irradiance, with sign; absolute: its size; weights: the share of one probe in the grid's blend")
+      ->capture_default_str();
+  app.add_option("--truth-rays", r.truth_rays, "rays of ground truth at every sample")
+      ->check(CLI::Range(8, 1 << 20))
+      ->capture_default_str();
+  app.add_option("--exposure", r.exposure,
+                 "what radiance is multiplied by; 0: so that the median of truth, or else of the first method, is .18")
+      ->check(CLI::Range(0.0, 1e12))
+      ->capture_default_str();
+  app.add_option("--error-range", r.error_range,
+                 "the error, over truth's root mean square, that has the last colour; 0: by the picture")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--probe", r.probe, "number of the probe whose weights are shown")->check(CLI::Range(0, 1 << 27));
+  app.add_option("--probe-near", r.probe_near, "x,y,z: the probe nearest to this place, world, metres")
+      ->delimiter(',')
+      ->expected(3);
+  app.add_option("--eye", r.eye, "--eye=x,y,z: where the camera stands, world, metres; none: a view is chosen")
+      ->delimiter(',')
+      ->expected(3);
+  app.add_option("--look", r.look, "--look=x,y,z: what it looks at")->delimiter(',')->expected(3);
+  app.add_option("--fov", r.fov, "degrees from the picture's lower to its upper edge")
+      ->check(CLI::Range(1.0, 170.0))
+      ->capture_default_str();
+  app.add_option("--slice-y", r.slice_y, "in place of a view: a cut at this height, metres, seen from above")->expected(1);
+  app.add_option("--width", r.width, "pixels of one picture")->check(CLI::Range(8, 16384))->capture_default_str();
+  app.add_option("--height", r.height, "pixels of one picture; a cut's follows from its width")
+      ->check(CLI::Range(8, 16384))
+      ->capture_default_str();
+  app.add_option("--samples", r.samples, "n: n x n samples of every pixel")->check(CLI::Range(1, 16))->capture_default_str();
+  app.add_option("--offset-m", r.offset_m, "how far before a surface light is asked for, metres; half way to what is nearer")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  app.add_option("--balls", r.balls, "so many grey balls in the air, each lit as at its centre")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
+  app.add_option("--ball-radius-m", r.ball_radius_m, "their radius; 0: by the scene's size")
+      ->check(CLI::Range(0.0, 1e3))
+      ->capture_default_str();
+}
+
+Json renderScene(const RenderRequest& request, const BakeOptions& options) {
+  check(request);
+  std::vector<std::string> inputs = {request.scene, request.grid};
+  inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
+  refuseToReplaceInputs(request.out, inputs);
+  return Rendering(request, options).draw();
+}
+
+}  // namespace nlg

@@ -1,0 +1,137 @@
+#include "render/rendered_scene.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "bake/default_weights.h"
+#include "bake/scene_bake.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/numbers/random.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+#include "tool/parallel_for.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kTruthStream = 0x7472757468, kRivalStream = 0x726976616c;
+constexpr const char* kMethods = "truth, grid, trilinear, valid-trilinear, exact-visibility, ddgi …";
+constexpr const char* kDdgi = "ddgi-as-shipped";  // what "ddgi" alone means
+
+std::string withoutLight(const std::string& name) { return name.substr(0, name.find(':')); }
+
+bool isTrilinear(const std::string& name) {
+  const std::string stem = withoutLight(name);
+  return stem == "trilinear" || stem == "valid-trilinear" || stem == "exact-visibility";
+}
+
+bool isDdgi(const std::string& name) { return name.rfind("ddgi", 0) == 0; }
+
+std::vector<Generator> loadGenerators(const std::vector<std::string>& paths) {
+  std::vector<Generator> generators;
+  for (const std::string& path : paths) {
+    const WeightsResult result = Generator::load(path, &generators.emplace_back());
+    if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "the weights of a generator", result.detail);
+  }
+  std::stable_sort(generators.begin(), generators.end(), [](const Generator& a, const Generator& b) {
+    return a.representation().thetaCount() < b.representation().thetaCount();
+  });
+  return generators;
+}
+
+LightGrid readGrid(const std::string& path) {
+  LightGrid grid;
+  GridMetadata metadata;
+  const WeightsResult result = readLightGridFile(path, &grid, &metadata);
+  if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "a light grid", result.detail);
+  return grid;
+}
+
+LightingMethod rivalMethod(const LightMethod& rival) {
+  return {rivalName(rival), [&rival](std::span<const Receiver> receivers, ReceivedLight* received) {
+            for (const Receiver& receiver : receivers) {
+              const LightAnswer answer = rival.irradiance_at(receiver.position_m, receiver.normal);
+              const bool is_lit = answer.reach == Reach::lit || answer.reach == Reach::fallback;
+              *received++ = {answer.irradiance, glm::vec3(0.0f), is_lit || answer.irradiance != glm::vec3(0.0f)};
+            }
+          }};
+}
+
+}  // namespace
+
+void checkMethodName(const std::string& place, const std::string& name) {
+  if (name == "truth" || name == "grid" || isTrilinear(name) || isDdgi(name)) return;
+  throw UsageError(place, kMethods, "'" + name + "'");
+}
+
+std::string rivalName(const LightMethod& method) {
+  std::string name;
+  for (const char sign : method.weights) {
+    if (std::isalnum(static_cast<unsigned char>(sign))) {
+      name += static_cast<char>(std::tolower(static_cast<unsigned char>(sign)));
+    } else if (sign == ' ') {
+      name += '-';
+    }
+  }
+  return method.light == "solved" ? name + ":solved" : name;
+}
+
+RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& options)
+    : request_(request), options_(options), threads_(options.threads > 0 ? options.threads : machineThreadCount()) {
+  const std::vector<std::string> names = methodNames(request);
+  const bool has_rivals = std::any_of(names.begin(), names.end(), [](const auto& n) { return isTrilinear(n) || isDdgi(n); });
+  if (request.bake || has_rivals) {
+    baked_scene_.emplace(request.scene, options);
+  } else {
+    source_ = loadLitScene(request.scene, options.scene_light);
+    rays_ = std::make_unique<RayScene>(source_.scene);
+  }
+  transport_ = std::make_unique<LightTransport>(scene(), baked_scene_ ? baked_scene_->rays : *rays_);
+  makeGrid();
+  if (has_rivals) makeRivals();
+}
+
+void RenderedScene::makeGrid() {
+  if (request_.bake) {
+    const std::vector<std::string> weights =
+        request_.weights.empty() ? shippedWeights(options_.representation, weightsFolders()) : request_.weights;
+    grid_ = bakeScene(*baked_scene_, loadGenerators(weights), options_, temporaryFolder()).grid;
+  } else if (!request_.grid.empty()) {
+    grid_ = readGrid(request_.grid);
+  }
+  if (grid_ && grid_->light.empty() && request_.show != "weights")
+    throw InputError(request_.bake ? "light" : request_.grid, "light", "a light grid that holds light", "none");
+}
+
+void RenderedScene::makeRivals() {
+  MethodSetOptions options;
+  options.probe.rays = options_.light_probe_rays;
+  options.solve.place.rays = options_.light_rays;
+  options.solve.pull = options_.light_pull;
+  options.solve.dark_share = options_.light_dark_share;
+  options.thread_count = threads_;
+  options.seed = mixSeed(options_.seed, kRivalStream);
+  rivals_ =
+      std::make_unique<MethodSet>(MethodScene{*transport_, baked_scene_->links, baked_scene_->tree, baked_scene_->air}, options);
+  const std::vector<std::string> names = methodNames(request_);
+  if (std::any_of(names.begin(), names.end(), isTrilinear)) rivals_->addTrilinear();
+  if (std::any_of(names.begin(), names.end(), isDdgi)) rivals_->addDdgi();
+}
+
+LightingMethod RenderedScene::method(const std::string& name) const {
+  if (name == "grid") return gridMethod(*grid_, scene().origin_m);
+  if (name == "truth") {
+    GatherOptions options;
+    options.rays = request_.truth_rays;
+    return truthMethod(*transport_, options, mixSeed(options_.seed, kTruthStream));
+  }
+  const std::string whole = name == "ddgi" ? kDdgi : name;
+  std::string known;
+  for (const LightMethod& rival : rivals_->methods()) {
+    if (rivalName(rival) == whole) return rivalMethod(rival);
+    known += (known.empty() ? "" : ", ") + rivalName(rival);
+  }
+  throw UsageError(request_.panel.empty() ? "--method" : "--panel", "truth, grid or one of " + known, "'" + name + "'");
+}
+
+}  // namespace nlg

@@ -1,0 +1,56 @@
+// A scene, and what can light it: the methods that a picture names.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bake/scene_functions.h"
+#include "datagen/lighting/light_transport.h"
+#include "render/lighting_method.h"
+#include "render/render_run.h"
+#include "validate/light/method_set.h"
+
+namespace nlg {
+
+// place     the flag
+// throws    UsageError on a name that no method has
+void checkMethodName(const std::string& place, const std::string& name);
+
+// A rival's name on the command line: "DDGI as shipped, relocated" is ddgi-as-shipped-relocated; behind a colon how its probes are
+// lit, when that is not as rivals do (trilinear:solved).
+std::string rivalName(const LightMethod& method);
+
+class RenderedScene {
+ public:
+  // Loads the scene, loads or bakes the grid, and makes the rivals that the request names. Both must outlive this object.
+  // throws   UsageError, InputError
+  RenderedScene(const RenderRequest& request, const BakeOptions& options);
+
+  const Scene& scene() const { return source().scene; }
+  const std::string& id() const { return source().id; }
+  const std::vector<std::string>& lightNotes() const { return source().light_notes; }
+  const LightTransport& transport() const { return *transport_; }
+  const LightGrid& grid() const { return *grid_; }  // of requests that need one
+  int threads() const { return threads_; }
+
+  LightingMethod method(const std::string& name) const;
+
+ private:
+  const SceneSource& source() const { return baked_scene_ ? baked_scene_->source : source_; }
+  void makeGrid();
+  void makeRivals();
+
+  const RenderRequest& request_;
+  const BakeOptions& options_;
+  const int threads_;
+  SceneSource source_;
+  std::unique_ptr<RayScene> rays_;
+  std::optional<BakeScene> baked_scene_;  // in place of both: with what a bake and rivals need beside
+  std::unique_ptr<LightTransport> transport_;
+  std::optional<LightGrid> grid_;
+  std::unique_ptr<MethodSet> rivals_;
+};
+
+}  // namespace nlg

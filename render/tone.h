@@ -1,0 +1,33 @@
+// From light to colours: exposure and tone of pictures, and the colours of errors.
+//
+// A pixel shows its radiance times the exposure: 1 becomes full white; brighter light is cut off there. Then sRGB's transfer.
+#pragma once
+
+#include "datagen/view/image.h"
+#include "render/lit_picture.h"
+
+namespace nlg {
+
+// The exposure that shows the median luminance, over pixels that have receivers and are not black, as middle grey: .18. 1 when all
+// are black.
+double automaticExposure(const LitPicture& picture);
+
+Image toneMapped(const LitPicture& picture, double exposure);
+
+enum class ErrorKind {
+  with_sign,  // of the luminance of irradiance: method less truth
+  absolute,   // root mean square over the channels of irradiance
+};
+
+// Error by pixel in shares of truth's irradianceRms; pixels without receivers are grey, solid is hatched.
+// range   > 0: the share whose colour is the map's last
+Image errorMap(const LitPicture& picture, const LitPicture& truth, ErrorKind kind, double range);
+
+// The smallest of … .1, .2, .5, 1, … that few errors exceed: 2 in a hundred pixels.
+double errorRange(const std::vector<const LitPicture*>& pictures, const LitPicture& truth);
+
+// Irradiance, in [0, 1], as a colour: of probeShareMethod's pictures. Surfaces are shaded by their radiance, so that their shape is
+// seen where the share is 0.
+Image shareMap(const LitPicture& shares, const LitPicture& shading);
+
+}  // namespace nlg

@@ -1,0 +1,17 @@
+// A view of a scene for those who name none.
+#pragma once
+
+#include "datagen/lighting/light_transport.h"
+#include "render/camera.h"
+
+namespace nlg {
+
+// Looks from a place in air to where there is much to see: far and near, many sides of surfaces, no backs of them, little sky, and
+// some light. The same view for the same scene and seed.
+// throws   InputError when no place in air was found
+Camera chooseView(const LightTransport& transport, double fov_y, double aspect, uint64_t seed);
+
+// The box around all triangles, those of the sky among them, relative to the scene's origin.
+Bounds boundsWithSky(const Scene& scene);
+
+}  // namespace nlg

@@ -1,0 +1,212 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/lit_picture.h"
+#include "render/panel.h"
+#include "render/tone.h"
+#include "render/view_choice.h"
+#include "tests/datagen/hand_built_scenes.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr float kPi = 3.14159265f;
+
+struct Rendered {
+  explicit Rendered(const Scene& s) : scene(s), rays(scene), transport(scene, rays) {}
+  Scene scene;
+  RayScene rays;
+  LightTransport transport;
+};
+
+Scene room(const glm::vec3& albedo, const glm::vec3& emission) {
+  SceneOfFaces faces;
+  faces.addRoom({-2, -1, -3}, {2, 1.5f, 3}, 0.2f);
+  Scene scene = faces.finish();
+  scene.materials[0].base_color = albedo;
+  scene.materials[0].emissive = emission;
+  return scene;
+}
+
+SightOptions smallPicture(int threads = 1) {
+  SightOptions options;
+  options.width = 24;
+  options.height = 16;
+  options.thread_count = threads;
+  return options;
+}
+
+LightingMethod even(const std::string& name, const glm::vec3& irradiance) {
+  return {name, [irradiance](std::span<const Receiver> receivers, ReceivedLight* received) {
+            for (size_t i = 0; i < receivers.size(); ++i) received[i] = {irradiance, glm::vec3(0.0f), true};
+          }};
+}
+
+const Camera kAcross = cameraAlong({-1.5, 0.2, -2.5}, {1, -0.1, 1.6}, 1.2);
+
+// Everything emits e and reflects ρ: what any ray meets shines with e / (1 - ρ).
+TEST(LitPicture, FurnaceIsConstant) {
+  const glm::vec3 albedo(0.5f, 0.2f, 0.0f), emission(1.0f, 2.0f, 3.0f);
+  const Rendered r(room(albedo, emission));
+  const LitPicture picture =
+      lightPicture(sightsOf(r.transport, kAcross, smallPicture()), truthMethod(r.transport, {1024, 64}, 1), 1);
+  for (size_t i = 0; i < picture.radiance.size(); ++i) {
+    EXPECT_EQ(picture.receiver_share[i], 1.0f);
+    for (int c = 0; c < 3; ++c) {
+      const float expected = emission[c] / (1.0f - albedo[c]);
+      // five standard deviations for each of 1,152 numbers, and the rounding of sums
+      EXPECT_NEAR(picture.radiance[i][c], expected, 5.0f * albedo[c] * picture.deviation[i][c] / kPi + 0.003f * expected);
+    }
+  }
+  EXPECT_EQ(picture.unlit_share, 0.0);
+}
+
+TEST(LitPicture, SkyIsWhatTheCameraSeesBesideTheGround) {
+  SceneOfFaces faces;
+  faces.addQuad({-9, 0, 9}, {9, 0, 9}, {9, 0, -9}, {-9, 0, -9});
+  Scene scene = faces.finish();
+  scene.light.sky = {glm::vec3(0.5f), glm::vec3(0.5f), glm::vec3(0.5f)};
+  const Rendered r(scene);
+  const Sights sights = sightsOf(r.transport, cameraAlong({0, 1, 8}, {0, 0, -1}, 1.0), smallPicture());
+  const LitPicture picture = lightPicture(sights, even("even", glm::vec3(2.0f)), 1);
+  EXPECT_EQ(picture.receiver_share.front(), 0.0f);
+  EXPECT_EQ(picture.radiance.front().r, 0.5f);
+  EXPECT_EQ(picture.receiver_share.back(), 1.0f);
+  // the ground's default albedo is a half
+  EXPECT_NEAR(picture.radiance.back().r, 0.5f * 2.0f / kPi, 1e-6f);
+}
+
+TEST(LitPicture, ReceiversStandBeforeSurfacesAndNeverBehindOthers) {
+  SceneOfFaces faces;
+  faces.addBox({-1, -0.5f, -0.5f}, {1, 0, 0.5f});
+  // a lid 4 mm above the box's upper side hides it from receivers 2 cm above
+  faces.addQuad({-1, 0.004f, 0.5f}, {0, 0.004f, 0.5f}, {0, 0.004f, -0.5f}, {-1, 0.004f, -0.5f}, Sides::two);
+  const Rendered r(faces.finish());
+  SightOptions options = smallPicture();
+  options.samples_per_side = 1;
+  // so low that rays reach under the lid
+  const Sights sights = sightsOf(r.transport, cameraAlong({0.5, 0.01, 0}, {-1, -0.012, 0}, 0.1), options);
+  int under = 0, open = 0;
+  for (const Sight& sight : sights.samples) {
+    const Receiver& receiver = sight.receiver;
+    if (sight.kind != Sight::Kind::receiver || receiver.normal.y < 0.5f) continue;
+    const bool is_under = receiver.position_m.x < 0.0 && receiver.position_m.y < 0.004;
+    EXPECT_NEAR(receiver.position_m.y, is_under ? 0.002 : receiver.position_m.x < 0.0 ? 0.024 : 0.02, 1e-4);
+    ++(is_under ? under : open);
+  }
+  EXPECT_GT(under, 0);
+  EXPECT_GT(open, 0);
+}
+
+TEST(LitPicture, BallIsLitAtItsCentreForTheNormalOfItsSurface) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
+  SightOptions options = smallPicture();
+  options.balls = {{{0, 0, 0}, 0.3}};
+  const Sights sights = sightsOf(r.transport, cameraAlong({0, 0, -2}, {0, 0, 1}, 0.5), options);
+  const Sight& middle = sights.samples[sights.samples.size() / 2 + 2 * options.width];
+  EXPECT_EQ(middle.kind, Sight::Kind::receiver);
+  EXPECT_EQ(middle.receiver.position_m, glm::dvec3(0.0));
+  EXPECT_LT(middle.receiver.normal.z, -0.9f);
+  EXPECT_NEAR(glm::length(middle.receiver.normal), 1.0f, 1e-6f);
+}
+
+TEST(LitPicture, SameForAnyThreads) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(1.0f)));
+  std::vector<LitPicture> pictures;
+  for (const int threads : {1, 3}) {
+    pictures.push_back(
+        lightPicture(sightsOf(r.transport, kAcross, smallPicture(threads)), truthMethod(r.transport, {16, 64}, 1), threads));
+  }
+  EXPECT_EQ(pictures[0].radiance, pictures[1].radiance);
+  EXPECT_EQ(pictures[0].deviation, pictures[1].deviation);
+}
+
+TEST(LitPicture, CutShowsSolidAndAir) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(1.0f)));
+  const Bounds bounds = boundsWithSky(r.scene);
+  Cut cut{glm::dvec3(bounds.min), glm::dvec3(bounds.max)};
+  cut.low_m.y = cut.high_m.y = 0.1;
+  // 4.4 x 6.4 m
+  const Sights sights = sightsOfCut(r.transport, cut, 44, 2);
+  ASSERT_EQ(sights.height, 64);
+  const LitPicture picture = lightPicture(sights, even("even", glm::vec3(kPi)), 1);
+  EXPECT_EQ(picture.in_solid[0], 1);
+  const size_t middle = 32 * 44 + 22;
+  EXPECT_EQ(picture.in_solid[middle], 0);
+  EXPECT_NEAR(picture.radiance[middle].g, 1.0f, 1e-6f);
+}
+
+TEST(PictureError, IsInSharesOfTruthsRms) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
+  const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
+  const LitPicture truth = lightPicture(sights, even("truth", glm::vec3(2.0f)), 1);
+  const LitPicture other = lightPicture(sights, even("other", glm::vec3(2.5f)), 1);
+  const PictureError error = pictureError(other, truth);
+  EXPECT_NEAR(error.rmse, 0.25, 1e-6);
+  EXPECT_NEAR(error.bias, 0.25, 1e-6);
+  EXPECT_EQ(error.truth_noise, 0.0);
+  EXPECT_EQ(errorRange({&other}, truth), 0.5);
+}
+
+TEST(Tone, MedianBecomesMiddleGreyAndOneBecomesWhite) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
+  const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
+  const LitPicture picture = lightPicture(sights, even("even", glm::vec3(7.0f)), 1);
+  const double exposure = automaticExposure(picture);
+  EXPECT_NEAR(exposure * 7.0 * 0.5 / kPi, 0.18, 1e-6);
+  // sRGB of .18: 255 * (1.055 * .18^(1 / 2.4) - .055) = 117.6
+  EXPECT_EQ(toneMapped(picture, exposure).at(3, 3), (Colour{118, 118, 118}));
+  EXPECT_EQ(toneMapped(picture, exposure / 0.18).at(3, 3), kWhite);
+  EXPECT_EQ(toneMapped(picture, 1e9).at(3, 3), kWhite);
+}
+
+TEST(Tone, ErrorsHaveTheColourOfTheirSign) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
+  const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
+  const LitPicture truth = lightPicture(sights, even("truth", glm::vec3(1.0f)), 1);
+  const auto colourOf = [&](float value) {
+    return errorMap(lightPicture(sights, even("other", glm::vec3(value)), 1), truth, ErrorKind::with_sign, 0.5).at(5, 5);
+  };
+  EXPECT_GT(colourOf(1.3f).r, colourOf(1.3f).b + 50);
+  EXPECT_GT(colourOf(0.7f).b, colourOf(0.7f).r + 50);
+  EXPECT_EQ(colourOf(1.0f), (Colour{247, 247, 247}));
+}
+
+TEST(Panel, HasOneColumnAMethodAndErrorsBelow) {
+  const Image picture(100, 60, {10, 20, 30}), error(100, 60, {200, 0, 0});
+  const Image two = drawPanel({{"truth", {"noise"}, picture, std::nullopt}, {"grid", {"RMSE"}, picture, error}},
+                              {{}, ErrorKind::with_sign, 0.5});
+  const Image three =
+      drawPanel({{"truth", {"noise"}, picture, std::nullopt}, {"grid", {"RMSE"}, picture, error}, {"other", {}, picture, error}},
+                {{}, ErrorKind::with_sign, 0.5});
+  EXPECT_EQ(three.height(), two.height());
+  EXPECT_EQ(three.width() - two.width(), two.width() - drawPanel({{"truth", {}, picture, std::nullopt}}, {}).width());
+  EXPECT_GE(two.width(), 200);
+  EXPECT_GE(two.height(), 120);
+  int pixels = 0;
+  for (int y = 0; y < two.height(); ++y) {
+    for (int x = 0; x < two.width(); ++x) pixels += two.at(x, y) == Colour{10, 20, 30};
+  }
+  EXPECT_EQ(pixels, 2 * 100 * 60);
+}
+
+TEST(ChosenView, StandsInAirAndSeesTheRoom) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(1.0f)));
+  const Camera camera = chooseView(r.transport, 1.0, 1.5, 1);
+  EXPECT_TRUE(glm::all(glm::lessThan(glm::abs(camera.eye_m - glm::dvec3(0, 0.25, 0)), glm::dvec3(2, 1.25, 3))));
+  // a room of 4 x 6 m is not looked at from before a wall: the way ahead is longer than half of its shorter side
+  EXPECT_GT(r.rays.lightHit(glm::vec3(camera.eye_m), camera.forward).distance, 2.0f);
+  EXPECT_EQ(chooseView(r.transport, 1.0, 1.5, 1).eye_m, camera.eye_m);
+}
+
+TEST(ChosenView, RefusesASceneWithoutAir) {
+  SceneOfFaces faces;
+  faces.addBox({-1, -1, -1}, {1, 1, 1});
+  const Rendered r(faces.finish());
+  EXPECT_THROW(chooseView(r.transport, 1.0, 1.5, 1), InputError);
+}
+
+}  // namespace
+}  // namespace nlg

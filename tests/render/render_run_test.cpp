@@ -1,0 +1,137 @@
+#include "render/render_run.h"
+
+#include <gtest/gtest.h>
+#include <png.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <functional>
+
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class RenderRun : public testing::Test {
+ protected:
+  RenderRun() : folder_(std::filesystem::temp_directory_path() / ("render." + std::to_string(getpid()))) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~RenderRun() override { std::filesystem::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  RenderRequest request(const std::string& name) const {
+    RenderRequest r;
+    r.scene = "house:1";
+    r.out = path(name);
+    r.width = 48;
+    r.height = 32;
+    r.samples = 1;
+    r.truth_rays = 8;
+    return r;
+  }
+
+  static BakeOptions options(int threads = 2) {
+    BakeOptions o;
+    o.threads = threads;
+    return o;
+  }
+
+  // What the tool says when it refuses.
+  template <class Error>
+  std::string refusal(const std::function<void(RenderRequest&)>& change) const {
+    RenderRequest r = request("refused.png");
+    change(r);
+    try {
+      renderScene(r, options());
+    } catch (const Error& error) {
+      EXPECT_FALSE(std::filesystem::exists(r.out));
+      return error.what();
+    }
+    ADD_FAILURE() << "not refused";
+    return "";
+  }
+
+  const std::filesystem::path folder_;
+};
+
+#define EXPECT_NAMES(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
+
+TEST_F(RenderRun, WritesAPictureThatSaysHowItWasMade) {
+  RenderRequest r = request("view.png");
+  r.exposure = 2.5;
+  const Json said = renderScene(r, options());
+  EXPECT_EQ(said["scene"], "house_1");
+  EXPECT_EQ(said["exposure"], 2.5);
+  EXPECT_EQ(said["exposure_is_automatic"], false);
+  EXPECT_EQ(said["pictures"][0]["method"], "truth");
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  ASSERT_NE(png_image_begin_read_from_file(&header, r.out.c_str()), 0) << header.message;
+  EXPECT_EQ(header.width, 48u);
+  EXPECT_EQ(header.height, 32u);
+  header.format = PNG_FORMAT_RGB;
+  std::vector<uint8_t> pixels(PNG_IMAGE_SIZE(header));
+  // libpng checks every chunk's checksum
+  EXPECT_NE(png_image_finish_read(&header, nullptr, pixels.data(), 0, nullptr), 0) << header.message;
+  EXPECT_EQ(header.warning_or_error, 0u) << header.message;
+  const std::string bytes = readFile(r.out);
+  EXPECT_NAMES(bytes, std::string("iTXtExposure") + std::string(5, '\0') + "2.5");
+  EXPECT_NAMES(bytes, "\"eye_m\"");
+}
+
+TEST_F(RenderRun, SameBytesForAnyThreads) {
+  const Json one = renderScene(request("1.png"), options(1)), three = renderScene(request("3.png"), options(3));
+  EXPECT_EQ(one, three);
+  EXPECT_EQ(readFile(path("1.png")), readFile(path("3.png")));
+}
+
+TEST_F(RenderRun, LooksFromWhereItIsTold) {
+  RenderRequest r = request("view.png");
+  r.eye = {1, 1.5, 2};
+  r.look = {1, 1.5, -8};
+  r.fov = 40.0;
+  const Json camera = renderScene(r, options())["camera"];
+  EXPECT_EQ(camera["eye_m"], Json({1.0, 1.5, 2.0}));
+  EXPECT_EQ(camera["look_m"], Json({1.0, 1.5, 1.0}));
+  EXPECT_NEAR(camera["fov_degrees"].get<double>(), 40.0, 1e-12);
+}
+
+TEST_F(RenderRun, ViewFromInsideASolidIsDrawn) {
+  RenderRequest r = request("view.png");
+  r.eye = {0, -0.05, 0};
+  r.look = {1, -0.05, 0};
+  renderScene(r, options());
+  EXPECT_TRUE(std::filesystem::exists(r.out));
+}
+
+TEST_F(RenderRun, RefusesWhatItCannotDraw) {
+  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.method = "magic"; }), "--method: expected ");
+  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.panel = {"truth", "magic"}; }), "'magic'");
+  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.show = "smell"; }), "--show");
+  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.method = "grid"; }), "--grid");
+  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.grid = "a", r.bake = true; }), "--bake");
+  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.eye = {0, 1, 0}; }), "--look");
+  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.look = {0, 1, 0}; }), "--eye");
+  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.eye = r.look = {0, 1, 0}; }), "--look");
+  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.show = "weights", r.grid = "a"; }), "--probe");
+  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.slice_y = {1e4}; }), "--slice-y");
+  EXPECT_NAMES(refusal<InputError>([](auto& r) { r.scene = "missing.glb"; }), "missing.glb");
+  EXPECT_NAMES(refusal<InputError>([](auto& r) { r.method = "grid", r.grid = "missing.safetensors"; }), "missing.safetensors");
+}
+
+TEST_F(RenderRun, RefusesToReplaceItsGrid) {
+  RenderRequest r = request("grid.safetensors");
+  writeFileAtomically(r.out, "a grid");
+  r.method = "grid";
+  r.grid = r.out;
+  EXPECT_THROW(renderScene(r, options()), UsageError);
+  EXPECT_EQ(readFile(r.out), "a grid");
+}
+
+}  // namespace
+}  // namespace nlg
