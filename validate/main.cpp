@@ -8,6 +8,7 @@
 #include "validate/compare/compare_command.h"
 #include "validate/errors/validation.h"
 #include "validate/frontier/frontier_command.h"
+#include "validate/light/closure_command.h"
 #include "validate/light/light_command.h"
 #include "validate/light/noise_command.h"
 #include "validate/look_up/look_up_command.h"
@@ -23,6 +24,7 @@ int validateMain(int argc, char** argv) {
       "nlg-validate frontier: error against run time, of generators, their settings and every fit.\n"
       "nlg-validate look-up SCENE: what a viewer sees of a level's light grid, at random places in its air.\n"
       "nlg-validate light SCENE: what every method makes of a scene's light, against ground truth.\n"
+      "nlg-validate light-closure SCENE: whether a level's light explains its lightmaps.\n"
       "nlg-validate light-noise SCENE: how noisy baked light is, and how fast it is baked.\n"
       "nlg-validate compare OLD NEW: what got better or worse between two runs, beyond noise.",
       "nlg-validate"};
@@ -43,12 +45,9 @@ struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
 };
-constexpr Command kCommands[] = {{"stability", stabilityMain},
-                                 {"frontier", frontierMain},
-                                 {"look-up", lookUpMain},
-                                 {"light", lightMain},
-                                 {"light-noise", lightNoiseMain},
-                                 {"compare", compareMain}};
+constexpr Command kCommands[] = {
+    {"stability", stabilityMain},        {"frontier", frontierMain},      {"look-up", lookUpMain}, {"light", lightMain},
+    {"light-closure", lightClosureMain}, {"light-noise", lightNoiseMain}, {"compare", compareMain}};
 
 }  // namespace
 }  // namespace nlg

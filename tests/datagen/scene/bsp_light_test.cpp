@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 
 #include "datagen/scene/bsp_reader.h"
 #include "datagen/scene/jitter.h"
@@ -285,6 +286,47 @@ TEST_F(BspLight, ALightGridOfAnotherSizeIsLeftOutAndSaid) {
   parts.light_grid += parts.light_grid.substr(0, 48);
   parts.models[0].max.z = 190;
   EXPECT_EQ(read(parts).scene.light.quake_grid.count, (std::array<int, 3>{2, 3, 3}));
+}
+
+TEST_F(BspLight, AnyChangedBytesGiveSoundLightOrAnError) {
+  BspParts parts = levelWithGrid();
+  parts.shaders.push_back({"textures/skies/blue", kBspSurfaceSky, 0});
+  parts.addFace(1, 1, {{0, 0, 1000}, {100, 0, 1000}, {100, 100, 1000}, {0, 100, 1000}});
+  parts.entities += "{ \"classname\" \"light\" \"origin\" \"10 20 30\" \"light\" \"300\" }";
+  const std::string whole = parts.bytes();
+  // not in the lightmap's texels, whose every value is sound
+  const size_t texels = whole.find(parts.lightmaps);
+  std::mt19937 random(23);
+  int read_count = 0;
+  for (int round = 0; round < 1500; ++round) {
+    std::string bytes = whole;
+    for (int i = 0; i < 1 + round % 3; ++i) {
+      const size_t limit = random() % 2 == 0 ? 150 : texels;
+      bytes[random() % limit] = static_cast<char>(random() % 4 == 0 ? 0xff : random());
+    }
+    SCOPED_TRACE(round);
+    try {
+      const Scene scene = readBsp(folder_.write("mutant.bsp", bytes)).scene;
+      const BakedLight& baked = scene.light.baked;
+      const size_t page_texels = static_cast<size_t>(baked.page_side) * baked.page_side;
+      ASSERT_TRUE(baked.empty() || baked.triangle_page.size() == scene.triangles.size());
+      ASSERT_TRUE(baked.empty() || baked.vertex_place.size() == scene.positions.size());
+      ASSERT_TRUE(baked.empty() || baked.vertex_light.size() == scene.positions.size());
+      for (const int32_t page : baked.triangle_page)
+        ASSERT_TRUE(page == BakedLight::kByVertex || (page >= 0 && (page + 1) * page_texels <= baked.texels.size()));
+      for (const glm::vec2& place : baked.vertex_place)
+        ASSERT_TRUE(place.x >= 0.0f && place.x <= 1.0f && place.y >= 0.0f && place.y <= 1.0f);
+      for (const glm::uvec3& t : scene.light.sky_faces.triangles) {
+        for (int k = 0; k < 3; ++k) ASSERT_LT(t[k], scene.light.sky_faces.positions.size());
+      }
+      for (const Lamp& lamp : scene.light.lamps) ASSERT_TRUE(std::isfinite(lamp.intensity.r) && std::isfinite(lamp.position.x));
+      const QuakeGrid& grid = scene.light.quake_grid;
+      ASSERT_EQ(grid.cells.size(), static_cast<size_t>(grid.count[0]) * grid.count[1] * grid.count[2]);
+      ++read_count;
+    } catch (const InputError&) {
+    }
+  }
+  EXPECT_GT(read_count, 100) << "some damage does no harm";
 }
 
 class BspLightOfScripts : public BspLight {
