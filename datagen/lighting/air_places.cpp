@@ -35,9 +35,11 @@ class CellSurvey {
   }
 
   bool isInAir(const glm::dvec3& place) {
-    const auto sees = [&](const glm::dvec3& other) { return !rays_.isBlocked(glm::vec3(other), glm::vec3(place)); };
-    // the latest first: sums of a few rays, against fourteen of a vote
-    if (std::any_of(air_.rbegin(), air_.rend(), sees)) return remember(air_, place, true);
+    // one ray instead of a vote's fourteen. Sky lets through from behind: rays begin on the side that may be its front
+    const glm::vec3 here(place);
+    const auto isSeenFrom = [&](const glm::dvec3& other) { return !rays_.isLightBlocked(glm::vec3(other), here); };
+    const auto sees = [&](const glm::dvec3& other) { return !rays_.isLightBlocked(here, glm::vec3(other)); };
+    if (std::any_of(air_.rbegin(), air_.rend(), isSeenFrom)) return remember(air_, place, true);
     if (std::any_of(solid_.rbegin(), solid_.rend(), sees)) return remember(solid_, place, false);
     ++votes_;
     return nlg::isInAir(rays_, place) ? remember(air_, place, true) : remember(solid_, place, false);
@@ -77,7 +79,10 @@ class Surveyor {
     const double side_m = spacing_m * cell.side;
     AirPlaces::Cell result{cell, static_cast<uint32_t>(block->places.size()), 0, 0.0};
     // without a triangle in it a cell is all air or all solid
-    rays_.trianglesNearCube(glm::vec3(low + 0.5 * side_m), static_cast<float>(0.5 * side_m), &triangles_);
+    const glm::vec3 middle(low + 0.5 * side_m);
+    const auto half_side_m = static_cast<float>(0.5 * side_m);
+    rays_.trianglesNearCube(middle, half_side_m, &triangles_);
+    const bool is_of_one_kind = triangles_.empty() && !rays_.isSkyNearCube(middle, half_side_m);
     survey_.begin();
     Random random(mixSeed(options_.seed, kPlaceStream, mortonFromLattice(cell.low)));
     const glm::dvec3 shift(random.uniform(), random.uniform(), random.uniform());
@@ -87,7 +92,7 @@ class Surveyor {
       if (survey_.isInAir(place)) {
         ++in_air;
         block->places.push_back(place);
-      } else if (triangles_.empty()) {
+      } else if (is_of_one_kind) {
         break;
       }
     }

@@ -53,6 +53,17 @@ bool collectTriangle(RTCPointQueryFunctionArguments* arguments) {
   return false;
 }
 
+bool findSky(RTCPointQueryFunctionArguments* arguments) {
+  if (arguments->geomID == kSky) *static_cast<bool*>(arguments->userPtr) = true;
+  return false;
+}
+
+// The sphere around a cube, and what rounding of far positions could take away.
+RTCPointQuery queryAroundCube(const glm::vec3& center, float half_side) {
+  const float reach = std::max({std::fabs(center.x), std::fabs(center.y), std::fabs(center.z)});
+  return {center.x, center.y, center.z, 0.0f, half_side * 1.7330509f + reach * 0x1p-20f};
+}
+
 void* newBuffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t stride, size_t count) {
   return rtcSetNewGeometryBuffer(geometry, type, 0, format, stride, count);
 }
@@ -250,11 +261,25 @@ bool RayScene::isBlocked(const glm::vec3& from, const glm::vec3& to) const {
   return ray.tfar < 0.0f;
 }
 
+bool RayScene::isLightBlocked(const glm::vec3& from, const glm::vec3& to) const {
+  if (impl_->light_scene == nullptr) return isBlocked(from, to);
+  const LightHit hit = lightHit(from, to - from);
+  return hit.kind != LightHit::Kind::nothing && hit.distance <= 1.0f;
+}
+
+bool RayScene::isSkyNearCube(const glm::vec3& center, float half_side) const {
+  if (impl_->light_scene == nullptr) return false;
+  RTCPointQuery point = queryAroundCube(center, half_side);
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  bool is_near = false;
+  rtcPointQuery(impl_->light_scene, &point, &context, findSky, &is_near);
+  return is_near;
+}
+
 void RayScene::trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const {
   triangles->clear();
-  // the sphere around the cube, and what rounding of far positions could take away
-  const float reach = std::max({std::fabs(center.x), std::fabs(center.y), std::fabs(center.z)});
-  RTCPointQuery point{center.x, center.y, center.z, 0.0f, half_side * 1.7330509f + reach * 0x1p-20f};
+  RTCPointQuery point = queryAroundCube(center, half_side);
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(impl_->scene, &point, &context, collectTriangle, triangles);

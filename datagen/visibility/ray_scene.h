@@ -70,6 +70,12 @@ class RayScene {
   // Whether a surface stands between two places.
   bool isBlocked(const glm::vec3& from, const glm::vec3& to) const;
 
+  // Whether light that leaves `from` is stopped before `to`: by a surface, or by a sky face that it meets from the front.
+  bool isLightBlocked(const glm::vec3& from, const glm::vec3& to) const;
+
+  // Whether a sky face touches the axis-aligned cube around center, or perhaps only comes near.
+  bool isSkyNearCube(const glm::vec3& center, float half_side) const;
+
   // Every triangle that touches the axis-aligned cube around center, rising, and perhaps some that only come near.
   void trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const;
 
