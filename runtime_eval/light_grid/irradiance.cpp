@@ -6,11 +6,6 @@
 namespace nlg {
 namespace {
 
-bool isDirection(const float* normal_3) {
-  // as the comparison is written, NaN is none
-  return std::abs(normal_3[0]) <= kMaxNormal && std::abs(normal_3[1]) <= kMaxNormal && std::abs(normal_3[2]) <= kMaxNormal;
-}
-
 LightStatus sharesAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* shares) {
   weightsAround(grid, around, shares);
   if (normaliseWeights(shares)) return LightStatus::lit;
@@ -19,6 +14,11 @@ LightStatus sharesAround(const LightGrid& grid, const ProbesAround& around, Prob
 }
 
 }  // namespace
+
+bool isDirection(const float* normal_3) {
+  // as the comparison is written, NaN is none
+  return std::abs(normal_3[0]) <= kMaxNormal && std::abs(normal_3[1]) <= kMaxNormal && std::abs(normal_3[2]) <= kMaxNormal;
+}
 
 const char* lightStatusName(LightStatus status) {
   switch (status) {

@@ -6,7 +6,9 @@
 // border is not dark. Takes no memory, cannot fail; any number of threads may look up in one grid.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "runtime_eval/light_grid/light_grid.h"
 #include "runtime_eval/light_grid/spherical_harmonics.h"
@@ -39,5 +41,40 @@ LightStatus lookUpLight(const LightGrid& grid, const PositionM& position_m, floa
 LightStatus lookUpIrradiance(const LightGrid& grid, const PositionM& position_m, const float* normal_3, float* rgb_3);
 
 inline constexpr float kMaxNormal = 1.5f;  // a component of a direction, generously: no rounding of length 1 reaches it
+bool isDirection(const float* normal_3);
+
+// Working memory of lookUpIrradiances, 2 MB: for any grid, for one thread at a time.
+class LookUpScratch {
+ public:
+  LookUpScratch();
+  ~LookUpScratch();
+  LookUpScratch(LookUpScratch&&) noexcept;
+  LookUpScratch& operator=(LookUpScratch&&) noexcept;
+
+  struct Buffers;  // irradiance_batch.cpp
+  Buffers& buffers() { return *buffers_; }
+
+ private:
+  std::unique_ptr<Buffers> buffers_;
+};
+
+// lookUpIrradiance of many positions, on vectors: several times faster, the more so the more of the positions that stand near each
+// other in the list share a cell. A position has the same bits wherever it stands in whatever list, on one SIMD target; beside
+// those of lookUpIrradiance, and on another target, they differ by rounding. Allocates nothing, cannot fail.
+//
+// positions_m   count of them
+// normals_3     3 floats each
+// rgb_3         3 floats each, overwritten
+// status        count of them, overwritten
+void lookUpIrradiances(const LightGrid& grid, const PositionM* positions_m, const float* normals_3, size_t count, float* rgb_3,
+                       LightStatus* status, LookUpScratch* scratch);
+
+// With a scratch of its own, for a caller that does not mind the allocation.
+void lookUpIrradiances(const LightGrid& grid, const PositionM* positions_m, const float* normals_3, size_t count, float* rgb_3,
+                       LightStatus* status);
+
+// The same of radiance, as lookUpLight gives it: kShFloats floats a position.
+void lookUpLights(const LightGrid& grid, const PositionM* positions_m, size_t count, float* light_9x3, LightStatus* status,
+                  LookUpScratch* scratch);
 
 }  // namespace nlg

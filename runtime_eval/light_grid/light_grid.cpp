@@ -113,7 +113,7 @@ void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeigh
     } else {
       const Representation& representation = grid.representations[grid.function_representation[function]];
       weight[c] = boundedPhi(grid, corner, function, representation) * corner.tent_ratio;
-      residue[c] = representation.residue() * corner.tent_ratio;
+      residue[c] = representation.residue();
     }
     largest = std::max(largest, weight[c]);
   }

@@ -64,7 +64,7 @@ struct ProbeWeights {
 
 // The weights of the 8 probes around a position: phi(local), clamped to [0, tent(local)], times tent_ratio, less the residue of the
 // fit (docs/theory/probes.md). The tent as upper bound has every function, of any representation, fade to 0 at the border of its
-// support. Of fitted functions Representation::residue() times tent_ratio is taken off, but never more than half of the largest
+// support. Of fitted functions Representation::residue() is taken off, but never more than half of the largest
 // weight here, so that no place loses all its light by it, and all stays continuous; bare tents are exact and keep theirs. Left
 // out are probes whose weight is below kLeastWeight, and those that have none anywhere (kNoWeight). Takes no memory, cannot fail;
 // any number of threads may look up in one grid.

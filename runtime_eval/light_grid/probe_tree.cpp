@@ -27,13 +27,29 @@ float ProbeTree::probeSpacing(size_t index) const { return static_cast<float>(fr
 bool ProbeTree::lookUp(const PositionM& position_m, ProbesAround* around) const {
   PositionM units;
   LatticePoint unit;
-  for (int axis = 0; axis < 3; ++axis) {
-    units[axis] = (position_m[axis] - frame_.first_m[axis]) / frame_.spacing_m;
-    // compared as a double, so that what is huge or not a number never becomes an integer
-    if (!(units[axis] >= 0.0 && units[axis] < kRootSide * frame_.root_count[axis])) return false;
-    unit[axis] = static_cast<int32_t>(units[axis]);
+  CellPlace place;
+  if (!unitsOf(position_m, &units, &unit) || !findCellOfUnit(unit, units, &place)) return false;
+  *around = aroundOf(unit, place);
+  return true;
+}
+
+void ProbeTree::findCells(const PositionM* positions_m, size_t count, CellPlace* places) const {
+  PositionM units;
+  LatticePoint unit, before{};
+  const CellPlace* same = nullptr;  // the last cell that was found, which holds the unit `before`
+  for (size_t i = 0; i < count; ++i) {
+    places[i] = {};
+    if (!unitsOf(positions_m[i], &units, &unit)) continue;
+    const auto differs = [&](int axis) { return static_cast<uint32_t>(unit[axis] ^ before[axis]) >> same->cell_log2; };
+    if (same != nullptr && (differs(0) | differs(1) | differs(2)) == 0) {
+      places[i] = *same;
+      placeIn(unit, units, &places[i]);
+    } else if (!findCellOfUnit(unit, units, &places[i])) {
+      continue;
+    }
+    same = &places[i];
+    before = unit;
   }
-  return lookUpUnit(unit, units, around);
 }
 
 bool ProbeTree::lookUpNear(const PositionM& position_m, ProbesAround* around) const {
@@ -56,7 +72,10 @@ bool ProbeTree::lookUpNear(const PositionM& position_m, ProbesAround* around) co
       nearest[axis] = std::clamp(units[axis], near[axis] + 0.0, near[axis] + 1.0);
       distance += (units[axis] - nearest[axis]) * (units[axis] - nearest[axis]);
     }
-    if (distance < least_distance && lookUpUnit(near, nearest, around)) least_distance = distance;
+    CellPlace place;
+    if (distance >= least_distance || !findCellOfUnit(near, nearest, &place)) continue;
+    least_distance = distance;
+    *around = aroundOf(near, place);
   }
   return least_distance < HUGE_VAL;
 }
@@ -68,9 +87,21 @@ bool ProbeTree::isOnLattice(const LatticePoint& unit) const {
   return true;
 }
 
+// false where the position is on no root
+bool ProbeTree::unitsOf(const PositionM& position_m, PositionM* units, LatticePoint* unit) const {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double along = (position_m[axis] - frame_.first_m[axis]) / frame_.spacing_m;
+    // compared as a double, so that what is huge or not a number never becomes an integer
+    if (!(along >= 0.0 && along < kRootSide * frame_.root_count[axis])) return false;
+    (*units)[axis] = along;
+    (*unit)[axis] = static_cast<int32_t>(along);
+  }
+  return true;
+}
+
 // unit    on the lattice: which cell is read
 // units   the position, in the closed cube [unit, unit + 1]
-bool ProbeTree::lookUpUnit(const LatticePoint& unit, const PositionM& units, ProbesAround* around) const {
+bool ProbeTree::findCellOfUnit(const LatticePoint& unit, const PositionM& units, CellPlace* place) const {
   const auto root = [&](int axis) { return static_cast<uint32_t>(unit[axis] / kRootSide); };
   const auto roots = [&](int axis) { return static_cast<uint32_t>(frame_.root_count[axis]); };
   const Node* node = &nodes_[(root(2) * roots(1) + root(1)) * roots(0) + root(0)];
@@ -87,30 +118,53 @@ bool ProbeTree::lookUpUnit(const LatticePoint& unit, const PositionM& units, Pro
   }
   if (!(node->used_mask & cell_bit)) return false;
 
-  around->cell.side = 1 << node->cell_log2;
-  LocalPoint from_low;  // in shares of the cell, [0, 1]
-  for (int axis = 0; axis < 3; ++axis) {
-    around->cell.low[axis] = unit[axis] & -around->cell.side;
-    from_low[axis] = static_cast<float>((units[axis] - around->cell.low[axis]) / around->cell.side);
-  }
   const uint32_t edge = node->cell_count + 1u;
-  const uint32_t* slot = &slots_[node->first_slot + (in_node[2] * edge + in_node[1]) * edge + in_node[0]];
+  place->first_slot = node->first_slot + (in_node[2] * edge + in_node[1]) * edge + in_node[0];
+  place->edge = static_cast<uint8_t>(edge);
+  place->cell_log2 = node->cell_log2;
+  placeIn(unit, units, place);
+  return true;
+}
+
+// Where in its cell a position lies.
+void ProbeTree::placeIn(const LatticePoint& unit, const PositionM& units, CellPlace* place) {
+  const int32_t side = 1 << place->cell_log2;
+  const double per_side = 1.0 / side;  // exact, a power of two
+  for (int axis = 0; axis < 3; ++axis)
+    place->from_low[axis] = static_cast<float>((units[axis] - (unit[axis] & -side)) * per_side);
+}
+
+CellCorners ProbeTree::cornersOf(const CellPlace& place) const {
+  CellCorners corners;
+  const uint32_t edge = place.edge;
+  const uint32_t* slot = &slots_[place.first_slot];
   for (uint32_t c = 0; c < 8; ++c) {
-    ProbeAround& corner = around->corners[c];
     const uint32_t probe = slot[(c & 1) + (c >> 1 & 1) * edge + (c >> 2) * edge * edge];
-    corner.probe = probe & (kMaxTreeProbes - 1);
-    // a power of two, 1 inside one level
-    const float cell_per_spacing = 1.0f / static_cast<float>(1 << ((probe >> kIndexBits) - node->cell_log2));
+    corners.probe[c] = probe & (kMaxTreeProbes - 1);
+    corners.cell_per_spacing[c] = 1.0f / static_cast<float>(1 << ((probe >> kIndexBits) - place.cell_log2));
+  }
+  return corners;
+}
+
+ProbesAround ProbeTree::aroundOf(const LatticePoint& unit, const CellPlace& place) const {
+  ProbesAround around;
+  around.cell.side = 1 << place.cell_log2;
+  for (int axis = 0; axis < 3; ++axis) around.cell.low[axis] = unit[axis] & -around.cell.side;
+  const CellCorners corners = cornersOf(place);
+  for (uint32_t c = 0; c < 8; ++c) {
+    ProbeAround& corner = around.corners[c];
+    corner.probe = corners.probe[c];
+    const float cell_per_spacing = corners.cell_per_spacing[c];
     corner.tent_ratio = 1.0f;
     for (int axis = 0; axis < 3; ++axis) {
       const bool is_high = c >> axis & 1;
-      const float distance = is_high ? 1.0f - from_low[axis] : from_low[axis];
+      const float distance = is_high ? 1.0f - place.from_low[axis] : place.from_low[axis];
       const float local = distance * cell_per_spacing;
       corner.local[axis] = is_high ? -local : local;
       if (cell_per_spacing < 1.0f) corner.tent_ratio *= (1.0f - distance) / (1.0f - local);
     }
   }
-  return true;
+  return around;
 }
 
 ProbeCell ProbeTree::cellOf(const LatticePoint& node_low, int bit, int cell_log2) {

@@ -70,6 +70,21 @@ struct ProbesAround {
   std::array<ProbeAround, 8> corners;
 };
 
+// Where a position lies: its cell, as ProbeTree::cornersOf takes it, and the place in it. For look-ups of many positions, of which
+// neighbours often share a cell.
+struct CellPlace {
+  uint32_t first_slot = 0;  // names the cell: no two cells of a tree have the same
+  uint8_t edge = 0;         // slots along an edge of the cell's brick; 0 of no cell
+  uint8_t cell_log2 = 0;    // side, units
+  LocalPoint from_low{};    // in shares of the cell's side, [0, 1]
+};
+
+// The probes of a cell, in the order of ProbesAround's corners.
+struct CellCorners {
+  uint32_t probe[8];
+  float cell_per_spacing[8];  // the cell's side over the probe's spacing: 1 inside one level, a power of two below it elsewhere
+};
+
 // A node, for drawing.
 struct ProbeNode {
   LatticePoint low{};
@@ -111,7 +126,12 @@ class ProbeTree {
   // upper one.
   bool lookUp(const PositionM& position_m, ProbesAround* around) const;
 
-  // The same, and for a position in no cell that of the nearest point of a used cell, if one lies within less than one unit along
+  // The two halves of lookUp, for many positions: their cells, whose edge is 0 where lookUp is false, and the corners of one.
+  // places   count of them
+  void findCells(const PositionM* positions_m, size_t count, CellPlace* places) const;
+  CellCorners cornersOf(const CellPlace& place) const;
+
+  // The same as lookUp, and for a position in no cell that of the nearest point of a used cell, if one lies within less than one unit along
   // every axis. False, and *around unchanged, when there is none, or when the position is not finite.
   bool lookUpNear(const PositionM& position_m, ProbesAround* around) const;
 
@@ -137,7 +157,10 @@ class ProbeTree {
   };
 
   bool isOnLattice(const LatticePoint& unit) const;
-  bool lookUpUnit(const LatticePoint& unit, const PositionM& units, ProbesAround* around) const;
+  bool unitsOf(const PositionM& position_m, PositionM* units, LatticePoint* unit) const;
+  bool findCellOfUnit(const LatticePoint& unit, const PositionM& units, CellPlace* place) const;
+  static void placeIn(const LatticePoint& unit, const PositionM& units, CellPlace* place);
+  ProbesAround aroundOf(const LatticePoint& unit, const CellPlace& place) const;
 
   using NodeVisit = std::function<void(const ProbeNode&, uint32_t node_idx)>;
   void visitAllNodes(const NodeVisit& visit) const;

@@ -11,6 +11,7 @@
 
 #include "runtime_eval/evaluator/evaluate_point.h"
 #include "tests/runtime_eval/counting_new.h"
+#include "tests/runtime_eval/light_grid/look_up_bounds.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/sample_functions.h"
 
@@ -18,25 +19,6 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kGridCount = 6;
-
-// What one value of a representation may lose to float, with evaluatePoint's operations counted:
-double errorBound(const Representation& representation, const LocalPoint& point, const Theta& theta) {
-  if (!representation.isField()) {
-    // 3 + 3 and a slope, 1 + 5 and a slope, 1 + 9, the tent's 5 and its product: 30 roundings on the network of magnitudes
-    return 30 * kFloatRounding * evaluateReference(representation, magnitudes(point), magnitudes(theta).data());
-  }
-  // A share is off by 3 roundings of a position up to r - 1 on each axis, along which A and B change by at most twice the largest
-  // node; the weights and sums add 12 roundings. sigmoid has slope 1/4 and 5 roundings of its own.
-  double largest = 0.0;
-  for (const float value : theta) largest = std::max(largest, std::fabs(double{value}));
-  const double trilinear = (3 * 2 * 3 * (representation.resolution - 1) + 12) * kFloatRounding * largest;
-  return 1.25 * trilinear + 5 * kFloatRounding;
-}
-
-Theta thetaOf(const LightGrid& grid, uint32_t function) {
-  const float* first = grid.functionTheta(function);
-  return {first, first + grid.representations[grid.function_representation[function]].thetaCount()};
-}
 
 struct Expected {
   double weight = 0.0, bound = 0.0;  // bound: what float may lose
@@ -51,7 +33,7 @@ Expected expectedPhi(const LightGrid& grid, const ProbeAround& corner, double* r
   const Representation& representation = grid.representations[grid.function_representation[function]];
   const Theta theta = thetaOf(grid, function);
   const double phi = evaluateReference(representation, corner.local, toDouble(theta).data());
-  *residue = double{representation.residue()} * corner.tent_ratio;
+  *residue = double{representation.residue()};
   // clamping moves two values no further apart
   return {std::clamp(phi, 0.0, double{tent(corner.local)}) * corner.tent_ratio,
           (errorBound(representation, corner.local, theta) + kFloatRounding) * corner.tent_ratio};
