@@ -11,6 +11,9 @@
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/generator.h"
 #include "runtime_eval/fit/theta_policy.h"
+#include "runtime_eval/light_grid/irradiance.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/simd/simd_target.h"
 
 namespace {
 
@@ -35,6 +38,12 @@ NLG_SAME(NLG_SIMD_UNAVAILABLE, simd_unavailable);
 #undef NLG_SAME
 static_assert(NLG_FLOAT32 == static_cast<int>(nlg::GeneratorPrecision::float32));
 static_assert(NLG_INT16 == static_cast<int>(nlg::GeneratorPrecision::int16));
+static_assert(NLG_LIT == static_cast<int>(nlg::LightStatus::lit));
+static_assert(NLG_BY_TENTS == static_cast<int>(nlg::LightStatus::by_tents));
+static_assert(NLG_UNLIT == static_cast<int>(nlg::LightStatus::unlit));
+static_assert(NLG_OUTSIDE == static_cast<int>(nlg::LightStatus::outside));
+// lists go through the border as they are
+static_assert(sizeof(nlg::PositionM) == 3 * sizeof(double) && sizeof(nlg::LightStatus) == sizeof(uint8_t));
 static_assert(NLG_SUPPORT_POINT_COUNT == nlg::kSupportPointCount);
 static_assert(sizeof(nlg::LocalPoint) == 3 * sizeof(float));
 
@@ -65,6 +74,14 @@ void fillDetail(std::string_view text, char* detail, size_t detail_size) {
 
 struct nlg_generator {
   nlg::Generator generator;
+};
+
+struct nlg_light_grid {
+  nlg::LightGrid grid;
+};
+
+struct nlg_look_up_scratch {
+  nlg::LookUpScratch scratch;
 };
 
 struct nlg_scratch {
@@ -131,19 +148,34 @@ nlg_made madeOf(const nlg::MadeTheta& made, const nlg::CheckOptions& options) {
           record.elapsedUs(nlg::ThetaWord::stored)};
 }
 
-// load(nlg::Generator*) returns a WeightsResult.
-template <class Load>
-nlg_status loadGenerator(const Load& load, nlg_generator** generator, char* detail, size_t detail_size) noexcept {
-  *generator = nullptr;
+// load(Held*) returns a WeightsResult; Handle{held} is what is handed out.
+template <class Held, class Handle, class Load>
+nlg_status loadHandle(const Load& load, Handle** handle, char* detail, size_t detail_size) noexcept {
+  *handle = nullptr;
   const nlg_status status = withMemory([&] {
-    nlg::Generator loaded;
+    Held loaded;
     const nlg::WeightsResult result = load(&loaded);
     fillDetail(result.detail, detail, detail_size);
-    if (result.ok()) *generator = new nlg_generator{std::move(loaded)};
+    if (result.ok()) *handle = new Handle{std::move(loaded)};
     return static_cast<nlg_status>(result.status);
   });
   if (status == NLG_OUT_OF_MEMORY) fillDetail("out of memory", detail, detail_size);
   return status;
+}
+
+template <class Load>
+nlg_status loadGenerator(const Load& load, nlg_generator** generator, char* detail, size_t detail_size) noexcept {
+  return loadHandle<nlg::Generator>(load, generator, detail, detail_size);
+}
+
+template <class Load>
+nlg_status loadGrid(const Load& load, nlg_light_grid** grid, char* detail, size_t detail_size) noexcept {
+  return loadHandle<nlg::LightGrid>(
+      [&](nlg::LightGrid* loaded) {
+        nlg::GridMetadata texts;
+        return load(loaded, &texts);
+      },
+      grid, detail, detail_size);
 }
 
 }  // namespace
@@ -265,6 +297,46 @@ nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, co
     }
     return NLG_OK;
   });
+}
+
+nlg_status nlg_light_grid_load(const char* path, nlg_light_grid** grid, char* detail, size_t detail_size) {
+  return loadGrid([&](nlg::LightGrid* loaded, nlg::GridMetadata* texts) { return nlg::readLightGridFile(path, loaded, texts); },
+                  grid, detail, detail_size);
+}
+
+nlg_status nlg_light_grid_load_bytes(const void* bytes, size_t byte_count, nlg_light_grid** grid, char* detail,
+                                     size_t detail_size) {
+  const std::string_view view(static_cast<const char*>(bytes), byte_count);
+  return loadGrid([&](nlg::LightGrid* loaded, nlg::GridMetadata* texts) { return nlg::parseLightGrid(view, loaded, texts); },
+                  grid, detail, detail_size);
+}
+
+void nlg_light_grid_free(nlg_light_grid* grid) { delete grid; }
+
+size_t nlg_light_grid_probe_count(const nlg_light_grid* grid) { return grid->grid.tree.probeCount(); }
+
+int nlg_light_grid_has_light(const nlg_light_grid* grid) { return grid->grid.light.empty() ? 0 : 1; }
+
+nlg_light_status nlg_irradiance(const nlg_light_grid* grid, const double* position_m, const float* normal, float* rgb) {
+  const nlg::PositionM position{position_m[0], position_m[1], position_m[2]};
+  return static_cast<nlg_light_status>(nlg::lookUpIrradiance(grid->grid, position, normal, rgb));
+}
+
+nlg_status nlg_look_up_scratch_create(nlg_look_up_scratch** scratch) {
+  *scratch = nullptr;
+  if (nlg::forceSimdTargetFromEnvironment() != nlg::SimdStatus::ok) return NLG_SIMD_UNAVAILABLE;
+  return withMemory([&] {
+    *scratch = new nlg_look_up_scratch;
+    return NLG_OK;
+  });
+}
+
+void nlg_look_up_scratch_free(nlg_look_up_scratch* scratch) { delete scratch; }
+
+void nlg_irradiances(const nlg_light_grid* grid, const double* positions_m, const float* normals, size_t count, float* rgb,
+                     uint8_t* status, nlg_look_up_scratch* scratch) {
+  nlg::lookUpIrradiances(grid->grid, reinterpret_cast<const nlg::PositionM*>(positions_m), normals, count, rgb,
+                         reinterpret_cast<nlg::LightStatus*>(status), &scratch->scratch);
 }
 
 }  // extern "C"

@@ -1,12 +1,13 @@
-/* The bake-time evaluator for engines in other languages: weights in, theta out, and what theta stands for at any point.
+/* The library for engines in other languages. At bake time: weights in, theta out, and what theta stands for at any point. In the
+ * game: a light grid in, irradiance at any position out.
  *
  * C11. No exception leaves these functions and none of them keeps state, but for the support pattern, which the first of them
  * that needs it makes once (about 0.1 s; safe from any thread). Words and formats are those of docs/reference/formats.md.
  *
- * Threads   A generator is only read once it is loaded: any number of threads may share it. A scratch serves one thread at a
- *           time.
- * Memory    nlg_generate, nlg_evaluate and nlg_check_theta allocate nothing and cannot fail: all they need comes with the
- *           generator and the scratch. nlg_make_theta allocates. Free every handle with its own function; a null handle may be freed.
+ * Threads   A generator and a light grid are only read once they are loaded: any number of threads may share them. A scratch
+ *           serves one thread at a time.
+ * Memory    nlg_generate, nlg_evaluate, nlg_check_theta and both look-ups allocate nothing and cannot fail: all they need
+ *           comes with the generator or grid and the scratch. nlg_make_theta allocates. Free every handle with its own function; a null handle may be freed.
  * Pointers  Never null, except where it is said. Arrays have no alignment to keep.
  */
 #ifndef NLG_C_API_NLG_H_
@@ -166,6 +167,54 @@ typedef struct nlg_made {
  * returns   NLG_OK or NLG_OUT_OF_MEMORY; after the latter theta and made hold nothing of use */
 nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
                           nlg_made* made, nlg_scratch* scratch);
+
+/* A loaded light grid: probes, their weighting functions and their light. */
+typedef struct nlg_light_grid nlg_light_grid;
+
+/* Loads what nlg-bake wrote, from a path or from bytes that are needed only during the call. Every byte is checked.
+ *
+ * grid     receives the handle; null on failure
+ * detail   as of nlg_generator_load */
+nlg_status nlg_light_grid_load(const char* path, nlg_light_grid** grid, char* detail, size_t detail_size);
+nlg_status nlg_light_grid_load_bytes(const void* bytes, size_t byte_count, nlg_light_grid** grid, char* detail,
+                                     size_t detail_size);
+void nlg_light_grid_free(nlg_light_grid* grid);
+
+size_t nlg_light_grid_probe_count(const nlg_light_grid* grid);
+/* 1 or 0; a grid without light is unlit everywhere. */
+int nlg_light_grid_has_light(const nlg_light_grid* grid);
+
+/* Where light at a position comes from: runtime_eval/light_grid/irradiance.h has the words. Values stay what they are. */
+typedef enum nlg_light_status {
+  NLG_LIT = 0,      /* by weighting functions */
+  NLG_BY_TENTS = 1, /* no function has weight here: by bare tents, which nothing stops at walls */
+  NLG_UNLIT = 2,    /* no probe around has light to give: 0 */
+  NLG_OUTSIDE = 3   /* in no cell, or not finite: light of the nearest used cell within one unit, 0 where there is none */
+} nlg_light_status;
+
+/* Irradiance on a plane at a position.
+ *
+ * position_m   3 doubles, world coordinates of the bake, metres
+ * normal       3 floats, length 1; one that is no direction gives 0 and NLG_UNLIT
+ * rgb          3 floats, overwritten, none below 0 */
+nlg_light_status nlg_irradiance(const nlg_light_grid* grid, const double* position_m, const float* normal, float* rgb);
+
+/* Working memory of nlg_irradiances, 5 MB: for any grid, for one thread at a time. */
+typedef struct nlg_look_up_scratch nlg_look_up_scratch;
+
+/* returns   NLG_OK; NLG_OUT_OF_MEMORY, *scratch null; or NLG_SIMD_UNAVAILABLE as of nlg_generator_load, *scratch null */
+nlg_status nlg_look_up_scratch_create(nlg_look_up_scratch** scratch);
+void nlg_look_up_scratch_free(nlg_look_up_scratch* scratch);
+
+/* The same of many positions, on vectors: several times faster, the more so the more neighbours in the list stand near each other.
+ * Differs from nlg_irradiance by rounding.
+ *
+ * positions_m   count x 3 doubles
+ * normals       count x 3 floats
+ * rgb           count x 3 floats, overwritten
+ * status        count bytes, nlg_light_status each, overwritten */
+void nlg_irradiances(const nlg_light_grid* grid, const double* positions_m, const float* normals, size_t count, float* rgb,
+                     uint8_t* status, nlg_look_up_scratch* scratch);
 
 #ifdef __cplusplus
 }

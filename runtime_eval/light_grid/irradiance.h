@@ -43,7 +43,7 @@ LightStatus lookUpIrradiance(const LightGrid& grid, const PositionM& position_m,
 inline constexpr float kMaxNormal = 1.5f;  // a component of a direction, generously: no rounding of length 1 reaches it
 bool isDirection(const float* normal_3);
 
-// Working memory of lookUpIrradiances, 2 MB: for any grid, for one thread at a time.
+// Working memory of lookUpIrradiances, 5 MB: for any grid, for one thread at a time.
 class LookUpScratch {
  public:
   LookUpScratch();

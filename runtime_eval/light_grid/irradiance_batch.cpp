@@ -22,9 +22,9 @@
 #define NLG_IRRADIANCE_BATCH_ONCE
 namespace nlg {
 
-constexpr size_t kBlockSize = 8192;  // positions
-constexpr size_t kMaxRun = 128;      // positions of a run: with a group of lanes more, what the stage holds at least
-constexpr size_t kStageSize = 512;   // positions of one function that are evaluated together
+constexpr size_t kBlockSize = 16384;  // positions: as many as let scattered ones share functions
+constexpr size_t kMaxRun = 128;       // positions of a run: with a group of lanes more, what the stage holds at least
+constexpr size_t kStageSize = 512;    // positions of one function that are evaluated together
 constexpr size_t kMaxLanes = 16;
 constexpr size_t kPadded = kBlockSize + kMaxLanes;  // vectors may write past the last position
 

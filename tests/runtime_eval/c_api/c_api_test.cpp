@@ -9,7 +9,10 @@
 #include "runtime_eval/c_api/nlg.h"
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/fit/theta_policy.h"
+#include "runtime_eval/light_grid/irradiance.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
 #include "tests/runtime_eval/c_api/c_engine.h"
+#include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 namespace nlg {
@@ -302,7 +305,62 @@ TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
   }
 }
 
+// A small grid with light, as a file holds it.
+const std::string& gridBytes() {
+  static const std::string bytes = [] {
+    LightGrid grid = randomGrid(smallTree(), 1);
+    grid.light = randomLight(grid.tree.probeCount(), 1);
+    std::string text;
+    EXPECT_TRUE(serializeLightGrid(grid, {}, {}, &text).ok());
+    return text;
+  }();
+  return bytes;
+}
+
+TEST(CApi, GivesAnEngineInCTheLightOfTheLibrary) {
+  LightGrid grid;
+  GridMetadata texts;
+  ASSERT_TRUE(parseLightGrid(gridBytes(), &grid, &texts).ok());
+  constexpr size_t kCount = 500;
+  Random random(5);
+  std::vector<double> positions;
+  std::vector<float> normals, rgb(3 * kCount), batched(3 * kCount), expected(3 * kCount), expected_batched(3 * kCount);
+  std::vector<unsigned char> status(kCount);
+  std::vector<PositionM> positions_m;
+  for (size_t i = 0; i < kCount; ++i) {
+    positions_m.push_back(randomPosition(grid.tree.frame(), random));
+    positions.insert(positions.end(), positions_m.back().begin(), positions_m.back().end());
+    const float up = i % 2 == 0 ? 1.0f : -1.0f;
+    normals.insert(normals.end(), {0.0f, 0.0f, up});
+  }
+  ASSERT_EQ(engine_light(gridBytes().data(), gridBytes().size(), positions.data(), normals.data(), kCount, rgb.data(),
+                         batched.data(), status.data()),
+            0);
+  std::vector<LightStatus> expected_status(kCount);
+  lookUpIrradiances(grid, positions_m.data(), normals.data(), kCount, expected_batched.data(), expected_status.data());
+  for (size_t i = 0; i < kCount; ++i) {
+    lookUpIrradiance(grid, positions_m[i], &normals[3 * i], &expected[3 * i]);
+    EXPECT_EQ(status[i], static_cast<unsigned char>(expected_status[i]));
+  }
+  EXPECT_EQ(rgb, expected);
+  EXPECT_EQ(batched, expected_batched);
+}
+
+TEST(CApi, RefusesAGridWithAStatusAndAReason) {
+  nlg_light_grid* grid = nullptr;
+  char detail[200];
+  EXPECT_EQ(nlg_light_grid_load("/no/such/grid", &grid, detail, sizeof detail), NLG_CANNOT_OPEN);
+  EXPECT_EQ(grid, nullptr);
+  EXPECT_NE(std::string(detail).find("/no/such/grid"), std::string::npos) << detail;
+  EXPECT_EQ(nlg_light_grid_load_bytes(gridBytes().data(), gridBytes().size() - 1, &grid, detail, sizeof detail), NLG_TOO_SHORT);
+  EXPECT_EQ(grid, nullptr);
+  EXPECT_EQ(nlg_light_grid_load_bytes(gridBytes().data(), gridBytes().size(), &grid, nullptr, 0), NLG_OK);
+  nlg_light_grid_free(grid);
+}
+
 TEST(CApi, FreesNothingWhenThereIsNothing) {
+  nlg_light_grid_free(nullptr);
+  nlg_look_up_scratch_free(nullptr);
   nlg_generator_free(nullptr);
   nlg_scratch_free(nullptr);
 }

@@ -40,3 +40,23 @@ int engine_bake(const char* path, const unsigned char* phi, const unsigned char*
   nlg_generator_free(generator);
   return 0;
 }
+
+int engine_light(const void* bytes, size_t byte_count, const double* positions_m, const float* normals, size_t count, float* rgb,
+                 float* batched_rgb, unsigned char* status) {
+  nlg_light_grid* grid = NULL;
+  nlg_look_up_scratch* scratch = NULL;
+  char detail[256];
+  size_t i;
+  int differs = 0;
+  if (nlg_light_grid_load_bytes(bytes, byte_count, &grid, detail, sizeof detail) != NLG_OK) return 1;
+  if (nlg_look_up_scratch_create(&scratch) != NLG_OK) return 2;
+  if (!nlg_light_grid_has_light(grid) || nlg_light_grid_probe_count(grid) == 0) return 3;
+  nlg_irradiances(grid, positions_m, normals, count, batched_rgb, status, scratch);
+  for (i = 0; i < count; ++i) {
+    const nlg_light_status one = nlg_irradiance(grid, positions_m + 3 * i, normals + 3 * i, rgb + 3 * i);
+    if (one != (nlg_light_status)status[i]) differs = 1;
+  }
+  nlg_look_up_scratch_free(scratch);
+  nlg_light_grid_free(grid);
+  return differs ? 4 : 0;
+}

@@ -12,6 +12,11 @@ extern "C" {
 int engine_bake(const char* path, const unsigned char* phi, const unsigned char* validity, size_t count, float** theta,
                 float** values);
 
+/* Irradiance at positions (count x 3) with normals (count x 3) out of a light grid's bytes, by the C interface alone, one at a time
+ * and batched: rgb and batched_rgb (count x 3), status (count). Returns 0, or which step failed. */
+int engine_light(const void* bytes, size_t byte_count, const double* positions_m, const float* normals, size_t count, float* rgb,
+                 float* batched_rgb, unsigned char* status);
+
 #ifdef __cplusplus
 }
 #endif
