@@ -194,6 +194,8 @@ Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction
   return impl_->firstFacing(impl_->scene, origin, direction);
 }
 
+bool RayScene::hasSkyFaces() const { return impl_->light_scene != nullptr; }
+
 Facing RayScene::firstFacingWithSky(const glm::vec3& origin, const glm::vec3& direction) const {
   return impl_->firstFacing(impl_->lightScene(), origin, direction);
 }

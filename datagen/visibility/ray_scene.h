@@ -58,6 +58,7 @@ class RayScene {
   // whichever of them the traversal finds first.
   Facing firstFacing(const glm::vec3& origin, const glm::vec3& direction) const;
 
+  bool hasSkyFaces() const;
   // The same with sky faces among the faces: their backs are where the scene ends.
   Facing firstFacingWithSky(const glm::vec3& origin, const glm::vec3& direction) const;
 

@@ -4,23 +4,33 @@
 #include <array>
 #include <bit>
 
-#include "tool/error.h"
-
 namespace nlg {
 namespace {
 
-// In the positive octant: near the probe, along each axis in the middle and near the border, and towards the corner.
-constexpr std::array<LocalPoint, kEyeCandidateCount / kMirrorCount> kOctantPlaces = {{{0.12f, 0.15f, 0.18f},
-                                                                                      {0.50f, 0.15f, 0.20f},
-                                                                                      {0.20f, 0.50f, 0.15f},
-                                                                                      {0.15f, 0.20f, 0.50f},
-                                                                                      {0.50f, 0.45f, 0.40f},
-                                                                                      {0.82f, 0.30f, 0.25f},
-                                                                                      {0.25f, 0.82f, 0.30f},
-                                                                                      {0.30f, 0.25f, 0.82f}}};
-
 // Of so many promising candidates all rays are traced.
 constexpr size_t kTracedEyes = 4;
+
+using OctantPlaces = std::array<LocalPoint, kEyeCandidateCount / kMirrorCount>;
+
+// In the positive octant: near the probe, along each axis in the middle and farther out, and towards the corner.
+constexpr OctantPlaces kInnerPlaces = {{{0.12f, 0.15f, 0.18f},
+                                        {0.50f, 0.15f, 0.20f},
+                                        {0.20f, 0.50f, 0.15f},
+                                        {0.15f, 0.20f, 0.50f},
+                                        {0.50f, 0.45f, 0.40f},
+                                        {0.82f, 0.30f, 0.25f},
+                                        {0.25f, 0.82f, 0.30f},
+                                        {0.30f, 0.25f, 0.82f}}};
+
+// Before each face, two; towards each edge, and the corner.
+constexpr OctantPlaces kOuterPlaces = {{{0.94f, 0.20f, 0.25f},
+                                        {0.25f, 0.94f, 0.20f},
+                                        {0.20f, 0.25f, 0.94f},
+                                        {0.94f, 0.60f, 0.25f},
+                                        {0.25f, 0.94f, 0.60f},
+                                        {0.60f, 0.25f, 0.94f},
+                                        {0.65f, 0.70f, 0.68f},
+                                        {0.90f, 0.88f, 0.86f}}};
 
 uint32_t nearestOctantPoint(const LocalPoint& place) {
   const std::vector<LocalPoint>& points = supportPattern().points;
@@ -34,6 +44,15 @@ uint32_t nearestOctantPoint(const LocalPoint& place) {
   return static_cast<uint32_t>(nearest - points.begin());
 }
 
+std::vector<uint32_t> candidatesAround(const OctantPlaces& places) {
+  std::vector<uint32_t> points;
+  for (const LocalPoint& place : places) {
+    for (uint32_t mirror = 0; mirror < kMirrorCount; ++mirror)
+      points.push_back(nearestOctantPoint(place) + mirror * kOctantPointCount);
+  }
+  return points;
+}
+
 template <class Visit>
 void forEachMember(uint64_t set, const Visit& visit) {
   for (; set != 0; set &= set - 1) visit(std::countr_zero(set));
@@ -41,48 +60,39 @@ void forEachMember(uint64_t set, const Visit& visit) {
 
 }  // namespace
 
-const std::vector<uint32_t>& eyeCandidates() {
-  static const std::vector<uint32_t> candidates = [] {
-    std::vector<uint32_t> points;
-    for (const LocalPoint& place : kOctantPlaces) {
-      for (uint32_t mirror = 0; mirror < kMirrorCount; ++mirror)
-        points.push_back(nearestOctantPoint(place) + mirror * kOctantPointCount);
-    }
-    return points;
-  }();
-  return candidates;
+const std::vector<uint32_t>& eyeCandidates(EyeRing ring) {
+  static const std::vector<uint32_t> inner = candidatesAround(kInnerPlaces), outer = candidatesAround(kOuterPlaces);
+  return ring == EyeRing::inner ? inner : outer;
 }
 
-SolidEye::SolidEye() {
+SolidEye::Candidates::Candidates(EyeRing ring) : points(eyeCandidates(ring)), visible(points.size()) {
   std::vector<LocalPoint> places;
-  for (const uint32_t point : eyeCandidates()) places.push_back(supportPattern().points[point]);
-  std::vector<uint64_t> pairs;
+  for (const uint32_t point : points) places.push_back(supportPattern().points[point]);
+  std::vector<uint64_t> all;
   for (uint64_t a = 0; a < places.size(); ++a) {
-    for (uint64_t b = a + 1; b < places.size(); ++b) pairs.push_back(a << 32 | b);
+    for (uint64_t b = a + 1; b < places.size(); ++b) all.push_back(a << 32 | b);
   }
-  for (const LocalPoint& point : supportPattern().points) tent_.push_back(static_cast<uint64_t>(0x1p32 * double{tent(point)}));
-  pairs_ = makeLinkPackets(places, pairs);
-  blocked_.resize(pairs_.tree.packetCount());
-  visible_.resize(places.size());
+  pairs = makeLinkPackets(places, all);
+  blocked.resize(pairs.tree.packetCount());
 }
 
-void SolidEye::findVisible(const SupportVisibility& visibility) {
-  blockLinks(pairs_, visibility.triangles(), &scratch_, blocked_.data());
-  for (size_t c = 0; c < visible_.size(); ++c) visible_[c] = Set{1} << c;
-  for (size_t place = 0; place < pairs_.from_point.size(); ++place) {
-    if (blocked_[place / kPacketLanes] >> (place % kPacketLanes) & 1) continue;
-    const uint32_t a = pairs_.from_point[place], b = pairs_.to_point[place];
-    visible_[a] |= Set{1} << b;
-    visible_[b] |= Set{1} << a;
+void SolidEye::Candidates::findVisible(const SupportVisibility& visibility, LinkScratch* scratch) {
+  blockLinks(pairs, visibility.triangles(), scratch, blocked.data());
+  for (size_t c = 0; c < visible.size(); ++c) visible[c] = Set{1} << c;
+  for (size_t place = 0; place < pairs.from_point.size(); ++place) {
+    if (blocked[place / kPacketLanes] >> (place % kPacketLanes) & 1) continue;
+    const uint32_t a = pairs.from_point[place], b = pairs.to_point[place];
+    visible[a] |= Set{1} << b;
+    visible[b] |= Set{1} << a;
   }
 }
 
 // The candidate and all that see it, see those that do, and so on.
-SolidEye::Set SolidEye::reachedFrom(int candidate) const {
+SolidEye::Set SolidEye::Candidates::reachedFrom(int candidate) const {
   Set reached = Set{1} << candidate;
   for (Set added = reached; added != 0;) {
     Set next = 0;
-    forEachMember(added, [&](int c) { next |= visible_[c]; });
+    forEachMember(added, [&](int c) { next |= visible[c]; });
     added = next & ~reached;
     reached |= next;
   }
@@ -90,7 +100,7 @@ SolidEye::Set SolidEye::reachedFrom(int candidate) const {
 }
 
 // What sees each other is in air or in solid together: each such group votes once.
-SolidEye::Set SolidEye::inAir(const SupportVisibility& visibility) const {
+SolidEye::Set SolidEye::Candidates::inAir(const SupportVisibility& visibility) const {
   Set air = 0, judged = 0;
   std::vector<uint32_t> members;
   for (int c = 0; c < kEyeCandidateCount; ++c) {
@@ -98,34 +108,43 @@ SolidEye::Set SolidEye::inAir(const SupportVisibility& visibility) const {
     const Set group = reachedFrom(c);
     judged |= group;
     members.clear();
-    forEachMember(group, [&](int member) { members.push_back(eyeCandidates()[member]); });
+    forEachMember(group, [&](int member) { members.push_back(points[member]); });
     if (!visibility.groupVote(members).solid()) air |= group;
   }
   return air;
 }
 
+SolidEye::SolidEye() : inner_(EyeRing::inner), outer_(EyeRing::outer) {
+  for (const LocalPoint& point : supportPattern().points) tent_.push_back(static_cast<uint64_t>(0x1p32 * double{tent(point)}));
+}
+
 // Candidates that see most of the others, best first; of those that see the same ones only that nearest to the probe, by its tent.
-std::vector<int> SolidEye::promising(Set air) const {
+std::vector<uint32_t> SolidEye::promising(const Candidates& candidates, const SupportVisibility& visibility) const {
   struct Promise {
     uint64_t seen, own;
     int candidate;
   };
+  const Set air = candidates.inAir(visibility);
   std::vector<Promise> promises;
   forEachMember(air, [&](int candidate) {
     uint64_t seen = 0;
-    forEachMember(visible_[candidate] & air, [&](int other) { seen += tent_[eyeCandidates()[other]]; });
-    promises.push_back({seen, tent_[eyeCandidates()[candidate]], candidate});
+    forEachMember(candidates.visible[candidate] & air, [&](int other) { seen += tent_[candidates.points[other]]; });
+    promises.push_back({seen, tent_[candidates.points[candidate]], candidate});
   });
   std::stable_sort(promises.begin(), promises.end(),
                    [](const Promise& a, const Promise& b) { return a.seen != b.seen ? a.seen > b.seen : a.own > b.own; });
-  std::vector<int> chosen;
+  std::vector<uint32_t> eyes;
+  std::vector<Set> seen_sets;
   for (const Promise& promise : promises) {
-    const Set sees = visible_[promise.candidate];
-    if (std::any_of(chosen.begin(), chosen.end(), [&](int other) { return visible_[other] == sees; })) continue;
-    chosen.push_back(promise.candidate);
-    if (chosen.size() == kTracedEyes) break;
+    const Set sees = candidates.visible[promise.candidate];
+    if (std::find(seen_sets.begin(), seen_sets.end(), sees) != seen_sets.end()) continue;
+    // no wall tells what lies behind the sky from what lies before it
+    if (visibility.isBehindSky(candidates.points[promise.candidate])) continue;
+    seen_sets.push_back(sees);
+    eyes.push_back(candidates.points[promise.candidate]);
+    if (eyes.size() == kTracedEyes) break;
   }
-  return chosen;
+  return eyes;
 }
 
 uint64_t SolidEye::seenTents(const SupportVisibility& visibility) const {
@@ -136,16 +155,19 @@ uint64_t SolidEye::seenTents(const SupportVisibility& visibility) const {
 
 std::optional<LocalPoint> SolidEye::open(SupportVisibility* visibility) {
   if (visibility->supportIsEmpty()) return std::nullopt;
-  findVisible(*visibility);
   std::optional<LocalPoint> best;
   uint64_t most = 0;
-  for (const int candidate : promising(inAir(*visibility))) {
-    const LocalPoint& eye = supportPattern().points[eyeCandidates()[candidate]];
-    visibility->traceRays(eye);
-    const uint64_t seen = seenTents(*visibility);
-    if (best && seen <= most) continue;
-    best = eye;
-    most = seen;
+  for (Candidates* ring : {&inner_, &outer_}) {
+    ring->findVisible(*visibility, &scratch_);
+    for (const uint32_t point : promising(*ring, *visibility)) {
+      const LocalPoint& eye = supportPattern().points[point];
+      visibility->traceRays(eye);
+      const uint64_t seen = seenTents(*visibility);
+      if (best && seen <= most) continue;
+      best = eye;
+      most = seen;
+    }
+    if (best) break;
   }
   if (best && visibility->eye() != *best) visibility->traceRays(*best);
   return best;

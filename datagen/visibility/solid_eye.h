@@ -16,31 +16,41 @@
 
 namespace nlg {
 
-// Support points, in mirror images of one another, denser towards the probe.
+// Support points, in mirror images of one another: first those to choose from, denser towards the probe; then, for probes of
+// which none of these is in air, those near the support's border.
 inline constexpr int kEyeCandidateCount = 64;
-const std::vector<uint32_t>& eyeCandidates();
+enum class EyeRing { inner, outer };
+const std::vector<uint32_t>& eyeCandidates(EyeRing ring);
 
 class SolidEye {
  public:
   SolidEye();
 
-  // The eye of the probe that `visibility` has begun, and traces its rays; nothing when no candidate is in air, or the support
-  // holds no triangle. The same for the same probe, whatever was asked before.
+  // The eye of the probe that `visibility` has begun, and traces its rays; nothing when no candidate is in air. The same for the
+  // same probe, whatever was asked before. A support without triangles is all in solid, as its probe is: there is no eye.
   std::optional<LocalPoint> open(SupportVisibility* visibility);
 
  private:
-  using Set = uint64_t;  // of candidates, a bit each
+  using Set = uint64_t;  // of a ring's candidates, a bit each
 
-  void findVisible(const SupportVisibility& visibility);
-  Set reachedFrom(int candidate) const;
-  Set inAir(const SupportVisibility& visibility) const;
-  std::vector<int> promising(Set air) const;
+  // The candidates of a ring, and what they see of each other.
+  struct Candidates {
+    explicit Candidates(EyeRing ring);
+    void findVisible(const SupportVisibility& visibility, LinkScratch* scratch);
+    Set reachedFrom(int candidate) const;
+    Set inAir(const SupportVisibility& visibility) const;
+
+    const std::vector<uint32_t>& points;
+    LinkPackets pairs;         // of candidates, by their numbers
+    std::vector<Set> visible;  // by candidate: itself and those that it sees
+    std::vector<uint16_t> blocked;
+  };
+
+  std::vector<uint32_t> promising(const Candidates& candidates, const SupportVisibility& visibility) const;
   uint64_t seenTents(const SupportVisibility& visibility) const;
 
-  LinkPackets pairs_;           // of candidates, by their numbers
   std::vector<uint64_t> tent_;  // by support point, in units of 2^-32: sums do not depend on their order
-  std::vector<Set> visible_;    // by candidate: itself and those that it sees
-  std::vector<uint16_t> blocked_;
+  Candidates inner_, outer_;
   LinkScratch scratch_;
 };
 

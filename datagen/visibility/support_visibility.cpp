@@ -71,16 +71,26 @@ void SupportVisibility::flood(State carried, std::vector<uint32_t>* members) {
   }
 }
 
+glm::dvec3 SupportVisibility::pointPosition(uint32_t point) const {
+  const LocalPoint& local = table_.points[point];
+  return position_ + spacing_ * glm::dvec3(local[0], local[1], local[2]);
+}
+
 SolidVote SupportVisibility::groupVote(const std::vector<uint32_t>& members) const {
   SolidVote total;
   const size_t stride = std::max<size_t>(1, members.size() / 3);
   for (size_t i = 0; i < members.size() && !total.unanimous(); i += stride) {
-    const LocalPoint& local = table_.points[members[i]];
-    const SolidVote one = voteAt(position_ + spacing_ * glm::dvec3(local[0], local[1], local[2]));
+    const SolidVote one = voteAt(pointPosition(members[i]));
     total.front += one.front;
     total.back += one.back;
   }
   return total;
+}
+
+bool SupportVisibility::isBehindSky(uint32_t point) const {
+  if (!scene_.hasSkyFaces()) return false;
+  ray_count_ += kSolidVoteRays;
+  return solidVoteWithSky(scene_, pointPosition(point)).solid();
 }
 
 bool SupportVisibility::findValidity() {

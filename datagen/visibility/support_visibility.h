@@ -38,6 +38,8 @@ class SupportVisibility {
 
   // The rays of a few support points together, that stand for all of a group: the first one alone when its rays leave no doubt.
   SolidVote groupVote(const std::vector<uint32_t>& members) const;
+  // Whether a support point, by itself in air, lies behind the scene's sky.
+  bool isBehindSky(uint32_t point) const;
 
   // Which points the probe sees; call once a probe, before the rest.
   void traceProbeRays() { traceRays({}); }
@@ -65,6 +67,7 @@ class SupportVisibility {
  private:
   enum class State : uint8_t { unknown, valid, solid };
 
+  glm::dvec3 pointPosition(uint32_t point) const;  // relative to the scene's origin
   bool reachesValid(uint32_t point) const;
   void flood(State carried, std::vector<uint32_t>* members);
 

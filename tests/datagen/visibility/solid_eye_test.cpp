@@ -33,8 +33,10 @@ Scene wallBetweenRooms() {
 }
 
 TEST(SolidEye, HasCandidatesThatAreMirrorImagesOfOneAnother) {
-  const std::set<uint32_t> candidates(eyeCandidates().begin(), eyeCandidates().end());
-  EXPECT_EQ(candidates.size(), static_cast<size_t>(kEyeCandidateCount)) << "one twice";
+  std::set<uint32_t> candidates;
+  for (const EyeRing ring : {EyeRing::inner, EyeRing::outer})
+    candidates.insert(eyeCandidates(ring).begin(), eyeCandidates(ring).end());
+  EXPECT_EQ(candidates.size(), static_cast<size_t>(2 * kEyeCandidateCount)) << "one twice";
   for (const uint32_t point : candidates) {
     ASSERT_LT(point, static_cast<uint32_t>(kSupportPointCount));
     for (uint32_t mirror = 1; mirror < kMirrorCount; ++mirror)
@@ -74,6 +76,29 @@ TEST(SolidEye, IsNowhereDeepInSolidAndInASupportWithoutTriangles) {
   EXPECT_TRUE(eyeAt(faces.finish(), {4.4, 0, 0}));
 }
 
+TEST(SolidEye, IsNearTheBorderWhereNothingNearerIsInAir) {
+  SceneOfFaces faces;
+  faces.addBox({-5, -5, -5}, {5, 5, 5});
+  const auto eye = eyeAt(faces.finish(), {0, 4.1, 0});
+  ASSERT_TRUE(eye);
+  EXPECT_GT((*eye)[1], 0.9f);
+}
+
+TEST(SolidEye, IsNotBehindTheSky) {
+  // ground between two levels of air, the lower one under a sky that closes it off from below
+  SceneOfFaces faces;
+  faces.addBox({-50, -0.1f, -50}, {50, 0.3f, 50});
+  Scene scene = faces.finish();
+  const auto without = eyeAt(scene, {0, 0, 0});
+  ASSERT_TRUE(without);
+  EXPECT_LT((*without)[1], -0.1f);
+  scene.light.sky_faces.positions = {{-50, -0.12f, -50}, {50, -0.12f, -50}, {50, -0.12f, 50}, {-50, -0.12f, 50}};
+  scene.light.sky_faces.triangles = {{0, 2, 1}, {0, 3, 2}};
+  const auto with = eyeAt(scene, {0, 0, 0});
+  ASSERT_TRUE(with);
+  EXPECT_GT((*with)[1], 0.3f);
+}
+
 TEST(SolidEye, SeesAtLeastAsMuchAsTheCandidateThatSeesMostOthers) {
   for (const Scene& scene : {wallBetweenRooms(), halfWall(), wallWithHole()}) {
     const RayScene rays(scene);
@@ -93,7 +118,8 @@ TEST(SolidEye, SeesAtLeastAsMuchAsTheCandidateThatSeesMostOthers) {
         return sum;
       };
       std::vector<uint32_t> air;
-      std::copy_if(eyeCandidates().begin(), eyeCandidates().end(), std::back_inserter(air), isAir);
+      const std::vector<uint32_t>& inner = eyeCandidates(EyeRing::inner);
+      std::copy_if(inner.begin(), inner.end(), std::back_inserter(air), isAir);
       const auto best = std::max_element(air.begin(), air.end(), [&](uint32_t a, uint32_t b) {
         return seenTents(table().points[a], air) < seenTents(table().points[b], air);
       });
