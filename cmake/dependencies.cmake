@@ -21,6 +21,7 @@ if(NLG_BUILD_TOOLS)
   find_package(embree 3.13 CONFIG REQUIRED)
   find_package(Eigen3 3.4 CONFIG REQUIRED)
   find_package(BLAS REQUIRED)
+  find_package(Qhull REQUIRED)
   find_package(HDF5 REQUIRED COMPONENTS C)
   # Debian's libdeflate brings no CMake package
   find_library(NLG_DEFLATE_LIBRARY deflate REQUIRED)

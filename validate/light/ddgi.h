@@ -19,7 +19,9 @@
 
 namespace nlg {
 
-inline constexpr size_t kDdgiShippedBytes = 8 * 8 * 4 + 16 * 16 * 4 + 4 * 2;  // a probe, with borders: 1,288
+// A probe, with borders: 1,288.
+inline constexpr size_t kDdgiShippedDepthBytes = 16 * 16 * 4;
+inline constexpr size_t kDdgiShippedBytes = 8 * 8 * 4 + kDdgiShippedDepthBytes + 4 * 2;
 inline constexpr size_t kDdgiFloatBytes = 8 * 8 * 16 + 16 * 16 * 8 + 4 * 4;
 
 struct DdgiMapsOptions {

@@ -109,7 +109,10 @@ class LightMeasurement {
     const LightTransport transport(scene.source.scene, scene.rays);
     MethodSet methods({transport, scene.links, scene.tree, scene.air}, method_options);
     methods.addTrilinear();
+    methods.addTetrahedra();
+    methods.addApv();
     methods.addDdgi();
+    methods.addQuakeGrid();
     std::vector<glm::dvec3> asked;
     for (const LightPlace& place : places_.places) asked.push_back(place.position_m);
     methods.addTargetFunctions(asked, options.diffusion);

@@ -9,12 +9,13 @@
 #include "tool/error.h"
 #include "validate/light/grid_weighting.h"
 #include "validate/light/target_functions.h"
+#include "validate/light/tetrahedra.h"
 #include "validate/light/trilinear.h"
 
 namespace nlg {
 namespace {
 
-constexpr uint64_t kProbeStream = 0x70726f6265, kSolveStream = 0x736f6c7665, kDdgiStream = 0x64646769;
+constexpr uint64_t kProbeStream = 0x70726f6265, kSolveStream = 0x736f6c7665, kDdgiStream = 0x64646769, kApvStream = 0x617076;
 
 using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -76,6 +77,10 @@ const Weighting& MethodSet::own(std::unique_ptr<Weighting> weighting) { return *
 
 const std::vector<LightSh>& MethodSet::own(std::vector<LightSh> light) { return lights_.emplace_back(std::move(light)); }
 
+MethodBytes MethodSet::bytesOf(size_t probes, size_t weight_bytes) const {
+  return {probes * lightFormBytes(options_.form), weight_bytes, tree_bytes_};
+}
+
 void MethodSet::addBlends(Blends blends) {
   const Weighting& weighting = own(std::move(blends.weighting));
   for (const LightWay way : {LightWay::point, LightWay::solved}) {
@@ -84,16 +89,16 @@ void MethodSet::addBlends(Blends blends) {
     method.light = way == LightWay::point ? "point" : "solved";
     method.weighting = &weighting;
     method.probes = blends.probes;
-    method.bytes = {blends.probes * lightFormBytes(options_.form), blends.weight_bytes, tree_bytes_};
+    method.bytes = blends.bytes;
     method.weights_s = blends.weights_s;
     const Clock::time_point start = Clock::now();
-    // a point sample in solid says nothing: such probes hold the light under their weights. Whoever reads all probes the same
-    // reads the samples themselves
-    ProbeLightOptions options = options_.solve;
-    options.way = way == LightWay::point ? LightWay::integrated : LightWay::solved;
-    const bool reads_all = blends.probes == probes_.count() && blends.weight_bytes == 0;
-    std::vector<LightSh> light = probes_.light;
-    if (way == LightWay::solved || !reads_all) {
+    std::vector<LightSh> light;
+    if (way == LightWay::point && blends.point_light != nullptr) {
+      light = *blends.point_light;
+    } else {
+      // a point sample in solid says nothing: such probes hold the mean of light under their weights
+      ProbeLightOptions options = options_.solve;
+      options.way = way == LightWay::point ? LightWay::integrated : LightWay::solved;
       light = lightProbes(scene_.transport, probes_.tree, scene_.air.places, place_light_, weightsAt(weighting), options,
                           options_.thread_count)
                   .light;
@@ -108,48 +113,92 @@ void MethodSet::addBlends(Blends blends) {
 }
 
 void MethodSet::addTrilinear() {
-  const auto add = [&](const std::string& name, TrilinearKind kind, size_t probes, size_t weight_bytes) {
-    addBlends({name, std::make_unique<Trilinear>(kind, probes_, scene_.transport.rays()), weight_bytes, probes, 0.0});
-  };
-  add("trilinear", TrilinearKind::all, probes_.count(), 0);
+  const auto trilinear = [&](TrilinearKind kind) { return std::make_unique<Trilinear>(kind, probes_, scene_.transport.rays()); };
+  addBlends({"trilinear", trilinear(TrilinearKind::all), probes_.count(), bytesOf(probes_.count(), 0), 0.0, &probes_.light});
   // a bit each says which probes are in air
-  const size_t mask_bytes = (probes_.count() + 7) / 8;
-  add("valid trilinear", TrilinearKind::valid, probes_.air_count, mask_bytes);
-  add("exact visibility", TrilinearKind::visible, probes_.air_count, mask_bytes);
+  const MethodBytes bytes = bytesOf(probes_.air_count, (probes_.count() + 7) / 8);
+  addBlends({"valid trilinear", trilinear(TrilinearKind::valid), probes_.air_count, bytes, 0.0, nullptr});
+  addBlends({"exact visibility", trilinear(TrilinearKind::visible), probes_.air_count, bytes, 0.0, nullptr});
 }
 
-void MethodSet::addOwn(const std::string& name, const Ddgi& ddgi, const DdgiMaps& maps, size_t bytes) {
+void MethodSet::addApv() {
+  apv_ = std::make_unique<ApvProbes>(
+      bakeApvProbes(probes_, scene_.transport, {options_.probe, options_.thread_count, mixSeed(options_.seed, kApvStream)}));
+  // light of the lower form has order 1 alone
+  std::vector<LightSh> linear = apv_->light;
+  for (LightSh& light : linear) std::fill(light.begin() + 4, light.end(), glm::vec3(0.0f));
+  const auto add = [&](const std::string& name, size_t probe_bytes, const std::vector<LightSh>& light) {
+    const MethodBytes bytes = {probes_.count() * (probe_bytes - 1), probes_.count(), tree_bytes_};
+    addBlends({name, std::make_unique<Apv>(probes_, *apv_), probes_.count(), bytes, apv_->bake_s, &light});
+  };
+  add("APV", kApvBytesL2, apv_->light);
+  add("APV, order 1", kApvBytesL1, linear);
+  methods_.pop_back();  // light that was solved for has order 2
+}
+
+void MethodSet::addDdgi(const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t probe_bytes) {
+  const Weighting& ddgi = own(std::make_unique<Ddgi>(probes_, maps, scene_.transport.rays(), visibility));
   LightMethod method;
   method.weights = name;
   method.light = "own";
   method.weighting = &ddgi;
   method.probes = probes_.count();
-  method.bytes = {probes_.count() * bytes, 0, tree_bytes_};
+  method.bytes = {probes_.count() * probe_bytes, 0, tree_bytes_};
   method.light_s = maps.bake_s;
-  method.irradiance_at = [&ddgi](const glm::dvec3& position_m, const glm::vec3& normal) {
+  method.irradiance_at = [&ddgi = static_cast<const Ddgi&>(ddgi)](const glm::dvec3& position_m, const glm::vec3& normal) {
     return ddgi.irradianceAt(position_m, normal);
   };
   methods_.push_back(std::move(method));
 }
 
 void MethodSet::addDdgi() {
-  const auto add = [&](const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t bytes) {
-    const auto& ddgi = static_cast<const Ddgi&>(own(std::make_unique<Ddgi>(probes_, maps, scene_.transport.rays(), visibility)));
-    addOwn(name, ddgi, maps, bytes);
-  };
   DdgiMapsOptions options{options_.probe, false, options_.thread_count, mixSeed(options_.seed, kDdgiStream)};
   for (const bool relocates : {false, true}) {
     options.relocates = relocates;
     const std::string suffix = relocates ? ", relocated" : "";
     const DdgiMaps& maps = maps_.emplace_back(makeDdgiMaps(probes_, scene_.transport, options));
-    add("DDGI float" + suffix, maps, DdgiVisibility::depth, kDdgiFloatBytes);
-    add("DDGI as shipped" + suffix, maps_.emplace_back(asShipped(maps)), DdgiVisibility::depth, kDdgiShippedBytes);
+    addDdgi("DDGI float" + suffix, maps, DdgiVisibility::depth, kDdgiFloatBytes);
+    addDdgi("DDGI as shipped" + suffix, maps_.emplace_back(asShipped(maps)), DdgiVisibility::depth, kDdgiShippedBytes);
     if (relocates) continue;
-    add("DDGI, exact visibility", maps, DdgiVisibility::exact, kDdgiFloatBytes);
+    addDdgi("DDGI, exact visibility", maps, DdgiVisibility::exact, kDdgiFloatBytes);
     // its weights with light in harmonics, so that light and weights are told apart
     addBlends({"DDGI's weights", std::make_unique<Ddgi>(probes_, maps, scene_.transport.rays(), DdgiVisibility::depth),
-               probes_.count() * 16 * 16 * 4, probes_.count(), maps.bake_s});
+               probes_.count(), bytesOf(probes_.count(), probes_.count() * kDdgiShippedDepthBytes), maps.bake_s, nullptr});
   }
+}
+
+void MethodSet::addTetrahedra() {
+  const Clock::time_point start = Clock::now();
+  std::unique_ptr<Tetrahedra> tetrahedra = Tetrahedra::make(probes_);
+  if (tetrahedra == nullptr) return;
+  const double seconds = secondsSince(start);
+  // an engine goes on from the tetrahedron of the frame before: it needs no tree
+  MethodBytes bytes = bytesOf(probes_.air_count, tetrahedra->byteCount());
+  bytes.tree = 0;
+  addBlends({"tetrahedra", std::move(tetrahedra), probes_.air_count, bytes, seconds, nullptr});
+}
+
+void MethodSet::addQuakeGrid() {
+  const QuakeGrid& grid = scene_.transport.scene().light.quake_grid;
+  if (grid.cells.empty()) return;
+  const Clock::time_point start = Clock::now();
+  quake_grid_ = std::make_unique<QuakeGridLight>(grid);
+  std::vector<glm::vec3> normals, light;
+  for (size_t i = 0; i < scene_.air.places.size(); ++i) {
+    normals.push_back(normalOfPlace(scene_.air.places[i]));
+    light.push_back(irradiance(place_light_[i], normals.back()));
+  }
+  quake_grid_->fit(scene_.air.places, normals, light);
+  LightMethod method;
+  method.weights = "the level's Quake III grid";
+  method.light = "own";
+  method.probes = grid.cells.size();
+  method.bytes = {grid.file_bytes, 0, 0};
+  method.weights_s = secondsSince(start);
+  method.irradiance_at = [this](const glm::dvec3& position_m, const glm::vec3& normal) {
+    return quake_grid_->irradianceAt(position_m, normal);
+  };
+  methods_.push_back(std::move(method));
 }
 
 void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion) {
@@ -160,7 +209,8 @@ void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const 
       std::make_unique<TargetFunctions>(all, probes_, scene_.transport.rays(), scene_.links, diffusion, options_.thread_count);
   const double seconds = secondsSince(start);
   // 8,192 samples in 8 bits each
-  addBlends({"target functions", std::move(functions), probes_.count() * kSupportPointCount, probes_.count(), seconds});
+  addBlends({"target functions", std::move(functions), probes_.count(),
+             bytesOf(probes_.count(), probes_.count() * kSupportPointCount), seconds, nullptr});
 }
 
 void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s) {
@@ -168,8 +218,8 @@ void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s) 
   const LightGridBytes bytes = lightGridBytes(kept, {ThetaPrecision::float16, LightForm::none});
   size_t with_weight = 0;
   for (const uint32_t function : kept.probe_function) with_weight += function != kNoWeight;
-  addBlends({name, std::make_unique<GridWeighting>(kept, scene_.transport.scene().origin_m),
-             bytes.theta + bytes.functions + bytes.probe_function, with_weight, bake_s});
+  addBlends({name, std::make_unique<GridWeighting>(kept, scene_.transport.scene().origin_m), with_weight,
+             bytesOf(with_weight, bytes.theta + bytes.functions + bytes.probe_function), bake_s, nullptr});
 }
 
 }  // namespace nlg

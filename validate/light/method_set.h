@@ -11,9 +11,11 @@
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/light_grid.h"
+#include "validate/light/apv.h"
 #include "validate/light/ddgi.h"
 #include "validate/light/light_method.h"
 #include "validate/light/probe_set.h"
+#include "validate/light/quake_grid_method.h"
 
 namespace nlg {
 
@@ -43,7 +45,12 @@ class MethodSet {
   double measure_s() const { return measure_s_; }  // light at places in air, for whoever solves
 
   void addTrilinear();
+  void addApv();
   void addDdgi();
+  // Nothing where too few probes stand in air.
+  void addTetrahedra();
+  // Nothing where the scene has none.
+  void addQuakeGrid();
   // places   where the methods will be asked
   void addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion);
   // Of a grid that was baked without light. in the world's coordinates
@@ -53,14 +60,18 @@ class MethodSet {
   struct Blends {
     std::string name;
     std::unique_ptr<Weighting> weighting;
-    size_t weight_bytes = 0, probes = 0;
+    size_t probes = 0;
+    MethodBytes bytes;
     double weights_s = 0.0;
+    const std::vector<LightSh>* point_light = nullptr;  // by probe, where the method has its own way to gather it
   };
   const Weighting& own(std::unique_ptr<Weighting> weighting);
   const std::vector<LightSh>& own(std::vector<LightSh> light);
+  // What of harmonics, weights and tree a method has that stores all of them as our grid does.
+  MethodBytes bytesOf(size_t probes, size_t weight_bytes) const;
   // With light gathered at the probes, and with light solved for.
   void addBlends(Blends blends);
-  void addOwn(const std::string& name, const Ddgi& ddgi, const DdgiMaps& maps, size_t bytes);
+  void addDdgi(const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t probe_bytes);
 
   const MethodScene scene_;
   const MethodSetOptions options_;
@@ -72,6 +83,8 @@ class MethodSet {
   std::deque<std::unique_ptr<Weighting>> weightings_;
   std::deque<std::vector<LightSh>> lights_;
   std::deque<DdgiMaps> maps_;
+  std::unique_ptr<ApvProbes> apv_;
+  std::unique_ptr<QuakeGridLight> quake_grid_;
   std::deque<LightGrid> grids_;
 };
 

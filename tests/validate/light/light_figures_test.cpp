@@ -23,6 +23,8 @@ FiguresByMethod measureAll(const LitScene& lit) {
   const LightTruth truth = lightTruth(places, lit.transport, {256, 64}, 1, 1);
   MethodSet methods = lit.methods();
   methods.addTrilinear();
+  methods.addTetrahedra();
+  methods.addApv();
   methods.addDdgi();
   std::vector<glm::dvec3> asked;
   for (const LightPlace& place : places.places) asked.push_back(place.position_m);
