@@ -2,6 +2,7 @@
 #pragma once
 
 #include "datagen/visibility/ray_scene.h"
+#include "datagen/visibility/solid_vote.h"
 
 namespace nlg {
 
@@ -9,5 +10,7 @@ namespace nlg {
 // sky is not air. Open ground around a model is. Any number of threads may ask at once.
 // position_m   relative to the scene's origin
 bool isInAir(const RayScene& rays, const glm::dvec3& position_m);
+// The same by a vote that has been made, with sky.
+bool isAir(const RayScene& rays, const SolidVote& vote);
 
 }  // namespace nlg

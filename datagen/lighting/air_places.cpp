@@ -42,7 +42,10 @@ class CellSurvey {
     if (std::any_of(air_.rbegin(), air_.rend(), isSeenFrom)) return remember(air_, place, true);
     if (std::any_of(solid_.rbegin(), solid_.rend(), sees)) return remember(solid_, place, false);
     ++votes_;
-    return nlg::isInAir(rays_, place) ? remember(air_, place, true) : remember(solid_, place, false);
+    const SolidVote vote = solidVoteWithSky(rays_, place);
+    if (isAir(rays_, vote)) return remember(air_, place, true);
+    // a place with a doubt says nothing of those that it sees: what closed the solid there may be no geometry
+    return vote.front == 0 && vote.unanimous() ? remember(solid_, place, false) : false;
   }
 
   uint64_t votes() const { return votes_; }

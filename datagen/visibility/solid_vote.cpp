@@ -31,6 +31,7 @@ SolidVote voteOf(const FirstFacing& first_facing) {
     const Facing facing = first_facing(direction);
     vote.front += facing == Facing::front;
     vote.back += facing == Facing::back;
+    vote.nothing += facing == Facing::nothing;
   }
   return vote;
 }

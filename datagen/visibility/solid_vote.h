@@ -8,6 +8,7 @@ namespace nlg {
 // How rays from a place judged it.
 struct SolidVote {
   int front = 0, back = 0;
+  int nothing = 0;  // rays that met no face
   // solid from two fifths of backs on: on real and procedural levels shares of backs lie below a tenth or above two fifths,
   // seldom between, and exactly a half is common inside a slab that rests on another one (docs/theory/visibility.md)
   bool solid() const { return back > 0 && 5 * back >= 2 * (front + back); }
