@@ -25,11 +25,11 @@ struct BakeOptions {
   PolicyOptions policy;
   LightOptions scene_light;      // sky and sun
   std::string light = "solved";  // how probes are lit; "none": they are not
-  int light_places = 6;          // in air, of every cell
+  int light_places = 12;         // in air, of every cell
   int light_rays = 64;           // of every place
   int light_probe_rays = 512;    // of every probe, when light is "point"
   bool light_cache = true;       // bounces are kept on surfaces, where they are traced
-  double light_pull = 0.1;
+  double light_pull = 0.3;
   double light_dark_share = 0.1;
   double refine_seconds = 0.0;  // 0: as long as it takes
   std::string generator_precision = "float32";

@@ -55,6 +55,35 @@ double refinementSeconds(const BakeStatistics& statistics) {
   return statistics.stageSeconds(ThetaStage::refinement) + statistics.stageSeconds(ThetaStage::larger);
 }
 
+nlohmann::ordered_json lightJson(const LightStatistics& light) {
+  if (!light.is_lit) return nullptr;
+  return {{"gathered", light.is_gathered},
+          {"form", lightFormName(light.form)},
+          {"places", light.places},
+          {"rays_per_place", light.rays_per_place},
+          {"cache_cells", light.cache_cells},
+          {"cache_divided", light.cache_divided},
+          {"unread_probes", light.unread_probes},
+          {"solve_iterations", light.solve_iterations},
+          {"mean_radiance", light.mean},
+          {"wall_seconds", {{"cache", light.cache_wall_s}, {"measure", light.measure_wall_s}, {"solve", light.solve_wall_s}}}};
+}
+
+double lightWallSeconds(const LightStatistics& light) { return light.cache_wall_s + light.measure_wall_s + light.solve_wall_s; }
+
+std::string lightText(const BakeStatistics& s) {
+  std::string text =
+      fmt::format("air: {} of {} cells hold none and were left out, with {} of {} probes; {:.2f} s by the clock\n",
+                  s.air.airless_cells, s.air.cells, s.air.probes - s.counts.grid_probes, s.air.probes, s.air.wall_s);
+  const LightStatistics& light = s.light;
+  if (!light.is_lit) return text + "light: none\n";
+  text += fmt::format(
+      "light: {} places x {} rays, {}; by the clock {:.2f} s bounces, {:.2f} s places, {:.2f} s solve ({} iterations)",
+      light.places, light.rays_per_place, light.is_gathered ? "gathered from the level's own light" : "traced",
+      light.cache_wall_s, light.measure_wall_s, light.solve_wall_s, light.solve_iterations);
+  return text + fmt::format("; mean radiance {:.4g}\n", light.mean);
+}
+
 }  // namespace
 
 nlohmann::ordered_json toJson(const BakeReport& report) {
@@ -90,6 +119,12 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"empty", counts.empty},
           {"duplicates", counts.duplicates},
           {"functions", counts.functions},
+          {"air",
+           {{"cells", s.air.cells},
+            {"airless_cells", s.air.airless_cells},
+            {"probes_before", s.air.probes},
+            {"wall_s", s.air.wall_s}}},
+          {"light", lightJson(s.light)},
           {"representations", chosen},
           {"weights", weights},
           {"thread_seconds",
@@ -124,21 +159,24 @@ std::string toTable(const BakeReport& report) {
   const ShardCounts& counts = s.counts;
   const uint64_t failing = s.failing(ThetaWord::stored, report.policy.check()),
                  with_tents = counts.functions + s.bare_tents.count;
-  std::string text = fmt::format("{:>9} {:>12} {:>12} {:>10} {:>10} {:>8} {:>11} {:>10} {:>16} {:>12} {:>9} {:>8}\n", "probes",
-                                 "visibility", "functions", "functions", "network", "check", "corrections", "fits", "fitted",
-                                 "refinement", "bytes", "a probe");
+  std::string text = fmt::format("{:>9} {:>12} {:>12} {:>12} {:>10} {:>10} {:>8} {:>11} {:>10} {:>16} {:>12} {:>9} {:>8}\n",
+                                 "probes", "visibility", "functions", "lighting", "functions", "network", "check", "corrections",
+                                 "fits", "fitted", "refinement", "bytes", "a probe");
   text += fmt::format(
-      "{:>9} {:>10.2f} s {:>10.2f} s {:>10} {:>8.2f} s {:>6.2f} s {:>9.2f} s {:>8.2f} s {:>7} ({:>4.1f} %) {:>10.2f} s {:>6.1f} "
+      "{:>9} {:>10.2f} s {:>10.2f} s {:>10.2f} s {:>10} {:>8.2f} s {:>6.2f} s {:>9.2f} s {:>8.2f} s {:>7} ({:>4.1f} %) {:>10.2f} "
+      "s {:>6.1f} "
       "MB "
       "{:>8.1f}\n",
-      counts.grid_probes, s.function_times.visibility_s, s.function_times.functions_s, counts.functions,
-      s.stageSeconds(ThetaStage::network), s.stageSeconds(ThetaStage::check), secondsOf(s, ThetaWord::corrected),
-      secondsOf(s, ThetaWord::fitted), s.tookFit(), 100.0 * share(s.tookFit(), with_tents), refinementSeconds(s),
-      static_cast<double>(report.file_bytes) * 1e-6,
+      counts.grid_probes, s.function_times.visibility_s, s.function_times.functions_s, lightWallSeconds(s.light) * report.threads,
+      counts.functions, s.stageSeconds(ThetaStage::network), s.stageSeconds(ThetaStage::check),
+      secondsOf(s, ThetaWord::corrected), secondsOf(s, ThetaWord::fitted), s.tookFit(), 100.0 * share(s.tookFit(), with_tents),
+      refinementSeconds(s), static_cast<double>(report.file_bytes) * 1e-6,
       static_cast<double>(report.file_bytes) / std::max<double>(1.0, static_cast<double>(counts.grid_probes)));
   text += fmt::format(
-      "seconds are summed over threads; {:.2f} s by the clock on {} threads ({}), {:.2f} s of them to load the scene\n",
+      "seconds are summed over threads, those of lighting taken by the clock; {:.2f} s by the clock on {} threads ({}), {:.2f} s "
+      "of them to load the scene\n",
       s.load_wall_s + s.wall_s, report.threads, report.simd, s.load_wall_s);
+  text += lightText(s);
   text += fmt::format(
       "probes: {} free space, {} all but the bare tent, {} in solid, {} without weight, {} duplicates ({:.2f} s to find)\n"
       "probes in solid that have weights, as seen from a place in air: {}\n",

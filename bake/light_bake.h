@@ -3,6 +3,7 @@
 
 #include "bake/scene_functions.h"
 #include "datagen/lighting/probe_light.h"
+#include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/light_grid.h"
 
 namespace nlg {
@@ -18,6 +19,7 @@ struct LightStatistics {
   double cache_wall_s = 0.0;                    // bounces between surfaces
   double measure_wall_s = 0.0;                  // light at places
   double solve_wall_s = 0.0;                    // weights at places, and the solve
+  LightForm form = LightForm::none;             // of the file: the bake itself keeps floats
   double mean = 0.0;  // radiance over places and directions, the channels' mean: 0 in a scene without light
 };
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 
+#include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
 
 namespace nlg {
@@ -51,8 +52,8 @@ class SavingsCount {
                         {},
                         "14 each, the only rays that they cast; neighbours with nothing between them could share one answer"});
     addTree();
-    savings_.push_back(
-        {saving::kLighting, {}, 0, 0, {}, {}, {}, "the bake has no lighting yet: nothing ran that could be left out"});
+    addAir();
+    addLight();
     return std::move(savings_);
   }
 
@@ -110,6 +111,62 @@ class SavingsCount {
     const uint64_t all = counts_.free_space + counts_.in_solid + counts_.empty + counts_.duplicates + tents;
     const int64_t all_bytes = thetaEach(counts_.free_space + counts_.in_solid + counts_.empty + tents) + shared;
     savings_.push_back({saving::kAllProbes, true, all, probes, {}, all_bytes, {}, "a function and a theta for every probe"});
+  }
+
+  void addAir() {
+    const AirStatistics& air = statistics_.air;
+    savings_.push_back(
+        {saving::kAirlessCells,
+         air.airless_cells > 0 ? std::optional(true) : std::nullopt,
+         air.airless_cells,
+         air.cells,
+         {},
+         0,
+         {},
+         "air_only: no place in air was found in them; look-ups there take light from the nearest cell that has some"});
+    const uint64_t unread = air.probes - counts_.grid_probes;
+    savings_.push_back({saving::kUnreadProbes,
+                        air.airless_cells > 0 ? std::optional(true) : std::nullopt,
+                        unread,
+                        air.probes,
+                        {},
+                        {},
+                        {},
+                        "no visibility, function, theta or light, and nothing of them in the file"});
+  }
+
+  void addLight() {
+    const LightStatistics& light = statistics_.light;
+    const uint64_t rays = light.places * light.rays_per_place;
+    const bool traced = light.is_lit && !light.is_gathered;
+    savings_.push_back({saving::kStoredBounces,
+                        light.is_lit && light.is_gathered ? std::optional(true) : std::nullopt,
+                        light.is_gathered ? rays : 0,
+                        rays,
+                        {},
+                        0,
+                        {},
+                        light.is_gathered ? "one ray holds them all: its end shines with what the level's compiler left there"
+                                          : "this scene holds no light of its own"});
+    savings_.push_back(
+        {saving::kSharedBounces,
+         traced ? std::optional(light.cache_cells > 0) : std::nullopt,
+         light.cache_cells - light.cache_divided,
+         light.cache_cells,
+         {},
+         0,
+         {},
+         traced ? "light_cache: cells of surface, but for those that walls divide; paths end there" : "nothing was traced"});
+    const auto full = static_cast<int64_t>(sizeof(float)) * kShFloats;
+    const auto stored = static_cast<int64_t>(lightFormBytes(light.form));
+    savings_.push_back({saving::kLightBits,
+                        light.is_lit ? std::optional(stored < full) : std::nullopt,
+                        light.is_lit ? counts_.grid_probes : 0,
+                        counts_.grid_probes,
+                        {},
+                        light.is_lit ? static_cast<int64_t>(counts_.grid_probes) * (full - stored) : 0,
+                        {},
+                        std::string("light_form: ") + lightFormName(light.form) + ", against 27 floats a probe"});
   }
 
   void addRepresentations() {

@@ -33,7 +33,11 @@ inline constexpr const char* kSolidRays = "rays that tell air from solid, of pro
 inline constexpr const char* kLevels = "look-up levels without a node";
 inline constexpr const char* kThroughLevels = "look-up levels that only lead on";
 inline constexpr const char* kEmptyRoots = "roots of the probe tree that hold nothing";
-inline constexpr const char* kLighting = "lighting steps";
+inline constexpr const char* kAirlessCells = "cells without air";
+inline constexpr const char* kUnreadProbes = "probes that only cells without air read";
+inline constexpr const char* kStoredBounces = "bounces that the level's own light holds";
+inline constexpr const char* kSharedBounces = "bounces traced once for all probes";
+inline constexpr const char* kLightBits = "bits and coefficients of light beyond the file's form";
 }  // namespace saving
 
 struct Saving {

@@ -98,6 +98,10 @@ class SceneBake {
   }
 
   void finishStatistics() {
+    statistics_.air.cells = scene_.air.cells.size();
+    statistics_.air.airless_cells = scene_.full_tree.cellCount() - scene_.tree.cellCount();
+    statistics_.air.probes = scene_.full_tree.probeCount();
+    statistics_.air.wall_s = scene_.air_wall_s;
     statistics_.counts = functions_.counts();
     statistics_.function_times = functions_.times();
     statistics_.bare_tents = functions_.bareTents();

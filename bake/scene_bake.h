@@ -14,10 +14,18 @@
 
 namespace nlg {
 
+// What a tree had before cells without air were left out.
+struct AirStatistics {
+  uint64_t cells = 0, airless_cells = 0;
+  uint64_t probes = 0;  // before
+  double wall_s = 0.0;  // to find the air
+};
+
 // The talk's columns and what else a bake can say of itself. Seconds by the clock, those of stages summed over threads.
 struct BakeStatistics {
   ShardCounts counts;
   FunctionTimes function_times;
+  AirStatistics air;
   LightStatistics light;
   double wall_s = 0.0, load_wall_s = 0.0, functions_wall_s = 0.0,
          refinement_wall_s = 0.0;    // functions: stages up to fits included

@@ -13,7 +13,7 @@
 namespace nlg {
 
 struct AirPlaceOptions {
-  int places_per_cell = 6;  // kept at most
+  int places_per_cell = 12; // kept at most
   int draws_per_cell = 48;  // at most, until as many places are found
   uint64_t seed = 1;
 };

@@ -28,7 +28,7 @@ struct ProbeLightOptions {
   LightWay way = LightWay::solved;
   GatherOptions place{64, 64};   // of every place in air
   GatherOptions probe{512, 64};  // of every probe, for `point`
-  double pull = 0.1;             // of the prior, in shares of what places say of a probe
+  double pull = 0.3;             // of the prior, in shares of what places say of a probe
   double dark_share = 0.1;       // of the level's mean light: places darker than this weigh as much as that
   uint64_t seed = 1;
 };
