@@ -91,6 +91,13 @@ std::map<std::string, std::string> metadata(const BakeScene& scene, const std::m
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
+LightForm lightForm(const std::string& name) {
+  LightForm form = LightForm::none;
+  if (!findLightForm(name, &form) || form == LightForm::none)
+    throw UsageError("light_form", "sh2_8bit, sh2_float16, zh3_float16 or sh1_float16", "'" + name + "'");
+  return form;
+}
+
 void run(Request request, BakeOptions options, const OptionTable& table) {
   if (request.weights.empty()) {
     request.weights = shippedWeights(options.representation, weightsFolders());
@@ -101,6 +108,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   if (request.out_is_given) refuseToReplaceInputs(request.out, inputs);
   const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
   options.policy.theta_precision = thetaPrecisionFromName(options.theta_precision);
+  const GridPrecision stored{options.policy.theta_precision, lightForm(options.light_form)};
   chooseSimd(options.simd);
   std::map<std::string, WeightsUsed> weights;
   const std::vector<Generator> generators = loadGenerators(request.weights, precision, &weights);
@@ -116,8 +124,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   Bake bake = bakeScene(scene, generators, options, temporaryFolder());
 
   std::string bytes;
-  const WeightsResult result =
-      serializeLightGrid(bake.grid, {options.policy.theta_precision}, metadata(scene, weights, table), &bytes);
+  const WeightsResult result = serializeLightGrid(bake.grid, stored, metadata(scene, weights, table), &bytes);
   if (!result.ok()) throw NumericalError("bake", "light grid", result.detail, 0.0);
   writeFileAtomically(request.out, bytes);
 
@@ -135,7 +142,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   report.statistics.load_wall_s = load_s;
   report.policy = options.policy;
   report.file_bytes = bytes.size();
-  report.theta_bytes = lightGridBytes(bake.grid, {options.policy.theta_precision}).theta;
+  report.theta_bytes = lightGridBytes(bake.grid, stored).theta;
   report.peak_memory_bytes = peakMemoryBytes();
   if (request.savings_rounds > 0) {
     measureSavings({scene, generators, options, temporaryFolder()}, report.statistics, request.savings_rounds, &report.savings);

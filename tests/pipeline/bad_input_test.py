@@ -424,7 +424,7 @@ def check_bakes():
         arguments, outputs = arguments_of("nlg-bake", {"house:1": scene})
         refuses(INPUT_ERROR, [scene], outputs, "nlg-bake", *arguments)
     arguments, outputs = arguments_of("nlg-bake")
-    for flag, value in [("theta_precision", "float8"), ("generator_precision", "int3")]:
+    for flag, value in [("theta_precision", "float8"), ("light_form", "sh3"), ("light_form", "none"), ("generator_precision", "int3")]:
         refuses(USAGE_ERROR, [flag, value], outputs, "nlg-bake", *arguments, f"--{flag.replace('_', '-')}", value)
     refuses(USAGE_ERROR, ["134217728"], outputs, "nlg-bake", *arguments, "--spacing-m", "0.0001")
     os.environ["NLG_SIMD"] = "sse9"
