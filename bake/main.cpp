@@ -136,7 +136,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
     report.weights.push_back(weights.at(report.representations.back()));
     weights_bytes.push_back(report.weights.back().bytes);
   }
-  bake.statistics.light.form = light_form;
+  bake.statistics.light.form = stored.light;
   report.savings = countSavings(bake, generators, options.policy, weights_bytes);
   report.statistics = std::move(bake.statistics);
   report.statistics.load_wall_s = load_s;
