@@ -1,9 +1,10 @@
-// Writes the files that light_grid_fuzz starts from into a folder: small grids with trees of one, two and three levels, in both
-// precisions.
+// Writes the files that light_grid_fuzz starts from into a folder: small grids with trees of one, two and three levels, without light and
+// with light in every form, and of version 1.
 #include <fstream>
 #include <string>
 
 #include "runtime_eval/light_grid/light_grid_file.h"
+#include "tests/runtime_eval/light_grid/old_grid_file.h"
 
 namespace nlg {
 namespace {
@@ -25,20 +26,28 @@ LightGrid smallGrid(int32_t finest) {
   const std::vector<float> theta(kMaxThetaCount, 0.25f);
   const uint32_t choices[] = {grid.addFunction(0, theta.data()), grid.addFunction(1, theta.data()), kFreeSpace, kNoWeight};
   for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) grid.probe_function.push_back(choices[probe % 4]);
+  for (size_t i = 0; i < grid.tree.probeCount() * kShFloats; ++i) grid.light.push_back(0.01f * static_cast<float>(i % 101));
   return grid;
+}
+
+bool writeFile(const std::string& path, const std::string& bytes) {
+  std::ofstream stream(path, std::ios::binary);
+  stream << bytes;
+  return static_cast<bool>(stream.flush());
 }
 
 bool writeSeeds(const std::string& folder) {
   bool written = true;
   for (const int32_t finest : {32, 8, 2}) {
-    for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::float16}) {
+    const LightGrid grid = smallGrid(finest);
+    const std::string name = folder + "/" + std::to_string(finest);
+    for (const LightForm form : kLightForms) {
+      const ThetaPrecision precision = form == LightForm::none ? ThetaPrecision::float32 : ThetaPrecision::float16;
       std::string bytes;
-      written = written && serializeLightGrid(smallGrid(finest), {precision}, {{"scene", "house"}}, &bytes).ok();
-      const char* name = precision == ThetaPrecision::float16 ? "/half_" : "/float_";
-      std::ofstream stream(folder + name + std::to_string(finest), std::ios::binary);
-      stream << bytes;
-      written = written && stream.flush();
+      written = written && serializeLightGrid(grid, {precision, form}, {{"scene", "house"}}, &bytes).ok();
+      written = written && writeFile(name + "_" + lightFormName(form), bytes);
     }
+    written = written && writeFile(name + "_version_1", oldGridBytes(grid, {{"scene", "house"}}));
   }
   return written;
 }

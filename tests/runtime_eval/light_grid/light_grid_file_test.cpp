@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime_eval/numbers/half.h"
-#include "runtime_eval/weights_file/tensor_file.h"
+#include "tests/runtime_eval/light_grid/old_grid_file.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 
 namespace nlg {
@@ -29,13 +29,6 @@ LightGrid litGrid(ProbeTree tree, uint64_t seed) {
 }
 
 const GridMetadata kMetadata = {{"scene", "house_3"}, {"options", R"({"tau": 0.02, "note": "é"})"}, {"weights_sha256", "00ff"}};
-
-// The texts of a file.
-nlohmann::json metadataIn(const std::string& bytes) {
-  uint64_t length = 0;
-  std::memcpy(&length, bytes.data(), sizeof length);
-  return nlohmann::json::parse(bytes.substr(8, length))["__metadata__"];
-}
 
 std::string bytesOf(const LightGrid& grid, const GridPrecision& precision = {ThetaPrecision::float32},
                     const GridMetadata& metadata = kMetadata) {
@@ -85,38 +78,6 @@ void lookUpEverywhere(const LightGrid& grid, uint64_t seed) {
   }
 }
 
-// A file of version 1, as it was written before light: the tree with all lists that follow from its nodes.
-std::string oldBytesOf(const LightGrid& grid) {
-  const ProbeTreeData tree = probeTreeData(grid.tree);
-  const ProbeTreeLists lists = probeTreeLists(grid.tree);
-  const std::vector<double> first_m(tree.frame.first_m.begin(), tree.frame.first_m.end()), spacing_m{tree.frame.spacing_m};
-  const std::vector<int32_t> root_count(tree.frame.root_count.begin(), tree.frame.root_count.end());
-  TensorFileWriter writer;
-  writer.add("frame.first_m", first_m);
-  writer.add("frame.spacing_m", spacing_m);
-  writer.add("frame.root_count", root_count);
-  writer.add("node.child_mask", tree.child_mask);
-  writer.add("node.used_mask", tree.used_mask);
-  writer.add("node.first_child", lists.first_child);
-  writer.add("node.first_slot", lists.first_slot);
-  writer.add("node.cell_log2", lists.cell_log2);
-  writer.add("node.cell_count", tree.cell_count);
-  writer.add("slots", lists.slots);
-  writer.add("probe.key", lists.probe_keys);
-  writer.add("probe.log2", lists.probe_log2);
-  writer.add("probe.function", grid.probe_function);
-  writer.add("function.representation", grid.function_representation);
-  writer.add("theta", grid.theta);
-  const nlohmann::json metadata = metadataIn(bytesOf(grid));
-  GridMetadata texts;
-  for (const auto& [key, text] : metadata.items()) texts[key] = text;
-  texts["version"] = "1";
-  texts.erase("light");
-  std::string bytes;
-  EXPECT_TRUE(writer.serialize(texts, &bytes).ok());
-  return bytes;
-}
-
 // Where a tensor's bytes begin in a file, and how many there are, by the format alone.
 struct Place {
   size_t begin = 0, count = 0;
@@ -157,7 +118,7 @@ TEST(LightGridFile, ReadsFilesOfVersion1) {
     const LightGrid grid = randomGrid(seed == 0 ? smallTree() : randomTree(seed).tree, seed);
     LightGrid read;
     GridMetadata metadata;
-    const WeightsResult result = parseLightGrid(oldBytesOf(grid), &read, &metadata);
+    const WeightsResult result = parseLightGrid(oldGridBytes(grid, kMetadata), &read, &metadata);
     ASSERT_TRUE(result.ok()) << result.detail;
     expectSameGrid(read, grid);
     EXPECT_EQ(metadata, kMetadata);
@@ -166,7 +127,7 @@ TEST(LightGridFile, ReadsFilesOfVersion1) {
 
 // Not of used_mask: a cell less, where all its probes are read by others, is a good tree too.
 TEST(LightGridFile, RefusesEveryDamagedByteOfTheTreeOfVersion1) {
-  const std::string bytes = oldBytesOf(randomGrid(smallTree(), 1));
+  const std::string bytes = oldGridBytes(randomGrid(smallTree(), 1), kMetadata);
   Random random(2);
   for (const auto& [name, place] : placesIn(bytes)) {
     const bool is_node = name.substr(0, 5) == "node." && name != "node.used_mask";
