@@ -2,8 +2,16 @@
 
 #include "bake/policy_options.h"
 #include "datagen/shards/shard_job.h"
+#include "tool/error.h"
 
 namespace nlg {
+
+LightForm lightFormFromName(const std::string& name) {
+  LightForm form = LightForm::none;
+  if (!findLightForm(name, &form) || form == LightForm::none)
+    throw UsageError("light_form", "sh2_8bit, sh2_float16, zh3_float16 or sh1_float16", "'" + name + "'");
+  return form;
+}
 
 void describe(BakeOptions& o, OptionTable& table) {
   table.add("seed", &o.seed, "seed of the shift of the probes' lattice");

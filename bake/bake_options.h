@@ -8,6 +8,7 @@
 #include "datagen/scene/light_options.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/fit/theta_policy.h"
+#include "runtime_eval/light_grid/light_form.h"
 #include "tool/options.h"
 
 namespace nlg {
@@ -39,6 +40,10 @@ struct BakeOptions {
   int threads = 0;                          // 0: as many as the machine runs at once
   uint64_t seed = 1;
 };
+
+// The form of a name.
+// throws   UsageError on a name of none, "none" among them
+LightForm lightFormFromName(const std::string& name);
 
 // Adds every option to the table of the section `bake`.
 void describe(BakeOptions& options, OptionTable& table);

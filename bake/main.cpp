@@ -91,13 +91,6 @@ std::map<std::string, std::string> metadata(const BakeScene& scene, const std::m
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
-LightForm lightForm(const std::string& name) {
-  LightForm form = LightForm::none;
-  if (!findLightForm(name, &form) || form == LightForm::none)
-    throw UsageError("light_form", "sh2_8bit, sh2_float16, zh3_float16 or sh1_float16", "'" + name + "'");
-  return form;
-}
-
 void run(Request request, BakeOptions options, const OptionTable& table) {
   if (request.weights.empty()) {
     request.weights = shippedWeights(options.representation, weightsFolders());
@@ -108,7 +101,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   if (request.out_is_given) refuseToReplaceInputs(request.out, inputs);
   const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
   options.policy.theta_precision = thetaPrecisionFromName(options.theta_precision);
-  const GridPrecision stored{options.policy.theta_precision, lightForm(options.light_form)};
+  const GridPrecision stored{options.policy.theta_precision, lightFormFromName(options.light_form)};
   chooseSimd(options.simd);
   std::map<std::string, WeightsUsed> weights;
   const std::vector<Generator> generators = loadGenerators(request.weights, precision, &weights);

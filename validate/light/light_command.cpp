@@ -32,7 +32,6 @@ struct Request {
   std::vector<std::string> weights;  // each a bake: one file, or several with commas between them, of which the bake chooses
   LightPlaceOptions places;
   GatherOptions truth{1024, 64}, probe{1024, 64};
-  std::string light_form = lightFormName(LightForm::sh2_8bit);
   double look_up_seconds = 0.0;
 };
 
@@ -102,8 +101,7 @@ class LightMeasurement {
     method_options.solve.place.rays = options.light_rays;
     method_options.solve.pull = options.light_pull;
     method_options.solve.dark_share = options.light_dark_share;
-    if (!findLightForm(request_.light_form, &method_options.form) || method_options.form == LightForm::none)
-      throw UsageError("--light-form", "sh2_float16, sh2_8bit, zh3_float16 or sh1_float16", "'" + request_.light_form + "'");
+    method_options.form = lightFormFromName(options.light_form);
     method_options.thread_count = threads_;
     method_options.seed = mixSeed(options.seed, kMethodStream);
     const LightTransport transport(scene.source.scene, scene.rays);
@@ -192,7 +190,6 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   used["air_places"] = request.places.air;
   used["surface_places"] = request.places.surface;
   used["truth_rays"] = request.truth.rays;
-  used["light_form"] = request.light_form;
   used["probe_rays"] = request.probe.rays;
 
   options.spacing_m = request.spacings_m.front();
@@ -242,9 +239,6 @@ int lightMain(int argc, char** argv) {
       ->check(CLI::Range(8, 1 << 24))
       ->capture_default_str();
   app.add_option("--probe-rays", request.probe.rays, "rays of every probe")->check(CLI::Range(8, 1 << 24))->capture_default_str();
-  app.add_option("--light-form", request.light_form,
-                 "in which every method keeps harmonics: sh2_float16, sh2_8bit, zh3_float16, sh1_float16")
-      ->capture_default_str();
   app.add_option("--look-up-seconds", request.look_up_seconds, "how long to time each method's look-ups; 0: not at all")
       ->check(CLI::Range(0.0, 600.0))
       ->capture_default_str();
