@@ -2,8 +2,9 @@
 //
 // A probe in geometry captures light a little outside of it (virtual offset); one that still meets back faces with more than a
 // quarter of its rays is invalid, and takes its light from valid ones nearby (dilation). A look-up blends the valid ones of the
-// eight probes around, by a mask of 8 bits; at a position that is moved along normal and view, here both the normal. Where none is
-// valid it blends them all. Not taken over: sampling noise, and that one texture fetch cannot give every combination of weights.
+// eight probes around, by a mask of 8 bits; at a position that is moved along the normal. Where none is valid it blends them all.
+// Not taken over: the view bias, since there is no camera, sampling noise, and that one texture fetch cannot give every combination
+// of weights.
 #pragma once
 
 #include "validate/light/light_method.h"
