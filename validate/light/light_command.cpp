@@ -189,6 +189,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   used["spacings_m"] = request.spacings_m;
   used["air_places"] = request.places.air;
   used["surface_places"] = request.places.surface;
+  used["source_distance_m"] = request.places.source_distance_m;
   used["truth_rays"] = request.truth.rays;
   used["probe_rays"] = request.probe.rays;
 
@@ -235,6 +236,11 @@ int lightMain(int argc, char** argv) {
       ->check(CLI::Range(8, 10000000))
       ->capture_default_str();
   app.add_option("--walks", request.places.walks, "straight walks in air")->check(CLI::Range(1, 100000))->capture_default_str();
+  app.add_option("--source-distance", request.places.source_distance_m,
+                 "metres from lamps and shining faces within which places are left out, at most a twenty-fifth of the scene's "
+                 "diagonal; 0: none are")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   app.add_option("--truth-rays", request.truth.rays, "rays of ground truth at a place")
       ->check(CLI::Range(8, 1 << 24))
       ->capture_default_str();

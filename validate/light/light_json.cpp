@@ -59,6 +59,8 @@ Json truthJson(const LightPlaces& places, const LightTruth& truth, bool is_baked
           {"places",
            {{"drawn", places.drawn},
             {"air", places.in_air},
+            {"near_source", places.near_source},
+            {"source_distance_m", places.source_distance_m},
             {"surface", surface},
             {"walks", places.walk_count},
             {"dark", truth.dark}}}};

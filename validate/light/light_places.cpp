@@ -5,6 +5,7 @@
 
 #include "datagen/lighting/air.h"
 #include "datagen/lighting/directions.h"
+#include "datagen/probes/nearby_triangles.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {
@@ -60,10 +61,51 @@ class SurfacePoints {
   std::vector<double> area_sums_;
 };
 
+float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
+
+// What a scene is lit by from inside: lamps, and the brightest of its faces.
+class Sources {
+ public:
+  Sources(const Scene& scene, double distance_m)
+      : scene_(scene), shining_(shiningOf(scene)), faces_(shining_), distance_m_(distance_m) {}
+
+  bool isNear(const glm::dvec3& place) const {
+    if (!(distance_m_ > 0.0)) return false;
+    for (const Lamp& lamp : scene_.light.lamps) {
+      if (glm::distance(place, glm::dvec3(lamp.position)) < distance_m_ + lamp.radius_m) return true;
+    }
+    return !shining_.triangles.empty() && faces_.anyCloser(place, place, distance_m_);
+  }
+
+ private:
+  static Scene shiningOf(const Scene& scene) {
+    float brightest = 0.0f;
+    const auto shine = [&](size_t t) { return luminance(scene.materials[scene.triangle_material[t]].emissive); };
+    for (size_t t = 0; t < scene.triangles.size(); ++t) brightest = std::max(brightest, shine(t));
+    Scene shining;
+    shining.positions = scene.positions;
+    for (size_t t = 0; t < scene.triangles.size(); ++t) {
+      if (shine(t) > 0.0f && shine(t) >= kSourceShare * brightest) shining.triangles.push_back(scene.triangles[t]);
+    }
+    return shining;
+  }
+
+  const Scene& scene_;
+  const Scene shining_;
+  const NearbyTriangles faces_;
+  const double distance_m_;
+};
+
+double sourceDistance(const ExtentBox& extent, const LightPlaceOptions& options) {
+  return std::min(options.source_distance_m, kSourceDiagonalShare * glm::length(extent.high_m - extent.low_m));
+}
+
 class Drawing {
  public:
   Drawing(const Scene& scene, const RayScene& rays, const ExtentBox& extent, const LightPlaceOptions& options)
-      : rays_(rays), extent_(extent), options_(options), surfaces_(scene) {}
+      : rays_(rays), extent_(extent), options_(options), surfaces_(scene), sources_(scene, sourceDistance(extent, options)) {
+    result_.source_distance_m = sourceDistance(extent, options);
+  }
 
   LightPlaces draw() {
     drawAir();
@@ -82,6 +124,10 @@ class Drawing {
       place.normal = anyDirection(random);
       ++result_.drawn;
       if (!isInAir(rays_, place.position_m)) continue;
+      if (sources_.isNear(place.position_m)) {
+        ++result_.near_source;
+        continue;
+      }
       ++result_.in_air;
       result_.places.push_back(place);
     }
@@ -107,7 +153,7 @@ class Drawing {
       place.surface_class = static_cast<uint8_t>(c);
       const glm::vec3 off_surface(point + 0.1 * distance * glm::dvec3(place.normal));
       if (!isInside(extent_, place.position_m) || rays_.isBlocked(off_surface, glm::vec3(place.position_m)) ||
-          !isInAir(rays_, place.position_m))
+          !isInAir(rays_, place.position_m) || sources_.isNear(place.position_m))
         continue;
       ++result_.surface_count[c];
       result_.places.push_back(place);
@@ -152,6 +198,7 @@ class Drawing {
   const ExtentBox extent_;
   const LightPlaceOptions& options_;
   SurfacePoints surfaces_;
+  Sources sources_;
   LightPlaces result_;
 };
 

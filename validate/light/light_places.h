@@ -40,12 +40,20 @@ struct LightPlaceOptions {
   int least_walk_steps = 16;  // shorter ones are drawn anew
   double step_m = 1.0 / 16.0;
   uint64_t draws = 400000;  // of a place, at most, over all: scenes with little air get fewer places
+  // Places nearer than this to a lamp or a face that shines are left out (and counted): light falls off there within less than any
+  // probes are apart, and squares of errors would tell of those places alone. Shares of the scene's diagonal bound it.
+  double source_distance_m = 1.0;
   uint64_t seed = 1;
 };
+
+inline constexpr double kSourceDiagonalShare = 0.04;  // of the scene's diagonal: source_distance_m is at most as much
+inline constexpr float kSourceShare = 0.05;           // of the brightest face's radiance: what shines less is no source
 
 struct LightPlaces {
   std::vector<LightPlace> places;  // air, surface, turned, walks
   uint64_t drawn = 0, in_air = 0;  // of the draws in the volume
+  uint64_t near_source = 0;        // draws in air that were left out for it
+  double source_distance_m = 0.0;  // as it was bounded
   std::array<uint64_t, kSurfaceClassCount> surface_count{};
   uint64_t walk_count = 0;
 
