@@ -2,7 +2,7 @@
 // look-ups stay inside and which can be written again. Start from the files of light_grid_seeds, or most inputs end in the
 // header:
 //
-//     light_grid_seeds SEEDS && light_grid_fuzz -max_len=24000 CORPUS SEEDS
+//     light_grid_seeds SEEDS && light_grid_fuzz -max_len=12000 CORPUS SEEDS
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

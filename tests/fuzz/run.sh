@@ -8,7 +8,7 @@ format=$1 build=$2 compiler=$3 runs=$4
 shift 4
 case $format in
   weights) limits=(-max_len=4096 -dict=tests/fuzz/weights.dict) ;;
-  light_grid) limits=(-max_len=24000) ;;
+  light_grid) limits=(-max_len=12000) ;;
   *) echo "run.sh: $format: expected weights or light_grid" >&2; exit 2 ;;
 esac
 cd "$(dirname "$0")/../.."
