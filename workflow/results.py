@@ -2,11 +2,13 @@
 """One source for every number that the documentation states: docs/results/NAME.json.
 
     workflow/results.py collect RUN [--config CONFIG] [--no-pictures]    measured → docs/results, then write
+    workflow/results.py collect-light FOLDER [--ours NAME]               what was measured of light → docs/results/light.json, then write
     workflow/results.py write                                            docs/results → every text
     workflow/results.py check                                            names every text that says something else
 
 collect takes a run's result folder, out/NAME, reduces what it measured to docs/results/NAME.json, draws the plots of docs/images anew and fills the texts.
-write makes docs/reference/results.md and weights/README.md whole, and fills what README, CONTRIBUTING, the pages of docs/ and the headers quote.
+collect-light takes what nlg-validate light wrote of scenes, FOLDER/SCENE.json (light_results.py says what else may lie there).
+write makes docs/reference/results.md, docs/reference/light.md and weights/README.md whole, and fills what README, CONTRIBUTING, the pages of docs/ and the headers quote.
 What a run's folder does not have by itself, and is taken when it is there:
     nlg-bake LEVEL --threads 1 --out GRID > RUN/bakes/LEVEL.json
     bench_runtime_eval --benchmark_repetitions=7 --benchmark_out=RUN/benchmarks/runtime_eval.json --benchmark_out_format=json
@@ -20,6 +22,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 
+import light_page
 import model_card
 import results_collect
 import results_page
@@ -28,7 +31,8 @@ from results_quotes import MAIN, fill, load_results
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
 IMAGES = ROOT / "docs" / "images"
-GENERATED = {ROOT / "docs" / "reference" / "results.md": results_page.page, ROOT / "weights" / "README.md": model_card.page}
+GENERATED = {ROOT / "docs" / "reference" / "results.md": results_page.page, ROOT / "docs" / "reference" / "light.md": light_page.page,
+             ROOT / "weights" / "README.md": model_card.page}
 
 
 def quoting_texts():
@@ -80,15 +84,26 @@ def draw(run):
         shutil.copyfile(evaluation / "slices.png", IMAGES / "slices.png")
 
 
-def collect(run, configuration, pictures):
-    results = results_collect.collect(run.resolve(), configuration)
+def keep(results):
+    """Writes one results file; returns all of them."""
     all_results = {**load_results(RESULTS), results["run"]: results}
     expected_texts(all_results, [])  # refuses figures of other weights than those that ship, before anything is written
     RESULTS.mkdir(parents=True, exist_ok=True)
     (RESULTS / f"{results['run']}.json").write_text(results_collect.dump(results) + "\n")
+    return all_results
+
+
+def collect(run, configuration, pictures):
+    results = results_collect.collect(run.resolve(), configuration)
+    all_results = keep(results)
     if pictures and results["run"] == MAIN:
         draw(run)
     return write(all_results)
+
+
+def collect_light(folder, ours):
+    import light_results  # which alone needs numpy
+    return write(keep(light_results.collect(folder, ours)))
 
 
 def main():
@@ -98,11 +113,16 @@ def main():
     collecting.add_argument("run", type=Path, help="the run's result folder, out/NAME")
     collecting.add_argument("--config", default=f"configs/{MAIN}.yaml", help="the configuration that the run was made by (%(default)s)")
     collecting.add_argument("--no-pictures", action="store_true", help="leave docs/images as it is")
+    collecting_light = commands.add_parser("collect-light", help="what was measured of light → docs/results/light.json, then write")
+    collecting_light.add_argument("folder", type=Path, help="SCENE.json of nlg-validate light, one a scene")
+    collecting_light.add_argument("--ours", default=light_page.OURS, help="the weights that are held against rivals (%(default)s)")
     commands.add_parser("write", help="docs/results → every text")
     commands.add_parser("check", help="names every text that says something else")
     arguments = parser.parse_args()
     if arguments.command == "collect":
         return collect(arguments.run, arguments.config, not arguments.no_pictures)
+    if arguments.command == "collect-light":
+        return collect_light(arguments.folder, arguments.ours)
     if arguments.command == "write":
         return write(load_results(RESULTS))
     problems = []

@@ -101,6 +101,21 @@ def benchmarks():
     return {"context": {}, "benchmarks": [{**case, "name": "generator/float32:96", "run_type": "iteration", "cpu_time": 99.0}, case]}
 
 
+def light_method(weights, light, rmse, size, **more):
+    group = {"rmse": rmse, "smape": 0.1, "colour": {"mean": 2.0}, "unlit": 0.0, "outside": 0.0}
+    surface = {**group, "by_distance": [{"from_m": 0.05, "to_m": 0.1, "rmse": rmse}]}
+    return {"weights": weights, "light": light, "air": group, "surface": surface, "turned": group, "dark": {"excess": rmse / 10}, "jumps": {"mean": 0.01, "largest": 0.1},
+            "bytes": {"total": size, "per_probe": size / 8}, "probes": 8, "times": {"weights_s": 1.0, "light_s": 0.5}, "worst": [], **more}
+
+
+def light(scene, rival, ours):
+    """Of a level: DDGI's error, and that of ours; a validity mask is half as wrong again as DDGI."""
+    methods = [light_method("valid trilinear", "point", 1.5 * rival, 400), light_method("exact visibility", "point", ours, 400), light_method("DDGI as shipped", "own", rival, 10000),
+               light_method("tent_mlp", "point", 2 * ours, 480), light_method("tent_mlp", "solved", ours, 480)]
+    return {"schema_version": 1, "scene": scene, "provenance": {"revision": "0123abc"}, "floor": light_method("harmonics at the place", "point", 0.01, 1),
+            "truth": {"all_bounces_in_one_ray": True, "noise": 0.01, "places": {"air": 300, "surface": 300, "dark": 20}}, "spacings": [{"spacing_m": 1.0, "methods": methods}]}
+
+
 def write_weights(path):
     metadata = {"training_functions": "352884", "training_set_sha256": SHA256, "training_options": '{"seed": 1}', "provenance": '{"revision": "8d19a80"}'}
     header = json.dumps({"__metadata__": metadata, "theta0": {"dtype": "F32", "shape": [113], "data_offsets": [0, 452]}}).encode()
@@ -114,6 +129,7 @@ class Results(unittest.TestCase):
         (self.root / "workflow").mkdir()
         for script in SOURCES.glob("workflow/*.py"):
             shutil.copy(script, self.root / "workflow")
+        shutil.copytree(SOURCES / "validate" / "report", self.root / "validate" / "report", ignore=shutil.ignore_patterns("__pycache__"))
         for folder in ("docs/results", "docs/reference", "weights"):
             (self.root / folder).mkdir(parents=True)
         write_weights(self.root / "weights" / "tent_mlp.safetensors")
@@ -242,6 +258,60 @@ class Results(unittest.TestCase):
                     continue
                 cells = cells or line.count("|")
                 self.assertEqual(line.count("|"), cells, f"{page}: {line}")
+
+    def collect_light(self, *arguments):
+        return self.run_results("collect-light", "out/light", *arguments)
+
+    def write_light(self):
+        for scene, rival, ours in (("kaos2", 0.4, 0.1), ("am_thornish", 0.2, 0.1), ("aggressor", 0.1, 0.1)):
+            self.write(f"out/light/{scene}.json", light(scene, rival, ours))
+
+    def test_light_is_collected_quoted_and_tabled(self):
+        expected = {
+            "light@targets.levels.1m.air:.2": ".50",  # geometric mean of 1/4, 1/2 and 1, over DDGI, the better of the rivals
+            "light@targets.levels.1m.air.rival": "DDGI as shipped, own",
+            "light@targets.front.share:%": "50 %",  # the validity mask has fewer bytes than any of ours
+            "light@targets.dark.1m.ours:.3": ".010",
+            "light@targets.level_bytes:int": "480",
+            "light@methods.levels.1m.tent_mlp.solved.surface.ratio:.3": ".333",
+            "light@methods.all.1m.DDGI_as_shipped.own.per_probe:int": "1,250",
+            "light@bakes.kaos2.wall_s:.1": "7.6",
+        }
+        self.write_light()
+        self.write("out/light/bakes/kaos2.json", bake())
+        self.write("README.md", "\n".join(QUOTE.format(key, "?") for key in expected))
+        result = self.collect_light()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        texts = [line.split("-->")[1].split("<!--")[0] for line in (self.root / "README.md").read_text().splitlines()]
+        self.assertEqual(dict(zip(expected, texts)), expected)
+        self.assertEqual(self.run_results("check").returncode, 0)
+        page = (self.root / "docs/reference/light.md").read_text()
+        row = next(line for line in page.splitlines() if line.startswith("| levels: RMSE over the best rival's"))
+        self.assertIn("| yes |", row)  # at most .7 in air and .5 before surfaces
+        self.assertIn(".50 (", row)
+        cells = 0
+        for line in page.splitlines():
+            cells = (cells or line.count("|")) if line.startswith("|") else 0
+            self.assertEqual(line.count("|"), cells, line)
+            self.assertNotIn("None", line)
+
+    def test_light_that_was_not_measured_is_pending(self):
+        self.write("docs/results/light.json", {"schema_version": 1, "run": "light", "pending": True})
+        self.write("README.md", QUOTE.format("light@targets.levels.1m.air", "?"))
+        self.assertEqual(self.run_results("write").returncode, 0)
+        self.assertIn("-->pending<!--", (self.root / "README.md").read_text())
+        self.assertIn("Not measured", (self.root / "docs/reference/light.md").read_text())
+
+    def test_light_that_cannot_be_used_is_refused(self):
+        self.write_light()
+        for change, words in (({"schema_version": 2}, "schema_version"), ({"scene": "am_thornish"}, "'am_thornish', which"), ({"spacings": []}, "at least one method")):
+            self.write("out/light/aggressor.json", {**light("aggressor", 0.1, 0.1), **change})
+            result = self.collect_light()
+            self.assertEqual(result.returncode, 3, result.stderr)
+            self.assertIn(words, result.stderr)
+        self.write_light()
+        self.assertIn("a method mlp", self.collect_light("--ours", "mlp").stderr)
+        self.assertEqual(self.run_results("collect-light", "out/nothing").returncode, 3)
 
     def test_refuses_another_schema_version(self):
         self.write("out/openarena/evaluation/summary.json", {**summary(self.sha256), "schema_version": 1})

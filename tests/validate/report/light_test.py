@@ -13,12 +13,15 @@ INPUT_ERROR = 3  # tool/error.h
 
 def method(weights, light, rmse, size):
     figures = {"rmse": rmse, "smape": 0.1, "colour": {"mean": 2.0, "p95": 4.0}, "unlit": 0.0, "outside": 0.0}
-    return {"weights": weights, "light": light, "air": figures, "surface": figures, "turned": figures, "dark": {"excess": -0.01},
-            "jumps": {"mean": 0.01, "largest": 0.1}, "bytes": {"total": size}}
+    surface = {**figures, "by_distance": [{"from_m": 0.02, "to_m": 0.05, "rmse": rmse}]}
+    worst = {"group": "air", "position_m": [0, 1, 2], "normal": [0, 0, 1], "truth": [1, 1, 1], "answer": [1, 2, 1], "error": 0.6}
+    return {"weights": weights, "light": light, "air": figures, "surface": surface, "turned": figures, "dark": {"excess": -0.01},
+            "jumps": {"mean": 0.01, "largest": 0.1}, "bytes": {"total": size, "per_probe": size / 20}, "probes": 20, "worst": [worst],
+            "times": {"weights_s": 1.0, "light_s": 0.5}}
 
 
 def scene(name, reference, ours):
-    return {"schema_version": 1, "scene": name,
+    return {"schema_version": 1, "scene": name, "truth": {"all_bounces_in_one_ray": False},
             "spacings": [{"spacing_m": spacing_m, "methods": [method("valid trilinear", "point", reference * spacing_m, 1000), method("tent_mlp", "solved", ours * spacing_m, 1200)]}
                          for spacing_m in (1.0, 2.0)]}
 
@@ -55,6 +58,9 @@ class LightSummary(unittest.TestCase):
         self.assertTrue(0.25 <= low < 0.5 < high <= 1.0, (low, high))
         self.assertAlmostEqual(ours["dark"]["mean"], -0.01)
         self.assertEqual(ours["bytes"], 3600)
+        self.assertAlmostEqual(ours["air"]["median"], 0.1)  # of .2, .1, .05
+        self.assertAlmostEqual(ours["seconds"]["mean"], 1.5)
+        self.assertNotIn("look_ups_per_s", ours)
 
     def test_few_scenes_have_no_interval(self):
         ours = self.summary(scene("a", 0.4, 0.2), scene("b", 0.1, 0.1))["spacings"][0]["methods"][1]
@@ -63,6 +69,7 @@ class LightSummary(unittest.TestCase):
     def test_refuses_what_is_no_result(self):
         self.assertEqual(self.run_tool({**scene("a", 0.4, 0.2), "schema_version": 2}).returncode, INPUT_ERROR)
         self.assertEqual(self.run_tool({"schema_version": 1}).returncode, INPUT_ERROR)
+        self.assertIn("'a', which", self.run_tool(scene("a", 0.4, 0.2), scene("a", 0.4, 0.2)).stderr)
         broken = scene("a", 0.4, 0.2)
         broken["spacings"][0]["methods"][0]["air"]["rmse"] = -1
         self.assertEqual(self.run_tool(broken).returncode, INPUT_ERROR)

@@ -1,0 +1,174 @@
+"""light.json of nlg-validate light: read, checked, and summed up over scenes (docs/reference/formats.md). Nothing here draws.
+
+RMSE, jumps and errors are over truth's root mean square, light in the dark over the level's mean; sizes are bytes, times seconds.
+"""
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+import inputs
+
+SCHEMA_VERSION = 1
+REFERENCE = ("valid trilinear", "point")
+GROUPS = ("air", "surface", "turned")
+GROUP_NAMES = {"air": "in air", "surface": "5–50 cm before surfaces", "turned": "the same, any normal"}
+LIGHTS = ("point", "own", "solved")
+FIGURES = ("smape", "colour", "dark", "jump_mean", "jump_largest", "unlit", "outside", "seconds", "per_probe")
+RESAMPLES, SEED = 4000, 1
+NOT_STORED = "target functions"  # whose bytes nobody would keep
+TEST_BOXES = ("cornell", "two_rooms")
+SCENE_KINDS = {"levels": "levels that hold their own light", "furnished": "furnished and thin-walled scenes", "boxes": "test boxes"}
+
+
+@dataclass
+class Worst:
+    """A place where a method is far from truth: irradiance of both, error over truth's root mean square in air."""
+    scene: str
+    group: str
+    position_m: list
+    normal: list
+    truth: list
+    answer: list
+    error: float
+
+
+@dataclass
+class Point:
+    """A method in one scene at one spacing."""
+    scene: str
+    kind: str      # of SCENE_KINDS
+    spacing_m: float
+    method: tuple  # weights, light
+    rmse: dict     # by group
+    smape: float
+    colour: float
+    dark: float
+    jump_mean: float
+    jump_largest: float
+    unlit: float
+    outside: float
+    bytes: int
+    probes: int
+    per_probe: float
+    seconds: float  # of the bake: weights and light
+    look_ups_per_s: float = math.nan  # NaN: not measured
+    by_distance: list = field(default_factory=list)  # (from_m, to_m, RMSE) before surfaces
+    worst: list = field(default_factory=list)
+
+
+def scene_kind(name, holds_light):
+    return "boxes" if name.startswith(TEST_BOXES) else "levels" if holds_light else "furnished"
+
+
+def read_vector(node):
+    return [float(value) for value in node.numbers(3)]
+
+
+def read_method(node, scene, kind, spacing_m):
+    air, jumps, times, size = node["air"], node["jumps"], node["times"], node["bytes"]
+    distances = [(some["from_m"].number(), some["to_m"].number(), some["rmse"].number()) for some in node["surface"]["by_distance"].items()]
+    worst = [Worst(scene, some["group"].text(), *(read_vector(some[key]) for key in ("position_m", "normal", "truth", "answer")), some["error"].number())
+             for some in node["worst"].items()]
+    return Point(scene, kind, spacing_m, (node["weights"].text(), node["light"].text()), {group: node[group]["rmse"].number() for group in GROUPS},
+                 air["smape"].number(0.0, 1.0), air["colour"]["mean"].number(), node["dark"]["excess"].number(low=-math.inf), jumps["mean"].number(),
+                 jumps["largest"].number(), air["unlit"].number(0.0, 1.0), air["outside"].number(0.0, 1.0), size["total"].count(), node["probes"].count(),
+                 size["per_probe"].number(), times["weights_s"].number() + times["light_s"].number(),
+                 times["look_ups_per_s"].number() if "look_ups_per_s" in times.value else math.nan, distances, worst)
+
+
+def read_points(path):
+    result = inputs.read_json(path)
+    if result["schema_version"].number() != SCHEMA_VERSION:
+        result["schema_version"].refuse(str(SCHEMA_VERSION), str(result["schema_version"].value))
+    scene, holds_light = result["scene"].text(), result["truth"]["all_bounces_in_one_ray"]
+    if not isinstance(holds_light.value, bool):
+        holds_light.refuse("true or false", repr(holds_light.value)[:40])
+    kind = scene_kind(scene, holds_light.value)
+    points = []
+    for spacing in result["spacings"].items():
+        for method in spacing["methods"].items():
+            if method["light"].text() not in LIGHTS:
+                method["light"].refuse(" or ".join(LIGHTS), f"'{method['light'].value}'")
+            points.append(read_method(method, scene, kind, spacing["spacing_m"].number()))
+    if not points:
+        result["spacings"].refuse("at least one method", "none")
+    return points
+
+
+def read_all(paths):
+    """The points of several scenes, each of which is named by one file alone."""
+    points, seen = [], {}
+    for path in paths:
+        of_path = read_points(path)
+        for scene in {point.scene for point in of_path}:
+            if scene in seen:
+                raise inputs.InputError(path, "scene", "scenes of one file each", f"'{scene}', which {seen[scene]} has too")
+            seen[scene] = path
+        points += of_path
+    return points
+
+
+def interval(values, reduce):
+    """The 95 % interval of a figure over scenes, by bootstrap; None with fewer than three scenes."""
+    if len(values) < 3:
+        return None
+    values = np.asarray(values)
+    drawn = np.random.default_rng(SEED).integers(0, len(values), (RESAMPLES, len(values)))
+    low, high = np.percentile([reduce(values[row]) for row in drawn], (2.5, 97.5))
+    return [float(low), float(high)]
+
+
+def figure(values, reduce=np.mean):
+    return {"mean": float(reduce(np.asarray(values))), "interval": interval(values, reduce)}
+
+
+def geometric_mean(values):
+    return float(np.exp(np.mean(np.log(values))))
+
+
+def ratios_to(points, references, group):
+    """RMSE over the reference's, scene by scene, where both have one; references: scene → point."""
+    return [point.rmse[group] / references[point.scene].rmse[group] for point in points
+            if point.scene in references and references[point.scene].rmse[group] > 0.0 and point.rmse[group] > 0.0]
+
+
+def method_figures(points, references):
+    """points: of one method at one spacing; references: scene → the reference's point."""
+    figures = {"scenes": sorted(point.scene for point in points)}
+    for group in GROUPS:
+        values = [point.rmse[group] for point in points]
+        figures[group] = {**figure(values), "median": float(np.median(values)), "median_interval": interval(values, np.median)}
+        ratios = ratios_to(points, references, group)
+        if ratios:
+            figures[group]["ratio"] = figure(ratios, geometric_mean)
+    for name in FIGURES:
+        figures[name] = figure([getattr(point, name) for point in points])
+    look_ups = [point.look_ups_per_s for point in points if point.look_ups_per_s > 0.0]
+    if look_ups:
+        figures["look_ups_per_s"] = figure(look_ups, geometric_mean)
+    figures["bytes"] = int(sum(point.bytes for point in points))
+    return figures
+
+
+def of_method(points, method):
+    return [point for point in points if point.method == method]
+
+
+def methods_of(points):
+    """In the order in which they were measured."""
+    return list(dict.fromkeys(point.method for point in points))
+
+
+def spacings_of(points):
+    return sorted({point.spacing_m for point in points})
+
+
+def summary(points):
+    spacings = []
+    for spacing_m in spacings_of(points):
+        of_spacing = [point for point in points if point.spacing_m == spacing_m]
+        references = {point.scene: point for point in of_method(of_spacing, REFERENCE)}
+        spacings.append({"spacing_m": spacing_m, "methods": [{"weights": method[0], "light": method[1], **method_figures(of_method(of_spacing, method), references)}
+                                                             for method in methods_of(of_spacing)]})
+    return {"schema_version": SCHEMA_VERSION, "scenes": sorted({point.scene for point in points}), "reference": {"weights": REFERENCE[0], "light": REFERENCE[1]}, "spacings": spacings}

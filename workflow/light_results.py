@@ -1,0 +1,213 @@
+"""What was measured of light, reduced to what the documentation quotes or tables: docs/results/light.json. Read by results.py.
+
+A folder of light holds
+    SCENE.json            nlg-validate light, one a scene, all with the same spacings and weights
+and, where they are there,
+    noise/SCENE.json      nlg-validate light-noise
+    bakes/SCENE.json      nlg-bake SCENE --light solved (stdout)
+    benchmarks/*.json     bench_* --benchmark_out=FILE --benchmark_out_format=json
+"""
+import sys
+from pathlib import Path
+
+from light_page import NAME, OURS
+from results_collect import benchmarks, fail, read_json, revision, rounded, slug, take
+
+# the one place that reads light.json, and sums it up over scenes
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "validate" / "report"))
+import packages
+
+packages.need("results.py", "numpy")
+
+import inputs
+import light_figures as figures
+from light_figures import GROUPS, SCENE_KINDS
+
+TODAY = ("point", 1.0)  # light gathered at probes 1 m apart: whose error is to be had for fewer bytes
+RIVALS = ("valid trilinear", "APV", "DDGI as shipped", "DDGI as shipped, relocated")
+SOLVED_RIVALS = ("valid trilinear", "tetrahedra", "APV", "DDGI's weights")
+NOT_RIVALS = (figures.NOT_STORED, "exact visibility", "DDGI, exact visibility")  # what nobody could ship
+DARK_RIVALS = {"valid_trilinear": ("valid trilinear", "point"), "exact_visibility": ("exact visibility", "point")}
+DDGI = "DDGI as shipped"
+LEVEL = "kaos2"
+
+
+def spacing_key(spacing_m):
+    """1.0: "1m"; .5: "0_5m": a dot would part the key."""
+    return f"{spacing_m:g}m".replace(".", "_")
+
+
+def estimate(figure):
+    low, high = figure["interval"] or (None, None)
+    return {"value": figure["mean"], "low": low, "high": high}
+
+
+def method_entry(found):
+    entry = {"scenes": len(found["scenes"])}
+    for group in GROUPS:
+        entry[group] = {**estimate(found[group]), "median": found[group]["median"]}
+        if "ratio" in found[group]:
+            entry[group]["ratio"] = estimate(found[group]["ratio"])
+    entry["dark"] = estimate(found["dark"])
+    for key in ("colour", "jump_mean", "jump_largest", "unlit", "outside", "seconds", "per_probe", "look_ups_per_s"):
+        if key in found:
+            entry[key] = found[key]["mean"]
+    return {**entry, "bytes": found["bytes"]}
+
+
+def methods(points):
+    """spacing → weights → light → figures over scenes"""
+    out = {}
+    for spacing in figures.summary(points)["spacings"]:
+        of_spacing = out.setdefault(spacing_key(spacing["spacing_m"]), {})
+        for found in spacing["methods"]:
+            of_spacing.setdefault(slug(found["weights"]), {"name": found["weights"]})[found["light"]] = method_entry(found)
+    return out
+
+
+def is_ours(point, ours):
+    return point.method[0] == ours
+
+
+def to_best_rival(points, ours, rivals, solved):
+    """Ours over the rival that does best over the scenes, both at one spacing: by spacing and group. None where there is none."""
+    out = {}
+    for spacing_m in figures.spacings_of(points):
+        of_spacing = [point for point in points if point.spacing_m == spacing_m]
+        mine = figures.of_method(of_spacing, (ours, "solved"))
+        entry = {}
+        for group in GROUPS:
+            found = []
+            for method in figures.methods_of(of_spacing):
+                if method[0] in rivals and (method[1] == "solved") == solved:
+                    ratios = figures.ratios_to(mine, {point.scene: point for point in figures.of_method(of_spacing, method)}, group)
+                    if ratios and len(ratios) == len(mine):
+                        found.append({**estimate(figures.figure(ratios, figures.geometric_mean)), "rival": ", ".join(method)})
+            if found:
+                entry[group] = max(found, key=lambda some: some["value"])
+        if entry:
+            out[spacing_key(spacing_m)] = entry
+    return out
+
+
+def front(points, ours):
+    """How many of the rivals' points, scene by scene and group by group, some point of ours is neither larger nor worse than."""
+    met, of = 0, 0
+    for scene in sorted({point.scene for point in points}):
+        mine = [point for point in points if point.scene == scene and is_ours(point, ours)]
+        rivals = [point for point in points if point.scene == scene and point.method[0] in {*RIVALS, *SOLVED_RIVALS} and point.method[1] != "solved"]
+        for rival in rivals:
+            for group in GROUPS:
+                of += 1
+                met += any(point.bytes <= rival.bytes and point.rmse[group] <= rival.rmse[group] for point in mine)
+    return {"met": met, "of": of, "share": met / of if of else None}
+
+
+def tenth_of_ddgi(points, ours):
+    """At a tenth of DDGI's bytes or fewer, the least error over DDGI's, over scenes: by DDGI's spacing and group."""
+    out = {}
+    for spacing_m in figures.spacings_of(points):
+        entry = {}
+        for group in GROUPS:
+            ratios = []
+            for rival in figures.of_method([point for point in points if point.spacing_m == spacing_m], (DDGI, "own")):
+                mine = [point.rmse[group] for point in points if point.scene == rival.scene and is_ours(point, ours) and point.bytes <= rival.bytes / 10]
+                if mine and rival.rmse[group] > 0:
+                    ratios.append(min(mine) / rival.rmse[group])
+            if ratios:
+                entry[group] = {**estimate(figures.figure(ratios, figures.geometric_mean)), "scenes": len(ratios)}
+        if entry:
+            out[spacing_key(spacing_m)] = entry
+    return out
+
+
+def dark(points, ours):
+    """Light in the dark beyond truth, mean over scenes: ours, and what it is held against; by spacing."""
+    out = {}
+    for spacing_m in figures.spacings_of(points):
+        of_spacing = [point for point in points if point.spacing_m == spacing_m]
+        named = {"ours": (ours, "solved"), **DARK_RIVALS}
+        found = {name: figures.of_method(of_spacing, method) for name, method in named.items()}
+        if all(found.values()):
+            out[spacing_key(spacing_m)] = {name: estimate(figures.figure([point.dark for point in some])) for name, some in found.items()}
+    return out
+
+
+def box(points, ours):
+    """The Cornell box at each spacing: what it takes, and error and jumps beside DDGI's."""
+    out = {}
+    for mine in points:
+        ddgi = [point for point in points if point.scene == mine.scene and point.spacing_m == mine.spacing_m and point.method == (DDGI, "own")]
+        if mine.scene.startswith("cornell") and mine.method == (ours, "solved") and ddgi:
+            worse = max(mine.rmse[group] / ddgi[0].rmse[group] for group in GROUPS)
+            out[spacing_key(mine.spacing_m)] = {"probes": mine.probes, "bytes": mine.bytes, "ddgi_bytes": ddgi[0].bytes, "rmse_to_ddgi": worse,
+                                                "jump_to_ddgi": mine.jump_mean / ddgi[0].jump_mean if ddgi[0].jump_mean else None}
+    return out
+
+
+def level_bytes(points, ours):
+    """The fewest bytes for which ours, of this level, has nowhere more error than light gathered at probes as far apart as today's; None where it was not measured so."""
+    light, spacing_m = TODAY
+    of_level = [point for point in points if point.scene.endswith(LEVEL) and is_ours(point, ours)]
+    today = [point for point in of_level if point.spacing_m == spacing_m and point.method[1] == light]
+    good = [point for point in of_level if today and all(point.rmse[group] <= today[0].rmse[group] for group in GROUPS)]
+    return min(point.bytes for point in good) if good else None
+
+
+def targets(points, ours):
+    of_kind = {kind: [point for point in points if point.kind == kind] for kind in SCENE_KINDS}
+    mine = [point for point in points if point.method == (ours, "solved")]
+    largest = lambda key: max(getattr(point, key) for point in mine)
+    return {"box": box(points, ours), "levels": to_best_rival(of_kind["levels"], ours, RIVALS, solved=False),
+            "furnished": to_best_rival(of_kind["furnished"], ours, RIVALS, solved=False),
+            "levels_solved": to_best_rival(of_kind["levels"], ours, SOLVED_RIVALS, solved=True),
+            "furnished_solved": to_best_rival(of_kind["furnished"], ours, SOLVED_RIVALS, solved=True),
+            "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours), "dark": dark(points, ours), "unlit_largest": largest("unlit"),
+            "outside_largest": largest("outside"), "per_probe": {key: reduce([point.per_probe for point in mine]) for key, reduce in (("least", min), ("most", max))},
+            "level_bytes": level_bytes(points, ours)}
+
+
+def bake(path):
+    """One bake with light: its size and its time by the clock."""
+    document = read_json(path)
+    return {**take(document, ["scene", "threads", "probes", "bytes", "bytes_per_probe"], path), "wall_s": take(document["wall_seconds"], ["all"], path)["all"]}
+
+
+def noise(path):
+    return take(read_json(path), ["scene", "light", "spacing_m", "runs", "probes", "noise", "probes_per_s"], path)
+
+
+def scene(document, kind, path):
+    truth = take(take(document, ["truth"], path)["truth"], ["noise", "places"], f"{path}: truth")
+    floor = take(take(document, ["floor"], path)["floor"], GROUPS, f"{path}: floor")
+    return {"name": document["scene"], "kind": kind, "truth": truth, "floor": {group: floor[group]["rmse"] for group in GROUPS}}
+
+
+def collect(folder, ours=OURS):
+    """The results of a folder of light."""
+    files = sorted(folder.glob("*.json"))
+    if not files:
+        fail(folder, "a folder of light, with what nlg-validate light wrote of scenes", "no .json in it")
+    try:
+        points = figures.read_all([str(path) for path in files])
+    except inputs.InputError as error:
+        print(f"results: error: {error}", file=sys.stderr)
+        sys.exit(3)
+    if not any(point.method == (ours, "solved") for point in points):
+        fail(folder, f"a method {ours} with solved light", ", ".join(sorted({point.method[0] for point in points})))
+    documents = [read_json(path) for path in files]
+    kinds = {point.scene: point.kind for point in points}
+    out = {"schema_version": 1, "run": NAME, "command": "workflow/results.py collect-light FOLDER", "ours": ours,
+           "revisions": sorted({revision(document, path) for path, document in zip(files, documents)}),
+           "scenes": {slug(document["scene"]): scene(document, kinds[document["scene"]], path) for path, document in zip(files, documents)},
+           "targets": targets(points, ours), "methods": {"all": methods(points)}}
+    for kind in SCENE_KINDS:
+        of_kind = [point for point in points if point.kind == kind]
+        if of_kind:
+            out["methods"][kind] = methods(of_kind)
+    for section, read in (("noise", noise), ("bakes", bake)):
+        if found := sorted((folder / section).glob("*.json")):
+            out[section] = {slug(path.stem): read(path) for path in found}
+    if found := sorted((folder / "benchmarks").glob("*.json")):
+        out["benchmarks"] = benchmarks(found)
+    return rounded(out, str(folder))
