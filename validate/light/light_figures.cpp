@@ -23,6 +23,8 @@ bool isCounted(const LightPlace& place) {
   return place.group == PlaceGroup::air || (place.group != PlaceGroup::walk && place.surface_class >= kFirstFarClass);
 }
 
+constexpr double kBlackShare = 0.01;  // of the mean, for all channels together
+
 class GroupSum {
  public:
   explicit GroupSum(double exposure) : exposure_(static_cast<float>(exposure)) {}
@@ -32,7 +34,8 @@ class GroupSum {
     weight_ += weight;
     error_ += weight * squares(answer.irradiance - truth);
     truth_ += weight * squares(truth);
-    const double sum = absolutes(answer.irradiance) + absolutes(truth);
+    // what is below a hundredth of the level's mean is black to an eye: no share of it is an error
+    const double sum = std::max(absolutes(answer.irradiance) + absolutes(truth), kBlackShare * kExposedMean / exposure_);
     smape_ += weight * quotient(absolutes(answer.irradiance - truth), sum);
     const double colour = hyAb(labOf(exposure_ * answer.irradiance), labOf(exposure_ * truth));
     colour_ += weight * colour;
