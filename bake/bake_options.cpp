@@ -22,6 +22,8 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add(
       "extent_m", &o.extent_m,
       "where there are probes, --extent-m=x,y,z,X,Y,Z: low and high corner, metres, world coordinates; none: the scene's bounds");
+  table.add("align_lattice", &o.align_lattice,
+            "no random shift of the probes: the low corner of extent_m is one, and the high corner, whole spacings away, too");
   table.add("air_only", &o.air_only, "leave out cells that hold no air, and the probes that only they read");
   describe(o.scene_light, table);
   table.add(

@@ -20,6 +20,7 @@ struct BakeOptions {
   double spacing_m = 1.0;
   double density_growth = 0.5;
   std::vector<std::string> extent_m;
+  bool align_lattice = false;
   bool air_only = true;  // cells in solid, and probes that only they read, are left out
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;

@@ -22,6 +22,7 @@ ProbeTree placeProbes(const Scene& scene, const BakeOptions& options) {
   ProbePlacementOptions placement;
   placement.spacing_min_m = placement.spacing_max_m = options.spacing_m;
   placement.density_growth = options.density_growth;
+  placement.align_lattice = options.align_lattice;
   placement.extent = extentFromNumbers(options.extent_m);
   return placeProbes(scene, placement, options.seed);
 }

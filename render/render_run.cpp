@@ -28,6 +28,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kBallStream = 0x62616c6c;
+constexpr double kDefaultFov = 60.0;  // degrees
 constexpr double kDegree = 3.14159265358979 / 180.0;
 constexpr const char* kTone = "radiance x exposure, cut off at 1, sRGB";
 
@@ -46,6 +47,8 @@ void check(const RenderRequest& request) {
     throw UsageError("--grid", "a light grid's file, or --bake", "neither");
   if (request.bake && !request.grid.empty()) throw UsageError("--bake", "no --grid beside it", request.grid);
   if (!request.look.empty() && request.eye.empty()) throw UsageError("--eye", "a place to look from, with --look", "none");
+  if (!request.camera.empty() && !request.eye.empty())
+    throw UsageError("--camera", "no --eye beside it", "'" + request.camera + "'");
   if (request.eye.empty() != request.look.empty()) throw UsageError("--look", "a place to look at, with --eye", "none");
   if (!request.eye.empty() && !(glm::length(vectorOf(request.look) - vectorOf(request.eye)) > 1e-9))
     throw UsageError("--look", "another place than --eye", "the same");
@@ -55,12 +58,37 @@ void check(const RenderRequest& request) {
     throw UsageError("--panel", "none with --show weights", std::to_string(request.panel.size()) + " methods");
 }
 
+double askedFov(const RenderRequest& request) { return (request.fov > 0.0 ? request.fov : kDefaultFov) * kDegree; }
+
+// Its own angle of view, unless another is asked for.
+Camera cameraAt(const Viewpoint& viewpoint, const RenderRequest& request) {
+  const bool is_camera = viewpoint.fov_y > 0.0f && request.fov == 0.0;
+  return {glm::dvec3(viewpoint.position), viewpoint.forward, viewpoint.up, is_camera ? viewpoint.fov_y : askedFov(request)};
+}
+
+// By name, or by number from 0.
+const Viewpoint& namedViewpoint(const std::string& name, const Scene& scene) {
+  std::string known;
+  for (size_t i = 0; i < scene.viewpoints.size(); ++i) {
+    const Viewpoint& viewpoint = scene.viewpoints[i];
+    if (viewpoint.name == name || std::to_string(i) == name) return viewpoint;
+    if (i < 8) known += (i > 0 ? ", '" : "'") + viewpoint.name + "'";
+  }
+  throw UsageError("--camera", known.empty() ? "a scene that has cameras" : "one of " + known + ", or its number",
+                   "'" + name + "'");
+}
+
 Camera cameraOf(const RenderRequest& request, const BakeOptions& options, const RenderedScene& scene) {
+  const double fov_y = askedFov(request);
   if (!request.eye.empty()) {
     const glm::dvec3 eye = vectorOf(request.eye);
-    return cameraAlong(eye - scene.scene().origin_m, vectorOf(request.look) - eye, request.fov * kDegree);
+    return cameraAlong(eye - scene.scene().origin_m, vectorOf(request.look) - eye, fov_y);
   }
-  return chooseView(scene.transport(), request.fov * kDegree, static_cast<double>(request.width) / request.height, options.seed);
+  if (!request.camera.empty()) return cameraAt(namedViewpoint(request.camera, scene.scene()), request);
+  for (const Viewpoint& viewpoint : scene.scene().viewpoints) {
+    if (viewpoint.fov_y > 0.0f) return cameraAt(viewpoint, request);
+  }
+  return chooseView(scene.transport(), fov_y, static_cast<double>(request.width) / request.height, options.seed);
 }
 
 // Balls in air within the camera's view, none nearer to a surface than its radius, none in front of another.
@@ -294,12 +322,14 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_option("--probe-near", r.probe_near, "x,y,z: the probe nearest to this place, world, metres")
       ->delimiter(',')
       ->expected(3);
-  app.add_option("--eye", r.eye, "--eye=x,y,z: where the camera stands, world, metres; none: a view is chosen")
-      ->delimiter(',')
-      ->expected(3);
+  app.add_option(
+      "--camera", r.camera,
+      "name or number, from 0, of a camera of the glTF file, or of a place where players of the level begin; none: the "
+      "file's first camera, or else a view is chosen");
+  app.add_option("--eye", r.eye, "--eye=x,y,z: where the camera stands, world, metres")->delimiter(',')->expected(3);
   app.add_option("--look", r.look, "--look=x,y,z: what it looks at")->delimiter(',')->expected(3);
-  app.add_option("--fov", r.fov, "degrees from the picture's lower to its upper edge")
-      ->check(CLI::Range(1.0, 170.0))
+  app.add_option("--fov", r.fov, "degrees from the picture's lower to its upper edge; 0: the camera's own, or 60")
+      ->check(CLI::Range(0.0, 170.0))
       ->capture_default_str();
   app.add_option("--slice-y", r.slice_y, "in place of a view: a cut at this height, metres, seen from above")->expected(1);
   app.add_option("--width", r.width, "pixels of one picture")->check(CLI::Range(8, 16384))->capture_default_str();

@@ -32,7 +32,7 @@ struct RenderRequest {
   // from where
   std::string camera;             // name or number of one that the scene's file holds
   std::vector<double> eye, look;  // world, metres
-  double fov = 60.0;              // degrees, from the lower to the upper edge
+  double fov = 0.0;               // degrees, from the lower to the upper edge; 0: the camera's own, or 60
   std::vector<double> slice_y;    // world, metres: a cut at this height in place of a view
   int width = 640, height = 360, samples = 2;
   double offset_m = 0.02;

@@ -74,7 +74,7 @@ Image errorMap(const LitPicture& picture, const LitPicture& truth, ErrorKind kin
 }
 
 double errorRange(const std::vector<const LitPicture*>& pictures, const LitPicture& truth) {
-  constexpr double kExceeding = 0.02;
+  constexpr double kExceeding = 0.05;
   const double rms = irradianceRms(truth);
   std::vector<double> errors;
   for (const LitPicture* picture : pictures) {

@@ -23,7 +23,7 @@ enum class ErrorKind {
 // range   > 0: the share whose colour is the map's last
 Image errorMap(const LitPicture& picture, const LitPicture& truth, ErrorKind kind, double range);
 
-// The smallest of … .1, .2, .5, 1, … that few errors exceed: 2 in a hundred pixels.
+// The smallest of … .1, .2, .5, 1, … that few errors exceed: 5 in a hundred pixels.
 double errorRange(const std::vector<const LitPicture*>& pictures, const LitPicture& truth);
 
 // Irradiance, in [0, 1], as a colour: of probeShareMethod's pictures. Surfaces are shaded by their radiance, so that their shape is

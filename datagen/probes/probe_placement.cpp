@@ -1,5 +1,6 @@
 #include "datagen/probes/probe_placement.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -11,7 +12,8 @@
 namespace nlg {
 namespace {
 
-constexpr double kMaxUnits = 0x1p40;  // a position further from the scene's origin cannot be told from its neighbours
+constexpr double kAlignedUnits = 1e-4;  // of a spacing: an extent that is longer by less is as long
+constexpr double kMaxUnits = 0x1p40;    // a position further from the scene's origin cannot be told from its neighbours
 
 std::string numberText(double value) {
   char text[32];
@@ -123,7 +125,8 @@ ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, 
   // a float, so that every probe's spacing is exact in the data set
   frame.spacing_m =
       static_cast<float>(options.spacing_min_m * std::pow(options.spacing_max_m / options.spacing_min_m, random.uniform()));
-  const double shift_units[3] = {random.uniform() * kRootSide, random.uniform() * kRootSide, random.uniform() * kRootSide};
+  double shift_units[3] = {random.uniform() * kRootSide, random.uniform() * kRootSide, random.uniform() * kRootSide};
+  if (options.align_lattice) std::fill_n(shift_units, 3, 0.0);
   ProbeTree tree;
   if (scene.triangles.empty() && !options.extent) return tree;
 
@@ -139,7 +142,10 @@ ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, 
     frame.first_m[axis] = box.low_m[axis] - frame.spacing_m * shift_units[axis];
     // the expressions of the look-up, so that they round alike
     first[axis] = static_cast<int32_t>((box.low_m[axis] - frame.first_m[axis]) / frame.spacing_m);
-    last[axis] = static_cast<int32_t>((box.high_m[axis] - frame.first_m[axis]) / frame.spacing_m);
+    const double end = (box.high_m[axis] - frame.first_m[axis]) / frame.spacing_m;
+    last[axis] = static_cast<int32_t>(end);
+    // cells are half open, but an extent of whole spacings needs none behind it; spacing_m is rounded to a float
+    if (options.align_lattice && last[axis] > 0 && end - last[axis] < kAlignedUnits) --last[axis];
     frame.root_count[axis] = last[axis] / kRootSide + 1;
     finest_cells *= last[axis] - first[axis] + 1;
   }

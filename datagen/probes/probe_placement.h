@@ -21,6 +21,8 @@ struct ProbePlacementOptions {
   double spacing_min_m = 0.7;  // the finest distance between probes; each jitter draws its own, uniform in the logarithm
   double spacing_max_m = 2.2;
   double density_growth = 0.5;  // a cell may be as large as this times its distance from the nearest triangle; 0: all are finest
+  bool align_lattice =
+      false;  // no shift: the extent's low corner is a probe, and so is its high corner where whole spacings end there
   std::optional<ExtentBox> extent;       // where positions have probes; none: the scene's bounds
   uint64_t max_probes = kMaxTreeProbes;  // a scene and spacing that need more are refused
 };
@@ -30,7 +32,7 @@ struct ProbePlacementOptions {
 std::optional<ExtentBox> extentFromNumbers(const std::vector<std::string>& numbers);
 
 // The tree over the extent, its frame relative to the scene's origin. The finest spacing, and the shift of the lattice by up to
-// one root node, are drawn from seed; the tree is a pure function of (scene, options, seed), the same on every machine.
+// one root node (none with align_lattice), are drawn from seed; the tree is a pure function of (scene, options, seed), the same on every machine.
 //
 // Every position in the extent has probes; so has what else lies in a cell that reaches into it. Along an axis where the scene's
 // bounds are thinner than a spacing the extent reaches one spacing beyond them on both sides. A scene without triangles has an

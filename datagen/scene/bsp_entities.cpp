@@ -63,6 +63,22 @@ std::vector<BspEntity> readEntities(const std::string& path, std::string_view te
   return entities;
 }
 
+std::vector<BspStart> playerStarts(const std::vector<BspEntity>& entities) {
+  std::vector<BspStart> starts;
+  std::map<std::string, int> counts;
+  for (const BspEntity& entity : entities) {
+    const std::string classname(textOf(entity, "classname"));
+    if (classname != "info_player_deathmatch" && classname != "info_player_start" && classname != "team_CTF_redspawn" &&
+        classname != "team_CTF_bluespawn")
+      continue;
+    const std::optional<glm::dvec3> origin = threeNumbers(textOf(entity, "origin"));
+    if (!origin) continue;
+    const double turn = leadingNumber(textOf(entity, "angle")).value_or(0.0);
+    starts.push_back({classname + " " + std::to_string(counts[classname]++), *origin, turn});
+  }
+  return starts;
+}
+
 std::vector<BspPlacement> readPlacements(const std::string& path, const std::vector<BspEntity>& entities, size_t model_count) {
   std::vector<BspPlacement> placements(model_count);
   std::vector<char> is_placed(model_count, 0);

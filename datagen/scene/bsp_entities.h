@@ -27,6 +27,14 @@ std::optional<double> leadingNumber(std::string_view text);
 // throws   InputError naming the entity on: more than 2^16 entities, text between them
 std::vector<BspEntity> readEntities(const std::string& path, std::string_view text);
 
+// Where players begin, of either kind that single and team levels have; those without an origin are left out.
+struct BspStart {
+  std::string name;              // the class, and how many of it came before: "info_player_deathmatch 2"
+  glm::dvec3 origin_units{0.0};  // of the player's body
+  double turn_degrees = 0.0;     // from x towards y
+};
+std::vector<BspStart> playerStarts(const std::vector<BspEntity>& entities);
+
 struct BspPlacement {
   std::string classname;         // of the entity that shows the model: "func_door"; empty when none does
   glm::dvec3 origin_units{0.0};  // its vertices are relative to this, in the game's units

@@ -108,6 +108,7 @@ class BspConverter {
     finishBakedLight();
     finishScene(level_.scene, world_positions_);
     addLights(entities);
+    addViewpoints(entities);
     const std::vector<SceneObject>& objects = level_.scene.objects;
     if (!objects.empty() && objects[0].name == kLevelName) splitFreeStanding(level_.scene, 0);
     return std::move(level_);
@@ -241,6 +242,19 @@ class BspConverter {
     baked.page_side = kBspLightmapSide;
     baked.texels.reserve(file_.lightmap_texels.size());
     for (const BspColour& texel : file_.lightmap_texels) baked.texels.push_back(lightOf(texel));
+  }
+
+  // Eyes stand 26 units above a player's origin (bg_public.h, DEFAULT_VIEWHEIGHT).
+  void addViewpoints(const std::vector<BspEntity>& entities) {
+    constexpr double kEyeUnits = 26.0;
+    for (const BspStart& start : playerStarts(entities)) {
+      Viewpoint viewpoint;
+      viewpoint.name = start.name;
+      viewpoint.position = glm::vec3(worldPosition(start.origin_units + glm::dvec3(0.0, 0.0, kEyeUnits)) - level_.scene.origin_m);
+      const double turn = glm::radians(start.turn_degrees);
+      viewpoint.forward = glm::vec3(glm::normalize(sceneAxes({std::cos(turn), std::sin(turn), 0.0})));
+      level_.scene.viewpoints.push_back(viewpoint);
+    }
   }
 
   void addLights(const std::vector<BspEntity>& entities) {

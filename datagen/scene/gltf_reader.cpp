@@ -110,7 +110,26 @@ class GltfConverter {
     if (node.mesh >= 0) addInstance(node, node_idx, world_from_local, place);
     const int light = lightOfNode(path_, place, node, lights_.size());
     if (light >= 0) addLight(lights_[light], world_from_local, place);
+    if (node.camera >= 0) addCamera(node, world_from_local, place);
     for (const int child : node.children) visitNode(child, world_from_local, depth + 1);
+  }
+
+  // Perspective cameras: no view of a level is without perspective.
+  void addCamera(const tinygltf::Node& node, const glm::dmat4& world_from_local, const std::string& place) {
+    checkIndex(node.camera, model_.cameras.size(), place + ": camera", "a camera");
+    const tinygltf::Camera& camera = model_.cameras[node.camera];
+    if (camera.type != "perspective") return;
+    const double fov_y = camera.perspective.yfov;
+    if (!(fov_y > 0.0 && fov_y < 3.1415926))
+      fail("camera " + std::to_string(node.camera) + ": yfov", "a number between 0 and pi", std::to_string(fov_y));
+    const glm::dvec3 forward = -glm::dvec3(world_from_local[2]), right(world_from_local[0]);
+    const glm::dvec3 up = glm::cross(right, forward);
+    if (!(glm::length(forward) > 0.0 && glm::length(up) > 0.0)) fail(place + ": camera", "a node with a direction", "scale 0");
+    checkPosition(glm::dvec3(world_from_local[3]), place);
+    viewpoint_positions_.emplace_back(world_from_local[3]);
+    const std::string name = !node.name.empty() ? node.name : camera.name;
+    scene_.viewpoints.push_back(
+        {name, glm::vec3(0.0f), glm::vec3(glm::normalize(forward)), glm::vec3(glm::normalize(up)), static_cast<float>(fov_y)});
   }
 
   void addLight(const GltfLight& light, const glm::dmat4& world_from_local, const std::string& place) {
@@ -205,6 +224,8 @@ class GltfConverter {
     finishScene(scene_, world_positions_);
     const std::vector<glm::vec3> lamp_positions = relativeTo(scene_.origin_m, lamp_positions_);
     for (size_t i = 0; i < lamp_positions.size(); ++i) scene_.light.lamps[i].position = lamp_positions[i];
+    const std::vector<glm::vec3> eyes = relativeTo(scene_.origin_m, viewpoint_positions_);
+    for (size_t i = 0; i < eyes.size(); ++i) scene_.viewpoints[i].position = eyes[i];
     return std::move(scene_);
   }
 
@@ -213,6 +234,7 @@ class GltfConverter {
   std::vector<std::optional<GltfMesh>> meshes_;
   std::vector<char> is_visited_;
   std::vector<glm::dvec3> world_positions_;
+  std::vector<glm::dvec3> viewpoint_positions_;
   std::vector<GltfLight> lights_;
   std::vector<glm::dvec3> lamp_positions_;  // of the scene's lamps, world coordinates
   Scene scene_;

@@ -13,6 +13,7 @@ namespace nlg {
 // any stride, sparse ones too. Materials: base colour factor, emissive factor (times KHR_materials_emissive_strength),
 // doubleSided. One SceneObject for each node with a mesh. Triangles of zero area are dropped and counted.
 // Light: KHR_lights_punctual (gltf_light.h), in cd and lux, emission in cd/m²; a lamp is a sphere of 5 cm radius. A file has no sky.
+// Perspective cameras become viewpoints; orthographic ones are skipped.
 // Skins and morph targets stay in their rest pose; textures and images are never opened.
 //
 // path     the file; its external buffers must lie in its folder or below

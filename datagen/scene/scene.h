@@ -26,6 +26,14 @@ struct SceneObject {
   bool movable = true;  // false: structure (ground, the level's shell), which jitter leaves where it is
 };
 
+// From where the scene's own authors look at it: a camera of a glTF file, a place where players of a Quake III level begin.
+struct Viewpoint {
+  std::string name;                                            // as the file has it
+  glm::vec3 position{0.0f};                                    // relative to the scene's origin
+  glm::vec3 forward{0.0f, 0.0f, -1.0f}, up{0.0f, 1.0f, 0.0f};  // unit, at a right angle
+  float fov_y = 0.0f;  // radians from the lower to the upper edge; 0: no camera, only a place
+};
+
 // Right-handed, y up, metres. Front faces wind counter-clockwise; a mirrored node's faces have been turned to do so.
 // Positions are relative to origin_m, which stands near the middle of the scene, so that a scene 100 km from the world's
 // origin loses no precision: world position = origin_m + position.
@@ -39,6 +47,7 @@ struct Scene {
   std::vector<SceneObject> objects;         // cover all triangles, in order, without gaps
   uint32_t dropped_triangle_count = 0;      // triangles of zero area that the source held
   SceneLight light;
+  std::vector<Viewpoint> viewpoints;  // in the file's order
 };
 
 struct Bounds {

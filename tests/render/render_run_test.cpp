@@ -101,6 +101,26 @@ TEST_F(RenderRun, LooksFromWhereItIsTold) {
   EXPECT_NEAR(camera["fov_degrees"].get<double>(), 40.0, 1e-12);
 }
 
+TEST_F(RenderRun, LooksFromTheScenesOwnCamerasByNameOrNumber) {
+  RenderRequest r = request("view.png");
+  r.scene = "two_rooms";
+  const Json own = renderScene(r, options())["camera"];
+  r.camera = "lit room";
+  EXPECT_EQ(renderScene(r, options())["camera"], own);
+  r.camera = "1";
+  const Json second = renderScene(r, options())["camera"];
+  EXPECT_NE(second, own);
+  r.camera = "dark room";
+  EXPECT_EQ(renderScene(r, options())["camera"], second);
+  r.camera = "bath room";
+  try {
+    renderScene(r, options());
+    FAIL() << "not refused";
+  } catch (const UsageError& error) {
+    EXPECT_NAMES(std::string(error.what()), "--camera: expected one of 'lit room', 'dark room'");
+  }
+}
+
 TEST_F(RenderRun, ViewFromInsideASolidIsDrawn) {
   RenderRequest r = request("view.png");
   r.eye = {0, -0.05, 0};

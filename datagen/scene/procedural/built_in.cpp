@@ -22,6 +22,13 @@ void addPanel(MeshBuilder& mesh, const glm::dvec3& middle, const glm::dvec2& hal
   panel.emit(mesh);
 }
 
+// A camera in world coordinates.
+void addCamera(Scene& scene, const std::string& name, const glm::dvec3& eye, const glm::dvec3& look, double fov_degrees) {
+  const glm::dvec3 forward = glm::normalize(look - eye), right = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 1.0, 0.0)));
+  scene.viewpoints.push_back({name, glm::vec3(eye - scene.origin_m), glm::vec3(forward), glm::vec3(glm::cross(right, forward)),
+                              static_cast<float>(glm::radians(fov_degrees))});
+}
+
 // Room inside 2 x 2 x 2 m around (0, 1, 0), open towards +z. Colours as measured at Cornell (their averages over red, green and
 // blue as renderers use them), the lamp's as well.
 Scene makeCornell(uint64_t) {
@@ -41,7 +48,10 @@ Scene makeCornell(uint64_t) {
   mesh.beginObject("tall block", Mobility::movable);
   addBox(mesh, {{-0.35, 0.0, -0.3}, turnByDegrees(18.0)}, {-0.3, 0.0, -0.3}, {0.3, 1.2, 0.3}, white);
   addPanel(mesh, {0.0, 2.0, 0.0}, {0.235, 0.19}, white, lamp);
-  return mesh.finish("cornell");
+  Scene scene = mesh.finish("cornell");
+  // as at Cornell, before the open side: 800 of 555 units away, a lens of 35 mm for 25
+  addCamera(scene, "front", {0.0, 1.0, 3.88}, {0.0, 1.0, 0.0}, 39.3);
+  return scene;
 }
 
 // Two rooms of 4 x 2.5 x 4 m, 10 cm apart; the lamp hangs in the left one.
@@ -64,7 +74,10 @@ Scene makeTwoRooms(uint64_t seed) {
     addBox(mesh, {{x, 0.0, 1.2}, {}}, {-0.4, 0.0, -0.5}, {0.4, 0.7, 0.5}, cloth);
   }
   addPanel(mesh, {-0.5 * reach, 2.5, 0.0}, {0.5, 0.2}, white, lamp);
-  return mesh.finish("two_rooms");
+  Scene scene = mesh.finish("two_rooms");
+  addCamera(scene, "lit room", {-0.4, 1.6, -1.7}, {-reach, 0.9, 1.2}, 60.0);
+  addCamera(scene, "dark room", {reach - 0.3, 1.6, -1.7}, {0.4, 0.9, 0.9}, 60.0);
+  return scene;
 }
 
 struct BuiltIn {

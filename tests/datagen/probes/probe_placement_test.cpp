@@ -194,6 +194,29 @@ TEST(ProbePlacement, NoGrowthIsAUniformGrid) {
   }
 }
 
+// Two probes along a side are one spacing, nine are eight; no side of these is a whole number of any power of two.
+TEST(ProbePlacement, AlignedLatticeHasProbesOnTheCornersOfItsExtent) {
+  const Scene scene = boxScene({-1, 0, -1}, {1, 2, 1});
+  const ExtentBox extent{{-0.95, 0.05, -0.95}, {0.95, 1.95, 0.95}};
+  for (const int cells : {1, 8}) {
+    const double spacing = 1.9 / cells;
+    ProbePlacementOptions options{.spacing_min_m = spacing, .spacing_max_m = spacing, .density_growth = 0.0};
+    options.align_lattice = true;
+    options.extent = extent;
+    for (uint64_t seed = 0; seed < 3; ++seed) {
+      const ProbeTree tree = placeProbes(scene, options, seed);
+      EXPECT_EQ(tree.cellCount(), static_cast<size_t>(cells * cells * cells));
+      EXPECT_EQ(tree.probeCount(), static_cast<size_t>((cells + 1) * (cells + 1) * (cells + 1)));
+      const PositionM first = tree.probePosition(0), last = tree.probePosition(tree.probeCount() - 1);
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(first[axis] + scene.origin_m[axis], extent.low_m[axis], 1e-12);
+        // the spacing is rounded to a float
+        EXPECT_NEAR(last[axis] + scene.origin_m[axis], extent.high_m[axis], 1.9 * 0x1p-23);
+      }
+    }
+  }
+}
+
 TEST(ProbePlacement, IsAPureFunctionOfSceneOptionsAndSeed) {
   const Scene scene = boxScene({0, 0, 0}, {10, 10, 10});
   std::set<double> spacings, shifts;

@@ -113,6 +113,27 @@ TEST_F(BspReader, FlatTrianglesAreDroppedAndCounted) {
   EXPECT_EQ(level.scene.dropped_triangle_count, 2u);
 }
 
+TEST_F(BspReader, PlayersBeginWhereTheirEntitiesStand) {
+  BspParts parts = smallLevel();
+  parts.entities +=
+      "{ \"classname\" \"info_player_deathmatch\" \"origin\" \"100 200 -30\" \"angle\" \"90\" }"
+      "{ \"classname\" \"info_player_deathmatch\" }"
+      "{ \"classname\" \"info_player_deathmatch\" \"origin\" \"8 9 10\" }";
+  const Scene scene = read(parts).scene;
+  // the second has no origin
+  ASSERT_EQ(scene.viewpoints.size(), 2u);
+  const Viewpoint& first = scene.viewpoints[0];
+  EXPECT_EQ(first.name, "info_player_deathmatch 0");
+  EXPECT_EQ(scene.viewpoints[1].name, "info_player_deathmatch 1");
+  // eyes are 26 units above the origin; 90 degrees turn x into y, which is -z here
+  EXPECT_NEAR(first.position.x + scene.origin_m.x, 100 * kUnit, 1e-5);
+  EXPECT_NEAR(first.position.y + scene.origin_m.y, -4 * kUnit, 1e-5);
+  EXPECT_NEAR(first.position.z + scene.origin_m.z, -200 * kUnit, 1e-5);
+  EXPECT_NEAR(first.forward.z, -1.0f, 1e-6f);
+  EXPECT_NEAR(scene.viewpoints[1].forward.x, 1.0f, 1e-6f);
+  EXPECT_EQ(first.fov_y, 0.0f);
+}
+
 TEST_F(BspReader, SubmodelsAreMovableObjectsWhereTheirEntityStands) {
   BspParts parts = smallLevel();
   parts.entities += "{ \"classname\" \"func_door\" \"model\" \"*1\" \"origin\" \"1000 200 -30.5\" }{ \"model\" \"*2\" }";

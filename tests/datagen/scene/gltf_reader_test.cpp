@@ -317,6 +317,39 @@ TEST_F(GltfReader, ReadsLightsWhereTheirNodesStand) {
   EXPECT_TRUE(read(Parts{}).light.lamps.empty());
 }
 
+const char* const kCameras = R"(,"cameras":[{"type":"perspective","name":"wide","perspective":{"yfov":1.5,"znear":0.1}},
+  {"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"znear":0.1,"zfar":9}}])";
+
+TEST_F(GltfReader, ReadsCamerasWhereTheirNodesStand) {
+  Parts parts;
+  parts.more = kCameras;
+  // far away, twice as large, turned a quarter about x: a camera that looked along -z looks down, its top towards -z
+  parts.nodes = R"([{"mesh":0,"translation":[1e6,0,0]},{"camera":1},
+    {"translation":[1e6,2,3],"rotation":[-0.70710678118,0,0,0.70710678118],"scale":[2,2,2],"camera":0}])";
+  parts.scenes = R"([{"nodes":[0,1,2]}])";
+  const Scene scene = read(parts);
+  ASSERT_EQ(scene.viewpoints.size(), 1u);
+  const Viewpoint& camera = scene.viewpoints[0];
+  EXPECT_EQ(camera.name, "wide");
+  EXPECT_EQ(camera.fov_y, 1.5f);
+  expectNear(scene.origin_m + glm::dvec3(camera.position), {1e6, 2, 3}, "the camera's place");
+  expectNear(glm::dvec3(camera.forward), {0, -1, 0}, "where it looks");
+  expectNear(glm::dvec3(camera.up), {0, 0, -1}, "its top");
+}
+
+TEST_F(GltfReader, RefusesCamerasThatAreNone) {
+  for (const char* yfov : {"0", "-1", "3.2", "1e300"}) {
+    Parts parts;
+    parts.more = replaced(kCameras, "1.5", yfov);
+    parts.nodes = R"([{"mesh":0,"camera":0}])";
+    EXPECT_NE(errorOf(parts.text()).find("camera 0: yfov"), std::string::npos) << yfov << ": " << errorOf(parts.text());
+  }
+  Parts parts;
+  parts.more = kCameras;
+  parts.nodes = R"([{"mesh":0,"camera":2}])";
+  EXPECT_NE(errorOf(parts.text()).find("node 0: camera"), std::string::npos);
+}
+
 TEST_F(GltfReader, RefusesLightsThatAreNone) {
   const auto expectError = [&](const std::string& words, const std::string& from, const std::string& to) {
     Parts parts;
