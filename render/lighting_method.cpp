@@ -1,6 +1,7 @@
 #include "render/lighting_method.h"
 
 #include <bit>
+#include <vector>
 
 #include "runtime_eval/light_grid/irradiance.h"
 #include "runtime_eval/numbers/random.h"
@@ -39,13 +40,17 @@ LightingMethod truthMethod(const LightTransport& transport, const GatherOptions&
 
 LightingMethod gridMethod(const LightGrid& grid, const glm::dvec3& origin_m) {
   return {"grid", [&grid, origin_m](std::span<const Receiver> receivers, ReceivedLight* received) {
-            for (const Receiver& receiver : receivers) {
-              ReceivedLight& light = *received++;
-              light = {};
-              const LightStatus status =
-                  lookUpIrradiance(grid, worldPosition(receiver, origin_m), &receiver.normal.x, &light.irradiance.x);
-              light.is_lit = isLit(status, light.irradiance);
+            // of all receivers at once: what is near together is looked up together
+            const size_t count = receivers.size();
+            std::vector<PositionM> positions_m(count);
+            std::vector<glm::vec3> normals(count), irradiance(count);
+            std::vector<LightStatus> status(count);
+            for (size_t i = 0; i < count; ++i) {
+              positions_m[i] = worldPosition(receivers[i], origin_m);
+              normals[i] = receivers[i].normal;
             }
+            lookUpIrradiances(grid, positions_m.data(), &normals.data()->x, count, &irradiance.data()->x, status.data());
+            for (size_t i = 0; i < count; ++i) received[i] = {irradiance[i], glm::vec3(0.0f), isLit(status[i], irradiance[i])};
           }};
 }
 

@@ -58,11 +58,15 @@ Image drawPanel(const std::vector<PanelColumn>& columns, const PanelText& text) 
   const int width = columns.front().picture.width(), height = columns.front().picture.height();
   const auto count = static_cast<int>(columns.size());
   size_t caption_lines = 0;
-  for (const PanelColumn& column : columns) caption_lines = std::max(caption_lines, column.captions.size());
+  int pitch = width;  // of columns: captions of small pictures need more than these
+  for (const PanelColumn& column : columns) {
+    caption_lines = std::max(caption_lines, column.captions.size());
+    for (const std::string& caption : column.captions) pitch = std::max(pitch, textWidth(caption));
+  }
   const bool has_errors = std::any_of(columns.begin(), columns.end(), [](const PanelColumn& c) { return c.error.has_value(); });
   const int captions = kGap / 2 + static_cast<int>(caption_lines) * kLine;
   const int row = kTitleLine + height + captions;
-  int widest = count * width + (count - 1) * kGap;
+  int widest = count * pitch + (count - 1) * kGap;
   for (size_t i = 0; i < text.heading.size(); ++i) widest = std::max(widest, textWidth(text.heading[i], i == 0 ? 2 : 1));
   const int total_width = 2 * kMargin + widest;
   const int total_height = 2 * kMargin + headingHeight(text) + row + (has_errors ? height + kGap + kBarHeight : 0);
@@ -73,7 +77,7 @@ Image drawPanel(const std::vector<PanelColumn>& columns, const PanelText& text) 
   }
   for (int c = 0; c < count; ++c) {
     const PanelColumn& column = columns[c];
-    const int x = kMargin + c * (width + kGap);
+    const int x = kMargin + c * (pitch + kGap);
     int y = kMargin + headingHeight(text);
     drawTitle(panel, x, y, width, column.title);
     y += kTitleLine;

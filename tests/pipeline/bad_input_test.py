@@ -116,6 +116,7 @@ TOOLS = {
     "nlg-export": (EXPORT_INPUTS, ["bad.safetensors"]),
     "nlg-bake": (["house:1", "--weights", "weights.safetensors"], ["bad_grid.safetensors"]),
     "nlg-validate": (["--weights", "weights.safetensors", "--held-out", "held_out.h5"], ["bad_validation"]),
+    "nlg-render": (["house:1", "--width", "16", "--height", "16", "--truth-rays", "8"], ["bad.png"]),
 }
 
 
@@ -137,6 +138,8 @@ def check_command_lines():
         "nlg-export": [("--parity-functions", "0"), ("--parity-tolerance", "-1")],
         "nlg-bake": [("--spacing-m", "0"), ("--threads", "-1"), ("--refine-seconds", "nan"), ("--simd", "sse9"), ("--extent-m", "1,2,3")],
         "nlg-validate": [("--tau-rmse", "2"), ("--direct-functions", "0"), ("--threads", "1.5")],
+        "nlg-render": [("--method", "magic"), ("--panel", "truth,magic"), ("--show", "smell"), ("--width", "0"), ("--samples", "-1"), ("--exposure", "nan"),
+                       ("--eye", "1,2"), ("--eye", "1,2,x"), ("--camera", "none such"), ("--slice-y", "1e6")],
     }
     for tool in TOOLS:
         arguments, outputs = arguments_of(tool)
@@ -432,6 +435,15 @@ def check_bakes():
     del os.environ["NLG_SIMD"]
 
 
+def check_renders():
+    """What only nlg-render is given: light grids, and methods that need one."""
+    for bad in ["missing.safetensors", "folder", "weights.safetensors", "basis.h5"]:
+        refuses(INPUT_ERROR, [bad], ["bad.png"], "nlg-render", "house:1", "--method", "grid", "--grid", bad, "--out", "bad.png")
+    for arguments, place in [(["--method", "grid"], "--grid"), (["--show", "weights", "--grid", "weights.safetensors"], "--probe"),
+                             (["--look", "1,2,3"], "--eye"), (["--bake", "--grid", "weights.safetensors"], "--bake")]:
+        refuses(USAGE_ERROR, [place], ["bad.png"], "nlg-render", "house:1", *arguments, "--out", "bad.png")
+
+
 def check_weights_used_by():
     """nlg-export used-by: no bake, damaged ones, weights that are none or that the bake was not given."""
     must("nlg-bake", "house:1", "--weights", "weights.safetensors", "--config", "good.yaml", "--out", "grid.safetensors")
@@ -604,6 +616,7 @@ def main():
         check_workflow()
         check_shards()
         check_bakes()
+        check_renders()
         check_weights_used_by()
         check_plans()
         check_full_disk()
