@@ -15,17 +15,30 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kTruthStream = 0x7472757468, kRivalStream = 0x726976616c;
-constexpr const char* kMethods = "truth, grid, trilinear, valid-trilinear, exact-visibility, ddgi …";
-constexpr const char* kDdgi = "ddgi-as-shipped";  // what "ddgi" alone means
+constexpr std::pair<const char*, const char*> kShortNames[] = {{"ddgi", "ddgi-as-shipped"},
+                                                               {"quake-grid", "the-levels-quake-iii-grid"}};
 
-std::string withoutLight(const std::string& name) { return name.substr(0, name.find(':')); }
+// Rivals that are made together, and what their names begin with.
+struct RivalGroup {
+  const char* stem;
+  void (MethodSet::*add)();
+};
+constexpr RivalGroup kRivalGroups[] = {{"trilinear", &MethodSet::addTrilinear},
+                                       {"valid-trilinear", &MethodSet::addTrilinear},
+                                       {"exact-visibility", &MethodSet::addTrilinear},
+                                       {"apv", &MethodSet::addApv},
+                                       {"ddgi", &MethodSet::addDdgi},
+                                       {"tetrahedra", &MethodSet::addTetrahedra},
+                                       {"quake-grid", &MethodSet::addQuakeGrid}};
 
-bool isTrilinear(const std::string& name) {
-  const std::string stem = withoutLight(name);
-  return stem == "trilinear" || stem == "valid-trilinear" || stem == "exact-visibility";
+const RivalGroup* groupOf(const std::string& name) {
+  for (const RivalGroup& group : kRivalGroups) {
+    if (name.rfind(group.stem, 0) == 0) return &group;
+  }
+  return nullptr;
 }
 
-bool isDdgi(const std::string& name) { return name.rfind("ddgi", 0) == 0; }
+bool isRival(const std::string& name) { return groupOf(name) != nullptr; }
 
 std::vector<Generator> loadGenerators(const std::vector<std::string>& paths) {
   std::vector<Generator> generators;
@@ -60,8 +73,10 @@ LightingMethod rivalMethod(const LightMethod& rival) {
 }  // namespace
 
 void checkMethodName(const std::string& place, const std::string& name) {
-  if (name == "truth" || name == "grid" || isTrilinear(name) || isDdgi(name)) return;
-  throw UsageError(place, kMethods, "'" + name + "'");
+  if (name == "truth" || name == "grid" || isRival(name)) return;
+  std::string stems;
+  for (const RivalGroup& group : kRivalGroups) stems += std::string(", ") + group.stem;
+  throw UsageError(place, "truth, grid" + stems + " and their kin", "'" + name + "'");
 }
 
 std::string rivalName(const LightMethod& method) {
@@ -79,7 +94,7 @@ std::string rivalName(const LightMethod& method) {
 RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& options)
     : request_(request), options_(options), threads_(options.threads > 0 ? options.threads : machineThreadCount()) {
   const std::vector<std::string> names = methodNames(request);
-  const bool has_rivals = std::any_of(names.begin(), names.end(), [](const auto& n) { return isTrilinear(n) || isDdgi(n); });
+  const bool has_rivals = std::any_of(names.begin(), names.end(), isRival);
   if (request.bake || has_rivals) {
     baked_scene_.emplace(request.scene, options);
   } else {
@@ -113,9 +128,14 @@ void RenderedScene::makeRivals() {
   options.seed = mixSeed(options_.seed, kRivalStream);
   rivals_ =
       std::make_unique<MethodSet>(MethodScene{*transport_, baked_scene_->links, baked_scene_->tree, baked_scene_->air}, options);
-  const std::vector<std::string> names = methodNames(request_);
-  if (std::any_of(names.begin(), names.end(), isTrilinear)) rivals_->addTrilinear();
-  if (std::any_of(names.begin(), names.end(), isDdgi)) rivals_->addDdgi();
+  // each once, however many of its methods are asked for
+  std::vector<void (MethodSet::*)()> added;
+  for (const std::string& name : methodNames(request_)) {
+    const RivalGroup* group = groupOf(name);
+    if (group == nullptr || std::find(added.begin(), added.end(), group->add) != added.end()) continue;
+    added.push_back(group->add);
+    (rivals_.get()->*group->add)();
+  }
 }
 
 LightingMethod RenderedScene::method(const std::string& name) const {
@@ -125,7 +145,10 @@ LightingMethod RenderedScene::method(const std::string& name) const {
     options.rays = request_.truth_rays;
     return truthMethod(*transport_, options, mixSeed(options_.seed, kTruthStream));
   }
-  const std::string whole = name == "ddgi" ? kDdgi : name;
+  std::string whole = name;
+  for (const auto& [short_name, long_name] : kShortNames) {
+    if (name == short_name) whole = long_name;
+  }
   std::string known;
   for (const LightMethod& rival : rivals_->methods()) {
     if (rivalName(rival) == whole) return rivalMethod(rival);
