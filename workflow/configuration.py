@@ -20,12 +20,16 @@ from levels import find_levels, is_texts
 
 TOOL_SECTIONS = {"datagen", "basis", "train", "export", "bake", "validate", "frontier", "solve"}
 OWN_SECTIONS = {"name", "scenes", "split", "representations"}
-OPTIONAL_SECTIONS = {"report", "effort", "full"} | TOOL_SECTIONS
+OPTIONAL_SECTIONS = {"report", "validate_light", "effort", "full"} | TOOL_SECTIONS
 FAMILIES = ["house", "maze", "colonnade", "stairs", "clutter", "outdoor", "cave"]
 REPRESENTATIONS = ["mlp", "tent_mlp", "tent_mlp88", "tent_mlp44", "tent_mlp4", "pf3", "pf5", "pf7", "pf9"]
 SMALL_SCENES = ["two_rooms", "doorway", "column", "clutter", "corridor", "table"]  # of nlg-solve
 STABILITY_DEPTHS = {"short": "--short", "full": "", "long": "--long"}
+# what nlg-validate light measures, and how much of it: default, least and most of each number
+LIGHT_COUNTS = {"air_places": (1000, 8, 10000000), "surface_places": (1000, 8, 10000000), "walks": (64, 1, 100000), "truth_rays": (256, 8, 1 << 24), "probe_rays": (256, 8, 1 << 24)}
+MAX_LIGHT_SPACINGS = 16
 SPLITS = ["training", "held_out", "evaluation"]
+OWN_PARTS = {"scenes", "report", "validate_light"}  # sections that the workflow itself reads
 # what nlg-datagen and nlg-bake call by the same name; all else says how a shard is sampled, which a bake does not do
 BAKE_TOO = {"extent_m", "density_growth", "diffusion_passes", "diffusion_sigma", "diffusion_falloff", "duplicate_rms", "duplicate_validity_points"}
 # keys that were called otherwise before
@@ -158,14 +162,15 @@ class Run:
         self._take_scenes(self.sections["scenes"], environment)
         self._take_split(config["split"])
         self._take_report(self.sections["report"])
+        self._take_light(self.sections["validate_light"])
 
     def _take_effort(self, config):
         """Sections with what `full` holds over them, where the effort is full."""
         self.effort, full = config.get("effort", "short"), config.get("full") or {}
         require("effort", self.effort, self.effort in ("short", "full"), "short or full")
-        require_keys("full", full, set(), {"scenes", "report"} | TOOL_SECTIONS)
+        require_keys("full", full, set(), OWN_PARTS | TOOL_SECTIONS)
         self.sections, self.full = {}, {}
-        for name in {"scenes", "report"} | TOOL_SECTIONS:
+        for name in OWN_PARTS | TOOL_SECTIONS:
             section, more = config.get(name) or {}, full.get(name) or {}
             for place, options in ((name, section), (f"full: {name}", more)):
                 require(place, options, isinstance(options, dict), "a map of options")
@@ -239,6 +244,32 @@ class Run:
         require("report: stability", report["stability"], isinstance(report["stability"], str) and report["stability"] in STABILITY_DEPTHS,
                 "one of " + ", ".join(STABILITY_DEPTHS))
         self.report = report
+
+    def _take_light(self, found):
+        """Scenes whose light is measured, by file name, and the flags of nlg-validate light."""
+        light = {"scenes": [], "spacings": [1.0], "look_up_seconds": 0, **{key: default for key, (default, _, _) in LIGHT_COUNTS.items()}}
+        require_keys("validate_light", found, set(), set(light))
+        light.update(found)
+        scenes, spacings, seconds = light.pop("scenes"), light["spacings"], light["look_up_seconds"]
+        require("validate_light: scenes", scenes, is_texts(scenes), "a list of scenes, as nlg-bake takes them")
+        self.light_scenes = {}
+        for scene in scenes:
+            name = re.sub(r"[^\w.-]+", "_", Path(scene).stem if scene.lower().endswith((".glb", ".gltf", ".bsp")) else scene)
+            require("validate_light: scenes", scene, re.search(r"\w", name) and name not in self.light_scenes, "scenes with names of their own")
+            self.light_scenes[name] = scene
+        is_number = lambda value: type(value) in (int, float)
+        require("validate_light: spacings", spacings, isinstance(spacings, list) and 0 < len(spacings) <= MAX_LIGHT_SPACINGS and all(is_number(value) and 0.01 <= value <= 1000 for value in spacings),
+                f"1 to {MAX_LIGHT_SPACINGS} distances from 0.01 to 1000 metres")
+        require("validate_light: look_up_seconds", seconds, is_number(seconds) and 0 <= seconds <= 600, "a number from 0 to 600")
+        for key, (_, smallest, largest) in LIGHT_COUNTS.items():
+            require(f"validate_light: {key}", light[key], type(light[key]) is int and smallest <= light[key] <= largest, f"an integer from {smallest} to {largest}")
+        self.light_spacings = [str(value) for value in light.pop("spacings")]
+        self.light = light
+
+    def light_files(self, name):
+        """The file that a scene of light is read from; none where it is a built-in one."""
+        scene = self.light_scenes[name]
+        return [scene] if os.path.isfile(scene) else []
 
     def shards(self, split):
         """Paths of the shards of a split, in the order in which the tools are given them."""

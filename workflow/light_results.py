@@ -82,7 +82,7 @@ def to_best_rival(points, ours, rivals, solved):
                 if method[0] in rivals and (method[1] == "solved") == solved:
                     ratios = figures.ratios_to(mine, {point.scene: point for point in figures.of_method(of_spacing, method)}, group)
                     if ratios and len(ratios) == len(mine):
-                        found.append({**estimate(figures.figure(ratios, figures.geometric_mean)), "rival": ", ".join(method)})
+                        found.append({**estimate(figures.figure(ratios, figures.geometric_mean)), "rival": f"{method[0]} ({method[1]})"})
             if found:
                 entry[group] = max(found, key=lambda some: some["value"])
         if entry:

@@ -348,6 +348,15 @@ def check_workflow():
                 failures.append(f"a key twice: {code}, {text}")
             continue
         refuses_configuration(basis, held_out, "{}", words, more)
+    for light, words in [("{colour: red}", "unknown key 'colour'"), ("{scenes: 'cornell:0'}", "a list of scenes"), ("{scenes: ['cornell:0', 'cornell:0']}", "names of their own"),
+                         ("{scenes: ['::']}", "names of their own"), ("{spacings: []}", "1 to 16 distances"), ("{spacings: [0]}", "1 to 16 distances"), ("{spacings: [true]}", "1 to 16 distances"),
+                         ("{air_places: 4}", "an integer from 8 to 10000000, got 4"), ("{walks: 1.5}", "an integer from 1"), ("{look_up_seconds: -1}", "a number from 0 to 600")]:
+        refuses_configuration(basis, held_out, "{}", words, f"validate_light: {light}")
+    cases += 1
+    is_taken, text = workflow(basis, held_out, more="validate_light: {scenes: ['cornell:0'], spacings: [1, 0.5], walks: 3}")
+    for word in ("nlg-validate light cornell:0", "--walks=3", "--spacings 1 0.5 --out", "light/cornell_0.json", "--light "):
+        if not is_taken or word not in text:
+            failures.append(f"workflow with light: expected '{word}', got\n    {text.strip()[-1500:]}")
     for report, words in [("{colour: red}", "unknown key 'colour'"), ("[a]", "report: expected a map"), ("{savings: house_2}", "a list of names or patterns"),
                           ("{savings: [house_0]}", "held out or for the evaluation, got 'house_0'"), ("{savings_rounds: 1.5}", "an integer from 0 to 99, got 1.5"),
                           ("{needs: [house_2]}", "called 'savings' now"),

@@ -32,7 +32,7 @@ NLG_OUT=$temporary/default /usr/bin/snakemake -s workflow/Snakefile --configfile
 
 # --- what it leaves
 [ -s "$out/report.html" ] || fail "no report.html"
-for part in stages frontier stability savings; do
+for part in stages frontier stability savings light; do
   grep -q "<section id=\"$part\">" "$out/report.html" || fail "report.html lacks the section $part"
 done
 grep -q "From the truth to the generator" "$out/report.html" || fail "report.html lacks the hierarchy of truths"

@@ -269,7 +269,7 @@ class Results(unittest.TestCase):
     def test_light_is_collected_quoted_and_tabled(self):
         expected = {
             "light@targets.levels.1m.air:.2": ".50",  # geometric mean of 1/4, 1/2 and 1, over DDGI, the better of the rivals
-            "light@targets.levels.1m.air.rival": "DDGI as shipped, own",
+            "light@targets.levels.1m.air.rival": "DDGI as shipped (own)",
             "light@targets.front.share:%": "50 %",  # the validity mask has fewer bytes than any of ours
             "light@targets.dark.1m.ours:.3": ".010",
             "light@targets.level_bytes:int": "480",

@@ -2,7 +2,7 @@
 """Draws nlg-validate's results as one self-contained page, report.html, and the slices as slices.png beside it.
 
     report.py --summary S.json --functions F.csv --slices L.json --basis B.json --logs mlp.csv tent_mlp.csv
-        [--frontier FRONTIER.json] [--stability STABILITY.json] [--savings BAKE_REPORT.json ...] [--evaluation] --out report.html
+        [--frontier FRONTIER.json] [--stability STABILITY.json] [--savings BAKE_REPORT.json ...] [--light LIGHT.json ...] [--evaluation] --out report.html
 
 The same inputs give the same bytes. A file that cannot be used ends it with one line on stderr and exit code 3, an output that
 cannot be written with 5, a Python without its packages with 2 (tool/error.h); nothing half-written is left behind. docs/reference/formats.md says what the inputs hold.
@@ -30,6 +30,8 @@ import decision as decision_module
 import findings as findings_module
 import frontier as frontier_module
 import inputs as inputs_module
+import light_figures
+import light_section
 import output
 import plots
 import proof_inputs
@@ -43,6 +45,7 @@ class Proof:
     frontier: object = None  # proof_inputs.Frontier
     cases: object = None     # of proof_inputs.Case
     savings: object = None   # of (scene, rows)
+    light: object = None     # light_figures.Point of all scenes and methods
     paths: dict = field(default_factory=dict)  # role → path
     is_evaluation: bool = False  # the scenes that published figures are of
     left_out: list = field(default_factory=list)  # what the run did less of than a full one, in words
@@ -95,11 +98,11 @@ def frontier_tables(frontier):
 
 # section's id → its name in the list of contents
 CONTENTS = {"stages": "Stages", "frontier": "Error against time", "run_time": "Error against time", "scenes": "Scenes", "slices": "Worst functions", "stability": "Stability",
-            "savings": "Savings", "training": "Training", "figures": "Every figure", "sample": "Best known", "provenance": "Provenance"}
+            "savings": "Savings", "light": "Light", "training": "Training", "figures": "Every figure", "sample": "Best known", "provenance": "Provenance"}
 
 
 def contents(proof):
-    absent = {"run_time" if proof.frontier else "frontier", *(() if proof.cases else ("stability",)), *(() if proof.savings else ("savings",))}
+    absent = {"run_time" if proof.frontier else "frontier", *(() if proof.cases else ("stability",)), *(() if proof.savings else ("savings",)), *(() if proof.light else ("light",))}
     return [(section, name) for section, name in CONTENTS.items() if section not in absent]
 
 
@@ -117,7 +120,7 @@ def provenance_rows(inputs, proof, limits):
 
 def proof_values(proof, decision):
     """What the template shows of the proof's files."""
-    values = {"decision": decision, "frontier": proof.frontier, "savings": proof.savings, "is_evaluation": proof.is_evaluation, "left_out": [proof_inputs.setting_words(text) for text in proof.left_out], "contents": contents(proof), "table": decision_module.table,
+    values = {"decision": decision, "frontier": proof.frontier, "savings": proof.savings, "light": None, "is_evaluation": proof.is_evaluation, "left_out": [proof_inputs.setting_words(text) for text in proof.left_out], "contents": contents(proof), "table": decision_module.table,
               "percent": findings_module.percent, "talk_fitted": findings_module.TALK_FITTED, "stage_tables": decision.stage_tables(proof.frontier)}
     if proof.frontier:
         views = frontier_module.views(proof.frontier)
@@ -125,6 +128,9 @@ def proof_values(proof, decision):
                    "frontier_csv": base64.b64encode(frontier_module.csv_bytes(proof.frontier)).decode()}
     if proof.savings:
         values |= {"saving_groups": decision_module.saving_groups(proof.savings), "savings_sentence": decision_module.savings_sentence(proof.savings)}
+    if proof.light:
+        light = light_section.LightSection(proof.light, decision.leader)
+        values |= {"light": light, "light_plots": {cost: [Markup(text) for text in light.panels(cost)] for cost in light_section.COSTS}}
     return values
 
 
@@ -156,6 +162,9 @@ def read_proof(arguments, summary):
     if arguments.savings:
         proof.savings = [proof_inputs.read_savings(path) for path in arguments.savings]
         proof.paths |= {f"savings of {scene}": path for path, (scene, _) in zip(arguments.savings, proof.savings)}
+    if arguments.light:
+        proof.light = light_figures.read_all(arguments.light)
+        proof.paths |= {f"light of {os.path.splitext(os.path.basename(path))[0]}": path for path in arguments.light}
     return proof
 
 
@@ -169,6 +178,7 @@ def parse_arguments():
     parser.add_argument("--frontier", help="frontier.json of nlg-validate frontier")
     parser.add_argument("--stability", help="what nlg-validate stability wrote")
     parser.add_argument("--savings", "--needs", nargs="+", help="what nlg-bake printed, with its table of savings, one a scene (--needs: the name before)")
+    parser.add_argument("--light", nargs="+", help="light.json of nlg-validate light, one a scene")
     parser.add_argument("--evaluation", "--test", action="store_true", help="the scenes are the evaluation, which published figures are of: the page says so (--test: the name before)")
     parser.add_argument("--left-out", nargs="*", default=[], help="what the run did less of than a full one, a text each: stands in the page's provenance")
     limits = verdict.Limits()

@@ -181,6 +181,20 @@ def bake(scene, key="savings"):
                                       saving("functions that the smallest representation fits", True, same_result=False, bytes_saved=-12, note="RMSE .0002 higher")]}
 
 
+def light(scene, harder):
+    """Three methods at two spacings; solved light is best before surfaces."""
+    def method(weights, light, rmse, per_probe, probes):
+        some = {"rmse": rmse, "smape": .1, "colour": {"mean": 2.0, "p95": 4.0}, "unlit": .001, "outside": 0.0}
+        surface = {**some, "by_distance": [{"from_m": low, "to_m": high, "rmse": rmse * (1 + low)} for low, high in ((.02, .05), (.05, .1), (.1, .2), (.2, .5))]}
+        worst = [{"group": ("air", "surface", "turned")[i % 3], "position_m": [i, 1.5, -2], "normal": [0, 0, 1], "truth": [.5, .4, .3], "answer": [.9, .4, .3], "error": rmse * (10 - i)} for i in range(10)]
+        return {"weights": weights, "light": light, "air": some, "surface": surface, "turned": {**some, "rmse": 1.2 * rmse}, "dark": {"excess": rmse / 10 - .01}, "jumps": {"mean": .003, "largest": .1},
+                "bytes": {"total": per_probe * probes, "per_probe": float(per_probe)}, "probes": probes, "worst": worst, "times": {"weights_s": .4 * (weights == "tent_mlp"), "light_s": .02, "look_ups_per_s": 1e6}}
+
+    methods = lambda far, probes: [method("valid trilinear", "point", .2 * harder * far, 33, probes), method("DDGI as shipped", "own", .18 * harder * far, 1288, probes),
+                                   method("tent_mlp", "solved", .1 * harder * far, 59, probes)]
+    return {"schema_version": 1, "scene": scene, "truth": {"all_bounces_in_one_ray": True}, "spacings": [{"spacing_m": 1.0, "methods": methods(1, 800)}, {"spacing_m": 2.0, "methods": methods(1.6, 120)}]}
+
+
 def write_csv(path, header, rows):
     with open(path, "w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([header, *rows])
@@ -216,7 +230,10 @@ def write_all(folder):
     write_json(path("stability.json"), stability())
     for index, scene in enumerate(SCENES[:2]):
         write_json(path(f"bake{index}.json"), bake(scene, ("savings", "needs")[index]))
+    for index, scene in enumerate(SCENES):
+        write_json(path(f"light{index}.json"), light(scene, 1 + index))
     needed = ["--summary", path("summary.json"), "--functions", path("functions.csv"), "--slices", path("slices.json"), "--basis", path("basis.json"),
               "--logs", *(path(f"{name}.csv") for name in REPRESENTATIONS)]
     left_out = ["train.steps: 3000, full 8000", 'report.small_scenes: ["doorway", "table"], full ["two_rooms", "doorway", "table"]']
-    return needed, ["--left-out", *left_out, "--frontier", path("frontier.json"), "--stability", path("stability.json"), "--savings", path("bake0.json"), path("bake1.json")]
+    return needed, ["--left-out", *left_out, "--frontier", path("frontier.json"), "--stability", path("stability.json"), "--savings", path("bake0.json"), path("bake1.json"),
+                                               "--light", *(path(f"light{index}.json") for index in range(len(SCENES)))]

@@ -24,6 +24,8 @@ import decision
 import findings
 import frontier
 import inputs
+import light_figures
+import light_section
 import output
 import packages
 import proof_inputs
@@ -104,7 +106,7 @@ def check_page(needed, proof):
     expect(len(page.ids) == len(set(page.ids)), f"ids stand twice: {sorted({i for i in page.ids if page.ids.count(i) > 1})[:5]}")
     for target in re.findall(r'<a href="#([^"]+)"', text):
         expect(target in page.ids, f"the list of contents points at #{target}, which there is none of")
-    expect(page.sections[:6] == ["stages", "frontier", "scenes", "slices", "stability", "savings"] and page.sections[-1] == "provenance", f"sections: {page.sections}")
+    expect(page.sections[:7] == ["stages", "frontier", "scenes", "slices", "stability", "savings", "light"] and page.sections[-1] == "provenance", f"sections: {page.sections}")
     expect("<b>&" not in text and "kaos &lt;b&gt;&amp;" in text, "a scene's name is not escaped")
     expect(all(made_up.frontier()["front_sentences"][population] in text for population in ("theta", "hard")), "a sentence that names a front is missing")
     # the made-up suite has one failure without an explanation
@@ -121,7 +123,7 @@ def check_page(needed, proof):
     expect("Generators on evaluation scenes" in evaluation and "so they are no test" in evaluation and "so they are no test" not in text, "a page of the evaluation does not say so")
     os.makedirs("bare", exist_ok=True)
     bare = Page(draw("bare/report.html", *needed))
-    expect(bare.sections[:4] == ["stages", "run_time", "scenes", "slices"] and not {"frontier", "stability", "savings"} & set(bare.sections), f"sections without a proof: {bare.sections}")
+    expect(bare.sections[:4] == ["stages", "run_time", "scenes", "slices"] and not {"frontier", "stability", "savings", "light"} & set(bare.sections), f"sections without a proof: {bare.sections}")
     expect("Not judged: this page was drawn without the suite" in open("bare/report.html").read(), "a page without the suite's table does not say so")
 
 
@@ -308,6 +310,27 @@ def check_savings():
     expect(states == sorted(states) and states.count(0) == 2 and set(states) == {0, 1, 2, 3}, f"a line of nothing counts as left out, or lines are not in order of their state: {states}")
 
 
+def check_light():
+    """Tables hold medians over scenes with intervals, lines geometric means, and the worst places are those of the leader, the worst first."""
+    files = [f"light{index}.json" for index in range(len(made_up.SCENES))]
+    some = light_section.LightSection(light_figures.read_all(files), "tent_mlp")
+    expect(some.ours == ("tent_mlp", "solved") and some.scenes == sorted(made_up.SCENES), f"{some.ours}, {some.scenes}")
+    spacing, groups = next(some.tables())
+    rows = [row for _, rows in groups for row in rows]
+    expect(spacing == "1 m" and [title for title, _ in groups] == ["Without solved light", "With solved light"] and [row["weights"] for row in rows] == ["valid trilinear", "DDGI as shipped", "tent_mlp"], f"{spacing}: {groups}")
+    expect(rows[2]["is_ours"] and [c["text"] for c in rows[2]["cells"]] == ["0.200", "0.200", "0.240"] and rows[2]["cells"][0]["interval"] == ".100–.300", f"of .1, .2 and .3: {rows[2]['cells']}")
+    expect(rows[2]["others"] == ["+0.0100", "0.0030", "0.10", "0.1\u00a0%", "47.2 kB", "59", "420 ms", "1\u2009000\u2009000"], f"{rows[2]['others']}")
+    line = some.line_of(("DDGI as shipped", "own"), "bytes", "air")
+    mean = .18 * 6 ** (1 / 3)
+    expect([round(x) for x, _, _ in line] == [1288 * 120, 1288 * 800] and abs(line[1][1] - mean) < 1e-9 and abs(line[0][1] - 1.6 * mean) < 1e-9, f"DDGI's line: {line}")
+    worst = some.worst()
+    expect(len(worst) == 10 and worst[0]["error"] == "3.00" and worst[0]["scene"] == made_up.SCENES[2] and [float(row["error"]) for row in worst] == sorted((float(row["error"]) for row in worst), reverse=True), f"{worst}")
+    heads, distances = some.distances()
+    expect(heads == ["2–5 cm", "5–10 cm", "10–20 cm", "20–50 cm"] and distances[2]["texts"][0] == f"{.2 * 1.02:.3f}", f"{heads}, {distances[2]}")
+    expect("3 scenes, probes 1 and 2 m apart. At 1 m tent_mlp with light solved for has an RMSE of 0.200 in air" in some.sentence() and "The least has tent_mlp, solved for (in air, before surfaces, there with any normal)." in some.sentence(), some.sentence())
+    expect(light_section.LightSection(some.points, "mlp").ours == ("tent_mlp", "solved"), "a leader whose light was not measured")
+
+
 def check_packages():
     """With a Python that lacks what they draw with, as one that stands first in PATH may, every tool says so in one line."""
     # -S: without site packages, Debian's among them
@@ -323,7 +346,7 @@ def check_refusals(needed):
         change(content)
         return made_up.write_json("bad.json", content)
 
-    readers = {"frontier.json": proof_inputs.read_frontier, "stability.json": proof_inputs.read_stability, "bake0.json": proof_inputs.read_savings}
+    readers = {"frontier.json": proof_inputs.read_frontier, "stability.json": proof_inputs.read_stability, "bake0.json": proof_inputs.read_savings, "light0.json": light_figures.read_points}
     for source, reader in readers.items():
         refuses(["file"], reader, "missing.json")
         refuses(["JSON"], reader, "mlp.csv")
@@ -352,6 +375,10 @@ def check_refusals(needed):
             ("slices.json", lambda c: c[5].pop("seen"), "[5]: expected a key 'seen'"),
             ("slices.json", lambda c: c[5]["seen"].pop(), "[5].seen"),
             ("slices.json", lambda c: c[5]["seen"].__setitem__(0, 2), "[5].seen"),
+            ("light0.json", lambda c: c["spacings"][1]["methods"][2]["surface"].pop("by_distance"), "spacings[1].methods[2].surface: expected a key 'by_distance'"),
+            ("light0.json", lambda c: c["spacings"][0]["methods"][0].update(light="moon"), "spacings[0].methods[0].light"),
+            ("light0.json", lambda c: c["truth"].update(all_bounces_in_one_ray=1), "truth.all_bounces_in_one_ray"),
+            ("light0.json", lambda c: c["spacings"][0]["methods"][0]["worst"][0]["position_m"].pop(), "worst[0].position_m"),
             ("bake0.json", lambda c: c.pop("savings"), "savings"),
             ("bake0.json", lambda c: c["savings"][0].update(count=91), "savings[0].count"),
             ("bake0.json", lambda c: c["savings"][1].update(seconds_saved="x"), "savings[1].seconds_saved")]:
@@ -396,6 +423,7 @@ def main():
         check_frontier()
         check_slices(needed)
         check_savings()
+        check_light()
         check_packages()
         check_refusals(needed)
         os.chdir("/")
