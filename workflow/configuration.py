@@ -255,7 +255,7 @@ class Run:
         self.light_scenes = {}
         for scene in scenes:
             name = re.sub(r"[^\w.-]+", "_", Path(scene).stem if scene.lower().endswith((".glb", ".gltf", ".bsp")) else scene)
-            require("validate_light: scenes", scene, re.search(r"\w", name) and name not in self.light_scenes, "scenes with names of their own")
+            require("validate_light: scenes", scene, re.search(r"[^\W_]", name) and name not in self.light_scenes, "scenes with names of their own")
             self.light_scenes[name] = scene
         is_number = lambda value: type(value) in (int, float)
         require("validate_light: spacings", spacings, isinstance(spacings, list) and 0 < len(spacings) <= MAX_LIGHT_SPACINGS and all(is_number(value) and 0.01 <= value <= 1000 for value in spacings),
