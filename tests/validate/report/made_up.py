@@ -177,7 +177,7 @@ def bake(scene, key="savings"):
                                            "same_result": True, "note": "", **more}
     return {"scene": scene, key: [saving("probes in free space", True), saving("look-up levels never used", False, seconds_saved=None, same_result=None, note="not built yet"),
                                       saving("probes in solid", True, count=0, seconds_saved=None, bytes_saved=None, same_result=None),
-                                      saving("lighting steps", None, count=0, of=0, seconds_saved=None, bytes_saved=None, same_result=None),
+                                      saving("bounces that the level's own light holds", None, count=0, of=0, seconds_saved=None, bytes_saved=None, same_result=None),
                                       saving("functions that the smallest representation fits", True, same_result=False, bytes_saved=-12, note="RMSE .0002 higher")]}
 
 
