@@ -90,7 +90,7 @@ class Surveyor {
     Random random(mixSeed(options_.seed, kPlaceStream, mortonFromLattice(cell.low)));
     const glm::dvec3 shift(random.uniform(), random.uniform(), random.uniform());
     int in_air = 0, drawn = 0;
-    while (drawn < options_.draws_per_cell && in_air < options_.places_per_cell) {
+    while (drawn < (in_air > 0 ? options_.draws_per_cell : options_.draws_for_one) && in_air < options_.places_per_cell) {
       const glm::dvec3 place = low + side_m * spreadPoint(shift, drawn++);
       if (survey_.isInAir(place)) {
         ++in_air;

@@ -13,8 +13,9 @@
 namespace nlg {
 
 struct AirPlaceOptions {
-  int places_per_cell = 12; // kept at most
-  int draws_per_cell = 48;  // at most, until as many places are found
+  int places_per_cell = 12;  // kept at most
+  int draws_per_cell = 48;   // at most, until as many places are found
+  int draws_for_one = 192;   // at most, until the first one is: a slab of air 3 cm high is a thirtieth of a cell of 1 m
   uint64_t seed = 1;
 };
 
