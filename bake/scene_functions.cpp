@@ -27,9 +27,15 @@ ProbeTree placeProbes(const Scene& scene, const BakeOptions& options) {
   return placeProbes(scene, placement, options.seed);
 }
 
-AirPlaceOptions airPlaceOptions(const BakeOptions& options) {
+// So many places at least in the whole scene: a grid of a few probes has few cells, and its light would be fitted to next to
+// nothing.
+constexpr uint64_t kFewestPlaces = 2048;
+
+AirPlaceOptions airPlaceOptions(const BakeOptions& options, uint64_t cell_count) {
   AirPlaceOptions air;
-  air.places_per_cell = options.light_places;
+  const auto for_all = static_cast<int>((kFewestPlaces + cell_count) / std::max<uint64_t>(1, cell_count));
+  air.places_per_cell = std::max(options.light_places, for_all);
+  air.draws_per_cell = std::max(air.draws_per_cell, 4 * air.places_per_cell);
   air.seed = options.seed;
   return air;
 }
@@ -49,7 +55,8 @@ BakeScene::BakeScene(const std::string& request, const BakeOptions& options)
       rays(source.scene),
       full_tree(placeProbes(source.scene, options)) {
   const Clock::time_point start = Clock::now();
-  air = findAirPlaces(rays, full_tree, airPlaceOptions(options), options.threads > 0 ? options.threads : machineThreadCount());
+  air = findAirPlaces(rays, full_tree, airPlaceOptions(options, full_tree.cellCount()),
+                      options.threads > 0 ? options.threads : machineThreadCount());
   tree = options.air_only ? treeOfAir(full_tree, air) : full_tree;
   air_wall_s = secondsBetween(start, Clock::now());
 }
