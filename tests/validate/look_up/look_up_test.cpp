@@ -154,15 +154,17 @@ TEST_F(LookUpTest, TargetsAreTentsUpToTheWall) {
 
 TEST_F(LookUpTest, FindsNothingWrongWithAPerfectGrid) {
   const LightGrid grid = perfectGrid();
+  // the look-up takes the residue off the weights of four probes, whose sum is a half or more on this side of the wall
+  const double bound = 4 * grid.representations[0].residue() / 0.5;
   const LookUpFiguresByDistance figures = measure(lookUpOf(grid, glm::dvec3(0)));
-  const auto expectPerfect = [](const LookUpFigures& f) {
+  const auto expectPerfect = [bound](const LookUpFigures& f) {
     EXPECT_GE(f.places, 1000u);
     EXPECT_EQ(f.unlit, 0.0);
     EXPECT_EQ(f.unlit_target, 0.0);
     EXPECT_EQ(f.seen_by_none, 0.0);
-    EXPECT_LE(f.rmse, kShareBound);
-    EXPECT_LE(f.wrong_p99, kShareBound);
-    EXPECT_LE(f.wrong_to_seen, kShareBound);
+    EXPECT_LE(f.rmse, bound);
+    EXPECT_LE(f.wrong_p99, bound);
+    EXPECT_LE(f.wrong_to_seen, bound);
     EXPECT_EQ(f.leak_mean, 0.0);
     EXPECT_EQ(f.leak_p99, 0.0);
   };
