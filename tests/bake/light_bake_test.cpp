@@ -19,13 +19,14 @@ BakeOptions roomOptions(const std::string& light, int threads = 2) {
   return options;
 }
 
-// Everything shines by 1 and sends back half: radiance is 2 in all directions.
+// Everything shines by 1 and sends back half, and the sky around it shines by 2: so does all light.
 void makeFurnace(Scene& scene) {
   for (Material& material : scene.materials) {
     material.base_color = glm::vec3(0.5f);
     material.emissive = glm::vec3(1.0f);
   }
   scene.light = {};
+  scene.light.sky = {glm::vec3(2.0f), glm::vec3(2.0f), glm::vec3(2.0f)};
 }
 
 // All probes with their bare tents, as a bake hands it to its light.
