@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 
@@ -30,6 +31,17 @@ using Json = nlohmann::ordered_json;
 constexpr uint64_t kBallStream = 0x62616c6c;
 constexpr double kDefaultFov = 60.0;  // degrees
 constexpr double kDegree = 3.14159265358979 / 180.0;
+// CLI::Range lets through what is not a number.
+CLI::Validator numberIn(double low, double high) {
+  return {[low, high](std::string& text) {
+            char* end = nullptr;
+            const double value = std::strtod(text.c_str(), &end);
+            if (end != text.c_str() && *end == '\0' && value >= low && value <= high) return std::string();
+            return fmt::format("expected a number from {} to {}, got '{}'", low, high, text);
+          },
+          fmt::format("FLOAT in [{} - {}]", low, high)};
+}
+
 constexpr const char* kTone = "radiance x exposure, cut off at 1, sRGB";
 
 Json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
@@ -313,11 +325,11 @@ void describe(RenderRequest& r, CLI::App& app) {
       ->capture_default_str();
   app.add_option("--exposure", r.exposure,
                  "what radiance is multiplied by; 0: so that the median of truth, or else of the first method, is .18")
-      ->check(CLI::Range(0.0, 1e12))
+      ->check(numberIn(0.0, 1e12))
       ->capture_default_str();
   app.add_option("--error-range", r.error_range,
                  "the error, over truth's root mean square, that has the last colour; 0: by the picture")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(numberIn(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--probe", r.probe, "number of the probe whose weights are shown")->check(CLI::Range(0, 1 << 27));
   app.add_option("--probe-near", r.probe_near, "x,y,z: the probe nearest to this place, world, metres")
@@ -330,7 +342,7 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_option("--eye", r.eye, "--eye=x,y,z: where the camera stands, world, metres")->delimiter(',')->expected(3);
   app.add_option("--look", r.look, "--look=x,y,z: what it looks at")->delimiter(',')->expected(3);
   app.add_option("--fov", r.fov, "degrees from the picture's lower to its upper edge; 0: the camera's own, or 60")
-      ->check(CLI::Range(0.0, 170.0))
+      ->check(numberIn(0.0, 170.0))
       ->capture_default_str();
   app.add_option("--slice-y", r.slice_y, "in place of a view: a cut at this height, metres, seen from above")->expected(1);
   app.add_option("--width", r.width, "pixels of one picture")->check(CLI::Range(8, 16384))->capture_default_str();
@@ -339,13 +351,13 @@ void describe(RenderRequest& r, CLI::App& app) {
       ->capture_default_str();
   app.add_option("--samples", r.samples, "n: n x n samples of every pixel")->check(CLI::Range(1, 16))->capture_default_str();
   app.add_option("--offset-m", r.offset_m, "how far before a surface light is asked for, metres; half way to what is nearer")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(numberIn(0.0, 10.0))
       ->capture_default_str();
   app.add_option("--balls", r.balls, "so many grey balls in the air, each lit as at its centre")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
   app.add_option("--ball-radius-m", r.ball_radius_m, "their radius; 0: by the scene's size")
-      ->check(CLI::Range(0.0, 1e3))
+      ->check(numberIn(0.0, 1e3))
       ->capture_default_str();
 }
 
