@@ -14,6 +14,7 @@ target_sources(nlg_weights_file PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOUR
   ${PROJECT_SOURCE_DIR}/runtime_eval/weights_file/weights_file.h)
 set(NLG_PUBLIC_HEADERS
   c_api/nlg.h
+  numbers/half.h
   simd/aligned.h
   simd/simd_target.h
   support/support_pattern.h
