@@ -38,7 +38,9 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add("light_pull", &o.light_pull,
             "solved: how strongly a probe is held at its integrated light, in shares of what places say of it", 0.0, 1e3);
   table.add("light_dark_share", &o.light_dark_share,
-            "solved: places darker than this share of the level's mean light count as if they had as much", 1e-6, 1e6);
+            "solved: errors count as shares of a place's light and this share of the level's mean light", 1e-6, 1e6);
+  table.add("light_outlier", &o.light_outlier,
+            "solved: errors far beyond this share of the level's mean light, as beside lamps, lose their say", 1e-3, 1e9);
   describe(o.diffusion, table);
   table.add("duplicate_rms", &o.duplicate_rms,
             "functions that differ by no more than this RMS, in steps of 1/255, share one theta; 0: the same bytes", 0.0, 16.0);

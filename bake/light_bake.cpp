@@ -16,17 +16,6 @@ constexpr uint64_t kLightStream = 0x6c69676874;
 using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-ProbeLightOptions probeLightOptions(const BakeOptions& options) {
-  ProbeLightOptions light;
-  light.way = lightWayFromName(options.light);
-  light.place.rays = options.light_rays;
-  light.probe.rays = options.light_probe_rays;
-  light.pull = options.light_pull;
-  light.dark_share = options.light_dark_share;
-  light.seed = mixSeed(options.seed, kLightStream);
-  return light;
-}
-
 // A quarter of the probes' spacing: bounces that a grid cannot tell apart anyway; finer in scenes that are small beside it.
 SurfaceCacheOptions cacheOptions(const BakeScene& scene, const BakeOptions& options) {
   const Bounds bounds = sceneBounds(scene.source.scene);
@@ -46,11 +35,23 @@ double meanOf(const std::vector<LightSh>& light) {
 
 }  // namespace
 
+ProbeLightOptions probeLightOptions(const BakeOptions& options) {
+  ProbeLightOptions light;
+  light.place.rays = options.light_rays;
+  light.probe.rays = options.light_probe_rays;
+  light.pull = options.light_pull;
+  light.dark_share = options.light_dark_share;
+  light.outlier = options.light_outlier;
+  light.seed = mixSeed(options.seed, kLightStream);
+  return light;
+}
+
 LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid) {
   grid->light.clear();
   LightStatistics statistics;
   if (options.light == "none") return statistics;
   ProbeLightOptions light_options = probeLightOptions(options);
+  light_options.way = lightWayFromName(options.light);
   const int threads = options.threads > 0 ? options.threads : machineThreadCount();
   const LightTransport transport(scene.source.scene, scene.rays);
   statistics.is_lit = true;

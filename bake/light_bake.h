@@ -23,6 +23,9 @@ struct LightStatistics {
   double mean = 0.0;  // radiance over places and directions, the channels' mean: 0 in a scene without light
 };
 
+// What the settings say of light at places and of the solve; by the default way.
+ProbeLightOptions probeLightOptions(const BakeOptions& options);
+
 // Fills grid->light by options.light; leaves it empty for "none".
 //
 // grid   of this scene and its tree, moved to the world's coordinates

@@ -120,10 +120,8 @@ void RenderedScene::makeGrid() {
 
 void RenderedScene::makeRivals() {
   MethodSetOptions options;
-  options.probe.rays = options_.light_probe_rays;
-  options.solve.place.rays = options_.light_rays;
-  options.solve.pull = options_.light_pull;
-  options.solve.dark_share = options_.light_dark_share;
+  options.solve = probeLightOptions(options_);
+  options.probe = options.solve.probe;
   options.thread_count = threads_;
   options.seed = mixSeed(options_.seed, kRivalStream);
   rivals_ =

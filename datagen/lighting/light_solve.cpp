@@ -54,12 +54,13 @@ class Solver {
     }
   }
 
-  LightSolution solve(const LightSolveOptions& options) {
-    LightSolution solution{prior_, 0, 0.0};
-    Vector residual = firstResidual();
+  LightSolution solve(const Vector& start, const LightSolveOptions& options) {
+    LightSolution solution{start, 0, 0.0};
+    const Vector at_prior = residualAt(prior_);
+    const double first = total(dot(at_prior, preconditioned(at_prior)));
+    Vector residual = residualAt(start);
     Vector direction = preconditioned(residual);
     Sums energy = dot(residual, direction);
-    const double first = total(energy);
     while (solution.iterations < options.max_iterations && total(energy) > options.tolerance * options.tolerance * first) {
       const Vector image = apply(direction);
       const Sums curvature = dot(direction, image);
@@ -84,11 +85,14 @@ class Solver {
   }
 
  private:
-  // Of the normal equations at the prior, whose own part is 0 there.
-  Vector firstResidual() const {
-    Vector residual(prior_.size());
+  // Of the normal equations.
+  Vector residualAt(const Vector& light) const {
+    Vector residual(light.size());
+    for (size_t p = 0; p < light.size(); ++p) {
+      for (int k = 0; k < kShCount; ++k) residual[p][k] = pull_[p] * (prior_[p][k] - light[p][k]);
+    }
     for (const LightSample& sample : samples_) {
-      const LightSh blended = blend(sample, prior_);
+      const LightSh blended = blend(sample, light);
       for (int j = 0; j < sample.count; ++j) {
         const float weight = sample.importance * sample.weight[j];
         for (int k = 0; k < kShCount; ++k) residual[sample.probe[j]][k] += weight * (sample.light[k] - blended[k]);
@@ -129,9 +133,10 @@ class Solver {
 }  // namespace
 
 LightSolution solveLight(const std::vector<LightSample>& samples, const std::vector<LightSh>& prior,
-                         const std::vector<float>& pull, const LightSolveOptions& options) {
+                         const std::vector<float>& pull, const std::vector<LightSh>& start, const LightSolveOptions& options) {
   NLG_CHECK(prior.size(), ==, pull.size());
-  return Solver(samples, prior, pull).solve(options);
+  NLG_CHECK(prior.size(), ==, start.size());
+  return Solver(samples, prior, pull).solve(start, options);
 }
 
 }  // namespace nlg

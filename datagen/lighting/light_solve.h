@@ -41,8 +41,10 @@ struct LightSolution {
 // samples   may be empty: then the prior is the answer. In any order: sums are made in theirs
 // prior     by probe
 // pull      by probe, > 0
+// start     by probe: the closer to the answer, the fewer iterations
 // The same bits for any number of threads.
 LightSolution solveLight(const std::vector<LightSample>& samples, const std::vector<LightSh>& prior,
-                         const std::vector<float>& pull, const LightSolveOptions& options = {});
+                         const std::vector<float>& pull, const std::vector<LightSh>& start,
+                         const LightSolveOptions& options = {});
 
 }  // namespace nlg

@@ -14,6 +14,8 @@ namespace {
 
 constexpr uint64_t kPlaceStream = 0x706c6163, kProbeStream = 0x70726f62;
 constexpr uint64_t kBlockPlaces = 64;
+// Rounds of the solve: each takes the say from places that the one before could not serve.
+constexpr int kRounds = 3;
 // Of the tent in the mean that a probe begins with: too little to count where its function has weight anywhere.
 constexpr float kTentShare = 1e-4f;
 
@@ -55,11 +57,14 @@ struct Means {
   }
 };
 
-std::vector<LightSample> samplesOf(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>& place_light,
+float meanLuminance(const std::vector<LightSh>& light) {
+  double sum = 0.0;
+  for (const LightSh& sh : light) sum += luminanceOf(sh);
+  return static_cast<float>(std::max(1e-12, sum / std::max<double>(1.0, static_cast<double>(light.size()))));
+}
+
+std::vector<LightSample> samplesOf(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>& place_light, float mean,
                                    double dark_share) {
-  double mean = 0.0;
-  for (const LightSh& light : place_light) mean += luminanceOf(light) / static_cast<double>(place_light.size());
-  const auto floor = static_cast<float>(std::max(1e-12, dark_share * mean));
   std::vector<LightSample> samples;
   for (size_t i = 0; i < weights.size(); ++i) {
     ProbeWeights normalised = weights[i];
@@ -69,28 +74,57 @@ std::vector<LightSample> samplesOf(const std::vector<ProbeWeights>& weights, con
     std::copy_n(normalised.probe, normalised.count, sample.probe.begin());
     std::copy_n(normalised.weight, normalised.count, sample.weight.begin());
     // between absolute and relative error: an eye sees shares, but noise rules where there is no light
-    sample.importance = static_cast<float>(mean) / (luminanceOf(place_light[i]) + floor);
+    sample.importance = mean / (luminanceOf(place_light[i]) + static_cast<float>(dark_share) * mean);
     sample.light = place_light[i];
     samples.push_back(sample);
   }
   return samples;
 }
 
-ProbeLight solved(const std::vector<LightSample>& samples, Means means, double pull_share) {
-  std::vector<float> diagonal(means.light.size(), 0.0f);
+std::vector<float> pullOf(const std::vector<LightSample>& samples, size_t probe_count, double share) {
+  std::vector<float> pull(probe_count, 0.0f);
   double total = 0.0;
   for (const LightSample& sample : samples) {
     for (int j = 0; j < sample.count; ++j) {
       const float curvature = sample.importance * sample.weight[j] * sample.weight[j];
-      diagonal[sample.probe[j]] += curvature;
+      pull[sample.probe[j]] += curvature;
       total += curvature;
     }
   }
   // probes that are hardly read follow their mean
-  const double least = 1e-3 * total / std::max<double>(1.0, static_cast<double>(diagonal.size())) + 1e-12;
-  for (float& pull : diagonal) pull = static_cast<float>(pull_share * pull + least);
-  LightSolution solution = solveLight(samples, means.light, diagonal);
-  return {std::move(solution.light), solution.iterations, 0};
+  const double least = 1e-3 * total / std::max<double>(1.0, static_cast<double>(probe_count)) + 1e-12;
+  for (float& value : pull) value = static_cast<float>(share * value + least);
+  return pull;
+}
+
+// Of irradiance, over all normals and channels, in the unit of a first coefficient.
+float squaredError(const LightSample& sample, const std::vector<LightSh>& light) {
+  float sum = 0.0f;
+  for (int k = 0; k < kShCount; ++k) {
+    glm::vec3 error = -sample.light[k];
+    for (int j = 0; j < sample.count; ++j) error += sample.weight[j] * light[sample.probe[j]][k];
+    const float band = kCosineBand[k] / kCosineBand[0];
+    sum += band * band * glm::dot(error, error);
+  }
+  return sum / kShChannels;
+}
+
+// Beside a lamp light changes within less than probes are apart. Squares of the errors there would rule all that those probes
+// hold, so that their loss is Cauchy's, s² log(1 + importance error² / s²), by iteratively reweighted least squares.
+ProbeLight solved(std::vector<LightSample> samples, const Means& means, float mean, const ProbeLightOptions& options) {
+  std::vector<float> importance(samples.size());
+  std::transform(samples.begin(), samples.end(), importance.begin(), [](const LightSample& sample) { return sample.importance; });
+  const auto outlier = static_cast<float>(options.outlier * mean);
+  ProbeLight result{means.light, 0, 0};
+  for (int round = 0; round < kRounds; ++round) {
+    for (size_t i = 0; i < samples.size() && round > 0; ++i)
+      samples[i].importance =
+          importance[i] / (1.0f + importance[i] * squaredError(samples[i], result.light) / (outlier * outlier));
+    LightSolution solution = solveLight(samples, means.light, pullOf(samples, means.light.size(), options.pull), result.light);
+    result.light = std::move(solution.light);
+    result.iterations += solution.iterations;
+  }
+  return result;
 }
 
 }  // namespace
@@ -138,7 +172,8 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
   const auto unread = static_cast<uint64_t>(std::count(means.is_read.begin(), means.is_read.end(), 0));
   ProbeLight result;
   if (options.way == LightWay::solved) {
-    result = solved(samplesOf(weights, place_light, options.dark_share), std::move(means), options.pull);
+    const float mean = meanLuminance(place_light);
+    result = solved(samplesOf(weights, place_light, mean, options.dark_share), means, mean, options);
   } else {
     result.light = std::move(means.light);
   }

@@ -29,7 +29,8 @@ struct ProbeLightOptions {
   GatherOptions place{64, 64};   // of every place in air
   GatherOptions probe{512, 64};  // of every probe, for `point`
   double pull = 0.3;             // of the prior, in shares of what places say of a probe
-  double dark_share = 0.1;       // of the level's mean light: places darker than this weigh as much as that
+  double dark_share = 0.5;       // of the level's mean light: added to a place's own where its error is taken as a share
+  double outlier = 1.0;          // of the level's mean light, > 0: errors far beyond it count no more than at it (Cauchy)
   uint64_t seed = 1;
 };
 

@@ -98,9 +98,7 @@ class LightMeasurement {
   Json spacingFigures(const BakeScene& scene, const BakeOptions& options, const GeneratorSets& sets) const {
     MethodSetOptions method_options;
     method_options.probe = request_.probe;
-    method_options.solve.place.rays = options.light_rays;
-    method_options.solve.pull = options.light_pull;
-    method_options.solve.dark_share = options.light_dark_share;
+    method_options.solve = probeLightOptions(options);
     method_options.form = lightFormFromName(options.light_form);
     method_options.thread_count = threads_;
     method_options.seed = mixSeed(options.seed, kMethodStream);
