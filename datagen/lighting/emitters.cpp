@@ -10,7 +10,6 @@ namespace nlg {
 namespace {
 
 constexpr uint32_t kNone = ~0u;
-constexpr size_t kMostClusters = 64;  // a place weighs them all: about as long as a ray takes
 
 glm::vec3 crossOf(const Scene& scene, uint32_t triangle) {
   const glm::uvec3& t = scene.triangles[triangle];
@@ -39,7 +38,7 @@ std::vector<std::vector<uint32_t>> clustersOf(const Scene& scene, std::vector<ui
   const auto width = [](const Range& range) { return std::max({range.size.x, range.size.y, range.size.z}); };
   std::vector<Range> ranges;
   ranges.push_back(measured(std::move(triangles)));
-  while (ranges.size() < kMostClusters) {
+  while (ranges.size() < Emitters::kMostClusters) {
     const auto widest =
         std::max_element(ranges.begin(), ranges.end(), [&](const Range& a, const Range& b) { return width(a) < width(b); });
     if (!(width(*widest) > 0.0f)) break;
@@ -101,37 +100,43 @@ float Emitters::reach(const Cluster& cluster, const glm::vec3& from) {
   return cluster.power / std::max(glm::dot(way, way), cluster.radius_squared);
 }
 
-EmitterPoint Emitters::draw(const glm::vec3& from, Random& random) const {
-  float total = 0.0f;
-  for (const Cluster& cluster : clusters_) total += reach(cluster, from);
-  float at = static_cast<float>(random.uniform()) * total;
-  const Cluster* chosen = &clusters_.back();
-  for (const Cluster& cluster : clusters_) {
-    chosen = &cluster;
-    if ((at -= reach(cluster, from)) < 0.0f) break;
-  }
-  const auto first = sums_.begin() + chosen->first, end = first + chosen->count;
-  const auto found = std::upper_bound(first, end, static_cast<float>(random.uniform()) * chosen->power);
-  const auto index = static_cast<size_t>(std::min(found - sums_.begin(), end - sums_.begin() - 1));
+Emitters::Draws::Draws(const Emitters& emitters, const glm::vec3& from) : emitters_(emitters) {
+  float sum = 0.0f;
+  for (size_t c = 0; c < emitters.clusters_.size(); ++c) sums_[c] = sum += reach(emitters.clusters_[c], from);
+}
+
+float Emitters::Draws::chance(size_t cluster) const {
+  const float before = cluster > 0 ? sums_[cluster - 1] : 0.0f;
+  return (sums_[cluster] - before) / sums_[emitters_.clusters_.size() - 1];
+}
+
+EmitterPoint Emitters::Draws::draw(double u, Random& random) const {
+  const auto indexIn = [](const float* first, size_t count, float at) {
+    return std::min<size_t>(static_cast<size_t>(std::upper_bound(first, first + count, at) - first), count - 1);
+  };
+  const size_t count = emitters_.clusters_.size();
+  const size_t chosen = indexIn(sums_.data(), count, static_cast<float>(u) * sums_[count - 1]);
+  const Cluster& cluster = emitters_.clusters_[chosen];
+  const size_t index =
+      indexIn(&emitters_.sums_[cluster.first], cluster.count, static_cast<float>(random.uniform()) * cluster.power);
   EmitterPoint point;
-  point.triangle = triangles_[index];
-  point.area_density = reach(*chosen, from) / total * luminance(point.triangle) / chosen->power;
-  auto u = static_cast<float>(random.uniform()), v = static_cast<float>(random.uniform());
-  if (u + v > 1.0f) {
-    u = 1.0f - u;
-    v = 1.0f - v;
+  point.triangle = emitters_.triangles_[cluster.first + index];
+  point.area_density = areaDensity(point.triangle);
+  auto a = static_cast<float>(random.uniform()), b = static_cast<float>(random.uniform());
+  if (a + b > 1.0f) {
+    a = 1.0f - a;
+    b = 1.0f - b;
   }
-  const glm::uvec3& t = scene_.triangles[point.triangle];
-  point.position = scene_.positions[t.x] * (1.0f - u - v) + scene_.positions[t.y] * u + scene_.positions[t.z] * v;
+  const Scene& scene = emitters_.scene_;
+  const glm::uvec3& t = scene.triangles[point.triangle];
+  point.position = scene.positions[t.x] * (1.0f - a - b) + scene.positions[t.y] * a + scene.positions[t.z] * b;
   return point;
 }
 
-float Emitters::areaDensity(uint32_t triangle, const glm::vec3& from) const {
-  if (cluster_of_.empty() || cluster_of_[triangle] == kNone) return 0.0f;
-  float total = 0.0f;
-  for (const Cluster& cluster : clusters_) total += reach(cluster, from);
-  const Cluster& own = clusters_[cluster_of_[triangle]];
-  return reach(own, from) / total * luminance(triangle) / own.power;
+float Emitters::Draws::areaDensity(uint32_t triangle) const {
+  if (emitters_.empty() || emitters_.cluster_of_[triangle] == kNone) return 0.0f;
+  const uint32_t own = emitters_.cluster_of_[triangle];
+  return chance(own) * emitters_.luminance(triangle) / emitters_.clusters_[own].power;
 }
 
 }  // namespace nlg

@@ -4,6 +4,7 @@
 // stands between, and a triangle of it by area times luminance.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -22,14 +23,28 @@ struct EmitterPoint {
 
 class Emitters {
  public:
+  static constexpr size_t kMostClusters = 64;  // a place weighs them all: about as long as a ray takes
+
   // The scene must outlive it.
   explicit Emitters(const Scene& scene);
 
   bool empty() const { return clusters_.empty(); }
-  // Not when empty.
-  EmitterPoint draw(const glm::vec3& from, Random& random) const;
-  // Of a point of this triangle, as draw would give it from there; 0 for a triangle that does not shine.
-  float areaDensity(uint32_t triangle, const glm::vec3& from) const;
+
+  // What one place draws from.
+  class Draws {
+   public:
+    Draws(const Emitters& emitters, const glm::vec3& from);
+    // Not without emitters. u   in [0, 1), of the cluster: evenly spread ones draw evenly among neighbours
+    EmitterPoint draw(double u, Random& random) const;
+    // Of a point of this triangle, as draw would give it; 0 for a triangle that does not shine.
+    float areaDensity(uint32_t triangle) const;
+
+   private:
+    float chance(size_t cluster) const;
+
+    const Emitters& emitters_;
+    std::array<float, kMostClusters> sums_;  // of the clusters' reach, running
+  };
 
  private:
   struct Cluster {

@@ -63,11 +63,13 @@ struct LightTransport::Impl {
     return hit.is_front || material.double_sided ? material.emissive : glm::vec3(0.0f);
   }
 
-  // Flux of one random emitter point; by multiple importance sampling with directions of this density (per steradian).
+  // Flux of one emitter point that the place draws; by multiple importance sampling with directions of this density (per
+  // steradian). u   in [0, 1): which emitters it comes from
   template <class Density>
-  bool emitterLight(const glm::vec3& from, Random& random, const Density& density, Arriving* arriving) const {
+  bool emitterLight(const Emitters::Draws& draws, double u, const glm::vec3& from, Random& random, const Density& density,
+                    Arriving* arriving) const {
     if (emitters.empty()) return false;
-    const EmitterPoint point = emitters.draw(from, random);
+    const EmitterPoint point = draws.draw(u, random);
     const glm::vec3 way = point.position - from;
     const float distance = glm::length(way);
     if (!(distance > 2.0f * nudge_m)) return false;
@@ -134,7 +136,7 @@ struct LightTransport::Impl {
         sum += arriving.flux * (std::max(0.0f, glm::dot(arriving.direction, normal)) / share);
     }
     const auto density = [&](const glm::vec3& direction) { return std::max(0.0f, glm::dot(direction, normal)) / kPi; };
-    if (emitterLight(from, random, density, &arriving))
+    if (emitterLight({emitters, from}, random.uniform(), from, random, density, &arriving))
       sum += arriving.flux * std::max(0.0f, glm::dot(arriving.direction, normal));
     return sum / kPi;
   }
@@ -162,7 +164,8 @@ struct LightTransport::Impl {
         float share = 1.0f;
         if (density > 0.0f) {
           const float cosine = std::fabs(glm::dot(hit.normal, direction));
-          const float other = emitters.areaDensity(hit.triangle, origin) * hit.distance * hit.distance / std::max(cosine, 1e-6f);
+          const float other =
+              Emitters::Draws(emitters, origin).areaDensity(hit.triangle) * hit.distance * hit.distance / std::max(cosine, 1e-6f);
           share = density / (density + other);
         }
         sum += throughput * shine * share;
@@ -198,6 +201,7 @@ struct LightTransport::Impl {
     const int rays_per_set = std::max(1, options.rays / kSetCount);
     const int count = rays_per_set * kSetCount;
     const auto share = 1.0f / static_cast<float>(rays_per_set);
+    const Emitters::Draws draws(emitters, from);
     if (hits != nullptr) hits->assign(static_cast<size_t>(count), {});
     Arriving arriving;
     for (int i = 0; i < count; ++i) {
@@ -208,7 +212,9 @@ struct LightTransport::Impl {
       add(set, direction,
           radiance(from, direction, options, direction_density, random, hits != nullptr ? &(*hits)[i] : nullptr) *
               (share / direction_density));
-      if (emitterLight(from, random, density, &arriving)) add(set, arriving.direction, arriving.flux * share);
+      // each set goes evenly through all emitters
+      if (emitterLight(draws, (i + random.uniform()) / count, from, random, density, &arriving))
+        add(set, arriving.direction, arriving.flux * share);
     }
     const auto sampleAll = [&](int samples, uint64_t stream, const auto& light) {
       const Lattice lattice(mixSeed(seed, stream));

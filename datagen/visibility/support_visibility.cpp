@@ -21,7 +21,12 @@ void SupportVisibility::beginProbe(const glm::dvec3& position_m, float spacing_m
 
 SolidVote SupportVisibility::voteAt(const glm::dvec3& position_m) const {
   ray_count_ += kSolidVoteRays;
-  return solidVote(scene_, position_m);
+  const SolidVote vote = solidVote(scene_, position_m);
+  if (!vote.solid() || !scene_.hasSkyFaces()) return vote;
+  // high in a level rays pass over its rim and meet walls from outside: the sky stands between, and they are no evidence
+  ray_count_ += kSolidVoteRays;
+  const SolidVote under_sky = solidVoteWithSky(scene_, position_m);
+  return under_sky.solid() ? vote : under_sky;
 }
 
 void SupportVisibility::traceRays(const LocalPoint& eye) {

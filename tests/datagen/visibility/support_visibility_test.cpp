@@ -379,5 +379,34 @@ TEST(SolidVote, IsSolidFromTwoFifthsOfBacksAndDisputedFromATenth) {
   EXPECT_STREQ(verdict(0, 1), "solid");
 }
 
+// A yard whose walls and lid are sky, between halls that look inward: from high in the yard, rays that pass the sky meet the backs
+// of the halls' walls.
+TEST(SupportVisibility, TakesNoEvidenceFromBeyondTheSky) {
+  SceneOfFaces faces;
+  faces.addBox({-2, 0, -2}, {2, 3, 2}, true);
+  const size_t yard_triangles = faces.finish().triangles.size();
+  for (const glm::vec3 shift : {glm::vec3(-10, 0, 0), glm::vec3(10, 0, 0), glm::vec3(0, 0, -10), glm::vec3(0, 0, 10)})
+    faces.addBox(shift + glm::vec3(-5, -3, -5), shift + glm::vec3(5, 12, 5), true);
+  Scene scene = faces.finish();
+  SkyFaces& sky = scene.light.sky_faces;
+  sky.positions = scene.positions;
+  std::vector<glm::uvec3> kept;
+  for (size_t t = 0; t < scene.triangles.size(); ++t) {
+    const glm::uvec3& corners = scene.triangles[t];
+    const bool is_floor =
+        scene.positions[corners.x].y == 0 && scene.positions[corners.y].y == 0 && scene.positions[corners.z].y == 0;
+    (t < yard_triangles && !is_floor ? sky.triangles : kept).push_back(corners);
+  }
+  scene.triangles = kept;
+  scene.triangle_material.resize(kept.size());
+  scene.objects[0].triangle_count = static_cast<uint32_t>(kept.size());
+  const RayScene rays(scene);
+  const SupportVisibility visibility(rays, table());
+  const glm::dvec3 high(0.3, 2.8, 0.1);
+  EXPECT_TRUE(solidVote(rays, high).solid()) << "the halls' backs are what geometry alone shows";
+  EXPECT_FALSE(visibility.voteAt(high).solid());
+  EXPECT_TRUE(visibility.voteAt({0.3, -0.5, 0.1}).solid()) << "below the floor";
+}
+
 }  // namespace
 }  // namespace nlg
