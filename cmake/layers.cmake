@@ -43,7 +43,7 @@ set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_
 set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-render    nlg::render nlg::bake nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_light_noise   nlg::bake nlg::statistics nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-validate  nlg::light_figures nlg::look_up nlg::light_noise nlg::bake nlg::stability nlg::errors nlg::frontier nlg::comparison nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-validate  nlg::render nlg::view nlg::light_figures nlg::look_up nlg::light_noise nlg::bake nlg::stability nlg::errors nlg::frontier nlg::comparison nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 
 function(nlg_check_links name)
   if(NOT DEFINED NLG_MAY_LINK_${name})

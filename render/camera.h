@@ -1,6 +1,8 @@
 // A pinhole camera.
 #pragma once
 
+#include <optional>
+
 #include <glm/glm.hpp>
 
 namespace nlg {
@@ -14,6 +16,10 @@ struct Camera {
   // Of the ray through a place of the picture, unit. x from the left, y from the top, both in [0, 1] inside the picture
   // aspect   width over height
   glm::vec3 direction(double x, double y, double aspect) const;
+
+  // Where a point is seen: x and y of direction(). Nothing of what is not before the camera.
+  // point_m   relative to the scene's origin
+  std::optional<glm::dvec2> seenAt(const glm::dvec3& point_m, double aspect) const;
 };
 
 // A camera at eye_m that looks along a direction, upright: what is up in the world is up in the picture. Along the vertical, -z is.

@@ -69,4 +69,14 @@ LightingMethod probeShareMethod(const LightGrid& grid, const glm::dvec3& origin_
           }};
 }
 
+LightingMethod measuredMethod(const std::string& name, const LightMethod& method) {
+  return {name, [&method](std::span<const Receiver> receivers, ReceivedLight* received) {
+            for (const Receiver& receiver : receivers) {
+              const LightAnswer answer = method.irradiance_at(receiver.position_m, receiver.normal);
+              const bool is_lit = answer.reach == Reach::lit || answer.reach == Reach::fallback;
+              *received++ = {answer.irradiance, glm::vec3(0.0f), is_lit || answer.irradiance != glm::vec3(0.0f)};
+            }
+          }};
+}
+
 }  // namespace nlg

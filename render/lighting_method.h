@@ -7,6 +7,7 @@
 
 #include "render/sight.h"
 #include "runtime_eval/light_grid/light_grid.h"
+#include "validate/light/light_method.h"
 
 namespace nlg {
 
@@ -33,5 +34,9 @@ LightingMethod gridMethod(const LightGrid& grid, const glm::dvec3& origin_m);
 
 // The share that one probe takes of the grid's blend at every receiver, as a grey irradiance.
 LightingMethod probeShareMethod(const LightGrid& grid, const glm::dvec3& origin_m, uint32_t probe);
+
+// A method that nlg-validate light measures.
+// method   must outlive the result
+LightingMethod measuredMethod(const std::string& name, const LightMethod& method);
 
 }  // namespace nlg

@@ -60,16 +60,6 @@ LightGrid readGrid(const std::string& path) {
   return grid;
 }
 
-LightingMethod rivalMethod(const LightMethod& rival) {
-  return {rivalName(rival), [&rival](std::span<const Receiver> receivers, ReceivedLight* received) {
-            for (const Receiver& receiver : receivers) {
-              const LightAnswer answer = rival.irradiance_at(receiver.position_m, receiver.normal);
-              const bool is_lit = answer.reach == Reach::lit || answer.reach == Reach::fallback;
-              *received++ = {answer.irradiance, glm::vec3(0.0f), is_lit || answer.irradiance != glm::vec3(0.0f)};
-            }
-          }};
-}
-
 }  // namespace
 
 void checkMethodName(const std::string& place, const std::string& name) {
@@ -149,7 +139,7 @@ LightingMethod RenderedScene::method(const std::string& name) const {
   }
   std::string known;
   for (const LightMethod& rival : rivals_->methods()) {
-    if (rivalName(rival) == whole) return rivalMethod(rival);
+    if (rivalName(rival) == whole) return measuredMethod(rivalName(rival), rival);
     known += (known.empty() ? "" : ", ") + rivalName(rival);
   }
   throw UsageError(request_.panel.empty() ? "--method" : "--panel", "truth, grid or one of " + known, "'" + name + "'");

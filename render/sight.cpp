@@ -10,8 +10,6 @@
 namespace nlg {
 namespace {
 
-constexpr glm::vec3 kBallAlbedo(0.8f);
-
 // Where a ray of unit direction enters a ball, metres; nothing when it passes by or begins inside.
 std::optional<double> entryOf(const Ball& ball, const glm::dvec3& origin, const glm::dvec3& direction) {
   const glm::dvec3 to_centre = ball.centre_m - origin;
@@ -51,7 +49,7 @@ Sight sightAlong(const LightTransport& transport, const Camera& camera, const gl
     sight.kind = Sight::Kind::receiver;
     const glm::dvec3 point = camera.eye_m + nearest * glm::dvec3(direction);
     sight.receiver = {met->centre_m, glm::vec3(glm::normalize(point - met->centre_m))};
-    sight.albedo = kBallAlbedo;
+    sight.albedo = glm::vec3(kBallAlbedo);
     return sight;
   }
   if (hit.kind == LightHit::Kind::surface) return surfaceSight(transport, hit, eye + direction * hit.distance, options.offset_m);

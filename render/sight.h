@@ -42,6 +42,8 @@ struct Ball {
   double radius_m = 0.1;     // > 0
 };
 
+inline constexpr float kBallAlbedo = 0.8f;
+
 struct SightOptions {
   int width = 640, height = 360;
   int samples_per_side = 2;  // n x n samples of a pixel, at the centres of n x n squares

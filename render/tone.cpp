@@ -65,12 +65,24 @@ Image toneMapped(const LitPicture& picture, double exposure) {
 }
 
 Image errorMap(const LitPicture& picture, const LitPicture& truth, ErrorKind kind, double range) {
-  const double rms = irradianceRms(truth);
-  const double unit = rms > 0.0 ? 1.0 / (rms * range) : 0.0;
+  return errorMapUpTo(range * irradianceRms(truth), picture, truth, kind);
+}
+
+Image errorMapUpTo(double full, const LitPicture& picture, const LitPicture& truth, ErrorKind kind) {
+  const double unit = full > 0.0 ? 1.0 / full : 0.0;
   return mapOf(truth, [&](size_t pixel) {
     const double value = errorOf(picture, truth, pixel, kind) * unit;
     return kind == ErrorKind::with_sign ? diverging(value) : viridis(value);
   });
+}
+
+double nextScale(double value) {
+  const double least = std::clamp(value, 1e-6, 1e6);
+  const double decade = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * decade >= least) return factor * decade;
+  }
+  return 10.0 * decade;
 }
 
 double errorRange(const std::vector<const LitPicture*>& pictures, const LitPicture& truth) {
@@ -85,12 +97,7 @@ double errorRange(const std::vector<const LitPicture*>& pictures, const LitPictu
   if (errors.empty()) return 1.0;
   const auto at = errors.begin() + static_cast<ptrdiff_t>(static_cast<double>(errors.size() - 1) * (1.0 - kExceeding));
   std::nth_element(errors.begin(), at, errors.end());
-  const double least = std::clamp(*at, 1e-6, 1e6);
-  const double decade = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * decade >= least) return factor * decade;
-  }
-  return 10.0 * decade;
+  return nextScale(*at);
 }
 
 Image shareMap(const LitPicture& shares, const LitPicture& shading) {

@@ -22,8 +22,14 @@ enum class ErrorKind {
 // Error by pixel in shares of truth's irradianceRms; pixels without receivers are grey, solid is hatched.
 // range   > 0: the share whose colour is the map's last
 Image errorMap(const LitPicture& picture, const LitPicture& truth, ErrorKind kind, double range);
+// The same against a scale of one's own.
+// full   the error of irradiance whose colour is the map's last; 0: nothing has a colour
+Image errorMapUpTo(double full, const LitPicture& picture, const LitPicture& truth, ErrorKind kind);
 
-// The smallest of … .1, .2, .5, 1, … that few errors exceed: 5 in a hundred pixels.
+// The smallest of … .1, .2, .5, 1, … that is at least value, which lies between 1e-6 and 1e6 or is taken as the nearer of both.
+double nextScale(double value);
+
+// The nextScale that few errors exceed: 5 in a hundred pixels.
 double errorRange(const std::vector<const LitPicture*>& pictures, const LitPicture& truth);
 
 // Irradiance, in [0, 1], as a colour: of probeShareMethod's pictures. Surfaces are shaded by their radiance, so that their shape is

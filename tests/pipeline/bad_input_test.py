@@ -354,7 +354,7 @@ def check_workflow():
         refuses_configuration(basis, held_out, "{}", words, f"validate_light: {light}")
     cases += 1
     is_taken, text = workflow(basis, held_out, more="validate_light: {scenes: ['cornell:0'], spacings: [1, 0.5], walks: 3}")
-    for word in ("nlg-validate light cornell:0", "--walks=3", "--spacings 1 0.5 --out", "light/cornell_0.json", "--light "):
+    for word in ("nlg-validate light cornell:0", "--walks=3", "--spacings 1 0.5 --pictures", "light/cornell_0_places", "light/cornell_0.json", "--light "):
         if not is_taken or word not in text:
             failures.append(f"workflow with light: expected '{word}', got\n    {text.strip()[-1500:]}")
     for report, words in [("{colour: red}", "unknown key 'colour'"), ("[a]", "report: expected a map"), ("{savings: house_2}", "a list of names or patterns"),

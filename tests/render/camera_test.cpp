@@ -47,5 +47,17 @@ TEST(Camera, LooksStraightUpAndDown) {
   }
 }
 
+TEST(Camera, SeesAPointWhereItsRayGoes) {
+  const Camera camera = cameraAlong({1, 2, 3}, {3, -1, 2}, 1.1);
+  for (const glm::dvec2& place : {glm::dvec2(0.5, 0.5), glm::dvec2(0.1, 0.8), glm::dvec2(1.3, -0.2)}) {
+    const auto seen = camera.seenAt(camera.eye_m + 4.0 * glm::dvec3(camera.direction(place.x, place.y, 1.7)), 1.7);
+    ASSERT_TRUE(seen.has_value());
+    // directions are rounded to float
+    EXPECT_NEAR(seen->x, place.x, 1e-6);
+    EXPECT_NEAR(seen->y, place.y, 1e-6);
+  }
+  EXPECT_FALSE(camera.seenAt(camera.eye_m - glm::dvec3(camera.forward), 1.7).has_value());
+}
+
 }  // namespace
 }  // namespace nlg

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "datagen/view/colour_map.h"
 #include "render/lit_picture.h"
 #include "render/panel.h"
 #include "render/tone.h"
@@ -160,6 +161,21 @@ TEST(Tone, MedianBecomesMiddleGreyAndOneBecomesWhite) {
   EXPECT_EQ(toneMapped(picture, exposure).at(3, 3), (Colour{118, 118, 118}));
   EXPECT_EQ(toneMapped(picture, exposure / 0.18).at(3, 3), kWhite);
   EXPECT_EQ(toneMapped(picture, 1e9).at(3, 3), kWhite);
+}
+
+TEST(Tone, ScalesAreTheNextOfOneTwoFive) {
+  for (const auto& [value, scale] : {std::pair(0.04, 0.05), {1.0, 1.0}, {1.01, 2.0}, {2.1, 5.0}, {7.0, 10.0}, {0.0, 1e-6}})
+    EXPECT_DOUBLE_EQ(nextScale(value), scale) << value;
+}
+
+// Light where truth has none: an error that is no share of truth, but of a scale.
+TEST(Tone, ErrorsInTheDarkHaveColoursAgainstAScale) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
+  const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
+  const LitPicture truth = lightPicture(sights, even("truth", glm::vec3(0.0f)), 1);
+  const LitPicture bright = lightPicture(sights, even("bright", glm::vec3(2.0f)), 1);
+  EXPECT_EQ(errorMapUpTo(2.0, bright, truth, ErrorKind::with_sign).at(5, 5), diverging(1.0));
+  EXPECT_EQ(errorMapUpTo(4.0, bright, truth, ErrorKind::with_sign).at(5, 5), diverging(0.5));
 }
 
 TEST(Tone, ErrorsHaveTheColourOfTheirSign) {

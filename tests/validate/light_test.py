@@ -10,8 +10,10 @@ import sys
 import tempfile
 import unittest
 
+import matplotlib.image
+
 BIN, WEIGHTS = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
-USAGE_ERROR, INPUT_ERROR = 2, 3  # tool/error.h
+USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
 HOUSE = ["house:1", "--extent-m", "0,0,0,5,5,3", "--air-places", "100", "--surface-places", "80", "--walks", "3", "--truth-rays", "64", "--probe-rays", "64"]
 
 
@@ -89,6 +91,32 @@ class Light(unittest.TestCase):
         self.assertEqual(run.returncode, 0, run.stderr)
         with open(self.out) as one, open(again) as other:
             self.assertEqual(without_times(json.load(one)), without_times(json.load(other)))
+
+    def test_draws_the_worst_places_of_the_grid_at_the_finest_spacing(self):
+        result = os.path.join(self.folder.name, "drawn.json")
+        run = light(*HOUSE, *weights("pf3 pf5"), "--spacings", "3", "1.5", "--pictures", os.path.join(self.folder.name, "places", "drawn"), "--picture-rays", "32", "--out", result)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        with open(result) as file:
+            spacings = json.load(file)["spacings"]
+        named = {(spacing["spacing_m"], method["weights"], method["light"]): [worst["picture"] for worst in method["worst"] if "picture" in worst]
+                 for spacing in spacings for method in spacing["methods"]}
+        pictures = named.pop((1.5, "pf3 or pf5", "solved"))
+        self.assertEqual(pictures, [f"places/drawn/house_1_pf3-or-pf5_{rank:02}.png" for rank in range(1, 11)])
+        self.assertFalse(any(named.values()), "pictures of other methods or spacings")
+        shown = [matplotlib.image.imread(os.path.join(self.folder.name, picture)) for picture in pictures]
+        for picture, image in zip(pictures, shown):
+            # from left to right: truth, answer, error; captions may set the columns apart further than their width
+            truth, answer = (image[60:180, start:start + 180] for start in (20, image.shape[1] // 3 + 10))
+            self.assertGreater(abs(truth - answer).mean(), 0.01, picture)
+        self.assertGreater(len({image.tobytes() for image in shown}), 9, "the same picture twice")
+
+    def test_refuses_folders_for_pictures_before_it_measures(self):
+        for folder in (self.out, os.path.join(self.out, "below"), "/proc/none"):
+            out = os.path.join(self.folder.name, "unmeasured.json")
+            run = light("house:1", "--pictures", folder, "--out", out)  # a whole house, by default settings: minutes
+            self.assertEqual(run.returncode, OUTPUT_ERROR, run.stderr)
+            self.assertRegex(run.stderr.strip(), f"^nlg-validate light: error: {folder}: cannot be written: [^\n]+$")
+            self.assertFalse(os.path.exists(out))
 
     def test_refuses_what_cannot_be_measured(self):
         self.assertEqual(light(*HOUSE).returncode, USAGE_ERROR)

@@ -1,14 +1,23 @@
 #include "validate/light/light_command.h"
 
+#include <unistd.h>
 #include <CLI/CLI.hpp>
+
+#include <cctype>
+#include <cerrno>
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "bake/scene_bake.h"
+#include "datagen/view/png_file.h"
+#include "render/place_picture.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
+#include "tool/error.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
@@ -24,7 +33,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kPlaceStream = 0x706c6163, kTruthStream = 0x7472757468, kFloorStream = 0x666c6f6f72,
-                   kMethodStream = 0x6d6574686f64;
+                   kMethodStream = 0x6d6574686f64, kPictureStream = 0x70696374;
 
 struct Request {
   std::string scene, out;
@@ -33,6 +42,8 @@ struct Request {
   LightPlaceOptions places;
   GatherOptions truth{1024, 64}, probe{1024, 64};
   double look_up_seconds = 0.0;
+  std::string pictures;  // the folder for pictures of worst places; empty: none are drawn
+  int picture_rays = 64;
 };
 
 std::vector<std::string> splitAtCommas(const std::string& text) {
@@ -61,6 +72,25 @@ GeneratorSets loadSets(const std::vector<std::string>& weights, std::map<std::st
   return sets;
 }
 
+// Made now: a folder that cannot be written to is said before minutes of measuring.
+void makePictureFolder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && !std::filesystem::is_directory(folder)) error = std::make_error_code(std::errc::not_a_directory);
+  if (!error && access(folder.c_str(), W_OK | X_OK) != 0) error = std::error_code(errno, std::generic_category());
+  if (error) throw OutputError(folder, error.message());
+}
+
+// "pf3 or pf5" as a part of a file's name: pf3-or-pf5.
+std::string fileWord(std::string text) {
+  for (char& sign : text) {
+    if (!std::isalnum(static_cast<unsigned char>(sign)) && sign != '_') sign = '-';
+  }
+  return text;
+}
+
+enum class Draws { nothing, pictures };
+
 class LightMeasurement {
  public:
   LightMeasurement(const Request& request, const BakeOptions& options, const BakeScene& scene)
@@ -71,7 +101,8 @@ class LightMeasurement {
         places_(
             drawLightPlaces(scene.source.scene, scene.rays, lightExtent(scene.source.scene, options.extent_m), request.places)),
         truth_(lightTruth(places_, transport_, request.truth, mixSeed(options.seed, kTruthStream), threads_)),
-        origin_m_(scene.source.scene.origin_m) {}
+        origin_m_(scene.source.scene.origin_m),
+        scene_id_(scene.source.id) {}
 
   const LightPlaces& places() const { return places_; }
   const LightTruth& truth() const { return truth_; }
@@ -95,7 +126,8 @@ class LightMeasurement {
   }
 
   // scene   as it is at this spacing
-  Json spacingFigures(const BakeScene& scene, const BakeOptions& options, const GeneratorSets& sets) const {
+  // draws   pictures of the worst places of every grid, its light solved for
+  Json spacingFigures(const BakeScene& scene, const BakeOptions& options, const GeneratorSets& sets, Draws draws) const {
     MethodSetOptions method_options;
     method_options.probe = request_.probe;
     method_options.solve = probeLightOptions(options);
@@ -121,19 +153,44 @@ class LightMeasurement {
     Json json = {{"spacing_m", options.spacing_m},
                  {"probes", {{"count", methods.probes().count()}, {"in_air", methods.probes().air_count}}},
                  {"methods", Json::array()}};
-    for (const LightMethod& method : methods.methods()) json["methods"].push_back(measured(method));
+    for (const LightMethod& method : methods.methods()) {
+      const bool is_grid = std::any_of(sets.begin(), sets.end(), [&](const auto& set) { return set.first == method.weights; });
+      const bool is_drawn = draws == Draws::pictures && is_grid && method.light == "solved";
+      json["methods"].push_back(measured(method, is_drawn ? Draws::pictures : Draws::nothing));
+    }
     return json;
   }
 
  private:
-  Json measured(const LightMethod& method) const {
+  Json measured(const LightMethod& method, Draws draws = Draws::nothing) const {
     std::vector<LightAnswer> answers(places_.places.size());
     parallelFor(answers.size(), threads_, [&](uint64_t i, int) {
       answers[i] = method.irradiance_at(places_.places[i].position_m, places_.places[i].normal);
     });
-    Json json = methodJson(method, lightFigures(places_, truth_, answers), places_, truth_, answers, origin_m_);
+    const LightFigures figures = lightFigures(places_, truth_, answers);
+    Json json = methodJson(method, figures, places_, truth_, answers, origin_m_);
+    if (draws == Draws::pictures) {
+      for (size_t i = 0; i < figures.worst.size(); ++i)
+        json["worst"][i]["picture"] = drawWorst(method, figures.worst[i], answers[figures.worst[i].place], i + 1);
+    }
     if (request_.look_up_seconds > 0.0) json["times"]["look_ups_per_s"] = lookUpsPerSecond(method);
     return json;
+  }
+
+  // Returns the picture's path as the result names it: from the result's own folder.
+  std::string drawWorst(const LightMethod& method, const WorstPlace& worst, const LightAnswer& answer, size_t rank) const {
+    const LightPlace& place = places_.places[worst.place];
+    const MeasuredPlace measured = {
+        {place.position_m, place.normal}, truth_.at[worst.place].irradiance, answer.irradiance, worst.error, truth_.rms};
+    PlacePictureOptions picture;
+    picture.truth_rays = request_.picture_rays;
+    picture.thread_count = threads_;
+    picture.seed = mixSeed(options_.seed, kPictureStream);
+    const Image image = drawPlace(transport_, measured, measuredMethod(method.weights, method), picture);
+    const std::string name = fmt::format("{}_{}_{:02}.png", fileWord(scene_id_), fileWord(method.weights), rank);
+    const std::filesystem::path path = std::filesystem::path(request_.pictures) / name;
+    writePng(path.string(), image, {{"Software", std::string("nlg-validate light ") + sourceRevision()}});
+    return std::filesystem::proximate(path, std::filesystem::absolute(request_.out).parent_path()).generic_string();
   }
 
   // One thread, over the places in air; the median of five runs.
@@ -167,6 +224,7 @@ class LightMeasurement {
   LightPlaces places_;
   LightTruth truth_;
   glm::dvec3 origin_m_;
+  std::string scene_id_;
 };
 
 void measureLight(Request request, BakeOptions options, const OptionTable& table) {
@@ -175,6 +233,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
     for (const std::string& path : splitAtCommas(listed)) inputs.push_back(path);
   }
   refuseToReplaceInputs(request.out, inputs);
+  if (!request.pictures.empty()) makePictureFolder(request.pictures);
   std::map<std::string, std::string> hashes;
   const GeneratorSets sets = loadSets(request.weights, &hashes);
   if (request.spacings_m.empty()) request.spacings_m = {options.spacing_m};
@@ -201,11 +260,15 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
                {"truth", truthJson(measurement.places(), measurement.truth(), measurement.isBaked())}};
   json["floor"] = measurement.floorFigures();
   json["spacings"] = Json::array();
+  const auto finest =
+      static_cast<size_t>(std::min_element(request.spacings_m.begin(), request.spacings_m.end()) - request.spacings_m.begin());
   std::vector<std::unique_ptr<BakeScene>> others;
   for (size_t s = 0; s < request.spacings_m.size(); ++s) {
     options.spacing_m = request.spacings_m[s];
     if (s > 0) others.push_back(std::make_unique<BakeScene>(request.scene, options));
-    json["spacings"].push_back(measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets));
+    const bool is_drawn = !request.pictures.empty() && s == finest;
+    json["spacings"].push_back(
+        measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets, is_drawn ? Draws::pictures : Draws::nothing));
   }
   writeFileAtomically(request.out, json.dump(1) + "\n");
   std::cout << request.out << '\n';
@@ -245,6 +308,12 @@ int lightMain(int argc, char** argv) {
   app.add_option("--probe-rays", request.probe.rays, "rays of every probe")->check(CLI::Range(8, 1 << 24))->capture_default_str();
   app.add_option("--look-up-seconds", request.look_up_seconds, "how long to time each method's look-ups; 0: not at all")
       ->check(CLI::Range(0.0, 600.0))
+      ->capture_default_str();
+  app.add_option("--pictures", request.pictures,
+                 "a folder for pictures of the ten worst places of each of the weights, light solved for, at the finest spacing: "
+                 "truth, answer, error; none: no pictures");
+  app.add_option("--picture-rays", request.picture_rays, "rays of ground truth at a pixel of them")
+      ->check(CLI::Range(32, 1 << 20))
       ->capture_default_str();
   return runTool(argc, argv, app, table, [&] { measureLight(request, options, table); });
 }

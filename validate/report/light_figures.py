@@ -3,6 +3,7 @@
 RMSE, jumps and errors are over truth's root mean square, light in the dark over the level's mean; sizes are bytes, times seconds.
 """
 import math
+import os
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -23,7 +24,7 @@ SCENE_KINDS = {"levels": "levels that hold their own light", "furnished": "furni
 
 @dataclass
 class Worst:
-    """A place where a method is far from truth: irradiance of both, error over truth's root mean square in air."""
+    """A place where a method is far from truth: irradiance of both, error over truth's root mean square in air, and where its picture lies."""
     scene: str
     group: str
     position_m: list
@@ -31,6 +32,7 @@ class Worst:
     truth: list
     answer: list
     error: float
+    picture: str = ""  # the path of a PNG; empty: none was drawn
 
 
 @dataclass
@@ -65,11 +67,15 @@ def read_vector(node):
     return [float(value) for value in node.numbers(3)]
 
 
+def read_worst(node, scene):
+    picture = os.path.join(os.path.dirname(node.path), node["picture"].text()) if "picture" in node.value else ""
+    return Worst(scene, node["group"].text(), *(read_vector(node[key]) for key in ("position_m", "normal", "truth", "answer")), node["error"].number(), picture)
+
+
 def read_method(node, scene, kind, spacing_m):
     air, jumps, times, size = node["air"], node["jumps"], node["times"], node["bytes"]
     distances = [(some["from_m"].number(), some["to_m"].number(), some["rmse"].number()) for some in node["surface"]["by_distance"].items()]
-    worst = [Worst(scene, some["group"].text(), *(read_vector(some[key]) for key in ("position_m", "normal", "truth", "answer")), some["error"].number())
-             for some in node["worst"].items()]
+    worst = [read_worst(some, scene) for some in node["worst"].items()]
     return Point(scene, kind, spacing_m, (node["weights"].text(), node["light"].text()), {group: node[group]["rmse"].number() for group in GROUPS},
                  air["smape"].number(0.0, 1.0), air["colour"]["mean"].number(), node["dark"]["excess"].number(low=-math.inf), jumps["mean"].number(),
                  jumps["largest"].number(), air["unlit"].number(0.0, 1.0), air["outside"].number(0.0, 1.0), size["total"].count(), node["probes"].count(),

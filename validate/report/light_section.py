@@ -3,10 +3,12 @@
 Read are points of light_figures. Of several scenes the tables have medians; plots have geometric means, so that large scenes do not
 outweigh small ones.
 """
+import base64
 import math
 
 import numpy as np
 
+import inputs
 import plots
 from decision import bytes_text, seconds_text
 from findings import bracket, grouped, percent, plural
@@ -17,6 +19,7 @@ SENTENCE_NAMES = {"air": "in air", "surface": "before surfaces", "turned": "ther
 LIGHT_STYLES = {"point": (0, (1.5, 1.5)), "own": (0, (4, 1.5)), "solved": "-"}
 LIGHT_WORDS = {"point": "gathered at the probe", "own": "in the method’s own form", "solved": "solved for"}
 WORST_COUNT = 10
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 SQUARE = (4.3, 3.4)  # inches
 COSTS = {"bytes": ("bytes of a scene", bytes_text), "seconds": ("seconds of the bake, weights and light", seconds_text)}
 
@@ -27,6 +30,13 @@ def error(value):
 
 def position(values):
     return ", ".join(f"{value:.2f}" for value in values)
+
+
+def png_uri(path):
+    data = inputs.read_bytes(path)
+    if not data.startswith(PNG_SIGNATURE):
+        raise inputs.InputError(path, "byte 0", "a PNG file", "other bytes")
+    return "data:image/png;base64," + base64.b64encode(data).decode()
 
 
 def one_of(points, spacing_m):
@@ -89,10 +99,12 @@ class LightSection:
         return [f"{100 * low:g}–{100 * high:g} cm" for low, high in classes], rows
 
     def worst(self):
-        """Of ours, the places that are farthest from truth, over all scenes at the finest spacing."""
+        """Of ours, the places that are farthest from truth, over all scenes at the finest spacing, with their pictures where there are any."""
         places = [place for point in of_method(one_of(self.points, self.spacings[0]), self.ours) for place in point.worst]
-        return [{"scene": place.scene, "where": GROUP_NAMES.get(place.group, place.group), "position": position(place.position_m), "normal": position(place.normal),
-                 "truth": position(place.truth), "answer": position(place.answer), "error": f"{place.error:.2f}"} for place in sorted(places, key=lambda place: -place.error)[:WORST_COUNT]]
+        worst = sorted(places, key=lambda place: -place.error)[:WORST_COUNT]
+        return [{"number": number, "scene": place.scene, "where": GROUP_NAMES.get(place.group, place.group), "position": position(place.position_m), "normal": position(place.normal),
+                 "truth": position(place.truth), "answer": position(place.answer), "error": f"{place.error:.2f}", "picture": png_uri(place.picture) if place.picture else ""}
+                for number, place in enumerate(worst, 1)]
 
     # ---- the plots
 

@@ -3,6 +3,8 @@ import csv
 import json
 import os
 import random
+import struct
+import zlib
 
 SCENES = ("am_galmevish2", "a_scene_whose_name_is_longer_than_any_column_should_have_to_be", "kaos <b>& \"sons\"</b>, $x$")
 REPRESENTATIONS = {"tent_mlp": 113, "mlp": 113, "pf5": 250}
@@ -181,8 +183,17 @@ def bake(scene, key="savings"):
                                       saving("functions that the smallest representation fits", True, same_result=False, bytes_saved=-12, note="RMSE .0002 higher")]}
 
 
+def png(width, height, grey):
+    """A picture of one grey."""
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    rows = (b"\0" + bytes([grey]) * width) * height
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
 def light(scene, harder):
-    """Three methods at two spacings; solved light is best before surfaces."""
+    """Three methods at two spacings; solved light is best before surfaces. The two harder scenes have pictures of our worst places."""
     def method(weights, light, rmse, per_probe, probes):
         some = {"rmse": rmse, "smape": .1, "colour": {"mean": 2.0, "p95": 4.0}, "unlit": .001, "outside": 0.0}
         surface = {**some, "by_distance": [{"from_m": low, "to_m": high, "rmse": rmse * (1 + low)} for low, high in ((.02, .05), (.05, .1), (.1, .2), (.2, .5))]}
@@ -192,7 +203,10 @@ def light(scene, harder):
 
     methods = lambda far, probes: [method("valid trilinear", "point", .2 * harder * far, 33, probes), method("DDGI as shipped", "own", .18 * harder * far, 1288, probes),
                                    method("tent_mlp", "solved", .1 * harder * far, 59, probes)]
-    return {"schema_version": 1, "scene": scene, "truth": {"all_bounces_in_one_ray": True}, "spacings": [{"spacing_m": 1.0, "methods": methods(1, 800)}, {"spacing_m": 2.0, "methods": methods(1.6, 120)}]}
+    fine, coarse = methods(1, 800), methods(1.6, 120)
+    for rank, place in enumerate(fine[2]["worst"] if harder > 1 else ()):
+        place["picture"] = f"pictures/{harder}_{rank}.png"
+    return {"schema_version": 1, "scene": scene, "truth": {"all_bounces_in_one_ray": True}, "spacings": [{"spacing_m": 1.0, "methods": fine}, {"spacing_m": 2.0, "methods": coarse}]}
 
 
 def write_csv(path, header, rows):
@@ -232,6 +246,11 @@ def write_all(folder):
         write_json(path(f"bake{index}.json"), bake(scene, ("savings", "needs")[index]))
     for index, scene in enumerate(SCENES):
         write_json(path(f"light{index}.json"), light(scene, 1 + index))
+    os.makedirs(path("pictures"), exist_ok=True)
+    for harder in (2, 3):
+        for rank in range(10):
+            with open(path(f"pictures/{harder}_{rank}.png"), "wb") as file:
+                file.write(png(72, 24, 20 * harder + rank))
     needed = ["--summary", path("summary.json"), "--functions", path("functions.csv"), "--slices", path("slices.json"), "--basis", path("basis.json"),
               "--logs", *(path(f"{name}.csv") for name in REPRESENTATIONS)]
     left_out = ["train.steps: 3000, full 8000", 'report.small_scenes: ["doorway", "table"], full ["two_rooms", "doorway", "table"]']

@@ -3,6 +3,7 @@
 
     report_test.py
 """
+import base64
 import html.parser
 import json
 import os
@@ -115,6 +116,7 @@ def check_page(needed, proof):
     expect(text.count('<tr class="fails-check">') == 1, "a case that holds but fails the bake's check is not marked as what it is")
     expect(text.count('<tr class="not-run">') == 1 and "19 of 21 cases hold; 1 fails and is explained; 1 fails without an explanation; the bake’s check fails 1 of those that hold; 1 was not run." in text,
            "a case that was not run counts as one that held or failed")
+    expect(text.count('alt="Worst place ') == 10 and text.count("; truth 0.50, 0.40, 0.30, answer 0.90, 0.40, 0.30") == 10, "the worst places have no pictures, or do not say what is seen there")
     expect("brings back 2 settings" in text and "<li>train, steps: 3,000 instead of 8,000</li>" in text and "doorway, table instead of two_rooms, doorway, table" in text, "a short run does not say what it left out")
     expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
     expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
@@ -325,6 +327,13 @@ def check_light():
     expect([round(x) for x, _, _ in line] == [1288 * 120, 1288 * 800] and abs(line[1][1] - mean) < 1e-9 and abs(line[0][1] - 1.6 * mean) < 1e-9, f"DDGI's line: {line}")
     worst = some.worst()
     expect(len(worst) == 10 and worst[0]["error"] == "3.00" and worst[0]["scene"] == made_up.SCENES[2] and [float(row["error"]) for row in worst] == sorted((float(row["error"]) for row in worst), reverse=True), f"{worst}")
+    with open("pictures/3_0.png", "rb") as file:
+        first = "data:image/png;base64," + base64.b64encode(file.read()).decode()
+    pictures = [row["picture"] for row in worst]
+    # the easiest scene's worst place, of error 1, is not among the ten
+    expect(pictures[0] == first and all(pictures) and len(set(pictures)) == 10 and [row["number"] for row in worst] == list(range(1, 11)), f"pictures of worst places: {[picture[-40:] for picture in pictures]}")
+    easy = light_section.LightSection(light_figures.read_all(files[:1]), "tent_mlp").worst()
+    expect(len(easy) == 10 and not any(row["picture"] for row in easy), "a result without pictures has some")
     heads, distances = some.distances()
     expect(heads == ["2–5 cm", "5–10 cm", "10–20 cm", "20–50 cm"] and distances[2]["texts"][0] == f"{.2 * 1.02:.3f}", f"{heads}, {distances[2]}")
     expect("3 scenes, probes 1 and 2 m apart. At 1 m tent_mlp with light solved for has an RMSE of 0.200 in air" in some.sentence() and "The least has tent_mlp, solved for (in air, before surfaces, there with any normal)." in some.sentence(), some.sentence())
@@ -379,10 +388,18 @@ def check_refusals(needed):
             ("light0.json", lambda c: c["spacings"][0]["methods"][0].update(light="moon"), "spacings[0].methods[0].light"),
             ("light0.json", lambda c: c["truth"].update(all_bounces_in_one_ray=1), "truth.all_bounces_in_one_ray"),
             ("light0.json", lambda c: c["spacings"][0]["methods"][0]["worst"][0]["position_m"].pop(), "worst[0].position_m"),
+            ("light0.json", lambda c: c["spacings"][0]["methods"][2]["worst"][0].update(picture=7), "worst[0].picture"),
             ("bake0.json", lambda c: c.pop("savings"), "savings"),
             ("bake0.json", lambda c: c["savings"][0].update(count=91), "savings[0].count"),
             ("bake0.json", lambda c: c["savings"][1].update(seconds_saved="x"), "savings[1].seconds_saved")]:
         refuses([place], readers[source], changed(source, change))
+    for picture, words in (("pictures/none.png", ("pictures/none.png", "file")), ("light0.json", ("light0.json", "a PNG file"))):
+        points = light_figures.read_points(changed("light0.json", lambda c: c["spacings"][0]["methods"][2]["worst"][0].update(picture=picture)))
+        try:
+            light_section.LightSection(points, "tent_mlp").worst()
+            expect(False, f"a picture {picture} is taken")
+        except inputs.InputError as error:
+            expect(all(word in str(error) for word in words), f"a picture {picture}: {error}")
     # weights that the summary does not judge
     summary = read(needed).summary
     for source in ("frontier.json", "stability.json"):

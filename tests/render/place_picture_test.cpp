@@ -1,0 +1,84 @@
+#include "render/place_picture.h"
+
+#include <gtest/gtest.h>
+
+#include "datagen/view/colour_map.h"
+#include "tests/datagen/hand_built_scenes.h"
+
+namespace nlg {
+namespace {
+
+// A room of 4 x 2.5 x 6 m without any light.
+struct DarkRoom {
+  DarkRoom() : scene(make()), rays(scene), transport(scene, rays) {}
+  static Scene make() {
+    SceneOfFaces faces;
+    faces.addRoom({-2, -1, -3}, {2, 1.5f, 3}, 0.2f);
+    return faces.finish();
+  }
+  Scene scene;
+  RayScene rays;
+  LightTransport transport;
+};
+
+LightingMethod even(float irradiance) {
+  return {"even", [irradiance](std::span<const Receiver> receivers, ReceivedLight* received) {
+            for (size_t i = 0; i < receivers.size(); ++i) received[i] = {glm::vec3(irradiance), glm::vec3(0.0f), true};
+          }};
+}
+
+MeasuredPlace darkPlace(float answer) { return {{{0.3, 0.2, -1.0}, {0, 0, 1}}, glm::vec3(0.0f), glm::vec3(answer), 1.0, answer}; }
+
+PlacePictureOptions smallPicture(int threads = 1) {
+  PlacePictureOptions options;
+  options.width = 48;
+  options.height = 32;
+  options.truth_rays = 32;
+  options.thread_count = threads;
+  return options;
+}
+
+int countOf(const Image& image, Colour colour) {
+  int count = 0;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) count += image.at(x, y) == colour;
+  }
+  return count;
+}
+
+TEST(PlacePicture, ViewStandsInTheOpenOnTheNormalsSide) {
+  const DarkRoom room;
+  for (const Receiver& place : {Receiver{{0, 0, 0}, {0, 1, 0}}, Receiver{{0.5, -0.95, 2}, {0, 1, 0}},
+                                Receiver{{1.97, 0.3, -1}, {-1, 0, 0}}, Receiver{{0, 1.48, 0}, {0, -1, 0}}}) {
+    const PlaceView view = viewOfPlace(room.transport, place);
+    const glm::dvec3 back = view.camera.eye_m - place.position_m;
+    EXPECT_GT(glm::dot(back, glm::dvec3(place.normal)), 0.0);
+    EXPECT_LE(glm::length(back), 3.0 + 1e-9);
+    EXPECT_GT(glm::length(back), 1.0) << "the room has space for more";
+    EXPECT_FALSE(room.rays.isBlocked(glm::vec3(place.position_m), glm::vec3(view.camera.eye_m)));
+    EXPECT_NEAR(glm::dot(glm::normalize(back), glm::dvec3(view.camera.forward)), -1.0, 1e-6);
+    EXPECT_GT(view.camera.up.y, 0.0f);
+    EXPECT_EQ(view.ball.centre_m, place.position_m);
+  }
+}
+
+// Three pictures of 48 x 32: truth is black, the answer is not; needles cover less than half of each.
+TEST(PlacePicture, LeakIsBrightBesideBlackTruthAndRedInTheError) {
+  const DarkRoom room;
+  const Image leaks = drawPlace(room.transport, darkPlace(3.0f), even(3.0f), smallPicture());
+  EXPECT_GT(countOf(leaks, kBlack), 48 * 32 / 2);
+  EXPECT_LE(countOf(leaks, kBlack), 48 * 32);
+  EXPECT_GT(countOf(leaks, diverging(1.0)), 48 * 32 / 2);
+  const Image right = drawPlace(room.transport, darkPlace(3.0f), even(0.0f), smallPicture());
+  EXPECT_GT(countOf(right, kBlack), 2 * 48 * 32 / 2);
+  EXPECT_EQ(countOf(right, diverging(1.0)), 0);
+}
+
+TEST(PlacePicture, SameForAnyThreads) {
+  const DarkRoom room;
+  EXPECT_EQ(drawPlace(room.transport, darkPlace(1.0f), even(1.0f), smallPicture(1)).bytes(),
+            drawPlace(room.transport, darkPlace(1.0f), even(1.0f), smallPicture(3)).bytes());
+}
+
+}  // namespace
+}  // namespace nlg
