@@ -199,7 +199,7 @@ typedef enum nlg_light_status {
  * rgb          3 floats, overwritten, none below 0 */
 nlg_light_status nlg_irradiance(const nlg_light_grid* grid, const double* position_m, const float* normal, float* rgb);
 
-/* Working memory of nlg_irradiances, 5 MB: for any grid, for one thread at a time. */
+/* Working memory of nlg_irradiances, 1.2 MB: for any grid, for one thread at a time. */
 typedef struct nlg_look_up_scratch nlg_look_up_scratch;
 
 /* returns   NLG_OK; NLG_OUT_OF_MEMORY, *scratch null; or NLG_SIMD_UNAVAILABLE as of nlg_generator_load, *scratch null */

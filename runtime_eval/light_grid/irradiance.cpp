@@ -1,7 +1,6 @@
 #include "runtime_eval/light_grid/irradiance.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace nlg {
 namespace {
@@ -14,11 +13,6 @@ LightStatus sharesAround(const LightGrid& grid, const ProbesAround& around, Prob
 }
 
 }  // namespace
-
-bool isDirection(const float* normal_3) {
-  // as the comparison is written, NaN is none
-  return std::abs(normal_3[0]) <= kMaxNormal && std::abs(normal_3[1]) <= kMaxNormal && std::abs(normal_3[2]) <= kMaxNormal;
-}
 
 const char* lightStatusName(LightStatus status) {
   switch (status) {

@@ -6,6 +6,7 @@
 // border is not dark. Takes no memory, cannot fail; any number of threads may look up in one grid.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -41,9 +42,12 @@ LightStatus lookUpLight(const LightGrid& grid, const PositionM& position_m, floa
 LightStatus lookUpIrradiance(const LightGrid& grid, const PositionM& position_m, const float* normal_3, float* rgb_3);
 
 inline constexpr float kMaxNormal = 1.5f;  // a component of a direction, generously: no rounding of length 1 reaches it
-bool isDirection(const float* normal_3);
+inline bool isDirection(const float* normal_3) {
+  // as the comparison is written, NaN is none
+  return std::abs(normal_3[0]) <= kMaxNormal && std::abs(normal_3[1]) <= kMaxNormal && std::abs(normal_3[2]) <= kMaxNormal;
+}
 
-// Working memory of lookUpIrradiances, 5 MB: for any grid, for one thread at a time.
+// Working memory of lookUpIrradiances, 1.2 MB: for any grid, for one thread at a time.
 class LookUpScratch {
  public:
   LookUpScratch();
@@ -58,8 +62,8 @@ class LookUpScratch {
   std::unique_ptr<Buffers> buffers_;
 };
 
-// lookUpIrradiance of many positions, on vectors: several times faster, the more so the more of the positions that stand near each
-// other in the list share a cell. A position has the same bits wherever it stands in whatever list, on one SIMD target; beside
+// lookUpIrradiance of many positions, on vectors: several times faster, the more so the more of the positions share a cell, and
+// once more where those stand near each other in the list. A position has the same bits wherever it stands in whatever list, on one SIMD target; beside
 // those of lookUpIrradiance, and on another target, they differ by rounding. Allocates nothing, cannot fail.
 //
 // positions_m   count of them

@@ -1,12 +1,16 @@
 // lookUpIrradiances: a block of positions at a time.
 //
-// Neighbours in the list that share a cell make a run; a run has 8 items, one a corner, and items are sorted by their function.
-// So each theta is read once a block and runs on full vectors of positions, as far as the list has them. Then weights become
-// shares for a vector of positions at once, and the 27 numbers of light are blended for one position after another, since 8
-// probes are what neighbours need not share.
+// Neighbours in the list that share a cell make a run, and a block's runs are brought into the order of their cells: whatever the
+// list was, what follows one another then stands in one place of the level. Positions in that order are cut into chunks whose
+// weights, runs and items stay in the level-2 cache. A run has 8 items, one a corner, and a chunk's items are sorted by their
+// function: each theta is read once a chunk and runs on vectors of positions, gathered on a stage. Then weights become shares for
+// a vector of positions at once, and the 27 numbers of light are blended for one position after another, since 8 probes are what
+// neighbours need not share.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
+#include <utility>
 
 #include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/light_grid/irradiance.h"
@@ -16,45 +20,85 @@
 #define HWY_TARGET_INCLUDE "runtime_eval/light_grid/irradiance_batch.cpp"
 #include <hwy/foreach_target.h>
 // after foreach_target.h
+#include <hwy/cache_control.h>
+
 #include "runtime_eval/evaluator/tiny_network-inl.h"
 
 #ifndef NLG_IRRADIANCE_BATCH_ONCE
 #define NLG_IRRADIANCE_BATCH_ONCE
 namespace nlg {
 
-constexpr size_t kBlockSize = 16384;  // positions: as many as let scattered ones share functions
-constexpr size_t kMaxRun = 128;       // positions of a run: with a group of lanes more, what the stage holds at least
-constexpr size_t kStageSize = 512;    // positions of one function that are evaluated together
+constexpr size_t kBlockSize = 16384;  // positions that are sorted together
+constexpr size_t kChunkSize = 2048;   // positions that share functions
+constexpr size_t kMaxRun = 128;       // positions of a run
+constexpr size_t kStageSize = 1024;   // positions at corners that are evaluated together
+constexpr size_t kPlacesAtOnce = 512;
+constexpr size_t kRunsAhead = 2;       // whose light is fetched
+constexpr size_t kListRunsAhead = 16;  // whose positions are fetched
 constexpr size_t kMaxLanes = 16;
-constexpr size_t kPadded = kBlockSize + kMaxLanes;  // vectors may write past the last position
+constexpr size_t kPadded = kChunkSize + kMaxLanes;  // vectors may write past the last position
 
-// Neighbours in the list in one cell.
+// Neighbours in the list in one cell: what is sorted, by first_slot.
+struct ListRun {
+  uint32_t first_slot, first;  // names the cell; position of the block
+  uint16_t count;
+  uint8_t edge, cell_log2;  // as CellPlace has them
+};
+static_assert(kMaxRun <= UINT16_MAX);
+
+// Positions of a chunk in one cell, side by side.
 struct CellRun {
-  uint32_t first, count;  // positions of the block
+  uint32_t first, count, first_slot;
+  uint8_t free_corners, dark_corners;  // bits: probes in free space, probes without weight
   CellCorners corners;
 };
 
-// One corner of one run, by function: what is sorted.
+// One corner of one run that has a function: what is sorted, by function. All that its evaluation needs of the run.
 struct RunItem {
   uint32_t function;
-  uint32_t corner_of_run;  // 8 run + corner
+  uint16_t first;  // position of the chunk
+  uint8_t count;
+  uint8_t corner : 4, spacing_log2 : 4;  // as CellCorners has them
+};
+static_assert(sizeof(RunItem) == 8 && kChunkSize <= 1 << 16 && kMaxRun < 1 << 8);
+
+// Items of one function on the stage.
+struct StageSegment {
+  uint32_t function;
+  uint32_t first_item, end_item;
+  uint32_t first, end;  // places; first is a multiple of kMaxLanes
 };
 
 struct LookUpScratch::Buffers {
-  std::array<CellPlace, kBlockSize> places;
-  alignas(64) float from_low[3][kPadded];
-  alignas(64) float weight[8][kPadded];   // by corner; shares in the end
+  // of a block, in the order of the list
+  std::array<CellPlace, kPlacesAtOnce> places;
+  alignas(64) float block_from_low[4 * kBlockSize];  // x, y, z, 0
+  std::array<ListRun, kBlockSize> list_runs, spare_runs;
+  size_t list_run_count;
+  const ListRun* sorted_runs;
+
+  // of a chunk, in the order of cells
+  size_t position_count, run_count, item_count;
+  std::array<uint32_t, kChunkSize> order;  // position of the block
+  alignas(64) float from_low[4 * kPadded];
+  alignas(64) float weight[8][kPadded];   // by corner: values of functions first, shares in the end
   alignas(64) float residue[8][kPadded];  // what weights lose
   alignas(64) float share_sum[kPadded];   // 0: no function has weight
-  std::array<CellRun, kBlockSize> runs;
-  std::array<RunItem, 8 * kBlockSize> items, sorted;
-  size_t run_count, item_count;
-  PointSet stage;  // local coordinates and tents of positions of one function
+  std::array<CellRun, kChunkSize> runs;
+  std::array<RunItem, 8 * kChunkSize> items, spare_items;
+  const RunItem* sorted_items;
+
+  // of a stage
+  size_t segment_count, staged_count;
+  std::array<StageSegment, kStageSize / kMaxLanes> segments;
+  alignas(64) float stage[4 * (kStageSize + kMaxLanes)];  // local x, y, z and the cell's side over the probe's spacing
   alignas(64) float value[kStageSize + kMaxLanes];
+  PointSet field_points;  // of a segment, for product fields
 
   Buffers() {
-    stage.padded_count = static_cast<int>(kStageSize + kMaxLanes);
-    for (AlignedFloats* list : {&stage.x, &stage.y, &stage.z, &stage.tent}) list->assign(kStageSize + kMaxLanes, 0.0f);
+    std::fill_n(from_low, std::size(from_low), 0.0f);
+    std::fill_n(stage, std::size(stage), 0.0f);
+    for (AlignedFloats* list : {&field_points.x, &field_points.y, &field_points.z}) list->assign(kStageSize, 0.0f);
   }
 };
 
@@ -66,6 +110,26 @@ struct BatchSlice {
   float* result;  // 3 floats a position, or kShFloats
   LightStatus* status;
 };
+
+// Of one position of the slice, by itself.
+void lookUpOne(const LightGrid& grid, const BatchSlice& slice, size_t i);
+
+// By key, and by place in the list where that is the same: counting sort of one byte after another.
+//
+// spare     as many as items; either of the two holds the result
+// largest   of the keys
+template <class Item, class Key>
+const Item* sortByKey(Item* items, Item* spare, size_t count, uint32_t largest, const Key& key) {
+  for (int shift = 0; shift < 32 && largest >> shift != 0; shift += 8) {
+    std::array<uint32_t, 256> place{};
+    for (size_t i = 0; i < count; ++i) ++place[key(items[i]) >> shift & 0xff];
+    uint32_t next = 0;
+    for (uint32_t& bucket : place) next += std::exchange(bucket, next);
+    for (size_t i = 0; i < count; ++i) spare[place[key(items[i]) >> shift & 0xff]++] = items[i];
+    std::swap(items, spare);
+  }
+  return items;
+}
 
 }  // namespace nlg
 #endif  // NLG_IRRADIANCE_BATCH_ONCE
@@ -83,129 +147,222 @@ HWY_INLINE void storeFirst(FloatTag d, Floats value, float* to, size_t count) {
   hn::BlendedStore(value, hn::FirstN(d, count), d, to);
 }
 
-// Local coordinates of a vector of positions at a corner, and what bounds and scales its function there.
-struct CornerLanes {
-  Floats local[3], tent, ratio;
-};
-
-HWY_INLINE CornerLanes cornerLanes(FloatTag d, const Buffers& b, size_t position, uint32_t corner, float cell_per_spacing) {
-  CornerLanes lanes;
-  const Floats one = hn::Set(d, 1.0f), scale = hn::Set(d, cell_per_spacing);
-  lanes.tent = lanes.ratio = one;
-  for (uint32_t axis = 0; axis < 3; ++axis) {
-    const Floats from_low = hn::LoadU(d, &b.from_low[axis][position]);
-    const bool is_high = corner >> axis & 1;
-    const Floats distance = is_high ? hn::Sub(one, from_low) : from_low;
-    const Floats local = hn::Mul(distance, scale), to_border = hn::Sub(one, local);
-    lanes.local[axis] = is_high ? hn::Neg(local) : local;
-    lanes.tent = hn::Mul(lanes.tent, to_border);
-    if (cell_per_spacing < 1.0f) lanes.ratio = hn::Mul(lanes.ratio, hn::Div(hn::Sub(one, distance), to_border));
-  }
-  return lanes;
+// One value for a corner of all positions of a run.
+template <class Run>
+HWY_INLINE void fillRun(FloatTag d, const Run& run, float value, float* of_corner) {
+  const Floats values = hn::Set(d, value);
+  for (size_t i = 0; i < run.count; i += hn::Lanes(d))
+    storeFirst(d, values, of_corner + run.first + i, std::min(hn::Lanes(d), run.count - i));
 }
 
-// The bare tents of one corner of a run.
-void addTents(Buffers& b, const CellRun& run, uint32_t corner) {
+// Residues that are nearly all of a chunk's, and corners without a function: in free space 1, which the tent bounds.
+void fillWithoutFunction(float usual_residue, Buffers& b) {
   const FloatTag d;
-  const size_t lanes = hn::Lanes(d);
-  for (size_t i = 0; i < run.count; i += lanes) {
-    const CornerLanes at = cornerLanes(d, b, run.first + i, corner, run.corners.cell_per_spacing[corner]);
-    const size_t count = std::min(lanes, run.count - i);
-    storeFirst(d, hn::Mul(at.tent, at.ratio), &b.weight[corner][run.first + i], count);
-    storeFirst(d, hn::Zero(d), &b.residue[corner][run.first + i], count);
+  const Floats residue = hn::Set(d, usual_residue);
+  for (float* of_corner : b.residue) {
+    for (size_t i = 0; i < b.position_count; i += hn::Lanes(d)) hn::Store(residue, d, of_corner + i);
   }
+  for (size_t r = 0; r < b.run_count; ++r) {
+    const CellRun& run = b.runs[r];
+    for (uint32_t left = run.free_corners | run.dark_corners; left != 0; left &= left - 1) {
+      const int corner = std::countr_zero(left);
+      fillRun(d, run, static_cast<float>(run.free_corners >> corner & 1), b.weight[corner]);
+      fillRun(d, run, 0.0f, b.residue[corner]);
+    }
+  }
+}
+
+// What brings a position in its cell into a probe's support: (turn * from_low + shift) * sign * the cell's side over the probe's
+// spacing; of the fourth number that ratio itself.
+struct CornerMap {
+  alignas(16) float turn[4], shift[4], sign[4];
+};
+
+// By CellCorners::spacing_log2.
+constexpr float kCellPerSpacing[] = {1.0f, 0x1p-1f, 0x1p-2f, 0x1p-3f, 0x1p-4f, 0x1p-5f, 0x1p-6f};
+
+constexpr std::array<CornerMap, 8> kCornerMaps = [] {
+  std::array<CornerMap, 8> maps{};
+  for (int corner = 0; corner < 8; ++corner) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool is_high = corner >> axis & 1;
+      maps[corner].turn[axis] = maps[corner].sign[axis] = is_high ? -1.0f : 1.0f;
+      maps[corner].shift[axis] = is_high ? 1.0f : 0.0f;
+    }
+    maps[corner].turn[3] = 0.0f;
+    maps[corner].shift[3] = maps[corner].sign[3] = 1.0f;
+  }
+  return maps;
+}();
+
+// Lanes i, i + 1, … of four numbers that go round.
+HWY_INLINE Floats loadFour(FloatTag d, const float* four, size_t i) {
+  return hn::MaxLanes(d) < 4 ? hn::Set(d, four[i % 4]) : hn::LoadDup128(d, four);
+}
+
+// A corner of a run, from place `to` on. Up to a vector more is written.
+HWY_INLINE void stageItem(const RunItem& item, size_t to, Buffers& b) {
+  const FloatTag d;
+  const CornerMap& map = kCornerMaps[item.corner];
+  const Floats side = hn::Set(d, kCellPerSpacing[item.spacing_log2]);
+  const float* from_low = b.from_low + 4 * size_t{item.first};
+  float* stage = b.stage + 4 * to;
+  for (size_t i = 0; i < 4 * size_t{item.count}; i += hn::Lanes(d)) {
+    const Floats scale = hn::Mul(loadFour(d, map.sign, i), side);
+    const Floats distance = hn::MulAdd(loadFour(d, map.turn, i), hn::LoadU(d, from_low + i), loadFour(d, map.shift, i));
+    hn::StoreU(hn::Mul(distance, scale), d, stage + i);
+  }
+}
+
+// A vector of the stage.
+struct StageLanes {
+  Floats x, y, z, side;  // local coordinates; the cell's side over the probe's spacing
+};
+
+HWY_INLINE StageLanes loadStage(FloatTag d, const Buffers& b, size_t place) {
+  StageLanes at;
+  hn::LoadInterleaved4(d, b.stage + 4 * place, at.x, at.y, at.z, at.side);
+  return at;
+}
+
+HWY_INLINE Floats tentAt(FloatTag d, const StageLanes& at) {
+  const Floats one = hn::Set(d, 1.0f);
+  return hn::Mul(hn::Mul(hn::Sub(one, hn::Abs(at.x)), hn::Sub(one, hn::Abs(at.y))), hn::Sub(one, hn::Abs(at.z)));
+}
+
+// The value times the cell's tent over the tent of the probe's own support.
+HWY_INLINE Floats timesTentRatio(FloatTag d, const StageLanes& at, Floats value) {
+  const Floats one = hn::Set(d, 1.0f);
+  const auto is_own = hn::Eq(at.side, one);
+  if (HWY_LIKELY(hn::AllTrue(d, is_own))) return value;
+  const Floats per_side = hn::Div(one, at.side);  // exact, a power of two
+  Floats ratio = one;
+  for (const Floats local : {hn::Abs(at.x), hn::Abs(at.y), hn::Abs(at.z)})
+    ratio = hn::Mul(ratio, hn::Div(hn::NegMulAdd(local, per_side, one), hn::Sub(one, local)));
+  return hn::IfThenElse(is_own, value, hn::Mul(value, ratio));
 }
 
 template <NetworkShape kShape>
-void evaluateStage(const Representation& representation, size_t count, const float* HWY_RESTRICT theta, Buffers& b) {
+void evaluateNetworks(const Representation& representation, const StageSegment& segment, const float* HWY_RESTRICT theta,
+                      Buffers& b) {
   const FloatTag d;
   const Floats slope = hn::Set(d, representation.slope);
   const bool tent_factor = representation.tentFactor();
-  for (size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const Floats x = hn::Load(d, &b.stage.x[i]), y = hn::Load(d, &b.stage.y[i]), z = hn::Load(d, &b.stage.z[i]);
+  for (size_t i = segment.first; i < segment.end; i += hn::Lanes(d)) {
+    const StageLanes at = loadStage(d, b, i);
     Hidden<kShape, 1> hidden;
     Floats output;
-    forwardNetwork<kShape, 1>(d, theta, slope, &x, &y, &z, hidden, &output);
+    forwardNetwork<kShape, 1>(d, theta, slope, &at.x, &at.y, &at.z, hidden, &output);
     output = outputValue<kShape.output>(d, output).value;
-    if (tent_factor) output = hn::Mul(output, hn::Load(d, &b.stage.tent[i]));
-    hn::Store(output, d, &b.value[i]);
+    if (tent_factor) output = hn::Mul(output, tentAt(d, at));
+    hn::Store(timesTentRatio(d, at, output), d, b.value + i);
   }
 }
 
-void evaluateStaged(const Representation& representation, size_t count, const float* theta, Buffers& b) {
+void evaluateFields(const Representation& representation, const StageSegment& segment, const float* theta, Buffers& b) {
+  const FloatTag d;
+  PointSet& points = b.field_points;
+  const size_t count = segment.end - segment.first;
+  points.count = static_cast<int>(count);
+  points.padded_count = static_cast<int>(padded(count, kMaxLanes));
+  for (size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const StageLanes at = loadStage(d, b, segment.first + i);
+    hn::Store(at.x, d, &points.x[i]);
+    hn::Store(at.y, d, &points.y[i]);
+    hn::Store(at.z, d, &points.z[i]);
+  }
+  float* value = b.value + segment.first;
+  evaluateField(representation.resolution, points, theta, value);
+  for (size_t i = 0; i < count; i += hn::Lanes(d))
+    hn::Store(timesTentRatio(d, loadStage(d, b, segment.first + i), hn::Load(d, value + i)), d, value + i);
+}
+
+const Representation& representationOf(const LightGrid& grid, uint32_t function) {
+  return grid.representations[grid.function_representation[function]];
+}
+
+void evaluateSegment(const LightGrid& grid, const StageSegment& segment, Buffers& b) {
+  const Representation& representation = representationOf(grid, segment.function);
+  const float* theta = grid.functionTheta(segment.function);
   if (representation.isField()) {
-    b.stage.count = static_cast<int>(count);
-    b.stage.padded_count = static_cast<int>(padded(count, kMaxLanes));
-    evaluateField(representation.resolution, b.stage, theta, b.value);
+    evaluateFields(representation, segment, theta, b);
     return;
   }
-  withNetworkShape(representation, [&]<NetworkShape kShape>() { evaluateStage<kShape>(representation, count, theta, b); });
+  withNetworkShape(representation, [&]<NetworkShape kShape>() { evaluateNetworks<kShape>(representation, segment, theta, b); });
 }
 
-// Items of one function, as many as the stage holds: their positions side by side, evaluated, and their weights put where they
-// belong.
-void addFunctions(const LightGrid& grid, const RunItem* items, size_t item_count, Buffers& b) {
+// What nearly all functions of a grid have.
+float usualResidue(const LightGrid& grid) { return grid.representations.empty() ? 0.0f : grid.representations[0].residue(); }
+
+// Values of a segment to where they belong.
+void takeFromStage(const LightGrid& grid, const StageSegment& segment, Buffers& b) {
   const FloatTag d;
-  const size_t lanes = hn::Lanes(d);
-  size_t staged = 0;
-  for (size_t k = 0; k < item_count; ++k) {
-    const CellRun& run = b.runs[items[k].corner_of_run / 8];
-    const uint32_t corner = items[k].corner_of_run % 8;
-    for (size_t i = 0; i < run.count; i += lanes) {
-      const CornerLanes at = cornerLanes(d, b, run.first + i, corner, run.corners.cell_per_spacing[corner]);
-      hn::StoreU(at.local[0], d, &b.stage.x[staged + i]);
-      hn::StoreU(at.local[1], d, &b.stage.y[staged + i]);
-      hn::StoreU(at.local[2], d, &b.stage.z[staged + i]);
-      hn::StoreU(at.tent, d, &b.stage.tent[staged + i]);
-      const size_t count = std::min(lanes, run.count - i);
-      storeFirst(d, at.ratio, &b.weight[corner][run.first + i], count);
-    }
-    staged += run.count;
-  }
-  const Representation& representation = grid.representations[grid.function_representation[items[0].function]];
-  evaluateStaged(representation, staged, grid.functionTheta(items[0].function), b);
-  const Floats zero = hn::Zero(d), residue = hn::Set(d, representation.residue());
-  staged = 0;
-  for (size_t k = 0; k < item_count; ++k) {
-    const CellRun& run = b.runs[items[k].corner_of_run / 8];
-    const uint32_t corner = items[k].corner_of_run % 8;
-    for (size_t i = 0; i < run.count; i += lanes) {
-      const Floats value = hn::LoadU(d, &b.value[staged + i]), tent = hn::LoadU(d, &b.stage.tent[staged + i]);
-      // what is no number is no weight either
-      const Floats bounded = hn::IfThenElse(hn::Gt(value, zero), hn::Min(value, tent), zero);
-      float* weight = &b.weight[corner][run.first + i];
-      const size_t count = std::min(lanes, run.count - i);
-      storeFirst(d, hn::Mul(bounded, hn::LoadU(d, weight)), weight, count);
-      storeFirst(d, residue, &b.residue[corner][run.first + i], count);
-    }
-    staged += run.count;
+  const float residue = representationOf(grid, segment.function).residue(), usual_residue = usualResidue(grid);
+  const float* value = b.value + segment.first;
+  for (size_t k = segment.first_item; k < segment.end_item; ++k) {
+    const RunItem& item = b.sorted_items[k];
+    float* weight = &b.weight[item.corner][item.first];
+    for (size_t i = 0; i < item.count; i += hn::Lanes(d))
+      storeFirst(d, hn::LoadU(d, value + i), weight + i, std::min(hn::Lanes(d), item.count - i));
+    if (residue != usual_residue) fillRun(d, item, residue, b.residue[item.corner]);
+    value += item.count;
   }
 }
 
-// Items of each function that follow one another, in pieces that the stage holds.
-void addAllFunctions(const LightGrid& grid, Buffers& b) {
-  size_t first = 0;
-  while (first < b.item_count) {
-    size_t end = first, staged = 0;
-    for (; end < b.item_count && b.items[end].function == b.items[first].function; ++end) {
-      const size_t count = b.runs[b.items[end].corner_of_run / 8].count;
-      if (staged + count > kStageSize) break;
-      staged += count;
-    }
-    addFunctions(grid, &b.items[first], end - first, b);
-    first = end;
-  }
+void finishStage(const LightGrid& grid, Buffers& b) {
+  for (size_t s = 0; s < b.segment_count; ++s) evaluateSegment(grid, b.segments[s], b);
+  for (size_t s = 0; s < b.segment_count; ++s) takeFromStage(grid, b.segments[s], b);
+  b.segment_count = b.staged_count = 0;
 }
 
-// Takes residues off and divides by the sum; share_sum becomes 0 where nothing is left.
-void normalise(Buffers& b, size_t count) {
+void prefetchTheta(const LightGrid& grid, uint32_t function) {
+  const float* theta = grid.functionTheta(function);
+  const size_t count = grid.theta_begin[function + 1] - grid.theta_begin[function];
+  for (size_t i = 0; i < count; i += 16) hwy::Prefetch(theta + i);
+}
+
+// All items: a stage full at a time, one segment a function.
+void addFunctions(const LightGrid& grid, Buffers& b) {
+  b.segment_count = b.staged_count = 0;
+  for (uint32_t k = 0; k < b.item_count; ++k) {
+    const RunItem& item = b.sorted_items[k];
+    bool goes_on = b.segment_count > 0 && b.segments[b.segment_count - 1].function == item.function;
+    if (!goes_on) b.staged_count = padded(b.staged_count, kMaxLanes);
+    if (b.staged_count + item.count > kStageSize) {
+      finishStage(grid, b);
+      goes_on = false;
+    }
+    const auto first = static_cast<uint32_t>(b.staged_count);
+    if (!goes_on) {
+      b.segments[b.segment_count++] = {item.function, k, k, first, first};
+      prefetchTheta(grid, item.function);
+    }
+    stageItem(item, first, b);
+    b.staged_count += item.count;
+    b.segments[b.segment_count - 1].end_item = k + 1;
+    b.segments[b.segment_count - 1].end = static_cast<uint32_t>(b.staged_count);
+  }
+  finishStage(grid, b);
+}
+
+// Bounds values by the cell's tents, takes residues off and divides by the sum; share_sum becomes 0 where nothing is left.
+void normalise(Buffers& b) {
   const FloatTag d;
   const Floats half = hn::Set(d, 0.5f), least = hn::Set(d, kLeastWeight), zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-  for (size_t i = 0; i < count; i += hn::Lanes(d)) {
+  for (size_t i = 0; i < b.position_count; i += hn::Lanes(d)) {
+    Floats x, y, z, unused;
+    hn::LoadInterleaved4(d, b.from_low + 4 * i, x, y, z, unused);
+    const Floats low_x = hn::Sub(one, x), low_y = hn::Sub(one, y), low_z = hn::Sub(one, z);
+    const Floats to_x[2] = {low_x, hn::Sub(one, low_x)}, to_y[2] = {low_y, hn::Sub(one, low_y)},
+                 to_z[2] = {low_z, hn::Sub(one, low_z)};
+    const Floats to_xy[4] = {hn::Mul(to_x[0], to_y[0]), hn::Mul(to_x[1], to_y[0]), hn::Mul(to_x[0], to_y[1]),
+                             hn::Mul(to_x[1], to_y[1])};
     Floats weight[8], largest = zero, sum = zero;
 #pragma GCC unroll 8
     for (int c = 0; c < 8; ++c) {
-      weight[c] = hn::Load(d, &b.weight[c][i]);
+      const Floats value = hn::Load(d, &b.weight[c][i]), tent = hn::Mul(to_xy[c % 4], to_z[c / 4]);
+      // what is no number is no weight either
+      weight[c] = hn::IfThenElse(hn::Gt(value, zero), hn::Min(value, tent), zero);
       largest = hn::Max(largest, weight[c]);
     }
     const Floats most = hn::Mul(half, largest);
@@ -253,70 +410,119 @@ HWY_INLINE void storeLight(FloatTag d, const LightLanes& light, float* light_9x3
   std::memcpy(light_9x3 + kLastPiece, floats, (kShFloats - kLastPiece) * sizeof(float));
 }
 
-HWY_INLINE LightLanes blend(FloatTag d, const LightGrid& grid, const Buffers& b, const CellCorners& corners, size_t position) {
+// Light of the probes of a run.
+using CornerLights = std::array<const float*, 8>;
+
+HWY_INLINE LightLanes blend(FloatTag d, const CornerLights& lights, const Buffers& b, size_t position) {
   LightLanes light;
   for (size_t p = 0; p < kPieces; ++p) light.piece[p] = hn::Zero(d);
-  for (int c = 0; c < 8; ++c) {
-    const float share = b.weight[c][position];
-    const float* from = grid.probeLight(corners.probe[c]);
+#pragma GCC unroll 8
+  for (size_t c = 0; c < 8; ++c) {
+    const Floats share = hn::Set(d, b.weight[c][position]);
 #pragma GCC unroll 9
-    for (size_t p = 0; p < kPieces; ++p) light.piece[p] = hn::MulAdd(hn::Set(d, share), loadPiece(d, from, p), light.piece[p]);
+    for (size_t p = 0; p < kPieces; ++p) light.piece[p] = hn::MulAdd(share, loadPiece(d, lights[c], p), light.piece[p]);
   }
   return light;
 }
 
-HWY_INLINE void storeIrradiance(FloatTag d, const LightLanes& light, const float* normal_3, float* rgb_3) {
-  const std::array<float, kShCount> basis = shBasis(normal_3[0], normal_3[1], normal_3[2]);
-  float factors[kLastPiece + hn::MaxLanes(FloatTag())] = {};  // a coefficient's, once a channel
-  for (size_t i = 0; i < kShFloats; ++i) factors[i] = kCosineBand[i / kShChannels] * basis[i / kShChannels];
-  if constexpr (kTriples == 1) {
-    float sum[kShChannels] = {};
-    for (size_t p = 0; p < kPieces; ++p) sum[p % kShChannels] += factors[p] * hn::GetLane(light.piece[p]);
-    for (int c = 0; c < kShChannels; ++c) rgb_3[c] = std::max(0.0f, sum[c]);
-  } else {
-    Floats sum = hn::Zero(d);
-#pragma GCC unroll 9
-    for (size_t p = 0; p < kPieces; ++p) sum = hn::MulAdd(hn::LoadU(d, factors + p * kTriples), light.piece[p], sum);
-    alignas(64) float lanes[hn::MaxLanes(FloatTag())];
-    hn::Store(sum, d, lanes);
-    for (size_t c = 0; c < kShChannels; ++c) {
-      float total = lanes[c];
-      for (size_t i = c + kShChannels; i < kTriples; i += kShChannels) total += lanes[i];
-      rgb_3[c] = std::max(0.0f, total);
+// What irradiance takes of each coefficient, as a polynomial of the normal: once a channel, as light lies in memory. Terms are
+// 1, x, y, z, xx, yy, zz, xy, yz, xz.
+constexpr size_t kTerms = 10;
+constexpr size_t kFactorFloats = kLastPiece + hn::MaxLanes(FloatTag());
+
+struct FactorTable {
+  alignas(64) float of_term[kTerms][kFactorFloats];  // 0 behind the last coefficient
+  bool is_needed[kPieces][kTerms];                   // by any lane of a piece
+};
+
+constexpr FactorTable kFactors = [] {
+  FactorTable table{};
+  const auto zero = shBasis(0, 0, 0);
+  const std::array<float, kShCount> plus[3] = {shBasis(1, 0, 0), shBasis(0, 1, 0), shBasis(0, 0, 1)},
+                                    minus[3] = {shBasis(-1, 0, 0), shBasis(0, -1, 0), shBasis(0, 0, -1)},
+                                    both[3] = {shBasis(1, 1, 0), shBasis(0, 1, 1), shBasis(1, 0, 1)};
+  for (size_t i = 0; i < kShFloats; ++i) {
+    const size_t k = i / kShChannels;
+    float term[kTerms] = {zero[k]};
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const size_t next = (axis + 1) % 3;
+      term[1 + axis] = 0.5f * (plus[axis][k] - minus[axis][k]);
+      term[4 + axis] = 0.5f * (plus[axis][k] + minus[axis][k]) - zero[k];
+      term[7 + axis] = both[axis][k] - plus[axis][k] - plus[next][k] + zero[k];
     }
+    for (size_t t = 0; t < kTerms; ++t) {
+      table.of_term[t][i] = kCosineBand[k] * term[t];
+      table.is_needed[i / kTriples][t] |= term[t] != 0.0f;
+    }
+  }
+  return table;
+}();
+
+HWY_INLINE void storeIrradiance(FloatTag d, const LightLanes& light, const float* normal_3, float* rgb_3) {
+  const Floats x = hn::Set(d, normal_3[0]), y = hn::Set(d, normal_3[1]), z = hn::Set(d, normal_3[2]);
+  const Floats term[kTerms] = {
+      hn::Set(d, 1.0f), x, y, z, hn::Mul(x, x), hn::Mul(y, y), hn::Mul(z, z), hn::Mul(x, y), hn::Mul(y, z), hn::Mul(x, z)};
+  Floats sum = hn::Zero(d);
+  alignas(64) float lanes[kPieces > kShChannels && kTriples == 1 ? kPieces : hn::MaxLanes(FloatTag())];
+#pragma GCC unroll 27
+  for (size_t p = 0; p < kPieces; ++p) {
+    Floats factor = hn::LoadU(d, kFactors.of_term[0] + p * kTriples);
+#pragma GCC unroll 10
+    for (size_t t = 1; t < kTerms; ++t) {
+      if (kFactors.is_needed[p][t]) factor = hn::MulAdd(hn::LoadU(d, kFactors.of_term[t] + p * kTriples), term[t], factor);
+    }
+    if constexpr (kTriples == 1) {
+      lanes[p] = hn::GetLane(hn::Mul(factor, light.piece[p]));
+    } else {
+      sum = hn::MulAdd(factor, light.piece[p], sum);
+    }
+  }
+  if constexpr (kTriples > 1) hn::Store(sum, d, lanes);
+  for (size_t c = 0; c < kShChannels; ++c) {
+    float total = lanes[c];
+    for (size_t i = c + kShChannels; i < (kTriples == 1 ? kPieces : kTriples); i += kShChannels) total += lanes[i];
+    rgb_3[c] = std::max(0.0f, total);
   }
 }
 
-// Of all positions in a run, where functions have weight; the others are for the caller.
+void prefetchLight(const LightGrid& grid, const CellCorners& corners) {
+  for (const uint32_t probe : corners.probe) {
+    hwy::Prefetch(grid.probeLight(probe));
+    hwy::Prefetch(grid.probeLight(probe) + 16);
+  }
+}
+
+// Of all positions in a run.
 void lightRun(const LightGrid& grid, const Buffers& b, const CellRun& run, const BatchSlice& slice) {
   const FloatTag d;
+  CornerLights lights;
+  for (size_t c = 0; c < 8; ++c) lights[c] = grid.probeLight(run.corners.probe[c]);
   for (size_t i = run.first; i < run.first + run.count; ++i) {
-    if (b.share_sum[i] == 0.0f) continue;
-    const LightLanes light = blend(d, grid, b, run.corners, i);
-    slice.status[i] = LightStatus::lit;
+    const size_t to = b.order[i];
+    const bool is_direction = slice.normals_3 == nullptr || isDirection(slice.normals_3 + kShChannels * to);
+    if (b.share_sum[i] == 0.0f || !is_direction) {
+      lookUpOne(grid, slice, to);
+      continue;
+    }
+    const LightLanes light = blend(d, lights, b, i);
+    slice.status[to] = LightStatus::lit;
     if (slice.normals_3 != nullptr) {
-      storeIrradiance(d, light, slice.normals_3 + 3 * i, slice.result + 3 * i);
+      storeIrradiance(d, light, slice.normals_3 + kShChannels * to, slice.result + kShChannels * to);
     } else {
-      storeLight(d, light, slice.result + kShFloats * i);
+      storeLight(d, light, slice.result + kShFloats * to);
     }
   }
 }
 
-// places, runs and items are there.
-void lightBlock(const LightGrid& grid, const BatchSlice& slice, Buffers& b) {
+// Positions, runs and items are there.
+void lightChunk(const LightGrid& grid, const BatchSlice& slice, Buffers& b) {
+  fillWithoutFunction(usualResidue(grid), b);
+  addFunctions(grid, b);
+  normalise(b);
   for (size_t r = 0; r < b.run_count; ++r) {
-    const CellRun& run = b.runs[r];
-    for (uint32_t c = 0; c < 8; ++c) {
-      const uint32_t function = grid.probe_function[run.corners.probe[c]];
-      if (function == kFreeSpace) addTents(b, run, c);
-      if (function != kNoWeight) continue;
-      std::fill_n(&b.weight[c][run.first], run.count, 0.0f);
-      std::fill_n(&b.residue[c][run.first], run.count, 0.0f);
-    }
+    if (r + kRunsAhead < b.run_count) prefetchLight(grid, b.runs[r + kRunsAhead].corners);
+    lightRun(grid, b, b.runs[r], slice);
   }
-  addAllFunctions(grid, b);
-  normalise(b, slice.count);
-  for (size_t r = 0; r < b.run_count; ++r) lightRun(grid, b, b.runs[r], slice);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -326,49 +532,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace nlg {
 
-HWY_EXPORT(lightBlock);
-
-namespace {
-
-// Cells, runs of positions in one cell, and items of all corners that have a function. Positions in no cell are in no run.
-void findRuns(const LightGrid& grid, const BatchSlice& slice, LookUpScratch::Buffers& b) {
-  grid.tree.findCells(slice.positions_m, slice.count, b.places.data());
-  b.run_count = b.item_count = 0;
-  for (uint32_t i = 0; i < slice.count; ++i) {
-    const CellPlace& place = b.places[i];
-    for (int axis = 0; axis < 3; ++axis) b.from_low[axis][i] = place.from_low[axis];
-    if (place.edge == 0) continue;
-    CellRun* last = b.run_count > 0 ? &b.runs[b.run_count - 1] : nullptr;
-    const bool goes_on = last != nullptr && last->first + last->count == i && last->count < kMaxRun &&
-                         b.places[last->first].first_slot == place.first_slot;
-    if (goes_on) {
-      ++last->count;
-      continue;
-    }
-    b.runs[b.run_count] = {i, 1, grid.tree.cornersOf(place)};
-    for (uint32_t c = 0; c < 8; ++c) {
-      const uint32_t function = grid.probe_function[b.runs[b.run_count].corners.probe[c]];
-      if (function != kFreeSpace && function != kNoWeight)
-        b.items[b.item_count++] = {function, static_cast<uint32_t>(8 * b.run_count) + c};
-    }
-    ++b.run_count;
-  }
-}
-
-// By function, and by place in the list where that is the same: counting sort of one byte after another.
-void sortItems(LookUpScratch::Buffers& b) {
-  uint32_t differing = 0;
-  for (size_t i = 0; i < b.item_count; ++i) differing |= b.items[i].function ^ b.items[0].function;
-  for (int shift = 0; shift < 32; shift += 8) {
-    if ((differing >> shift & 0xff) == 0) continue;
-    std::array<uint32_t, 256> place{};
-    for (size_t i = 0; i < b.item_count; ++i) ++place[b.items[i].function >> shift & 0xff];
-    uint32_t next = 0;
-    for (uint32_t& count : place) next += std::exchange(count, next);
-    for (size_t i = 0; i < b.item_count; ++i) b.sorted[place[b.items[i].function >> shift & 0xff]++] = b.items[i];
-    std::copy_n(b.sorted.begin(), b.item_count, b.items.begin());
-  }
-}
+HWY_EXPORT(lightChunk);
 
 void lookUpOne(const LightGrid& grid, const BatchSlice& slice, size_t i) {
   slice.status[i] = slice.normals_3 != nullptr ? lookUpIrradiance(grid, slice.positions_m[i], slice.normals_3 + kShChannels * i,
@@ -376,14 +540,101 @@ void lookUpOne(const LightGrid& grid, const BatchSlice& slice, size_t i) {
                                                : lookUpLight(grid, slice.positions_m[i], slice.result + kShFloats * i);
 }
 
+namespace {
+
+// Adds positions from `first` on, whose places have been found, to the runs of the list. Those in no cell are in no run, but done.
+void addPlaces(const LightGrid& grid, const BatchSlice& slice, size_t first, size_t count, LookUpScratch::Buffers& b) {
+  for (size_t i = 0; i < count; ++i) {
+    const CellPlace& place = b.places[i];
+    const auto position = static_cast<uint32_t>(first + i);
+    if (place.edge == 0) {
+      lookUpOne(grid, slice, position);
+      continue;
+    }
+    float* from_low = b.block_from_low + 4 * size_t{position};
+    for (int axis = 0; axis < 3; ++axis) from_low[axis] = place.from_low[axis];
+    from_low[3] = 0.0f;
+    ListRun* last = b.list_run_count > 0 ? &b.list_runs[b.list_run_count - 1] : nullptr;
+    const bool goes_on =
+        last != nullptr && last->first_slot == place.first_slot && last->first + last->count == position && last->count < kMaxRun;
+    if (goes_on) {
+      ++last->count;
+    } else {
+      b.list_runs[b.list_run_count++] = {place.first_slot, position, 1, place.edge, place.cell_log2};
+    }
+  }
+}
+
+void findRuns(const LightGrid& grid, const BatchSlice& slice, LookUpScratch::Buffers& b) {
+  b.list_run_count = 0;
+  for (size_t first = 0; first < slice.count; first += kPlacesAtOnce) {
+    const size_t count = std::min(kPlacesAtOnce, slice.count - first);
+    grid.tree.findCells(slice.positions_m + first, count, b.places.data());
+    addPlaces(grid, slice, first, count, b);
+  }
+  uint32_t largest = 0;
+  for (size_t r = 0; r < b.list_run_count; ++r) largest = std::max(largest, b.list_runs[r].first_slot);
+  b.sorted_runs = sortByKey(b.list_runs.data(), b.spare_runs.data(), b.list_run_count, largest,
+                            [](const ListRun& run) { return run.first_slot; });
+}
+
+// Items of a run, and which corners have none.
+void addItems(const LightGrid& grid, CellRun& run, LookUpScratch::Buffers& b) {
+  for (uint32_t c = 0; c < 8; ++c) {
+    const uint32_t function = grid.probe_function[run.corners.probe[c]];
+    if (function == kFreeSpace) {
+      run.free_corners |= static_cast<uint8_t>(1 << c);
+    } else if (function == kNoWeight) {
+      run.dark_corners |= static_cast<uint8_t>(1 << c);
+    } else {
+      b.items[b.item_count++] = {function, static_cast<uint16_t>(run.first), static_cast<uint8_t>(run.count),
+                                 static_cast<uint8_t>(c), run.corners.spacing_log2[c]};
+    }
+  }
+}
+
+void prefetchPosition(const BatchSlice& slice, size_t i, const LookUpScratch::Buffers& b) {
+  hwy::Prefetch(b.block_from_low + 4 * i);
+  if (slice.normals_3 == nullptr) return;
+  hwy::Prefetch(slice.normals_3 + kShChannels * i);
+  hwy::Prefetch(slice.result + kShChannels * i);
+}
+
+// Sorted runs from `next` on, as many as a chunk holds; returns the first that it does not hold.
+size_t fillChunk(const LightGrid& grid, const BatchSlice& slice, size_t next, LookUpScratch::Buffers& b) {
+  b.position_count = b.run_count = b.item_count = 0;
+  for (; next < b.list_run_count; ++next) {
+    const ListRun& from = b.sorted_runs[next];
+    if (next + kListRunsAhead < b.list_run_count) prefetchPosition(slice, b.sorted_runs[next + kListRunsAhead].first, b);
+    if (b.position_count + from.count > kChunkSize) break;
+    const bool goes_on = b.run_count > 0 && b.runs[b.run_count - 1].first_slot == from.first_slot &&
+                         b.runs[b.run_count - 1].count + from.count <= kMaxRun;
+    if (!goes_on) {
+      const CellPlace place{from.first_slot, from.edge, from.cell_log2, {}};
+      b.runs[b.run_count++] = {static_cast<uint32_t>(b.position_count), 0, from.first_slot, 0, 0, grid.tree.cornersOf(place)};
+    }
+    b.runs[b.run_count - 1].count += from.count;
+    for (uint32_t i = from.first; i < from.first + from.count; ++i, ++b.position_count) {
+      std::memcpy(b.from_low + 4 * b.position_count, b.block_from_low + 4 * size_t{i}, 4 * sizeof(float));
+      b.order[b.position_count] = i;
+    }
+  }
+  for (size_t r = 0; r < b.run_count; ++r) addItems(grid, b.runs[r], b);
+  uint32_t least = UINT32_MAX, most = 0;
+  for (size_t i = 0; i < b.item_count; ++i) {
+    least = std::min(least, b.items[i].function);
+    most = std::max(most, b.items[i].function);
+  }
+  b.sorted_items = sortByKey(b.items.data(), b.spare_items.data(), b.item_count, b.item_count > 0 ? most - least : 0,
+                             [least](const RunItem& item) { return item.function - least; });
+  return next;
+}
+
 void lookUpBlock(const LightGrid& grid, const BatchSlice& slice, LookUpScratch::Buffers& b) {
   findRuns(grid, slice, b);
-  sortItems(b);
-  HWY_DYNAMIC_DISPATCH(lightBlock)(grid, slice, b);
-  // the few that vectors leave over: outside, without weight, without a direction
-  for (size_t i = 0; i < slice.count; ++i) {
-    const bool is_direction = slice.normals_3 == nullptr || isDirection(slice.normals_3 + kShChannels * i);
-    if (b.places[i].edge == 0 || b.share_sum[i] == 0.0f || !is_direction) lookUpOne(grid, slice, i);
+  for (size_t next = 0; next < b.list_run_count;) {
+    next = fillChunk(grid, slice, next, b);
+    HWY_DYNAMIC_DISPATCH(lightChunk)(grid, slice, b);
   }
 }
 

@@ -141,7 +141,7 @@ CellCorners ProbeTree::cornersOf(const CellPlace& place) const {
   for (uint32_t c = 0; c < 8; ++c) {
     const uint32_t probe = slot[(c & 1) + (c >> 1 & 1) * edge + (c >> 2) * edge * edge];
     corners.probe[c] = probe & (kMaxTreeProbes - 1);
-    corners.cell_per_spacing[c] = 1.0f / static_cast<float>(1 << ((probe >> kIndexBits) - place.cell_log2));
+    corners.spacing_log2[c] = static_cast<uint8_t>((probe >> kIndexBits) - place.cell_log2);
   }
   return corners;
 }
@@ -154,7 +154,7 @@ ProbesAround ProbeTree::aroundOf(const LatticePoint& unit, const CellPlace& plac
   for (uint32_t c = 0; c < 8; ++c) {
     ProbeAround& corner = around.corners[c];
     corner.probe = corners.probe[c];
-    const float cell_per_spacing = corners.cell_per_spacing[c];
+    const float cell_per_spacing = 1.0f / static_cast<float>(1 << corners.spacing_log2[c]);
     corner.tent_ratio = 1.0f;
     for (int axis = 0; axis < 3; ++axis) {
       const bool is_high = c >> axis & 1;

@@ -82,7 +82,7 @@ struct CellPlace {
 // The probes of a cell, in the order of ProbesAround's corners.
 struct CellCorners {
   uint32_t probe[8];
-  float cell_per_spacing[8];  // the cell's side over the probe's spacing: 1 inside one level, a power of two below it elsewhere
+  uint8_t spacing_log2[8];  // of the probe's spacing over the cell's side: 0 inside one level, up to 6 elsewhere
 };
 
 // A node, for drawing.

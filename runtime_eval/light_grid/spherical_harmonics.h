@@ -19,7 +19,7 @@ inline constexpr std::array<float, kShCount> kCosineBand = {3.14159265f, 2.09439
                                                             0.78539816f, 0.78539816f, 0.78539816f, 0.78539816f};
 
 // The basis functions at a direction of length 1.
-inline std::array<float, kShCount> shBasis(float x, float y, float z) {
+constexpr std::array<float, kShCount> shBasis(float x, float y, float z) {
   return {0.28209479f,
           0.48860251f * y,
           0.48860251f * z,
