@@ -2,15 +2,18 @@
 //
 // 18,513 probes with a function and light of their own each, as in light_grid_benchmark.cpp: theta is 8 MB for the large networks,
 // 19 MB for pf5, light 2 MB. "walk" goes along straight lines in steps of 5 cm at 1 m between probes, as a moving object or a row
-// of a texture does; "scattered" jumps. Normals are all different.
+// of a texture does; "scattered" jumps. Normals are all different. With NLG_GRID=FILE the same of a level's grid with light, as
+// nlg-bake writes it: positions in its cells, each cell as likely as any other.
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/light_grid/irradiance.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {
@@ -52,6 +55,27 @@ std::vector<PositionM> walk() {
   return positions;
 }
 
+// In cells of a level; `steps` along a line one after another, as far as cells go.
+std::vector<PositionM> inCells(const ProbeTree& tree, int steps) {
+  constexpr double kStepM = 0.05;
+  std::vector<ProbeCell> cells;
+  tree.forEachCell([&](const ProbeCell& cell) { cells.push_back(cell); });
+  Random random(5);
+  std::vector<PositionM> positions;
+  while (positions.size() < kPositionCount) {
+    const ProbeCell& cell = cells[random.below(static_cast<uint32_t>(cells.size()))];
+    PositionM at;
+    for (size_t axis = 0; axis < 3; ++axis)
+      at[axis] = tree.frame().first_m[axis] + tree.frame().spacing_m * (cell.low[axis] + cell.side * random.uniform());
+    ProbesAround around;
+    for (int step = 0; step < steps && positions.size() < kPositionCount && tree.lookUp(at, &around); ++step) {
+      positions.push_back(at);
+      at[0] += kStepM;
+    }
+  }
+  return positions;
+}
+
 std::vector<float> normals() {
   Random random(4);
   std::vector<float> normals;
@@ -87,19 +111,43 @@ void lookUp(benchmark::State& state, const LightGrid& grid, const std::vector<Po
   state.counters["lit"] = static_cast<double>(std::count(status.begin(), status.end(), LightStatus::lit)) / kPositionCount;
 }
 
+struct NamedWay {
+  const char* name;
+  Way way;
+};
+constexpr NamedWay kWays[] = {{"weights", Way::weights}, {"single", Way::single}, {"batched", Way::batched}};
+
+std::string caseName(const NamedWay& way, const std::string& grid, bool is_walk) {
+  return std::string("irradiance/") + way.name + "/" + grid + (is_walk ? "/walk" : "/scattered");
+}
+
+void registerRepresentation(const char* name, const NamedWay& way, bool is_walk) {
+  benchmark::RegisterBenchmark(caseName(way, name, is_walk).c_str(), [=](benchmark::State& state) {
+    Representation representation;
+    findRepresentation(name, &representation);
+    lookUp(state, gridOf(representation), is_walk ? walk() : scattered(), way.way);
+  });
+}
+
+void registerLevel(const char* path, const NamedWay& way, bool is_walk) {
+  benchmark::RegisterBenchmark(caseName(way, "level", is_walk).c_str(), [=](benchmark::State& state) {
+    LightGrid grid;
+    GridMetadata texts;
+    const WeightsResult result = readLightGridFile(path, &grid, &texts);
+    if (!result.ok() || grid.light.empty() || grid.tree.cellCount() == 0) {
+      state.SkipWithError((std::string(path) + ": expected a light grid with light. " + result.detail).c_str());
+      return;
+    }
+    lookUp(state, grid, inCells(grid.tree, is_walk ? 256 : 1), way.way);
+  });
+}
+
 const bool kRegistered = [] {
-  for (const char* name : {"tent_mlp", "tent_mlp4", "mlp", "pf5"}) {
-    for (const bool is_walk : {true, false}) {
-      for (const auto& [way_name, way] :
-           {std::pair{"weights", Way::weights}, {"single", Way::single}, {"batched", Way::batched}}) {
-        benchmark::RegisterBenchmark(
-            ("irradiance/" + std::string(way_name) + "/" + name + (is_walk ? "/walk" : "/scattered")).c_str(),
-            [name = name, way = way, is_walk](benchmark::State& state) {
-              Representation representation;
-              findRepresentation(name, &representation);
-              lookUp(state, gridOf(representation), is_walk ? walk() : scattered(), way);
-            });
-      }
+  const char* level = std::getenv("NLG_GRID");
+  for (const bool is_walk : {true, false}) {
+    for (const NamedWay& way : kWays) {
+      for (const char* name : {"tent_mlp", "tent_mlp4", "mlp", "pf5"}) registerRepresentation(name, way, is_walk);
+      if (level != nullptr) registerLevel(level, way, is_walk);
     }
   }
   return true;
