@@ -33,7 +33,7 @@ constexpr size_t kChunkSize = 2048;   // positions that share functions
 constexpr size_t kMaxRun = 128;       // positions of a run
 constexpr size_t kStageSize = 1024;   // positions at corners that are evaluated together
 constexpr size_t kPlacesAtOnce = 512;
-constexpr size_t kRunsAhead = 2;       // whose light is fetched
+constexpr size_t kRunsAhead = 4;       // whose light is fetched
 constexpr size_t kListRunsAhead = 16;  // whose positions are fetched
 constexpr size_t kMaxLanes = 16;
 constexpr size_t kPadded = kChunkSize + kMaxLanes;  // vectors may write past the last position
@@ -155,20 +155,27 @@ HWY_INLINE void fillRun(FloatTag d, const Run& run, float value, float* of_corne
     storeFirst(d, values, of_corner + run.first + i, std::min(hn::Lanes(d), run.count - i));
 }
 
-// Residues that are nearly all of a chunk's, and corners without a function: in free space 1, which the tent bounds.
+// What most corners of a chunk lose: residues are written one by one only where they differ.
+float usualResidue(const LightGrid& grid, const Buffers& b) {
+  const bool are_items_most = 2 * b.item_count > 8 * b.run_count;
+  return are_items_most ? grid.representations[0].residue() : 0.0f;
+}
+
+// All corners as those in free space are, whose value is 1, which the tent bounds; then those that have no weight.
 void fillWithoutFunction(float usual_residue, Buffers& b) {
   const FloatTag d;
-  const Floats residue = hn::Set(d, usual_residue);
-  for (float* of_corner : b.residue) {
-    for (size_t i = 0; i < b.position_count; i += hn::Lanes(d)) hn::Store(residue, d, of_corner + i);
+  const Floats value = hn::Set(d, 1.0f), residue = hn::Set(d, usual_residue);
+  for (size_t c = 0; c < 8; ++c) {
+    for (size_t i = 0; i < b.position_count; i += hn::Lanes(d)) {
+      hn::Store(value, d, &b.weight[c][i]);
+      hn::Store(residue, d, &b.residue[c][i]);
+    }
   }
   for (size_t r = 0; r < b.run_count; ++r) {
     const CellRun& run = b.runs[r];
-    for (uint32_t left = run.free_corners | run.dark_corners; left != 0; left &= left - 1) {
-      const int corner = std::countr_zero(left);
-      fillRun(d, run, static_cast<float>(run.free_corners >> corner & 1), b.weight[corner]);
-      fillRun(d, run, 0.0f, b.residue[corner]);
-    }
+    for (uint32_t left = run.dark_corners; left != 0; left &= left - 1) fillRun(d, run, 0.0f, b.weight[std::countr_zero(left)]);
+    if (usual_residue == 0.0f) continue;
+    for (uint32_t left = run.free_corners; left != 0; left &= left - 1) fillRun(d, run, 0.0f, b.residue[std::countr_zero(left)]);
   }
 }
 
@@ -291,13 +298,10 @@ void evaluateSegment(const LightGrid& grid, const StageSegment& segment, Buffers
   withNetworkShape(representation, [&]<NetworkShape kShape>() { evaluateNetworks<kShape>(representation, segment, theta, b); });
 }
 
-// What nearly all functions of a grid have.
-float usualResidue(const LightGrid& grid) { return grid.representations.empty() ? 0.0f : grid.representations[0].residue(); }
-
 // Values of a segment to where they belong.
-void takeFromStage(const LightGrid& grid, const StageSegment& segment, Buffers& b) {
+void takeFromStage(const LightGrid& grid, const StageSegment& segment, float usual_residue, Buffers& b) {
   const FloatTag d;
-  const float residue = representationOf(grid, segment.function).residue(), usual_residue = usualResidue(grid);
+  const float residue = representationOf(grid, segment.function).residue();
   const float* value = b.value + segment.first;
   for (size_t k = segment.first_item; k < segment.end_item; ++k) {
     const RunItem& item = b.sorted_items[k];
@@ -309,9 +313,9 @@ void takeFromStage(const LightGrid& grid, const StageSegment& segment, Buffers& 
   }
 }
 
-void finishStage(const LightGrid& grid, Buffers& b) {
+void finishStage(const LightGrid& grid, float usual_residue, Buffers& b) {
   for (size_t s = 0; s < b.segment_count; ++s) evaluateSegment(grid, b.segments[s], b);
-  for (size_t s = 0; s < b.segment_count; ++s) takeFromStage(grid, b.segments[s], b);
+  for (size_t s = 0; s < b.segment_count; ++s) takeFromStage(grid, b.segments[s], usual_residue, b);
   b.segment_count = b.staged_count = 0;
 }
 
@@ -322,14 +326,14 @@ void prefetchTheta(const LightGrid& grid, uint32_t function) {
 }
 
 // All items: a stage full at a time, one segment a function.
-void addFunctions(const LightGrid& grid, Buffers& b) {
+void addFunctions(const LightGrid& grid, float usual_residue, Buffers& b) {
   b.segment_count = b.staged_count = 0;
   for (uint32_t k = 0; k < b.item_count; ++k) {
     const RunItem& item = b.sorted_items[k];
     bool goes_on = b.segment_count > 0 && b.segments[b.segment_count - 1].function == item.function;
     if (!goes_on) b.staged_count = padded(b.staged_count, kMaxLanes);
     if (b.staged_count + item.count > kStageSize) {
-      finishStage(grid, b);
+      finishStage(grid, usual_residue, b);
       goes_on = false;
     }
     const auto first = static_cast<uint32_t>(b.staged_count);
@@ -342,7 +346,7 @@ void addFunctions(const LightGrid& grid, Buffers& b) {
     b.segments[b.segment_count - 1].end_item = k + 1;
     b.segments[b.segment_count - 1].end = static_cast<uint32_t>(b.staged_count);
   }
-  finishStage(grid, b);
+  finishStage(grid, usual_residue, b);
 }
 
 // Bounds values by the cell's tents, takes residues off and divides by the sum; share_sum becomes 0 where nothing is left.
@@ -516,8 +520,9 @@ void lightRun(const LightGrid& grid, const Buffers& b, const CellRun& run, const
 
 // Positions, runs and items are there.
 void lightChunk(const LightGrid& grid, const BatchSlice& slice, Buffers& b) {
-  fillWithoutFunction(usualResidue(grid), b);
-  addFunctions(grid, b);
+  const float usual_residue = usualResidue(grid, b);
+  fillWithoutFunction(usual_residue, b);
+  addFunctions(grid, usual_residue, b);
   normalise(b);
   for (size_t r = 0; r < b.run_count; ++r) {
     if (r + kRunsAhead < b.run_count) prefetchLight(grid, b.runs[r + kRunsAhead].corners);

@@ -8,6 +8,18 @@
 
 namespace nlg {
 
+namespace {
+
+// Without the instruction, which not every machine of the build's base has, std::popcount is a call.
+uint32_t countBits(uint64_t bits) {
+  bits -= bits >> 1 & 0x5555555555555555u;
+  bits = (bits & 0x3333333333333333u) + (bits >> 2 & 0x3333333333333333u);
+  bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+  return static_cast<uint32_t>(bits * 0x0101010101010101u >> 56);
+}
+
+}  // namespace
+
 size_t ProbeTree::byteCount() const {
   return sizeof(*this) + nodes_.capacity() * sizeof(Node) + slots_.capacity() * sizeof(uint32_t) +
          probe_keys_.capacity() * sizeof(uint64_t) + probe_log2_.capacity();
@@ -114,7 +126,7 @@ bool ProbeTree::findCellOfUnit(const LatticePoint& unit, const PositionM& units,
       in_node[axis] = static_cast<uint32_t>(unit[axis] >> node->cell_log2) & (node->cell_count - 1u);
     cell_bit = uint64_t{1} << (in_node[0] + 4 * in_node[1] + 16 * in_node[2]);
     if (!(node->child_mask & cell_bit)) break;
-    node = &nodes_[node->first_child + static_cast<uint32_t>(std::popcount(node->child_mask & (cell_bit - 1)))];
+    node = &nodes_[node->first_child + countBits(node->child_mask & (cell_bit - 1))];
   }
   if (!(node->used_mask & cell_bit)) return false;
 
