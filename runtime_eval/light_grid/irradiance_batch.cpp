@@ -120,7 +120,7 @@ void lookUpOne(const LightGrid& grid, const BatchSlice& slice, size_t i);
 // largest   of the keys
 template <class Item, class Key>
 const Item* sortByKey(Item* items, Item* spare, size_t count, uint32_t largest, const Key& key) {
-  for (int shift = 0; shift < 32 && largest >> shift != 0; shift += 8) {
+  for (int shift = 0; count > 1 && shift < 32 && largest >> shift != 0; shift += 8) {
     std::array<uint32_t, 256> place{};
     for (size_t i = 0; i < count; ++i) ++place[key(items[i]) >> shift & 0xff];
     uint32_t next = 0;
