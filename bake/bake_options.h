@@ -26,12 +26,13 @@ struct BakeOptions {
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;
   PolicyOptions policy;
-  LightOptions scene_light;      // sky and sun
-  std::string light = "solved";  // how probes are lit; "none": they are not
-  int light_places = 12;         // in air, of every cell
-  int light_rays = 64;           // of every place
-  int light_probe_rays = 512;    // of every probe, when light is "point"
-  bool light_cache = true;       // bounces are kept on surfaces, where they are traced
+  LightOptions scene_light;          // sky and sun
+  std::string light = "solved";      // how probes are lit; "none": they are not
+  std::string light_direct = "all";  // which light of lamps and suns probes hold themselves
+  int light_places = 12;             // in air, of every cell
+  int light_rays = 64;               // of every place
+  int light_probe_rays = 512;        // of every probe, when light is "point"
+  bool light_cache = true;           // bounces are kept on surfaces, where they are traced
   double light_pull = 0.3;
   double light_dark_share = 0.5;
   double light_outlier = 1.0;

@@ -39,6 +39,7 @@ ProbeLightOptions probeLightOptions(const BakeOptions& options) {
   ProbeLightOptions light;
   light.place.rays = options.light_rays;
   light.probe.rays = options.light_probe_rays;
+  light.place.direct = light.probe.direct = directLightFromName(options.light_direct);
   light.pull = options.light_pull;
   light.dark_share = options.light_dark_share;
   light.outlier = options.light_outlier;

@@ -24,6 +24,7 @@ struct LightStatistics {
 };
 
 // What the settings say of light at places and of the solve; by the default way.
+// throws   UsageError on an unknown name in them
 ProbeLightOptions probeLightOptions(const BakeOptions& options);
 
 // Fills grid->light by options.light; leaves it empty for "none".

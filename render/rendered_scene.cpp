@@ -131,6 +131,7 @@ LightingMethod RenderedScene::method(const std::string& name) const {
   if (name == "truth") {
     GatherOptions options;
     options.rays = request_.truth_rays;
+    options.direct = directLightFromName(options_.light_direct);
     return truthMethod(*transport_, options, mixSeed(options_.seed, kTruthStream));
   }
   std::string whole = name;

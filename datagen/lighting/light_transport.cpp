@@ -9,6 +9,7 @@
 #include "datagen/lighting/emitters.h"
 #include "datagen/lighting/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
+#include "tool/error.h"
 
 namespace nlg {
 namespace {
@@ -224,10 +225,11 @@ struct LightTransport::Impl {
       }
     };
     const int sun_samples = std::clamp(options.rays / 4 / kSetCount * kSetCount, kSetCount, 2 * kLampSamples);
-    for (size_t s = 0; s < scene.light.suns.size(); ++s) {
+    for (size_t s = 0; s < scene.light.suns.size() && options.direct == DirectLight::all; ++s) {
       sampleAll(sun_samples, mixSeed(kSunStream, s),
                 [&](double u, double v) { return sunLight(scene.light.suns[s], from, u, v, &arriving); });
     }
+    if (options.direct == DirectLight::none) return;
     float total = 0.0f;
     for (const Lamp& lamp : scene.light.lamps) total += openLight(lamp, from);
     for (size_t l = 0; l < scene.light.lamps.size() && total > 0.0f; ++l) {
@@ -253,6 +255,13 @@ struct LightTransport::Impl {
         [](const glm::vec3&) { return 0.25f / kPi; }, add);
   }
 };
+
+DirectLight directLightFromName(const std::string& name) {
+  if (name == "all") return DirectLight::all;
+  if (name == "no_suns") return DirectLight::no_suns;
+  if (name == "none") return DirectLight::none;
+  throw UsageError("light_direct", "all, no_suns or none", "'" + name + "'");
+}
 
 glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal) {
   const std::array<float, kShCount> basis = shBasis(normal.x, normal.y, normal.z);

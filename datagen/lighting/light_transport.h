@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "datagen/scene/scene.h"
@@ -26,10 +27,17 @@ glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal);
 
 class SurfaceCache;
 
+// Which light of lamps and suns counts at the place itself. What they send to surfaces, and those send on, always does: an engine
+// that draws its sun or its lamps with shadow maps takes only that from a light grid.
+enum class DirectLight : uint8_t { all, no_suns, none };
+// throws   UsageError on a name that is none of "all", "no_suns", "none"
+DirectLight directLightFromName(const std::string& name);
+
 struct GatherOptions {
   int rays = 1024;       // first directions of a place; >= 8
   int max_bounces = 64;  // of a path behind its first hit; Russian roulette ends most of them after a few. 0: direct light alone
   const SurfaceCache* cache = nullptr;  // ends paths where it knows what arrives (surface_cache.h); null: they go on
+  DirectLight direct = DirectLight::all;
 };
 
 // Where a ray met a surface; without a normal: it met none.

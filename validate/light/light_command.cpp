@@ -250,6 +250,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   used["truth_rays"] = request.truth.rays;
   used["probe_rays"] = request.probe.rays;
 
+  request.truth.direct = request.probe.direct = directLightFromName(options.light_direct);
   options.spacing_m = request.spacings_m.front();
   auto scene = std::make_unique<BakeScene>(request.scene, options);
   if (!scene->source.sha256.empty()) hashes["scene"] = scene->source.sha256;

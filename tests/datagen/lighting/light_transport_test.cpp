@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/datagen/hand_built_scenes.h"
+#include "tool/error.h"
 
 namespace nlg {
 namespace {
@@ -55,6 +56,36 @@ TEST(LightTransport, ClosedFurnaceIsConstant) {
     const LightSh light = lit.transport.gather(place, {4096, 64}, 3).light;
     EXPECT_NEAR(irradiance(light, {0, 0, 1}).r, kPi * 2.0f, 0.1f);
   }
+}
+
+// A sun and a lamp above white ground: left out, they still shine on the ground and it sends their light up.
+TEST(LightTransport, LeavesDirectLightOutWhereAsked) {
+  Scene scene = ground(0.5f, 1000.0f);
+  Sun sun;
+  sun.to_sun = {0, 1, 0};
+  sun.irradiance = glm::vec3(2.0f);
+  scene.light.suns.push_back(sun);
+  Lamp lamp;
+  lamp.position = {0, 10, 0};
+  lamp.intensity = glm::vec3(300.0f);
+  lamp.radius_m = 0.05f;
+  scene.light.lamps.push_back(lamp);
+  const Lit lit(scene);
+  const auto from = [&](const glm::vec3& normal, DirectLight direct) {
+    GatherOptions options{4096, 64};
+    options.direct = direct;
+    return lit.transport.gatherIrradiance({0, 1, 0}, normal, options, 5).irradiance.g;
+  };
+  const glm::vec3 up(0, 1, 0), down(0, -1, 0);
+  const float of_lamp = 300.0f / (9.0f * 9.0f);
+  EXPECT_NEAR(from(up, DirectLight::all), 2.0f + of_lamp, 0.01f * (2.0f + of_lamp));
+  EXPECT_NEAR(from(up, DirectLight::no_suns), of_lamp, 0.01f * of_lamp);
+  EXPECT_EQ(from(up, DirectLight::none), 0.0f);
+  // the ground's own light from below: the sun's alone is half of 2, the lamp's comes on top
+  const float below = from(down, DirectLight::all);
+  EXPECT_GT(below, 1.0f);
+  EXPECT_EQ(from(down, DirectLight::none), below);
+  EXPECT_THROW(directLightFromName("some"), UsageError);
 }
 
 TEST(LightTransport, UniformSkyLightsAPlaneAndItsUnderside) {
