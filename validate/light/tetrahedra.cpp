@@ -49,6 +49,19 @@ std::array<double, 4> Tetrahedra::shares(const Cell& cell, const glm::dvec3& pos
   return {first.x, first.y, first.z, 1.0 - first.x - first.y - first.z};
 }
 
+// Through the face that the position lies furthest behind. Faces of the hull lead nowhere, but the others may still: a walk to a
+// position outside goes on along the hull until it stands below it.
+uint32_t Tetrahedra::nextTowards(const Cell& cell, const std::array<double, 4>& share) {
+  uint32_t next = kNoTetrahedron;
+  double least = kInside;
+  for (int i = 0; i < 4; ++i) {
+    if (share[i] >= least || cell.corners.neighbour[i] == kNoTetrahedron) continue;
+    least = share[i];
+    next = cell.corners.neighbour[i];
+  }
+  return next;
+}
+
 ProbeBlend Tetrahedra::blendAt(const glm::dvec3& position_m, const glm::vec3&) const {
   ProbeBlend blend;
   uint32_t at = nearbyCell(position_m);
@@ -56,13 +69,12 @@ ProbeBlend Tetrahedra::blendAt(const glm::dvec3& position_m, const glm::vec3&) c
   for (size_t step = 0;; ++step) {
     const Cell& cell = cells_[at];
     const std::array<double, 4> share = shares(cell, position_m);
-    const size_t least = std::min_element(share.begin(), share.end()) - share.begin();
-    const uint32_t next = cell.corners.neighbour[least];
-    const bool is_inside = share[least] >= kInside;
-    if (!is_inside && next != kNoTetrahedron && step < cells_.size()) {
+    const uint32_t next = nextTowards(cell, share);
+    if (next != kNoTetrahedron && step < cells_.size()) {
       at = next;
       continue;
     }
+    const bool is_inside = *std::min_element(share.begin(), share.end()) >= kInside;
     for (int i = 0; i < 4; ++i) blend.add(probe_[cell.corners.vertex[i]], static_cast<float>(share[i]));
     blend.finish(is_inside ? Reach::lit : Reach::outside);
     return blend;

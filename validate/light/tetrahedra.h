@@ -31,6 +31,7 @@ class Tetrahedra : public Weighting {
   explicit Tetrahedra(const ProbeSet& probes) : probes_(probes) {}
   uint32_t nearbyCell(const glm::dvec3& position_m) const;
   std::array<double, 4> shares(const Cell& cell, const glm::dvec3& position_m) const;
+  static uint32_t nextTowards(const Cell& cell, const std::array<double, 4>& share);
 
   const ProbeSet& probes_;
   std::vector<uint32_t> probe_;          // by vertex
