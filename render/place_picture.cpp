@@ -17,9 +17,9 @@ constexpr double kFovY = 1.0;                          // radians
 constexpr double kFarthestM = 3.0;                     // of the camera
 constexpr double kFreeShare = 0.85;                    // of the free way that the camera goes back
 constexpr double kSmallBall = 0.07, kLargeBall = 0.1;  // its radius over the camera's distance
-constexpr int kSamplesPerSide = 2;                     // of a pixel
+constexpr int kLeastRays = 8;                          // of a sample: datagen/lighting/light_transport.h
 constexpr double kNeedleRadii = 1.3;                   // the needle's length over the ball's radius
-constexpr double kBrightest = 0.9;                     // what the ball is shown as at most
+constexpr double kBrightest = 0.6;                     // what the ball is shown as at most
 constexpr Colour kNeedle{255, 0, 200};                 // of no material
 
 // Directions from the place: rings around its normal.
@@ -113,12 +113,12 @@ Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, con
   SightOptions sight;
   sight.width = options.width;
   sight.height = options.height;
-  sight.samples_per_side = kSamplesPerSide;
+  sight.samples_per_side = options.truth_rays >= 4 * kLeastRays ? 2 : 1;
   sight.balls = {view.ball};
   sight.thread_count = options.thread_count;
   const Sights sights = sightsOf(transport, view.camera, sight);
   GatherOptions gather;
-  gather.rays = options.truth_rays / (kSamplesPerSide * kSamplesPerSide);
+  gather.rays = options.truth_rays / sights.samples_per_pixel;
   const LitPicture truth = lightPicture(sights, truthMethod(transport, gather, options.seed), options.thread_count);
   const LitPicture answer = lightPicture(sights, method, options.thread_count);
   const double exposure = exposureOf(truth, place), range = nextScale(place.error);

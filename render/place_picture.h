@@ -34,7 +34,7 @@ struct MeasuredPlace {
 
 struct PlacePictureOptions {
   int width = 220, height = 165;  // of each of the three
-  int truth_rays = 64;            // of a pixel; >= 32
+  int truth_rays = 64;            // of a pixel, >= 8; from 32 on they are those of four samples
   int thread_count = 1;
   uint64_t seed = 1;
 };

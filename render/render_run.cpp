@@ -15,6 +15,7 @@
 #include "render/lighting_method.h"
 #include "render/lit_picture.h"
 #include "render/panel.h"
+#include "render/place_picture.h"
 #include "render/rendered_scene.h"
 #include "render/tone.h"
 #include "render/view_choice.h"
@@ -90,6 +91,31 @@ const Viewpoint& namedViewpoint(const std::string& name, const Scene& scene) {
                    "'" + name + "'");
 }
 
+uint32_t shownProbe(const RenderRequest& request, const LightGrid& grid) {
+  const size_t count = grid.tree.probeCount();
+  if (request.probe >= 0) {
+    if (static_cast<uint64_t>(request.probe) >= count)
+      throw UsageError("--probe", "a probe below " + std::to_string(count), std::to_string(request.probe));
+    return static_cast<uint32_t>(request.probe);
+  }
+  const glm::dvec3 near = vectorOf(request.probe_near);
+  uint32_t nearest = 0;
+  double least = INFINITY;
+  for (size_t p = 0; p < count; ++p) {
+    const PositionM at = grid.tree.probePosition(p);
+    const double distance = glm::length(glm::dvec3(at[0], at[1], at[2]) - near);
+    if (distance < least) least = distance, nearest = static_cast<uint32_t>(p);
+  }
+  if (!std::isfinite(least)) throw UsageError("--probe-near", "a grid with probes", "none");
+  return nearest;
+}
+
+// The place of the probe whose weights are shown, relative to the scene's origin.
+glm::dvec3 shownPlace(const RenderRequest& request, const RenderedScene& scene) {
+  const PositionM at = scene.grid().tree.probePosition(shownProbe(request, scene.grid()));
+  return glm::dvec3(at[0], at[1], at[2]) - scene.scene().origin_m;
+}
+
 Camera cameraOf(const RenderRequest& request, const BakeOptions& options, const RenderedScene& scene) {
   const double fov_y = askedFov(request);
   if (!request.eye.empty()) {
@@ -97,10 +123,23 @@ Camera cameraOf(const RenderRequest& request, const BakeOptions& options, const 
     return cameraAlong(eye - scene.scene().origin_m, vectorOf(request.look) - eye, fov_y);
   }
   if (!request.camera.empty()) return cameraAt(namedViewpoint(request.camera, scene.scene()), request);
+  if (request.show == "weights") {
+    const glm::dvec3 place = shownPlace(request, scene);
+    // of a probe in solid no view is free
+    if (isInAir(scene.transport().rays(), place)) return viewOfPlace(scene.transport(), {place, {0, 1, 0}}).camera;
+  }
   for (const Viewpoint& viewpoint : scene.scene().viewpoints) {
     if (viewpoint.fov_y > 0.0f) return cameraAt(viewpoint, request);
   }
   return chooseView(scene.transport(), fov_y, static_cast<double>(request.width) / request.height, options.seed);
+}
+
+// Whether one ball is seen before another.
+bool overlap(const glm::dvec3& eye_m, const Ball& a, const Ball& b) {
+  const glm::dvec3 to_a = a.centre_m - eye_m, to_b = b.centre_m - eye_m;
+  const double distance_a = glm::length(to_a), distance_b = glm::length(to_b);
+  const double between = std::acos(std::clamp(glm::dot(to_a, to_b) / (distance_a * distance_b), -1.0, 1.0));
+  return between < std::asin(std::min(1.0, a.radius_m / distance_a)) + std::asin(std::min(1.0, b.radius_m / distance_b));
 }
 
 // Balls in air within the camera's view, none nearer to a surface than its radius, none in front of another.
@@ -122,9 +161,10 @@ std::vector<Ball> hangBalls(const RenderRequest& request, const BakeOptions& opt
     const auto touches = [&](const glm::vec3& way) {
       return rays.isBlocked(glm::vec3(ball.centre_m), glm::vec3(ball.centre_m) + way * static_cast<float>(1.05 * radius_m));
     };
-    const bool is_free = share * hit.distance > 8.0 * radius_m && !touches({1, 0, 0}) && !touches({-1, 0, 0}) &&
-                         !touches({0, 1, 0}) && !touches({0, -1, 0}) && !touches({0, 0, 1}) && !touches({0, 0, -1}) &&
-                         isInAir(rays, ball.centre_m);
+    const auto covers = [&](const Ball& other) { return overlap(camera.eye_m, ball, other); };
+    const bool is_free = std::none_of(balls.begin(), balls.end(), covers) && share * hit.distance > 8.0 * radius_m &&
+                         !touches({1, 0, 0}) && !touches({-1, 0, 0}) && !touches({0, 1, 0}) && !touches({0, -1, 0}) &&
+                         !touches({0, 0, 1}) && !touches({0, 0, -1}) && isInAir(rays, ball.centre_m);
     if (is_free) balls.push_back(ball);
   }
   return balls;
@@ -142,25 +182,6 @@ Cut cutOf(const RenderRequest& request, const Scene& scene) {
   }
   cut.low_m.y = cut.high_m.y = y;
   return cut;
-}
-
-uint32_t shownProbe(const RenderRequest& request, const LightGrid& grid) {
-  const size_t count = grid.tree.probeCount();
-  if (request.probe >= 0) {
-    if (static_cast<uint64_t>(request.probe) >= count)
-      throw UsageError("--probe", "a probe below " + std::to_string(count), std::to_string(request.probe));
-    return static_cast<uint32_t>(request.probe);
-  }
-  const glm::dvec3 near = vectorOf(request.probe_near);
-  uint32_t nearest = 0;
-  double least = INFINITY;
-  for (size_t p = 0; p < count; ++p) {
-    const PositionM at = grid.tree.probePosition(p);
-    const double distance = glm::length(glm::dvec3(at[0], at[1], at[2]) - near);
-    if (distance < least) least = distance, nearest = static_cast<uint32_t>(p);
-  }
-  if (!std::isfinite(least)) throw UsageError("--probe-near", "a grid with probes", "none");
-  return nearest;
 }
 
 // One run: what it draws, and what it says of it.
@@ -193,6 +214,7 @@ class Rendering {
       return;
     }
     const Camera camera = cameraOf(request_, options_, scene_);
+    camera_ = camera;
     SightOptions sight;
     sight.width = request_.width;
     sight.height = request_.height;
@@ -219,8 +241,23 @@ class Rendering {
                                       for (const Receiver& r : receivers)
                                         *received++ = {glm::vec3(0.6f + 0.25f * r.normal.y + 0.15f * r.normal.x), {}, true};
                                     }});
-    return withShareBar(shareMap(shares, shading),
-                        fmt::format("share of probe {} at {}", probe, positionText({at[0], at[1], at[2]})));
+    const auto counts = [](const glm::vec3& share) { return share.r > 0.0f; };
+    const auto pixels = std::count_if(shares.irradiance.begin(), shares.irradiance.end(), counts);
+    said_["seen_share"] = static_cast<double>(pixels) / static_cast<double>(shares.irradiance.size());
+    Image map = shareMap(shares, shading);
+    ringProbe(map, glm::dvec3(at[0], at[1], at[2]) - scene_.scene().origin_m);
+    return withShareBar(map, fmt::format("share of probe {} at {}{}", probe, positionText({at[0], at[1], at[2]}),
+                                         pixels > 0 ? "" : ": not seen"));
+  }
+
+  // Where it stands, what is before it left aside.
+  void ringProbe(Image& map, const glm::dvec3& place) const {
+    if (!camera_) return;
+    const auto at = camera_->seenAt(place, static_cast<double>(map.width()) / map.height());
+    if (!at) return;
+    const glm::dvec2 centre = *at * glm::dvec2(map.width(), map.height());
+    drawRing(map, centre, 6.0, 4.0, kBlack);
+    drawRing(map, centre, 6.0, 2.0, kWhite);
   }
 
   Image drawMethods() {
@@ -288,6 +325,7 @@ class Rendering {
   const BakeOptions& options_;
   RenderedScene scene_;
   Sights sights_;
+  std::optional<Camera> camera_;  // of a view
   std::string place_;
   Json said_;
 };
@@ -338,7 +376,7 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_option(
       "--camera", r.camera,
       "name or number, from 0, of a camera of the glTF file, or of a place where players of the level begin; none: the "
-      "file's first camera, or else a view is chosen");
+      "file's first camera, or else a view is chosen; with --show weights, a view of the probe that stands in air");
   app.add_option("--eye", r.eye, "--eye=x,y,z: where the camera stands, world, metres")->delimiter(',')->expected(3);
   app.add_option("--look", r.look, "--look=x,y,z: what it looks at")->delimiter(',')->expected(3);
   app.add_option("--fov", r.fov, "degrees from the picture's lower to its upper edge; 0: the camera's own, or 60")

@@ -140,7 +140,7 @@ LightingMethod RenderedScene::method(const std::string& name) const {
   }
   std::string known;
   for (const LightMethod& rival : rivals_->methods()) {
-    if (rivalName(rival) == whole) return measuredMethod(rivalName(rival), rival);
+    if (rivalName(rival) == whole) return measuredMethod(name, rival);
     known += (known.empty() ? "" : ", ") + rivalName(rival);
   }
   throw UsageError(request_.panel.empty() ? "--method" : "--panel", "truth, grid or one of " + known, "'" + name + "'");

@@ -42,7 +42,7 @@ struct Ball {
   double radius_m = 0.1;     // > 0
 };
 
-inline constexpr float kBallAlbedo = 0.8f;
+inline constexpr float kBallAlbedo = 0.3f;  // as bright as walls: an exposure for these cuts no ball off
 
 struct SightOptions {
   int width = 640, height = 360;

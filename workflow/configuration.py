@@ -26,7 +26,7 @@ REPRESENTATIONS = ["mlp", "tent_mlp", "tent_mlp88", "tent_mlp44", "tent_mlp4", "
 SMALL_SCENES = ["two_rooms", "doorway", "column", "clutter", "corridor", "table"]  # of nlg-solve
 STABILITY_DEPTHS = {"short": "--short", "full": "", "long": "--long"}
 # what nlg-validate light measures, and how much of it: default, least and most of each number
-LIGHT_COUNTS = {"air_places": (1000, 8, 10000000), "surface_places": (1000, 8, 10000000), "walks": (64, 1, 100000), "truth_rays": (256, 8, 1 << 24), "probe_rays": (256, 8, 1 << 24), "picture_rays": (64, 32, 1 << 20)}
+LIGHT_COUNTS = {"air_places": (1000, 8, 10000000), "surface_places": (1000, 8, 10000000), "walks": (64, 1, 100000), "truth_rays": (256, 8, 1 << 24), "probe_rays": (256, 8, 1 << 24), "picture_rays": (64, 8, 1 << 20)}
 MAX_LIGHT_SPACINGS = 16
 SPLITS = ["training", "held_out", "evaluation"]
 OWN_PARTS = {"scenes", "report", "validate_light"}  # sections that the workflow itself reads

@@ -33,7 +33,7 @@ PlacePictureOptions smallPicture(int threads = 1) {
   PlacePictureOptions options;
   options.width = 48;
   options.height = 32;
-  options.truth_rays = 32;
+  options.truth_rays = 8;
   options.thread_count = threads;
   return options;
 }

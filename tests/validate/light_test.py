@@ -94,7 +94,7 @@ class Light(unittest.TestCase):
 
     def test_draws_the_worst_places_of_the_grid_at_the_finest_spacing(self):
         result = os.path.join(self.folder.name, "drawn.json")
-        run = light(*HOUSE, *weights("pf3 pf5"), "--spacings", "3", "1.5", "--pictures", os.path.join(self.folder.name, "places", "drawn"), "--picture-rays", "32", "--out", result)
+        run = light(*HOUSE, *weights("pf3 pf5"), "--spacings", "3", "1.5", "--pictures", os.path.join(self.folder.name, "places", "drawn"), "--picture-rays", "8", "--out", result)
         self.assertEqual(run.returncode, 0, run.stderr)
         with open(result) as file:
             spacings = json.load(file)["spacings"]

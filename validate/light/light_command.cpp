@@ -313,8 +313,8 @@ int lightMain(int argc, char** argv) {
   app.add_option("--pictures", request.pictures,
                  "a folder for pictures of the ten worst places of each of the weights, light solved for, at the finest spacing: "
                  "truth, answer, error; none: no pictures");
-  app.add_option("--picture-rays", request.picture_rays, "rays of ground truth at a pixel of them")
-      ->check(CLI::Range(32, 1 << 20))
+  app.add_option("--picture-rays", request.picture_rays, "rays of ground truth at a pixel of them; from 32 on, of four samples")
+      ->check(CLI::Range(8, 1 << 20))
       ->capture_default_str();
   return runTool(argc, argv, app, table, [&] { measureLight(request, options, table); });
 }
