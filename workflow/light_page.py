@@ -69,6 +69,10 @@ def dark_rows(found):
     return rows or [["excess light in the dark", "valid trilinear; exact visibility", "a fifth of the first; no more than the second", UNKNOWN, ""]]
 
 
+# Coherent and scattered positions, a second, of look-ups in batches.
+LOOK_UP_TARGETS = {"walk": 12e6, "scattered": 5e6}
+
+
 def speed_rows(results):
     rows = []
     for name, found in results.get("noise", {}).items():
@@ -79,7 +83,9 @@ def speed_rows(results):
                      reached(quiet and found["probes_per_s"] >= limit if limit else None)])
     for case in results.get("benchmarks", {}).values():
         if "items_per_second" in case:
-            rows.append([f"look-up to irradiance, one core: `{case['case']}`", "", "≥ 12 M/s coherent, ≥ 5 M/s scattered", f"{case['items_per_second'] / 1e6:,.1f} M/s", ""])
+            target = LOOK_UP_TARGETS.get(case["case"].rsplit("/", 1)[-1]) if "/batched/" in case["case"] else None
+            rows.append([f"look-up to irradiance, one core: `{case['case']}`", "", f"≥ {target / 1e6:.0f} M/s" if target else "", f"{case['items_per_second'] / 1e6:,.1f} M/s",
+                         reached(case["items_per_second"] >= target) if target else ""])
     for found in results.get("bakes", {}).values():
         rows.append([f"whole bake with light, {found['scene']}, {found['threads']} threads", "", "≤ 40 s, kaos2", f"{found['wall_s']:.1f} s; {bytes_text(found['bytes'])}, {found['bytes_per_probe']:.0f} bytes a probe",
                      reached(found["wall_s"] <= 40) if "kaos2" in found["scene"] else ""])
@@ -102,8 +108,9 @@ def targets_section(results):
     rows += dark_rows(found["dark"])
     rows.append(["air that nothing lights; air outside the tree: largest of all scenes", "1.6 % of kaos2 before", "≤ .05 %; 0", f"{percent(air[0])}; {percent(air[1])}", reached(air[0] <= .0005 and air[1] == 0)])
     rows.append(["bytes a live probe, everything: least and most of all scenes and spacings", "talk 236 to 339; DDGI 1,056", "≤ 60", f"{most['least']:.0f} to {most['most']:.0f}", reached(most["most"] <= 60)])
-    level = found["level_bytes"]
-    rows.append(["kaos2 at the error of point light 1 m apart", "", "≤ 1 MB", UNKNOWN if level is None else bytes_text(level), reached(None if level is None else level <= 1e6)])
+    for what, level in (("kaos2 at the error of our own probes with point light 1 m apart", found["level_bytes"]),
+                        ("kaos2 with less error than every rival 1 m apart", found["bytes_below_rivals"])):
+        rows.append([what, "validity mask, APV, DDGI as shipped" if "rival" in what else "", "≤ 1 MB", UNKNOWN if level is None else bytes_text(level), reached(None if level is None else level <= 1e6)])
     return f"\n## Targets\nOurs is `{results['ours']}` with solved light, through the engine's own look-up.\n" + table(["what", "rivals", "target", "measured", "reached"], rows + speed_rows(results))
 
 

@@ -154,6 +154,14 @@ def level_bytes(points, ours):
     return min(point.bytes for point in good) if good else None
 
 
+def bytes_below_rivals(points, ours):
+    """The fewest bytes for which ours, of this level, has less error everywhere than each rival, not solved for, with probes as far apart as today's; None where it was not measured so."""
+    of_level = [point for point in points if point.scene.endswith(LEVEL)]
+    rivals = [point for point in of_level if point.spacing_m == TODAY[1] and point.method[0] in RIVALS and point.method[1] != "solved"]
+    good = [point.bytes for point in of_level if is_ours(point, ours) and all(point.rmse[group] < rival.rmse[group] for rival in rivals for group in GROUPS)]
+    return min(good) if rivals and good else None
+
+
 def targets(points, ours):
     of_kind = {kind: [point for point in points if point.kind == kind] for kind in SCENE_KINDS}
     mine = [point for point in points if point.method == (ours, "solved")]
@@ -164,7 +172,7 @@ def targets(points, ours):
             "furnished_solved": to_best_rival(of_kind["furnished"], ours, SOLVED_RIVALS, solved=True),
             "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours), "dark": dark(points, ours), "unlit_largest": largest("unlit"),
             "outside_largest": largest("outside"), "per_probe": {key: reduce([point.per_probe for point in mine]) for key, reduce in (("least", min), ("most", max))},
-            "level_bytes": level_bytes(points, ours)}
+            "level_bytes": level_bytes(points, ours), "bytes_below_rivals": bytes_below_rivals(points, ours)}
 
 
 def bake(path):

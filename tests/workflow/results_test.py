@@ -273,6 +273,7 @@ class Results(unittest.TestCase):
             "light@targets.front.share:%": "50 %",  # the validity mask has fewer bytes than any of ours
             "light@targets.dark.1m.ours:.3": ".010",
             "light@targets.level_bytes:int": "480",
+            "light@targets.bytes_below_rivals:int": "480",
             "light@methods.levels.1m.tent_mlp.solved.surface.ratio:.3": ".333",
             "light@methods.all.1m.DDGI_as_shipped.own.per_probe:int": "1,250",
             "light@bakes.kaos2.wall_s:.1": "7.6",
