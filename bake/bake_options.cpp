@@ -34,7 +34,9 @@ void describe(BakeOptions& o, OptionTable& table) {
       "light_direct", &o.light_direct,
       "what probes hold of the direct light of lamps and suns: all, no_suns or none, for engines that draw these with shadow "
       "maps; what such light sends back from surfaces is always held");
-  table.add("light_places", &o.light_places, "places in air of every cell at which light is measured", 1, 4096);
+  table.add("light_places", &o.light_places,
+            "places in air of every cell at which light is measured; more where those would be fewer than 2,048 in a scene", 1,
+            4096);
   table.add("light_rays", &o.light_rays, "rays of every such place", 8, 1 << 20);
   table.add("light_probe_rays", &o.light_probe_rays, "rays of every probe, with light point", 8, 1 << 24);
   table.add("light_cache", &o.light_cache,

@@ -6,6 +6,7 @@
 
 #include "datagen/lighting/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
+#include "tool/error.h"
 #include "tool/parallel_for.h"
 
 namespace nlg {
@@ -24,6 +25,12 @@ SurfaceCacheOptions cacheOptions(const BakeScene& scene, const BakeOptions& opti
       std::max(1e-6f, std::min(0.25f * static_cast<float>(options.spacing_m), glm::length(bounds.max - bounds.min) / 48.0f));
   cache.seed = options.seed;
   return cache;
+}
+
+// Options and files may ask for more than a file can hold.
+InputError tooBright(const std::string& scene) {
+  return {scene, "light", "lamps, suns, sky and emission that bring no probe beyond 1e9",
+          "more: scale them all down, and exposure up"};
 }
 
 double meanOf(const std::vector<LightSh>& light) {
@@ -85,6 +92,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   for (const LightSh& sh : lit.light) {
     for (const glm::vec3& coefficient : sh) grid->light.insert(grid->light.end(), {coefficient.r, coefficient.g, coefficient.b});
   }
+  if (!checkLight(grid->light).ok()) throw tooBright(scene.source.id);
   return statistics;
 }
 

@@ -30,7 +30,7 @@ ProbeLightOptions probeLightOptions(const BakeOptions& options);
 // Fills grid->light by options.light; leaves it empty for "none".
 //
 // grid   of this scene and its tree, moved to the world's coordinates
-// throws   UsageError on an unknown way
+// throws   UsageError on an unknown way; InputError when light is beyond kMaxGridLight
 LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid);
 
 }  // namespace nlg

@@ -91,6 +91,18 @@ std::map<std::string, std::string> metadata(const BakeScene& scene, const std::m
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
+// What a bake may come to without an error, and is seldom what was meant.
+void warnOfNothing(const BakeScene& scene, const BakeOptions& options, const BakeReport& report) {
+  const BakeStatistics& statistics = report.statistics;
+  const auto warn = [&](const char* what) { std::cerr << "nlg-bake: " << report.scene << ": " << what << '\n'; };
+  if (statistics.counts.functions + statistics.bare_tents.count == 0)
+    warn("no probe has a weighting function; is extent_m where the scene is, and spacing_m smaller than its rooms?");
+  if (statistics.light.is_lit && statistics.light.mean == 0.0) warn("no light reaches any place in air");
+  const SceneLight& light = scene.source.scene.light;
+  if (options.light_direct != "all" && light.lamps.empty() && light.suns.empty())
+    warn("light_direct leaves nothing out: the scene keeps no lamps and no suns of its own");
+}
+
 void run(Request request, BakeOptions options, const OptionTable& table) {
   if (request.weights.empty()) {
     request.weights = shippedWeights(options.representation, weightsFolders());
@@ -142,8 +154,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   }
   report.threads = options.threads > 0 ? options.threads : machineThreadCount();
   report.simd = chosenSimdTarget();
-  if (report.statistics.counts.functions == 0)
-    std::cerr << "nlg-bake: " << report.scene << ": no probe has a weighting function; is extent_m where the scene is?\n";
+  warnOfNothing(scene, options, report);
   std::cerr << toTable(report);
   if (!request.out_is_given) std::cerr << "the light grid: " << request.out << '\n';
   std::cout << toJson(report).dump() << '\n';

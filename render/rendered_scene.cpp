@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iostream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "bake/default_weights.h"
 #include "bake/scene_bake.h"
@@ -52,12 +56,51 @@ std::vector<Generator> loadGenerators(const std::vector<std::string>& paths) {
   return generators;
 }
 
-LightGrid readGrid(const std::string& path) {
+LightGrid readGrid(const std::string& path, GridMetadata* metadata) {
   LightGrid grid;
-  GridMetadata metadata;
-  const WeightsResult result = readLightGridFile(path, &grid, &metadata);
+  const WeightsResult result = readLightGridFile(path, &grid, metadata);
   if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "a light grid", result.detail);
   return grid;
+}
+
+// What a grid's light depends on, of the settings that a view is asked for with.
+struct BakedAs {
+  std::string scene, light_direct, light_of_scene;
+  double spacing_m = 0.0;
+};
+
+// Of a grid that says nothing of its making everything is empty.
+BakedAs bakedAs(const GridMetadata& metadata) {
+  BakedAs baked;
+  const auto text = [&](const char* key) {
+    const auto found = metadata.find(key);
+    return found == metadata.end() ? std::string() : found->second;
+  };
+  baked.scene = text("scene");
+  const auto provenance = nlohmann::json::parse(text("provenance"), nullptr, false);
+  if (!provenance.is_object()) return baked;
+  const auto options = provenance.value("options", nlohmann::json::object());
+  const auto inputs = provenance.value("inputs", nlohmann::json::object());
+  if (options.is_object() && options.contains("light_direct") && options["light_direct"].is_string())
+    baked.light_direct = options["light_direct"];
+  if (options.is_object() && options.contains("spacing_m") && options["spacing_m"].is_number())
+    baked.spacing_m = options["spacing_m"];
+  if (inputs.is_object() && inputs.contains("light of the scene") && inputs["light of the scene"].is_string())
+    baked.light_of_scene = inputs["light of the scene"];
+  return baked;
+}
+
+// A picture of a grid beside a truth that it was not baked for is not wrong, but seldom what was meant.
+void warnOfDifferences(const std::string& path, const BakedAs& baked, const BakedAs& asked, bool has_rivals) {
+  const auto warn = [&](const std::string& what) { std::cerr << "nlg-render: " << path << ": " << what << '\n'; };
+  const auto isOther = [](const std::string& a, const std::string& b) { return !a.empty() && a != b; };
+  if (isOther(baked.scene, asked.scene)) warn("baked of " + baked.scene + ", and drawn in " + asked.scene);
+  if (isOther(baked.light_of_scene, asked.light_of_scene))
+    warn("baked with other light of the scene than it has here; --sky and --sun say which");
+  if (isOther(baked.light_direct, asked.light_direct))
+    warn("baked with light_direct " + baked.light_direct + ", and drawn with " + asked.light_direct);
+  if (has_rivals && baked.spacing_m > 0.0 && baked.spacing_m != asked.spacing_m)
+    warn(fmt::format("baked with probes {} m apart, and the rivals' are {} m apart", baked.spacing_m, asked.spacing_m));
 }
 
 }  // namespace
@@ -84,7 +127,7 @@ std::string rivalName(const LightMethod& method) {
 RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& options)
     : request_(request), options_(options), threads_(options.threads > 0 ? options.threads : machineThreadCount()) {
   const std::vector<std::string> names = methodNames(request);
-  const bool has_rivals = std::any_of(names.begin(), names.end(), isRival);
+  const bool has_rivals = rivals_wanted_ = std::any_of(names.begin(), names.end(), isRival);
   if (request.bake || has_rivals) {
     baked_scene_.emplace(request.scene, options);
   } else {
@@ -102,10 +145,15 @@ void RenderedScene::makeGrid() {
         request_.weights.empty() ? shippedWeights(options_.representation, weightsFolders()) : request_.weights;
     grid_ = bakeScene(*baked_scene_, loadGenerators(weights), options_, temporaryFolder()).grid;
   } else if (!request_.grid.empty()) {
-    grid_ = readGrid(request_.grid);
+    GridMetadata metadata;
+    grid_ = readGrid(request_.grid, &metadata);
+    const BakedAs baked = bakedAs(metadata),
+                  asked{source().id, options_.light_direct, sceneLightSha256(scene()), options_.spacing_m};
+    warnOfDifferences(request_.grid, baked, asked, rivals_wanted_);
   }
-  if (grid_ && grid_->light.empty() && request_.show != "weights")
-    throw InputError(request_.bake ? "light" : request_.grid, "light", "a light grid that holds light", "none");
+  if (!grid_ || !grid_->light.empty() || request_.show == "weights") return;
+  if (request_.bake) throw UsageError("--light", "solved, integrated or point: a view needs light", "none");
+  throw InputError(request_.grid, "light", "a light grid that holds light", "none");
 }
 
 void RenderedScene::makeRivals() {
@@ -143,7 +191,8 @@ LightingMethod RenderedScene::method(const std::string& name) const {
     if (rivalName(rival) == whole) return measuredMethod(name, rival);
     known += (known.empty() ? "" : ", ") + rivalName(rival);
   }
-  throw UsageError(request_.panel.empty() ? "--method" : "--panel", "truth, grid or one of " + known, "'" + name + "'");
+  throw UsageError(request_.panel.empty() ? "--method" : "--panel",
+                   known.empty() ? "a method that this scene has" : "truth, grid or one of " + known, "'" + name + "'");
 }
 
 }  // namespace nlg

@@ -45,6 +45,7 @@ class RenderedScene {
   const RenderRequest& request_;
   const BakeOptions& options_;
   const int threads_;
+  bool rivals_wanted_ = false;
   SceneSource source_;
   std::unique_ptr<RayScene> rays_;
   std::optional<BakeScene> baked_scene_;  // in place of both: with what a bake and rivals need beside

@@ -133,7 +133,7 @@ LightWay lightWayFromName(const std::string& name) {
   if (name == "point") return LightWay::point;
   if (name == "integrated") return LightWay::integrated;
   if (name == "solved") return LightWay::solved;
-  throw UsageError("light", "solved, integrated or point", "'" + name + "'");
+  throw UsageError("light", "solved, integrated, point or none", "'" + name + "'");
 }
 
 WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m) {

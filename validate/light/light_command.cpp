@@ -255,6 +255,8 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   auto scene = std::make_unique<BakeScene>(request.scene, options);
   if (!scene->source.sha256.empty()) hashes["scene"] = scene->source.sha256;
   const LightMeasurement measurement(request, options, *scene);
+  if (measurement.places().places.empty())
+    throw InputError(request.scene, "air", "places in air that are far enough from what shines", "none");
   Json json = {{"schema_version", 1},
                {"provenance", provenance("nlg-validate light", used, hashes)},
                {"scene", scene->source.id},

@@ -52,7 +52,7 @@ std::vector<LightSh> rounded(LightForm form, const std::vector<LightSh>& light) 
     for (const glm::vec3& coefficient : sh) floats.insert(floats.end(), {coefficient.r, coefficient.g, coefficient.b});
   }
   const WeightsResult result = roundLight(form, &floats);
-  if (!result.ok()) throw NumericalError("light", result.detail, "a probe's light", 0.0);
+  if (!result.ok()) throw InputError("the scene", "light", "probes whose light the form can hold", result.detail);
   std::vector<LightSh> kept(light.size());
   for (size_t i = 0; i < floats.size(); ++i)
     kept[i / kShFloats][i % kShFloats / kShChannels][static_cast<int>(i % kShChannels)] = floats[i];
