@@ -149,6 +149,7 @@ def bake(path):
     document = read_json(path)
     seconds = take(document, ["thread_seconds"], path)["thread_seconds"]
     out = {**take(document, ["scene", *BAKE_COUNTS, "share_fitted"], path), "wall_s": document["wall_seconds"]["all"],
+           "light_s": sum(take(document, ["light"], path)["light"]["wall_seconds"].values()) if document.get("light") else 0.0,
            "thread_s": take(seconds, ["visibility", "functions", "duplicates"], path)}
     out["thread_s"].update({word: sum(seconds["stages"].get(stage, 0.0) for stage in stages) for word, stages in BAKE_STAGES.items()})
     return {**out, "rmse": {word: take(document["rmse"][word], ["mean", "p95", "worst"], path) for word in STAGES}}
