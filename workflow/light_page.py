@@ -10,6 +10,10 @@ LIGHT_ORDER = ("point", "own", "solved")
 UNKNOWN = "not measured"
 BOX_BYTES = {8: 1000, 729: 60000}  # by probes
 
+# of nlg-validate light: 9, 5, 3 and 2 probes an edge, the outermost a millimetre off the walls
+BOX_PROBES = """
+The probes of the Cornell box stand in its air, 9, 5, 3 or 2 an edge: `cornell --align-lattice --density-growth 0 --extent-m=-0.999,0.001,-0.999,0.999,1.999,0.999 --spacings 0.24975 --spacings 0.4995 --spacings 0.999 --spacings 1.998`.
+"""
 INTRODUCTION = """# Light
 
 *Written by `workflow/results.py write` from `docs/results/light.json`. Change nothing here by hand.*
@@ -143,6 +147,6 @@ def page(all_results):
     results = all_results.get(NAME, {"pending": True})
     if results.get("pending"):
         return INTRODUCTION + "\nNot measured at this revision.\n"
-    text = INTRODUCTION + f"\nMade by `{results['command']}` of revision {', '.join(f'`{revision}`' for revision in results['revisions'])}.\n" + targets_section(results)
+    text = INTRODUCTION + BOX_PROBES + f"\nMade by `{results['command']}` of revision {', '.join(f'`{revision}`' for revision in results['revisions'])}.\n" + targets_section(results)
     text += "\n## Every method\n" + "".join(methods_section(kind, by_spacing) for kind, by_spacing in results["methods"].items())
     return text + scenes_section(results["scenes"])
