@@ -127,7 +127,7 @@ std::string rivalName(const LightMethod& method) {
 RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& options)
     : request_(request), options_(options), threads_(options.threads > 0 ? options.threads : machineThreadCount()) {
   const std::vector<std::string> names = methodNames(request);
-  const bool has_rivals = rivals_wanted_ = std::any_of(names.begin(), names.end(), isRival);
+  const bool has_rivals = std::any_of(names.begin(), names.end(), isRival);
   if (request.bake || has_rivals) {
     baked_scene_.emplace(request.scene, options);
   } else {
@@ -135,11 +135,11 @@ RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& op
     rays_ = std::make_unique<RayScene>(source_.scene);
   }
   transport_ = std::make_unique<LightTransport>(scene(), baked_scene_ ? baked_scene_->rays : *rays_);
-  makeGrid();
+  makeGrid(has_rivals);
   if (has_rivals) makeRivals();
 }
 
-void RenderedScene::makeGrid() {
+void RenderedScene::makeGrid(bool has_rivals) {
   if (request_.bake) {
     const std::vector<std::string> weights =
         request_.weights.empty() ? shippedWeights(options_.representation, weightsFolders()) : request_.weights;
@@ -149,7 +149,7 @@ void RenderedScene::makeGrid() {
     grid_ = readGrid(request_.grid, &metadata);
     const BakedAs baked = bakedAs(metadata),
                   asked{source().id, options_.light_direct, sceneLightSha256(scene()), options_.spacing_m};
-    warnOfDifferences(request_.grid, baked, asked, rivals_wanted_);
+    warnOfDifferences(request_.grid, baked, asked, has_rivals);
   }
   if (!grid_ || !grid_->light.empty() || request_.show == "weights") return;
   if (request_.bake) throw UsageError("--light", "solved, integrated or point: a view needs light", "none");

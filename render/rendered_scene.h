@@ -39,13 +39,12 @@ class RenderedScene {
 
  private:
   const SceneSource& source() const { return baked_scene_ ? baked_scene_->source : source_; }
-  void makeGrid();
+  void makeGrid(bool has_rivals);
   void makeRivals();
 
   const RenderRequest& request_;
   const BakeOptions& options_;
   const int threads_;
-  bool rivals_wanted_ = false;
   SceneSource source_;
   std::unique_ptr<RayScene> rays_;
   std::optional<BakeScene> baked_scene_;  // in place of both: with what a bake and rivals need beside

@@ -1,7 +1,7 @@
 """What was measured of light, reduced to what the documentation quotes or tables: docs/results/light.json. Read by results.py.
 
 A folder of light holds
-    SCENE.json            nlg-validate light, one a scene, all with the same spacings and weights
+    SCENE.json            nlg-validate light, one a scene; a figure at a spacing is over the scenes that have it
 and, where they are there,
     noise/SCENE.json      nlg-validate light-noise
     bakes/SCENE.json      nlg-bake SCENE --light solved (stdout)

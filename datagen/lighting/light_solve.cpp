@@ -36,14 +36,6 @@ glm::vec3 quotient(const glm::dvec3& a, const glm::dvec3& b) {
   return result;
 }
 
-LightSh blend(const LightSample& sample, const Vector& light) {
-  LightSh sum{};
-  for (int j = 0; j < sample.count; ++j) {
-    for (int k = 0; k < kShCount; ++k) sum[k] += sample.weight[j] * light[sample.probe[j]][k];
-  }
-  return sum;
-}
-
 class Solver {
  public:
   Solver(const std::vector<LightSample>& samples, const Vector& prior, const std::vector<float>& pull)
@@ -92,7 +84,7 @@ class Solver {
       for (int k = 0; k < kShCount; ++k) residual[p][k] = pull_[p] * (prior_[p][k] - light[p][k]);
     }
     for (const LightSample& sample : samples_) {
-      const LightSh blended = blend(sample, light);
+      const LightSh blended = blendOf(sample, light);
       for (int j = 0; j < sample.count; ++j) {
         const float weight = sample.importance * sample.weight[j];
         for (int k = 0; k < kShCount; ++k) residual[sample.probe[j]][k] += weight * (sample.light[k] - blended[k]);
@@ -107,7 +99,7 @@ class Solver {
       for (int k = 0; k < kShCount; ++k) image[p][k] = pull_[p] * light[p][k];
     }
     for (const LightSample& sample : samples_) {
-      const LightSh blended = blend(sample, light);
+      const LightSh blended = blendOf(sample, light);
       for (int j = 0; j < sample.count; ++j) {
         const float weight = sample.importance * sample.weight[j];
         for (int k = 0; k < kShCount; ++k) image[sample.probe[j]][k] += weight * blended[k];
@@ -131,6 +123,14 @@ class Solver {
 };
 
 }  // namespace
+
+LightSh blendOf(const LightSample& sample, const std::vector<LightSh>& light) {
+  LightSh sum{};
+  for (int j = 0; j < sample.count; ++j) {
+    for (int k = 0; k < kShCount; ++k) sum[k] += sample.weight[j] * light[sample.probe[j]][k];
+  }
+  return sum;
+}
 
 LightSolution solveLight(const std::vector<LightSample>& samples, const std::vector<LightSh>& prior,
                          const std::vector<float>& pull, const std::vector<LightSh>& start, const LightSolveOptions& options) {

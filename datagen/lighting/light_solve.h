@@ -27,6 +27,10 @@ struct LightSample {
   LightSh light{};
 };
 
+// What it is with this light.
+// light   by probe
+LightSh blendOf(const LightSample& sample, const std::vector<LightSh>& light);
+
 struct LightSolveOptions {
   int max_iterations = 100;
   double tolerance = 1e-4;  // of the residual against the first one: ends the iterations

@@ -99,10 +99,10 @@ std::vector<float> pullOf(const std::vector<LightSample>& samples, size_t probe_
 
 // Of irradiance, over all normals and channels, in the unit of a first coefficient.
 float squaredError(const LightSample& sample, const std::vector<LightSh>& light) {
+  const LightSh blend = blendOf(sample, light);
   float sum = 0.0f;
   for (int k = 0; k < kShCount; ++k) {
-    glm::vec3 error = -sample.light[k];
-    for (int j = 0; j < sample.count; ++j) error += sample.weight[j] * light[sample.probe[j]][k];
+    const glm::vec3 error = blend[k] - sample.light[k];
     const float band = kCosineBand[k] / kCosineBand[0];
     sum += band * band * glm::dot(error, error);
   }
