@@ -30,6 +30,17 @@ if(NLG_BUILD_TOOLS)
   add_library(nlg::deflate ALIAS nlg_deflate)
   target_include_directories(nlg_deflate SYSTEM INTERFACE ${NLG_DEFLATE_INCLUDE})
   target_link_libraries(nlg_deflate INTERFACE ${NLG_DEFLATE_LIBRARY})
+  # what glTF and .obj files are read with beside tinygltf, one library each; not by their CMake packages, whose definitions
+  # would reach every source that links a scene
+  function(nlg_plain_library name library header)
+    find_library(NLG_${name}_LIBRARY ${library} REQUIRED)
+    find_path(NLG_${name}_INCLUDE ${header} REQUIRED)
+    add_library(nlg_${name} INTERFACE)
+    add_library(nlg::${name} ALIAS nlg_${name})
+    target_include_directories(nlg_${name} SYSTEM INTERFACE ${NLG_${name}_INCLUDE})
+    target_link_libraries(nlg_${name} INTERFACE ${NLG_${name}_LIBRARY})
+  endfunction()
+  nlg_plain_library(meshoptimizer meshoptimizer meshoptimizer.h)
   # ONNX's messages and its own checker; protobuf first, which ONNX's CMake files name and do not look for
   find_package(Protobuf REQUIRED)
   find_package(ONNX CONFIG REQUIRED)

@@ -6,9 +6,11 @@
 #include <fstream>
 #include <set>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "datagen/scene/gltf_text.h"
+#include "datagen/scene/gltf_unpack.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -68,6 +70,25 @@ std::string_view binaryText(const std::string& path, const Bytes& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()) + 20, json_length};
 }
 
+void appendWord(Bytes& bytes, uint64_t word) {
+  for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<unsigned char>(word >> (8 * i)));
+}
+
+// The .glb with another JSON chunk; binaryText has found it whole.
+Bytes withText(const std::string& path, const Bytes& bytes, std::string text) {
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const size_t next = 20 + static_cast<size_t>(wordAt(bytes, 12));
+  const uint64_t length = 20 + text.size() + (bytes.size() - next);
+  if (length > kMaxFileBytes) throw InputError(path, "file", "less than 4 GiB", std::to_string(length));
+  Bytes result(bytes.begin(), bytes.begin() + 8);
+  appendWord(result, length);
+  appendWord(result, text.size());
+  result.insert(result.end(), bytes.begin() + 16, bytes.begin() + 20);
+  result.insert(result.end(), text.begin(), text.end());
+  result.insert(result.end(), bytes.begin() + static_cast<std::ptrdiff_t>(next), bytes.end());
+  return result;
+}
+
 // The files that tinygltf may open: the buffers', and only those that lie in the scene's folder when all links are followed.
 struct AllowedFiles {
   std::set<std::string> paths;
@@ -120,14 +141,19 @@ std::string oneLine(std::string words) {
 }  // namespace
 
 tinygltf::Model loadGltfFile(const std::string& path) {
-  const Bytes bytes = readBytes(path, "file");
+  Bytes bytes = readBytes(path, "file");
   if (bytes.empty()) throw InputError(path, "file", "glTF", "an empty file");
   const bool is_binary = isBinary(bytes);
   const std::string_view text =
       is_binary ? binaryText(path, bytes) : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const std::string parent = fs::path(path).parent_path().string();
   const std::string folder = parent.empty() ? "." : parent;
-  AllowedFiles allowed = findBuffers(path, folder, checkGltfText(path, text, is_binary));
+  const GltfText checked = checkGltfText(path, text, is_binary);
+  AllowedFiles allowed = findBuffers(path, folder, checked.buffer_files);
+  if (checked.is_packed) {
+    std::string plain = plainGltfText(path, text);
+    bytes = is_binary ? withText(path, bytes, std::move(plain)) : Bytes(plain.begin(), plain.end());
+  }
 
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(ignoreImage, nullptr);
@@ -139,13 +165,15 @@ tinygltf::Model loadGltfFile(const std::string& path) {
   try {
     const auto size = static_cast<unsigned int>(bytes.size());
     is_loaded = is_binary ? loader.LoadBinaryFromMemory(&model, &error, &warning, bytes.data(), size, folder)
-                          : loader.LoadASCIIFromString(&model, &error, &warning, text.data(), size, folder);
+                          : loader.LoadASCIIFromString(&model, &error, &warning, reinterpret_cast<const char*>(bytes.data()),
+                                                       size, folder);
   } catch (const ToolError&) {
     throw;
   } catch (const std::exception& exception) {
     error = exception.what();  // of the JSON library and of containers
   }
   if (!is_loaded) throw InputError(path, "file", "glTF 2.0", oneLine(error));
+  unpackMeshopt(path, model);
   return model;
 }
 

@@ -27,9 +27,34 @@ glm::uvec3 cornersOf(int mode, uint32_t i) {
   return {3 * i, 3 * i + 1, 3 * i + 2};
 }
 
+// What KHR_mesh_quantization lets positions be beside floats.
+bool isSmallInteger(int component_type) {
+  return component_type == TINYGLTF_COMPONENT_TYPE_BYTE || component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+         component_type == TINYGLTF_COMPONENT_TYPE_SHORT || component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+}
+
+// One component of a position; normalized integers by glTF's formulas: the largest is 1, the smallest signed one no less than -1.
+float componentAt(const unsigned char* bytes, int component_type, bool is_normalized) {
+  if (component_type == TINYGLTF_COMPONENT_TYPE_FLOAT) {
+    float value = 0.0f;
+    std::memcpy(&value, bytes, sizeof value);
+    return value;
+  }
+  const int byte_count = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(component_type));
+  const bool is_signed = component_type == TINYGLTF_COMPONENT_TYPE_BYTE || component_type == TINYGLTF_COMPONENT_TYPE_SHORT;
+  const int range = 1 << (8 * byte_count);
+  int value = static_cast<int>(readUnsigned(bytes, byte_count));
+  if (is_signed && value >= range / 2) value -= range;
+  if (!is_normalized) return static_cast<float>(value);
+  return std::max(static_cast<float>(value) / static_cast<float>(is_signed ? range / 2 - 1 : range - 1), -1.0f);
+}
+
 class MeshReader {
  public:
-  MeshReader(const tinygltf::Model& model, const std::string& path) : model_(model), path_(path) {}
+  MeshReader(const tinygltf::Model& model, const std::string& path) : model_(model), path_(path) {
+    const std::vector<std::string>& used = model.extensionsUsed;
+    is_quantized_ = std::find(used.begin(), used.end(), "KHR_mesh_quantization") != used.end();
+  }
 
   GltfMesh read(int mesh_idx) {
     GltfMesh mesh;
@@ -55,6 +80,7 @@ class MeshReader {
     if (mode < 0 || mode > TINYGLTF_MODE_TRIANGLE_FAN) fail(place + ": mode", "0 to 6", std::to_string(mode));
     if (!isTriangleMode(mode)) return;
     const AccessorReader positions = positionReader(primitive, place);
+    const tinygltf::Accessor& accessor = model_.accessors[primitive.attributes.at("POSITION")];
     const std::vector<uint32_t> corners = readCorners(primitive, positions.count(), place, local.triangles.size());
     const uint32_t material = materialOf(primitive, place);
 
@@ -62,7 +88,7 @@ class MeshReader {
     std::sort(used.begin(), used.end());
     used.erase(std::unique(used.begin(), used.end()), used.end());
     const auto base = static_cast<uint32_t>(local.positions.size());
-    for (const uint32_t idx : used) local.positions.push_back(readPosition(positions, idx, place));
+    for (const uint32_t idx : used) local.positions.push_back(readPosition(positions, accessor, idx));
     const auto compact = [&](uint32_t corner) {
       return base + static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), corners[corner]) - used.begin());
     };
@@ -80,8 +106,10 @@ class MeshReader {
     if (attribute == primitive.attributes.end()) fail(place_, "FLOAT VEC3", "none");
     checkIndex(attribute->second, model_.accessors.size(), place_, "an accessor");
     const tinygltf::Accessor& accessor = model_.accessors[attribute->second];
-    if (accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT || accessor.type != TINYGLTF_TYPE_VEC3) {
-      fail(place_, "FLOAT VEC3",
+    const int type = accessor.componentType;
+    const bool is_known = type == TINYGLTF_COMPONENT_TYPE_FLOAT || (is_quantized_ && isSmallInteger(type));
+    if (!is_known || accessor.type != TINYGLTF_TYPE_VEC3) {
+      fail(place_, is_quantized_ ? "VEC3 of FLOAT or integers of 8 or 16 bits" : "FLOAT VEC3",
            "component type " + std::to_string(accessor.componentType) + ", type " + std::to_string(accessor.type));
     }
     return AccessorReader(model_, attribute->second, path_, place_);
@@ -132,18 +160,20 @@ class MeshReader {
     return static_cast<uint32_t>(primitive.material);
   }
 
-  glm::vec3 readPosition(const AccessorReader& positions, uint32_t idx, const std::string& place) const {
+  glm::vec3 readPosition(const AccessorReader& positions, const tinygltf::Accessor& accessor, uint32_t idx) const {
     glm::vec3 p(0.0f);
-    if (const unsigned char* bytes = positions.element(idx)) std::memcpy(&p, bytes, sizeof p);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!std::isfinite(p[axis]))
-        fail(place + ": POSITION", "finite numbers", std::to_string(p[axis]) + " at vertex " + std::to_string(idx));
+    const unsigned char* bytes = positions.element(idx);
+    const int component_bytes = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(accessor.componentType));
+    for (int axis = 0; axis < 3 && bytes != nullptr; ++axis) {
+      p[axis] = componentAt(bytes + axis * component_bytes, accessor.componentType, accessor.normalized);
+      if (!std::isfinite(p[axis])) fail(place_, "finite numbers", std::to_string(p[axis]) + " at vertex " + std::to_string(idx));
     }
     return p;
   }
 
   const tinygltf::Model& model_;
   const std::string& path_;
+  bool is_quantized_ = false;
   std::string place_;  // of the positions being read
 };
 

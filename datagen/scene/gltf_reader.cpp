@@ -22,7 +22,6 @@ class GltfConverter {
       : path_(path), model_(loadGltfFile(path)), meshes_(model_.meshes.size()), is_visited_(model_.nodes.size(), 0) {}
 
   Scene convert() {
-    checkExtensions();
     readMaterials();
     lights_ = readGltfLights(path_, model_);
     for (const int node : rootNodes()) visitNode(node, glm::dmat4(1.0), 0);
@@ -37,15 +36,6 @@ class GltfConverter {
   void checkIndex(int idx, size_t count, const std::string& place, const std::string& what) const {
     if (idx >= 0 && static_cast<size_t>(idx) < count) return;
     fail(place, what + " below " + std::to_string(count), std::to_string(idx));
-  }
-
-  // Extensions about looks can be missing; those that change where triangles are cannot.
-  void checkExtensions() const {
-    for (const std::string& name : model_.extensionsRequired) {
-      const auto begins = [&](const char* start) { return name.rfind(start, 0) == 0; };
-      if (begins("KHR_materials_") || begins("KHR_texture_") || begins("EXT_texture_") || begins("KHR_lights_")) continue;
-      fail("extensionsRequired", "extensions of materials, textures and lights", name.substr(0, 80));
-    }
   }
 
   float checkedFactor(double value, double limit, const std::string& place) const {

@@ -20,16 +20,21 @@ struct GltfRule {
   JsonKind kind;
 };
 
-inline constexpr std::array<GltfRule, 29> kRules = {{{"buffers", "uri", JsonKind::string},
+inline constexpr std::array<GltfRule, 34> kRules = {{{"buffers", "uri", JsonKind::string},
                                                      {"buffers", "byteLength", JsonKind::integer},
                                                      {"bufferViews", "buffer", JsonKind::index},
                                                      {"bufferViews", "byteOffset", JsonKind::integer},
                                                      {"bufferViews", "byteLength", JsonKind::integer},
                                                      {"bufferViews", "byteStride", JsonKind::index},
+                                                     {"bufferViews", "count", JsonKind::index},
+                                                     {"bufferViews", "mode", JsonKind::string},
+                                                     {"bufferViews", "filter", JsonKind::string},
+                                                     {"buffers", "fallback", JsonKind::boolean},
                                                      {"accessors", "bufferView", JsonKind::index},
                                                      {"accessors", "byteOffset", JsonKind::integer},
                                                      {"accessors", "componentType", JsonKind::index},
                                                      {"accessors", "count", JsonKind::integer},
+                                                     {"accessors", "normalized", JsonKind::boolean},
                                                      {"accessors", "sparse", JsonKind::object},
                                                      {"meshes", "primitives", JsonKind::array},
                                                      {"meshes", "attributes", JsonKind::object},
@@ -69,6 +74,33 @@ inline constexpr std::array<std::string_view, 8> kSections = {"buffers", "buffer
 inline bool isSection(std::string_view key) {
   for (const std::string_view section : kSections) {
     if (section == key) return true;
+  }
+  return false;
+}
+
+// Extensions that a file may require: those that the reader follows, and those about looks, which can be missing. Any other may
+// change where triangles are.
+inline constexpr std::array<std::string_view, 2> kReadExtensions = {"KHR_mesh_quantization", "EXT_meshopt_compression"};
+inline constexpr std::array<std::string_view, 4> kLookExtensions = {"KHR_materials_", "KHR_texture_", "EXT_texture_",
+                                                                    "KHR_lights_"};  // beginnings of names
+
+// Extensions whose members the rules hold for, too; whatever else stands in an extension is anybody's.
+inline constexpr std::array<std::string_view, 2> kCheckedExtensions = {"KHR_materials_emissive_strength",
+                                                                       "EXT_meshopt_compression"};
+
+inline bool isChecked(std::string_view extension) {
+  for (const std::string_view name : kCheckedExtensions) {
+    if (extension == name) return true;
+  }
+  return false;
+}
+
+inline bool mayBeRequired(std::string_view extension) {
+  for (const std::string_view name : kReadExtensions) {
+    if (extension == name) return true;
+  }
+  for (const std::string_view start : kLookExtensions) {
+    if (extension.substr(0, start.size()) == start) return true;
   }
   return false;
 }

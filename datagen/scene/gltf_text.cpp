@@ -1,6 +1,7 @@
 #include "datagen/scene/gltf_text.h"
 
 #include <set>
+#include <utility>
 
 #include "datagen/scene/gltf_rules.h"
 #include "tool/error.h"
@@ -22,15 +23,17 @@ class TextChecker {
  public:
   TextChecker(const std::string& path, std::string_view text, bool is_binary) : path_(path), text_(text), is_binary_(is_binary) {}
 
-  std::vector<std::string> check() {
+  GltfText check() {
     checkValue();
     skipSpace();
     if (at_ != text_.size()) failSyntax("the end of the JSON");
+    checkExtensions();
+    if (!buffer_without_uri_.empty()) throw InputError(path_, buffer_without_uri_, "a uri", "none");
     if (last_indices_ >= accessor_count_) {
       const std::string expected = "an accessor below " + std::to_string(accessor_count_);
       throw InputError(path_, last_indices_place_, expected, std::to_string(last_indices_));
     }
-    return std::move(buffer_files_);
+    return std::move(found_);
   }
 
  private:
@@ -105,7 +108,9 @@ class TextChecker {
     take('}');
     if (steps_.size() != 2) return;
     const bool needs_uri = steps_[0].key == "buffers" && (!is_binary_ || steps_[1].index > 0);
-    if (needs_uri && keys.count("uri") == 0) fail("a uri", "none");
+    if (needs_uri && keys.count("uri") == 0 && !is_fallback_ && buffer_without_uri_.empty()) buffer_without_uri_ = currentPlace();
+    found_.is_packed = found_.is_packed || is_fallback_;
+    is_fallback_ = false;
     const bool is_moved = keys.count("translation") + keys.count("rotation") + keys.count("scale") > 0;
     if (steps_[0].key == "nodes" && keys.count("matrix") > 0 && is_moved)
       fail("a matrix or translation, rotation and scale", "both");
@@ -135,6 +140,16 @@ class TextChecker {
     }
   }
 
+  // Before whatever else a file lacks: that may be what the extension provides for.
+  void checkExtensions() const {
+    for (const auto& [place, name] : required_extensions_) {
+      if (mayBeRequired(name)) continue;
+      std::string readable;
+      for (const std::string_view known : kReadExtensions) readable += std::string(known) + ", ";
+      throw InputError(path_, place, readable + "or an extension of materials, textures or lights", name.substr(0, 80));
+    }
+  }
+
   // tinygltf looks an index accessor up before we can, and does not say whose it was.
   void noteIndices(const std::string& text) {
     const int64_t idx = std::stoll(text);
@@ -147,12 +162,17 @@ class TextChecker {
     const std::string value = takeString();
     judge(JsonKind::string, "\"" + value + "\"");
     if (steps_.size() == 3 && steps_[0].key == "buffers" && steps_[2].key == "uri") checkUri(value);
+    if (steps_.size() == 2 && steps_[0].key == "extensionsRequired") required_extensions_.emplace_back(currentPlace(), value);
   }
 
   void checkWord(std::string_view word, JsonKind kind) {
     if (text_.substr(at_, word.size()) != word) failSyntax("a value");
     at_ += word.size();
     judge(kind, std::string(word));
+    // its bytes are nowhere: views into it are unpacked from elsewhere
+    const bool is_fallback = steps_.size() == 5 && steps_[0].key == "buffers" && steps_[2].key == "extensions" &&
+                             steps_[3].key == "EXT_meshopt_compression" && steps_[4].key == "fallback" && word == "true";
+    is_fallback_ = is_fallback_ || is_fallback;
   }
 
   void checkNumber() {
@@ -186,8 +206,9 @@ class TextChecker {
     for (const GltfRule& rule : kRules) {
       if (rule.section != section || rule.key != key) continue;
       if (last.is_index) return requireElement(rule, got, text);
-      // inside of "sparse", tinygltf keeps sizes in an int
-      const bool is_narrow = rule.kind == JsonKind::integer && section == "accessors" && steps_.size() > 3;
+      // inside of "sparse" and of extensions, tinygltf keeps sizes in an int
+      const bool is_narrow =
+          rule.kind == JsonKind::integer && steps_.size() > 3 && (section == "accessors" || section == "bufferViews");
       require(got, is_narrow ? JsonKind::index : rule.kind, text);
       if (rule.key == "indices") noteIndices(text);
       return;
@@ -205,12 +226,12 @@ class TextChecker {
     if (!satisfies(got, expected)) fail(std::string("a JSON ") + kindName(expected), text);
   }
 
-  // Extras are anybody's, and so are extensions but for the one that is read.
+  // Extras are anybody's, and so are extensions but for those that are read.
   bool isForeign() const {
     for (size_t i = 0; i < steps_.size(); ++i) {
       if (steps_[i].key == "extras") return true;
       if (steps_[i].key != "extensions") continue;
-      return i + 1 >= steps_.size() || steps_[i + 1].key != "KHR_materials_emissive_strength";
+      return i + 1 >= steps_.size() || !isChecked(steps_[i + 1].key);
     }
     return false;
   }
@@ -271,7 +292,7 @@ class TextChecker {
       if (static_cast<unsigned char>(c) < 32 || c == '\\' || c == ':') fail("a file in the folder, or data:", uri);
     }
     if (name[0] == '/' || ("/" + name + "/").find("/../") != std::string::npos) fail("a file in the folder or below", uri);
-    buffer_files_.push_back(name);
+    found_.buffer_files.push_back(name);
   }
 
   const std::string& path_;
@@ -279,14 +300,17 @@ class TextChecker {
   bool is_binary_;
   size_t at_ = 0;
   std::vector<Step> steps_;
-  std::vector<std::string> buffer_files_;
+  GltfText found_;
+  bool is_fallback_ = false;                                              // the buffer being read
+  std::vector<std::pair<std::string, std::string>> required_extensions_;  // place, name
+  std::string buffer_without_uri_;                                        // the first one's place
   int64_t accessor_count_ = 0, last_indices_ = -1;
   std::string last_indices_place_;
 };
 
 }  // namespace
 
-std::vector<std::string> checkGltfText(const std::string& path, std::string_view text, bool is_binary) {
+GltfText checkGltfText(const std::string& path, std::string_view text, bool is_binary) {
   return TextChecker(path, text, is_binary).check();
 }
 

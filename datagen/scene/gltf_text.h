@@ -11,10 +11,15 @@
 
 namespace nlg {
 
-// Returns the external buffers' file names, percent-decoded: relative, without "..", without a scheme.
+struct GltfText {
+  std::vector<std::string> buffer_files;  // the external buffers', percent-decoded: relative, without "..", without a scheme
+  bool is_packed = false;                 // holds what tinygltf refuses until gltf_unpack.h has made it plain
+};
+
+// A buffer needs a URI, but for the first one of a .glb and for fallbacks of EXT_meshopt_compression.
 //
-// path      the file's name, for errors; text: its JSON; is_binary: from a .glb, whose first buffer needs no URI
+// path      the file's name, for errors; text: its JSON; is_binary: from a .glb
 // throws    InputError naming the place ("nodes[3].translation[1]", "byte 17 of the JSON")
-std::vector<std::string> checkGltfText(const std::string& path, std::string_view text, bool is_binary);
+GltfText checkGltfText(const std::string& path, std::string_view text, bool is_binary);
 
 }  // namespace nlg

@@ -1,4 +1,4 @@
-#include "datagen/scene/gltf_reader.h"
+#include "tests/datagen/scene/gltf_parts.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -18,111 +18,7 @@
 namespace nlg {
 namespace {
 
-namespace fs = std::filesystem;
-
-std::string base64(const std::string& bytes) {
-  constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kLetters[group >> (18 - 6 * k) & 63];
-  }
-  return text;
-}
-
-template <class T>
-std::string bytesOf(std::initializer_list<T> values) {
-  std::string bytes;
-  for (const T value : values) bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-  return bytes;
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << "the test's text has no " << from;
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
-// A unit square in the plane z = 0, front towards +z: four positions, then the indices 0 1 2 0 2 3 as 16 bits.
-const std::string kSquare = bytesOf<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) + bytesOf<uint16_t>({0, 1, 2, 0, 2, 3});
-
-// The parts of a file with one mesh; tests replace one of them.
-struct Parts {
-  std::string bin = kSquare;
-  std::string views = R"([{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}])";
-  std::string accessors =
-      R"([{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}])";
-  std::string primitives = R"([{"attributes":{"POSITION":0},"indices":1}])";
-  std::string nodes = R"([{"mesh":0,"name":"square"}])";
-  std::string scenes = R"([{"nodes":[0]}])";
-  std::string more;  // further members of the root, each led by a comma
-
-  std::string json(const std::string& uri) const {
-    const std::string uri_member = uri.empty() ? "" : R"(,"uri":")" + uri + "\"";
-    return R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" + std::to_string(bin.size()) + uri_member +
-           R"(}],"bufferViews":)" + views + R"(,"accessors":)" + accessors + R"(,"meshes":[{"primitives":)" + primitives +
-           R"(}],"nodes":)" + nodes + R"(,"scenes":)" + scenes + more + "}";
-  }
-  std::string text() const { return json("data:application/octet-stream;base64," + base64(bin)); }
-  std::string binary() const {
-    std::string chunk = json("");
-    chunk.resize((chunk.size() + 3) / 4 * 4, ' ');
-    std::string payload = bin;
-    payload.resize((payload.size() + 3) / 4 * 4, '\0');
-    const auto word = [](size_t value) { return bytesOf<uint32_t>({static_cast<uint32_t>(value)}); };
-    return "glTF" + word(2) + word(28 + chunk.size() + payload.size()) + word(chunk.size()) + "JSON" + chunk +
-           word(payload.size()) + std::string("BIN\0", 4) + payload;
-  }
-};
-
-class GltfReader : public testing::Test {
- protected:
-  GltfReader() {
-    std::string pattern = (fs::temp_directory_path() / "gltf_reader_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-    fs::create_directory(folder_ / "level");
-  }
-  ~GltfReader() override { fs::remove_all(folder_); }
-
-  std::string write(const std::string& name, const std::string& bytes) const {
-    const fs::path path = folder_ / "level" / name;
-    std::ofstream(path, std::ios::binary) << bytes;
-    return path.string();
-  }
-  Scene read(const Parts& parts) const { return readGltf(write("test.gltf", parts.text())); }
-
-  // The line of the InputError that reading the bytes gives.
-  std::string errorOf(const std::string& bytes) const {
-    try {
-      readGltf(write("hostile.gltf", bytes));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-
-  fs::path folder_;
-};
-
-glm::dvec3 corner(const Scene& scene, size_t triangle, int which) {
-  return scene.origin_m + glm::dvec3(scene.positions[scene.triangles[triangle][which]]);
-}
-
-glm::dvec3 normalOf(const Scene& scene, size_t triangle) {
-  const glm::dvec3 a = corner(scene, triangle, 0);
-  return glm::cross(corner(scene, triangle, 1) - a, corner(scene, triangle, 2) - a);
-}
-
-double areaOf(const Scene& scene) {
-  double area = 0.0;
-  for (size_t i = 0; i < scene.triangles.size(); ++i) area += 0.5 * glm::length(normalOf(scene, i));
-  return area;
-}
-
-void expectNear(const glm::dvec3& got, const glm::dvec3& expected, const std::string& what) {
-  EXPECT_LT(glm::length(got - expected), 1e-6) << what << ": " << got.x << " " << got.y << " " << got.z;
-}
+using GltfReader = GltfFiles;
 
 TEST_F(GltfReader, ReadsASquareFromADataUri) {
   const Scene scene = read({});
@@ -266,6 +162,50 @@ TEST_F(GltfReader, AppliesSparseAccessors) {
   EXPECT_EQ(zeros.triangles.size(), 0u);
   EXPECT_EQ(zeros.dropped_triangle_count, 2u);
   EXPECT_TRUE(zeros.objects.empty());
+}
+
+// The square again, its corners in integers; by KHR_mesh_quantization a value c of b bits, normalized, is c / (2^b - 1), or
+// max(c / (2^(b-1) - 1), -1) where it has a sign.
+TEST_F(GltfReader, ReadsQuantizedPositions) {
+  struct Case {
+    const char* type;
+    bool is_normalized;
+    std::string one, zero;  // a component that is one, and that is zero
+    std::string low;        // and the type's smallest
+    double low_is;
+  };
+  const Case cases[] = {{"5121", false, "\x01", std::string(1, '\0'), std::string(1, '\0'), 0.0},
+                        {"5121", true, "\xff", std::string(1, '\0'), std::string(1, '\0'), 0.0},
+                        {"5120", false, "\x01", std::string(1, '\0'), "\x80", -128.0},
+                        {"5120", true, "\x7f", std::string(1, '\0'), "\x80", -1.0},
+                        {"5123", false, bytesOf<uint16_t>({1}), bytesOf<uint16_t>({0}), bytesOf<uint16_t>({0}), 0.0},
+                        {"5123", true, bytesOf<uint16_t>({65535}), bytesOf<uint16_t>({0}), bytesOf<uint16_t>({0}), 0.0},
+                        {"5122", false, bytesOf<int16_t>({1}), bytesOf<int16_t>({0}), bytesOf<int16_t>({-32768}), -32768.0},
+                        {"5122", true, bytesOf<int16_t>({32767}), bytesOf<int16_t>({0}), bytesOf<int16_t>({-32768}), -1.0}};
+  for (const Case& c : cases) {
+    const std::string name = std::string(c.type) + (c.is_normalized ? " normalized" : "");
+    Parts parts;
+    const std::string pad(4 - 3 * c.one.size() % 4, '\0');  // elements at multiples of four bytes
+    const std::string low = c.zero + c.low + c.zero;
+    parts.bin = low + pad + c.one + low.substr(c.zero.size()) + pad + c.one + c.one + c.zero + pad + c.zero + c.one + c.zero +
+                pad + bytesOf<uint16_t>({0, 1, 2, 0, 2, 3});
+    const std::string stride = std::to_string(3 * c.one.size() + pad.size());
+    const std::string size = std::to_string(parts.bin.size() - 12);
+    parts.views = R"([{"buffer":0,"byteStride":)" + stride + R"(,"byteLength":)" + size + R"(},{"buffer":0,"byteOffset":)" +
+                  size + R"(,"byteLength":12}])";
+    parts.accessors = replaced(parts.accessors, "5126", std::string(c.type) + (c.is_normalized ? R"(,"normalized":true)" : ""));
+    EXPECT_NE(errorOf(parts.text()).find("expected FLOAT VEC3"), std::string::npos) << name << " without the extension";
+    parts.more = R"(,"extensionsUsed":["KHR_mesh_quantization"],"extensionsRequired":["KHR_mesh_quantization"])";
+    const Scene scene = read(parts);
+    ASSERT_EQ(scene.triangles.size(), 2u) << name;
+    expectNear(corner(scene, 0, 0), {0, c.low_is, 0}, name);
+    expectNear(corner(scene, 0, 1), {1, c.low_is, 0}, name);
+    expectNear(corner(scene, 0, 2), {1, 1, 0}, name);
+    expectNear(corner(scene, 1, 2), {0, 1, 0}, name);
+    EXPECT_NE(errorOf(replaced(parts.text(), R"("count":4)", R"("count":5)")).find("POSITION"), std::string::npos) << name;
+    EXPECT_NE(errorOf(replaced(parts.text(), c.type, "5125")).find("expected VEC3 of FLOAT or integers"), std::string::npos)
+        << name;
+  }
 }
 
 TEST_F(GltfReader, ReadsMaterials) {
@@ -487,8 +427,13 @@ const Hostile kHostile[] = {
     {"node twice", R"("nodes":[0])", R"("nodes":[0,0])", "node 0"},
     {"no such root", R"("nodes":[0])", R"("nodes":[1])", "node 1"},
     {"no such scene", R"("scenes":)", R"("scene":3,"scenes":)", "scene"},
-    {"required extension", R"("asset":)", R"("extensionsRequired":["KHR_draco_mesh_compression"],"asset":)",
-     "extensionsRequired"},
+    {"required extension", R"("asset":)", R"("extensionsRequired":["KHR_texture_basisu","EXT_mesh_gpu_instancing"],"asset":)",
+     "extensionsRequired[1]: expected "},
+    {"required extension's name", R"("asset":)", R"("extensionsRequired":["EXT_mesh_gpu_instancing"],"asset":)",
+     "got EXT_mesh_gpu_instancing"},
+    {"required extension before what it provides", R"("buffers":[)",
+     R"("extensionsRequired":["XYZ_packed"],"buffers":[{"byteLength":60},)", "got XYZ_packed"},
+    {"normalized as text", R"("count":4)", R"("count":4,"normalized":"yes")", "accessors[0].normalized"},
     {"bright material", R"("asset":)", R"("materials":[{"emissiveFactor":[2,0,0]}],"asset":)", "material 0: emissiveFactor"},
     {"negative colour", R"("asset":)", R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[-1,0,0,1]}}],"asset":)",
      "material 0: baseColorFactor"},
