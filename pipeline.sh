@@ -5,7 +5,7 @@
 #
 # --plan   only say how many probes, functions, bytes and core-hours the data set will take
 # CONFIG   pipeline.yaml (the default), configs/smoke.yaml, configs/levels.yaml, configs/openarena.yaml or one of yours
-# LEVELS   a folder of .glb or .gltf levels, in place of the configuration's scenes.folder
+# LEVELS   a folder of .glb, .gltf or .obj levels, in place of the configuration's scenes.folder
 # A run that was stopped goes on where it was when it is started again. Exit code 6: the report is there, and a stability case in it
 # does not hold.
 set -euo pipefail

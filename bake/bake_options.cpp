@@ -25,6 +25,7 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add("align_lattice", &o.align_lattice,
             "no random shift of the probes: the low corner of extent_m is one, and the high corner, whole spacings away, too");
   table.add("air_only", &o.air_only, "leave out cells that hold no air, and the probes that only they read");
+  describe(o.reading, table);
   describe(o.scene_light, table);
   table.add(
       "light", &o.light,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "datagen/scene/light_options.h"
+#include "datagen/scene/scene_source.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/fit/theta_policy.h"
 #include "runtime_eval/light_grid/light_form.h"
@@ -26,7 +27,8 @@ struct BakeOptions {
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;
   PolicyOptions policy;
-  LightOptions scene_light;          // sky and sun
+  LightOptions scene_light;  // sky and sun
+  SceneReading reading;
   std::string light = "solved";      // how probes are lit; "none": they are not
   std::string light_direct = "all";  // which light of lamps and suns probes hold themselves
   int light_places = 12;             // in air, of every cell

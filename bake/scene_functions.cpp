@@ -42,15 +42,15 @@ AirPlaceOptions airPlaceOptions(const BakeOptions& options, uint64_t cell_count)
 
 }  // namespace
 
-SceneSource loadLitScene(const std::string& request, const LightOptions& light) {
-  SceneSource source = loadScene(request);
+SceneSource loadLitScene(const std::string& request, const BakeOptions& options) {
+  SceneSource source = loadScene(request, options.reading);
   if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
-  for (const std::string& done : applyLight(source.scene, light)) source.light_notes.push_back(done);
+  for (const std::string& done : applyLight(source.scene, options.scene_light)) source.light_notes.push_back(done);
   return source;
 }
 
 BakeScene::BakeScene(const std::string& request, const BakeOptions& options)
-    : source(loadLitScene(request, options.scene_light)),
+    : source(loadLitScene(request, options)),
       links(makeLinkTable({})),
       rays(source.scene),
       full_tree(placeProbes(source.scene, options)) {

@@ -23,9 +23,9 @@
 
 namespace nlg {
 
-// A scene with the sky and suns of the options; what they did stands among its light_notes.
+// A scene, read as the options say, with their sky and suns; what they did stands among its light_notes.
 // throws   InputError when the scene cannot be read or has no triangle; UsageError as applyLight does
-SceneSource loadLitScene(const std::string& request, const LightOptions& light);
+SceneSource loadLitScene(const std::string& request, const BakeOptions& options);
 
 // A scene ready for its first probe.
 struct BakeScene {

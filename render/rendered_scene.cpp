@@ -131,7 +131,7 @@ RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& op
   if (request.bake || has_rivals) {
     baked_scene_.emplace(request.scene, options);
   } else {
-    source_ = loadLitScene(request.scene, options.scene_light);
+    source_ = loadLitScene(request.scene, options);
     rays_ = std::make_unique<RayScene>(source_.scene);
   }
   transport_ = std::make_unique<LightTransport>(scene(), baked_scene_ ? baked_scene_->rays : *rays_);

@@ -31,7 +31,7 @@ MAX_LIGHT_SPACINGS = 16
 SPLITS = ["training", "held_out", "evaluation"]
 OWN_PARTS = {"scenes", "report", "validate_light"}  # sections that the workflow itself reads
 # what nlg-datagen and nlg-bake call by the same name; all else says how a shard is sampled, which a bake does not do
-BAKE_TOO = {"extent_m", "density_growth", "diffusion_passes", "diffusion_sigma", "diffusion_falloff", "duplicate_rms", "duplicate_validity_points"}
+BAKE_TOO = {"unit", "extent_m", "density_growth", "diffusion_passes", "diffusion_sigma", "diffusion_falloff", "duplicate_rms", "duplicate_validity_points"}
 # keys that were called otherwise before
 RENAMED = {"test": "evaluation", "needs": "savings", "needs_rounds": "savings_rounds"}
 MAX_SHARDS = 1000000
@@ -130,15 +130,16 @@ def find_scenes(options, environment):
     scenes = {f"{family}_{seed}": (f"{family}:{seed}", []) for family in options["families"] for seed in range(options["per_family"])}
     folder = environment.get("NLG_LEVELS") or options["folder"]
     if folder:
-        files = sorted(p for p in Path(folder).glob("*") if p.suffix.lower() in (".glb", ".gltf"))
-        require("scenes: folder", "none", files, f".glb or .gltf files in {folder}")
+        files = sorted(p for p in Path(folder).glob("*") if p.suffix.lower() in (".glb", ".gltf", ".obj"))
+        require("scenes: folder", "none", files, f".glb, .gltf or .obj files in {folder}")
         for path in files:
             require(path, path.name, not set(path.stem) & set("{}") and path.name.isprintable(), "a name of one line without braces")
             if path.stem in scenes:
                 raise ConfigurationError(f"{path}: expected a name of its own, got one that {scenes[path.stem][0]} has too")
-            # a text file's buffers lie beside it
-            buffers = sorted(str(p) for p in path.parent.glob("*.bin")) if path.suffix.lower() == ".gltf" else []
-            scenes[path.stem] = (str(path), [str(path), *buffers])
+            # a text file's buffers or materials lie beside it
+            pattern = {".gltf": "*.bin", ".obj": "*.mtl"}.get(path.suffix.lower())
+            beside = sorted(str(p) for p in path.parent.glob(pattern)) if pattern else []
+            scenes[path.stem] = (str(path), [str(path), *beside])
     for name, level in find_levels(options.get("archives", []), environment.get("NLG_ARCHIVE_ROOT", "")).items():
         if name in scenes:
             raise ConfigurationError(f"{level[0]}: expected a name of its own, got one that {scenes[name][0]} has too")
@@ -254,7 +255,7 @@ class Run:
         require("validate_light: scenes", scenes, is_texts(scenes), "a list of scenes, as nlg-bake takes them")
         self.light_scenes = {}
         for scene in scenes:
-            name = re.sub(r"[^\w.-]+", "_", Path(scene).stem if scene.lower().endswith((".glb", ".gltf", ".bsp")) else scene)
+            name = re.sub(r"[^\w.-]+", "_", Path(scene).stem if scene.lower().endswith((".glb", ".gltf", ".obj", ".bsp")) else scene)
             require("validate_light: scenes", scene, re.search(r"[^\W_]", name) and name not in self.light_scenes, "scenes with names of their own")
             self.light_scenes[name] = scene
         is_number = lambda value: type(value) in (int, float)

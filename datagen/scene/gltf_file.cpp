@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -11,32 +9,13 @@
 
 #include "datagen/scene/gltf_text.h"
 #include "datagen/scene/gltf_unpack.h"
+#include "datagen/scene/scene_file.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr uint64_t kMaxFileBytes = (uint64_t{1} << 32) - 1;  // tinygltf and the .glb header count in 32 bits
-
 using Bytes = std::vector<unsigned char>;
-
-Bytes readBytes(const std::string& path, const std::string& place) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (status.type() == fs::file_type::not_found) throw InputError(path, place, "a file", "nothing of that name");
-  if (error || !fs::is_regular_file(status)) throw InputError(path, place, "a file", "something else");
-  const uint64_t size = fs::file_size(path, error);
-  if (error || size > kMaxFileBytes)
-    throw InputError(path, place, "less than 4 GiB", error ? error.message() : std::to_string(size));
-  Bytes bytes(size);
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (!stream || static_cast<uint64_t>(stream.gcount()) != size)
-    throw InputError(path, place, "a readable file", "a failed read");
-  return bytes;
-}
 
 bool isBinary(const Bytes& bytes) { return bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0; }
 
@@ -79,7 +58,7 @@ Bytes withText(const std::string& path, const Bytes& bytes, std::string text) {
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const size_t next = 20 + static_cast<size_t>(wordAt(bytes, 12));
   const uint64_t length = 20 + text.size() + (bytes.size() - next);
-  if (length > kMaxFileBytes) throw InputError(path, "file", "less than 4 GiB", std::to_string(length));
+  if (length > kMaxSceneFileBytes) throw InputError(path, "file", "less than 4 GiB", std::to_string(length));
   Bytes result(bytes.begin(), bytes.begin() + 8);
   appendWord(result, length);
   appendWord(result, text.size());
@@ -92,21 +71,12 @@ Bytes withText(const std::string& path, const Bytes& bytes, std::string text) {
 // The files that tinygltf may open: the buffers', and only those that lie in the scene's folder when all links are followed.
 struct AllowedFiles {
   std::set<std::string> paths;
-  uint64_t bytes_left = kMaxFileBytes;
+  uint64_t bytes_left = kMaxSceneFileBytes;
 };
 
-AllowedFiles findBuffers(const std::string& path, const std::string& folder, const std::vector<std::string>& names) {
+AllowedFiles findBuffers(const std::string& path, const std::vector<std::string>& names) {
   AllowedFiles allowed;
-  const fs::path root = fs::weakly_canonical(folder);
-  for (const std::string& name : names) {
-    const fs::path file = fs::weakly_canonical(folder + "/" + name);
-    const auto [root_end, file_end] = std::mismatch(root.begin(), root.end(), file.begin(), file.end());
-    const std::string place = "buffer \"" + name.substr(0, 80) + "\"";
-    if (root_end != root.end()) throw InputError(path, place, "a file in the folder or below", "a link out of it");
-    if (!fs::is_regular_file(file))
-      throw InputError(path, place, "a file", fs::exists(file) ? "something else" : "nothing of that name");
-    allowed.paths.insert(folder + "/" + name);
-  }
+  for (const std::string& name : names) allowed.paths.insert(fileBeside(path, name, "buffer \"" + name.substr(0, 80) + "\""));
   return allowed;
 }
 
@@ -117,7 +87,7 @@ std::string samePath(const std::string& path, void*) { return path; }
 bool readWholeFile(Bytes* bytes, std::string* error, const std::string& path, void* user) {
   AllowedFiles& allowed = *static_cast<AllowedFiles*>(user);
   if (allowed.paths.count(path) == 0) return false;
-  *bytes = readBytes(path, "buffer");
+  *bytes = readSceneFile(path, "buffer");
   if (bytes->size() <= allowed.bytes_left) {
     allowed.bytes_left -= bytes->size();
     return true;
@@ -141,20 +111,19 @@ std::string oneLine(std::string words) {
 }  // namespace
 
 tinygltf::Model loadGltfFile(const std::string& path) {
-  Bytes bytes = readBytes(path, "file");
+  Bytes bytes = readSceneFile(path, "file");
   if (bytes.empty()) throw InputError(path, "file", "glTF", "an empty file");
   const bool is_binary = isBinary(bytes);
   const std::string_view text =
       is_binary ? binaryText(path, bytes) : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const std::string parent = fs::path(path).parent_path().string();
-  const std::string folder = parent.empty() ? "." : parent;
   const GltfText checked = checkGltfText(path, text, is_binary);
-  AllowedFiles allowed = findBuffers(path, folder, checked.buffer_files);
+  AllowedFiles allowed = findBuffers(path, checked.buffer_files);
   if (checked.is_packed) {
     std::string plain = plainGltfText(path, text);
     bytes = is_binary ? withText(path, bytes, std::move(plain)) : Bytes(plain.begin(), plain.end());
   }
 
+  const std::string folder = folderOf(path);
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(ignoreImage, nullptr);
   loader.SetFsCallbacks({fileExists, samePath, readWholeFile, writeNothing, &allowed});

@@ -1,9 +1,14 @@
 #include "datagen/scene/scene_source.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "datagen/scene/bsp_reader.h"
 #include "datagen/scene/gltf_reader.h"
+#include "datagen/scene/obj_reader.h"
 #include "datagen/scene/pk3_archive.h"
 #include "datagen/scene/procedural.h"
 #include "tool/error.h"
@@ -35,7 +40,8 @@ SceneSource sourceOf(BspLevel level) {
   return source;
 }
 
-// The seed behind NAME:, or 0 for a built-in scene's name alone; false when the request names something else.
+// The seed behind NAME:, or 0 for a built-in scene's name alone; false when the
+// request names something else.
 bool readSeed(const std::string& request, const std::string& name, bool may_stand_alone, uint64_t* seed) {
   *seed = 0;
   if (may_stand_alone && request == name) return true;
@@ -55,9 +61,43 @@ SceneSource sourceOf(const std::string& family, uint64_t seed, Scene scene) {
   return source;
 }
 
+// What has a size that no level has was most likely made in another unit.
+void checkSize(const Scene& scene, const std::string& path, const std::string& unit) {
+  constexpr float kShortest = 0.1f, kLongest = 1e5f;
+  if (scene.triangles.empty()) return;
+  const Bounds bounds = sceneBounds(scene);
+  const glm::vec3 size = bounds.max - bounds.min;
+  const float longest = std::max({size.x, size.y, size.z});
+  if (longest >= kShortest && longest <= kLongest) return;
+  throw InputError(path, "longest side", "0.1 to 100000 m " + unit, fmt::format("{:g} m", longest));
+}
+
+bool isObj(const std::string& request) { return lowerCase(fs::path(request).extension().string()) == ".obj"; }
+
+SceneSource readObjFile(const std::string& path, double unit_m) {
+  ObjLevel level = readObj(path, unit_m);
+  checkSize(level.scene, path, fmt::format("at {:g} m a unit (--unit)", unit_m));
+  SceneSource source;
+  source.scene = std::move(level.scene);
+  source.light_notes = std::move(level.notes);
+  source.id = source.scene.id;
+  source.sha256 = sceneSha256(source.scene);
+  return source;
+}
+
 }  // namespace
 
-SceneSource loadScene(const std::string& request) {
+void describe(SceneReading& reading, OptionTable& table) {
+  table.add("unit", &reading.unit_m,
+            "metres of one unit of an .obj file: 0.01 of one in centimetres, "
+            "0.0254 in inches",
+            1e-6, 1e6);
+}
+
+SceneSource loadScene(const std::string& request, const SceneReading& reading) {
+  if (isObj(request)) return readObjFile(request, reading.unit_m);
+  if (reading.unit_m != 1.0)
+    throw UsageError("--unit", "1 for a scene that is no .obj file", fmt::format("{:g} for {}", reading.unit_m, request));
   uint64_t seed = 0;
   for (const std::string& family : proceduralFamilies()) {
     if (readSeed(request, family, false, &seed)) return sourceOf(family, seed, makeProceduralScene(family, seed));
@@ -70,6 +110,7 @@ SceneSource loadScene(const std::string& request) {
   if (colon != std::string::npos) return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1)));
   if (lowerCase(fs::path(request).extension().string()) == ".bsp") return sourceOf(readBsp(request));
   source.scene = readGltf(request);
+  checkSize(source.scene, request, "(glTF is in metres)");
   source.id = source.scene.id;
   source.sha256 = sceneSha256(source.scene);
   return source;

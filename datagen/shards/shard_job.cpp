@@ -53,7 +53,7 @@ SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& optio
   }
   // the setting is wrong whatever the scene: say so before it is loaded
   extentFromNumbers(options.extent_m);
-  return loadScene(request.scene);
+  return loadScene(request.scene, options.reading);
 }
 
 }  // namespace
@@ -67,6 +67,7 @@ void describe(DiffusionOptions& o, OptionTable& table) {
 
 void describe(DatagenOptions& o, OptionTable& table) {
   table.add("seed", &o.seed, "seed of every random choice");
+  describe(o.reading, table);
   table.add("spacing_min_m", &o.probes.spacing_min_m, "smallest finest probe spacing, metres", 1e-4, 1e5);
   table.add("spacing_max_m", &o.probes.spacing_max_m, "largest finest probe spacing, metres", 1e-4, 1e5);
   table.add("density_growth", &o.probes.density_growth,

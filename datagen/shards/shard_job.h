@@ -21,6 +21,7 @@ struct DatagenOptions {
   ProbePlacementOptions probes;
   std::vector<std::string> extent_m;  // becomes probes.extent
   JitterOptions jitter;
+  SceneReading reading;
   DiffusionOptions diffusion;
   double in_solid = 0.0;  // share of the probes in solid that have functions, as seen from their eyes
   int max_functions = 1200;

@@ -102,7 +102,9 @@ Scene rebuildShardScene(const ShardHeader& shard, const std::string& shard_path,
   jitter.scale = options.real("scale", 0.9);
   jitter.drop_share = options.real("drop_share", 1.0);
   jitter.structure_share = options.real("structure_share", 1.0);
-  const SceneSource source = loadScene(request);
+  SceneReading reading;
+  if (options.has("unit")) reading.unit_m = options.real("unit", 1e6);
+  const SceneSource source = loadScene(request, reading);
   const std::string wanted = options.sceneSha256();
   if (source.sha256 != wanted) {
     throw InputError(shard_path, "scene " + shard.scene_id, wanted.empty() ? "a procedural scene" : "a file of SHA-256 " + wanted,

@@ -1,0 +1,28 @@
+// Reads a level from a Wavefront .obj file, through tinyobjloader.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datagen/scene/scene.h"
+
+namespace nlg {
+
+struct ObjLevel {
+  Scene scene;
+  std::vector<std::string> notes;  // what was not found or had to be changed, a line each
+};
+
+// Faces, polygons cut into triangles. y is up, fronts wind counter-clockwise, as programs write them by default: the format
+// itself says neither, nor what a unit is. One SceneObject for each object or group. Materials: Kd (linear) is the base
+// colour, at most 1; Ke is emission, in cd/m²; d and textures are left aside. A face without a material that was found is
+// grey, counted. Lines and points are skipped; triangles of zero area are dropped and counted. A file has no sky and no lamps.
+//
+// path     the file; its material libraries must lie in its folder or below, and may be missing
+// unit_m   metres of one unit of the file, finite, above 0
+// returns  the scene; its id is the file's stem
+// throws   InputError naming file, line, expected and got, as obj_text.h says; on a library outside of the folder, positions
+//          beyond 1e9 m, more than 2^27 triangles
+ObjLevel readObj(const std::string& path, double unit_m);
+
+}  // namespace nlg

@@ -1,0 +1,19 @@
+// The lines of .obj and .mtl files that the reader needs, checked before tinyobjloader reads them.
+//
+// tinyobjloader takes a number that it cannot read for 0 and leaves faces out that name vertices which do not exist. Both are
+// refused here, by line. Lines of other kinds (points, curves, smoothing groups, subdivision tags, textures) are left out.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace nlg {
+
+// throws   InputError naming the line on bytes that are no text, a position that is not three numbers of -1e30 to 1e30, a face of fewer than 3 or more than 1,024 corners, a corner that is no index of an earlier vertex
+std::string checkedObjText(const std::string& path, std::string_view text);
+
+// throws   InputError naming the line on colours (Kd, Ke) that are not three numbers of 0 to 1e12
+std::string checkedMtlText(const std::string& path, std::string_view text);
+
+}  // namespace nlg
