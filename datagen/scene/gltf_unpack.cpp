@@ -36,9 +36,11 @@ struct PackedView {
 
 class MeshoptView {
  public:
-  MeshoptView(const std::string& path, const tinygltf::Model& model, size_t view_idx)
+  // buffer_count   of the file; those behind are of views that have been unpacked
+  MeshoptView(const std::string& path, const tinygltf::Model& model, size_t view_idx, size_t buffer_count)
       : path_(path),
         model_(model),
+        buffer_count_(buffer_count),
         view_(model.bufferViews[view_idx]),
         place_("buffer view " + std::to_string(view_idx) + ": " + kMeshopt),
         packed_(readExtension(view_.extensions.at(kMeshopt))) {}
@@ -89,8 +91,7 @@ class MeshoptView {
   }
 
   const unsigned char* packedBytes() const {
-    if (packed_.buffer >= model_.buffers.size())
-      fail("a buffer below " + std::to_string(model_.buffers.size()), std::to_string(packed_.buffer));
+    if (packed_.buffer >= buffer_count_) fail("a buffer below " + std::to_string(buffer_count_), std::to_string(packed_.buffer));
     const std::vector<unsigned char>& data = model_.buffers[packed_.buffer].data;
     if (packed_.offset > data.size() || packed_.byte_count > data.size() - packed_.offset) {
       fail("packed bytes within the buffer's " + std::to_string(data.size()),
@@ -139,6 +140,7 @@ class MeshoptView {
 
   const std::string& path_;
   const tinygltf::Model& model_;
+  const size_t buffer_count_;
   const tinygltf::BufferView& view_;
   const std::string place_;
   const PackedView packed_;
@@ -161,10 +163,11 @@ std::string plainGltfText(const std::string& path, std::string_view text) {
 
 void unpackMeshopt(const std::string& path, tinygltf::Model& model) {
   uint64_t bytes_left = kMaxUnpackedBytes;
+  const size_t buffer_count = model.buffers.size();
   for (size_t i = 0; i < model.bufferViews.size(); ++i) {
     if (model.bufferViews[i].extensions.count(kMeshopt) == 0) continue;
     tinygltf::Buffer buffer;
-    buffer.data = MeshoptView(path, model, i).unpack(bytes_left);
+    buffer.data = MeshoptView(path, model, i, buffer_count).unpack(bytes_left);
     bytes_left -= buffer.data.size();
     model.bufferViews[i].buffer = static_cast<int>(model.buffers.size());
     model.bufferViews[i].byteOffset = 0;

@@ -21,7 +21,6 @@ namespace nlg {
 namespace {
 
 constexpr double kFarthest = 1e9;  // metres from the file's origin, as of glTF
-constexpr size_t kMaxTriangles = size_t{1} << 27;
 
 std::string_view textOf(const std::vector<unsigned char>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -35,13 +34,14 @@ class LibraryReader : public tinyobj::MaterialReader {
   bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials, std::map<std::string, int>* by_name,
                   std::string* warning, std::string* error) override {
     const std::string place = "mtllib \"" + name.substr(0, 80) + "\"";
-    if (name.empty() || name[0] == '/' || name.find_first_of("\\:") != std::string::npos)
-      throw InputError(path_, place, "a file in the folder or below", "another path");
-    if (!std::filesystem::exists(folderOf(path_) + "/" + name)) {
-      notes_->push_back(place + " is not there");
+    const bool is_beside = name.find_first_of("\\:") == std::string::npos && name[0] != '/';
+    if (!is_beside || !std::filesystem::exists(folderOf(path_) + "/" + name)) {
+      notes_->push_back(place + (is_beside ? " is not there" : " is a path of another place: not opened"));
       return false;
     }
     const std::string library = fileBeside(path_, name, place);
+    // by whatever name it goes: its materials are there already
+    if (!opened_.insert(std::filesystem::canonical(library)).second) return true;
     std::istringstream stream(checkedMtlText(library, textOf(readSceneFile(library, "file"))));
     tinyobj::LoadMtl(by_name, materials, &stream, warning, error);
     return true;
@@ -50,6 +50,7 @@ class LibraryReader : public tinyobj::MaterialReader {
  private:
   const std::string& path_;
   std::vector<std::string>* notes_;
+  std::set<std::filesystem::path> opened_;
 };
 
 class ObjConverter {
@@ -98,8 +99,6 @@ class ObjConverter {
     Scene& scene = level_.scene;
     const size_t triangle_count = corners.size() / 3;
     if (triangle_count == 0) return;
-    if (scene.triangles.size() + triangle_count > kMaxTriangles)
-      throw InputError(path_, "faces", "at most 2^27 triangles in all", std::to_string(scene.triangles.size() + triangle_count));
     const std::string name = shape.name.empty() ? "object " + std::to_string(scene.objects.size()) : shape.name;
     scene.objects.push_back({name, static_cast<uint32_t>(scene.triangles.size()), static_cast<uint32_t>(triangle_count), true});
     std::unordered_map<int, uint32_t> vertices;  // of the file → of the scene, within this shape

@@ -22,7 +22,7 @@ struct ObjLevel {
 // unit_m   metres of one unit of the file, finite, above 0
 // returns  the scene; its id is the file's stem
 // throws   InputError naming file, line, expected and got, as obj_text.h says; on a library outside of the folder, positions
-//          beyond 1e9 m, more than 2^27 triangles
+//          beyond 1e9 m
 ObjLevel readObj(const std::string& path, double unit_m);
 
 }  // namespace nlg

@@ -12,11 +12,15 @@ namespace {
 
 // Triangulation takes time with the square of a face's corners.
 constexpr size_t kMaxCorners = 1024;
+// A file's bytes bound the memory that they take badly: two may be a triangle's, eight a vertex'.
+constexpr int64_t kMaxTriangles = int64_t{1} << 27;  // as of glTF
+constexpr int64_t kMaxVertices = int64_t{1} << 27;
 
 constexpr double kLargest = 1e30;    // of a position, in whatever unit
 constexpr double kBrightest = 1e12;  // as of glTF
 
 constexpr std::string_view kBlank = " \t";
+constexpr char kInnerBlank = '\x1f';  // no name holds it
 
 // The line's words; the views are into it.
 std::vector<std::string_view> wordsOf(std::string_view line) {
@@ -40,14 +44,13 @@ class LineChecker {
     if (text.find('\0') != std::string_view::npos) throw InputError(path_, "file", "text", "a zero byte");
     std::string kept;
     kept.reserve(text.size());
-    for (size_t at = 0; at < text.size();) {
-      const size_t end = std::min(text.find_first_of("\n\r", at), text.size());
-      const std::string_view line = text.substr(at, end - at);
+    std::string joined;
+    while (!text.empty()) {
       ++line_number_;
+      std::string_view line = takeLine(&text);
+      if (isContinued(line)) line = joined = wholeLine(line, &text);
       const std::vector<std::string_view> words = wordsOf(line);
-      if (!words.empty() && check(words)) kept.append(line).push_back('\n');
-      const bool is_pair = text.substr(end, 2) == "\r\n";
-      at = end + (is_pair ? 2 : 1);
+      if (!words.empty() && check(words)) keepLine(line, words, &kept);
     }
     return kept;
   }
@@ -70,6 +73,39 @@ class LineChecker {
   }
 
  private:
+  static std::string_view takeLine(std::string_view* text) {
+    const size_t end = std::min(text->find_first_of("\n\r"), text->size());
+    const std::string_view line = text->substr(0, end);
+    const bool is_pair = text->substr(end, 2) == "\r\n";
+    text->remove_prefix(std::min(end + (is_pair ? 2 : 1), text->size()));
+    return line;
+  }
+
+  static bool isContinued(std::string_view line) { return !line.empty() && line.back() == '\\' && line[0] != '#'; }
+
+  // tinyobjloader does not know that a backslash at its end continues a line.
+  std::string wholeLine(std::string_view line, std::string_view* text) {
+    std::string whole(line);
+    while (isContinued(whole)) {
+      whole.back() = ' ';
+      if (text->empty()) break;
+      whole += takeLine(text);
+      ++line_number_;
+    }
+    return whole;
+  }
+
+  // Names of materials may hold blanks; tinyobjloader would take their first words.
+  static void keepLine(std::string_view line, const std::vector<std::string_view>& words, std::string* kept) {
+    if (words[0] == "usemtl" || words[0] == "newmtl") {
+      kept->append(words[0]);
+      for (size_t i = 1; i < words.size(); ++i) kept->append(1, i == 1 ? ' ' : kInnerBlank).append(words[i]);
+    } else {
+      kept->append(line);
+    }
+    kept->push_back('\n');
+  }
+
   const std::string& path_;
   uint64_t line_number_ = 0;
 };
@@ -87,7 +123,7 @@ class ObjChecker {
     const std::string_view kind = words[0];
     if (kind == "v") {
       lines_.checkNumbers(words, 3, -kLargest, kLargest, "three numbers of -1e30 to 1e30");
-      ++vertex_count_;
+      if (++vertex_count_ > kMaxVertices) lines_.fail("at most 2^27 vertices", "more");
     } else if (kind == "f") {
       checkFace(words);
     }
@@ -95,9 +131,11 @@ class ObjChecker {
            kind == "mtllib";
   }
 
-  void checkFace(const std::vector<std::string_view>& words) const {
+  void checkFace(const std::vector<std::string_view>& words) {
     const size_t corner_count = words.size() - 1;
     if (corner_count < 3 || corner_count > kMaxCorners) lines_.fail("a face of 3 to 1024 corners", std::to_string(corner_count));
+    triangle_count_ += static_cast<int64_t>(corner_count) - 2;
+    if (triangle_count_ > kMaxTriangles) lines_.fail("at most 2^27 triangles", "more");
     for (size_t i = 1; i <= corner_count; ++i) checkCorner(words[i]);
   }
 
@@ -112,7 +150,7 @@ class ObjChecker {
   }
 
   LineChecker lines_;
-  int64_t vertex_count_ = 0;
+  int64_t vertex_count_ = 0, triangle_count_ = 0;
 };
 
 }  // namespace

@@ -40,8 +40,7 @@ SceneSource sourceOf(BspLevel level) {
   return source;
 }
 
-// The seed behind NAME:, or 0 for a built-in scene's name alone; false when the
-// request names something else.
+// The seed behind NAME:, or 0 for a built-in scene's name alone; false when the request names something else.
 bool readSeed(const std::string& request, const std::string& name, bool may_stand_alone, uint64_t* seed) {
   *seed = 0;
   if (may_stand_alone && request == name) return true;
@@ -88,10 +87,8 @@ SceneSource readObjFile(const std::string& path, double unit_m) {
 }  // namespace
 
 void describe(SceneReading& reading, OptionTable& table) {
-  table.add("unit", &reading.unit_m,
-            "metres of one unit of an .obj file: 0.01 of one in centimetres, "
-            "0.0254 in inches",
-            1e-6, 1e6);
+  table.add("unit", &reading.unit_m, "metres of one unit of an .obj file: 0.01 of one in centimetres, 0.0254 in inches", 1e-6,
+            1e6);
 }
 
 SceneSource loadScene(const std::string& request, const SceneReading& reading) {

@@ -1,5 +1,4 @@
-// Where a scene comes from: the one text by which users, configurations and
-// shards name it.
+// Where a scene comes from: the one text by which users, configurations and shards name it.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +14,12 @@ namespace nlg {
 struct SceneSource {
   std::string family = "level";  // procedural family, name of a built-in scene, or "level"
   std::string id;                // "house_3", the file's stem, or the map's name in lower case
-  std::string sha256;            // of the scene as it was read: sceneSha256; empty for a
-                                 // procedural one
+  std::string sha256;            // of the scene as it was read: sceneSha256; empty for a procedural one
   Scene scene;
   std::map<std::string, uint32_t> dropped_faces;  // of a .bsp, by why: bsp_reader.h
   uint32_t materials_without_texture = 0;         // of a .bsp: these have the default colour
-  std::vector<std::string> light_notes;           // what its light lost in reading (bsp_reader.h,
-                                                  // obj_reader.h), or was given (light_options.h)
+  std::vector<std::string> light_notes;           // what its light lost in reading (bsp_reader.h, obj_reader.h), or was given
+                                                  // (light_options.h)
 };
 
 // How a scene is read from its file.
@@ -32,15 +30,11 @@ struct SceneReading {
 // Adds `unit` to a tool's table.
 void describe(SceneReading& reading, OptionTable& table);
 
-// request   FAMILY:SEED for a procedural scene (house:3), NAME or NAME:SEED for
-// a built-in one (cornell, two_rooms:1);
-//           PATH:MAP for a level in archives, PATH a .pk3 file or a folder of
-//           them (baseoa:kaos2 is maps/kaos2.bsp); otherwise the path of a
-//           .glb, .gltf, .obj or .bsp file
-// throws    UsageError on a seed that is no decimal number, and on a unit of a
-// scene that is no .obj file; InputError on a
-//           .glb, .gltf or .obj file whose longest side is under 10 cm or over
-//           100 km; whatever the reader throws
+// request   FAMILY:SEED for a procedural scene (house:3), NAME or NAME:SEED for a built-in one (cornell, two_rooms:1);
+//           PATH:MAP for a level in archives, PATH a .pk3 file or a folder of them (baseoa:kaos2 is maps/kaos2.bsp); otherwise
+//           the path of a .glb, .gltf, .obj or .bsp file
+// throws    UsageError on a seed that is no decimal number, and on a unit of a scene that is no .obj file; InputError on a
+//           .glb, .gltf or .obj file whose longest side is under 10 cm or over 100 km; whatever the reader throws
 SceneSource loadScene(const std::string& request, const SceneReading& reading = {});
 
 }  // namespace nlg

@@ -102,6 +102,9 @@ struct Spoilt {
 const Spoilt kSpoiltMeshopt[] = {
     {"no such buffer", R"("EXT_meshopt_compression":{"buffer":0)", R"("EXT_meshopt_compression":{"buffer":7)",
      "buffer view 0: EXT_meshopt_compression: expected a buffer below 2, got 7"},
+    {"what view 0 was unpacked to", R"("byteLength":12,"extensions":{"EXT_meshopt_compression":{"buffer":0)",
+     R"("byteLength":12,"extensions":{"EXT_meshopt_compression":{"buffer":2)",
+     "buffer view 1: EXT_meshopt_compression: expected a buffer below 2, got 2"},
     {"the fallback itself", R"("EXT_meshopt_compression":{"buffer":0)", R"("EXT_meshopt_compression":{"buffer":1)",
      "buffer view 0"},
     {"offset past the buffer", R"("byteOffset":0,"byteLength")", R"("byteOffset":100000,"byteLength")",

@@ -157,13 +157,39 @@ TEST_F(ObjReader, RefusesHostileFilesByNamingTheLine) {
   }
 }
 
-TEST_F(ObjReader, RefusesLibrariesOutsideTheFolder) {
+TEST_F(ObjReader, ReadsContinuedLinesAndNamesOfSeveralWords) {
+  write("looks.mtl", "newmtl red  brick\nKd 1 0 0\nnewmtl red paint\nKd 0 0 1\n");
+  const Scene scene =
+      read(
+          "# no continuation: \\\nmtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red brick \nf 1 \\\n2\\\r\n 3\n"
+          "usemtl red\tpaint\nf 1 3 4\\")
+          .scene;
+  ASSERT_EQ(scene.triangles.size(), 2u);
+  EXPECT_EQ(scene.materials[scene.triangle_material[0]].base_color, glm::vec3(1, 0, 0));
+  EXPECT_EQ(scene.materials[scene.triangle_material[1]].base_color, glm::vec3(0, 0, 1));
+  EXPECT_NE(errorOf("v 0 0 0\nf 1 1 \\\n7\n").find("line 3: expected a vertex of 1 to 1"), std::string::npos);
+}
+
+TEST_F(ObjReader, OpensNoLibraryOutsideTheFolder) {
   std::ofstream(folder_ / "secret.mtl") << kLooks;
   fs::create_symlink(folder_ / "secret.mtl", folder_ / "level" / "link.mtl");
-  for (const std::string& name : {std::string("../secret.mtl"), (folder_ / "secret.mtl").string(), std::string("link.mtl")}) {
-    const std::string error = errorOf("mtllib " + name + "\n");
+  for (const char* name : {"../secret.mtl", "link.mtl"}) {
+    const std::string error = errorOf(std::string("mtllib ") + name + "\n");
     EXPECT_NE(error.find("mtllib"), std::string::npos) << name << ": " << error;
   }
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl lamp\nf 1 2 3\n";
+  for (const std::string& name : {(folder_ / "secret.mtl").string(), std::string("C:\\\\looks\\\\looks.mtl")}) {
+    const ObjLevel level = read("mtllib " + name + "\n" + triangle);
+    ASSERT_EQ(level.notes.size(), 2u) << name;
+    EXPECT_NE(level.notes[0].find("is a path of another place: not opened"), std::string::npos) << level.notes[0];
+    EXPECT_EQ(level.scene.materials.size(), 1u) << name;
+  }
+}
+
+TEST_F(ObjReader, OpensALibraryOnce) {
+  std::string text;
+  for (const char* name : {"looks.mtl", "./looks.mtl", ".//looks.mtl", "looks.mtl"}) text += std::string("mtllib ") + name + "\n";
+  EXPECT_EQ(read(text + kSquare).scene.materials.size(), 3u) << "two and the one of faces without";
 }
 
 TEST_F(ObjReader, RefusesColoursThatAreNone) {
