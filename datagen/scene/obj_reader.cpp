@@ -69,7 +69,9 @@ class ObjConverter {
 
  private:
   void load() {
-    std::istringstream stream(checkedObjText(path_, textOf(readSceneFile(path_, "file"))));
+    ObjText text = checkedObjText(path_, textOf(readSceneFile(path_, "file")));
+    faces_of_two_corners_ = text.faces_of_two_corners;
+    std::istringstream stream(std::move(text.lines));
     LibraryReader libraries(path_, &level_.notes);
     std::string warning, error;
     if (!tinyobj::LoadObj(&attributes_, &shapes_, &materials_, &warning, &error, &stream, &libraries, true)) {
@@ -131,6 +133,8 @@ class ObjConverter {
     std::vector<std::string>& notes = level_.notes;
     if (faces_without_material_ > 0)
       notes.push_back(std::to_string(faces_without_material_) + " triangles without a material that was found: grey");
+    if (faces_of_two_corners_ > 0)
+      notes.push_back(std::to_string(faces_of_two_corners_) + " faces of fewer than three corners: left out");
     if (clamped_count_ > 0) notes.push_back(std::to_string(clamped_count_) + " materials with a Kd above 1: cut to 1");
   }
 
@@ -140,7 +144,7 @@ class ObjConverter {
   std::vector<tinyobj::shape_t> shapes_;
   std::vector<tinyobj::material_t> materials_;
   std::vector<glm::dvec3> world_positions_;
-  uint64_t faces_without_material_ = 0, clamped_count_ = 0;
+  uint64_t faces_without_material_ = 0, faces_of_two_corners_ = 0, clamped_count_ = 0;
   ObjLevel level_;
 };
 

@@ -16,7 +16,7 @@ struct ObjLevel {
 // Faces, polygons cut into triangles. y is up, fronts wind counter-clockwise, as programs write them by default: the format
 // itself says neither, nor what a unit is. One SceneObject for each object or group. Materials: Kd (linear) is the base
 // colour, at most 1; Ke is emission, in cd/m²; d and textures are left aside. A face without a material that was found is
-// grey, counted. Lines and points are skipped; triangles of zero area are dropped and counted. A file has no sky and no lamps.
+// grey, counted. Lines, points and faces of two corners are skipped; triangles of zero area are dropped and counted. A file has no sky and no lamps.
 //
 // path     the file; its material libraries must lie in its folder or below, and may be missing
 // unit_m   metres of one unit of the file, finite, above 0

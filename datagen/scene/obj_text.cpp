@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstdint>
 #include <cstdlib>
+#include <utility>
 
 #include "tool/error.h"
 
@@ -114,8 +115,9 @@ class ObjChecker {
  public:
   explicit ObjChecker(const std::string& path) : lines_(path) {}
 
-  std::string check(std::string_view text) {
-    return lines_.keep(text, [&](const std::vector<std::string_view>& words) { return checkLine(words); });
+  ObjText check(std::string_view text) {
+    found_.lines = lines_.keep(text, [&](const std::vector<std::string_view>& words) { return checkLine(words); });
+    return std::move(found_);
   }
 
  private:
@@ -125,18 +127,23 @@ class ObjChecker {
       lines_.checkNumbers(words, 3, -kLargest, kLargest, "three numbers of -1e30 to 1e30");
       if (++vertex_count_ > kMaxVertices) lines_.fail("at most 2^27 vertices", "more");
     } else if (kind == "f") {
-      checkFace(words);
+      return checkFace(words);
     }
-    return kind == "v" || kind == "vt" || kind == "vn" || kind == "f" || kind == "g" || kind == "o" || kind == "usemtl" ||
-           kind == "mtllib";
+    return kind == "v" || kind == "vt" || kind == "vn" || kind == "g" || kind == "o" || kind == "usemtl" || kind == "mtllib";
   }
 
-  void checkFace(const std::vector<std::string_view>& words) {
+  // Whether it has an inside.
+  bool checkFace(const std::vector<std::string_view>& words) {
     const size_t corner_count = words.size() - 1;
-    if (corner_count < 3 || corner_count > kMaxCorners) lines_.fail("a face of 3 to 1024 corners", std::to_string(corner_count));
+    if (corner_count > kMaxCorners) lines_.fail("a face of at most 1024 corners", std::to_string(corner_count));
+    for (size_t i = 1; i <= corner_count; ++i) checkCorner(words[i]);
+    if (corner_count < 3) {
+      ++found_.faces_of_two_corners;
+      return false;
+    }
     triangle_count_ += static_cast<int64_t>(corner_count) - 2;
     if (triangle_count_ > kMaxTriangles) lines_.fail("at most 2^27 triangles", "more");
-    for (size_t i = 1; i <= corner_count; ++i) checkCorner(words[i]);
+    return true;
   }
 
   // V, V/T, V//N or V/T/N, each counted from 1, or from the last one back when negative.
@@ -151,11 +158,12 @@ class ObjChecker {
 
   LineChecker lines_;
   int64_t vertex_count_ = 0, triangle_count_ = 0;
+  ObjText found_;
 };
 
 }  // namespace
 
-std::string checkedObjText(const std::string& path, std::string_view text) { return ObjChecker(path).check(text); }
+ObjText checkedObjText(const std::string& path, std::string_view text) { return ObjChecker(path).check(text); }
 
 std::string checkedMtlText(const std::string& path, std::string_view text) {
   LineChecker lines(path);
