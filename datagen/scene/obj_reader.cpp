@@ -26,39 +26,55 @@ std::string_view textOf(const std::vector<unsigned char>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Opens the material libraries that the file names: those in its folder or below.
+std::string placeOf(const std::string& library) { return "mtllib \"" + library.substr(0, 80) + "\""; }
+
+// Opens the material libraries that a file names: those in its folder or below.
+ObjLibrary librariesBeside(const std::string& path) {
+  return [path](const std::string& name) {
+    ObjLibraryFile file;
+    const bool is_beside = name.find_first_of("\\:") == std::string::npos && name[0] != '/';
+    if (!is_beside) file.problem = "is a path of another place: not opened";
+    if (is_beside && !std::filesystem::exists(folderOf(path) + "/" + name)) file.problem = "is not there";
+    if (!file.problem.empty()) return file;
+    file.path = fileBeside(path, name, placeOf(name));
+    // by whatever name it goes
+    file.key = std::filesystem::canonical(file.path).string();
+    file.text = textOf(readSceneFile(file.path, "file"));
+    return file;
+  };
+}
+
+// Hands tinyobjloader the checked text of a library.
 class LibraryReader : public tinyobj::MaterialReader {
  public:
-  LibraryReader(const std::string& path, std::vector<std::string>* notes) : path_(path), notes_(notes) {}
+  LibraryReader(const ObjLibrary& library, std::vector<std::string>* notes) : library_(library), notes_(notes) {}
 
   bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials, std::map<std::string, int>* by_name,
                   std::string* warning, std::string* error) override {
-    const std::string place = "mtllib \"" + name.substr(0, 80) + "\"";
-    const bool is_beside = name.find_first_of("\\:") == std::string::npos && name[0] != '/';
-    if (!is_beside || !std::filesystem::exists(folderOf(path_) + "/" + name)) {
-      notes_->push_back(place + (is_beside ? " is not there" : " is a path of another place: not opened"));
+    const ObjLibraryFile file = library_(name);
+    if (!file.problem.empty()) {
+      notes_->push_back(placeOf(name) + " " + file.problem);
       return false;
     }
-    const std::string library = fileBeside(path_, name, place);
-    // by whatever name it goes: its materials are there already
-    if (!opened_.insert(std::filesystem::canonical(library)).second) return true;
-    std::istringstream stream(checkedMtlText(library, textOf(readSceneFile(library, "file"))));
+    // its materials are there already
+    if (!opened_.insert(file.key).second) return true;
+    std::istringstream stream(checkedMtlText(file.path, file.text));
     tinyobj::LoadMtl(by_name, materials, &stream, warning, error);
     return true;
   }
 
  private:
-  const std::string& path_;
+  const ObjLibrary& library_;
   std::vector<std::string>* notes_;
-  std::set<std::filesystem::path> opened_;
+  std::set<std::string> opened_;  // by key
 };
 
 class ObjConverter {
  public:
   ObjConverter(const std::string& path, double unit_m) : path_(path), unit_m_(unit_m) {}
 
-  ObjLevel convert() {
-    load();
+  ObjLevel convert(std::string_view text, const ObjLibrary& library) {
+    load(text, library);
     convertMaterials();
     for (const tinyobj::shape_t& shape : shapes_) addShape(shape);
     noteLosses();
@@ -68,11 +84,11 @@ class ObjConverter {
   }
 
  private:
-  void load() {
-    ObjText text = checkedObjText(path_, textOf(readSceneFile(path_, "file")));
-    faces_of_two_corners_ = text.faces_of_two_corners;
-    std::istringstream stream(std::move(text.lines));
-    LibraryReader libraries(path_, &level_.notes);
+  void load(std::string_view text, const ObjLibrary& library) {
+    ObjText checked = checkedObjText(path_, text);
+    faces_of_two_corners_ = checked.faces_of_two_corners;
+    std::istringstream stream(std::move(checked.lines));
+    LibraryReader libraries(library, &level_.notes);
     std::string warning, error;
     if (!tinyobj::LoadObj(&attributes_, &shapes_, &materials_, &warning, &error, &stream, &libraries, true)) {
       std::replace(error.begin(), error.end(), '\n', ' ');
@@ -150,6 +166,13 @@ class ObjConverter {
 
 }  // namespace
 
-ObjLevel readObj(const std::string& path, double unit_m) { return ObjConverter(path, unit_m).convert(); }
+ObjLevel readObj(const std::string& path, double unit_m) {
+  const std::vector<unsigned char> bytes = readSceneFile(path, "file");
+  return readObjText(path, textOf(bytes), unit_m, librariesBeside(path));
+}
+
+ObjLevel readObjText(const std::string& path, std::string_view text, double unit_m, const ObjLibrary& library) {
+  return ObjConverter(path, unit_m).convert(text, library);
+}
 
 }  // namespace nlg

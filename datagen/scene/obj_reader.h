@@ -1,7 +1,9 @@
 // Reads a level from a Wavefront .obj file, through tinyobjloader.
 #pragma once
 
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "datagen/scene/scene.h"
@@ -24,5 +26,17 @@ struct ObjLevel {
 // throws   InputError naming file, line, expected and got, as obj_text.h says; on a library outside of the folder, positions
 //          beyond 1e9 m
 ObjLevel readObj(const std::string& path, double unit_m);
+
+// A material library that a file names.
+struct ObjLibraryFile {
+  std::string path;  // for errors
+  std::string key;   // of one library the same, by whatever name it goes: it is read once
+  std::string text;
+  std::string problem;  // what is noted where there is none, as "is not there"; empty where there is one
+};
+using ObjLibrary = std::function<ObjLibraryFile(const std::string& name)>;
+
+// The same of a text in memory, as of an entry of an archive; path is its name in errors.
+ObjLevel readObjText(const std::string& path, std::string_view text, double unit_m, const ObjLibrary& library);
 
 }  // namespace nlg

@@ -141,6 +141,16 @@ std::vector<std::string> Pk3Archives::names(std::string_view prefix, std::string
 
 size_t Pk3Archives::archiveIndex(const std::string& name) const { return entries_.at(lowerCase(name)).archive_idx; }
 
+uint64_t Pk3Archives::sizeOf(const std::string& name) const {
+  const auto found = entries_.find(lowerCase(name));
+  if (found == entries_.end()) throw InputError(path_, quoted(name), "a file of that name", "none");
+  const Archive& archive = *archives_[found->second.archive_idx];
+  zip_stat_t stat;
+  if (zip_stat_index(archive.zip, found->second.entry_idx, 0, &stat) != 0)
+    throw InputError(archive.file, quoted(name), "a size", zip_strerror(archive.zip));
+  return stat.size;
+}
+
 std::string Pk3Archives::read(const std::string& name, size_t max_bytes) const {
   const auto found = entries_.find(lowerCase(name));
   if (found == entries_.end()) throw InputError(path_, quoted(name), "a file of that name", "none");

@@ -28,6 +28,9 @@ class Pk3Archives {
   std::vector<std::string> names(std::string_view prefix, std::string_view suffix) const;
   // Number of the archive that holds the visible file of that name; later ones have larger numbers. The name must be there.
   size_t archiveIndex(const std::string& name) const;
+  // Bytes of the file as its archive declares them.
+  // throws   InputError naming archive and entry on a name that is not there
+  uint64_t sizeOf(const std::string& name) const;
   // The file's bytes; its checksum has been compared.
   //
   // throws   InputError naming archive and entry on: a name that is not there, an entry that is encrypted, neither stored nor

@@ -8,6 +8,7 @@
 
 #include "datagen/scene/bsp_reader.h"
 #include "datagen/scene/gltf_reader.h"
+#include "datagen/scene/interiors/interiors.h"
 #include "datagen/scene/obj_reader.h"
 #include "datagen/scene/pk3_archive.h"
 #include "datagen/scene/procedural.h"
@@ -40,15 +41,35 @@ SceneSource sourceOf(BspLevel level) {
   return source;
 }
 
+// form   the request's, for the error
+uint64_t seedOf(const std::string& number, const std::string& form) {
+  if (number.empty() || number.size() > 18 || number.find_first_not_of("0123456789") != std::string::npos)
+    throw UsageError("--scene", form + " with a decimal seed", "'" + number + "'");
+  return std::stoull(number);
+}
+
+// A request of PATH:PLAN:SEED for an interior.
+struct InteriorRequest {
+  std::string path, plan, seed;
+};
+
+// False when the request names something else: interiors are of .sh3f files, or of folders with a plan's name behind.
+bool readInterior(const std::string& request, InteriorRequest* found) {
+  const size_t last = request.rfind(':');
+  const size_t first = last == std::string::npos || last == 0 ? std::string::npos : request.rfind(':', last - 1);
+  if (first == std::string::npos) return false;
+  *found = {request.substr(0, first), request.substr(first + 1, last - first - 1), request.substr(last + 1)};
+  const std::vector<std::string>& plans = interiorPlans();
+  const bool is_file = lowerCase(fs::path(found->path).extension().string()) == ".sh3f";
+  return is_file || std::find(plans.begin(), plans.end(), found->plan) != plans.end();
+}
+
 // The seed behind NAME:, or 0 for a built-in scene's name alone; false when the request names something else.
 bool readSeed(const std::string& request, const std::string& name, bool may_stand_alone, uint64_t* seed) {
   *seed = 0;
   if (may_stand_alone && request == name) return true;
   if (request.rfind(name + ":", 0) != 0) return false;
-  const std::string number = request.substr(name.size() + 1);
-  if (number.empty() || number.size() > 18 || number.find_first_not_of("0123456789") != std::string::npos)
-    throw UsageError("--scene", name + ":SEED with a decimal seed", "'" + request + "'");
-  *seed = std::stoull(number);
+  *seed = seedOf(request.substr(name.size() + 1), name + ":SEED");
   return true;
 }
 
@@ -57,6 +78,17 @@ SceneSource sourceOf(const std::string& family, uint64_t seed, Scene scene) {
   source.family = family;
   source.id = family + "_" + std::to_string(seed);
   source.scene = std::move(scene);
+  return source;
+}
+
+SceneSource readInterior(const InteriorRequest& request) {
+  Interior interior = makeInterior(request.path, request.plan, seedOf(request.seed, "PATH:PLAN:SEED"));
+  SceneSource source;
+  source.family = request.plan;
+  source.scene = std::move(interior.scene);
+  source.light_notes = std::move(interior.notes);
+  source.id = source.scene.id;
+  source.sha256 = sceneSha256(source.scene);
   return source;
 }
 
@@ -102,6 +134,8 @@ SceneSource loadScene(const std::string& request, const SceneReading& reading) {
   for (const std::string& name : builtInScenes()) {
     if (readSeed(request, name, true, &seed)) return sourceOf(name, seed, makeBuiltInScene(name, seed));
   }
+  InteriorRequest interior;
+  if (readInterior(request, &interior)) return readInterior(interior);
   SceneSource source;
   const size_t colon = archiveColon(request);
   if (colon != std::string::npos) return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1)));

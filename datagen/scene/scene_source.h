@@ -31,6 +31,7 @@ struct SceneReading {
 void describe(SceneReading& reading, OptionTable& table);
 
 // request   FAMILY:SEED for a procedural scene (house:3), NAME or NAME:SEED for a built-in one (cornell, two_rooms:1);
+//           PATH:PLAN:SEED for an interior (interiors/interiors.h), PATH a .sh3f file or a folder of them (Scopia.sh3f:flat:3);
 //           PATH:MAP for a level in archives, PATH a .pk3 file or a folder of them (baseoa:kaos2 is maps/kaos2.bsp); otherwise
 //           the path of a .glb, .gltf, .obj or .bsp file
 // throws    UsageError on a seed that is no decimal number, and on a unit of a scene that is no .obj file; InputError on a

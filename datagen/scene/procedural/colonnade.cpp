@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "datagen/scene/procedural/building.h"
+#include "datagen/scene/procedural/columns.h"
 #include "datagen/scene/procedural/furniture.h"
 #include "datagen/scene/procedural/level.h"
 
@@ -10,17 +11,12 @@ namespace {
 
 enum class Plan { basilica, cloister, hypostyle };
 
-struct Hall {
+struct Hall : Columns {
   Plan plan = Plan::basilica;
-  double length = 18.0, nave = 7.0, aisle = 3.0;   // along x; across z
-  double bay = 3.0, column_m = 3.2, radius = 0.3;  // distance, height and radius of the columns
-  int side_count = 10;
-  bool has_arches = true;
+  double length = 18.0, nave = 7.0, aisle = 3.0;  // along x; across z
   double wall_m = 0.4;
 
   double depth() const { return nave + 2.0 * aisle; }
-  // from the columns' tops to the underside of what they carry
-  double archRise() const { return has_arches ? 0.5 * bay - radius : 0.4; }
   double aisleHeight() const { return column_m + archRise() + 0.3; }
 };
 
@@ -37,43 +33,6 @@ Hall drawHall(Level& level) {
   hall.has_arches = level.random.chance(0.65);
   hall.wall_m = level.pick(0.3, 0.4);
   return hall;
-}
-
-void addColumn(Level& level, const Hall& hall, double x, double z, double height) {
-  level.mesh.beginObject("column", Mobility::movable);
-  const double r = hall.radius;
-  const std::vector<Ring> rings = {
-      {0, 1.5 * r}, {0.2, 1.5 * r}, {0.3, r}, {height - 0.35, 0.85 * r}, {height - 0.15, 1.35 * r}, {height, 1.35 * r}};
-  addLathe(level.mesh, {{x, 0, z}, turnByDegrees(hall.side_count == 4 ? 45.0 : 0.0)}, rings, hall.side_count,
-           level.palette.stone);
-}
-
-// The wall above a row of columns: half-round arches, or a straight beam.
-void addArcade(Level& level, const Hall& hall, const Placement& start, int bay_count, double top_m) {
-  level.mesh.beginObject("arcade", Mobility::structure);
-  const double half = 0.75 * hall.radius;
-  std::vector<ProfilePoint> profile;
-  if (!hall.has_arches) profile = {{-half, hall.column_m, top_m}, {bay_count * hall.bay + half, hall.column_m, top_m}};
-  constexpr int kSegments = 10;
-  const double span = 0.5 * hall.bay - half;
-  if (hall.has_arches) profile.push_back({-half, hall.column_m, top_m});
-  for (int bay = 0; bay < bay_count && hall.has_arches; ++bay) {
-    for (int i = 0; i <= kSegments; ++i) {
-      const Turn angle = turnByDegrees(180.0 * i / kSegments);
-      profile.push_back({(bay + 0.5) * hall.bay - span * angle.cosine, hall.column_m + span * angle.sine, top_m});
-    }
-  }
-  if (hall.has_arches) profile.push_back({bay_count * hall.bay + half, hall.column_m, top_m});
-  addProfile(level.mesh, start, profile, -half, half, level.palette.wall);
-}
-
-// A row of columns with its arcade, along local x.
-void addRow(Level& level, const Hall& hall, const Placement& start, int bay_count, double top_m, bool has_ends) {
-  for (int i = has_ends ? 0 : 1; i <= bay_count - (has_ends ? 0 : 1); ++i) {
-    const glm::dvec3 foot = start.apply({i * hall.bay, 0, 0});
-    addColumn(level, hall, foot.x, foot.z, hall.column_m);
-  }
-  addArcade(level, hall, start, bay_count, top_m);
 }
 
 // Outer walls, floor and the roofs over nave and aisles; upper windows where the nave rises above them.
@@ -127,7 +86,7 @@ void buildBasilica(Level& level, const Hall& hall) {
   const int bay_count = static_cast<int>(hall.length / hall.bay + 0.5);
   for (const double side : {-1.0, 1.0}) {
     const Placement start{{-0.5 * hall.length, 0, side * 0.5 * hall.nave}, {}};
-    addRow(level, hall, start, bay_count, hall.aisleHeight(), false);
+    addColumnRow(level, hall, start, bay_count, hall.aisleHeight(), false);
   }
   if (level.random.chance(0.7)) addBenches(level, hall);
   // a stepped platform at the far end with an altar
@@ -164,10 +123,10 @@ void buildCloister(Level& level, const Hall& hall) {
   if (level.random.chance(0.5)) grid.carve({in.x1, 0, -0.7}, {in.x1 + w, 2.3, 0.7});
   level.mesh.beginObject("shell", Mobility::structure);
   grid.emit(level.mesh);
-  addRow(level, hall, {{-x, 0, -z}, {}}, x_bays, top, true);
-  addRow(level, hall, {{-x, 0, z}, {}}, x_bays, top, true);
-  addRow(level, hall, {{-x, 0, z}, turnByDegrees(90.0)}, z_bays, top, false);
-  addRow(level, hall, {{x, 0, z}, turnByDegrees(90.0)}, z_bays, top, false);
+  addColumnRow(level, hall, {{-x, 0, -z}, {}}, x_bays, top, true);
+  addColumnRow(level, hall, {{-x, 0, z}, {}}, x_bays, top, true);
+  addColumnRow(level, hall, {{-x, 0, z}, turnByDegrees(90.0)}, z_bays, top, false);
+  addColumnRow(level, hall, {{x, 0, z}, turnByDegrees(90.0)}, z_bays, top, false);
   level.mesh.beginObject("well", Mobility::movable);
   const double r = level.pick(0.7, 1.4);
   addLathe(level.mesh, {{0, -0.15, 0}, {}}, {{0, r}, {0.3, r}, {0.3, 0.8 * r}, {0.9, 0.75 * r}, {1.0, 0.9 * r}}, 12,
@@ -197,7 +156,7 @@ void buildHypostyle(Level& level, const Hall& hall) {
   }
   level.mesh.beginObject("shell", Mobility::structure);
   grid.emit(level.mesh);
-  for (int row = 1; row < z_bays; ++row) addRow(level, hall, {{-x, 0, -z + row * hall.bay}, {}}, x_bays, top, false);
+  for (int row = 1; row < z_bays; ++row) addColumnRow(level, hall, {{-x, 0, -z + row * hall.bay}, {}}, x_bays, top, false);
   for (int i = level.pickCount(4, 9); i > 0; --i) {
     const int column = level.pickCount(0, x_bays - 1);
     const int row = level.pickCount(0, z_bays - 1);

@@ -188,4 +188,16 @@ void addPipe(Level& level, const Placement& placement, double length, double rad
   addLathe(level.mesh, laid, rings, 8, level.palette.metal);
 }
 
+void addTree(Level& level, const glm::dvec3& foot) {
+  const double height = level.pick(2.0, 4.0);
+  const double radius = level.pick(0.12, 0.25);
+  level.mesh.beginObject("trunk", Mobility::movable);
+  addLathe(level.mesh, {{foot.x, foot.y - 0.3, foot.z}, {}}, {{0, 1.4 * radius}, {0.6, radius}, {height, 0.6 * radius}}, 7,
+           level.palette.dark_wood);
+  const double crown = level.pick(0.8, 1.6);
+  level.mesh.beginObject("crown", Mobility::movable);
+  addRock(level.mesh, {{foot.x, foot.y + height + 0.3 * crown, foot.z}, {}}, {crown, 0.9 * crown, crown}, level.random.next(),
+          level.palette.leaf);
+}
+
 }  // namespace nlg

@@ -22,5 +22,7 @@ void addBarrel(Level& level, const Placement& placement, double height);
 void addCeilingLamp(Level& level, const Placement& placement);
 // A pipe from one point, running along the placement's local x, with clamps.
 void addPipe(Level& level, const Placement& placement, double length, double radius);
+// A tree of 3 to 6 m: trunk and crown.
+void addTree(Level& level, const glm::dvec3& foot);
 
 }  // namespace nlg

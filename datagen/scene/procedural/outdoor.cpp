@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "datagen/scene/procedural/building.h"
+#include "datagen/scene/procedural/furniture.h"
 #include "datagen/scene/procedural/level.h"
 #include "datagen/scene/value_noise.h"
 
@@ -126,18 +127,6 @@ void addGardenWall(Level& level, const Terrain& terrain) {
     const std::vector<ProfilePoint> profile = {{0.0, -0.4, left}, {1.0, -0.4, 0.5 * (left + right) + 0.1}, {2.0, -0.4, right}};
     addProfile(level.mesh, {{p.x, foot, p.z}, turn}, profile, -0.15, 0.15, level.palette.stone);
   }
-}
-
-void addTree(Level& level, const glm::dvec3& foot) {
-  const double height = level.pick(2.0, 4.0);
-  const double radius = level.pick(0.12, 0.25);
-  level.mesh.beginObject("trunk", Mobility::movable);
-  addLathe(level.mesh, {{foot.x, foot.y - 0.3, foot.z}, {}}, {{0, 1.4 * radius}, {0.6, radius}, {height, 0.6 * radius}}, 7,
-           level.palette.dark_wood);
-  const double crown = level.pick(0.8, 1.6);
-  level.mesh.beginObject("crown", Mobility::movable);
-  addRock(level.mesh, {{foot.x, foot.y + height + 0.3 * crown, foot.z}, {}}, {crown, 0.9 * crown, crown}, level.random.next(),
-          level.palette.leaf);
 }
 
 void addBoulder(Level& level, const glm::dvec3& foot) {
