@@ -41,6 +41,7 @@ if(NLG_BUILD_TOOLS)
     target_link_libraries(nlg_${name} INTERFACE ${NLG_${name}_LIBRARY})
   endfunction()
   nlg_plain_library(meshoptimizer meshoptimizer meshoptimizer.h)
+  nlg_plain_library(draco draco draco/compression/decode.h)
   nlg_plain_library(tinyobjloader tinyobjloader_double tiny_obj_loader.h)
   # ONNX's messages and its own checker; protobuf first, which ONNX's CMake files name and do not look for
   find_package(Protobuf REQUIRED)

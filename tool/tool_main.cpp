@@ -17,11 +17,11 @@ std::string toolName(const CLI::App& app, int argc, char** argv) {
   return argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "nlg";
 }
 
-// Scripts read stderr by lines: one error, one line.
+// Scripts read stderr by lines: one error, one line. What an input brings must not steer a terminal either.
 std::string oneLine(std::string text) {
   while (!text.empty() && text.back() == '\n') text.pop_back();
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  std::replace(text.begin(), text.end(), '\r', ' ');
+  const auto is_control = [](unsigned char c) { return c < 32 || c == 127; };
+  std::replace_if(text.begin(), text.end(), is_control, ' ');
   return text;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "datagen/scene/gltf_draco.h"
 #include "datagen/scene/gltf_text.h"
 #include "datagen/scene/gltf_unpack.h"
 #include "datagen/scene/scene_file.h"
@@ -143,6 +144,7 @@ tinygltf::Model loadGltfFile(const std::string& path) {
   }
   if (!is_loaded) throw InputError(path, "file", "glTF 2.0", oneLine(error));
   unpackMeshopt(path, model);
+  unpackDraco(path, model);
   return model;
 }
 

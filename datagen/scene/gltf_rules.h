@@ -20,7 +20,7 @@ struct GltfRule {
   JsonKind kind;
 };
 
-inline constexpr std::array<GltfRule, 34> kRules = {{{"buffers", "uri", JsonKind::string},
+inline constexpr std::array<GltfRule, 35> kRules = {{{"buffers", "uri", JsonKind::string},
                                                      {"buffers", "byteLength", JsonKind::integer},
                                                      {"bufferViews", "buffer", JsonKind::index},
                                                      {"bufferViews", "byteOffset", JsonKind::integer},
@@ -36,6 +36,7 @@ inline constexpr std::array<GltfRule, 34> kRules = {{{"buffers", "uri", JsonKind
                                                      {"accessors", "count", JsonKind::integer},
                                                      {"accessors", "normalized", JsonKind::boolean},
                                                      {"accessors", "sparse", JsonKind::object},
+                                                     {"meshes", "bufferView", JsonKind::index},
                                                      {"meshes", "primitives", JsonKind::array},
                                                      {"meshes", "attributes", JsonKind::object},
                                                      {"meshes", "POSITION", JsonKind::index},
@@ -80,13 +81,14 @@ inline bool isSection(std::string_view key) {
 
 // Extensions that a file may require: those that the reader follows, and those about looks, which can be missing. Any other may
 // change where triangles are.
-inline constexpr std::array<std::string_view, 2> kReadExtensions = {"KHR_mesh_quantization", "EXT_meshopt_compression"};
+inline constexpr std::array<std::string_view, 3> kReadExtensions = {"KHR_mesh_quantization", "EXT_meshopt_compression",
+                                                                    "KHR_draco_mesh_compression"};
 inline constexpr std::array<std::string_view, 4> kLookExtensions = {"KHR_materials_", "KHR_texture_", "EXT_texture_",
                                                                     "KHR_lights_"};  // beginnings of names
 
 // Extensions whose members the rules hold for, too; whatever else stands in an extension is anybody's.
-inline constexpr std::array<std::string_view, 2> kCheckedExtensions = {"KHR_materials_emissive_strength",
-                                                                       "EXT_meshopt_compression"};
+inline constexpr std::array<std::string_view, 3> kCheckedExtensions = {"KHR_materials_emissive_strength",
+                                                                       "KHR_draco_mesh_compression", "EXT_meshopt_compression"};
 
 inline bool isChecked(std::string_view extension) {
   for (const std::string_view name : kCheckedExtensions) {

@@ -102,6 +102,7 @@ class TextChecker {
       steps_.push_back({takeString()});
       if (!keys.insert(steps_.back().key).second) fail("each key once", "it twice");
       take(':');
+      found_.is_packed = found_.is_packed || (steps_[0].key == "meshes" && steps_.back().key == "KHR_draco_mesh_compression");
       checkValue();
       steps_.pop_back();
     }

@@ -146,6 +146,15 @@ class MeshoptView {
   const PackedView packed_;
 };
 
+void hidePackedIndices(nlohmann::json& mesh) {
+  if (!mesh.contains("primitives")) return;
+  for (nlohmann::json& primitive : mesh["primitives"]) {
+    const auto extensions = primitive.find("extensions");
+    if (extensions != primitive.end() && extensions->is_object() && extensions->contains("KHR_draco_mesh_compression"))
+      primitive.erase("indices");
+  }
+}
+
 }  // namespace
 
 std::string plainGltfText(const std::string& path, std::string_view text) {
@@ -157,6 +166,9 @@ std::string plainGltfText(const std::string& path, std::string_view text) {
       buffer["byteLength"] = 1;
       buffer["uri"] = "data:application/octet-stream;base64,AA==";
     }
+  }
+  if (root.contains("meshes")) {
+    for (nlohmann::json& mesh : root["meshes"]) hidePackedIndices(mesh);
   }
   return root.dump();
 }

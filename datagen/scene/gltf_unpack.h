@@ -1,6 +1,7 @@
 // Compressed parts of a glTF file, made plain: tinygltf refuses them or leaves them packed.
 //
 // EXT_meshopt_compression: a buffer view names packed bytes elsewhere; where it lies itself (a "fallback" buffer) need not exist.
+// KHR_draco_mesh_compression: gltf_draco.h.
 #pragma once
 
 #include <string>
@@ -12,7 +13,8 @@ class Model;
 
 namespace nlg {
 
-// The file's text as tinygltf takes it, before it is loaded: fallback buffers without a URI hold one byte.
+// The file's text as tinygltf takes it, before it is loaded: fallback buffers without a URI hold one byte, and primitives packed
+// by Draco have no indices, whose accessors need no buffer view.
 //
 // text      as checkGltfText has passed it
 // throws    InputError where the JSON library refuses it

@@ -56,6 +56,8 @@ TEST(RunTool, EndsEveryErrorWithItsCodeAndOneLine) {
             "nlg-pca: error: parity: expected 0, got 1\n");
   expectEnd([](int) { throw std::bad_alloc(); }, ExitCode::internal_error, "nlg-pca: error: out of memory\n");
   expectEnd([](int) { throw std::runtime_error("two\nlines\n"); }, ExitCode::internal_error, "nlg-pca: error: two lines\n");
+  expectEnd([](int) { throw InputError("f", "name", "text", "\x1b[2J\t\x7f"); }, ExitCode::input_error,
+            "nlg-pca: error: f: name: expected text, got  [2J  \n");
   expectEnd([](int) { throw 5; }, ExitCode::internal_error, "nlg-pca: error: unknown exception\n");
 }
 
