@@ -120,6 +120,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
 
   const auto start = std::chrono::steady_clock::now();
   const BakeScene scene(request.scene, options);
+  tellNotes("nlg-bake", scene.source);
   for (const std::string& note : scene.source.light_notes) std::cerr << "light: " << note << '\n';
   const double load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.out_is_given) {

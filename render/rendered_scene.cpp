@@ -134,6 +134,7 @@ RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& op
     source_ = loadLitScene(request.scene, options);
     rays_ = std::make_unique<RayScene>(source_.scene);
   }
+  tellNotes("nlg-render", source());
   transport_ = std::make_unique<LightTransport>(scene(), baked_scene_ ? baked_scene_->rays : *rays_);
   makeGrid(has_rivals);
   if (has_rivals) makeRivals();

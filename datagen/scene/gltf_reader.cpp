@@ -18,13 +18,18 @@ constexpr double kFarthest = 1e9;  // metres from the file's origin; beyond, a d
 
 class GltfConverter {
  public:
-  explicit GltfConverter(const std::string& path)
-      : path_(path), model_(loadGltfFile(path)), meshes_(model_.meshes.size()), is_visited_(model_.nodes.size(), 0) {}
+  GltfConverter(const std::string& path, double unit_m)
+      : path_(path),
+        unit_m_(unit_m),
+        model_(loadGltfFile(path)),
+        meshes_(model_.meshes.size()),
+        is_visited_(model_.nodes.size(), 0) {}
 
   Scene convert() {
     readMaterials();
     lights_ = readGltfLights(path_, model_);
-    for (const int node : rootNodes()) visitNode(node, glm::dmat4(1.0), 0);
+    const glm::dmat4 metres_from_units{glm::dmat3(unit_m_)};
+    for (const int node : rootNodes()) visitNode(node, metres_from_units, 0);
     return finish();
   }
 
@@ -220,6 +225,7 @@ class GltfConverter {
   }
 
   const std::string path_;
+  const double unit_m_;
   const tinygltf::Model model_;
   std::vector<std::optional<GltfMesh>> meshes_;
   std::vector<char> is_visited_;
@@ -232,6 +238,6 @@ class GltfConverter {
 
 }  // namespace
 
-Scene readGltf(const std::string& path) { return GltfConverter(path).convert(); }
+Scene readGltf(const std::string& path, double unit_m) { return GltfConverter(path, unit_m).convert(); }
 
 }  // namespace nlg

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iostream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "datagen/scene/obj_reader.h"
 #include "datagen/scene/pk3_archive.h"
 #include "datagen/scene/procedural.h"
+#include "datagen/scene/scene_size.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -92,41 +94,46 @@ SceneSource readInterior(const InteriorRequest& request) {
   return source;
 }
 
-// What has a size that no level has was most likely made in another unit.
-void checkSize(const Scene& scene, const std::string& path, const std::string& unit) {
-  constexpr float kShortest = 0.1f, kLongest = 1e5f;
-  if (scene.triangles.empty()) return;
-  const Bounds bounds = sceneBounds(scene);
-  const glm::vec3 size = bounds.max - bounds.min;
-  const float longest = std::max({size.x, size.y, size.z});
-  if (longest >= kShortest && longest <= kLongest) return;
-  throw InputError(path, "longest side", "0.1 to 100000 m " + unit, fmt::format("{:g} m", longest));
-}
-
 bool isObj(const std::string& request) { return lowerCase(fs::path(request).extension().string()) == ".obj"; }
 
-SceneSource readObjFile(const std::string& path, double unit_m) {
-  ObjLevel level = readObj(path, unit_m);
-  checkSize(level.scene, path, fmt::format("at {:g} m a unit (--unit)", unit_m));
+bool isGltf(const std::string& request) {
+  const std::string extension = lowerCase(fs::path(request).extension().string());
+  return extension == ".glb" || extension == ".gltf";
+}
+
+// Of a file that says nothing of its unit, or says it wrongly.
+SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::string& path, const SceneReading& reading) {
   SceneSource source;
-  source.scene = std::move(level.scene);
-  source.light_notes = std::move(level.notes);
+  source.scene = std::move(scene);
+  source.notes = std::move(notes);
+  const std::string size = sizeNote(source.scene, path, reading.unit_m);
+  if (!size.empty()) source.notes.push_back(size);
   source.id = source.scene.id;
   source.sha256 = sceneSha256(source.scene);
   return source;
 }
 
+SceneSource readObjFile(const std::string& path, const SceneReading& reading) {
+  ObjLevel level = readObj(path, reading.unit_m);
+  return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
+}
+
+SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
+  return sourceOf(readGltf(path, reading.unit_m), {}, path, reading);
+}
+
 }  // namespace
 
 void describe(SceneReading& reading, OptionTable& table) {
-  table.add("unit", &reading.unit_m, "metres of one unit of an .obj file: 0.01 of one in centimetres, 0.0254 in inches", 1e-6,
-            1e6);
+  table.add("unit", &reading.unit_m, "metres of one unit of a glTF or .obj file: 0.01 of one in centimetres, 0.0254 in inches",
+            1e-6, 1e6);
 }
 
 SceneSource loadScene(const std::string& request, const SceneReading& reading) {
-  if (isObj(request)) return readObjFile(request, reading.unit_m);
+  if (isObj(request)) return readObjFile(request, reading);
+  if (isGltf(request)) return readGltfFile(request, reading);
   if (reading.unit_m != 1.0)
-    throw UsageError("--unit", "1 for a scene that is no .obj file", fmt::format("{:g} for {}", reading.unit_m, request));
+    throw UsageError("--unit", "1 for a scene that is no glTF or .obj file", fmt::format("{:g} for {}", reading.unit_m, request));
   uint64_t seed = 0;
   for (const std::string& family : proceduralFamilies()) {
     if (readSeed(request, family, false, &seed)) return sourceOf(family, seed, makeProceduralScene(family, seed));
@@ -136,15 +143,14 @@ SceneSource loadScene(const std::string& request, const SceneReading& reading) {
   }
   InteriorRequest interior;
   if (readInterior(request, &interior)) return readInterior(interior);
-  SceneSource source;
   const size_t colon = archiveColon(request);
   if (colon != std::string::npos) return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1)));
   if (lowerCase(fs::path(request).extension().string()) == ".bsp") return sourceOf(readBsp(request));
-  source.scene = readGltf(request);
-  checkSize(source.scene, request, "(glTF is in metres)");
-  source.id = source.scene.id;
-  source.sha256 = sceneSha256(source.scene);
-  return source;
+  return readGltfFile(request, reading);
+}
+
+void tellNotes(const std::string& tool, const SceneSource& source) {
+  for (const std::string& note : source.notes) std::cerr << tool << ": " << source.id << ": " << note << '\n';
 }
 
 }  // namespace nlg

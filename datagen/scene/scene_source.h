@@ -18,13 +18,13 @@ struct SceneSource {
   Scene scene;
   std::map<std::string, uint32_t> dropped_faces;  // of a .bsp, by why: bsp_reader.h
   uint32_t materials_without_texture = 0;         // of a .bsp: these have the default colour
-  std::vector<std::string> light_notes;           // what its light lost in reading (bsp_reader.h, obj_reader.h), or was given
-                                                  // (light_options.h)
+  std::vector<std::string> light_notes;           // what its light lost in reading (bsp_reader.h), or was given (light_options.h)
+  std::vector<std::string> notes;                 // whatever else its user should know: obj_reader.h, scene_size.h
 };
 
 // How a scene is read from its file.
 struct SceneReading {
-  double unit_m = 1.0;  // metres of one unit of an .obj file; other files say their own
+  double unit_m = 1.0;  // metres of one unit of a glTF file, whose unit is the metre if it keeps to the rule, or of an .obj file
 };
 
 // Adds `unit` to a tool's table.
@@ -34,8 +34,11 @@ void describe(SceneReading& reading, OptionTable& table);
 //           PATH:PLAN:SEED for an interior (interiors/interiors.h), PATH a .sh3f file or a folder of them (Scopia.sh3f:flat:3);
 //           PATH:MAP for a level in archives, PATH a .pk3 file or a folder of them (baseoa:kaos2 is maps/kaos2.bsp); otherwise
 //           the path of a .glb, .gltf, .obj or .bsp file
-// throws    UsageError on a seed that is no decimal number, and on a unit of a scene that is no .obj file; InputError on a
-//           .glb, .gltf or .obj file whose longest side is under 10 cm or over 100 km; whatever the reader throws
+// throws    UsageError on a seed that is no decimal number, and on a unit of a scene that is no glTF or .obj file; InputError on
+//           one whose longest side is under 10 cm or over 100 km; whatever the reader throws
 SceneSource loadScene(const std::string& request, const SceneReading& reading = {});
+
+// Says on stderr what a tool's user should know of the scene, a line each.
+void tellNotes(const std::string& tool, const SceneSource& source);
 
 }  // namespace nlg

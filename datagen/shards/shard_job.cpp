@@ -53,7 +53,9 @@ SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& optio
   }
   // the setting is wrong whatever the scene: say so before it is loaded
   extentFromNumbers(options.extent_m);
-  return loadScene(request.scene, options.reading);
+  SceneSource source = loadScene(request.scene, options.reading);
+  tellNotes("nlg-datagen", source);
+  return source;
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ class ShardJob {
  public:
   // Loads and jitters the scene, places the probes, prepares the rays.
   // table    holds the options, for the shard's provenance
+  // What the user should know of the scene's file is said on stderr.
   // throws   UsageError on options that contradict each other, InputError when the scene cannot be read
   ShardJob(const ShardRequest& request, const DatagenOptions& options, const OptionTable& table);
 

@@ -253,6 +253,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   request.truth.direct = request.probe.direct = directLightFromName(options.light_direct);
   options.spacing_m = request.spacings_m.front();
   auto scene = std::make_unique<BakeScene>(request.scene, options);
+  tellNotes("nlg-validate", scene->source);
   if (!scene->source.sha256.empty()) hashes["scene"] = scene->source.sha256;
   const LightMeasurement measurement(request, options, *scene);
   if (measurement.places().places.empty())

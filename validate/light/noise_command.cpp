@@ -26,6 +26,7 @@ void measure(const Request& request, BakeOptions options, const OptionTable& tab
   refuseToReplaceInputs(request.out, {request.scene, request.weights});
   const std::vector<Generator> generators = loadGenerators({request.weights});
   const BakeScene scene(request.scene, options);
+  tellNotes("nlg-validate", scene.source);
   BakeOptions unlit = options;
   unlit.light = "none";
   const Bake bake = bakeScene(scene, generators, unlit, temporaryFolder());

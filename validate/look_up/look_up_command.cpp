@@ -111,6 +111,7 @@ void measureLookUps(Request request, const BakeOptions& options, const OptionTab
   refuseToReplaceInputs(request.out, inputs);
   const std::vector<Generator> generators = loadGenerators(request.weights);
   const BakeScene scene(request.scene, options);
+  tellNotes("nlg-validate", scene.source);
   request.places.seed = mixSeed(options.seed, kPlaceStream);
   const LookUpMeasurement measurement(scene, options, request.places);
   const glm::dvec3& origin_m = scene.source.scene.origin_m;

@@ -208,6 +208,26 @@ TEST_F(GltfReader, ReadsQuantizedPositions) {
   }
 }
 
+TEST_F(GltfReader, ScalesByTheUnit) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0,"translation":[100,200,0],"scale":[3,1,1]},{"camera":0,"translation":[0,0,8]},)"
+                R"({"translation":[4,0,0],"extensions":{"KHR_lights_punctual":{"light":0}}}])";
+  parts.scenes = R"([{"nodes":[0,1,2]}])";
+  parts.more = R"(,"cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}],)"
+               R"("extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":5}]}})";
+  const std::string path = write("units.gltf", parts.text());
+  const Scene metres = readGltf(path), quarters = readGltf(path, 0.25);
+  expectNear(corner(quarters, 0, 0), {25, 50, 0}, "corner");
+  expectNear(corner(quarters, 0, 2), {25.75, 50.25, 0}, "corner");
+  EXPECT_NEAR(areaOf(quarters), areaOf(metres) / 16, 1e-6);
+  ASSERT_EQ(quarters.viewpoints.size(), 1u);
+  expectNear(quarters.origin_m + glm::dvec3(quarters.viewpoints[0].position), {0, 0, 2}, "camera");
+  expectNear(quarters.viewpoints[0].forward, {0, 0, -1}, "camera's direction");
+  ASSERT_EQ(quarters.light.lamps.size(), 1u);
+  expectNear(quarters.origin_m + glm::dvec3(quarters.light.lamps[0].position), {1, 0, 0}, "lamp");
+  EXPECT_EQ(quarters.light.lamps[0].intensity, metres.light.lamps[0].intensity);
+}
+
 TEST_F(GltfReader, ReadsMaterials) {
   Parts parts;
   parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"material":1},{"attributes":{"POSITION":0},"indices":1}])";
