@@ -16,6 +16,7 @@ from pathlib import Path
 
 import yaml
 
+from furniture import find_interiors
 from levels import find_levels, is_texts
 
 TOOL_SECTIONS = {"datagen", "basis", "train", "export", "bake", "validate", "frontier", "solve"}
@@ -140,11 +141,13 @@ def find_scenes(options, environment):
             pattern = {".gltf": "*.bin", ".obj": "*.mtl"}.get(path.suffix.lower())
             beside = sorted(str(p) for p in path.parent.glob(pattern)) if pattern else []
             scenes[path.stem] = (str(path), [str(path), *beside])
-    for name, level in find_levels(options.get("archives", []), environment.get("NLG_ARCHIVE_ROOT", "")).items():
-        if name in scenes:
-            raise ConfigurationError(f"{level[0]}: expected a name of its own, got one that {scenes[name][0]} has too")
-        scenes[name] = level
-    require("scenes", "none", scenes, "families, a folder or archives")
+    root = environment.get("NLG_ARCHIVE_ROOT", "")
+    for found in (find_levels(options.get("archives", []), root), find_interiors(options.get("furniture", []), root, MAX_SHARDS)):
+        for name, scene in found.items():
+            if name in scenes:
+                raise ConfigurationError(f"{scene[0]}: expected a name of its own, got one that {scenes[name][0]} has too")
+            scenes[name] = scene
+    require("scenes", "none", scenes, "families, a folder, archives or furniture")
     return scenes
 
 
@@ -194,7 +197,7 @@ class Run:
         self.representations = found
 
     def _take_scenes(self, options, environment):
-        require_keys("scenes", options, {"families", "per_family", "folder", "jitters"}, {"archives", "by_scene"})
+        require_keys("scenes", options, {"families", "per_family", "folder", "jitters"}, {"archives", "furniture", "by_scene"})
         require("scenes: families", options["families"], is_texts(options["families"]) and set(options["families"]) <= set(FAMILIES),
                 "a list out of " + ", ".join(FAMILIES))
         require("scenes: folder", options["folder"], isinstance(options["folder"], str), "a folder or an empty text")
@@ -205,6 +208,8 @@ class Run:
         require("scenes", f"{shards}", shards <= MAX_SHARDS, f"at most {MAX_SHARDS} shards")
         self.jitters = options["jitters"]
         self.scenes = find_scenes(options, environment)
+        # another seed is another interior; jitter would take furniture apart, which is of many connected components
+        self.unjittered = find_interiors(options.get("furniture", []), environment.get("NLG_ARCHIVE_ROOT", ""), MAX_SHARDS)
         self.by_scene = options.get("by_scene", {})
         require("scenes: by_scene", self.by_scene, isinstance(self.by_scene, dict), "patterns of scenes, each with options")
         for pattern, values in self.by_scene.items():
@@ -274,8 +279,9 @@ class Run:
 
     def shards(self, split):
         """Paths of the shards of a split, in the order in which the tools are given them."""
-        scenes, jitters = (self.training, self.jitters) if split == "training" else (getattr(self, split), 1)
-        return [f"{self.folder}/dataset/{split}/{scene}.{jitter}.h5" for scene in scenes for jitter in range(jitters)]
+        jitters = self.jitters if split == "training" else 1
+        return [f"{self.folder}/dataset/{split}/{scene}.{jitter}.h5" for scene in getattr(self, split)
+                for jitter in range(1 if scene in self.unjittered else jitters)]
 
     def section(self, name):
         """A tool's options as text: a change of them re-runs the rule."""

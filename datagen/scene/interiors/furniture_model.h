@@ -13,7 +13,8 @@ namespace nlg {
 //
 // Which faces are evidence of solid is decided by connected component: one that is closed (each edge runs as often one way as the
 // other) and whose signed volume is above zero is wound outwards and one-sided; all others are open sheets or inside out, and get
-// a double-sided copy of their material.
+// a double-sided copy of their material. It is decided last, of what stands in the room: a surface that lost faces to coarsening is
+// open.
 struct FurnitureModel {
   std::vector<glm::dvec3> positions;
   std::vector<glm::uvec3> triangles;
@@ -24,7 +25,7 @@ struct FurnitureModel {
 };
 
 // Models above the budget are coarsened: vertices in one cell of a cubic lattice become one at their mean, and triangles that
-// lose their area go. Cells grow from 4 mm to a twentieth of the longest side until the budget is met.
+// lose their area, or stand on another in the same sense, go. Cells grow from 4 mm to a twentieth of the longest side until the budget is met.
 inline constexpr uint32_t kModelTriangleBudget = 5000;
 
 // model     as obj_reader reads it, in whatever unit
