@@ -72,6 +72,7 @@ nlohmann::ordered_json resultJson(const ShardJob& job, const ShardCollector& col
        {"dropped_triangles", job.scene().dropped_triangle_count},
        {"dropped_faces", job.droppedFaces()},
        {"materials_without_texture", job.materialsWithoutTexture()}});
+  if (!job.furnitureModels().empty()) json["furniture_models"] = job.furnitureModels();
   return json;
 }
 

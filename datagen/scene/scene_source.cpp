@@ -88,7 +88,7 @@ SceneSource readInterior(const InteriorRequest& request) {
   SceneSource source;
   source.family = request.plan;
   source.scene = std::move(interior.scene);
-  source.light_notes = std::move(interior.notes);
+  source.furniture_models = std::move(interior.models);
   source.id = source.scene.id;
   source.sha256 = sceneSha256(source.scene);
   return source;

@@ -16,10 +16,11 @@ struct SceneSource {
   std::string id;                // "house_3", the file's stem, or the map's name in lower case
   std::string sha256;            // of the scene as it was read: sceneSha256; empty for a procedural one
   Scene scene;
-  std::map<std::string, uint32_t> dropped_faces;  // of a .bsp, by why: bsp_reader.h
-  uint32_t materials_without_texture = 0;         // of a .bsp: these have the default colour
-  std::vector<std::string> light_notes;           // what its light lost in reading (bsp_reader.h), or was given (light_options.h)
-  std::vector<std::string> notes;                 // whatever else its user should know: obj_reader.h, scene_size.h
+  std::map<std::string, uint32_t> dropped_faces;     // of a .bsp, by why: bsp_reader.h
+  uint32_t materials_without_texture = 0;            // of a .bsp: these have the default colour
+  std::map<std::string, uint32_t> furniture_models;  // of an interior: interiors/interiors.h
+  std::vector<std::string> light_notes;  // what its light lost in reading (bsp_reader.h), or was given (light_options.h)
+  std::vector<std::string> notes;        // whatever else its user should know: obj_reader.h, scene_size.h
 };
 
 // How a scene is read from its file.

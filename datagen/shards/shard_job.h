@@ -57,6 +57,7 @@ class ShardJob {
   const Scene& scene() const { return scene_; }
   const std::map<std::string, uint32_t>& droppedFaces() const { return dropped_faces_; }  // of a .bsp, by why: bsp_reader.h
   uint32_t materialsWithoutTexture() const { return materials_without_texture_; }
+  const std::map<std::string, uint32_t>& furnitureModels() const { return furniture_models_; }  // of an interior
   uint64_t probeCount() const { return tree_.probeCount(); }
   CollectorLimits limits() const;
 
@@ -71,6 +72,7 @@ class ShardJob {
   Shard header_;
   std::map<std::string, uint32_t> dropped_faces_;
   uint32_t materials_without_texture_;
+  std::map<std::string, uint32_t> furniture_models_;
   uint64_t seed_;
   Scene scene_;
   ProbeTree tree_;

@@ -252,6 +252,9 @@ def check_levels():
     write("text.pk3", "no archive")
     write_archive("levels.pk3", {"maps/broken.bsp": b"IBSP.\0\0\0", "maps/empty.bsp": b""})
     write_archive("outside.pk3", {"../maps/a.bsp": b""})
+    write("text.sh3f", "no archive")
+    write_archive("bare.sh3f", {"a.txt": b""})
+    write_archive("wrong.sh3f", {"PluginFurnitureCatalog.properties": b"name#1=Chair\n"})
     whole = open("levels.pk3", "rb").read()
     write("short.pk3", whole[: len(whole) - 30])
     os.makedirs("no_archives", exist_ok=True)
@@ -259,7 +262,8 @@ def check_levels():
                          ("missing.pk3:a", ["missing.pk3"]), ("text.pk3:a", ["text.pk3"]), ("short.pk3:broken", ["short.pk3"]),
                          ("outside.pk3:a", ["outside.pk3", "a name inside the archive"]), ("no_archives:a", ["no_archives", ".pk3 files"]),
                          ("levels.pk3:absent", ["absent", "broken, empty"]), ("levels.pk3:", ["levels.pk3"]),
-                         ("levels.pk3:broken", ["levels.pk3:broken", "header"]), ("levels.pk3:empty", ["levels.pk3:empty", "header"])]:
+                         ("missing.sh3f:flat:1", ["missing.sh3f"]), ("text.sh3f:flat:1", ["text.sh3f", "ZIP"]), ("bare.sh3f:flat:1", ["bare.sh3f", "PluginFurnitureCatalog"]),
+                         ("wrong.sh3f:flat:1", ["wrong.sh3f", "piece 1"]), ("levels.pk3:broken", ["levels.pk3:broken", "header"]), ("levels.pk3:empty", ["levels.pk3:empty", "header"])]:
         refuses(INPUT_ERROR, names, ["bad.h5"], "nlg-datagen", "--scene", scene, "--out", "bad.h5")
 
 
@@ -300,8 +304,14 @@ def check_workflow():
     basis = "families: [house], per_family: 3, folder: '', jitters: 1"
     game = basis + ", archives: [{folder: /game, maps: ['*']}]"
     held_out = "held_out: [house_2]"
+    # what the configuration needs of an archive of furniture is that it is there
+    os.makedirs("homes", exist_ok=True)
+    write("homes/Big Shop.sh3f", "")
+    homes = basis.replace("jitters: 1", "jitters: 3") + ", furniture: [{archives: [/homes/Big Shop.sh3f], plans: [flat, villa], seeds: 2, first_seed: 5}]"
 
     accepted = [
+        (homes, held_out + ", evaluation: ['villa_*_big-shop']",
+         ["/homes/Big Shop.sh3f:flat:5", "dataset/training/flat_6_big-shop.0.h5", "dataset/training/house_0.2.h5", "dataset/evaluation/villa_6_big-shop.0.h5"]),
         (basis, held_out, ["--scene house:0"]),
         (game, held_out + ", evaluation: [two]", ["/game:one", "dataset/evaluation/two.0.h5", "dataset/training/one.0.h5", "/game:two --jitter 0 --held-out"]),
         # one scene of each split in the reports' tables of savings, with what a bake can take of the scene's options
@@ -318,6 +328,8 @@ def check_workflow():
         for word in words:
             if is_taken and word not in text:
                 failures.append(f"workflow with {scenes}, {split}: its commands do not hold '{word}'")
+        if is_taken and any(word in text for word in ("dataset/training/villa", "big-shop.1.h5")):
+            failures.append(f"workflow with {scenes}, {split}: trains on a plan of the evaluation, or on a variant of an interior")
         if is_taken and "dataset/training/two" in text:
             failures.append(f"workflow with {scenes}, {split}: trains on a scene of the evaluation")
 
@@ -368,7 +380,25 @@ def check_workflow():
     def archives(text):
         return f"{basis}, archives: [{text}]", held_out
 
+    def furniture(text):
+        return f"{basis}, furniture: [{text}]", held_out
+
+    shop = "archives: [/homes/Big Shop.sh3f]"
     refused = [
+        (*furniture("homes"), "furniture: 0: expected keys"),
+        (*furniture(f"{{{shop}, plans: [flat]}}"), "missing key 'seeds'"),
+        (*furniture(f"{{{shop}, plans: [flat], seeds: 1, colour: red}}"), "unknown key 'colour'"),
+        (*furniture(f"{{{shop}, plans: [castle], seeds: 1}}"), "a list out of flat, townhouse, office, villa"),
+        (*furniture(f"{{{shop}, plans: [], seeds: 1}}"), "a list out of flat"),
+        (*furniture(f"{{{shop}, plans: [flat], seeds: 0}}"), "an integer from 1"),
+        (*furniture(f"{{{shop}, plans: [flat], seeds: true}}"), "an integer from 1"),
+        (*furniture(f"{{{shop}, plans: [flat], seeds: 1, first_seed: -1}}"), "an integer from 0"),
+        (*furniture(f"{{{shop}, plans: [flat], seeds: 1000000000}}"), "at most 1000000 scenes"),
+        (*furniture(f"{{{shop}, plans: [flat, flat], seeds: 1}}"), "flat_0_big-shop twice"),
+        (*furniture("{archives: [/game/a.pk3], plans: [flat], seeds: 1}"), "a list of .sh3f files"),
+        (*furniture("{archives: [/nowhere/A.sh3f], plans: [flat], seeds: 1, install: apt install some-furniture}"),
+         "nowhere/A.sh3f, got none; install it: apt install some-furniture"),
+        (basis + ", furniture: shop", held_out, "furniture: expected a list"),
         (basis + ", colour: red", held_out, "unknown key 'colour'"),
         (basis, held_out + ", tests: []", "unknown key 'tests'"),
         (basis, held_out + ", test: []", "it is called 'evaluation' now"),

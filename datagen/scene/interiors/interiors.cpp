@@ -56,8 +56,7 @@ Interior makeInterior(const std::string& path, const std::string& plan, uint64_t
     interior.scene.light.sky = daylight.sky;
     interior.scene.light.suns = daylight.suns;
     interior.scene.light.lamps = std::move(home.lamps);
-    interior.notes.push_back(std::to_string(library.modelCount()) + " models of furniture; " +
-                             std::to_string(library.tooFineCount()) + " left out, too fine");
+    interior.models = {{"placed", library.modelCount()}, {"left out", library.tooFineCount()}};
     return interior;
   }
   std::string names;

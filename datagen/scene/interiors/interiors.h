@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,8 @@ namespace nlg {
 const std::vector<std::string>& interiorPlans();
 
 struct Interior {
-  Scene scene;                     // id: PLAN_SEED_STEM, STEM the archive's or folder's name in lower case
-  std::vector<std::string> notes;  // how many models stand in it, and how many were left out as too fine
+  Scene scene;                             // id: PLAN_SEED_STEM, STEM the archive's or folder's name in lower case
+  std::map<std::string, uint32_t> models;  // "placed": different ones that stand in it; "left out": too fine, or no .obj file
 };
 
 // The same bits on every machine for the same arguments and archives. Walls: inner 7–12 cm, outer 15–30 cm, partitions of offices
