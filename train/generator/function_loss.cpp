@@ -2,6 +2,8 @@
 
 #include <ATen/Parallel.h>
 
+#include <algorithm>
+
 #include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/loss_kernel.h"
 
@@ -10,54 +12,54 @@ namespace {
 
 constexpr int64_t kSamplesATask = 8;
 
-// The points of a sample as the kernels read them.
-struct DecodedSample {
-  int first = 0, count = 0, valid_count = 0;  // places of the point order
-  AlignedFloats phi, mask;
-
-  void decode(const PointOrder& order, const TrainingData& data, const Sample& sample) {
-    const int end = sample.batch + sample.batch_count;
-    first = order.batch_begin[sample.batch];
-    count = order.batch_begin[end] - first;
-    phi.resize(count);
-    mask.resize(count);
-    valid_count = 0;
-    for (int batch = sample.batch; batch < end; ++batch) {
-      const int offset = order.batch_begin[batch] - first;
-      valid_count += decodeBatch(order, batch, data.function(sample.function), sample.mirror, &phi[offset], &mask[offset]);
-    }
-  }
-};
-
-// Calls visit(b, decoded sample b) for every sample, on libtorch's threads.
+// Calls visit(b) for every sample, on libtorch's threads.
 template <class Visit>
-void forEachSample(const Representation& representation, const TrainingData& data, const std::vector<Sample>& samples,
-                   const Visit& visit) {
-  const PointOrder& order = pointOrder(representation);
-  at::parallel_for(0, static_cast<int64_t>(samples.size()), kSamplesATask, [&](int64_t begin, int64_t end) {
-    thread_local DecodedSample decoded;
-    for (int64_t b = begin; b < end; ++b) {
-      decoded.decode(order, data, samples[b]);
-      visit(b, decoded);
-    }
+void forEachSample(int64_t count, const Visit& visit) {
+  at::parallel_for(0, count, kSamplesATask, [&](int64_t begin, int64_t end) {
+    for (int64_t b = begin; b < end; ++b) visit(b);
   });
 }
 
 }  // namespace
 
-ThetaErrors measureTheta(const torch::Tensor& theta, const Representation& representation, const TrainingData& data,
-                         const std::vector<Sample>& samples) {
+SampleTargets::SampleTargets(const Representation& representation, const TrainingData& data, const std::vector<Sample>& samples)
+    : representation_(representation), places_(samples.size()) {
+  const PointOrder& order = pointOrder(representation);
+  for (size_t b = 0; b < samples.size(); ++b) {
+    const int first = order.batch_begin[samples[b].batch];
+    places_[b] = {first, order.batch_begin[samples[b].batch + samples[b].batch_count] - first};
+    stride_ = std::max(stride_, static_cast<size_t>(places_[b].count));
+  }
+  phi_.resize(samples.size() * stride_);
+  mask_.resize(samples.size() * stride_);
+  forEachSample(count(), [&](int64_t b) {
+    const Sample& sample = samples[b];
+    for (int batch = sample.batch; batch < sample.batch + sample.batch_count; ++batch) {
+      const size_t at = b * stride_ + (order.batch_begin[batch] - places_[b].first);
+      places_[b].valid_count += decodeBatch(order, batch, data.function(sample.function), sample.mirror, &phi_[at], &mask_[at]);
+    }
+  });
+}
+
+SampleTargets::Points SampleTargets::of(int64_t sample) const {
+  const Places& places = places_[static_cast<size_t>(sample)];
+  const size_t at = static_cast<size_t>(sample) * stride_;
+  return {places.first, places.count, places.valid_count, &phi_[at], &mask_[at]};
+}
+
+ThetaErrors measureTheta(const torch::Tensor& theta, const SampleTargets& targets) {
   const torch::Tensor values = theta.detach().contiguous();
   const int64_t count = values.size(0), D = values.size(1);
   ThetaErrors errors{torch::empty({count}), torch::empty({count, D})};
   const float* theta_values = values.data_ptr<float>();
   float* mean_squares = errors.mean_square.data_ptr<float>();
   float* gradients = errors.gradient.data_ptr<float>();
-  forEachSample(representation, data, samples, [&](int64_t b, const DecodedSample& sample) {
+  forEachSample(count, [&](int64_t b) {
+    const SampleTargets::Points points = targets.of(b);
     float* gradient = gradients + b * D;
-    const double sum = lossAndGradient(representation, sample.first, sample.count, sample.phi.data(), sample.mask.data(),
+    const double sum = lossAndGradient(targets.representation(), points.first, points.count, points.phi, points.mask,
                                        theta_values + b * D, gradient);
-    const float scale = sample.valid_count > 0 ? 1.0f / static_cast<float>(sample.valid_count) : 0.0f;
+    const float scale = points.valid_count > 0 ? 1.0f / static_cast<float>(points.valid_count) : 0.0f;
     mean_squares[b] = static_cast<float>(sum) * scale;
     for (int64_t d = 0; d < D; ++d) gradient[d] *= scale;
   });
@@ -68,15 +70,15 @@ torch::Tensor differentiable(const ThetaErrors& errors, const torch::Tensor& the
   return errors.mean_square + (errors.gradient * (theta - theta.detach())).sum(1);
 }
 
-torch::Tensor solveLastLayers(const torch::Tensor& theta, const Representation& representation, const TrainingData& data,
-                              const std::vector<Sample>& samples) {
+torch::Tensor solveLastLayers(const torch::Tensor& theta, const SampleTargets& targets) {
   torch::Tensor solved = theta.detach().clone(torch::MemoryFormat::Contiguous);
   const int64_t D = solved.size(1);
   float* values = solved.data_ptr<float>();
-  forEachSample(representation, data, samples, [&](int64_t b, const DecodedSample& sample) {
-    solveLastLayer(representation, sample.first, sample.count, sample.phi.data(), sample.mask.data(), values + b * D);
+  forEachSample(targets.count(), [&](int64_t b) {
+    const SampleTargets::Points points = targets.of(b);
+    solveLastLayer(targets.representation(), points.first, points.count, points.phi, points.mask, values + b * D);
   });
-  const int64_t last = representation.shape().w3();
+  const int64_t last = targets.representation().shape().w3();
   return torch::cat({theta.slice(1, 0, last), solved.slice(1, last)}, 1);
 }
 

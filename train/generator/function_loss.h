@@ -6,22 +6,47 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/support/weighting_function.h"
 #include "train/generator/sample_order.h"
 #include "train/generator/training_data.h"
 
 namespace nlg {
 
-// Of each theta over the valid points of its sample's batches of points. No autograd: see differentiable().
+// What a step judges thetas by: the points of every sample, decoded once for all stages.
+class SampleTargets {
+ public:
+  // Work here and below is split over libtorch's threads by function, so that no result depends on their number.
+  SampleTargets(const Representation& representation, const TrainingData& data, const std::vector<Sample>& samples);
+
+  // The points of one sample as the kernels read them; good while the targets live.
+  struct Points {
+    int first = 0, count = 0;  // places of the point order
+    int valid_count = 0;
+    const float *phi = nullptr, *mask = nullptr;  // count each
+  };
+  Points of(int64_t sample) const;
+
+  const Representation& representation() const { return representation_; }
+  int64_t count() const { return static_cast<int64_t>(places_.size()); }
+
+ private:
+  struct Places {
+    int first = 0, count = 0, valid_count = 0;
+  };
+  Representation representation_;
+  size_t stride_ = 0;  // floats from one sample to the next
+  std::vector<Places> places_;
+  AlignedFloats phi_, mask_;
+};
+
+// Of each theta over the valid points of its sample. No autograd: see differentiable().
 struct ThetaErrors {
   torch::Tensor mean_square;  // B; 0 where no point is valid
   torch::Tensor gradient;     // B x D: of mean_square by theta; 0 where no point is valid
 };
 
-// theta     B x D, float, on the processor
-// samples   B
-// Work is split over libtorch's threads by function, so that the result does not depend on their number.
-ThetaErrors measureTheta(const torch::Tensor& theta, const Representation& representation, const TrainingData& data,
-                         const std::vector<Sample>& samples);
+// theta   B x D, float, on the processor
+ThetaErrors measureTheta(const torch::Tensor& theta, const SampleTargets& targets);
 
 // errors.mean_square as a function of theta, for autograd: the value and the gradient that were measured at this very theta.
 torch::Tensor differentiable(const ThetaErrors& errors, const torch::Tensor& theta);
@@ -29,7 +54,6 @@ torch::Tensor differentiable(const ThetaErrors& errors, const torch::Tensor& the
 // theta with the last layer of each solved exactly on its sample's points (fit/last_layer.h). Networks with a linear output only.
 // To autograd the solution is a constant: at the minimum over the last layer the loss does not depend on it to first order, so
 // the gradient by the other parameters is exact (envelope theorem).
-torch::Tensor solveLastLayers(const torch::Tensor& theta, const Representation& representation, const TrainingData& data,
-                              const std::vector<Sample>& samples);
+torch::Tensor solveLastLayers(const torch::Tensor& theta, const SampleTargets& targets);
 
 }  // namespace nlg

@@ -7,15 +7,16 @@ ThetaStages runStages(GeneratorNetwork& network, const Representation& represent
   const torch::Device device = network->parameters().front().device();
   const torch::Tensor coefficients = coefficientBatch(data, samples).to(device);
   torch::Tensor theta = network->forward(coefficients).cpu();
+  const SampleTargets targets(representation, data, samples);
   ThetaStages stages;
   ThetaErrors errors;
   const auto measure = [&] {
-    errors = measureTheta(theta, representation, data, samples);
+    errors = measureTheta(theta, targets);
     stages.mean_squares.push_back(differentiable(errors, theta));
   };
   const bool solves = network->solvesLastLayer(representation);
   const auto solveAndMeasure = [&] {
-    if (solves) theta = solveLastLayers(theta, representation, data, samples);
+    if (solves) theta = solveLastLayers(theta, targets);
     measure();
   };
   measure();

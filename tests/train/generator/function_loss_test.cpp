@@ -60,7 +60,7 @@ double meanSquare(const Representation& representation, const Sample& sample, co
 }
 
 torch::Tensor functionLoss(const torch::Tensor& theta, const Representation& representation, const std::vector<Sample>& samples) {
-  return differentiable(measureTheta(theta, representation, data(), samples), theta);
+  return differentiable(measureTheta(theta, {representation, data(), samples}), theta);
 }
 
 TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {
@@ -94,7 +94,7 @@ TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {
 
 TEST(FunctionLoss, IsTheMeanSquaredErrorOfEachSample) {
   const torch::Tensor theta = randomThetaBatch(kSamples.size());
-  const torch::Tensor losses = measureTheta(theta, Representation::tentMlp(0.01f), data(), kSamples).mean_square;
+  const torch::Tensor losses = measureTheta(theta, {Representation::tentMlp(0.01f), data(), kSamples}).mean_square;
   ASSERT_EQ(losses.sizes(), torch::IntArrayRef({static_cast<int64_t>(kSamples.size())}));
   for (size_t b = 0; b < kSamples.size(); ++b) {
     const float* row = theta.data_ptr<float>() + b * ThetaLayout::count;
@@ -118,11 +118,11 @@ TEST(FunctionLoss, DoesNotDependOnTheNumberOfThreads) {
   for (int b = 0; b < 100; ++b) samples.push_back({b % 5, b % 8, b % 7, 1 + b % 2});
   const torch::Tensor theta = randomThetaBatch(samples.size());
   at::set_num_threads(1);
-  const ThetaErrors one = measureTheta(theta, {}, data(), samples);
-  const torch::Tensor solved_by_one = solveLastLayers(theta, {}, data(), samples);
+  const ThetaErrors one = measureTheta(theta, {{}, data(), samples});
+  const torch::Tensor solved_by_one = solveLastLayers(theta, {{}, data(), samples});
   at::set_num_threads(2);
-  const ThetaErrors two = measureTheta(theta, {}, data(), samples);
-  const torch::Tensor solved_by_two = solveLastLayers(theta, {}, data(), samples);
+  const ThetaErrors two = measureTheta(theta, {{}, data(), samples});
+  const torch::Tensor solved_by_two = solveLastLayers(theta, {{}, data(), samples});
   at::set_num_threads(1);
   EXPECT_TRUE(torch::equal(one.mean_square, two.mean_square));
   EXPECT_TRUE(torch::equal(one.gradient, two.gradient));
@@ -135,14 +135,14 @@ TEST(FunctionLoss, ReadsThetaThatIsNotContiguous) {
   const torch::Tensor transposed = theta.t().contiguous().t();
   ASSERT_FALSE(transposed.is_contiguous());
   EXPECT_TRUE(
-      torch::equal(measureTheta(transposed, {}, data(), samples).gradient, measureTheta(theta, {}, data(), samples).gradient));
-  EXPECT_TRUE(torch::equal(solveLastLayers(transposed, {}, data(), samples), solveLastLayers(theta, {}, data(), samples)));
+      torch::equal(measureTheta(transposed, {{}, data(), samples}).gradient, measureTheta(theta, {{}, data(), samples}).gradient));
+  EXPECT_TRUE(torch::equal(solveLastLayers(transposed, {{}, data(), samples}), solveLastLayers(theta, {{}, data(), samples})));
 }
 
 TEST(SolveLastLayers, SolvesEachOnItsOwnPoints) {
   for (const Representation& representation : kBothRepresentations) {
     const torch::Tensor theta = randomThetaBatch(kSamples.size());
-    const torch::Tensor solved = solveLastLayers(theta, representation, data(), kSamples);
+    const torch::Tensor solved = solveLastLayers(theta, {representation, data(), kSamples});
     for (size_t b = 0; b < kSamples.size(); ++b) {
       const SamplePoints points(kSamples[b]);
       const float* row = theta.data_ptr<float>() + b * ThetaLayout::count;
@@ -152,21 +152,21 @@ TEST(SolveLastLayers, SolvesEachOnItsOwnPoints) {
       const float* got = solved.data_ptr<float>() + b * ThetaLayout::count;
       EXPECT_EQ(Theta(got, got + ThetaLayout::count), expected) << "sample " << b;
     }
-    const torch::Tensor before = measureTheta(theta, representation, data(), kSamples).mean_square;
-    const torch::Tensor after = measureTheta(solved, representation, data(), kSamples).mean_square;
+    const torch::Tensor before = measureTheta(theta, {representation, data(), kSamples}).mean_square;
+    const torch::Tensor after = measureTheta(solved, {representation, data(), kSamples}).mean_square;
     EXPECT_TRUE((after < before).all().item<bool>()) << before << '\n' << after;
   }
 }
 
 TEST(SolveLastLayers, LeavesAThetaWithoutAnyValidPoint) {
   const torch::Tensor theta = randomThetaBatch(1);
-  EXPECT_TRUE(torch::equal(solveLastLayers(theta, {}, data(), {{5, 0, 3}}), theta));
+  EXPECT_TRUE(torch::equal(solveLastLayers(theta, {{}, data(), {{5, 0, 3}}}), theta));
 }
 
 TEST(SolveLastLayers, IsAConstantToTheGradientInTheLastLayerAlone) {
   torch::Tensor theta = randomThetaBatch(kSamples.size()).requires_grad_();
   const torch::Tensor weight = torch::linspace(1, 2, theta.numel()).view_as(theta);
-  (solveLastLayers(theta, {}, data(), kSamples) * weight).sum().backward();
+  (solveLastLayers(theta, {{}, data(), kSamples}) * weight).sum().backward();
   const int64_t last = ThetaLayout::w3;
   EXPECT_TRUE(torch::equal(theta.grad().slice(1, 0, last), weight.slice(1, 0, last)));
   EXPECT_EQ(theta.grad().slice(1, last).abs().max().item<float>(), 0.0f);

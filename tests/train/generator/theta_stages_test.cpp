@@ -94,11 +94,11 @@ TEST(ThetaStages, AreOnesOfTheta0BeforeTraining) {
     const ThetaStages stages = runStages(network, representation, training(), samples);
     ASSERT_EQ(stages.mean_squares.size(), size_t(1 + solveCount(representation) + kSteps)) << representationName(representation);
     torch::Tensor theta = torch::tensor(theta0).repeat({5, 1});
-    const torch::Tensor generated = measureTheta(theta, representation, training(), samples).mean_square;
+    const torch::Tensor generated = measureTheta(theta, {representation, training(), samples}).mean_square;
     torch::Tensor solved = generated;
     if (solveCount(representation) == 1) {
-      theta = solveLastLayers(theta, representation, training(), samples);
-      solved = measureTheta(theta, representation, training(), samples).mean_square;
+      theta = solveLastLayers(theta, {representation, training(), samples});
+      solved = measureTheta(theta, {representation, training(), samples}).mean_square;
     }
     for (size_t s = 0; s < stages.mean_squares.size(); ++s) {
       EXPECT_TRUE(torch::equal(stages.mean_squares[s], s == 0 ? generated : solved))
@@ -192,10 +192,10 @@ TEST(ThetaStages, ReachTheGeneratorThroughThetaAlone) {
   const torch::Tensor gradient = gradientOf(runStages(network, representation, training(), samples).mean_squares[1]);
 
   const torch::Tensor coefficients = coefficientBatch(training(), samples), theta = network->forward(coefficients);
-  const ThetaErrors errors = measureTheta(theta, representation, training(), samples);
+  const ThetaErrors errors = measureTheta(theta, {representation, training(), samples});
   const torch::Tensor features = network->correctionFeatures(coefficients, theta.detach(), errors.mean_square, errors.gradient);
   const torch::Tensor further = theta + network->correction(features).detach();
-  const torch::Tensor expected = gradientOf(differentiable(measureTheta(further, representation, training(), samples), further));
+  const torch::Tensor expected = gradientOf(differentiable(measureTheta(further, {representation, training(), samples}), further));
   EXPECT_GT(expected.abs().max().item<float>(), 0.0f);
   EXPECT_TRUE(torch::allclose(gradient, expected, 1e-5, 1e-7));
 }
