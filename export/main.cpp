@@ -188,7 +188,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   }
   const GeneratorData data = asLoaded(file);
   const Generator generator(data);
-  const TrainingData functions(readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount), data.basis);
+  const TrainingData functions(readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount), data.basis, data.basis);
   if (functions.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
   const Parity parity = compare(state, generator, functions, options.parity_functions);
   const double held_out_rmse = meanRmse(generator, functions, options.parity_functions);

@@ -69,7 +69,7 @@ TrainingData readTrainingData(const Request& request, const BasisFile& basis, co
   if (request.cache.empty()) {
     FunctionSet set = readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount);
     if (set.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
-    return TrainingData(std::move(set), used, FunctionOrder::cache);
+    return TrainingData(std::move(set), basis.basis.data, used, FunctionOrder::cache);
   }
   endWhenPagesVanish("nlg-train", request.cache);
   auto cache = std::make_unique<FunctionCache>(request.cache);
@@ -78,7 +78,7 @@ TrainingData readTrainingData(const Request& request, const BasisFile& basis, co
     throw InputError(request.cache, "basis", "one made with " + request.basis + ", " + basis_sha256,
                      cache->origin().basis_sha256);
   }
-  return TrainingData(std::move(cache), basis.basis.data, used.class_count);
+  return TrainingData(std::move(cache), basis.basis.data, used);
 }
 
 // Goes on from the run's newest whole checkpoint when there is one of this very run.
@@ -176,7 +176,7 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   const BasisData used = usedBasis(options, basis.basis);
   options.shape.coefficient_count = used.coefficientCount();
   const TrainingData training = readTrainingData(request, basis, used);
-  const TrainingData held_out(readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount), used);
+  const TrainingData held_out(readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount), basis.basis.data, used);
   if (held_out.functionCount() == 0)
     throw InputError(request.held_out.front(), "functions", "at least one in all shards", "none");
   requireSeparate(request, training, held_out);

@@ -19,7 +19,9 @@ struct BasisData {
   std::array<int, kParityClassCount> class_count{};  // components in each class; their sum is K
   std::vector<float> mean;                           // 8 x 1024: parity classes of the mean function
   std::vector<float> components;                     // K x 1024, orthonormal rows, grouped by class
-  std::vector<float> deviation;                      // K, standard deviation of each coefficient over the training set, > 0
+  // K, > 0: what each coefficient is divided by. From nlg-pca its standard deviation over the training set; training may choose
+  // something between that and one number for all (whitened(), train/basis/basis_fit.h)
+  std::vector<float> deviation;
   int coefficientCount() const { return static_cast<int>(deviation.size()); }
 };
 
@@ -50,7 +52,7 @@ class Projection {
 
   int coefficientCount() const { return coefficient_count_; }
 
-  // Standardised coefficients (mean 0, deviation 1 over the training set) of functions.
+  // Coefficients of functions, mean 0 over the training set, divided as the basis says.
   // phi           count x P in pattern order; bytes: round(255 phi); floats: phi in [0, 1]
   // count         0 <= count <= kBatchCount
   // coefficients  count x K

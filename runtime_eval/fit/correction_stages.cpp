@@ -104,12 +104,11 @@ void LearnedStepsStage::measure(ThetaBatch& batch, int mirror, bool solve_last_l
     if (solve_last_layer) solve(representation, places, theta, &equations_);
     error_[n] = kInfinite;
     if (places.valid_count == 0) continue;
-    const double sum =
-        network_runs ? lossAndGradient(representation, 0, places.count, places.phi, places.mask, theta, gradient_.data())
-                     : loss(representation, 0, places.count, places.phi, places.mask, theta);
+    const double sum = network_runs
+                           ? lossAndGradient(representation, 0, places.count, places.phi, places.mask, theta, gradient_.data())
+                           : loss(representation, 0, places.count, places.phi, places.mask, theta);
     // a theta so far out that its gradient overflows is left as it is
-    const bool is_finite =
-        std::isfinite(sum) && allFinite({theta, gradient_.size()}) && (!network_runs || allFinite(gradient_));
+    const bool is_finite = std::isfinite(sum) && allFinite({theta, gradient_.size()}) && (!network_runs || allFinite(gradient_));
     if (!is_finite) continue;
     error_[n] = sum / places.valid_count;
     if (network_runs) writeFeatures(batch, n, mirror, places.valid_count);

@@ -133,7 +133,7 @@ def check_command_lines():
                         ("--test-points", "17"), ("--jitter", "minus one"), ("--scale", "inf"), ("--seed", "-1")],
         "nlg-pca": [("--components", "0"), ("--components", "1e3"), ("--components", "99999999999999999999")],
         "nlg-cache": [],
-        "nlg-train": [("--hard-share", "1"), ("--steps", "0"), ("--batch", "-5"), ("--learning-rate", "nan"), ("--width", "1000000"), ("--layers", "0"),
+        "nlg-train": [("--theta-share", "1"), ("--steps", "0"), ("--batch", "-5"), ("--learning-rate", "nan"), ("--width", "1000000"), ("--layers", "0"),
                       ("--threads", "many")],
         "nlg-export": [("--parity-functions", "0"), ("--parity-tolerance", "-1")],
         "nlg-bake": [("--spacing-m", "0"), ("--threads", "-1"), ("--refine-seconds", "nan"), ("--simd", "sse9"), ("--extent-m", "1,2,3")],

@@ -21,7 +21,7 @@ INPUT_ERROR, NUMERICAL_ERROR = 3, 4  # tool/error.h
 failures = []
 
 OPTIONS = ["--batch", "8", "--checkpoint-steps", "10", "--start-candidates", "1", "--width", "24", "--layers", "2",
-           "--learning-rate", "0.003", "--hard-share", "0.25"]
+           "--learning-rate", "0.003", "--theta-share", "0.25"]
 INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", "held_out.h5"]
 CACHE = ["--cache", "functions.cache"]
 

@@ -150,6 +150,14 @@ Basis truncateBasis(const Basis& basis, int component_count) {
   return result;
 }
 
+BasisData whitened(BasisData data, double whitening) {
+  double square_sum = 0.0;  // of what is left of the deviations
+  for (const float deviation : data.deviation) square_sum += std::pow(double{deviation}, 2.0 * (1.0 - whitening));
+  const double scale = std::sqrt(square_sum / data.coefficientCount());
+  for (float& deviation : data.deviation) deviation = static_cast<float>(std::pow(double{deviation}, whitening) * scale);
+  return data;
+}
+
 std::vector<double> keptVariance(const Basis& basis, const uint8_t* phi, uint64_t function_count,
                                  const std::vector<int>& counts) {
   const int component_count = basis.data.coefficientCount();

@@ -46,6 +46,10 @@ class BasisFit {
 // The same basis with only its component_count components of largest variance (all of them when it has fewer).
 Basis truncateBasis(const Basis& basis, int component_count);
 
+// The same basis with coefficients that are whitened less: each is divided by its deviation to the power of `whitening`, and all of
+// them by one number that makes their mean square 1. 1: as they are, every deviation is 1; 0: deviations as the functions have them.
+BasisData whitened(BasisData data, double whitening);
+
 // Share of held-out variance that the first `count` components keep, for each count asked for (capped at K).
 // Energy of every function minus the training mean, summed over functions.
 std::vector<double> keptVariance(const Basis& basis, const uint8_t* phi, uint64_t function_count, const std::vector<int>& counts);

@@ -55,12 +55,12 @@ int64_t WindowedOrder::item(int64_t position) {
   return items_[static_cast<size_t>(position % count_ % kWindowItems)];
 }
 
-SampleOrder::SampleOrder(int64_t function_count, std::vector<uint32_t> hard, const Options& options)
+SampleOrder::SampleOrder(int64_t function_count, std::vector<uint32_t> part, const Options& options)
     : options_(options),
-      hard_(std::move(hard)),
-      hard_count_(hard_.empty() ? 0 : static_cast<int>(std::lround(options.hard_share * options.batch))) {
+      part_(std::move(part)),
+      part_count_(part_.empty() ? 0 : static_cast<int>(std::lround(options.part_share * options.batch))) {
   orders_.emplace_back(function_count, mixSeed(options.seed, 1));
-  if (hard_count_ > 0) orders_.emplace_back(static_cast<int64_t>(hard_.size()), mixSeed(options.seed, 3));
+  if (part_count_ > 0) orders_.emplace_back(static_cast<int64_t>(part_.size()), mixSeed(options.seed, 3));
 }
 
 std::vector<Sample> SampleOrder::samples(int64_t draw) {
@@ -71,7 +71,7 @@ std::vector<Sample> SampleOrder::samples(int64_t draw) {
     for (int64_t position = draw * countOf(order); position < (draw + 1) * countOf(order); ++position) {
       const int64_t item = orders_[order].item(position);
       samples.push_back(
-          {order == 0 ? item : int64_t{hard_[static_cast<size_t>(item)]}, static_cast<int>(random.below(kMirrorCount)),
+          {order == 0 ? item : int64_t{part_[static_cast<size_t>(item)]}, static_cast<int>(random.below(kMirrorCount)),
            options_.point_batches * static_cast<int>(random.below(static_cast<uint32_t>(group_count))), options_.point_batches});
     }
   }
@@ -87,12 +87,12 @@ int64_t SampleOrder::lastWindow(int order, int64_t draw) const {
 std::vector<int64_t> SampleOrder::functionBlocks(int order, int64_t window) {
   const std::vector<int64_t> blocks = orders_[order].blocksOf(window);
   if (order == 0) return blocks;
-  // neighbours in the list of hard functions are near each other among all functions too
+  // neighbours in the list of the part are near each other among all functions too
   std::vector<int64_t> function_blocks;
   for (const int64_t block : blocks) {
     const size_t first = static_cast<size_t>(block * kBlockFunctions);
-    for (size_t i = first; i < std::min(first + kBlockFunctions, hard_.size()); ++i) {
-      function_blocks.push_back(hard_[i] / kBlockFunctions);
+    for (size_t i = first; i < std::min(first + kBlockFunctions, part_.size()); ++i) {
+      function_blocks.push_back(part_[i] / kBlockFunctions);
     }
   }
   std::sort(function_blocks.begin(), function_blocks.end());

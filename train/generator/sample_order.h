@@ -48,28 +48,28 @@ class SampleOrder {
     int batch = 256;            // samples a draw
     int point_batch_count = 1;  // batches of points that there are to draw from
     int point_batches = 1;      // of them a sample is judged on; a divisor of point_batch_count
-    double hard_share = 0.0;    // of every batch, rounded to whole samples: from an order of their own over the hard functions
+    double part_share = 0.0;  // of every batch, rounded to whole samples: from an order of their own over a part of the functions
     uint64_t seed = 1;
   };
 
-  // hard   indices of the hard functions, rising; when there are none, nothing is drawn from them
-  SampleOrder(int64_t function_count, std::vector<uint32_t> hard, const Options& options);
+  // part   indices of the functions that part_share is drawn from, rising; when there are none, nothing is
+  SampleOrder(int64_t function_count, std::vector<uint32_t> part, const Options& options);
 
   std::vector<Sample> samples(int64_t draw);
-  int hardCount() const { return hard_count_; }  // of a batch
+  int partCount() const { return part_count_; }  // of a batch
 
-  // What has to lie in memory: the samples come from one or two orders (all functions, the hard ones), each with windows.
-  int orderCount() const { return hard_count_ > 0 ? 2 : 1; }
+  // What has to lie in memory: the samples come from one or two orders (all functions, the part), each with windows.
+  int orderCount() const { return part_count_ > 0 ? 2 : 1; }
   int64_t firstWindow(int order, int64_t draw) const;
   int64_t lastWindow(int order, int64_t draw) const;
-  std::vector<int64_t> functionBlocks(int order, int64_t window);  // blocks of functions, rising for hard ones
+  std::vector<int64_t> functionBlocks(int order, int64_t window);  // blocks of functions, rising for the part
 
  private:
-  int64_t countOf(int order) const { return order == 0 ? options_.batch - hard_count_ : hard_count_; }
+  int64_t countOf(int order) const { return order == 0 ? options_.batch - part_count_ : part_count_; }
 
   Options options_;
-  std::vector<uint32_t> hard_;
-  int hard_count_;
+  std::vector<uint32_t> part_;
+  int part_count_;
   std::vector<WindowedOrder> orders_;
 };
 

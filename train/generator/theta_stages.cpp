@@ -30,15 +30,17 @@ ThetaStages runStages(GeneratorNetwork& network, const Representation& represent
   return stages;
 }
 
-HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit) {
+HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit,
+                          double tent_rmse) {
   torch::NoGradGuard guard;
-  const int64_t count = std::min<int64_t>(limit, data.functionCount());
+  const std::vector<uint32_t> functions = data.functionsAbove(tent_rmse);
+  const int64_t function_count = static_cast<int64_t>(functions.size()), count = std::min<int64_t>(limit, function_count);
   const int all_points = pointOrder(representation).batchCount();
   HeldOutError error;
   for (int64_t begin = 0; begin < count; begin += kBatchCount) {
     std::vector<Sample> samples;
     for (int64_t i = begin; i < std::min<int64_t>(begin + kBatchCount, count); ++i) {
-      samples.push_back({.function = i * data.functionCount() / count, .batch_count = all_points});
+      samples.push_back({.function = functions[static_cast<size_t>(i * function_count / count)], .batch_count = all_points});
     }
     const ThetaStages stages = runStages(network, representation, data, samples);
     const torch::Tensor least = std::get<0>(torch::stack(stages.mean_squares).min(0));

@@ -26,8 +26,10 @@ struct HeldOutError {
   double final = 0.0;
 };
 
-// Over all valid support points, for at most `limit` functions taken at equal distances.
-HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit);
+// Over all valid support points, for at most `limit` functions, taken at equal distances from those whose bare tent has an RMSE
+// above `tent_rmse`; zeros when there are none.
+HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit,
+                          double tent_rmse = -1.0);
 
 // Coefficients of the samples' functions, mirrored: B x K.
 torch::Tensor coefficientBatch(const TrainingData& data, const std::vector<Sample>& samples);

@@ -127,14 +127,14 @@ std::string logLine(const TrainOptions& options, const TrainingState& state, dou
 }
 
 SampleOrder sampleOrder(const TrainOptions& options, const Representation& representation, const TrainingData& training) {
-  std::vector<uint32_t> hard;
-  if (options.hard_share > 0) hard = training.hardFunctions(options.hard_rmse);
+  std::vector<uint32_t> with_theta;
+  if (options.theta_share > 0) with_theta = training.functionsAbove(options.bare_tent_rmse);
   const int batch_count = pointOrder(representation).batchCount();
-  return SampleOrder(training.functionCount(), std::move(hard),
+  return SampleOrder(training.functionCount(), std::move(with_theta),
                      {.batch = options.batch,
                       .point_batch_count = batch_count,
                       .point_batches = std::min(options.point_batches, batch_count),
-                      .hard_share = options.hard_share,
+                      .part_share = options.theta_share,
                       .seed = options.seed});
 }
 
@@ -151,8 +151,10 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("error_power", &o.error_power, "0.5 trains on RMSE, 1 on MSE (more weight to the tail)", 0.1, 4.0);
   table.add("point_batches", &o.point_batches, "eighths of a network's points that a sample is judged on: 1, 2, 4 or 8", 1, 8);
   table.add("coefficients", &o.coefficients, "of the basis, those of largest variance; 0: all", 0, kSupportPointCount);
-  table.add("hard_share", &o.hard_share, "share of a batch drawn from the hard functions alone", 0.0, 0.95);
-  table.add("hard_rmse", &o.hard_rmse, "functions whose bare tent has at least this RMSE are hard", 0.0, 1.0);
+  table.add("whitening", &o.whitening, "1: coefficients have deviation 1; 0: their own, but for one factor", 0.0, 1.0);
+  table.add("theta_share", &o.theta_share, "share of a batch drawn from the functions that take a theta alone", 0.0, 0.99);
+  table.add("bare_tent_rmse", &o.bare_tent_rmse, "a function that the bare tent gives with no larger an RMSE takes no theta", 0.0,
+            1.0);
   table.add("divergence_ratio", &o.divergence_ratio, "a loss over so many running medians takes training back", 1.0, 1e9);
   table.add("representation_slope", &o.representation_slope, "LeakyReLU slope of the tiny network", 1e-6, 0.9);
   table.add("width", &o.shape.width, "width of the generator's hidden layers", 1, 8192);
@@ -171,7 +173,7 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
 }
 
 BasisData usedBasis(const TrainOptions& options, const Basis& basis) {
-  return options.coefficients == 0 ? basis.data : truncateBasis(basis, options.coefficients).data;
+  return whitened(options.coefficients == 0 ? basis.data : truncateBasis(basis, options.coefficients).data, options.whitening);
 }
 
 double oneCycleRate(const TrainOptions& options, int64_t step) {
@@ -253,6 +255,9 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     guard.rollBack(state, quantity, value);
     mean = kept_mean;
   };
+  const auto judge = [&] {
+    return heldOutError(state->average, representation, held_out, options.validation_functions, options.bare_tent_rmse);
+  };
   while (state->step < options.steps) {
     const Clock::time_point step_start = Clock::now();
     const TrainStep::Result result = step.computeGradient(*state);
@@ -279,7 +284,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     kept_mean = mean;
     if (!at_checkpoint) continue;
     if (processes.rank() == 0) {
-      report.held_out = heldOutError(state->average, representation, held_out, options.validation_functions);
+      report.held_out = judge();
       requireFinite(report.held_out.final, state->step, "held-out error");
       state->log_csv += logLine(options, *state, mean.value(), report.held_out);
       save();
@@ -288,7 +293,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
   }
   // a run that had been finished already took no step here
   if (first_step == state->step && processes.rank() == 0) {
-    report.held_out = heldOutError(state->average, representation, held_out, options.validation_functions);
+    report.held_out = judge();
   }
   report.elapsed_s = secondsSince(start);
   report.samples_per_s = training_s > 0 ? static_cast<double>((state->draw - first_draw) * options.batch) / training_s : 0.0;

@@ -21,15 +21,18 @@ struct TrainOptions {
   uint64_t seed = 1;
   int steps = 10000;
   int batch = 256;
-  double learning_rate = 1e-3;   // the peak of the one-cycle schedule
+  double learning_rate = 3e-3;   // the peak of the one-cycle schedule
   double warmup_share = 0.15;    // of the steps, rising; the rest falls along a cosine
   double gradient_clip = 1.0;    // largest norm of the whole gradient
   double average_decay = 0.999;  // of the averaged weights
   double error_power = 0.5;      // loss = mean over functions of (mean squared error + 1e-6) ^ error_power; 0.5: RMSE, 1: MSE
-  int point_batches = 2;    // eighths of a network's points that a sample is judged on: 1, 2, 4 or 8; fields take all of theirs
-  int coefficients = 0;     // of the basis, those of largest variance; 0: all
-  double hard_share = 0.0;  // of every batch: drawn from the hard functions alone, beside those that come anyway
-  double hard_rmse = 0.01;  // functions whose bare tent has at least this RMSE are hard
+  int point_batches = 1;   // eighths of a network's points that a sample is judged on: 1, 2, 4 or 8; fields take all of theirs
+  int coefficients = 0;    // of the basis, those of largest variance; 0: all
+  double whitening = 0.5;  // 1: coefficients have deviation 1; 0: their own, but for one factor (basis_fit.h)
+  // Of every batch: drawn from the functions that take a theta at a bake alone. The others, for which the bare tent is enough, come
+  // as often as the set has them in what is left, so that theta stays sane there.
+  double theta_share = 0.95;
+  double bare_tent_rmse = 0.002;       // a function that the bare tent gives so well takes no theta: the policy's own setting
   double divergence_ratio = 10;        // a loss over so many times the running median takes training back (loss_guard.h)
   double representation_slope = 0.01;  // LeakyReLU of the tiny network
   GeneratorShape shape;
@@ -43,7 +46,7 @@ struct TrainOptions {
 // One table for nlg-train and nlg-export.
 void describeTrainOptions(TrainOptions& options, OptionTable& table);
 
-// The basis that a run reads: all of it, or its components of largest variance.
+// The basis that a run reads: all of it, or its components of largest variance, with coefficients whitened as the run asks.
 BasisData usedBasis(const TrainOptions& options, const Basis& basis);
 
 // Learning rate of a step before any rollback: linear from 1/25 of the peak over the warm-up, then a cosine down to 1/10000.

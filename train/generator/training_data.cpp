@@ -6,33 +6,49 @@
 #include "runtime_eval/evaluator/mirror_coefficients.h"
 
 namespace nlg {
+namespace {
 
-TrainingData::TrainingData(FunctionSet set, const BasisData& basis, FunctionOrder order)
+// What makes coefficients of `basis` into those of `used`, whose classes begin with the same components.
+std::vector<float> factors(const BasisData& basis, const BasisData& used) {
+  std::vector<float> result;
+  int stored = 0, taken = 0;
+  for (int c = 0; c < kParityClassCount; ++c) {
+    for (int k = 0; k < used.class_count[c]; ++k) result.push_back(basis.deviation[stored + k] / used.deviation[taken + k]);
+    stored += basis.class_count[c];
+    taken += used.class_count[c];
+  }
+  return result;
+}
+
+}  // namespace
+
+TrainingData::TrainingData(FunctionSet set, const BasisData& basis, const BasisData& used, FunctionOrder order)
     : set_(std::move(set)),
       function_count_(static_cast<int64_t>(set_.functionCount())),
-      coefficient_count_(basis.coefficientCount()),
-      stored_count_(coefficient_count_),
-      class_count_(basis.class_count),
-      stored_class_count_(basis.class_count) {
+      coefficient_count_(used.coefficientCount()),
+      stored_count_(basis.coefficientCount()),
+      class_count_(used.class_count),
+      stored_class_count_(basis.class_count),
+      factor_(factors(basis, used)) {
   if (order == FunctionOrder::cache) order_ = cacheOrder(function_count_);
   const Projection projection(basis);
   ProjectionScratch scratch(GeneratorPrecision::float32);
-  coefficients_.resize(size_t(function_count_) * coefficient_count_);
+  coefficients_.resize(size_t(function_count_) * stored_count_);
   for (int64_t begin = 0; begin < function_count_; begin += kBatchCount) {
     const int batch = static_cast<int>(std::min<int64_t>(kBatchCount, function_count_ - begin));
-    projection.project(&set_.phi[size_t(begin) * kSupportPointCount], batch, &coefficients_[size_t(begin) * coefficient_count_],
+    projection.project(&set_.phi[size_t(begin) * kSupportPointCount], batch, &coefficients_[size_t(begin) * stored_count_],
                        &scratch);
   }
 }
 
-TrainingData::TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData& basis,
-                           const std::array<int, kParityClassCount>& class_count)
+TrainingData::TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData& basis, const BasisData& used)
     : cache_(std::move(cache)),
       function_count_(cache_->functionCount()),
-      coefficient_count_(std::accumulate(class_count.begin(), class_count.end(), 0)),
+      coefficient_count_(used.coefficientCount()),
       stored_count_(cache_->coefficientCount()),
-      class_count_(class_count),
-      stored_class_count_(basis.class_count) {}
+      class_count_(used.class_count),
+      stored_class_count_(basis.class_count),
+      factor_(factors(basis, used)) {}
 
 StoredFunction TrainingData::function(int64_t index) const {
   if (cache_) return cache_->function(index);
@@ -46,15 +62,19 @@ const float* TrainingData::coefficients(int64_t index) const {
 
 void TrainingData::copyCoefficients(int64_t index, int mirror, float* coefficients) const {
   mirrorCoefficients(stored_class_count_, class_count_, this->coefficients(index), mirror, coefficients);
+  for (int k = 0; k < coefficient_count_; ++k) coefficients[k] *= factor_[static_cast<size_t>(k)];
 }
 
-std::vector<uint32_t> TrainingData::hardFunctions(double tent_rmse) const {
-  std::vector<uint32_t> hard;
+double TrainingData::bareTentRmse(int64_t index) const {
+  return cache_ ? double{cache_->tentRmse(index)} : static_cast<double>(static_cast<float>(tentRmse(function(index))));
+}
+
+std::vector<uint32_t> TrainingData::functionsAbove(double tent_rmse) const {
+  std::vector<uint32_t> above;
   for (int64_t i = 0; i < function_count_; ++i) {
-    const float rmse = cache_ ? cache_->tentRmse(i) : tentRmse(function(i));
-    if (static_cast<double>(rmse) >= tent_rmse) hard.push_back(static_cast<uint32_t>(i));
+    if (bareTentRmse(i) > tent_rmse) above.push_back(static_cast<uint32_t>(i));
   }
-  return hard;
+  return above;
 }
 
 }  // namespace nlg

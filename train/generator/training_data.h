@@ -20,11 +20,12 @@ enum class FunctionOrder { stored, cache };
 class TrainingData {
  public:
   // Projects every function once; mirror images need no more than signs.
-  TrainingData(FunctionSet set, const BasisData& basis, FunctionOrder order = FunctionOrder::stored);
-  // basis             the one that the cache was made with
-  // class_count       coefficients to read of each class, the first ones: those of a truncated basis (truncateBasis)
-  TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData& basis,
-               const std::array<int, kParityClassCount>& class_count);
+  // basis   the one that coefficients are projected with
+  // used    … and the one that they are of: as much of it, divided otherwise (whitened)
+  TrainingData(FunctionSet set, const BasisData& basis, const BasisData& used, FunctionOrder order = FunctionOrder::stored);
+  // basis   the one that the cache was made with
+  // used    … and the one that coefficients are of: those of largest variance (truncateBasis), divided otherwise (whitened)
+  TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData& basis, const BasisData& used);
 
   int64_t functionCount() const { return function_count_; }
   int coefficientCount() const { return coefficient_count_; }
@@ -34,11 +35,13 @@ class TrainingData {
 
   StoredFunction function(int64_t index) const;
 
-  // Standardised coefficients of the function mirrored by `mirror`, K floats.
+  // Coefficients of the function mirrored by `mirror`, K floats.
   void copyCoefficients(int64_t index, int mirror, float* coefficients) const;
 
-  // Functions whose bare tent has an RMSE of at least `tent_rmse`, rising.
-  std::vector<uint32_t> hardFunctions(double tent_rmse) const;
+  // RMSE of a function's bare tent over its valid points.
+  double bareTentRmse(int64_t index) const;
+  // Functions whose bare tent has an RMSE above `tent_rmse`, rising.
+  std::vector<uint32_t> functionsAbove(double tent_rmse) const;
 
  private:
   int64_t placeInSet(int64_t index) const { return order_.empty() ? index : order_[static_cast<size_t>(index)]; }
@@ -46,12 +49,13 @@ class TrainingData {
 
   FunctionSet set_;
   std::vector<uint32_t> order_;      // by index: place in set_; empty: the same
-  std::vector<float> coefficients_;  // N x K, as set_
+  std::vector<float> coefficients_;  // N x stored_count_, as set_
   std::unique_ptr<FunctionCache> cache_;
   int64_t function_count_;
   int coefficient_count_;
   int stored_count_;  // coefficients a function has in memory or in the cache
   std::array<int, kParityClassCount> class_count_, stored_class_count_;
+  std::vector<float> factor_;  // K: from the stored coefficients to those that are used
 };
 
 }  // namespace nlg

@@ -253,6 +253,23 @@ TEST(TruncateBasis, KeepsTheComponentsOfLargestVariance) {
   }
 }
 
+TEST(Whitened, LeavesTheChosenPowerOfEachDeviationAndAMeanSquareOfOne) {
+  const BasisData basis = truncateBasis(wideBasis(), 40).data;
+  for (const double whitening : {0.0, 0.5, 1.0}) {
+    const BasisData used = whitened(basis, whitening);
+    EXPECT_EQ(used.components, basis.components);
+    double square_sum = 0.0;
+    for (int k = 0; k < basis.coefficientCount(); ++k) {
+      const double left = double{basis.deviation[k]} / used.deviation[k];  // the deviation of the coefficient that is used
+      const double first = double{basis.deviation[0]} / used.deviation[0];
+      EXPECT_NEAR(left / first, std::pow(double{basis.deviation[k]} / basis.deviation[0], 1.0 - whitening), 1e-5 * left / first)
+          << "component " << k << ", whitening " << whitening;
+      square_sum += left * left;
+    }
+    EXPECT_NEAR(square_sum / basis.coefficientCount(), 1.0, 1e-5) << "whitening " << whitening;
+  }
+}
+
 TEST(KeptVariance, OfTheTrainingSetIsTheSpectrumsShare) {
   std::vector<double> spectrum = wideBasis().spectrum;
   std::sort(spectrum.rbegin(), spectrum.rend());

@@ -83,8 +83,8 @@ std::filesystem::path Cache::folder_;
 std::vector<std::string> Cache::shards_;
 
 TEST_F(Cache, HoldsWhatTrainingInMemoryHolds) {
-  const TrainingData memory(set(), basis(), FunctionOrder::cache);
-  const TrainingData disk(std::make_unique<FunctionCache>(path()), basis(), basis().class_count);
+  const TrainingData memory(set(), basis(), basis(), FunctionOrder::cache);
+  const TrainingData disk(std::make_unique<FunctionCache>(path()), basis(), basis());
   ASSERT_EQ(disk.functionCount(), memory.functionCount());
   ASSERT_LT(disk.functionCount(), 400 + kCount - 360) << "functions that both shards hold come once";
   EXPECT_EQ(disk.sha256(), memory.sha256());
@@ -99,7 +99,7 @@ TEST_F(Cache, HoldsWhatTrainingInMemoryHolds) {
     // batches of another size may sum in another order
     for (size_t k = 0; k < a.size(); ++k) ASSERT_NEAR(a[k], b[k], 1e-5 * (1 + std::fabs(b[k]))) << "function " << i;
   }
-  EXPECT_EQ(disk.hardFunctions(0.1), memory.hardFunctions(0.1));
+  EXPECT_EQ(disk.functionsAbove(0.1), memory.functionsAbove(0.1));
 }
 
 TEST_F(Cache, GivesTheCoefficientsOfATruncatedBasis) {
@@ -116,8 +116,8 @@ TEST_F(Cache, GivesTheCoefficientsOfATruncatedBasis) {
   for (const int K : {1, 7, 24, 25}) {
     const BasisData used = truncateBasis(whole, K).data;
     ASSERT_EQ(used.coefficientCount(), K);
-    const TrainingData projected(set(), used, FunctionOrder::cache);
-    const TrainingData read(std::make_unique<FunctionCache>(file), whole.data, used.class_count);
+    const TrainingData projected(set(), used, used, FunctionOrder::cache);
+    const TrainingData read(std::make_unique<FunctionCache>(file), whole.data, used);
     ASSERT_EQ(read.coefficientCount(), K);
     std::vector<float> a(static_cast<size_t>(K)), b = a;
     for (int64_t i = 0; i < read.functionCount(); i += 7) {
@@ -237,14 +237,14 @@ TEST(SampleOrder, TakesEveryFunctionOnceAnEpoch) {
 }
 
 TEST(SampleOrder, DrawsTheSameWhereverItBegins) {
-  const SampleOrder::Options options{.batch = 100, .point_batch_count = 8, .hard_share = 0.3, .seed = 9};
-  std::vector<uint32_t> hard;
-  for (uint32_t i = 0; i < 20000; i += 3) hard.push_back(i);
-  SampleOrder whole(20000, hard, options);
+  const SampleOrder::Options options{.batch = 100, .point_batch_count = 8, .part_share = 0.3, .seed = 9};
+  std::vector<uint32_t> part;
+  for (uint32_t i = 0; i < 20000; i += 3) part.push_back(i);
+  SampleOrder whole(20000, part, options);
   for (int64_t draw = 0; draw < 500; ++draw) {
     const std::vector<Sample> expected = whole.samples(draw);
     if (draw % 37 != 0) continue;
-    SampleOrder fresh(20000, hard, options);
+    SampleOrder fresh(20000, part, options);
     const std::vector<Sample> got = fresh.samples(draw);
     ASSERT_EQ(got.size(), 100u);
     for (size_t b = 0; b < got.size(); ++b) {
@@ -274,22 +274,22 @@ TEST(SampleOrder, DrawsMirrorsAndNeighbouringBatchesOfPoints) {
 }
 
 TEST(SampleOrder, TakesItsShareFromTheHardFunctions) {
-  const std::vector<uint32_t> hard = {3, 5, 900, 15000};
-  SampleOrder order(20000, hard, {.batch = 20, .hard_share = 0.25, .seed = 1});
-  EXPECT_EQ(order.hardCount(), 5);
+  const std::vector<uint32_t> part = {3, 5, 900, 15000};
+  SampleOrder order(20000, part, {.batch = 20, .part_share = 0.25, .seed = 1});
+  EXPECT_EQ(order.partCount(), 5);
   for (int64_t draw = 0; draw < 10; ++draw) {
     const std::vector<Sample> samples = order.samples(draw);
     ASSERT_EQ(samples.size(), 20u);
     for (size_t b = 15; b < 20; ++b)
-      EXPECT_TRUE(std::count(hard.begin(), hard.end(), samples[b].function)) << samples[b].function;
+      EXPECT_TRUE(std::count(part.begin(), part.end(), samples[b].function)) << samples[b].function;
   }
-  EXPECT_EQ(SampleOrder(20000, {}, {.batch = 20, .hard_share = 0.25}).hardCount(), 0);
+  EXPECT_EQ(SampleOrder(20000, {}, {.batch = 20, .part_share = 0.25}).partCount(), 0);
 }
 
 TEST(SampleOrder, SaysWhichBlocksADrawReads) {
-  std::vector<uint32_t> hard;
-  for (uint32_t i = 0; i < 30000; i += 5) hard.push_back(i);
-  SampleOrder order(30000, hard, {.batch = 300, .hard_share = 0.4, .seed = 2}), asked = order;
+  std::vector<uint32_t> part;
+  for (uint32_t i = 0; i < 30000; i += 5) part.push_back(i);
+  SampleOrder order(30000, part, {.batch = 300, .part_share = 0.4, .seed = 2}), asked = order;
   for (int64_t draw = 0; draw < 250; ++draw) {
     std::set<int64_t> blocks;
     for (int o = 0; o < asked.orderCount(); ++o) {

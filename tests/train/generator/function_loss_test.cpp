@@ -19,7 +19,7 @@ const TrainingData& data() {
     set.phi.resize(set.phi.size() + kSupportPointCount, 0);
     set.validity.resize(set.validity.size() + kValidityByteCount, 0);
     set.seen = set.validity;
-    return TrainingData(std::move(set), sampleBasis(kSampleClasses, 1));
+    return TrainingData(std::move(set), sampleBasis(kSampleClasses, 1), sampleBasis(kSampleClasses, 1));
   }();
   return training;
 }
@@ -134,8 +134,8 @@ TEST(FunctionLoss, ReadsThetaThatIsNotContiguous) {
   const std::vector<Sample> samples(kSamples.begin(), kSamples.begin() + 3);
   const torch::Tensor transposed = theta.t().contiguous().t();
   ASSERT_FALSE(transposed.is_contiguous());
-  EXPECT_TRUE(
-      torch::equal(measureTheta(transposed, {{}, data(), samples}).gradient, measureTheta(theta, {{}, data(), samples}).gradient));
+  EXPECT_TRUE(torch::equal(measureTheta(transposed, {{}, data(), samples}).gradient,
+                           measureTheta(theta, {{}, data(), samples}).gradient));
   EXPECT_TRUE(torch::equal(solveLastLayers(transposed, {{}, data(), samples}), solveLastLayers(theta, {{}, data(), samples})));
 }
 

@@ -53,7 +53,7 @@ TEST(GeneratorNetwork, StartsFromItsSeedAlone) {
 }
 
 TEST(GeneratorNetwork, AgreesWithTheEvaluator) {
-  const TrainingData data(sampleSet(40, 50), basis());
+  const TrainingData data(sampleSet(40, 50), basis(), basis());
   for (const int width : {17, 25, 64}) {  // 25 coefficients: the first layer has a skip then
     for (const int layers : {1, 2, 4}) {
       GeneratorNetwork network(shapeOf(width, layers), randomTheta({}, 4), 8);

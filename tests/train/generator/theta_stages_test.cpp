@@ -24,11 +24,11 @@ const BasisData& basis() {
   return data;
 }
 const TrainingData& training() {
-  static const TrainingData data(sampleSet(kTrainingCount, 1), basis());
+  static const TrainingData data(sampleSet(kTrainingCount, 1), basis(), basis());
   return data;
 }
 const TrainingData& heldOut() {
-  static const TrainingData data(sampleSet(kHeldOutCount, 5000), basis());
+  static const TrainingData data(sampleSet(kHeldOutCount, 5000), basis(), basis());
   return data;
 }
 
@@ -195,7 +195,8 @@ TEST(ThetaStages, ReachTheGeneratorThroughThetaAlone) {
   const ThetaErrors errors = measureTheta(theta, {representation, training(), samples});
   const torch::Tensor features = network->correctionFeatures(coefficients, theta.detach(), errors.mean_square, errors.gradient);
   const torch::Tensor further = theta + network->correction(features).detach();
-  const torch::Tensor expected = gradientOf(differentiable(measureTheta(further, {representation, training(), samples}), further));
+  const torch::Tensor expected =
+      gradientOf(differentiable(measureTheta(further, {representation, training(), samples}), further));
   EXPECT_GT(expected.abs().max().item<float>(), 0.0f);
   EXPECT_TRUE(torch::allclose(gradient, expected, 1e-5, 1e-7));
 }

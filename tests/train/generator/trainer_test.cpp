@@ -23,7 +23,8 @@ const RunIdentity kIdentity{"tent_mlp", R"({"steps":40})", "basis", "training se
 // A small run: 24 functions, 25 coefficients.
 struct Run {
   Run()
-      : training(sampleSet(24, 1), sampleBasis(kSampleClasses, 3)), held_out(sampleSet(6, 500), sampleBasis(kSampleClasses, 3)) {
+      : training(sampleSet(24, 1), sampleBasis(kSampleClasses, 3), sampleBasis(kSampleClasses, 3)),
+        held_out(sampleSet(6, 500), sampleBasis(kSampleClasses, 3), sampleBasis(kSampleClasses, 3)) {
     options.steps = 40;
     options.batch = 16;
     options.learning_rate = 3e-3;
