@@ -59,7 +59,7 @@ void describe(BakeOptions& o, OptionTable& table) {
             "does not depend on the machine's speed",
             0.0, 1e9);
   table.add("generator_precision", &o.generator_precision, "float32, or int16: fixed point, faster");
-  table.add("theta_precision", &o.theta_precision, "float32 or float16, in the light grid's file");
+  table.add("theta_precision", &o.theta_precision, "float32, float16 or int8, in the light grid's file");
   table.add("light_form", &o.light_form,
             "how the file holds light: sh2_8bit (32 bytes a probe), sh2_float16 (54), zh3_float16 (30), sh1_float16 (24)");
   table.add("simd", &o.simd, "vector instructions to use (sse4, avx2, avx512, …); none: the best");

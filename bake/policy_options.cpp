@@ -47,7 +47,8 @@ void describePolicy(PolicyOptions& o, OptionTable& table) {
 ThetaPrecision thetaPrecisionFromName(const std::string& name) {
   if (name == "float32") return ThetaPrecision::float32;
   if (name == "float16") return ThetaPrecision::float16;
-  throw UsageError("theta_precision", "float32 or float16", "'" + name + "'");
+  if (name == "int8") return ThetaPrecision::int8;
+  throw UsageError("theta_precision", "float32, float16 or int8", "'" + name + "'");
 }
 
 std::string stagesHelp(const PolicyOptions& options) {

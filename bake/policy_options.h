@@ -11,7 +11,7 @@ namespace nlg {
 // Every option of the policy but theta_precision, which only a grid has.
 void describePolicy(PolicyOptions& options, OptionTable& table);
 
-// "float32" or "float16", as the option theta_precision takes them.
+// "float32", "float16" or "int8", as the option theta_precision takes them.
 // throws   UsageError on any other name
 ThetaPrecision thetaPrecisionFromName(const std::string& name);
 

@@ -7,7 +7,9 @@
 #include <array>
 #include <bit>
 
+#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/light_form.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
 
 namespace nlg {
@@ -21,7 +23,7 @@ constexpr int kTreeLevels = 3;
 
 // What a function takes in the file: theta, and which representation it is of.
 int64_t functionBytes(const Representation& representation, ThetaPrecision precision) {
-  return int64_t{precision == ThetaPrecision::float16 ? 2 : 4} * representation.thetaCount() + 1;
+  return static_cast<int64_t>(thetaForm(representation, precision).bytes()) + 1;
 }
 
 class SavingsCount {
@@ -270,8 +272,9 @@ class SavingsCount {
   }
 
   Saving halfTheta() const {
-    const bool is_half = precision_ == ThetaPrecision::float16;
-    const auto bytes = static_cast<int64_t>(grid_.theta.size()) * 2;
+    const bool is_half = precision_ != ThetaPrecision::float32;
+    const size_t stored = lightGridBytes(grid_, {is_half ? precision_ : ThetaPrecision::float16}).theta;
+    const auto bytes = static_cast<int64_t>(grid_.theta.size() * sizeof(float) - stored);
     return {saving::kHalfTheta,
             is_half,
             grid_.theta.size(),
@@ -279,7 +282,8 @@ class SavingsCount {
             {},
             bytes,
             {},
-            is_half ? "theta_precision: float16" : "theta_precision: float16 would leave them out"};
+            is_half ? std::string("theta_precision: ") + thetaPrecisionName(precision_)
+                    : "theta_precision: float16 would leave them out"};
   }
 
   void addTree() {

@@ -143,7 +143,7 @@ auto withNetworkShape(const Representation& network, const Operation& operation)
 using Theta = std::vector<float>;
 
 // What a light grid stores theta in.
-enum class ThetaPrecision : uint8_t { float32, float16 };
+enum class ThetaPrecision : uint8_t { float32, float16, int8 };  // theta_form.h
 
 // The names of all representations, in the order of the report.
 inline constexpr auto kRepresentationNames = [] {

@@ -22,6 +22,8 @@ constexpr int maxFeatureRowCount() {
   return count;
 }
 inline constexpr int kMaxFeatureRowCount = maxFeatureRowCount();
+// Numbers of the last layer that hardly matter stay small, which float16 and bytes hold better: no error that is seen
+inline constexpr double kRidge = 1e-6;
 }  // namespace nlg
 #endif
 
@@ -108,7 +110,7 @@ bool solveLastLayer(const Representation& representation, int first, int count, 
     largest = std::max(largest, matrix.at(r, r));
     solution[r] = products[feature_count * row_count + r];
   }
-  for (int i = 0; i < feature_count; ++i) matrix.at(i, i) += 1e-9 * largest;
+  for (int i = 0; i < feature_count; ++i) matrix.at(i, i) += kRidge * matrix.at(i, i) + 1e-9 * largest;
   if (!matrix.solve(solution)) return false;
   float last_layer[kMaxFeatureRowCount];
   for (int i = 0; i < feature_count; ++i) {

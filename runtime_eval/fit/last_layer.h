@@ -9,7 +9,7 @@
 namespace nlg {
 
 // Replaces w3 and b3 of a network's theta by those of least squares over the valid points. Hidden units that are nearly a
-// combination of others get as little weight as a ridge of 1e-9 of the largest diagonal entry gives them.
+// combination of others get as little weight as a ridge gives them: 1e-6 of each diagonal entry and 1e-9 of the largest.
 // theta     D floats
 // returns   false, and theta unchanged, when the network's output is not linear, the equations cannot be solved or their solution
 //           is not finite

@@ -7,10 +7,10 @@
 #include <numeric>
 
 #include "runtime_eval/evaluator/product_field.h"
+#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/correction_stages.h"
 #include "runtime_eval/fit/fit_stages.h"
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/numbers/half.h"
 
 namespace nlg {
 namespace {
@@ -368,15 +368,16 @@ void ThetaPolicy::refine(const StoredFunction& function, MadeTheta* made) {
 bool ThetaPolicy::round(const StoredFunction& function, MadeTheta* made) {
   if (last_ < ThetaStage::rounding || options_.theta_precision == ThetaPrecision::float32 || made->isBareTent()) return true;
   const Clock::time_point start = Clock::now();
+  const Representation& representation = generators_[made->generator]->representation();
   Theta rounded = made->theta;
-  for (float& value : rounded) {
-    Half half;
-    if (!halfFromFloat(value, &half)) return false;
-    value = floatFromHalf(half);
+  if (options_.theta_precision == ThetaPrecision::int8 && !representation.isField()) {
+    // the last layer makes up for what the hidden ones lose
+    roundHiddenLayers(representation, rounded.data());
+    solveLastLayer(representation, decodeFunction(function, pointOrder(representation), 0), rounded.data());
   }
+  if (!roundTheta(representation, options_.theta_precision, rounded.data())) return false;
   made->theta = std::move(rounded);
-  made->record.at(ThetaWord::stored) =
-      checker_.check(generators_[made->generator]->representation(), function, made->theta.data(), options_.check());
+  made->record.at(ThetaWord::stored) = checker_.check(representation, function, made->theta.data(), options_.check());
   addTime(ThetaStage::rounding, ThetaWord::stored, microsecondsSince(start), &made->record);
   return true;
 }

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
 #include "runtime_eval/weights_file/tensor_file.h"
 
@@ -14,7 +15,8 @@ namespace {
 
 constexpr const char* kKind = "nlg-light-grid";
 constexpr const char* kVersion = "2";
-constexpr const char* kOldVersion = "1";  // without light, and with the tree in lists that follow from its nodes
+constexpr const char* kStepsVersion = "3";  // theta in int8; all else as in 2, which readers from before int8 can read
+constexpr const char* kOldVersion = "1";    // without light, and with the tree in lists that follow from its nodes
 constexpr std::string_view kRepresentationPrefix = "representation.", kSlopePrefix = "slope.";
 
 WeightsResult refuse(WeightsStatus status, std::string detail) { return {status, std::move(detail)}; }
@@ -42,12 +44,12 @@ bool isOwnKey(std::string_view key) {
 }
 
 // The file's own keys beside the caller's.
-WeightsResult addOwnMetadata(const LightGrid& grid, LightForm light, GridMetadata* metadata) {
+WeightsResult addOwnMetadata(const LightGrid& grid, const char* version, LightForm light, GridMetadata* metadata) {
   for (const auto& [key, text] : *metadata) {
     if (isOwnKey(key)) return refuse(WeightsStatus::value_out_of_range, "metadata " + key + ": a key of the file's own");
   }
   (*metadata)["kind"] = kKind;
-  (*metadata)["version"] = kVersion;
+  (*metadata)["version"] = version;
   (*metadata)["pattern_hash"] = patternHash();
   (*metadata)["light"] = lightFormName(light);
   (*metadata)["representation_count"] = std::to_string(grid.representations.size());
@@ -55,6 +57,20 @@ WeightsResult addOwnMetadata(const LightGrid& grid, LightForm light, GridMetadat
     const Representation& representation = grid.representations[i];
     (*metadata)[numbered(kRepresentationPrefix, i)] = representationName(representation);
     if (!representation.isField()) (*metadata)[numbered(kSlopePrefix, i)] = slopeText(representation.slope);
+  }
+  return {};
+}
+
+WeightsResult stepsOf(const LightGrid& grid, PackedTheta* packed) {
+  Theta theta;
+  for (size_t function = 0; function < grid.functionCount(); ++function) {
+    const Representation& representation = grid.representations[grid.function_representation[function]];
+    theta.assign(grid.functionTheta(function), grid.functionTheta(function) + representation.thetaCount());
+    if (!roundTheta(representation, ThetaPrecision::int8, theta.data())) {
+      return refuse(WeightsStatus::value_out_of_range,
+                    "function " + std::to_string(function) + ": its last layer is beyond float16 when the others are in int8");
+    }
+    packTheta(representation, theta.data(), packed);
   }
   return {};
 }
@@ -194,8 +210,8 @@ WeightsResult takeIdentity(GridMetadata* metadata, std::string* version) {
   takeFirst(&result, takeText(metadata, "pattern_hash", &pattern));
   if (!result.ok()) return result;
   if (kind != kKind) return refuseText(WeightsStatus::value_out_of_range, "kind", kKind, kind);
-  if (*version != kVersion && *version != kOldVersion)
-    return refuseText(WeightsStatus::version_unknown, "version", std::string(kOldVersion) + " or " + kVersion, *version);
+  if (*version != kVersion && *version != kStepsVersion && *version != kOldVersion)
+    return refuseText(WeightsStatus::version_unknown, "version", std::string(kOldVersion) + " to " + kStepsVersion, *version);
   if (pattern != patternHash()) return refuseText(WeightsStatus::pattern_unknown, "pattern_hash", patternHash(), pattern);
   return {};
 }
@@ -241,8 +257,46 @@ WeightsResult readProbeFunctions(const TensorFileReader& reader, bool is_short, 
   return result;
 }
 
+// After the functions' representations.
+WeightsResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
+  PackedTheta packed;
+  WeightsResult result = reader.read("theta.steps", &packed.steps);
+  takeFirst(&result, reader.read("theta.halves", &packed.halves));
+  if (!result.ok()) return result;
+  size_t step_count = 0, half_count = 0;
+  const auto known = [&](uint8_t representation) { return representation < grid->representations.size(); };
+  for (const uint8_t representation : grid->function_representation) {
+    if (!known(representation)) continue;
+    const ThetaForm form = thetaForm(grid->representations[representation], ThetaPrecision::int8);
+    step_count += form.steps, half_count += form.halves;
+  }
+  if (packed.steps.size() != step_count || packed.halves.size() != half_count) {
+    return refuse(WeightsStatus::tensor_unexpected,
+                  "theta.steps, theta.halves: expected " + std::to_string(step_count) + " and " + std::to_string(half_count) +
+                      " values, got " + std::to_string(packed.steps.size()) + " and " + std::to_string(packed.halves.size()));
+  }
+  const auto beyond = std::find(packed.steps.begin(), packed.steps.end(), int8_t{-128});
+  if (beyond != packed.steps.end()) {
+    return refuse(WeightsStatus::value_out_of_range,
+                  "theta.steps: value " + std::to_string(beyond - packed.steps.begin()) + ": expected -127 to 127");
+  }
+  grid->theta.resize(step_count + half_count);
+  const int8_t* steps = packed.steps.data();
+  const Half* halves = packed.halves.data();
+  float* theta = grid->theta.data();
+  for (const uint8_t representation : grid->function_representation) {
+    if (!known(representation)) continue;  // for checkLightGrid to name
+    const Representation& of = grid->representations[representation];
+    const ThetaForm form = thetaForm(of, ThetaPrecision::int8);
+    unpackTheta(of, steps, halves, theta);
+    steps += form.steps, halves += form.halves, theta += of.thetaCount();
+  }
+  return {};
+}
+
 // is_old   of a file of version 1
-WeightsResult readFunctions(const TensorFileReader& reader, bool is_old, LightGrid* grid) {
+// in_steps   of a file of version 3
+WeightsResult readFunctions(const TensorFileReader& reader, bool is_old, bool in_steps, LightGrid* grid) {
   WeightsResult result = reader.read("function.representation", &grid->function_representation);
   const bool is_short = !is_old && grid->functionCount() <= kMaxShortFunctions;
   takeFirst(&result, readProbeFunctions(reader, is_short, &grid->probe_function));
@@ -252,6 +306,7 @@ WeightsResult readFunctions(const TensorFileReader& reader, bool is_old, LightGr
     const int count = representation < grid->representations.size() ? grid->representations[representation].thetaCount() : 0;
     grid->theta_begin.push_back(grid->theta_begin.back() + static_cast<uint64_t>(count));
   }
+  if (in_steps) return readSteps(reader, grid);
   if (reader.dtypeOf("theta") != tensorDtype<Half>()) return reader.read("theta", &grid->theta);
   std::vector<Half> halves;
   result = reader.read("theta", &halves);
@@ -300,7 +355,7 @@ WeightsResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMeta
     if (isOwnKey(key)) return refuse(WeightsStatus::value_out_of_range, "metadata " + key + ": expected no such key");
   }
   const bool is_old = version == kOldVersion;
-  result = readFunctions(reader, is_old, grid);
+  result = readFunctions(reader, is_old, version == kStepsVersion, grid);
   if (result.ok()) result = is_old ? readOldTree(reader, grid) : readTree(reader, grid);
   if (result.ok()) result = readLight(reader, form, grid);
   return result.ok() ? checkLightGrid(*grid) : result;
@@ -328,12 +383,15 @@ WeightsResult serializeLightGrid(const LightGrid& grid, const GridPrecision& pre
   WeightsResult result = checkLightGrid(grid);
   GridMetadata texts = metadata;
   const LightForm form = formOf(grid, precision);
-  takeFirst(&result, addOwnMetadata(grid, form, &texts));
+  const bool in_steps = precision.theta == ThetaPrecision::int8;
+  takeFirst(&result, addOwnMetadata(grid, in_steps ? kStepsVersion : kVersion, form, &texts));
   PackedLight light;
   if (result.ok()) result = packedLight(grid, form, &light);
   const std::vector<float> light_scale{light.scale};
   std::vector<Half> halves;
-  if (precision.theta == ThetaPrecision::float16) takeFirst(&result, halvesOf(grid, &halves));
+  PackedTheta packed;
+  if (result.ok() && precision.theta == ThetaPrecision::float16) result = halvesOf(grid, &halves);
+  if (result.ok() && in_steps) result = stepsOf(grid, &packed);
   if (!result.ok()) return result;
 
   const ProbeTreeData tree = probeTreeData(grid.tree);
@@ -357,7 +415,10 @@ WeightsResult serializeLightGrid(const LightGrid& grid, const GridPrecision& pre
     writer.add("probe.function", grid.probe_function);
   }
   writer.add("function.representation", grid.function_representation);
-  if (precision.theta == ThetaPrecision::float16) {
+  if (in_steps) {
+    writer.add("theta.steps", packed.steps);
+    writer.add("theta.halves", packed.halves);
+  } else if (precision.theta == ThetaPrecision::float16) {
     writer.add("theta", halves);
   } else {
     writer.add("theta", grid.theta);
@@ -387,9 +448,12 @@ WeightsResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetada
 LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precision) {
   const LightForm form = formOf(grid, precision);
   const PackedNodes nodes = packNodes(probeTreeData(grid.tree));
+  size_t theta_bytes = 0;
+  for (const uint8_t representation : grid.function_representation)
+    theta_bytes += thetaForm(grid.representations[representation], precision.theta).bytes();
   constexpr size_t kFrameBytes = sizeof(PositionM) + sizeof(double) + 3 * sizeof(int32_t);
   return {.light = form == LightForm::none ? 0 : sizeof(float) + countWithWeight(grid) * lightFormBytes(form),
-          .theta = grid.theta.size() * (precision.theta == ThetaPrecision::float16 ? sizeof(Half) : sizeof(float)),
+          .theta = theta_bytes,
           .functions = grid.function_representation.size() * sizeof(uint8_t),
           .probe_function =
               grid.probe_function.size() * (grid.functionCount() <= kMaxShortFunctions ? sizeof(uint16_t) : sizeof(uint32_t)),

@@ -10,7 +10,7 @@ int ValidateOptions::threadCount() const { return threads > 0 ? threads : machin
 void describe(ValidateOptions& o, OptionTable& table) {
   table.add("seed", &o.seed, "seed of random starts");
   describePolicy(o.policy, table);
-  table.add("theta_precision", &o.theta_precision, "float32 or float16: what the light grid would store");
+  table.add("theta_precision", &o.theta_precision, "float32, float16 or int8: what the light grid would store");
   table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);
   table.add("direct_functions", &o.direct_functions,
             "the sample: functions that take a theta, evenly over scenes, on which long fits run", 1, 1000000);

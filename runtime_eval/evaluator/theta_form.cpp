@@ -1,0 +1,94 @@
+#include "runtime_eval/evaluator/theta_form.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nlg {
+namespace {
+
+constexpr float kMostSteps = 127.0f;
+
+// The numbers of one layer's units in theta: unit u has `inputs` weights from weights + u * inputs on, and a bias.
+struct HiddenLayer {
+  int weights, inputs, biases, units;
+};
+
+HiddenLayer firstLayer(const NetworkShape& shape) { return {shape.w1(), 3, shape.b1(), shape.first}; }
+HiddenLayer secondLayer(const NetworkShape& shape) { return {shape.w2(), shape.first, shape.b2(), shape.second}; }
+
+// Scales and rounds the units of a layer; divides what reads them: number n of `reader_count` that unit u has stands at
+// readers + n * units + u.
+void roundLayer(const HiddenLayer& layer, float step, int readers, int reader_count, float* theta) {
+  for (int u = 0; u < layer.units; ++u) {
+    float* weights = theta + layer.weights + u * layer.inputs;
+    float& bias = theta[layer.biases + u];
+    float largest = std::fabs(bias);
+    for (int i = 0; i < layer.inputs; ++i) largest = std::max(largest, std::fabs(weights[i]));
+    if (largest == 0.0f) continue;
+    float scale = kMostSteps * step / largest;
+    // numbers so small that their scale is none: they round to 0
+    if (!std::isfinite(scale)) scale = 1.0f;
+    const auto rounded = [&](float value) { return step * std::nearbyint(value * scale / step); };
+    for (int i = 0; i < layer.inputs; ++i) weights[i] = rounded(weights[i]);
+    bias = rounded(bias);
+    for (int n = 0; n < reader_count; ++n) theta[readers + n * layer.units + u] /= scale;
+  }
+}
+
+}  // namespace
+
+ThetaForm thetaForm(const Representation& representation, ThetaPrecision precision) {
+  const int D = representation.thetaCount();
+  if (precision == ThetaPrecision::float32) return {.floats = D};
+  if (precision == ThetaPrecision::float16 || representation.isField()) return {.halves = D};
+  const int hidden = representation.shape().w3();
+  return {.halves = D - hidden, .steps = hidden};
+}
+
+const char* thetaPrecisionName(ThetaPrecision precision) {
+  return precision == ThetaPrecision::float32 ? "float32" : precision == ThetaPrecision::float16 ? "float16" : "int8";
+}
+
+float stepOf(const NetworkShape& shape) { return shape.second > 0 ? 0.125f : 1.0f; }
+
+void roundHiddenLayers(const Representation& network, float* theta) {
+  const NetworkShape& shape = network.shape();
+  const float step = stepOf(shape);
+  if (shape.second > 0) {
+    roundLayer(firstLayer(shape), step, shape.w2(), shape.second, theta);
+    roundLayer(secondLayer(shape), step, shape.w3(), 1, theta);
+  } else {
+    roundLayer(firstLayer(shape), step, shape.w3(), 1, theta);
+  }
+}
+
+bool roundTheta(const Representation& representation, ThetaPrecision precision, float* theta) {
+  const ThetaForm form = thetaForm(representation, precision);
+  const int D = representation.thetaCount();
+  float rounded[kMaxThetaCount];
+  std::copy_n(theta, D, rounded);
+  if (form.steps > 0) roundHiddenLayers(representation, rounded);
+  for (int d = form.steps; d < D && form.halves > 0; ++d) {
+    Half half;
+    if (!halfFromFloat(rounded[d], &half)) return false;
+    rounded[d] = floatFromHalf(half);
+  }
+  std::copy_n(rounded, D, theta);
+  return true;
+}
+
+void packTheta(const Representation& representation, const float* theta, PackedTheta* packed) {
+  const ThetaForm form = thetaForm(representation, ThetaPrecision::int8);
+  const float step = form.steps > 0 ? stepOf(representation.shape()) : 1.0f;
+  for (int d = 0; d < form.steps; ++d) packed->steps.push_back(static_cast<int8_t>(theta[d] / step));
+  for (int d = form.steps; d < representation.thetaCount(); ++d) halfFromFloat(theta[d], &packed->halves.emplace_back());
+}
+
+void unpackTheta(const Representation& representation, const int8_t* steps, const Half* halves, float* theta) {
+  const ThetaForm form = thetaForm(representation, ThetaPrecision::int8);
+  const float step = form.steps > 0 ? stepOf(representation.shape()) : 1.0f;
+  for (int d = 0; d < form.steps; ++d) theta[d] = step * static_cast<float>(steps[d]);
+  for (int n = 0; n < form.halves; ++n) theta[form.steps + n] = floatFromHalf(halves[n]);
+}
+
+}  // namespace nlg

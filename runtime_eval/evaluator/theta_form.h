@@ -1,0 +1,53 @@
+// What a light grid's file holds theta in, and what rounding to that makes of theta.
+//
+// int8 keeps the hidden layers of a network in a byte a number, and its last layer in float16: 122 bytes for `mlp` and `tent_mlp`, 26
+// for `tent_mlp4`. No scale is stored. LeakyReLU is homogeneous: a hidden unit whose weights and bias are multiplied by a > 0, while
+// all that read it divide by a, leaves the network what it is. So every unit is scaled until the largest of its numbers is 127
+// steps, and a step is one number for all (stepOf). What rounding does to the hidden layers, an exact last layer makes up for
+// (fit/last_layer.h); figures: docs/lab/training.md. Product fields stay in float16.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/numbers/half.h"
+
+namespace nlg {
+
+// How many numbers of one theta a precision holds in which form; together they are D.
+struct ThetaForm {
+  int floats = 0, halves = 0, steps = 0;
+  size_t bytes() const { return floats * sizeof(float) + halves * sizeof(Half) + steps * sizeof(int8_t); }
+};
+ThetaForm thetaForm(const Representation& representation, ThetaPrecision precision);
+
+// "float32", "float16", "int8".
+const char* thetaPrecisionName(ThetaPrecision precision);
+
+// A step of a hidden layer's numbers in int8: 1 for networks of one hidden layer, 1/8 for those of two. The product of the largest
+// numbers of all layers stays in the middle of what float16 can make up for in the last one.
+float stepOf(const NetworkShape& shape);
+
+// Scales every hidden unit of a network, and rounds the numbers of the hidden layers to steps; the last layer takes the scales.
+// Units whose numbers are all 0 stay. A theta that was rounded before stays, bit for bit. theta: D finite floats
+void roundHiddenLayers(const Representation& network, float* theta);
+
+// The numbers that a file in this precision gives back, in place: nearest, ties to even.
+// theta     D finite floats
+// returns   false, theta unchanged, when a number is beyond float16
+bool roundTheta(const Representation& representation, ThetaPrecision precision, float* theta);
+
+// Many theta in int8, one behind another: the steps and the halves of each.
+struct PackedTheta {
+  std::vector<int8_t> steps;
+  std::vector<Half> halves;
+};
+
+// Adds one. theta   rounded to int8 by roundTheta
+void packTheta(const Representation& representation, const float* theta, PackedTheta* packed);
+// The inverse, exactly: D floats from the steps and halves of one.
+void unpackTheta(const Representation& representation, const int8_t* steps, const Half* halves, float* theta);
+
+}  // namespace nlg
