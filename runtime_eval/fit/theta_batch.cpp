@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/loss_kernel.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/half.h"
@@ -15,8 +16,10 @@ namespace {
 constexpr double kNotMeasured = -1.0;
 
 // A last layer solved on few points may have numbers of any size.
-bool fitsFloat16(const float* theta, size_t count) {
-  return std::all_of(theta, theta + count, [](float value) { return std::fabs(value) <= kMaxHalf; });
+bool canBeStored(const Representation& representation, const float* theta) {
+  float rounded[kMaxThetaCount];
+  std::copy_n(theta, representation.thetaCount(), rounded);
+  return roundTheta(representation, ThetaPrecision::float16, rounded) && roundTheta(representation, ThetaPrecision::int8, rounded);
 }
 
 }  // namespace
@@ -111,7 +114,7 @@ double ThetaBatch::meanSquare(int i) {
 }
 
 bool ThetaBatch::offer(int i, const float* theta, double mean_square, double share) {
-  if (!(mean_square < share * meanSquare(i)) || !fitsFloat16(theta, theta_count_)) return false;
+  if (!(mean_square < share * meanSquare(i)) || !canBeStored(representation(), theta)) return false;
   // sums of another kernel may say that a theta is better than itself
   if (std::memcmp(theta, this->theta(i), theta_count_ * sizeof(float)) == 0) return false;
   set(i, theta, mean_square);
