@@ -39,12 +39,14 @@ TrainOptions storedOptions(const std::string& path, const std::string& options_j
     const nlohmann::json json = nlohmann::json::parse(options_json);
     options.representation_slope = json.at("representation_slope").get<double>();
     options.coefficients = json.at("coefficients").get<int>();
+    options.whitening = json.at("whitening").get<double>();
     options.shape.width = json.at("width").get<int>();
     options.shape.layer_count = json.at("layers").get<int>();
     options.shape.slope = json.at("generator_slope").get<double>();
     options.shape.output_scale = json.at("output_scale").get<double>();
     options.shape.exact_last_layer = json.at("exact_last_layer").get<bool>();
     options.shape.correction_steps = json.at("correction_steps").get<int>();
+    options.shape.theta_unit = json.at("theta_unit").get<double>();
     options.shape.correction_width = json.at("correction_width").get<int>();
     options.shape.correction_layers = json.at("correction_layers").get<int>();
   } catch (const nlohmann::json::exception& error) {
@@ -188,7 +190,8 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   }
   const GeneratorData data = asLoaded(file);
   const Generator generator(data);
-  const TrainingData functions(readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount), data.basis, data.basis);
+  const TrainingData functions(readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount), data.basis,
+                               data.basis);
   if (functions.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
   const Parity parity = compare(state, generator, functions, options.parity_functions);
   const double held_out_rmse = meanRmse(generator, functions, options.parity_functions);

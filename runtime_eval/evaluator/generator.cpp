@@ -1,6 +1,7 @@
 #include "runtime_eval/evaluator/generator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 
@@ -27,6 +28,7 @@ Generator::Generator(const GeneratorData& data, GeneratorPrecision precision)
       theta0_(data.theta0),
       output_scale_(data.output_scale),
       correction_step_count_(data.correction.step_count),
+      correction_theta_unit_(data.correction.theta_unit),
       exact_last_layer_(data.correction.exact_last_layer) {
   // the last layers yield theta itself and its change
   std::vector<GeneratorLayer> layers = data.layers, correction = data.correction.layers;
@@ -74,6 +76,13 @@ void Generator::generateAll(const Sample* phi, int count, float* theta, Generato
     const int batch = std::min(kBatchCount, count - begin);
     projection_.project(phi + size_t(begin) * kSupportPointCount, batch, scratch->layers_.input(), &scratch->projection_);
     layers_.run(batch, theta + size_t(begin) * representation_.thetaCount(), &scratch->layers_);
+  }
+}
+
+void Generator::writeThetaFeatures(const float* theta, float* features) const {
+  for (size_t d = 0; d < theta0_.size(); ++d) {
+    const float change = theta[d] - theta0_[d];
+    features[d] = correction_theta_unit_ > 0.0f ? std::asinh(change / correction_theta_unit_) : change / output_scale_[d];
   }
 }
 

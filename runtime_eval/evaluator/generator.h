@@ -16,14 +16,18 @@
 
 namespace nlg {
 
-// The version of the tensors' meaning that this code writes and the newest that it reads.
-inline constexpr int kWeightsVersion = 1;
+// The versions of the tensors' meaning that this code reads and writes: 2 where corrections see theta in units of their own, 1
+// otherwise.
+inline constexpr int kWeightsVersion = 2;
 
 // Learned correction steps (docs/theory/math.md §6): a network that sees a theta, how wrong it is on its function and which way is down,
 // and says how theta should change. Same layers as the generator's; inputs are CorrectionFeatures (below) in their order.
 struct CorrectionData {
-  int step_count = 0;                  // times in a row that it was trained for; 0: the generator has none
-  bool exact_last_layer = false;       // the last layer is solved before every measurement (networks with a linear output)
+  int step_count = 0;             // times in a row that it was trained for; 0: the generator has none
+  bool exact_last_layer = false;  // the last layer is solved before every measurement (networks with a linear output)
+  // How it sees theta: asinh((theta - theta0) / theta_unit), since last layers that are solved hold numbers of any size; 0, of
+  // files of version 1: (theta - theta0) / output_scale.
+  float theta_unit = 0.0f;
   std::vector<GeneratorLayer> layers;  // K + 2 D + 2 inputs; the last one has D outputs, times output_scale
 };
 
@@ -42,7 +46,7 @@ struct GeneratorData {
 // Where the inputs of a correction lie, for K coefficients and D parameters.
 struct CorrectionFeatures {
   int coefficient_count, theta_count;
-  int theta() const { return coefficient_count; }                      // (theta - theta0) / output_scale
+  int theta() const { return coefficient_count; }                      // theta as CorrectionData::theta_unit says
   int gradient() const { return coefficient_count + theta_count; }     // sqrt(D) g / |g|, g the gradient of the mean square
   int logNorm() const { return coefficient_count + 2 * theta_count; }  // log10(|g| + 1e-12)
   int logError() const { return logNorm() + 1; }                       // log10(mean square + 1e-8)
@@ -95,7 +99,8 @@ class Generator {
   int correctionStepCount() const { return correction_step_count_; }
   bool exactLastLayer() const { return exact_last_layer_; }
   const LayerStack& correctionLayers() const { return correction_layers_; }
-  const float* outputScale() const { return output_scale_.data(); }
+  // D numbers: theta as a correction sees it.
+  void writeThetaFeatures(const float* theta, float* features) const;
 
  private:
   friend class GeneratorScratch;
@@ -108,6 +113,7 @@ class Generator {
   LayerStack layers_;
   std::vector<float> theta0_, output_scale_;
   int correction_step_count_ = 0;
+  float correction_theta_unit_ = 0.0f;
   bool exact_last_layer_ = false;
   LayerStack correction_layers_;
 };

@@ -179,13 +179,14 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
                           file.tensors.count("correction.layer.0.weight") != 0;
   if (reader.ok() && (has_layers || file.metadata.count("correction.steps") != 0)) {
     data->correction.step_count = reader.integer("correction.steps", 1, kLargestCorrectionStepCount);
+    if (version > 1) data->correction.theta_unit = static_cast<float>(reader.number("correction.theta_unit", 1e-6, 1e6));
     const CorrectionFeatures features{data->basis.coefficientCount(), theta_count};
     if (reader.ok()) data->correction.layers = readLayers(reader, "correction", features.count(), theta_count);
   }
   const std::vector<uint64_t> theta_shape = {static_cast<uint64_t>(data->representation.thetaCount())};
   data->theta0 = reader.tensor("theta0", theta_shape);
   data->output_scale = reader.tensor("output_scale", theta_shape);
-  if (data->correction.step_count > 0) {
+  if (data->correction.step_count > 0 && data->correction.theta_unit == 0.0f) {
     for (const float scale : data->output_scale) {
       // a correction reads theta in units of it
       if (!(std::fabs(scale) >= 1e-30f)) {
@@ -204,7 +205,9 @@ WeightsFile weightsFromGenerator(const GeneratorData& data) {
     std::snprintf(text, sizeof text, "%.9g", value);
     return std::string(text);
   };
-  file.metadata["version"] = std::to_string(kWeightsVersion);
+  const bool has_unit = data.correction.step_count > 0 && data.correction.theta_unit > 0.0f;
+  file.metadata["version"] = std::to_string(has_unit ? kWeightsVersion : 1);
+  if (has_unit) file.metadata["correction.theta_unit"] = number(data.correction.theta_unit);
   file.metadata["pattern_hash"] = hexadecimal(supportPattern().hash);
   file.metadata["representation"] = representationName(data.representation);
   file.metadata["representation_slope"] = number(data.representation.slope);

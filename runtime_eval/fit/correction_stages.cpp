@@ -124,10 +124,8 @@ void LearnedStepsStage::writeFeatures(const ThetaBatch& batch, int n, int mirror
   const double gradient_scale = std::sqrt(static_cast<double>(D)) / (norm * valid_count);
   float* features = layer_scratch_.input() + static_cast<size_t>(n) * places_.count();
   batch.mirrorCoefficients(going_on_[n], mirror, features);
-  for (int d = 0; d < D; ++d) {
-    features[places_.theta() + d] = (theta[d] - generator_->theta0()[d]) / generator_->outputScale()[d];
-    features[places_.gradient() + d] = static_cast<float>(gradient_[d] * gradient_scale);
-  }
+  generator_->writeThetaFeatures(theta, features + places_.theta());
+  for (int d = 0; d < D; ++d) features[places_.gradient() + d] = static_cast<float>(gradient_[d] * gradient_scale);
   features[places_.logNorm()] = static_cast<float>(std::log10(norm));
   features[places_.logError()] = static_cast<float>(std::log10(error_[n] + 1e-8));
 }

@@ -75,8 +75,8 @@ torch::Tensor GeneratorNetworkImpl::correctionFeatures(const torch::Tensor& coef
                                                        const torch::Tensor& mean_square, const torch::Tensor& gradient) const {
   const torch::Tensor norm = gradient.norm(2, 1, true) + 1e-12;
   return torch::cat(
-      {coefficients, (theta - theta0_) / shape_.output_scale, gradient / norm * std::sqrt(static_cast<double>(theta.size(1))),
-       norm.log10(), (mean_square.unsqueeze(1) + 1e-8).log10()},
+      {coefficients, ((theta - theta0_) / shape_.theta_unit).asinh(),
+       gradient / norm * std::sqrt(static_cast<double>(theta.size(1))), norm.log10(), (mean_square.unsqueeze(1) + 1e-8).log10()},
       1);
 }
 
@@ -91,6 +91,7 @@ GeneratorData GeneratorNetworkImpl::toData(const Representation& representation,
   data.basis = basis;
   data.layers = toLayers(layers_);
   data.correction.step_count = shape_.correction_steps;
+  data.correction.theta_unit = static_cast<float>(shape_.theta_unit);
   data.correction.exact_last_layer = solvesLastLayer(representation);
   data.correction.layers = toLayers(correction_layers_);
   data.theta0 = toVector(theta0_);

@@ -19,6 +19,7 @@ struct GeneratorShape {
   bool exact_last_layer =
       true;                  // networks with a linear output: the last layer is solved after the generator and every correction
   int correction_steps = 3;  // 0: none, and no correction network
+  double theta_unit = 1.0;   // in which corrections see theta, compressed: CorrectionData::theta_unit
   int correction_width = 256;
   int correction_layers = 4;
 };

@@ -164,6 +164,7 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("exact_last_layer", &o.shape.exact_last_layer,
             "networks with a linear output: solve the last layer after the generator and every correction");
   table.add("correction_steps", &o.shape.correction_steps, "learned correction steps; 0: none", 0, 16);
+  table.add("theta_unit", &o.shape.theta_unit, "corrections see theta as asinh of its change over this", 1e-6, 1e6);
   table.add("correction_width", &o.shape.correction_width, "width of the correction network's hidden layers", 1, 8192);
   table.add("correction_layers", &o.shape.correction_layers, "its layers, the last one included", 1, 32);
   table.add("start_candidates", &o.start.candidates, "random starts tried for theta0", 1, 1000000);

@@ -280,6 +280,22 @@ TEST(Generator, YieldsTheta0WhenItsLastLayerIsZero) {
   for (size_t i = 0; i < theta.size(); ++i) ASSERT_EQ(theta[i], data.theta0[i % ThetaLayout::count]) << i;
 }
 
+TEST(Generator, ShowsThetaToCorrectionsInTheUnitOfItsWeights) {
+  GeneratorData data = withCorrection(sampleGenerator(Representation::tentMlp(), 48, 3, 1), 40, 2, 3, 2);
+  for (const float unit : {0.0f, 0.5f, 2.0f}) {
+    data.correction.theta_unit = unit;
+    const Generator generator(data);
+    Theta theta = data.theta0, features(theta.size());
+    for (size_t d = 0; d < theta.size(); ++d) theta[d] += static_cast<float>(std::pow(-2.0, static_cast<double>(d % 20) - 10));
+    generator.writeThetaFeatures(theta.data(), features.data());
+    for (size_t d = 0; d < theta.size(); ++d) {
+      const double change = double{theta[d]} - data.theta0[d];
+      const double expected = unit > 0 ? std::asinh(change / unit) : change / data.output_scale[d];
+      EXPECT_NEAR(features[d], expected, 1e-5 * std::fabs(expected)) << "unit " << unit << ", " << d;
+    }
+  }
+}
+
 TEST(Generator, LoadsWhatWasSaved) {
   const std::string path = (std::filesystem::temp_directory_path() / ("nlg_generator_" + std::to_string(::getpid()))).string();
   const GeneratorData data = sampleGenerator(Representation::tentMlp(0.02f), 24, 3, 8);

@@ -581,6 +581,17 @@ TEST(GeneratorWeights, KeepCorrectionSteps) {
     flat.tensors.erase("correction.layer.0.weight");
     EXPECT_TRUE(generatorFromWeights(flat, &read).ok()) << scale;
   }
+  // … or in one of its own, which files of version 1 have not
+  GeneratorData with_unit = withCorrection(sampleGenerator(Representation::tentMlp(), 48, 3, 1), 40, 2, 3, 2);
+  with_unit.correction.theta_unit = 0.7f;
+  WeightsFile of_version_2 = weightsFromGenerator(with_unit);
+  EXPECT_EQ(of_version_2.metadata["version"], "2");
+  ASSERT_TRUE(generatorFromWeights(of_version_2, &read).ok());
+  EXPECT_EQ(read.correction.theta_unit, 0.7f);
+  for (const char* unit : {"0", "-1", "1e9"}) {
+    of_version_2.metadata["correction.theta_unit"] = unit;
+    EXPECT_EQ(generatorFromWeights(of_version_2, &read).status, WeightsStatus::value_out_of_range) << unit;
+  }
   WeightsFile broken = file;
   broken.tensors.erase("correction.layer.1.bias");
   EXPECT_EQ(generatorFromWeights(broken, &read).status, WeightsStatus::tensor_missing);

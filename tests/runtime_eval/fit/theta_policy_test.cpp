@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/fit_stages.h"
 #include "tests/runtime_eval/sample_generator.h"
 
@@ -230,6 +231,32 @@ TEST(ThetaPolicy, RoundsToFloat16AndChecksWhatThatMakesOfIt) {
     EXPECT_EQ(half[i].check().rmse,
               checker.check(generator.representation(), functions.views[i], half[i].theta.data(), options.check()).rmse);
     EXPECT_EQ(half[i].record.at(ThetaWord::fitted).rmse, full[i].record.at(ThetaWord::fitted).rmse);
+  }
+}
+
+TEST(ThetaPolicy, SolvesTheLastLayerAgainBehindHiddenLayersInInt8) {
+  const Functions functions(10);
+  for (const Representation& representation : {Representation::tentMlp(), Representation{RepresentationKind::tent_mlp4}}) {
+    const Generator generator = solvedGenerator(representation);
+    PolicyOptions options = shortOptions();
+    options.theta_precision = ThetaPrecision::int8;
+    std::vector<MadeTheta> made(functions.views.size());
+    const int count = static_cast<int>(made.size());
+    EXPECT_EQ(ThetaPolicy({&generator}, options).bake(functions.views.data(), count, made.data()), count);
+    FunctionChecker checker;
+    int thetas = 0;
+    for (size_t i = 0; i < made.size(); ++i) {
+      if (made[i].isBareTent()) continue;
+      ++thetas;
+      Theta again = made[i].theta;
+      ASSERT_TRUE(roundTheta(representation, ThetaPrecision::int8, again.data()));
+      EXPECT_EQ(again, made[i].theta) << i;
+      const double fitted = made[i].record.at(ThetaWord::fitted).rmse, stored = made[i].check().rmse;
+      EXPECT_EQ(stored, checker.check(representation, functions.views[i], made[i].theta.data(), options.check()).rmse);
+      // a network of such a fit moves by far less than the fit is off
+      EXPECT_LE(stored, fitted + 0.002) << i;
+    }
+    EXPECT_GT(thetas, 0);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/numbers/half.h"
 #include "tests/runtime_eval/light_grid/old_grid_file.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
@@ -16,11 +17,10 @@
 namespace nlg {
 namespace {
 
-constexpr GridPrecision kPrecisions[] = {{ThetaPrecision::float32, LightForm::sh2_float16},
-                                         {ThetaPrecision::float16, LightForm::none},
-                                         {ThetaPrecision::float16, LightForm::sh2_8bit},
-                                         {ThetaPrecision::float16, LightForm::zh3_float16},
-                                         {ThetaPrecision::float16, LightForm::sh1_float16}};
+constexpr GridPrecision kPrecisions[] = {
+    {ThetaPrecision::float32, LightForm::sh2_float16}, {ThetaPrecision::float16, LightForm::none},
+    {ThetaPrecision::int8, LightForm::none},           {ThetaPrecision::float16, LightForm::sh2_8bit},
+    {ThetaPrecision::float16, LightForm::zh3_float16}, {ThetaPrecision::float16, LightForm::sh1_float16}};
 
 LightGrid litGrid(ProbeTree tree, uint64_t seed) {
   LightGrid grid = randomGrid(std::move(tree), seed);
@@ -193,6 +193,35 @@ TEST(LightGridFile, RoundsThetaToTheNearestHalf) {
   expectSameGrid(read, grid);
 }
 
+TEST(LightGridFile, HoldsHiddenLayersInSteps) {
+  LightGrid grid = randomGrid(smallTree(), 2), read, again;
+  GridMetadata metadata;
+  const std::string bytes = bytesOf(grid, {ThetaPrecision::int8});
+  ASSERT_TRUE(parseLightGrid(bytes, &read, &metadata).ok());
+  for (size_t function = 0; function < grid.functionCount(); ++function) {
+    const Representation& representation = grid.representations[grid.function_representation[function]];
+    ASSERT_TRUE(roundTheta(representation, ThetaPrecision::int8, &grid.theta[grid.theta_begin[function]]));
+  }
+  expectSameGrid(read, grid);
+  // what was read is written as the same bytes
+  EXPECT_EQ(bytesOf(read, {ThetaPrecision::int8}, metadata), bytes);
+}
+
+TEST(LightGridFile, RefusesStepsThatNoFileHas) {
+  std::string bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
+  put(bytes, "theta.steps", 9, int8_t{-128});
+  LightGrid grid;
+  EXPECT_EQ(parse(bytes, &grid).status, WeightsStatus::value_out_of_range);
+  bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
+  put(bytes, "theta.halves", 3, uint16_t{0x7c00});
+  EXPECT_EQ(parse(bytes, &grid).status, WeightsStatus::value_not_finite);
+  // a function of another representation needs other numbers of steps and halves
+  bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
+  const uint8_t first = randomGrid(smallTree(), 1).function_representation[0];
+  put(bytes, "function.representation", 0, static_cast<uint8_t>(first == 0 ? 1 : 0));
+  EXPECT_FALSE(parse(bytes, &grid).ok());
+}
+
 TEST(LightGridFile, HoldsTheLightOfProbesWithWeightInEachForm) {
   const LightGrid grid = litGrid(smallTree(), 3);
   std::vector<float> with_weight;
@@ -290,7 +319,7 @@ TEST(LightGridFile, AccountsForItsBytes) {
   for (const GridPrecision& precision : kPrecisions) {
     const LightGridBytes counted = lightGridBytes(grid, precision);
     std::map<std::string, Place> places = placesIn(bytesOf(grid, precision));
-    EXPECT_EQ(counted.theta, places["theta"].count);
+    EXPECT_EQ(counted.theta, places["theta"].count + places["theta.steps"].count + places["theta.halves"].count);
     EXPECT_EQ(counted.light, places["light.scale"].count + places["light.halves"].count + places["light.steps"].count);
     EXPECT_EQ(counted.functions, places["function.representation"].count);
     EXPECT_EQ(counted.probe_function, places["probe.function"].count);
