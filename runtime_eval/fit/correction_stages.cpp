@@ -23,12 +23,9 @@ void prepare(const Generator& generator, SymmetricBand* equations) {
   equations->reset(feature_count, feature_count - 1);
 }
 
-void solve(const Representation& representation, const ThetaBatch::Places& places, float* theta, SymmetricBand* equations) {
-  solveLastLayer(representation, 0, places.count, places.phi, places.mask, theta, equations);
-}
-
 void solve(const Representation& representation, const WeightingFunction& function, float* theta, SymmetricBand* equations) {
-  solve(representation, {static_cast<int>(function.phi.size()), 0, function.phi.data(), function.mask.data()}, theta, equations);
+  solveLastLayer(representation, 0, static_cast<int>(function.phi.size()), function.phi.data(), function.mask.data(), theta,
+                 equations);
 }
 
 }  // namespace
@@ -56,72 +53,71 @@ LearnedStepsStage::LearnedStepsStage(const Generator& generator, int most_steps)
       current_(static_cast<size_t>(kBatchCount) * places_.theta_count),
       change_(current_.size()),
       error_(kBatchCount),
-      best_(current_.size()),
       least_error_(kBatchCount),
-      gradient_(places_.theta_count) {
-  attempted_.reserve(kBatchCount);
+      gradient_(places_.theta_count),
+      theta_(places_.theta_count) {
   prepare(generator, &equations_);
-}
-
-void LearnedStepsStage::begin(int* members, int member_count) {
-  attempted_.assign(members, members + member_count);
-  for (const int i : attempted_) least_error_[i] = kInfinite;
-  going_on_ = members;
-  count_ = member_count;
 }
 
 void LearnedStepsStage::run(ThetaBatch& batch, int* members, int member_count) {
   const size_t D = batch.thetaCount();
-  for (int n = 0; n < member_count; ++n) std::copy_n(batch.theta(members[n]), D, &current_[n * D]);
-  begin(members, member_count);
+  for (int n = 0; n < member_count; ++n) {
+    batch.meanSquare(members[n]);
+    std::copy_n(batch.theta(members[n]), D, &current_[n * D]);
+  }
+  going_on_ = members;
+  count_ = member_count;
   goOn(batch, 0, false);
 }
 
 void LearnedStepsStage::attempt(ThetaBatch& batch, int mirror, const float* start, int* members, int member_count) {
   std::copy_n(start, member_count * batch.thetaCount(), current_.begin());
-  begin(members, member_count);
+  for (int n = 0; n < member_count; ++n) batch.meanSquare(members[n]);
+  going_on_ = members;
+  count_ = member_count;
   goOn(batch, mirror, true);
 }
 
 void LearnedStepsStage::goOn(ThetaBatch& batch, int mirror, bool solve_first) {
+  std::fill_n(least_error_.begin(), count_, kInfinite);
   for (int step = 0;; ++step) {
     measure(batch, mirror, generator_->exactLastLayer() && (step > 0 || solve_first), step < most_steps_);
-    keepBetter();
-    if (step == most_steps_ || count_ == 0) break;
+    keepBetter(batch, mirror);
+    if (step == most_steps_ || count_ == 0) return;
     generator_->correctionLayers().run(count_, change_.data(), &layer_scratch_);
     const size_t value_count = count_ * batch.thetaCount();
     for (size_t d = 0; d < value_count; ++d) current_[d] += change_[d];
   }
-  offerBest(batch, mirror);
 }
 
 // Errors of current_ and, when the network is to run, what it reads.
 void LearnedStepsStage::measure(ThetaBatch& batch, int mirror, bool solve_last_layer, bool network_runs) {
-  const Representation& representation = batch.representation();
   for (int n = 0; n < count_; ++n) {
     float* theta = &current_[n * batch.thetaCount()];
-    const ThetaBatch::Places places = batch.stepPlaces(going_on_[n], mirror);
-    if (solve_last_layer) solve(representation, places, theta, &equations_);
+    const WeightingFunction& function = batch.function(going_on_[n], mirror);
+    if (solve_last_layer) solve(batch.representation(), function, theta, &equations_);
     error_[n] = kInfinite;
-    if (places.valid_count == 0) continue;
-    const double sum = network_runs
-                           ? lossAndGradient(representation, 0, places.count, places.phi, places.mask, theta, gradient_.data())
-                           : loss(representation, 0, places.count, places.phi, places.mask, theta);
+    if (!network_runs || batch.validCount() == 0) {
+      error_[n] = batch.meanSquareOf(theta);
+      continue;
+    }
+    const double sum = lossAndGradient(batch.representation(), 0, static_cast<int>(function.phi.size()), function.phi.data(),
+                                       function.mask.data(), theta, gradient_.data());
     // a theta so far out that its gradient overflows is left as it is
-    const bool is_finite = std::isfinite(sum) && allFinite({theta, gradient_.size()}) && (!network_runs || allFinite(gradient_));
+    const bool is_finite = std::isfinite(sum) && allFinite({theta, gradient_.size()}) && allFinite(gradient_);
     if (!is_finite) continue;
-    error_[n] = sum / places.valid_count;
-    if (network_runs) writeFeatures(batch, n, mirror, places.valid_count);
+    error_[n] = sum / batch.validCount();
+    writeFeatures(batch, n, mirror);
   }
 }
 
-void LearnedStepsStage::writeFeatures(const ThetaBatch& batch, int n, int mirror, int valid_count) {
+void LearnedStepsStage::writeFeatures(const ThetaBatch& batch, int n, int mirror) {
   const int D = places_.theta_count;
   const float* theta = &current_[static_cast<size_t>(n) * D];
   double square = 0.0;
   for (const float value : gradient_) square += static_cast<double>(value) * value;
-  const double norm = std::sqrt(square) / valid_count + 1e-12;  // of the gradient of the mean
-  const double gradient_scale = std::sqrt(static_cast<double>(D)) / (norm * valid_count);
+  const double norm = std::sqrt(square) / batch.validCount() + 1e-12;  // of the gradient of the mean
+  const double gradient_scale = std::sqrt(static_cast<double>(D)) / (norm * batch.validCount());
   float* features = layer_scratch_.input() + static_cast<size_t>(n) * places_.count();
   batch.mirrorCoefficients(going_on_[n], mirror, features);
   generator_->writeThetaFeatures(theta, features + places_.theta());
@@ -130,17 +126,17 @@ void LearnedStepsStage::writeFeatures(const ThetaBatch& batch, int n, int mirror
   features[places_.logError()] = static_cast<float>(std::log10(error_[n] + 1e-8));
 }
 
-void LearnedStepsStage::keepBetter() {
-  const size_t D = static_cast<size_t>(places_.theta_count), width = static_cast<size_t>(places_.count());
+void LearnedStepsStage::keepBetter(ThetaBatch& batch, int mirror) {
+  const size_t D = batch.thetaCount(), width = static_cast<size_t>(places_.count());
   int kept = 0;
   for (int n = 0; n < count_; ++n) {
     const int i = going_on_[n];
     if (!std::isfinite(error_[n])) continue;
-    const bool paid = error_[n] < kStepPays * least_error_[i];
-    if (error_[n] < least_error_[i]) {
-      least_error_[i] = error_[n];
-      std::copy_n(&current_[n * D], D, &best_[i * D]);
-    }
+    std::copy_n(&current_[n * D], D, theta_.begin());
+    mirrorTheta(batch.representation(), mirror, theta_.data());
+    batch.offer(i, theta_.data(), error_[n], mirror == 0 ? 1.0 : kOfferPays);
+    const bool paid = error_[n] < kStepPays * least_error_[n];
+    least_error_[kept] = std::min(least_error_[n], error_[n]);
     if (!paid) continue;
     if (kept != n) {
       std::copy_n(&current_[n * D], D, &current_[kept * D]);
@@ -150,20 +146,6 @@ void LearnedStepsStage::keepBetter() {
     going_on_[kept++] = i;
   }
   count_ = kept;
-}
-
-void LearnedStepsStage::offerBest(ThetaBatch& batch, int mirror) {
-  const size_t D = batch.thetaCount();
-  for (const int i : attempted_) {
-    if (!std::isfinite(least_error_[i])) continue;
-    batch.meanSquare(i);
-    float* theta = &best_[i * D];
-    const WeightingFunction& function = batch.function(i, mirror);
-    if (generator_->exactLastLayer()) solve(batch.representation(), function, theta, &equations_);
-    const double mean_square = batch.meanSquareOf(theta);
-    mirrorTheta(batch.representation(), mirror, theta);
-    batch.offer(i, theta, mean_square, mirror == 0 ? 1.0 : kOfferPays);
-  }
 }
 
 MirrorImagesStage::MirrorImagesStage(const Generator& generator, int attempts, double above_rmse, int most_steps)

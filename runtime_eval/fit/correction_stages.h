@@ -22,8 +22,7 @@ class LastLayerStage : public StageRun {
 };
 
 // Attempts at functions by learned steps: a small network sees theta, how wrong it is on its function and which way is down, and
-// says how theta should change. Functions go on as long as that pays. An attempt is judged by a quarter of the points, as it was
-// trained (ThetaBatch::stepPlaces); its best theta is then solved and judged by all of them.
+// says how theta should change. Functions go on as long as that pays.
 class LearnedStepsStage : public StageRun {
  public:
   // most_steps   0: attempts only solve the last layer and measure
@@ -35,13 +34,11 @@ class LearnedStepsStage : public StageRun {
   void attempt(ThetaBatch& batch, int mirror, const float* start, int* members, int member_count);
 
  private:
-  void begin(int* members, int member_count);
   void measure(ThetaBatch& batch, int mirror, bool solve, bool network_runs);
-  void writeFeatures(const ThetaBatch& batch, int n, int mirror, int valid_count);
-  // Keeps what became better and closes up those for which the last step paid.
-  void keepBetter();
+  void writeFeatures(const ThetaBatch& batch, int n, int mirror);
+  // Offers what became better and closes up those for which the last step paid.
+  void keepBetter(ThetaBatch& batch, int mirror);
   void goOn(ThetaBatch& batch, int mirror, bool solve_first);
-  void offerBest(ThetaBatch& batch, int mirror);
 
   const Generator* generator_;
   int most_steps_;
@@ -51,13 +48,9 @@ class LearnedStepsStage : public StageRun {
   // by member that goes on, one behind another
   int* going_on_ = nullptr;
   int count_ = 0;
-  std::vector<float> current_, change_;  // count x D
-  std::vector<double> error_;            // of current_
-  // by function of the batch: the best of this attempt
-  std::vector<int> attempted_;
-  std::vector<float> best_;          // kBatchCount x D
-  std::vector<double> least_error_;  // infinite before any
-  std::vector<float> gradient_;      // one function
+  std::vector<float> current_, change_;      // count x D
+  std::vector<double> error_, least_error_;  // of current_; least of this attempt
+  std::vector<float> gradient_, theta_;      // one function
 };
 
 // Tries functions that are still wrong again as their mirror images: to the generator each is another function, with another

@@ -44,7 +44,6 @@ void ThetaBatch::begin(const StoredFunction* functions, int count, float* theta)
   count_ = count;
   theta_ = theta;
   function_idx_ = -1;
-  decoded_batches_ = valid_count_ = 0;
   std::fill(mean_square_.begin(), mean_square_.end(), kNotMeasured);
   for (int i = 0; i < count; ++i) std::memcpy(&phi_[size_t(i) * kSupportPointCount], functions[i].phi, kSupportPointCount);
   generator_->project(phi_.data(), count, coefficients_.data(), &scratch_);
@@ -65,36 +64,18 @@ void ThetaBatch::mirrorCoefficients(int i, int mirror, float* coefficients) cons
   generator_->projection().mirrorCoefficients(&coefficients_[static_cast<size_t>(i) * coefficient_count_], mirror, coefficients);
 }
 
-void ThetaBatch::decode(int i, int mirror, int batch_count) {
-  if (function_idx_ != i || function_mirror_ != mirror) decoded_batches_ = valid_count_ = 0;
+const WeightingFunction& ThetaBatch::function(int i, int mirror) {
+  if (function_idx_ == i && function_mirror_ == mirror) return function_;
   const PointOrder& order = pointOrder(representation());
-  for (; decoded_batches_ < batch_count; ++decoded_batches_) {
-    const int begin = order.batch_begin[decoded_batches_];
-    function_.valid_count[decoded_batches_] =
-        decodeBatch(order, decoded_batches_, functions_[i], mirror, &function_.phi[begin], &function_.mask[begin]);
-    valid_count_ += function_.valid_count[decoded_batches_];
+  valid_count_ = 0;
+  for (int b = 0; b < order.batchCount(); ++b) {
+    const int begin = order.batch_begin[b];
+    function_.valid_count[b] = decodeBatch(order, b, functions_[i], mirror, &function_.phi[begin], &function_.mask[begin]);
+    valid_count_ += function_.valid_count[b];
   }
   function_idx_ = i;
   function_mirror_ = mirror;
-}
-
-const WeightingFunction& ThetaBatch::function(int i, int mirror) {
-  decode(i, mirror, pointOrder(representation()).batchCount());
   return function_;
-}
-
-ThetaBatch::Places ThetaBatch::stepPlaces(int i, int mirror) {
-  const PointOrder& order = pointOrder(representation());
-  int batch_count = 0, valid_count = 0;
-  const auto take = [&](int place_count) {
-    while (batch_count < order.batchCount() && order.batch_begin[batch_count] < place_count) {
-      decode(i, mirror, batch_count + 1);
-      valid_count += function_.valid_count[batch_count++];
-    }
-  };
-  take(representation().isField() ? order.placeCount() : kStepPlaces);
-  if (valid_count < kLeastStepPoints) take(order.placeCount());
-  return {order.batch_begin[batch_count], valid_count, function_.phi.data(), function_.mask.data()};
 }
 
 double ThetaBatch::meanSquareOf(const float* theta) const {

@@ -35,18 +35,10 @@ class ThetaBatch {
 
   // Function i, seen in a mirror (0: as it is), in the order of the representation; kept until another one is asked for.
   const WeightingFunction& function(int i, int mirror = 0);
-  // Mean square of residuals over the valid points of function(i, mirror) as it was asked for last; infinite where theta is not
-  // finite or there is no such point.
+  // Mean square of residuals over the valid points of the function asked for last; infinite where theta is not finite or there is
+  // no such point.
   double meanSquareOf(const float* theta) const;
   int validCount() const { return valid_count_; }
-
-  // The first places of function i, seen in a mirror: as many as learned steps judge a theta by (kStepPlaces), or all of them where
-  // so few are not enough. Good until another function is asked for.
-  struct Places {
-    int count = 0, valid_count = 0;  // from place 0 on
-    const float *phi = nullptr, *mask = nullptr;
-  };
-  Places stepPlaces(int i, int mirror);
 
   // Mean square of theta(i); measured once.
   double meanSquare(int i);
@@ -59,7 +51,6 @@ class ThetaBatch {
 
  private:
   void set(int i, const float* theta, double mean_square);
-  void decode(int i, int mirror, int batch_count);
 
   const Generator* generator_;
   size_t theta_count_, coefficient_count_;
@@ -73,14 +64,8 @@ class ThetaBatch {
   std::vector<double> mean_square_;  // by function; below 0: not measured yet
   WeightingFunction function_;       // the one asked for last …
   int function_idx_ = -1, function_mirror_ = 0;
-  int decoded_batches_ = 0;  // of function_, the first ones
-  int valid_count_ = 0;      // in these
+  int valid_count_ = 0;
 };
-
-// Places that learned steps judge a theta of a network by: the first quarter of the strata, as in training. Fields take all.
-inline constexpr int kStepPlaces = kSupportPointCount / 4;
-// A quarter with fewer valid points than this says too little: the function is judged by all of its points.
-inline constexpr int kLeastStepPoints = 256;
 
 // By what an offer has to be better: below lies rounding, since sums in another order differ.
 inline constexpr double kOfferPays = 0.999;
