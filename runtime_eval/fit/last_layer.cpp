@@ -22,8 +22,6 @@ constexpr int maxFeatureRowCount() {
   return count;
 }
 inline constexpr int kMaxFeatureRowCount = maxFeatureRowCount();
-// Numbers of the last layer that hardly matter stay small, which float16 and bytes hold better: no error that is seen
-inline constexpr double kRidge = 1e-6;
 }  // namespace nlg
 #endif
 
@@ -96,7 +94,7 @@ bool solveLastLayer(const Representation& representation, int first, int count, 
 }
 
 bool solveLastLayer(const Representation& representation, int first, int count, const float* phi, const float* mask, float* theta,
-                    SymmetricBand* equations) {
+                    SymmetricBand* equations, double ridge) {
   const NetworkShape& shape = representation.shape();
   if (shape.output != OutputFunction::linear) return false;
   const int feature_count = featureCount(shape), row_count = featureRowCount(shape);
@@ -110,7 +108,7 @@ bool solveLastLayer(const Representation& representation, int first, int count, 
     largest = std::max(largest, matrix.at(r, r));
     solution[r] = products[feature_count * row_count + r];
   }
-  for (int i = 0; i < feature_count; ++i) matrix.at(i, i) += kRidge * matrix.at(i, i) + 1e-9 * largest;
+  for (int i = 0; i < feature_count; ++i) matrix.at(i, i) += ridge * matrix.at(i, i) + 1e-9 * largest;
   if (!matrix.solve(solution)) return false;
   float last_layer[kMaxFeatureRowCount];
   for (int i = 0; i < feature_count; ++i) {

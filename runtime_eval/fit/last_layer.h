@@ -8,8 +8,12 @@
 
 namespace nlg {
 
+// Of each diagonal entry of the equations, added to it: numbers that hardly matter stay small, which float16 and bytes hold better.
+// It costs no error that is seen (docs/lab/training.md).
+inline constexpr double kLastLayerRidge = 1e-6;
+
 // Replaces w3 and b3 of a network's theta by those of least squares over the valid points. Hidden units that are nearly a
-// combination of others get as little weight as a ridge gives them: 1e-6 of each diagonal entry and 1e-9 of the largest.
+// combination of others get as little weight as the ridge gives them, and another of 1e-9 of the largest diagonal entry.
 // theta     D floats
 // returns   false, and theta unchanged, when the network's output is not linear, the equations cannot be solved or their solution
 //           is not finite
@@ -21,6 +25,6 @@ bool solveLastLayer(const Representation& representation, int first, int count, 
 
 // The same, allocating nothing after the first call with these equations: memory that the call overwrites.
 bool solveLastLayer(const Representation& representation, int first, int count, const float* phi, const float* mask, float* theta,
-                    SymmetricBand* equations);
+                    SymmetricBand* equations, double ridge = kLastLayerRidge);
 
 }  // namespace nlg

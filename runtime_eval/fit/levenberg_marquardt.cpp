@@ -81,7 +81,7 @@ class LevenbergMarquardt {
       // alone)
       if (is_solved && !representation_.isField()) {
         solveLastLayer(representation_, 0, static_cast<int>(function_.phi.size()), function_.phi.data(), function_.mask.data(),
-                       trial.data(), &workspace_.last_layer_);
+                       trial.data(), &workspace_.last_layer_, 0.0);
       }
       const double rmse = is_solved ? functionRmse(representation_, function_, trial.data()) : INFINITY;
       const double next_sum = rmse * rmse * valid_count;

@@ -272,9 +272,9 @@ TEST(StageRunner, TakesNoThetaThatFloat16CannotHold) {
   const Representation representation = Representation::tentMlp();
   GeneratorData data = steepestDescent(representation, 0.0, 1);
   data.correction.exact_last_layer = true;
-  // the first layer far beyond float16: its kinks become steps through the probe, which may well fit better
+  // the first layer far beyond float16: it has kinks, where the start has none, and may well fit better
   Random random(5);
-  for (int d = ThetaLayout::w1; d < ThetaLayout::b1; ++d) {
+  for (int d = ThetaLayout::w1; d < ThetaLayout::w2; ++d) {
     data.correction.layers[0].bias[d] = static_cast<float>(1e7 * random.normal());
   }
   const Generator generator(data);
@@ -285,11 +285,11 @@ TEST(StageRunner, TakesNoThetaThatFloat16CannotHold) {
     const StoredFunction stored = sample.view();
     // a start without kinks: the tent times a number
     Theta theta = randomTheta(representation, seed);
-    std::fill(theta.begin() + ThetaLayout::w1, theta.begin() + ThetaLayout::b1, 0.0f);
+    std::fill(theta.begin() + ThetaLayout::w1, theta.begin() + ThetaLayout::w2, 0.0f);
     Theta beyond = theta;
     improver.improve(&stored, 1, theta.data());
     for (const float value : theta) EXPECT_LE(std::fabs(value), 65504.0f) << "seed " << seed;
-    for (int d = ThetaLayout::w1; d < ThetaLayout::b1; ++d) beyond[d] += data.output_scale[d] * data.correction.layers[0].bias[d];
+    for (int d = ThetaLayout::w1; d < ThetaLayout::w2; ++d) beyond[d] += data.output_scale[d] * data.correction.layers[0].bias[d];
     solveLastLayer(representation, decodeFunction(stored), beyond.data());
     tempting += rmseOf(representation, sample, beyond.data()) < rmseOf(representation, sample, theta.data());
   }
