@@ -37,6 +37,7 @@ class AdamStage : public StageRun {
  private:
   AdamOptions options_;
   AdamWorkspace workspace_;
+  SymmetricBand last_layer_;
   std::vector<float> theta_;  // one function
 };
 

@@ -19,7 +19,8 @@ constexpr double kNotMeasured = -1.0;
 bool canBeStored(const Representation& representation, const float* theta) {
   float rounded[kMaxThetaCount];
   std::copy_n(theta, representation.thetaCount(), rounded);
-  return roundTheta(representation, ThetaPrecision::float16, rounded) && roundTheta(representation, ThetaPrecision::int8, rounded);
+  return roundTheta(representation, ThetaPrecision::float16, rounded) &&
+         roundTheta(representation, ThetaPrecision::int8, rounded);
 }
 
 }  // namespace
