@@ -55,7 +55,7 @@ struct TrainingStep {
 torch::Tensor kernelLoss(const TrainingData& data, const Representation& representation, const torch::Tensor& theta,
                          std::vector<Sample> samples) {
   for (Sample& sample : samples) sample.batch_count = pointOrder(representation).batchCount();
-  return differentiable(measureTheta(theta, representation, data, samples), theta);
+  return differentiable(measureTheta(theta, {representation, data, samples}), theta);
 }
 
 // The tiny networks, their tent and the error as a chain of libtorch's operations.
@@ -133,7 +133,8 @@ double secondsOf(const Step& step) {
 void trainingStep(benchmark::State& state, const Representation& representation) {
   const int threads_before = torch::get_num_threads();
   torch::set_num_threads(kThreads);
-  const TrainingData data(wallSet(), randomGenerator().basis);
+  const BasisData basis = randomGenerator().basis;
+  const TrainingData data(wallSet(), basis, basis);
   const Theta theta0 = randomTheta(representation, 1);
   TrainingStep with_kernel(theta0), with_autograd(theta0);
   AutogradLoss autograd(data, representation);
