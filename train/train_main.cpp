@@ -176,7 +176,8 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   const BasisData used = usedBasis(options, basis.basis);
   options.shape.coefficient_count = used.coefficientCount();
   const TrainingData training = readTrainingData(request, basis, used);
-  const TrainingData held_out(readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount), basis.basis.data, used);
+  const TrainingData held_out(readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount), basis.basis.data,
+                              used);
   if (held_out.functionCount() == 0)
     throw InputError(request.held_out.front(), "functions", "at least one in all shards", "none");
   requireSeparate(request, training, held_out);

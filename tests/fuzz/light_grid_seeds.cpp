@@ -42,7 +42,9 @@ bool writeSeeds(const std::string& folder) {
     const LightGrid grid = smallGrid(finest);
     const std::string name = folder + "/" + std::to_string(finest);
     for (const LightForm form : kLightForms) {
-      const ThetaPrecision precision = form == LightForm::none ? ThetaPrecision::float32 : ThetaPrecision::float16;
+      const ThetaPrecision precision = form == LightForm::none       ? ThetaPrecision::float32
+                                       : form == LightForm::sh2_8bit ? ThetaPrecision::int8
+                                                                     : ThetaPrecision::float16;
       std::string bytes;
       written = written && serializeLightGrid(grid, {precision, form}, {{"scene", "house"}}, &bytes).ok();
       written = written && writeFile(name + "_" + lightFormName(form), bytes);

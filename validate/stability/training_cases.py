@@ -23,7 +23,7 @@ INPUT_ERROR, NUMERICAL_ERROR = 3, 4  # tool/error.h
 HEAD, POINTS, VALIDITY, BLOCK = 4096, 8192, 1024, 512  # docs/reference/formats.md, "Function cache"
 
 CHECKPOINT_STEPS = 10
-OPTIONS = ["--batch", "8", "--checkpoint-steps", str(CHECKPOINT_STEPS), "--start-candidates", "1", "--width", "24", "--layers", "2", "--hard-share", "0.25"]
+OPTIONS = ["--batch", "8", "--checkpoint-steps", str(CHECKPOINT_STEPS), "--start-candidates", "1", "--width", "24", "--layers", "2", "--theta-share", "0.25"]
 INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", "held_out.h5"]
 LONG = 1000000  # steps that no run here comes to the end of
 
