@@ -514,10 +514,13 @@ TEST(StageRunner, EndsWithAdamWhereTheNormalEquationsAreLarge) {
     Theta of_steps = start;
     Improver(generator, kStepsAlone).improve(&stored, 1, of_steps.data());
     EXPECT_EQ(stepped, of_steps);
-    const FitResult expected =
-        fitAdam(representation, decodeFunction(stored, pointOrder(representation)), stepped, refinementAdam(representation, 60));
+    const WeightingFunction function = decodeFunction(stored, pointOrder(representation));
+    FitResult expected = fitAdam(representation, function, stepped, refinementAdam(representation, 60));
     const double before = rmseOf(representation, sample, stepped.data());
     ASSERT_LT(expected.rmse, 0.9 * before);
+    // behind the steps the last layer is solved
+    ASSERT_TRUE(solveLastLayer(representation, function, expected.theta.data()));
+    ASSERT_LT(rmseOf(representation, sample, expected.theta.data()), expected.rmse);
     options.adam_steps = 60;
     options.retry_rmse = 0.0;
     Improver below(generator, [&] {
