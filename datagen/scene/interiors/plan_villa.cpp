@@ -36,7 +36,8 @@ Villa drawVilla(Home& home) {
   villa.aisle = level.pick(2.0, 2.6);
   villa.gallery_m = villa.columns.column_m + villa.columns.archRise() + 0.15 + villa.slab;
   villa.run_m = level.pick(1.35, 1.5) * villa.gallery_m;
-  const double length = 1.8 + villa.bay_count * villa.columns.bay;
+  // the last column of a row stands before the wall, not in it
+  const double length = 1.8 + villa.bay_count * villa.columns.bay + 1.6 * villa.columns.radius;
   villa.hall = {-0.5 * length, villa.naveZ0() - villa.aisle, 0.5 * length, villa.naveZ1() + villa.aisle};
   const double west = level.pick(3.6, 4.6), east = level.pick(3.4, 4.4), wall = home.inner_wall_m;
   villa.in = {villa.hall.x0 - wall - west, villa.hall.z0, villa.hall.x1 + wall + east, villa.hall.z1};
