@@ -49,7 +49,7 @@ const char* thetaPrecisionName(ThetaPrecision precision) {
   return precision == ThetaPrecision::float32 ? "float32" : precision == ThetaPrecision::float16 ? "float16" : "int8";
 }
 
-float stepOf(const NetworkShape& shape) { return shape.second > 0 ? 0.5f : 16.0f; }
+float stepOf(const NetworkShape& shape) { return shape.second > 0 ? 0.03125f : 4.0f; }
 
 void roundHiddenLayers(const Representation& network, float* theta) {
   const NetworkShape& shape = network.shape();

@@ -26,8 +26,8 @@ ThetaForm thetaForm(const Representation& representation, ThetaPrecision precisi
 // "float32", "float16", "int8".
 const char* thetaPrecisionName(ThetaPrecision precision);
 
-// A step of a hidden layer's numbers in int8: 16 for networks of one hidden layer, 1/2 for those of two. So the largest numbers of all
-// layers multiply to some thousands, and the last layer of ordinary fits comes to lie in the middle of what float16 holds.
+// A step of a hidden layer's numbers in int8: 4 for networks of one hidden layer, 1/32 for those of two. The last layer of ordinary
+// fits then comes to lie where float16 is fine: with 1/2 it often falls below 2^-14, and its rounding is seen.
 float stepOf(const NetworkShape& shape);
 
 // Scales every hidden unit of a network, and rounds the numbers of the hidden layers to steps; the last layer takes the scales.
