@@ -1,30 +1,21 @@
 """Levels in the archives of Quake III-family games: what a configuration's scenes.archives name."""
-import os
 import re
 import zipfile
 from fnmatch import fnmatch
 from pathlib import Path
 
+from entries import check_keys, check_text, checked, install_hint, is_texts, under_root
+
 REQUIRED, OPTIONAL = {"folder", "maps"}, {"without", "install"}
 
 
-def is_texts(value):
-    return isinstance(value, list) and all(isinstance(item, str) for item in value)
-
-
 def check_entry(place, entry):
-    if not isinstance(entry, dict):
-        raise ValueError(f"{place}: expected keys {sorted(REQUIRED | OPTIONAL)}, got {entry!r}")
-    for key in sorted(set(entry) - REQUIRED - OPTIONAL, key=str):
-        raise ValueError(f"{place}: expected keys {sorted(REQUIRED | OPTIONAL)}, got unknown key {key!r}")
-    for key in sorted(REQUIRED - set(entry)):
-        raise ValueError(f"{place}: expected keys {sorted(REQUIRED)}, got missing key {key!r}")
+    check_keys(place, entry, REQUIRED, OPTIONAL)
     for key in ("maps", "without"):
         if not is_texts(entry.get(key, [])):
             raise ValueError(f"{place}: {key}: expected a list of names or patterns, got {entry[key]!r}")
     for key in ("folder", "install"):
-        if not isinstance(entry.get(key, ""), str):
-            raise ValueError(f"{place}: {key}: expected a text, got {entry[key]!r}")
+        check_text(place, entry, key)
 
 
 def maps_of(archive):
@@ -57,19 +48,14 @@ def find_levels(archives, root=""):
     """Name of every level → (what nlg-datagen is asked for, the files that it reads).
 
     A level that several archives of a folder hold counts once: a later archive hides an earlier one.
-    root stands before absolute folders, for packages that were unpacked elsewhere. Raises ValueError with place, expected, got.
+    root: see under_root. Raises ValueError with place, expected, got.
     """
-    if not isinstance(archives, list):
-        raise ValueError(f"scenes: archives: expected a list, got {archives!r}")
     levels = {}
-    for number, entry in enumerate(archives):
-        place = f"scenes: archives: {number}"
-        check_entry(place, entry)
-        folder = Path(root + entry["folder"] if os.path.isabs(entry["folder"]) else entry["folder"])
+    for place, entry in checked("archives", archives, check_entry):
+        folder = Path(under_root(root, entry["folder"]))
         files = sorted(str(path) for path in folder.glob("*") if path.suffix.lower() == ".pk3" and path.is_file())
         if not files:
-            hint = f"; install them: {entry['install']}" if entry.get("install") else ""
-            raise ValueError(f"{place}: folder: expected .pk3 files in {folder}, got none{hint}")
+            raise ValueError(f"{place}: folder: expected .pk3 files in {folder}, got none{install_hint(entry, 'them')}")
         names = {name for file in files for name in maps_of(file)}
         chosen = matching(f"{place}: maps", entry["maps"], names) - matching(f"{place}: without", entry.get("without", []), names)
         for name in sorted(chosen):

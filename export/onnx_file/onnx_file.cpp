@@ -134,7 +134,7 @@ class ModelBuilder {
   onnx::ModelProto model_;
 };
 
-// Standardised coefficients of phi: the formulas of docs/theory/math.md §3, class by class.
+// Coefficients of phi, divided as the basis says: the formulas of docs/theory/math.md §3, class by class.
 std::string addProjection(ModelBuilder& model, const BasisData& basis, const std::string& phi) {
   constexpr int64_t kClasses = kParityClassCount, kPoints = kOctantPointCount;
   std::vector<float> signs;

@@ -15,7 +15,7 @@ namespace nlg {
 // The generator from samples to theta, N functions at a time (N is free).
 //
 // input     `phi` N x 8192, float in [0, 1], pattern order
-// outputs   `theta` N x D; `coefficients` N x K, standardised: what a correction step reads beside theta
+// outputs   `theta` N x D; `coefficients` N x K, divided as the basis says: what a correction step reads beside theta
 // metadata  texts that travel with the model
 // returns   the file's bytes; the same arguments give the same bytes
 // throws    std::runtime_error when ONNX's own checker refuses the model: a bug of ours

@@ -89,7 +89,7 @@ class Generator {
 
   // The same in its two parts, for functions whose mirror images are wanted too.
   // count          at most kBatchCount
-  // coefficients   count x K, standardised: what the layers read
+  // coefficients   count x K, divided as the basis says: what the layers read
   const Projection& projection() const { return projection_; }
   int coefficientCount() const { return projection_.coefficientCount(); }
   void project(const uint8_t* phi, int count, float* coefficients, GeneratorScratch* scratch) const;

@@ -1,10 +1,10 @@
 // What a light grid's file holds theta in, and what rounding to that makes of theta.
 //
-// int8 keeps the hidden layers of a network in a byte a number, and its last layer in float16: 122 bytes for `mlp` and `tent_mlp`, 26
-// for `tent_mlp4`. No scale is stored. LeakyReLU is homogeneous: a hidden unit whose weights and bias are multiplied by a > 0, while
-// all that read it divide by a, leaves the network what it is. So every unit is scaled until the largest of its numbers is 127
-// steps, and a step is one number for all (stepOf). What rounding does to the hidden layers, an exact last layer makes up for
-// (fit/last_layer.h); figures: docs/lab/training.md. Product fields stay in float16.
+// int8 keeps the hidden layers of a network in a byte a number, and its last layer in float16: 122 bytes for `mlp` and
+// `tent_mlp`, 26 for `tent_mlp4`. No scale is stored. LeakyReLU is homogeneous: a hidden unit whose weights and bias are
+// multiplied by a > 0, while all that read it divide by a, leaves the network what it is. So every unit is scaled until the
+// largest of its numbers is 127 steps, and a step is one number for all (stepOf). What rounding does to the hidden layers, an
+// exact last layer makes up for (fit/last_layer.h); figures: docs/lab/training.md. Product fields stay in float16.
 #pragma once
 
 #include <cstddef>

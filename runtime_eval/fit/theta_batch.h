@@ -42,8 +42,8 @@ class ThetaBatch {
 
   // Mean square of theta(i); measured once.
   double meanSquare(int i);
-  // Takes a theta for function i when its mean square is below `share` of what theta(i) has. Nothing that float16 or int8 cannot hold is
-  // taken, as light grids store it.
+  // Takes a theta for function i when its mean square is below `share` of what theta(i) has. Nothing that float16 or int8 cannot
+  // hold is taken, as light grids store it.
   // returns   whether it was taken
   bool offer(int i, const float* theta, double mean_square, double share);
   // Puts back what theta(i) was before.

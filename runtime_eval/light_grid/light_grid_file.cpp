@@ -294,7 +294,7 @@ WeightsResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   return {};
 }
 
-// is_old   of a file of version 1
+// is_old     of a file of version 1
 // in_steps   of a file of version 3
 WeightsResult readFunctions(const TensorFileReader& reader, bool is_old, bool in_steps, LightGrid* grid) {
   WeightsResult result = reader.read("function.representation", &grid->function_representation);

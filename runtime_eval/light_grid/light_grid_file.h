@@ -26,14 +26,14 @@ struct GridPrecision {
 
 // The bytes of a file; the same grid, precision and texts give the same bytes.
 // float16 rounds every number of theta to the nearest half, ties to even; theta_form.h says what int8 makes of theta, and
-// light_form.h what a form makes of light: the errors that this adds are the caller's to measure. Light of probes that have no weight anywhere (kNoWeight) is not written: no
-// look-up reads it, and a reader finds 0 there.
+// light_form.h what a form makes of light: the errors that this adds are the caller's to measure. Light of probes that have no
+// weight anywhere (kNoWeight) is not written: no look-up reads it, and a reader finds 0 there.
 //
 // grid      one that checkLightGrid accepts; others are refused with its result
-// returns   ok; also refused: with float16 a |theta| > 65504 (value_out_of_range, names function and value), with int8 a last layer that
-//           comes to lie beyond float16 (names the function), light
-//           that packLight refuses or a form takes beyond kMaxGridLight (value_out_of_range), a key of the file's own (value_out_of_range), texts that are no UTF-8 (header_malformed) or too long (header_too_large).
-//           *bytes is empty then.
+// returns   ok; also refused, all but the last two value_out_of_range: with float16 a |theta| > 65504 (names function and value),
+//           with int8 a last layer that comes to lie beyond float16 (names the function), light that packLight refuses or a form
+//           takes beyond kMaxGridLight, a key of the file's own, texts that are no UTF-8 (header_malformed) or too long
+//           (header_too_large). *bytes is empty then.
 WeightsResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precision, const GridMetadata& metadata,
                                  std::string* bytes);
 

@@ -1,4 +1,4 @@
-// The generator network in libtorch: standardised coefficients → theta.
+// The generator network in libtorch: coefficients → theta.
 #pragma once
 
 #include <torch/nn.h>

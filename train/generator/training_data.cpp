@@ -65,14 +65,11 @@ void TrainingData::copyCoefficients(int64_t index, int mirror, float* coefficien
   for (int k = 0; k < coefficient_count_; ++k) coefficients[k] *= factor_[static_cast<size_t>(k)];
 }
 
-double TrainingData::bareTentRmse(int64_t index) const {
-  return cache_ ? double{cache_->tentRmse(index)} : static_cast<double>(static_cast<float>(tentRmse(function(index))));
-}
-
 std::vector<uint32_t> TrainingData::functionsAbove(double tent_rmse) const {
   std::vector<uint32_t> above;
   for (int64_t i = 0; i < function_count_; ++i) {
-    if (bareTentRmse(i) > tent_rmse) above.push_back(static_cast<uint32_t>(i));
+    const float rmse = cache_ ? cache_->tentRmse(i) : tentRmse(function(i));
+    if (static_cast<double>(rmse) > tent_rmse) above.push_back(static_cast<uint32_t>(i));
   }
   return above;
 }

@@ -38,8 +38,6 @@ class TrainingData {
   // Coefficients of the function mirrored by `mirror`, K floats.
   void copyCoefficients(int64_t index, int mirror, float* coefficients) const;
 
-  // RMSE of a function's bare tent over its valid points.
-  double bareTentRmse(int64_t index) const;
   // Functions whose bare tent has an RMSE above `tent_rmse`, rising.
   std::vector<uint32_t> functionsAbove(double tent_rmse) const;
 
