@@ -56,7 +56,7 @@ TrainOptions storedOptions(const std::string& path, const std::string& options_j
 }
 
 struct Parity {
-  double theta = 0.0;   // largest |theta of libtorch - theta of the evaluator|
+  double theta = 0.0;   // largest |theta of libtorch - theta of the evaluator| over |theta|, where that is above 1
   double output = 0.0;  // largest difference of the representations that they stand for, at the support points
   int64_t functions = 0;
 };
@@ -126,7 +126,8 @@ Parity compare(const TrainingState& state, const Generator& generator, const Tra
     Theta theta(generator.representation().thetaCount());
     generator.generate(data.function(index).phi, 1, theta.data(), &scratch);
     for (size_t k = 0; k < theta.size(); ++k) {
-      raise(parity.theta, std::fabs(double{theta[k]} - torch_theta.data_ptr<float>()[k]));
+      const double torch_value = torch_theta.data_ptr<float>()[k];
+      raise(parity.theta, std::fabs(theta[k] - torch_value) / std::max(1.0, std::fabs(torch_value)));
     }
     evaluate(generator.representation(), points, theta.data(), evaluator_values.data());
     evaluate(generator.representation(), points, torch_theta.data_ptr<float>(), torch_values.data());
