@@ -15,16 +15,26 @@ const Theta& start(const Representation& representation) {
   return representation.tentFactor() ? tent_mlp : mlp;
 }
 
-void adam(benchmark::State& state, const Representation& representation) {
+void adam(benchmark::State& state, const Representation& representation, bool eigenbasis) {
   const WeightingFunction function = wallFunction();
-  const AdamOptions options = refinementAdam(representation, static_cast<int>(state.range(0)));
+  AdamOptions options = refinementAdam(representation, static_cast<int>(state.range(0)));
+  options.eigenbasis = eigenbasis;
   FitResult fit;
   for (auto _ : state) fit = fitAdam(representation, function, start(representation), options);
   state.counters["rmse"] = fit.rmse;
 }
-BENCHMARK_CAPTURE(adam, mlp, Representation::mlp())->Name("fit/adam/mlp")->Arg(200)->Arg(2000)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(adam, tent_mlp, Representation::tentMlp())
+BENCHMARK_CAPTURE(adam, mlp, Representation::mlp(), true)
+    ->Name("fit/adam/mlp")
+    ->Arg(200)
+    ->Arg(2000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(adam, tent_mlp, Representation::tentMlp(), true)
     ->Name("fit/adam/tent_mlp")
+    ->Arg(200)
+    ->Arg(2000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(adam, plain_tent_mlp, Representation::tentMlp(), false)
+    ->Name("fit/plain_adam/tent_mlp")
     ->Arg(200)
     ->Arg(2000)
     ->Unit(benchmark::kMillisecond);

@@ -37,7 +37,11 @@ class AdamRun {
     const int count = representation_.thetaCount();
     work_.moving_.assign(theta, theta + count);
     work_.gradient_.resize(count);
-    work_.moments_.reset(count);
+    if (runsInEigenbasis()) {
+      work_.soap_moments_.reset(representation_);
+    } else {
+      work_.moments_.reset(count);
+    }
     for (; result.steps < options_.steps; ++result.steps) {
       step(result.steps);
       if (!allFinite(work_.moving_)) {
@@ -54,6 +58,8 @@ class AdamRun {
   }
 
  private:
+  bool runsInEigenbasis() const { return options_.eigenbasis && !representation_.isField(); }
+
   void step(int number) {
     const AdamWorkspace::Minibatch batch = next();
     lossAndGradient(representation_, batch.first, places_, &function_.phi[batch.first], &function_.mask[batch.first],
@@ -61,7 +67,14 @@ class AdamRun {
     const float scale = 1.0f / static_cast<float>(batch.valid_count);
     const double phase = static_cast<double>(number) / options_.steps;
     const double rate = options_.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase));
-    work_.moments_.step(rate, options_.beta1, options_.beta2, scale, work_.gradient_.data(), work_.moving_.data());
+    const auto move = [&](auto& moments) {
+      moments.step(rate, options_.beta1, options_.beta2, scale, work_.gradient_.data(), work_.moving_.data());
+    };
+    if (runsInEigenbasis()) {
+      move(work_.soap_moments_);
+    } else {
+      move(work_.moments_);
+    }
   }
 
   // In a fresh random order every round; those without a valid point are left out.
@@ -114,7 +127,7 @@ double functionRmse(const Representation& representation, const WeightingFunctio
 AdamOptions refinementAdam(const Representation& representation, int steps) {
   AdamOptions options;
   options.steps = steps;
-  options.learning_rate = representation.isField() ? 0.1 : 0.02;
+  options.learning_rate = representation.isField() ? 0.1 : representation.tentFactor() ? 0.04 : 0.02;
   return options;
 }
 

@@ -1,4 +1,5 @@
-// Adam (Kingma & Ba 2015) on the shared kernel, one minibatch of points a step (networks: 256; product fields: all).
+// Adam (Kingma & Ba 2015) on the shared kernel, one minibatch of points a step (networks: 256; product fields: all). That of networks
+// runs in the eigenbasis of their layers' gradients (soap_update.h).
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 
 #include "runtime_eval/fit/adam_update.h"
 #include "runtime_eval/fit/fit_result.h"
+#include "runtime_eval/fit/soap_update.h"
 
 namespace nlg {
 
@@ -16,6 +18,7 @@ struct AdamOptions {
   double beta1 = 0.8;
   double beta2 = 0.99;      // short memory: fits last a few hundred to a few thousand steps
   bool full_batch = false;  // every step reads all points
+  bool eigenbasis = true;   // networks; false: plain Adam
   uint64_t seed = 1;        // order of the batches
 };
 
@@ -35,6 +38,7 @@ class AdamWorkspace {
   std::vector<Minibatch> order_;
   Theta moving_, gradient_;
   AdamMoments moments_;
+  SoapMoments soap_moments_;
 };
 
 // Steps in place.

@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kNestedIterations = 40;    // on every grid, as direct optimisation has them
 constexpr int64_t kMostSteps = 1 << 24;  // of one round, whatever the growth
+constexpr int kRandomStarts = 3;         // tried beside theta0 where a network is stuck
 
 // Where phi is stored as 0 the residual counts `weight` times in the sum of squares.
 void weighLeaks(double weight, WeightingFunction* function) {
@@ -33,18 +34,33 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
     result.stop = fit.stop;
     if (check.trouble(options.check) < result.check.trouble(options.check)) result.theta = fit.theta, result.check = check;
   };
-  const auto tryFrom = [&](const Theta& from, int steps) { consider(fitOn(representation, function, from, steps)); };
+  const auto fails = [&] { return !result.check.passes(options.check); };
+  const auto tryFrom = [&](const Theta& from, int steps) {
+    if (fails()) consider(fitOn(representation, function, from, steps));
+  };
+  // what is stuck in a poor minimum gets round it from elsewhere; a field from coarse to fine
+  const auto tryOtherStarts = [&](int steps) {
+    if (!theta0.empty()) tryFrom(theta0, steps);
+    for (uint64_t seed = 1; seed <= kRandomStarts && !representation.isField(); ++seed) {
+      tryFrom(randomTheta(representation, seed), steps);
+    }
+    if (representation.isField() && fails()) consider(fitNested(representation, function, kNestedIterations, &kernel_));
+  };
   int64_t steps = options.first_steps, last_steps = 0;
-  for (int round = 0; round < options.rounds && !result.check.passes(options.check); ++round) {
+  bool other_starts_tried = false;
+  for (int round = 0; round < options.rounds && fails(); ++round) {
+    // the last and longest round goes on from the best start that a shorter one has found
+    if (last_steps > 0 && round + 1 == options.rounds) {
+      tryOtherStarts(static_cast<int>(last_steps));
+      other_starts_tried = true;
+    }
+    if (!fails()) break;
     last_steps = std::min(steps, kMostSteps);
     tryFrom(result.theta, static_cast<int>(last_steps));
     if (result.stop != FitStop::budget) break;
     steps = last_steps * options.growth;
   }
-  if (last_steps > 0 && !theta0.empty() && !result.check.passes(options.check)) tryFrom(theta0, static_cast<int>(last_steps));
-  // a field that is stuck in a poor minimum: from coarse to fine it gets round most of them
-  if (last_steps > 0 && representation.isField() && !result.check.passes(options.check))
-    consider(fitNested(representation, function, kNestedIterations, &kernel_));
+  if (last_steps > 0 && !other_starts_tried) tryOtherStarts(static_cast<int>(last_steps));
   return result;
 }
 

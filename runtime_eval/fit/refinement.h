@@ -1,8 +1,8 @@
 // What a bake does with a theta that fails the check: fits on from it, the worst functions first.
 //
 // Rounds of Adam (product fields: Levenberg–Marquardt), each longer than the one before, until the check passes: most functions
-// pass after the first. What no round mends is tried from theta0, a field from coarse to fine as well. Points where phi is 0 weigh
-// more, which brings leaks under the threshold at no cost in RMSE. Why Adam and not Levenberg–Marquardt, and why these
+// pass after the first. Before the last round what still fails is tried from theta0 too, a network from random starts and a field
+// from coarse to fine as well. Points where phi is 0 weigh more, which brings leaks under the threshold at no cost in RMSE. Why Adam and not Levenberg–Marquardt, and why these
 // numbers: docs/lab/measurements.md.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace nlg {
 struct RefinementOptions {
   CheckOptions check;
   int rounds = 3;            // a function that fails after so many stays as it is then, and is counted
-  int first_steps = 800;     // of Adam in the first round (product fields: a thirty-second of it, of Levenberg–Marquardt)
+  int first_steps = 600;     // of Adam in the first round (product fields: a thirty-second of it, of Levenberg–Marquardt)
   int growth = 4;            // steps of a round over those of the round before
   double leak_weight = 4.0;  // of squared residuals where phi is 0, over those elsewhere
 };
@@ -34,8 +34,7 @@ struct RefinementResult {
 class Refiner {
  public:
   // Fits on from `start` until the check passes or the rounds are used up. The result is never in more trouble than the start.
-  // theta0   where the last round's fit is tried from as well when the check has not passed by then: for a start that is broken
-  //          or stuck. May be empty
+  // theta0   of the other starts: for a start that is broken or stuck. May be empty
   RefinementResult refine(const Representation& representation, const StoredFunction& stored, const Theta& start,
                           const Theta& theta0, const RefinementOptions& options);
 

@@ -12,14 +12,14 @@ namespace nlg {
 
 struct StageOptions {
   double good_rmse = 0.001;   // a theta of the network whose RMSE is not above, and that passes the check, takes no other stage
-  int learned_steps = 8;      // of an attempt at most: they end at the first that does not pay; 0: none
-  int mirror_images = 8;      // networks: attempts at a function at most, itself and then its mirror images; 1 … 8
+  int learned_steps = 0;      // of an attempt at most: they end at the first that does not pay; 0: none
+  int mirror_images = 1;      // networks: attempts at a function at most, itself and then its mirror images; 1 … 8
   double retry_rmse = 0.005;  // no further attempt at a function whose RMSE is not above; up to twice that for a generator that
                               // is nearly as wrong about the tent
-  int lm_iterations = 4;      // where they are cheap: of Levenberg–Marquardt, after the corrections
+  int lm_iterations = 8;      // where they are cheap: of Levenberg–Marquardt, after the corrections
   int lm_theta0_iterations = 32;  // … and from theta0, for a function whose RMSE is above retry_rmse even then
   double adam_rmse = 0.003;       // elsewhere: a function whose RMSE is above (raised as retry_rmse is) …
-  int adam_steps = 500;           // … takes so many steps of Adam
+  int adam_steps = 1000;          // … takes so many steps of Adam
 };
 
 // In the order in which a function meets them.

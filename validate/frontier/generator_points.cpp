@@ -51,7 +51,7 @@ void addStages(const std::shared_ptr<const Generator>& generator, const PolicyOp
   runs.push_back({{rounded}, [last](const FunctionBlock& block) { return FittedFunctions{last->runAndRound(block)}; }});
 }
 
-// A setting at some values below the one that it has, the stage that it belongs to being the last one.
+// A setting at other values than its own, the stage that it belongs to being the last one.
 struct Setting {
   int StageOptions::*value;
   ThetaStage stage;
@@ -59,22 +59,26 @@ struct Setting {
 };
 
 void addSettings(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options, std::vector<PlotRun>& runs) {
-  const Setting settings[] = {{&StageOptions::learned_steps, ThetaStage::learned_steps, {1, 2, 4}},
-                              {&StageOptions::mirror_images, ThetaStage::mirror_images, {2, 4}},
-                              {&StageOptions::lm_iterations, ThetaStage::lm, {1, 2}}};
-  for (const StagePlan& plan : stagesOf(stageFacts(*generator), options)) {
-    for (const Setting& setting : settings) {
-      for (const int budget : setting.budgets) {
-        if (plan.stage != setting.stage || budget >= plan.budget) continue;
-        PolicyOptions changed = options;
-        changed.stages.*setting.value = budget;
-        runs.push_back(runOf({representationName(generator->representation()),
-                              stageName(plan.stage),
-                              budget,
-                              std::string(stageTitle(plan.stage)) + ", " + std::to_string(budget) + " at most",
-                              {}},
-                             std::make_shared<PolicyRun>(SharedGenerators{generator}, changed, setting.stage)));
-      }
+  const Setting settings[] = {{&StageOptions::learned_steps, ThetaStage::learned_steps, {1, 3, 8}},
+                              {&StageOptions::mirror_images, ThetaStage::mirror_images, {2, 8}},
+                              {&StageOptions::lm_iterations, ThetaStage::lm, {1, 4, 16}}};
+  const StageFacts facts = stageFacts(*generator);
+  for (const Setting& setting : settings) {
+    for (const int budget : setting.budgets) {
+      if (budget == options.stages.*setting.value) continue;
+      PolicyOptions changed = options;
+      changed.stages.*setting.value = budget;
+      const std::vector<StagePlan> plan = stagesOf(facts, changed);
+      const bool runs_so = std::any_of(plan.begin(), plan.end(), [&](const StagePlan& stage) {
+        return stage.stage == setting.stage && stage.budget == budget;
+      });
+      if (!runs_so) continue;
+      runs.push_back(runOf({representationName(generator->representation()),
+                            stageName(setting.stage),
+                            budget,
+                            std::string(stageTitle(setting.stage)) + ", " + std::to_string(budget) + " at most",
+                            {}},
+                           std::make_shared<PolicyRun>(SharedGenerators{generator}, changed, setting.stage)));
     }
   }
 }

@@ -53,12 +53,31 @@ TEST(Refiner, BringsMostWallsUnderTheThreshold) {
   EXPECT_GE(passed, 6);
 }
 
-TEST(Refiner, SurvivesAStartThatIsNotFinite) {
+TEST(Refiner, GoesOnFromRandomStartsWhenTheStartIsBroken) {
   Refiner refiner;
   const StoredSample sample = wallSample(9);
-  const RefinementResult result = refiner.refine({}, sample.view(), Theta(ThetaLayout::count, NAN), {}, {});
-  EXPECT_FALSE(result.check.passes({}));
-  EXPECT_EQ(result.stop, FitStop::not_finite);
+  const RefinementOptions options{.rounds = 1, .first_steps = 50};
+  const RefinementResult result =
+      refiner.refine(Representation::tentMlp(), sample.view(), Theta(ThetaLayout::count, NAN), {}, options);
+  for (const float value : result.theta) ASSERT_TRUE(std::isfinite(value));
+  EXPECT_LT(result.check.rmse, 1.0);
+}
+
+TEST(Refiner, TriesOtherStartsBeforeItsLastRound) {
+  Refiner refiner;
+  // nothing passes, so that every round runs: 20 steps, 20 from each other start, 40
+  RefinementOptions options{.rounds = 2, .first_steps = 20, .growth = 2};
+  options.check.tau_rmse = 1e-6;
+  const StoredSample sample = wallSample(9);
+  const Representation tent_mlp = Representation::tentMlp();
+  const Theta start = randomTheta(tent_mlp, 50), theta0 = randomTheta(tent_mlp, 51);
+  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, options).steps, 20 + 4 * 20 + 40);
+  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, {}, options).steps, 20 + 3 * 20 + 40);
+  // a single round comes first
+  options.rounds = 1;
+  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, options).steps, 20 + 4 * 20);
+  options.rounds = 0;
+  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, options).steps, 0);
 }
 
 TEST(Refiner, GoesBackToTheta0WhenTheStartIsBroken) {

@@ -15,7 +15,7 @@ namespace {
 
 // Learned steps and nothing else, for any theta.
 constexpr StageOptions kStepsAlone{
-    .good_rmse = 0.0, .mirror_images = 1, .lm_iterations = 0, .lm_theta0_iterations = 0, .adam_steps = 0};
+    .good_rmse = 0.0, .learned_steps = 8, .mirror_images = 1, .lm_iterations = 0, .lm_theta0_iterations = 0, .adam_steps = 0};
 
 // Stages from a theta that stands in the network's place. Nothing passes the check, so that every function takes them and no theta
 // is put back for its leaks.
@@ -407,7 +407,7 @@ TEST(StageRunner, TriesAgainOnlyWhatIsWorseThanTheTentUpToTwiceTheThreshold) {
 TEST(StageRunner, ReplacesAThetaThatIsNoNumberByThatOfAnImage) {
   const Representation representation = Representation::tentMlp();
   const Generator generator(withCorrection(sampleGenerator(representation, 48, 3, 1), 40, 3, 3, 11));
-  Improver improver(generator);
+  Improver improver(generator, {.mirror_images = 2});
   const StoredSample sample = wallSample(1);
   const StoredFunction stored = sample.view();
   Theta theta(representation.thetaCount(), NAN);

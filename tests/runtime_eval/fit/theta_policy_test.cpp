@@ -39,6 +39,7 @@ Generator solvedGenerator(const Representation& representation, uint64_t seed = 
 // Short, and with limits that some functions pass and others do not.
 PolicyOptions shortOptions() {
   PolicyOptions options;
+  options.stages.learned_steps = 3;
   options.stages.mirror_images = 2;
   options.stages.adam_steps = 40;
   options.refinement.check.tau_rmse = 0.05;
@@ -55,7 +56,12 @@ std::vector<ThetaStage> namesOf(const std::vector<StagePlan>& plan) {
 
 TEST(StagesOf, IsTheListThatEachKindOfRepresentationGoesThrough) {
   using enum ThetaStage;
-  const PolicyOptions options;
+  PolicyOptions options;
+  EXPECT_EQ(namesOf(stagesOf({Representation::tentMlp(), true, true}, options)),
+            (std::vector{network, last_layer, adam, refinement}));
+  EXPECT_EQ(namesOf(stagesOf({Representation{RepresentationKind::tent_mlp4}, false, true}, options)),
+            (std::vector{network, lm, lm_theta0, refinement}));
+  options.stages.learned_steps = options.stages.mirror_images = 8;
   EXPECT_EQ(namesOf(stagesOf({Representation::tentMlp(), true, true}, options)),
             (std::vector{network, last_layer, learned_steps, mirror_images, adam, refinement}));
   EXPECT_EQ(namesOf(stagesOf({Representation{RepresentationKind::tent_mlp4}, false, true}, options)),
@@ -85,7 +91,8 @@ TEST(StagesOf, IsInTheOrderOfTheWords) {
 }
 
 TEST(StagesOf, RaisesThresholdsForWhatIsWrongAboutTheTentUpToTwice) {
-  const PolicyOptions options;
+  PolicyOptions options;
+  options.stages.mirror_images = 2;
   const auto retryOf = [&](double tent_rmse) {
     for (const StagePlan& plan : stagesOf({Representation::tentMlp(), true, true, tent_rmse}, options)) {
       if (plan.stage == ThetaStage::mirror_images) return plan.above_rmse;
