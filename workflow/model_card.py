@@ -29,7 +29,7 @@ INTRODUCTION = """# Weights that ship
 
 *Written by `workflow/results.py write`; change nothing here by hand.*
 
-These are trained generators, one for each representation. `nlg-bake` takes them when no weights are named; `--representation` says which ([bake](../docs/guide/bake.md)). The test suite loads every file and holds all of them together to 12 MB.
+These are trained generators, one for each representation. `nlg-bake` takes them when no weights are named; `--representation` says which ([bake](../docs/guide/bake.md)). The test suite loads every file and holds all of them together to 32 MB.
 Each comes from a run of the pipeline, and
 
 ```sh

@@ -6,7 +6,7 @@
 # RUN      the result folder of a finished run, out/NAME
 # CONFIG   the configuration that it was made by: the cards name it
 # Files of other representations stay; their cards keep figures only where this run measured them too. The test suite then checks what
-# lies there: it loads, all of it is float16, and together it takes at most 12 MB.
+# lies there: it loads, all of it is float16, and together it takes at most 32 MB.
 set -euo pipefail
 [ $# -ge 3 ] || { sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 run=$(realpath "$1") config=$2

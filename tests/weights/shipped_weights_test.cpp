@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uintmax_t kMaxBytes = 12'000'000;
+constexpr uintmax_t kMaxBytes = 32'000'000;
 
 class ShippedWeights : public testing::Test {
  protected:
@@ -29,7 +29,7 @@ class ShippedWeights : public testing::Test {
   std::vector<fs::path> paths_;
 };
 
-TEST_F(ShippedWeights, TakeAtMostTwelveMegabytesTogether) {
+TEST_F(ShippedWeights, TakeAtMost32MegabytesTogether) {
   uintmax_t bytes = 0;
   for (const fs::path& path : paths_) bytes += fs::file_size(path);
   EXPECT_LE(bytes, kMaxBytes);
