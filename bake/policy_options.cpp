@@ -20,7 +20,8 @@ void describePolicy(PolicyOptions& o, OptionTable& table) {
             0, 1000);
   table.add("fit_adam_rmse", &o.stages.adam_rmse, "short fits of large networks: what is above after the corrections …", 0.0,
             1e3);
-  table.add("fit_adam_steps", &o.stages.adam_steps, "… takes so many steps of Adam", 0, 1000000);
+  table.add("fit_adam_steps", &o.stages.adam_steps, "… takes so many steps of Adam for each .01 of it, 4 times as many at most",
+            0, 1000000);
   table.add("tau_rmse", &o.refinement.check.tau_rmse, "the check: a theta whose RMSE is above fails", 1e-6, 1.0);
   table.add("tau_leak", &o.refinement.check.tau_leak, "… weight that counts as a leak where the function is 0", 1e-6, 1.0);
   table.add("leak_share", &o.refinement.check.leak_share, "… a theta that leaks at a larger share of those points fails", 1e-6,

@@ -93,7 +93,7 @@ typedef struct nlg_policy_options {
   int lm_iterations;         /* short fits, where they are cheap: of Levenberg-Marquardt */
   int lm_theta0_iterations;  /* ... and from theta0 */
   double adam_rmse;          /* elsewhere: a function whose RMSE is above ... */
-  int adam_steps;            /* ... takes so many steps of Adam */
+  int adam_steps;            /* ... takes so many steps of Adam for each .01 of it, 4 times as many at most */
   double tau_rmse;           /* the check: RMSE over valid points above this fails */
   double tau_leak;           /* ... |value| above this at a valid point whose phi is 0 is a leak */
   double leak_share;         /* ... leaks at a larger share of those points fail */

@@ -31,10 +31,12 @@ class LevenbergMarquardtStage : public StageRun {
 
 class AdamStage : public StageRun {
  public:
-  AdamStage(const Generator& generator, int steps);
+  // full_steps   of a function whose RMSE is .01; of others in proportion, four times as many at most
+  AdamStage(const Generator& generator, int full_steps);
   void run(ThetaBatch& batch, int* members, int member_count) override;
 
  private:
+  int full_steps_;
   AdamOptions options_;
   AdamWorkspace workspace_;
   SymmetricBand last_layer_;

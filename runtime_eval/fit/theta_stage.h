@@ -18,8 +18,8 @@ struct StageOptions {
                               // is nearly as wrong about the tent
   int lm_iterations = 8;      // where they are cheap: of Levenberg–Marquardt, after the corrections
   int lm_theta0_iterations = 32;  // … and from theta0, for a function whose RMSE is above retry_rmse even then
-  double adam_rmse = 0.003;       // elsewhere: a function whose RMSE is above (raised as retry_rmse is) …
-  int adam_steps = 1000;          // … takes so many steps of Adam
+  double adam_rmse = 0.002;       // elsewhere: a function whose RMSE is above (raised as retry_rmse is) …
+  int adam_steps = 1000;          // … takes so many steps of Adam for each .01 of it, 4 times as many at most
 };
 
 // In the order in which a function meets them.
