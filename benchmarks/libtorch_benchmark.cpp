@@ -291,6 +291,7 @@ void adamByUs(benchmark::State& state) {
   AdamOptions options;
   options.steps = kAdamSteps;
   options.learning_rate = kAdamRate;
+  options.eigenbasis = false;  // the same algorithm on both sides
   FitResult result;
   for (auto _ : state) result = fitAdam(Representation::mlp(), function, start, options);
   countFunctions(state, 1.0);

@@ -39,7 +39,7 @@ workflow/ship_weights.sh out/NAME CONFIG REPRESENTATION ...
 
 puts it here with its card.
 
-All errors are RMSE over all valid support points, of functions of levels that the generators were not trained on. They stand under four words. *Network* is one pass of the generator's network and nothing else. *Corrected* adds the exact last layer, the learned steps and the mirror images: everything without an iterative fit. *Fitted* adds every step of Adam or Levenberg–Marquardt that the bake takes. *Stored* is what the grid holds in the end, bare tents and rounding included.
+All errors are RMSE over all valid support points, of functions of scenes that the generators were not trained on. They stand under four words. *Network* is one pass of the generator's network and nothing else. *Corrected* adds the exact last layer, the learned steps and the mirror images: everything without an iterative fit. *Fitted* adds every step of Adam or Levenberg–Marquardt that the bake takes. *Stored* is what the grid holds in the end, bare tents and rounding included.
 *Share fitted* is the share of functions that took any such step, whether or not its result was kept. *Best known* is the least error that any long fit has found for the same functions. Parentheses hold 95 % intervals. The whole tables, and how all of it was measured, are on the [results page](../docs/reference/results.md).
 """
 
@@ -76,7 +76,7 @@ def training_scenes(run):
     scenes = sorted({shard.rsplit(".", 2)[0] for shard in shards})
     families = {}
     for scene in scenes:
-        match = re.fullmatch(r"(house|maze|colonnade|stairs|clutter|outdoor|cave)_(\d+)", scene)
+        match = re.fullmatch(r"(house|maze|colonnade|stairs|clutter|outdoor|cave|flat|townhouse|office|villa)_(\d+)(_.*)?", scene)
         families.setdefault(match[1] if match else "", []).append(scene)
     levels = families.pop("", [])
     parts = [f"{len(members)} of the procedural family {family}" for family, members in sorted(families.items())]
@@ -167,7 +167,7 @@ def overview(names, evaluation):
             "network fails the check", "share fitted", "of all functions", "stored over best known, median", "hard"]
     rows = [cells + [""] * (len(head) - len(cells)) for _, cells in sorted(rows, key=lambda row: row[0])]
     counts = evaluation["functions"]
-    text = f"\nEvaluation: the {counts['take_theta']:,} functions that take a θ, of {counts['held_out_scenes']} levels, none of them trained on.\n"
+    text = f"\nEvaluation: the {counts['take_theta']:,} functions that take a θ, of {counts['held_out_scenes']} scenes, none of them trained on.\n"
     return text + table(head, rows)
 
 

@@ -6,7 +6,7 @@ POPULATION_NAMES = {"theta": "functions that take a θ", "hard": "hard functions
 POPULATION_ORDER = ("theta", "hard", "all")
 FIT_NAMES = {"direct": "direct", "adam_theta0": "Adam from θ₀", "lm_theta0": "Levenberg–Marquardt from θ₀", "adam_random": "Adam from a random start",
              "best_known": "best known"}
-SPLIT_TITLES = {"evaluation": "Evaluation: levels that no generator was trained on", "validation": "Validation: held-out levels of the game trained on"}
+SPLIT_TITLES = {"evaluation": "Evaluation: scenes that no generator was trained on", "validation": "Validation: held-out scenes of the kinds trained on"}
 
 INTRODUCTION = """# Results
 
@@ -151,8 +151,8 @@ def split_section(key, split):
              f"Training has {counts['held_out_in_training']:,} of them too, by the rule for duplicates, and {counts['held_out_in_training_mirrored']:,} when mirror "
              f"images count. Revision `{split['revision']}`.\n")
     if key == "evaluation":
-        text += ("\nOne setting was once chosen with the help of these levels (commits a41ee66 to 04510fc). They were never trained on, but they are no test that "
-                 "nobody has looked at.\n")
+        text += ("\nOne setting was once chosen with the help of these levels (commits a41ee66 to 04510fc), and villas of other seeds were looked at while "
+                 "the weights were made. None of them was trained on, but they are no test that nobody has looked at.\n")
     return text + figures_section(split) + sample_section(split) + convergence_section(split)
 
 
