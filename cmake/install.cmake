@@ -34,6 +34,7 @@ set(NLG_PUBLIC_HEADERS
   fit/normal_equations.h
   fit/adam.h
   fit/adam_update.h
+  fit/soap_update.h
   fit/levenberg_marquardt.h
   fit/direct.h
   fit/function_check.h

@@ -14,7 +14,7 @@ constexpr int kSteps = 200;
 constexpr double kLowestRate = 1e-6, kHighestRate = 1.0;
 constexpr double kSmoothing = 0.9;      // of the loss, over about ten steps
 constexpr double kDivergedRatio = 2.0;  // of the lowest smoothed loss
-constexpr size_t kFirstSlope = 30;      // before that the smoothed loss is that of few batches, and the rates move nothing
+constexpr size_t kSettled = 30;         // steps before which the smoothed loss is that of few batches, and the rates move nothing
 constexpr size_t kSlopeSteps = 10;      // the slope is taken over so many
 
 double rateOf(int step) { return kLowestRate * std::pow(kHighestRate / kLowestRate, double(step) / (kSteps - 1)); }
@@ -23,7 +23,7 @@ double rateOf(int step) { return kLowestRate * std::pow(kHighestRate / kLowestRa
 double steepestRate(const std::vector<double>& smoothed) {
   size_t best = 0;
   double largest_fall = -INFINITY;
-  for (size_t i = kFirstSlope; i + kSlopeSteps < smoothed.size(); ++i) {
+  for (size_t i = kSettled; i + kSlopeSteps < smoothed.size(); ++i) {
     const double fall = smoothed[i] - smoothed[i + kSlopeSteps];
     if (fall > largest_fall) largest_fall = fall, best = i + kSlopeSteps / 2;
   }
@@ -52,7 +52,7 @@ RateFinding findRate(const TrainOptions& options, const Representation& represen
       finding.diverged = rateOf(i);
       break;
     }
-    lowest = std::min(lowest, value);
+    if (smoothed.size() >= kSettled) lowest = std::min(lowest, value);
     smoothed.push_back(value);
     char line[96];
     std::snprintf(line, sizeof line, "%.6g,%.6g,%.6g\n", rateOf(i), result.loss, value);

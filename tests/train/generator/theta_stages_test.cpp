@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
+#include <algorithm>
 #include <map>
 
 #include "runtime_eval/fit/theta_policy.h"
@@ -296,14 +297,18 @@ TEST(ThetaStages, AreThoseOfBakeTime) {
     StageRunner(generator, options).make(functions.data(), kHeldOutCount, theta.data(), records.data());
 
     int went_all_the_way = 0;
+    std::vector<double> differences;
     for (int n = 0; n < kHeldOutCount; ++n) {
       int steps_taken = 0;
       const double expected = errorAtBakeTime(stages, solveCount(representation), n, &steps_taken);
       went_all_the_way += steps_taken == kSteps;
       const double rmse = functionRmse(representation, decodeFunction(functions[n], pointOrder(representation)), &theta[n * D]);
-      // roundings of the coefficients and of theta, which the steps carry on
-      EXPECT_NEAR(rmse * rmse, expected, 1e-3 * expected) << representationName(representation) << ", function " << n;
+      differences.push_back(std::abs(rmse * rmse - expected) / expected);
+      EXPECT_LT(differences.back(), 1e-2) << representationName(representation) << ", function " << n;
     }
+    // roundings, which steep last layers carry on: as a rule by little
+    std::nth_element(differences.begin(), differences.begin() + kHeldOutCount / 2, differences.end());
+    EXPECT_LT(differences[kHeldOutCount / 2], 1e-4) << representationName(representation);
     EXPECT_GT(went_all_the_way, kHeldOutCount / 4)
         << representationName(representation) << ": too few to say anything about the later steps";
   }

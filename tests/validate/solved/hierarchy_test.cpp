@@ -81,7 +81,9 @@ TEST(Walk, UnderTheLightingItselfTakesTheSameSteps) {
 
 TEST(Hierarchy, AddsEveryStepToTheOneThatItRestsOn) {
   std::vector<Generator> generators;
-  generators.emplace_back(sampleGenerator(Representation::tentMlp(), 24, 3, 1));
+  GeneratorData data = sampleGenerator(Representation::tentMlp(), 24, 3, 1);
+  data.correction.exact_last_layer = true;
+  generators.emplace_back(std::move(data));
   DirectOptions direct;
   direct.adam_steps = 300, direct.levenberg_iterations = 1, direct.restarts = 1;
   PolicyOptions policy;
