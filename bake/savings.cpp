@@ -44,7 +44,7 @@ class SavingsCount {
     addRepresentations();
     addFits();
     addNeverChosen();
-    savings_.push_back(halfTheta());
+    savings_.push_back(thetaBits());
     savings_.push_back({saving::kSolidRays,
                         false,
                         counts_.free_space,
@@ -271,19 +271,19 @@ class SavingsCount {
     }
   }
 
-  Saving halfTheta() const {
-    const bool is_half = precision_ != ThetaPrecision::float32;
-    const size_t stored = lightGridBytes(grid_, {is_half ? precision_ : ThetaPrecision::float16}).theta;
+  Saving thetaBits() const {
+    const bool is_rounded = precision_ != ThetaPrecision::float32;
+    const size_t stored = lightGridBytes(grid_, {is_rounded ? precision_ : ThetaPrecision::float16}).theta;
     const auto bytes = static_cast<int64_t>(grid_.theta.size() * sizeof(float) - stored);
-    return {saving::kHalfTheta,
-            is_half,
+    return {saving::kThetaBits,
+            is_rounded,
             grid_.theta.size(),
             grid_.theta.size(),
             {},
             bytes,
             {},
-            is_half ? std::string("theta_precision: ") + thetaPrecisionName(precision_)
-                    : "theta_precision: float16 would leave them out"};
+            is_rounded ? std::string("theta_precision: ") + thetaPrecisionName(precision_)
+                       : "theta_precision: float16 would leave them out"};
   }
 
   void addTree() {

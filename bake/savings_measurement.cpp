@@ -112,9 +112,9 @@ class SavingsMeasurement {
     if (!chosen.empty()) {
       if (Variant* v = add(saving::kNeverChosenGenerators, true)) v->generators = chosen;
     }
-    const bool is_half = as_asked_.options.policy.theta_precision != ThetaPrecision::float32;
-    if (Variant* v = add(saving::kHalfTheta, !is_half)) {
-      v->options.policy.theta_precision = is_half ? ThetaPrecision::float32 : ThetaPrecision::float16;
+    const bool is_rounded = as_asked_.options.policy.theta_precision != ThetaPrecision::float32;
+    if (Variant* v = add(saving::kThetaBits, !is_rounded)) {
+      v->options.policy.theta_precision = is_rounded ? ThetaPrecision::float32 : ThetaPrecision::float16;
     }
   }
 

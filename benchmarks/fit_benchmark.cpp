@@ -19,8 +19,9 @@ void adam(benchmark::State& state, const Representation& representation, bool ei
   const WeightingFunction function = wallFunction();
   AdamOptions options = refinementAdam(representation, static_cast<int>(state.range(0)));
   options.eigenbasis = eigenbasis;
+  const Theta& theta = start(representation);
   FitResult fit;
-  for (auto _ : state) fit = fitAdam(representation, function, start(representation), options);
+  for (auto _ : state) fit = fitAdam(representation, function, theta, options);
   state.counters["rmse"] = fit.rmse;
 }
 BENCHMARK_CAPTURE(adam, mlp, Representation::mlp(), true)
@@ -42,10 +43,10 @@ BENCHMARK_CAPTURE(adam, plain_tent_mlp, Representation::tentMlp(), false)
 void levenbergMarquardt(benchmark::State& state, const Representation& representation) {
   const WeightingFunction function = wallFunction();
   NormalEquationsKernel kernel;
+  const Theta& theta = start(representation);
   FitResult fit;
   for (auto _ : state) {
-    fit = fitLevenbergMarquardt(representation, function, start(representation), {.iterations = static_cast<int>(state.range(0))},
-                                &kernel);
+    fit = fitLevenbergMarquardt(representation, function, theta, {.iterations = static_cast<int>(state.range(0))}, &kernel);
   }
   state.counters["rmse"] = fit.rmse;
 }

@@ -6,8 +6,6 @@
 namespace nlg {
 namespace {
 
-constexpr float kMostSteps = 127.0f;
-
 // The numbers of one layer's units in theta: unit u has `inputs` weights from weights + u * inputs on, and a bias.
 struct HiddenLayer {
   int weights, inputs, biases, units;
@@ -18,14 +16,16 @@ HiddenLayer secondLayer(const NetworkShape& shape) { return {shape.w2(), shape.f
 
 // Scales and rounds the units of a layer; divides what reads them: number n of `reader_count` that unit u has stands at
 // readers + n * units + u.
-void roundLayer(const HiddenLayer& layer, float step, int readers, int reader_count, float* theta) {
+// most   steps of a unit's largest number
+void roundLayer(const HiddenLayer& layer, float step, int most, int readers, int reader_count, float* theta) {
   for (int u = 0; u < layer.units; ++u) {
     float* weights = theta + layer.weights + u * layer.inputs;
     float& bias = theta[layer.biases + u];
     float largest = std::fabs(bias);
     for (int i = 0; i < layer.inputs; ++i) largest = std::max(largest, std::fabs(weights[i]));
-    if (largest == 0.0f) continue;
-    float scale = kMostSteps * step / largest;
+    const auto isWhole = [&](float value) { return value == step * std::nearbyint(value / step); };
+    if (largest <= kMostThetaSteps * step && isWhole(bias) && std::all_of(weights, weights + layer.inputs, isWhole)) continue;
+    float scale = static_cast<float>(most) * step / largest;
     // numbers so small that their scale is none: they round to 0
     if (!std::isfinite(scale)) scale = 1.0f;
     const auto rounded = [&](float value) { return step * std::nearbyint(value * scale / step); };
@@ -51,14 +51,14 @@ const char* thetaPrecisionName(ThetaPrecision precision) {
 
 float stepOf(const NetworkShape& shape) { return shape.second > 0 ? 0.03125f : 4.0f; }
 
-void roundHiddenLayers(const Representation& network, float* theta) {
+void roundHiddenLayers(const Representation& network, float* theta, UnitSteps most) {
   const NetworkShape& shape = network.shape();
   const float step = stepOf(shape);
   if (shape.second > 0) {
-    roundLayer(firstLayer(shape), step, shape.w2(), shape.second, theta);
-    roundLayer(secondLayer(shape), step, shape.w3(), 1, theta);
+    roundLayer(firstLayer(shape), step, most.first, shape.w2(), shape.second, theta);
+    roundLayer(secondLayer(shape), step, most.second, shape.w3(), 1, theta);
   } else {
-    roundLayer(firstLayer(shape), step, shape.w3(), 1, theta);
+    roundLayer(firstLayer(shape), step, most.first, shape.w3(), 1, theta);
   }
 }
 

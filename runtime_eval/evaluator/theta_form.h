@@ -3,7 +3,7 @@
 // int8 keeps the hidden layers of a network in a byte a number, and its last layer in float16: 122 bytes for `mlp` and
 // `tent_mlp`, 26 for `tent_mlp4`. No scale is stored. LeakyReLU is homogeneous: a hidden unit whose weights and bias are
 // multiplied by a > 0, while all that read it divide by a, leaves the network what it is. So every unit is scaled until the
-// largest of its numbers is 127 steps, and a step is one number for all (stepOf). What rounding does to the hidden layers, an
+// largest of its numbers is 127 steps or a few less, and a step is one number for all (stepOf). What rounding does to the hidden layers, an
 // exact last layer makes up for (fit/last_layer.h); figures: docs/lab/training.md. Product fields stay in float16.
 #pragma once
 
@@ -30,9 +30,15 @@ const char* thetaPrecisionName(ThetaPrecision precision);
 // fits then comes to lie where float16 is fine: with 1/2 it often falls below 2^-14, and its rounding is seen.
 float stepOf(const NetworkShape& shape);
 
+// Steps of the largest number of a unit of each hidden layer, 1 … kMostThetaSteps. Which it is, is free: other sizes round otherwise.
+inline constexpr int kMostThetaSteps = 127;
+struct UnitSteps {
+  int first = kMostThetaSteps, second = kMostThetaSteps;
+};
+
 // Scales every hidden unit of a network, and rounds the numbers of the hidden layers to steps; the last layer takes the scales.
-// Units whose numbers are all 0 stay. A theta that was rounded before stays, bit for bit. theta: D finite floats
-void roundHiddenLayers(const Representation& network, float* theta);
+// Units whose numbers are whole steps already stay, bit for bit: so does a theta that was rounded before. theta: D finite floats
+void roundHiddenLayers(const Representation& network, float* theta, UnitSteps most = {});
 
 // The numbers that a file in this precision gives back, in place: nearest, ties to even.
 // theta     D finite floats

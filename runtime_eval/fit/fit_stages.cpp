@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "runtime_eval/fit/last_layer.h"
 
@@ -69,7 +70,7 @@ void AdamStage::run(ThetaBatch& batch, int* members, int member_count) {
   for (int n = 0; n < member_count; ++n) {
     const int i = members[n];
     const double share = std::min(kMostSteps, std::sqrt(batch.meanSquare(i)) / kFullRmse);
-    options_.steps = std::max(1, static_cast<int>(full_steps_ * share));
+    options_.steps = static_cast<int>(std::clamp(full_steps_ * share, 1.0, double{std::numeric_limits<int>::max()}));
     std::copy_n(batch.theta(i), batch.thetaCount(), theta_.begin());
     const WeightingFunction& function = batch.function(i);
     const FitResult fit = iterateAdam(batch.representation(), function, options_, &workspace_, theta_.data());

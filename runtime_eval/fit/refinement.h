@@ -1,9 +1,10 @@
 // What a bake does with a theta that fails the check: fits on from it, the worst functions first.
 //
 // Rounds of Adam (product fields: Levenberg–Marquardt), each longer than the one before, until the check passes: most functions
-// pass after the first. Before the last round what still fails is tried from theta0 too, a network from random starts and a field
-// from coarse to fine as well. Points where phi is 0 weigh more, which brings leaks under the threshold at no cost in RMSE. Why Adam and not Levenberg–Marquardt, and why these
-// numbers: docs/lab/measurements.md.
+// pass after the first. What still fails is tried from theta0 too, a network from random starts and a field from coarse to fine as
+// well: before the last round, which goes on from the best of them, or at the end where a round ended on its own. Points where phi
+// is 0 weigh more, which brings leaks under the threshold at no cost in RMSE. Why Adam and not Levenberg–Marquardt:
+// docs/lab/measurements.md; why these numbers: docs/lab/training.md.
 #pragma once
 
 #include <cstdint>

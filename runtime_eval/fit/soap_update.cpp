@@ -24,6 +24,8 @@ inline constexpr float kFactorDecay = 0.95f;
 inline constexpr int kBasisSteps = 48;
 // Squared correlation of two directions of a basis from which on they are turned.
 inline constexpr float kTurnedFrom = 1e-4f;
+// Trace of a factor below which no gradient has come for long: what is left of it says nothing of the squares.
+inline constexpr float kLeastTrace = 1e-30f;
 }  // namespace nlg
 #endif
 
@@ -145,11 +147,15 @@ void turnBasis(const SoapFactors& factors, Layer* layer) {
   turn<kC>(layer->right, &layer->right_vectors, &layer->right_rows, right);
   enterBasis<kR, kC>(*layer, mean, &layer->mean);
   for (const float value : left) trace += value;
-  if (!(trace > 0.0f)) return;  // no gradient so far
+  if (!(trace > kLeastTrace)) return;
   const float scale = factors.square_weight / (factors.factor_weight * trace);
   for (int r = 0; r < kR; ++r) {
-    // rounding may leave a value of nearly 0 below it
-    for (int c = 0; c < kC; ++c) layer->square.at[r][c] = scale * std::max(left[r], 0.0f) * std::max(right[c], 0.0f);
+    for (int c = 0; c < kC; ++c) {
+      // rounding may leave a value of nearly 0 below it
+      const float square = scale * std::max(left[r], 0.0f) * std::max(right[c], 0.0f);
+      // the factors forget sooner than the mean may: no step is longer for it
+      layer->square.at[r][c] = std::max(square, layer->mean.at[r][c] * layer->mean.at[r][c]);
+    }
   }
 }
 
@@ -167,9 +173,8 @@ HWY_INLINE void updateMoments(const SoapFactors& factors, Layer* HWY_RESTRICT la
       const auto square = hn::MulAdd(beta2, hn::Load(d, &layer->square.at[r][c]), hn::Mul(square_added, hn::Mul(g, g)));
       hn::Store(mean, d, &layer->mean.at[r][c]);
       hn::Store(square, d, &layer->square.at[r][c]);
-      // 12 bits are plenty for the length of a step, and a root and a division would be a third of the update
-      const auto inverse_root = hn::ApproximateReciprocalSqrt(hn::MulAdd(square, square_scale, epsilon));
-      hn::Store(hn::Mul(hn::Mul(rate, mean), inverse_root), d, &gradient->at[r][c]);
+      // no approximate reciprocal: its bits are not the same on every make of processor
+      hn::Store(hn::Div(hn::Mul(rate, mean), hn::Sqrt(hn::MulAdd(square, square_scale, epsilon))), d, &gradient->at[r][c]);
     });
   }
 }

@@ -21,6 +21,11 @@ constexpr double kOverTent = 1.25, kMostRetry = 2.0;
 // Before iterations of Levenberg–Marquardt the first learned step gains more than it costs, and no other does.
 constexpr int kStepsBeforeIterations = 1;
 
+// Roundings to bytes that are tried for a theta, until one leaves it no more than so many times the error that it had. Few need a
+// second one (docs/lab/training.md).
+constexpr int kRoundingWays = 16;
+constexpr double kRoundingExcess = 1.02;
+
 using Clock = std::chrono::steady_clock;
 float microsecondsSince(Clock::time_point start) {
   return std::chrono::duration<float, std::micro>(Clock::now() - start).count();
@@ -368,18 +373,48 @@ void ThetaPolicy::refine(const StoredFunction& function, MadeTheta* made) {
 bool ThetaPolicy::round(const StoredFunction& function, MadeTheta* made) {
   if (last_ < ThetaStage::rounding || options_.theta_precision == ThetaPrecision::float32 || made->isBareTent()) return true;
   const Clock::time_point start = Clock::now();
-  const Representation& representation = generators_[made->generator]->representation();
-  Theta rounded = made->theta;
-  if (options_.theta_precision == ThetaPrecision::int8 && !representation.isField()) {
-    // the last layer makes up for what the hidden ones lose
-    roundHiddenLayers(representation, rounded.data());
-    solveLastLayer(representation, decodeFunction(function, pointOrder(representation), 0), rounded.data());
-  }
-  if (!roundTheta(representation, options_.theta_precision, rounded.data())) return false;
-  made->theta = std::move(rounded);
-  made->record.at(ThetaWord::stored) = checker_.check(representation, function, made->theta.data(), options_.check());
+  const bool has_bytes =
+      options_.theta_precision == ThetaPrecision::int8 && !generators_[made->generator]->representation().isField();
+  Rounded rounded = has_bytes ? roundToBytes(function, *made) : roundToHalves(function, *made);
+  if (rounded.theta.empty()) return false;
+  made->theta = std::move(rounded.theta);
+  made->record.at(ThetaWord::stored) = rounded.check;
   addTime(ThetaStage::rounding, ThetaWord::stored, microsecondsSince(start), &made->record);
   return true;
+}
+
+ThetaPolicy::Rounded ThetaPolicy::roundToHalves(const StoredFunction& function, const MadeTheta& made) {
+  const Representation& representation = generators_[made.generator]->representation();
+  Rounded rounded{made.theta, {}};
+  if (!roundTheta(representation, ThetaPrecision::float16, rounded.theta.data())) return {};
+  rounded.check = checker_.check(representation, function, rounded.theta.data(), options_.check());
+  return rounded;
+}
+
+// The last layer makes up for what the hidden ones lose; but where refinement weighed leaks, the one that it left may leak less.
+ThetaPolicy::Rounded ThetaPolicy::roundToBytes(const StoredFunction& function, const MadeTheta& made) {
+  const Representation& representation = generators_[made.generator]->representation();
+  const CheckOptions check = options_.check();
+  // where a theta passes, its RMSE alone is what counts
+  const auto badness = [&](const FunctionCheck& of) { return of.passes(check) ? of.rmse / check.tau_rmse : of.trouble(check); };
+  const double enough = kRoundingExcess * badness(made.check());
+  Rounded best;
+  const auto isDone = [&] { return !best.theta.empty() && badness(best.check) <= enough; };
+  const auto offer = [&](Theta theta) {
+    if (!roundTheta(representation, ThetaPrecision::int8, theta.data())) return;
+    const FunctionCheck found = checker_.check(representation, function, theta.data(), check);
+    if (best.theta.empty() || badness(found) < badness(best.check)) best = {std::move(theta), found};
+  };
+  const WeightingFunction values = decodeFunction(function, pointOrder(representation), 0);
+  for (int way = 0; way < kRoundingWays && !isDone(); ++way) {
+    Theta theta = made.theta;
+    roundHiddenLayers(representation, theta.data(), {kMostThetaSteps - 2 * (way % 4), kMostThetaSteps - 2 * (way / 4)});
+    Theta solved = theta;
+    solveLastLayer(representation, values, solved.data());
+    offer(std::move(solved));
+    if (!isDone()) offer(std::move(theta));
+  }
+  return best;
 }
 
 Theta ThetaPolicy::theta0(size_t g) const {

@@ -155,6 +155,13 @@ class ThetaPolicy {
   bool round(const StoredFunction& function, MadeTheta* made);
 
  private:
+  // What rounding makes of theta: the least troubled of several ways, where one is enough.
+  struct Rounded {
+    Theta theta;  // empty: a number is beyond float16, whatever the way
+    FunctionCheck check;
+  };
+  Rounded roundToHalves(const StoredFunction& function, const MadeTheta& made);
+  Rounded roundToBytes(const StoredFunction& function, const MadeTheta& made);
   Theta theta0(size_t generator) const;
   Theta startOfLarger(const StoredFunction& function, size_t generator, const MadeTheta& present);
 

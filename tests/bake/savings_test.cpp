@@ -341,8 +341,8 @@ TEST(SavingsMeasurement, EveryLineThatCanBeTurnedHasFiguresAndSaysWhatChanged) {
   EXPECT_EQ(line(saving::kLargerGenerators).bytes_saved, 0);
   EXPECT_EQ(line(saving::kNeverChosen).bytes_saved, 2000);
   EXPECT_EQ(line(saving::kNeverChosenGenerators).same_result, true) << "its generator never ran";
-  EXPECT_EQ(line(saving::kHalfTheta).same_result, false);
-  EXPECT_NEAR(static_cast<double>(*line(saving::kHalfTheta).bytes_saved), 2.0 * static_cast<double>(bake.grid.theta.size()),
+  EXPECT_EQ(line(saving::kThetaBits).same_result, false);
+  EXPECT_NEAR(static_cast<double>(*line(saving::kThetaBits).bytes_saved), 2.0 * static_cast<double>(bake.grid.theta.size()),
               128.0)
       << "the file's fillers are at most 64 bytes a tensor";
   EXPECT_GT(*line(saving::kAllProbes).bytes_saved, *line(saving::kDuplicates).bytes_saved);

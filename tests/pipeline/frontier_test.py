@@ -111,7 +111,7 @@ def check_families(points):
             found = [point["budget"] for point in own if point["family"] == family]
             expect(len(found) == wanted, f"{name}, {family}: budgets {found}")
         stages = [point for point in own if point["family"] == "stages"]
-        expect(stages[0]["label"] == "network" and stages[-1]["label"] == "rounding to float16", f"{name}: {[p['label'] for p in stages]}")
+        expect(stages[0]["label"] == "network" and stages[-1]["label"] == "rounding to int8", f"{name}: {[p['label'] for p in stages]}")
         expect([word for point in stages for word in point["words"]] == WORDS, f"{name}: {[p['words'] for p in stages]}")
     choices = [point["representation"] for point in points if point["family"] == "choice"]
     expect(choices == ["pf3+pf5"], f"choices: {choices}")

@@ -47,7 +47,7 @@ void addStages(const std::shared_ptr<const Generator>& generator, const PolicyOp
     runs.push_back(runOf(point, run));
   }
   const auto last = std::make_shared<PolicyRun>(SharedGenerators{generator}, options, ThetaStage::rounding);
-  const PlotPoint rounded{name, "stages", 16, "rounding to float16", {}};
+  const PlotPoint rounded{name, "stages", 8, "rounding to int8", {}};
   runs.push_back({{rounded}, [last](const FunctionBlock& block) { return FittedFunctions{last->runAndRound(block)}; }});
 }
 

@@ -5,8 +5,8 @@
 
 namespace nlg {
 
-// Family stages: after each stage of the list, and theta rounded to float16 after the last. The last point of a word is named by it:
-// network, corrected, fitted, stored. Families learned_steps, mirror_images and lm: so many of them at most,
+// Family stages: after each stage of the list, and theta rounded to int8, as a bake stores it, after the last. The last point of a
+// word is named by it: network, corrected, fitted, stored. Families learned_steps, mirror_images and lm: so many of them at most,
 // and no stage after them. Families precision and coefficients: the network alone.
 // generator      made of data
 // coefficients   1 <= each <= the basis's K; empty: 32, 128, 512, … below K

@@ -15,8 +15,8 @@ std::vector<const Generator*> pointersTo(const SharedGenerators& generators) {
 }
 
 // Rounding is asked for function by function, by runAndRound.
-PolicyOptions withHalf(PolicyOptions options) {
-  options.theta_precision = ThetaPrecision::float16;
+PolicyOptions withInt8(PolicyOptions options) {
+  options.theta_precision = ThetaPrecision::int8;
   return options;
 }
 
@@ -25,7 +25,7 @@ double recordedUs(const ThetaRecord& record) { return std::accumulate(record.sta
 }  // namespace
 
 PolicyRun::PolicyRun(SharedGenerators generators, const PolicyOptions& options, ThetaStage last)
-    : generators_(std::move(generators)), policy_(pointersTo(generators_), withHalf(options), last) {}
+    : generators_(std::move(generators)), policy_(pointersTo(generators_), withInt8(options), last) {}
 
 std::vector<FittedFunction> PolicyRun::run(const FunctionBlock& block) {
   made_.resize(block.functions.size());

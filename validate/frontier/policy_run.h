@@ -18,7 +18,7 @@ class PolicyRun {
 
   // theta of functions that take one. The policy's time on the block is shared out among them as its record says.
   std::vector<FittedFunction> run(const FunctionBlock& block);
-  // … rounded to float16 where it can hold them; for this `last` must be the rounding.
+  // … rounded as a bake stores them, to int8; for this `last` must be the rounding.
   std::vector<FittedFunction> runAndRound(const FunctionBlock& block);
 
   const Generator& generator() const { return *generators_.front(); }

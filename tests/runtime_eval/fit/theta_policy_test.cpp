@@ -244,7 +244,7 @@ TEST(ThetaPolicy, RoundsToFloat16AndChecksWhatThatMakesOfIt) {
   }
 }
 
-TEST(ThetaPolicy, SolvesTheLastLayerAgainBehindHiddenLayersInInt8) {
+TEST(ThetaPolicy, LosesLittleByHiddenLayersInInt8) {
   const Functions functions(10);
   for (const Representation& representation : {Representation::tentMlp(), Representation{RepresentationKind::tent_mlp4}}) {
     const Generator generator = solvedGenerator(representation);
@@ -263,8 +263,8 @@ TEST(ThetaPolicy, SolvesTheLastLayerAgainBehindHiddenLayersInInt8) {
       EXPECT_EQ(again, made[i].theta) << i;
       const double fitted = made[i].record.at(ThetaWord::fitted).rmse, stored = made[i].check().rmse;
       EXPECT_EQ(stored, checker.check(representation, functions.views[i], made[i].theta.data(), options.check()).rmse);
-      // a network of such a fit moves by far less than the fit is off
-      EXPECT_LE(stored, fitted + 0.002) << i;
+      EXPECT_LE(stored, 1.1 * fitted) << i;
+      EXPECT_TRUE(made[i].check().passes(options.check()) || !made[i].record.at(ThetaWord::fitted).passes(options.check())) << i;
     }
     EXPECT_GT(thetas, 0);
   }

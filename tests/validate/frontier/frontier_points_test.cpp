@@ -279,7 +279,7 @@ TEST(GeneratorPoints, HaveOneAfterEveryStageOfThePolicyAsThePolicyLeavesIt) {
     }
     std::vector<std::string> expected;
     for (const StagePlan& plan : stagesOf(stageFacts(*generator), {})) expected.push_back(stageTitle(plan.stage));
-    expected.push_back("rounding to float16");
+    expected.push_back("rounding to int8");
     EXPECT_EQ(stages, expected) << name;
     ASSERT_EQ(named.size(), size_t{kThetaWordCount}) << name;
     ThetaPolicy policy({generator.get()}, {});
