@@ -39,7 +39,7 @@ workflow/ship_weights.sh out/NAME CONFIG REPRESENTATION ...
 
 puts it here with its card.
 
-All errors are RMSE over all valid support points, of functions of scenes that the generators were not trained on. They stand under four words. *Network* is one pass of the generator's network and nothing else. *Corrected* adds the exact last layer, the learned steps and the mirror images: everything without an iterative fit. *Fitted* adds every step of Adam or Levenberg–Marquardt that the bake takes. *Stored* is what the grid holds in the end, bare tents and rounding included.
+All errors are RMSE over all valid support points, of functions of scenes that the generators were not trained on. They stand under four words. *Network* is one pass of the generator's network and nothing else. *Corrected* adds what needs no iterative fit: the exact last layer, and learned steps and mirror images where the policy has any. *Fitted* adds every step of Adam or Levenberg–Marquardt that the bake takes. *Stored* is what the grid holds in the end, bare tents and rounding included.
 *Share fitted* is the share of functions that took any such step, whether or not its result was kept. *Best known* is the least error that any long fit has found for the same functions. Parentheses hold 95 % intervals. The whole tables, and how all of it was measured, are on the [results page](../docs/reference/results.md).
 """
 

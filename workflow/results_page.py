@@ -15,7 +15,7 @@ INTRODUCTION = """# Results
 Errors are RMSE over all valid support points, of functions of scenes that no generator was trained on. They are given under four words, always in this order:
 
 - **network**: one pass of the generator's network, and nothing else.
-- **corrected**: with the exact last layer, the learned steps and the mirror images. No iterative fit.
+- **corrected**: with the exact last layer, and with learned steps and mirror images where the policy has any (the stages of each representation are listed below). No iterative fit.
 - **fitted**: with every step of Adam or Levenberg–Marquardt that the bake takes before it writes the grid.
 - **stored**: what the grid holds in the end, bare tents and the rounding of θ included.
 

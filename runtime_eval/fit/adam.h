@@ -22,7 +22,7 @@ struct AdamOptions {
   uint64_t seed = 1;        // order of the batches
 };
 
-// Learning rates that measured best for a start near the solution (docs/lab/measurements.md §7).
+// Learning rates that measured best for a start near the solution (docs/lab/training.md).
 AdamOptions refinementAdam(const Representation& representation, int steps);
 // … and for a random start.
 AdamOptions randomStartAdam(int steps);
