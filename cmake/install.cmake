@@ -49,7 +49,8 @@ set(NLG_PUBLIC_HEADERS
   light_grid/light_form.h
   light_grid/irradiance.h
   light_grid/resampled_light.h
-  light_grid/light_grid_file.h)
+  light_grid/light_grid_file.h
+  shader_grid/shader_grid.h)
 list(TRANSFORM NLG_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/runtime_eval/)
 target_sources(nlg_runtime_eval PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${NLG_PUBLIC_HEADERS})
 

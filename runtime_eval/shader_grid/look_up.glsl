@@ -1,0 +1,332 @@
+// Light at a position, out of a shader grid (shader_grid.h): what lookUpIrradiance says, for a pixel.
+//
+// GLSL 4.50 and GLSL ES 3.00; HLSL follows by spirv-cross. The tests compile it as C++ too. Whoever includes it gives the grid:
+//
+//     uvec4 nlgHeader(int i)    uvec4 number i of the grid's head: the same for all pixels, best kept as constants
+//     uvec4 nlgFour(int i)      words 4 i … 4 i + 3 of the grid
+//     uint nlgWord(int i)       word i of the grid
+//
+// and defines what the grid holds, as ShaderGrid::defines lists it: what is not there is not compiled. NLG_NEAR looks for the
+// nearest cell where a position lies in none, as lookUpIrradiance does; without it such positions are dark.
+
+const int NLG_LIT = 0, NLG_BY_TENTS = 1, NLG_UNLIT = 2, NLG_OUTSIDE = 3;  // LightStatus
+const int NLG_CLASSES = 4;                                                 // uvec4 of the head: the first class of probes
+const float NLG_LEAST_WEIGHT = 1e-6f;                                       // kLeastWeight
+
+struct NlgLight {
+  vec3 irradiance;
+  int status;
+};
+
+struct NlgCell {
+  bool found;
+  int slot;       // word of its low corner's slot
+  int edge;       // slots along an edge of its brick
+  int side_log2;  // units
+  vec3 from_low;  // where the position lies, in shares of the side
+};
+
+// A probe around the position.
+struct NlgCorner {
+  int record;      // uvec4 of the probe's light; its theta follows
+  int kind;        // of its class: NLG_KIND_… and flags
+  float slope;     // of its LeakyReLU
+  float residue;   // what is taken off its weights
+  float step;      // of numbers in bytes
+  int resolution;  // of its field
+  vec3 local;      // the position in its support, [-1, 1]
+  float tent;      // of its support there
+  float ratio;     // the cell's tent over that of the support
+};
+
+const int NLG_KIND_NONE = 0, NLG_KIND_TENT = 1, NLG_KIND_NETWORK_4 = 2, NLG_KIND_NETWORK_44 = 3, NLG_KIND_NETWORK_88 = 4,
+          NLG_KIND_FIELD = 5;
+const int NLG_FLAG_TENT = 8, NLG_FLAG_SIGMOID = 16, NLG_FLAG_HALVES = 32;  // beside the kind: its low three bits
+
+vec4 nlgBytes(uint word) {
+  return vec4(float(int(word << 24) >> 24), float(int(word << 16) >> 24), float(int(word << 8) >> 24), float(int(word) >> 24));
+}
+vec4 nlgHalves(uint low, uint high) { return vec4(unpackHalf2x16(low), unpackHalf2x16(high)); }
+vec4 nlgLeaky(vec4 value, float slope) { return max(value, slope * value); }
+
+// ---- from a position to its cell: two reads
+
+// unit   of the lattice, >= 0; units: the position, in the closed cube of that unit
+NlgCell nlgCellOfUnit(ivec3 unit, vec3 units) {
+  NlgCell cell;
+  cell.found = false;
+  cell.slot = 0;
+  cell.edge = 0;
+  cell.side_log2 = 0;
+  cell.from_low = vec3(0.0f);
+  uvec4 low = nlgHeader(1), count = nlgHeader(2);
+  ivec3 blocks = ivec3(int(count.x), int(count.y), int(count.z));
+  ivec3 block = (unit >> 2) - ivec3(int(low.x), int(low.y), int(low.z));
+  if (any(lessThan(block, ivec3(0))) || any(greaterThanEqual(block, blocks))) return cell;
+  uint entry = nlgWord(int(low.w) + (block.z * blocks.y + block.y) * blocks.x + block.x);
+  if (entry == 0xffffffffu) return cell;
+  int cells = 1 << (int(entry >> 27) & 3);
+  cell.side_log2 = int(entry >> 29);
+  cell.edge = cells + 1;
+  ivec3 at = (unit >> cell.side_log2) & (cells - 1);
+  cell.slot = int(count.w) + int(entry & 0x7ffffffu) + (at.z * cell.edge + at.y) * cell.edge + at.x;
+  int side = 1 << cell.side_log2;
+  cell.from_low = (units - vec3(unit & -side)) / float(side);
+  cell.found = nlgWord(cell.slot) >> 31 != 0u;
+  return cell;
+}
+
+NlgCell nlgFindCell(vec3 units) {
+  // what is no number is in no unit
+  bool inside = all(greaterThanEqual(units, vec3(0.0f))) && all(lessThan(units, vec3(2097152.0f)));
+  return nlgCellOfUnit(inside ? ivec3(floor(units)) : ivec3(-4), units);
+}
+
+#ifdef NLG_NEAR
+// A used cell holds whole units: the nearest of the 26 around is as near as the nearest cell.
+NlgCell nlgFindNearCell(vec3 units) {
+  NlgCell nearest;
+  nearest.found = false;
+  if (!(all(greaterThan(units, vec3(-1.0f))) && all(lessThan(units, vec3(2097152.0f))))) return nearest;
+  ivec3 unit = ivec3(floor(units));
+  float least = 3.0e38f;
+  for (int n = 0; n < 27; ++n) {
+    ivec3 near = unit + ivec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+    vec3 place = clamp(units, vec3(near), vec3(near) + vec3(1.0f));
+    float distance_square = dot(units - place, units - place);
+    if (any(lessThan(near, ivec3(0))) || distance_square >= least) continue;
+    NlgCell cell = nlgCellOfUnit(near, place);
+    if (!cell.found) continue;
+    least = distance_square;
+    nearest = cell;
+  }
+  return nearest;
+}
+#endif
+
+NlgCorner nlgCornerOf(NlgCell cell, int c) {
+  ivec3 high = ivec3(c & 1, c >> 1 & 1, c >> 2);
+  uint slot = nlgWord(cell.slot + (high.z * cell.edge + high.y) * cell.edge + high.x);
+  int probe = int(slot & 0x7ffffffu);
+  // in shares of the probe's own spacing, which may be that of a larger cell
+  float per_spacing = 1.0f / float(1 << (int(slot >> 27 & 7u) - cell.side_log2));
+  vec3 is_high = vec3(high);
+  vec3 apart = mix(cell.from_low, vec3(1.0f) - cell.from_low, is_high);
+  vec3 local = apart * per_spacing;
+  NlgCorner corner;
+  corner.local = local * (vec3(1.0f) - 2.0f * is_high);
+  vec3 tents = vec3(1.0f) - local;
+  corner.tent = tents.x * tents.y * tents.z;
+  corner.ratio = 1.0f;
+  if (per_spacing < 1.0f) {
+    vec3 ratios = (vec3(1.0f) - apart) / tents;
+    corner.ratio = ratios.x * ratios.y * ratios.z;
+  }
+  // probes are numbered class by class
+  int k = 0;
+  while (k + 1 < NLG_CLASS_COUNT && probe >= int(nlgHeader(NLG_CLASSES + 2 * k + 2).x)) ++k;
+  uvec4 records = nlgHeader(NLG_CLASSES + 2 * k), numbers = nlgHeader(NLG_CLASSES + 2 * k + 1);
+  corner.record = int(records.y) + (probe - int(records.x)) * int(records.z);
+  corner.kind = int(records.w);
+  corner.slope = uintBitsToFloat(numbers.x);
+  corner.residue = uintBitsToFloat(numbers.y);
+  corner.step = uintBitsToFloat(numbers.z);
+  corner.resolution = int(numbers.w);
+  return corner;
+}
+
+// ---- weighting functions
+
+#ifdef NLG_NETWORK_4
+// 3 -> 4 -> 1
+float nlgNetwork4(NlgCorner of) {
+  int theta = of.record + 2;
+  vec4 wx, wy, wz, b, w3;
+  float b3;
+  uvec4 first = nlgFour(theta), second = nlgFour(theta + 1);
+  if ((of.kind & NLG_FLAG_HALVES) != 0) {
+    uvec4 third = nlgFour(theta + 2);
+    wx = nlgHalves(first.x, first.y), wy = nlgHalves(first.z, first.w);
+    wz = nlgHalves(second.x, second.y), b = nlgHalves(second.z, second.w);
+    w3 = nlgHalves(third.x, third.y), b3 = unpackHalf2x16(third.z).x;
+  } else {
+    wx = of.step * nlgBytes(first.x), wy = of.step * nlgBytes(first.y);
+    wz = of.step * nlgBytes(first.z), b = of.step * nlgBytes(first.w);
+    w3 = nlgHalves(second.x, second.y), b3 = unpackHalf2x16(second.z).x;
+  }
+  vec4 hidden = nlgLeaky(b + wx * of.local.x + wy * of.local.y + wz * of.local.z, of.slope);
+  return b3 + dot(w3, hidden);
+}
+#endif
+
+#if defined(NLG_NETWORK_44) || defined(NLG_NETWORK_88)
+// Four numbers of a network of two hidden layers, by their place in its list.
+vec4 nlgHidden(NlgCorner of, int place) {
+  int theta = 4 * (of.record + 2);
+  if ((of.kind & NLG_FLAG_HALVES) != 0) return nlgHalves(nlgWord(theta + 2 * place), nlgWord(theta + 2 * place + 1));
+  return of.step * nlgBytes(nlgWord(theta + place));
+}
+// … of the last layer, behind `hidden` such fours.
+vec4 nlgLast(NlgCorner of, int hidden, int place) {
+  int word = 4 * (of.record + 2) + ((of.kind & NLG_FLAG_HALVES) != 0 ? 2 * hidden : hidden) + 2 * place;
+  return nlgHalves(nlgWord(word), nlgWord(word + 1));
+}
+#endif
+
+#ifdef NLG_NETWORK_44
+// 3 -> 4 -> 4 -> 1
+float nlgNetwork44(NlgCorner of) {
+  vec4 first = nlgHidden(of, 3) + nlgHidden(of, 0) * of.local.x + nlgHidden(of, 1) * of.local.y +
+               nlgHidden(of, 2) * of.local.z;
+  first = nlgLeaky(first, of.slope);
+  vec4 second = nlgHidden(of, 8);
+  for (int i = 0; i < 4; ++i) second += first[i] * nlgHidden(of, 4 + i);
+  return nlgLast(of, 9, 1).x + dot(nlgLast(of, 9, 0), nlgLeaky(second, of.slope));
+}
+#endif
+
+#ifdef NLG_NETWORK_88
+// 3 -> 8 -> 8 -> 1
+float nlgNetwork88(NlgCorner of) {
+  vec4 first[2];
+  for (int n = 0; n < 2; ++n) {
+    vec4 sum = nlgHidden(of, 6 + n) + nlgHidden(of, n) * of.local.x + nlgHidden(of, 2 + n) * of.local.y +
+               nlgHidden(of, 4 + n) * of.local.z;
+    first[n] = nlgLeaky(sum, of.slope);
+  }
+  vec4 low = nlgHidden(of, 24), high = nlgHidden(of, 25);
+  for (int i = 0; i < 8; ++i) {
+    float unit = first[i >> 2][i & 3];
+    low += unit * nlgHidden(of, 8 + 2 * i);
+    high += unit * nlgHidden(of, 9 + 2 * i);
+  }
+  return nlgLast(of, 26, 2).x + dot(nlgLast(of, 26, 0), nlgLeaky(low, of.slope)) +
+         dot(nlgLast(of, 26, 1), nlgLeaky(high, of.slope));
+}
+#endif
+
+#ifdef NLG_FIELD
+// clamp(A, 0, 1) sigmoid(B), both trilinear in r³ nodes; a node is a word: A, B.
+float nlgField(NlgCorner of) {
+  int r = of.resolution;
+  vec3 position = clamp((of.local + vec3(1.0f)) * 0.5f, vec3(0.0f), vec3(1.0f)) * float(r - 1);
+  ivec3 node = min(ivec3(position), ivec3(r - 2));
+  vec3 share = position - vec3(node);
+  vec2 sum = vec2(0.0f);
+  for (int c = 0; c < 8; ++c) {
+    ivec3 high = ivec3(c & 1, c >> 1 & 1, c >> 2);
+    ivec3 corner = node + high;
+    vec3 part = mix(vec3(1.0f) - share, share, vec3(high));
+    int word = 4 * (of.record + 2) + (corner.z * r + corner.y) * r + corner.x;
+    sum += part.x * part.y * part.z * unpackHalf2x16(nlgWord(word));
+  }
+  return clamp(sum.x, 0.0f, 1.0f) / (1.0f + exp(-sum.y));
+}
+#endif
+
+// The weighting function in the tent's bounds, before the residue.
+float nlgWeight(NlgCorner corner) {
+  int kind = corner.kind & 7;
+  if (kind == NLG_KIND_NONE) return 0.0f;
+  if (kind == NLG_KIND_TENT) return corner.tent * corner.ratio;
+  float phi = 0.0f;
+#ifdef NLG_NETWORK_4
+  if (kind == NLG_KIND_NETWORK_4) phi = nlgNetwork4(corner);
+#endif
+#ifdef NLG_NETWORK_44
+  if (kind == NLG_KIND_NETWORK_44) phi = nlgNetwork44(corner);
+#endif
+#ifdef NLG_NETWORK_88
+  if (kind == NLG_KIND_NETWORK_88) phi = nlgNetwork88(corner);
+#endif
+#ifdef NLG_FIELD
+  if (kind == NLG_KIND_FIELD) phi = nlgField(corner);
+#endif
+  if ((corner.kind & NLG_FLAG_SIGMOID) != 0) phi = 1.0f / (1.0f + exp(-phi));
+  if ((corner.kind & NLG_FLAG_TENT) != 0) phi *= corner.tent;
+  return phi > 0.0f ? min(phi, corner.tent) * corner.ratio : 0.0f;
+}
+
+// ---- light
+
+// The shares of irradiance of the nine coefficients, for a normal of length 1 (spherical_harmonics.h).
+struct NlgBasis {
+  float mean;
+  vec4 low, high;  // of orders 1 and 2
+};
+NlgBasis nlgBasisOf(vec3 n) {
+  NlgBasis basis;
+  basis.mean = 0.28209479f * 3.14159265f;
+  basis.low = vec4(0.48860251f * 2.09439510f * vec3(n.y, n.z, n.x), 1.09254843f * 0.78539816f * n.x * n.y);
+  basis.high = 0.78539816f * vec4(1.09254843f * n.y * n.z, 0.31539157f * (3.0f * n.z * n.z - 1.0f), 1.09254843f * n.x * n.z,
+                                 0.54627422f * (n.x * n.x - n.y * n.y));
+  return basis;
+}
+
+// Irradiance by one probe, over the grid's scale.
+vec3 nlgProbeIrradiance(int record, NlgBasis basis) {
+  uvec4 a = nlgFour(record), b = nlgFour(record + 1);
+  vec4 mean = nlgHalves(a.x, a.y);  // Y00 of red, green, blue, and the largest of all others
+  // 24 steps: red, green, blue of each coefficient in turn
+  vec4 s0 = nlgBytes(a.z), s1 = nlgBytes(a.w), s2 = nlgBytes(b.x), s3 = nlgBytes(b.y), s4 = nlgBytes(b.z), s5 = nlgBytes(b.w);
+  vec3 sum = basis.low.x * vec3(s0.x, s0.y, s0.z) + basis.low.y * vec3(s0.w, s1.x, s1.y) +
+             basis.low.z * vec3(s1.z, s1.w, s2.x) + basis.low.w * vec3(s2.y, s2.z, s2.w) +
+             basis.high.x * vec3(s3.x, s3.y, s3.z) + basis.high.y * vec3(s3.w, s4.x, s4.y) +
+             basis.high.z * vec3(s4.z, s4.w, s5.x) + basis.high.w * vec3(s5.y, s5.z, s5.w);
+  return basis.mean * vec3(mean.x, mean.y, mean.z) + (mean.w / 127.0f) * sum;
+}
+
+// position_m   in the frame of the level
+// normal       length 1
+NlgLight nlgIrradiance(vec3 position_m, vec3 normal) {
+  NlgLight light;
+  light.irradiance = vec3(0.0f);
+  light.status = NLG_LIT;
+  vec4 frame = uintBitsToFloat(nlgHeader(0));
+  vec3 units = (position_m - vec3(frame.x, frame.y, frame.z)) * frame.w;
+  NlgCell cell = nlgFindCell(units);
+  if (!cell.found) {
+    light.status = NLG_OUTSIDE;
+#ifdef NLG_NEAR
+    cell = nlgFindNearCell(units);
+#endif
+    if (!cell.found) return light;
+  }
+
+  int record[8];
+  float weight[8], residue[8], tents[8];
+  float largest = 0.0f;
+  for (int c = 0; c < 8; ++c) {
+    NlgCorner corner = nlgCornerOf(cell, c);
+    record[c] = corner.record;
+    weight[c] = nlgWeight(corner);
+    residue[c] = corner.residue;
+    tents[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : corner.tent * corner.ratio;
+    largest = max(largest, weight[c]);
+  }
+  float sum = 0.0f;
+  for (int c = 0; c < 8; ++c) {
+    weight[c] -= min(residue[c], 0.5f * largest);
+    if (!(weight[c] >= NLG_LEAST_WEIGHT)) weight[c] = 0.0f;
+    sum += weight[c];
+  }
+  if (sum == 0.0f) {
+    // no function has weight here: bare tents, which nothing stops at walls
+    if (light.status == NLG_LIT) light.status = NLG_BY_TENTS;
+    for (int c = 0; c < 8; ++c) {
+      weight[c] = tents[c] >= NLG_LEAST_WEIGHT ? tents[c] : 0.0f;
+      sum += weight[c];
+    }
+  }
+  if (sum == 0.0f) {
+    if (light.status == NLG_BY_TENTS) light.status = NLG_UNLIT;
+    return light;
+  }
+  NlgBasis basis = nlgBasisOf(normal);
+  for (int c = 0; c < 8; ++c) {
+    if (weight[c] > 0.0f) light.irradiance += weight[c] * nlgProbeIrradiance(record[c], basis);
+  }
+  float scale = uintBitsToFloat(nlgHeader(3).x);
+  light.irradiance = max(light.irradiance * (scale / sum), vec3(0.0f));
+  return light;
+}

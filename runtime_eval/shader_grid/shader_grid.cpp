@@ -1,0 +1,344 @@
+#include "runtime_eval/shader_grid/shader_grid.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "runtime_eval/evaluator/theta_form.h"
+#include "runtime_eval/light_grid/light_form.h"
+#include "runtime_eval/light_grid/probe_tree_data.h"
+#include "runtime_eval/numbers/half.h"
+
+namespace nlg {
+namespace {
+
+// look_up.glsl's
+enum Kind : uint32_t { kNone, kTent, kNetwork4, kNetwork44, kNetwork88, kField };
+constexpr uint32_t kTentFlag = 8, kSigmoidFlag = 16, kHalvesFlag = 32;
+constexpr int kClassHeader = 4, kHeadersAClass = 2;
+constexpr uint32_t kNoBlock = 0xffffffffu, kIndexMask = (1u << 27) - 1, kUsed = 1u << 31;
+constexpr int kBlockLog2 = 2, kBlockSide = 1 << kBlockLog2;
+constexpr size_t kLightWords = 8, kWordsAFour = 4;
+constexpr uint64_t kMostWords = 1ull << 29;
+
+WeightsResult refuse(std::string detail) { return {WeightsStatus::value_out_of_range, std::move(detail)}; }
+
+size_t toFours(size_t words) { return (words + kWordsAFour - 1) / kWordsAFour * kWordsAFour; }
+
+uint32_t bitsOf(float value) { return std::bit_cast<uint32_t>(value); }
+
+uint32_t pairOf(Half low, Half high) { return low.bits | uint32_t{high.bits} << 16; }
+
+// Probes whose records look alike.
+struct ProbeClass {
+  uint32_t kind = kNone;  // and flags
+  Representation representation;
+  uint32_t first_probe = 0;
+  size_t stride = 0;  // words
+  size_t first_record = 0;
+};
+
+Kind kindOf(const Representation& representation) {
+  if (representation.isField()) return kField;
+  const NetworkShape& shape = representation.shape();
+  return shape.second == 0 ? kNetwork4 : shape.first == 4 ? kNetwork44 : kNetwork88;
+}
+
+const char* defineOf(uint32_t kind) {
+  constexpr const char* kDefines[] = {"", "", "NLG_NETWORK_4", "NLG_NETWORK_44", "NLG_NETWORK_88", "NLG_FIELD"};
+  return kDefines[kind & 7];
+}
+
+// Whether shaders have code for a network of this shape.
+bool isKnown(const Representation& representation) {
+  if (representation.isField()) return true;
+  const NetworkShape& shape = representation.shape();
+  return (shape.first == 4 && (shape.second == 0 || shape.second == 4)) || (shape.first == 8 && shape.second == 8);
+}
+
+// The numbers of a network in the order of records: fours, columns of matrices; -1 is a gap. Hidden layers first.
+struct NetworkOrder {
+  std::vector<int> hidden, last;
+  explicit NetworkOrder(const NetworkShape& shape) {
+    for (int input = 0; input < 3; ++input) {
+      for (int unit = 0; unit < shape.first; ++unit) hidden.push_back(shape.w1() + 3 * unit + input);
+    }
+    for (int unit = 0; unit < shape.first; ++unit) hidden.push_back(shape.b1() + unit);
+    for (int input = 0; input < shape.first && shape.second > 0; ++input) {
+      for (int unit = 0; unit < shape.second; ++unit) hidden.push_back(shape.w2() + shape.first * unit + input);
+    }
+    for (int unit = 0; unit < shape.second; ++unit) hidden.push_back(shape.b2() + unit);
+    for (int unit = 0; unit < shape.last(); ++unit) last.push_back(shape.w3() + unit);
+    last.insert(last.end(), {shape.b3(), -1, -1, -1});
+  }
+};
+
+bool isInBytes(const Representation& representation, const float* theta) {
+  std::vector<float> rounded(theta, theta + representation.thetaCount());
+  return !representation.isField() && roundTheta(representation, ThetaPrecision::int8, rounded.data()) &&
+         std::equal(rounded.begin(), rounded.end(), theta);
+}
+
+class Packer {
+ public:
+  explicit Packer(const LightGrid& grid) : grid_(grid) {}
+
+  WeightsResult pack(ShaderGrid* result) {
+    if (grid_.light.empty()) return refuse("a grid without light; shaders have nothing to show of it");
+    findClasses();
+    for (const ProbeClass& of : classes_) {
+      if (!isKnown(of.representation)) return refuse(std::string("no shader for ") + representationName(of.representation));
+    }
+    numberProbes();
+    result->header_count = kClassHeader + kHeadersAClass * static_cast<int>(classes_.size());
+    words_.resize(static_cast<size_t>(result->header_count) * kWordsAFour);
+    WeightsResult packed = addTree(result);
+    if (packed.ok()) packed = addRecords(result);
+    if (!packed.ok()) return packed;
+    writeHeader();
+    defines(result);
+    result->words = std::move(words_);
+    return {};
+  }
+
+ private:
+  // A class a representation and form of theta that some probe has, then bare tents, then probes without weight.
+  void findClasses() {
+    const size_t forms = grid_.representations.size() * 2;
+    std::vector<uint8_t> form_of_function(grid_.functionCount());
+    std::vector<bool> in_bytes(grid_.representations.size(), true);
+    for (size_t f = 0; f < grid_.functionCount(); ++f) {
+      const uint8_t r = grid_.function_representation[f];
+      if (in_bytes[r]) in_bytes[r] = isInBytes(grid_.representations[r], grid_.functionTheta(f));
+    }
+    std::vector<size_t> class_of_representation(forms, 0);
+    std::vector<bool> used(grid_.representations.size(), false);
+    for (const uint32_t f : grid_.probe_function) {
+      if (f < kNoWeight) used[grid_.function_representation[f]] = true;
+    }
+    for (size_t r = 0; r < grid_.representations.size(); ++r) {
+      if (!used[r]) continue;
+      const Representation& representation = grid_.representations[r];
+      class_of_representation[r] = classes_.size();
+      ProbeClass& of = classes_.emplace_back();
+      of.representation = representation;
+      of.kind = kindOf(representation);
+      size_t theta_words = 0;
+      if (representation.isField()) {
+        theta_words = static_cast<size_t>(representation.thetaCount()) / 2;
+      } else {
+        const NetworkShape& shape = representation.shape();
+        if (representation.tentFactor()) of.kind |= kTentFlag;
+        if (shape.output == OutputFunction::sigmoid) of.kind |= kSigmoidFlag;
+        if (!in_bytes[r]) of.kind |= kHalvesFlag;
+        const auto hidden = static_cast<size_t>(shape.w3());
+        theta_words = (in_bytes[r] ? hidden / 4 : hidden / 2) + static_cast<size_t>(shape.last()) / 2 + 1;
+      }
+      of.stride = toFours(kLightWords + theta_words);
+    }
+    classes_.push_back({kTent, {}, 0, kLightWords, 0});
+    classes_.push_back({kNone, {}, 0, 0, 0});
+    class_of_probe_.reserve(grid_.probe_function.size());
+    for (const uint32_t f : grid_.probe_function) {
+      class_of_probe_.push_back(static_cast<uint16_t>(f == kFreeSpace ? classes_.size() - 2
+                                                      : f == kNoWeight
+                                                          ? classes_.size() - 1
+                                                          : class_of_representation[grid_.function_representation[f]]));
+    }
+  }
+
+  // Within a class in the tree's order: neighbours in space are neighbours in memory.
+  void numberProbes() {
+    uint32_t next = 0;
+    number_.resize(class_of_probe_.size());
+    for (size_t k = 0; k < classes_.size(); ++k) {
+      classes_[k].first_probe = next;
+      for (size_t probe = 0; probe < class_of_probe_.size(); ++probe) {
+        if (class_of_probe_[probe] == k) number_[probe] = next++;
+      }
+    }
+  }
+
+  WeightsResult addTree(ShaderGrid* result) {
+    const ProbeTreeData tree = probeTreeData(grid_.tree);
+    const ProbeTreeLists lists = probeTreeLists(grid_.tree);
+    if (lists.slots.size() > kIndexMask) return refuse(std::to_string(lists.slots.size()) + " slots; shaders name 2^27");
+    // the box of all blocks that a used cell reaches into
+    std::array<int32_t, 3> low{INT32_MAX, INT32_MAX, INT32_MAX}, high{0, 0, 0};
+    grid_.tree.forEachCell([&](const ProbeCell& cell) {
+      for (size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = std::min(low[axis], cell.low[axis] >> kBlockLog2);
+        high[axis] = std::max(high[axis], ((cell.low[axis] + cell.side - 1) >> kBlockLog2) + 1);
+      }
+    });
+    uint64_t count = 1;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      first_block_[axis] = grid_.tree.cellCount() > 0 ? low[axis] : 0;
+      block_count_[axis] = grid_.tree.cellCount() > 0 ? high[axis] - low[axis] : 0;
+      count *= static_cast<uint64_t>(block_count_[axis]);
+    }
+    if (count > kMaxShaderBlocks) return refuse(std::to_string(count) + " blocks of 4³ units; shaders take 2^26");
+    first_block_word_ = words_.size();
+    words_.resize(words_.size() + toFours(count), kNoBlock);
+    first_slot_word_ = words_.size();
+    words_.resize(words_.size() + toFours(lists.slots.size()));
+    for (size_t i = 0; i < lists.slots.size(); ++i) {
+      const uint32_t slot = lists.slots[i];
+      if (slot != kNoProbe) words_[first_slot_word_ + i] = number_[slot & kIndexMask] | (slot >> 27) << 27;
+    }
+    // nodes stand parents first: what a child says of its blocks comes after what its parent says
+    size_t node = 0;
+    grid_.tree.forEachNode([&](const ProbeNode& place) { addNode(tree, lists, node++, place); });
+    result->tree_bytes = (words_.size() - first_block_word_) * sizeof(uint32_t);
+    return {};
+  }
+
+  void addNode(const ProbeTreeData& tree, const ProbeTreeLists& lists, size_t node, const ProbeNode& place) {
+    if (tree.used_mask[node] == 0) return;
+    const uint32_t cells = tree.cell_count[node], edge = cells + 1;
+    const auto cells_log2 = static_cast<uint32_t>(std::countr_zero(cells));
+    const uint32_t entry = lists.first_slot[node] | cells_log2 << 27 | uint32_t{lists.cell_log2[node]} << 29;
+    for (uint64_t mask = tree.used_mask[node]; mask != 0; mask &= mask - 1) {
+      const auto bit = static_cast<uint32_t>(std::countr_zero(mask));
+      const std::array<uint32_t, 3> at{bit & 3, bit >> 2 & 3, bit >> 4};
+      words_[first_slot_word_ + lists.first_slot[node] + (at[2] * edge + at[1]) * edge + at[0]] |= kUsed;
+      std::array<int32_t, 3> cell_low;
+      for (size_t axis = 0; axis < 3; ++axis)
+        cell_low[axis] = place.low[axis] + static_cast<int32_t>(at[axis] << lists.cell_log2[node]);
+      forEachBlock(cell_low, 1 << lists.cell_log2[node], [&](size_t block) { words_[first_block_word_ + block] = entry; });
+    }
+  }
+
+  template <class Visit>
+  void forEachBlock(const std::array<int32_t, 3>& low, int32_t side, const Visit& visit) const {
+    std::array<int32_t, 3> begin, end;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      begin[axis] = (low[axis] >> kBlockLog2) - first_block_[axis];
+      end[axis] = begin[axis] + std::max(1, side / kBlockSide);
+    }
+    for (int32_t z = begin[2]; z < end[2]; ++z) {
+      for (int32_t y = begin[1]; y < end[1]; ++y) {
+        for (int32_t x = begin[0]; x < end[0]; ++x)
+          visit((static_cast<size_t>(z) * block_count_[1] + static_cast<size_t>(y)) * block_count_[0] + static_cast<size_t>(x));
+      }
+    }
+  }
+
+  WeightsResult addRecords(ShaderGrid* result) {
+    PackedLight light;
+    const WeightsResult packed = packLight(LightForm::sh2_8bit, grid_.light, &light);
+    if (!packed.ok()) return packed;
+    scale_ = light.scale;
+    size_t end = words_.size();
+    for (size_t k = 0; k < classes_.size(); ++k) {
+      const size_t next = k + 1 < classes_.size() ? classes_[k + 1].first_probe : number_.size();
+      classes_[k].first_record = end;
+      end += classes_[k].stride * (next - classes_[k].first_probe);
+    }
+    if (end > kMostWords) return refuse(std::to_string(end) + " words; shaders count 2^29");
+    words_.resize(end, 0);
+    for (size_t probe = 0; probe < number_.size(); ++probe) {
+      const ProbeClass& of = classes_[class_of_probe_[probe]];
+      if (of.stride == 0) continue;
+      uint32_t* record = &words_[of.first_record + of.stride * (number_[probe] - of.first_probe)];
+      addLight(light, probe, record);
+      result->light_bytes += kLightWords * sizeof(uint32_t);
+      const uint32_t function = grid_.probe_function[probe];
+      if (function >= kNoWeight) continue;
+      if (!addTheta(of, grid_.functionTheta(function), record + kLightWords))
+        return refuse("function " + std::to_string(function) + ": a number beyond float16");
+      result->theta_bytes += (of.stride - kLightWords) * sizeof(uint32_t);
+    }
+    return {};
+  }
+
+  static void addLight(const PackedLight& light, size_t probe, uint32_t* words) {
+    const Half* halves = &light.halves[4 * probe];
+    words[0] = pairOf(halves[0], halves[1]), words[1] = pairOf(halves[2], halves[3]);
+    for (size_t i = 0; i < 24; ++i)
+      words[2 + i / 4] |= uint32_t{static_cast<uint8_t>(light.steps[24 * probe + i])} << 8 * (i % 4);
+  }
+
+  // false: a number is beyond float16
+  static bool addTheta(const ProbeClass& of, const float* theta, uint32_t* words) {
+    bool fits = true;
+    const auto half = [&](int place) {
+      Half rounded;
+      fits = (place < 0 || halfFromFloat(theta[place], &rounded)) && fits;
+      return rounded;
+    };
+    if (of.representation.isField()) {
+      for (int node = 0; node < of.representation.thetaCount() / 2; ++node) *words++ = pairOf(half(2 * node), half(2 * node + 1));
+      return fits;
+    }
+    const NetworkOrder order(of.representation.shape());
+    if (of.kind & kHalvesFlag) {
+      for (size_t i = 0; i < order.hidden.size(); i += 2) *words++ = pairOf(half(order.hidden[i]), half(order.hidden[i + 1]));
+    } else {
+      const float step = stepOf(of.representation.shape());
+      for (size_t i = 0; i < order.hidden.size(); ++i) {
+        const auto steps = static_cast<uint8_t>(static_cast<int8_t>(theta[order.hidden[i]] / step));
+        words[i / 4] |= uint32_t{steps} << 8 * (i % 4);
+      }
+      words += order.hidden.size() / 4;
+    }
+    for (size_t i = 0; i + 2 < order.last.size(); i += 2) *words++ = pairOf(half(order.last[i]), half(order.last[i + 1]));
+    return fits;
+  }
+
+  void writeHeader() {
+    const ProbeTreeFrame& frame = grid_.tree.frame();
+    const auto write = [&](size_t at, const std::array<uint32_t, 4>& four) {
+      std::copy(four.begin(), four.end(), &words_[at * kWordsAFour]);
+    };
+    const auto metres = [&](size_t axis) { return bitsOf(static_cast<float>(frame.first_m[axis])); };
+    write(0, {metres(0), metres(1), metres(2), bitsOf(static_cast<float>(1.0 / frame.spacing_m))});
+    const auto blocks = [](const std::array<int32_t, 3>& of, size_t word) {
+      return std::array<uint32_t, 4>{static_cast<uint32_t>(of[0]), static_cast<uint32_t>(of[1]), static_cast<uint32_t>(of[2]),
+                                     static_cast<uint32_t>(word)};
+    };
+    write(1, blocks(first_block_, first_block_word_));
+    write(2, blocks(block_count_, first_slot_word_));
+    write(3, {bitsOf(scale_), static_cast<uint32_t>(classes_.size()), 0, 0});
+    for (size_t k = 0; k < classes_.size(); ++k) {
+      const ProbeClass& of = classes_[k];
+      const bool has_function = (of.kind & 7) > kTent, is_network = has_function && !of.representation.isField();
+      write(kClassHeader + kHeadersAClass * k, {of.first_probe, static_cast<uint32_t>(of.first_record / kWordsAFour),
+                                                static_cast<uint32_t>(of.stride / kWordsAFour), of.kind});
+      write(kClassHeader + kHeadersAClass * k + 1,
+            {bitsOf(of.representation.slope), bitsOf(has_function ? of.representation.residue() : 0.0f),
+             bitsOf(is_network ? stepOf(of.representation.shape()) : 0.0f), static_cast<uint32_t>(of.representation.resolution)});
+    }
+  }
+
+  void defines(ShaderGrid* result) const {
+    for (const ProbeClass& of : classes_) {
+      const std::string define = defineOf(of.kind);
+      std::vector<std::string>& all = result->defines;
+      if (!define.empty() && std::find(all.begin(), all.end(), define) == all.end()) all.push_back(define);
+    }
+    result->defines.push_back("NLG_CLASS_COUNT " + std::to_string(classes_.size()));
+  }
+
+  const LightGrid& grid_;
+  std::vector<ProbeClass> classes_;
+  std::vector<uint16_t> class_of_probe_;
+  std::vector<uint32_t> number_;  // by probe
+  std::vector<uint32_t> words_;
+  std::array<int32_t, 3> first_block_{}, block_count_{};
+  size_t first_block_word_ = 0, first_slot_word_ = 0;
+  float scale_ = 1.0f;
+};
+
+}  // namespace
+
+WeightsResult packShaderGrid(const LightGrid& grid, ShaderGrid* shader_grid) {
+  *shader_grid = {};
+  WeightsResult result = Packer(grid).pack(shader_grid);
+  if (!result.ok()) *shader_grid = {};
+  return result;
+}
+
+}  // namespace nlg

@@ -1,0 +1,55 @@
+// A light grid as shaders read it: one array of 32-bit words, for look_up.glsl.
+//
+// From a position to the eight probes around it are two reads, one behind the other: a dense table of blocks of 4 units names the
+// brick that a position is in, and the brick's slots name probes. Probes are numbered class by class: those of each
+// representation, those of bare tents, those without weight. A class has records of one stride, so that a probe's number alone
+// says where its record is and whether it has a network at all:
+//
+//     words 0 … 7    light: Y00 of red, green and blue and the largest of all other coefficients as float16, then 24 bytes, steps
+//                    of a 127th of that largest; all times one scale for the grid
+//     words 8 …      theta, of classes with functions
+//
+// theta of networks stands in fours of numbers, layer by layer, a column of each layer's matrix after the other, so that a layer is
+// multiply-adds of vectors: hidden layers in bytes where theta was rounded to int8, otherwise in float16, the last layer in
+// float16. Nodes of product fields are pairs of float16. Records begin at multiples of 16 bytes; what a record leaves is 0.
+//
+// The head, 16 bytes each:
+//
+//     0             first_m x, y, z, units a metre                      float
+//     1             first block x, y, z; first word of the blocks       int
+//     2             blocks along x, y, z; first word of the slots       int
+//     3             scale of light (float), classes, 0, 0
+//     4 + 2 k       of class k: first probe, first record, its stride (the last two in units of 16 bytes), kind and flags
+//     5 + 2 k       slope, residue, step of bytes (float); nodes along an edge of a product field
+//
+// A block: first slot in bits 0 … 26, log2 of its brick's cells along an edge in 27, 28, log2 of a cell's side above; 0xffffffff
+// without a cell. A slot: the probe in bits 0 … 26, log2 of its spacing (units) in 27 … 29; bit 31: the cell above is used.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "runtime_eval/light_grid/light_grid.h"
+
+namespace nlg {
+
+struct ShaderGrid {
+  std::vector<uint32_t> words;       // a multiple of 4 of them
+  std::vector<std::string> defines;  // what look_up.glsl is to be compiled for: NLG_NETWORK_4, NLG_CLASS_COUNT 3, …
+  int header_count = 0;              // of 16 bytes, at the beginning
+  size_t tree_bytes = 0, light_bytes = 0, theta_bytes = 0;
+};
+
+// What theta and light become here beside the grid: nothing, for a grid read from a file with theta in int8 and light in sh2_8bit.
+// Other theta are rounded to float16, other light to sh2_8bit.
+//
+// grid      one that checkLightGrid accepts
+// returns   ok; or value_out_of_range and what is wrong: a grid without light, a theta beyond float16, more than 2^27 slots,
+//           2^29 words or kMaxShaderBlocks blocks. *shader_grid is empty then
+WeightsResult packShaderGrid(const LightGrid& grid, ShaderGrid* shader_grid);
+
+inline constexpr uint64_t kMaxShaderBlocks = 1ull << 26;  // of 4 bytes each: a level a kilometre long at 0.25 m has 6e7
+
+}  // namespace nlg

@@ -1,0 +1,182 @@
+#include "runtime_eval/shader_grid/shader_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "runtime_eval/evaluator/theta_form.h"
+#include "runtime_eval/light_grid/irradiance.h"
+#include "runtime_eval/light_grid/light_form.h"
+#include "runtime_eval/numbers/random.h"
+#include "tests/runtime_eval/light_grid/random_grid.h"
+#include "tests/runtime_eval/shader_grid/glsl_as_cpp.h"
+
+namespace nlg {
+namespace {
+
+// Every representation there is; theta and light as files have them.
+LightGrid everyRepresentation(ThetaPrecision precision, uint64_t seed) {
+  LightGrid grid = randomGrid(smallTree(), seed);
+  for (const RepresentationKind kind :
+       {RepresentationKind::tent_mlp88, RepresentationKind::tent_mlp44, RepresentationKind::tent_mlp4}) {
+    grid.representations.push_back({kind, 0.02f});
+    const auto representation = static_cast<uint8_t>(grid.representations.size() - 1);
+    for (uint64_t i = 0; i < 4; ++i) {
+      const uint32_t function =
+          grid.addFunction(representation, randomTheta(grid.representations.back(), mixSeed(seed, 100 + i)).data());
+      for (size_t probe = function % 11; probe < grid.probe_function.size(); probe += 11) grid.probe_function[probe] = function;
+    }
+  }
+  // one that is 0 everywhere, with a region of its own: bare tents light it
+  const uint32_t nothing = grid.addFunction(0, Theta(static_cast<size_t>(grid.representations[0].thetaCount())).data());
+  for (size_t probe = 0; probe < grid.probe_function.size(); ++probe) {
+    if (grid.tree.probeLattice(probe)[0] >= 48) grid.probe_function[probe] = nothing;
+  }
+  for (size_t f = 0; f < grid.functionCount(); ++f) {
+    EXPECT_TRUE(roundTheta(grid.representations[grid.function_representation[f]], precision, &grid.theta[grid.theta_begin[f]]));
+  }
+  grid.light = randomLight(grid.tree.probeCount(), seed);
+  EXPECT_TRUE(roundLight(LightForm::sh2_8bit, &grid.light).ok());
+  return grid;
+}
+
+std::array<float, 3> randomNormal(Random& random) {
+  const double x = random.normal(), y = random.normal(), z = random.normal(), length = std::sqrt(x * x + y * y + z * z);
+  return {static_cast<float>(x / length), static_cast<float>(y / length), static_cast<float>(z / length)};
+}
+
+// As an engine has it.
+PositionM asFloats(const PositionM& position_m) {
+  PositionM rounded;
+  for (size_t axis = 0; axis < 3; ++axis) rounded[axis] = static_cast<float>(position_m[axis]);
+  return rounded;
+}
+
+glsl::NlgLight shade(const PositionM& position_m, const std::array<float, 3>& normal) {
+  return glsl::nlgIrradiance(
+      {static_cast<float>(position_m[0]), static_cast<float>(position_m[1]), static_cast<float>(position_m[2])},
+      {normal[0], normal[1], normal[2]});
+}
+
+class ShaderGridPrecision : public testing::TestWithParam<ThetaPrecision> {};
+
+TEST_P(ShaderGridPrecision, SaysWhatTheLookUpSays) {
+  const LightGrid grid = everyRepresentation(GetParam(), 3);
+  ShaderGrid packed;
+  ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  glsl::shader_grid = &packed;
+  Random random(5);
+  std::array<int, 4> count{};
+  for (int i = 0; i < 20000; ++i) {
+    const PositionM at = asFloats(randomPosition(grid.tree.frame(), random));
+    const std::array<float, 3> normal = randomNormal(random);
+    float rgb[3];
+    const LightStatus status = lookUpIrradiance(grid, at, normal.data(), rgb);
+    const glsl::NlgLight shaded = shade(at, normal);
+    ASSERT_EQ(shaded.status, static_cast<int>(status)) << at[0] << ' ' << at[1] << ' ' << at[2];
+    ++count[static_cast<size_t>(status)];
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(shaded.irradiance[c], rgb[c], 1e-3f * std::max(1.0f, rgb[c])) << i;
+  }
+  for (const LightStatus status : {LightStatus::lit, LightStatus::by_tents, LightStatus::outside})
+    EXPECT_GT(count[static_cast<size_t>(status)], 20) << lightStatusName(status);
+}
+
+INSTANTIATE_TEST_SUITE_P(Precisions, ShaderGridPrecision, testing::Values(ThetaPrecision::int8, ThetaPrecision::float16),
+                         [](const auto& precision) { return std::string(thetaPrecisionName(precision.param)); });
+
+TEST(ShaderGrid, IsDarkWhereAPositionIsNoNumber) {
+  const LightGrid grid = everyRepresentation(ThetaPrecision::int8, 4);
+  ShaderGrid packed;
+  ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  glsl::shader_grid = &packed;
+  const PositionM inside = grid.tree.probePosition(0);
+  for (const double broken : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e30, -1e30}) {
+    for (size_t axis = 0; axis < 3; ++axis) {
+      PositionM at = inside;
+      at[axis] = broken;
+      const glsl::NlgLight shaded = shade(at, {0.0f, 0.0f, 1.0f});
+      EXPECT_EQ(shaded.status, static_cast<int>(LightStatus::outside));
+      for (int c = 0; c < 3; ++c) EXPECT_EQ(shaded.irradiance[c], 0.0f);
+    }
+  }
+}
+
+// What a pixel reads at most: a block, eight slots, and eight records.
+TEST(ShaderGrid, ReadsNoMoreThanEightRecords) {
+  for (const RepresentationKind kind : {RepresentationKind::tent_mlp4, RepresentationKind::tent_mlp}) {
+    LightGrid grid;
+    grid.tree = smallTree();
+    grid.representations = {{kind}};
+    Theta theta = randomTheta(grid.representations[0], 1);
+    ASSERT_TRUE(roundTheta(grid.representations[0], ThetaPrecision::int8, theta.data()));
+    for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe)
+      grid.probe_function.push_back(probe % 2 == 0 ? grid.addFunction(0, theta.data()) : kFreeSpace);
+    grid.light = randomLight(grid.tree.probeCount(), 1);
+    ShaderGrid packed;
+    ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+    EXPECT_EQ(packed.theta_bytes / grid.functionCount(), kind == RepresentationKind::tent_mlp4 ? 32u : 128u);
+    glsl::shader_grid = &packed;
+    const int most = 4 + 4 + 8 * 4 + 8 * (32 + (kind == RepresentationKind::tent_mlp4 ? 32 : 124));
+    Random random(6);
+    for (int i = 0; i < 2000; ++i) {
+      const PositionM at = randomPosition(grid.tree.frame(), random);
+      ProbesAround around;
+      if (!grid.tree.lookUp(at, &around)) continue;
+      glsl::reads = 0;
+      shade(asFloats(at), randomNormal(random));
+      EXPECT_LE(glsl::reads, most);
+    }
+  }
+}
+
+TEST(ShaderGrid, NamesWhatItIsToBeCompiledFor) {
+  LightGrid grid;
+  grid.tree = smallTree();
+  grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
+  grid.light = randomLight(grid.tree.probeCount(), 1);
+  ShaderGrid packed;
+  ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  EXPECT_EQ(packed.defines, std::vector<std::string>{"NLG_CLASS_COUNT 2"});
+  EXPECT_EQ(packed.theta_bytes, 0u);
+  EXPECT_EQ(packed.light_bytes, 32 * grid.tree.probeCount());
+  grid.representations = {{RepresentationKind::tent_mlp4}};
+  grid.probe_function[0] = grid.addFunction(0, randomTheta(grid.representations[0], 1).data());
+  ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_NETWORK_4", "NLG_CLASS_COUNT 3"}));
+}
+
+TEST(ShaderGrid, RefusesWhatShadersCannotShow) {
+  LightGrid grid;
+  grid.tree = smallTree();
+  grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
+  ShaderGrid packed;
+  const WeightsResult dark = packShaderGrid(grid, &packed);
+  EXPECT_EQ(dark.status, WeightsStatus::value_out_of_range);
+  EXPECT_NE(dark.detail.find("without light"), std::string::npos) << dark.detail;
+  EXPECT_TRUE(packed.words.empty());
+  grid.light = randomLight(grid.tree.probeCount(), 1);
+  grid.representations = {Representation::tentMlp()};
+  Theta theta = randomTheta(grid.representations[0], 1);
+  theta[0] = 1e6f;
+  grid.probe_function[0] = grid.addFunction(0, theta.data());
+  const WeightsResult beyond = packShaderGrid(grid, &packed);
+  EXPECT_NE(beyond.detail.find("float16"), std::string::npos) << beyond.detail;
+  EXPECT_TRUE(packed.words.empty());
+}
+
+TEST(ShaderGrid, OfATreeWithoutCellsIsDarkEverywhere) {
+  LightGrid grid;
+  ASSERT_EQ(
+      ProbeTree::build(
+          {{0.0, 0.0, 0.0}, 1.0, {1, 1, 1}}, [](const ProbeCell&) { return CellVerdict::unneeded; }, kMaxTreeProbes, &grid.tree),
+      ProbeTreeStatus::ok);
+  ShaderGrid packed;
+  const WeightsResult result = packShaderGrid(grid, &packed);
+  EXPECT_FALSE(result.ok()) << "no probes, no light";
+}
+
+}  // namespace
+}  // namespace nlg
