@@ -13,6 +13,10 @@ LightForm lightFormFromName(const std::string& name) {
   return form;
 }
 
+void takeThetaPrecision(BakeOptions* options) {
+  options->policy.theta_precision = thetaPrecisionFromName(options->theta_precision);
+}
+
 void describe(BakeOptions& o, OptionTable& table) {
   table.add("seed", &o.seed, "seed of the shift of the probes' lattice");
   table.add("representation", &o.representation, "whose shipped weights to take when --weights names none");

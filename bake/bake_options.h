@@ -40,7 +40,7 @@ struct BakeOptions {
   double light_outlier = 1.0;
   double refine_seconds = 0.0;  // 0: as long as it takes
   std::string generator_precision = "float32";
-  std::string theta_precision = "int8";  // becomes the policy's when a bake begins
+  std::string theta_precision = "int8";  // becomes the policy's by takeThetaPrecision
   std::string light_form = "sh2_8bit";   // of light in the file (light_form.h)
   std::string simd;                      // empty: the best
   int threads = 0;                       // 0: as many as the machine runs at once
@@ -50,6 +50,10 @@ struct BakeOptions {
 // The form of a name.
 // throws   UsageError on a name of none, "none" among them
 LightForm lightFormFromName(const std::string& name);
+
+// The policy rounds as theta_precision says: whatever bakes with options that were read calls this first.
+// throws   UsageError on a name of none
+void takeThetaPrecision(BakeOptions* options);
 
 // Adds every option to the table of the section `bake`.
 void describe(BakeOptions& options, OptionTable& table);

@@ -112,7 +112,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   inputs.insert(inputs.end(), {request.scene, request.config});
   if (request.out_is_given) refuseToReplaceInputs(request.out, inputs);
   const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
-  options.policy.theta_precision = thetaPrecisionFromName(options.theta_precision);
+  takeThetaPrecision(&options);
   const GridPrecision stored{options.policy.theta_precision, lightFormFromName(options.light_form)};
   chooseSimd(options.simd);
   std::map<std::string, WeightsUsed> weights;

@@ -24,5 +24,8 @@ int main(int argc, char** argv) {
   OptionTable table("bake");
   describe(bake, table);
   describe(request, app);
-  return runTool(argc, argv, app, table, [&] { std::cout << renderScene(request, bake).dump() << '\n'; });
+  return runTool(argc, argv, app, table, [&] {
+    takeThetaPrecision(&bake);
+    std::cout << renderScene(request, bake).dump() << '\n';
+  });
 }

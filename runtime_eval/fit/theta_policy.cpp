@@ -21,10 +21,10 @@ constexpr double kOverTent = 1.25, kMostRetry = 2.0;
 // Before iterations of Levenberg–Marquardt the first learned step gains more than it costs, and no other does.
 constexpr int kStepsBeforeIterations = 1;
 
-// Roundings to bytes that are tried for a theta, until one leaves it no more than so many times the error that it had. Few need a
-// second one (docs/lab/training.md).
+// Roundings to bytes that are tried for a theta, until one leaves it so many times the error that it had, or so much RMSE more. Few
+// need a second one (docs/lab/training.md).
 constexpr int kRoundingWays = 16;
-constexpr double kRoundingExcess = 1.02;
+constexpr double kRoundingExcess = 1.02, kRoundingAdds = 5e-5;
 
 using Clock = std::chrono::steady_clock;
 float microsecondsSince(Clock::time_point start) {
@@ -397,7 +397,8 @@ ThetaPolicy::Rounded ThetaPolicy::roundToBytes(const StoredFunction& function, c
   const CheckOptions check = options_.check();
   // where a theta passes, its RMSE alone is what counts
   const auto badness = [&](const FunctionCheck& of) { return of.passes(check) ? of.rmse / check.tau_rmse : of.trouble(check); };
-  const double enough = kRoundingExcess * badness(made.check());
+  const double before = badness(made.check()),
+               enough = std::max(kRoundingExcess * before, before + kRoundingAdds / check.tau_rmse);
   Rounded best;
   const auto isDone = [&] { return !best.theta.empty() && badness(best.check) <= enough; };
   const auto offer = [&](Theta theta) {
@@ -408,7 +409,7 @@ ThetaPolicy::Rounded ThetaPolicy::roundToBytes(const StoredFunction& function, c
   const WeightingFunction values = decodeFunction(function, pointOrder(representation), 0);
   for (int way = 0; way < kRoundingWays && !isDone(); ++way) {
     Theta theta = made.theta;
-    roundHiddenLayers(representation, theta.data(), {kMostThetaSteps - 2 * (way % 4), kMostThetaSteps - 2 * (way / 4)});
+    roundHiddenLayers(representation, theta.data(), {kMostThetaSteps - 2 * (way % 8), kMostThetaSteps - 2 * (way / 8)});
     Theta solved = theta;
     solveLastLayer(representation, values, solved.data());
     offer(std::move(solved));

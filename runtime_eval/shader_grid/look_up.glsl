@@ -124,7 +124,9 @@ NlgCorner nlgCornerOf(NlgCell cell, int c) {
   }
   // probes are numbered class by class
   int k = 0;
-  while (k + 1 < NLG_CLASS_COUNT && probe >= int(nlgHeader(NLG_CLASSES + 2 * k + 2).x)) ++k;
+  for (int next = 1; next < NLG_CLASS_COUNT; ++next) {
+    if (probe >= int(nlgHeader(NLG_CLASSES + 2 * next).x)) k = next;
+  }
   uvec4 records = nlgHeader(NLG_CLASSES + 2 * k), numbers = nlgHeader(NLG_CLASSES + 2 * k + 1);
   corner.record = int(records.y) + (probe - int(records.x)) * int(records.z);
   corner.kind = int(records.w);
@@ -137,71 +139,107 @@ NlgCorner nlgCornerOf(NlgCell cell, int c) {
 
 // ---- weighting functions
 
+#ifdef NLG_HALVES
+// Four numbers of theta in float16, by their place among all fours.
+vec4 nlgHalfFour(NlgCorner of, int place) {
+  uvec4 words = nlgFour(of.record + 2 + (place >> 1));
+  return (place & 1) == 0 ? nlgHalves(words.x, words.y) : nlgHalves(words.z, words.w);
+}
+bool nlgInHalves(NlgCorner of) { return (of.kind & NLG_FLAG_HALVES) != 0; }
+#endif
+
 #ifdef NLG_NETWORK_4
 // 3 -> 4 -> 1
 float nlgNetwork4(NlgCorner of) {
-  int theta = of.record + 2;
-  vec4 wx, wy, wz, b, w3;
-  float b3;
-  uvec4 first = nlgFour(theta), second = nlgFour(theta + 1);
-  if ((of.kind & NLG_FLAG_HALVES) != 0) {
-    uvec4 third = nlgFour(theta + 2);
-    wx = nlgHalves(first.x, first.y), wy = nlgHalves(first.z, first.w);
-    wz = nlgHalves(second.x, second.y), b = nlgHalves(second.z, second.w);
-    w3 = nlgHalves(third.x, third.y), b3 = unpackHalf2x16(third.z).x;
-  } else {
-    wx = of.step * nlgBytes(first.x), wy = of.step * nlgBytes(first.y);
-    wz = of.step * nlgBytes(first.z), b = of.step * nlgBytes(first.w);
-    w3 = nlgHalves(second.x, second.y), b3 = unpackHalf2x16(second.z).x;
-  }
-  vec4 hidden = nlgLeaky(b + wx * of.local.x + wy * of.local.y + wz * of.local.z, of.slope);
-  return b3 + dot(w3, hidden);
-}
+  vec4 x, y, z, bias, last;
+  float last_bias;
+#ifdef NLG_HALVES
+  if (nlgInHalves(of)) {
+    x = nlgHalfFour(of, 0), y = nlgHalfFour(of, 1), z = nlgHalfFour(of, 2), bias = nlgHalfFour(of, 3);
+    last = nlgHalfFour(of, 4), last_bias = nlgHalfFour(of, 5).x;
+  } else
 #endif
-
-#if defined(NLG_NETWORK_44) || defined(NLG_NETWORK_88)
-// Four numbers of a network of two hidden layers, by their place in its list.
-vec4 nlgHidden(NlgCorner of, int place) {
-  int theta = 4 * (of.record + 2);
-  if ((of.kind & NLG_FLAG_HALVES) != 0) return nlgHalves(nlgWord(theta + 2 * place), nlgWord(theta + 2 * place + 1));
-  return of.step * nlgBytes(nlgWord(theta + place));
-}
-// … of the last layer, behind `hidden` such fours.
-vec4 nlgLast(NlgCorner of, int hidden, int place) {
-  int word = 4 * (of.record + 2) + ((of.kind & NLG_FLAG_HALVES) != 0 ? 2 * hidden : hidden) + 2 * place;
-  return nlgHalves(nlgWord(word), nlgWord(word + 1));
+  {
+    uvec4 a = nlgFour(of.record + 2), b = nlgFour(of.record + 3);
+    x = of.step * nlgBytes(a.x), y = of.step * nlgBytes(a.y), z = of.step * nlgBytes(a.z), bias = of.step * nlgBytes(a.w);
+    last = nlgHalves(b.x, b.y), last_bias = unpackHalf2x16(b.z).x;
+  }
+  vec4 hidden = nlgLeaky(bias + x * of.local.x + y * of.local.y + z * of.local.z, of.slope);
+  return last_bias + dot(last, hidden);
 }
 #endif
 
 #ifdef NLG_NETWORK_44
 // 3 -> 4 -> 4 -> 1
 float nlgNetwork44(NlgCorner of) {
-  vec4 first = nlgHidden(of, 3) + nlgHidden(of, 0) * of.local.x + nlgHidden(of, 1) * of.local.y +
-               nlgHidden(of, 2) * of.local.z;
-  first = nlgLeaky(first, of.slope);
-  vec4 second = nlgHidden(of, 8);
-  for (int i = 0; i < 4; ++i) second += first[i] * nlgHidden(of, 4 + i);
-  return nlgLast(of, 9, 1).x + dot(nlgLast(of, 9, 0), nlgLeaky(second, of.slope));
+  vec4 x, y, z, bias, columns[4], second, last;
+  float last_bias;
+#ifdef NLG_HALVES
+  if (nlgInHalves(of)) {
+    x = nlgHalfFour(of, 0), y = nlgHalfFour(of, 1), z = nlgHalfFour(of, 2), bias = nlgHalfFour(of, 3);
+    for (int i = 0; i < 4; ++i) columns[i] = nlgHalfFour(of, 4 + i);
+    second = nlgHalfFour(of, 8), last = nlgHalfFour(of, 9), last_bias = nlgHalfFour(of, 10).x;
+  } else
+#endif
+  {
+    uvec4 a = nlgFour(of.record + 2), b = nlgFour(of.record + 3), c = nlgFour(of.record + 4);
+    x = of.step * nlgBytes(a.x), y = of.step * nlgBytes(a.y), z = of.step * nlgBytes(a.z), bias = of.step * nlgBytes(a.w);
+    columns[0] = of.step * nlgBytes(b.x), columns[1] = of.step * nlgBytes(b.y);
+    columns[2] = of.step * nlgBytes(b.z), columns[3] = of.step * nlgBytes(b.w);
+    second = of.step * nlgBytes(c.x), last = nlgHalves(c.y, c.z), last_bias = unpackHalf2x16(c.w).x;
+  }
+  vec4 first = nlgLeaky(bias + x * of.local.x + y * of.local.y + z * of.local.z, of.slope);
+  second += first.x * columns[0] + first.y * columns[1] + first.z * columns[2] + first.w * columns[3];
+  return last_bias + dot(last, nlgLeaky(second, of.slope));
 }
 #endif
 
 #ifdef NLG_NETWORK_88
 // 3 -> 8 -> 8 -> 1
 float nlgNetwork88(NlgCorner of) {
+  vec4 x[2], y[2], z[2], bias[2], low, high, last_low, last_high;
+  float last_bias;
+  int theta = of.record + 2;
+#ifdef NLG_HALVES
+  bool halves = nlgInHalves(of);
+  if (halves) {
+    for (int n = 0; n < 2; ++n) {
+      x[n] = nlgHalfFour(of, n), y[n] = nlgHalfFour(of, 2 + n), z[n] = nlgHalfFour(of, 4 + n), bias[n] = nlgHalfFour(of, 6 + n);
+    }
+    low = nlgHalfFour(of, 24), high = nlgHalfFour(of, 25);
+    last_low = nlgHalfFour(of, 26), last_high = nlgHalfFour(of, 27), last_bias = nlgHalfFour(of, 28).x;
+  } else
+#endif
+  {
+    uvec4 a = nlgFour(theta), b = nlgFour(theta + 1), c = nlgFour(theta + 6), d = nlgFour(theta + 7);
+    x[0] = of.step * nlgBytes(a.x), x[1] = of.step * nlgBytes(a.y), y[0] = of.step * nlgBytes(a.z), y[1] = of.step * nlgBytes(a.w);
+    z[0] = of.step * nlgBytes(b.x), z[1] = of.step * nlgBytes(b.y);
+    bias[0] = of.step * nlgBytes(b.z), bias[1] = of.step * nlgBytes(b.w);
+    low = of.step * nlgBytes(c.x), high = of.step * nlgBytes(c.y);
+    last_low = nlgHalves(c.z, c.w), last_high = nlgHalves(d.x, d.y), last_bias = unpackHalf2x16(d.z).x;
+  }
   vec4 first[2];
   for (int n = 0; n < 2; ++n) {
-    vec4 sum = nlgHidden(of, 6 + n) + nlgHidden(of, n) * of.local.x + nlgHidden(of, 2 + n) * of.local.y +
-               nlgHidden(of, 4 + n) * of.local.z;
-    first[n] = nlgLeaky(sum, of.slope);
+    first[n] = nlgLeaky(bias[n] + x[n] * of.local.x + y[n] * of.local.y + z[n] * of.local.z, of.slope);
   }
-  vec4 low = nlgHidden(of, 24), high = nlgHidden(of, 25);
-  for (int i = 0; i < 8; ++i) {
-    float unit = first[i >> 2][i & 3];
-    low += unit * nlgHidden(of, 8 + 2 * i);
-    high += unit * nlgHidden(of, 9 + 2 * i);
+  for (int pair = 0; pair < 4; ++pair) {
+    vec4 four = first[pair >> 1];
+    vec2 units = (pair & 1) == 0 ? vec2(four.x, four.y) : vec2(four.z, four.w);
+#ifdef NLG_HALVES
+    if (halves) {
+      int place = 8 + 4 * pair;
+      low += units.x * nlgHalfFour(of, place) + units.y * nlgHalfFour(of, place + 2);
+      high += units.x * nlgHalfFour(of, place + 1) + units.y * nlgHalfFour(of, place + 3);
+    } else
+#endif
+    {
+      uvec4 columns = nlgFour(theta + 2 + pair);
+      units *= of.step;
+      low += units.x * nlgBytes(columns.x) + units.y * nlgBytes(columns.z);
+      high += units.x * nlgBytes(columns.y) + units.y * nlgBytes(columns.w);
+    }
   }
-  return nlgLast(of, 26, 2).x + dot(nlgLast(of, 26, 0), nlgLeaky(low, of.slope)) +
-         dot(nlgLast(of, 26, 1), nlgLeaky(high, of.slope));
+  return last_bias + dot(last_low, nlgLeaky(low, of.slope)) + dot(last_high, nlgLeaky(high, of.slope));
 }
 #endif
 

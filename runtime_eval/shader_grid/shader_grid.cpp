@@ -31,6 +31,11 @@ uint32_t bitsOf(float value) { return std::bit_cast<uint32_t>(value); }
 
 uint32_t pairOf(Half low, Half high) { return low.bits | uint32_t{high.bits} << 16; }
 
+// Words of a record that look_up.glsl reads: of a field eight nodes, of networks whole fours.
+size_t readOf(const Representation& representation, size_t theta_words) {
+  return kLightWords + (representation.isField() ? 8 : toFours(theta_words));
+}
+
 // Probes whose records look alike.
 struct ProbeClass {
   uint32_t kind = kNone;  // and flags
@@ -137,6 +142,7 @@ class Packer {
         theta_words = (in_bytes[r] ? hidden / 4 : hidden / 2) + static_cast<size_t>(shape.last()) / 2 + 1;
       }
       of.stride = toFours(kLightWords + theta_words);
+      largest_read_ = std::max(largest_read_, readOf(representation, theta_words));
     }
     classes_.push_back({kTent, {}, 0, kLightWords, 0});
     classes_.push_back({kNone, {}, 0, 0, 0});
@@ -191,6 +197,7 @@ class Packer {
     // nodes stand parents first: what a child says of its blocks comes after what its parent says
     size_t node = 0;
     grid_.tree.forEachNode([&](const ProbeNode& place) { addNode(tree, lists, node++, place); });
+    result->largest_read = largest_read_ * sizeof(uint32_t);
     result->tree_bytes = (words_.size() - first_block_word_) * sizeof(uint32_t);
     return {};
   }
@@ -319,6 +326,8 @@ class Packer {
       std::vector<std::string>& all = result->defines;
       if (!define.empty() && std::find(all.begin(), all.end(), define) == all.end()) all.push_back(define);
     }
+    if (std::any_of(classes_.begin(), classes_.end(), [](const ProbeClass& of) { return (of.kind & kHalvesFlag) != 0; }))
+      result->defines.push_back("NLG_HALVES");
     result->defines.push_back("NLG_CLASS_COUNT " + std::to_string(classes_.size()));
   }
 
@@ -330,6 +339,7 @@ class Packer {
   std::array<int32_t, 3> first_block_{}, block_count_{};
   size_t first_block_word_ = 0, first_slot_word_ = 0;
   float scale_ = 1.0f;
+  size_t largest_read_ = kLightWords;  // words
 };
 
 }  // namespace

@@ -40,6 +40,7 @@ struct ShaderGrid {
   std::vector<std::string> defines;  // what look_up.glsl is to be compiled for: NLG_NETWORK_4, NLG_CLASS_COUNT 3, …
   int header_count = 0;              // of 16 bytes, at the beginning
   size_t tree_bytes = 0, light_bytes = 0, theta_bytes = 0;
+  size_t largest_read = 0;  // bytes of a record that a pixel reads at most: light, and theta of the largest class
 };
 
 // What theta and light become here beside the grid: nothing, for a grid read from a file with theta in int8 and light in sh2_8bit.

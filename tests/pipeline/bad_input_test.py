@@ -51,7 +51,7 @@ def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):
         return
     lines = result.stderr.splitlines()
     # a command of a tool names itself: "nlg-datagen info: error: "
-    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "used-by", "compare", "frontier", "stability") else tool
+    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "used-by", "shader", "compare", "frontier", "stability") else tool
     errors = [line for line in lines if line.startswith(f"{name}: error: ")]
     if result.returncode != exit_code:
         failures.append(f"{command}: exit code {result.returncode}, expected {exit_code}\n    {result.stderr.strip()}")
@@ -499,6 +499,18 @@ def check_weights_used_by():
     refuses(OUTPUT_ERROR, ["file/tent_mlp.safetensors"], [], "nlg-export", "used-by", "--bake", "grid.safetensors", "--weights", "weights.safetensors", "--out", "file")
 
 
+def check_shader():
+    """nlg-export shader: no grid, damaged ones, one without light; a folder that is a file."""
+    for grid in ["missing.safetensors", "folder", "weights.safetensors", "good.yaml", *damaged_copies("grid.safetensors")]:
+        refuses(INPUT_ERROR, [grid], ["bad_shader"], "nlg-export", "shader", "--grid", grid, "--out", "bad_shader")
+    must("nlg-bake", "house:1", "--weights", "weights.safetensors", "--config", "good.yaml", "--light", "none", "--out", "dark.safetensors")
+    refuses(INPUT_ERROR, ["dark.safetensors", "without light"], ["bad_shader"], "nlg-export", "shader", "--grid", "dark.safetensors", "--out", "bad_shader")
+    refuses(OUTPUT_ERROR, ["file/grid.bin"], [], "nlg-export", "shader", "--grid", "grid.safetensors", "--out", "file")
+    line = json.loads(must("nlg-export", "shader", "--grid", "grid.safetensors", "--out", "shader"))
+    if line["bytes"] != os.path.getsize("shader/grid.bin") or line["bytes"] <= line["tree_bytes"] + line["light_bytes"] + line["theta_bytes"]:
+        failures.append(f"nlg-export shader says {line}")
+
+
 def check_plans():
     refuses(USAGE_ERROR, [], [], "nlg-datagen", "plan")
     refuses(INPUT_ERROR, ["missing.glb"], [], "nlg-datagen", "plan", "--scene", "missing.glb")
@@ -657,6 +669,7 @@ def main():
         check_bakes()
         check_renders()
         check_weights_used_by()
+        check_shader()
         check_plans()
         check_full_disk()
         check_killed_run()

@@ -132,6 +132,7 @@ class LightMeasurement {
     method_options.probe = request_.probe;
     method_options.solve = probeLightOptions(options);
     method_options.form = lightFormFromName(options.light_form);
+    method_options.theta = options.policy.theta_precision;
     method_options.thread_count = threads_;
     method_options.seed = mixSeed(options.seed, kMethodStream);
     const LightTransport transport(scene.source.scene, scene.rays);
@@ -228,6 +229,7 @@ class LightMeasurement {
 };
 
 void measureLight(Request request, BakeOptions options, const OptionTable& table) {
+  takeThetaPrecision(&options);
   std::vector<std::string> inputs = {request.scene};
   for (const std::string& listed : request.weights) {
     for (const std::string& path : splitAtCommas(listed)) inputs.push_back(path);

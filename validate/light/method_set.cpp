@@ -215,7 +215,7 @@ void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const 
 
 void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s) {
   const LightGrid& kept = grids_.emplace_back(std::move(grid));
-  const LightGridBytes bytes = lightGridBytes(kept, {ThetaPrecision::float16, LightForm::none});
+  const LightGridBytes bytes = lightGridBytes(kept, {options_.theta, LightForm::none});
   size_t with_weight = 0;
   for (const uint32_t function : kept.probe_function) with_weight += function != kNoWeight;
   addBlends({name, std::make_unique<GridWeighting>(kept, scene_.transport.scene().origin_m), with_weight,

@@ -20,9 +20,10 @@
 namespace nlg {
 
 struct MethodSetOptions {
-  GatherOptions probe;                   // of every probe
-  ProbeLightOptions solve;               // of places in air
-  LightForm form = LightForm::sh2_8bit;  // in which every method keeps harmonics
+  GatherOptions probe;                          // of every probe
+  ProbeLightOptions solve;                      // of places in air
+  LightForm form = LightForm::sh2_8bit;         // in which every method keeps harmonics
+  ThetaPrecision theta = ThetaPrecision::int8;  // in which grids are counted: that of their bakes
   int thread_count = 1;
   uint64_t seed = 1;
 };

@@ -23,6 +23,7 @@ struct Request {
 };
 
 void measure(const Request& request, BakeOptions options, const OptionTable& table) {
+  takeThetaPrecision(&options);
   refuseToReplaceInputs(request.out, {request.scene, request.weights});
   const std::vector<Generator> generators = loadGenerators({request.weights});
   const BakeScene scene(request.scene, options);

@@ -105,7 +105,8 @@ class LookUpMeasurement {
   std::vector<TrueWeights> truth_;
 };
 
-void measureLookUps(Request request, const BakeOptions& options, const OptionTable& table) {
+void measureLookUps(Request request, BakeOptions options, const OptionTable& table) {
+  takeThetaPrecision(&options);
   std::vector<std::string> inputs = request.weights;
   inputs.push_back(request.scene);
   refuseToReplaceInputs(request.out, inputs);

@@ -80,7 +80,8 @@ TEST(ShaderGrid, ReadsNoMoreThanEightRecords) {
     ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
     EXPECT_EQ(packed.theta_bytes / grid.functionCount(), kind == RepresentationKind::tent_mlp4 ? 32u : 128u);
     glsl::shader_grid = &packed;
-    const int most = 4 + 4 + 8 * 4 + 8 * (32 + (kind == RepresentationKind::tent_mlp4 ? 32 : 124));
+    const int most = 4 + 4 + 8 * 4 + 8 * static_cast<int>(packed.largest_read);
+    EXPECT_EQ(most, kind == RepresentationKind::tent_mlp4 ? 552 : 1320);
     Random random(6);
     for (int i = 0; i < 2000; ++i) {
       const PositionM at = randomPosition(grid.tree.frame(), random);
@@ -106,7 +107,7 @@ TEST(ShaderGrid, NamesWhatItIsToBeCompiledFor) {
   grid.representations = {{RepresentationKind::tent_mlp4}};
   grid.probe_function[0] = grid.addFunction(0, randomTheta(grid.representations[0], 1).data());
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
-  EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_NETWORK_4", "NLG_CLASS_COUNT 3"}));
+  EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_NETWORK_4", "NLG_HALVES", "NLG_CLASS_COUNT 3"}));
 }
 
 TEST(ShaderGrid, RefusesWhatShadersCannotShow) {

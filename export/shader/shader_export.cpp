@@ -1,0 +1,84 @@
+#include "export/shader/shader_export.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "tool/atomic_file.h"
+#include "tool/output_path.h"
+#include "tool/tool_main.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kWord = sizeof(uint32_t), kLightBytes = 32, kCorners = 8;
+
+std::string bytesOf(const std::vector<uint32_t>& words) {
+  std::string bytes;
+  bytes.reserve(words.size() * kWord);
+  for (const uint32_t word : words) {
+    for (unsigned shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<char>(word >> shift & 0xff));
+  }
+  return bytes;
+}
+
+void run(const std::string& grid_path, const std::string& folder) {
+  const std::string grid_out = (fs::path(folder) / "grid.bin").string(), text_out = (fs::path(folder) / "look_up.glsl").string();
+  for (const std::string& out : {grid_out, text_out}) refuseToReplaceInputs(out, {grid_path});
+  LightGrid grid;
+  GridMetadata metadata;
+  WeightsResult result = readLightGridFile(grid_path, &grid, &metadata);
+  if (!result.ok()) throw InputError(grid_path, weightsStatusName(result.status), "a light grid", result.detail);
+  ShaderGrid packed;
+  result = packShaderGrid(grid, &packed);
+  if (!result.ok()) throw InputError(grid_path, weightsStatusName(result.status), "a grid that shaders can show", result.detail);
+  writeFileAtomically(grid_out, bytesOf(packed.words));
+  writeFileAtomically(text_out, shaderText(packed));
+  const PixelReads reads = pixelReads(packed);
+  const nlohmann::ordered_json line = {
+      {"scene", metadata.contains("scene") ? metadata["scene"] : ""},
+      {"probes", grid.tree.probeCount()},
+      {"bytes", packed.words.size() * kWord},
+      {"tree_bytes", packed.tree_bytes},
+      {"light_bytes", packed.light_bytes},
+      {"theta_bytes", packed.theta_bytes},
+      {"defines", packed.defines},
+      {"pixel_reads", {{"cell", reads.cell}, {"bare_tents", reads.tents}, {"functions", reads.functions}}}};
+  std::cout << line.dump() << '\n';
+}
+
+}  // namespace
+
+std::string shaderText(const ShaderGrid& grid) {
+  std::string text = "// Made by nlg-export shader for one grid: grid.bin, beside this file.\n";
+  for (const std::string& define : grid.defines) text += "#define " + define + "\n";
+  text += "#define NLG_NEAR\n\n";
+  return text.append(kLookUpText);
+}
+
+PixelReads pixelReads(const ShaderGrid& grid) {
+  PixelReads reads;
+  // the low corner's slot says whether the cell is used, and is read again as a corner
+  reads.cell = kWord * (1 + 1 + kCorners);
+  reads.tents = reads.cell + kCorners * kLightBytes;
+  reads.functions = reads.cell + kCorners * grid.largest_read;
+  return reads;
+}
+
+int shaderMain(int argc, char** argv) {
+  CLI::App app{"Writes a light grid as shaders read it, and the shader's look-up for it.", "nlg-export shader"};
+  std::string grid, out;
+  OptionTable table("export");
+  app.add_option("--grid", grid, "a light grid with light (.safetensors)")->required();
+  app.add_option("--out", out, "the folder to write grid.bin and look_up.glsl to")->required();
+  return runTool(argc, argv, app, table, [&] { run(grid, out); });
+}
+
+}  // namespace nlg

@@ -1,0 +1,31 @@
+// A light grid for shaders: what `nlg-export shader` writes.
+//
+//     grid.bin       the words of ShaderGrid (runtime_eval/shader_grid/shader_grid.h), little-endian: what a buffer or a texture of
+//                    four 32-bit integers holds
+//     look_up.glsl   the look-up, with the defines of this grid before it
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "runtime_eval/shader_grid/shader_grid.h"
+
+namespace nlg {
+
+extern const std::string_view kLookUpText;  // runtime_eval/shader_grid/look_up.glsl
+
+// look_up.glsl of one grid.
+std::string shaderText(const ShaderGrid& grid);
+
+// What one pixel reads of grid.bin at most, bytes, the head left out.
+struct PixelReads {
+  size_t cell = 0;       // a block and a brick's slots
+  size_t tents = 0;      // all of it, where all eight probes have bare tents
+  size_t functions = 0;  // all of it, where all eight have functions of the largest class
+};
+PixelReads pixelReads(const ShaderGrid& grid);
+
+// The tool's command `shader`: nlg-export shader --grid GRID --out FOLDER.
+int shaderMain(int argc, char** argv);
+
+}  // namespace nlg

@@ -1,0 +1,45 @@
+#include "export/shader/shader_export.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "runtime_eval/evaluator/theta_form.h"
+#include "tests/runtime_eval/light_grid/random_grid.h"
+
+namespace nlg {
+namespace {
+
+ShaderGrid packedGrid() {
+  LightGrid grid;
+  grid.tree = smallTree();
+  grid.representations = {{RepresentationKind::tent_mlp4}};
+  Theta theta = randomTheta(grid.representations[0], 1);
+  EXPECT_TRUE(roundTheta(grid.representations[0], ThetaPrecision::int8, theta.data()));
+  grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
+  grid.probe_function[0] = grid.addFunction(0, theta.data());
+  grid.light = randomLight(grid.tree.probeCount(), 1);
+  ShaderGrid packed;
+  EXPECT_TRUE(packShaderGrid(grid, &packed).ok());
+  return packed;
+}
+
+TEST(ShaderExport, DefinesWhatTheGridHoldsBeforeTheLookUp) {
+  const std::string text = shaderText(packedGrid());
+  const size_t network = text.find("#define NLG_NETWORK_4\n"), classes = text.find("#define NLG_CLASS_COUNT 3\n"),
+               look_up = text.find("NlgLight nlgIrradiance(");
+  EXPECT_LT(network, look_up);
+  EXPECT_LT(classes, look_up);
+  EXPECT_NE(look_up, std::string::npos);
+  EXPECT_EQ(text.find("#define NLG_FIELD"), std::string::npos);
+}
+
+TEST(ShaderExport, CountsWhatAPixelReads) {
+  const PixelReads reads = pixelReads(packedGrid());
+  EXPECT_EQ(reads.cell, 40u);
+  EXPECT_EQ(reads.tents, 40u + 8 * 32);
+  EXPECT_EQ(reads.functions, 40u + 8 * 64);
+}
+
+}  // namespace
+}  // namespace nlg
