@@ -11,6 +11,7 @@
 
 #include "bake/bake_report.h"
 #include "bake/scene_bake.h"
+#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/atomic_file.h"
@@ -335,11 +336,9 @@ TEST_P(StoredThetaTest, HasTheErrorThatTheBakeReports) {
   }
   EXPECT_EQ(failing_count, failing(house, ThetaWord::stored, options));
 }
-std::string precisionName(const testing::TestParamInfo<ThetaPrecision>& precision) {
-  return precision.param == ThetaPrecision::float32 ? "float32" : "float16";
-}
-INSTANTIATE_TEST_SUITE_P(Precisions, StoredThetaTest, testing::Values(ThetaPrecision::float32, ThetaPrecision::float16),
-                         precisionName);
+std::string precisionName(const testing::TestParamInfo<ThetaPrecision>& precision) { return thetaPrecisionName(precision.param); }
+INSTANTIATE_TEST_SUITE_P(Precisions, StoredThetaTest,
+                         testing::Values(ThetaPrecision::float32, ThetaPrecision::float16, ThetaPrecision::int8), precisionName);
 
 TEST_F(SceneBakeTest, ThetaOfFloat16IsWhatTheFileHolds) {
   BakeOptions options = houseOptions();

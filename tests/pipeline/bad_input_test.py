@@ -36,6 +36,7 @@ def must(tool, *arguments):
     result = run(tool, *arguments)
     if result.returncode != 0:
         sys.exit(f"{tool} {' '.join(arguments)}: exit code {result.returncode}\n{result.stderr}")
+    return result.stdout
 
 
 def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):

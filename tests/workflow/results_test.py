@@ -111,7 +111,7 @@ def light_method(weights, light, rmse, size, **more):
 def light(scene, rival, ours):
     """Of a level: DDGI's error, and that of ours; a validity mask is half as wrong again as DDGI."""
     methods = [light_method("valid trilinear", "point", 1.5 * rival, 400), light_method("exact visibility", "point", ours, 400), light_method("DDGI as shipped", "own", rival, 10000),
-               light_method("tent_mlp", "point", 2 * ours, 480), light_method("tent_mlp", "solved", ours, 480)]
+               light_method("tent_mlp4", "point", 2 * ours, 480), light_method("tent_mlp4", "solved", ours, 480)]
     return {"schema_version": 1, "scene": scene, "provenance": {"revision": "0123abc"}, "floor": light_method("harmonics at the place", "point", 0.01, 1),
             "truth": {"all_bounces_in_one_ray": True, "noise": 0.01, "places": {"air": 300, "surface": 300, "dark": 20}}, "spacings": [{"spacing_m": 1.0, "methods": methods}]}
 
@@ -274,7 +274,7 @@ class Results(unittest.TestCase):
             "light@targets.dark.1m.ours:.3": ".010",
             "light@targets.level_bytes:int": "480",
             "light@targets.bytes_below_rivals:int": "480",
-            "light@methods.levels.1m.tent_mlp.solved.surface.ratio:.3": ".333",
+            "light@methods.levels.1m.tent_mlp4.solved.surface.ratio:.3": ".333",
             "light@methods.all.1m.DDGI_as_shipped.own.per_probe:int": "1,250",
             "light@bakes.kaos2.wall_s:.1": "7.6",
         }
