@@ -11,7 +11,7 @@ PHI_MAP = matplotlib.colormaps["inferno"]
 DIFFERENCE_MAP = matplotlib.colormaps["PuOr_r"]  # orange: the representation lets more in than the function
 KINDS = ("target", "stored", "difference", "geometry cut")
 SIGHT, OCCLUDED = "#ffe9a8", "#46566e"  # valid points: in plain sight of the probe, and not
-PLATE_REPRESENTATIONS = 2  # beside each other; the others go below
+PLATE_REPRESENTATIONS = 2  # beside each other
 ZOOM = 3
 AXIS_NAMES = "xyz"
 WHICH_NAMES = {"best": "best", "median": "median", "p95": "95th percentile", "worst": "worst"}
@@ -83,23 +83,20 @@ def gallery(slices, limit):
 
 
 def plate(inputs, limit):
-    """The same as one PNG for the README: a column a function, a row a kind of picture, two representations side by side."""
-    names = inputs.representations
-    bands = [names[i:i + PLATE_REPRESENTATIONS] for i in range(0, len(names), PLATE_REPRESENTATIONS)]
-    columns = [[s for name in band for s in inputs.slices if s.representation == name] for band in bands]
+    """The same of the first two representations as one PNG for the README: a column a function, a row a kind of picture."""
+    names = inputs.representations[:PLATE_REPRESENTATIONS]
+    shown = [s for name in names for s in inputs.slices if s.representation == name]
     left, cell, gap = 1.0, 1.42, 0.35
     band_height = 0.69 + cell * len(KINDS)
-    width = cell * max(map(len, columns)) + gap * (len(bands[0]) - 1) + left + 0.05
+    width = cell * len(shown) + gap * (len(names) - 1) + left + 0.05
     narrow = width < 11  # of one representation: what the hatching means stands above the scales, not beside them
-    height = band_height * len(bands) + (0.75 if narrow else 0.45)
+    height = band_height + (0.75 if narrow else 0.45)
     figure = plt.figure(figsize=(width, height))
-    for b, (band, some) in enumerate(zip(bands, columns)):
-        top = height - band_height * b
-        for i, slice_ in enumerate(some):
-            first = i == 0 or some[i - 1].representation != slice_.representation
-            draw_column(figure, slice_, left + cell * i + gap * band.index(slice_.representation), top, limit, first)
-        for row, kind in enumerate(KINDS):
-            figure.text((left - 0.1) / width, (top - 0.69 - (row + 0.5) * cell) / height, kind, ha="right", va="center", fontsize=9)
+    for i, slice_ in enumerate(shown):
+        first = i == 0 or shown[i - 1].representation != slice_.representation
+        draw_column(figure, slice_, left + cell * i + gap * names.index(slice_.representation), height, limit, first)
+    for row, kind in enumerate(KINDS):
+        figure.text((left - 0.1) / width, (height - 0.69 - (row + 0.5) * cell) / height, kind, ha="right", va="center", fontsize=9)
     draw_scale(figure, left, 0.2, PHI_MAP, lambda v: v, np.linspace(0, 1, 5) ** 0.5, ("0", ".25", ".5", ".75", "1"), "φ")
     draw_scale(figure, left + 3.2, 0.2, DIFFERENCE_MAP, lambda v: v, (0, 0.5, 1), (f"−{limit:g}", "0", f"+{limit:g}"), "difference")
     place = (left / width, 0.42 / height) if narrow else ((left + 6.6) / width, 0.12 / height)
