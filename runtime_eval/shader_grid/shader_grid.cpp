@@ -194,28 +194,36 @@ class Packer {
       const uint32_t slot = lists.slots[i];
       if (slot != kNoProbe) words_[first_slot_word_ + i] = number_[slot & kIndexMask] | (slot >> 27) << 27;
     }
-    // nodes stand parents first: what a child says of its blocks comes after what its parent says
-    size_t node = 0;
-    grid_.tree.forEachNode([&](const ProbeNode& place) { addNode(tree, lists, node++, place); });
+    size_t root = 0;
+    const std::array<int32_t, 3>& roots = tree.frame.root_count;
+    for (int32_t z = 0; z < roots[2]; ++z) {
+      for (int32_t y = 0; y < roots[1]; ++y) {
+        for (int32_t x = 0; x < roots[0]; ++x) addNode(tree, lists, root++, {x * kRootSide, y * kRootSide, z * kRootSide});
+      }
+    }
     result->largest_read = largest_read_ * sizeof(uint32_t);
     result->tree_bytes = (words_.size() - first_block_word_) * sizeof(uint32_t);
     return {};
   }
 
-  void addNode(const ProbeTreeData& tree, const ProbeTreeLists& lists, size_t node, const ProbeNode& place) {
-    if (tree.used_mask[node] == 0) return;
-    const uint32_t cells = tree.cell_count[node], edge = cells + 1;
+  // A node's used cells, then its children. low   its corner, units
+  void addNode(const ProbeTreeData& tree, const ProbeTreeLists& lists, size_t node, const std::array<int32_t, 3>& low) {
+    const uint32_t cells = tree.cell_count[node], edge = cells + 1, cell_log2 = lists.cell_log2[node];
+    const auto cornerOf = [&](uint32_t bit) {
+      return std::array<int32_t, 3>{low[0] + static_cast<int32_t>((bit & 3) << cell_log2),
+                                    low[1] + static_cast<int32_t>((bit >> 2 & 3) << cell_log2),
+                                    low[2] + static_cast<int32_t>((bit >> 4) << cell_log2)};
+    };
     const auto cells_log2 = static_cast<uint32_t>(std::countr_zero(cells));
-    const uint32_t entry = lists.first_slot[node] | cells_log2 << 27 | uint32_t{lists.cell_log2[node]} << 29;
+    const uint32_t entry = lists.first_slot[node] | cells_log2 << 27 | cell_log2 << 29;
     for (uint64_t mask = tree.used_mask[node]; mask != 0; mask &= mask - 1) {
       const auto bit = static_cast<uint32_t>(std::countr_zero(mask));
-      const std::array<uint32_t, 3> at{bit & 3, bit >> 2 & 3, bit >> 4};
-      words_[first_slot_word_ + lists.first_slot[node] + (at[2] * edge + at[1]) * edge + at[0]] |= kUsed;
-      std::array<int32_t, 3> cell_low;
-      for (size_t axis = 0; axis < 3; ++axis)
-        cell_low[axis] = place.low[axis] + static_cast<int32_t>(at[axis] << lists.cell_log2[node]);
-      forEachBlock(cell_low, 1 << lists.cell_log2[node], [&](size_t block) { words_[first_block_word_ + block] = entry; });
+      words_[first_slot_word_ + lists.first_slot[node] + ((bit >> 4) * edge + (bit >> 2 & 3)) * edge + (bit & 3)] |= kUsed;
+      forEachBlock(cornerOf(bit), 1 << cell_log2, [&](size_t block) { words_[first_block_word_ + block] = entry; });
     }
+    size_t child = lists.first_child[node];
+    for (uint64_t mask = tree.child_mask[node]; mask != 0; mask &= mask - 1)
+      addNode(tree, lists, child++, cornerOf(static_cast<uint32_t>(std::countr_zero(mask))));
   }
 
   template <class Visit>

@@ -13,9 +13,16 @@
 
 namespace nlg {
 
+// Four roots with cells of every size and gaps of every kind between them.
+inline ProbeTree wildTree(uint64_t seed) {
+  ProbeTree tree;
+  EXPECT_EQ(ProbeTree::build({{-3.0, 100.0, 0.25}, 0.5, {2, 1, 2}}, wildJudge(seed), kMaxTreeProbes, &tree), ProbeTreeStatus::ok);
+  return tree;
+}
+
 // Every representation there is; theta and light as files have them.
 inline LightGrid everyRepresentation(ThetaPrecision precision, uint64_t seed) {
-  LightGrid grid = randomGrid(smallTree(), seed);
+  LightGrid grid = randomGrid(wildTree(seed), seed);
   for (const RepresentationKind kind :
        {RepresentationKind::tent_mlp88, RepresentationKind::tent_mlp44, RepresentationKind::tent_mlp4}) {
     grid.representations.push_back({kind, 0.02f});
@@ -44,11 +51,23 @@ inline std::array<float, 3> randomNormal(Random& random) {
   return {static_cast<float>(x / length), static_cast<float>(y / length), static_cast<float>(z / length)};
 }
 
-// As an engine has it.
 inline PositionM asFloats(const PositionM& position_m) {
   PositionM rounded;
   for (size_t axis = 0; axis < 3; ++axis) rounded[axis] = static_cast<float>(position_m[axis]);
   return rounded;
+}
+
+// As an engine has it, in float; not so near a face between two units that float takes it to the other side.
+inline PositionM randomPlace(const ProbeTreeFrame& frame, Random& random) {
+  for (;;) {
+    const PositionM at = asFloats(randomPosition(frame, random));
+    bool is_clear = true;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const double units = (at[axis] - frame.first_m[axis]) / frame.spacing_m;
+      is_clear = is_clear && std::abs(units - std::round(units)) > 1e-3;
+    }
+    if (is_clear) return at;
+  }
 }
 
 }  // namespace nlg

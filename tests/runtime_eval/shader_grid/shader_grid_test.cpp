@@ -32,7 +32,7 @@ TEST_P(ShaderGridPrecision, SaysWhatTheLookUpSays) {
   Random random(5);
   std::array<int, 4> count{};
   for (int i = 0; i < 20000; ++i) {
-    const PositionM at = asFloats(randomPosition(grid.tree.frame(), random));
+    const PositionM at = randomPlace(grid.tree.frame(), random);
     const std::array<float, 3> normal = randomNormal(random);
     float rgb[3];
     const LightStatus status = lookUpIrradiance(grid, at, normal.data(), rgb);

@@ -29,7 +29,7 @@ TEST_P(ShaderOnVulkan, SaysWhatTheLookUpSays) {
     std::vector<std::array<float, 3>> normals;
     std::vector<uint32_t> places;
     for (int i = 0; i < kPlaces; ++i) {
-      positions.push_back(asFloats(randomPosition(grid.tree.frame(), random)));
+      positions.push_back(randomPlace(grid.tree.frame(), random));
       normals.push_back(randomNormal(random));
       for (const double value : positions.back()) places.push_back(std::bit_cast<uint32_t>(static_cast<float>(value)));
       places.push_back(0);
