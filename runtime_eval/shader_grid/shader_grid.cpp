@@ -111,14 +111,12 @@ class Packer {
  private:
   // A class a representation and form of theta that some probe has, then bare tents, then probes without weight.
   void findClasses() {
-    const size_t forms = grid_.representations.size() * 2;
-    std::vector<uint8_t> form_of_function(grid_.functionCount());
     std::vector<bool> in_bytes(grid_.representations.size(), true);
     for (size_t f = 0; f < grid_.functionCount(); ++f) {
       const uint8_t r = grid_.function_representation[f];
       if (in_bytes[r]) in_bytes[r] = isInBytes(grid_.representations[r], grid_.functionTheta(f));
     }
-    std::vector<size_t> class_of_representation(forms, 0);
+    std::vector<size_t> class_of_representation(grid_.representations.size(), 0);
     std::vector<bool> used(grid_.representations.size(), false);
     for (const uint32_t f : grid_.probe_function) {
       if (f < kNoWeight) used[grid_.function_representation[f]] = true;
