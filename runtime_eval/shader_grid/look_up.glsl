@@ -18,6 +18,19 @@ struct NlgLight {
   int status;
 };
 
+// Radiance as spherical harmonics (spherical_harmonics.h): what a compute pass writes into textures.
+struct NlgRadiance {
+  vec3 sh[9];
+  int status;
+};
+
+// What the probes around a position take of the blend.
+struct NlgShares {
+  int record[8];   // of a probe: uvec4 of its light
+  float share[8];  // they add up to 1; all are 0 where there is no light
+  int status;
+};
+
 struct NlgCell {
   bool found;
   int slot;       // word of its low corner's slot
@@ -301,70 +314,118 @@ NlgBasis nlgBasisOf(vec3 n) {
   return basis;
 }
 
+// What a probe holds, over the grid's scale: a coefficient of orders 1 and 2 is so many steps.
+struct NlgProbeLight {
+  vec3 mean;  // Y00
+  float step;
+  vec3 steps[8];
+};
+NlgProbeLight nlgLightOf(int record) {
+  uvec4 a = nlgFour(record), b = nlgFour(record + 1);
+  vec4 mean = nlgHalves(a.x, a.y);  // and the largest of all other coefficients
+  vec4 s0 = nlgBytes(a.z), s1 = nlgBytes(a.w), s2 = nlgBytes(b.x), s3 = nlgBytes(b.y), s4 = nlgBytes(b.z), s5 = nlgBytes(b.w);
+  NlgProbeLight light;
+  light.mean = vec3(mean.x, mean.y, mean.z);
+  light.step = mean.w / 127.0f;
+  light.steps[0] = vec3(s0.x, s0.y, s0.z), light.steps[1] = vec3(s0.w, s1.x, s1.y), light.steps[2] = vec3(s1.z, s1.w, s2.x);
+  light.steps[3] = vec3(s2.y, s2.z, s2.w), light.steps[4] = vec3(s3.x, s3.y, s3.z), light.steps[5] = vec3(s3.w, s4.x, s4.y);
+  light.steps[6] = vec3(s4.z, s4.w, s5.x), light.steps[7] = vec3(s5.y, s5.z, s5.w);
+  return light;
+}
+
 // Irradiance by one probe, over the grid's scale.
 vec3 nlgProbeIrradiance(int record, NlgBasis basis) {
-  uvec4 a = nlgFour(record), b = nlgFour(record + 1);
-  vec4 mean = nlgHalves(a.x, a.y);  // Y00 of red, green, blue, and the largest of all others
-  // 24 steps: red, green, blue of each coefficient in turn
-  vec4 s0 = nlgBytes(a.z), s1 = nlgBytes(a.w), s2 = nlgBytes(b.x), s3 = nlgBytes(b.y), s4 = nlgBytes(b.z), s5 = nlgBytes(b.w);
-  vec3 sum = basis.low.x * vec3(s0.x, s0.y, s0.z) + basis.low.y * vec3(s0.w, s1.x, s1.y) +
-             basis.low.z * vec3(s1.z, s1.w, s2.x) + basis.low.w * vec3(s2.y, s2.z, s2.w) +
-             basis.high.x * vec3(s3.x, s3.y, s3.z) + basis.high.y * vec3(s3.w, s4.x, s4.y) +
-             basis.high.z * vec3(s4.z, s4.w, s5.x) + basis.high.w * vec3(s5.y, s5.z, s5.w);
-  return basis.mean * vec3(mean.x, mean.y, mean.z) + (mean.w / 127.0f) * sum;
+  NlgProbeLight light = nlgLightOf(record);
+  vec3 sum = basis.low.x * light.steps[0] + basis.low.y * light.steps[1] + basis.low.z * light.steps[2] +
+             basis.low.w * light.steps[3] + basis.high.x * light.steps[4] + basis.high.y * light.steps[5] +
+             basis.high.z * light.steps[6] + basis.high.w * light.steps[7];
+  return basis.mean * light.mean + light.step * sum;
+}
+
+// position_m   in the frame of the level
+NlgShares nlgSharesAt(vec3 position_m) {
+  NlgShares shares;
+  shares.status = NLG_LIT;
+  for (int c = 0; c < 8; ++c) {
+    shares.record[c] = 0;
+    shares.share[c] = 0.0f;
+  }
+  vec4 frame = uintBitsToFloat(nlgHeader(0));
+  vec3 units = (position_m - vec3(frame.x, frame.y, frame.z)) * frame.w;
+  NlgCell cell = nlgFindCell(units);
+  if (!cell.found) {
+    shares.status = NLG_OUTSIDE;
+#ifdef NLG_NEAR
+    cell = nlgFindNearCell(units);
+#endif
+    if (!cell.found) return shares;
+  }
+
+  float residue[8], tents[8];
+  float largest = 0.0f;
+  for (int c = 0; c < 8; ++c) {
+    NlgCorner corner = nlgCornerOf(cell, c);
+    shares.record[c] = corner.record;
+    shares.share[c] = nlgWeight(corner);
+    residue[c] = corner.residue;
+    tents[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : corner.tent * corner.ratio;
+    largest = max(largest, shares.share[c]);
+  }
+  float sum = 0.0f;
+  for (int c = 0; c < 8; ++c) {
+    shares.share[c] -= min(residue[c], 0.5f * largest);
+    if (!(shares.share[c] >= NLG_LEAST_WEIGHT)) shares.share[c] = 0.0f;
+    sum += shares.share[c];
+  }
+  if (sum == 0.0f) {
+    // no function has weight here: bare tents, which nothing stops at walls
+    if (shares.status == NLG_LIT) shares.status = NLG_BY_TENTS;
+    for (int c = 0; c < 8; ++c) {
+      shares.share[c] = tents[c] >= NLG_LEAST_WEIGHT ? tents[c] : 0.0f;
+      sum += shares.share[c];
+    }
+  }
+  if (sum == 0.0f) {
+    if (shares.status == NLG_BY_TENTS) shares.status = NLG_UNLIT;
+    return shares;
+  }
+  for (int c = 0; c < 8; ++c) shares.share[c] /= sum;
+  return shares;
+}
+
+// normal   length 1
+vec3 nlgBlendedIrradiance(NlgShares shares, vec3 normal) {
+  NlgBasis basis = nlgBasisOf(normal);
+  vec3 irradiance = vec3(0.0f);
+  for (int c = 0; c < 8; ++c) {
+    if (shares.share[c] > 0.0f) irradiance += shares.share[c] * nlgProbeIrradiance(shares.record[c], basis);
+  }
+  return max(irradiance * uintBitsToFloat(nlgHeader(3).x), vec3(0.0f));
 }
 
 // position_m   in the frame of the level
 // normal       length 1
 NlgLight nlgIrradiance(vec3 position_m, vec3 normal) {
+  NlgShares shares = nlgSharesAt(position_m);
   NlgLight light;
-  light.irradiance = vec3(0.0f);
-  light.status = NLG_LIT;
-  vec4 frame = uintBitsToFloat(nlgHeader(0));
-  vec3 units = (position_m - vec3(frame.x, frame.y, frame.z)) * frame.w;
-  NlgCell cell = nlgFindCell(units);
-  if (!cell.found) {
-    light.status = NLG_OUTSIDE;
-#ifdef NLG_NEAR
-    cell = nlgFindNearCell(units);
-#endif
-    if (!cell.found) return light;
-  }
-
-  int record[8];
-  float weight[8], residue[8], tents[8];
-  float largest = 0.0f;
-  for (int c = 0; c < 8; ++c) {
-    NlgCorner corner = nlgCornerOf(cell, c);
-    record[c] = corner.record;
-    weight[c] = nlgWeight(corner);
-    residue[c] = corner.residue;
-    tents[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : corner.tent * corner.ratio;
-    largest = max(largest, weight[c]);
-  }
-  float sum = 0.0f;
-  for (int c = 0; c < 8; ++c) {
-    weight[c] -= min(residue[c], 0.5f * largest);
-    if (!(weight[c] >= NLG_LEAST_WEIGHT)) weight[c] = 0.0f;
-    sum += weight[c];
-  }
-  if (sum == 0.0f) {
-    // no function has weight here: bare tents, which nothing stops at walls
-    if (light.status == NLG_LIT) light.status = NLG_BY_TENTS;
-    for (int c = 0; c < 8; ++c) {
-      weight[c] = tents[c] >= NLG_LEAST_WEIGHT ? tents[c] : 0.0f;
-      sum += weight[c];
-    }
-  }
-  if (sum == 0.0f) {
-    if (light.status == NLG_BY_TENTS) light.status = NLG_UNLIT;
-    return light;
-  }
-  NlgBasis basis = nlgBasisOf(normal);
-  for (int c = 0; c < 8; ++c) {
-    if (weight[c] > 0.0f) light.irradiance += weight[c] * nlgProbeIrradiance(record[c], basis);
-  }
-  float scale = uintBitsToFloat(nlgHeader(3).x);
-  light.irradiance = max(light.irradiance * (scale / sum), vec3(0.0f));
+  light.irradiance = nlgBlendedIrradiance(shares, normal);
+  light.status = shares.status;
   return light;
+}
+
+// position_m   in the frame of the level
+NlgRadiance nlgRadiance(vec3 position_m) {
+  NlgShares shares = nlgSharesAt(position_m);
+  NlgRadiance radiance;
+  for (int i = 0; i < 9; ++i) radiance.sh[i] = vec3(0.0f);
+  float scale = uintBitsToFloat(nlgHeader(3).x);
+  for (int c = 0; c < 8; ++c) {
+    if (!(shares.share[c] > 0.0f)) continue;
+    NlgProbeLight light = nlgLightOf(shares.record[c]);
+    float share = shares.share[c] * scale;
+    radiance.sh[0] += share * light.mean;
+    for (int i = 0; i < 8; ++i) radiance.sh[i + 1] += share * light.step * light.steps[i];
+  }
+  radiance.status = shares.status;
+  return radiance;
 }

@@ -16,10 +16,12 @@
 namespace nlg {
 namespace {
 
+glsl::vec3 vectorOf(const PositionM& position_m) {
+  return {static_cast<float>(position_m[0]), static_cast<float>(position_m[1]), static_cast<float>(position_m[2])};
+}
+
 glsl::NlgLight shade(const PositionM& position_m, const std::array<float, 3>& normal) {
-  return glsl::nlgIrradiance(
-      {static_cast<float>(position_m[0]), static_cast<float>(position_m[1]), static_cast<float>(position_m[2])},
-      {normal[0], normal[1], normal[2]});
+  return glsl::nlgIrradiance(vectorOf(position_m), {normal[0], normal[1], normal[2]});
 }
 
 class ShaderGridPrecision : public testing::TestWithParam<ThetaPrecision> {};
@@ -43,6 +45,23 @@ TEST_P(ShaderGridPrecision, SaysWhatTheLookUpSays) {
   }
   for (const LightStatus status : {LightStatus::lit, LightStatus::by_tents, LightStatus::outside})
     EXPECT_GT(count[static_cast<size_t>(status)], 20) << lightStatusName(status);
+}
+
+TEST_P(ShaderGridPrecision, SaysTheRadianceOfTheLookUp) {
+  const LightGrid grid = everyRepresentation(GetParam(), 9);
+  ShaderGrid packed;
+  ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  glsl::shader_grid = &packed;
+  Random random(10);
+  for (int i = 0; i < 5000; ++i) {
+    const PositionM at = randomPlace(grid.tree.frame(), random);
+    float light[kShFloats];
+    const LightStatus status = lookUpLight(grid, at, light);
+    const glsl::NlgRadiance radiance = glsl::nlgRadiance(vectorOf(at));
+    ASSERT_EQ(radiance.status, static_cast<int>(status));
+    for (int k = 0; k < kShFloats; ++k)
+      ASSERT_NEAR(radiance.sh[k / kShChannels][k % kShChannels], light[k], 1e-3f * std::max(1.0f, std::abs(light[0]))) << i;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Precisions, ShaderGridPrecision, testing::Values(ThetaPrecision::int8, ThetaPrecision::float16),
