@@ -34,6 +34,7 @@ set(NLG_MAY_LINK_stability     nlg::errors nlg::shard_job nlg::weighting nlg::vi
 set(NLG_MAY_LINK_policy_options nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_bake          nlg::policy_options nlg::scene nlg::probes nlg::visibility nlg::lighting nlg::weighting nlg::dataset nlg::shard_job nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_render        nlg::light_figures nlg::bake nlg::view nlg::lighting nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_viewer        nlg::render nlg::shader_export nlg::light_figures nlg::bake nlg::view nlg::lighting nlg::scene nlg::runtime_eval nlg::tool)
 # tools: the stage's own libraries, and what all tools share
 set(NLG_MAY_LINK_nlg-datagen   nlg::shard_job nlg::view nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-solve     nlg::solved nlg::errors nlg::tool)
@@ -43,6 +44,7 @@ set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runti
 set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_file nlg::used_by nlg::shader_export nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch)
 set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-render    nlg::render nlg::bake nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-view      nlg::viewer nlg::bake nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_light_noise   nlg::bake nlg::statistics nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-validate  nlg::render nlg::view nlg::light_figures nlg::look_up nlg::light_noise nlg::bake nlg::stability nlg::errors nlg::frontier nlg::comparison nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 

@@ -16,6 +16,8 @@ class App;
 namespace nlg {
 
 struct RenderRequest {
+  std::string program = "nlg-render";    // whose messages these are
+  std::string panel_flag = "--panel";
   std::string scene, out;
   // what is lit by what
   std::string grid;                  // a light grid's file

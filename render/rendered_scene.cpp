@@ -35,7 +35,10 @@ constexpr RivalGroup kRivalGroups[] = {{"trilinear", &MethodSet::addTrilinear},
                                        {"tetrahedra", &MethodSet::addTetrahedra},
                                        {"quake-grid", &MethodSet::addQuakeGrid}};
 
+constexpr RivalGroup kShippedDdgi = {"ddgi", &MethodSet::addShippedDdgi};
+
 const RivalGroup* groupOf(const std::string& name) {
+  if (name == "ddgi" || name == "ddgi-as-shipped") return &kShippedDdgi;
   for (const RivalGroup& group : kRivalGroups) {
     if (name.rfind(group.stem, 0) == 0) return &group;
   }
@@ -91,8 +94,9 @@ BakedAs bakedAs(const GridMetadata& metadata) {
 }
 
 // A picture of a grid beside a truth that it was not baked for is not wrong, but seldom what was meant.
-void warnOfDifferences(const std::string& path, const BakedAs& baked, const BakedAs& asked, bool has_rivals) {
-  const auto warn = [&](const std::string& what) { std::cerr << "nlg-render: " << path << ": " << what << '\n'; };
+void warnOfDifferences(const std::string& program, const std::string& path, const BakedAs& baked, const BakedAs& asked,
+                       bool has_rivals) {
+  const auto warn = [&](const std::string& what) { std::cerr << program << ": " << path << ": " << what << '\n'; };
   const auto isOther = [](const std::string& a, const std::string& b) { return !a.empty() && a != b; };
   if (isOther(baked.scene, asked.scene)) warn("baked of " + baked.scene + ", and drawn in " + asked.scene);
   if (isOther(baked.light_of_scene, asked.light_of_scene))
@@ -134,7 +138,7 @@ RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& op
     source_ = loadLitScene(request.scene, options);
     rays_ = std::make_unique<RayScene>(source_.scene);
   }
-  tellNotes("nlg-render", source());
+  tellNotes(request.program, source());
   transport_ = std::make_unique<LightTransport>(scene(), baked_scene_ ? baked_scene_->rays : *rays_);
   makeGrid(has_rivals);
   if (has_rivals) makeRivals();
@@ -150,7 +154,7 @@ void RenderedScene::makeGrid(bool has_rivals) {
     grid_ = readGrid(request_.grid, &metadata);
     const BakedAs baked = bakedAs(metadata),
                   asked{source().id, options_.light_direct, sceneLightSha256(scene()), options_.spacing_m};
-    warnOfDifferences(request_.grid, baked, asked, has_rivals);
+    warnOfDifferences(request_.program, request_.grid, baked, asked, has_rivals);
   }
   if (!grid_ || !grid_->light.empty() || request_.show == "weights") return;
   if (request_.bake) throw UsageError("--light", "solved, integrated or point: a view needs light", "none");
@@ -183,16 +187,20 @@ LightingMethod RenderedScene::method(const std::string& name) const {
     options.direct = directLightFromName(options_.light_direct);
     return truthMethod(*transport_, options, mixSeed(options_.seed, kTruthStream));
   }
+  return measuredMethod(name, rival(name));
+}
+
+const LightMethod& RenderedScene::rival(const std::string& name) const {
   std::string whole = name;
   for (const auto& [short_name, long_name] : kShortNames) {
     if (name == short_name) whole = long_name;
   }
   std::string known;
   for (const LightMethod& rival : rivals_->methods()) {
-    if (rivalName(rival) == whole) return measuredMethod(name, rival);
+    if (rivalName(rival) == whole) return rival;
     known += (known.empty() ? "" : ", ") + rivalName(rival);
   }
-  throw UsageError(request_.panel.empty() ? "--method" : "--panel",
+  throw UsageError(request_.panel.empty() ? "--method" : request_.panel_flag,
                    known.empty() ? "a method that this scene has" : "truth, grid or one of " + known, "'" + name + "'");
 }
 

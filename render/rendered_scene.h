@@ -36,6 +36,9 @@ class RenderedScene {
   int threads() const { return threads_; }
 
   LightingMethod method(const std::string& name) const;
+  // throws   UsageError when the scene has none of that name
+  const LightMethod& rival(const std::string& name) const;
+  const MethodSet* rivals() const { return rivals_.get(); }  // null when none was asked for
 
  private:
   const SceneSource& source() const { return baked_scene_ ? baked_scene_->source : source_; }

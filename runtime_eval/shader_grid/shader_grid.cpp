@@ -252,10 +252,13 @@ class Packer {
     }
     if (end > kMostWords) return refuse(std::to_string(end) + " words; shaders count 2^29");
     words_.resize(end, 0);
+    result->probe_record.assign(number_.size(), 0);
     for (size_t probe = 0; probe < number_.size(); ++probe) {
       const ProbeClass& of = classes_[class_of_probe_[probe]];
       if (of.stride == 0) continue;
-      uint32_t* record = &words_[of.first_record + of.stride * (number_[probe] - of.first_probe)];
+      const size_t place = of.first_record + of.stride * (number_[probe] - of.first_probe);
+      result->probe_record[probe] = static_cast<uint32_t>(place / kWordsAFour);
+      uint32_t* record = &words_[place];
       addLight(light, probe, record);
       result->light_bytes += kLightWords * sizeof(uint32_t);
       const uint32_t function = grid_.probe_function[probe];

@@ -40,6 +40,8 @@ struct ShaderGrid {
   std::vector<std::string> defines;  // what look_up.glsl is to be compiled for: NLG_NETWORK_4, NLG_CLASS_COUNT 3, …
   int header_count = 0;              // of 16 bytes, at the beginning
   size_t tree_bytes = 0, light_bytes = 0, theta_bytes = 0;
+  std::vector<uint32_t>
+      probe_record;         // by probe: the uvec4 of its light, as look_up.glsl's NlgShares names it; 0 of those without
   size_t largest_read = 0;  // bytes of a record that a pixel reads at most: light, and theta of the largest class
 };
 

@@ -17,6 +17,8 @@ namespace {
 
 constexpr uint64_t kProbeStream = 0x70726f6265, kSolveStream = 0x736f6c7665, kDdgiStream = 0x64646769, kApvStream = 0x617076;
 
+const std::string kDdgiAsShipped = "DDGI as shipped";
+
 using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -107,7 +109,9 @@ void MethodSet::addBlends(Blends blends) {
       }
     }
     method.light_s = secondsSince(start) + (way == LightWay::point ? probes_.gather_s : measure_s_);
-    method.irradiance_at = blendedLight(weighting, own(rounded(options_.form, light)));
+    const std::vector<LightSh>& kept = own(rounded(options_.form, light));
+    method.probe_light = &kept;
+    method.irradiance_at = blendedLight(weighting, kept);
     methods_.push_back(std::move(method));
   }
 }
@@ -151,14 +155,22 @@ void MethodSet::addDdgi(const std::string& name, const DdgiMaps& maps, DdgiVisib
   methods_.push_back(std::move(method));
 }
 
+const DdgiMaps& MethodSet::makeDdgi(bool relocates) {
+  return maps_.emplace_back(makeDdgiMaps(
+      probes_, scene_.transport, {options_.probe, relocates, options_.thread_count, mixSeed(options_.seed, kDdgiStream)}));
+}
+
+void MethodSet::addShippedDdgi() {
+  shipped_ddgi_ = &maps_.emplace_back(asShipped(makeDdgi(false)));
+  addDdgi(kDdgiAsShipped, *shipped_ddgi_, DdgiVisibility::depth, kDdgiShippedBytes);
+}
+
 void MethodSet::addDdgi() {
-  DdgiMapsOptions options{options_.probe, false, options_.thread_count, mixSeed(options_.seed, kDdgiStream)};
   for (const bool relocates : {false, true}) {
-    options.relocates = relocates;
     const std::string suffix = relocates ? ", relocated" : "";
-    const DdgiMaps& maps = maps_.emplace_back(makeDdgiMaps(probes_, scene_.transport, options));
+    const DdgiMaps& maps = makeDdgi(relocates);
     addDdgi("DDGI float" + suffix, maps, DdgiVisibility::depth, kDdgiFloatBytes);
-    addDdgi("DDGI as shipped" + suffix, maps_.emplace_back(asShipped(maps)), DdgiVisibility::depth, kDdgiShippedBytes);
+    addDdgi(kDdgiAsShipped + suffix, maps_.emplace_back(asShipped(maps)), DdgiVisibility::depth, kDdgiShippedBytes);
     if (relocates) continue;
     addDdgi("DDGI, exact visibility", maps, DdgiVisibility::exact, kDdgiFloatBytes);
     // its weights with light in harmonics, so that light and weights are told apart

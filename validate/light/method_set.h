@@ -43,11 +43,16 @@ class MethodSet {
 
   const ProbeSet& probes() const { return probes_; }
   const std::deque<LightMethod>& methods() const { return methods_; }
+  // What is needed to show these methods elsewhere; null until they were added, or where the scene has none.
+  const DdgiMaps* shippedDdgi() const { return shipped_ddgi_; }
+  const QuakeGridLight* quakeGrid() const { return quake_grid_.get(); }
   double measure_s() const { return measure_s_; }  // light at places in air, for whoever solves
 
   void addTrilinear();
   void addApv();
   void addDdgi();
+  // Of these one alone: as shipped, not relocated.
+  void addShippedDdgi();
   // Nothing where too few probes stand in air.
   void addTetrahedra();
   // Nothing where the scene has none.
@@ -72,6 +77,7 @@ class MethodSet {
   MethodBytes bytesOf(size_t probes, size_t weight_bytes) const;
   // With light gathered at the probes, and with light solved for.
   void addBlends(Blends blends);
+  const DdgiMaps& makeDdgi(bool relocates);
   void addDdgi(const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t probe_bytes);
 
   const MethodScene scene_;
@@ -84,6 +90,7 @@ class MethodSet {
   std::deque<std::unique_ptr<Weighting>> weightings_;
   std::deque<std::vector<LightSh>> lights_;
   std::deque<DdgiMaps> maps_;
+  const DdgiMaps* shipped_ddgi_ = nullptr;
   std::unique_ptr<ApvProbes> apv_;
   std::unique_ptr<QuakeGridLight> quake_grid_;
   std::deque<LightGrid> grids_;

@@ -1,0 +1,105 @@
+// What is drawn over the level: probes by kind, the tree's cells, the worst place.
+import * as THREE from 'three';
+import { load } from './data.js';
+import markVertex from './glsl/mark.vert.glsl';
+import markFragment from './glsl/mark.frag.glsl';
+
+// In the order of ProbeKind (viewer/method_scripts.h); told apart without red against green.
+export const KINDS = [
+  { title: 'function', colour: [0.9, 0.6, 0.0] },
+  { title: 'bare tent', colour: [0.35, 0.7, 0.9] },
+  { title: 'function, in solid', colour: [0.8, 0.3, 0.65] },
+  { title: 'empty', colour: [0.35, 0.35, 0.35] },
+];
+const PROBE_M = 0.06, PROBE_REACH_M = 14, CELL_REACH_M = 7;
+
+function markMaterial(reach_m, opacity) {
+  return new THREE.RawShaderMaterial({
+    glslVersion: THREE.GLSL3,
+    vertexShader: markVertex,
+    fragmentShader: markFragment,
+    uniforms: { reach_m: { value: reach_m }, opacity: { value: opacity } },
+  });
+}
+
+function instanced(shape, marks, tints, material, make) {
+  const geometry = new THREE.InstancedBufferGeometry();
+  geometry.setAttribute('position', shape.attributes.position);
+  geometry.setIndex(shape.index);
+  geometry.setAttribute('mark', new THREE.InstancedBufferAttribute(marks, 4));
+  geometry.setAttribute('tint', new THREE.InstancedBufferAttribute(tints, 3));
+  geometry.instanceCount = marks.length / 4;
+  const object = make(geometry, material);
+  object.frustumCulled = false;
+  object.renderOrder = 3;
+  return object;
+}
+
+export class Marks {
+  constructor(root) {
+    this.root = root;
+  }
+
+  // Reads them the first time.
+  async probes() {
+    if (!this.data) {
+      this.data = await load('probes');
+      const count = this.data.kinds.length;
+      const marks = new Float32Array(4 * count), tints = new Float32Array(3 * count);
+      for (let i = 0; i < count; ++i) {
+        marks.set(this.data.positions.subarray(3 * i, 3 * i + 3), 4 * i);
+        marks[4 * i + 3] = PROBE_M;
+        tints.set(KINDS[this.data.kinds[i]].colour, 3 * i);
+      }
+      this.probeMarks = instanced(new THREE.OctahedronGeometry(1, 1), marks, tints, markMaterial(PROBE_REACH_M, 1),
+        (geometry, material) => new THREE.Mesh(geometry, material));
+      const cells = this.data.cells.length / 4;
+      const corners = new Float32Array(this.data.cells);
+      const unit = new THREE.EdgesGeometry(new THREE.BoxGeometry(1, 1, 1).translate(0.5, 0.5, 0.5));
+      this.cellMarks = instanced(unit, corners, new Float32Array(3 * cells).fill(0.8), markMaterial(CELL_REACH_M, 0.8),
+        (geometry, material) => new THREE.LineSegments(geometry, material));
+      this.probeMarks.visible = this.cellMarks.visible = false;
+      this.root.add(this.probeMarks, this.cellMarks);
+    }
+    return this.data;
+  }
+
+  // The probe nearest to a ray, among those within 20 m before the camera; none: -1.
+  async nearestTo(ray) {
+    const { positions, kinds } = await this.probes();
+    const way = new THREE.Vector3(), best = { probe: -1, angle: Infinity };
+    for (let i = 0; i < kinds.length; ++i) {
+      way.fromArray(positions, 3 * i).sub(ray.origin);
+      const distance = way.length();
+      if (distance > 20 || distance < 0.2) continue;
+      const along = way.dot(ray.direction) / distance;
+      if (along <= 0.9) continue;
+      // a near one before a far one behind it
+      const angle = Math.acos(Math.min(1, along)) + 0.002 * distance;
+      if (angle < best.angle) Object.assign(best, { probe: i, angle });
+    }
+    return best.probe;
+  }
+
+  choose(probe) {
+    if (this.ring) this.root.remove(this.ring);
+    this.ring = instanced(new THREE.OctahedronGeometry(1, 2), new Float32Array([...this.data.positions.subarray(3 * probe, 3 * probe + 3), 2 * PROBE_M]),
+      new Float32Array([1, 1, 1]), markMaterial(100, 1), (geometry, material) => new THREE.Mesh(geometry, material));
+    this.root.add(this.ring);
+  }
+
+  // A ball's needle at the place where a method was measured.
+  showPlace(place, normal) {
+    if (this.needle) this.root.remove(this.needle);
+    this.needle = null;
+    if (!place) return;
+    const count = 24, marks = new Float32Array(4 * count);
+    for (let i = 0; i < count; ++i) {
+      marks.set([0, 1, 2].map((axis) => place[axis] + normal[axis] * (0.1 + 0.01 * i)), 4 * i);
+      marks[4 * i + 3] = 0.008;
+    }
+    this.needle = instanced(new THREE.OctahedronGeometry(1, 0), marks, new Float32Array(3 * count).fill(1), markMaterial(100, 1),
+      (geometry, material) => new THREE.Mesh(geometry, material));
+    this.root.add(this.needle);
+  }
+}

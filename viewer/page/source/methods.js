@@ -1,0 +1,129 @@
+// Methods that light surfaces: the materials that ask them, and what these read.
+import * as THREE from 'three';
+import { load } from './data.js';
+import surfaceVertex from './glsl/surface.vert.glsl';
+import surfaceFragment from './glsl/surface.frag.glsl';
+import gridReads from './glsl/grid.glsl';
+import gridLight from './glsl/grid_light.glsl';
+import ddgiLight from './glsl/ddgi_light.glsl';
+import quakeGridLight from './glsl/quake_grid_light.glsl';
+
+const TEXELS_A_ROW = 2048;
+const PRECISION = 'precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp usampler2D;\n';
+
+// Words, four a texel; what fills the last row is 0.
+function wordTexture(words) {
+  const rows = Math.max(1, Math.ceil(words.length / 4 / TEXELS_A_ROW));
+  const texels = new Uint32Array(4 * TEXELS_A_ROW * rows);
+  texels.set(words);
+  const texture = new THREE.DataTexture(texels, TEXELS_A_ROW, rows, THREE.RGBAIntegerFormat, THREE.UnsignedIntType);
+  texture.internalFormat = 'RGBA32UI';
+  texture.minFilter = texture.magFilter = THREE.NearestFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+// The text that says what irradianceAt is, and its uniforms.
+function gridProgram(data, lookUp, light) {
+  const defines = data.defines.map((define) => `#define ${define}\n`).join('');
+  return {
+    text: `#define HEADER_COUNT ${data.header_count}\n${defines}#define NLG_NEAR\n${gridReads}${lookUp}${light}`,
+    uniforms: { words: { value: wordTexture(data.words) }, head: { value: data.words.slice(0, 4 * data.header_count) } },
+  };
+}
+
+function quakeGridProgram(data) {
+  const count = data.ambient.length / 3;
+  const rows = Math.ceil((3 * count) / 1023);
+  const texels = new Float32Array(4 * 1023 * rows);
+  for (let cell = 0; cell < count; ++cell) {
+    [data.ambient, data.directed, data.to_light].forEach((part, k) => texels.set(part.subarray(3 * cell, 3 * cell + 3), 4 * (3 * cell + k)));
+  }
+  const texture = new THREE.DataTexture(texels, 1023, rows, THREE.RGBAFormat, THREE.FloatType);
+  texture.needsUpdate = true;
+  return {
+    text: quakeGridLight,
+    uniforms: {
+      cells: { value: texture },
+      first_m: { value: new THREE.Vector3(...data.first_m) },
+      step_m: { value: new THREE.Vector3(...data.step_m) },
+      cell_count: { value: data.count },
+      ambient_scale: { value: data.ambient_scale },
+      directed_scale: { value: data.directed_scale },
+    },
+  };
+}
+
+function ddgiProgram(data, lookUp) {
+  const program = gridProgram(data, lookUp, ddgiLight);
+  program.uniforms.maps = { value: wordTexture(data.maps) };
+  program.uniforms.irradiance_scale = { value: data.scale };
+  return program;
+}
+
+const PROGRAMS = { grid: (data, lookUp) => gridProgram(data, lookUp, gridLight), ddgi: ddgiProgram, quake_grid: quakeGridProgram };
+
+// What a light grid can show of itself, and the text that makes it so.
+const SHOWS = { light: '', share: '#define SHOWS_SHARE\n', leaks: '#define SHOWS_LEAKS\n' };
+
+// A method that lights surfaces as they are drawn.
+class RenderedMethod {
+  constructor(entry, data, lookUp) {
+    this.name = entry.name;
+    this.isGrid = data.kind === 'grid';
+    const program = PROGRAMS[data.kind](data, lookUp);
+    this.uniforms = { ...program.uniforms, offset_m: { value: 0.02 }, chosen_record: { value: 0 }, heat_full: { value: 1 } };
+    this.text = program.text + surfaceFragment;
+  }
+
+  // shown   light, share, leaks; what a method cannot show of itself is its light
+  // litAt   a place at which light is asked for, whatever is lit; none: before each point of the surface
+  material(shown, side, litAt = new THREE.Vector4(0, 0, 0, 0)) {
+    return new THREE.RawShaderMaterial({
+      glslVersion: THREE.GLSL3,
+      vertexShader: surfaceVertex,
+      fragmentShader: PRECISION + (this.isGrid ? SHOWS[shown] ?? '' : '') + this.text,
+      uniforms: { ...this.uniforms, litAt: { value: litAt } },
+      side,
+    });
+  }
+}
+
+export const TRUTH = 'truth';
+
+export class Methods {
+  constructor(scene) {
+    this.scene = scene;
+    this.entries = new Map(scene.methods.map((entry) => [entry.name, entry]));
+    this.made = new Map();
+  }
+
+  has(name) {
+    return name === TRUTH || this.entries.has(name);
+  }
+  titleOf(name) {
+    return name === TRUTH ? 'ground truth' : this.entries.get(name).title;
+  }
+
+  // Reads it the first time.
+  async rendered(name) {
+    if (!this.made.has(name)) {
+      const data = await load(`method-${name}`);
+      this.made.set(name, new RenderedMethod(this.entries.get(name), data, this.scene.look_up));
+    }
+    return this.made.get(name);
+  }
+
+  async truth(view) {
+    const key = `${TRUTH}-${view}`;
+    if (!this.made.has(key)) {
+      const data = await load(key);
+      const texture = new THREE.DataTexture(data.texels, data.width, data.height, THREE.RGBFormat, THREE.UnsignedInt5999Type);
+      texture.internalFormat = 'RGB9_E5';
+      texture.minFilter = texture.magFilter = THREE.LinearFilter;
+      texture.needsUpdate = true;
+      this.made.set(key, { texture, aspect: data.width / data.height, unit: data.unit });
+    }
+    return this.made.get(key);
+  }
+}

@@ -1,0 +1,352 @@
+#include "viewer/view_run.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "datagen/lighting/air.h"
+#include "export/shader/shader_export.h"
+#include "render/lit_picture.h"
+#include "render/place_picture.h"
+#include "render/rendered_scene.h"
+#include "render/tone.h"
+#include "render/view_choice.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/numbers/random.h"
+#include "runtime_eval/numbers/rgb9e5.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+#include "tool/output_path.h"
+#include "tool/parallel_for.h"
+#include "tool/provenance.h"
+#include "validate/light/light_figures.h"
+#include "viewer/method_scripts.h"
+#include "viewer/page.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr uint64_t kPlaceStream = 0x766965776572, kTruthStream = 0x7472757468;
+constexpr double kFov = 1.0472;  // 60 degrees
+constexpr double kAspect = 16.0 / 9.0;
+constexpr int kPlaceRays = 1024;  // of truth at a place
+constexpr int kExposureWidth = 160, kExposureHeight = 90;
+constexpr float kBrightestStored = 1000.0f;  // of a truth picture; RGB9E5 ends at 65,408
+const std::vector<std::string> kShownRivals = {"trilinear", "trilinear:solved", "valid-trilinear", "valid-trilinear:solved",
+                                               "ddgi",      "quake-grid"};
+
+Json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+// A name among file names and in the page.
+std::string scriptName(const std::string& method) {
+  std::string name = method;
+  std::replace(name.begin(), name.end(), ':', '-');
+  return name;
+}
+
+struct View {
+  std::string name;
+  Camera camera;
+};
+
+// Cameras of the scene's file, and then views that show much.
+std::vector<View> truthViews(const LightTransport& transport, const ViewRequest& request, uint64_t seed) {
+  std::vector<View> views;
+  const auto isFull = [&] { return views.size() >= static_cast<size_t>(request.truth_views); };
+  for (const Viewpoint& viewpoint : transport.scene().viewpoints) {
+    if (viewpoint.fov_y > 0.0f && !isFull())
+      views.push_back(
+          {viewpoint.name, cameraAlong(glm::dvec3(viewpoint.position), glm::dvec3(viewpoint.forward), viewpoint.fov_y)});
+  }
+  for (uint64_t i = 0; !isFull(); ++i)
+    views.push_back({fmt::format("view {}", views.size() + 1), chooseView(transport, kFov, kAspect, seed + i)});
+  return views;
+}
+
+Json cameraJson(const std::string& name, const Camera& camera) {
+  return {
+      {"name", name}, {"eye", numbers(camera.eye_m)}, {"forward", numbers(glm::dvec3(camera.forward))}, {"fov_y", camera.fov_y}};
+}
+
+Sights sights(const LightTransport& transport, const Camera& camera, int width, int height, int threads) {
+  SightOptions options;
+  options.width = width;
+  options.height = height;
+  options.samples_per_side = 1;
+  options.thread_count = threads;
+  return sightsOf(transport, camera, options);
+}
+
+class ViewFolder {
+ public:
+  ViewFolder(const ViewRequest& request, const BakeOptions& options, const RenderRequest& render)
+      : request_(request), options_(options), scene_(render, options), grid_(scene_.grid()) {
+    const glm::dvec3& origin_m = scene_.scene().origin_m;
+    grid_.tree.moveBy({-origin_m.x, -origin_m.y, -origin_m.z});
+    said_ = {{"schema_version", 1}, {"scene", scene_.id()}, {"out", request.out}};
+  }
+
+  Json write() {
+    // the page last: it is there when all that it reads is
+    const std::vector<View> views = truthViews(scene_.transport(), request_, options_.seed);
+    DataScript script("scene");
+    addGeometry(&script);
+    script.facts["scene"] = scene_.id();
+    script.facts["revision"] = sourceRevision();
+    script.facts["origin_m"] = numbers(scene_.scene().origin_m);
+    script.facts["look_up"] = kLookUpText;
+    script.facts["light"] = scene_.lightNotes();
+    script.facts["exposure"] = exposureOf(views);
+    script.facts["views"] = Json::array();
+    for (size_t v = 0; v < views.size(); ++v) {
+      script.facts["views"].push_back(cameraJson(views[v].name, views[v].camera));
+      write(truthScript(v, views[v].camera));
+    }
+    script.facts["starts"] = Json::array();
+    for (const Viewpoint& viewpoint : scene_.scene().viewpoints) {
+      if (viewpoint.fov_y > 0.0f) continue;
+      script.facts["starts"].push_back(
+          cameraJson(viewpoint.name, cameraAlong(glm::dvec3(viewpoint.position), glm::dvec3(viewpoint.forward), kFov)));
+    }
+    writeMethods(&script);
+    std::vector<uint8_t> in_air;
+    for (size_t p = 0; p < grid_.tree.probeCount(); ++p) {
+      const PositionM at = grid_.tree.probePosition(p);
+      in_air.push_back(isInAir(scene_.transport().rays(), {at[0], at[1], at[2]}));
+    }
+    write(probesScript(grid_, in_air));
+    write(script);
+    for (const PageFile& file : pageFiles()) writeText(file.name, file.text);
+    said_["page"] = (fs::path(request_.out) / "index.html").string();
+    return said_;
+  }
+
+ private:
+  void writeText(std::string_view name, std::string_view text) {
+    writeFileAtomically((fs::path(request_.out) / name).string(), text);
+    said_["files"][std::string(name)] = text.size();
+  }
+  void write(const DataScript& script) { writeText(script.name() + ".js", script.text()); }
+
+  void addGeometry(DataScript* script) {
+    const Scene& scene = scene_.scene();
+    std::vector<float> positions, albedo, emissive, sky_positions, sky_shine;
+    const auto append = [](std::vector<float>* to, const glm::vec3& v) { to->insert(to->end(), {v.x, v.y, v.z}); };
+    std::vector<uint32_t> triangles;
+    for (const glm::vec3& position : scene.positions) append(&positions, position);
+    for (const glm::uvec3& t : scene.triangles) triangles.insert(triangles.end(), {t.x, t.y, t.z});
+    std::vector<uint32_t> first_of_material(scene.materials.size(), 0);
+    for (size_t t = 0; t < scene.triangles.size(); ++t) first_of_material[scene.triangle_material[t]] = static_cast<uint32_t>(t);
+    std::vector<uint8_t> double_sided;
+    for (size_t m = 0; m < scene.materials.size(); ++m) {
+      // what light takes for the material's colour
+      append(&albedo, scene.triangles.empty() ? glm::vec3(0.0f) : scene_.transport().albedo(first_of_material[m]));
+      append(&emissive, scene.materials[m].emissive);
+      double_sided.push_back(scene.materials[m].double_sided);
+    }
+    const SkyFaces& faces = scene.light.sky_faces;
+    for (size_t t = 0; t < faces.triangles.size(); ++t) {
+      for (int corner = 0; corner < 3; ++corner) append(&sky_positions, faces.positions[faces.triangles[t][corner]]);
+      const bool shines = faces.shines(static_cast<uint32_t>(t));
+      // below 0: the sky itself
+      append(&sky_shine, shines ? faces.shine[t + faces.shine.size() - faces.triangles.size()] : glm::vec3(-1.0f));
+    }
+    script->add("positions", positions);
+    script->add("triangles", triangles);
+    script->add("triangle_material", scene.triangle_material);
+    script->add("albedo", albedo);
+    script->add("emissive", emissive);
+    script->add("double_sided", double_sided);
+    script->add("sky_positions", sky_positions);
+    script->add("sky_shine", sky_shine);
+    const Sky& sky = scene.light.sky;
+    script->facts["sky"] = {{"zenith", numbers(sky.zenith)}, {"horizon", numbers(sky.horizon)}, {"ground", numbers(sky.ground)}};
+    said_["triangles"] = scene.triangles.size();
+  }
+
+  // The median of what the views ask for, lit by the grid.
+  double exposureOf(const std::vector<View>& views) const {
+    std::vector<double> exposures;
+    for (const View& view : views) {
+      const Sights seen = sights(scene_.transport(), view.camera, kExposureWidth, kExposureHeight, scene_.threads());
+      exposures.push_back(automaticExposure(lightPicture(seen, scene_.method("grid"), scene_.threads())));
+    }
+    if (exposures.empty()) return 1.0;
+    std::nth_element(exposures.begin(), exposures.begin() + static_cast<std::ptrdiff_t>(exposures.size() / 2), exposures.end());
+    return exposures[exposures.size() / 2];
+  }
+
+  DataScript truthScript(size_t view, const Camera& camera) const {
+    const int width = request_.truth_width, height = width * 9 / 16;
+    const LitPicture picture = lightPicture(sights(scene_.transport(), camera, width, height, scene_.threads()),
+                                            scene_.method("truth"), scene_.threads());
+    float brightest = 0.0f;
+    for (const glm::vec3& radiance : picture.radiance) brightest = std::max({brightest, radiance.r, radiance.g, radiance.b});
+    const float unit = brightest > 0.0f ? brightest / kBrightestStored : 1.0f;
+    std::vector<uint32_t> texels;
+    texels.reserve(picture.radiance.size());
+    for (const glm::vec3& radiance : picture.radiance)
+      texels.push_back(rgb9e5(radiance.r / unit, radiance.g / unit, radiance.b / unit));
+    DataScript script(fmt::format("truth-{}", view));
+    script.facts = {{"width", width}, {"height", height}, {"unit", unit}, {"rays", request_.truth_rays}};
+    script.add("texels", texels);
+    return script;
+  }
+
+  struct Measured {
+    LightPlaces places;
+    LightTruth truth;
+  };
+
+  Measured measureTruth() const {
+    LightPlaceOptions options;
+    options.air = options.surface = static_cast<uint64_t>(request_.places) / 2;
+    options.walks = 1;
+    options.seed = mixSeed(options_.seed, kPlaceStream);
+    GatherOptions rays;
+    rays.rays = kPlaceRays;
+    rays.direct = directLightFromName(options_.light_direct);
+    const LightTransport& transport = scene_.transport();
+    Measured measured;
+    measured.places = drawLightPlaces(scene_.scene(), transport.rays(), lightExtent(scene_.scene(), options_.extent_m), options);
+    measured.truth = lightTruth(measured.places, transport, rays, mixSeed(options_.seed, kTruthStream), scene_.threads());
+    return measured;
+  }
+
+  LightFigures figuresOf(const Measured& measured, const std::string& method) const {
+    std::vector<Receiver> receivers;
+    for (const LightPlace& place : measured.places.places) receivers.push_back({place.position_m, place.normal});
+    std::vector<ReceivedLight> received(receivers.size());
+    scene_.method(method).light_at(receivers, received.data());
+    std::vector<LightAnswer> answers;
+    for (const ReceivedLight& light : received) answers.push_back({light.irradiance, light.is_lit ? Reach::lit : Reach::unlit});
+    return lightFigures(measured.places, measured.truth, answers);
+  }
+
+  void writeMethods(DataScript* script) {
+    const Measured measured = measureTruth();
+    script->facts["places"] = measured.places.places.size();
+    script->facts["methods"] = Json::array();
+    const auto add = [&](const std::string& name, const std::string& title, DataScript method, size_t bytes, size_t probes) {
+      Json entry = {{"name", scriptName(name)}, {"title", title}, {"bytes", bytes}, {"probes", probes}};
+      const LightFigures figures = figuresOf(measured, name);
+      entry["rmse_air"] = figures.air.rmse;
+      entry["rmse_surface"] = figures.surface.rmse;
+      script->facts["methods"].push_back(entry);
+      said_["methods"].push_back(entry);
+      write(method);
+      return figures;
+    };
+    const size_t bytes =
+        request_.grid.empty()
+            ? lightGridBytes(grid_, {options_.policy.theta_precision, lightFormFromName(options_.light_form)}).total()
+            : fs::file_size(request_.grid);
+    const LightFigures ours = add("grid", "light grid", gridScript("method-grid", grid_), bytes, grid_.tree.probeCount());
+    script->facts["worst"] = Json::array();
+    for (size_t i = 0; i < ours.worst.size(); ++i) {
+      const WorstPlace& worst = ours.worst[i];
+      const LightPlace& place = measured.places.places[worst.place];
+      Json entry =
+          cameraJson(fmt::format("worst {}", i + 1), viewOfPlace(scene_.transport(), {place.position_m, place.normal}).camera);
+      entry["place"] = numbers(place.position_m);
+      entry["normal"] = numbers(glm::dvec3(place.normal));
+      entry["error"] = worst.error;
+      script->facts["worst"].push_back(entry);
+    }
+    for (const std::string& name : request_.rivals) {
+      if (!request_.rivals_are_given && name == "quake-grid" && scene_.scene().light.quake_grid.cells.empty()) continue;
+      const LightMethod& rival = scene_.rival(name);
+      add(name, titleOf(name), rivalScript(name, rival), rival.bytes.total(), rival.probes);
+    }
+  }
+
+  static std::string titleOf(const std::string& name) {
+    if (name == "ddgi") return "DDGI";
+    if (name == "quake-grid") return "the level's own Quake III grid";
+    const std::string solved = name.ends_with(":solved") ? ", light solved for" : "";
+    return (name.starts_with("valid") ? "trilinear, probes in air" : "trilinear, all probes") + solved;
+  }
+
+  DataScript rivalScript(const std::string& name, const LightMethod& rival) const {
+    DataScript script =
+        name == "ddgi" ? ddgiScript(scene_.rivals()->probes(), *scene_.rivals()->shippedDdgi())
+        : name == "quake-grid"
+            ? quakeGridScript(scene_.scene().light.quake_grid, *scene_.rivals()->quakeGrid())
+            : gridScript(name, trilinearGrid(scene_.rivals()->probes(), *rival.probe_light, !name.starts_with("valid")));
+    script.rename("method-" + scriptName(name));
+    return script;
+  }
+
+  const ViewRequest& request_;
+  const BakeOptions& options_;
+  const RenderedScene scene_;
+  LightGrid grid_;  // in the scene's coordinates
+  Json said_;
+};
+
+}  // namespace
+
+void describe(ViewRequest& r, CLI::App& app) {
+  app.add_option("scene", r.scene, "a scene, as nlg-bake takes it")->required();
+  app.add_option("--out", r.out, "the folder to write; index.html in it is the page")->required();
+  app.add_option("--grid", r.grid, "a light grid that holds light, as nlg-bake writes it; none: it is baked here");
+  app.add_option("--weights", r.weights, "weights for that bake; none: those that ship");
+  app.add_option(
+         "--rivals", r.rivals,
+         "methods beside the grid, with probes as far apart as its own: trilinear, valid-trilinear, ddgi, quake-grid (of a level "
+         "that ships one); with :solved, the first two with light that is solved for; none")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--truth-views", r.truth_views, "views of which ground truth is stored")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  app.add_option("--truth-width", r.truth_width, "their width in pixels; the height is 9/16 of it")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  app.add_option("--truth-rays", r.truth_rays, "rays of ground truth at a pixel")
+      ->check(CLI::Range(8, 1 << 20))
+      ->capture_default_str();
+  app.add_option("--places", r.places,
+                 "places where all methods are compared with ground truth, half in air, half before surfaces")
+      ->check(CLI::Range(16, 1000000))
+      ->capture_default_str();
+}
+
+Json makeView(ViewRequest request, BakeOptions options) {
+  if (request.rivals == std::vector<std::string>{"none"}) request.rivals.clear();
+  for (const std::string& name : request.rivals) {
+    if (std::find(kShownRivals.begin(), kShownRivals.end(), name) == kShownRivals.end())
+      throw UsageError("--rivals", fmt::format("{}, or none", fmt::join(kShownRivals, ", ")), "'" + name + "'");
+  }
+  std::vector<std::string> inputs = {request.scene, request.grid};
+  inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
+  for (const PageFile& file : pageFiles()) refuseToReplaceInputs((fs::path(request.out) / file.name).string(), inputs);
+  if (!request.grid.empty()) {
+    LightGrid grid;
+    GridMetadata metadata;
+    const WeightsResult result = readLightGridFile(request.grid, &grid, &metadata);
+    if (!result.ok()) throw InputError(request.grid, weightsStatusName(result.status), "a light grid", result.detail);
+    options.spacing_m = grid.tree.frame().spacing_m;
+  }
+  RenderRequest render;
+  render.program = "nlg-view";
+  render.panel_flag = "--rivals";
+  render.scene = request.scene;
+  render.grid = request.grid;
+  render.bake = request.grid.empty();
+  render.weights = request.weights;
+  render.truth_rays = request.truth_rays;
+  render.panel = request.rivals;
+  render.panel.insert(render.panel.begin(), {"truth", "grid"});
+  return ViewFolder(request, options, render).write();
+}
+
+}  // namespace nlg

@@ -1,0 +1,39 @@
+// One run of nlg-view: a folder with a page in which a level lit by its light grid is walked through.
+//
+//     index.html, viewer.js     the page; it opens by a double click, or from any server of files
+//     scene.js                  triangles, materials, views, worst places, methods and what they cost
+//     method-NAME.js            what the page's shaders read of a method; probes.js, truth-N.js likewise: read when they are asked for
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "bake/bake_options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace nlg {
+
+struct ViewRequest {
+  std::string scene, grid, out;
+  std::vector<std::string> weights;  // without a grid: to bake one
+  std::vector<std::string> rivals = {"valid-trilinear", "ddgi", "quake-grid"};
+  bool rivals_are_given = false;  // false: what a scene does not have is left out
+  int truth_views = 5;
+  int truth_width = 640;  // pixels of such a view; its height is 9/16 of it
+  int truth_rays = 64;    // of a pixel
+  int places = 800;       // where methods are compared with truth
+};
+
+// Adds all settings to the command line.
+void describe(ViewRequest& request, CLI::App& app);
+
+// Writes the folder, and says what is in it.
+// throws   UsageError, InputError, OutputError
+nlohmann::ordered_json makeView(ViewRequest request, BakeOptions options);
+
+}  // namespace nlg
