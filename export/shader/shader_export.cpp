@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
@@ -18,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kFiles[] = {"grid.bin", "look_up.glsl", "resample.comp", "resampled.glsl"};
 constexpr size_t kWord = sizeof(uint32_t), kLightBytes = 32, kCorners = 8;
 
 std::string bytesOf(const std::vector<uint32_t>& words) {
@@ -30,8 +32,7 @@ std::string bytesOf(const std::vector<uint32_t>& words) {
 }
 
 void run(const std::string& grid_path, const std::string& folder) {
-  const std::string grid_out = (fs::path(folder) / "grid.bin").string(), text_out = (fs::path(folder) / "look_up.glsl").string();
-  for (const std::string& out : {grid_out, text_out}) refuseToReplaceInputs(out, {grid_path});
+  for (const char* name : kFiles) refuseToReplaceInputs((fs::path(folder) / name).string(), {grid_path});
   LightGrid grid;
   GridMetadata metadata;
   WeightsResult result = readLightGridFile(grid_path, &grid, &metadata);
@@ -39,8 +40,7 @@ void run(const std::string& grid_path, const std::string& folder) {
   ShaderGrid packed;
   result = packShaderGrid(grid, &packed);
   if (!result.ok()) throw InputError(grid_path, weightsStatusName(result.status), "a grid that shaders can show", result.detail);
-  writeFileAtomically(grid_out, bytesOf(packed.words));
-  writeFileAtomically(text_out, shaderText(packed));
+  writeShader(packed, folder);
   const PixelReads reads = pixelReads(packed);
   const nlohmann::ordered_json line = {
       {"scene", metadata.contains("scene") ? metadata["scene"] : ""},
@@ -63,6 +63,11 @@ std::string shaderText(const ShaderGrid& grid) {
   return text.append(kLookUpText);
 }
 
+void writeShader(const ShaderGrid& grid, const std::string& folder) {
+  const std::string texts[] = {bytesOf(grid.words), shaderText(grid), std::string(kResampleText), std::string(kResampledText)};
+  for (size_t i = 0; i < std::size(kFiles); ++i) writeFileAtomically((fs::path(folder) / kFiles[i]).string(), texts[i]);
+}
+
 PixelReads pixelReads(const ShaderGrid& grid) {
   PixelReads reads;
   // the low corner's slot says whether the cell is used, and is read again as a corner
@@ -77,7 +82,7 @@ int shaderMain(int argc, char** argv) {
   std::string grid, out;
   OptionTable table("export");
   app.add_option("--grid", grid, "a light grid with light (.safetensors)")->required();
-  app.add_option("--out", out, "the folder to write grid.bin and look_up.glsl to")->required();
+  app.add_option("--out", out, "the folder to write grid.bin, look_up.glsl, resample.comp and resampled.glsl to")->required();
   return runTool(argc, argv, app, table, [&] { run(grid, out); });
 }
 

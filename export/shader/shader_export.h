@@ -3,6 +3,7 @@
 //     grid.bin       the words of ShaderGrid (runtime_eval/shader_grid/shader_grid.h), little-endian: what a buffer or a texture of
 //                    four 32-bit integers holds
 //     look_up.glsl   the look-up, with the defines of this grid before it
+//     resample.comp, resampled.glsl    the compute pass that fills a 3-D texture by it, and what reads that texture
 #pragma once
 
 #include <string>
@@ -12,10 +13,13 @@
 
 namespace nlg {
 
-extern const std::string_view kLookUpText;  // runtime_eval/shader_grid/look_up.glsl
+extern const std::string_view kLookUpText, kResampleText, kResampledText;  // of runtime_eval/shader_grid/
 
 // look_up.glsl of one grid.
 std::string shaderText(const ShaderGrid& grid);
+
+// Writes all of it into a folder, and makes that where it is missing.
+void writeShader(const ShaderGrid& grid, const std::string& folder);
 
 // What one pixel reads of grid.bin at most, bytes, the head left out.
 struct PixelReads {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "runtime_eval/evaluator/theta_form.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
@@ -32,6 +33,19 @@ TEST(ShaderExport, DefinesWhatTheGridHoldsBeforeTheLookUp) {
   EXPECT_LT(classes, look_up);
   EXPECT_NE(look_up, std::string::npos);
   EXPECT_EQ(text.find("#define NLG_FIELD"), std::string::npos);
+}
+
+TEST(ShaderExport, WritesTheGridAndItsShaders) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "shader_export" / "made";
+  std::filesystem::remove_all(folder);
+  const ShaderGrid packed = packedGrid();
+  writeShader(packed, folder.string());
+  EXPECT_EQ(std::filesystem::file_size(folder / "grid.bin"), 4 * packed.words.size());
+  EXPECT_EQ(std::filesystem::file_size(folder / "look_up.glsl"), shaderText(packed).size());
+  EXPECT_EQ(std::filesystem::file_size(folder / "resample.comp"), kResampleText.size());
+  EXPECT_EQ(std::filesystem::file_size(folder / "resampled.glsl"), kResampledText.size());
+  // #version stands before everything else
+  EXPECT_EQ(kResampleText.find("#version 450\n"), 0u);
 }
 
 TEST(ShaderExport, CountsWhatAPixelReads) {

@@ -11,8 +11,6 @@ layout(std430, binding = 2) writeonly buffer Lights { vec4 lights[]; };  // irra
 uvec4 nlgHeader(int i) { return fours[i]; }
 uvec4 nlgFour(int i) { return fours[i]; }
 uint nlgWord(int i) { return words[i]; }
-// the test has one shader for all grids
-#define NLG_CLASS_COUNT int(nlgHeader(3).y)
 #include "runtime_eval/shader_grid/look_up.glsl"
 
 void main() {
