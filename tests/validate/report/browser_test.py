@@ -6,89 +6,19 @@
 Without a page it draws one from made-up inputs. Leaves desktop.png, phone.png (whole pages) and first screens in the folder; exit
 code 77, a skipped test, where there is no browser.
 """
-import base64
-import json
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
 
 sys.dont_write_bytecode = True
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 import made_up
+from browser import BROWSERS, Browser, find_browser
 
 SKIPPED = 77
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "headless_shell")
 REPORT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "validate", "report", "report.py")
 SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
-HIGHEST_PX = 16000  # a screenshot's limit
-
-
-class Browser:
-    """Headless Chromium through its debugging pipe: JSON messages, each closed by a zero byte."""
-
-    def __init__(self, program, profile):
-        to_browser, self.write_end = os.pipe()
-        self.read_end, from_browser = os.pipe()
-
-        def place_pipes():
-            # the browser reads 3 and writes 4; copies first, for the ends may have just these numbers
-            ends = [os.dup2(end, 200 + i) for i, end in enumerate((to_browser, from_browser))]
-            os.dup2(ends[0], 3)
-            os.dup2(ends[1], 4)
-
-        self.process = subprocess.Popen([program, "--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe", f"--user-data-dir={profile}", "--hide-scrollbars",
-                                         "--no-first-run", "about:blank"], preexec_fn=place_pipes, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        os.close(to_browser)
-        os.close(from_browser)
-        self.buffer, self.last, self.events, self.session = b"", 0, [], None
-        target = self.call("Target.createTarget", url="about:blank")["targetId"]
-        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Log", "Network"):
-            self.call(f"{domain}.enable")
-
-    def receive(self):
-        while b"\0" not in self.buffer:
-            part = os.read(self.read_end, 1 << 16)
-            if not part:
-                sys.exit("the browser closed its pipe")
-            self.buffer += part
-        message, self.buffer = self.buffer.split(b"\0", 1)
-        return json.loads(message)
-
-    def call(self, method, **parameters):
-        self.last += 1
-        message = {"id": self.last, "method": method, "params": parameters}
-        if self.session:
-            message["sessionId"] = self.session
-        os.write(self.write_end, json.dumps(message).encode() + b"\0")
-        while True:
-            answer = self.receive()
-            if answer.get("id") == self.last:
-                if "error" in answer:
-                    sys.exit(f"{method}: {answer['error']['message']}")
-                return answer["result"]
-            self.events.append(answer)
-
-    def open(self, url):
-        self.call("Page.navigate", url=url)
-        while not any(event.get("method") == "Page.loadEventFired" for event in self.events):
-            self.events.append(self.receive())
-
-    def value(self, expression):
-        result = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
-        if "exceptionDetails" in result:
-            sys.exit(f"{expression}: {result['exceptionDetails']['text']}")
-        return result["result"].get("value")
-
-    def picture(self, path, width, height):
-        data = self.call("Page.captureScreenshot", captureBeyondViewport=True, clip={"x": 0, "y": 0, "width": width, "height": min(height, HIGHEST_PX), "scale": 1})["data"]
-        with open(path, "wb") as file:
-            file.write(base64.b64decode(data))
-
-    def close(self):
-        self.process.terminate()
-        self.process.wait()
 
 
 def complaints(events, url):
@@ -144,7 +74,7 @@ def check(browser, name, url, folder):
 
 
 def main():
-    program = next(filter(None, map(shutil.which, BROWSERS)), None)
+    program = find_browser()
     if not program:
         print(f"skipped: none of {', '.join(BROWSERS)} is installed")
         return SKIPPED
@@ -155,7 +85,7 @@ def main():
         if len(sys.argv) <= 2:
             needed, proof = made_up.write_all(folder)
             subprocess.run(["/usr/bin/python3", REPORT, *needed, *proof, "--out", page], check=True)
-        browser = Browser(program, os.path.join(folder, "profile"))
+        browser = Browser(program, os.path.join(folder, "profile"), ["--disable-gpu"])
         try:
             failures = [text for name in SIZES for text in check(browser, name, "file://" + os.path.abspath(page), screenshots)]
         finally:
