@@ -49,8 +49,9 @@ if [ "$what" = tidy ]; then
   exec tests/tidy.sh
 fi
 
-# for one test, which says that it was skipped where this fails
-workflow/install_onnxruntime.sh build/onnxruntime || true
+# for one test each, which says that it was skipped where this fails
+workflow/install_from_npm.sh onnxruntime build/onnxruntime || true
+workflow/install_from_npm.sh naga build/naga || true
 if [ "$what" = release ]; then
   build
 else

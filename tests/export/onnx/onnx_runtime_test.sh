@@ -3,13 +3,13 @@
 #
 #   onnx_runtime_test.sh BUILD_FOLDER ONNX_CASES
 #
-# Exit code 77, a skipped test, without onnxruntime (workflow/install_onnxruntime.sh).
+# Exit code 77, a skipped test, without onnxruntime (workflow/install_from_npm.sh).
 set -euo pipefail
 build=$1 onnx_cases=$2
 source=$(cd "$(dirname "$0")/../../.." && pwd)
 runtime=$(dirname "$build")/onnxruntime count=300
 if [ ! -d "$runtime/node_modules/onnxruntime-node" ] || ! command -v node > /dev/null; then
-  echo "SKIPPED: onnxruntime is not installed; workflow/install_onnxruntime.sh $runtime says why not"
+  echo "SKIPPED: onnxruntime is not installed; workflow/install_from_npm.sh onnxruntime $runtime says why not"
   exit 77
 fi
 work=$(mktemp -d)

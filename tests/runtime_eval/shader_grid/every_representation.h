@@ -30,13 +30,15 @@ inline LightGrid everyRepresentation(ThetaPrecision precision, uint64_t seed) {
     for (uint64_t i = 0; i < 4; ++i) {
       const uint32_t function =
           grid.addFunction(representation, randomTheta(grid.representations.back(), mixSeed(seed, 100 + i)).data());
-      for (size_t probe = function % 11; probe < grid.probe_function.size(); probe += 11) grid.probe_function[probe] = function;
+      for (size_t probe = function; probe < grid.probe_function.size(); probe += 31) grid.probe_function[probe] = function;
     }
   }
-  // one that is 0 everywhere, with a region of its own: bare tents light it
+  // a region of a function that is 0 everywhere, which bare tents light, and one that nothing lights
   const uint32_t nothing = grid.addFunction(0, Theta(static_cast<size_t>(grid.representations[0].thetaCount())).data());
   for (size_t probe = 0; probe < grid.probe_function.size(); ++probe) {
-    if (grid.tree.probeLattice(probe)[0] >= 48) grid.probe_function[probe] = nothing;
+    const auto lattice = grid.tree.probeLattice(probe);
+    if (lattice[0] >= 96) grid.probe_function[probe] = nothing;
+    if (lattice[1] >= 48) grid.probe_function[probe] = kNoWeight;
   }
   for (size_t f = 0; f < grid.functionCount(); ++f) {
     EXPECT_TRUE(roundTheta(grid.representations[grid.function_representation[f]], precision, &grid.theta[grid.theta_begin[f]]));

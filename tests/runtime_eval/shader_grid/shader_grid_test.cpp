@@ -30,6 +30,8 @@ TEST_P(ShaderGridPrecision, SaysWhatTheLookUpSays) {
   const LightGrid grid = everyRepresentation(GetParam(), 3);
   ShaderGrid packed;
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  for (const char* define : {"NLG_NETWORK_4", "NLG_NETWORK_44", "NLG_NETWORK_88", "NLG_FIELD"})
+    EXPECT_EQ(std::count(packed.defines.begin(), packed.defines.end(), define), 1) << define;
   glsl::shader_grid = &packed;
   Random random(5);
   std::array<int, 4> count{};
@@ -43,7 +45,7 @@ TEST_P(ShaderGridPrecision, SaysWhatTheLookUpSays) {
     ++count[static_cast<size_t>(status)];
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(shaded.irradiance[c], rgb[c], 1e-3f * std::max(1.0f, rgb[c])) << i;
   }
-  for (const LightStatus status : {LightStatus::lit, LightStatus::by_tents, LightStatus::outside})
+  for (const LightStatus status : {LightStatus::lit, LightStatus::by_tents, LightStatus::unlit, LightStatus::outside})
     EXPECT_GT(count[static_cast<size_t>(status)], 20) << lightStatusName(status);
 }
 
