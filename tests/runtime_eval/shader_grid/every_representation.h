@@ -10,6 +10,7 @@
 #include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
+#include "tests/runtime_eval/shader_grid/places.h"
 
 namespace nlg {
 
@@ -48,17 +49,6 @@ inline LightGrid everyRepresentation(ThetaPrecision precision, uint64_t seed) {
   return grid;
 }
 
-inline std::array<float, 3> randomNormal(Random& random) {
-  const double x = random.normal(), y = random.normal(), z = random.normal(), length = std::sqrt(x * x + y * y + z * z);
-  return {static_cast<float>(x / length), static_cast<float>(y / length), static_cast<float>(z / length)};
-}
-
-inline PositionM asFloats(const PositionM& position_m) {
-  PositionM rounded;
-  for (size_t axis = 0; axis < 3; ++axis) rounded[axis] = static_cast<float>(position_m[axis]);
-  return rounded;
-}
-
 // As an engine has it, in float; not so near a face between two units that float takes it to the other side.
 inline PositionM randomPlace(const ProbeTreeFrame& frame, Random& random) {
   for (;;) {
@@ -70,6 +60,17 @@ inline PositionM randomPlace(const ProbeTreeFrame& frame, Random& random) {
     }
     if (is_clear) return at;
   }
+}
+
+// All over a grid, and a little outside.
+inline Places randomPlaces(const LightGrid& grid, size_t count, uint64_t seed) {
+  Random random(seed);
+  Places places;
+  for (size_t i = 0; i < count; ++i) {
+    places.positions_m.push_back(randomPlace(grid.tree.frame(), random));
+    places.normals.push_back(randomNormal(random));
+  }
+  return places;
 }
 
 }  // namespace nlg

@@ -1,15 +1,27 @@
-// Places all over a grid, as shaders have them, and what lookUpIrradiance says there.
+// Places to look a grid up at, as shaders have them, and what lookUpIrradiance says there.
 #pragma once
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "runtime_eval/light_grid/irradiance.h"
-#include "tests/runtime_eval/shader_grid/every_representation.h"
+#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
+
+inline std::array<float, 3> randomNormal(Random& random) {
+  const double x = random.normal(), y = random.normal(), z = random.normal(), length = std::sqrt(x * x + y * y + z * z);
+  return {static_cast<float>(x / length), static_cast<float>(y / length), static_cast<float>(z / length)};
+}
+
+inline PositionM asFloats(const PositionM& position_m) {
+  PositionM rounded;
+  for (size_t axis = 0; axis < 3; ++axis) rounded[axis] = static_cast<float>(position_m[axis]);
+  return rounded;
+}
 
 struct Places {
   std::vector<PositionM> positions_m;  // floats
@@ -30,16 +42,6 @@ struct Places {
     return words;
   }
 };
-
-inline Places randomPlaces(const LightGrid& grid, size_t count, uint64_t seed) {
-  Random random(seed);
-  Places places;
-  for (size_t i = 0; i < count; ++i) {
-    places.positions_m.push_back(randomPlace(grid.tree.frame(), random));
-    places.normals.push_back(randomNormal(random));
-  }
-  return places;
-}
 
 // 4 floats a place: irradiance, status.
 inline std::vector<float> lightAt(const LightGrid& grid, const Places& places) {

@@ -14,7 +14,7 @@
 #include <string>
 
 #include "export/shader/shader_export.h"
-#include "tests/runtime_eval/shader_grid/places.h"
+#include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tests/runtime_eval/shader_grid/resampled_box.h"
 #include "tool/atomic_file.h"
 
