@@ -133,7 +133,7 @@ class Timer {
     for (const Run& run : runs_) timeOf(run);
     for (int r = 0; r < repetitions; ++r) {
       const double tents = timeOf(runs_[0]);
-      for (size_t i = 0; i < runs_.size(); ++i) runs_[i].ratios.push_back((i == 0 ? timeOf(runs_[0]) : timeOf(runs_[i])) / tents);
+      for (Run& run : runs_) run.ratios.push_back(timeOf(run) / tents);
     }
   }
 
