@@ -16,7 +16,7 @@ class App;
 namespace nlg {
 
 struct RenderRequest {
-  std::string program = "nlg-render";    // whose messages these are
+  std::string program = "nlg-render";  // whose messages these are
   std::string panel_flag = "--panel";
   std::string scene, out;
   // what is lit by what

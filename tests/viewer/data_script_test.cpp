@@ -1,0 +1,72 @@
+#include "viewer/data_script.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "runtime_eval/numbers/random.h"
+#include "runtime_eval/numbers/rgb9e5.h"
+
+namespace nlg {
+namespace {
+
+// The vectors of RFC 4648.
+TEST(Base64, IsThatOfTheStandard) {
+  const std::pair<const char*, const char*> vectors[] = {{"", ""},
+                                                         {"f", "Zg=="},
+                                                         {"fo", "Zm8="},
+                                                         {"foo", "Zm9v"},
+                                                         {"foob", "Zm9vYg=="},
+                                                         {"fooba", "Zm9vYmE="},
+                                                         {"foobar", "Zm9vYmFy"}};
+  for (const auto& [bytes, text] : vectors) EXPECT_EQ(base64(bytes), text);
+  EXPECT_EQ(base64(std::string("\xff\x00\xfe", 3)), "/wD+");
+}
+
+TEST(DataScript, BeginsEveryArrayAtAMultipleOfFourBytes) {
+  DataScript script("level");
+  const std::vector<uint8_t> bytes = {1, 2, 3, 4, 5};
+  const std::vector<float> floats = {1.0f, -2.0f};
+  script.add("kinds", bytes);
+  script.add("places", floats);
+  script.add("nothing", std::span<const uint32_t>());
+  const std::string text = script.text();
+  EXPECT_EQ(text.rfind("nlgReceive(\"level\", ", 0), 0u) << text;
+  EXPECT_NE(text.find("\"kinds\":[\"Uint8Array\",0,5]"), std::string::npos) << text;
+  EXPECT_NE(text.find("\"places\":[\"Float32Array\",8,2]"), std::string::npos) << text;
+  EXPECT_NE(text.find("\"nothing\":[\"Uint32Array\",16,0]"), std::string::npos) << text;
+  // 5 bytes, 3 of padding, 1.0f, -2.0f
+  EXPECT_NE(text.find(base64(std::string("\1\2\3\4\5\0\0\0\0\0\x80\x3f\0\0\0\xc0", 16))), std::string::npos) << text;
+}
+
+// A level's name may be anything: it must neither end the script nor break its encoding.
+TEST(DataScript, TakesAnyName) {
+  DataScript script("scene");
+  script.facts["scene"] = "\"); alert(1); //\n\xff</script>";
+  const std::string text = script.text();
+  EXPECT_EQ(text.find('\n'), text.size() - 1);
+  EXPECT_NE(text.find("\\\"); alert(1); //\\n\\ufffd"), std::string::npos) << text;
+}
+
+// By half a step, which is a 512th of the power of two above the largest.
+TEST(Rgb9e5, RoundsToTheNearestStep) {
+  Random random(1);
+  for (int i = 0; i < 20000; ++i) {
+    const float scale = std::exp2(static_cast<float>(random.uniform(-14.0, 15.9)));
+    const std::array<float, 3> rgb = {scale * static_cast<float>(random.uniform()), scale * static_cast<float>(random.uniform()),
+                                      scale};
+    const std::array<float, 3> kept = fromRgb9e5(rgb9e5(rgb[0], rgb[1], rgb[2]));
+    const float step = std::exp2(std::floor(std::log2(scale)) + 1.0f) / 512.0f;
+    // where the largest rounds up to the next power of two the step doubles
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(kept[c], rgb[c], step * (1.0f + 1e-5f)) << scale;
+  }
+  EXPECT_EQ(fromRgb9e5(rgb9e5(1.0f, 0.5f, 0.0f)), (std::array<float, 3>{1.0f, 0.5f, 0.0f}));
+  EXPECT_EQ(fromRgb9e5(rgb9e5(1e9f, 0.0f, 0.0f))[0], kMaxRgb9e5);
+  EXPECT_EQ(fromRgb9e5(rgb9e5(511.9f, 0.0f, 0.0f))[0], 512.0f);
+  EXPECT_EQ(rgb9e5(0.0f, 0.0f, 0.0f), 0u);
+  EXPECT_EQ(rgb9e5(-1.0f, std::nanf(""), 0.0f), 0u);
+  EXPECT_EQ(fromRgb9e5(rgb9e5(1e-30f, 0.0f, 0.0f))[0], 0.0f);
+}
+
+}  // namespace
+}  // namespace nlg

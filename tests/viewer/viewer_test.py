@@ -1,0 +1,149 @@
+#!/usr/bin/python3
+"""nlg-view's page in a real browser: it opens at desktop and phone width without a complaint, and its pixels are those of nlg-render.
+
+    viewer_test.py BUILD_FOLDER SCREENSHOT_FOLDER cornell|level
+
+`level` is kaos2 of OpenArena, where Debian's package of it is installed. Exit code 77, a skipped test, where there is no browser or no
+level.
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.dont_write_bytecode = True
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from browser import BROWSERS, Browser, find_browser
+from PIL import Image, ImageChops
+
+SKIPPED = 77
+LEVELS = "/usr/share/games/openarena/baseoa"
+SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
+WIDTH, HEIGHT = 320, 180  # of pictures that are compared
+SETTINGS = {"cornell": ["--spacing-m", "0.5"], "level": []}
+RIVALS = {"cornell": ["valid-trilinear", "ddgi"], "level": ["quake-grid"]}
+# Edges are drawn by four samples here and there, at other places; a surface stands at the same offset before what is near. What lies
+# between is the same light to a step of 255.
+MOST_MEDIAN, MOST_MEAN, MOST_BEYOND_EDGES = 1.0, 2.5, 0.04  # steps of 255; the last: share of pixels off by more than 16
+LONGEST_WAIT_S = 240
+# boxes that stick out of the window
+STICKING_OUT = """[...document.querySelectorAll('#panel *')].filter(e => e.getBoundingClientRect().width > 0 && e.getBoundingClientRect().right > innerWidth + 0.5)
+  .map(e => e.id || e.tagName)"""
+
+
+def run(*command):
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(command)}: {done.stderr}")
+    return done.stdout
+
+
+def facts_of(folder):
+    with open(os.path.join(folder, "scene.js"), encoding="ascii") as file:
+        text = file.read()
+    return json.loads(text[text.index("{"):text.rindex(', "')])
+
+
+class Page:
+    def __init__(self, browser, url):
+        self.browser, self.url = browser, url
+
+    def open(self, width, height, **query):
+        self.browser.events.clear()
+        self.browser.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600)
+        self.browser.open(self.url + "?" + "&".join(f"{key}={value}" for key, value in query.items()))
+        end = time.monotonic() + LONGEST_WAIT_S
+        while True:
+            state = json.loads(self.browser.value("JSON.stringify(document.documentElement.dataset)"))
+            if "error" in state:
+                sys.exit(f"{query}: the page says {state['error']}")
+            if "ready" in state:
+                break
+            if time.monotonic() > end:
+                sys.exit(f"{query}: no picture within {LONGEST_WAIT_S} s")
+            time.sleep(0.1)
+        # the frame that is shown by now is the one that was drawn
+        self.browser.value("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        complaints = [event["params"] for event in self.browser.events
+                      if event.get("method") == "Runtime.exceptionThrown" or
+                      (event.get("method") == "Runtime.consoleAPICalled" and event["params"]["type"] in ("error", "warning", "assert")) or
+                      (event.get("method") == "Log.entryAdded" and event["params"]["entry"]["level"] in ("error", "warning"))]
+        asked = [event["params"]["request"]["url"] for event in self.browser.events if event.get("method") == "Network.requestWillBeSent"]
+        complaints += [url for url in asked if not url.startswith("file:")]
+        if complaints:
+            sys.exit(f"{query}: {json.dumps(complaints)[:2000]}")
+        return state
+
+
+def difference(a, b):
+    """Per pixel the largest over the channels, as a rising list."""
+    channels = ImageChops.difference(Image.open(a).convert("RGB"), Image.open(b).convert("RGB")).split()
+    return sorted(ImageChops.lighter(ImageChops.lighter(channels[0], channels[1]), channels[2]).tobytes())
+
+
+def main():
+    build, out, which = sys.argv[1:]
+    scene = "cornell" if which == "cornell" else f"{LEVELS}:kaos2"
+    if not find_browser():
+        print(f"skipped: none of {', '.join(BROWSERS)} is installed")
+        return SKIPPED
+    if which == "level" and not os.path.isdir(LEVELS):
+        print("skipped: no levels; Debian: openarena-081-maps")
+        return SKIPPED
+    os.makedirs(out, exist_ok=True)
+    tool = lambda name: os.path.join(build, "bin", name)
+    failures = []
+    with tempfile.TemporaryDirectory() as folder:
+        grid, view = os.path.join(folder, "grid.safetensors"), os.path.join(folder, "view")
+        run(tool("nlg-bake"), scene, *SETTINGS[which], "--out", grid)
+        run(tool("nlg-view"), scene, "--grid", grid, "--out", view, "--rivals", ",".join(RIVALS[which]), "--truth-views", "5", "--truth-width", "64",
+            "--truth-rays", "8", "--places", "100")
+        page_bytes = sum(os.path.getsize(os.path.join(view, name)) for name in ("index.html", "viewer.js"))
+        if page_bytes > 2e6:
+            failures.append(f"the page has {page_bytes} bytes; 2 MB are what it may have")
+        facts = facts_of(view)
+        browser = Browser(find_browser(), os.path.join(folder, "profile"), ["--enable-unsafe-swiftshader"])
+        page = Page(browser, "file://" + os.path.join(view, "index.html"))
+        for name, (width, height) in SIZES.items():
+            state = page.open(width, height)
+            print(f"{which}, {name}: first frame after {state['firstFrameMs']} ms")
+            sticking = browser.value(STICKING_OUT)
+            if sticking or browser.value("document.documentElement.scrollWidth") > width:
+                failures.append(f"{name}: wider than the window: {sticking}")
+            browser.picture(os.path.join(out, f"{which}_{name}.png"), width, height)
+        # whatever can be shown is drawn without a complaint
+        for show, query in {"leaks": {}, "share": {}, "difference": {}, "marks": {"probes": 1, "cells": 1, "ball": 1, "figure": 1}, "worst": {}}.items():
+            place = len(facts["views"]) + len(facts["starts"]) if show == "worst" else 0
+            page.open(640, 360, ui=0, place=place, **({"show": show} if show in ("leaks", "share", "difference") else {}), **query)
+            browser.picture(os.path.join(out, f"{which}_{show}.png"), 640, 360)
+        pairs = [(view_idx, "grid") for view_idx in range(len(facts["views"]))] + [(0, rival) for rival in RIVALS[which]]
+        for view_idx, method in pairs:
+            camera = facts["views"][view_idx]
+            eye = [a + b for a, b in zip(camera["eye"], facts["origin_m"])]
+            look = [a + b for a, b in zip(eye, camera["forward"])]
+            text = lambda three: ",".join(repr(number) for number in three)
+            drawn, shown = os.path.join(out, f"{which}_{view_idx}_{method}_render.png"), os.path.join(out, f"{which}_{view_idx}_{method}.png")
+            run(tool("nlg-render"), scene, "--grid", grid, *SETTINGS[which], "--method", method, f"--eye={text(eye)}", f"--look={text(look)}", "--fov",
+                repr(camera["fov_y"] * 57.29577951308232), "--exposure", repr(facts["exposure"]), "--width", str(WIDTH), "--height", str(HEIGHT), "--out", drawn)
+            page.open(WIDTH, HEIGHT, ui=0, place=view_idx, left=method, right=method, divider=1)
+            browser.picture(shown, WIDTH, HEIGHT)
+            off = difference(drawn, shown)
+            median, mean, beyond = off[len(off) // 2], sum(off) / len(off), sum(value > 16 for value in off) / len(off)
+            print(f"{which}, view {view_idx}, {method}: off by {median} (median), {mean:.2f} (mean) of 255; by more than 16: {100 * beyond:.2f} % of the pixels")
+            if median > MOST_MEDIAN or mean > MOST_MEAN or beyond > MOST_BEYOND_EDGES:
+                failures.append(f"view {view_idx} by {method} is not what nlg-render draws: {shown}, {drawn}")
+        # what is wrong is said on the page
+        browser.open(page.url + "?left=nothing")
+        time.sleep(1)
+        said = browser.value("document.getElementById('message').hidden ? '' : document.getElementById('message').textContent")
+        if "no method nothing" not in said:
+            failures.append(f"an unknown method: the page says '{said}'")
+        browser.close()
+    print("\n".join(failures))
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
