@@ -1,5 +1,5 @@
 // nlg-export: a finished checkpoint → the weights file of the bake-time evaluator, checked against libtorch on real functions;
-// weights → ONNX; of weights those that a baked scene uses; light grids → shaders.
+// weights → ONNX; of weights those that a baked scene uses; light grids → shaders and engines.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "export/engine/engine_export.h"
 #include "export/onnx_export.h"
 #include "export/shader/shader_export.h"
 #include "export/used_by/used_by.h"
@@ -226,11 +227,13 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "onnx") == 0) return nlg::onnxMain(argc - 1, argv + 1);
   if (argc > 1 && std::strcmp(argv[1], "used-by") == 0) return nlg::usedByMain(argc - 1, argv + 1);
   if (argc > 1 && std::strcmp(argv[1], "shader") == 0) return nlg::shaderMain(argc - 1, argv + 1);
+  if (argc > 1 && std::strcmp(argv[1], "engine") == 0) return nlg::engineMain(argc - 1, argv + 1);
   CLI::App app{
       "Exports a trained generator for the bake-time evaluator and checks the two against each other.\n"
       "nlg-export onnx --weights FILE --out FILE: weights as ONNX.\n"
       "nlg-export used-by --bake GRID --weights W1 [W2 ...] --out FOLDER: the weights that a scene uses.\n"
-      "nlg-export shader --grid GRID --out FOLDER: a light grid for shaders, and the look-up in GLSL.",
+      "nlg-export shader --grid GRID --out FOLDER: a light grid for shaders, and the look-up in GLSL.\n"
+      "nlg-export engine --grid GRID --format FORMAT --out FOLDER: a light grid as files that engines load.",
       "nlg-export"};
   nlg::Request request;
   nlg::ExportOptions options;

@@ -22,15 +22,6 @@ namespace fs = std::filesystem;
 constexpr const char* kFiles[] = {"grid.bin", "look_up.glsl", "resample.comp", "resampled.glsl"};
 constexpr size_t kWord = sizeof(uint32_t), kLightBytes = 32, kCorners = 8;
 
-std::string bytesOf(const std::vector<uint32_t>& words) {
-  std::string bytes;
-  bytes.reserve(words.size() * kWord);
-  for (const uint32_t word : words) {
-    for (unsigned shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<char>(word >> shift & 0xff));
-  }
-  return bytes;
-}
-
 void run(const std::string& grid_path, const std::string& folder) {
   for (const char* name : kFiles) refuseToReplaceInputs((fs::path(folder) / name).string(), {grid_path});
   LightGrid grid;
@@ -63,8 +54,17 @@ std::string shaderText(const ShaderGrid& grid) {
   return text.append(kLookUpText);
 }
 
+std::string shaderGridBytes(const ShaderGrid& grid) {
+  std::string bytes;
+  bytes.reserve(grid.words.size() * kWord);
+  for (const uint32_t word : grid.words) {
+    for (unsigned shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<char>(word >> shift & 0xff));
+  }
+  return bytes;
+}
+
 void writeShader(const ShaderGrid& grid, const std::string& folder) {
-  const std::string texts[] = {bytesOf(grid.words), shaderText(grid), std::string(kResampleText), std::string(kResampledText)};
+  const std::string texts[] = {shaderGridBytes(grid), shaderText(grid), std::string(kResampleText), std::string(kResampledText)};
   for (size_t i = 0; i < std::size(kFiles); ++i) writeFileAtomically((fs::path(folder) / kFiles[i]).string(), texts[i]);
 }
 

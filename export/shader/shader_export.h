@@ -18,6 +18,9 @@ extern const std::string_view kLookUpText, kResampleText, kResampledText;  // of
 // look_up.glsl of one grid.
 std::string shaderText(const ShaderGrid& grid);
 
+// grid.bin.
+std::string shaderGridBytes(const ShaderGrid& grid);
+
 // Writes all of it into a folder, and makes that where it is missing.
 void writeShader(const ShaderGrid& grid, const std::string& folder);
 

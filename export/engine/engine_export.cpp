@@ -1,0 +1,137 @@
+#include "export/engine/engine_export.h"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "export/engine/c_header.h"
+#include "export/engine/light_place.h"
+#include "export/engine/resampling_error.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "tool/atomic_file.h"
+#include "tool/output_path.h"
+#include "tool/provenance.h"
+#include "tool/tool_main.h"
+
+namespace nlg {
+namespace {
+
+const std::string kPlace = "light.json", kCHeader = "c-header";
+
+struct EngineRequest {
+  std::string grid, format, out;
+};
+
+struct EngineOptions {
+  VolumeOptions volume;
+  int places = 20000;
+};
+
+std::string formatNames() {
+  std::string names;
+  for (const EngineFormat& format : engineFormats()) names += std::string(format.name) + ", ";
+  return names + "or " + kCHeader;
+}
+
+LightGrid readGrid(const std::string& path, GridMetadata* metadata) {
+  LightGrid grid;
+  const WeightsResult result = readLightGridFile(path, &grid, metadata);
+  if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "a light grid", result.detail);
+  if (grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
+  if (grid.tree.cellCount() == 0) throw InputError(path, "tree", "a cell that is used", "none");
+  return grid;
+}
+
+LightVolume readVolume(const LightGrid& grid, const EngineRequest& request, const EngineOptions& options,
+                       const EngineFormat& format) {
+  const LightBox box = volumeBox(grid, options.volume);
+  const TextureSize size = format.texture_size(box.texel_count);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    if (size[axis] <= kMaxTextureSide) continue;
+    throw UsageError("spacing_m", "a texture of at most " + std::to_string(kMaxTextureSide) + " texels along each axis",
+                     std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]));
+  }
+  LightVolume volume = makeLightVolume(grid, box);
+  if (volume.lit == 0) throw UsageError("extent_m", "a box in which the grid has light", "none");
+  if (const float largest = largestLight(volume); largest > kMaxEngineLight) {
+    throw InputError(request.grid, "light", "coefficients of at most " + std::to_string(static_cast<int>(kMaxEngineLight)),
+                     std::to_string(largest));
+  }
+  return volume;
+}
+
+// A grid that is read must not be one of the files to come.
+void writeFiles(const std::vector<EngineFile>& files, const EngineRequest& request) {
+  const auto pathOf = [&](const EngineFile& file) { return (std::filesystem::path(request.out) / file.name).string(); };
+  for (const EngineFile& file : files) refuseToReplaceInputs(pathOf(file), {request.grid});
+  for (const EngineFile& file : files) writeFileAtomically(pathOf(file), file.bytes);
+}
+
+size_t bytesOf(const std::vector<EngineFile>& files) {
+  size_t bytes = 0;
+  for (const EngineFile& file : files) bytes += file.bytes.size();
+  return bytes;
+}
+
+nlohmann::ordered_json errorJson(const std::optional<ResamplingError>& error) {
+  if (!error) return nullptr;
+  return {{"places", error->places}, {"rmse", error->rmse}, {"p95", error->p95}};
+}
+
+void runCHeader(const LightGrid& grid, const EngineRequest& request, const EngineOptions& options, nlohmann::ordered_json line) {
+  std::vector<EngineFile> files;
+  const WeightsResult result = cHeaderFiles(grid, &files);
+  if (!result.ok())
+    throw InputError(request.grid, weightsStatusName(result.status), "a grid that shaders can show", result.detail);
+  writeFiles(files, request);
+  line["bytes"] = bytesOf(files);
+  line["error"] = errorJson(resamplingError(grid, nullptr, readCHeader(files), options.places));
+  std::cout << line.dump() << '\n';
+}
+
+void run(const EngineRequest& request, const EngineOptions& options, const OptionTable& table) {
+  const EngineFormat* format = findEngineFormat(request.format);
+  if (format == nullptr && request.format != kCHeader) throw UsageError("--format", formatNames(), "'" + request.format + "'");
+  if (request.out.empty()) throw UsageError("--out", "the name of a folder", "an empty text");
+  GridMetadata metadata;
+  const LightGrid grid = readGrid(request.grid, &metadata);
+  nlohmann::ordered_json line = {{"scene", metadata.contains("scene") ? metadata["scene"] : ""}, {"format", request.format}};
+  if (format == nullptr) return runCHeader(grid, request, options, std::move(line));
+
+  const LightVolume volume = readVolume(grid, request, options, *format);
+  nlohmann::ordered_json place = placeJson(volume.box, format->texture_size(volume.box.texel_count));
+  std::vector<EngineFile> files = format->write(volume);
+  line.update(place);
+  line["texels"] = {{"lit", volume.lit}, {"filled", volume.filled}};
+  place["format"] = request.format;
+  place["provenance"] = provenance("nlg-export engine", table.toJson(), {{"grid", fileSha256(request.grid)}});
+  files.push_back({kPlace, place.dump(2) + "\n"});
+  writeFiles(files, request);
+  line["bytes"] = bytesOf(files);
+  const LightBox box = boxOfPlace(kPlace, fileNamed(files, kPlace));
+  line["error"] = errorJson(resamplingError(grid, &box, format->read(files, box), options.places));
+  std::cout << line.dump() << '\n';
+}
+
+}  // namespace
+
+int engineMain(int argc, char** argv) {
+  CLI::App app{"Writes a light grid as files that engines load, and says what their textures get wrong of its look-up.",
+               "nlg-export engine"};
+  EngineRequest request;
+  EngineOptions options;
+  OptionTable table("export");
+  table.add(
+      "extent_m", &options.volume.extent_m,
+      "the box, --extent-m=x,y,z,X,Y,Z: low and high corner, metres; none: the grid's used cells and a texel on every side");
+  table.add("spacing_m", &options.volume.spacing_m, "widest texel, metres; 0: half of the grid's finest spacing", 0.0, 1e6);
+  table.add("places", &options.places, "places at which the error is measured", 1, 100000000);
+  app.add_option("--grid", request.grid, "a light grid with light (.safetensors)")->required();
+  app.add_option("--format", request.format, formatNames())->required();
+  app.add_option("--out", request.out, "the folder to write the format's files to")->required();
+  return runTool(argc, argv, app, table, [&] { run(request, options, table); });
+}
+
+}  // namespace nlg

@@ -1,0 +1,9 @@
+// The tool's command `engine`: a light grid as files that engines load.
+#pragma once
+
+namespace nlg {
+
+// nlg-export engine --grid GRID --format FORMAT --out FOLDER
+int engineMain(int argc, char** argv);
+
+}  // namespace nlg

@@ -1,0 +1,160 @@
+#include "export/engine/light_volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+// Six numbers of --extent-m.
+std::array<double, 6> cornersOf(const std::vector<std::string>& texts) {
+  const char* const expected = "x,y,z,X,Y,Z: six finite numbers, low below high";
+  std::array<double, 6> corners{};
+  if (texts.size() != corners.size()) throw UsageError("extent_m", expected, std::to_string(texts.size()) + " of them");
+  for (size_t i = 0; i < corners.size(); ++i) {
+    char* end = nullptr;
+    corners[i] = std::strtod(texts[i].c_str(), &end);
+    if (texts[i].empty() || *end != '\0' || !std::isfinite(corners[i]))
+      throw UsageError("extent_m", expected, "'" + texts[i] + "'");
+  }
+  for (size_t axis = 0; axis < 3; ++axis) {
+    if (!(corners[axis] < corners[axis + 3]))
+      throw UsageError("extent_m", expected, texts[axis] + " and " + texts[axis + 3] + " along one axis");
+  }
+  return corners;
+}
+
+LightBox usedCells(const ProbeTree& tree) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  const ProbeTreeFrame& frame = tree.frame();
+  LightBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}, {}};
+  tree.forEachCell([&](const ProbeCell& cell) {
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const double low_m = frame.first_m[axis] + frame.spacing_m * cell.low[axis];
+      box.low_m[axis] = std::min(box.low_m[axis], low_m);
+      box.high_m[axis] = std::max(box.high_m[axis], low_m + frame.spacing_m * cell.side);
+    }
+  });
+  return box;
+}
+
+std::string textOf(double number) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.6g", number);
+  return text;
+}
+
+template <class Visit>
+void forEachNeighbour(const std::array<uint32_t, 3>& count, size_t texel, const Visit& visit) {
+  const size_t row = count[0], slice = row * count[1];
+  const std::array<size_t, 3> at{texel % row, texel % slice / row, texel / slice};
+  std::array<size_t, 3> begin, end;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    begin[axis] = at[axis] - (at[axis] > 0 ? 1 : 0);
+    end[axis] = std::min<size_t>(at[axis] + 2, count[axis]);
+  }
+  for (size_t z = begin[2]; z < end[2]; ++z) {
+    for (size_t y = begin[1]; y < end[1]; ++y) {
+      for (size_t x = begin[0]; x < end[0]; ++x) {
+        const size_t neighbour = z * slice + y * row + x;
+        if (neighbour != texel) visit(neighbour);
+      }
+    }
+  }
+}
+
+enum class Texel : uint8_t { dark, next, has_light };
+
+// Round by round: those beside texels with light take the mean of what these have.
+size_t fillTexels(const std::array<uint32_t, 3>& count, std::vector<Texel>* texels, std::vector<float>* light) {
+  size_t filled = 0;
+  std::vector<size_t> round, next;
+  const auto findDark = [&](size_t texel) {
+    forEachNeighbour(count, texel, [&](size_t neighbour) {
+      if ((*texels)[neighbour] != Texel::dark) return;
+      (*texels)[neighbour] = Texel::next;
+      next.push_back(neighbour);
+    });
+  };
+  for (size_t texel = 0; texel < texels->size(); ++texel) {
+    if ((*texels)[texel] == Texel::has_light) findDark(texel);
+  }
+  while (!next.empty()) {
+    round.swap(next);
+    next.clear();
+    for (const size_t texel : round) {
+      float neighbours = 0.0f;
+      float* mean = &(*light)[texel * kShFloats];
+      std::fill_n(mean, kShFloats, 0.0f);
+      forEachNeighbour(count, texel, [&](size_t neighbour) {
+        if ((*texels)[neighbour] != Texel::has_light) return;
+        ++neighbours;
+        for (size_t i = 0; i < kShFloats; ++i) mean[i] += (*light)[neighbour * kShFloats + i];
+      });
+      for (size_t i = 0; i < kShFloats; ++i) mean[i] /= neighbours;
+    }
+    for (const size_t texel : round) (*texels)[texel] = Texel::has_light;
+    for (const size_t texel : round) findDark(texel);
+    filled += round.size();
+  }
+  return filled;
+}
+
+}  // namespace
+
+LightBox volumeBox(const LightGrid& grid, const VolumeOptions& options) {
+  const double spacing_m = options.spacing_m > 0.0 ? options.spacing_m : kDefaultSpacing * grid.tree.frame().spacing_m;
+  LightBox box;
+  if (options.extent_m.empty()) {
+    box = usedCells(grid.tree);
+    for (size_t axis = 0; axis < 3; ++axis) box.low_m[axis] -= spacing_m, box.high_m[axis] += spacing_m;
+  } else {
+    const std::array<double, 6> corners = cornersOf(options.extent_m);
+    std::copy_n(corners.begin(), 3, box.low_m.begin());
+    std::copy_n(corners.begin() + 3, 3, box.high_m.begin());
+  }
+  std::array<double, 3> count;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    // whole spacings stay so many where a rounding made them a little more
+    count[axis] = std::max(1.0, std::ceil((box.high_m[axis] - box.low_m[axis]) / spacing_m - 1e-6));
+  }
+  const double texels = count[0] * count[1] * count[2];
+  if (!(texels <= kMaxTexels)) {
+    throw UsageError("spacing_m", "one that makes at most " + std::to_string(static_cast<int>(kMaxTexels)) + " texels",
+                     textOf(spacing_m) + ", which makes " + textOf(count[0]) + " x " + textOf(count[1]) + " x " +
+                         textOf(count[2]) + " = " + textOf(texels));
+  }
+  for (size_t axis = 0; axis < 3; ++axis) box.texel_count[axis] = static_cast<uint32_t>(count[axis]);
+  return box;
+}
+
+LightVolume makeLightVolume(const LightGrid& grid, const LightBox& box) {
+  LookUpScratch scratch;
+  ResampledLight resampled = resampleLight(grid, box, &scratch);
+  LightVolume volume{box, std::move(resampled.light)};
+  std::vector<Texel> texels(resampled.status.size(), Texel::dark);
+  for (size_t i = 0; i < texels.size(); ++i) {
+    if (resampled.status[i] == LightStatus::unlit || resampled.status[i] == LightStatus::outside) continue;
+    texels[i] = Texel::has_light;
+    ++volume.lit;
+  }
+  if (volume.lit == 0) {
+    std::fill(volume.light.begin(), volume.light.end(), 0.0f);
+    return volume;
+  }
+  volume.filled = fillTexels(box.texel_count, &texels, &volume.light);
+  return volume;
+}
+
+float largestLight(const LightVolume& volume) {
+  float largest = 0.0f;
+  for (const float coefficient : volume.light) largest = std::max(largest, std::abs(coefficient));
+  return largest;
+}
+
+}  // namespace nlg

@@ -1,0 +1,45 @@
+// The light of a grid in a box of texels, for engines that read 3-D textures: what all formats of this folder are made from.
+//
+// Texels where the grid gives no light of its own stand in solid or where nobody needs light. A linear filter reads them all the
+// same, beside walls, and three.js half a texel further: they are filled from their neighbours, outwards from where light is.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "runtime_eval/light_grid/resampled_light.h"
+
+namespace nlg {
+
+inline constexpr double kMaxTexels = 1 << 23;       // of a box: 470 MB of float16
+inline constexpr double kDefaultSpacing = 0.5;      // of a texel, in units of the grid
+inline constexpr float kMaxEngineLight = 32768.0f;  // of a coefficient: irradiance over pi then fits float16 and RGB9E5
+
+struct VolumeOptions {
+  std::vector<std::string> extent_m;  // low and high corner, metres; none: the used cells and a texel on every side
+  double spacing_m = 0.0;             // no texel is wider; 0: kDefaultSpacing units
+};
+
+// The box, and texels that fill it: as few along each axis as are no wider than the spacing.
+// grid     with one used cell or more
+// throws   UsageError naming extent_m unless its texts are six finite numbers, low below high; naming spacing_m where the texels
+//          would be more than kMaxTexels, with their count
+LightBox volumeBox(const LightGrid& grid, const VolumeOptions& options);
+
+struct LightVolume {
+  LightBox box;
+  std::vector<float> light;  // kShFloats a texel: radiance as spherical harmonics; x is the fastest index
+  size_t lit = 0;            // texels that the grid lights
+  size_t filled = 0;  // that have the mean of their neighbours, which had light before them; lit + filled: all of them, or 0
+};
+
+// Resampled and filled. Where no texel is lit, all are 0.
+LightVolume makeLightVolume(const LightGrid& grid, const LightBox& box);
+
+// The largest |coefficient|.
+float largestLight(const LightVolume& volume);
+
+}  // namespace nlg

@@ -1,0 +1,31 @@
+// Three numbers in 32 bits that share an exponent, as EXT_texture_shared_exponent, Vulkan and WebGPU have them: red in bits 0 … 8,
+// green in 9 … 17, blue in 18 … 26, the exponent above; a channel is its 9 bits times 2^(exponent - 24).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace nlg {
+
+inline constexpr float kMaxRgb9e5 = 65408.0f;  // 511 * 2^7
+
+// Rounds to nearest: every channel is off by at most 2^-9 of the largest one, or 2^-25.
+// rgb   in [0, kMaxRgb9e5]
+inline uint32_t rgb9e5FromFloats(const std::array<float, 3>& rgb) {
+  const float largest = std::max({rgb[0], rgb[1], rgb[2]});
+  int exponent = largest > 0.0f ? std::max(-16, std::ilogb(largest)) + 16 : 0;
+  const auto bitsOf = [&](float channel) { return static_cast<uint32_t>(std::floor(std::ldexp(channel, 24 - exponent) + 0.5f)); };
+  if (bitsOf(largest) == 512) ++exponent;  // rounded up to the next power of two
+  return bitsOf(rgb[0]) | bitsOf(rgb[1]) << 9 | bitsOf(rgb[2]) << 18 | static_cast<uint32_t>(exponent) << 27;
+}
+
+// Exact.
+inline std::array<float, 3> floatsFromRgb9e5(uint32_t bits) {
+  const int exponent = static_cast<int>(bits >> 27) - 24;
+  return {std::ldexp(static_cast<float>(bits & 511), exponent), std::ldexp(static_cast<float>(bits >> 9 & 511), exponent),
+          std::ldexp(static_cast<float>(bits >> 18 & 511), exponent)};
+}
+
+}  // namespace nlg

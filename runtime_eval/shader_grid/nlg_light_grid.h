@@ -1,0 +1,276 @@
+/* Light at a position, out of grid.bin as `nlg-export shader` and `nlg-export engine` write it: C99, no library but the C
+   library's mathematics. Layout: shader_grid.h of neural-light-grid; what is computed is what look_up.glsl of the same folder
+   computes.
+
+       NlgGrid grid = {bytes, size};                             bytes of grid.bin, which the caller keeps
+       float rgb[3];
+       NlgStatus status = nlgIrradiance(&grid, position_m, normal, rgb);
+
+   Irradiance on a plane that faces the normal (length 1), in the level's metres: a diffuse surface multiplies it by its albedo
+   over pi. In no cell, the nearest cell within a unit lends its light. Takes no memory, cannot fail: no byte outside of the grid is
+   read whatever the bytes, position and normal are. Any number of threads may look up in one grid. */
+#ifndef NLG_LIGHT_GRID_H
+#define NLG_LIGHT_GRID_H
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct {
+  const uint8_t* bytes;
+  size_t size;
+} NlgGrid;
+
+typedef enum { NLG_LIT, NLG_BY_TENTS, NLG_UNLIT, NLG_OUTSIDE } NlgStatus;
+
+enum { NLG_KIND_NONE, NLG_KIND_TENT, NLG_KIND_NETWORK_4, NLG_KIND_NETWORK_44, NLG_KIND_NETWORK_88, NLG_KIND_FIELD };
+enum { NLG_FLAG_TENT = 8, NLG_FLAG_SIGMOID = 16, NLG_FLAG_HALVES = 32 };
+
+typedef struct {
+  uint32_t slot, edge, side_log2; /* word of its low corner's slot; slots along an edge of its brick; its side in units */
+  float from_low[3];              /* where the position lies, in shares of the side */
+} NlgCell;
+
+/* A probe around the position. */
+typedef struct {
+  uint32_t record, kind, resolution; /* word of its light, its theta follows; kind and flags; nodes along an edge of a field */
+  float slope, residue, step, local[3], tent, ratio;
+} NlgCorner;
+
+/* Every read is here: 0 beyond the grid's end. */
+static inline uint32_t nlgWord(const NlgGrid* grid, uint32_t i) {
+  const uint8_t* b;
+  if (i >= grid->size / 4) return 0;
+  b = grid->bytes + (size_t)i * 4;
+  return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+static inline float nlgFloatOf(uint32_t bits) {
+  union {
+    uint32_t bits;
+    float value;
+  } of;
+  of.bits = bits;
+  return of.value;
+}
+static inline float nlgFloat(const NlgGrid* grid, uint32_t i) { return nlgFloatOf(nlgWord(grid, i)); }
+/* Number i of those that begin at a word: float16, or signed bytes. */
+static inline float nlgHalf(const NlgGrid* grid, uint32_t word, uint32_t i) {
+  const uint32_t h = nlgWord(grid, word + i / 2) >> 16 * (i % 2);
+  const float magnitude =
+      nlgFloatOf((h & 0x7fff) << 13) * 5.19229686e33f; /* 2^112: from the exponent of one to that of the other */
+  return (h & 0x8000) != 0 ? -magnitude : magnitude;
+}
+static inline float nlgByte(const NlgGrid* grid, uint32_t word, uint32_t i) {
+  const int byte = (int)(nlgWord(grid, word + i / 4) >> 8 * (i % 4) & 0xff);
+  return (float)(byte < 128 ? byte : byte - 256);
+}
+static inline float nlgBetween(float value, float low, float high) { return value < low ? low : value > high ? high : value; }
+
+/* unit: of the lattice, >= 0; units: the position, in the closed cube of that unit. 0: in no used cell. */
+static inline int nlgCellOfUnit(const NlgGrid* grid, const int32_t* unit, const float* units, NlgCell* cell) {
+  uint32_t entry, cells, block = 0, at = 0;
+  int axis;
+  for (axis = 2; axis >= 0; --axis) {
+    const int64_t place = (int64_t)(unit[axis] >> 2) - (int32_t)nlgWord(grid, 4 + (uint32_t)axis);
+    const uint32_t count = nlgWord(grid, 8 + (uint32_t)axis);
+    if (place < 0 || place >= (int64_t)count) return 0;
+    block = block * count + (uint32_t)place;
+  }
+  entry = nlgWord(grid, nlgWord(grid, 7) + block);
+  if (entry == 0xffffffffu) return 0;
+  cells = 1u << (entry >> 27 & 3);
+  cell->side_log2 = entry >> 29;
+  cell->edge = cells + 1;
+  for (axis = 2; axis >= 0; --axis) {
+    const int32_t side = (int32_t)1 << cell->side_log2;
+    at = at * cell->edge + ((uint32_t)unit[axis] >> cell->side_log2 & (cells - 1));
+    cell->from_low[axis] = (units[axis] - (float)(unit[axis] & -side)) / (float)side;
+  }
+  cell->slot = nlgWord(grid, 11) + (entry & 0x7ffffff) + at;
+  return nlgWord(grid, cell->slot) >> 31 != 0;
+}
+
+static inline int nlgFindCell(const NlgGrid* grid, const float* units, NlgCell* cell) {
+  int32_t unit[3];
+  int axis;
+  for (axis = 0; axis < 3; ++axis) {
+    if (!(units[axis] >= 0.0f && units[axis] < 2097152.0f)) return 0; /* so is what is no number */
+    unit[axis] = (int32_t)units[axis];
+  }
+  return nlgCellOfUnit(grid, unit, units, cell);
+}
+
+/* A used cell holds whole units: the nearest of the 26 around is as near as the nearest cell. */
+static inline int nlgFindNearCell(const NlgGrid* grid, const float* units, NlgCell* nearest) {
+  float least = 3.0e38f;
+  int axis, n, found = 0;
+  for (axis = 0; axis < 3; ++axis) {
+    if (!(units[axis] > -1.0f && units[axis] < 2097152.0f)) return 0;
+  }
+  for (n = 0; n < 27; ++n) {
+    const int32_t step[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+    int32_t unit[3];
+    float place[3], square = 0.0f;
+    NlgCell cell;
+    for (axis = 0; axis < 3; ++axis) {
+      unit[axis] = (int32_t)floorf(units[axis]) + step[axis];
+      place[axis] = nlgBetween(units[axis], (float)unit[axis], (float)unit[axis] + 1.0f);
+      square += (units[axis] - place[axis]) * (units[axis] - place[axis]);
+    }
+    if (unit[0] < 0 || unit[1] < 0 || unit[2] < 0 || square >= least || !nlgCellOfUnit(grid, unit, place, &cell)) continue;
+    least = square;
+    *nearest = cell;
+    found = 1;
+  }
+  return found;
+}
+
+static inline NlgCorner nlgCornerOf(const NlgGrid* grid, const NlgCell* cell, uint32_t c) {
+  const uint32_t high[3] = {c & 1, c >> 1 & 1, c >> 2}, class_count = nlgWord(grid, 13);
+  const uint32_t slot = nlgWord(grid, cell->slot + (high[2] * cell->edge + high[1]) * cell->edge + high[0]);
+  const uint32_t probe = slot & 0x7ffffff;
+  /* in shares of the probe's own spacing, which may be that of a larger cell */
+  const float per_spacing = ldexpf(1.0f, (int)cell->side_log2 - (int)(slot >> 27 & 7));
+  NlgCorner corner;
+  uint32_t head = 16, next;
+  int axis;
+  corner.tent = corner.ratio = 1.0f;
+  for (axis = 0; axis < 3; ++axis) {
+    const float apart = high[axis] ? 1.0f - cell->from_low[axis] : cell->from_low[axis], local = apart * per_spacing;
+    corner.local[axis] = high[axis] ? -local : local;
+    corner.tent *= 1.0f - local;
+    if (per_spacing < 1.0f) corner.ratio *= (1.0f - apart) / (1.0f - local);
+  }
+  /* probes are numbered class by class */
+  for (next = 1; next < class_count && next < 258; ++next) {
+    if (probe >= nlgWord(grid, 16 + 8 * next)) head = 16 + 8 * next;
+  }
+  corner.record = 4 * (nlgWord(grid, head + 1) + (probe - nlgWord(grid, head)) * nlgWord(grid, head + 2));
+  corner.kind = nlgWord(grid, head + 3);
+  corner.slope = nlgFloat(grid, head + 4);
+  corner.residue = nlgFloat(grid, head + 5);
+  corner.step = nlgFloat(grid, head + 6);
+  corner.resolution = nlgWord(grid, head + 7);
+  return corner;
+}
+
+/* 3 -> first -> second -> 1, without a second layer where second is 0. */
+static inline float nlgNetwork(const NlgGrid* grid, const NlgCorner* of, uint32_t first, uint32_t second) {
+  const int halves = (of->kind & NLG_FLAG_HALVES) != 0;
+  const uint32_t theta = of->record + 8, hidden = 4 * first + (first + 1) * second, units = second > 0 ? second : first;
+  const uint32_t last = theta + (halves ? hidden / 2 : hidden / 4);
+  float inputs[8], outputs[8], sum;
+  uint32_t input_count = 3, output_count = first, place = 0, layer, i, o;
+  for (i = 0; i < 3; ++i) inputs[i] = of->local[i];
+  for (layer = 0; layer < (second > 0 ? 2u : 1u); ++layer) {
+    /* a column of the matrix after the other, then what is added */
+    for (o = 0; o < output_count; ++o) outputs[o] = 0.0f;
+    for (i = 0; i <= input_count; ++i) {
+      for (o = 0; o < output_count; ++o, ++place) {
+        const float number = halves ? nlgHalf(grid, theta, place) : of->step * nlgByte(grid, theta, place);
+        outputs[o] += i < input_count ? inputs[i] * number : number;
+      }
+    }
+    for (o = 0; o < output_count; ++o) inputs[o] = outputs[o] > 0.0f ? outputs[o] : of->slope * outputs[o];
+    input_count = output_count;
+    output_count = second;
+  }
+  sum = nlgHalf(grid, last, units);
+  for (i = 0; i < units; ++i) sum += nlgHalf(grid, last, i) * inputs[i];
+  return sum;
+}
+
+/* clamp(A, 0, 1) sigmoid(B), both trilinear in r^3 nodes; a node is a word: A, B. */
+static inline float nlgField(const NlgGrid* grid, const NlgCorner* of) {
+  const uint32_t r = of->resolution;
+  uint32_t node[3], c;
+  float share[3], a = 0.0f, b = 0.0f;
+  int axis;
+  if (r < 2 || r > 9) return 0.0f;
+  for (axis = 0; axis < 3; ++axis) {
+    const float at = nlgBetween((of->local[axis] + 1.0f) * 0.5f, 0.0f, 1.0f) * (float)(r - 1);
+    node[axis] = (uint32_t)at < r - 2 ? (uint32_t)at : r - 2;
+    share[axis] = at - (float)node[axis];
+  }
+  for (c = 0; c < 8; ++c) {
+    const uint32_t x = c & 1, y = c >> 1 & 1, z = c >> 2,
+                   word = of->record + 8 + ((node[2] + z) * r + node[1] + y) * r + node[0] + x;
+    const float part = (x ? share[0] : 1.0f - share[0]) * (y ? share[1] : 1.0f - share[1]) * (z ? share[2] : 1.0f - share[2]);
+    a += part * nlgHalf(grid, word, 0);
+    b += part * nlgHalf(grid, word, 1);
+  }
+  return nlgBetween(a, 0.0f, 1.0f) / (1.0f + expf(-b));
+}
+
+/* The weighting function in the tent's bounds, before the residue. */
+static inline float nlgWeight(const NlgGrid* grid, const NlgCorner* of) {
+  const uint32_t kind = of->kind & 7;
+  float phi = 0.0f;
+  if (kind == NLG_KIND_TENT) return of->tent * of->ratio;
+  if (kind == NLG_KIND_NETWORK_4) phi = nlgNetwork(grid, of, 4, 0);
+  if (kind == NLG_KIND_NETWORK_44) phi = nlgNetwork(grid, of, 4, 4);
+  if (kind == NLG_KIND_NETWORK_88) phi = nlgNetwork(grid, of, 8, 8);
+  if (kind == NLG_KIND_FIELD) phi = nlgField(grid, of);
+  if ((of->kind & NLG_FLAG_SIGMOID) != 0) phi = 1.0f / (1.0f + expf(-phi));
+  if ((of->kind & NLG_FLAG_TENT) != 0) phi *= of->tent;
+  return phi > 0.0f ? (phi < of->tent ? phi : of->tent) * of->ratio : 0.0f;
+}
+
+/* position_m, normal   three numbers each
+   rgb                  three numbers, overwritten; 0 where the status is NLG_UNLIT, and where NLG_OUTSIDE has no cell near */
+static inline NlgStatus nlgIrradiance(const NlgGrid* grid, const float* position_m, const float* normal, float* rgb) {
+  const float x = normal[0], y = normal[1], z = normal[2];
+  /* what irradiance takes of each coefficient */
+  const float basis[9] = {0.88622693f,
+                          1.02332671f * y,
+                          1.02332671f * z,
+                          1.02332671f * x,
+                          0.85808553f * x * y,
+                          0.85808553f * y * z,
+                          0.24770796f * (3.0f * z * z - 1.0f),
+                          0.85808553f * x * z,
+                          0.42904276f * (x * x - y * y)};
+  float units[3], weight[8], tents[8], residue[8], largest = 0.0f, sum = 0.0f, scale;
+  uint32_t record[8], c, i;
+  NlgStatus status = NLG_LIT;
+  NlgCell cell = {0, 0, 0, {0.0f, 0.0f, 0.0f}};
+  rgb[0] = rgb[1] = rgb[2] = 0.0f;
+  for (i = 0; i < 3; ++i) {
+    if (!(fabsf(normal[i]) <= 1.5f)) return NLG_UNLIT; /* no direction */
+    units[i] = (position_m[i] - nlgFloat(grid, i)) * nlgFloat(grid, 3);
+  }
+  if (!nlgFindCell(grid, units, &cell)) {
+    status = NLG_OUTSIDE;
+    if (!nlgFindNearCell(grid, units, &cell)) return status;
+  }
+  for (c = 0; c < 8; ++c) {
+    const NlgCorner corner = nlgCornerOf(grid, &cell, c);
+    record[c] = corner.record;
+    residue[c] = corner.residue;
+    weight[c] = nlgWeight(grid, &corner);
+    tents[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : corner.tent * corner.ratio;
+    if (weight[c] > largest) largest = weight[c];
+  }
+  for (c = 0; c < 8; ++c) {
+    weight[c] -= residue[c] < 0.5f * largest ? residue[c] : 0.5f * largest;
+    if (!(weight[c] >= 1e-6f)) weight[c] = 0.0f;
+    sum += weight[c];
+  }
+  if (sum == 0.0f) { /* no function has weight here: bare tents, which nothing stops at walls */
+    if (status == NLG_LIT) status = NLG_BY_TENTS;
+    for (c = 0; c < 8; ++c) sum += weight[c] = tents[c] >= 1e-6f ? tents[c] : 0.0f;
+  }
+  if (sum == 0.0f) return status == NLG_BY_TENTS ? NLG_UNLIT : status;
+  scale = nlgFloat(grid, 12) / sum;
+  for (c = 0; c < 8; ++c) {
+    /* Y00 of red, green, blue and the largest of all others; then 24 steps: red, green, blue of each coefficient in turn */
+    const float step = nlgHalf(grid, record[c], 3) / 127.0f;
+    if (weight[c] == 0.0f) continue;
+    for (i = 0; i < 27; ++i)
+      rgb[i % 3] += weight[c] * basis[i / 3] * (i < 3 ? nlgHalf(grid, record[c], i) : step * nlgByte(grid, record[c] + 2, i - 3));
+  }
+  for (i = 0; i < 3; ++i) rgb[i] = rgb[i] > 0.0f ? rgb[i] * scale : 0.0f;
+  return status;
+}
+
+#endif
