@@ -50,8 +50,7 @@ if [ "$what" = tidy ]; then
 fi
 
 # for one test each, which says that it was skipped where this fails
-workflow/install_from_npm.sh onnxruntime build/onnxruntime || true
-workflow/install_from_npm.sh naga build/naga || true
+for package in onnxruntime naga ktx-parse; do workflow/install_from_npm.sh $package build/$package || true; done
 if [ "$what" = release ]; then
   build
 else

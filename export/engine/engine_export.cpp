@@ -77,7 +77,11 @@ size_t bytesOf(const std::vector<EngineFile>& files) {
 
 nlohmann::ordered_json errorJson(const std::optional<ResamplingError>& error) {
   if (!error) return nullptr;
-  return {{"places", error->places}, {"rmse", error->rmse}, {"p95", error->p95}};
+  return {{"places", error->places},
+          {"rmse", error->rmse},
+          {"p95", error->p95},
+          {"axes_rmse", error->axes_rmse},
+          {"axes_p95", error->axes_p95}};
 }
 
 void runCHeader(const LightGrid& grid, const EngineRequest& request, const EngineOptions& options, nlohmann::ordered_json line) {

@@ -139,7 +139,11 @@ LightVolume makeLightVolume(const LightGrid& grid, const LightBox& box) {
   LightVolume volume{box, std::move(resampled.light)};
   std::vector<Texel> texels(resampled.status.size(), Texel::dark);
   for (size_t i = 0; i < texels.size(); ++i) {
-    if (resampled.status[i] == LightStatus::unlit || resampled.status[i] == LightStatus::outside) continue;
+    const float* light = &volume.light[i * kShFloats];
+    const LightStatus status = resampled.status[i];
+    if (status == LightStatus::unlit ||
+        (status == LightStatus::outside && std::count(light, light + kShFloats, 0.0f) == kShFloats))
+      continue;
     texels[i] = Texel::has_light;
     ++volume.lit;
   }

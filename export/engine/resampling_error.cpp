@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "runtime_eval/light_grid/irradiance.h"
 #include "runtime_eval/numbers/random.h"
@@ -44,6 +45,38 @@ std::array<float, 3> drawNormal(Random& random) {
   return {static_cast<float>(radius * std::cos(turn)), static_cast<float>(radius * std::sin(turn)), static_cast<float>(z)};
 }
 
+std::array<float, 3> drawAxis(Random& random) {
+  std::array<float, 3> normal{};
+  const uint32_t side = random.below(6);
+  normal[side / 2] = side % 2 == 0 ? 1.0f : -1.0f;
+  return normal;
+}
+
+class Differences {
+ public:
+  void add(const std::array<float, kShChannels>& exact, const std::array<float, kShChannels>& shown) {
+    double square = 0.0;
+    for (size_t c = 0; c < exact.size(); ++c) {
+      square += std::pow(double{shown[c]} - exact[c], 2);
+      light_ += std::pow(double{exact[c]}, 2);
+    }
+    squares_.push_back(square);
+  }
+
+  double light() const { return light_; }
+  double rmse() const { return std::sqrt(std::accumulate(squares_.begin(), squares_.end(), 0.0) / light_); }
+  double p95() const {
+    std::vector<double> squares = squares_;
+    const auto rank = static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(squares.size() - 1));
+    std::nth_element(squares.begin(), squares.begin() + rank, squares.end());
+    return std::sqrt(squares[static_cast<size_t>(rank)] * static_cast<double>(squares.size()) / light_);
+  }
+
+ private:
+  double light_ = 0.0;
+  std::vector<double> squares_;
+};
+
 bool isInside(const LightBox& box, const PositionM& position_m) {
   for (size_t axis = 0; axis < 3; ++axis) {
     if (!(position_m[axis] >= box.low_m[axis] && position_m[axis] <= box.high_m[axis])) return false;
@@ -57,29 +90,23 @@ std::optional<ResamplingError> resamplingError(const LightGrid& grid, const Ligh
                                                int64_t wanted) {
   const CellPlaces places(grid.tree);
   Random random(mixSeed(1, 0x726573616d706c65));
-  std::vector<double> squares;
-  double light = 0.0, error = 0.0;
-  for (int64_t drawn = 0; drawn < kDrawsAPlace * wanted && static_cast<int64_t>(squares.size()) < wanted; ++drawn) {
+  Differences any, axes;
+  int64_t count = 0;
+  for (int64_t drawn = 0; drawn < kDrawsAPlace * wanted && count < wanted; ++drawn) {
     const PositionM position_m = places.draw(random);
-    const std::array<float, 3> normal = drawNormal(random);
-    std::array<float, kShChannels> exact;
+    const std::array<std::array<float, 3>, 2> normals = {drawNormal(random), drawAxis(random)};
     if (box != nullptr && !isInside(*box, position_m)) continue;
-    if (lookUpIrradiance(grid, position_m, normal.data(), exact.data()) != LightStatus::lit) continue;
-    const std::array<float, kShChannels> shown = irradiance(position_m, normal.data());
-    double square = 0.0;
-    for (size_t c = 0; c < exact.size(); ++c) {
-      square += std::pow(double{shown[c]} - exact[c], 2);
-      light += std::pow(double{exact[c]}, 2);
-    }
-    squares.push_back(square);
-    error += square;
+    std::array<std::array<float, kShChannels>, 2> exact;
+    bool is_lit = true;
+    for (size_t i = 0; i < normals.size(); ++i)
+      is_lit = lookUpIrradiance(grid, position_m, normals[i].data(), exact[i].data()) == LightStatus::lit && is_lit;
+    if (!is_lit) continue;
+    any.add(exact[0], irradiance(position_m, normals[0].data()));
+    axes.add(exact[1], irradiance(position_m, normals[1].data()));
+    ++count;
   }
-  if (squares.empty() || light == 0.0) return std::nullopt;
-  const auto rank = static_cast<size_t>(0.95 * static_cast<double>(squares.size() - 1));
-  std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(rank), squares.end());
-  const auto count = static_cast<double>(squares.size());
-  return ResamplingError{static_cast<int64_t>(squares.size()), std::sqrt(error / light),
-                         std::sqrt(squares[rank] * count / light)};
+  if (any.light() == 0.0 || axes.light() == 0.0) return std::nullopt;
+  return ResamplingError{count, any.rmse(), any.p95(), axes.rmse(), axes.p95()};
 }
 
 }  // namespace nlg

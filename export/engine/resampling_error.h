@@ -12,12 +12,12 @@ namespace nlg {
 // Differences from lookUpIrradiance, over the root mean square of irradiance at the same places; red, green and blue count alike.
 struct ResamplingError {
   int64_t places = 0;
-  double rmse = 0.0;
-  double p95 = 0.0;  // of places' own root mean squares
+  double rmse = 0.0, p95 = 0.0;            // of planes that face any direction; p95: of places' own root mean squares
+  double axes_rmse = 0.0, axes_p95 = 0.0;  // of planes that face along an axis, as most floors and walls do
 };
 
-// At places drawn uniformly in the volume of the used cells, where the look-up is lit, on planes that face any direction. The seed
-// is fixed.
+// At places drawn uniformly in the volume of the used cells, where the look-up is lit, on a plane that faces any direction and on one
+// that faces along an axis. The seed is fixed.
 //
 // box       places outside of it are not drawn; nullptr: all cells
 // wanted    places; fewer where so few of those that are drawn are lit, 50 times as many at most

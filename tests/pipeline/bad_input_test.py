@@ -52,7 +52,7 @@ def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):
         return
     lines = result.stderr.splitlines()
     # a command of a tool names itself: "nlg-datagen info: error: "
-    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "used-by", "shader", "compare", "frontier", "stability") else tool
+    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "used-by", "shader", "engine", "compare", "frontier", "stability") else tool
     errors = [line for line in lines if line.startswith(f"{name}: error: ")]
     if result.returncode != exit_code:
         failures.append(f"{command}: exit code {result.returncode}, expected {exit_code}\n    {result.stderr.strip()}")
@@ -512,6 +512,19 @@ def check_shader():
         failures.append(f"nlg-export shader says {line}")
 
 
+def check_engine():
+    """nlg-export engine: no grid, damaged ones, one without light; a folder that is a file. Settings: tests/export/engine/engine_files_test.py."""
+    for grid in ["missing.safetensors", "folder", "weights.safetensors", "good.yaml", *damaged_copies("grid.safetensors")]:
+        refuses(INPUT_ERROR, [grid], ["bad_engine"], "nlg-export", "engine", "--grid", grid, "--format", "three", "--out", "bad_engine")
+    refuses(INPUT_ERROR, ["dark.safetensors", "without light"], ["bad_engine"], "nlg-export", "engine", "--grid", "dark.safetensors", "--format", "bevy",
+            "--out", "bad_engine")
+    refuses(USAGE_ERROR, ["c-header", "unity"], ["bad_engine"], "nlg-export", "engine", "--grid", "grid.safetensors", "--format", "unity", "--out", "bad_engine")
+    refuses(OUTPUT_ERROR, ["file/light.ktx2"], [], "nlg-export", "engine", "--grid", "grid.safetensors", "--format", "bevy", "--out", "file")
+    line = json.loads(must("nlg-export", "engine", "--grid", "grid.safetensors", "--format", "three", "--out", "three"))
+    if line["bytes"] != sum(os.path.getsize(os.path.join("three", name)) for name in ["light.bin", "light.json"]):
+        failures.append(f"nlg-export engine says {line}")
+
+
 def check_plans():
     refuses(USAGE_ERROR, [], [], "nlg-datagen", "plan")
     refuses(INPUT_ERROR, ["missing.glb"], [], "nlg-datagen", "plan", "--scene", "missing.glb")
@@ -671,6 +684,7 @@ def main():
         check_renders()
         check_weights_used_by()
         check_shader()
+        check_engine()
         check_plans()
         check_full_disk()
         check_killed_run()

@@ -1,0 +1,130 @@
+#include "export/engine/c_header.h"
+
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "runtime_eval/light_grid/irradiance.h"
+#include "tests/runtime_eval/shader_grid/every_representation.h"
+
+extern "C" int cHeaderIrradiance(const uint8_t* bytes, size_t size, const float* position_m, const float* normal, float* rgb);
+
+namespace nlg {
+namespace {
+
+std::vector<EngineFile> filesOf(const LightGrid& grid) {
+  std::vector<EngineFile> files;
+  EXPECT_TRUE(cHeaderFiles(grid, &files).ok());
+  return files;
+}
+
+// Bytes that end where memory ends: a read beyond them ends the test.
+class FencedBytes {
+ public:
+  explicit FencedBytes(std::string_view bytes) : size_(bytes.size()) {
+    const auto page = static_cast<size_t>(::sysconf(_SC_PAGESIZE));
+    const size_t pages = (size_ + page - 1) / page * page;
+    mapped_bytes_ = pages + page;
+    mapped_ = static_cast<uint8_t*>(::mmap(nullptr, mapped_bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    EXPECT_EQ(::mprotect(mapped_ + pages, page, PROT_NONE), 0);
+    first_ = mapped_ + pages - size_;
+    std::memcpy(first_, bytes.data(), size_);
+  }
+  ~FencedBytes() { ::munmap(mapped_, mapped_bytes_); }
+  FencedBytes(const FencedBytes&) = delete;
+  FencedBytes& operator=(const FencedBytes&) = delete;
+
+  LightStatus lookUp(const PositionM& position_m, const std::array<float, 3>& normal, float* rgb) const {
+    const float position[3] = {static_cast<float>(position_m[0]), static_cast<float>(position_m[1]),
+                               static_cast<float>(position_m[2])};
+    return static_cast<LightStatus>(cHeaderIrradiance(first_, size_, position, normal.data(), rgb));
+  }
+  uint8_t* data() { return first_; }
+  size_t size() const { return size_; }
+
+ private:
+  size_t size_, mapped_bytes_;
+  uint8_t *mapped_, *first_;
+};
+
+class CHeaderPrecision : public testing::TestWithParam<ThetaPrecision> {};
+
+TEST_P(CHeaderPrecision, SaysWhatTheLookUpSays) {
+  const LightGrid grid = everyRepresentation(GetParam(), 3);
+  const FencedBytes bytes(fileNamed(filesOf(grid), "grid.bin"));
+  Random random(5);
+  std::array<int, 4> count{};
+  for (int i = 0; i < 20000; ++i) {
+    const PositionM at = randomPlace(grid.tree.frame(), random);
+    const std::array<float, 3> normal = randomNormal(random);
+    float exact[3], rgb[3];
+    const LightStatus status = lookUpIrradiance(grid, at, normal.data(), exact);
+    ASSERT_EQ(bytes.lookUp(at, normal, rgb), status) << at[0] << ' ' << at[1] << ' ' << at[2];
+    ++count[static_cast<size_t>(status)];
+    // as the shader's test has it
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb[c], exact[c], 1e-3f * std::max(1.0f, exact[c])) << i;
+  }
+  for (const LightStatus status : {LightStatus::lit, LightStatus::by_tents, LightStatus::outside})
+    EXPECT_GT(count[static_cast<size_t>(status)], 20) << lightStatusName(status);
+}
+
+INSTANTIATE_TEST_SUITE_P(Precisions, CHeaderPrecision, testing::Values(ThetaPrecision::int8, ThetaPrecision::float16),
+                         [](const auto& precision) { return std::string(thetaPrecisionName(precision.param)); });
+
+TEST(CHeader, IsDarkWhereAPositionOrANormalIsNoNumber) {
+  const LightGrid grid = everyRepresentation(ThetaPrecision::int8, 4);
+  const FencedBytes bytes(fileNamed(filesOf(grid), "grid.bin"));
+  const PositionM inside = grid.tree.probePosition(0);
+  float rgb[3];
+  for (const double broken : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e30, -1e30}) {
+    for (size_t axis = 0; axis < 3; ++axis) {
+      PositionM at = inside;
+      at[axis] = broken;
+      EXPECT_EQ(bytes.lookUp(at, {0.0f, 0.0f, 1.0f}, rgb), LightStatus::outside);
+      for (const float channel : rgb) EXPECT_EQ(channel, 0.0f);
+      std::array<float, 3> normal{};
+      normal[axis] = static_cast<float>(broken);
+      EXPECT_EQ(bytes.lookUp(inside, normal, rgb), LightStatus::unlit);
+      for (const float channel : rgb) EXPECT_EQ(channel, 0.0f);
+    }
+  }
+}
+
+// Whatever the bytes say, and however few they are.
+TEST(CHeader, ReadsNothingOutsideOfItsBytes) {
+  const LightGrid grid = everyRepresentation(ThetaPrecision::int8, 4);
+  const std::string whole = fileNamed(filesOf(grid), "grid.bin");
+  Random random(7);
+  float rgb[3];
+  for (int round = 0; round < 300; ++round) {
+    FencedBytes bytes(
+        std::string_view(whole).substr(0, round < 100 ? static_cast<size_t>(round) : random.below(whole.size() + 1)));
+    // the head, where everything else is found by, and anything
+    for (int i = 0; i < 20 && bytes.size() > 0 && round % 2 == 0; ++i)
+      bytes.data()[random.below(static_cast<uint32_t>(i < 10 ? std::min<size_t>(bytes.size(), 256) : bytes.size()))] =
+          static_cast<uint8_t>(random.next());
+    for (int i = 0; i < 50; ++i) bytes.lookUp(randomPosition(grid.tree.frame(), random), {0.0f, 1.0f, 0.0f}, rgb);
+  }
+}
+
+TEST(CHeader, IsWrittenBesideTheGridThatShadersRead) {
+  const std::vector<EngineFile> files = filesOf(everyRepresentation(ThetaPrecision::int8, 4));
+  ASSERT_EQ(files.size(), 2u);
+  EXPECT_EQ(files[1].name, "nlg_light_grid.h");
+  EXPECT_NE(files[1].bytes.find("static inline NlgStatus nlgIrradiance("), std::string::npos);
+}
+
+TEST(CHeader, RefusesAGridWithoutLight) {
+  LightGrid grid = everyRepresentation(ThetaPrecision::int8, 4);
+  grid.light.clear();
+  std::vector<EngineFile> files;
+  EXPECT_FALSE(cHeaderFiles(grid, &files).ok());
+  EXPECT_TRUE(files.empty());
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,236 @@
+#!/usr/bin/python3
+"""What nlg-export engine writes, read by readers that share nothing with it; and what it refuses.
+
+    engine_files_test.py NLG_EXPORT ENGINE_CASES KTX_PARSE
+
+KTX2, DDS, Godot's text resource and three.js's bytes are read here, by their specifications. With KTX_PARSE, a folder of
+workflow/install_from_npm.sh, the KTX2 files are read by ktx-parse instead and nothing else is done; exit code 77, a skipped test,
+where it is not there.
+"""
+import base64
+import json
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+
+USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
+
+EXPORT, CASES = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+KTX_PARSE = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else None
+BOX = ["--extent-m=-2,10001,2,6,10007,12", "--spacing-m", "1"]  # 8 x 6 x 10 texels
+RESOLUTION, SH_SIZE, CUBE_SIZE = [8, 6, 10], [8, 6, 7 * 12], [8, 12, 30]
+
+
+def must(condition, message):
+    if not condition:
+        sys.exit(f"engine_files_test: {message}")
+
+
+def export(*arguments):
+    return subprocess.run([EXPORT, "engine", *arguments], capture_output=True, text=True)
+
+
+def exported(format_name):
+    result = export("--grid", "grid.safetensors", "--format", format_name, "--out", format_name, *BOX)
+    must(result.returncode == 0, f"{format_name}: exit code {result.returncode}\n{result.stderr}")
+    line = json.loads(result.stdout)
+    files = [os.path.join(format_name, name) for name in os.listdir(format_name)]
+    must(line["bytes"] == sum(map(os.path.getsize, files)), f"{format_name}: says {line['bytes']} bytes")
+    must(line["error"]["places"] > 1000 and 0 < line["error"]["rmse"] < 1, f"{format_name}: says {line['error']}")
+    if format_name != "c-header":
+        place = json.load(open(os.path.join(format_name, "light.json")))
+        for key in ["low_m", "high_m", "resolution", "texture_size"]:
+            must(place[key] == line[key], f"{format_name}: light.json and the line differ in {key}")
+        must(place["low_m"] == [-2, 10001, 2] and place["high_m"] == [6, 10007, 12], f"{format_name}: {place}")
+        must(place["resolution"] == RESOLUTION, f"{format_name}: {place}")
+        must(place["texture_size"] == (CUBE_SIZE if format_name == "bevy" else SH_SIZE), f"{format_name}: {place}")
+        must(line["texels"]["lit"] + line["texels"]["filled"] == 8 * 6 * 10, f"{format_name}: {line['texels']}")
+    return line
+
+
+def read_ktx2(path):
+    """KTX 2.0, section 3: header, level index, data format descriptor, key and value data, one level."""
+    data = open(path, "rb").read()
+    must(data[:12] == b"\xabKTX 20\xbb\r\n\x1a\n", f"{path}: identifier")
+    vk_format, type_size, width, height, depth, layers, faces, levels, scheme = struct.unpack_from("<9I", data, 12)
+    dfd_place, dfd_bytes, kvd_place, kvd_bytes, sgd_place, sgd_bytes = struct.unpack_from("<4I2Q", data, 48)
+    place, count, uncompressed = struct.unpack_from("<3Q", data, 80)
+    must((layers, faces, levels, scheme, sgd_place, sgd_bytes) == (0, 1, 1, 0, 0, 0), f"{path}: one level of no array")
+    must(dfd_place == 104 and dfd_place + dfd_bytes == kvd_place, f"{path}: nothing between index, descriptor and texts")
+    total, vendor, version, block, model, primaries, transfer, flags = struct.unpack_from("<IIHHBBBB", data, dfd_place)
+    must((total, vendor, version, block) == (dfd_bytes, 0, 2, dfd_bytes - 4), f"{path}: descriptor's header")
+    must((model, primaries, transfer, flags) == (1, 1, 1, 0), f"{path}: linear RGB of BT.709")
+    must(data[dfd_place + 16 : dfd_place + 20] == bytes(4), f"{path}: a block of one texel")
+    texel = data[dfd_place + 20]
+    samples = [struct.unpack_from("<HBBIII", data, dfd_place + 28 + 16 * i) for i in range((block - 24) // 16)]
+    must(place % max(texel, 4) == 0, f"{path}: level at {place}")
+    must(count == uncompressed == texel * width * height * depth and place + count == len(data), f"{path}: {count} bytes of texels")
+    texts, at = {}, kvd_place
+    while at < kvd_place + kvd_bytes:
+        (length,) = struct.unpack_from("<I", data, at)
+        key, _, value = data[at + 4 : at + 4 + length].partition(b"\0")
+        must(value.endswith(b"\0"), f"{path}: value of {key}")
+        texts[key.decode()] = value[:-1].decode()
+        at += 4 + (length + 3) // 4 * 4
+    must(list(texts) == sorted(texts), f"{path}: keys are not sorted")
+    return {"format": vk_format, "type_size": type_size, "size": [width, height, depth], "samples": samples, "texts": texts, "texels": data[place:]}
+
+
+def check_ktx2():
+    file = read_ktx2("ktx2-sh/light.ktx2")
+    one, minus_one = (struct.unpack("<I", struct.pack("<f", x))[0] for x in (1.0, -1.0))
+    must((file["format"], file["type_size"], file["size"]) == (97, 2, SH_SIZE), f"ktx2-sh: {file['format']}, {file['size']}")
+    must(file["samples"] == [(16 * i, 15, channel | 0xC0, 0, minus_one, one) for i, channel in enumerate([0, 1, 2, 15])], f"ktx2-sh: {file['samples']}")
+    must(file["texts"]["nlg.low_m"] == "-2.0 10001.0 2.0" and file["texts"]["nlg.resolution"] == "8 6 10", f"ktx2-sh: {file['texts']}")
+    three = open("three/light.bin", "rb").read()
+    must(file["texels"] == three, "ktx2-sh and three hold different texels")
+
+    cube = read_ktx2("bevy/light.ktx2")
+    must((cube["format"], cube["type_size"], cube["size"]) == (123, 4, CUBE_SIZE), f"bevy: {cube['format']}, {cube['size']}")
+    # those that KTX-Software has for E5B9G9R9
+    expected = [sample for c in range(3) for sample in [(9 * c, 8, c, 0, 0, 8448), (27, 4, c | 0x20, 0, 15, 31)]]
+    must(cube["samples"] == expected, f"bevy: {cube['samples']}")
+    check_cubes(three, cube["texels"])
+
+
+def check_cubes(sh_bytes, cube_bytes):
+    """Sides of ambient cubes are those of the spherical harmonics, which three.js's file has of the same light."""
+    nx, ny, nz = RESOLUTION
+    halves = struct.unpack(f"<{len(sh_bytes) // 2}e", sh_bytes)
+    words = struct.unpack(f"<{len(cube_bytes) // 4}I", cube_bytes)
+
+    def coefficient(x, y, z, number):
+        texel = ((number // 4 * (nz + 2) + z + 1) * ny + y) * nx + x
+        return halves[4 * texel + number % 4]
+
+    # irradiance over pi along an axis: Y00, the one of order 1 that lies along it, and what order 2 has there
+    order_1 = [3, 1, 2]
+    order_2 = [{6: -1, 8: 3**0.5}, {6: -1, 8: -(3**0.5)}, {6: 2}]
+    for x, y, z in [(0, 0, 0), (7, 5, 9), (3, 2, 4), (5, 0, 9)]:
+        for axis in range(3):
+            for negative in range(2):
+                word = words[((z + axis * nz) * 2 * ny + y + negative * ny) * nx + x]
+                scale = 2.0 ** ((word >> 27) - 24)
+                side = [scale * (word >> 9 * c & 511) for c in range(3)]
+                for c in range(3):
+                    expected = 0.28209479 * coefficient(x, y, z, c)
+                    expected += (-1 if negative else 1) * 0.32573501 * coefficient(x, y, z, 3 * order_1[axis] + c)
+                    expected += sum(0.07884789 * share * coefficient(x, y, z, 3 * of + c) for of, share in order_2[axis].items())
+                    must(abs(side[c] - max(0, expected)) < 2**-9 * max(side) + 2e-3, f"bevy: side {axis} {negative} of {x} {y} {z}: {side[c]}, not {expected}")
+
+
+def check_dds():
+    data = open("dds-sh/light.dds", "rb").read()
+    must(data[:4] == b"DDS ", "dds-sh: its beginning")
+    size, flags, height, width, pitch, depth, mipmaps = struct.unpack_from("<7I", data, 4)
+    must((size, flags, pitch, mipmaps) == (124, 0x80100F, 8 * 8, 1) and [width, height, depth] == SH_SIZE, f"dds-sh: {width} x {height} x {depth}")
+    format_size, format_flags = struct.unpack_from("<2I", data, 76)
+    must((format_size, format_flags, data[84:88]) == (32, 4, b"DX10"), "dds-sh: pixel format")
+    must(struct.unpack_from("<2I", data, 108) == (0x1008, 0x200000), "dds-sh: capabilities")
+    must(struct.unpack_from("<5I", data, 128) == (10, 4, 0, 1, 0), "dds-sh: header of Direct3D 10")
+    must(data[148:] == open("three/light.bin", "rb").read(), "dds-sh and three hold different texels")
+
+
+def check_godot():
+    text = open("godot/light.tres").read()
+    head = re.match(r'\[gd_resource type="ImageTexture3D" load_steps=(\d+) format=4\]\n\n', text)
+    must(head and int(head[1]) == SH_SIZE[2] + 1, "godot: head")
+    image = r'\[sub_resource type="Image" id="(\w+)"\]\ndata = \{\n"data": PackedByteArray\("([\w+/=]*)"\),\n"format": "RGBAHalf",\n"height": 6,\n"mipmaps": false,\n"width": 8\n\}\n\n'
+    images = re.findall(image, text)
+    must(len(images) == SH_SIZE[2], f"godot: {len(images)} images")
+    names = ", ".join(f'SubResource("{name}")' for name, _ in images)
+    must(text.endswith(f"[resource]\n_images = Array[Image]([{names}])\n"), "godot: the texture")
+    must(len(re.sub(image, "", text)) == len(head[0]) + len(f"[resource]\n_images = Array[Image]([{names}])\n"), "godot: something else")
+    must(b"".join(base64.b64decode(data, validate=True) for _, data in images) == open("three/light.bin", "rb").read(), "godot and three hold different texels")
+
+
+def check_three():
+    data = open("three/light.bin", "rb").read()
+    nx, ny, nz = RESOLUTION
+    must(len(data) == 8 * nx * ny * 7 * (nz + 2), f"three: {len(data)} bytes")
+    slices = [data[i * 8 * nx * ny : (i + 1) * 8 * nx * ny] for i in range(7 * (nz + 2))]
+    for volume in range(7):
+        first = volume * (nz + 2)
+        must(slices[first] == slices[first + 1] and slices[first + nz + 1] == slices[first + nz], f"three: padding of volume {volume}")
+    must(all(slices[6 * (nz + 2)][i : i + 2] == b"\0\0" for i in range(6, 8 * nx * ny, 8)), "three: the last number of a texel is 0")
+
+
+def refuses(exit_code, names, *arguments):
+    before = set(os.listdir("."))
+    result = export(*arguments)
+    lines = result.stderr.splitlines()
+    what = " ".join(arguments)
+    must(result.returncode == exit_code, f"{what}: exit code {result.returncode}, expected {exit_code}\n{result.stderr}")
+    must(len(lines) == 1 and lines[0].startswith("nlg-export engine: error: "), f"{what}: one line was expected\n{result.stderr}")
+    for name in names:
+        must(name in lines[0], f"{what}: does not name '{name}'\n{result.stderr}")
+    must(set(os.listdir(".")) == before, f"{what}: left something behind")
+
+
+def check_refusals():
+    good = ["--grid", "grid.safetensors", "--format", "three", "--out", "bad"]
+    refuses(USAGE_ERROR, ["three, bevy, godot, ktx2-sh, dds-sh, or c-header", "unity"], "--grid", "grid.safetensors", "--format", "unity", "--out", "bad")
+    refuses(USAGE_ERROR, ["--out"], "--grid", "grid.safetensors", "--format", "three", "--out", "")
+    refuses(USAGE_ERROR, ["--format"], "--grid", "grid.safetensors", "--out", "bad")
+    refuses(INPUT_ERROR, ["missing.safetensors"], "--grid", "missing.safetensors", "--format", "three", "--out", "bad")
+    for format_name in ["three", "bevy", "c-header"]:
+        refuses(INPUT_ERROR, ["dark.safetensors", "without light"], "--grid", "dark.safetensors", "--format", format_name, "--out", "bad")
+    refuses(INPUT_ERROR, ["bright.safetensors", "32768"], "--grid", "bright.safetensors", "--format", "three", "--out", "bad", *BOX)
+    for extent in ["0,0,0,1,-1,1", "0,0,0,1,1", "0,0,0,1,1,nan", "a,0,0,1,1,1"]:
+        refuses(USAGE_ERROR, ["extent_m", "low below high"], *good, f"--extent-m={extent}")
+    refuses(USAGE_ERROR, ["extent_m", "light"], *good, "--extent-m=0,0,0,1,1,1", "--spacing-m", "1")
+    for spacing in ["-1", "nan", "wide"]:
+        refuses(USAGE_ERROR, ["--spacing-m"], *good, f"--spacing-m={spacing}")
+    refuses(USAGE_ERROR, ["spacing_m", "8388608", "e+"], *good, "--spacing-m", "0.0001")
+    refuses(USAGE_ERROR, ["2048", "1 x 1 x 2107"], *good, "--extent-m=0,10001,2,0.05,10001.05,17", "--spacing-m", "0.05026")
+    refuses(USAGE_ERROR, ["--places"], *good, "--places", "0")
+    open("file", "w").close()
+    refuses(OUTPUT_ERROR, ["file/light.bin"], "--grid", "grid.safetensors", "--format", "three", "--out", "file", *BOX)
+    # an input under the name of an output
+    os.mkdir("folder")
+    shutil.copy("grid.safetensors", "folder/light.bin")
+    refuses(USAGE_ERROR, ["no input"], "--grid", "folder/light.bin", "--format", "three", "--out", "folder", *BOX)
+    must(open("folder/light.bin", "rb").read() == open("grid.safetensors", "rb").read(), "an input was replaced")
+    must(os.listdir("folder") == ["light.bin"], "something was written beside an input that was not replaced")
+
+
+def check_ktx_parse():
+    if shutil.which("node") is None or not os.path.isdir(os.path.join(KTX_PARSE, "node_modules", "ktx-parse")):
+        print(f"SKIPPED: ktx-parse is not installed; workflow/install_from_npm.sh ktx-parse {KTX_PARSE} says why not")
+        sys.exit(77)
+    script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "read_ktx2.mjs")
+    for format_name in ["bevy", "ktx2-sh"]:
+        exported(format_name)
+        ours = read_ktx2(f"{format_name}/light.ktx2")
+        result = subprocess.run(["node", script, KTX_PARSE, f"{format_name}/light.ktx2", "texels"], capture_output=True, text=True)
+        must(result.returncode == 0, f"ktx-parse: {result.stderr}")
+        theirs = json.loads(result.stdout)
+        samples = [list(sample[:3]) + list(sample[4:]) for sample in ours["samples"]]
+        must(theirs["format"] == ours["format"] and theirs["size"] == ours["size"], f"{format_name}: {theirs}")
+        must(theirs["samples"] == samples, f"{format_name}: ktx-parse says {theirs['samples']}, not {samples}")
+        must(theirs["texts"] == ours["texts"], f"{format_name}: {theirs['texts']}")
+        must(open("texels", "rb").read() == ours["texels"], f"{format_name}: other texels")
+
+
+work = tempfile.mkdtemp(prefix="nlg_engine_files_")
+try:
+    os.chdir(work)
+    subprocess.run([CASES, work], check=True)
+    if KTX_PARSE is not None:
+        check_ktx_parse()
+    else:
+        lines = {name: exported(name) for name in ["three", "bevy", "godot", "ktx2-sh", "dds-sh", "c-header"]}
+        must(lines["c-header"]["error"]["rmse"] < 1e-4, f"c-header: {lines['c-header']}")
+        must(lines["godot"]["error"] == lines["ktx2-sh"]["error"] == lines["dds-sh"]["error"], "the same texels, another error")
+        check_three()
+        check_ktx2()
+        check_dds()
+        check_godot()
+        check_refusals()
+finally:
+    os.chdir("/")
+    shutil.rmtree(work)
