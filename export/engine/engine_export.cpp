@@ -89,15 +89,17 @@ void runCHeader(const LightGrid& grid, const EngineRequest& request, const Engin
   const WeightsResult result = cHeaderFiles(grid, &files);
   if (!result.ok())
     throw InputError(request.grid, weightsStatusName(result.status), "a grid that shaders can show", result.detail);
-  writeFiles(files, request);
   line["bytes"] = bytesOf(files);
   line["error"] = errorJson(resamplingError(grid, nullptr, readCHeader(files), options.places));
+  writeFiles(files, request);
   std::cout << line.dump() << '\n';
 }
 
 void run(const EngineRequest& request, const EngineOptions& options, const OptionTable& table) {
   const EngineFormat* format = findEngineFormat(request.format);
   if (format == nullptr && request.format != kCHeader) throw UsageError("--format", formatNames(), "'" + request.format + "'");
+  if (format == nullptr && (!options.volume.extent_m.empty() || options.volume.spacing_m > 0.0))
+    throw UsageError("--format", "one with texels beside extent_m and spacing_m", kCHeader + ", which has none");
   if (request.out.empty()) throw UsageError("--out", "the name of a folder", "an empty text");
   GridMetadata metadata;
   const LightGrid grid = readGrid(request.grid, &metadata);
@@ -112,10 +114,10 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   place["format"] = request.format;
   place["provenance"] = provenance("nlg-export engine", table.toJson(), {{"grid", fileSha256(request.grid)}});
   files.push_back({kPlace, place.dump(2) + "\n"});
-  writeFiles(files, request);
   line["bytes"] = bytesOf(files);
   const LightBox box = boxOfPlace(kPlace, fileNamed(files, kPlace));
   line["error"] = errorJson(resamplingError(grid, &box, format->read(files, box), options.places));
+  writeFiles(files, request);
   std::cout << line.dump() << '\n';
 }
 

@@ -35,7 +35,7 @@ def export(*arguments):
 
 
 def exported(format_name):
-    result = export("--grid", "grid.safetensors", "--format", format_name, "--out", format_name, *BOX)
+    result = export("--grid", "grid.safetensors", "--format", format_name, "--out", format_name, "--places", "2000", *([] if format_name == "c-header" else BOX))
     must(result.returncode == 0, f"{format_name}: exit code {result.returncode}\n{result.stderr}")
     line = json.loads(result.stdout)
     files = [os.path.join(format_name, name) for name in os.listdir(format_name)]
@@ -187,6 +187,8 @@ def check_refusals():
         refuses(USAGE_ERROR, ["--spacing-m"], *good, f"--spacing-m={spacing}")
     refuses(USAGE_ERROR, ["spacing_m", "8388608", "e+"], *good, "--spacing-m", "0.0001")
     refuses(USAGE_ERROR, ["2048", "1 x 1 x 2107"], *good, "--extent-m=0,10001,2,0.05,10001.05,17", "--spacing-m", "0.05026")
+    for setting in [BOX[0], "--spacing-m=1"]:
+        refuses(USAGE_ERROR, ["c-header", "spacing_m"], "--grid", "grid.safetensors", "--format", "c-header", "--out", "bad", setting)
     refuses(USAGE_ERROR, ["--places"], *good, "--places", "0")
     open("file", "w").close()
     refuses(OUTPUT_ERROR, ["file/light.bin"], "--grid", "grid.safetensors", "--format", "three", "--out", "file", *BOX)
