@@ -13,7 +13,7 @@ const std::string kGrid = "grid.bin", kHeader = "nlg_light_grid.h";
 WeightsResult cHeaderFiles(const LightGrid& grid, std::vector<EngineFile>* files) {
   files->clear();
   ShaderGrid packed;
-  const WeightsResult result = packShaderGrid(grid, &packed);
+  WeightsResult result = packShaderGrid(grid, &packed);
   if (result.ok()) *files = {{kGrid, shaderGridBytes(packed)}, {kHeader, std::string(kCHeaderText)}};
   return result;
 }

@@ -67,7 +67,8 @@ std::string keyValueData(const std::map<std::string, std::string>& texts) {
   std::string bytes;
   for (const auto& [key, value] : texts) {
     appendNumber(key.size() + value.size() + 2, kWord, &bytes);
-    bytes += key + '\0' + value + '\0';
+    bytes.append(key).push_back('\0');
+    bytes.append(value).push_back('\0');
     pad(kWord, &bytes);
   }
   return bytes;

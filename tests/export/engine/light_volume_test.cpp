@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "export/engine/resampling_error.h"
 #include "export/engine/texture_3d.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
@@ -20,8 +22,8 @@ LightGrid freeGrid() {
 }
 
 std::vector<std::string> texts(const std::array<double, 6>& numbers) {
-  std::vector<std::string> result;
-  for (const double number : numbers) result.push_back(std::to_string(number));
+  std::vector<std::string> result(numbers.size());
+  std::transform(numbers.begin(), numbers.end(), result.begin(), [](double number) { return std::to_string(number); });
   return result;
 }
 
