@@ -194,7 +194,7 @@ class ViewFolder {
     std::vector<uint32_t> texels;
     texels.reserve(picture.radiance.size());
     for (const glm::vec3& radiance : picture.radiance)
-      texels.push_back(rgb9e5(radiance.r / unit, radiance.g / unit, radiance.b / unit));
+      texels.push_back(rgb9e5FromFloats({radiance.r / unit, radiance.g / unit, radiance.b / unit}));
     DataScript script(fmt::format("truth-{}", view));
     script.facts = {{"width", width}, {"height", height}, {"unit", unit}, {"rays", request_.truth_rays}};
     script.add("texels", texels);

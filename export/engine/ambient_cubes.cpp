@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "export/engine/little_endian.h"
-#include "export/engine/rgb9e5.h"
+#include "runtime_eval/numbers/rgb9e5.h"
 #include "tool/error.h"
 
 namespace nlg {

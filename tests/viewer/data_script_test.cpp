@@ -4,9 +4,6 @@
 
 #include <vector>
 
-#include "runtime_eval/numbers/random.h"
-#include "runtime_eval/numbers/rgb9e5.h"
-
 namespace nlg {
 namespace {
 
@@ -46,26 +43,6 @@ TEST(DataScript, TakesAnyName) {
   const std::string text = script.text();
   EXPECT_EQ(text.find('\n'), text.size() - 1);
   EXPECT_NE(text.find("\\\"); alert(1); //\\n\\ufffd"), std::string::npos) << text;
-}
-
-// By half a step, which is a 512th of the power of two above the largest.
-TEST(Rgb9e5, RoundsToTheNearestStep) {
-  Random random(1);
-  for (int i = 0; i < 20000; ++i) {
-    const float scale = std::exp2(static_cast<float>(random.uniform(-14.0, 15.9)));
-    const std::array<float, 3> rgb = {scale * static_cast<float>(random.uniform()), scale * static_cast<float>(random.uniform()),
-                                      scale};
-    const std::array<float, 3> kept = fromRgb9e5(rgb9e5(rgb[0], rgb[1], rgb[2]));
-    const float step = std::exp2(std::floor(std::log2(scale)) + 1.0f) / 512.0f;
-    // where the largest rounds up to the next power of two the step doubles
-    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(kept[c], rgb[c], step * (1.0f + 1e-5f)) << scale;
-  }
-  EXPECT_EQ(fromRgb9e5(rgb9e5(1.0f, 0.5f, 0.0f)), (std::array<float, 3>{1.0f, 0.5f, 0.0f}));
-  EXPECT_EQ(fromRgb9e5(rgb9e5(1e9f, 0.0f, 0.0f))[0], kMaxRgb9e5);
-  EXPECT_EQ(fromRgb9e5(rgb9e5(511.9f, 0.0f, 0.0f))[0], 512.0f);
-  EXPECT_EQ(rgb9e5(0.0f, 0.0f, 0.0f), 0u);
-  EXPECT_EQ(rgb9e5(-1.0f, std::nanf(""), 0.0f), 0u);
-  EXPECT_EQ(fromRgb9e5(rgb9e5(1e-30f, 0.0f, 0.0f))[0], 0.0f);
 }
 
 }  // namespace
