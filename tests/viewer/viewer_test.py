@@ -28,6 +28,8 @@ RIVALS = {"cornell": ["valid-trilinear", "ddgi"], "level": ["quake-grid"]}
 # between is the same light to a step of 255.
 MOST_MEDIAN, MOST_MEAN, MOST_BEYOND_EDGES = 1.0, 2.5, 0.04  # steps of 255; the last: share of pixels off by more than 16
 LONGEST_WAIT_S = 240
+# what SwiftShader says of the browser's own reading back, on a machine without a graphics card
+OF_THE_BROWSER = "GPU stall due to ReadPixels"
 # boxes that stick out of the window
 STICKING_OUT = """[...document.querySelectorAll('#panel *')].filter(e => e.getBoundingClientRect().width > 0 && e.getBoundingClientRect().right > innerWidth + 0.5)
   .map(e => e.id || e.tagName)"""
@@ -69,7 +71,8 @@ class Page:
         complaints = [event["params"] for event in self.browser.events
                       if event.get("method") == "Runtime.exceptionThrown" or
                       (event.get("method") == "Runtime.consoleAPICalled" and event["params"]["type"] in ("error", "warning", "assert")) or
-                      (event.get("method") == "Log.entryAdded" and event["params"]["entry"]["level"] in ("error", "warning"))]
+                      (event.get("method") == "Log.entryAdded" and event["params"]["entry"]["level"] in ("error", "warning") and
+                       OF_THE_BROWSER not in event["params"]["entry"]["text"])]
         asked = [event["params"]["request"]["url"] for event in self.browser.events if event.get("method") == "Network.requestWillBeSent"]
         complaints += [url for url in asked if not url.startswith("file:")]
         if complaints:

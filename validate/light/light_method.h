@@ -66,11 +66,11 @@ struct LightMethod {
   std::string weights;  // the method's name
   std::string light;    // "point": gathered where the probe stands; "solved"; "own": in the method's own form
   std::function<LightAnswer(const glm::dvec3& position_m, const glm::vec3& normal)> irradiance_at;
-  const Weighting* weighting = nullptr;               // of those that blend probes
-  const std::vector<LightSh>* probe_light = nullptr;  // of those that blend harmonics, by probe
+  const Weighting* weighting = nullptr;  // of those that blend probes
   MethodBytes bytes;
-  size_t probes = 0;                      // that bytes are stored of
-  double weights_s = 0.0, light_s = 0.0;  // of its bake, by the clock
+  size_t probes = 0;                                  // that bytes are stored of
+  double weights_s = 0.0, light_s = 0.0;              // of its bake, by the clock
+  const std::vector<LightSh>* probe_light = nullptr;  // of those that blend harmonics, by probe
 };
 
 // What a blend of probes that hold spherical harmonics answers. Both must outlive it.

@@ -34,7 +34,9 @@ class Viewer {
     this.methods = new Methods(scene);
     this.level = new Level(scene);
     this.marks = new Marks(this.level.root);
-    this.camera = new THREE.PerspectiveCamera(60, 1, 0.03, 2000);
+    // near enough for views that were chosen millimetres before a wall
+    const reach = 2 * this.level.bounds.getSize(new THREE.Vector3()).length();
+    this.camera = new THREE.PerspectiveCamera(60, 1, 0.004, Math.max(10, reach));
     this.movement = new Movement(this.camera, canvas, this.level.geometry, this.level.bounds);
     this.movement.onChange = () => this.wake();
     this.truth = [null, null];
@@ -59,12 +61,12 @@ class Viewer {
     $('divider').value = asked.has('divider') ? 100 * Number(asked.get('divider')) : 50;
     if (asked.has('exposure')) this.exposure = Number(asked.get('exposure'));
     if (asked.get('ui') === '0') document.body.classList.add('bare');
-    if (asked.has('show')) await this.show(asked.get('show'));
     for (const mark of ['probes', 'cells', 'ball', 'figure']) {
       if (asked.get(mark) === '1') $(mark).checked = true;
     }
     await this.toggle();
     await this.goTo(Number(asked.get('place') ?? 0));
+    if (asked.has('show')) await this.show(asked.get('show'));
     this.resize();
     new ResizeObserver(() => this.resize()).observe($('canvas'));
     this.draw();
