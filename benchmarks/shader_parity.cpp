@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -92,9 +91,10 @@ void compare(const ComputeDevice& device, const std::string& path) {
   const Difference given = differenceOf(lightAt(grid, places), shader);
   for (PositionM& position_m : places.positions_m) position_m = asShaded(grid.tree.frame(), position_m);
   const Difference same = differenceOf(lightAt(grid, places), shader);
-  std::printf("| %s | %zu | %zu | %d | %d | %.1e | %d | %d | %.1e |\n", std::filesystem::path(path).stem().c_str(),
-              grid.tree.probeCount(), packed.words.size() * sizeof(uint32_t), given.other_status, given.differing, given.largest,
-              same.other_status, same.differing, same.largest);
+  std::printf("| %s | %zu | %zu | %d | %d | %.1e | %d | %d | %.1e |\n",
+              metadata.contains("scene") ? metadata.at("scene").c_str() : path.c_str(), grid.tree.probeCount(),
+              packed.words.size() * sizeof(uint32_t), given.other_status, given.differing, given.largest, same.other_status,
+              same.differing, same.largest);
 }
 
 }  // namespace
@@ -106,7 +106,8 @@ int main(int argc, char** argv) try {
   if (!device) throw std::runtime_error("no Vulkan device, not even a software one (Debian: mesa-vulkan-drivers)");
   std::printf("On %s, %zu places a grid.\n\n", device->name().c_str(), nlg::kPlaces);
   std::printf(
-      "| grid | probes | bytes | other status | numbers that differ | largest | same place: other status | differ | largest |\n");
+      "| scene | probes | bytes | other status | numbers that differ | largest | same place: other status | differ | largest "
+      "|\n");
   std::printf("|---|---|---|---|---|---|---|---|---|\n");
   for (int i = 1; i < argc; ++i) nlg::compare(*device, argv[i]);
 } catch (const std::exception& error) {

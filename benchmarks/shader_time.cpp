@@ -14,7 +14,6 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -92,8 +91,9 @@ Places patches(const LightGrid& grid) {
     normal[facing] = 1.0f;
     for (int i = 0; i < kPatchEdge * kPatchEdge; ++i) {
       PositionM at = low;
+      const int row = i / kPatchEdge;
       at[(facing + 1) % 3] += step_m * (i % kPatchEdge);
-      at[(facing + 2) % 3] += step_m * (i / kPatchEdge);
+      at[(facing + 2) % 3] += step_m * row;
       places.positions_m.push_back(asFloats(at));
       places.normals.push_back(normal);
     }
@@ -141,10 +141,8 @@ class Timer {
     std::printf("| | time, of that of bare tents | quartiles |\n|---|---|---|\n");
     for (Run& run : runs_) {
       std::sort(run.ratios.begin(), run.ratios.end());
-      const auto at = [&](double share) {
-        return run.ratios[static_cast<size_t>(share * static_cast<double>(run.ratios.size() - 1) + 0.5)];
-      };
-      std::printf("| %s | %.2f | %.2f … %.2f |\n", run.name.c_str(), at(0.5), at(0.25), at(0.75));
+      const auto quartile = [&](size_t quarter) { return run.ratios[(run.ratios.size() - 1) * quarter / 4]; };
+      std::printf("| %s | %.2f | %.2f … %.2f |\n", run.name.c_str(), quartile(2), quartile(1), quartile(3));
     }
   }
 
@@ -152,7 +150,7 @@ class Timer {
   using Binding = ComputeDevice::Binding;
   struct Run {
     std::string name;
-    std::unique_ptr<ComputeDevice::Buffer> input;  // the grid's words, or places in the box
+    ComputeDevice::Buffer input;  // the grid's words, or places in the box
     ComputeDevice::Pass pass;
     std::vector<double> ratios;
   };
@@ -167,9 +165,9 @@ class Timer {
   }
 
   void addLookUp(const std::string& name, const std::string& spirv, const LightGrid& grid) {
-    Run run{name, std::make_unique<ComputeDevice::Buffer>(device_.makeBuffer(pack(grid).words)), {}, {}};
+    Run run{name, device_.makeBuffer(pack(grid).words), {}, {}};
     run.pass =
-        device_.makePass(spirvPath(spirv), {Binding::storage(*run.input), Binding::storage(places_), Binding::storage(lights_)});
+        device_.makePass(spirvPath(spirv), {Binding::storage(run.input), Binding::storage(places_), Binding::storage(lights_)});
     runs_.push_back(std::move(run));
   }
 
@@ -187,9 +185,9 @@ class Timer {
         shares[8 * i + axis] = std::bit_cast<uint32_t>(static_cast<float>(share));
       }
     }
-    Run run{"a resampled texture", std::make_unique<ComputeDevice::Buffer>(device_.makeBuffer(shares)), {}, {}};
+    Run run{"a resampled texture", device_.makeBuffer(shares), {}, {}};
     run.pass = device_.makePass(spirvPath("resampled"),
-                                {Binding::sampled(texture_), Binding::storage(*run.input), Binding::storage(lights_)});
+                                {Binding::sampled(texture_), Binding::storage(run.input), Binding::storage(lights_)});
     runs_.push_back(std::move(run));
   }
 

@@ -241,7 +241,7 @@ class Packer {
 
   WeightsResult addRecords(ShaderGrid* result) {
     PackedLight light;
-    const WeightsResult packed = packLight(LightForm::sh2_8bit, grid_.light, &light);
+    WeightsResult packed = packLight(LightForm::sh2_8bit, grid_.light, &light);
     if (!packed.ok()) return packed;
     scale_ = light.scale;
     size_t end = words_.size();

@@ -46,8 +46,8 @@ inline LightGrid randomGrid(ProbeTree tree, uint64_t seed) {
   LightGrid grid;
   grid.tree = std::move(tree);
   for (const Representation& representation : kGridRepresentations) grid.representations.push_back(representation);
-  for (uint8_t i = 0; i < 2 * grid.representations.size(); ++i) {
-    const uint8_t representation = i % static_cast<uint8_t>(grid.representations.size());
+  for (size_t i = 0; i < 2 * grid.representations.size(); ++i) {
+    const auto representation = static_cast<uint8_t>(i % grid.representations.size());
     grid.addFunction(representation, randomTheta(grid.representations[representation], mixSeed(seed, i)).data());
   }
   const auto functions = static_cast<uint32_t>(grid.functionCount());

@@ -38,6 +38,7 @@ inline CellJudge pointsJudge(uint64_t seed, const std::array<int32_t, 3>& root_c
   };
   LatticePoint low, high;
   std::vector<LatticePoint> points;
+  points.reserve(3);
   for (int axis = 0; axis < 3; ++axis) {
     low[axis] = coordinate(axis), high[axis] = coordinate(axis);
     if (low[axis] > high[axis]) std::swap(low[axis], high[axis]);

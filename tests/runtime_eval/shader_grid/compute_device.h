@@ -194,9 +194,11 @@ class ComputeDevice {
   std::vector<uint32_t> run(const std::string& spirv_path, const std::vector<const std::vector<uint32_t>*>& inputs,
                             size_t output_words, uint32_t groups) const {
     std::vector<Buffer> buffers;
+    buffers.reserve(inputs.size() + 1);
     for (const std::vector<uint32_t>* input : inputs) buffers.push_back(makeBuffer(*input));
     buffers.push_back(makeBuffer(output_words));
     std::vector<Binding> bindings;
+    bindings.reserve(buffers.size());
     for (const Buffer& buffer : buffers) bindings.push_back(Binding::storage(buffer));
     run(makePass(spirv_path, bindings), {groups, 1, 1});
     return buffers.back().words();

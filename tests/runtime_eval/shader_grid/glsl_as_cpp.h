@@ -14,7 +14,7 @@ inline const ShaderGrid* shader_grid = nullptr;
 inline int reads = 0;  // bytes, since it was set to 0; the head is not counted
 
 inline uvec4 fourAt(int i) {
-  const uint32_t* words = &shader_grid->words.at(static_cast<size_t>(4 * i + 3)) - 3;
+  const uint32_t* words = &shader_grid->words.at(4 * static_cast<size_t>(i) + 3) - 3;
   return {words[0], words[1], words[2], words[3]};
 }
 inline uvec4 nlgHeader(int i) {
