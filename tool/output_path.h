@@ -11,4 +11,8 @@ namespace nlg {
 // throws        UsageError naming --out when it is empty or the same file as one of the inputs
 void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs);
 
+// Whether files can be written into a folder, before a long run begins: it is one that may be written to, or can be made.
+// throws        UsageError naming --out when it is empty; OutputError with the system's reason
+void requireOutputFolder(const std::string& out);
+
 }  // namespace nlg

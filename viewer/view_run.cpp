@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <iostream>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -22,7 +20,7 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/output_path.h"
-#include "tool/parallel_for.h"
+#include "tool/progress.h"
 #include "tool/provenance.h"
 #include "validate/light/light_figures.h"
 #include "viewer/method_scripts.h"
@@ -95,7 +93,9 @@ class ViewFolder {
   }
 
   Json write() {
-    // the page last: it is there when all that it reads is
+    // the page last: it is there when all that it reads is, and one of an earlier run goes first
+    std::error_code gone;
+    fs::remove(fs::path(request_.out) / "index.html", gone);
     const std::vector<View> views = truthViews(scene_.transport(), request_, options_.seed);
     DataScript script("scene");
     addGeometry(&script);
@@ -106,7 +106,9 @@ class ViewFolder {
     script.facts["light"] = scene_.lightNotes();
     script.facts["exposure"] = exposureOf(views);
     script.facts["views"] = Json::array();
+    Progress views_done("views", static_cast<int64_t>(views.size()));
     for (size_t v = 0; v < views.size(); ++v) {
+      views_done.update(static_cast<int64_t>(v));
       script.facts["views"].push_back(cameraJson(views[v].name, views[v].camera));
       write(truthScript(v, views[v].camera));
     }
@@ -321,6 +323,7 @@ void describe(ViewRequest& r, CLI::App& app) {
 }
 
 Json makeView(ViewRequest request, BakeOptions options) {
+  requireOutputFolder(request.out);
   if (request.rivals == std::vector<std::string>{"none"}) request.rivals.clear();
   for (const std::string& name : request.rivals) {
     if (std::find(kShownRivals.begin(), kShownRivals.end(), name) == kShownRivals.end())

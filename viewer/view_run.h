@@ -23,7 +23,7 @@ struct ViewRequest {
   std::vector<std::string> weights;  // without a grid: to bake one
   std::vector<std::string> rivals = {"valid-trilinear", "ddgi", "quake-grid"};
   bool rivals_are_given = false;  // false: what a scene does not have is left out
-  int truth_views = 5;
+  int truth_views = 3;
   int truth_width = 640;  // pixels of such a view; its height is 9/16 of it
   int truth_rays = 64;    // of a pixel
   int places = 800;       // where methods are compared with truth

@@ -118,6 +118,7 @@ TOOLS = {
     "nlg-bake": (["house:1", "--weights", "weights.safetensors"], ["bad_grid.safetensors"]),
     "nlg-validate": (["--weights", "weights.safetensors", "--held-out", "held_out.h5"], ["bad_validation"]),
     "nlg-render": (["house:1", "--width", "16", "--height", "16", "--truth-rays", "8"], ["bad.png"]),
+    "nlg-view": (["house:1", "--weights", "weights.safetensors", "--truth-views", "1", "--truth-width", "16"], ["bad_view"]),
 }
 
 
@@ -141,6 +142,7 @@ def check_command_lines():
         "nlg-validate": [("--tau-rmse", "2"), ("--direct-functions", "0"), ("--threads", "1.5")],
         "nlg-render": [("--method", "magic"), ("--panel", "truth,magic"), ("--show", "smell"), ("--width", "0"), ("--samples", "-1"), ("--exposure", "nan"),
                        ("--eye", "1,2"), ("--eye", "1,2,x"), ("--camera", "none such"), ("--slice-y", "1e6")],
+        "nlg-view": [("--rivals", "magic"), ("--rivals", "none,ddgi"), ("--truth-views", "0"), ("--truth-width", "1"), ("--truth-rays", "many"), ("--places", "-1")],
     }
     for tool in TOOLS:
         arguments, outputs = arguments_of(tool)
@@ -484,6 +486,18 @@ def check_renders():
         refuses(USAGE_ERROR, [place], ["bad.png"], "nlg-render", "house:1", *arguments, "--out", "bad.png")
 
 
+def check_views():
+    """What only nlg-view is given: light grids, rivals that a scene does not have, folders that are none."""
+    for bad in ["missing.safetensors", "folder", "weights.safetensors", "basis.h5"]:
+        refuses(INPUT_ERROR, [bad], ["bad_view"], "nlg-view", "house:1", "--grid", bad, "--out", "bad_view")
+    arguments, outputs = arguments_of("nlg-view")
+    refuses(USAGE_ERROR, ["--rivals", "quake-grid"], outputs, "nlg-view", *arguments, "--rivals", "quake-grid")
+    refuses(USAGE_ERROR, ["--light"], outputs, "nlg-view", *arguments, "--light", "none")
+    write("file", "")
+    refuses(OUTPUT_ERROR, ["file"], [], "nlg-view", *arguments[:-1], "file")
+    refuses(USAGE_ERROR, ["--out"], [], "nlg-view", *arguments[:-1], "")
+
+
 def check_weights_used_by():
     """nlg-export used-by: no bake, damaged ones, weights that are none or that the bake was not given."""
     must("nlg-bake", "house:1", "--weights", "weights.safetensors", "--config", "good.yaml", "--out", "grid.safetensors")
@@ -682,6 +696,7 @@ def main():
         check_shards()
         check_bakes()
         check_renders()
+    check_views()
         check_weights_used_by()
         check_shader()
         check_engine()

@@ -1,10 +1,6 @@
 #include "validate/light/light_command.h"
 
-#include <unistd.h>
-#include <CLI/CLI.hpp>
-
 #include <cctype>
-#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -70,15 +66,6 @@ GeneratorSets loadSets(const std::vector<std::string>& weights, std::map<std::st
     sets.emplace_back(name, std::move(generators));
   }
   return sets;
-}
-
-// Made now: a folder that cannot be written to is said before minutes of measuring.
-void makePictureFolder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!error && !std::filesystem::is_directory(folder)) error = std::make_error_code(std::errc::not_a_directory);
-  if (!error && access(folder.c_str(), W_OK | X_OK) != 0) error = std::error_code(errno, std::generic_category());
-  if (error) throw OutputError(folder, error.message());
 }
 
 // "pf3 or pf5" as a part of a file's name: pf3-or-pf5.
@@ -235,7 +222,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
     for (const std::string& path : splitAtCommas(listed)) inputs.push_back(path);
   }
   refuseToReplaceInputs(request.out, inputs);
-  if (!request.pictures.empty()) makePictureFolder(request.pictures);
+  if (!request.pictures.empty()) requireOutputFolder(request.pictures);
   std::map<std::string, std::string> hashes;
   const GeneratorSets sets = loadSets(request.weights, &hashes);
   if (request.spacings_m.empty()) request.spacings_m = {options.spacing_m};

@@ -114,10 +114,11 @@ class Viewer {
     this.wake();
   }
 
-  // The probe nearest to the middle of the picture.
+  // The probe nearest to what stands in the middle of the picture.
   async chooseProbe() {
     const ray = new THREE.Ray(this.camera.position.clone(), this.camera.getWorldDirection(new THREE.Vector3()));
-    const probe = await this.busy(this.marks.nearestTo(ray));
+    const hit = this.movement.walls.rayIntersect(ray);
+    const probe = await this.busy(this.marks.nearestTo(hit ? hit.position : ray.at(2, new THREE.Vector3())));
     if (probe < 0) return;
     this.chosen = probe;
     this.marks.choose(probe);
@@ -311,6 +312,11 @@ class Viewer {
     const place = () => {
       handle.style.left = `${100 * this.divider}%`;
       handle.hidden = this.shown === 'difference';
+      $('leftTitle').style.right = `calc(${100 * (1 - this.divider)}% + 20px)`;
+      $('rightTitle').style.left = `calc(${100 * this.divider}% + 20px)`;
+      // a side that is not there needs no name
+      $('leftTitle').hidden = this.divider < 0.05;
+      $('rightTitle').hidden = this.divider > 0.95;
       $('leftTitle').textContent = this.methods.titleOf(this.left);
       $('rightTitle').textContent = this.methods.titleOf(this.right);
     };

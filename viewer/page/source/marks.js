@@ -13,12 +13,12 @@ export const KINDS = [
 ];
 const PROBE_M = 0.06, PROBE_REACH_M = 14, CELL_REACH_M = 7;
 
-function markMaterial(reach_m, opacity) {
+function markMaterial(reach_m, opacity, isSmall) {
   return new THREE.RawShaderMaterial({
     glslVersion: THREE.GLSL3,
     vertexShader: markVertex,
     fragmentShader: markFragment,
-    uniforms: { reach_m: { value: reach_m }, opacity: { value: opacity } },
+    uniforms: { reach_m: { value: reach_m }, opacity: { value: opacity }, is_small: { value: isSmall } },
   });
 }
 
@@ -51,12 +51,12 @@ export class Marks {
         marks[4 * i + 3] = PROBE_M;
         tints.set(KINDS[this.data.kinds[i]].colour, 3 * i);
       }
-      this.probeMarks = instanced(new THREE.OctahedronGeometry(1, 1), marks, tints, markMaterial(PROBE_REACH_M, 1),
+      this.probeMarks = instanced(new THREE.OctahedronGeometry(1, 1), marks, tints, markMaterial(PROBE_REACH_M, 1, true),
         (geometry, material) => new THREE.Mesh(geometry, material));
       const cells = this.data.cells.length / 4;
       const corners = new Float32Array(this.data.cells);
       const unit = new THREE.EdgesGeometry(new THREE.BoxGeometry(1, 1, 1).translate(0.5, 0.5, 0.5));
-      this.cellMarks = instanced(unit, corners, new Float32Array(3 * cells).fill(0.8), markMaterial(CELL_REACH_M, 0.8),
+      this.cellMarks = instanced(unit, corners, new Float32Array(3 * cells).fill(0.8), markMaterial(CELL_REACH_M, 0.8, false),
         (geometry, material) => new THREE.LineSegments(geometry, material));
       this.probeMarks.visible = this.cellMarks.visible = false;
       this.root.add(this.probeMarks, this.cellMarks);
@@ -64,19 +64,14 @@ export class Marks {
     return this.data;
   }
 
-  // The probe nearest to a ray, among those within 20 m before the camera; none: -1.
-  async nearestTo(ray) {
-    const { positions, kinds } = await this.probes();
-    const way = new THREE.Vector3(), best = { probe: -1, angle: Infinity };
-    for (let i = 0; i < kinds.length; ++i) {
-      way.fromArray(positions, 3 * i).sub(ray.origin);
-      const distance = way.length();
-      if (distance > 20 || distance < 0.2) continue;
-      const along = way.dot(ray.direction) / distance;
-      if (along <= 0.9) continue;
-      // a near one before a far one behind it
-      const angle = Math.acos(Math.min(1, along)) + 0.002 * distance;
-      if (angle < best.angle) Object.assign(best, { probe: i, angle });
+  // The probe nearest to a place, among those that have weight somewhere; none: -1.
+  async nearestTo(place) {
+    const { positions, records } = await this.probes();
+    const best = { probe: -1, distance: Infinity };
+    for (let i = 0; i < records.length; ++i) {
+      if (records[i] === 0) continue;
+      const distance = Math.hypot(positions[3 * i] - place.x, positions[3 * i + 1] - place.y, positions[3 * i + 2] - place.z);
+      if (distance < best.distance) Object.assign(best, { probe: i, distance });
     }
     return best.probe;
   }
@@ -84,7 +79,7 @@ export class Marks {
   choose(probe) {
     if (this.ring) this.root.remove(this.ring);
     this.ring = instanced(new THREE.OctahedronGeometry(1, 2), new Float32Array([...this.data.positions.subarray(3 * probe, 3 * probe + 3), 2 * PROBE_M]),
-      new Float32Array([1, 1, 1]), markMaterial(100, 1), (geometry, material) => new THREE.Mesh(geometry, material));
+      new Float32Array([1, 1, 1]), markMaterial(100, 1, false), (geometry, material) => new THREE.Mesh(geometry, material));
     this.root.add(this.ring);
   }
 
