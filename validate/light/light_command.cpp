@@ -1,5 +1,6 @@
 #include "validate/light/light_command.h"
 
+#include <CLI/CLI.hpp>
 #include <cctype>
 #include <chrono>
 #include <filesystem>
