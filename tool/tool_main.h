@@ -1,4 +1,4 @@
-// What the six command-line tools share: flags that all of them have, and the one place where errors are caught.
+// What the command-line tools share: flags that all of them have, and the one place where errors are caught.
 #pragma once
 
 #include <functional>

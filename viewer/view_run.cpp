@@ -90,6 +90,11 @@ class ViewFolder {
     const glm::dvec3& origin_m = scene_.scene().origin_m;
     grid_.tree.moveBy({-origin_m.x, -origin_m.y, -origin_m.z});
     said_ = {{"schema_version", 1}, {"scene", scene_.id()}, {"out", request.out}};
+    const bool has_quake_grid = !scene_.scene().light.quake_grid.cells.empty();
+    for (const std::string& name : request.rivals) {
+      if (name == "quake-grid" && !has_quake_grid && !request.rivals_are_given) continue;
+      rivals_.emplace_back(name, &scene_.rival(name));
+    }
   }
 
   Json write() {
@@ -263,11 +268,8 @@ class ViewFolder {
       entry["error"] = worst.error;
       script->facts["worst"].push_back(entry);
     }
-    for (const std::string& name : request_.rivals) {
-      if (!request_.rivals_are_given && name == "quake-grid" && scene_.scene().light.quake_grid.cells.empty()) continue;
-      const LightMethod& rival = scene_.rival(name);
-      add(name, titleOf(name), rivalScript(name, rival), rival.bytes.total(), rival.probes);
-    }
+    for (const auto& [name, rival] : rivals_)
+      add(name, titleOf(name), rivalScript(name, *rival), rival->bytes.total(), rival->probes);
   }
 
   static std::string titleOf(const std::string& name) {
@@ -291,6 +293,7 @@ class ViewFolder {
   const BakeOptions& options_;
   const RenderedScene scene_;
   LightGrid grid_;  // in the scene's coordinates
+  std::vector<std::pair<std::string, const LightMethod*>> rivals_;
   Json said_;
 };
 

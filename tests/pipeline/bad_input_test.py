@@ -696,7 +696,7 @@ def main():
         check_shards()
         check_bakes()
         check_renders()
-    check_views()
+        check_views()
         check_weights_used_by()
         check_shader()
         check_engine()
