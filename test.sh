@@ -50,7 +50,7 @@ if [ "$what" = tidy ]; then
 fi
 
 # for one test each, which says that it was skipped where this fails
-for package in onnxruntime naga ktx-parse; do workflow/install_from_npm.sh $package build/$package || true; done
+for package in onnxruntime naga ktx-parse three; do workflow/install_from_npm.sh $package build/$package || true; done
 if [ "$what" = release ]; then
   build
 else

@@ -6,6 +6,7 @@
 #   onnxruntime   one test compares exported models with it; nothing else needs it
 #   naga          makes WGSL of shaders (export/shader/wgsl.mjs); WebGPU needs it, nothing else
 #   ktx-parse     one test reads exported KTX2 files with it; nothing else needs it
+#   three         one test shows exported light in it, in the version of nlg-view's page; nothing else needs it
 #
 # Needs Node.js with npm, and asks Debian for them. Says why in one line and exits with 1 where it cannot be had.
 set -euo pipefail
@@ -14,7 +15,8 @@ case $what in
   onnxruntime) package=onnxruntime-node version=1.17.3 ;;
   naga) package=naga-wasm version=30.1.0 ;;
   ktx-parse) package=ktx-parse version=2.0.0 ;;
-  *) echo "install_from_npm.sh ${what:-without a name}: expected onnxruntime, naga or ktx-parse, and a folder" >&2; exit 2 ;;
+  three) package=three version=$(sed -n 's/.*"three": "\(.*\)".*/\1/p' "$(dirname "$0")/../viewer/page/package.json") ;;
+  *) echo "install_from_npm.sh ${what:-without a name}: expected onnxruntime, naga, ktx-parse or three, and a folder" >&2; exit 2 ;;
 esac
 [ -n "$folder" ] || { echo "install_from_npm.sh $what: expected a folder" >&2; exit 2; }
 # there already, and of this version

@@ -1,14 +1,17 @@
 #include "export/engine/engine_export.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
 #include "export/engine/c_header.h"
 #include "export/engine/light_place.h"
 #include "export/engine/resampling_error.h"
+#include "export/engine/three_per_pixel.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
@@ -18,7 +21,21 @@
 namespace nlg {
 namespace {
 
-const std::string kPlace = "light.json", kCHeader = "c-header";
+const std::string kPlace = "light.json";
+
+// Formats that hold the grid itself, grid.bin, and no texture.
+struct GridFormat {
+  const char* name;
+  WeightsResult (*write)(const LightGrid& grid, std::vector<EngineFile>* files);
+};
+
+constexpr GridFormat kGridFormats[] = {{"three-per-pixel", threePerPixelFiles}, {"c-header", cHeaderFiles}};
+
+const GridFormat* findGridFormat(const std::string& name) {
+  const auto* found = std::find_if(std::begin(kGridFormats), std::end(kGridFormats),
+                                   [&](const GridFormat& format) { return format.name == name; });
+  return found == std::end(kGridFormats) ? nullptr : found;
+}
 
 struct EngineRequest {
   std::string grid, format, out;
@@ -32,7 +49,7 @@ struct EngineOptions {
 std::string formatNames() {
   std::string names;
   for (const EngineFormat& format : engineFormats()) names += std::string(format.name) + ", ";
-  return names + "or " + kCHeader;
+  return names + kGridFormats[0].name + ", or " + kGridFormats[1].name;
 }
 
 LightGrid readGrid(const std::string& path, GridMetadata* metadata) {
@@ -84,9 +101,10 @@ nlohmann::ordered_json errorJson(const std::optional<ResamplingError>& error) {
           {"axes_p95", error->axes_p95}};
 }
 
-void runCHeader(const LightGrid& grid, const EngineRequest& request, const EngineOptions& options, nlohmann::ordered_json line) {
+void writeGrid(const LightGrid& grid, const GridFormat& format, const EngineRequest& request, const EngineOptions& options,
+               nlohmann::ordered_json line) {
   std::vector<EngineFile> files;
-  const WeightsResult result = cHeaderFiles(grid, &files);
+  const WeightsResult result = format.write(grid, &files);
   if (!result.ok())
     throw InputError(request.grid, weightsStatusName(result.status), "a grid that shaders can show", result.detail);
   line["bytes"] = bytesOf(files);
@@ -97,14 +115,15 @@ void runCHeader(const LightGrid& grid, const EngineRequest& request, const Engin
 
 void run(const EngineRequest& request, const EngineOptions& options, const OptionTable& table) {
   const EngineFormat* format = findEngineFormat(request.format);
-  if (format == nullptr && request.format != kCHeader) throw UsageError("--format", formatNames(), "'" + request.format + "'");
-  if (format == nullptr && (!options.volume.extent_m.empty() || options.volume.spacing_m > 0.0))
-    throw UsageError("--format", "one with texels beside extent_m and spacing_m", kCHeader + ", which has none");
+  const GridFormat* grid_format = findGridFormat(request.format);
+  if (format == nullptr && grid_format == nullptr) throw UsageError("--format", formatNames(), "'" + request.format + "'");
+  if (grid_format != nullptr && (!options.volume.extent_m.empty() || options.volume.spacing_m > 0.0))
+    throw UsageError("--format", "one with texels beside extent_m and spacing_m", request.format + ", which has none");
   if (request.out.empty()) throw UsageError("--out", "the name of a folder", "an empty text");
   GridMetadata metadata;
   const LightGrid grid = readGrid(request.grid, &metadata);
   nlohmann::ordered_json line = {{"scene", metadata.contains("scene") ? metadata["scene"] : ""}, {"format", request.format}};
-  if (format == nullptr) return runCHeader(grid, request, options, std::move(line));
+  if (grid_format != nullptr) return writeGrid(grid, *grid_format, request, options, std::move(line));
 
   const LightVolume volume = readVolume(grid, request, options, *format);
   nlohmann::ordered_json place = placeJson(volume.box, format->texture_size(volume.box.texel_count));

@@ -173,7 +173,7 @@ def refuses(exit_code, names, *arguments):
 
 def check_refusals():
     good = ["--grid", "grid.safetensors", "--format", "three", "--out", "bad"]
-    refuses(USAGE_ERROR, ["three, bevy, godot, ktx2-sh, dds-sh, or c-header", "unity"], "--grid", "grid.safetensors", "--format", "unity", "--out", "bad")
+    refuses(USAGE_ERROR, ["three, bevy, godot, ktx2-sh, dds-sh, three-per-pixel, or c-header", "unity"], "--grid", "grid.safetensors", "--format", "unity", "--out", "bad")
     refuses(USAGE_ERROR, ["--out"], "--grid", "grid.safetensors", "--format", "three", "--out", "")
     refuses(USAGE_ERROR, ["--format"], "--grid", "grid.safetensors", "--out", "bad")
     refuses(INPUT_ERROR, ["missing.safetensors"], "--grid", "missing.safetensors", "--format", "three", "--out", "bad")

@@ -1,0 +1,263 @@
+#!/usr/bin/python3
+"""Exported light in three.js, in a browser: the guide's own lines draw patches at many places, and their light is compared.
+
+    three_test.py BUILD_FOLDER THREE_CASES
+
+LightProbeGrid (WebGPU) and LightProbeGridWebGL have to show what readThree says of the same files, but for the bits of a linear filter's
+weights; ours, looked up per pixel, is to be within 1e-3 of lookUpIrradiance, or of the mean irradiance where that is larger. Exit code 77, a
+skipped test, where there is no browser, no three.js, or none of what makes WGSL.
+"""
+import functools
+import http.server
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+
+sys.dont_write_bytecode = True
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.join(HERE, "..", "..", "..")
+sys.path.append(os.path.join(ROOT, "tests"))
+from browser import BROWSERS, Browser, find_browser
+
+SKIPPED = 77
+PLACES = 512
+OFFSET_M = 0.02  # of both modules
+PER_PIXEL_BOUND = 1e-3
+ORIGIN = [2, -1, 4]  # of the level, in the pages that move it
+# without a graphics card by SwiftShader, which comes with Chromium
+OPTIONS = ["--enable-unsafe-swiftshader", "--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]
+OF_THE_BROWSER = "GPU stall due to ReadPixels"
+IMPORTS = {"three": "/three/build/three.module.js", "three/webgpu": "/three/build/three.webgpu.js", "three/tsl": "/three/build/three.tsl.js",
+           "three/addons/": "/three/examples/jsm/"}
+RENDERERS = {"webgl": "const renderer = new THREE.WebGLRenderer();", "webgpu": "const renderer = new THREE.WebGPURenderer();\nawait renderer.init();"}
+# what else is tried where a hook was put into materials
+HOOKS = """
+const refused = [];
+const attempt = (what) => { try { what(); } catch (error) { refused.push(error.message); } };
+const other = new NeuralLightGrid(kWords, kLookUp);
+attempt(() => other.applyTo(patches.objects[1].material));
+attempt(() => new NeuralLightGrid(kWords, kLookUp.replace('NLG_CLASS_COUNT', 'NLG_OTHER')));
+const basic = new THREE.Mesh(new THREE.PlaneGeometry(), new THREE.MeshBasicMaterial({name: 'plain'}));
+basic.frustumCulled = false;
+grid.applyTo([basic.material]);
+attempt(() => renderer.render(new THREE.Scene().add(basic), new THREE.PerspectiveCamera()));
+grid.removeFrom(basic.material);
+renderer.render(new THREE.Scene().add(basic), new THREE.PerspectiveCamera());
+
+// a sun and a wall that shades half of the level
+const extent = new THREE.Box3().setFromPoints(kPlaces.map((place) => new THREE.Vector3(...place.position).add(grid.position)));
+const centre = extent.getCenter(new THREE.Vector3()), radius = extent.getSize(new THREE.Vector3()).length();
+const sun = new THREE.DirectionalLight(0xffffff, 2);
+sun.position.copy(centre).addScaledVector(new THREE.Vector3(...kToSun), 2 * radius);
+sun.target.position.copy(centre);
+sun.castShadow = true;
+Object.assign(sun.shadow.camera, {left: -radius, right: radius, top: radius, bottom: -radius, near: 0.1, far: 4 * radius});
+const wall = new THREE.Mesh(new THREE.PlaneGeometry(2 * radius, 4 * radius).translate(radius, 0, 0), new THREE.MeshBasicMaterial({side: THREE.DoubleSide}));
+wall.position.copy(centre).addScaledVector(new THREE.Vector3(...kToSun), radius);
+wall.lookAt(sun.position);
+wall.castShadow = true;
+scene.add(sun, sun.target, wall);
+for (const root of patches.objects) root.traverse((object) => (object.receiveShadow = true));
+Object.assign(renderer.shadowMap, {enabled: true, autoUpdate: false, needsUpdate: true});
+const both = await patches.draw(renderer, scene);
+grid.intensity = 0;
+const direct = await patches.draw(renderer, scene);
+scene.remove(sun, wall);
+grid.intensity = 1;
+grid.dispose();
+const disposed = await patches.draw(renderer, scene);
+Object.assign(answer, {refused, both, direct, disposed});
+"""
+TO_SUN = [0.36, 0.8, 0.48]
+
+
+def run(*command):
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(command)}: {done.stderr}")
+    return done.stdout
+
+
+def guide_lines():
+    """The JavaScript of the guide, by the module that it imports."""
+    with open(os.path.join(ROOT, "docs", "guide", "engines.md"), encoding="utf-8") as file:
+        blocks = re.findall(r"```js\n(.*?)```", file.read(), flags=re.DOTALL)
+    found = {module: [block for block in blocks if f"/{module}'" in block] for module in ("LightProbeGrid.js", "three_light_grid.js", "three_light_grid_webgpu.js")}
+    for module, of_module in found.items():
+        if len(of_module) != 1:
+            sys.exit(f"the guide has {len(of_module)} blocks of lines that import {module}")
+    return {module: of_module[0] for module, of_module in found.items()}
+
+
+def pages():
+    """What is drawn: renderer, lines of the guide, key of what is expected, what else is tried."""
+    lines = guide_lines()
+    resampled = lines["LightProbeGrid.js"]
+    of_webgl = resampled.replace("three/webgpu", "three").replace("LightProbeGrid", "LightProbeGridWebGL")
+    return {
+        "LightProbeGridWebGL": ("webgl", of_webgl, "resampled", ""),
+        "LightProbeGrid": ("webgpu", resampled, "resampled", ""),
+        "per_pixel_webgl": ("webgl", lines["three_light_grid.js"], "per_pixel", HOOKS),
+        "per_pixel_webgpu": ("webgpu", lines["three_light_grid_webgpu.js"], "per_pixel", ""),
+    }
+
+
+def script(renderer, lines, expected, more):
+    origin = ORIGIN if expected == "per_pixel" else [0, 0, 0]
+    moved = f"grid.position.set({origin[0]}, {origin[1]}, {origin[2]});" if expected == "per_pixel" else ""
+    return f"""import {{ Patches }} from '/three_patches.js';
+const patches = new Patches(THREE, {{origin: {origin}}});
+const scene = new THREE.Scene();
+scene.add(...patches.objects);
+{lines}
+{moved}
+{RENDERERS[renderer]}
+export const answer = {{light: await patches.draw(renderer, scene)}};
+{more}
+"""
+
+
+def write_case(folder, grid, tool, cases, naga, three_options):
+    """Both formats of a grid, the places, and the pages; returns the places."""
+    per_pixel = os.path.join(folder, "level_per_pixel")
+    run(tool("nlg-export"), "engine", "--grid", grid, "--format", "three", "--out", folder, "--places", "100", *three_options)
+    run(tool("nlg-export"), "engine", "--grid", grid, "--format", "three-per-pixel", "--out", per_pixel, "--places", "100")
+    run("node", os.path.join(ROOT, "export", "shader", "wgsl.mjs"), naga, os.path.join(per_pixel, "look_up.glsl"), os.path.join(per_pixel, "look_up.wgsl"))
+    places = json.loads(run(cases, "places", grid, folder, repr(OFFSET_M), str(PLACES)))
+    with open(os.path.join(per_pixel, "look_up.glsl"), encoding="utf-8") as file:
+        look_up = file.read()
+    with open(os.path.join(per_pixel, "grid.bin"), "rb") as file:
+        words = file.read()
+    numbers = [int.from_bytes(words[i:i + 4], "little") for i in range(0, len(words), 4)]
+    with open(os.path.join(folder, "page.html"), "w", encoding="utf-8") as file:
+        file.write(f"<!doctype html><meta charset=utf-8><link rel=icon href=data:,><script type=importmap>{json.dumps({'imports': IMPORTS})}</script>"
+                   f"<script>const kPlaces = {json.dumps(places)}, kToSun = {TO_SUN}, kLookUp = {json.dumps(look_up)}, kWords = new Uint32Array({numbers});</script>")
+    for name, page in pages().items():
+        with open(os.path.join(folder, name + ".js"), "w", encoding="utf-8") as file:
+            file.write(script(*page))
+    return places
+
+
+class QuietHandler(http.server.SimpleHTTPRequestHandler):
+    extensions_map = {**http.server.SimpleHTTPRequestHandler.extensions_map, ".js": "text/javascript"}
+
+    def log_message(self, *_):
+        pass
+
+
+def complaints_of(browser):
+    return [event["params"] for event in browser.events
+            if event.get("method") == "Runtime.exceptionThrown" or
+            (event.get("method") == "Runtime.consoleAPICalled" and event["params"]["type"] in ("error", "warning", "assert")) or
+            (event.get("method") == "Log.entryAdded" and event["params"]["entry"]["level"] in ("error", "warning") and
+             OF_THE_BROWSER not in event["params"]["entry"]["text"])]
+
+
+def channels(light):
+    return [light[4 * i:4 * i + 3] for i in range(PLACES)]
+
+
+def failures_of(name, answer, places, expected):
+    light = answer["light"]
+    missing = sum(light[4 * i + 3] != 1 for i in range(PLACES))
+    mean = sum(sum(place[expected]) for place in places) / (3 * PLACES)
+    shares = []  # of what is allowed
+    largest = 0.0
+    for place, rgb in zip(places, channels(light)):
+        for got, right in zip(rgb, place[expected]):
+            bound = place["bound"] if expected == "resampled" else PER_PIXEL_BOUND * max(right, mean)
+            # NaN is no agreement
+            shares.append(abs(got - right) / bound if got == got else float("inf"))
+            largest = max(largest, abs(got - right))
+    lit = sum(max(place[expected]) > 0 for place in places)
+    print(f"{name}: {PLACES} places, {lit} of them lit, mean irradiance {mean:.3g}; off by {largest:.2g} at most, which is {max(shares):.2g} of what is allowed at worst")
+    failures = []
+    if missing:
+        failures.append(f"{name}: {missing} patches were not drawn")
+    if max(shares) > 1:
+        failures.append(f"{name}: {sum(share > 1 for share in shares)} of {len(shares)} numbers are off")
+    if lit < PLACES // 2:
+        failures.append(f"{name}: {lit} places are lit; expected most of them")
+    return failures
+
+
+def failures_of_hooks(name, answer, places):
+    light, both, direct = (channels(answer[key]) for key in ("light", "both", "direct"))
+    failures = []
+    for i, (l, b, d) in enumerate(zip(light, both, direct)):
+        if any(abs(b[c] - l[c] - d[c]) > 1e-5 * max(1, b[c]) for c in range(3)):
+            failures.append(f"{name}: place {i}: {l} by the grid and {d} by the sun are {b} together")
+            break
+    facing = [sum(a * b for a, b in zip(place["normal"], TO_SUN)) for place in places]
+    sunlit = sum(max(rgb) > 0 for rgb in direct)
+    shaded = sum(cosine > 0.1 and max(rgb) == 0 for cosine, rgb in zip(facing, direct))
+    print(f"{name}: the sun lights {sunlit} places, and {shaded} that face it lie in shadow")
+    if sunlit < 50 or shaded < 50:
+        failures.append(f"{name}: the sun lights {sunlit} places and leaves {shaded} in shadow; expected 50 of each")
+    if any(max(rgb) > 0 for rgb in channels(answer["disposed"])):
+        failures.append(f"{name}: a grid that was disposed of gives light")
+    expected = ["MeshPhongMaterial '' has the light of another grid", "grid.bin and look_up.glsl are not of one grid",
+                "MeshBasicMaterial 'plain' is not lit by three.js: no #include <lights_fragment_begin>"]
+    if answer["refused"] != expected:
+        failures.append(f"{name}: refused {answer['refused']}, not {expected}")
+    return failures
+
+
+def why_not(three, naga):
+    """What is missing, or None."""
+    if not find_browser():
+        return f"none of {', '.join(BROWSERS)} is installed"
+    if not shutil.which("node") or not shutil.which("glslangValidator"):
+        return "node or glslangValidator is not installed"
+    for what, folder, package in (("three", three, "three"), ("naga", naga, "naga-wasm")):
+        if not os.path.isdir(os.path.join(folder, "node_modules", package)):
+            return f"{what} is not installed; workflow/install_from_npm.sh {what} {folder} says why not"
+    return None
+
+
+def main():
+    build, cases = (os.path.abspath(path) for path in sys.argv[1:])
+    three, naga = (os.path.join(os.path.dirname(build), what) for what in ("three", "naga"))
+    missing = why_not(three, naga)
+    if missing:
+        print(f"SKIPPED: {missing}")
+        return SKIPPED
+    tool = lambda name: os.path.join(build, "bin", name)
+    failures = []
+    with tempfile.TemporaryDirectory() as folder:
+        os.symlink(os.path.join(three, "node_modules", "three"), os.path.join(folder, "three"))
+        shutil.copy(os.path.join(HERE, "three_patches.js"), folder)
+        cornell, every = (os.path.join(folder, name + ".safetensors") for name in ("cornell", "every_representation"))
+        run(tool("nlg-bake"), "cornell", "--spacing-m", "0.5", "--out", cornell)
+        run(cases, "grid", every)
+        places = {"cornell": write_case(os.path.join(folder, "cornell"), cornell, tool, cases, naga, []),
+                  "every_representation": write_case(os.path.join(folder, "every_representation"), every, tool, cases, naga, ["--spacing-m", "1"])}
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(QuietHandler, directory=folder))
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        browser = Browser(find_browser(), os.path.join(folder, "profile"), OPTIONS)
+        try:
+            for case, of_case in places.items():
+                for name, (_, _, expected, more) in pages().items():
+                    what = f"{case}, {name}"
+                    browser.events.clear()
+                    browser.open(f"http://127.0.0.1:{server.server_address[1]}/{case}/page.html")
+                    answer = browser.value(f"import('./{name}.js').then((module) => module.answer)")
+                    failures += [f"{what}: {json.dumps(complaint)[:2000]}" for complaint in complaints_of(browser)]
+                    failures += failures_of(what, answer, of_case, expected)
+                    if more:
+                        failures += failures_of_hooks(what, answer, of_case)
+        finally:
+            browser.close()
+            server.shutdown()
+    for text in failures:
+        print("FAILED:", text)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
