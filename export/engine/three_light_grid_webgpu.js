@@ -3,7 +3,8 @@
 //     scene.add(await NeuralLightGrid.load('level'));    // a folder with grid.bin and look_up.wgsl
 //
 // Every lit material of the scene has its light from then on: indirect irradiance, beside that of the scene's other lights. look_up.wgsl
-// is made of look_up.glsl by export/shader/wgsl.mjs. The WebGL that WebGPURenderer falls back to reads no WGSL, and is refused.
+// is made of look_up.glsl by export/shader/wgsl.mjs. The WebGL that WebGPURenderer falls back to reads no WGSL:
+// the console says so, and nothing is lit.
 import { AnalyticLightNode, Light, NodeUpdateType, StorageBufferAttribute, Vector3 } from 'three/webgpu';
 import { negateOnBackSide, normalWorld, normalWorldGeometry, positionWorld, renderGroup, storage, uniform, wgsl, wgslFn } from 'three/tsl';
 
@@ -36,7 +37,7 @@ class NeuralLightGridNode extends AnalyticLightNode {
   }
 
   setup(builder) {
-    if (!builder.renderer.backend.isWebGPUBackend) throw new Error('NeuralLightGrid of three_light_grid_webgpu.js: this browser has no WebGPU; use WebGLRenderer and three_light_grid.js');
+    if (!builder.renderer.backend.isWebGPUBackend) throw new Error('three_light_grid_webgpu.js: no WebGPU; use WebGLRenderer and three_light_grid.js');
     // normals by which faces lie, towards the camera: flat ones are so already
     const before = builder.isFlatShading() ? normalWorldGeometry : negateOnBackSide(normalWorldGeometry);
     const place = positionWorld.add(before.mul(this.offset_m)).sub(this.position);

@@ -73,6 +73,25 @@ grid.dispose();
 const disposed = await patches.draw(renderer, scene);
 Object.assign(answer, {refused, both, direct, disposed});
 """
+# what else is tried where the grid is a light of the scene
+LIGHTS = """
+const other = await NeuralLightGrid.load('./level_per_pixel');
+other.position.copy(grid.position);
+other.intensity = 0.5;
+scene.add(other);
+const both = await patches.draw(renderer, scene);
+scene.remove(grid, other);
+grid.dispose();
+other.dispose();
+const disposed = await patches.draw(renderer, scene);
+const webgl = new THREE.WebGPURenderer({forceWebGL: true});
+await webgl.init();
+const refused = [], say = console.error;
+console.error = (text) => refused.push(text.split(' "')[0]);
+webgl.render(new THREE.Scene().add(grid, new THREE.Mesh(new THREE.PlaneGeometry(), new THREE.MeshLambertMaterial())), new THREE.OrthographicCamera());
+console.error = say;
+Object.assign(answer, {refused, both, disposed});
+"""
 TO_SUN = [0.36, 0.8, 0.48]
 
 
@@ -95,15 +114,15 @@ def guide_lines():
 
 
 def pages():
-    """What is drawn: renderer, lines of the guide, key of what is expected, what else is tried."""
+    """What is drawn: renderer, lines of the guide, key of what is expected, what else is tried, and what judges that."""
     lines = guide_lines()
     resampled = lines["LightProbeGrid.js"]
     of_webgl = resampled.replace("three/webgpu", "three").replace("LightProbeGrid", "LightProbeGridWebGL")
     return {
-        "LightProbeGridWebGL": ("webgl", of_webgl, "resampled", ""),
-        "LightProbeGrid": ("webgpu", resampled, "resampled", ""),
-        "per_pixel_webgl": ("webgl", lines["three_light_grid.js"], "per_pixel", HOOKS),
-        "per_pixel_webgpu": ("webgpu", lines["three_light_grid_webgpu.js"], "per_pixel", ""),
+        "LightProbeGridWebGL": ("webgl", of_webgl, "resampled", "", None),
+        "LightProbeGrid": ("webgpu", resampled, "resampled", "", None),
+        "per_pixel_webgl": ("webgl", lines["three_light_grid.js"], "per_pixel", HOOKS, failures_of_hooks),
+        "per_pixel_webgpu": ("webgpu", lines["three_light_grid_webgpu.js"], "per_pixel", LIGHTS, failures_of_lights),
     }
 
 
@@ -139,7 +158,7 @@ def write_case(folder, grid, tool, cases, naga, three_options):
                    f"<script>const kPlaces = {json.dumps(places)}, kToSun = {TO_SUN}, kLookUp = {json.dumps(look_up)}, kWords = new Uint32Array({numbers});</script>")
     for name, page in pages().items():
         with open(os.path.join(folder, name + ".js"), "w", encoding="utf-8") as file:
-            file.write(script(*page))
+            file.write(script(*page[:4]))
     return places
 
 
@@ -199,10 +218,20 @@ def failures_of_hooks(name, answer, places):
     print(f"{name}: the sun lights {sunlit} places, and {shaded} that face it lie in shadow")
     if sunlit < 50 or shaded < 50:
         failures.append(f"{name}: the sun lights {sunlit} places and leaves {shaded} in shadow; expected 50 of each")
+    return failures + failures_of_end(name, answer, ["MeshPhongMaterial '' has the light of another grid", "grid.bin and look_up.glsl are not of one grid",
+                "MeshBasicMaterial 'plain' is not lit by three.js: no #include <lights_fragment_begin>"])
+
+
+def failures_of_lights(name, answer, _):
+    off = sum(abs(b[c] - 1.5 * l[c]) > 1e-5 * max(1, b[c]) for l, b in zip(channels(answer["light"]), channels(answer["both"])) for c in range(3))
+    failures = [f"{name}: two grids do not add up at {off} of the numbers"] if off else []
+    return failures + failures_of_end(name, answer, ["THREE.TSL: Error: three_light_grid_webgpu.js: no WebGPU; use WebGLRenderer and three_light_grid.js"])
+
+
+def failures_of_end(name, answer, expected):
+    failures = []
     if any(max(rgb) > 0 for rgb in channels(answer["disposed"])):
         failures.append(f"{name}: a grid that was disposed of gives light")
-    expected = ["MeshPhongMaterial '' has the light of another grid", "grid.bin and look_up.glsl are not of one grid",
-                "MeshBasicMaterial 'plain' is not lit by three.js: no #include <lights_fragment_begin>"]
     if answer["refused"] != expected:
         failures.append(f"{name}: refused {answer['refused']}, not {expected}")
     return failures
@@ -242,15 +271,15 @@ def main():
         browser = Browser(find_browser(), os.path.join(folder, "profile"), OPTIONS)
         try:
             for case, of_case in places.items():
-                for name, (_, _, expected, more) in pages().items():
+                for name, (_, _, expected, _, judge) in pages().items():
                     what = f"{case}, {name}"
                     browser.events.clear()
                     browser.open(f"http://127.0.0.1:{server.server_address[1]}/{case}/page.html")
                     answer = browser.value(f"import('./{name}.js').then((module) => module.answer)")
                     failures += [f"{what}: {json.dumps(complaint)[:2000]}" for complaint in complaints_of(browser)]
                     failures += failures_of(what, answer, of_case, expected)
-                    if more:
-                        failures += failures_of_hooks(what, answer, of_case)
+                    if judge:
+                        failures += judge(what, answer, of_case)
         finally:
             browser.close()
             server.shutdown()
