@@ -22,6 +22,7 @@ USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
 EXPORT, CASES = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 KTX_PARSE = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else None
 BOX = ["--extent-m=-2,10001,2,6,10007,12", "--spacing-m", "1"]  # 8 x 6 x 10 texels
+WITHOUT_TEXELS = ["three-per-pixel", "c-header"]
 RESOLUTION, SH_SIZE, CUBE_SIZE = [8, 6, 10], [8, 6, 7 * 12], [8, 12, 30]
 
 
@@ -35,13 +36,13 @@ def export(*arguments):
 
 
 def exported(format_name):
-    result = export("--grid", "grid.safetensors", "--format", format_name, "--out", format_name, "--places", "2000", *([] if format_name == "c-header" else BOX))
+    result = export("--grid", "grid.safetensors", "--format", format_name, "--out", format_name, "--places", "2000", *([] if format_name in WITHOUT_TEXELS else BOX))
     must(result.returncode == 0, f"{format_name}: exit code {result.returncode}\n{result.stderr}")
     line = json.loads(result.stdout)
     files = [os.path.join(format_name, name) for name in os.listdir(format_name)]
     must(line["bytes"] == sum(map(os.path.getsize, files)), f"{format_name}: says {line['bytes']} bytes")
     must(line["error"]["places"] > 1000 and 0 < line["error"]["rmse"] < 1, f"{format_name}: says {line['error']}")
-    if format_name != "c-header":
+    if format_name not in WITHOUT_TEXELS:
         place = json.load(open(os.path.join(format_name, "light.json")))
         for key in ["low_m", "high_m", "resolution", "texture_size"]:
             must(place[key] == line[key], f"{format_name}: light.json and the line differ in {key}")
@@ -177,7 +178,7 @@ def check_refusals():
     refuses(USAGE_ERROR, ["--out"], "--grid", "grid.safetensors", "--format", "three", "--out", "")
     refuses(USAGE_ERROR, ["--format"], "--grid", "grid.safetensors", "--out", "bad")
     refuses(INPUT_ERROR, ["missing.safetensors"], "--grid", "missing.safetensors", "--format", "three", "--out", "bad")
-    for format_name in ["three", "bevy", "c-header"]:
+    for format_name in ["three", "bevy", *WITHOUT_TEXELS]:
         refuses(INPUT_ERROR, ["dark.safetensors", "without light"], "--grid", "dark.safetensors", "--format", format_name, "--out", "bad")
     refuses(INPUT_ERROR, ["bright.safetensors", "32768"], "--grid", "bright.safetensors", "--format", "three", "--out", "bad", *BOX)
     for extent in ["0,0,0,1,-1,1", "0,0,0,1,1", "0,0,0,1,1,nan", "a,0,0,1,1,1"]:
@@ -188,7 +189,8 @@ def check_refusals():
     refuses(USAGE_ERROR, ["spacing_m", "8388608", "e+"], *good, "--spacing-m", "0.0001")
     refuses(USAGE_ERROR, ["2048", "1 x 1 x 2107"], *good, "--extent-m=0,10001,2,0.05,10001.05,17", "--spacing-m", "0.05026")
     for setting in [BOX[0], "--spacing-m=1"]:
-        refuses(USAGE_ERROR, ["c-header", "spacing_m"], "--grid", "grid.safetensors", "--format", "c-header", "--out", "bad", setting)
+        for format_name in WITHOUT_TEXELS:
+            refuses(USAGE_ERROR, [format_name, "spacing_m"], "--grid", "grid.safetensors", "--format", format_name, "--out", "bad", setting)
     refuses(USAGE_ERROR, ["--places"], *good, "--places", "0")
     open("file", "w").close()
     refuses(OUTPUT_ERROR, ["file/light.bin"], "--grid", "grid.safetensors", "--format", "three", "--out", "file", *BOX)
@@ -225,8 +227,11 @@ try:
     if KTX_PARSE is not None:
         check_ktx_parse()
     else:
-        lines = {name: exported(name) for name in ["three", "bevy", "godot", "ktx2-sh", "dds-sh", "c-header"]}
-        must(lines["c-header"]["error"]["rmse"] < 1e-4, f"c-header: {lines['c-header']}")
+        lines = {name: exported(name) for name in ["three", "bevy", "godot", "ktx2-sh", "dds-sh", *WITHOUT_TEXELS]}
+        for name in WITHOUT_TEXELS:
+            must(lines[name]["error"]["rmse"] < 1e-4, f"{name}: {lines[name]}")
+        must(sorted(os.listdir("three-per-pixel")) == ["grid.bin", "look_up.glsl", "three_light_grid.js", "three_light_grid_webgpu.js"], "three-per-pixel: its files")
+        must(open("three-per-pixel/grid.bin", "rb").read() == open("c-header/grid.bin", "rb").read(), "three-per-pixel and c-header hold different grids")
         must(lines["godot"]["error"] == lines["ktx2-sh"]["error"] == lines["dds-sh"]["error"], "the same texels, another error")
         check_three()
         check_ktx2()

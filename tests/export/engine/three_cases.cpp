@@ -8,10 +8,9 @@
 //         resampled           irradiance by readThree, of the light.json and light.bin in FOLDER
 //         bound               of what a GPU's linear filter may be off by there
 //
-// A filter's weights have eight bits behind the point, as Direct3D demands:
-// a GPU reads up to 2^-8 of a texel away, along each axis. Where functions are linear along the axes, what that takes or adds along
-// one axis is found by reading there. The filter may be one of halves: three rounded terms, of the orders 0, 1 and 2, each half of
-// 2^-10 of the largest light at most.
+// A filter's weights have eight bits behind the point, as Direct3D demands: a GPU reads up to 2^-8 of a texel away, along each axis.
+// What that takes or adds along one axis is found by reading there, and the three axes add up. The filter may be one of halves: three
+// rounded terms, of the orders 0, 1 and 2, each off by 2^-11 of the largest light at most.
 
 #include <algorithm>
 #include <cstdlib>

@@ -49,6 +49,17 @@ attempt(() => renderer.render(new THREE.Scene().add(basic), new THREE.Perspectiv
 grid.removeFrom(basic.material);
 renderer.render(new THREE.Scene().add(basic), new THREE.PerspectiveCamera());
 
+// another grid's text is another program
+const materials = [];
+for (const root of patches.objects) root.traverse((object) => object.isMesh && materials.push(object.material));
+const twice = new NeuralLightGrid(kWords, kLookUp.replace('max(irradiance *', 'max(2.0 * irradiance *'));
+twice.position.copy(grid.position);
+for (const material of materials) grid.removeFrom(material);
+twice.applyTo(materials);
+const doubled = await patches.draw(renderer, scene);
+twice.dispose();
+grid.applyTo(materials);
+
 // a sun and a wall that shades half of the level
 const extent = new THREE.Box3().setFromPoints(kPlaces.map((place) => new THREE.Vector3(...place.position).add(grid.position)));
 const centre = extent.getCenter(new THREE.Vector3()), radius = extent.getSize(new THREE.Vector3()).length();
@@ -71,7 +82,7 @@ scene.remove(sun, wall);
 grid.intensity = 1;
 grid.dispose();
 const disposed = await patches.draw(renderer, scene);
-Object.assign(answer, {refused, both, direct, disposed});
+Object.assign(answer, {refused, doubled, both, direct, disposed});
 """
 # what else is tried where the grid is a light of the scene
 LIGHTS = """
@@ -212,6 +223,8 @@ def failures_of_hooks(name, answer, places):
         if any(abs(b[c] - l[c] - d[c]) > 1e-5 * max(1, b[c]) for c in range(3)):
             failures.append(f"{name}: place {i}: {l} by the grid and {d} by the sun are {b} together")
             break
+    if any(abs(b[c] - 2 * l[c]) > 1e-5 * max(1, b[c]) for l, b in zip(light, channels(answer["doubled"])) for c in range(3)):
+        failures.append(f"{name}: a second grid is looked up by the first one's text")
     facing = [sum(a * b for a, b in zip(place["normal"], TO_SUN)) for place in places]
     sunlit = sum(max(rgb) > 0 for rgb in direct)
     shaded = sum(cosine > 0.1 and max(rgb) == 0 for cosine, rgb in zip(facing, direct))
