@@ -94,9 +94,9 @@ BakedAs bakedAs(const GridMetadata& metadata) {
 }
 
 // A picture of a grid beside a truth that it was not baked for is not wrong, but seldom what was meant.
-void warnOfDifferences(const std::string& program, const std::string& path, const BakedAs& baked, const BakedAs& asked,
-                       bool has_rivals) {
-  const auto warn = [&](const std::string& what) { std::cerr << program << ": " << path << ": " << what << '\n'; };
+std::vector<std::string> differencesOf(const std::string& path, const BakedAs& baked, const BakedAs& asked, bool has_rivals) {
+  std::vector<std::string> differences;
+  const auto warn = [&](const std::string& what) { differences.push_back(path + ": " + what); };
   const auto isOther = [](const std::string& a, const std::string& b) { return !a.empty() && a != b; };
   if (isOther(baked.scene, asked.scene)) warn("baked of " + baked.scene + ", and drawn in " + asked.scene);
   if (isOther(baked.light_of_scene, asked.light_of_scene))
@@ -105,6 +105,7 @@ void warnOfDifferences(const std::string& program, const std::string& path, cons
     warn("baked with light_direct " + baked.light_direct + ", and drawn with " + asked.light_direct);
   if (has_rivals && baked.spacing_m > 0.0 && baked.spacing_m != asked.spacing_m)
     warn(fmt::format("baked with probes {} m apart, and the rivals' are {} m apart", baked.spacing_m, asked.spacing_m));
+  return differences;
 }
 
 }  // namespace
@@ -154,7 +155,8 @@ void RenderedScene::makeGrid(bool has_rivals) {
     grid_ = readGrid(request_.grid, &metadata);
     const BakedAs baked = bakedAs(metadata),
                   asked{source().id, options_.light_direct, sceneLightSha256(scene()), options_.spacing_m};
-    warnOfDifferences(request_.program, request_.grid, baked, asked, has_rivals);
+    warnings_ = differencesOf(request_.grid, baked, asked, has_rivals);
+    for (const std::string& warning : warnings_) std::cerr << request_.program << ": " << warning << '\n';
   }
   if (!grid_ || !grid_->light.empty() || request_.show == "weights") return;
   if (request_.bake) throw UsageError("--light", "solved, integrated or point: a view needs light", "none");

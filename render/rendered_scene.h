@@ -38,6 +38,8 @@ class RenderedScene {
   LightingMethod method(const std::string& name) const;
   // throws   UsageError when the scene has none of that name
   const LightMethod& rival(const std::string& name) const;
+  // What of a grid's file says that it is not of this scene, or not of its light here; told on stderr as well.
+  const std::vector<std::string>& warnings() const { return warnings_; }
   const MethodSet* rivals() const { return rivals_.get(); }  // null when none was asked for
 
  private:
@@ -54,6 +56,7 @@ class RenderedScene {
   std::unique_ptr<LightTransport> transport_;
   std::optional<LightGrid> grid_;
   std::unique_ptr<MethodSet> rivals_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace nlg

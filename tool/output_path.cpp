@@ -21,10 +21,17 @@ void requireOutputFolder(const std::string& out) {
   if (out.empty()) throw UsageError("--out", "the name of a folder", "an empty text");
   namespace fs = std::filesystem;
   std::error_code error;
-  fs::path there = fs::absolute(out);
-  while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
-  if (!fs::is_directory(there, error)) throw OutputError(out, std::make_error_code(std::errc::not_a_directory).message());
-  if (access(there.c_str(), W_OK | X_OK) != 0) throw OutputError(out, std::error_code(errno, std::generic_category()).message());
+  // made, since only that says whether it can be, and taken away again
+  std::vector<fs::path> missing;
+  for (fs::path path = fs::absolute(out).lexically_normal(); !fs::exists(path, error) && path.has_relative_path();
+       path = path.parent_path())
+    missing.push_back(path);
+  fs::create_directories(out, error);
+  if (!error && !fs::is_directory(out)) error = std::make_error_code(std::errc::not_a_directory);
+  if (!error && access(out.c_str(), W_OK | X_OK) != 0) error = std::error_code(errno, std::generic_category());
+  std::error_code kept;
+  for (const fs::path& path : missing) fs::remove(path, kept);
+  if (error) throw OutputError(out, error.message());
 }
 
 }  // namespace nlg

@@ -35,7 +35,7 @@ using Json = nlohmann::ordered_json;
 constexpr uint64_t kPlaceStream = 0x766965776572, kTruthStream = 0x7472757468;
 constexpr double kFov = 1.0472;  // 60 degrees
 constexpr double kAspect = 16.0 / 9.0;
-constexpr int kPlaceRays = 1024;  // of truth at a place
+constexpr int kPlaceRays = 256;  // of truth at a place
 constexpr int kExposureWidth = 160, kExposureHeight = 90;
 constexpr float kBrightestStored = 1000.0f;  // of a truth picture; RGB9E5 ends at 65,408
 const std::vector<std::string> kShownRivals = {"trilinear", "trilinear:solved", "valid-trilinear", "valid-trilinear:solved",
@@ -109,6 +109,7 @@ class ViewFolder {
     script.facts["origin_m"] = numbers(scene_.scene().origin_m);
     script.facts["look_up"] = kLookUpText;
     script.facts["light"] = scene_.lightNotes();
+    script.facts["warnings"] = scene_.warnings();
     script.facts["exposure"] = exposureOf(views);
     script.facts["views"] = Json::array();
     Progress views_done("views", static_cast<int64_t>(views.size()));
@@ -131,12 +132,23 @@ class ViewFolder {
     }
     write(probesScript(grid_, in_air));
     write(script);
+    removeOthers();
     for (const PageFile& file : pageFiles()) writeText(file.name, file.text);
     said_["page"] = (fs::path(request_.out) / "index.html").string();
     return said_;
   }
 
  private:
+  // What a run before left that this one has not: the names are ours.
+  void removeOthers() const {
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(request_.out, error)) {
+      const std::string name = entry.path().filename().string();
+      const bool is_ours = (name.starts_with("method-") || name.starts_with("truth-")) && name.ends_with(".js");
+      if (is_ours && !said_["files"].contains(name)) fs::remove(entry.path(), error);
+    }
+  }
+
   void writeText(std::string_view name, std::string_view text) {
     writeFileAtomically((fs::path(request_.out) / name).string(), text);
     said_["files"][std::string(name)] = text.size();
@@ -240,7 +252,6 @@ class ViewFolder {
 
   void writeMethods(DataScript* script) {
     const Measured measured = measureTruth();
-    script->facts["places"] = measured.places.places.size();
     script->facts["methods"] = Json::array();
     const auto add = [&](const std::string& name, const std::string& title, DataScript method, size_t bytes, size_t probes) {
       Json entry = {{"name", scriptName(name)}, {"title", title}, {"bytes", bytes}, {"probes", probes}};
@@ -257,6 +268,8 @@ class ViewFolder {
             ? lightGridBytes(grid_, {options_.policy.theta_precision, lightFormFromName(options_.light_form)}).total()
             : fs::file_size(request_.grid);
     const LightFigures ours = add("grid", "light grid", gridScript("method-grid", grid_), bytes, grid_.tree.probeCount());
+    script->facts["air_places"] = ours.air.places;
+    script->facts["surface_places"] = ours.surface.places;
     script->facts["worst"] = Json::array();
     for (size_t i = 0; i < ours.worst.size(); ++i) {
       const WorstPlace& worst = ours.worst[i];
@@ -329,18 +342,26 @@ Json makeView(ViewRequest request, BakeOptions options) {
   requireOutputFolder(request.out);
   if (request.rivals == std::vector<std::string>{"none"}) request.rivals.clear();
   for (const std::string& name : request.rivals) {
+    if (std::count(request.rivals.begin(), request.rivals.end(), name) > 1)
+      throw UsageError("--rivals", "each once", "'" + name + "' twice");
     if (std::find(kShownRivals.begin(), kShownRivals.end(), name) == kShownRivals.end())
       throw UsageError("--rivals", fmt::format("{}, or none", fmt::join(kShownRivals, ", ")), "'" + name + "'");
   }
   std::vector<std::string> inputs = {request.scene, request.grid};
   inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
   for (const PageFile& file : pageFiles()) refuseToReplaceInputs((fs::path(request.out) / file.name).string(), inputs);
+  if (!request.grid.empty() && !request.weights.empty())
+    throw UsageError("--weights", "none beside --grid", request.weights.front());
   if (!request.grid.empty()) {
     LightGrid grid;
     GridMetadata metadata;
     const WeightsResult result = readLightGridFile(request.grid, &grid, &metadata);
     if (!result.ok()) throw InputError(request.grid, weightsStatusName(result.status), "a light grid", result.detail);
-    options.spacing_m = grid.tree.frame().spacing_m;
+    const double spacing_m = grid.tree.frame().spacing_m;
+    if (options.spacing_m != BakeOptions().spacing_m && options.spacing_m != spacing_m)
+      throw UsageError("spacing_m", fmt::format("with --grid, that of the grid: {:g}", spacing_m),
+                       fmt::format("{:g}", options.spacing_m));
+    options.spacing_m = spacing_m;
   }
   RenderRequest render;
   render.program = "nlg-view";

@@ -80,6 +80,36 @@ class Page:
         return state
 
 
+def check_keys(page, view_count):
+    """Keys work as soon as the page is there: turning leaves the stored view, whose truth is then no longer shown; walking moves and ends."""
+    browser, failures = page.browser, []
+    pixel = """(() => { const canvas = document.getElementById('canvas'), copy = document.createElement('canvas'); copy.width = copy.height = 1;
+      const paint = copy.getContext('2d'); paint.drawImage(canvas, canvas.width / 4, canvas.height / 2, 1, 1, 0, 0, 1, 1);
+      return [...paint.getImageData(0, 0, 1, 1).data.slice(0, 3)].join(); })()"""
+    title = "document.getElementById('leftTitle').textContent"
+    frame = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
+    def hold(code, seconds):
+        for kind in ("keyDown", "keyUp"):
+            browser.call("Input.dispatchKeyEvent", type=kind, code=code, key=code)
+            time.sleep(seconds)
+        browser.value(frame)
+
+    page.open(640, 360, left="truth", right="grid", place=0)
+    if browser.value(title) != "ground truth":
+        failures.append(f"a stored view is called '{browser.value(title)}'")
+    hold("ArrowLeft", 0.3)
+    if "stored of views only" not in browser.value(title):
+        failures.append(f"a truth that is not stored is called '{browser.value(title)}'")
+    shown = browser.value(f"new Promise(done => requestAnimationFrame(() => {{ document.getElementById('exposure').dispatchEvent(new Event('input')); requestAnimationFrame(() => done({pixel})); }}))")
+    if shown != "48,48,48":
+        failures.append(f"where no truth is stored the picture is {shown}")
+    hold("Digit1", 0.1)
+    if browser.value(title) != "ground truth":
+        failures.append("key 1 does not go back to the first view")
+    return failures
+
+
 def difference(a, b):
     """Per pixel the largest over the channels, as a rising list."""
     channels = ImageChops.difference(Image.open(a).convert("RGB"), Image.open(b).convert("RGB")).split()
@@ -111,7 +141,7 @@ def main():
         page = Page(browser, "file://" + os.path.join(view, "index.html"))
         for name, (width, height) in SIZES.items():
             state = page.open(width, height)
-            print(f"{which}, {name}: first frame after {state['firstFrameMs']} ms")
+            print(f"{which}, {name}: first frame, a quarter as sharp, after {state['firstFrameMs']} ms; the whole one after {state['fullFrameMs']} ms")
             sticking = browser.value(STICKING_OUT)
             if sticking or browser.value("document.documentElement.scrollWidth") > width:
                 failures.append(f"{name}: wider than the window: {sticking}")
@@ -137,6 +167,7 @@ def main():
             print(f"{which}, view {view_idx}, {method}: off by {median} (median), {mean:.2f} (mean) of 255; by more than 16: {100 * beyond:.2f} % of the pixels")
             if median > MOST_MEDIAN or mean > MOST_MEAN or beyond > MOST_BEYOND_EDGES:
                 failures.append(f"view {view_idx} by {method} is not what nlg-render draws: {shown}, {drawn}")
+        failures += [f"{which}, {claim}" for claim in check_keys(page, len(facts["views"]))]
         # what is wrong is said on the page
         browser.open(page.url + "?left=nothing")
         time.sleep(1)

@@ -19,6 +19,13 @@ function fail(error) {
   $('message').hidden = false;
 }
 
+// What went wrong with one choice; the page goes on.
+function warn(error) {
+  console.warn(error);
+  $('message').textContent = error.message ?? String(error);
+  $('message').hidden = false;
+}
+
 const bytesText = (bytes) => (bytes >= 1e6 ? `${(bytes / 1e6).toFixed(1)} MB` : `${Math.round(bytes / 1e3)} kB`);
 
 class Viewer {
@@ -39,7 +46,7 @@ class Viewer {
     this.camera = new THREE.PerspectiveCamera(60, 1, 0.004, Math.max(10, reach));
     this.movement = new Movement(this.camera, canvas, this.level.geometry, this.level.bounds);
     this.movement.onChange = () => this.wake();
-    this.truth = [null, null];
+    this.truth = null; // of the view that the camera stands at
     this.left = 'grid';
     this.right = null;
     this.shown = 'light';
@@ -51,6 +58,8 @@ class Viewer {
     ];
     this.at = null; // the place that the camera stands at, until it moves
     this.frames = [];
+    this.detail = 1; // share of the sharpness: less while a slow machine moves
+    this.truthAsked = 0;
   }
 
   async start() {
@@ -67,11 +76,22 @@ class Viewer {
     await this.toggle();
     await this.goTo(Number(asked.get('place') ?? 0));
     if (asked.has('show')) await this.show(asked.get('show'));
+    // coarse at first, so that a slow machine shows something soon
+    this.detail = 0.25;
     this.resize();
+    root.dataset.firstFrameMs = this.drawn();
+    this.detail = 1;
+    this.resize();
+    root.dataset.fullFrameMs = this.drawn();
     new ResizeObserver(() => this.resize()).observe($('canvas'));
-    this.draw();
-    root.dataset.firstFrameMs = Math.round(performance.now());
+    $('canvas').focus({ preventScroll: true });
     root.dataset.ready = '1';
+  }
+
+  // Milliseconds since the page was opened at which the frame that was asked for is there: who reads a pixel waits for it.
+  drawn() {
+    this.renderer.getContext().readPixels(0, 0, 1, 1, 6408, 5121, new Uint8Array(4));
+    return Math.round(performance.now());
   }
 
   get divider() {
@@ -82,21 +102,30 @@ class Viewer {
 
   async choose(side, name) {
     if (!this.methods.has(name)) throw new Error(`no method ${name}; there are ${[TRUTH, ...this.methods.entries.keys()].join(', ')}`);
-    this[side] = name;
-    $(side).value = name;
-    if (name !== TRUTH) await this.busy(this.methods.rendered(name));
+    const before = this[side] ?? 'grid';
+    this[side] = $(side).value = name;
+    try {
+      if (name !== TRUTH) await this.busy(this.methods.rendered(name));
+    } catch (error) {
+      if (this[side] === name) this[side] = $(side).value = before;
+      throw error;
+    }
     await this.readTruth();
+    $('message').hidden = true;
     this.wake();
   }
 
   // A stored picture is right for one camera only.
   async readTruth() {
     const view = this.at?.truth;
-    for (const [i, side] of ['left', 'right'].entries()) {
-      this.truth[i] = this[side] === TRUTH && view !== undefined ? await this.busy(this.methods.truth(view)) : null;
-    }
-    const missing = [this.left, this.right].includes(TRUTH) && view === undefined;
-    $('hint').textContent = missing ? 'Ground truth is stored of views: choose one under “go to”.' : '';
+    const request = ++this.truthAsked;
+    const isAsked = [this.left, this.right].includes(TRUTH) && view !== undefined;
+    this.truth = null;
+    const truth = isAsked ? await this.busy(this.methods.truth(view)) : null;
+    // the camera may have gone on meanwhile
+    if (request !== this.truthAsked) return;
+    this.truth = truth;
+    this.wake();
   }
 
   async busy(promise) {
@@ -109,9 +138,16 @@ class Viewer {
   }
 
   async show(what) {
+    if (![...$('show').options].some((option) => option.value === what)) throw new Error(`nothing called ${what} can be shown`);
     $('show').value = this.shown = what;
+    if (this.showsGridAlone) await this.busy(this.methods.rendered('grid'));
     if (what === 'share' && this.chosen < 0) await this.chooseProbe();
     this.wake();
+  }
+
+  // Leaks and shares are the light grid's own.
+  get showsGridAlone() {
+    return this.shown === 'leaks' || this.shown === 'share';
   }
 
   // The probe nearest to what stands in the middle of the picture.
@@ -134,8 +170,6 @@ class Viewer {
       this.marks.cellMarks.visible = $('cells').checked;
     }
     this.fillLegend();
-    this.level.ball.visible = $('ball').checked;
-    this.level.figure.visible = $('figure').checked;
     this.wake();
   }
 
@@ -149,28 +183,25 @@ class Viewer {
     $('place').value = index;
     this.marks.showPlace(place.place, place.normal);
     $('placeNote').textContent = place.error === undefined ? '' : `error ${place.error.toFixed(2)} of truth's root mean square`;
-    if (place.place) this.hang(new THREE.Vector3(...place.place));
-    else this.hung = null;
+    this.hung = place.place ? new THREE.Vector3(...place.place) : null;
     await this.readTruth();
     this.wake();
   }
 
-  // A ball at a place, whether or not one is carried.
-  hang(place) {
-    this.hung = place;
-  }
-
-  left_() {
+  leavePlace() {
     if (!this.at) return;
-    this.at = null;
+    this.at = this.hung = null;
     $('placeNote').textContent = '';
-    this.readTruth();
+    this.readTruth().catch(warn);
   }
 
   carry() {
     const ahead = this.camera.getWorldDirection(new THREE.Vector3()), right = new THREE.Vector3(-ahead.z, 0, ahead.x).normalize();
     const ball = this.hung ?? this.camera.position.clone().addScaledVector(ahead, 1.2).addScaledVector(right, 0.35);
-    this.level.ball.visible = $('ball').checked || Boolean(this.hung);
+    // ground truth knows nothing of what is carried
+    const isBare = !this.showsGridAlone && [this.left, this.right].includes(TRUTH);
+    this.level.ball.visible = !isBare && ($('ball').checked || Boolean(this.hung));
+    this.level.figure.visible = !isBare && $('figure').checked;
     const flat = new THREE.Vector3(ahead.x, 0, ahead.z).normalize();
     const feet = this.camera.position.clone().addScaledVector(flat, 2.2).addScaledVector(right, -0.5);
     const down = this.level.figure.visible ? this.movement.floorBelow(feet) : null;
@@ -186,18 +217,19 @@ class Viewer {
 
   resize() {
     const canvas = $('canvas');
-    const scale = Math.min(window.devicePixelRatio, 2) * Number($('sharpness').value);
+    const scale = Math.min(window.devicePixelRatio, 2) * Number($('sharpness').value) * this.detail;
     const width = Math.max(1, Math.round(canvas.clientWidth * scale)), height = Math.max(1, Math.round(canvas.clientHeight * scale));
     this.renderer.setPixelRatio(1);
     this.renderer.setSize(width, height, false);
-    this.picture.resize(width, height);
-    this.camera.aspect = width / height;
+    this.picture.resize(width, height, canvas.clientWidth);
+    this.camera.aspect = canvas.clientWidth / canvas.clientHeight;
     this.camera.updateProjectionMatrix();
-    this.wake();
+    // at once: a canvas of another size is black
+    this.draw();
   }
 
-  side(name, i) {
-    if (name === TRUTH) return this.truth[i] ? { truth: this.truth[i] } : null;
+  side(name) {
+    if (name === TRUTH) return this.truth ? { truth: this.truth } : null;
     const method = this.methods.made.get(name);
     if (!method) return null;
     return {
@@ -219,7 +251,8 @@ class Viewer {
 
   draw() {
     this.carry();
-    this.picture.show([this.side(this.left, 0), this.side(this.right, 1)], this.divider, this.exposure, this.shown === 'difference');
+    if (this.showsGridAlone) this.picture.show([this.side('grid'), null], 1, this.exposure, false);
+    else this.picture.show([this.side(this.left), this.side(this.right)], this.divider, this.exposure, this.shown === 'difference');
   }
 
   wake() {
@@ -229,12 +262,12 @@ class Viewer {
     const frame = (now) => {
       const seconds = Math.min(0.1, Math.max(0, (now - before) / 1000));
       before = now;
-      if (this.movement.step(seconds)) this.left_();
+      if (this.movement.step(seconds)) this.leavePlace();
       this.draw();
       this.countFrame(now);
       this.isAwake = this.movement.isMoving;
       if (this.isAwake) requestAnimationFrame(frame);
-      else this.frames.length = 0;
+      else this.rest();
     };
     requestAnimationFrame(frame);
   }
@@ -244,7 +277,19 @@ class Viewer {
     if (this.frames.length > 30) this.frames.shift();
     if (this.frames.length < 5) return;
     const ms = (now - this.frames[0]) / (this.frames.length - 1);
-    $('frameTime').textContent = `${ms.toFixed(1)} ms a frame`;
+    $('frameTime').textContent = `${ms.toFixed(1)} ms from frame to frame`;
+    if (ms > 100 && this.detail > 0.25) {
+      this.detail /= 2;
+      this.frames.length = 0;
+      this.resize();
+    }
+  }
+
+  rest() {
+    this.frames.length = 0;
+    if (this.detail === 1) return;
+    this.detail = 1;
+    this.resize();
   }
 
   // ---- the interface
@@ -256,27 +301,37 @@ class Viewer {
     const option = (value, text) => Object.assign(document.createElement('option'), { value, textContent: text });
     for (const side of ['left', 'right']) {
       for (const name of [...this.methods.entries.keys(), TRUTH]) $(side).append(option(name, this.methods.titleOf(name)));
-      $(side).addEventListener('change', (event) => this.choose(side, event.target.value).catch(fail));
+      $(side).addEventListener('change', (event) => this.choose(side, event.target.value).catch(warn));
     }
     for (const group of new Set(this.places.map((place) => place.group))) {
       const part = Object.assign(document.createElement('optgroup'), { label: group });
       this.places.forEach((place, i) => place.group === group && part.append(option(i, place.name)));
       $('place').append(part);
     }
-    $('place').addEventListener('change', (event) => this.goTo(Number(event.target.value)).catch(fail));
-    const stepPlace = (by) => this.goTo((Number($('place').value) + by + this.places.length) % this.places.length).catch(fail);
+    $('place').addEventListener('change', (event) => this.goTo(Number(event.target.value)).catch(warn));
+    const stepPlace = (by) => this.goTo((Number($('place').value) + by + this.places.length) % this.places.length).catch(warn);
     $('previous').addEventListener('click', () => stepPlace(-1));
     $('next').addEventListener('click', () => stepPlace(1));
     for (const id of ['divider', 'exposure']) $(id).addEventListener('input', () => this.wake());
     $('sharpness').addEventListener('change', () => this.resize());
-    $('show').addEventListener('change', (event) => this.show(event.target.value).catch(fail));
-    $('chooseProbe').addEventListener('click', () => this.chooseProbe().then(() => this.show('share')).catch(fail));
-    for (const id of ['probes', 'cells', 'ball', 'figure']) $(id).addEventListener('change', () => this.toggle().catch(fail));
+    $('show').addEventListener('change', (event) => this.show(event.target.value).catch(warn));
+    $('chooseProbe').addEventListener('click', () => this.chooseProbe().then(() => this.show('share')).catch(warn));
+    for (const id of ['probes', 'cells', 'ball', 'figure']) $(id).addEventListener('change', () => this.toggle().catch(warn));
     $('walk').addEventListener('change', (event) => {
       this.movement.setFlying(!event.target.checked);
       this.wake();
       $('canvas').focus();
     });
+    // who chose with a mouse or a thumb goes on moving; who chose with keys is still choosing
+    let byPointer = false;
+    $('panel').addEventListener('pointerdown', () => (byPointer = true), true);
+    $('panel').addEventListener('keydown', () => (byPointer = false), true);
+    $('panel').addEventListener('change', () => byPointer && $('canvas').focus());
+    $('jump').addEventListener('pointerdown', (event) => {
+      event.preventDefault();
+      this.movement.press('Space');
+    });
+    for (const end of ['pointerup', 'pointercancel', 'pointerleave']) $('jump').addEventListener(end, () => this.movement.release('Space'));
     window.addEventListener('keydown', (event) => {
       if (event.target !== $('canvas') || event.ctrlKey || event.altKey || event.metaKey) return;
       const press = { KeyF: 'walk', KeyB: 'ball', KeyG: 'figure', KeyP: 'probes', KeyC: 'cells' }[event.code];
@@ -285,7 +340,7 @@ class Viewer {
       if (event.code === 'KeyX') this.swap();
       if (/^Digit[1-9]$/.test(event.code)) {
         const place = Number(event.code.slice(5)) - 1;
-        if (place < this.places.length) this.goTo(place).catch(fail);
+        if (place < this.places.length) this.goTo(place).catch(warn);
       }
     });
     const rows = scene.methods.map((entry) => {
@@ -296,7 +351,9 @@ class Viewer {
       return row;
     });
     $('methods').append(...rows);
-    $('placesMeasured').textContent = scene.places.toLocaleString('en');
+    $('airPlaces').textContent = scene.air_places.toLocaleString('en');
+    $('surfacePlaces').textContent = scene.surface_places.toLocaleString('en');
+    $('warnings').textContent = scene.warnings.join(' ');
     $('about').textContent = `Made by nlg-view ${scene.revision}. Light: ${scene.light.join('; ') || 'none'}.`;
     this.dragDivider();
     if (window.innerWidth < 700) $('panel').open = false;
@@ -304,21 +361,25 @@ class Viewer {
 
   swap() {
     const [left, right] = [this.right, this.left];
-    this.choose('left', left).then(() => this.choose('right', right)).catch(fail);
+    this.choose('left', left).then(() => this.choose('right', right)).catch(warn);
   }
 
   dragDivider() {
     const handle = $('handle');
+    const title = (name) => this.methods.titleOf(name) + (name === TRUTH && !this.truth ? ': stored of views only, see “go to”' : '');
     const place = () => {
+      const isSplit = this.shown === 'light';
+      handle.hidden = !isSplit;
       handle.style.left = `${100 * this.divider}%`;
-      handle.hidden = this.shown === 'difference';
-      $('leftTitle').style.right = `calc(${100 * (1 - this.divider)}% + 20px)`;
+      $('leftTitle').style.right = isSplit ? `calc(${100 * (1 - this.divider)}% + 20px)` : '20px';
       $('rightTitle').style.left = `calc(${100 * this.divider}% + 20px)`;
       // a side that is not there needs no name
-      $('leftTitle').hidden = this.divider < 0.05;
-      $('rightTitle').hidden = this.divider > 0.95;
-      $('leftTitle').textContent = this.methods.titleOf(this.left);
-      $('rightTitle').textContent = this.methods.titleOf(this.right);
+      $('leftTitle').hidden = isSplit && this.divider < 0.05;
+      $('rightTitle').hidden = !isSplit || this.divider > 0.95;
+      $('rightTitle').textContent = title(this.right);
+      if (isSplit) $('leftTitle').textContent = title(this.left);
+      else if (this.showsGridAlone) $('leftTitle').textContent = `${title('grid')}: ${this.shown}`;
+      else $('leftTitle').textContent = `${title(this.right)} less ${title(this.left)}`;
     };
     const draw = this.draw.bind(this);
     this.draw = () => {

@@ -21,13 +21,14 @@ export class Movement {
     this.canvas = canvas;
     this.geometry = geometry;
     this.bounds = bounds;
-    this.isFlying = true;
+    this.isFlying = false;
+    this.isHeld = true; // at a place that was gone to, until keys or a thumb leave it
     this.yaw = this.pitch = 0;
     this.velocity = new THREE.Vector3();
     this.isOnFloor = false;
     this.pressed = new Set();
     this.stick = new THREE.Vector2();
-    this.pointers = new Map();
+    this.pointers = new Map(); // those that are down
     this.onChange = () => {};
     this.listen();
   }
@@ -39,7 +40,16 @@ export class Movement {
     this.camera.fov = fovDegrees;
     this.camera.updateProjectionMatrix();
     this.velocity.set(0, 0, 0);
+    this.isHeld = true;
     this.turn();
+  }
+
+  press(key) {
+    this.pressed.add(key);
+    this.onChange();
+  }
+  release(key) {
+    this.pressed.delete(key);
   }
 
   turn() {
@@ -54,7 +64,7 @@ export class Movement {
   }
 
   get isMoving() {
-    const isFalling = !this.isFlying && !this.isOnFloor;
+    const isFalling = !this.isFlying && !this.isOnFloor && !this.isHeld;
     return this.pressed.size > 0 || this.stick.lengthSq() > 0 || isFalling || this.velocity.lengthSq() > 1e-4;
   }
 
@@ -104,13 +114,15 @@ export class Movement {
         pointer.x = event.clientX;
         pointer.y = event.clientY;
         this.turn();
+        this.hasTurned = true;
       }
       this.onChange();
     });
     for (const end of ['pointerup', 'pointercancel']) {
       canvas.addEventListener(end, (event) => {
-        if (this.pointers.get(event.pointerId)?.walks) this.stick.set(0, 0);
+        const pointer = this.pointers.get(event.pointerId);
         this.pointers.delete(event.pointerId);
+        if (pointer?.walks && ![...this.pointers.values()].some((other) => other.walks)) this.stick.set(0, 0);
       });
     }
   }
@@ -125,17 +137,24 @@ export class Movement {
   // Returns whether the camera moved.
   step(seconds) {
     const before = this.camera.position.clone(), yaw = this.yaw, pitch = this.pitch;
+    const wasTurned = this.hasTurned;
+    this.hasTurned = false;
     for (const key of this.pressed) {
       if (!(key in TURNS)) continue;
       this.yaw += TURNS[key][0] * TURN_KEYS * seconds;
       this.pitch += TURNS[key][1] * TURN_KEYS * seconds;
+    }
+    if (this.stick.lengthSq() > 0 || [...this.pressed].some((key) => !(key in TURNS))) this.isHeld = false;
+    if (this.isHeld) {
+      this.turn();
+      return wasTurned || yaw !== this.yaw || pitch !== this.pitch;
     }
     for (let left = seconds; left > 0; left -= LONGEST_STEP_S) {
       if (this.isFlying) this.fly(Math.min(left, LONGEST_STEP_S));
       else this.walk(Math.min(left, LONGEST_STEP_S));
     }
     this.turn();
-    return !before.equals(this.camera.position) || yaw !== this.yaw || pitch !== this.pitch;
+    return wasTurned || !before.equals(this.camera.position) || yaw !== this.yaw || pitch !== this.pitch;
   }
 
   fly(seconds) {

@@ -6,6 +6,9 @@ import pictureFragment from './glsl/picture.frag.glsl';
 export class Picture {
   constructor(renderer) {
     this.renderer = renderer;
+    // of a side of which nothing is known
+    this.nothing = new THREE.DataTexture(new Uint8Array([48, 48, 48, 0]), 1, 1);
+    this.nothing.needsUpdate = true;
     this.targets = [0, 1].map(() => new THREE.WebGLRenderTarget(1, 1, { type: THREE.HalfFloatType, samples: 4 }));
     this.material = new THREE.RawShaderMaterial({
       glslVersion: THREE.GLSL3,
@@ -34,11 +37,12 @@ export class Picture {
     this.camera = new THREE.Camera();
   }
 
-  resize(width, height) {
+  // window_width   in the units of the page: the divider is as thin at every sharpness
+  resize(width, height, window_width) {
     for (const target of this.targets) target.setSize(width, height);
     this.width = width;
     this.height = height;
-    this.material.uniforms.texel.value = 1 / width;
+    this.material.uniforms.texel.value = 1 / window_width;
   }
 
   // sides      left and right: {draw} renders into the target that is set, {truth} is a stored picture; null: nothing is known
@@ -60,13 +64,14 @@ export class Picture {
       uniforms[name].value = target.texture;
       scale.set(0, 0);
       const first = i === 0 || isDifference ? 0 : border, end = i === 1 || isDifference ? this.width : border;
-      if (end <= first) return;
+      if (!side) uniforms[name].value = this.nothing;
+      if (!side || end <= first) return;
       // a pixel beyond the border, so that its edge is as smooth as all others
       target.scissorTest = true;
       target.scissor.set(Math.max(0, first - 1), 0, end - first + 2, this.height);
       renderer.setRenderTarget(target);
       renderer.clear();
-      side?.draw();
+      side.draw();
     });
     uniforms.divider.value = isDifference ? 1 : divider;
     uniforms.exposure.value = exposure;

@@ -24,8 +24,12 @@ vec3 shown(vec4 sample_) { return mix(sample_.rgb, encoded(sample_.rgb * exposur
 
 void main() {
   vec4 a = sampled(left, left_scale, units.x), b = sampled(right, right_scale, units.y);
+  if (is_difference && a.w * b.w == 0.0) {
+    colour = vec4(vec3(0.2), 1.0);
+    return;
+  }
   if (is_difference) {
-    float value = dot(b.rgb - a.rgb, vec3(0.2126, 0.7152, 0.0722)) * exposure * a.w * b.w / 0.18;
+    float value = dot(b.rgb - a.rgb, vec3(0.2126, 0.7152, 0.0722)) * exposure / 0.18;
     vec3 strong = value > 0.0 ? vec3(0.75, 0.05, 0.05) : vec3(0.05, 0.2, 0.75);
     colour = vec4(mix(vec3(0.93), strong, sqrt(clamp(abs(value), 0.0, 1.0))), 1.0);
     return;
