@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -69,11 +68,6 @@ std::vector<View> truthViews(const LightTransport& transport, const ViewRequest&
   return views;
 }
 
-Json cameraJson(const std::string& name, const Camera& camera) {
-  return {
-      {"name", name}, {"eye", numbers(camera.eye_m)}, {"forward", numbers(glm::dvec3(camera.forward))}, {"fov_y", camera.fov_y}};
-}
-
 Sights sights(const LightTransport& transport, const Camera& camera, int width, int height, int threads) {
   SightOptions options;
   options.width = width;
@@ -110,19 +104,18 @@ class ViewFolder {
     script.facts["look_up"] = kLookUpText;
     script.facts["light"] = scene_.lightNotes();
     script.facts["warnings"] = scene_.warnings();
-    script.facts["exposure"] = exposureOf(views);
     script.facts["views"] = Json::array();
     Progress views_done("views", static_cast<int64_t>(views.size()));
     for (size_t v = 0; v < views.size(); ++v) {
       views_done.update(static_cast<int64_t>(v));
-      script.facts["views"].push_back(cameraJson(views[v].name, views[v].camera));
+      script.facts["views"].push_back(placeJson(views[v].name, views[v].camera));
       write(truthScript(v, views[v].camera));
     }
     script.facts["starts"] = Json::array();
     for (const Viewpoint& viewpoint : scene_.scene().viewpoints) {
       if (viewpoint.fov_y > 0.0f) continue;
       script.facts["starts"].push_back(
-          cameraJson(viewpoint.name, cameraAlong(glm::dvec3(viewpoint.position), glm::dvec3(viewpoint.forward), kFov)));
+          placeJson(viewpoint.name, cameraAlong(glm::dvec3(viewpoint.position), glm::dvec3(viewpoint.forward), kFov)));
     }
     writeMethods(&script);
     std::vector<uint8_t> in_air;
@@ -191,16 +184,14 @@ class ViewFolder {
     said_["triangles"] = scene.triangles.size();
   }
 
-  // The median of what the views ask for, lit by the grid.
-  double exposureOf(const std::vector<View>& views) const {
-    std::vector<double> exposures;
-    for (const View& view : views) {
-      const Sights seen = sights(scene_.transport(), view.camera, kExposureWidth, kExposureHeight, scene_.threads());
-      exposures.push_back(automaticExposure(lightPicture(seen, scene_.method("grid"), scene_.threads())));
-    }
-    if (exposures.empty()) return 1.0;
-    std::nth_element(exposures.begin(), exposures.begin() + static_cast<std::ptrdiff_t>(exposures.size() / 2), exposures.end());
-    return exposures[exposures.size() / 2];
+  // A place to go to, with the exposure that its own view asks for, lit by the grid.
+  Json placeJson(const std::string& name, const Camera& camera) const {
+    const Sights seen = sights(scene_.transport(), camera, kExposureWidth, kExposureHeight, scene_.threads());
+    return {{"name", name},
+            {"eye", numbers(camera.eye_m)},
+            {"forward", numbers(glm::dvec3(camera.forward))},
+            {"fov_y", camera.fov_y},
+            {"exposure", automaticExposure(lightPicture(seen, scene_.method("grid"), scene_.threads()))}};
   }
 
   DataScript truthScript(size_t view, const Camera& camera) const {
@@ -275,7 +266,7 @@ class ViewFolder {
       const WorstPlace& worst = ours.worst[i];
       const LightPlace& place = measured.places.places[worst.place];
       Json entry =
-          cameraJson(fmt::format("worst {}", i + 1), viewOfPlace(scene_.transport(), {place.position_m, place.normal}).camera);
+          placeJson(fmt::format("worst {}", i + 1), viewOfPlace(scene_.transport(), {place.position_m, place.normal}).camera);
       entry["place"] = numbers(place.position_m);
       entry["normal"] = numbers(glm::dvec3(place.normal));
       entry["error"] = worst.error;

@@ -159,7 +159,7 @@ def main():
             text = lambda three: ",".join(repr(number) for number in three)
             drawn, shown = os.path.join(out, f"{which}_{view_idx}_{method}_render.png"), os.path.join(out, f"{which}_{view_idx}_{method}.png")
             run(tool("nlg-render"), scene, "--grid", grid, *SETTINGS[which], "--method", method, f"--eye={text(eye)}", f"--look={text(look)}", "--fov",
-                repr(camera["fov_y"] * 57.29577951308232), "--exposure", repr(facts["exposure"]), "--width", str(WIDTH), "--height", str(HEIGHT), "--out", drawn)
+                repr(camera["fov_y"] * 57.29577951308232), "--exposure", repr(camera["exposure"]), "--width", str(WIDTH), "--height", str(HEIGHT), "--out", drawn)
             page.open(WIDTH, HEIGHT, ui=0, place=view_idx, left=method, right=method, divider=1)
             browser.picture(shown, WIDTH, HEIGHT)
             off = difference(drawn, shown)

@@ -56,6 +56,7 @@ class Viewer {
       ...scene.starts.map((start) => ({ ...start, group: 'where players begin' })),
       ...scene.worst.map((worst) => ({ ...worst, group: 'where the grid is most wrong' })),
     ];
+    this.placeExposure = this.places[0].exposure; // of the last place that was gone to
     this.at = null; // the place that the camera stands at, until it moves
     this.frames = [];
     this.detail = 1; // share of the sharpness: less while a slow machine moves
@@ -68,13 +69,13 @@ class Viewer {
     const right = asked.get('right') ?? (this.methods.has('valid-trilinear') ? 'valid-trilinear' : this.scene.methods.at(-1).name);
     await this.choose('right', right);
     $('divider').value = asked.has('divider') ? 100 * Number(asked.get('divider')) : 50;
-    if (asked.has('exposure')) this.exposure = Number(asked.get('exposure'));
     if (asked.get('ui') === '0') document.body.classList.add('bare');
     for (const mark of ['probes', 'cells', 'ball', 'figure']) {
       if (asked.get(mark) === '1') $(mark).checked = true;
     }
     await this.toggle();
     await this.goTo(Number(asked.get('place') ?? 0));
+    if (asked.has('exposure')) this.exposure = Number(asked.get('exposure'));
     if (asked.has('show')) await this.show(asked.get('show'));
     // coarse at first, so that a slow machine shows something soon
     this.detail = 0.25;
@@ -179,6 +180,7 @@ class Viewer {
     const place = this.places[index];
     if (!place) throw new Error(`no place ${index}; there are ${this.places.length}`);
     this.movement.lookFrom(new THREE.Vector3(...place.eye), new THREE.Vector3(...place.forward), THREE.MathUtils.radToDeg(place.fov_y));
+    this.placeExposure = place.exposure;
     this.at = place;
     $('place').value = index;
     this.marks.showPlace(place.place, place.normal);
@@ -243,10 +245,10 @@ class Viewer {
   }
 
   get exposure() {
-    return this.scene.exposure * 2 ** Number($('exposure').value);
+    return this.placeExposure * 2 ** Number($('exposure').value);
   }
   set exposure(value) {
-    $('exposure').value = Math.log2(value / this.scene.exposure);
+    $('exposure').value = Math.log2(value / this.placeExposure);
   }
 
   draw() {
