@@ -177,8 +177,9 @@ def main():
                 failures.append(f"view {view_idx} by {method} is not what nlg-render draws: {shown}, {drawn}")
         failures += [f"{which}, {claim}" for claim in check_keys(page, len(facts["views"]))]
         # what is wrong is said on the page
+        browser.events.clear()  # among them that the page before was loaded
         browser.open(page.url + "?left=nothing")
-        if not waited(browser, "!document.getElementById('message').hidden && document.getElementById('message').textContent.includes('no method nothing')"):
+        if not waited(browser, "document.getElementById('message')?.hidden === false && document.getElementById('message').textContent.includes('no method nothing')"):
             failures.append("an unknown method: the page says nothing of it")
         browser.close()
     print("\n".join(failures))
