@@ -13,6 +13,6 @@ run=$(command -v run-clang-tidy-14) || { echo "tidy.sh: run-clang-tidy-14 is not
 status=0
 "$run" -quiet -p build/tidy -j "$(nproc)" "$@" > build/tidy/findings.log 2> build/tidy/errors.log || status=$?
 # a header's finding comes once for every source that includes it
-grep -E ': (warning|error):' build/tidy/findings.log | sort -u || true
+sed 's/\x1b\[[0-9;]*m//g' build/tidy/findings.log | grep -E ': (warning|error):' | sort -u || true
 [ "$status" -eq 0 ] || echo "tidy.sh: build/tidy/findings.log and errors.log hold the whole of it" >&2
 exit "$status"

@@ -237,6 +237,7 @@ class ViewFolder {
     std::vector<ReceivedLight> received(receivers.size());
     scene_.method(method).light_at(receivers, received.data());
     std::vector<LightAnswer> answers;
+    answers.reserve(received.size());
     for (const ReceivedLight& light : received) answers.push_back({light.irradiance, light.is_lit ? Reach::lit : Reach::unlit});
     return lightFigures(measured.places, measured.truth, answers);
   }
@@ -244,9 +245,10 @@ class ViewFolder {
   void writeMethods(DataScript* script) {
     const Measured measured = measureTruth();
     script->facts["methods"] = Json::array();
-    const auto add = [&](const std::string& name, const std::string& title, DataScript method, size_t bytes, size_t probes) {
+    const auto add = [&](const std::string& name, const std::string& title, const DataScript& method, size_t bytes,
+                         size_t probes) {
       Json entry = {{"name", scriptName(name)}, {"title", title}, {"bytes", bytes}, {"probes", probes}};
-      const LightFigures figures = figuresOf(measured, name);
+      LightFigures figures = figuresOf(measured, name);
       entry["rmse_air"] = figures.air.rmse;
       entry["rmse_surface"] = figures.surface.rmse;
       script->facts["methods"].push_back(entry);
