@@ -43,7 +43,4 @@ class DataScript {
   nlohmann::ordered_json arrays_ = nlohmann::ordered_json::object();
 };
 
-// RFC 4648, with padding.
-std::string base64(std::string_view bytes);
-
 }  // namespace nlg

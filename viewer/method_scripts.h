@@ -1,7 +1,6 @@
 // Methods as the page shows them: what its shaders read of each. Positions are relative to the scene's origin.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "runtime_eval/light_grid/light_grid.h"

@@ -157,12 +157,10 @@ class ViewFolder {
     for (const glm::uvec3& t : scene.triangles) triangles.insert(triangles.end(), {t.x, t.y, t.z});
     std::vector<uint32_t> first_of_material(scene.materials.size(), 0);
     for (size_t t = 0; t < scene.triangles.size(); ++t) first_of_material[scene.triangle_material[t]] = static_cast<uint32_t>(t);
-    std::vector<uint8_t> double_sided;
     for (size_t m = 0; m < scene.materials.size(); ++m) {
       // what light takes for the material's colour
       append(&albedo, scene.triangles.empty() ? glm::vec3(0.0f) : scene_.transport().albedo(first_of_material[m]));
       append(&emissive, scene.materials[m].emissive);
-      double_sided.push_back(scene.materials[m].double_sided);
     }
     const SkyFaces& faces = scene.light.sky_faces;
     for (size_t t = 0; t < faces.triangles.size(); ++t) {
@@ -176,7 +174,6 @@ class ViewFolder {
     script->add("triangle_material", scene.triangle_material);
     script->add("albedo", albedo);
     script->add("emissive", emissive);
-    script->add("double_sided", double_sided);
     script->add("sky_positions", sky_positions);
     script->add("sky_shine", sky_shine);
     const Sky& sky = scene.light.sky;

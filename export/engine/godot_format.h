@@ -16,10 +16,4 @@ extern const std::string_view kGodotShaderText;  // export/engine/light.gdshader
 std::vector<EngineFile> godotFiles(const LightVolume& volume);
 EngineIrradiance readGodot(const std::vector<EngineFile>& files, const LightBox& box);
 
-// RFC 4648, with '=' to a multiple of four characters.
-std::string base64(std::string_view bytes);
-
-// false where the text is none that base64 gives
-bool fromBase64(std::string_view text, std::string* bytes);
-
 }  // namespace nlg

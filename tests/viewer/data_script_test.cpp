@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "tool/base64.h"
+
 namespace nlg {
 namespace {
 

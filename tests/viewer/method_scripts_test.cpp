@@ -6,6 +6,7 @@
 #include "runtime_eval/numbers/half.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/validate/light/lit_scenes.h"
+#include "tool/base64.h"
 #include "validate/light/trilinear.h"
 
 namespace nlg {
@@ -57,15 +58,9 @@ std::vector<uint32_t> wordsOf(const std::string& text, const std::string& array)
   const size_t facts = text.find('{'), end = text.rfind("}, \"");
   const auto json = nlohmann::json::parse(text.substr(facts, end + 1 - facts));
   const size_t first = json["arrays"][array][1], count = json["arrays"][array][2];
+  const size_t text_begin = end + 4;
   std::string bytes;
-  uint32_t bits = 0;
-  int have = 0;
-  for (size_t i = end + 4; text[i] != '"' && text[i] != '='; ++i) {
-    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    bits = bits << 6 | static_cast<uint32_t>(digits.find(text[i]));
-    have += 6;
-    if (have >= 8) bytes.push_back(static_cast<char>(bits >> (have -= 8)));
-  }
+  EXPECT_TRUE(fromBase64(text.substr(text_begin, text.rfind('"') - text_begin), &bytes));
   std::vector<uint32_t> words(count);
   std::memcpy(words.data(), &bytes.at(first), count * sizeof(uint32_t));
   return words;

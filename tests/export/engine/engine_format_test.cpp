@@ -14,6 +14,7 @@
 #include "runtime_eval/numbers/rgb9e5.h"
 #include "tests/export/engine/godot_shader.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
+#include "tool/base64.h"
 #include "tool/error.h"
 
 namespace nlg {

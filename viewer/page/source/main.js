@@ -9,7 +9,7 @@ import { Picture } from './picture.js';
 
 const root = document.documentElement;
 const $ = (id) => document.getElementById(id);
-const asked = new URLSearchParams(location.search); // a test asks for a view: ?view=0&left=grid&right=ddgi&divider=1&ui=0
+const asked = new URLSearchParams(location.search); // a test asks for a view: ?place=0&left=grid&right=ddgi&divider=1&ui=0
 
 // What went wrong, where everybody sees it; tests read it too.
 function fail(error) {
@@ -255,6 +255,7 @@ class Viewer {
     this.carry();
     if (this.showsGridAlone) this.picture.show([this.side('grid'), null], 1, this.exposure, false);
     else this.picture.show([this.side(this.left), this.side(this.right)], this.divider, this.exposure, this.shown === 'difference');
+    this.label();
   }
 
   wake() {
@@ -366,28 +367,26 @@ class Viewer {
     this.choose('left', left).then(() => this.choose('right', right)).catch(warn);
   }
 
-  dragDivider() {
+  // The divider's handle, and the names of what is shown.
+  label() {
     const handle = $('handle');
     const title = (name) => this.methods.titleOf(name) + (name === TRUTH && !this.truth ? ': stored of views only, see “go to”' : '');
-    const place = () => {
-      const isSplit = this.shown === 'light';
-      handle.hidden = !isSplit;
-      handle.style.left = `${100 * this.divider}%`;
-      $('leftTitle').style.right = isSplit ? `calc(${100 * (1 - this.divider)}% + 20px)` : '20px';
-      $('rightTitle').style.left = `calc(${100 * this.divider}% + 20px)`;
-      // a side that is not there needs no name
-      $('leftTitle').hidden = isSplit && this.divider < 0.05;
-      $('rightTitle').hidden = !isSplit || this.divider > 0.95;
-      $('rightTitle').textContent = title(this.right);
-      if (isSplit) $('leftTitle').textContent = title(this.left);
-      else if (this.showsGridAlone) $('leftTitle').textContent = `${title('grid')}: ${this.shown}`;
-      else $('leftTitle').textContent = `${title(this.right)} less ${title(this.left)}`;
-    };
-    const draw = this.draw.bind(this);
-    this.draw = () => {
-      draw();
-      place();
-    };
+    const isSplit = this.shown === 'light';
+    handle.hidden = !isSplit;
+    handle.style.left = `${100 * this.divider}%`;
+    $('leftTitle').style.right = isSplit ? `calc(${100 * (1 - this.divider)}% + 20px)` : '20px';
+    $('rightTitle').style.left = `calc(${100 * this.divider}% + 20px)`;
+    // a side that is not there needs no name
+    $('leftTitle').hidden = isSplit && this.divider < 0.05;
+    $('rightTitle').hidden = !isSplit || this.divider > 0.95;
+    $('rightTitle').textContent = title(this.right);
+    if (isSplit) $('leftTitle').textContent = title(this.left);
+    else if (this.showsGridAlone) $('leftTitle').textContent = `${title('grid')}: ${this.shown}`;
+    else $('leftTitle').textContent = `${title(this.right)} less ${title(this.left)}`;
+  }
+
+  dragDivider() {
+    const handle = $('handle');
     handle.addEventListener('pointerdown', (event) => {
       handle.setPointerCapture(event.pointerId);
       handle.onpointermove = (move) => {

@@ -13,7 +13,7 @@ export const KINDS = [
 ];
 const PROBE_M = 0.06, PROBE_REACH_M = 14, CELL_REACH_M = 7;
 
-function markMaterial(reach_m, opacity, isSmall) {
+function markMaterial(reach_m, opacity, isSmall = false) {
   return new THREE.RawShaderMaterial({
     glslVersion: THREE.GLSL3,
     vertexShader: markVertex,
@@ -22,14 +22,14 @@ function markMaterial(reach_m, opacity, isSmall) {
   });
 }
 
-function instanced(shape, marks, tints, material, make) {
+function instanced(shape, marks, tints, material, Kind = THREE.Mesh) {
   const geometry = new THREE.InstancedBufferGeometry();
   geometry.setAttribute('position', shape.attributes.position);
   geometry.setIndex(shape.index);
   geometry.setAttribute('mark', new THREE.InstancedBufferAttribute(marks, 4));
   geometry.setAttribute('tint', new THREE.InstancedBufferAttribute(tints, 3));
   geometry.instanceCount = marks.length / 4;
-  const object = make(geometry, material);
+  const object = new Kind(geometry, material);
   object.frustumCulled = false;
   object.renderOrder = 3;
   return object;
@@ -51,13 +51,11 @@ export class Marks {
         marks[4 * i + 3] = PROBE_M;
         tints.set(KINDS[this.data.kinds[i]].colour, 3 * i);
       }
-      this.probeMarks = instanced(new THREE.OctahedronGeometry(1, 1), marks, tints, markMaterial(PROBE_REACH_M, 1, true),
-        (geometry, material) => new THREE.Mesh(geometry, material));
+      this.probeMarks = instanced(new THREE.OctahedronGeometry(1, 1), marks, tints, markMaterial(PROBE_REACH_M, 1, true));
       const cells = this.data.cells.length / 4;
       const corners = new Float32Array(this.data.cells);
       const unit = new THREE.EdgesGeometry(new THREE.BoxGeometry(1, 1, 1).translate(0.5, 0.5, 0.5));
-      this.cellMarks = instanced(unit, corners, new Float32Array(3 * cells).fill(0.8), markMaterial(CELL_REACH_M, 0.8, false),
-        (geometry, material) => new THREE.LineSegments(geometry, material));
+      this.cellMarks = instanced(unit, corners, new Float32Array(3 * cells).fill(0.8), markMaterial(CELL_REACH_M, 0.8), THREE.LineSegments);
       this.probeMarks.visible = this.cellMarks.visible = false;
       this.root.add(this.probeMarks, this.cellMarks);
     }
@@ -79,7 +77,7 @@ export class Marks {
   choose(probe) {
     if (this.ring) this.root.remove(this.ring);
     this.ring = instanced(new THREE.OctahedronGeometry(1, 2), new Float32Array([...this.data.positions.subarray(3 * probe, 3 * probe + 3), 2 * PROBE_M]),
-      new Float32Array([1, 1, 1]), markMaterial(100, 1, false), (geometry, material) => new THREE.Mesh(geometry, material));
+      new Float32Array([1, 1, 1]), markMaterial(100, 1));
     this.root.add(this.ring);
   }
 
@@ -93,8 +91,7 @@ export class Marks {
       marks.set([0, 1, 2].map((axis) => place[axis] + normal[axis] * (0.1 + 0.01 * i)), 4 * i);
       marks[4 * i + 3] = 0.008;
     }
-    this.needle = instanced(new THREE.OctahedronGeometry(1, 0), marks, new Float32Array(3 * count).fill(1), markMaterial(100, 1),
-      (geometry, material) => new THREE.Mesh(geometry, material));
+    this.needle = instanced(new THREE.OctahedronGeometry(1, 0), marks, new Float32Array(3 * count).fill(1), markMaterial(100, 1));
     this.root.add(this.needle);
   }
 }

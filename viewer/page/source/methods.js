@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { load } from './data.js';
 import surfaceVertex from './glsl/surface.vert.glsl';
+import signedHeat from './glsl/signed_heat.glsl';
 import surfaceFragment from './glsl/surface.frag.glsl';
 import gridReads from './glsl/grid.glsl';
 import gridLight from './glsl/grid_light.glsl';
@@ -9,7 +10,7 @@ import ddgiLight from './glsl/ddgi_light.glsl';
 import quakeGridLight from './glsl/quake_grid_light.glsl';
 
 const TEXELS_A_ROW = 2048;
-const PRECISION = 'precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp usampler2D;\n';
+export const PRECISION = 'precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp usampler2D;\n';
 
 // Words, four a texel; what fills the last row is 0.
 function wordTexture(words) {
@@ -73,7 +74,7 @@ class RenderedMethod {
     this.isGrid = data.kind === 'grid';
     const program = PROGRAMS[data.kind](data, lookUp);
     this.uniforms = { ...program.uniforms, offset_m: { value: 0.02 }, chosen_record: { value: 0 }, heat_full: { value: 1 } };
-    this.text = program.text + surfaceFragment;
+    this.text = program.text + signedHeat + surfaceFragment;
   }
 
   // shown   light, share, leaks; what a method cannot show of itself is its light

@@ -2,6 +2,8 @@
 import * as THREE from 'three';
 import pictureVertex from './glsl/picture.vert.glsl';
 import pictureFragment from './glsl/picture.frag.glsl';
+import signedHeat from './glsl/signed_heat.glsl';
+import { PRECISION } from './methods.js';
 
 export class Picture {
   constructor(renderer) {
@@ -13,7 +15,7 @@ export class Picture {
     this.material = new THREE.RawShaderMaterial({
       glslVersion: THREE.GLSL3,
       vertexShader: pictureVertex,
-      fragmentShader: pictureFragment,
+      fragmentShader: PRECISION + signedHeat + pictureFragment,
       depthTest: false,
       depthWrite: false,
       uniforms: {

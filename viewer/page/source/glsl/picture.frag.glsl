@@ -1,6 +1,4 @@
 // Two methods side by side, or their difference, as they are shown: radiance times the exposure, cut off at 1, in sRGB.
-precision highp float;
-precision highp sampler2D;
 in vec2 at;
 uniform sampler2D left, right;
 uniform vec2 left_scale, right_scale;  // of a stored picture: how much of it is seen along x and y; 0: rendered
@@ -30,8 +28,7 @@ void main() {
   }
   if (is_difference) {
     float value = dot(b.rgb - a.rgb, vec3(0.2126, 0.7152, 0.0722)) * exposure / 0.18;
-    vec3 strong = value > 0.0 ? vec3(0.75, 0.05, 0.05) : vec3(0.05, 0.2, 0.75);
-    colour = vec4(mix(vec3(0.93), strong, sqrt(clamp(abs(value), 0.0, 1.0))), 1.0);
+    colour = vec4(signedHeat(value), 1.0);
     return;
   }
   vec3 result = shown(at.x < divider ? a : b);

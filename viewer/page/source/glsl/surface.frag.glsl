@@ -14,13 +14,6 @@ uniform uint chosen_record;  // of that probe
 uniform float heat_full;     // the irradiance whose colour is the last
 layout(location = 0) out vec4 colour;  // w = 1: radiance; 0: a colour as it is shown
 
-// Blue below 0, red above.
-vec3 signedHeat(float value) {
-  float size = clamp(abs(value), 0.0, 1.0);
-  vec3 strong = value > 0.0 ? vec3(0.75, 0.05, 0.05) : vec3(0.05, 0.2, 0.75);
-  return mix(vec3(0.93), strong, sqrt(size));
-}
-
 // Surfaces keep their shape where a colour says nothing.
 vec3 shaded(vec3 normal) { return vec3(0.55 + 0.2 * normal.y + 0.1 * normal.x); }
 
