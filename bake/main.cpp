@@ -1,6 +1,7 @@
 // nlg-bake: one scene and trained generators → a light grid of weighting functions.
 
 #include <sys/resource.h>
+#include <cstring>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -17,10 +18,12 @@
 #include "runtime_eval/simd/simd_target.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/file_info.h"
 #include "tool/one_file_each.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
 #include "tool/provenance.h"
+#include "tool/require_read.h"
 #include "tool/tool_main.h"
 
 namespace nlg {
@@ -59,8 +62,7 @@ std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, Gen
   OneFileEach given("--weights", "representation");
   for (const std::string& path : paths) {
     Generator generator;
-    const WeightsResult result = Generator::load(path, precision, &generator);
-    if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "the weights of a generator", result.detail);
+    requireRead(path, Generator::load(path, precision, &generator), "the weights of a generator");
     given.add(path, representationName(generator.representation()));
     (*weights)[representationName(generator.representation())] = {fileSha256(path), std::filesystem::file_size(path)};
     generators.push_back(std::move(generator));
@@ -161,13 +163,31 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   std::cout << toJson(report).dump() << '\n';
 }
 
+nlohmann::ordered_json describeGrid(const std::string& path) {
+  LightGrid grid;
+  GridMetadata metadata;
+  const WeightsResult opened = readLightGridFile(path, &grid, &metadata);
+  requireRead(path, opened, "a light grid");
+  nlohmann::ordered_json json = {{"scene", metadata["scene"]},        {"probes", grid.tree.probeCount()},
+                                 {"cells", grid.tree.cellCount()},    {"spacing_m", grid.tree.frame().spacing_m},
+                                 {"functions", grid.functionCount()}, {"has_light", !grid.light.empty()}};
+  for (const Representation& representation : grid.representations)
+    json["representations"].push_back(representationName(representation));
+  json["verified"] = opened.detail.empty() ? kVerifiedByDigest : kVerifiedByNothing;
+  json["origin"] = parsedOrText(metadata["provenance"]);
+  return json;
+}
+
 }  // namespace
 }  // namespace nlg
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::strcmp(argv[1], "info") == 0)
+    return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-bake info", "light grids (.safetensors)", "bake", nlg::describeGrid});
   CLI::App app{
       "Bakes the weighting functions of one scene: probes, visibility, functions, generator, check, refinement → a light grid.\n"
       "nlg-bake SCENE: with the weights that ship with the project.\n"
+      "nlg-bake info GRID ...: what light grids are, verified.\n"
       "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own; the scene first, because --weights takes several files.",
       "nlg-bake"};
   app.footer(nlg::stagesHelp({}));

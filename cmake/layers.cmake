@@ -6,7 +6,7 @@
 # Layers, lowest first. A library links what its own line names, nothing else.
 set(NLG_MAY_LINK_weights_file  "")
 set(NLG_MAY_LINK_runtime_eval  nlg::weights_file hwy::hwy)
-set(NLG_MAY_LINK_tool          yaml-cpp CLI11::CLI11 nlohmann_json::nlohmann_json fmt::fmt OpenSSL::Crypto Threads::Threads)
+set(NLG_MAY_LINK_tool          nlg::weights_file yaml-cpp CLI11::CLI11 nlohmann_json::nlohmann_json fmt::fmt Threads::Threads)
 set(NLG_MAY_LINK_dataset       nlg::tool hdf5::hdf5 nlg::deflate)
 set(NLG_MAY_LINK_scene         nlg::tool nlg::runtime_eval glm::glm TinyGLTF::TinyGLTF nlg::meshoptimizer nlg::draco nlg::tinyobjloader nlohmann_json::nlohmann_json PkgConfig::LIBZIP JPEG::JPEG)
 set(NLG_MAY_LINK_probes        nlg::scene nlg::runtime_eval)

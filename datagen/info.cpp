@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 #include <limits>
 
 #include <nlohmann/json.hpp>
@@ -14,6 +13,7 @@
 #include "datagen/dataset/shard_reader.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/file_info.h"
 
 namespace nlg {
 namespace {
@@ -70,10 +70,7 @@ Json shardJson(const ShardReader& reader, const Statistics& statistics) {
   const Shard& s = reader.header();
   const ShardCounts& c = s.counts;
   const double functions = static_cast<double>(std::max<uint64_t>(c.functions, 1));
-  const uint64_t bytes = std::filesystem::file_size(s.path);
-  const Json origin = Json::parse(s.provenance_json, nullptr, false);
-  Json json = {
-      {"file", s.path}, {"schema_version", s.schema_version}, {"scene", s.scene_id}, {"family", s.family}, {"jitter", s.jitter}};
+  Json json = {{"schema_version", s.schema_version}, {"scene", s.scene_id}, {"family", s.family}, {"jitter", s.jitter}};
   json.update(countsJson(c));
   json.update({{"duplicate_rms", s.duplicate_rule.rms},
                {"duplicate_validity_points", s.duplicate_rule.validity_points},
@@ -86,48 +83,21 @@ Json shardJson(const ShardReader& reader, const Statistics& statistics) {
                {"test_points", s.test_point_count},
                {"pattern_hash", fmt::format("{:016x}", s.pattern_hash)},
                {"test_pattern_hash", fmt::format("{:016x}", s.test_pattern_hash)},
-               {"bytes", bytes},
-               {"bytes_per_function", static_cast<double>(bytes) / functions},
-               {"sha256", fileSha256(s.path)},
-               {"verified", s.schema_version >= 2 ? "every byte (SHA-256)" : "checksums of arrays (version 1 has no SHA-256)"},
-               {"origin", origin.is_discarded() ? Json(s.provenance_json) : origin}});
+               {"bytes_per_function", static_cast<double>(std::filesystem::file_size(s.path)) / functions},
+               {"verified", s.schema_version >= 2 ? kVerifiedByDigest : "checksums of arrays (version 1 has no SHA-256)"},
+               {"origin", parsedOrText(s.provenance_json)}});
   return json;
 }
 
-void print(const Json& shard) {
-  for (const auto& [key, value] : shard.items()) {
-    if (key == "origin" && value.is_object()) {
-      for (const auto& [name, part] : value.items())
-        std::cout << fmt::format("  {:<26}{}\n", name, part.is_string() ? part.get<std::string>() : part.dump());
-    } else if (key == "file") {
-      std::cout << fmt::format("{}\n", value.get<std::string>());
-    } else {
-      std::cout << fmt::format("  {:<26}{}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
-    }
-  }
-}
-
-void describe(const std::string& path, const InfoRequest& request) {
-  const ShardReader reader(path);
-  const Statistics statistics = verify(reader);
-  if (request.quiet) return;
-  const Json shard = shardJson(reader, statistics);
-  if (request.json)
-    std::cout << shard.dump() << '\n';
-  else
-    print(shard);
-}
-
-// Whether a file that was refused is proven damaged: throws DamagedShard with the refusal's words when its bytes break HDF5's own
-// structure, a checksum or the digest, and returns when they do not (a sound file of another kind, version or pattern).
+// Whether a file that was refused is proven damaged: throws DamageError when its bytes break HDF5's own structure, a checksum or the
+// digest, and returns when they do not (a sound file of another kind, version or pattern).
 // throws   InputError with the system's reason when the system does not give every byte: that proves nothing
-void refuseDamage(const std::string& path, const InputError& refusal) {
+void refuseDamage(const std::string& path) {
   fileSha256(path);
-  if (dynamic_cast<const DamageError*>(&refusal) != nullptr) throw DamagedShard(refusal.what());
   try {
     Hdf5Reader(path).verifyDigest();
   } catch (const DamageError&) {
-    throw DamagedShard(refusal.what());
+    throw;
   } catch (const InputError&) {
     // no digest: a stranger's file, or a shard of version 1
   }
@@ -135,14 +105,13 @@ void refuseDamage(const std::string& path, const InputError& refusal) {
 
 }  // namespace
 
-void describeShards(const InfoRequest& request) {
-  for (const std::string& path : request.paths) {
-    try {
-      describe(path, request);
-    } catch (const InputError& refusal) {
-      refuseDamage(path, refusal);
-      throw;
-    }
+Json describeShard(const std::string& path) {
+  try {
+    const ShardReader reader(path);
+    return shardJson(reader, verify(reader));
+  } catch (const InputError&) {
+    refuseDamage(path);
+    throw;
   }
 }
 

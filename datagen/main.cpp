@@ -9,6 +9,7 @@
 #include "datagen/info.h"
 #include "datagen/plan.h"
 #include "datagen/view/view.h"
+#include "tool/file_info.h"
 #include "tool/output_path.h"
 #include "tool/tool_main.h"
 
@@ -59,16 +60,7 @@ int planMain(int argc, char** argv) {
 }
 
 int infoMain(int argc, char** argv) {
-  CLI::App app{
-      "Says what shards are and verifies all of them: one line at the first that does not hold, with exit\n"
-      "code 7 when its own bytes prove that it is damaged, and 3 otherwise (unreadable, of another kind or version).",
-      "nlg-datagen info"};
-  InfoRequest request;
-  OptionTable table("datagen");
-  app.add_option("files", request.paths, "shards (.h5)")->required();
-  app.add_flag("--json", request.json, "one line of JSON a shard");
-  app.add_flag("--quiet", request.quiet, "print nothing about shards that hold");
-  return runTool(argc, argv, app, table, [&] { describeShards(request); });
+  return fileInfoMain(argc, argv, {"nlg-datagen info", "shards (.h5)", "datagen", describeShard});
 }
 
 int viewMain(int argc, char** argv) {

@@ -15,8 +15,10 @@
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/weights_file/weights_file.h"
 #include "tool/atomic_file.h"
+#include "tool/file_info.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
+#include "tool/require_read.h"
 #include "tool/tool_main.h"
 #include "train/generator/trainer.h"
 
@@ -220,16 +222,42 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   std::cout << result.dump() << '\n';
 }
 
+nlohmann::ordered_json describeWeights(const std::string& path) {
+  WeightsFile file;
+  GeneratorData data;
+  const WeightsResult opened = readWeightsFile(path, &file);
+  requireRead(path, opened, "the weights of a generator");
+  requireRead(path, generatorFromWeights(file, &data), "the weights of a generator");
+  nlohmann::ordered_json json = {{"representation", representationName(data.representation)},
+                                 {"theta", data.representation.thetaCount()},
+                                 {"coefficients", data.basis.coefficientCount()},
+                                 {"layers", data.layers.size()},
+                                 {"width", data.layers.front().output_count},
+                                 {"correction_steps", data.correction.step_count}};
+  for (const char* key : {"version", "training_functions", "training_set_sha256", "held_out_rmse_mean", "parity_theta"}) {
+    if (const auto found = file.metadata.find(key); found != file.metadata.end()) json[key] = found->second;
+  }
+  json["verified"] = opened.detail.empty() ? kVerifiedByDigest : kVerifiedByNothing;
+  json["origin"] = parsedOrText(file.metadata["provenance"]);
+  return json;
+}
+
+int infoMain(int argc, char** argv) {
+  return fileInfoMain(argc, argv, {"nlg-export info", "weights (.safetensors)", "export", describeWeights});
+}
+
 }  // namespace
 }  // namespace nlg
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::strcmp(argv[1], "info") == 0) return nlg::infoMain(argc - 1, argv + 1);
   if (argc > 1 && std::strcmp(argv[1], "onnx") == 0) return nlg::onnxMain(argc - 1, argv + 1);
   if (argc > 1 && std::strcmp(argv[1], "used-by") == 0) return nlg::usedByMain(argc - 1, argv + 1);
   if (argc > 1 && std::strcmp(argv[1], "shader") == 0) return nlg::shaderMain(argc - 1, argv + 1);
   if (argc > 1 && std::strcmp(argv[1], "engine") == 0) return nlg::engineMain(argc - 1, argv + 1);
   CLI::App app{
       "Exports a trained generator for the bake-time evaluator and checks the two against each other.\n"
+      "nlg-export info FILE ...: what weights are, verified.\n"
       "nlg-export onnx --weights FILE --out FILE: weights as ONNX.\n"
       "nlg-export used-by --bake GRID --weights W1 [W2 ...] --out FOLDER: the weights that a scene uses.\n"
       "nlg-export shader --grid GRID --out FOLDER: a light grid for shaders, and the look-up in GLSL.\n"

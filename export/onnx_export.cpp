@@ -9,6 +9,7 @@
 #include "export/onnx_file/onnx_file.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
+#include "tool/require_read.h"
 #include "tool/tool_main.h"
 
 namespace nlg {
@@ -21,9 +22,8 @@ void run(const std::string& weights, const std::string& out) {
   refuseToReplaceInputs(out, {weights});
   WeightsFile file;
   GeneratorData data;
-  WeightsResult result = readWeightsFile(weights, &file);
-  if (result.ok()) result = generatorFromWeights(file, &data);
-  if (!result.ok()) throw InputError(weights, weightsStatusName(result.status), "the weights of a generator", result.detail);
+  requireRead(weights, readWeightsFile(weights, &file), "the weights of a generator");
+  requireRead(weights, generatorFromWeights(file, &data), "the weights of a generator");
   nlohmann::ordered_json written = nlohmann::ordered_json::array();
   for (const std::string& path : writeOnnx(file, data, fileSha256(weights), out)) {
     written.push_back({{"file", std::filesystem::path(path).filename()}, {"bytes", std::filesystem::file_size(path)}});

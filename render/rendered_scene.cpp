@@ -14,6 +14,7 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
+#include "tool/require_read.h"
 
 namespace nlg {
 namespace {
@@ -50,8 +51,7 @@ bool isRival(const std::string& name) { return groupOf(name) != nullptr; }
 std::vector<Generator> loadGenerators(const std::vector<std::string>& paths) {
   std::vector<Generator> generators;
   for (const std::string& path : paths) {
-    const WeightsResult result = Generator::load(path, &generators.emplace_back());
-    if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "the weights of a generator", result.detail);
+    requireRead(path, Generator::load(path, &generators.emplace_back()), "the weights of a generator");
   }
   std::stable_sort(generators.begin(), generators.end(), [](const Generator& a, const Generator& b) {
     return a.representation().thetaCount() < b.representation().thetaCount();
@@ -61,8 +61,7 @@ std::vector<Generator> loadGenerators(const std::vector<std::string>& paths) {
 
 LightGrid readGrid(const std::string& path, GridMetadata* metadata) {
   LightGrid grid;
-  const WeightsResult result = readLightGridFile(path, &grid, metadata);
-  if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "a light grid", result.detail);
+  requireRead(path, readLightGridFile(path, &grid, metadata), "a light grid");
   return grid;
 }
 

@@ -1,12 +1,10 @@
 #include "tool/atomic_file.h"
 
 #include <fcntl.h>
-#include <openssl/evp.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -15,6 +13,7 @@
 #include <memory>
 #include <system_error>
 
+#include "runtime_eval/weights_file/sha256.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -135,34 +134,6 @@ void forEachBlock(const std::string& path, Take take) {
   }
 }
 
-class Sha256 {
- public:
-  Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
-    NLG_CHECK(context_ != nullptr, ==, true);
-    NLG_CHECK(EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr), ==, 1);
-  }
-  void add(const char* bytes, size_t count) { NLG_CHECK(EVP_DigestUpdate(context_.get(), bytes, count), ==, 1); }
-
-  std::vector<uint8_t> bytes() {
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-    unsigned int length = 0;
-    NLG_CHECK(EVP_DigestFinal_ex(context_.get(), digest.data(), &length), ==, 1);
-    return {digest.begin(), digest.begin() + length};
-  }
-
-  std::string hexadecimal() {
-    std::string text;
-    for (const uint8_t byte : bytes()) {
-      text += "0123456789abcdef"[byte >> 4];
-      text += "0123456789abcdef"[byte & 15];
-    }
-    return text;
-  }
-
- private:
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
-};
-
 }  // namespace
 
 void writeAtomically(const std::string& path, const std::function<void(const std::string&)>& write) {
@@ -208,7 +179,7 @@ std::string readFile(const std::string& path, size_t max_bytes) {
 std::string fileSha256(const std::string& path) {
   Sha256 hash;
   forEachBlock(path, [&](const char* block, size_t count) { hash.add(block, count); });
-  return hash.hexadecimal();
+  return hexadecimal(hash.finish());
 }
 
 std::vector<uint8_t> fileSha256Bytes(const std::string& path, ByteRange zeroed) {
@@ -221,13 +192,14 @@ std::vector<uint8_t> fileSha256Bytes(const std::string& path, ByteRange zeroed) 
     hash.add(block, count);
     position += count;
   });
-  return hash.bytes();
+  const Sha256Digest digest = hash.finish();
+  return {digest.begin(), digest.end()};
 }
 
 std::string sha256(std::string_view bytes) {
   Sha256 hash;
   hash.add(bytes.data(), bytes.size());
-  return hash.hexadecimal();
+  return hexadecimal(hash.finish());
 }
 
 }  // namespace nlg

@@ -1,14 +1,17 @@
 // nlg-cache: puts the functions of training shards and their coefficients into one shuffled file that nlg-train reads while it trains.
 
 #include <CLI/CLI.hpp>
+#include <cstring>
 
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
+#include "tool/file_info.h"
 #include "tool/output_path.h"
 #include "tool/tool_main.h"
 #include "train/basis/basis_file.h"
 #include "train/generator/function_cache_writer.h"
+#include "train/generator/lost_pages.h"
 
 namespace nlg {
 namespace {
@@ -29,11 +32,28 @@ void run(const Request& request) {
   std::cout << result.dump() << '\n';
 }
 
+nlohmann::ordered_json describeCache(const std::string& path) {
+  endWhenPagesVanish("nlg-cache info", path);
+  FunctionCache cache(path);
+  for (int64_t block = 0; block < cache.blockCount(); ++block) cache.loadBlock(block);
+  return {{"functions", cache.functionCount()},
+          {"coefficients", cache.coefficientCount()},
+          {"scenes", cache.origin().scene_ids.size()},
+          {"basis_sha256", cache.origin().basis_sha256},
+          {"training_set_sha256", cache.origin().training_set_sha256},
+          {"verified", kVerifiedByDigest}};
+}
+
 }  // namespace
 }  // namespace nlg
 
 int main(int argc, char** argv) {
-  CLI::App app{"Makes the cache that nlg-train reads a training set from, whatever its size.", "nlg-cache"};
+  if (argc > 1 && std::strcmp(argv[1], "info") == 0)
+    return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-cache info", "function caches", "cache", nlg::describeCache});
+  CLI::App app{
+      "Makes the cache that nlg-train reads a training set from, whatever its size.\n"
+      "nlg-cache info FILE ...: what caches are, verified.",
+      "nlg-cache"};
   nlg::Request request;
   nlg::OptionTable table("cache");
   app.add_option("--shards", request.shards, "training shards")->required();

@@ -1,12 +1,15 @@
 // nlg-pca: the PCA basis of a training set, and how much of held-out functions it keeps.
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstring>
 
 #include <nlohmann/json.hpp>
 
 #include "datagen/dataset/function_set.h"
 #include "tool/atomic_file.h"
+#include "tool/file_info.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
@@ -105,11 +108,29 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   std::cout << result.dump() << '\n';
 }
 
+nlohmann::ordered_json describeBasis(const std::string& path) {
+  const BasisFile file = readBasisFile(path);
+  nlohmann::ordered_json json = {{"functions", file.basis.function_count},
+                                 {"components", file.basis.data.coefficientCount()},
+                                 {"class_count", file.basis.data.class_count}};
+  for (size_t i = 0; i < file.kept_counts.size(); ++i)
+    json["held_out_variance_kept"][std::to_string(file.kept_counts[i])] = file.kept_variance[i];
+  json["pattern_hash"] = fmt::format("{:016x}", file.pattern_hash);
+  json["verified"] = file.has_digest ? kVerifiedByDigest : kVerifiedByNothing;
+  json["origin"] = parsedOrText(file.provenance_json);
+  return json;
+}
+
 }  // namespace
 }  // namespace nlg
 
 int main(int argc, char** argv) {
-  CLI::App app{"Fits the PCA basis of the weighting functions in a training set.", "nlg-pca"};
+  if (argc > 1 && std::strcmp(argv[1], "info") == 0)
+    return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-pca info", "bases (.h5)", "basis", nlg::describeBasis});
+  CLI::App app{
+      "Fits the PCA basis of the weighting functions in a training set.\n"
+      "nlg-pca info FILE ...: what bases are, verified.",
+      "nlg-pca"};
   nlg::Request request;
   nlg::PcaOptions options;
   nlg::OptionTable table("basis");

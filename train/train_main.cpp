@@ -2,6 +2,7 @@
 
 #include <ATen/Parallel.h>
 #include <torch/cuda.h>
+#include <cstring>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
+#include "tool/file_info.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
@@ -208,11 +210,27 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   printReport(request, training, state, report);
 }
 
+nlohmann::ordered_json describeCheckpoint(const std::string& path) {
+  const CheckpointHead head = readCheckpointHead(path);
+  return {{"representation", head.identity.representation},
+          {"steps", head.step},
+          {"rollbacks", head.rollbacks},
+          {"basis_sha256", head.identity.basis_sha256},
+          {"training_set_sha256", head.identity.training_set_sha256},
+          {"options", parsedOrText(head.identity.options_json)},
+          {"verified", kVerifiedByDigest}};
+}
+
 }  // namespace
 }  // namespace nlg
 
 int main(int argc, char** argv) {
-  CLI::App app{"Trains the generator network of one representation.", "nlg-train"};
+  if (argc > 1 && std::strcmp(argv[1], "info") == 0)
+    return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-train info", "checkpoints (.ckpt)", "train", nlg::describeCheckpoint});
+  CLI::App app{
+      "Trains the generator network of one representation.\n"
+      "nlg-train info FILE ...: what checkpoints are, verified.",
+      "nlg-train"};
   nlg::Request request;
   nlg::TrainOptions options;
   nlg::OptionTable table("train");

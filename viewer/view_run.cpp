@@ -21,6 +21,7 @@
 #include "tool/output_path.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
+#include "tool/require_read.h"
 #include "validate/light/light_figures.h"
 #include "viewer/method_scripts.h"
 #include "viewer/page.h"
@@ -345,8 +346,7 @@ Json makeView(ViewRequest request, BakeOptions options) {
   if (!request.grid.empty()) {
     LightGrid grid;
     GridMetadata metadata;
-    const WeightsResult result = readLightGridFile(request.grid, &grid, &metadata);
-    if (!result.ok()) throw InputError(request.grid, weightsStatusName(result.status), "a light grid", result.detail);
+    requireRead(request.grid, readLightGridFile(request.grid, &grid, &metadata), "a light grid");
     const double spacing_m = grid.tree.frame().spacing_m;
     if (options.spacing_m != BakeOptions().spacing_m && options.spacing_m != spacing_m)
       throw UsageError("spacing_m", fmt::format("with --grid, that of the grid: {:g}", spacing_m),

@@ -16,6 +16,7 @@
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
+#include "tool/require_read.h"
 #include "tool/tool_main.h"
 
 namespace nlg {
@@ -54,8 +55,7 @@ std::string formatNames() {
 
 LightGrid readGrid(const std::string& path, GridMetadata* metadata) {
   LightGrid grid;
-  const WeightsResult result = readLightGridFile(path, &grid, metadata);
-  if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "a light grid", result.detail);
+  requireRead(path, readLightGridFile(path, &grid, metadata), "a light grid");
   if (grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
   if (grid.tree.cellCount() == 0) throw InputError(path, "tree", "a cell that is used", "none");
   return grid;

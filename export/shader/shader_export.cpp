@@ -12,6 +12,7 @@
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
+#include "tool/require_read.h"
 #include "tool/tool_main.h"
 
 namespace nlg {
@@ -26,10 +27,9 @@ void run(const std::string& grid_path, const std::string& folder) {
   for (const char* name : kFiles) refuseToReplaceInputs((fs::path(folder) / name).string(), {grid_path});
   LightGrid grid;
   GridMetadata metadata;
-  WeightsResult result = readLightGridFile(grid_path, &grid, &metadata);
-  if (!result.ok()) throw InputError(grid_path, weightsStatusName(result.status), "a light grid", result.detail);
+  requireRead(grid_path, readLightGridFile(grid_path, &grid, &metadata), "a light grid");
   ShaderGrid packed;
-  result = packShaderGrid(grid, &packed);
+  const WeightsResult result = packShaderGrid(grid, &packed);
   if (!result.ok()) throw InputError(grid_path, weightsStatusName(result.status), "a grid that shaders can show", result.detail);
   writeShader(packed, folder);
   const PixelReads reads = pixelReads(packed);

@@ -5,6 +5,7 @@
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/require_read.h"
 
 namespace nlg {
 namespace {
@@ -14,8 +15,7 @@ constexpr std::string_view kInput = "weights of ";  // of the provenance of a li
 BakedWeights ofLightGrid(const std::string& path) {
   LightGrid grid;
   GridMetadata metadata;
-  const WeightsResult result = readLightGridFile(path, &grid, &metadata);
-  if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "the light grid of nlg-bake", result.detail);
+  requireRead(path, readLightGridFile(path, &grid, &metadata), "the light grid of nlg-bake");
   BakedWeights baked;
   baked.scene = metadata["scene"];
   try {

@@ -11,6 +11,7 @@
 #include "tool/atomic_file.h"
 #include "tool/one_file_each.h"
 #include "tool/output_path.h"
+#include "tool/require_read.h"
 #include "tool/tool_main.h"
 
 namespace nlg {
@@ -26,9 +27,8 @@ std::string copyPath(const std::string& folder, const std::string& representatio
 BakeWeights lookAt(const std::string& path) {
   WeightsFile file;
   GeneratorData data;
-  WeightsResult result = readWeightsFile(path, &file);
-  if (result.ok()) result = generatorFromWeights(file, &data);
-  if (!result.ok()) throw InputError(path, weightsStatusName(result.status), "the weights of a generator", result.detail);
+  requireRead(path, readWeightsFile(path, &file), "the weights of a generator");
+  requireRead(path, generatorFromWeights(file, &data), "the weights of a generator");
   return {path, representationName(data.representation), fileSha256(path), fs::file_size(path)};
 }
 

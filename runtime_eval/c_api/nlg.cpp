@@ -35,6 +35,7 @@ NLG_SAME(NLG_VALUE_OUT_OF_RANGE, value_out_of_range);
 NLG_SAME(NLG_VERSION_UNKNOWN, version_unknown);
 NLG_SAME(NLG_PATTERN_UNKNOWN, pattern_unknown);
 NLG_SAME(NLG_SIMD_UNAVAILABLE, simd_unavailable);
+NLG_SAME(NLG_DIGEST_MISMATCH, digest_mismatch);
 #undef NLG_SAME
 static_assert(NLG_FLOAT32 == static_cast<int>(nlg::GeneratorPrecision::float32));
 static_assert(NLG_INT16 == static_cast<int>(nlg::GeneratorPrecision::int16));

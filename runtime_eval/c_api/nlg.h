@@ -38,6 +38,7 @@ typedef enum nlg_status {
   NLG_VERSION_UNKNOWN = 11,
   NLG_PATTERN_UNKNOWN = 12,  /* made for another support pattern */
   NLG_SIMD_UNAVAILABLE = 13, /* the environment variable NLG_SIMD names a target that this build or machine does not have */
+  NLG_DIGEST_MISMATCH = 14,  /* the file's bytes are not those that its SHA-256 is of: damaged */
   NLG_OUT_OF_MEMORY = 100
 } nlg_status;
 
@@ -59,8 +60,8 @@ typedef enum nlg_precision {
 /* Loads a weights file, from a path or from bytes that are needed only during the call.
  *
  * generator     receives the handle; null on failure
- * detail        receives, on failure, where and why in one line of UTF-8, cut to fit and ended by a zero; an empty text on
- *               success. May be null when detail_size is 0 */
+ * detail        receives one line of UTF-8, cut to fit and ended by a zero: on failure where and why, on success an empty text, or
+ *               that the file names no digest, so that it could not be checked for damage. May be null when detail_size is 0 */
 nlg_status nlg_generator_load(const char* path, nlg_precision precision, nlg_generator** generator, char* detail,
                               size_t detail_size);
 nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_precision precision, nlg_generator** generator,

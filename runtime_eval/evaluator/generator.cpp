@@ -49,8 +49,10 @@ WeightsResult obeyEnvironment() {
 
 WeightsResult prepare(WeightsResult result, const WeightsFile& file, GeneratorPrecision precision, Generator* generator) {
   GeneratorData data;
-  if (result.ok()) result = generatorFromWeights(file, &data);
-  if (result.ok()) *generator = Generator(data, precision);
+  if (!result.ok()) return result;
+  const WeightsResult made = generatorFromWeights(file, &data);
+  if (!made.ok()) return made;
+  *generator = Generator(data, precision);
   return result;
 }
 

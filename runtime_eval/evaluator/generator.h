@@ -16,9 +16,9 @@
 
 namespace nlg {
 
-// The versions of the tensors' meaning that this code reads and writes: 2 where corrections see theta in units of their own, 1
-// otherwise.
-inline constexpr int kWeightsVersion = 2;
+// The version of the tensors' meaning that this code writes, and the newest that it reads: 3, whose files name their digest. In
+// version 2 corrections see theta in units of their own, in version 1 in those of the output.
+inline constexpr int kWeightsVersion = 3;
 
 // Learned correction steps (docs/theory/math.md §6): a network that sees a theta, how wrong it is on its function and which way is down,
 // and says how theta should change. Same layers as the generator's; inputs are CorrectionFeatures (below) in their order.
@@ -67,7 +67,8 @@ class Generator {
   Generator() = default;
   explicit Generator(const GeneratorData& data, GeneratorPrecision precision = GeneratorPrecision::float32);
 
-  // Reads a file, or its bytes, and prepares the generator; *generator is changed only on success. Obeys NLG_SIMD
+  // Reads a file, or its bytes, and prepares the generator; *generator is changed only on success. An ok result with a text is that
+  // of a file without a digest. Obeys NLG_SIMD
   // (simd_target.h): a name that is no target of this build and machine is refused (simd_unavailable), so the first call should
   // precede other threads' work.
   static WeightsResult load(const std::string& path, GeneratorPrecision precision, Generator* generator);

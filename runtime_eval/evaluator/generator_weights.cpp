@@ -179,7 +179,8 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
                           file.tensors.count("correction.layer.0.weight") != 0;
   if (reader.ok() && (has_layers || file.metadata.count("correction.steps") != 0)) {
     data->correction.step_count = reader.integer("correction.steps", 1, kLargestCorrectionStepCount);
-    if (version > 1) data->correction.theta_unit = static_cast<float>(reader.number("correction.theta_unit", 1e-6, 1e6));
+    const bool has_unit = version == 2 || file.metadata.count("correction.theta_unit") != 0;
+    if (has_unit) data->correction.theta_unit = static_cast<float>(reader.number("correction.theta_unit", 1e-6, 1e6));
     const CorrectionFeatures features{data->basis.coefficientCount(), theta_count};
     if (reader.ok()) data->correction.layers = readLayers(reader, "correction", features.count(), theta_count);
   }
@@ -206,7 +207,7 @@ WeightsFile weightsFromGenerator(const GeneratorData& data) {
     return std::string(text);
   };
   const bool has_unit = data.correction.step_count > 0 && data.correction.theta_unit > 0.0f;
-  file.metadata["version"] = std::to_string(has_unit ? kWeightsVersion : 1);
+  file.metadata["version"] = std::to_string(kWeightsVersion);
   if (has_unit) file.metadata["correction.theta_unit"] = number(data.correction.theta_unit);
   file.metadata["pattern_hash"] = hexadecimal(supportPattern().hash);
   file.metadata["representation"] = representationName(data.representation);

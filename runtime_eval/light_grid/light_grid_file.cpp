@@ -8,18 +8,18 @@
 
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
+#include "runtime_eval/weights_file/safetensors_layout.h"
 #include "runtime_eval/weights_file/tensor_file.h"
 
 namespace nlg {
 namespace {
 
 constexpr const char* kKind = "nlg-light-grid";
-constexpr const char* kVersion = "2";
-constexpr const char* kStepsVersion = "3";  // theta in int8; all else as in 2, which readers from before int8 can read
-constexpr const char* kOldVersion = "1";    // without light, and with the tree in lists that follow from its nodes
+constexpr const char* kVersion = "4";        // with a digest, theta in int8 or as in 2
+constexpr const char* kHalvesVersion = "2";  // without a digest, theta in float16 or float32
+constexpr const char* kStepsVersion = "3";   // without a digest, theta in int8
+constexpr const char* kOldVersion = "1";     // without light, and with the tree in lists that follow from its nodes
 constexpr std::string_view kRepresentationPrefix = "representation.", kSlopePrefix = "slope.";
-
-WeightsResult refuse(WeightsStatus status, std::string detail) { return {status, std::move(detail)}; }
 
 std::string numbered(std::string_view prefix, size_t index) { return std::string(prefix) + std::to_string(index); }
 
@@ -37,19 +37,19 @@ std::string slopeText(float slope) {
 }
 
 bool isOwnKey(std::string_view key) {
-  for (const std::string_view own : {"kind", "version", "pattern_hash", "light", "representation_count"})
+  for (const std::string_view own : {"kind", "version", "pattern_hash", "light", "representation_count", kDigestKey})
     if (key == own) return true;
   return key.substr(0, kRepresentationPrefix.size()) == kRepresentationPrefix ||
          key.substr(0, kSlopePrefix.size()) == kSlopePrefix;
 }
 
 // The file's own keys beside the caller's.
-WeightsResult addOwnMetadata(const LightGrid& grid, const char* version, LightForm light, GridMetadata* metadata) {
+WeightsResult addOwnMetadata(const LightGrid& grid, LightForm light, GridMetadata* metadata) {
   for (const auto& [key, text] : *metadata) {
     if (isOwnKey(key)) return refuse(WeightsStatus::value_out_of_range, "metadata " + key + ": a key of the file's own");
   }
   (*metadata)["kind"] = kKind;
-  (*metadata)["version"] = version;
+  (*metadata)["version"] = kVersion;
   (*metadata)["pattern_hash"] = patternHash();
   (*metadata)["light"] = lightFormName(light);
   (*metadata)["representation_count"] = std::to_string(grid.representations.size());
@@ -210,8 +210,8 @@ WeightsResult takeIdentity(GridMetadata* metadata, std::string* version) {
   takeFirst(&result, takeText(metadata, "pattern_hash", &pattern));
   if (!result.ok()) return result;
   if (kind != kKind) return refuseText(WeightsStatus::value_out_of_range, "kind", kKind, kind);
-  if (*version != kVersion && *version != kStepsVersion && *version != kOldVersion)
-    return refuseText(WeightsStatus::version_unknown, "version", std::string(kOldVersion) + " to " + kStepsVersion, *version);
+  if (*version != kVersion && *version != kHalvesVersion && *version != kStepsVersion && *version != kOldVersion)
+    return refuseText(WeightsStatus::version_unknown, "version", std::string(kOldVersion) + " to " + kVersion, *version);
   if (pattern != patternHash()) return refuseText(WeightsStatus::pattern_unknown, "pattern_hash", patternHash(), pattern);
   return {};
 }
@@ -295,7 +295,7 @@ WeightsResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
 }
 
 // is_old     of a file of version 1
-// in_steps   of a file of version 3
+// in_steps   theta in int8
 WeightsResult readFunctions(const TensorFileReader& reader, bool is_old, bool in_steps, LightGrid* grid) {
   WeightsResult result = reader.read("function.representation", &grid->function_representation);
   const bool is_short = !is_old && grid->functionCount() <= kMaxShortFunctions;
@@ -348,6 +348,7 @@ WeightsResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMeta
   std::string version;
   LightForm form = LightForm::none;
   WeightsResult result = takeIdentity(metadata, &version);
+  if (result.ok() && version == kVersion && !reader.hasDigest()) result = refuse(WeightsStatus::digest_mismatch, kDigestMissing);
   if (result.ok() && version != kOldVersion) result = takeLightForm(metadata, &form);
   if (result.ok()) result = takeRepresentations(metadata, &grid->representations);
   if (!result.ok()) return result;
@@ -355,24 +356,25 @@ WeightsResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMeta
     if (isOwnKey(key)) return refuse(WeightsStatus::value_out_of_range, "metadata " + key + ": expected no such key");
   }
   const bool is_old = version == kOldVersion;
-  result = readFunctions(reader, is_old, version == kStepsVersion, grid);
+  const bool in_steps = version == kStepsVersion || (version == kVersion && !reader.dtypeOf("theta.steps").empty());
+  result = readFunctions(reader, is_old, in_steps, grid);
   if (result.ok()) result = is_old ? readOldTree(reader, grid) : readTree(reader, grid);
   if (result.ok()) result = readLight(reader, form, grid);
   return result.ok() ? checkLightGrid(*grid) : result;
 }
 
 // Nothing half-read reaches the caller.
-WeightsResult finish(WeightsResult result, const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
+WeightsResult finish(const WeightsResult& opened, const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
   *grid = {};
   metadata->clear();
-  if (!result.ok()) return result;
+  if (!opened.ok()) return opened;
   LightGrid read_grid;
   GridMetadata read_metadata;
-  result = readGrid(reader, &read_grid, &read_metadata);
+  WeightsResult result = readGrid(reader, &read_grid, &read_metadata);
   if (!result.ok()) return result;
   *grid = std::move(read_grid);
   *metadata = std::move(read_metadata);
-  return {};
+  return opened;
 }
 
 }  // namespace
@@ -384,7 +386,7 @@ WeightsResult serializeLightGrid(const LightGrid& grid, const GridPrecision& pre
   GridMetadata texts = metadata;
   const LightForm form = formOf(grid, precision);
   const bool in_steps = precision.theta == ThetaPrecision::int8;
-  takeFirst(&result, addOwnMetadata(grid, in_steps ? kStepsVersion : kVersion, form, &texts));
+  takeFirst(&result, addOwnMetadata(grid, form, &texts));
   PackedLight light;
   if (result.ok()) result = packedLight(grid, form, &light);
   const std::vector<float> light_scale{light.scale};
@@ -435,7 +437,7 @@ WeightsResult readLightGridFile(const std::string& path, LightGrid* grid, GridMe
   TensorFileReader reader;
   const WeightsResult opened = reader.openFile(path);
   WeightsResult result = finish(opened, reader, grid, metadata);
-  if (!result.ok()) result.detail = path + ": " + result.detail;
+  if (!result.detail.empty()) result.detail = path + ": " + result.detail;
   return result;
 }
 

@@ -15,7 +15,7 @@
 namespace nlg {
 
 // Texts for people, by key: scene, options, revision, hash of the weights. Any UTF-8, but for the keys that the file itself uses:
-// kind, version, pattern_hash, light, representation_count, representation.N, slope.N.
+// file_sha256, kind, version, pattern_hash, light, representation_count, representation.N, slope.N.
 using GridMetadata = std::map<std::string, std::string>;
 
 // What numbers become in a file.
@@ -37,7 +37,7 @@ struct GridPrecision {
 WeightsResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precision, const GridMetadata& metadata,
                                  std::string* bytes);
 
-// Reads a file, or bytes in memory. Every byte is checked: what is accepted passes checkLightGrid, and its tree is one that
+// Reads a file, or bytes in memory. Every byte is checked: by the file's digest, and what is accepted passes checkLightGrid, and its tree is one that
 // ProbeTree::build gives, so that no look-up can leave it. Memory is in proportion to the bytes that are there, whatever they
 // say.
 // returns   ok; otherwise *grid and *metadata are empty

@@ -3,6 +3,7 @@
    computes.
 
        NlgGrid grid = {bytes, size};                             bytes of grid.bin, which the caller keeps
+       if (!nlgIsWhole(&grid)) ...                               once: its bytes against the digest that it holds
        float rgb[3];
        NlgStatus status = nlgIrradiance(&grid, position_m, normal, rgb);
 
@@ -271,6 +272,64 @@ static inline NlgStatus nlgIrradiance(const NlgGrid* grid, const float* position
   }
   for (i = 0; i < 3; ++i) rgb[i] = rgb[i] > 0.0f ? rgb[i] * scale : 0.0f;
   return status;
+}
+
+/* 64 bytes more of a SHA-256 (FIPS 180-4). */
+static inline void nlgDigestBlock(uint32_t* state, const uint8_t* block) {
+  static const uint32_t round[64] = {
+      0x428a2f98u, 0x71374491u, 0xb5c0fbcfu, 0xe9b5dba5u, 0x3956c25bu, 0x59f111f1u, 0x923f82a4u, 0xab1c5ed5u,
+      0xd807aa98u, 0x12835b01u, 0x243185beu, 0x550c7dc3u, 0x72be5d74u, 0x80deb1feu, 0x9bdc06a7u, 0xc19bf174u,
+      0xe49b69c1u, 0xefbe4786u, 0x0fc19dc6u, 0x240ca1ccu, 0x2de92c6fu, 0x4a7484aau, 0x5cb0a9dcu, 0x76f988dau,
+      0x983e5152u, 0xa831c66du, 0xb00327c8u, 0xbf597fc7u, 0xc6e00bf3u, 0xd5a79147u, 0x06ca6351u, 0x14292967u,
+      0x27b70a85u, 0x2e1b2138u, 0x4d2c6dfcu, 0x53380d13u, 0x650a7354u, 0x766a0abbu, 0x81c2c92eu, 0x92722c85u,
+      0xa2bfe8a1u, 0xa81a664bu, 0xc24b8b70u, 0xc76c51a3u, 0xd192e819u, 0xd6990624u, 0xf40e3585u, 0x106aa070u,
+      0x19a4c116u, 0x1e376c08u, 0x2748774cu, 0x34b0bcb5u, 0x391c0cb3u, 0x4ed8aa4au, 0x5b9cca4fu, 0x682e6ff3u,
+      0x748f82eeu, 0x78a5636fu, 0x84c87814u, 0x8cc70208u, 0x90befffau, 0xa4506cebu, 0xbef9a3f7u, 0xc67178f2u};
+  uint32_t w[64], s[8];
+  int i;
+#define NLG_ROTR(x, n) ((x) >> (n) | (x) << (32 - (n)))
+  for (i = 0; i < 16; ++i)
+    w[i] = (uint32_t)block[4 * i] << 24 | (uint32_t)block[4 * i + 1] << 16 | (uint32_t)block[4 * i + 2] << 8 |
+           (uint32_t)block[4 * i + 3];
+  for (i = 16; i < 64; ++i)
+    w[i] = w[i - 16] + (NLG_ROTR(w[i - 15], 7) ^ NLG_ROTR(w[i - 15], 18) ^ w[i - 15] >> 3) + w[i - 7] +
+           (NLG_ROTR(w[i - 2], 17) ^ NLG_ROTR(w[i - 2], 19) ^ w[i - 2] >> 10);
+  for (i = 0; i < 8; ++i) s[i] = state[i];
+  for (i = 0; i < 64; ++i) {
+    const uint32_t a =
+        s[7] + (NLG_ROTR(s[4], 6) ^ NLG_ROTR(s[4], 11) ^ NLG_ROTR(s[4], 25)) + ((s[4] & s[5]) ^ (~s[4] & s[6])) + round[i] + w[i];
+    const uint32_t b =
+        (NLG_ROTR(s[0], 2) ^ NLG_ROTR(s[0], 13) ^ NLG_ROTR(s[0], 22)) + ((s[0] & s[1]) ^ (s[0] & s[2]) ^ (s[1] & s[2]));
+    s[7] = s[6], s[6] = s[5], s[5] = s[4], s[4] = s[3] + a, s[3] = s[2], s[2] = s[1], s[1] = s[0], s[0] = a + b;
+  }
+#undef NLG_ROTR
+  for (i = 0; i < 8; ++i) state[i] += s[i];
+}
+
+/* The first 8 bytes of the grid's SHA-256, these 8 taken as zeros, against those that stand in its head. 1: the grid is whole; 0: it
+   is damaged, or older than its digest. Takes about 3 ms a megabyte: once, after loading. */
+static inline int nlgIsWhole(const NlgGrid* grid) {
+  enum { NLG_DIGEST_FIRST = 56, NLG_DIGEST_COUNT = 8 };
+  uint32_t state[8] = {0x6a09e667u, 0xbb67ae85u, 0x3c6ef372u, 0xa54ff53au, 0x510e527fu, 0x9b05688cu, 0x1f83d9abu, 0x5be0cd19u};
+  const size_t padded = (grid->size + 9 + 63) / 64 * 64;
+  size_t at, i;
+  if (grid->size < NLG_DIGEST_FIRST + NLG_DIGEST_COUNT) return 0;
+  for (at = 0; at < padded; at += 64) {
+    uint8_t block[64];
+    for (i = 0; i < 64; ++i) {
+      const size_t byte = at + i;
+      if (byte < grid->size)
+        block[i] = byte - NLG_DIGEST_FIRST < NLG_DIGEST_COUNT ? 0 : grid->bytes[byte];
+      else if (padded - byte <= 8) /* how many bits there are, the largest byte first */
+        block[i] = (uint8_t)((uint64_t)grid->size * 8 >> 8 * (padded - byte - 1));
+      else
+        block[i] = byte == grid->size ? 0x80 : 0;
+    }
+    nlgDigestBlock(state, block);
+  }
+  for (i = 0; i < NLG_DIGEST_COUNT; ++i)
+    if (grid->bytes[NLG_DIGEST_FIRST + i] != (uint8_t)(state[i / 4] >> (24 - 8 * (i % 4)))) return 0;
+  return 1;
 }
 
 #endif

@@ -4,12 +4,14 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
 #include "runtime_eval/numbers/half.h"
+#include "runtime_eval/weights_file/sha256.h"
 
 namespace nlg {
 namespace {
@@ -18,6 +20,7 @@ namespace {
 enum Kind : uint32_t { kNone, kTent, kNetwork4, kNetwork44, kNetwork88, kField };
 constexpr uint32_t kTentFlag = 8, kSigmoidFlag = 16, kHalvesFlag = 32;
 constexpr int kClassHeader = 4, kHeadersAClass = 2;
+constexpr size_t kDigestWord = 14, kDigestWords = 2;
 constexpr uint32_t kNoBlock = 0xffffffffu, kIndexMask = (1u << 27) - 1, kUsed = 1u << 31;
 constexpr int kBlockLog2 = 2, kBlockSide = 1 << kBlockLog2;
 constexpr size_t kLightWords = 8, kWordsAFour = 4;
@@ -103,6 +106,7 @@ class Packer {
     if (packed.ok()) packed = addRecords(result);
     if (!packed.ok()) return packed;
     writeHeader();
+    writeDigest();
     defines(result);
     result->words = std::move(words_);
     return {};
@@ -327,6 +331,14 @@ class Packer {
             {bitsOf(of.representation.slope), bitsOf(has_function ? of.representation.residue() : 0.0f),
              bitsOf(is_network ? stepOf(of.representation.shape()) : 0.0f), static_cast<uint32_t>(of.representation.resolution)});
     }
+  }
+
+  // Once everything else stands.
+  void writeDigest() {
+    Sha256 hash;
+    hash.add(words_.data(), words_.size() * sizeof(uint32_t));
+    const Sha256Digest digest = hash.finish();
+    std::memcpy(&words_[kDigestWord], digest.data(), kDigestWords * sizeof(uint32_t));
   }
 
   void defines(ShaderGrid* result) const {

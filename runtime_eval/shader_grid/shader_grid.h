@@ -18,7 +18,7 @@
 //     0             first_m x, y, z, units a metre                      float
 //     1             first block x, y, z; first word of the blocks       int
 //     2             blocks along x, y, z; first word of the slots       int
-//     3             scale of light (float), classes, 0, 0
+//     3             scale of light (float), classes; the first 8 bytes of the SHA-256 of all words, these two taken as zeros
 //     4 + 2 k       of class k: first probe, first record, its stride (the last two in units of 16 bytes), kind and flags
 //     5 + 2 k       slope, residue, step of bytes (float); nodes along an edge of a product field
 //

@@ -52,7 +52,7 @@ class HeaderParser {
     const auto parseEntry = [&](const std::string& name) {
       if (name == kMetadataKey) {
         if (std::exchange(has_metadata, true)) return expected("__metadata__ once");
-        return parseMetadata(&header->metadata);
+        return parseMetadata(header);
       }
       const auto [entry, is_new] = header->tensors.try_emplace(name);
       if (!is_new) return expected("each tensor once");
@@ -94,10 +94,13 @@ class HeaderParser {
     return take('}');
   }
 
-  bool parseMetadata(std::map<std::string, std::string>* metadata) {
+  bool parseMetadata(WeightsHeader* header) {
     return parseObject([&](const std::string& key) {
-      const auto [entry, is_new] = metadata->try_emplace(key);
-      return is_new ? parseText(&entry->second) : expected("each key of __metadata__ once");
+      const auto [entry, is_new] = header->metadata.try_emplace(key);
+      if (!is_new) return expected("each key of __metadata__ once");
+      skipBlanks();
+      if (key == kDigestKey) header->digest_offset = at_ + 1;  // behind the quote
+      return parseText(&entry->second);
     });
   }
 

@@ -21,9 +21,13 @@ struct TensorEntry {
   uint64_t begin = 0, end = 0;  // bytes, relative to the end of the header
 };
 
+// A metadata key: the SHA-256 of the whole file with these 64 hexadecimal digits taken as zeros.
+inline constexpr const char* kDigestKey = "file_sha256";
+
 struct WeightsHeader {
   std::map<std::string, TensorEntry> tensors;
   std::map<std::string, std::string> metadata;
+  size_t digest_offset = 0;  // in the header's text: where the value of kDigestKey begins; 0 without that key
 };
 
 // Parses the header's text. Never throws on any bytes (but for lack of memory, and it takes no more than a few times the text's).

@@ -9,6 +9,8 @@
 #include <memory>
 #include <utility>
 
+#include "runtime_eval/weights_file/sha256.h"
+
 static_assert(std::endian::native == std::endian::little, "lengths and tensors are copied as they lie in the file");
 
 namespace nlg {
@@ -17,6 +19,9 @@ namespace {
 constexpr uint64_t kLengthBytes = 8;
 constexpr uint64_t kAlignment = 64;
 constexpr std::string_view kPaddingPrefix = "padding.";
+constexpr std::string_view kHeaderStart = "{\"__metadata__\":{\"file_sha256\":\"";
+constexpr size_t kDigestDigits = 2 * sizeof(Sha256Digest);
+constexpr size_t kReadBlockBytes = size_t{1} << 20;
 
 uint64_t missingToAlignment(uint64_t bytes) { return (kAlignment - bytes % kAlignment) % kAlignment; }
 
@@ -82,6 +87,49 @@ WeightsResult checkCoverage(const WeightsHeader& header, uint64_t data_bytes) {
   return {};
 }
 
+// Digests bytes with the digits of the digest itself taken as zeros.
+class FileDigest {
+ public:
+  // digest_offset   in the file
+  explicit FileDigest(uint64_t digest_offset) : digest_offset_(digest_offset) {}
+
+  // The file's bytes in their order.
+  void add(const char* bytes, size_t count) {
+    const auto within = [&](uint64_t offset) {
+      return static_cast<size_t>(std::clamp<uint64_t>(offset, position_, position_ + count) - position_);
+    };
+    const size_t first = within(digest_offset_), last = within(digest_offset_ + kDigestDigits);
+    const std::string zeros(last - first, '0');
+    hash_.add(bytes, first);
+    hash_.add(zeros.data(), zeros.size());
+    hash_.add(bytes + last, count - last);
+    position_ += count;
+  }
+  std::string finish() { return hexadecimal(hash_.finish()); }
+
+ private:
+  uint64_t digest_offset_, position_ = 0;
+  Sha256 hash_;
+};
+
+// Takes the digest out of the metadata and compares it with the source's bytes.
+WeightsResult checkDigest(const ByteSource& source, WeightsHeader* header) {
+  const auto found = header->metadata.find(kDigestKey);
+  if (found == header->metadata.end()) return {WeightsStatus::ok, kNoDigest};
+  const std::string named = std::move(found->second);
+  header->metadata.erase(found);
+  FileDigest digest(kLengthBytes + header->digest_offset);
+  std::vector<char> block(std::min<uint64_t>(source.size, kReadBlockBytes));
+  for (uint64_t at = 0; at < source.size; at += block.size()) {
+    const size_t count = std::min<uint64_t>(block.size(), source.size - at);
+    if (!source.read(at, block.data(), count)) return refuse(WeightsStatus::cannot_read, "byte " + std::to_string(at));
+    digest.add(block.data(), count);
+  }
+  if (digest.finish() == named) return {};
+  return refuse(WeightsStatus::digest_mismatch,
+                "its bytes are not those that its file_sha256 is of: damaged, or changed by hand");
+}
+
 }  // namespace
 
 WeightsResult refuse(WeightsStatus status, std::string detail) { return {status, std::move(detail)}; }
@@ -133,14 +181,13 @@ WeightsResult readLayout(const ByteSource& source, std::string (*dtype_fault)(co
     result = checkTensor(name, tensor, *data_offset);
     if (!result.ok()) return result;
   }
-  return checkCoverage(*header, source.size - *data_offset);
+  result = checkCoverage(*header, source.size - *data_offset);
+  return result.ok() ? checkDigest(source, header) : result;
 }
 
-HeaderWriter::HeaderWriter(const std::map<std::string, std::string>& metadata) : text_("{\"__metadata__\":{") {
-  for (const auto& [key, value] : metadata) {
-    if (text_.back() != '{') text_ += ',';
-    text_ += jsonQuoted(key) + ":" + jsonQuoted(value);
-  }
+HeaderWriter::HeaderWriter(const std::map<std::string, std::string>& metadata) : text_(kHeaderStart) {
+  text_.append(kDigestDigits, '0') += '"';
+  for (const auto& [key, value] : metadata) text_ += "," + jsonQuoted(key) + ":" + jsonQuoted(value);
   text_ += '}';
 }
 
@@ -167,6 +214,13 @@ std::string HeaderWriter::finish() {
 std::string withLength(const std::string& header) {
   const uint64_t length = header.size();
   return std::string(reinterpret_cast<const char*>(&length), kLengthBytes) + header;
+}
+
+void stampDigest(std::string* file) {
+  constexpr size_t kDigestOffset = kLengthBytes + kHeaderStart.size();
+  FileDigest digest(kDigestOffset);
+  digest.add(file->data(), file->size());
+  file->replace(kDigestOffset, kDigestDigits, digest.finish());
 }
 
 }  // namespace nlg

@@ -35,16 +35,26 @@ bool isPadding(std::string_view name);
 // Bytes of one element: U8, U16, U32, U64, I8, I32, F16, F32, F64; 0 for any other dtype.
 uint64_t dtypeBytes(std::string_view dtype);
 
-// Reads the header and checks it against the source: every tensor's dtype, its shape against its bytes, its alignment; and that
-// all tensors together cover the rest of the source without a hole, an overlap or a rest: the rule of safetensors itself.
+// Reads the header and checks it against the source: every tensor's dtype, its shape against its bytes, its alignment; that all
+// tensors together cover the rest of the source without a hole, an overlap or a rest: the rule of safetensors itself; and the
+// file's digest, where it names one: every byte is read once for it.
 // dtype_fault   what is wrong with a tensor of this name and dtype; empty: nothing. It lets only dtypes pass that dtypeBytes knows.
+// header        metadata without kDigestKey; digest_offset says whether it was there
 // data_offset   where the tensors begin
+// returns       ok, with kNoDigest as its detail where the file names none; otherwise what is wrong
 WeightsResult readLayout(const ByteSource& source, std::string (*dtype_fault)(const std::string& name, const std::string& dtype),
                          WeightsHeader* header, uint64_t* data_offset);
 
-// Writes a header, one tensor after another.
+// What is said of files that were written before digests.
+inline constexpr const char* kNoDigest = "it names no file_sha256: whether it is damaged was not checked";
+// … and of files whose version says that they name one.
+inline constexpr const char* kDigestMissing = "it names no file_sha256, as files of its version do: damaged, or changed by hand";
+
+// Writes a header, one tensor after another. It begins with the digest's key, whose digits stampDigest fills when the file's bytes
+// are all there.
 class HeaderWriter {
  public:
+  // metadata   without kDigestKey
   explicit HeaderWriter(const std::map<std::string, std::string>& metadata);
 
   // returns   how many bytes of padding stand before the tensor's own
@@ -62,5 +72,8 @@ class HeaderWriter {
 
 // A header's text with its length before it: how a file begins.
 std::string withLength(const std::string& header);
+
+// Fills in the digest of a whole file whose header a HeaderWriter wrote.
+void stampDigest(std::string* file);
 
 }  // namespace nlg

@@ -32,7 +32,7 @@ WeightsResult TensorFileReader::open(ByteSource source) {
   header_ = std::move(header);
   data_offset_ = data_offset;
   read_ = std::move(source.read);
-  return {};
+  return result;
 }
 
 std::string_view TensorFileReader::dtypeOf(const std::string& name) const {
@@ -84,6 +84,7 @@ WeightsResult TensorFileWriter::serialize(const std::map<std::string, std::strin
     bytes->append(padding[i], '\0');
     if (tensors_[i].bytes > 0) bytes->append(static_cast<const char*>(tensors_[i].values), tensors_[i].bytes);
   }
+  stampDigest(bytes);
   return {};
 }
 

@@ -38,15 +38,17 @@ constexpr const char* tensorDtype() {
   if constexpr (std::is_same_v<T, double>) return "F64";
 }
 
-// Opens a file and checks its header against its size: dtypes, shapes, alignment, that the tensors cover all bytes. Values are
-// fetched one tensor at a time; nothing is allocated that the file does not cover. What values mean is for the caller.
+// Opens a file and checks its header against its size: dtypes, shapes, alignment, that the tensors cover all bytes; then the digest,
+// where the file names one, against all of them. Values are fetched one tensor at a time; nothing is allocated that the file does not cover. What values mean is for the caller.
 class TensorFileReader {
  public:
   WeightsResult openFile(const std::string& path);
   // bytes   must outlive the reader
   WeightsResult openBytes(std::string_view bytes);
 
+  // But for the digest, which openFile and openBytes have compared with every byte.
   const std::map<std::string, std::string>& metadata() const { return header_.metadata; }
+  bool hasDigest() const { return header_.digest_offset > 0; }
   // The dtype of a tensor; empty when there is none of that name.
   std::string_view dtypeOf(const std::string& name) const;
 

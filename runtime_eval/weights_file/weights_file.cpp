@@ -1,6 +1,7 @@
 #include "runtime_eval/weights_file/weights_file.h"
 
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 
@@ -49,24 +50,34 @@ WeightsResult readTensor(const ByteSource& source, const std::string& name, cons
   return {};
 }
 
+// Whether a file may be without a digest: not where the version says that it has one, since damage may have taken it away.
+bool mayLackDigest(const WeightsHeader& header) {
+  const auto found = header.metadata.find("version");
+  if (found == header.metadata.end()) return true;
+  int version = 0;
+  std::from_chars(found->second.data(), found->second.data() + found->second.size(), version);
+  return version < kFirstDigestVersion;
+}
+
 WeightsResult readAll(const ByteSource& source, WeightsFile* file) {
   WeightsHeader header;
   uint64_t data_offset = 0;
-  WeightsResult result = readLayout(source, dtypeFault, &header, &data_offset);
-  if (!result.ok()) return result;
+  WeightsResult opened = readLayout(source, dtypeFault, &header, &data_offset);
+  if (!opened.ok()) return opened;
+  if (header.digest_offset == 0 && !mayLackDigest(header)) return refuse(WeightsStatus::digest_mismatch, kDigestMissing);
   for (const auto& [name, entry] : header.tensors) {
     if (isPadding(name)) continue;
-    result = readTensor(source, name, entry, data_offset, &file->tensors[name]);
+    WeightsResult result = readTensor(source, name, entry, data_offset, &file->tensors[name]);
     if (!result.ok()) return result;
   }
   file->metadata = std::move(header.metadata);
-  return {};
+  return opened;
 }
 
 WeightsResult readSource(const ByteSource& source, WeightsFile* file) {
   *file = {};
   WeightsFile whole;
-  const WeightsResult result = readAll(source, &whole);
+  WeightsResult result = readAll(source, &whole);
   if (result.ok()) *file = std::move(whole);
   return result;
 }
@@ -115,6 +126,8 @@ const char* weightsStatusName(WeightsStatus status) {
       return "pattern_unknown";
     case WeightsStatus::simd_unavailable:
       return "simd_unavailable";
+    case WeightsStatus::digest_mismatch:
+      return "digest_mismatch";
   }
   return "unknown";
 }
@@ -125,7 +138,7 @@ WeightsResult readWeightsFile(const std::string& path, WeightsFile* file) {
   WeightsResult result = openByteSource(path, &source);
   if (result.ok() && source.size > kMaxFileBytes) result = refuse(WeightsStatus::cannot_read, "larger than 1 GiB");
   if (result.ok()) result = readSource(source, file);
-  if (!result.ok()) result.detail = path + ": " + result.detail;
+  if (!result.detail.empty()) result.detail = path + ": " + result.detail;
   return result;
 }
 
@@ -156,7 +169,9 @@ std::string serializeWeights(const WeightsFile& file) {
     data.append(header.add(name, dtype, tensor.shape, bytes), '\0');
     appendValues(tensor, &data);
   }
-  return withLength(header.finish()) + data;
+  std::string bytes = withLength(header.finish()) + data;
+  stampDigest(&bytes);
+  return bytes;
 }
 
 }  // namespace nlg

@@ -32,12 +32,14 @@ enum class WeightsStatus {
   version_unknown,
   pattern_unknown,   // made for another support pattern
   simd_unavailable,  // NLG_SIMD names a target that this build or machine does not have
+  digest_mismatch,   // the file's bytes are not those that its SHA-256 is of: damaged
 };
 
 // A short English name of a status, for messages: "tensor_missing".
 const char* weightsStatusName(WeightsStatus status);
 
-// Status and, when it is not ok, where and why in one line.
+// Status and where and why in one line when it is not ok. A reader's ok has an empty text, or says that the file names no digest,
+// so that nobody knows whether it is damaged: files written before there were digests.
 struct WeightsResult {
   WeightsStatus status = WeightsStatus::ok;
   std::string detail;
@@ -55,11 +57,15 @@ struct WeightsTensor {
 
 struct WeightsFile {
   std::map<std::string, WeightsTensor> tensors;
-  std::map<std::string, std::string> metadata;
+  std::map<std::string, std::string> metadata;  // but for the digest, which belongs to the bytes
 };
 
-// Reads a file, or bytes in memory. Every offset is checked against the size before it is followed; nothing is allocated that the
-// bytes do not cover (F16 takes twice its bytes), and a file is never in memory twice. On failure *file is left empty.
+// The first version of a generator's tensors (metadata key `version`) whose files must name their digest.
+inline constexpr int kFirstDigestVersion = 3;
+
+// Reads a file, or bytes in memory. The file's digest is compared with its bytes before anything else is believed. Every offset is
+// checked against the size before it is followed; nothing is allocated that the bytes do not cover (F16 takes twice its bytes), and
+// a file is never in memory twice. On failure *file is left empty.
 WeightsResult readWeightsFile(const std::string& path, WeightsFile* file);
 WeightsResult parseWeights(std::string_view bytes, WeightsFile* file);
 

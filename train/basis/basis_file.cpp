@@ -6,11 +6,14 @@
 #include "datagen/dataset/hdf5_file.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/file_info.h"
+#include "tool/require_read.h"
 
 namespace nlg {
 namespace {
 
-constexpr uint64_t kSchemaVersion = 1;
+constexpr uint64_t kSchemaVersion = 2;
+constexpr uint64_t kVersionWithoutDigest = 1;
 constexpr const char* kKind = "nlg-basis";
 
 template <class T>
@@ -51,7 +54,7 @@ void writeBasisFile(const std::string& path, const BasisFile& file) {
     writer.write("mean_validity", {kSupportPointCount}, file.mean_validity.data());
     writer.write("kept_counts", {file.kept_counts.size()}, file.kept_counts.data());
     writer.write("kept_variance", {file.kept_variance.size()}, file.kept_variance.data());
-    writer.close();
+    writer.closeWithDigest();
   });
 }
 
@@ -62,9 +65,15 @@ BasisFile readBasisFile(const std::string& path) {
   if (const std::string kind = reader.readTextAttribute("kind"); kind != kKind) {
     throw InputError(path, "attribute kind", kKind, "'" + kind.substr(0, 40) + "'");
   }
-  if (const uint64_t version = reader.readIntegerAttribute("schema_version"); version != kSchemaVersion) {
+  const uint64_t version = reader.readIntegerAttribute("schema_version");
+  if (version != kSchemaVersion && version != kVersionWithoutDigest) {
     throw InputError(path, "attribute schema_version", std::to_string(kSchemaVersion), std::to_string(version));
   }
+  file.has_digest = version == kSchemaVersion;
+  if (file.has_digest)
+    reader.verifyDigest();
+  else
+    sayUnchecked(path + ": " + kVerifiedByNothing);
   file.pattern_hash = reader.readIntegerAttribute("pattern_hash");
   if (file.pattern_hash != supportPattern().hash) {
     throw InputError(path, "attribute pattern_hash", std::to_string(supportPattern().hash), std::to_string(file.pattern_hash));

@@ -16,12 +16,14 @@ struct BasisFile {
   std::vector<double> kept_variance;  // share kept, one a count
   uint64_t pattern_hash = 0;
   std::string provenance_json;
+  bool has_digest = false;  // as read: files of schema version 1 have none
 };
 
 // throws OutputError
 void writeBasisFile(const std::string& path, const BasisFile& file);
 
-// throws InputError on a missing, damaged or foreign file (another pattern), counts that disagree, non-finite numbers
+// Compares the file's digest with every byte of it.
+// throws InputError on a missing, damaged (DamageError) or foreign file (another pattern), counts that disagree, non-finite numbers
 BasisFile readBasisFile(const std::string& path);
 
 }  // namespace nlg

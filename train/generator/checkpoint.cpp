@@ -38,7 +38,7 @@ void readArchive(const std::string& path, const Read& read) {
     // libtorch reads archives without looking at their checksums: ours stands before the archive
     const std::string file = readFile(path);
     const std::string digest = file.substr(0, kDigestSize), bytes = file.substr(digest.size());
-    if (digest != sha256(bytes)) throw InputError(path, "SHA-256 of the archive", "that of the file's first line", "another");
+    if (digest != sha256(bytes)) throw DamageError(path, "SHA-256 of the archive", "that of the file's first line", "another");
     archive.load_from(bytes.data(), bytes.size());
     if (readText(archive, "kind") != kKind) throw InputError(path, "kind", kKind, "another kind of archive");
     read(archive);
@@ -168,10 +168,14 @@ void readCheckpoint(const std::string& path, const RunIdentity& identity, Traini
   });
 }
 
-RunIdentity readIdentity(const std::string& path) {
-  RunIdentity identity;
-  readArchive(path, [&](torch::serialize::InputArchive& archive) { identity = identityOf(archive); });
-  return identity;
+CheckpointHead readCheckpointHead(const std::string& path) {
+  CheckpointHead head;
+  readArchive(path, [&](torch::serialize::InputArchive& archive) {
+    head = {identityOf(archive), readNumber(archive, "step"), readNumber(archive, "rollbacks")};
+  });
+  return head;
 }
+
+RunIdentity readIdentity(const std::string& path) { return readCheckpointHead(path).identity; }
 
 }  // namespace nlg

@@ -38,8 +38,15 @@ std::vector<torch::optim::AdamParamState*> adamMoments(const TrainingState& stat
 void writeCheckpoint(const std::string& path, const RunIdentity& identity, const TrainingState& state);
 
 // Loads into a state whose networks and optimizer have been made for the same shape.
-// throws InputError when the file is missing, damaged, or of another run
+// throws InputError when the file is missing, damaged (DamageError), or of another run
 void readCheckpoint(const std::string& path, const RunIdentity& identity, TrainingState* state);
+
+// What a checkpoint says of itself. throws InputError as readCheckpoint does
+struct CheckpointHead {
+  RunIdentity identity;
+  int64_t step = 0, rollbacks = 0;
+};
+CheckpointHead readCheckpointHead(const std::string& path);
 
 // The identity alone, for export: what readCheckpoint needs to be called with; the shape stands in its options.
 RunIdentity readIdentity(const std::string& path);

@@ -10,11 +10,11 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <string_view>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
 
-#include "datagen/dataset/chunk_codec.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -58,14 +58,18 @@ FunctionCache::FunctionCache(const std::string& path) : path_(path), mapped_(map
       throw InputError(path, "first bytes", "those of a function cache", "others");
     }
     if (head.version != kCacheVersion) {
-      throw InputError(path, "version", std::to_string(kCacheVersion), std::to_string(head.version));
+      throw InputError(path, "version", std::to_string(kCacheVersion) + ", as this nlg-cache makes it",
+                       std::to_string(head.version));
+    }
+    if (std::any_of(mapped_ + sizeof head, mapped_ + kFirstRecord, [](uint8_t byte) { return byte != 0; })) {
+      throw DamageError(path, "bytes behind the head", "zeros", "others: the file is damaged");
     }
     if (head.footer_first < kFirstRecord || head.footer_first > mapped_count_) {
-      throw InputError(path, "footer", "a whole file", "one of " + std::to_string(mapped_count_) + " bytes");
+      throw DamageError(path, "footer", "a whole file", "one of " + std::to_string(mapped_count_) + " bytes");
     }
     const std::string footer(reinterpret_cast<const char*>(mapped_) + head.footer_first, mapped_count_ - head.footer_first);
     if (sha256(footer) != std::string(head.footer_sha256, sizeof head.footer_sha256)) {
-      throw InputError(path, "SHA-256 of the footer", "that of the head", "another: the file is truncated or damaged");
+      throw DamageError(path, "SHA-256 of the footer", "that of the head", "another: the file is truncated or damaged");
     }
     readFooter(footer);
     const size_t expected = kFirstRecord + recordBytes(coefficient_count_) * static_cast<size_t>(function_count_);
@@ -92,7 +96,7 @@ void FunctionCache::readFooter(const std::string& footer) {
     coefficient_count_ = json.at("coefficient_count").get<int>();
     origin_ = {json.at("basis_sha256").get<std::string>(), json.at("training_set_sha256").get<std::string>(),
                json.at("scene_ids").get<std::vector<std::string>>()};
-    block_checksums_ = json.at("block_checksums").get<std::vector<uint32_t>>();
+    block_sha256_ = json.at("block_sha256").get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path_, "footer", "the footer of a function cache", error.what());
   }
@@ -104,7 +108,7 @@ void FunctionCache::readFooter(const std::string& footer) {
   }
   tent_rmse_.resize(static_cast<size_t>(function_count_));
   std::memcpy(tent_rmse_.data(), footer.data() + json_count + 1, rmse_bytes);
-  checked_.assign(block_checksums_.size(), false);
+  checked_.assign(block_sha256_.size(), false);
 }
 
 StoredFunction FunctionCache::function(int64_t index) const {
@@ -136,8 +140,9 @@ void FunctionCache::adviseBlock(int64_t block) const {
 void FunctionCache::loadBlock(int64_t block) {
   const Span span = blockSpan(block);
   if (!checked_[static_cast<size_t>(block)]) {
-    if (fletcher32(span.first, span.count) != block_checksums_[static_cast<size_t>(block)]) {
-      throw InputError(path_, "block " + std::to_string(block), "the checksum of the footer", "another: the file is damaged");
+    const std::string_view bytes(reinterpret_cast<const char*>(span.first), span.count);
+    if (sha256(bytes) != block_sha256_[static_cast<size_t>(block)]) {
+      throw DamageError(path_, "SHA-256 of block " + std::to_string(block), "that of the footer", "another: the file is damaged");
     }
     checked_[static_cast<size_t>(block)] = true;
     return;

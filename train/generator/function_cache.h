@@ -27,7 +27,7 @@ struct CacheOrigin {
 class FunctionCache {
  public:
   // Maps the file; its functions are read when they are used.
-  // throws   InputError when it is missing, truncated, damaged, of another version or of another pattern
+  // throws   InputError when it is missing, of another version or of another pattern; DamageError when it is truncated or damaged
   explicit FunctionCache(const std::string& path);
   ~FunctionCache();
   FunctionCache(const FunctionCache&) = delete;
@@ -37,7 +37,7 @@ class FunctionCache {
   const CacheOrigin& origin() const { return origin_; }
   int64_t functionCount() const { return function_count_; }
   int coefficientCount() const { return coefficient_count_; }
-  int64_t blockCount() const { return static_cast<int64_t>(block_checksums_.size()); }
+  int64_t blockCount() const { return static_cast<int64_t>(block_sha256_.size()); }
 
   // Good while the cache lives. Whatever loadBlock has not seen yet is read on the spot, unchecked.
   StoredFunction function(int64_t index) const;
@@ -47,7 +47,7 @@ class FunctionCache {
   // Asks the system to read a block ahead; returns at once.
   void adviseBlock(int64_t block) const;
   // Reads a block into memory, and checks it the first time. Call it from one thread at a time.
-  // throws   InputError when the block's checksum is wrong
+  // throws   DamageError when the block's digest is wrong
   void loadBlock(int64_t block);
 
  private:
@@ -62,7 +62,7 @@ class FunctionCache {
   CacheOrigin origin_;
   int64_t function_count_ = 0;
   int coefficient_count_ = 0;
-  std::vector<uint32_t> block_checksums_;
+  std::vector<std::string> block_sha256_;
   std::vector<bool> checked_;
   std::vector<float> tent_rmse_;
   size_t mapped_count_ = 0;  // before mapped_, which sets it

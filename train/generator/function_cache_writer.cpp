@@ -10,7 +10,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datagen/dataset/chunk_codec.h"
 #include "datagen/dataset/function_set.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -111,9 +110,9 @@ class CacheWriter {
     }
   }
 
-  // Closes the gaps that duplicates left; returns the checksums of the blocks.
-  std::vector<uint32_t> close() {
-    std::vector<uint32_t> checksums;
+  // Closes the gaps that duplicates left; returns the digests of the blocks.
+  std::vector<std::string> close() {
+    std::vector<std::string> digests;
     std::vector<uint8_t> block;
     size_t kept = 0;
     for (size_t place = 0; place < filled_.size(); ++place) {
@@ -121,12 +120,12 @@ class CacheWriter {
       block.resize(block.size() + record_bytes_);
       file_.read(placeOf(place), &block[block.size() - record_bytes_], record_bytes_);
       tent_rmse_[kept++] = tent_rmse_[place];
-      if (kept % kBlockFunctions == 0) writeBlock(kept, block, checksums);
+      if (kept % kBlockFunctions == 0) writeBlock(kept, block, digests);
     }
-    if (!block.empty()) writeBlock(kept, block, checksums);
+    if (!block.empty()) writeBlock(kept, block, digests);
     tent_rmse_.resize(kept);
     file_.truncate(placeOf(kept));
-    return checksums;
+    return digests;
   }
 
   // Behind the last record, with the head that points to it. Returns the file's size.
@@ -149,9 +148,9 @@ class CacheWriter {
   size_t placeOf(size_t place) const { return kFirstRecord + place * record_bytes_; }
 
   // `end` records stand before the end of this block: its place lies at or before the one that was read last.
-  void writeBlock(size_t end, std::vector<uint8_t>& block, std::vector<uint32_t>& checksums) {
+  void writeBlock(size_t end, std::vector<uint8_t>& block, std::vector<std::string>& digests) {
     file_.write(placeOf(end) - block.size(), block.data(), block.size());
-    checksums.push_back(fletcher32(block.data(), block.size()));
+    digests.push_back(sha256({reinterpret_cast<const char*>(block.data()), block.size()}));
     block.clear();
   }
 
@@ -196,7 +195,7 @@ CacheReport writeFunctionCache(const std::string& path, const std::vector<std::s
       hashes += fileSha256(shards[i]);
       progress.update(static_cast<int64_t>(i + 1));
     }
-    const std::vector<uint32_t> checksums = writer.close();
+    const std::vector<std::string> digests = writer.close();
     report = {writer.functionCount(), largest_count - writer.functionCount(), 0};
     report.bytes = writer.writeFooter({{"pattern_hash", supportPattern().hash},
                                        {"function_count", report.functions},
@@ -204,7 +203,7 @@ CacheReport writeFunctionCache(const std::string& path, const std::vector<std::s
                                        {"basis_sha256", basis_sha256},
                                        {"training_set_sha256", sha256(hashes)},
                                        {"scene_ids", origin.scene_ids},
-                                       {"block_checksums", checksums}});
+                                       {"block_sha256", digests}});
   });
   return report;
 }

@@ -2,6 +2,7 @@
 
 #include "tool/error.h"
 #include "tool/one_file_each.h"
+#include "tool/require_read.h"
 
 namespace nlg {
 
@@ -19,16 +20,13 @@ FunctionSet readHeldOut(const std::vector<std::string>& paths) {
 
 namespace {
 
-void mustBeOk(const WeightsResult& result, const std::string& path) {
-  if (!result.ok())
-    throw InputError(path, weightsStatusName(result.status), "a generator of this support pattern", result.detail);
-}
+constexpr const char* kExpected = "a generator of this support pattern";
 
 }  // namespace
 
 Generator loadGenerator(const std::string& path) {
   Generator generator;
-  mustBeOk(Generator::load(path, &generator), path);
+  requireRead(path, Generator::load(path, &generator), kExpected);
   return generator;
 }
 
@@ -46,8 +44,8 @@ GeneratorData loadGeneratorData(const std::string& path) {
   loadGenerator(path);  // obeys NLG_SIMD, which numbers alone do not
   WeightsFile file;
   GeneratorData data;
-  mustBeOk(readWeightsFile(path, &file), path);
-  mustBeOk(generatorFromWeights(file, &data), path);
+  requireRead(path, readWeightsFile(path, &file), kExpected);
+  requireRead(path, generatorFromWeights(file, &data), kExpected);
   return data;
 }
 

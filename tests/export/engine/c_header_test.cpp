@@ -12,6 +12,7 @@
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 
 extern "C" int cHeaderIrradiance(const uint8_t* bytes, size_t size, const float* position_m, const float* normal, float* rgb);
+extern "C" int cHeaderIsWhole(const uint8_t* bytes, size_t size);
 
 namespace nlg {
 namespace {
@@ -43,6 +44,7 @@ class FencedBytes {
                                static_cast<float>(position_m[2])};
     return static_cast<LightStatus>(cHeaderIrradiance(first_, size_, position, normal.data(), rgb));
   }
+  bool isWhole() const { return cHeaderIsWhole(first_, size_) != 0; }
   uint8_t* data() { return first_; }
   size_t size() const { return size_; }
 
@@ -108,6 +110,22 @@ TEST(CHeader, ReadsNothingOutsideOfItsBytes) {
       bytes.data()[random.below(static_cast<uint32_t>(i < 10 ? std::min<size_t>(bytes.size(), 256) : bytes.size()))] =
           static_cast<uint8_t>(random.next());
     for (int i = 0; i < 50; ++i) bytes.lookUp(randomPosition(grid.tree.frame(), random), {0.0f, 1.0f, 0.0f}, rgb);
+  }
+}
+
+TEST(CHeader, KnowsEveryDamagedByteAndEveryOtherLength) {
+  const std::string whole = fileNamed(filesOf(everyRepresentation(ThetaPrecision::int8, 4)), "grid.bin");
+  Random random(8);
+  EXPECT_TRUE(FencedBytes(whole).isWhole());
+  for (size_t i = 0; i < whole.size(); i += i < 256 ? 1 : 1 + random.below(400)) {
+    std::string damaged = whole;
+    damaged[i] = static_cast<char>(damaged[i] ^ 1 << random.below(8));
+    ASSERT_FALSE(FencedBytes(damaged).isWhole()) << "byte " << i;
+  }
+  // every place of the last byte in its block
+  for (size_t count = 0; count < 130; ++count) {
+    ASSERT_FALSE(FencedBytes(std::string_view(whole).substr(0, count)).isWhole()) << count << " bytes";
+    ASSERT_FALSE(FencedBytes(std::string_view(whole).substr(0, whole.size() - 1 - count)).isWhole()) << count << " bytes less";
   }
 }
 

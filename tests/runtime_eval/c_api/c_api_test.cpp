@@ -206,13 +206,23 @@ TEST(CApi, CutsTheReasonToTheBufferBetweenCharacters) {
   EXPECT_STREQ(detail, "/né");
 }
 
+TEST(CApi, RefusesWeightsWithAFlippedBit) {
+  std::string bytes = serializeWeights(weightsFromGenerator(sampleGenerator(Representation::tentMlp(), 24, 3, 1)));
+  nlg_generator* generator = nullptr;
+  ASSERT_EQ(nlg_generator_load_bytes(bytes.data(), bytes.size(), NLG_FLOAT32, &generator, nullptr, 0), NLG_OK);
+  nlg_generator_free(generator);
+  bytes[bytes.size() / 2] ^= 4;
+  EXPECT_EQ(nlg_generator_load_bytes(bytes.data(), bytes.size(), NLG_FLOAT32, &generator, nullptr, 0), NLG_DIGEST_MISMATCH);
+  EXPECT_EQ(generator, nullptr);
+}
+
 TEST(CApi, NamesEveryStatus) {
-  for (int status = NLG_OK; status <= NLG_SIMD_UNAVAILABLE; ++status) {
+  for (int status = NLG_OK; status <= NLG_DIGEST_MISMATCH; ++status) {
     EXPECT_STRNE(nlg_status_name(static_cast<nlg_status>(status)), "unknown") << status;
   }
   EXPECT_STREQ(nlg_status_name(NLG_TENSOR_MISSING), "tensor_missing");
   EXPECT_STREQ(nlg_status_name(NLG_OUT_OF_MEMORY), "out_of_memory");
-  EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_SIMD_UNAVAILABLE + 1)), "unknown");
+  EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_DIGEST_MISMATCH + 1)), "unknown");
 }
 
 TEST(CApi, ItsDefaultPolicyIsTheLibrarys) {

@@ -407,7 +407,7 @@ TEST(GeneratorWeights, RefuseNumbersThatAreNotFinite) {
 TEST(GeneratorWeights, RefuseForeignPatternsAndNewerVersions) {
   EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["pattern_hash"] = "0123456789abcdef"; }), WeightsStatus::pattern_unknown);
   EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["pattern_hash"] = ""; }), WeightsStatus::pattern_unknown);
-  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["version"] = "3"; }), WeightsStatus::version_unknown);
+  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["version"] = "4"; }), WeightsStatus::version_unknown);
   for (const char* version : {"0", "-1", "1.5", "", "one", "nan"}) {
     EXPECT_EQ(statusAfter([&](WeightsFile& f) { f.metadata["version"] = version; }), WeightsStatus::value_out_of_range)
         << version;

@@ -602,13 +602,15 @@ TEST(GeneratorWeights, KeepCorrectionSteps) {
   // … or in one of its own, which files of version 1 have not
   GeneratorData with_unit = withCorrection(sampleGenerator(Representation::tentMlp(), 48, 3, 1), 40, 2, 3, 2);
   with_unit.correction.theta_unit = 0.7f;
-  WeightsFile of_version_2 = weightsFromGenerator(with_unit);
-  EXPECT_EQ(of_version_2.metadata["version"], "2");
-  ASSERT_TRUE(generatorFromWeights(of_version_2, &read).ok());
-  EXPECT_EQ(read.correction.theta_unit, 0.7f);
+  WeightsFile with = weightsFromGenerator(with_unit);
+  for (const char* version : {"2", "3"}) {
+    with.metadata["version"] = version;
+    ASSERT_TRUE(generatorFromWeights(with, &read).ok());
+    EXPECT_EQ(read.correction.theta_unit, 0.7f) << version;
+  }
   for (const char* unit : {"0", "-1", "1e9"}) {
-    of_version_2.metadata["correction.theta_unit"] = unit;
-    EXPECT_EQ(generatorFromWeights(of_version_2, &read).status, WeightsStatus::value_out_of_range) << unit;
+    with.metadata["correction.theta_unit"] = unit;
+    EXPECT_EQ(generatorFromWeights(with, &read).status, WeightsStatus::value_out_of_range) << unit;
   }
   WeightsFile broken = file;
   broken.tensors.erase("correction.layer.1.bias");

@@ -13,6 +13,7 @@
 #include "runtime_eval/numbers/half.h"
 #include "tests/runtime_eval/light_grid/old_grid_file.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
+#include "tests/runtime_eval/weights_file/digest_edits.h"
 
 namespace nlg {
 namespace {
@@ -44,7 +45,7 @@ WeightsResult parse(std::string_view bytes, LightGrid* grid) {
   *grid = {};
   grid->theta = {1.0f};
   const WeightsResult result = parseLightGrid(bytes, grid, &metadata);
-  EXPECT_EQ(result.ok(), result.detail.empty()) << result.detail;
+  EXPECT_EQ(result.ok(), result.detail.empty() || result.detail == kNoDigest) << result.detail;
   EXPECT_EQ(result.detail.find('\n'), std::string::npos) << result.detail;
   if (!result.ok()) {
     EXPECT_TRUE(grid->theta.empty() && grid->probe_function.empty() && grid->light.empty() && metadata.empty()) << result.detail;
@@ -137,7 +138,7 @@ TEST(LightGridFile, RefusesEveryDamagedByteOfTheTreeOfVersion1) {
       std::string damaged = bytes;
       damaged[i] = static_cast<char>(damaged[i] ^ (1 << random.below(8)));
       LightGrid grid;
-      ASSERT_FALSE(parse(damaged, &grid).ok()) << name << ", byte " << i - place.begin;
+      ASSERT_FALSE(parse(stamped(damaged), &grid).ok()) << name << ", byte " << i - place.begin;
     }
   }
 }
@@ -211,10 +212,10 @@ TEST(LightGridFile, RefusesStepsThatNoFileHas) {
   std::string bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
   put(bytes, "theta.steps", 9, int8_t{-128});
   LightGrid grid;
-  EXPECT_EQ(parse(bytes, &grid).status, WeightsStatus::value_out_of_range);
+  EXPECT_EQ(parse(stamped(bytes), &grid).status, WeightsStatus::value_out_of_range);
   bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
   put(bytes, "theta.halves", 3, uint16_t{0x7c00});
-  EXPECT_EQ(parse(bytes, &grid).status, WeightsStatus::value_not_finite);
+  EXPECT_EQ(parse(stamped(bytes), &grid).status, WeightsStatus::value_not_finite);
   // a function of another representation needs other numbers of steps and halves
   bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
   const LightGrid whole = randomGrid(smallTree(), 1);
@@ -222,7 +223,7 @@ TEST(LightGridFile, RefusesStepsThatNoFileHas) {
   uint8_t other = 0;
   while (bytesOfOne(other) == bytesOfOne(whole.function_representation[0])) ++other;
   put(bytes, "function.representation", 0, other);
-  EXPECT_EQ(parse(bytes, &grid).status, WeightsStatus::tensor_unexpected);
+  EXPECT_EQ(parse(stamped(bytes), &grid).status, WeightsStatus::tensor_unexpected);
 }
 
 TEST(LightGridFile, HoldsTheLightOfProbesWithWeightInEachForm) {
@@ -286,7 +287,8 @@ TEST(LightGridFile, RefusesToWriteAThetaThatHalfCannotHold) {
 TEST(LightGridFile, RefusesToWriteWhatItWouldNotRead) {
   LightGrid grid = randomGrid(smallTree(), 2);
   std::string bytes;
-  for (const char* key : {"kind", "version", "pattern_hash", "representation_count", "representation.0", "slope.7"}) {
+  for (const char* key :
+       {"file_sha256", "kind", "version", "pattern_hash", "representation_count", "representation.0", "slope.7"}) {
     EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {{key, ""}}, &bytes).status, WeightsStatus::value_out_of_range)
         << key;
   }
@@ -358,7 +360,34 @@ TEST(LightGridFile, RefusesEveryTruncation) {
   EXPECT_FALSE(parse(bytes + '\0', &grid).ok());
 }
 
-TEST(LightGridFile, SurvivesDamagedBytes) {
+TEST(LightGridFile, RefusesEveryDamagedByte) {
+  const std::string bytes = bytesOf(litGrid(smallTree(), 1), {});
+  Random random(3);
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    std::string damaged = bytes;
+    damaged[i] = static_cast<char>(damaged[i] ^ (1 << random.below(8)));
+    LightGrid grid;
+    ASSERT_FALSE(parse(damaged, &grid).ok()) << "byte " << i;
+  }
+}
+
+TEST(LightGridFile, ReadsFilesOfBeforeDigestsAndSaysSo) {
+  for (const auto& [precision, version] : {std::pair{ThetaPrecision::float16, '2'}, {ThetaPrecision::int8, '3'}}) {
+    const LightGrid written = litGrid(smallTree(), 1);
+    std::string bytes = bytesOf(written, {precision});
+    LightGrid expected, read;
+    ASSERT_TRUE(parse(bytes, &expected).ok());
+    EXPECT_EQ(parse(withoutDigest(bytes), &read).status, WeightsStatus::digest_mismatch);
+    bytes[bytes.find(R"("version":"4")") + 11] = version;
+    const WeightsResult result = parse(withoutDigest(bytes), &read);
+    ASSERT_TRUE(result.ok()) << result.detail;
+    EXPECT_EQ(result.detail, kNoDigest);
+    expectSameGrid(read, expected);
+  }
+}
+
+// Behind the digest: what a file that means harm may hold.
+TEST(LightGridFile, SurvivesHostileBytes) {
   for (const GridPrecision& precision : kPrecisions) {
     const std::string bytes = bytesOf(litGrid(smallTree(), 1), precision);
     Random random(1);
@@ -367,7 +396,7 @@ TEST(LightGridFile, SurvivesDamagedBytes) {
       std::string damaged = bytes;
       damaged[i] = static_cast<char>(damaged[i] ^ (1 + random.below(255)));
       LightGrid grid;
-      if (parse(damaged, &grid).ok()) {
+      if (parse(stamped(damaged), &grid).ok()) {
         ++accepted;
         ASSERT_TRUE(checkLightGrid(grid).ok()) << "byte " << i;
         lookUpEverywhere(grid, i);
@@ -438,7 +467,7 @@ TEST(LightGridFile, NamesHostileNumbers) {
     std::string spoilt = bytes;
     hostile.spoil(spoilt);
     LightGrid grid;
-    const WeightsResult result = parse(spoilt, &grid);
+    const WeightsResult result = parse(stamped(spoilt), &grid);
     EXPECT_EQ(result.status, hostile.status) << hostile.what << ": " << result.detail;
     EXPECT_EQ(result.detail.substr(0, std::strlen(hostile.detail)), hostile.detail) << hostile.what;
   }
@@ -448,7 +477,7 @@ TEST(LightGridFile, RefusesInfiniteHalves) {
   std::string bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::float16});
   put(bytes, "theta", 9, uint16_t{0x7c00});
   LightGrid grid;
-  EXPECT_EQ(parse(bytes, &grid).status, WeightsStatus::value_not_finite);
+  EXPECT_EQ(parse(stamped(bytes), &grid).status, WeightsStatus::value_not_finite);
 }
 
 TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
@@ -459,7 +488,7 @@ TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
   const Edit edits[] = {
       {R"("kind":"nlg-light-grid")", R"("kind":"nlg-light-grod")", WeightsStatus::value_out_of_range},
       {R"("kind":)", R"("kin_":)", WeightsStatus::tensor_missing},
-      {R"("version":"2")", R"("version":"4")", WeightsStatus::version_unknown},
+      {R"("version":"4")", R"("version":"5")", WeightsStatus::version_unknown},
       {R"("light":"sh2_8bit")", R"("light":"sh3_8bit")", WeightsStatus::value_out_of_range},
       {R"("light":"sh2_8bit")", R"("lighd":"sh2_8bit")", WeightsStatus::tensor_missing},
       {R"("light.steps":{)", R"("light.stops":{)", WeightsStatus::tensor_missing},
@@ -475,7 +504,7 @@ TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
       {R"("node.bits":{)", R"("node.bats":{)", WeightsStatus::tensor_missing},
       {R"("node.kind":{"dtype":"U8")", R"("node.kind":{"dtype":"V8")", WeightsStatus::tensor_malformed},
       {R"("node.kind":{"dtype":"U8")", R"("node.kind":{"dtype":"I8")", WeightsStatus::tensor_unexpected},
-      {R"("version":"2")", R"("version":"1")", WeightsStatus::value_out_of_range},
+      {R"("version":"4")", R"("version":"1")", WeightsStatus::value_out_of_range},
       {R"("frame.spacing_m":{"dtype":"F64","shape":[1])", R"("frame.spacing_m":{"dtype":"F32","shape":[2])",
        WeightsStatus::tensor_unexpected},
   };
@@ -486,14 +515,14 @@ TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
     ASSERT_NE(place, std::string::npos) << edit.from;
     edited.replace(place, std::strlen(edit.from), edit.to);
     LightGrid grid;
-    const WeightsResult result = parse(edited, &grid);
+    const WeightsResult result = parse(stamped(edited), &grid);
     EXPECT_EQ(result.status, edit.status) << edit.to << ": " << result.detail;
   }
   std::string other_pattern = bytes;
   char& digit = other_pattern[other_pattern.find(R"("pattern_hash":")") + 16];
   digit = digit == '0' ? '1' : '0';
   LightGrid grid;
-  EXPECT_EQ(parse(other_pattern, &grid).status, WeightsStatus::pattern_unknown);
+  EXPECT_EQ(parse(stamped(other_pattern), &grid).status, WeightsStatus::pattern_unknown);
 }
 
 }  // namespace

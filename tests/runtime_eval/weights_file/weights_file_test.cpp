@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime_eval/weights_file/header_parser.h"
+#include "tests/runtime_eval/weights_file/digest_edits.h"
 
 namespace nlg {
 namespace {
@@ -54,7 +55,7 @@ std::string padded(std::string header) {
 WeightsStatus statusOf(const std::string& bytes) {
   WeightsFile file = smallFile();
   const WeightsResult result = parseWeights(bytes, &file);
-  EXPECT_EQ(result.ok(), result.detail.empty()) << result.detail;
+  EXPECT_EQ(result.ok(), result.detail.empty() || result.detail == kNoDigest) << result.detail;
   if (!result.ok()) {
     EXPECT_TRUE(file.tensors.empty() && file.metadata.empty()) << result.detail;
   }
@@ -70,6 +71,13 @@ nlohmann::json headerOf(const std::string& bytes, size_t* data_offset) {
   std::memcpy(&length, bytes.data(), sizeof length);
   *data_offset = sizeof length + length;
   return nlohmann::json::parse(bytes.substr(sizeof length, length));
+}
+
+// But for the digest.
+decltype(WeightsFile::metadata) metadataOf(const nlohmann::json& header) {
+  auto metadata = header["__metadata__"].get<decltype(WeightsFile::metadata)>();
+  metadata.erase(kDigestKey);
+  return metadata;
 }
 
 TEST(WeightsWriter, RoundTrips) {
@@ -92,7 +100,7 @@ TEST(WeightsWriter, WritesAValidSafetensorsHeader) {
   const nlohmann::json header = headerOf(bytes, &data_offset);
   EXPECT_EQ(data_offset % 64, 0u);
   EXPECT_EQ(bytes[8], '{');
-  EXPECT_EQ(header["__metadata__"].get<decltype(WeightsFile::metadata)>(), smallFile().metadata);
+  EXPECT_EQ(metadataOf(header), smallFile().metadata);
   std::map<size_t, size_t> ranges;  // begin → end; the empty tensor shares its begin with the next
   for (const auto& [name, tensor] : header.items()) {
     if (name == "__metadata__") continue;
@@ -164,9 +172,55 @@ TEST(WeightsReader, RefusesEveryTruncation) {
   EXPECT_EQ(statusOf(bytes + '\0'), WeightsStatus::tensor_malformed);
 }
 
+TEST(WeightsReader, RefusesEveryFlippedBit) {
+  const std::string bytes = serializeWeights(smallFile());
+  for (size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    std::string damaged = bytes;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ 1 << bit % 8);
+    // a key of another name is a file of before digests, which is read and said to be one
+    WeightsFile file;
+    const WeightsResult result = parseWeights(damaged, &file);
+    ASSERT_TRUE(!result.ok() || result.detail == kNoDigest) << "bit " << bit << ": " << result.detail;
+  }
+}
+
+// What was zeros and is ones: a sum of words modulo 2^16 - 1 would not see it.
+TEST(WeightsReader, RefusesZerosThatBecameOnes) {
+  std::string bytes = serializeWeights(smallFile());
+  const size_t zeros = bytes.rfind(std::string(4, '\0'));
+  ASSERT_NE(zeros, std::string::npos);
+  bytes.replace(zeros, 2, "\xff\xff");
+  EXPECT_EQ(statusOf(bytes), WeightsStatus::digest_mismatch);
+}
+
+TEST(WeightsReader, ReadsFilesOfBeforeDigestsAndSaysSo) {
+  WeightsFile read;
+  const WeightsResult result = parseWeights(withoutDigest(serializeWeights(smallFile())), &read);
+  ASSERT_TRUE(result.ok()) << result.detail;
+  EXPECT_EQ(result.detail, kNoDigest);
+  expectEqual(smallFile(), read);
+}
+
+TEST(WeightsReader, RefusesFilesWhoseVersionPromisesADigest) {
+  WeightsFile file = smallFile();
+  file.metadata["version"] = std::to_string(kFirstDigestVersion);
+  EXPECT_EQ(statusOf(serializeWeights(file)), WeightsStatus::ok);
+  EXPECT_EQ(statusOf(withoutDigest(serializeWeights(file))), WeightsStatus::digest_mismatch);
+  file.metadata["version"] = std::to_string(kFirstDigestVersion - 1);
+  EXPECT_EQ(statusOf(withoutDigest(serializeWeights(file))), WeightsStatus::ok);
+}
+
+TEST(WeightsReader, RefusesDigestsThatAreNone) {
+  const std::string tensor = R"("a":{"dtype":"F32","shape":[],"data_offsets":[0,4]})";
+  for (const std::string& digest : {std::string(), std::string("0"), std::string(64, '0'), std::string(1000, '0')}) {
+    EXPECT_EQ(statusOfTensors(R"("__metadata__":{"file_sha256":")" + digest + "\"}," + tensor, 4), WeightsStatus::digest_mismatch)
+        << digest;
+  }
+}
+
 // A changed byte in a name or text is another valid header; whatever is accepted must be what an independent parser reads.
 TEST(WeightsReader, RefusesOrReadsFaithfullyEveryChangedHeaderByte) {
-  const std::string bytes = serializeWeights(smallFile());
+  const std::string bytes = withoutDigest(serializeWeights(smallFile()));
   size_t data_offset = 0, accepted = 0, refused = 0;
   headerOf(bytes, &data_offset);
   for (size_t i = 0; i < data_offset; ++i) {
@@ -181,7 +235,7 @@ TEST(WeightsReader, RefusesOrReadsFaithfullyEveryChangedHeaderByte) {
       ++accepted;
       size_t ignored = 0;
       const nlohmann::json header = headerOf(damaged, &ignored);
-      ASSERT_EQ(header["__metadata__"].get<decltype(WeightsFile::metadata)>(), file.metadata) << i << " " << byte;
+      ASSERT_EQ(metadataOf(header), file.metadata) << i << " " << byte;
       for (const auto& [name, tensor] : file.tensors) {
         ASSERT_EQ(header[name]["shape"].get<std::vector<uint64_t>>(), tensor.shape) << i << " " << byte;
       }
@@ -306,7 +360,7 @@ TEST(WeightsReader, RefusesNumbersThatAreNotFinite) {
 }
 
 TEST(WeightsStatus, HasANameForEachValue) {
-  for (int i = 0; i <= static_cast<int>(WeightsStatus::simd_unavailable); ++i) {
+  for (int i = 0; i <= static_cast<int>(WeightsStatus::digest_mismatch); ++i) {
     EXPECT_STRNE(weightsStatusName(static_cast<WeightsStatus>(i)), "unknown") << i;
   }
 }
