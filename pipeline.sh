@@ -33,9 +33,12 @@ install_packages
 # judged before anything is built, made or moved
 run=$(/usr/bin/python3 workflow/configuration.py "$config")
 if [ -n "$plan" ]; then build nlg-datagen; else build nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-solve nlg-validate nlg-bake; fi
-# our own lock instead of snakemake's, which outlives a killed run: this one is gone with the last process that holds it
-exec 9> build/pipeline.lock
-flock -n 9 || { echo "pipeline.sh: another run of this checkout is at work" >&2; exit 2; }
+# Our own lock instead of snakemake's, which outlives a killed run. It belongs to the results, whatever checkout works on them, and
+# every job holds it too (workflow/Snakefile): a tool that outlives its killed run still keeps others away. Alone first, so that
+# nobody else holds it; then shared with the jobs.
+mkdir -p "$run"
+exec 9>> "$run/.lock"
+{ flock -n 9 && flock -s -n 9; } || { echo "pipeline.sh: $run: another run, or a tool of one that was killed, is at work there" >&2; exit 2; }
 workflow() {
   /usr/bin/snakemake -s workflow/Snakefile --configfile "$config" --cores "$(nproc)" --rerun-incomplete --nolock \
     --rerun-triggers mtime params input --log-handler-script workflow/run_progress.py -- "$@"
@@ -44,8 +47,8 @@ if [ -n "$plan" ]; then
   workflow plan
   exit
 fi
-# damaged shards are put aside, and asked for by name: what nothing out of date needs, snakemake would not miss
-damaged=$(/usr/bin/python3 workflow/check_shards.py "$config" "${NLG_BIN:-build/release/bin}")
+# damaged files are put aside, and asked for by name: what nothing out of date needs, snakemake would not miss
+damaged=$(/usr/bin/python3 workflow/check_artefacts.py "$config" "${NLG_BIN:-build/release/bin}")
 mapfile -t again <<<"$damaged"
 workflow ${damaged:+"${again[@]}"} all
 echo "The report: $(realpath "$run/report.html")"

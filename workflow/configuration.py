@@ -3,7 +3,7 @@
     configuration.py CONFIG
 
 Prints the run's folder. A configuration that cannot be used ends with one line on stderr and exit code 2. The Snakefile, pipeline.sh
-and check_shards.py take names, scenes and paths from here and from nowhere else; the tools judge the values in their own sections.
+and check_artefacts.py take names, scenes and paths from here and from nowhere else; the tools judge the values in their own sections.
 """
 import json
 import math

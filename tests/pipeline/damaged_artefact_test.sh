@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# A damaged shard is put aside and made again, to the same bytes; whatever else lies there is left alone.
+# What is damaged of a run is put aside and made again, to the same bytes; whatever else lies there is left alone.
 #
-#   damaged_shard_test.sh BIN_FOLDER     (from the source folder)
+#   damaged_artefact_test.sh BIN_FOLDER     (from the source folder)
 set -euo pipefail
 
 export NLG_BIN=$1
@@ -31,7 +31,7 @@ before=$(sha256sum "${shards[@]}")
 
 # checks the shards of configuration $2 with the tools in $1: what is to be made again on stdout, messages in $temporary/messages
 check() {
-  NLG_OUT=$temporary /usr/bin/python3 workflow/check_shards.py "$2" "$1" 2>"$temporary/messages"
+  NLG_OUT=$temporary /usr/bin/python3 workflow/check_artefacts.py "$2" "$1" 2>"$temporary/messages"
 }
 
 # the check must end with exit code $1 and one line that holds $2, and move nothing
@@ -97,6 +97,44 @@ workflow "${again[@]}"
 [ "$(sha256sum "${shards[@]}")" = "$before" ] || fail "the shards made again are others"
 [ "$(stat -c '%Y %Z' "${shards[1]}")" = "$age" ] || fail "a sound shard was made again"
 
+# --- what the run recorded: other bytes at the same time are damage, whatever the file; a newer file must prove itself
+basis=$temporary/smoke/basis.h5
+workflow "$basis"
+[ -z "$(check "$NLG_BIN" configs/smoke.yaml)" ] || fail "sound artefacts were put aside: $(cat "$temporary/messages")"
+cp -p "$basis" "$temporary/smoke/basis.json" "$temporary/"
+# damages $1 by the shell command $2 (of the path "$file"), keeping its time where $3 says so; it must be put aside and made again
+puts_aside() {
+  local file=$1 time
+  time=$(stat -c %y "$file")
+  eval "$2"
+  [ "$3" = newer ] || touch -d "$time" "$file"
+  [ "$(check "$NLG_BIN" configs/smoke.yaml)" = "$file" ] || fail "not put aside: $file after '$2', $3: $(cat "$temporary/messages")"
+  workflow "$file"
+  cmp "$file" "$temporary/$(basename "$file")" || fail "$file was made again to other bytes"
+}
+flip='/usr/bin/python3 -c "import sys; f = open(sys.argv[1], \"r+b\"); f.seek(3000); b = f.read(1)[0]; f.seek(3000); f.write(bytes([b ^ 1]))" "$file"'
+puts_aside "$basis" "$flip" "time kept"
+puts_aside "$basis" "$flip" newer
+puts_aside "$basis" 'truncate -s -1 "$file"' newer
+puts_aside "$basis" ': > "$file"' "time kept"
+puts_aside "$temporary/smoke/basis.json" 'sed -i s/components/komponents/ "$file"' "time kept"
+puts_aside "$temporary/smoke/basis.json" 'truncate -s 40 "$file"' newer
+# what somebody put there on purpose is sound, and is what the run has from now on
+sed -i 's/,/, /' "$temporary/smoke/basis.json"
+[ -z "$(check "$NLG_BIN" configs/smoke.yaml)" ] || fail "a sound newer file was put aside: $(cat "$temporary/messages")"
+time=$(stat -c %y "$temporary/smoke/basis.json")
+sed -i 's/, /,  /' "$temporary/smoke/basis.json"
+touch -d "$time" "$temporary/smoke/basis.json"
+[ "$(check "$NLG_BIN" configs/smoke.yaml)" = "$temporary/smoke/basis.json" ] || fail "the newer file was not recorded"
+# a damaged record says nothing, and that is said
+for damage in 's/"bytes": \([0-9]\)/"bytes": 1\1/' 's/{/[/'; do
+  cp "$temporary/smoke/artefacts.json" "$temporary/record"
+  sed -i "$damage" "$temporary/smoke/artefacts.json"
+  check "$NLG_BIN" configs/smoke.yaml >"$temporary/again" || fail "a damaged record ended the check"
+  grep -q "artefacts.json: damaged" "$temporary/messages" || fail "nothing was said of a damaged record: $(cat "$temporary/messages")"
+  cp "$temporary/record" "$temporary/smoke/artefacts.json"
+done
+
 # --- a configuration that cannot be used: nothing is looked at, one line, exit code 2
 mkdir -p "$temporary/victim/dataset/training"
 echo precious >"$temporary/victim/dataset/training/house_0.0.h5"
@@ -110,7 +148,7 @@ for case in "name: ../victim|a folder's name" "name: ..|a folder's name" "name: 
   (
     temporary_out=$temporary/out
     code=0
-    NLG_OUT=$temporary_out /usr/bin/python3 workflow/check_shards.py "$temporary/bad.yaml" "$NLG_BIN" >"$temporary/stdout" 2>"$temporary/messages" || code=$?
+    NLG_OUT=$temporary_out /usr/bin/python3 workflow/check_artefacts.py "$temporary/bad.yaml" "$NLG_BIN" >"$temporary/stdout" 2>"$temporary/messages" || code=$?
     [ "$code" = 2 ] && [ "$(wc -l <"$temporary/messages")" = 1 ] && grep -qF -- "${case##*|}" "$temporary/messages" ||
       fail "a configuration with ${case%|*}: exit code $code, $(head -c 600 "$temporary/messages")"
     grep -q "bad.yaml" "$temporary/messages" && [ ! -s "$temporary/stdout" ] || fail "${case%|*}: $(cat "$temporary/messages")"
@@ -126,4 +164,4 @@ printf 'name: &a [*a]\n' >"$temporary/bad.yaml"
 refuses 2 "levels of lists" "$NLG_BIN" "$temporary/bad.yaml"
 refuses 2 "nowhere.yaml" "$NLG_BIN" "$temporary/nowhere.yaml"
 [ "$(cat "$temporary/victim/dataset/training/house_0.0.h5")" = precious ] || fail "another folder's file was touched"
-echo "damaged shard test: all holds"
+echo "damaged artefact test: all holds"

@@ -1,0 +1,128 @@
+"""Verifies what a run has made and puts aside what is proven damaged, so that the workflow makes it again.
+
+    check_artefacts.py CONFIG BIN_FOLDER
+
+Shards prove by their own digests what they are. Every other file is compared with the record of the run (artefacts.py): one that is
+another although its time is the same is damaged. One that is newer than its record, or has none, was put there by somebody, and must
+prove itself as far as its kind can: bases, checkpoints and weights by their digests, JSON by being JSON.
+
+Touches only what the run's own plan or record names, inside the run's own folder: a path that leads out of it through a link stays as
+it is, and so does every other file that lies there. A damaged file becomes NAME.damaged: nothing is deleted. Prints the files to make
+again on stdout, one a line; why, on stderr. Exit codes are those of the tools: 2 on a configuration that cannot be used; 3 when a
+file cannot be judged (permission denied, another kind of file), and then nothing was moved.
+"""
+import json
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import configuration
+from artefacts import Artefacts, state_of
+
+INPUT_ERROR, OUTPUT_ERROR, DAMAGED_FILE = 3, 5, 7  # tool/error.h
+
+# which tool knows a file by its ending; shards aside
+TOOL_OF = {".h5": "nlg-pca", ".ckpt": "nlg-train", ".safetensors": "nlg-export"}
+
+
+def say(line):
+    print(f"check_artefacts: {line}", file=sys.stderr)
+
+
+def is_own(run, path):
+    """Whether a path lies where it says: no link between the results' folder and the file, nor the file itself."""
+    root = os.path.realpath(os.path.dirname(run.folder))
+    return os.path.realpath(path) == os.path.join(root, os.path.relpath(path, os.path.dirname(run.folder)))
+
+
+def ask(tool, path):
+    """Exit code of a tool's `info` and the one line that it ends with."""
+    result = subprocess.run([tool, "info", "--quiet", "--", path], capture_output=True, text=True, errors="replace")
+    return result.returncode, (result.stderr.strip().splitlines() or [f"{path}: {os.path.basename(tool)} info ended with {result.returncode}"])[-1]
+
+
+def judge_by_itself(tools, path):
+    """What a file that no record vouches for proves of itself: exit code and line as of `info`."""
+    ending = os.path.splitext(path)[1]
+    if ending in TOOL_OF:
+        return ask(os.path.join(tools, TOOL_OF[ending]), path)
+    if ending == ".json":
+        try:
+            with open(path, encoding="utf-8") as file:
+                json.load(file)
+        except (ValueError, RecursionError) as error:
+            return DAMAGED_FILE, f"{path}: no JSON: {' '.join(str(error).split())}"
+    return 0, ""
+
+
+def judge_by_record(tools, path, recorded):
+    """A file against what the run recorded when it made it."""
+    found = state_of(path)
+    if found["sha256"] == recorded["sha256"]:
+        return 0, ""
+    if found["mtime_ns"] == recorded["mtime_ns"]:
+        return DAMAGED_FILE, f"{path}: other bytes than the run made, and its time has not changed"
+    return judge_by_itself(tools, path)
+
+
+def free_name(path):
+    """Where a damaged file goes: earlier ones stay."""
+    names = [f"{path}.damaged", *(f"{path}.damaged.{number}" for number in range(2, 1000))]
+    return next(name for name in names if not os.path.lexists(name))
+
+
+def check(run, tools):
+    """Files to make again, and the exit code."""
+    shards = [shard for split in configuration.SPLITS for shard in run.shards(split)]
+    artefacts = Artefacts(run.folder)
+    if artefacts.fault:
+        say(f"{artefacts.fault}; what was made before is taken as it is")
+    recorded = {os.path.join(run.folder, relative): state for relative, state in artefacts.files.items()}
+    planned = [*shards, *recorded]
+    # an earlier check that put them aside, of a run that then did not get far enough
+    again = [path for path in planned if not os.path.lexists(path) and os.path.lexists(f"{path}.damaged")]
+    there = []
+    for path in (path for path in planned if os.path.lexists(path)):
+        if is_own(run, path):
+            there.append(path)
+        else:
+            say(f"{path} leads elsewhere through a link: left as it is")
+
+    def judge(path):
+        return judge_by_record(tools, path, recorded[path]) if path in recorded else ask(os.path.join(tools, "nlg-datagen"), path)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        verdicts = list(zip(there, pool.map(judge, there)))
+    unclear = [(code, line) for _, (code, line) in verdicts if code not in (0, DAMAGED_FILE)]
+    for _, line in unclear:
+        print(line, file=sys.stderr)
+    if unclear:
+        codes = {code for code, _ in unclear}
+        return [], INPUT_ERROR if INPUT_ERROR in codes else 1
+    for path, (code, line) in verdicts:
+        if code == DAMAGED_FILE:
+            aside = free_name(path)
+            os.rename(path, aside)
+            say(f"{line}; put aside as {aside}, it will be made again")
+            again.append(path)
+    # what somebody put there and is sound is what the run has from now on
+    artefacts.take(path for path, (code, _) in verdicts if code == 0 and path in recorded)
+    artefacts.write_if_changed()
+    return again, 0
+
+
+def main():
+    run = configuration.load_or_exit(sys.argv[1], "check_artefacts")
+    try:
+        again, code = check(run, sys.argv[2])
+    except OSError as error:
+        say(f"error: {error}")
+        return OUTPUT_ERROR
+    for path in again:
+        print(path)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())
