@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <numeric>
 
 #include "tool/error.h"
 
@@ -42,14 +43,16 @@ DuplicateIndex::DuplicateIndex(const DuplicateRule& rule, int point_count, Fetch
   max_squared_distance_ = rule.rms == 0.0 ? 0 : static_cast<uint64_t>(std::ceil(kMaxGroupPoints * squared)) + 1;
 }
 
-DuplicateIndex::Entry DuplicateIndex::sketch(const StoredFunction& function) const {
-  Entry entry{};
+uint32_t DuplicateIndex::Sketch::sum() const { return std::accumulate(group_sums.begin(), group_sums.end(), uint32_t{0}); }
+
+DuplicateIndex::Sketch DuplicateIndex::sketch(const StoredFunction& function) const {
+  Sketch sketch{};
   for (int g = 0; g < kGroupCount; ++g) {
     const int first = static_cast<int>(int64_t{g} * point_count_ / kGroupCount);
     const int end = static_cast<int>(int64_t{g + 1} * point_count_ / kGroupCount);
     uint32_t sum = 0;
     for (int i = first; i < std::min(end, first + kMaxGroupPoints); ++i) sum += function.phi[i];
-    entry.group_sums[static_cast<size_t>(g)] = static_cast<uint16_t>(sum);
+    sketch.group_sums[static_cast<size_t>(g)] = static_cast<uint16_t>(sum);
   }
   for (int o = 0; o < kOctantCount; ++o) {
     int valid_count = 0;
@@ -57,22 +60,22 @@ DuplicateIndex::Entry DuplicateIndex::sketch(const StoredFunction& function) con
     for (int i = static_cast<int>(int64_t{o} * (point_count_ / 8) / kOctantCount); i < end; ++i) {
       valid_count += std::popcount(function.validity[i]);
     }
-    entry.valid_counts[static_cast<size_t>(o)] = static_cast<uint16_t>(valid_count);
+    sketch.valid_counts[static_cast<size_t>(o)] = static_cast<uint16_t>(valid_count);
   }
-  return entry;
+  return sketch;
 }
 
-DuplicateIndex::Features DuplicateIndex::features(const Entry& entry) {
+DuplicateIndex::Features DuplicateIndex::features(const Sketch& sketch) {
   Features features{};
   for (size_t o = 0; o < kOctantCount; ++o) {
-    features[o] = entry.valid_counts[o];
-    features[kOctantCount] += entry.valid_counts[o];
+    features[o] = sketch.valid_counts[o];
+    features[kOctantCount] += sketch.valid_counts[o];
   }
-  for (const uint16_t sum : entry.group_sums) features.back() += sum;
+  features.back() = sketch.sum();
   return features;
 }
 
-bool DuplicateIndex::mayMatch(const Entry& a, const Entry& b) const {
+bool DuplicateIndex::mayMatch(const Sketch& a, const Sketch& b) const {
   uint64_t differing = 0;
   for (size_t o = 0; o < kOctantCount; ++o)
     differing += static_cast<uint64_t>(std::abs(int{a.valid_counts[o]} - int{b.valid_counts[o]}));
@@ -86,8 +89,8 @@ bool DuplicateIndex::mayMatch(const Entry& a, const Entry& b) const {
 }
 
 template <class Visit>
-void DuplicateIndex::forEachNear(const Entry& entry, const Visit& visit) const {
-  const Features place = features(entry);
+void DuplicateIndex::forEachNear(const Sketch& sketch, const Visit& visit) const {
+  const Features place = features(sketch);
   Features home{}, low{}, high{};
   for (size_t i = 0; i < kFeatureCount; ++i) {
     home[i] = place[i] / cell_width_[i];
@@ -98,7 +101,7 @@ void DuplicateIndex::forEachNear(const Entry& entry, const Visit& visit) const {
     const auto found = cells_.find(cellKey(cell));
     if (found == cells_.end()) return false;
     return std::any_of(found->second.begin(), found->second.end(),
-                       [&](const Entry& other) { return mayMatch(entry, other) && visit(other); });
+                       [&](const Entry& other) { return mayMatch(sketch, other) && visit(other); });
   };
   bool done = visitCell(home);
   for (Features cell = low; !done;) {
@@ -118,21 +121,22 @@ std::optional<DuplicateIndex::Match> DuplicateIndex::compare(const StoredFunctio
 }
 
 std::optional<DuplicateIndex::Match> DuplicateIndex::findOrAdd(const StoredFunction& function) {
-  const Entry entry = sketch(function);
+  return findOrAdd(sketch(function), [&] { return function; });
+}
+
+std::optional<DuplicateIndex::Match> DuplicateIndex::findOrAdd(const Sketch& sketch,
+                                                               const std::function<StoredFunction()>& samples) {
   std::optional<Match> match;
-  forEachNear(entry, [&](const Entry& other) { return (match = compare(function, other.id)).has_value(); });
-  if (!match) add(entry);
+  forEachNear(sketch, [&](const Entry& other) { return (match = compare(samples(), other.id)).has_value(); });
+  if (!match) add(sketch);
   return match;
 }
 
-void DuplicateIndex::add(const StoredFunction& function) { add(sketch(function)); }
-
-void DuplicateIndex::add(Entry entry) {
+void DuplicateIndex::add(const Sketch& sketch) {
   NLG_CHECK(function_count_, <, uint64_t{std::numeric_limits<uint32_t>::max()});
-  entry.id = static_cast<uint32_t>(function_count_++);
-  Features cell = features(entry);
+  Features cell = features(sketch);
   for (size_t i = 0; i < kFeatureCount; ++i) cell[i] /= cell_width_[i];
-  cells_[cellKey(cell)].push_back(entry);
+  cells_[cellKey(cell)].push_back({sketch, static_cast<uint32_t>(function_count_++)});
 }
 
 void DuplicateIndex::forEachMatch(const StoredFunction& function, const std::function<bool(uint64_t id)>& isWanted,

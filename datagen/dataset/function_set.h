@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "datagen/dataset/duplicate_bands.h"
 #include "datagen/dataset/duplicate_index.h"
 #include "datagen/dataset/shard.h"
 
@@ -23,20 +24,31 @@ struct FunctionSet : FunctionRows {
   uint64_t functionCount() const { return scene_idx.size(); }
 };
 
-// Drops from shards what earlier shards hold already, by the rule that the shards themselves were made with (DuplicateRule).
+// Memory for sketches beyond which duplicates are looked for band by band: 26 million functions.
+inline constexpr uint64_t kDuplicateMemoryBytes = uint64_t{4} << 30;
+
+struct DuplicateFilterOptions {
+  DuplicateIndex::Fetch earlier;  // gives the samples of the id-th function kept; without it they are read from the shards again
+  uint64_t memory_bytes = kDuplicateMemoryBytes;  // for sketches
+};
+
+// Drops from shards what other shards hold already, by the rule that the shards themselves were made with (DuplicateRule).
 //
-// Exact, as DuplicateIndex says. Memory: at most about 150 bytes a function; the samples of what was kept lie in a nameless file
-// in the folder for temporary files (TMPDIR), 9216 bytes a function, unless the caller has them.
+// Exact, as DuplicateIndex says. Of duplicates the first in the order of the shards is kept, as long as the sketches of all functions
+// fit in memory (kDuplicateBytesAFunction each); where they do not, the first in the order of duplicate_bands.h, whose search then
+// reads all shards once beforehand and takes 88 bytes a function of the folder for temporary files (TMPDIR).
 class DuplicateFilter {
  public:
-  // earlier   gives the samples of the id-th function kept in earlier shards; without it a copy goes to the temporary file
-  explicit DuplicateFilter(DuplicateIndex::Fetch earlier = nullptr);
+  // shards   the paths, in the order in which removeKnown is given them
+  // throws   as findDuplicates (duplicate_bands.h) does
+  explicit DuplicateFilter(const std::vector<std::string>& shards, DuplicateFilterOptions options = {});
   ~DuplicateFilter();
   DuplicateFilter(const DuplicateFilter&) = delete;
   DuplicateFilter& operator=(const DuplicateFilter&) = delete;
 
-  // Takes the known functions out of the shard's arrays and moves them from counts.functions to counts.duplicates.
-  // throws   InputError when its rule is not that of the first shard; OutputError when the temporary file cannot be written
+  // Takes the known functions out of the next shard's arrays, or out of the next rows of the same shard, and moves them from
+  // counts.functions to counts.duplicates.
+  // throws   InputError when its rule is not that of the first shard, or an earlier shard cannot be read any more
   void removeKnown(Shard* shard);
 
  private:

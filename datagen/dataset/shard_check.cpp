@@ -7,6 +7,8 @@
 #include <cstring>
 #include <map>
 
+#include "tool/error.h"
+
 namespace nlg {
 namespace {
 
@@ -90,6 +92,13 @@ Fault pointCountFault(uint64_t point_count, uint64_t test_point_count) {
 Fault duplicateRuleFault(const DuplicateRule& rule) {
   if (std::isfinite(rule.rms) && rule.rms >= 0.0 && rule.rms <= 255.0) return {};
   return {"attribute duplicate_rms", "a number from 0 to 255", fmt::format("{}", rule.rms)};
+}
+
+void requireSameRule(const ShardHeader& shard, const DuplicateRule& first) {
+  if (shard.duplicate_rule == first) return;
+  const auto text = [](const DuplicateRule& rule) { return fmt::format("{:f} and {}", rule.rms, rule.validity_points); };
+  throw InputError(shard.path, "attributes duplicate_rms and duplicate_validity_points", text(first) + " as in the first shard",
+                   text(shard.duplicate_rule));
 }
 
 Fault valueFault(const FunctionRows& rows, uint64_t first_function) {

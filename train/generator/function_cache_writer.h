@@ -18,7 +18,7 @@ struct CacheReport {
 // Reads shard after shard and puts every function, without those that an earlier shard holds (DuplicateFilter), to its shuffled
 // place; written atomically. The same shards and basis give the same bytes.
 //
-// Memory: one shard, and about 170 bytes a function. Disk: as large as the cache, in its folder.
+// Memory: one shard, about 10 bytes a function, and what DuplicateFilter takes. Disk: as large as the cache, in its folder.
 // throws   InputError as readShard does, or when no shard holds a function; OutputError
 CacheReport writeFunctionCache(const std::string& path, const std::vector<std::string>& shards, const BasisData& basis,
                                const std::string& basis_sha256);

@@ -9,7 +9,9 @@ FunctionCounts countFunctions(const std::vector<std::string>& training, const st
   const auto read = [](const std::string& path) { return readShard(path, supportPattern().hash, kSupportPointCount); };
   const DuplicateRule rule = readShardHeader(held_out.front(), supportPattern().hash, kSupportPointCount).duplicate_rule;
   FunctionCounts counts;
-  DuplicateFilter filter;
+  std::vector<std::string> all = training;
+  all.insert(all.end(), held_out.begin(), held_out.end());
+  DuplicateFilter filter(all);
   const auto add = [&](Shard* shard) {
     filter.removeKnown(shard);
     addCounts(shard->counts, &counts.all);
