@@ -57,8 +57,9 @@ target_sources(nlg_runtime_eval PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOUR
 set(NLG_PACKAGE_FOLDER ${CMAKE_INSTALL_LIBDIR}/cmake/nlg)
 set_target_properties(nlg_runtime_eval PROPERTIES EXPORT_NAME runtime_eval)
 set_target_properties(nlg_weights_file PROPERTIES EXPORT_NAME weights_file)
+set_target_properties(nlg_regular_file PROPERTIES EXPORT_NAME regular_file)
 # INCLUDES: a CMake before 3.23 reads no file sets
-install(TARGETS nlg_weights_file nlg_runtime_eval EXPORT nlg-targets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/nlg
+install(TARGETS nlg_regular_file nlg_weights_file nlg_runtime_eval EXPORT nlg-targets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/nlg
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/nlg)
 install(EXPORT nlg-targets NAMESPACE nlg:: DESTINATION ${NLG_PACKAGE_FOLDER})
 # before 1.0 every minor version may change what headers hold

@@ -4,11 +4,12 @@
 #   nlg_tool(NAME SOURCES … LINKS …)                              an executable NAME
 #
 # Layers, lowest first. A library links what its own line names, nothing else.
-set(NLG_MAY_LINK_weights_file  "")
+set(NLG_MAY_LINK_regular_file  "")
+set(NLG_MAY_LINK_weights_file  nlg::regular_file)
 set(NLG_MAY_LINK_runtime_eval  nlg::weights_file hwy::hwy)
-set(NLG_MAY_LINK_tool          nlg::weights_file yaml-cpp CLI11::CLI11 nlohmann_json::nlohmann_json fmt::fmt Threads::Threads)
+set(NLG_MAY_LINK_tool          nlg::regular_file nlg::weights_file yaml-cpp CLI11::CLI11 nlohmann_json::nlohmann_json fmt::fmt Threads::Threads)
 set(NLG_MAY_LINK_dataset       nlg::tool hdf5::hdf5 nlg::deflate)
-set(NLG_MAY_LINK_scene         nlg::tool nlg::runtime_eval glm::glm TinyGLTF::TinyGLTF nlg::meshoptimizer nlg::draco nlg::tinyobjloader nlohmann_json::nlohmann_json PkgConfig::LIBZIP JPEG::JPEG)
+set(NLG_MAY_LINK_scene         nlg::regular_file nlg::tool nlg::runtime_eval glm::glm TinyGLTF::TinyGLTF nlg::meshoptimizer nlg::draco nlg::tinyobjloader nlohmann_json::nlohmann_json PkgConfig::LIBZIP JPEG::JPEG)
 set(NLG_MAY_LINK_probes        nlg::scene nlg::runtime_eval)
 set(NLG_MAY_LINK_visibility    nlg::scene nlg::runtime_eval embree hwy::hwy)
 set(NLG_MAY_LINK_lighting      nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)

@@ -15,6 +15,7 @@
 
 #include "runtime_eval/weights_file/sha256.h"
 #include "tool/error.h"
+#include "tool/input_file.h"
 
 namespace nlg {
 namespace {
@@ -121,17 +122,9 @@ void writeAll(const std::string& temporary_path, const std::string& path, std::s
 
 // Calls take(block, size) for every block of the file.
 template <class Take>
-void forEachBlock(const std::string& path, Take take) {
-  FileDescriptor file(path, O_RDONLY);
-  if (!file.isOpen()) throw InputError(path, "open", "a readable file", reasonOf(errno));
+void forEachBlock(InputFile& file, Take take) {
   const auto block = std::make_unique<char[]>(kReadBlockBytes);
-  for (;;) {
-    const ssize_t count = ::read(file.get(), block.get(), kReadBlockBytes);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw InputError(path, "read", "a readable file", reasonOf(errno));
-    if (count == 0) return;
-    take(block.get(), static_cast<size_t>(count));
-  }
+  while (const size_t count = file.read(block.get(), kReadBlockBytes)) take(block.get(), count);
 }
 
 }  // namespace
@@ -162,30 +155,34 @@ void writeFileAtomically(const std::string& path, std::string_view bytes) {
 }
 
 std::string readFile(const std::string& path, size_t max_bytes) {
+  InputFile file(path);
+  const auto requireAtMost = [&](uint64_t size) {
+    if (size > max_bytes)
+      throw InputError(path, "size", "at most " + std::to_string(max_bytes) + " bytes", std::to_string(size) + " or more");
+  };
+  requireAtMost(file.size());
   std::string bytes;
-  std::error_code ignored;
-  // the size is a hint only: pipes have none, and a file may grow
-  const uintmax_t size = std::filesystem::is_regular_file(path, ignored) ? std::filesystem::file_size(path, ignored) : 0;
-  if (!ignored) bytes.reserve(std::min<uintmax_t>(size, max_bytes));
-  forEachBlock(path, [&](const char* block, size_t count) {
-    if (count > max_bytes - bytes.size()) {
-      throw InputError(path, "size", "at most " + std::to_string(max_bytes) + " bytes", "more");
-    }
+  // the size is a hint only: files may grow, and those of the system's own say 0
+  bytes.reserve(file.size());
+  forEachBlock(file, [&](const char* block, size_t count) {
+    requireAtMost(bytes.size() + count);
     bytes.append(block, count);
   });
   return bytes;
 }
 
 std::string fileSha256(const std::string& path) {
+  InputFile file(path);
   Sha256 hash;
-  forEachBlock(path, [&](const char* block, size_t count) { hash.add(block, count); });
+  forEachBlock(file, [&](const char* block, size_t count) { hash.add(block, count); });
   return hexadecimal(hash.finish());
 }
 
 std::vector<uint8_t> fileSha256Bytes(const std::string& path, ByteRange zeroed) {
+  InputFile file(path);
   Sha256 hash;
   uint64_t position = 0;
-  forEachBlock(path, [&](char* block, size_t count) {
+  forEachBlock(file, [&](char* block, size_t count) {
     const uint64_t first = std::clamp<uint64_t>(zeroed.first, position, position + count);
     const uint64_t last = std::clamp<uint64_t>(zeroed.first + zeroed.count, position, position + count);
     std::fill(block + (first - position), block + (std::max(first, last) - position), '\0');

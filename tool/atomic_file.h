@@ -20,8 +20,8 @@ void writeAtomically(const std::string& path, const std::function<void(const std
 // The same for a text or bytes that are already in memory.
 void writeFileAtomically(const std::string& path, std::string_view bytes);
 
-// The whole of a file.
-// throws   InputError when it cannot be opened or read, or is larger than max_bytes
+// The whole of a regular file.
+// throws   InputError when it cannot be opened or read, is something else, or is larger than max_bytes
 std::string readFile(const std::string& path, size_t max_bytes = size_t{1} << 32);
 
 // SHA-256 of a file's bytes, 64 lower-case hexadecimal digits.

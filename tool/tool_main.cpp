@@ -1,12 +1,14 @@
 #include "tool/tool_main.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <new>
 
+#include "tool/printable.h"
 #include "tool/provenance.h"
 
 namespace nlg {
@@ -17,17 +19,31 @@ std::string toolName(const CLI::App& app, int argc, char** argv) {
   return argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "nlg";
 }
 
-// Scripts read stderr by lines: one error, one line. What an input brings must not steer a terminal either.
-std::string oneLine(std::string text) {
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  const auto is_control = [](unsigned char c) { return c < 32 || c == 127; };
-  std::replace_if(text.begin(), text.end(), is_control, ' ');
-  return text;
-}
+// What a level or a shard calls itself must not steer the terminal that it is printed on. Of stdout only where that is one: else it
+// is for programs, which get every byte.
+class PrintableStreams {
+ public:
+  PrintableStreams() : cout_(std::cout.rdbuf()), cerr_(std::cerr.rdbuf()), to_cout_(cout_), to_cerr_(cerr_) {
+    std::cerr.rdbuf(&to_cerr_);
+    if (::isatty(STDOUT_FILENO) == 1) std::cout.rdbuf(&to_cout_);
+  }
+  ~PrintableStreams() {
+    std::cout.rdbuf(cout_);
+    std::cerr.rdbuf(cerr_);
+  }
+  PrintableStreams(const PrintableStreams&) = delete;
+  PrintableStreams& operator=(const PrintableStreams&) = delete;
 
-int fail(const std::string& name, const std::string& line, ExitCode code) {
+ private:
+  std::streambuf *const cout_, *const cerr_;
+  PrintableBuffer to_cout_, to_cerr_;
+};
+
+// Scripts read stderr by lines: one error, one line.
+int fail(const std::string& name, std::string line, ExitCode code) {
+  while (!line.empty() && line.back() == '\n') line.pop_back();
   std::cout.flush();
-  std::cerr << name << ": error: " << oneLine(line) << std::endl;
+  std::cerr << name << ": error: " << printable(line) << std::endl;
   return static_cast<int>(code);
 }
 
@@ -73,6 +89,7 @@ int endOfParsing(const CLI::App& app, const CLI::ParseError& error, const std::s
 }  // namespace
 
 int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run) {
+  const PrintableStreams streams;
   std::signal(SIGPIPE, SIG_IGN);
   // past a limit on file sizes write fails with an error, as on a full disk
   std::signal(SIGXFSZ, SIG_IGN);

@@ -19,6 +19,9 @@ import yaml
 from furniture import find_interiors
 from levels import find_levels, is_texts
 
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
+from regular_file import regular
+
 TOOL_SECTIONS = {"datagen", "basis", "train", "export", "bake", "validate", "frontier", "solve"}
 OWN_SECTIONS = {"name", "scenes", "split", "representations"}
 OPTIONAL_SECTIONS = {"report", "validate_light", "effort", "full"} | TOOL_SECTIONS
@@ -100,7 +103,7 @@ def read(path):
     throws   ConfigurationError when it cannot be read, or is no YAML
     """
     try:
-        with open(path, encoding="utf-8") as file:
+        with open(path, encoding="utf-8", opener=regular) as file:
             return yaml.load(file, Loader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark

@@ -6,10 +6,14 @@ Exit code 6 when there is one (tool/error.h), else 0.
 """
 import json
 import sys
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
+from regular_file import regular
 
 
 def main():
-    with open(sys.argv[1]) as file:
+    with open(sys.argv[1], opener=regular) as file:
         cases = json.load(file)["cases"]
     failed = [case for case in cases if case["ran"] and not case["holds"]]
     for case in failed:

@@ -21,6 +21,9 @@ from results_collect import STAGES, dump
 from results_page import POPULATION_NAMES, POPULATION_ORDER, ratio, share, table
 from results_quotes import MAIN, microseconds, number, percent
 
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
+from regular_file import read_bytes, read_text, regular
+
 ROOT = Path(__file__).resolve().parents[1]
 WEIGHTS = ROOT / "weights"
 FACTS = ROOT / "docs" / "results" / "weights.json"
@@ -51,18 +54,18 @@ def fail(place, expected, got):
 
 def read_json(path):
     try:
-        return json.loads(path.read_text())
+        return json.loads(read_text(path))
     except (OSError, ValueError) as error:
         fail(path, "a file of the run", error)
 
 
 def sha256_of(path):
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    return hashlib.sha256(read_bytes(path)).hexdigest()
 
 
 def read_header(path):
     """The texts of a weights file, and its tensors' dtypes and shapes."""
-    with open(path, "rb") as stream:
+    with open(path, "rb", opener=regular) as stream:
         header = json.loads(stream.read(struct.unpack("<Q", stream.read(8))[0]))
     metadata = header.pop("__metadata__")
     return metadata, {name: tensor for name, tensor in header.items() if not name.startswith("padding.")}

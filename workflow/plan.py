@@ -7,6 +7,11 @@ COUNT   shards that the run will make; FILE: plans (nlg-datagen plan --json) of 
 import argparse
 import json
 import math
+import sys
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
+from regular_file import read_text
 
 
 def total(plans, count, key):
@@ -40,7 +45,7 @@ def main():
 
     shards = 0
     for name, (count, *paths) in [("training", arguments.training), ("held out", arguments.held_out)]:
-        plans = [json.load(open(path)) for path in paths]
+        plans = [json.loads(read_text(path)) for path in paths]
         scratch = max([scratch] + [plan["scratch_bytes"] for plan in plans])
         values = [total(plans, int(count), key) for key, _, _ in COLUMNS]
         row(name, int(count), values)

@@ -13,6 +13,10 @@ import json
 import math
 import re
 import sys
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
+from regular_file import read_text
 
 STAGES = ("network", "corrected", "fitted", "stored")
 POPULATIONS = ("all", "theta", "hard")
@@ -28,7 +32,7 @@ def fail(place, expected, got):
 
 def read_json(path):
     try:
-        return json.loads(path.read_text())
+        return json.loads(read_text(path))
     except (OSError, ValueError) as error:
         fail(path, "a file of the run", error)
 

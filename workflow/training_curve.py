@@ -1,11 +1,16 @@
 """The curve of one training run: log.csv → PNG."""
 import argparse
 import csv
+import sys
+from pathlib import Path
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
+from regular_file import regular
 
 
 def main():
@@ -14,7 +19,7 @@ def main():
     parser.add_argument("--title", required=True)
     parser.add_argument("--out", required=True, help="the .png to write")
     options = parser.parse_args()
-    with open(options.log, newline="") as file:
+    with open(options.log, newline="", opener=regular) as file:
         rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
     steps = [row["step"] for row in rows]
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")

@@ -25,7 +25,7 @@ extern "C" {
 /* Why a file was refused, and what else may go wrong. Values stay what they are; later versions add to them. */
 typedef enum nlg_status {
   NLG_OK = 0,
-  NLG_CANNOT_OPEN = 1,
+  NLG_CANNOT_OPEN = 1,       /* the system refused, or it is no regular file */
   NLG_CANNOT_READ = 2,       /* the system refused, or the file is larger than 1 GiB */
   NLG_TOO_SHORT = 3,         /* no header length, or fewer bytes than the tensors need */
   NLG_HEADER_TOO_LARGE = 4,  /* header above 1 MiB or past the end of the file */

@@ -1,5 +1,7 @@
 #include "runtime_eval/weights_file/safetensors_layout.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <bit>
 #include <cerrno>
@@ -9,6 +11,7 @@
 #include <memory>
 #include <utility>
 
+#include "runtime_eval/regular_file/regular_file.h"
 #include "runtime_eval/weights_file/sha256.h"
 
 static_assert(std::endian::native == std::endian::little, "lengths and tensors are copied as they lie in the file");
@@ -139,10 +142,16 @@ WeightsResult refuseTensor(WeightsStatus status, const std::string& name, const 
 }
 
 WeightsResult openByteSource(const std::string& path, ByteSource* source) {
-  const std::shared_ptr<std::FILE> stream(std::fopen(path.c_str(), "rb"), [](std::FILE* file) {
+  std::string fault;
+  const int descriptor = openRegularFile(path, &fault);
+  if (descriptor < 0) return refuse(WeightsStatus::cannot_open, fault);
+  const std::shared_ptr<std::FILE> stream(::fdopen(descriptor, "rb"), [](std::FILE* file) {
     if (file != nullptr) std::fclose(file);
   });
-  if (stream == nullptr) return refuse(WeightsStatus::cannot_open, std::strerror(errno));
+  if (stream == nullptr) {
+    ::close(descriptor);
+    return refuse(WeightsStatus::cannot_open, "no memory for a stream");
+  }
   const bool at_end = std::fseek(stream.get(), 0, SEEK_END) == 0;
   const long size = at_end ? std::ftell(stream.get()) : -1;
   if (size < 0) return refuse(WeightsStatus::cannot_read, std::strerror(errno));

@@ -19,7 +19,7 @@ namespace nlg {
 
 enum class WeightsStatus {
   ok,
-  cannot_open,
+  cannot_open,        // the system refused, or it is no regular file: a pipe, a device, a folder
   cannot_read,        // the system refused, or the file is larger than 1 GiB
   too_short,          // no header length, or fewer bytes than the tensors of the header need
   header_too_large,   // header length above 1 MiB or past the end of the file

@@ -1,9 +1,6 @@
 #include "train/generator/function_cache.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -18,6 +15,7 @@
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/input_file.h"
 #include "train/generator/cache_layout.h"
 
 namespace nlg {
@@ -29,21 +27,13 @@ std::string reason() { return std::generic_category().message(errno); }
 
 // The whole file, read-only. Pages that are not used again go when the memory is wanted elsewhere.
 const uint8_t* mapFile(const std::string& path, size_t* count) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) throw InputError(path, "open", "a function cache", reason());
-  struct stat status {};
-  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(file);
-    throw InputError(path, "file", "a function cache", "no regular file");
-  }
-  *count = static_cast<size_t>(status.st_size);
+  const InputFile file(path);
+  *count = file.size();
   if (*count < kFirstRecord) {
-    ::close(file);
     throw InputError(path, "size", "a function cache of at least " + std::to_string(kFirstRecord) + " bytes",
                      std::to_string(*count) + " bytes");
   }
-  void* address = ::mmap(nullptr, *count, PROT_READ, MAP_SHARED, file, 0);
-  ::close(file);
+  void* address = ::mmap(nullptr, *count, PROT_READ, MAP_SHARED, file.descriptor(), 0);
   if (address == MAP_FAILED) throw InputError(path, "map", "a file that can be mapped", reason());
   return static_cast<const uint8_t*>(address);
 }

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <fstream>
 
+#include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "validate/errors/csv_field.h"
 
@@ -99,9 +99,7 @@ std::string csvRow(const FrontierResult& result, size_t p, Population population
 }
 
 Json readHierarchy(const std::string& path) {
-  std::ifstream stream(path);
-  if (!stream) throw InputError(path, "file", "one that can be read", "none");
-  const Json json = Json::parse(stream, nullptr, false);
+  const Json json = Json::parse(readFile(path), nullptr, false);
   if (json.is_discarded() || !json.is_object() || json.value("schema_version", 0) != 1 || !json.contains("hierarchy") ||
       !json.contains("walks") || !json["hierarchy"].is_array() || !json["walks"].is_array()) {
     throw InputError(path, "content", "a SCENE.hierarchy.json of nlg-solve, schema_version 1", "something else");

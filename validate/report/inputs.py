@@ -7,9 +7,14 @@ import hashlib
 import json
 import math
 import os
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "tool"))
+from regular_file import regular
 
 
 # the four words of every table: what a function is, stage by stage, on its way into the grid; in this order everywhere
@@ -35,7 +40,7 @@ class InputError(Exception):
 
 def read_bytes(path):
     try:
-        with open(path, "rb") as file:
+        with open(path, "rb", opener=regular) as file:
             data = file.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise InputError(path, "file", "a readable file", error.strerror) from None

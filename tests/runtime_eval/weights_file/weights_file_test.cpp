@@ -1,6 +1,7 @@
 #include "runtime_eval/weights_file/weights_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -157,7 +158,20 @@ TEST(WeightsReader, ReadsAFileAndSaysWhyNot) {
   const WeightsResult missing = readWeightsFile(path, &file);
   EXPECT_EQ(missing.status, WeightsStatus::cannot_open);
   EXPECT_EQ(missing.detail, path + ": No such file or directory");
-  EXPECT_EQ(readWeightsFile("/tmp", &file).status, WeightsStatus::cannot_read);
+}
+
+// A pipe would keep the reader waiting for ever.
+TEST(WeightsReader, OpensRegularFilesOnly) {
+  const std::string path = (std::filesystem::temp_directory_path() / ("nlg_weights_pipe_" + std::to_string(::getpid()))).string();
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  WeightsFile file;
+  for (const auto& [name, what] :
+       {std::pair<std::string, std::string>(path, "a pipe"), {"/tmp", "a directory"}, {"/dev/zero", "a device"}}) {
+    const WeightsResult result = readWeightsFile(name, &file);
+    EXPECT_EQ(result.status, WeightsStatus::cannot_open);
+    EXPECT_EQ(result.detail, name + ": " + what);
+  }
+  std::filesystem::remove(path);
 }
 
 TEST(WeightsReader, RefusesEveryTruncation) {

@@ -1,0 +1,56 @@
+#include "tool/input_file.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "runtime_eval/regular_file/regular_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+std::string reason() { return std::generic_category().message(errno); }
+
+// Calls readSome(to, count) until the bytes are there, or the file's end.
+template <class ReadSome>
+size_t readAll(const std::string& path, const std::string& place, char* to, size_t count, const ReadSome& readSome) {
+  size_t done = 0;
+  while (done < count) {
+    const ssize_t more = readSome(to + done, count - done);
+    if (more < 0 && errno == EINTR) continue;
+    if (more < 0) throw InputError(path, place, "a readable file", reason());
+    if (more == 0) break;
+    done += static_cast<size_t>(more);
+  }
+  return done;
+}
+
+}  // namespace
+
+InputFile::InputFile(const std::string& path, std::string place) : path_(path), place_(std::move(place)) {
+  std::string fault;
+  descriptor_ = openRegularFile(path, &fault);
+  if (descriptor_ < 0) throw InputError(path, place_, "a regular file", fault);
+  struct stat status {};
+  if (::fstat(descriptor_, &status) == 0) size_ = static_cast<uint64_t>(status.st_size);
+}
+
+InputFile::~InputFile() { ::close(descriptor_); }
+
+size_t InputFile::read(void* to, size_t count) {
+  return readAll(path_, place_, static_cast<char*>(to), count,
+                 [this](char* at, size_t left) { return ::read(descriptor_, at, left); });
+}
+
+size_t InputFile::readAt(uint64_t offset, void* to, size_t count) const {
+  char* const begin = static_cast<char*>(to);
+  return readAll(path_, place_, begin, count, [&](char* at, size_t left) {
+    return ::pread(descriptor_, at, left, static_cast<off_t>(offset + static_cast<uint64_t>(at - begin)));
+  });
+}
+
+}  // namespace nlg

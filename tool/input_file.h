@@ -1,0 +1,36 @@
+// A file that a tool reads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace nlg {
+
+// Open from beginning to end of its life. Regular files only: regular_file.h says why.
+class InputFile {
+ public:
+  // place    what the file is to its reader ("open", "buffer \"walls.bin\""), for errors
+  // throws   InputError with what stands at the path instead, or the system's reason
+  explicit InputFile(const std::string& path, std::string place = "open");
+  ~InputFile();
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+
+  // Bytes that the file had when it was opened.
+  uint64_t size() const { return size_; }
+  int descriptor() const { return descriptor_; }
+
+  // Fills `to` with the next bytes; returns how many: fewer than count at the file's end only.
+  // throws   InputError with the system's reason
+  size_t read(void* to, size_t count);
+  // The same from `offset` bytes behind the beginning; where read() goes on stays.
+  size_t readAt(uint64_t offset, void* to, size_t count) const;
+
+ private:
+  const std::string path_, place_;
+  int descriptor_ = -1;
+  uint64_t size_ = 0;
+};
+
+}  // namespace nlg
