@@ -8,6 +8,7 @@
 #include "datagen/generate.h"
 #include "datagen/info.h"
 #include "datagen/plan.h"
+#include "datagen/scene/scene_budget.h"
 #include "datagen/view/view.h"
 #include "tool/file_info.h"
 #include "tool/output_path.h"
@@ -65,6 +66,7 @@ int infoMain(int argc, char** argv) {
 
 int viewMain(int argc, char** argv) {
   CLI::App app{"Draws a shard: slices through one probe, an atlas of 64 functions, or the level from above.", "nlg-datagen view"};
+  app.footer(sceneBudgets());
   std::string shard, out;
   uint64_t probe_idx = 0;
   bool is_atlas = false, is_top = false;

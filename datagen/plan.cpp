@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datagen/dataset/row_spool.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {
@@ -135,8 +136,8 @@ void printPlan(const ShardRequest& request, const ShardPlan& plan, PlanFormat fo
       "{}, jitter {}: plan from {} of {} probes, +- {:.0f} %\n"
       "  visited probes  {:.0f}\n  functions       {:.0f}\n  file            {:.2f} MB\n  scratch         {:.2f} MB\n"
       "  one core        {:.1f} s\n",
-      request.scene, request.jitter, plan.sampled_probes, plan.grid_probes, 100.0 * plan.uncertainty, plan.visited_probes,
-      plan.functions, plan.bytes / 1e6, plan.scratch_bytes / 1e6, plan.core_seconds);
+      printable(request.scene), request.jitter, plan.sampled_probes, plan.grid_probes, 100.0 * plan.uncertainty,
+      plan.visited_probes, plan.functions, plan.bytes / 1e6, plan.scratch_bytes / 1e6, plan.core_seconds);
 }
 
 }  // namespace nlg

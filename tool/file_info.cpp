@@ -9,6 +9,7 @@
 
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/printable.h"
 #include "tool/tool_main.h"
 
 namespace nlg {
@@ -16,14 +17,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string textOf(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+// A file's own texts may be anybody's.
+std::string textOf(const Json& value) { return printable(value.is_string() ? value.get<std::string>() : value.dump()); }
 
 void printForPeople(const Json& file) {
   for (const auto& [key, value] : file.items()) {
     if (key == "file") {
       std::cout << fmt::format("{}\n", textOf(value));
     } else if (key == "origin" && value.is_object()) {
-      for (const auto& [name, part] : value.items()) std::cout << fmt::format("  {:<26}{}\n", name, textOf(part));
+      for (const auto& [name, part] : value.items()) std::cout << fmt::format("  {:<26}{}\n", printable(name), textOf(part));
     } else {
       std::cout << fmt::format("  {:<26}{}\n", key, textOf(value));
     }

@@ -251,6 +251,7 @@ struct OptionTable::Impl {
     CLI::Option* flag = nullptr;
   };
   std::vector<FormerName> former_names;
+  std::vector<std::string> notes;
 
   void add(const std::string& name, Target target, const std::string& help) {
     const bool repeated = std::any_of(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
@@ -285,6 +286,8 @@ void OptionTable::renamed(const std::string& old_name, const std::string& name) 
   impl_->former_names.push_back({old_name, name});
 }
 
+void OptionTable::addNote(const std::string& note) { impl_->notes.push_back(note); }
+
 void OptionTable::addFlags(CLI::App& app) {
   for (Option& option : impl_->options) {
     const std::string expectation = std::visit([](const auto& target) { return expected(target); }, option.target);
@@ -296,6 +299,7 @@ void OptionTable::addFlags(CLI::App& app) {
   }
   // the empty group keeps them out of --help
   for (Impl::FormerName& former : impl_->former_names) former.flag = app.add_option(flagOf(former.old_name))->group("");
+  for (const std::string& note : impl_->notes) app.footer(app.get_footer().empty() ? note : app.get_footer() + "\n\n" + note);
 }
 
 void OptionTable::readYaml(const std::string& path) {

@@ -47,6 +47,9 @@ class OptionTable {
   // An option's former name: a key or flag of that name is refused in one line that tells the present one.
   void renamed(const std::string& old_name, const std::string& name);
 
+  // What --help ends with, behind whatever the tool's own end is.
+  void addNote(const std::string& note);
+
   // Adds one flag an option to the command line, each with its help, default and range. Values are only remembered here.
   void addFlags(CLI::App& app);
 

@@ -19,11 +19,18 @@ const ShaderScript* BspLooks::scriptOf(const std::string& shader) const {
   return found == scripts_.end() ? nullptr : &found->second;
 }
 
-std::optional<glm::vec3> BspLooks::imageAverage(const std::string& name, Average average) const {
+const std::optional<ImageMeans>& BspLooks::entryMeans(const std::string& entry) const {
+  const auto known = images_.find(entry);
+  if (known != images_.end()) return known->second;
+  const std::string bytes = archives_.read(entry, kMaxTextureBytes);
+  return images_.emplace(entry, imageMeans(bytes, pixels_left_, archives_.path(), entry)).first->second;
+}
+
+std::optional<ImageMeans> BspLooks::image(const std::string& name) const {
   for (const char* suffix : {".tga", ".jpg"}) {
     if (!archives_.has(name + suffix)) continue;
-    const std::optional<glm::vec3> colour = average(archives_.read(name + suffix, kMaxTextureBytes));
-    if (colour) return colour;
+    const std::optional<ImageMeans>& means = entryMeans(name + suffix);
+    if (means) return means;
   }
   return std::nullopt;
 }
@@ -38,8 +45,8 @@ std::vector<std::string> BspLooks::textureNames(const std::string& shader) const
 
 std::optional<glm::vec3> BspLooks::textureColour(const std::string& shader) const {
   for (const std::string& name : textureNames(shader)) {
-    const std::optional<glm::vec3> colour = imageAverage(name, averageColour);
-    if (colour) return colour;
+    const std::optional<ImageMeans> means = image(name);
+    if (means) return means->linear;
   }
   return std::nullopt;
 }
@@ -49,8 +56,8 @@ glm::vec3 BspLooks::lightHue(const std::string& shader, const ScriptLight& light
   std::vector<std::string> names = textureNames(shader);
   if (!light.image.empty()) names.insert(names.begin(), light.image);
   for (const std::string& name : names) {
-    const std::optional<glm::vec3> code = imageAverage(name, averageCode);
-    if (code) return hueOf(*code);
+    const std::optional<ImageMeans> means = image(name);
+    if (means) return hueOf(means->code);
   }
   return glm::vec3(1.0f);
 }
@@ -62,18 +69,18 @@ glm::vec3 BspLooks::emission(const std::string& shader) const {
 }
 
 std::optional<Sky> BspLooks::skyBox(const std::string& stem) const {
-  const std::optional<glm::vec3> up = imageAverage(stem + "_up", averageColour), down = imageAverage(stem + "_dn", averageColour);
+  const std::optional<ImageMeans> up = image(stem + "_up"), down = image(stem + "_dn");
   glm::vec3 sides(0.0f);
   int side_count = 0;
   for (const char* side : {"_rt", "_lf", "_ft", "_bk"}) {
-    const std::optional<glm::vec3> colour = imageAverage(stem + side, averageColour);
-    if (!colour) continue;
-    sides += *colour;
+    const std::optional<ImageMeans> means = image(stem + side);
+    if (!means) continue;
+    sides += means->linear;
     ++side_count;
   }
   if (side_count == 0 && !up) return std::nullopt;
-  const glm::vec3 around = side_count > 0 ? sides / static_cast<float>(side_count) : *up;
-  return Sky{up.value_or(around), around, down.value_or(around)};
+  const glm::vec3 around = side_count > 0 ? sides / static_cast<float>(side_count) : up->linear;
+  return Sky{up ? up->linear : around, around, down ? down->linear : around};
 }
 
 Sky BspLooks::sky(const std::string& shader) const {

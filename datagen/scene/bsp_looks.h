@@ -1,6 +1,7 @@
 // What a level's faces look like and shine with: its archives' shader scripts and images.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,14 +10,16 @@
 
 #include "datagen/scene/bsp_shader.h"
 #include "datagen/scene/pk3_archive.h"
+#include "datagen/scene/scene_budget.h"
 #include "datagen/scene/scene_light.h"
+#include "datagen/scene/texture_colour.h"
 
 namespace nlg {
 
 class BspLooks {
  public:
   // Reads the shader scripts. The archives must outlive this object.
-  // throws   what readShaderScripts refuses
+  // throws   what readShaderScripts refuses. All that looks at images throws on more pixels than one scene may have.
   explicit BspLooks(const Pk3Archives& archives);
 
   // Null when no script names the shader.
@@ -30,14 +33,18 @@ class BspLooks {
   Sky sky(const std::string& shader) const;
 
  private:
-  using Average = std::optional<glm::vec3> (*)(std::string_view);
-  std::optional<glm::vec3> imageAverage(const std::string& name, Average average) const;
+  // Of the first image of that name, without suffix, that is not damaged.
+  std::optional<ImageMeans> image(const std::string& name) const;
+  const std::optional<ImageMeans>& entryMeans(const std::string& entry) const;
   std::vector<std::string> textureNames(const std::string& shader) const;
   glm::vec3 lightHue(const std::string& shader, const ScriptLight& light) const;
   std::optional<Sky> skyBox(const std::string& stem) const;
 
   const Pk3Archives& archives_;
   ShaderScripts scripts_;
+  // many shaders may share an image: each is decoded once
+  mutable std::map<std::string, std::optional<ImageMeans>> images_;  // by entry
+  mutable SceneBudget pixels_left_ = SceneBudgets().pixels;
 };
 
 }  // namespace nlg

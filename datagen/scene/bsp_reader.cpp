@@ -12,6 +12,7 @@
 #include "datagen/scene/bsp_shader.h"
 #include "datagen/scene/free_standing.h"
 #include "datagen/scene/pk3_archive.h"
+#include "datagen/scene/scene_budget.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -21,7 +22,6 @@ namespace {
 constexpr const char* kLevelName = "worldspawn";
 constexpr double kPatchToleranceUnits = 0.04 / kBspMetresPerUnit;
 constexpr size_t kMaxLevelBytes = size_t{256} << 20;
-constexpr uint64_t kMaxTriangles = uint64_t{1} << 23;
 
 // A face as triangles, counter-clockwise from its front; one entry of each for a vertex.
 struct FaceMesh {
@@ -131,10 +131,11 @@ class BspConverter {
     const bool is_sky = use.drop_reason != nullptr && std::string_view(use.drop_reason) == "sky";
     if (use.drop_reason != nullptr) ++level_.dropped_faces[use.drop_reason];
     if (use.drop_reason != nullptr && !is_sky && use.emission == glm::vec3(0.0f)) return;
-    const uint64_t more =
+    const uint64_t most =
         face.kind == BspFaceKind::patch ? maxPatchTriangles(face.patch_width, face.patch_height) : face.index_count / 3;
-    if (level_.scene.triangles.size() + light_faces_.triangleCount() + 2 * more > kMaxTriangles)
-      throw InputError(path_, "triangles", "at most 2^23", "more");
+    // twice: one that shines may have two sides
+    triangles_left_.require(2 * most, path_, "faces");
+    const size_t before = triangleCount();
     const FaceMesh mesh = face.kind == BspFaceKind::patch ? patchMesh(face, origin_units) : triangleMesh(face, origin_units);
     if (is_sky) {
       light_faces_.addSky(mesh, face.shader);
@@ -143,7 +144,10 @@ class BspConverter {
     } else {
       addGeometry(face, mesh);
     }
+    triangles_left_.take(triangleCount() - before, path_, "faces");
   }
+
+  size_t triangleCount() const { return level_.scene.triangles.size() + light_faces_.triangleCount(); }
 
   void addGeometry(const BspFace& face, const FaceMesh& mesh) {
     Scene& scene = level_.scene;
@@ -310,6 +314,7 @@ class BspConverter {
   std::vector<std::optional<ShaderUse>> uses_;  // by shader
   std::vector<glm::dvec3> world_positions_;
   LightFaces light_faces_;
+  SceneBudget triangles_left_ = SceneBudgets().level_triangles;
   uint32_t faces_without_page_ = 0;
   BspLevel level_;
 };

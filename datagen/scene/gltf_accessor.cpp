@@ -5,9 +5,6 @@
 namespace nlg {
 namespace {
 
-// Without a buffer view nothing in the file bounds the count; nobody needs more zeros than this.
-constexpr uint64_t kMaxZeros = uint64_t{1} << 24;
-
 int unsignedBytes(int component_type) {
   switch (component_type) {
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
@@ -29,7 +26,8 @@ uint32_t readUnsigned(const unsigned char* bytes, int byte_count) {
   return value;
 }
 
-AccessorReader::AccessorReader(const tinygltf::Model& model, int accessor_idx, const std::string& path, const std::string& place)
+AccessorReader::AccessorReader(const tinygltf::Model& model, int accessor_idx, const std::string& path, const std::string& place,
+                               SceneBudgets& budgets)
     : model_(model), path_(path), place_(place) {
   const tinygltf::Accessor& accessor = model.accessors[accessor_idx];
   count_ = accessor.count;
@@ -39,10 +37,11 @@ AccessorReader::AccessorReader(const tinygltf::Model& model, int accessor_idx, c
   const auto element_bytes = static_cast<uint64_t>(component_bytes) * static_cast<uint64_t>(component_count);
   if (accessor.bufferView >= 0) {
     elements_ = checkedSpan(accessor.bufferView, accessor.byteOffset, element_bytes, count_, "elements");
-  } else if (count_ > kMaxZeros) {
-    fail("at most 2^24 elements without a buffer view", std::to_string(count_));
+  } else {
+    // nothing in the file bounds their count
+    budgets.accessor_zeros.take(count_, path, place);
   }
-  if (accessor.sparse.isSparse) readSparse(accessor, element_bytes);
+  if (accessor.sparse.isSparse) readSparse(accessor, element_bytes, budgets);
 }
 
 void AccessorReader::fail(const std::string& expected, const std::string& got) const {
@@ -73,7 +72,7 @@ AccessorReader::Span AccessorReader::checkedSpan(int view_idx, uint64_t offset, 
   return {data.data() + view.byteOffset + (count == 0 ? 0 : offset), stride};
 }
 
-void AccessorReader::readSparse(const tinygltf::Accessor& accessor, uint64_t element_bytes) {
+void AccessorReader::readSparse(const tinygltf::Accessor& accessor, uint64_t element_bytes, SceneBudgets& budgets) {
   const auto& sparse = accessor.sparse;
   sparse_index_bytes_ = unsignedBytes(sparse.indices.componentType);
   if (sparse_index_bytes_ == 0) fail("sparse indices of 8, 16 or 32 bits", std::to_string(sparse.indices.componentType));
@@ -86,6 +85,7 @@ void AccessorReader::readSparse(const tinygltf::Accessor& accessor, uint64_t ele
                                 static_cast<uint64_t>(sparse_index_bytes_), sparse_count_, "sparse indices");
   sparse_values_ =
       checkedSpan(sparse.values.bufferView, offset(sparse.values.byteOffset), element_bytes, sparse_count_, "sparse values");
+  budgets.accessor_elements.take(sparse_count_, path_, place_);
   for (uint64_t i = 0; i < sparse_count_; ++i) {
     const uint64_t idx = sparseIndex(i);
     if (idx >= count_) fail("sparse indices below " + std::to_string(count_), std::to_string(idx));

@@ -6,14 +6,18 @@
 
 #include <tiny_gltf.h>
 
+#include "datagen/scene/scene_budget.h"
+
 namespace nlg {
 
 // The elements of one accessor, still in the file's bytes. Every element below count() can be read: the constructor has checked
 // buffer view, offset, stride and length, and a sparse accessor's indices.
 class AccessorReader {
  public:
-  // throws   InputError at this place
-  AccessorReader(const tinygltf::Model& model, int accessor_idx, const std::string& path, const std::string& place);
+  // budgets   of elements: zeros and sparse values are taken from them here, whatever else is read by the caller
+  // throws    InputError at this place
+  AccessorReader(const tinygltf::Model& model, int accessor_idx, const std::string& path, const std::string& place,
+                 SceneBudgets& budgets);
 
   uint64_t count() const { return count_; }
   // The element's bytes; null stands for zeros, as an accessor without a buffer view holds.
@@ -25,7 +29,7 @@ class AccessorReader {
     uint64_t stride = 0;
   };
   Span checkedSpan(int view_idx, uint64_t offset, uint64_t element_bytes, uint64_t count, const std::string& what) const;
-  void readSparse(const tinygltf::Accessor& accessor, uint64_t element_bytes);
+  void readSparse(const tinygltf::Accessor& accessor, uint64_t element_bytes, SceneBudgets& budgets);
   uint64_t sparseIndex(uint64_t idx) const;
   [[noreturn]] void fail(const std::string& expected, const std::string& got) const;
 

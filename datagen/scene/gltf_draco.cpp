@@ -17,7 +17,6 @@
 #include <draco/metadata/metadata_decoder.h>
 #include <tiny_gltf.h>
 
-#include "datagen/scene/gltf_mesh.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -28,7 +27,7 @@ constexpr const char* kDraco = "KHR_draco_mesh_compression";
 // more memory is taken for a stream than for one eight, and four, times as dense, whatever it promises.
 constexpr uint64_t kMostFacesPerByte = 64;
 constexpr uint64_t kMostAttributeBytesPerByte = 1024;
-constexpr uint64_t kMostAttributeBytes = uint64_t{1} << 32;
+constexpr uint64_t kStoredBytes = 12;  // of a face and of a point: three indices, three floats
 
 // Where a Draco stream lies.
 struct Stream {
@@ -69,8 +68,7 @@ class DracoPrimitive {
   DracoPrimitive(const std::string& path, const std::string& place, tinygltf::Model& model, tinygltf::Primitive& primitive)
       : path_(path), place_(place + ": " + kDraco), model_(model), primitive_(primitive) {}
 
-  // Returns the number of faces. faces_left: what the file may still unpack
-  uint64_t unpack(uint64_t faces_left) {
+  void unpack(SceneBudget& faces_left, SceneBudget& bytes_left) {
     const tinygltf::Value& extension = primitive_.extensions.at(kDraco);
     if (primitive_.mode != TINYGLTF_MODE_TRIANGLES) fail("mode 4, triangles", std::to_string(primitive_.mode));
     const int view = index(extension, "bufferView");
@@ -80,16 +78,16 @@ class DracoPrimitive {
     const StreamStart start = startOf(stream);
     if (start.face_count / kMostFacesPerByte > stream.size)
       fail("at most 64 faces for each of " + std::to_string(stream.size) + " bytes", std::to_string(start.face_count));
-    if (start.face_count > faces_left) fail("at most 2^27 triangles in all", "more");
+    faces_left.take(start.face_count, path_, place_);
     draco::Mesh mesh;
     if (start.is_edgebreaker) {
-      decode<draco::MeshEdgebreakerDecoder>(stream, &mesh);
+      decode<draco::MeshEdgebreakerDecoder>(stream, bytes_left, &mesh);
     } else {
-      decode<draco::MeshSequentialDecoder>(stream, &mesh);
+      decode<draco::MeshSequentialDecoder>(stream, bytes_left, &mesh);
     }
+    bytes_left.take(kStoredBytes * (uint64_t{mesh.num_faces()} + mesh.num_points()), path_, place_);
     storePositions(mesh, position_id);
     storeIndices(mesh);
-    return mesh.num_faces();
   }
 
  private:
@@ -144,14 +142,14 @@ class DracoPrimitive {
   }
 
   template <class Decoder>
-  void decode(const Stream& stream, draco::Mesh* mesh) const {
+  void decode(const Stream& stream, SceneBudget& bytes_left, draco::Mesh* mesh) const {
     draco::DecoderBuffer buffer;
     buffer.Init(stream.data, stream.size);
-    const uint64_t most_bytes = std::min(kMostAttributeBytes, kMostAttributeBytesPerByte * stream.size);
+    const uint64_t most_bytes = std::min(bytes_left.left(), kMostAttributeBytesPerByte * stream.size);
     BoundedDecoder<Decoder> decoder(most_bytes);
     try {
       const draco::Status status = decoder.Decode(draco::DecoderOptions(), &buffer, mesh);
-      if (status.ok()) return;
+      if (status.ok()) return bytes_left.take(decoder.attributeBytes(), path_, place_);
       if (decoder.attributeBytes() > most_bytes)
         fail("attributes of at most " + std::to_string(most_bytes) + " bytes", std::to_string(decoder.attributeBytes()));
       const std::string words = status.error_msg_string();
@@ -217,14 +215,14 @@ class DracoPrimitive {
 
 }  // namespace
 
-void unpackDraco(const std::string& path, tinygltf::Model& model) {
-  uint64_t faces_left = kMaxGltfTriangles;
+void unpackDraco(const std::string& path, tinygltf::Model& model, SceneBudget& bytes_left) {
+  SceneBudget faces_left = SceneBudgets().triangles;
   for (size_t i = 0; i < model.meshes.size(); ++i) {
     std::vector<tinygltf::Primitive>& primitives = model.meshes[i].primitives;
     for (size_t k = 0; k < primitives.size(); ++k) {
       if (primitives[k].extensions.count(kDraco) == 0) continue;
       const std::string place = "mesh " + std::to_string(i) + ", primitive " + std::to_string(k);
-      faces_left -= DracoPrimitive(path, place, model, primitives[k]).unpack(faces_left);
+      DracoPrimitive(path, place, model, primitives[k]).unpack(faces_left, bytes_left);
     }
   }
 }

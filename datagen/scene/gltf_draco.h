@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "datagen/scene/scene_budget.h"
+
 namespace tinygltf {
 class Model;
 }
@@ -15,7 +17,7 @@ namespace nlg {
 // model    of plainGltfText (gltf_unpack.h), without the primitives' indices
 // throws   InputError naming mesh and primitive on a missing or wrong buffer view or attribute, a mode other than triangles, a
 //          Draco stream other than a mesh of version 2.2, more than 64 faces or 1 KiB of attributes for one packed byte, more
-//          than 2^27 triangles in all, bytes that do not unpack
-void unpackDraco(const std::string& path, tinygltf::Model& model);
+//          triangles in all than one scene may have, more bytes than the budget holds, bytes that do not unpack
+void unpackDraco(const std::string& path, tinygltf::Model& model, SceneBudget& bytes_left);
 
 }  // namespace nlg

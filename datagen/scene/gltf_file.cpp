@@ -12,6 +12,7 @@
 #include "datagen/scene/gltf_unpack.h"
 #include "datagen/scene/scene_file.h"
 #include "tool/error.h"
+#include "tool/input_file.h"
 
 namespace nlg {
 namespace {
@@ -59,7 +60,7 @@ Bytes withText(const std::string& path, const Bytes& bytes, std::string text) {
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const size_t next = 20 + static_cast<size_t>(wordAt(bytes, 12));
   const uint64_t length = 20 + text.size() + (bytes.size() - next);
-  if (length > kMaxSceneFileBytes) throw InputError(path, "file", "less than 4 GiB", std::to_string(length));
+  if (length > kMaxSceneBytes) throw InputError(path, "file", "less than 4 GiB", std::to_string(length));
   Bytes result(bytes.begin(), bytes.begin() + 8);
   appendWord(result, length);
   appendWord(result, text.size());
@@ -72,12 +73,19 @@ Bytes withText(const std::string& path, const Bytes& bytes, std::string text) {
 // The files that tinygltf may open: the buffers', and only those that lie in the scene's folder when all links are followed.
 struct AllowedFiles {
   std::set<std::string> paths;
-  uint64_t bytes_left = kMaxSceneFileBytes;
+  SceneBudget* bytes_left;
 };
 
-AllowedFiles findBuffers(const std::string& path, const std::vector<std::string>& names) {
-  AllowedFiles allowed;
-  for (const std::string& name : names) allowed.paths.insert(fileBeside(path, name, "buffer \"" + name.substr(0, 80) + "\""));
+AllowedFiles findBuffers(const std::string& path, const std::vector<std::string>& names, SceneBudget& bytes_left) {
+  AllowedFiles allowed{{}, &bytes_left};
+  // what all of them hold is known before the first is read
+  SceneBudget all = bytes_left;
+  for (const std::string& name : names) {
+    const std::string place = "buffer \"" + name.substr(0, 80) + "\"";
+    const std::string file = fileBeside(path, name, place);
+    all.take(InputFile(file, place).size(), path, place);
+    allowed.paths.insert(file);
+  }
   return allowed;
 }
 
@@ -85,16 +93,11 @@ bool fileExists(const std::string& path, void* user) { return static_cast<Allowe
 
 std::string samePath(const std::string& path, void*) { return path; }
 
-bool readWholeFile(Bytes* bytes, std::string* error, const std::string& path, void* user) {
+bool readWholeFile(Bytes* bytes, std::string*, const std::string& path, void* user) {
   AllowedFiles& allowed = *static_cast<AllowedFiles*>(user);
   if (allowed.paths.count(path) == 0) return false;
-  *bytes = readSceneFile(path, "buffer");
-  if (bytes->size() <= allowed.bytes_left) {
-    allowed.bytes_left -= bytes->size();
-    return true;
-  }
-  if (error != nullptr) *error = "buffers of more than 4 GiB together";
-  return false;
+  *bytes = readSceneFile(path, "buffer", *allowed.bytes_left);
+  return true;
 }
 
 bool writeNothing(std::string*, const std::string&, const Bytes&, void*) { return false; }
@@ -111,14 +114,14 @@ std::string oneLine(std::string words) {
 
 }  // namespace
 
-tinygltf::Model loadGltfFile(const std::string& path) {
-  Bytes bytes = readSceneFile(path, "file");
+tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left) {
+  Bytes bytes = readSceneFile(path, "file", bytes_left);
   if (bytes.empty()) throw InputError(path, "file", "glTF", "an empty file");
   const bool is_binary = isBinary(bytes);
   const std::string_view text =
       is_binary ? binaryText(path, bytes) : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const GltfText checked = checkGltfText(path, text, is_binary);
-  AllowedFiles allowed = findBuffers(path, checked.buffer_files);
+  AllowedFiles allowed = findBuffers(path, checked.buffer_files, bytes_left);
   if (checked.is_packed) {
     std::string plain = plainGltfText(path, text);
     bytes = is_binary ? withText(path, bytes, std::move(plain)) : Bytes(plain.begin(), plain.end());
@@ -143,8 +146,8 @@ tinygltf::Model loadGltfFile(const std::string& path) {
     error = exception.what();  // of the JSON library and of containers
   }
   if (!is_loaded) throw InputError(path, "file", "glTF 2.0", oneLine(error));
-  unpackMeshopt(path, model);
-  unpackDraco(path, model);
+  unpackMeshopt(path, model, bytes_left);
+  unpackDraco(path, model, bytes_left);
   return model;
 }
 

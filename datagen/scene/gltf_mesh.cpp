@@ -51,7 +51,8 @@ float componentAt(const unsigned char* bytes, int component_type, bool is_normal
 
 class MeshReader {
  public:
-  MeshReader(const tinygltf::Model& model, const std::string& path) : model_(model), path_(path) {
+  MeshReader(const tinygltf::Model& model, const std::string& path, SceneBudgets& budgets)
+      : model_(model), path_(path), budgets_(budgets) {
     const std::vector<std::string>& used = model.extensionsUsed;
     is_quantized_ = std::find(used.begin(), used.end(), "KHR_mesh_quantization") != used.end();
   }
@@ -81,7 +82,7 @@ class MeshReader {
     if (!isTriangleMode(mode)) return;
     const AccessorReader positions = positionReader(primitive, place);
     const tinygltf::Accessor& accessor = model_.accessors[primitive.attributes.at("POSITION")];
-    const std::vector<uint32_t> corners = readCorners(primitive, positions.count(), place, local.triangles.size());
+    const std::vector<uint32_t> corners = readCorners(primitive, positions.count(), place);
     const uint32_t material = materialOf(primitive, place);
 
     std::vector<uint32_t> used = corners;
@@ -112,19 +113,18 @@ class MeshReader {
       fail(place_, is_quantized_ ? "VEC3 of FLOAT or integers of 8 or 16 bits" : "FLOAT VEC3",
            "component type " + std::to_string(accessor.componentType) + ", type " + std::to_string(accessor.type));
     }
-    return AccessorReader(model_, attribute->second, path_, place_);
+    return AccessorReader(model_, attribute->second, path_, place_, budgets_);
   }
 
   // The primitive's list of vertices, all below vertex_count.
-  std::vector<uint32_t> readCorners(const tinygltf::Primitive& primitive, uint64_t vertex_count, const std::string& place,
-                                    uint64_t triangles_before) {
+  std::vector<uint32_t> readCorners(const tinygltf::Primitive& primitive, uint64_t vertex_count, const std::string& place) {
     const bool is_indexed = primitive.indices >= 0;
     const std::string indices_place = place + ": indices";
     const std::optional<AccessorReader> indices =
         is_indexed ? std::optional(indexReader(primitive.indices, indices_place)) : std::nullopt;
     const uint64_t count = is_indexed ? indices->count() : vertex_count;
-    const uint64_t total = triangles_before + triangleCount(primitive.mode, count);
-    if (total > kMaxGltfTriangles) fail(place, "at most 2^27 triangles in all", std::to_string(total));
+    budgets_.triangles.take(triangleCount(primitive.mode, count), path_, place);
+    budgets_.accessor_elements.take(count, path_, is_indexed ? indices_place : place);
     if (primitive.mode == TINYGLTF_MODE_TRIANGLES && count % 3 != 0)
       fail(place, "a multiple of 3 corners", std::to_string(count));
     std::vector<uint32_t> corners(count);
@@ -141,7 +141,7 @@ class MeshReader {
     return corners;
   }
 
-  AccessorReader indexReader(int accessor_idx, const std::string& place) const {
+  AccessorReader indexReader(int accessor_idx, const std::string& place) {
     checkIndex(accessor_idx, model_.accessors.size(), place, "an accessor");
     const tinygltf::Accessor& accessor = model_.accessors[accessor_idx];
     const int type = accessor.componentType;
@@ -151,7 +151,7 @@ class MeshReader {
       fail(place, "unsigned SCALAR of 8, 16 or 32 bits",
            "component type " + std::to_string(type) + ", type " + std::to_string(accessor.type));
     }
-    return AccessorReader(model_, accessor_idx, path_, place);
+    return AccessorReader(model_, accessor_idx, path_, place, budgets_);
   }
 
   uint32_t materialOf(const tinygltf::Primitive& primitive, const std::string& place) const {
@@ -173,14 +173,15 @@ class MeshReader {
 
   const tinygltf::Model& model_;
   const std::string& path_;
+  SceneBudgets& budgets_;
   bool is_quantized_ = false;
   std::string place_;  // of the positions being read
 };
 
 }  // namespace
 
-GltfMesh readGltfMesh(const tinygltf::Model& model, int mesh_idx, const std::string& path) {
-  return MeshReader(model, path).read(mesh_idx);
+GltfMesh readGltfMesh(const tinygltf::Model& model, int mesh_idx, const std::string& path, SceneBudgets& budgets) {
+  return MeshReader(model, path, budgets).read(mesh_idx);
 }
 
 }  // namespace nlg

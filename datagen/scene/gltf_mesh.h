@@ -8,9 +8,9 @@
 #include <tiny_gltf.h>
 #include <glm/glm.hpp>
 
-namespace nlg {
+#include "datagen/scene/scene_budget.h"
 
-inline constexpr uint64_t kMaxGltfTriangles = uint64_t{1} << 27;
+namespace nlg {
 
 // Only vertices that triangles use; flat triangles are still there.
 struct GltfMesh {
@@ -22,7 +22,8 @@ struct GltfMesh {
 // Triangles, strips and fans of all primitives; points and lines are skipped.
 //
 // mesh_idx   within the model's meshes; path: the file's name, for errors
-// throws     InputError naming mesh, primitive and attribute on whatever does not fit together, more than 2^27 triangles too
-GltfMesh readGltfMesh(const tinygltf::Model& model, int mesh_idx, const std::string& path);
+// budgets    its triangles and the elements of accessors are taken from them
+// throws     InputError naming mesh, primitive and attribute on whatever does not fit together, and on what the budgets do not hold
+GltfMesh readGltfMesh(const tinygltf::Model& model, int mesh_idx, const std::string& path, SceneBudgets& budgets);
 
 }  // namespace nlg

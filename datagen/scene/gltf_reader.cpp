@@ -21,7 +21,7 @@ class GltfConverter {
   GltfConverter(const std::string& path, double unit_m)
       : path_(path),
         unit_m_(unit_m),
-        model_(loadGltfFile(path)),
+        model_(loadGltfFile(path, budgets_.bytes)),
         meshes_(model_.meshes.size()),
         is_visited_(model_.nodes.size(), 0) {}
 
@@ -177,7 +177,7 @@ class GltfConverter {
   void addInstance(const tinygltf::Node& node, int node_idx, const glm::dmat4& world_from_local, const std::string& place) {
     checkIndex(node.mesh, model_.meshes.size(), place + ": mesh", "a mesh");
     const GltfMesh& mesh = localMesh(node.mesh);
-    checkTotal(mesh.triangles.size(), place);
+    triangles_left_.take(mesh.triangles.size(), path_, place);
     if (mesh.triangles.empty()) return;
     const std::string& mesh_name = model_.meshes[node.mesh].name;
     const std::string name = !node.name.empty() ? node.name : !mesh_name.empty() ? mesh_name : "node " + std::to_string(node_idx);
@@ -198,14 +198,9 @@ class GltfConverter {
     scene_.triangle_material.insert(scene_.triangle_material.end(), mesh.triangle_material.begin(), mesh.triangle_material.end());
   }
 
-  void checkTotal(uint64_t more, const std::string& place) const {
-    const uint64_t total = scene_.triangles.size() + more;
-    if (total > kMaxGltfTriangles) fail(place, "at most 2^27 triangles in all", std::to_string(total));
-  }
-
   const GltfMesh& localMesh(int mesh_idx) {
     if (!meshes_[mesh_idx]) {
-      meshes_[mesh_idx] = readGltfMesh(model_, mesh_idx, path_);
+      meshes_[mesh_idx] = readGltfMesh(model_, mesh_idx, path_, budgets_);
       const std::vector<uint32_t>& materials = meshes_[mesh_idx]->triangle_material;
       const bool has_none = std::find(materials.begin(), materials.end(), model_.materials.size()) != materials.end();
       // what glTF gives to a primitive without a material
@@ -226,6 +221,8 @@ class GltfConverter {
 
   const std::string path_;
   const double unit_m_;
+  SceneBudgets budgets_;                                   // of the file: each mesh once
+  SceneBudget triangles_left_ = SceneBudgets().triangles;  // of the scene: each instance
   const tinygltf::Model model_;
   std::vector<std::optional<GltfMesh>> meshes_;
   std::vector<char> is_visited_;

@@ -22,9 +22,9 @@ namespace nlg {
 // returns  the scene; its id is the file's stem
 // throws   InputError naming file, place ("mesh 3, primitive 0: POSITION"), expected and got, on: a missing, truncated or
 //          malformed file, an index or accessor out of range, non-finite numbers, a buffer URI that leaves the folder (".." , absolute,
-//          scheme other than data:), a node that is its own ancestor, nesting deeper than 256, more than 2^27 triangles,
-//          positions beyond 1e9 m, a value of a wrong JSON type, a required extension other than these
-//          three and those of materials, textures and lights, by its name
+//          scheme other than data:), a node that is its own ancestor, nesting deeper than 256, more than the
+//          budgets hold (scene_budget.h), positions beyond 1e9 m, a value of a wrong JSON type, a required extension other than
+//          these three and those of materials, textures and lights, by its name
 Scene readGltf(const std::string& path, double unit_m = 1.0);
 
 }  // namespace nlg

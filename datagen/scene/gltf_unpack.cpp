@@ -15,7 +15,6 @@ namespace nlg {
 namespace {
 
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
-constexpr uint64_t kMaxUnpackedBytes = uint64_t{1} << 32;
 // Of vertices, 16 bytes take a quarter of a byte or more; a triangle's 12 bytes take one or more, an index's 4 one or more.
 constexpr uint64_t kBestRatio = 64;
 
@@ -45,15 +44,14 @@ class MeshoptView {
         place_("buffer view " + std::to_string(view_idx) + ": " + kMeshopt),
         packed_(readExtension(view_.extensions.at(kMeshopt))) {}
 
-  // bytes_left   what the file may still unpack
-  std::vector<unsigned char> unpack(uint64_t bytes_left) const {
+  std::vector<unsigned char> unpack(SceneBudget& bytes_left) const {
     const unsigned char* bytes = packedBytes();
     checkElements();
     const uint64_t size = packed_.count * packed_.stride;  // both below 2^31
     if (size != view_.byteLength) fail("count times byteStride as the view's byteLength", std::to_string(size));
     if (size / kBestRatio > packed_.byte_count)
       fail("at most 64 bytes for each of " + std::to_string(packed_.byte_count) + " packed ones", std::to_string(size));
-    if (size > bytes_left) fail("at most 4 GiB unpacked in all", "more");
+    bytes_left.take(size, path_, place_);
     std::vector<unsigned char> unpacked(size);
     const int status = decode(bytes, unpacked.data());
     if (status != 0) fail("packed " + packed_.mode, "bytes that do not unpack (" + std::to_string(status) + ")");
@@ -173,14 +171,12 @@ std::string plainGltfText(const std::string& path, std::string_view text) {
   return root.dump();
 }
 
-void unpackMeshopt(const std::string& path, tinygltf::Model& model) {
-  uint64_t bytes_left = kMaxUnpackedBytes;
+void unpackMeshopt(const std::string& path, tinygltf::Model& model, SceneBudget& bytes_left) {
   const size_t buffer_count = model.buffers.size();
   for (size_t i = 0; i < model.bufferViews.size(); ++i) {
     if (model.bufferViews[i].extensions.count(kMeshopt) == 0) continue;
     tinygltf::Buffer buffer;
     buffer.data = MeshoptView(path, model, i, buffer_count).unpack(bytes_left);
-    bytes_left -= buffer.data.size();
     model.bufferViews[i].buffer = static_cast<int>(model.buffers.size());
     model.bufferViews[i].byteOffset = 0;
     model.buffers.push_back(std::move(buffer));

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "datagen/scene/scene_budget.h"
+
 namespace tinygltf {
 class Model;
 }
@@ -25,7 +27,7 @@ std::string plainGltfText(const std::string& path, std::string_view text);
 //
 // throws    InputError naming the buffer view on a range outside its buffer, an unknown mode or filter, a stride that they do not
 //           allow, a length other than count times stride, more than 64 bytes for one packed byte (no encoder reaches that),
-//           more than 4 GiB in all, bytes that do not unpack
-void unpackMeshopt(const std::string& path, tinygltf::Model& model);
+//           more in all than the budget holds, bytes that do not unpack
+void unpackMeshopt(const std::string& path, tinygltf::Model& model, SceneBudget& bytes_left);
 
 }  // namespace nlg

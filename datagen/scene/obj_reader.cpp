@@ -29,17 +29,21 @@ std::string_view textOf(const std::vector<unsigned char>& bytes) {
 std::string placeOf(const std::string& library) { return "mtllib \"" + library.substr(0, 80) + "\""; }
 
 // Opens the material libraries that a file names: those in its folder or below.
-ObjLibrary librariesBeside(const std::string& path) {
-  return [path](const std::string& name) {
+// bytes_left   must outlive what is returned
+ObjLibrary librariesBeside(const std::string& path, SceneBudget& bytes_left) {
+  return [path, &bytes_left](const std::string& name) {
     ObjLibraryFile file;
     const bool is_beside = name.find_first_of("\\:") == std::string::npos && name[0] != '/';
     if (!is_beside) file.problem = "is a path of another place: not opened";
-    if (is_beside && !std::filesystem::exists(folderOf(path) + "/" + name)) file.problem = "is not there";
+    std::error_code error;
+    const bool is_missing =
+        std::filesystem::status(folderOf(path) + "/" + name, error).type() == std::filesystem::file_type::not_found;
+    if (is_beside && is_missing) file.problem = "is not there";
     if (!file.problem.empty()) return file;
     file.path = fileBeside(path, name, placeOf(name));
     // by whatever name it goes
-    file.key = std::filesystem::canonical(file.path).string();
-    file.text = textOf(readSceneFile(file.path, "file"));
+    file.key = std::filesystem::weakly_canonical(file.path).string();
+    file.read = [&bytes_left, library = file.path] { return std::string(textOf(readSceneFile(library, "file", bytes_left))); };
     return file;
   };
 }
@@ -58,7 +62,7 @@ class LibraryReader : public tinyobj::MaterialReader {
     }
     // its materials are there already
     if (!opened_.insert(file.key).second) return true;
-    std::istringstream stream(checkedMtlText(file.path, file.text));
+    std::istringstream stream(checkedMtlText(file.path, file.read()));
     tinyobj::LoadMtl(by_name, materials, &stream, warning, error);
     return true;
   }
@@ -167,8 +171,9 @@ class ObjConverter {
 }  // namespace
 
 ObjLevel readObj(const std::string& path, double unit_m) {
-  const std::vector<unsigned char> bytes = readSceneFile(path, "file");
-  return readObjText(path, textOf(bytes), unit_m, librariesBeside(path));
+  SceneBudget bytes_left = SceneBudgets().bytes;
+  const std::vector<unsigned char> bytes = readSceneFile(path, "file", bytes_left);
+  return readObjText(path, textOf(bytes), unit_m, librariesBeside(path, bytes_left));
 }
 
 ObjLevel readObjText(const std::string& path, std::string_view text, double unit_m, const ObjLibrary& library) {

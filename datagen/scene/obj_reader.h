@@ -31,7 +31,7 @@ ObjLevel readObj(const std::string& path, double unit_m);
 struct ObjLibraryFile {
   std::string path;  // for errors
   std::string key;   // of one library the same, by whatever name it goes: it is read once
-  std::string text;
+  std::function<std::string()> read;
   std::string problem;  // what is noted where there is none, as "is not there"; empty where there is one
 };
 using ObjLibrary = std::function<ObjLibraryFile(const std::string& name)>;

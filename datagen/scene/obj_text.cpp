@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "datagen/scene/scene_budget.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -14,7 +15,6 @@ namespace {
 // Triangulation takes time with the square of a face's corners.
 constexpr size_t kMaxCorners = 1024;
 // A file's bytes bound the memory that they take badly: two may be a triangle's, eight a vertex'.
-constexpr int64_t kMaxTriangles = int64_t{1} << 27;  // as of glTF
 constexpr int64_t kMaxVertices = int64_t{1} << 27;
 
 constexpr double kLargest = 1e30;    // of a position, in whatever unit
@@ -57,7 +57,12 @@ class LineChecker {
   }
 
   [[noreturn]] void fail(const std::string& expected, std::string_view got) const {
-    throw InputError(path_, "line " + std::to_string(line_number_), expected, std::string(got.substr(0, 80)));
+    throw InputError(path_, place(), expected, std::string(got.substr(0, 80)));
+  }
+
+  void take(uint64_t amount, SceneBudget& budget) const {
+    // there are millions of lines, and one of them at most is told of
+    budget.take(amount, path_, amount > budget.left() ? place() : std::string());
   }
 
   // The numbers behind a line's first word, count of them or more.
@@ -74,6 +79,8 @@ class LineChecker {
   }
 
  private:
+  std::string place() const { return "line " + std::to_string(line_number_); }
+
   static std::string_view takeLine(std::string_view* text) {
     const size_t end = std::min(text->find_first_of("\n\r"), text->size());
     const std::string_view line = text->substr(0, end);
@@ -141,8 +148,7 @@ class ObjChecker {
       ++found_.faces_of_two_corners;
       return false;
     }
-    triangle_count_ += static_cast<int64_t>(corner_count) - 2;
-    if (triangle_count_ > kMaxTriangles) lines_.fail("at most 2^27 triangles", "more");
+    lines_.take(corner_count - 2, triangles_);
     return true;
   }
 
@@ -157,7 +163,8 @@ class ObjChecker {
   }
 
   LineChecker lines_;
-  int64_t vertex_count_ = 0, triangle_count_ = 0;
+  int64_t vertex_count_ = 0;
+  SceneBudget triangles_ = SceneBudgets().triangles;
   ObjText found_;
 };
 

@@ -19,7 +19,8 @@ struct ObjText {
 };
 
 // throws   InputError naming the line on bytes that are no text, a position that is not three numbers of -1e30 to 1e30, a face
-//          of more than 1,024 corners, a corner that is no index of an earlier vertex, more than 2^27 vertices or triangles
+//          of more than 1,024 corners, a corner that is no index of an earlier vertex, more than 2^27 vertices, or more triangles
+//          than one scene may have (scene_budget.h)
 ObjText checkedObjText(const std::string& path, std::string_view text);
 
 // throws   InputError naming the line on colours (Kd, Ke) that are not three numbers of 0 to 1e12

@@ -1,12 +1,14 @@
 #include "datagen/scene/pk3_archive.h"
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <zip.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include "tool/error.h"
+#include "tool/input_file.h"
 
 namespace nlg {
 namespace {
@@ -24,10 +26,7 @@ std::string quoted(const std::string& text) {
 
 std::vector<std::string> archiveFiles(const std::string& path) {
   std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (status.type() == fs::file_type::not_found) throw InputError(path, "archive", "a .pk3 file or a folder of them", "nothing");
-  if (fs::is_regular_file(status)) return {path};
-  if (!fs::is_directory(status)) throw InputError(path, "archive", "a .pk3 file or a folder of them", "something else");
+  if (!fs::is_directory(path, error)) return {path};
   std::vector<std::string> files;
   for (fs::directory_iterator i(path, error), end; !error && i != end; i.increment(error)) {
     if (lowerCase(i->path().extension().string()) == ".pk3" && i->is_regular_file(error)) files.push_back(i->path().string());
@@ -40,17 +39,12 @@ std::vector<std::string> archiveFiles(const std::string& path) {
 }
 
 // libzip believes the 64-bit counts of ZIP64 and reserves memory for them; no .pk3 needs them.
-void refuseZip64(const std::string& file) {
-  std::error_code error;
-  const uint64_t size = fs::file_size(file, error);
-  if (error || size > kMaxArchiveBytes)
-    throw InputError(file, "archive", "less than 4 GiB", error ? error.message() : std::to_string(size) + " bytes");
+void refuseZip64(const std::string& file, const InputFile& archive) {
+  const uint64_t size = archive.size();
+  if (size > kMaxArchiveBytes) throw InputError(file, "archive", "less than 4 GiB", std::to_string(size) + " bytes");
   constexpr uint64_t kTail = 65536 + 64;  // the longest comment, and the records before it
   std::string tail(std::min(size, kTail), '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.seekg(static_cast<std::streamoff>(size - tail.size()));
-  stream.read(tail.data(), static_cast<std::streamsize>(tail.size()));
-  if (!stream) throw InputError(file, "archive", "a readable file", "a failed read");
+  tail.resize(archive.readAt(size - tail.size(), tail.data(), tail.size()));
   if (tail.find("PK\x06\x07") != std::string::npos) throw InputError(file, "archive", "a plain ZIP archive", "ZIP64");
 }
 
@@ -89,18 +83,23 @@ std::string lowerCase(std::string_view text) {
   return lower;
 }
 
-Pk3Archives::Pk3Archives(const std::string& path) : path_(path) {
+Pk3Archives::Pk3Archives(const std::string& path, SceneBudget* unpacked)
+    : path_(path), unpacked_(unpacked != nullptr ? unpacked : &own_budget_) {
   for (const std::string& file : archiveFiles(path)) mount(file);
 }
 
 Pk3Archives::~Pk3Archives() = default;
 
 void Pk3Archives::mount(const std::string& file) {
-  refuseZip64(file);
-  int code = 0;
+  const InputFile opened(file, "archive");
+  refuseZip64(file, opened);
+  int code = ZIP_ER_OPEN;
   auto archive = std::make_unique<Archive>();
   archive->file = file;
-  archive->zip = zip_open(file.c_str(), ZIP_RDONLY, &code);
+  // the file that was looked at, whatever stands at its path by now; the archive closes its own
+  const int descriptor = ::fcntl(opened.descriptor(), F_DUPFD_CLOEXEC, 0);
+  if (descriptor >= 0) archive->zip = zip_fdopen(descriptor, 0, &code);
+  if (archive->zip == nullptr && descriptor >= 0) ::close(descriptor);
   if (archive->zip == nullptr) {
     zip_error_t error;
     zip_error_init_with_code(&error, code);
@@ -166,6 +165,7 @@ std::string Pk3Archives::read(const std::string& name, size_t max_bytes) const {
   if (stat.size > max_bytes) fail("at most " + std::to_string(max_bytes) + " bytes", std::to_string(stat.size));
   // deflate gives at most 1032 bytes for one: what claims more is no file, and nothing is reserved for it
   if (stat.size / 1100 > stat.comp_size) fail("a size that its compressed bytes can hold", std::to_string(stat.size));
+  unpacked_->take(stat.size, archive.file, quoted(name));
 
   const std::unique_ptr<zip_file_t, CloseFile> file(zip_fopen_index(archive.zip, found->second.entry_idx, 0));
   if (file == nullptr) fail("a readable entry", zip_strerror(archive.zip));

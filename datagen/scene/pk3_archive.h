@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "datagen/scene/scene_budget.h"
+
 namespace nlg {
 
 // Names are compared without regard to case and are given back in lower case. Nothing is ever extracted to the disk.
@@ -17,7 +19,8 @@ class Pk3Archives {
   // throws   InputError on: no such file, a folder without archives, what is no ZIP archive or is cut short, ZIP64 or more than
   //          4 GiB, more than 2^16 entries, entry names that are absolute, hold "..", a backslash, a colon or a control
   //          character, a folder's entry that holds data
-  explicit Pk3Archives(const std::string& path);
+  // unpacked   budget for all that is read; null: one of its own, whole
+  explicit Pk3Archives(const std::string& path, SceneBudget* unpacked = nullptr);
   ~Pk3Archives();
   Pk3Archives(const Pk3Archives&) = delete;
   Pk3Archives& operator=(const Pk3Archives&) = delete;
@@ -34,7 +37,7 @@ class Pk3Archives {
   // The file's bytes; its checksum has been compared.
   //
   // throws   InputError naming archive and entry on: a name that is not there, an entry that is encrypted, neither stored nor
-  //          deflated, larger than max_bytes, of another size than it declares, damaged
+  //          deflated, larger than max_bytes, of another size than it declares, damaged; on more bytes than the budget holds
   std::string read(const std::string& name, size_t max_bytes) const;
 
  private:
@@ -47,6 +50,8 @@ class Pk3Archives {
   void mount(const std::string& file);
 
   std::string path_;
+  mutable SceneBudget own_budget_ = SceneBudgets().unpacked;
+  SceneBudget* const unpacked_;
   std::vector<std::unique_ptr<Archive>> archives_;
   std::map<std::string, Entry> entries_;  // by name in lower case
 };

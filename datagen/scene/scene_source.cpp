@@ -13,8 +13,10 @@
 #include "datagen/scene/obj_reader.h"
 #include "datagen/scene/pk3_archive.h"
 #include "datagen/scene/procedural.h"
+#include "datagen/scene/scene_budget.h"
 #include "datagen/scene/scene_size.h"
 #include "tool/error.h"
+#include "tool/printable.h"
 
 namespace nlg {
 
@@ -127,6 +129,7 @@ SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
 void describe(SceneReading& reading, OptionTable& table) {
   table.add("unit", &reading.unit_m, "metres of one unit of a glTF or .obj file: 0.01 of one in centimetres, 0.0254 in inches",
             1e-6, 1e6);
+  table.addNote(sceneBudgets());
 }
 
 SceneSource loadScene(const std::string& request, const SceneReading& reading) {
@@ -150,7 +153,7 @@ SceneSource loadScene(const std::string& request, const SceneReading& reading) {
 }
 
 void tellNotes(const std::string& tool, const SceneSource& source) {
-  for (const std::string& note : source.notes) std::cerr << tool << ": " << source.id << ": " << note << '\n';
+  for (const std::string& note : source.notes) std::cerr << printable(tool + ": " + source.id + ": " + note) << '\n';
 }
 
 }  // namespace nlg

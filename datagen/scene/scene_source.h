@@ -28,7 +28,7 @@ struct SceneReading {
   double unit_m = 1.0;  // metres of one unit of a glTF file, whose unit is the metre if it keeps to the rule, or of an .obj file
 };
 
-// Adds `unit` to a tool's table.
+// Adds `unit` to a tool's table, and to its --help what a scene may take (scene_budget.h).
 void describe(SceneReading& reading, OptionTable& table);
 
 // request   FAMILY:SEED for a procedural scene (house:3), NAME or NAME:SEED for a built-in one (cornell, two_rooms:1);

@@ -1,5 +1,6 @@
 #include "datagen/scene/texture_colour.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <csetjmp>
@@ -33,8 +34,10 @@ class ColourSum {
     codes_ += glm::dvec3(red, green, blue);
     ++count_;
   }
-  glm::vec3 linearMean() const { return glm::vec3(linear_ / static_cast<double>(count_)); }
-  glm::vec3 codeMean() const { return glm::vec3(codes_ / (255.0 * static_cast<double>(count_))); }
+  ImageMeans means() const {
+    const auto count = static_cast<double>(count_);
+    return {glm::vec3(linear_ / count), glm::vec3(codes_ / (255.0 * count))};
+  }
 
  private:
   glm::dvec3 linear_{0.0}, codes_{0.0};
@@ -50,8 +53,23 @@ struct JpegErrors {
 void leaveJpeg(j_common_ptr info) { std::longjmp(reinterpret_cast<JpegErrors*>(info->err)->leave, 1); }
 void ignoreMessage(j_common_ptr) {}
 
-// Decodes to one pixel for 8 x 8; row is scratch of kMaxSide / 8 pixels. false on a damaged file
-bool decodeJpeg(std::string_view bytes, JSAMPLE* row, ColourSum* sum) {
+// What decoding an image takes: pixels, times the scans so far.
+struct JpegWork {
+  jpeg_progress_mgr base;
+  uint64_t pixels_of_scan = 0, most = 0, taken = 0;
+};
+
+// libjpeg reads all scans of an image before it gives the first line: between two of their rows it asks here.
+void countScans(j_common_ptr info) {
+  JpegWork& work = *reinterpret_cast<JpegWork*>(info->progress);
+  const auto scans = static_cast<uint64_t>(reinterpret_cast<j_decompress_ptr>(info)->input_scan_number);
+  work.taken = std::max<uint64_t>(scans, 1) * work.pixels_of_scan;
+  if (work.taken > work.most) leaveJpeg(info);
+}
+
+// Decodes to one pixel for 8 x 8; row is scratch of kMaxSide / 8 pixels. false on a damaged file, and on one that takes more work
+// than it may
+bool decodeJpeg(std::string_view bytes, JSAMPLE* row, JpegWork* work, ColourSum* sum) {
   JpegErrors errors;
   jpeg_decompress_struct info;
   info.err = jpeg_std_error(&errors.base);
@@ -71,6 +89,10 @@ bool decodeJpeg(std::string_view bytes, JSAMPLE* row, ColourSum* sum) {
   // every scan of a progressive file is work over the whole image
   is_good = is_good && !info.progressive_mode;
   if (is_good) {
+    work->pixels_of_scan = std::max(uint64_t{info.image_width} * info.image_height, kLeastScanPixels);
+    work->base.progress_monitor = countScans;
+    info.progress = &work->base;
+    countScans(reinterpret_cast<j_common_ptr>(&info));
     info.out_color_space = JCS_RGB;
     info.dct_method = JDCT_ISLOW;
     info.scale_num = 1;
@@ -90,7 +112,9 @@ class TargaReader {
  public:
   explicit TargaReader(std::string_view bytes) : bytes_(bytes) {}
 
-  bool read(ColourSum* sum) {
+  // take   is told of the pixels before they are decoded
+  template <class Take>
+  bool read(const Take& take, ColourSum* sum) {
     constexpr size_t kHeaderBytes = 18;
     if (bytes_.size() < kHeaderBytes) return false;
     const uint8_t kind = byte(2);
@@ -104,6 +128,7 @@ class TargaReader {
     if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) return false;
     at_ = kHeaderBytes + byte(0);
     const uint64_t count = uint64_t{width} * height;
+    take(count);
     return is_packed ? readPacked(count, sum) : readPixels(count, sum);
   }
 
@@ -145,25 +170,24 @@ class TargaReader {
   size_t pixel_bytes_ = 0;
 };
 
-// false on an image that has no colour
-bool readImage(std::string_view bytes, ColourSum* sum) {
-  if (!bytes.starts_with("\xff\xd8")) return TargaReader(bytes).read(sum);
-  std::vector<JSAMPLE> row(3 * (kMaxSide / 8 + 1));
-  return decodeJpeg(bytes, row.data(), sum);
-}
-
 }  // namespace
 
-std::optional<glm::vec3> averageColour(std::string_view bytes) {
+std::optional<ImageMeans> imageMeans(std::string_view bytes, SceneBudget& pixels, const std::string& path,
+                                     const std::string& place) {
+  const auto take = [&](uint64_t count) { pixels.take(count, path, place); };
   ColourSum sum;
-  if (!readImage(bytes, &sum)) return std::nullopt;
-  return sum.linearMean();
-}
-
-std::optional<glm::vec3> averageCode(std::string_view bytes) {
-  ColourSum sum;
-  if (!readImage(bytes, &sum)) return std::nullopt;
-  return sum.codeMean();
+  bool is_good = false;
+  if (bytes.starts_with("\xff\xd8")) {
+    std::vector<JSAMPLE> row(3 * (kMaxSide / 8 + 1));
+    JpegWork work;
+    work.most = pixels.left();
+    is_good = decodeJpeg(bytes, row.data(), &work, &sum);
+    take(work.taken);
+  } else {
+    is_good = TargaReader(bytes).read(take, &sum);
+  }
+  if (!is_good) return std::nullopt;
+  return sum.means();
 }
 
 }  // namespace nlg

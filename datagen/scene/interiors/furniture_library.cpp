@@ -16,10 +16,7 @@ constexpr size_t kMaxModelBytes = size_t{8} << 20;
 
 std::vector<std::string> libraryFiles(const std::string& path) {
   std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::is_regular_file(status)) return {path};
-  if (!fs::is_directory(status))
-    throw InputError(path, "furniture", "a .sh3f file or a folder of them", fs::exists(status) ? "something else" : "nothing");
+  if (!fs::is_directory(path, error)) return {path};
   std::vector<std::string> files;
   for (fs::directory_iterator i(path, error), end; !error && i != end; i.increment(error)) {
     if (lowerCase(i->path().extension().string()) == ".sh3f" && i->is_regular_file(error)) files.push_back(i->path().string());
@@ -39,7 +36,7 @@ FurnitureLibrary::FurnitureLibrary(const std::string& path) {
 }
 
 void FurnitureLibrary::addArchive(const std::string& file) {
-  auto archive = std::make_unique<Pk3Archives>(file);
+  auto archive = std::make_unique<Pk3Archives>(file, &unpacked_);
   const std::string text = archive->read("PluginFurnitureCatalog.properties", kMaxCatalogueBytes);
   const std::vector<CatalogueEntry> entries = parseCatalogue(file, text);
   if (entries.empty()) throw InputError(file, "catalogue", "pieces", "none");
@@ -77,7 +74,7 @@ FurnitureModel FurnitureLibrary::read(const Piece& piece) const {
     if (!archive.has(file.key)) {
       file.problem = "is not there";
     } else {
-      file.text = archive.read(file.key, kMaxCatalogueBytes);
+      file.read = [&archive, key = file.key] { return archive.read(key, kMaxCatalogueBytes); };
     }
     return file;
   };

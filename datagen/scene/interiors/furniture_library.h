@@ -43,6 +43,7 @@ class FurnitureLibrary {
   void addArchive(const std::string& file);
   FurnitureModel read(const Piece& piece) const;
 
+  SceneBudget unpacked_ = SceneBudgets().unpacked;  // of all archives together
   std::vector<std::unique_ptr<Pk3Archives>> archives_;
   std::vector<Piece> pieces_;
   std::map<FurnitureUse, std::vector<size_t>> by_use_;

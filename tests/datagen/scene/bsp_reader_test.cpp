@@ -8,6 +8,7 @@
 #include <random>
 
 #include "datagen/scene/bsp_file.h"
+#include "datagen/scene/bsp_looks.h"
 #include "datagen/scene/pk3_archive.h"
 #include "datagen/scene/scene_source.h"
 #include "hand_built_bsp.h"
@@ -252,7 +253,7 @@ TEST_F(BspReader, RefusesEntitiesThatNameWhatIsNotThere) {
 
 TEST_F(BspReader, RefusesMoreTrianglesThanAnyLevelHas) {
   // patches that name the same control points again and again, each wild enough for the finest grid
-  expectError("at most 2^23", [](BspParts& p) {
+  expectError("at most 8388608 triangles of a level", [](BspParts& p) {
     std::mt19937 random(1);
     for (glm::vec3& v : p.vertices) v = glm::vec3(random() % 500000, random() % 500000, random() % 500000);
     p.faces.assign(5000, p.faces[1]);
@@ -332,6 +333,39 @@ TEST_F(BspInArchives, LooksComeFromScriptsAndTextures) {
   const BspLevel dropped = readBspFromArchives(folder_.string(), "small");
   EXPECT_TRUE(dropped.scene.triangles.empty());
   EXPECT_EQ(dropped.dropped_faces, (std::map<std::string, uint32_t>{{"translucent", 3}}));
+}
+
+TEST_F(BspInArchives, ImagesThatShadersShareAreReadOnce) {
+  constexpr int kShaders = 200;
+  const std::string script = "{\n q3map_surfacelight 100\n q3map_lightimage textures/big.tga\n { map textures/big.tga }\n}\n";
+  const std::string image = std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0", 18) + std::string("\0\0\xff", 3);
+  std::string scripts;
+  for (int i = 0; i < kShaders; ++i) scripts += "s" + std::to_string(i) + "\n" + script;
+  SceneBudget unpacked = SceneBudgets().unpacked;
+  const std::string path = writeZip(folder_ / "shared.pk3", {{"scripts/a.shader", scripts}, {"textures/big.tga", image}});
+  const Pk3Archives archives(path, &unpacked);
+  const BspLooks looks(archives);
+  for (int i = 0; i < kShaders; ++i) {
+    EXPECT_EQ(looks.textureColour("s" + std::to_string(i)), glm::vec3(1, 0, 0));
+    EXPECT_GT(looks.emission("s" + std::to_string(i)).x, 0.0f);
+  }
+  EXPECT_EQ(kMaxUnpackedBytes - unpacked.left(), scripts.size() + image.size());
+}
+
+// Each image is within the budget, both together are not.
+TEST_F(BspInArchives, RefusesMorePixelsThanOneSceneMayHave) {
+  const std::string image = jpegOfScans(2048, 300);
+  const Pk3Archives archives(writeZip(folder_ / "pixels.pk3", {{"a.jpg", image}, {"b.jpg", image}}));
+  const BspLooks looks(archives);
+  EXPECT_FALSE(looks.textureColour("a").has_value()) << "its scans are empty";
+  EXPECT_FALSE(looks.textureColour("a").has_value()) << "not read again";
+  try {
+    looks.textureColour("b");
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string words = "b.jpg: expected at most 2147483648 pixels of textures";
+    EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(BspInArchives, ScenesAreRequestedByPathAndMap) {

@@ -167,6 +167,19 @@ std::string jpeg(int side, unsigned char red, unsigned char green, unsigned char
   return bytes;
 }
 
+std::optional<glm::vec3> averageColour(const std::string& bytes) {
+  SceneBudget pixels = SceneBudgets().pixels;
+  const std::optional<ImageMeans> means = imageMeans(bytes, pixels, "a.pk3", "image");
+  return means ? std::optional(means->linear) : std::nullopt;
+}
+
+// What reading the image takes of a budget.
+uint64_t pixelsOf(const std::string& image) {
+  SceneBudget pixels = SceneBudgets().pixels;
+  imageMeans(image, pixels, "a.pk3", "image");
+  return kMaxImagePixels - pixels.left();
+}
+
 // sRGB code 188 is 0.5029 in linear light, 0 is 0, 255 is 1
 constexpr float kHalf = 0.5029f;
 
@@ -200,6 +213,29 @@ TEST(TextureColour, DamagedImagesHaveNoColour) {
   const std::string image = jpeg(64, 10, 20, 30);
   EXPECT_FALSE(averageColour(image.substr(0, image.size() / 2)).has_value());
   EXPECT_FALSE(averageColour(std::string(1 << 16, '\0')).has_value());
+}
+
+TEST(TextureColour, TakesItsPixelsOfTheBudgetOnceForEveryScan) {
+  EXPECT_EQ(pixelsOf(targa(2, 2, 1, 24, std::string(6, 'a'))), 2u);
+  EXPECT_EQ(pixelsOf(jpeg(100, 10, 20, 30)), 10000u) << "one scan";
+  EXPECT_EQ(pixelsOf(jpeg(8, 10, 20, 30)), kLeastScanPixels);
+  EXPECT_EQ(pixelsOf(jpegOfScans(100, 3)), 30000u);
+  EXPECT_EQ(pixelsOf("no image at all, but long enough"), 0u);
+}
+
+// The archive of 794 bytes that took 18 s: 2048 x 2048 pixels, 20,000 times.
+TEST(TextureColour, RefusesMoreScansThanTheBudgetHolds) {
+  constexpr uint64_t kPixels = 2048 * 2048;
+  SceneBudget pixels = SceneBudgets().pixels;
+  try {
+    imageMeans(jpegOfScans(2048, 20000), pixels, "a.pk3", "big.jpg");
+    FAIL();
+  } catch (const InputError& error) {
+    // it was stopped at the first scan too many
+    EXPECT_EQ(std::string(error.what()),
+              "a.pk3: big.jpg: expected at most 2147483648 pixels of textures, times their scans, in one scene, got " +
+                  std::to_string(kMaxImagePixels + kPixels));
+  }
 }
 
 TEST(TextureColour, AnyBytesEndWithoutACrash) {

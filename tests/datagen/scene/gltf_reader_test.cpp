@@ -1,6 +1,7 @@
 #include "tests/datagen/scene/gltf_parts.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -9,10 +10,13 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <set>
 #include <sstream>
 
+#include "datagen/scene/gltf_file.h"
 #include "datagen/scene/gltf_light.h"
+#include "datagen/scene/gltf_mesh.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -370,6 +374,86 @@ TEST_F(GltfReader, RefusesBuffersOutsideTheFolder) {
 TEST_F(GltfReader, RefusesAMissingFileAndAFolder) {
   EXPECT_THROW(readGltf((folder_ / "nothing.glb").string()), InputError);
   EXPECT_THROW(readGltf(folder_.string()), InputError);
+}
+
+TEST_F(GltfReader, RefusesBuffersThatAreNoRegularFiles) {
+  ASSERT_EQ(::mkfifo((folder_ / "level" / "pipe.bin").c_str(), 0600), 0);
+  fs::create_symlink("ring.bin", folder_ / "level" / "ring.bin");
+  const std::string long_name = std::string(300, 'x') + ".bin";
+  for (const auto& [uri, got] : std::map<std::string, std::string>{{"pipe.bin", "a pipe"},
+                                                                   {".", "a directory"},
+                                                                   {"ring.bin", "Too many levels of symbolic links"},
+                                                                   {long_name, "File name too long"},
+                                                                   {"missing.bin", "No such file or directory"}}) {
+    const std::string error = errorOf(Parts().json(uri));
+    EXPECT_NE(error.find("hostile.gltf: buffer \"" + uri.substr(0, 80)), std::string::npos) << error;
+    EXPECT_NE(error.find("got " + got), std::string::npos) << error;
+  }
+}
+
+// What all of them hold is known before any is read: files of no blocks, which would take the machine's memory.
+TEST_F(GltfReader, RefusesMoreBytesThanTheBudgetBeforeItReadsThem) {
+  Parts parts;
+  for (const char* name : {"1.bin", "2.bin", "3.bin"}) {
+    parts.more_buffers += std::string(R"(,{"byteLength":3221225472,"uri":")") + name + "\"}";
+    fs::resize_file(write(name, ""), uint64_t{3} << 30);
+  }
+  const std::string text = parts.text();
+  const std::string error = errorOf(text);
+  EXPECT_NE(
+      error.find("hostile.gltf: buffer \"2.bin\": expected at most 4294967295 bytes of files and what they unpack to in one "
+                 "scene, got " +
+                 std::to_string((uint64_t{6} << 30) + text.size())),
+      std::string::npos)
+      << error;
+}
+
+// The file of 602 bytes that asked for 7 GB: many primitives of one accessor without bytes.
+TEST_F(GltfReader, RefusesZerosBeyondTheBudgetOfTheScene) {
+  Parts parts;
+  const auto withZeros = [&](uint64_t count, int primitives) {
+    parts.accessors = R"([{"componentType":5126,"count":)" + std::to_string(count) + R"(,"type":"VEC3"}])";
+    parts.primitives = "[";
+    for (int i = 0; i < primitives; ++i) parts.primitives += std::string(i > 0 ? "," : "") + R"({"attributes":{"POSITION":0}})";
+    parts.primitives += "]";
+    return errorOf(parts.text());
+  };
+  EXPECT_EQ(withZeros(300000, 3), "no error");
+  const std::string words = "expected at most 1048576 elements of accessors without a buffer view in one scene, got ";
+  const std::string of_many = withZeros(300000, 4), of_one = withZeros(1048578, 1);
+  EXPECT_NE(of_many.find("mesh 0, primitive 3: POSITION: " + words + "1200000"), std::string::npos) << of_many;
+  EXPECT_NE(of_one.find("mesh 0, primitive 0: POSITION: " + words + "1048578"), std::string::npos) << of_one;
+}
+
+// Of the budgets' limits a test would need gigabytes: these are of the square's two triangles and six corners.
+TEST_F(GltfReader, TakesTrianglesAndElementsOfTheBudget) {
+  Parts parts;
+  parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0},"indices":1}])";
+  const std::string path = write("twice.gltf", parts.text());
+  SceneBudget bytes = SceneBudgets().bytes;
+  const tinygltf::Model model = loadGltfFile(path, bytes);
+  EXPECT_EQ(kMaxSceneBytes - bytes.left(), parts.text().size());
+  SceneBudgets budgets;
+  readGltfMesh(model, 0, path, budgets);
+  EXPECT_EQ(kMaxSceneTriangles - budgets.triangles.left(), 4u);
+  EXPECT_EQ(kMaxAccessorElements - budgets.accessor_elements.left(), 12u);
+  EXPECT_EQ(budgets.accessor_zeros.left(), kMaxAccessorZeros);
+  const auto errorWith = [&](SceneBudget SceneBudgets::*which, const SceneBudget& small) {
+    SceneBudgets little;
+    little.*which = small;
+    try {
+      readGltfMesh(model, 0, path, little);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_EQ(errorWith(&SceneBudgets::triangles, {"triangles", 4}), "no error");
+  EXPECT_EQ(errorWith(&SceneBudgets::triangles, {"triangles", 3}),
+            path + ": mesh 0, primitive 1: expected at most 3 triangles in one scene, got 4");
+  EXPECT_EQ(errorWith(&SceneBudgets::accessor_elements, {"elements", 12}), "no error");
+  EXPECT_EQ(errorWith(&SceneBudgets::accessor_elements, {"elements", 11}),
+            path + ": mesh 0, primitive 1: indices: expected at most 11 elements in one scene, got 12");
 }
 
 TEST_F(GltfReader, RefusesEveryTruncationOfAGlb) {

@@ -1,6 +1,7 @@
 #include "datagen/scene/obj_reader.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -191,6 +192,19 @@ TEST_F(ObjReader, OpensNoLibraryOutsideTheFolder) {
     ASSERT_EQ(level.notes.size(), 2u) << name;
     EXPECT_NE(level.notes[0].find("is a path of another place: not opened"), std::string::npos) << level.notes[0];
     EXPECT_EQ(level.scene.materials.size(), 1u) << name;
+  }
+}
+
+TEST_F(ObjReader, RefusesLibrariesThatAreNoRegularFiles) {
+  ASSERT_EQ(::mkfifo((folder_ / "level" / "pipe.mtl").c_str(), 0600), 0);
+  fs::create_symlink("ring.mtl", folder_ / "level" / "ring.mtl");
+  const std::string long_name = std::string(300, 'x') + ".mtl";
+  for (const auto& [name, got] : {std::pair<std::string, std::string>("pipe.mtl", "a pipe"),
+                                  {"ring.mtl", "Too many levels of symbolic links"},
+                                  {long_name, "File name too long"}}) {
+    const std::string error = errorOf("mtllib " + name + "\n");
+    EXPECT_NE(error.find("mtllib \"" + name.substr(0, 80)), std::string::npos) << error;
+    EXPECT_NE(error.find("got " + got), std::string::npos) << error;
   }
 }
 

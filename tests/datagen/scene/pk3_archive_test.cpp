@@ -1,6 +1,7 @@
 #include "datagen/scene/pk3_archive.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "hand_built_bsp.h"
 #include "tool/error.h"
@@ -59,9 +60,11 @@ TEST_F(Pk3ArchivesTest, LaterArchivesHideEarlierOnesWithoutRegardToCase) {
 }
 
 TEST_F(Pk3ArchivesTest, RefusesPathsWithoutArchives) {
-  expectError("nothing", errorOf(folder_ / "missing.pk3"));
+  expectError("No such file", errorOf(folder_ / "missing.pk3"));
   expectError(".pk3 files, got none", errorOf(folder_.string()));
-  expectError("something else", errorOf("/dev/null"));
+  expectError("a device", errorOf("/dev/null"));
+  ASSERT_EQ(::mkfifo((folder_ / "pipe.pk3").c_str(), 0600), 0);
+  expectError("a pipe", errorOf(folder_ / "pipe.pk3"));
   expectError("archive", errorOf(folder_.write("text.pk3", "this is no archive")));
   expectError("archive", errorOf(folder_.write("empty.pk3", "")));
 }
@@ -70,6 +73,24 @@ TEST_F(Pk3ArchivesTest, RefusesEntriesThatAreNotThereOrTooLarge) {
   const std::string path = writeZip(folder_ / "a.pk3", {{"a.txt", "alpha"}});
   expectError("\"b.txt\": expected a file of that name", errorOf(path, "b.txt"));
   expectError("at most 4 bytes", errorOf(path, "a.txt", 4));
+}
+
+// Each byte that is read counts, an entry that is read twice twice.
+TEST_F(Pk3ArchivesTest, ReadsNoMoreThanItsBudget) {
+  const std::string path = writeZip(folder_ / "a.pk3", {{"a.txt", "alpha"}, {"b.txt", std::string(100, 'b')}});
+  SceneBudget unpacked("bytes", 110);
+  const Pk3Archives archives(path, &unpacked);
+  archives.read("a.txt", 5);
+  archives.read("b.txt", 100);
+  EXPECT_EQ(unpacked.left(), 5u);
+  archives.read("a.txt", 5);
+  try {
+    archives.read("a.txt", 5);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()), path + ": \"a.txt\": expected at most 110 bytes in one scene, got 115");
+  }
+  EXPECT_EQ(unpacked.left(), 0u);
 }
 
 TEST_F(Pk3ArchivesTest, RefusesEncryptedEntries) {

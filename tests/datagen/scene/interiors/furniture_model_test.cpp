@@ -16,7 +16,7 @@ namespace nlg {
 namespace {
 
 Scene objScene(const std::string& text) {
-  return readObjText("test.obj", text, 1.0, [](const std::string&) { return ObjLibraryFile{"", "", "", "is not there"}; }).scene;
+  return readObjText("test.obj", text, 1.0, [](const std::string&) { return ObjLibraryFile{"", "", {}, "is not there"}; }).scene;
 }
 
 CatalogueEntry entryOf(const glm::dvec3& size_m) {
