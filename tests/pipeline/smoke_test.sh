@@ -119,6 +119,31 @@ kill -9 $!
 ! wait $! || fail "a bake of a whole cave was over within a second: nothing was killed"
 [ ! -e "$temporary/killed.safetensors" ] || fail "a killed bake left a light grid"
 
+# --- info of every kind of file: says what it is, and that every byte was verified; one flipped bit anywhere is damage, exit code 7
+"$NLG_BIN/nlg-cache" --basis "$out/basis.h5" --shards "$out"/dataset/training/*.h5 --out "$temporary/functions.cache" >/dev/null
+for case in "nlg-datagen $out/dataset/training/house_0.0.h5" "nlg-pca $out/basis.h5" "nlg-cache $temporary/functions.cache" \
+  "nlg-train $out/training/tent_mlp.ckpt" "nlg-export $out/weights/tent_mlp.safetensors" "nlg-bake $temporary/one.safetensors"; do
+  read -r tool file <<<"$case"
+  "$NLG_BIN/$tool" info --json "$file" >"$temporary/info.json" || fail "$tool info refuses $file"
+  /usr/bin/python3 - "$NLG_BIN/$tool" "$file" "$temporary/info.json" "$temporary/damaged" <<'PYTHON'
+import hashlib, json, os, random, subprocess, sys
+
+tool, path, info, damaged = sys.argv[1:]
+info, data = json.load(open(info)), open(path, "rb").read()
+assert info["file"] == path and info["bytes"] == len(data) and info["sha256"] == hashlib.sha256(data).hexdigest(), info
+assert info["verified"] == "every byte (SHA-256)", info
+draw = random.Random(len(data))
+cases = [data[:i] + bytes([data[i] ^ 1 << draw.randrange(8)]) + data[i + 1:] for i in [0, len(data) - 1, *(draw.randrange(len(data)) for _ in range(10))]]
+cases += [b"", data[:len(data) // 2], data[:-1], data + b"\0"]
+for number, case in enumerate(cases):
+    open(damaged, "wb").write(case)
+    result = subprocess.run([tool, "info", damaged], capture_output=True, text=True)
+    assert result.returncode == 7 and not result.stdout and result.stderr.count("\n") == 1, (tool, number, result)
+result = subprocess.run([tool, "info", os.path.dirname(path)], capture_output=True, text=True)
+assert result.returncode == 3 and result.stderr.count("\n") == 1, (tool, result)
+PYTHON
+done
+
 # --- a stability case that does not hold: the report is made all the same and shows it; a tool that fails otherwise ends the run
 /usr/bin/python3 workflow/failed_cases.py "$out/stability.json" >"$temporary/failed.txt" || fail "cases do not hold: $(cat "$temporary/failed.txt")"
 mkdir "$temporary/bin"
