@@ -1,5 +1,7 @@
 #include "tool/parallel_for.h"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -9,7 +11,13 @@
 
 namespace nlg {
 
-int machineThreadCount() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+int machineThreadCount() {
+  // hardware_concurrency() counts what is plugged in; a batch system or a container leaves a process only some of it
+  cpu_set_t usable;
+  if (sched_getaffinity(0, sizeof usable, &usable) == 0) return std::max(1, CPU_COUNT(&usable));
+  // more processors than the set holds
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
 
 void parallelFor(uint64_t count, int thread_count, const std::function<void(uint64_t item, int thread)>& work) {
   std::atomic<uint64_t> next{0};

@@ -6,7 +6,7 @@
 
 namespace nlg {
 
-// As many threads as the machine runs at once, at least 1.
+// As many threads as the machine runs of this process at once, at least 1: processors that it may not use do not count.
 int machineThreadCount();
 
 // Runs work(item, thread) for every item in [0, count), each on some thread in [0, thread_count): results must go to places of

@@ -1,6 +1,7 @@
 #include "tool/parallel_for.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <atomic>
 #include <stdexcept>
@@ -33,6 +34,19 @@ TEST(ParallelFor, RethrowsAndStops) {
                  std::runtime_error);
     EXPECT_LT(begun, 1000000u) << threads << " threads";
   }
+}
+
+TEST(MachineThreadCount, CountsOnlyProcessorsThatTheProcessMayUse) {
+  cpu_set_t before, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof before, &before), 0);
+  EXPECT_EQ(machineThreadCount(), CPU_COUNT(&before));
+  CPU_ZERO(&one);
+  for (int cpu = 0; CPU_COUNT(&one) == 0; ++cpu) {
+    if (CPU_ISSET(cpu, &before)) CPU_SET(cpu, &one);
+  }
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  EXPECT_EQ(machineThreadCount(), 1);
+  ASSERT_EQ(sched_setaffinity(0, sizeof before, &before), 0);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "tool/error.h"
+#include "tool/parallel_for.h"
 
 namespace nlg {
 namespace {
@@ -23,7 +24,7 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowM
 template <class Work>
 void forEachClass(const Work& work) {
   std::vector<std::thread> threads;
-  const int thread_count = std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()), 1, kParityClassCount);
+  const int thread_count = std::min(machineThreadCount(), kParityClassCount);
   for (int t = 0; t < thread_count; ++t) {
     threads.emplace_back([&, t] {
       for (int c = t; c < kParityClassCount; c += thread_count) work(c);
