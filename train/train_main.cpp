@@ -31,13 +31,23 @@ struct Request {
   bool restart_on_change = false, find_rate = false;
 };
 
-// srun tells every process its number.
+// srun tells every process its number, and how many they are.
 void readSlurm(ProcessGroup::Options& processes, bool is_given) {
   const char* rank = std::getenv("SLURM_PROCID");
   const char* count = std::getenv("SLURM_NTASKS");
   if (is_given || processes.rendezvous.empty() || rank == nullptr || count == nullptr) return;
+  const int asked = processes.count;
   processes.rank = std::atoi(rank);
   processes.count = std::atoi(count);
+  if (asked == 1 || asked == processes.count) return;
+  throw UsageError("processes", "as many as srun started, " + std::to_string(processes.count), std::to_string(asked));
+}
+
+// What makes a run the run that it is. Sums are the same to rounding in any number of processes: a run may go on with another.
+nlohmann::ordered_json runOptions(const OptionTable& table) {
+  nlohmann::ordered_json options = table.toJson();
+  options.erase("processes");
+  return options;
 }
 
 void check(const Request& request, const TrainOptions& options) {
@@ -50,13 +60,13 @@ void check(const Request& request, const TrainOptions& options) {
   require(request.find_rate || !request.out.empty(), "--out", "the finished checkpoint to write", "none");
   require(request.find_rate || !request.run.empty(), "--run", "the run's folder", "none");
   require(processes.count >= 1 && processes.rank >= 0 && processes.rank < processes.count, "--rank",
-          "a number from 0 to --world-size - 1", std::to_string(processes.rank) + " of " + std::to_string(processes.count));
+          "a number from 0 to --processes - 1", std::to_string(processes.rank) + " of " + std::to_string(processes.count));
   require(processes.count == 1 || !processes.rendezvous.empty(), "--rendezvous", "a file through which the processes meet",
           "none");
   require(processes.count == 1 || !request.find_rate, "--find-rate", "one process", std::to_string(processes.count));
   require((options.point_batches & (options.point_batches - 1)) == 0, "point_batches", "1, 2, 4 or 8",
           std::to_string(options.point_batches));
-  require(processes.count <= options.batch, "--world-size", "at most --batch processes", std::to_string(processes.count));
+  require(processes.count <= options.batch, "processes", "at most as many as the batch", std::to_string(processes.count));
 }
 
 torch::Device findDevice(const std::string& name) {
@@ -189,7 +199,7 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
     TrainingState state = fresh();
     return printRate(request, findRate(options, representation, training, &state));
   }
-  const RunIdentity identity{request.representation, table.toJson().dump(), fileSha256(request.basis), training.sha256()};
+  const RunIdentity identity{request.representation, runOptions(table).dump(), fileSha256(request.basis), training.sha256()};
   const RunFolder folder(request.run);
   TrainingState state = makeState(options, Theta(representation.thetaCount()));
   resume(request, identity, folder, &state);
@@ -246,9 +256,10 @@ int main(int argc, char** argv) {
   app.add_flag("--find-rate", request.find_rate, "look for a learning rate instead of training; writes --log alone");
   app.add_option("--device", request.device, "of the network: cpu or cuda");
   CLI::Option* rank = app.add_option("--rank", request.processes.rank, "which of the processes that train together this is");
-  app.add_option("--world-size", request.processes.count, "how many they are; --batch is split among them");
+  table.add("processes", &request.processes.count, "how many train together; the batch is split among them", 1, 4096);
+  table.renamed("world_size", "processes");
   app.add_option("--rendezvous", request.processes.rendezvous,
-                 "a fresh file that all of them can write; with it, srun's variables stand for --rank and --world-size");
+                 "a fresh file that all of them can write; with it, srun's variables stand for --rank and --processes");
   app.add_option("--timeout-s", request.processes.timeout_s, "longest wait for another process");
   app.add_flag("--restart-on-change", request.restart_on_change,
                "start afresh, instead of refusing, when --run holds another run");

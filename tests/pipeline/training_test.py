@@ -120,7 +120,7 @@ def check_damaged_checkpoint():
 
 def check_other_process():
     """Processes that do not train the same are refused before they take a step."""
-    pair = [train("odd", "--rank", str(rank), "--world-size", "2", "--rendezvous", "odd_meeting", "--seed", str(1 + rank)) for rank in range(2)]
+    pair = [train("odd", "--rank", str(rank), "--processes", "2", "--rendezvous", "odd_meeting", "--seed", str(1 + rank)) for rank in range(2)]
     for rank, process in enumerate(pair):
         _, err = end(process, INPUT_ERROR)
         check("process" in err and len(err.splitlines()) == 1, f"process {rank} of another run: {err!r}")
@@ -130,7 +130,7 @@ def check_other_process():
 def compare_curves(name, keys, tolerance, *options):
     """One process and two with its batch between them: how their curves compare."""
     end(train(f"{name}_one", *options))
-    pair = [train(f"{name}_two", "--rank", str(rank), "--world-size", "2", "--rendezvous", f"{name}_meeting", *options) for rank in range(2)]
+    pair = [train(f"{name}_two", "--rank", str(rank), "--processes", "2", "--rendezvous", f"{name}_meeting", *options) for rank in range(2)]
     for process in pair:
         end(process)
     one, two = columns(f"{name}_one.csv"), columns(f"{name}_two.csv")
@@ -151,7 +151,7 @@ def check_processes():
 
 
 def check_lost_process():
-    pair = [train("lost", "--rank", str(rank), "--world-size", "2", "--rendezvous", "lost_meeting", "--timeout-s", "20", steps=1000000)
+    pair = [train("lost", "--rank", str(rank), "--processes", "2", "--rendezvous", "lost_meeting", "--timeout-s", "20", steps=1000000)
             for rank in range(2)]
     deadline = time.time() + 60
     while not os.path.exists("lost_run/latest") and time.time() < deadline:
