@@ -1,23 +1,29 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, and runs the whole pipeline: levels → data set → generators → report.
 #
-#   ./pipeline.sh [--plan] [CONFIG [LEVELS]]
+#   ./pipeline.sh [--plan] [--profile FOLDER] [CONFIG [LEVELS]]
 #
-# --plan   only say how many probes, functions, bytes and core-hours the data set will take
-# CONFIG   pipeline.yaml (the default), configs/smoke.yaml, configs/levels.yaml, configs/openarena.yaml or one of yours
-# LEVELS   a folder of .glb, .gltf or .obj levels, in place of the configuration's scenes.folder
+# --plan     only say how many probes, functions, bytes and core-hours the data set will take
+# --profile  a profile of snakemake's that runs the stages elsewhere; configs/profiles/slurm: as jobs of Slurm (docs/guide/scaling.md)
+# CONFIG     pipeline.yaml (the default), configs/smoke.yaml, configs/levels.yaml, configs/openarena.yaml or one of yours
+# LEVELS     a folder of .glb, .gltf or .obj levels, in place of the configuration's scenes.folder
 # A run that was stopped goes on where it was when it is started again. Exit code 6: the report is there, and a stability case in it
 # does not hold.
 set -euo pipefail
 
-case "${1:-}" in
-  -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
-esac
-plan=
-if [ "${1:-}" = --plan ]; then
-  plan=yes
-  shift
-fi
+plan='' profile=''
+while [ $# -gt 0 ]; do
+  case $1 in
+    -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    --plan) plan=yes; shift ;;
+    --profile)
+      [ -f "${2:-}/config.yaml" ] || { echo "pipeline.sh: --profile: expected a folder with a config.yaml, got ${2:-none}" >&2; exit 2; }
+      profile=$(realpath "$2")
+      shift 2
+      ;;
+    *) break ;;
+  esac
+done
 config=$(realpath -m "${1:-$(dirname "$0")/pipeline.yaml}")
 [ -f "$config" ] || { echo "pipeline.sh: $config: expected a configuration file, got none" >&2; exit 2; }
 if [ $# -ge 2 ]; then
@@ -33,14 +39,23 @@ install_packages
 # judged before anything is built, made or moved
 run=$(/usr/bin/python3 workflow/configuration.py "$config")
 if [ -n "$plan" ]; then build nlg-datagen; else build nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-solve nlg-validate nlg-bake; fi
-# Our own lock instead of snakemake's, which outlives a killed run. It belongs to the results, whatever checkout works on them, and
-# every job holds it too (workflow/Snakefile): a tool that outlives its killed run still keeps others away. Alone first, so that
-# nobody else holds it; then shared with the jobs.
+# Our own locks instead of snakemake's, which outlives a killed run. They belong to the results, whatever checkout works on them: one is
+# held by the run, the other by every job for as long as it lives (workflow/Snakefile), so that a tool which outlives its killed run
+# still keeps others away.
 mkdir -p "$run"
 exec 9>> "$run/.lock"
-{ flock -n 9 && flock -s -n 9; } || { echo "pipeline.sh: $run: another run, or a tool of one that was killed, is at work there" >&2; exit 2; }
+flock -n 9 || { echo "pipeline.sh: $run: another run is at work there" >&2; exit 2; }
+# what does the work: all cores of this machine, or what a profile says
+where=(--cores "$(nproc)")
+# a plan is too little to send anywhere
+if [ -n "$profile" ] && [ -z "$plan" ]; then
+  # snakemake does not quote the paths of a profile's scripts: from here they are short
+  where=(--profile "$(realpath --relative-base=. "$profile")")
+  [ ! -x "$profile/before.sh" ] || "$profile/before.sh" "$run"
+fi
+flock -n "$run/.jobs.lock" true || { echo "pipeline.sh: $run: a tool of a run that was killed is still at work there" >&2; exit 2; }
 workflow() {
-  /usr/bin/snakemake -s workflow/Snakefile --configfile "$config" --cores "$(nproc)" --rerun-incomplete --nolock \
+  /usr/bin/snakemake -s workflow/Snakefile --configfile "$config" "${where[@]}" --rerun-incomplete --nolock \
     --rerun-triggers mtime params input --log-handler-script workflow/run_progress.py -- "$@"
 }
 if [ -n "$plan" ]; then

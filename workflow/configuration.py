@@ -39,6 +39,7 @@ BAKE_TOO = {"unit", "extent_m", "density_growth", "diffusion_passes", "diffusion
 # keys that were called otherwise before
 RENAMED = {"test": "evaluation", "needs": "savings", "needs_rounds": "savings_rounds"}
 MAX_SHARDS = 1000000
+MAX_PROCESSES = 4096  # of nlg-train
 MAX_DEPTH = 16
 
 
@@ -166,6 +167,7 @@ class Run:
         self.folder = os.path.join(environment.get("NLG_OUT") or "out", self.name)
         self._take_effort(config)
         self._take_representations(config["representations"])
+        self._take_training()
         self._take_scenes(self.sections["scenes"], environment)
         self._take_split(config["split"])
         self._take_report(self.sections["report"])
@@ -198,6 +200,15 @@ class Run:
                     isinstance(options, dict) and all(is_option(key) and isinstance(value, (bool, int, float, str)) for key, value in options.items()),
                     "options of the train section")
         self.representations = found
+
+    def _take_training(self):
+        """Processes and threads of each training, which the workflow starts; the tool judges all else of its section."""
+        self.training_cores = {}
+        for name, own in self.representations.items():
+            options = {"processes": 1, "threads": 1, **self.sections["train"], **own}
+            for key, largest in (("processes", MAX_PROCESSES), ("threads", 1024)):
+                require(f"train: {key}", options[key], type(options[key]) is int and 1 <= options[key] <= largest, f"an integer from 1 to {largest}")
+            self.training_cores[name] = options["processes"], options["threads"]
 
     def _take_scenes(self, options, environment):
         require_keys("scenes", options, {"families", "per_family", "folder", "jitters"}, {"archives", "furniture", "by_scene"})

@@ -82,10 +82,20 @@ class RunProgress:
         self.running.pop(event["jobid"], None)
         self._print(f"{self._count()} {event['name']} failed: {', '.join(event.get('output') or [])}; its own line stands above")
 
+    def _take_group_error(self, event):
+        # many shards in one job of a batch system: what was wrong with it, its status command said
+        jobs = event["job_error_info"]
+        for job in jobs:
+            self.running.pop(job["jobid"], None)
+        rules = ", ".join(sorted({job["name"] for job in jobs}))
+        self._print(f"{self._count()} {rules} failed: a job that made {len(jobs)} of them; its own line stands above")
+
     def _take_info(self, event):
         # all else that snakemake says at this level is about itself
         if "Nothing to be done" in event["msg"]:
             self._print("nothing to be done: all of it is there and of this configuration")
+        elif event["msg"].startswith("Trying to restart job"):
+            self._print("… and is tried once more, with more memory and time")
 
     def _take_warning(self, event):
         self._print(event["msg"])

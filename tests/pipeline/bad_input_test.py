@@ -167,8 +167,8 @@ def check_command_lines():
     refuses(USAGE_ERROR, ["--representation", "pf4"], outputs, "nlg-train", *arguments)
     arguments, outputs = arguments_of("nlg-train")
     for place, more in [("--cache", ["--cache", "functions.cache"]), ("--device", ["--device", "tpu"]), ("--device", ["--device", "cuda"]),
-                        ("--rank", ["--rank", "2", "--world-size", "2"]), ("--rendezvous", ["--world-size", "2"]),
-                        ("--world-size", ["--batch", "1", "--world-size", "2", "--rendezvous", "meeting"])]:
+                        ("--rank", ["--rank", "2", "--processes", "2"]), ("--rendezvous", ["--processes", "2"]),
+                        ("processes", ["--batch", "1", "--processes", "2", "--rendezvous", "meeting"])]:
         refuses(USAGE_ERROR, [place], outputs, "nlg-train", *arguments, *more)
 
 
@@ -426,6 +426,12 @@ def check_workflow():
     ]
     for scenes, split, words in refused:
         refuses_configuration(scenes, split, "{}", words)
+    for value in ["0", "4097", "two", "true", "1.5", "null"]:
+        refuses_configuration(basis, held_out, "{}", "train: processes: expected an integer from 1 to 4096", more=f"train: {{processes: {value}}}")
+    # processes of a training are started where they are asked for, on a core each
+    is_taken, text = workflow(basis, held_out, more="train: {processes: 3, threads: 2}")
+    if not is_taken or "workflow/train_together.sh 3 " not in text:
+        failures.append(f"three processes that train together: {text}")
     # snakemake ends with the same words
     is_taken, text = workflow(basis, held_out + ", tests: []")
     if is_taken or "unknown key 'tests'" not in text:

@@ -56,6 +56,14 @@ def check_pipe():
     check(run.text.splitlines() == ["[3/4] datagen: 3 jobs, 2 min 00 s", "[3/4] train failed: mlp.ckpt; its own line stands above",
                                     "Exiting because a job execution failed."], f"a pipe gets {run.text!r}")
     run = Run(is_terminal=False)
+    for job in range(3):
+        run.begins(job, "datagen", scene=f"house_{job}")
+    run.progress.take({"level": "group_error", "groupid": "shards", "job_error_info": [{"name": "datagen", "jobid": job} for job in range(3)]})
+    run.progress.take({"level": "info", "msg": "Trying to restart job shards."})
+    check(run.text.splitlines() == ["[0/4] datagen failed: a job that made 3 of them; its own line stands above",
+                                    "… and is tried once more, with more memory and time"], f"a group of jobs that failed: {run.text!r}")
+    check(not run.progress.running, f"a group that failed is at work: {run.progress.running}")
+    run = Run(is_terminal=False)
     run.progress.take({"level": "info", "msg": "Nothing to be done (all requested files are present and up to date)."})
     check(run.text.startswith("nothing to be done"), f"a run that is over says {run.text!r}")
 

@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# What has become of a Slurm job, in snakemake's words: running, success or failed. Asks the controller, no database; the controller
+# forgets a job some minutes after its end (MinJobAge), and then the job's own log knows (jobscript.sh).
+#
+#   status.sh JOB          (from the folder of the checkout)
+set -euo pipefail
+# an interrupt is for snakemake, which cancels its jobs then: this answer must not look like a failure
+trap '' INT
+
+job=$1
+log=.snakemake/slurm/$job.log
+
+# one line on stderr, and what the tools said
+failed() {
+  echo "slurm job $job: $1; its log: $log" >&2
+  [ ! -f "$log" ] || grep -E '^(nlg-[a-z]+[a-z ]*|[a-z_]+\.py|slurmstepd|srun): ' "$log" | tail -n 5 >&2 || true
+  echo failed
+  exit 0
+}
+
+if ! shown=$(timeout 30 scontrol --oneliner show job "$job" 2>&1); then
+  case $shown in
+    *"Invalid job id"*) ;;
+    # the controller is away, or too busy: jobs do not end by that
+    *) echo running; exit 0 ;;
+  esac
+  [ "$(tail -n 1 "$log" 2> /dev/null)" = "nlg: the job is done" ] || failed "forgotten by Slurm, and its log has no end"
+  echo success
+  exit 0
+fi
+state=$(sed -n 's/.* JobState=\([A-Z_]*\).*/\1/p' <<< "$shown")
+case $state in
+  COMPLETED) echo success ;;
+  PENDING | CONFIGURING | RUNNING | COMPLETING | SUSPENDED | STOPPED | SIGNALING | STAGE_OUT | RESIZING | REQUEUED | REQUEUE_FED | REQUEUE_HOLD | RESV_DEL_HOLD | SPECIAL_EXIT)
+    echo running ;;
+  *) failed "$state" ;;
+esac

@@ -1,0 +1,85 @@
+"""What a job of each rule takes: processes, cores, memory and time. Batch systems are told; a run on one machine does not look at it.
+
+Memory and time are those of cores like the ones of docs/lab/scaling.md with room to spare, since a job that asks for too little is
+killed: three times the time, twice the memory. One that is killed all the same is tried again with twice of both.
+"""
+import math
+
+ROOM_S, ROOM_MB = 3, 2
+# what the tools take where a configuration does not say
+DEFAULTS = {"datagen": {"max_functions": 1200}, "train": {"steps": 10000, "batch": 256}}
+
+# Seconds of one core. A shard: process, scene and trees, and a function kept, with the duplicates that were made on the way to it.
+SHARD_S, FUNCTION_S = 2, 2e-3
+# of a function that is read: its moments for the basis; its coefficients for the cache, or once more for a figure
+MOMENTS_S, READ_S = 1e-3, 0.2e-3
+BASIS_S = 30
+START_S, SAMPLE_S = 300, 0.4e-3  # theta0, validations and the export; a function in a batch, forth and back
+# Stages that measure fit functions for long, which a dozen settings decide: `effort: full` takes some of them half an hour on two cores.
+MEASURE_S = 4800
+
+# Megabytes. A process with its libraries, and what it holds of all functions at once.
+SHARD_MB = 250            # a level of Quake III takes 51, ten million triangles 1,700
+BASIS_MB, FUNCTION_MB = 300, 200e-6
+TRAIN_MB, HELD_OUT_MB = 700, 12e-3  # two windows of 92 MB among it; held-out functions are in memory as floats
+MEASURE_MB = 1500
+
+
+class Resources:
+    """resources of every rule of the Snakefile, for a run that was judged (configuration.py)."""
+
+    def __init__(self, run):
+        self.run = run
+        self.functions_a_shard = max(self._setting("datagen", "max_functions", own) for own in [{}, *run.by_scene.values()])
+        self.functions = {split: len(run.shards(split)) * self.functions_a_shard for split in ("training", "held_out", "evaluation")}
+
+    def _setting(self, section, key, own):
+        """A number of a section, or what a scene or a representation has for itself. The tool refuses what is none."""
+        value = {**self.run.sections[section], **own}.get(key)
+        return value if type(value) is int else DEFAULTS[section][key]
+
+    def shard(self):
+        return job(SHARD_MB, SHARD_S + self.functions_a_shard * FUNCTION_S)
+
+    def basis(self):
+        return job(BASIS_MB + FUNCTION_MB * self.functions["training"], BASIS_S + MOMENTS_S * self.functions["training"])
+
+    def cache(self):
+        return job(BASIS_MB + FUNCTION_MB * self.functions["training"], BASIS_S + READ_S * self.functions["training"])
+
+    def train(self):
+        def seconds(wildcards):
+            processes, threads = self.run.training_cores[wildcards.representation]
+            own = self.run.representations[wildcards.representation]
+            samples = self._setting("train", "steps", own) * self._setting("train", "batch", own)
+            return START_S + SAMPLE_S * samples / (processes * threads)
+
+        def megabytes(wildcards):
+            processes, _ = self.run.training_cores[wildcards.representation]
+            # of a node, on which all processes may lie
+            return processes * (TRAIN_MB + HELD_OUT_MB * self.functions["held_out"] + FUNCTION_MB * self.functions["training"])
+
+        return job(megabytes, seconds, tasks=lambda wildcards: str(self.run.training_cores[wildcards.representation][0]))
+
+    def export(self):
+        return job(TRAIN_MB + HELD_OUT_MB * self.functions["held_out"], START_S)
+
+    def measure(self, is_alone=True):
+        """A stage that measures; alone on its node where it takes times."""
+        functions = sum(self.functions.values())
+        return job(MEASURE_MB + FUNCTION_MB * functions, MEASURE_S + READ_S * functions, is_alone=is_alone)
+
+
+def job(megabytes, seconds, tasks=lambda wildcards: "1", is_alone=False):
+    """The resources of a rule, as snakemake takes them: a number, or a function of the wildcards, and twice as much at each attempt.
+
+    tasks   a text: snakemake would add numbers up when it groups jobs
+    node    options of sbatch, about the node
+    """
+    value = lambda amount, wildcards: amount(wildcards) if callable(amount) else amount
+    return {
+        "mem_mb": lambda wildcards, attempt: math.ceil(ROOM_MB * value(megabytes, wildcards)) * 2 ** (attempt - 1),
+        "runtime": lambda wildcards, attempt: math.ceil(ROOM_S * value(seconds, wildcards) / 60) * 2 ** (attempt - 1),
+        "tasks": lambda wildcards: tasks(wildcards),
+        "node": "--exclusive" if is_alone else "",
+    }
