@@ -11,24 +11,32 @@
 # does not hold.
 set -euo pipefail
 
+refuse() {
+  echo "pipeline.sh: $*; ./pipeline.sh --help lists the options" >&2
+  exit 2
+}
+
 plan='' profile=''
 while [ $# -gt 0 ]; do
   case $1 in
     -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
     --plan) plan=yes; shift ;;
     --profile)
-      [ -f "${2:-}/config.yaml" ] || { echo "pipeline.sh: --profile: expected a folder with a config.yaml, got ${2:-none}" >&2; exit 2; }
-      profile=$(realpath "$2")
+      [ -f "${2:-}/config.yaml" ] || refuse "--profile: expected a folder with a config.yaml, got ${2:-none}"
+      profile=$(realpath -- "$2")
       shift 2
       ;;
+    --) shift; break ;;
+    -*) refuse "unknown option $1" ;;
     *) break ;;
   esac
 done
-config=$(realpath -m "${1:-$(dirname "$0")/pipeline.yaml}")
+[ $# -le 2 ] || refuse "expected at most a configuration and a folder of levels, got $# arguments"
+config=$(realpath -m -- "${1:-$(dirname "$0")/pipeline.yaml}")
 [ -f "$config" ] || { echo "pipeline.sh: $config: expected a configuration file, got none" >&2; exit 2; }
 if [ $# -ge 2 ]; then
   [ -d "$2" ] || { echo "pipeline.sh: $2: expected a folder of levels, got none" >&2; exit 2; }
-  NLG_LEVELS=$(realpath "$2")
+  NLG_LEVELS=$(realpath -- "$2")
   export NLG_LEVELS
 fi
 

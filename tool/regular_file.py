@@ -29,12 +29,3 @@ def regular(path, flags):
         return file
     os.close(file)
     raise OSError(errno.EINVAL, kind_of(mode), path)
-
-
-def read_bytes(path):
-    with open(path, "rb", opener=regular) as file:
-        return file.read()
-
-
-def read_text(path):
-    return read_bytes(path).decode("utf-8")

@@ -7,6 +7,12 @@ import hashlib
 import json
 import os
 import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.atomic_file import write_atomically
+from tool.errors import InputError, OutputError
+from tool.input_file import as_documented, read_bytes
 
 NAME = "artefacts.json"
 SCHEMA_VERSION = 1
@@ -43,19 +49,16 @@ class Artefacts:
         self.written = dict(self.files)
 
     def _read(self):
+        if not os.path.lexists(self.path):
+            return {}
         try:
-            with open(self.path, encoding="utf-8") as file:
-                found = json.load(file)
-            if found["schema_version"] != SCHEMA_VERSION:
-                self.fault = f"{self.path}: of schema version {found['schema_version']}, expected {SCHEMA_VERSION}"
-            elif found["sha256"] != digest_of(found["files"]):
-                self.fault = f"{self.path}: damaged: its SHA-256 is that of other entries"
-            else:
-                return found["files"]
-        except FileNotFoundError:
-            pass
-        except (ValueError, KeyError, TypeError, RecursionError) as error:
-            self.fault = f"{self.path}: damaged: {' '.join(str(error).split())}"
+            with as_documented(self.path):
+                found = json.loads(read_bytes(self.path))
+                if found["schema_version"] == SCHEMA_VERSION and found["sha256"] == digest_of(found["files"]):
+                    return found["files"]
+                self.fault = f"{self.path}: damaged, or of another schema version than {SCHEMA_VERSION}"
+        except InputError as error:
+            self.fault = f"{error}: damaged"
         return {}
 
     def take(self, paths):
@@ -68,12 +71,8 @@ class Artefacts:
     def write_if_changed(self):
         if self.files == self.written:
             return
-        temporary = f"{self.path}.tmp.{os.getpid()}"
-        with open(temporary, "w", encoding="utf-8") as file:
-            json.dump({"schema_version": SCHEMA_VERSION, "files": self.files, "sha256": digest_of(self.files)}, file, indent=1, sort_keys=True)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, self.path)
+        record = {"schema_version": SCHEMA_VERSION, "files": self.files, "sha256": digest_of(self.files)}
+        write_atomically(self.path, json.dumps(record, indent=1, sort_keys=True).encode())
         self.written = dict(self.files)
 
 
@@ -91,6 +90,6 @@ class Recorder:
             try:
                 self.artefacts.take(made)
                 self.artefacts.write_if_changed()
-            except OSError as error:
+            except (OSError, OutputError) as error:
                 # the files themselves are there: a later run takes them as they are then
                 print(f"artefacts: {', '.join(made)}: not recorded: {error}", file=sys.stderr)

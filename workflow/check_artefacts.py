@@ -11,23 +11,23 @@ it is, and so does every other file that lies there. A damaged file becomes NAME
 again on stdout, one a line; why, on stderr. Exit codes are those of the tools: 2 on a configuration that cannot be used; 3 when a
 file cannot be judged (permission denied, another kind of file), and then nothing was moved.
 """
-import json
 import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import configuration
+import tool.errors
 from artefacts import Artefacts, state_of
-
-INPUT_ERROR, OUTPUT_ERROR, DAMAGED_FILE = 3, 5, 7  # tool/error.h
+from tool.errors import DAMAGED_FILE, INPUT_ERROR, InputError, OutputError, ToolError, one_line
+from tool.input_file import read_json
 
 # which tool knows a file by its ending; shards aside
 TOOL_OF = {".h5": "nlg-pca", ".ckpt": "nlg-train", ".safetensors": "nlg-export"}
 
 
 def say(line):
-    print(f"check_artefacts: {line}", file=sys.stderr)
+    print(f"check_artefacts: {one_line(line)}", file=sys.stderr)
 
 
 def is_own(run, path):
@@ -49,10 +49,9 @@ def judge_by_itself(tools, path):
         return ask(os.path.join(tools, TOOL_OF[ending]), path)
     if ending == ".json":
         try:
-            with open(path, encoding="utf-8") as file:
-                json.load(file)
-        except (ValueError, RecursionError) as error:
-            return DAMAGED_FILE, f"{path}: no JSON: {' '.join(str(error).split())}"
+            read_json(path)
+        except InputError as error:
+            return DAMAGED_FILE, str(error)
     return 0, ""
 
 
@@ -113,16 +112,17 @@ def check(run, tools):
 
 
 def main():
-    run = configuration.load_or_exit(sys.argv[1], "check_artefacts")
+    run = configuration.load(sys.argv[1])
     try:
         again, code = check(run, sys.argv[2])
     except OSError as error:
-        say(f"error: {error}")
-        return OUTPUT_ERROR
+        raise OutputError(error.filename or "artefacts", error.strerror or error) from None
+    except RuntimeError as error:  # of threads that the system refuses
+        raise ToolError(str(error)) from None
     for path in again:
         print(path)
     return code
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(tool.errors.run("check_artefacts", main))

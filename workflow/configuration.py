@@ -16,11 +16,13 @@ from pathlib import Path
 
 import yaml
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.errors import USAGE_ERROR, InputError, ToolError, UsageError, run
+from tool.input_file import read_bytes
+
 from furniture import find_interiors
 from levels import find_levels, is_texts
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
-from regular_file import regular
 
 TOOL_SECTIONS = {"datagen", "basis", "train", "export", "bake", "validate", "frontier", "solve"}
 OWN_SECTIONS = {"name", "scenes", "split", "representations"}
@@ -43,13 +45,14 @@ MAX_PROCESSES = 4096  # of nlg-train
 MAX_DEPTH = 16
 
 
-class ConfigurationError(ValueError):
-    """A configuration that cannot be used; its text is the one line that the user sees."""
+class ConfigurationError(ToolError, ValueError):
+    """A configuration that cannot be used."""
+    exit_code = USAGE_ERROR
 
 
 def require(place, value, holds, expected):
     if not holds:
-        shown = repr(value)
+        shown = ascii(value) if isinstance(value, str) and not value.isprintable() else repr(value)
         raise ConfigurationError(f"{place}: expected {expected}, got {shown if len(shown) < 200 else shown[:200] + '…'}")
 
 
@@ -97,6 +100,20 @@ class Loader(yaml.SafeLoader):
                 seen.add(key.value)
         return super().construct_mapping(node, deep)
 
+    def construct_object(self, node, deep=False):
+        """With the place of what YAML can write and Python cannot hold: the 45th of May, a number of thousands of digits."""
+        try:
+            return super().construct_object(node, deep)
+        except (ValueError, OverflowError) as error:
+            raise yaml.constructor.ConstructorError(None, None, str(error), node.start_mark) from None
+
+
+def position(text, index):
+    """LINE:COLUMN of a character, or of a byte, counted from 1."""
+    before = text[:index]
+    newline = b"\n" if isinstance(text, bytes) else "\n"
+    return f"{before.count(newline) + 1}:{index - (before.rfind(newline) + 1) + 1}"
+
 
 def read(path):
     """The file's content.
@@ -104,15 +121,20 @@ def read(path):
     throws   ConfigurationError when it cannot be read, or is no YAML
     """
     try:
-        with open(path, encoding="utf-8", opener=regular) as file:
-            return yaml.load(file, Loader)
+        data = read_bytes(path)
+        text = data.decode("utf-8")
+        return yaml.load(text, Loader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         raise ConfigurationError(f"{path}:{mark.line + 1}:{mark.column + 1}: {error.problem or error.context}") from None
-    except OSError as error:
-        raise ConfigurationError(f"{path}: expected a configuration file, got: {error.strerror}") from None
-    except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
-        raise ConfigurationError(f"{path}: expected readable YAML, got: {' '.join(str(error).split())}") from None
+    except yaml.reader.ReaderError as error:
+        raise ConfigurationError(f"{path}:{position(text, error.position)}: expected text, got the character {error.character:#x}") from None
+    except UnicodeDecodeError as error:
+        raise ConfigurationError(f"{path}:{position(data, error.start)}: expected UTF-8, got other bytes") from None
+    except RecursionError:
+        raise ConfigurationError(f"{path}: expected at most {MAX_DEPTH} levels of lists and maps, got more") from None
+    except InputError as error:
+        raise ConfigurationError(str(error)) from None
 
 
 def matching(scenes, patterns):
@@ -334,14 +356,23 @@ def load(path):
     return judge(read(path), path)
 
 
-def load_or_exit(path, tool):
-    """For scripts: one line and exit code 2 on a configuration that cannot be used."""
-    try:
-        return load(path)
-    except ConfigurationError as error:
-        print(f"{tool}: error: {error}", file=sys.stderr)
-        sys.exit(2)
+def of_snakemake(config, path):
+    """The run of a file that Snakemake was given, by --configfile or --config file=FILE.
+
+    config   what Snakemake took for the configuration: anything in it that the file does not hold would not reach the tools, which read the file
+    """
+    content = read(path)
+    for key in sorted(set(config) - {"file"}, key=str):
+        if not isinstance(content, dict) or key not in content or content[key] != config[key]:
+            raise ConfigurationError(f"--config: expected file=FILE and nothing else beside one --configfile, got {key!r}")
+    return judge(content, path)
+
+
+def main():
+    if len(sys.argv) != 2:
+        raise UsageError("configuration.py", "CONFIG", f"{len(sys.argv) - 1} arguments")
+    print(load(sys.argv[1]).folder)
 
 
 if __name__ == "__main__":
-    print(load_or_exit(sys.argv[1], "pipeline.sh").folder)
+    sys.exit(run("pipeline.sh", main))

@@ -2,24 +2,23 @@
 
     failed_cases.py STABILITY.json
 
-Exit code 6 when there is one (tool/error.h), else 0.
+Exit code 6 when there is one, 3 on a table that cannot be used (tool/error.h), else 0.
 """
-import json
 import sys
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
-from regular_file import regular
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.errors import CHECK_FAILED, one_line, run
+from tool.input_file import read_json
 
 
 def main():
-    with open(sys.argv[1], opener=regular) as file:
-        cases = json.load(file)["cases"]
-    failed = [case for case in cases if case["ran"] and not case["holds"]]
-    for case in failed:
-        print(f"{case['group']}: {case['name']}: {case['measured']}")
-    return 6 if failed else 0
+    failed = [case for case in read_json(sys.argv[1])["cases"].items() if case["ran"].truth() and not case["holds"].truth()]
+    lines = [": ".join(case[key].text() for key in ("group", "name", "measured")) for case in failed]
+    for line in lines:
+        print(one_line(line))
+    return CHECK_FAILED if lines else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("failed_cases", main))

@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 from light_page import NAME, OURS
-from results_collect import benchmarks, fail, read_json, revision, rounded, slug, take
+from results_collect import benchmarks, fail, held_to, read_json, revision, rounded, slug, take
 
 # the one place that reads light.json, and sums it up over scenes
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "validate" / "report"))
@@ -19,7 +19,6 @@ import packages
 
 packages.need("results.py", "numpy")
 
-import inputs
 import light_figures as figures
 from light_figures import GROUPS, SCENE_KINDS
 
@@ -185,10 +184,12 @@ def noise(path):
     return take(read_json(path), ["scene", "light", "spacing_m", "runs", "probes", "noise", "probes_per_s"], path)
 
 
-def scene(document, kind, path):
+def read_scene(path):
+    """Its revision, and what is kept of it."""
+    document = read_json(path)
     truth = take(take(document, ["truth"], path)["truth"], ["noise", "places"], f"{path}: truth")
     floor = take(take(document, ["floor"], path)["floor"], GROUPS, f"{path}: floor")
-    return {"name": document["scene"], "kind": kind, "truth": truth, "floor": {group: floor[group]["rmse"] for group in GROUPS}}
+    return revision(document, path), {"name": document["scene"], "kind": "", "truth": truth, "floor": {group: floor[group]["rmse"] for group in GROUPS}}
 
 
 def collect(folder, ours=OURS):
@@ -196,18 +197,14 @@ def collect(folder, ours=OURS):
     files = sorted(folder.glob("*.json"))
     if not files:
         fail(folder, "a folder of light, with what nlg-validate light wrote of scenes", "no .json in it")
-    try:
-        points = figures.read_all([str(path) for path in files])
-    except inputs.InputError as error:
-        print(f"results: error: {error}", file=sys.stderr)
-        sys.exit(3)
+    points = figures.read_all([str(path) for path in files])
     if not any(point.method == (ours, "solved") for point in points):
         fail(folder, f"a method {ours} with solved light", ", ".join(sorted({point.method[0] for point in points})))
-    documents = [read_json(path) for path in files]
+    documents = [held_to(read_scene, path) for path in files]
     kinds = {point.scene: point.kind for point in points}
     out = {"schema_version": 1, "run": NAME, "command": "workflow/results.py collect-light FOLDER", "ours": ours,
-           "revisions": sorted({revision(document, path) for path, document in zip(files, documents)}),
-           "scenes": {slug(document["scene"]): scene(document, kinds[document["scene"]], path) for path, document in zip(files, documents)},
+           "revisions": sorted({made_by for made_by, _ in documents}),
+           "scenes": {slug(found["name"]): {**found, "kind": kinds[found["name"]]} for _, found in documents},
            "targets": targets(points, ours), "methods": {"all": methods(points)}}
     for kind in SCENE_KINDS:
         of_kind = [point for point in points if point.kind == kind]
@@ -215,7 +212,7 @@ def collect(folder, ours=OURS):
             out["methods"][kind] = methods(of_kind)
     for section, read in (("noise", noise), ("bakes", bake)):
         if found := sorted((folder / section).glob("*.json")):
-            out[section] = {slug(path.stem): read(path) for path in found}
+            out[section] = {slug(path.stem): held_to(read, path) for path in found}
     if found := sorted((folder / "benchmarks").glob("*.json")):
         out["benchmarks"] = benchmarks(found)
     return rounded(out, str(folder))

@@ -10,19 +10,19 @@ RUN     the run's result folder (out/NAME): dataset/, training/, weights/
 CONFIG  the configuration that the run was made by
 """
 import argparse
-import hashlib
 import json
 import re
 import struct
 import sys
 from pathlib import Path
 
-from results_collect import STAGES, dump
+from results_collect import STAGES, dump, fail, read_json
 from results_page import POPULATION_NAMES, POPULATION_ORDER, ratio, share, table
 from results_quotes import MAIN, microseconds, number, percent
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
-from regular_file import read_bytes, read_text, regular
+from tool.atomic_file import write_atomically
+from tool.errors import run as run_script
+from tool.input_file import as_documented, read_bytes
+from tool.input_file import sha256 as hash_of
 
 ROOT = Path(__file__).resolve().parents[1]
 WEIGHTS = ROOT / "weights"
@@ -47,28 +47,13 @@ All errors are RMSE over all valid support points, of functions of scenes that t
 """
 
 
-def fail(place, expected, got):
-    print(f"model_card: error: {place}: expected {expected}, got {got}", file=sys.stderr)
-    sys.exit(3)
-
-
-def read_json(path):
-    try:
-        return json.loads(read_text(path))
-    except (OSError, ValueError) as error:
-        fail(path, "a file of the run", error)
-
-
-def sha256_of(path):
-    return hashlib.sha256(read_bytes(path)).hexdigest()
-
-
 def read_header(path):
     """The texts of a weights file, and its tensors' dtypes and shapes."""
-    with open(path, "rb", opener=regular) as stream:
-        header = json.loads(stream.read(struct.unpack("<Q", stream.read(8))[0]))
-    metadata = header.pop("__metadata__")
-    return metadata, {name: tensor for name, tensor in header.items() if not name.startswith("padding.")}
+    with as_documented(path):
+        data = read_bytes(path)
+        header = json.loads(data[8 : 8 + struct.unpack_from("<Q", data)[0]])
+        metadata = header.pop("__metadata__")
+        return metadata, {name: tensor for name, tensor in header.items() if not name.startswith("padding.")}
 
 
 def training_scenes(run):
@@ -90,10 +75,10 @@ def training_scenes(run):
 def training_facts(run, config, name):
     """What the weights file itself does not say of how it came about."""
     shipped, made = WEIGHTS / f"{name}.safetensors", run / "weights" / f"{name}.safetensors"
-    if sha256_of(shipped) != sha256_of(made):
+    if hash_of(shipped) != hash_of(made):
         fail(shipped, f"the run's {made}", "another file")
     exported, training = read_json(run / "weights" / f"{name}.json"), read_json(run / "training" / f"{name}.json")
-    return {"sha256": sha256_of(shipped), "configuration": config, "scenes": training_scenes(run), "minutes": round(training["elapsed_s"] / 60),
+    return {"sha256": hash_of(shipped), "configuration": config, "scenes": training_scenes(run), "minutes": round(training["elapsed_s"] / 60),
             "samples_per_s": round(training["samples_per_s"]), "steps": training["steps"], "parity_theta": exported["parity_theta"],
             "parity_functions": exported["parity_functions"], "held_out_rmse": exported["held_out_rmse"],
             "rounding_rmse": exported["held_out_rmse"] - exported["held_out_rmse_float32"]}
@@ -102,7 +87,7 @@ def training_facts(run, config, name):
 def facts_table(name, facts, entry):
     path = WEIGHTS / f"{name}.safetensors"
     metadata, tensors = read_header(path)
-    sha256, parameters = sha256_of(path), tensors["theta0"]["shape"][0]
+    sha256, parameters = hash_of(path), tensors["theta0"]["shape"][0]
     if facts["sha256"] != sha256:
         fail(f"{FACTS}: {name}", f"facts of weights {sha256}", facts["sha256"])
     if entry and entry["weights_sha256"] != sha256:
@@ -198,10 +183,11 @@ def main():
     parser.add_argument("representations", nargs="+")
     arguments = parser.parse_args()
     facts = read_json(FACTS) if FACTS.exists() else {}
-    facts.update({name: training_facts(arguments.run, arguments.config, name) for name in arguments.representations})
-    FACTS.parent.mkdir(parents=True, exist_ok=True)
-    FACTS.write_text(dump(dict(sorted(facts.items()))) + "\n")
+    for name in arguments.representations:
+        with as_documented(arguments.run):
+            facts[name] = training_facts(arguments.run, arguments.config, name)
+    write_atomically(FACTS, (dump(dict(sorted(facts.items()))) + "\n").encode())
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(run_script("model_card", main))

@@ -5,13 +5,18 @@
 COUNT   shards that the run will make; FILE: plans (nlg-datagen plan --json) of all of them, or of an even sample
 """
 import argparse
-import json
 import math
 import sys
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
-from regular_file import read_text
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.errors import run
+from tool.input_file import read_json
+
+
+def read_plan(path):
+    plan = read_json(path)
+    return {key: plan[key].number() for key in [key for key, _, _ in COLUMNS] + ["scratch_bytes", "uncertainty"]}
 
 
 def total(plans, count, key):
@@ -45,7 +50,7 @@ def main():
 
     shards = 0
     for name, (count, *paths) in [("training", arguments.training), ("held out", arguments.held_out)]:
-        plans = [json.loads(read_text(path)) for path in paths]
+        plans = [read_plan(path) for path in paths]
         scratch = max([scratch] + [plan["scratch_bytes"] for plan in plans])
         values = [total(plans, int(count), key) for key, _, _ in COLUMNS]
         row(name, int(count), values)
@@ -58,4 +63,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(run("plan", main))

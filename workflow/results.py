@@ -15,7 +15,6 @@ What a run's folder does not have by itself, and is taken when it is there:
 check changes nothing; exit code 6 when a text disagrees, 3 when a text quotes what no results file holds.
 """
 import argparse
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -27,6 +26,10 @@ import model_card
 import results_collect
 import results_page
 from results_quotes import MAIN, fill, load_results
+from tool.atomic_file import write_atomically
+from tool.errors import run as run_script
+from tool.errors import say
+from tool.input_file import as_documented, read_bytes, read_text
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
@@ -46,11 +49,12 @@ def expected_texts(all_results, problems):
     """Path → the text as the results have it; problems gets a line and whether it is the key that is wrong."""
     texts = {}
     for path, page in GENERATED.items():
-        texts[path] = page(all_results)
-        if not path.exists() or path.read_text() != texts[path]:
+        with as_documented(RESULTS):
+            texts[path] = page(all_results)
+        if not path.exists() or read_text(path) != texts[path]:
             problems.append((f"{path.relative_to(ROOT)}: expected what docs/results says, got another text", False))
     for path in quoting_texts():
-        text = path.read_text()
+        text = read_text(path)
         if "<!--=" in text:
             texts[path] = fill(text, all_results, problems, path.relative_to(ROOT))
     return texts
@@ -60,15 +64,15 @@ def report(problems, *, only_keys):
     """Says what is wrong; returns the exit code."""
     shown = [(line, is_key) for line, is_key in problems if is_key or not only_keys]
     for line, _ in shown:
-        print(f"results: error: {line}", file=sys.stderr)
+        say("results", line)
     return 3 if any(is_key for _, is_key in shown) else 6 if shown else 0
 
 
 def write(all_results):
     problems = []
     for path, text in expected_texts(all_results, problems).items():
-        if not path.exists() or path.read_text() != text:
-            path.write_text(text)
+        if not path.exists() or read_text(path) != text:
+            write_atomically(path, text.encode())
             print(path.relative_to(ROOT))
     return report(problems, only_keys=True)
 
@@ -81,15 +85,14 @@ def draw(run):
         if (evaluation / source).exists():
             subprocess.run(["/usr/bin/python3", ROOT / "validate" / "report" / script, flag, evaluation / source, "--out", IMAGES / picture], check=True)
     if (evaluation / "slices.png").exists():
-        shutil.copyfile(evaluation / "slices.png", IMAGES / "slices.png")
+        write_atomically(IMAGES / "slices.png", read_bytes(evaluation / "slices.png"))
 
 
 def keep(results):
     """Writes one results file; returns all of them."""
     all_results = {**load_results(RESULTS), results["run"]: results}
     expected_texts(all_results, [])  # refuses figures of other weights than those that ship, before anything is written
-    RESULTS.mkdir(parents=True, exist_ok=True)
-    (RESULTS / f"{results['run']}.json").write_text(results_collect.dump(results) + "\n")
+    write_atomically(RESULTS / f"{results['run']}.json", (results_collect.dump(results) + "\n").encode())
     return all_results
 
 
@@ -131,4 +134,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_script("results", main))

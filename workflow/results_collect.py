@@ -15,8 +15,10 @@ import re
 import sys
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
-from regular_file import read_text
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.errors import InputError
+from tool.input_file import as_documented
+from tool.input_file import read_json as read_node
 
 STAGES = ("network", "corrected", "fitted", "stored")
 POPULATIONS = ("all", "theta", "hard")
@@ -26,15 +28,12 @@ DIGITS = 4  # significant: as many as any text shows
 
 
 def fail(place, expected, got):
-    print(f"results: error: {place}: expected {expected}, got {got}", file=sys.stderr)
-    sys.exit(3)
+    path, _, inside = str(place).partition(": ")
+    raise InputError(path, inside or "file", expected, got)
 
 
 def read_json(path):
-    try:
-        return json.loads(read_text(path))
-    except (OSError, ValueError) as error:
-        fail(path, "a file of the run", error)
+    return read_node(path).value
 
 
 def rounded(value, place=""):
@@ -181,15 +180,22 @@ def benchmarks(paths):
     """Every case's time and counters; of repetitions the median."""
     out = {}
     for path in paths:
-        cases = read_json(path)["benchmarks"]
-        medians = [case for case in cases if case.get("aggregate_name") == "median"]
-        for case in medians or [case for case in cases if case.get("run_type") != "aggregate"]:
-            if case.get("error_occurred"):
-                continue
-            unit = TIME_UNITS_US[case["time_unit"]]
-            name = case.get("run_name", case["name"])
-            out[slug(name)] = {"case": name, "us": case["cpu_time"] * unit, "wall_us": case["real_time"] * unit,
-                                        **{key: value for key, value in case.items() if key not in NO_COUNTERS and isinstance(value, (int, float))}}
+        out.update(held_to(cases_of, path))
+    return out
+
+
+def cases_of(path):
+    """Those of one file of Google Benchmark."""
+    out = {}
+    cases = read_json(path)["benchmarks"]
+    medians = [case for case in cases if case.get("aggregate_name") == "median"]
+    for case in medians or [case for case in cases if case.get("run_type") != "aggregate"]:
+        if case.get("error_occurred"):
+            continue
+        unit = TIME_UNITS_US[case["time_unit"]]
+        name = case.get("run_name", case["name"])
+        out[slug(name)] = {"case": name, "us": case["cpu_time"] * unit, "wall_us": case["real_time"] * unit,
+                           **{key: value for key, value in case.items() if key not in NO_COUNTERS and isinstance(value, (int, float))}}
     return out
 
 
@@ -203,6 +209,12 @@ def check_weights(results, path):
     return hashes
 
 
+def held_to(read, path):
+    """read(path), which takes the file's values as they come."""
+    with as_documented(path):
+        return read(path)
+
+
 def collect(run, configuration):
     """The results of one run's folder."""
     out = {"schema_version": 1, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
@@ -210,10 +222,10 @@ def collect(run, configuration):
                "frontier": ("evaluation/frontier.json", frontier), "stability": ("stability.json", stability)}
     for section, (file, read) in readers.items():
         if (run / file).exists():
-            out[section] = read(run / file)
+            out[section] = held_to(read, run / file)
     for section, read in (("savings", savings), ("bakes", bake), ("look_up", look_up)):
         if files := sorted((run / section).glob("*.json")):
-            out[section] = {file.stem: read(file) for file in files}
+            out[section] = {file.stem: held_to(read, file) for file in files}
     if files := sorted((run / "benchmarks").glob("*.json")):
         out["benchmarks"] = benchmarks(files)
     if len(out) == 4:

@@ -8,8 +8,12 @@ The key is a way through docs/results/openarena.json, or through docs/results/NA
 or at the evaluation's representations, whichever has it. Two keys with " / " between them give the ratio. After a colon stands how the value is
 written, where its name does not say: .1 to .6 digits, %, int, us, text; with ":interval" the value with its 95 % interval.
 """
-import json
 import re
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.input_file import read_json
 
 MAIN = "openarena"
 PENDING = "pending"
@@ -38,7 +42,7 @@ def microseconds(value):
 
 def load_results(folder):
     """NAME → its results."""
-    return {path.stem: json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))}
+    return {path.stem: read_json(path).value for path in sorted(folder.glob("*.json"))}
 
 
 def descend(node, steps):

@@ -1,6 +1,6 @@
 """The curve of one training run: log.csv → PNG."""
 import argparse
-import csv
+import io
 import sys
 from pathlib import Path
 
@@ -9,8 +9,12 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tool"))
-from regular_file import regular
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.atomic_file import write_atomically
+from tool.errors import run
+from tool.input_file import parse_number, read_columns
+
+COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network", "held_out_rmse", "rollbacks")
 
 
 def main():
@@ -19,8 +23,7 @@ def main():
     parser.add_argument("--title", required=True)
     parser.add_argument("--out", required=True, help="the .png to write")
     options = parser.parse_args()
-    with open(options.log, newline="", opener=regular) as file:
-        rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+    rows = [{key: parse_number(options.log, line, key, text) for key, text in zip(COLUMNS, row)} for line, row in read_columns(options.log, COLUMNS)]
     steps = [row["step"] for row in rows]
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
     axes.plot(steps, [row["training_loss"] for row in rows], linestyle="--", color="0.45", label="training loss")
@@ -35,7 +38,10 @@ def main():
     axes.grid(True, which="both", linewidth=0.3)
     axes.legend()
     # no time and no version inside: the same log gives the same bytes
-    figure.savefig(options.out, dpi=130, metadata={"Software": None})
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png", dpi=130, metadata={"Software": None})
+    write_atomically(options.out, picture.getvalue())
 
 
-main()
+if __name__ == "__main__":
+    sys.exit(run("training_curve", main))

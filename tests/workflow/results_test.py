@@ -130,12 +130,13 @@ class Results(unittest.TestCase):
         for script in SOURCES.glob("workflow/*.py"):
             shutil.copy(script, self.root / "workflow")
         shutil.copytree(SOURCES / "validate" / "report", self.root / "validate" / "report", ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(SOURCES / "tool", self.root / "tool", ignore=shutil.ignore_patterns("__pycache__"))
         for folder in ("docs/results", "docs/reference", "weights"):
             (self.root / folder).mkdir(parents=True)
         write_weights(self.root / "weights" / "tent_mlp.safetensors")
         sys.path.insert(0, str(SOURCES / "workflow"))
         import model_card
-        self.sha256 = model_card.sha256_of(self.root / "weights" / "tent_mlp.safetensors")
+        self.sha256 = model_card.hash_of(self.root / "weights" / "tent_mlp.safetensors")
         facts = {"sha256": self.sha256, "configuration": "c.yaml", "scenes": "2 scenes", "minutes": 33, "samples_per_s": 3893, "steps": 30000,
                  "parity_theta": 7e-6, "parity_functions": 1024, "held_out_rmse": 0.005, "rounding_rmse": 1e-8}
         self.write("docs/results/weights.json", {"tent_mlp": facts})

@@ -19,9 +19,11 @@ import packages
 packages.need("curve.py", "matplotlib", "numpy")
 
 import inputs as inputs_module
-import output
 import plots
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from tool.atomic_file import write_files
+from tool.errors import run
 
 TALK = "mlp"
 FRONTS = {"stored": (0, (4, 2)), "best_known": (0, (1, 2))}  # dashed, dotted
@@ -138,7 +140,7 @@ def main():
         summary = inputs_module.read_summary(arguments.summary)
         times = inputs_module.read_summary(arguments.times) if arguments.times else None
         return {arguments.out: png(summary, arguments.statistic, times)}
-    return output.run("curve.py", arguments.out, make)
+    return run("curve.py", lambda: write_files(make()))
 
 
 if __name__ == "__main__":

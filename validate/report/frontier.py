@@ -22,10 +22,11 @@ packages.need("frontier.py", "matplotlib", "numpy")
 import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-import output
 import plots
 import proof_inputs
 import verdict
+from tool.atomic_file import write_atomically
+from tool.errors import run
 
 # marker, filled, size, words
 MARKS = {"network": ("o", True, 6.5, "network"), "corrected": ("s", True, 5.5, "corrected"), "fitted": ("D", True, 5, "fitted"), "stored": ("P", True, 6.5, "stored"),
@@ -279,7 +280,7 @@ def main():
     parser.add_argument("--frontier", required=True, help="frontier.json of nlg-validate frontier")
     parser.add_argument("--out", required=True, help="the .png to write")
     arguments = parser.parse_args()
-    return output.run("frontier.py", arguments.out, lambda: {arguments.out: png(proof_inputs.read_frontier(arguments.frontier))})
+    return run("frontier.py", lambda: write_atomically(arguments.out, png(proof_inputs.read_frontier(arguments.frontier))))
 
 
 if __name__ == "__main__":

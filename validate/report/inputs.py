@@ -2,20 +2,14 @@
 
 docs/reference/formats.md says what stands in them. Nothing here draws or decides.
 """
-import csv
-import hashlib
-import json
 import math
 import os
-import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-sys.path.append(str(Path(__file__).resolve().parents[2] / "tool"))
-from regular_file import regular
-
+from tool.errors import InputError
+from tool.input_file import Node, parse_number, read_columns, read_json
 
 # the four words of every table: what a function is, stage by stage, on its way into the grid; in this order everywhere
 WORDS = ("network", "corrected", "fitted", "stored")
@@ -28,132 +22,6 @@ INTERVALS = ("median", "mean", "p95")   # the quantiles that have one
 RATIOS = ("median", "median_hard", "median_test_points", "median_occluded_hard")
 REFERENCES = ("to_best_known", "to_direct", "without_duplicates")
 SLICE_NAMES = ("best", "median", "p95", "worst")
-MAX_FILE_BYTES = 1 << 30
-
-
-class InputError(Exception):
-    """A file that cannot be used: the Python side of nlg::InputError (tool/error.h)."""
-
-    def __init__(self, path, place, expected, got):
-        super().__init__(f"{path}: {place}: expected {expected}, got {got}")
-
-
-def read_bytes(path):
-    try:
-        with open(path, "rb", opener=regular) as file:
-            data = file.read(MAX_FILE_BYTES + 1)
-    except OSError as error:
-        raise InputError(path, "file", "a readable file", error.strerror) from None
-    if len(data) > MAX_FILE_BYTES:
-        raise InputError(path, "file", "at most 1 GiB", "more")
-    return data
-
-
-def read_text(path):
-    try:
-        return read_bytes(path).decode("utf-8")
-    except UnicodeDecodeError as error:
-        raise InputError(path, f"byte {error.start}", "UTF-8", "other bytes") from None
-
-
-def sha256(path):
-    return hashlib.sha256(read_bytes(path)).hexdigest()
-
-
-class Node:
-    """A value inside a JSON file that remembers where it stands."""
-
-    def __init__(self, path, place, value):
-        self.path, self.place, self.value = path, place, value
-
-    def refuse(self, expected, got):
-        raise InputError(self.path, self.place or "top level", expected, got)
-
-    def __getitem__(self, key):
-        if not isinstance(self.value, dict):
-            self.refuse("an object", type(self.value).__name__)
-        if key not in self.value:
-            self.refuse(f"a key '{key}'", "none")
-        return Node(self.path, f"{self.place}.{key}" if self.place else key, self.value[key])
-
-    def entries(self):
-        if not isinstance(self.value, dict) or not self.value:
-            self.refuse("an object with keys", "another value or none")
-        return [(key, self[key]) for key in self.value]
-
-    def items(self):
-        if not isinstance(self.value, list):
-            self.refuse("a list", type(self.value).__name__)
-        return [Node(self.path, f"{self.place}[{i}]", value) for i, value in enumerate(self.value)]
-
-    def text(self):
-        if not isinstance(self.value, str):
-            self.refuse("a text", repr(self.value)[:40])
-        return self.value
-
-    def number(self, low=0.0, high=math.inf):
-        value = self.value
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
-            wanted = f"a number from {low:g} to {high:g}" if high < math.inf else f"a number of at least {low:g}"
-            self.refuse(wanted, repr(value)[:40])
-        return float(value)
-
-    def count(self):
-        value = self.number()
-        if value != int(value):
-            self.refuse("a whole number", repr(self.value)[:40])
-        return int(value)
-
-    def numbers(self, length=None, low=-math.inf, high=math.inf):
-        try:
-            array = np.array(self.value, dtype=float)
-        except (TypeError, ValueError):
-            self.refuse("a list of numbers", "other values in it")
-        if array.ndim != 1 or (length is not None and len(array) != length):
-            self.refuse(f"a list of {length} numbers" if length else "a list of numbers", f"shape {array.shape}")
-        if not np.all((array >= low) & (array <= high)):
-            self.refuse(f"numbers from {low:g} to {high:g}", "others in it")
-        return array
-
-
-def read_json(path):
-    def refuse_constant(name):
-        raise InputError(path, "JSON", "finite numbers", name)
-
-    try:
-        return Node(path, "", json.loads(read_text(path), parse_constant=refuse_constant))
-    except json.JSONDecodeError as error:
-        raise InputError(path, f"line {error.lineno}, column {error.colno}", "whole JSON", error.msg) from None
-    except RecursionError:
-        raise InputError(path, "JSON", "an object", "brackets nested too deeply") from None
-
-
-def read_columns(path, columns):
-    """Rows of a CSV file with exactly these columns, as texts; every row with its line number."""
-    rows = csv.reader(read_text(path).splitlines())
-    header = next(rows, [])
-    if header != list(columns):
-        raise InputError(path, "line 1", ",".join(columns), ",".join(header)[:120] or "nothing")
-    result = []
-    for row in rows:
-        if len(row) != len(columns):
-            raise InputError(path, f"line {rows.line_num}", f"{len(columns)} values", str(len(row)))
-        result.append((rows.line_num, row))
-    if not result:
-        raise InputError(path, "line 2", "at least one row", "none")
-    return result
-
-
-def parse_number(path, line, column, text, empty=None):
-    if text == "" and empty is not None:
-        return empty
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(path, f"line {line}, column {column}", "a finite number", f"'{text[:40]}'")
-    return value
 
 
 # ---- what the files hold -----------------------------------------------------------------------------------------------
@@ -275,7 +143,7 @@ def read_slices(path, representations):
     slices = []
     for node in read_json(path).items():
         size = int(node["size"].number(1, 4096))
-        picture = lambda key, low, high: node[key].numbers(size * size, low, high).reshape(size, size)
+        picture = lambda key, low, high: np.array(node[key].numbers(size * size, low, high), dtype=float).reshape(size, size)
         axis = node["axis"].count()
         if axis > 2:
             node["axis"].refuse("0, 1 or 2", axis)

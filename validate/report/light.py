@@ -20,9 +20,10 @@ packages.need("light.py", "matplotlib", "numpy")
 
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-import output
 import plots
 from light_figures import GROUP_NAMES, GROUPS, NOT_STORED, methods_of, read_all, summary
+from tool.atomic_file import write_files
+from tool.errors import run
 
 LEGEND_COLUMNS = 4
 LIGHT_STYLES = {"point": (0, (1.5, 1.5)), "solved": "-", "own": (0, (4, 1.5))}
@@ -81,7 +82,7 @@ def main():
     parser.add_argument("--light", required=True, nargs="+", help="results of nlg-validate light")
     parser.add_argument("--out", required=True, help="the folder to write to")
     arguments = parser.parse_args()
-    return output.run("light.py", arguments.out, lambda: make(arguments))
+    return run("light.py", lambda: write_files(make(arguments)))
 
 
 if __name__ == "__main__":

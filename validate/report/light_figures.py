@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-import inputs
+from tool.errors import InputError
+from tool.input_file import read_json
 
 SCHEMA_VERSION = 1
 REFERENCE = ("valid trilinear", "point")
@@ -68,7 +69,7 @@ def read_vector(node):
 
 
 def read_worst(node, scene):
-    picture = os.path.join(os.path.dirname(node.path), node["picture"].text()) if "picture" in node.value else ""
+    picture = os.path.join(os.path.dirname(node.path), node["picture"].text()) if "picture" in node else ""
     return Worst(scene, node["group"].text(), *(read_vector(node[key]) for key in ("position_m", "normal", "truth", "answer")), node["error"].number(), picture)
 
 
@@ -80,17 +81,15 @@ def read_method(node, scene, kind, spacing_m):
                  air["smape"].number(0.0, 1.0), air["colour"]["mean"].number(), node["dark"]["excess"].number(low=-math.inf), jumps["mean"].number(),
                  jumps["largest"].number(), air["unlit"].number(0.0, 1.0), air["outside"].number(0.0, 1.0), size["total"].count(), node["probes"].count(),
                  size["per_probe"].number(), times["weights_s"].number() + times["light_s"].number(),
-                 times["look_ups_per_s"].number() if "look_ups_per_s" in times.value else math.nan, distances, worst)
+                 times["look_ups_per_s"].number() if "look_ups_per_s" in times else math.nan, distances, worst)
 
 
 def read_points(path):
-    result = inputs.read_json(path)
+    result = read_json(path)
     if result["schema_version"].number() != SCHEMA_VERSION:
         result["schema_version"].refuse(str(SCHEMA_VERSION), str(result["schema_version"].value))
     scene, holds_light = result["scene"].text(), result["truth"]["all_bounces_in_one_ray"]
-    if not isinstance(holds_light.value, bool):
-        holds_light.refuse("true or false", repr(holds_light.value)[:40])
-    kind = scene_kind(scene, holds_light.value)
+    kind = scene_kind(scene, holds_light.truth())
     points = []
     for spacing in result["spacings"].items():
         for method in spacing["methods"].items():
@@ -109,7 +108,7 @@ def read_all(paths):
         of_path = read_points(path)
         for scene in {point.scene for point in of_path}:
             if scene in seen:
-                raise inputs.InputError(path, "scene", "scenes of one file each", f"'{scene}', which {seen[scene]} has too")
+                raise InputError(path, "scene", "scenes of one file each", f"'{scene}', which {seen[scene]} has too")
             seen[scene] = path
         points += of_path
     return points

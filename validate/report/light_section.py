@@ -8,11 +8,12 @@ import math
 
 import numpy as np
 
-import inputs
 import plots
 from decision import bytes_text, seconds_text
 from findings import bracket, grouped, percent, plural
 from light_figures import GROUP_NAMES, GROUPS, LIGHTS, NOT_STORED, geometric_mean, interval, methods_of, of_method, spacings_of
+from tool.errors import InputError
+from tool.input_file import read_bytes
 
 COLOURS = ("#7a828a", "#1d232a", "#0072B2", "#E69F00", "#CC79A7", "#D55E00", "#009E73", "#56B4E9", "#9b6a8f", "#6b2d0f", "#7a3fb0", "#c08a00", "#2f6b3a", "#b3261e")  # of rivals
 SENTENCE_NAMES = {"air": "in air", "surface": "before surfaces", "turned": "there with any normal"}
@@ -33,9 +34,9 @@ def position(values):
 
 
 def png_uri(path):
-    data = inputs.read_bytes(path)
+    data = read_bytes(path)
     if not data.startswith(PNG_SIGNATURE):
-        raise inputs.InputError(path, "byte 0", "a PNG file", "other bytes")
+        raise InputError(path, "byte 0", "a PNG file", "other bytes")
     return "data:image/png;base64," + base64.b64encode(data).decode()
 
 

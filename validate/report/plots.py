@@ -302,7 +302,7 @@ def training_curve(inputs, representation, limits):
 
 
 def spectrum(basis):
-    values = basis["spectrum"].numbers(low=0.0)
+    values = np.array(basis["spectrum"].numbers(low=0.0), dtype=float)
     kept_count = basis["components"].count()
     values = values[values > 1e-9 * values.max()] if values.max() > 0 else values
     figure, axes = start("Spectrum of the training set", x="component, by falling variance", y="variance (sum over points)")

@@ -6,7 +6,9 @@ import json
 import re
 from dataclasses import dataclass
 
-from inputs import POPULATIONS, InputError, read_json
+from inputs import POPULATIONS
+from tool.errors import InputError
+from tool.input_file import read_json
 
 GROUPS = ("functions", "optimisers", "pca", "generator", "scenes", "training")
 FRONTIER_SCHEMA_VERSION = 2
@@ -100,14 +102,13 @@ def check_schema(node, version=1):
         node["schema_version"].refuse(str(version), node["schema_version"].value)
 
 
-def truth(node):
-    if not isinstance(node.value, bool):
-        node.refuse("true or false", repr(node.value)[:40])
-    return node.value
-
-
 def optional(node, read):
     return None if node.value is None else read(node)
+
+
+def entries_or_none(node):
+    """Of an object that may be empty, or null."""
+    return node.entries() if node.value not in ({}, None) else []
 
 
 def row(node):
@@ -154,9 +155,9 @@ def read_figures(node):
 
 def read_point(node):
     figures = {population: optional(node["figures"][population], read_figures) for population in POPULATIONS}
-    fronts = {population: figures[population] is not None and truth(node["figures"][population]["on_front"]) for population in POPULATIONS}
+    fronts = {population: figures[population] is not None and node["figures"][population]["on_front"].truth() for population in POPULATIONS}
     return Point(node["representation"].text(), node["family"].text(), optional(node["budget"], lambda n: n.number()), node["label"].text(),
-                 [word.text() for word in node["words"].items()], figures, fronts, {scene: read_spread(some) for scene, some in node["by_scene"].value and node["by_scene"].entries() or ()})
+                 [word.text() for word in node["words"].items()], figures, fronts, {scene: read_spread(some) for scene, some in entries_or_none(node["by_scene"])})
 
 
 def read_speed(node):
@@ -181,12 +182,11 @@ def read_frontier(path):
             if (point.figures[population] is None) != (functions[population] == 0):
                 file["points"].refuse(f"figures of '{population}' where it has functions, and only there", f"points[{index}]")
     tent = file["bare_tent"]
-    entries = lambda node: node.entries() if node.value else []
-    speeds = {name: {word: read_speed(speed) for word, speed in entries(words)} for name, words in entries(file["speed_at_equal_error"])}
+    speeds = {name: {word: read_speed(speed) for word, speed in entries_or_none(words)} for name, words in entries_or_none(file["speed_at_equal_error"])}
     lists = [[row(node) for node in file[key].items()] for key in ("hierarchy", "walks")]
     return Frontier(path, file["provenance"]["inputs"]["held_out"].text(), functions, scenes, points, {population: file["front_sentences"][population].text() for population in POPULATIONS},
                     {population: optional(tent["figures"][population], lambda n: n["rmse_mean"].number()) for population in POPULATIONS},
-                    {scene: node["rmse_mean"].number() for scene, node in entries(tent["by_scene"])}, speeds, *lists)
+                    {scene: node["rmse_mean"].number() for scene, node in entries_or_none(tent["by_scene"])}, speeds, *lists)
 
 
 def check_same_scenes(frontier, summary):
@@ -203,10 +203,10 @@ def read_stability(path):
     for node in file["cases"].items():
         if node["group"].text() not in GROUPS:
             node["group"].refuse(" or ".join(GROUPS), f"'{node['group'].value}'")
-        holds = node["holds" if "holds" in node.value else "passes"]  # "passes": files from before "holds" and "fails_check"
-        fails_check = "fails_check" in node.value and truth(node["fails_check"])
-        cases.append(Case(*(node[key].text() for key in ("group", "name", "must_hold", "measured")), truth(holds),
-                          node["note"].text(), truth(node["ran"]), fails_check))
+        holds = node["holds" if "holds" in node else "passes"]  # "passes": files from before "holds" and "fails_check"
+        fails_check = "fails_check" in node and node["fails_check"].truth()
+        cases.append(Case(*(node[key].text() for key in ("group", "name", "must_hold", "measured")), holds.truth(),
+                          node["note"].text(), node["ran"].truth(), fails_check))
         if cases[-1].holds and not cases[-1].ran:
             holds.refuse("false of a case that was not run", "true")
     if not cases:
@@ -218,10 +218,10 @@ def read_savings(path):
     """(scene, its rows) of one bake's report."""
     file = read_json(path)
     rows = []
-    for node in file[next((key for key in SAVINGS_KEYS if key in (file.value or ())), SAVINGS_KEYS[0])].items():
+    for node in file[next((key for key in SAVINGS_KEYS if key in file), SAVINGS_KEYS[0])].items():
         saved = [optional(node[key], lambda n: n.number(low=-1e18)) for key in ("seconds_saved", "bytes_saved")]
-        rows.append(Saving(node["what"].text(), optional(node["left_out"], truth), node["count"].count(), node["of"].count(), *saved,
-                           optional(node["same_result"], truth), node["note"].text()))
+        rows.append(Saving(node["what"].text(), optional(node["left_out"], lambda n: n.truth()), node["count"].count(), node["of"].count(), *saved,
+                           optional(node["same_result"], lambda n: n.truth()), node["note"].text()))
         if rows[-1].count > rows[-1].of:
             node["count"].refuse(f"at most 'of', {rows[-1].of}", rows[-1].count)
     return file["scene"].text(), rows

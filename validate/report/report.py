@@ -32,11 +32,13 @@ import frontier as frontier_module
 import inputs as inputs_module
 import light_figures
 import light_section
-import output
 import plots
 import proof_inputs
 import slices
 import verdict
+from tool.atomic_file import write_files
+from tool.errors import run
+from tool.input_file import sha256
 
 
 @dataclass
@@ -114,7 +116,7 @@ def provenance_rows(inputs, proof, limits):
     rows += [(f"SHA-256 of {key}", node.text()) for key, node in origin["inputs"].entries()]
     rows += [(f"SHA-256 of the weights of {n}", inputs.summary["representations"][n]["weights_sha256"].text()) for n in inputs.representations]
     rows += [(f"limit {key}", f"{value:g}") for key, value in vars(limits).items()]
-    rows += [(f"SHA-256 of the {role} read here", inputs_module.sha256(path)) for role, path in {**inputs.paths, **proof.paths}.items()]
+    rows += [(f"SHA-256 of the {role} read here", sha256(path)) for role, path in {**inputs.paths, **proof.paths}.items()]
     return rows
 
 
@@ -197,7 +199,7 @@ def main():
         limits = verdict.Limits(arguments.max_share_failing, arguments.max_error_hard, arguments.min_speedup)
         page, plate = render(inputs, read_proof(arguments, inputs.summary), limits)
         return {os.path.join(os.path.dirname(arguments.out), "slices.png"): plate, arguments.out: page}
-    return output.run("report.py", arguments.out, make)
+    return run("report.py", lambda: write_files(make()))
 
 
 if __name__ == "__main__":

@@ -3,8 +3,7 @@
 
 usage: weighting_slices.py FOLDER IMAGE_FOLDER    draws IMAGE_FOLDER/weighting_SCENE.png, prints the table of means as Markdown
 """
-import csv
-import json
+import io
 import pathlib
 import sys
 
@@ -19,6 +18,10 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+
+from tool.atomic_file import write_atomically
+from tool.errors import run
+from tool.input_file import as_documented, read_json, read_rows
 
 WEIGHT_MAP = matplotlib.colormaps["inferno"]
 DIFFERENCE_MAP = matplotlib.colormaps["PuOr_r"]  # orange: the generated function lets more in than the solved one
@@ -45,7 +48,8 @@ def picture(scene, values, colours, low, high):
     return image[::-1]
 
 
-def draw(scene, path):
+def draw(scene):
+    """The picture's bytes."""
     functions = scene["functions"][:PROBES_A_SCENE]
     u0, _, v0, _ = scene["room"]
     count = len(KINDS) + 1
@@ -66,16 +70,19 @@ def draw(scene, path):
                      ylim=(function["at"][1] - REACH_M, function["at"][1] + REACH_M), facecolor="#dbe0e4")
             if row == 0:
                 axes.set_title(title, fontsize=10)
-    figure.savefig(path, dpi=80, facecolor="white", metadata={"Software": None})
+    data = io.BytesIO()
+    figure.savefig(data, format="png", dpi=80, facecolor="white", metadata={"Software": None})
     plt.close(figure)
+    return data.getvalue()
 
 
 def read_tables(folder):
     """{rule and constants: {scene: figures}}"""
     table = {}
     for path in sorted(folder.glob("*.csv")):
-        with open(path, newline="") as lines:
-            for row in csv.DictReader(lines):
+        with as_documented(path):
+            (_, header), *rows = read_rows(path)
+            for row in (dict(zip(header, values)) for _, values in rows):
                 key = (row["rule"], row["passes"], row["sigma"], row["falloff"], row["path_power"])
                 table.setdefault(key, {})[row["scene"]] = [float(row[name]) for name in FIGURES]
     return table
@@ -92,7 +99,9 @@ def name_of(key):
 def main():
     folder, images = map(pathlib.Path, sys.argv[1:3])
     for path in sorted(folder.glob("*.json")):
-        draw(json.loads(path.read_text()), images / f"weighting_{path.stem}.png")
+        with as_documented(path):
+            picture_data = draw(read_json(path).value)
+        write_atomically(images / f"weighting_{path.stem}.png", picture_data)
     table = read_tables(folder)
     scenes = sorted(next(iter(table.values())))
     rows = sorted(((np.mean([table[key][s] for s in scenes], axis=0), key) for key in table), key=lambda row: row[0][1])
@@ -103,4 +112,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(run("weighting_slices.py", main))

@@ -4,7 +4,7 @@
     training_cases.py BIN_FOLDER OUT.json
 
 Writes {"schema_version": 1, "cases": [...]} as stability.json holds them (docs/reference/formats.md); `nlg-validate stability --training OUT.json`
-takes them over. Exit code 1 when some case does not hold.
+takes them over. Exit code 6 when some case does not hold.
 """
 import csv
 import hashlib
@@ -18,6 +18,11 @@ import subprocess
 import sys
 import tempfile
 import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # tool/, which all scripts share
+from tool.atomic_file import write_atomically
+from tool.errors import CHECK_FAILED, run
 
 INPUT_ERROR, NUMERICAL_ERROR = 3, 4  # tool/error.h
 HEAD, POINTS, VALIDITY, BLOCK = 4096, 8192, 1024, 512  # docs/reference/formats.md, "Function cache"
@@ -224,14 +229,11 @@ def main():
         prepare(bin_folder)
         cases = [run_case(bin_folder) for run_case in CASES]
         os.chdir("/")
-    with open(out + ".part", "w") as file:
-        json.dump({"schema_version": 1, "cases": cases}, file, indent=1)
-        file.write("\n")
-    os.replace(out + ".part", out)
+    write_atomically(out, (json.dumps({"schema_version": 1, "cases": cases}, indent=1) + "\n").encode())
     for result in cases:
         print("holds " if result["holds"] else "FAILED", f"{result['name']}: {result['measured']}")
-    sys.exit(0 if all(result["holds"] for result in cases) else 1)
+    return 0 if all(result["holds"] for result in cases) else CHECK_FAILED
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(run("training_cases", main))

@@ -21,19 +21,18 @@ import made_up
 
 SOURCES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "validate", "report")
 sys.path.insert(0, SOURCES)
+import packages
 import decision
 import findings
 import frontier
 import inputs
 import light_figures
 import light_section
-import output
-import packages
 import proof_inputs
 import slices
 import verdict
-
-INPUT_ERROR = output.INPUT_ERROR
+from tool.errors import INPUT_ERROR, USAGE_ERROR, InputError
+from tool.input_file import Node, read_json
 failures = []
 cases = 0
 
@@ -60,7 +59,7 @@ def refuses(names, read, path):
     try:
         read(path)
         expect(False, f"{read.__name__} takes {path}, where {names} should be refused")
-    except inputs.InputError as error:
+    except InputError as error:
         expect(all(name in str(error) for name in (path, *names)), f"{read.__name__} {path}: '{error}' does not name {names}")
 
 
@@ -162,7 +161,7 @@ def check_stages(needed):
         expect([(row["name"], row["errors"][0]) for row in table["rows"]] == [(p.label, f"{p.figures['theta']['rmse_median']:.4f}") for p in points] and len(points) == len(made_up.STAGES), f"{table['name']}: {table['rows']}")
         expect((table["rows"][2]["takes"], table["rows"][2]["budget"], table["rows"][0]["takes"], table["rows"][0]["budget"])
                == ("functions that the network left above an RMSE of 0.001 or failing the check", "3 steps at most", "all functions that take a θ", "–"), f"{table['rows'][2]}")
-    other = inputs.Node("", "", {"name": "learned_steps", "population": "those of them", "above_rmse": .005, "budget": 3, "text": "Steps."})
+    other = Node("", "", {"name": "learned_steps", "population": "those of them", "above_rmse": .005, "budget": 3, "text": "Steps."})
     expect(some.stage_words(other) == {"name": "learned steps", "text": "Steps.", "budget": "3", "takes": "those of them whose RMSE is above 0.005"}, "a stage whose text is no description")
     expect(not any(table["has_points"] for table in some.stage_tables(None)), "figures of stages that nobody measured")
 
@@ -345,7 +344,7 @@ def check_packages():
     # -S: without site packages, Debian's among them
     for script in ("report.py", "frontier.py", "curve.py", "weighting_slices.py"):
         result = subprocess.run(["/usr/bin/python3", "-S", os.path.join(SOURCES, script)], capture_output=True, text=True, timeout=200)
-        expect(result.returncode == packages.USAGE_ERROR and len(result.stderr.splitlines()) == 1
+        expect(result.returncode == USAGE_ERROR and len(result.stderr.splitlines()) == 1
                and all(word in result.stderr for word in (f"{script}: error: ", "numpy", "matplotlib", "/usr/bin/python3")), f"{script} without packages: exit code {result.returncode}, {result.stderr.strip()[-300:]!r}")
 
 
@@ -398,7 +397,7 @@ def check_refusals(needed):
         try:
             light_section.LightSection(points, "tent_mlp").worst()
             expect(False, f"a picture {picture} is taken")
-        except inputs.InputError as error:
+        except InputError as error:
             expect(all(word in str(error) for word in words), f"a picture {picture}: {error}")
     # weights that the summary does not judge
     summary = read(needed).summary
@@ -413,7 +412,7 @@ def check_refusals(needed):
                           (lambda c: c["representations"]["pf5"]["stages"][2].update(word="refined"), "representations.pf5.stages[2].word"),
                           (lambda c: c["representations"]["pf5"]["sample"].pop("best_known"), "representations.pf5.sample"),
                           (lambda c: c["functions"].pop("take_theta"), "functions")]:
-        refuses([place], lambda path: inputs.check_summary(inputs.read_json(path)), changed("summary.json", change))
+        refuses([place], lambda path: inputs.check_summary(read_json(path)), changed("summary.json", change))
     # a frontier of other scenes, each file being whole
     other = changed("frontier.json", lambda c: c["provenance"]["inputs"].update(held_out="11" * 32))
     result = run("report.py", *needed, "--frontier", other, "--out", "bad/out.html")
