@@ -15,7 +15,7 @@ namespace nlg {
 // Exit codes of every tool; also listed in docs/reference/formats.md.
 enum class ExitCode : int {
   success = 0,
-  internal_error = 1,   // a bug of ours
+  internal_error = 1,   // a bug of ours, or a machine that gives no more memory or threads
   usage_error = 2,      // command line or pipeline.yaml
   input_error = 3,      // a file that cannot be used
   numerical_error = 4,  // NaN, divergence; the last good state has been saved
@@ -70,6 +70,17 @@ class OutputError : public ToolError {
  public:
   OutputError(const std::string& path, const std::string& reason)
       : ToolError(ExitCode::output_error, path + ": cannot be written: " + reason) {}
+};
+
+// Threads that the system refused to make, by a limit on processes or for want of memory. Like memory that runs out it says nothing of
+// the user's files or settings, and ends a tool with the same code.
+// made       how many of `wanted` there were before; reason: the system's words
+class ThreadError : public ToolError {
+ public:
+  ThreadError(int made, int wanted, const std::string& reason)
+      : ToolError(ExitCode::internal_error, "threads: expected " + std::to_string(wanted) + " more, got " + std::to_string(made) +
+                                                " and then: " + reason +
+                                                "; ulimit -u or the container's limit on processes says how many there may be") {}
 };
 
 // A check that a tool makes of its own result and that did not hold.

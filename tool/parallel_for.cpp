@@ -6,10 +6,62 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
+#include "tool/error.h"
+
 namespace nlg {
+namespace {
+
+enum class Gate { closed, open, cancelled };
+
+// Starts as many threads as are wanted; each waits until the gate opens, then runs work(thread), or ends when all is called off.
+class Team {
+ public:
+  Team(int first, int count, const std::function<void(int thread)>& work) {
+    threads_.reserve(count);
+    try {
+      for (int t = 0; t < count; ++t) {
+        threads_.emplace_back([this, &work, thread = first + t] {
+          gate_.wait(Gate::closed);
+          if (gate_ == Gate::open) work(thread);
+        });
+      }
+    } catch (const std::system_error& error) {
+      const size_t made = threads_.size();
+      callOff();
+      throw ThreadError(static_cast<int>(made), count, error.code().message());
+    } catch (...) {
+      callOff();
+      throw;
+    }
+  }
+  ~Team() {
+    if (gate_ == Gate::closed) callOff();
+  }
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+
+  void open() { set(Gate::open); }
+
+ private:
+  void set(Gate gate) {
+    gate_ = gate;
+    gate_.notify_all();
+  }
+  // whoever waits at the gate must not wait for ever
+  void callOff() {
+    set(Gate::cancelled);
+    threads_.clear();
+  }
+
+  std::atomic<Gate> gate_{Gate::closed};
+  std::vector<std::jthread> threads_;  // last: joined before the gate goes
+};
+
+}  // namespace
 
 int machineThreadCount() {
   // hardware_concurrency() counts what is plugged in; a batch system or a container leaves a process only some of it
@@ -17,6 +69,24 @@ int machineThreadCount() {
   if (sched_getaffinity(0, sizeof usable, &usable) == 0) return std::max(1, CPU_COUNT(&usable));
   // more processors than the set holds
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+std::thread startThread(const std::function<void()>& work) {
+  try {
+    return std::thread(work);
+  } catch (const std::system_error& error) {
+    throw ThreadError(0, 1, error.code().message());
+  }
+}
+
+void onThreads(int thread_count, const std::function<void(int thread)>& work) {
+  Team others(1, thread_count - 1, work);
+  others.open();
+  work(0);
+}
+
+void requireThreads(int count) {
+  const Team team(0, count, [](int) {});
 }
 
 void parallelFor(uint64_t count, int thread_count, const std::function<void(uint64_t item, int thread)>& work) {
@@ -32,10 +102,7 @@ void parallelFor(uint64_t count, int thread_count, const std::function<void(uint
       if (!error) error = std::current_exception();
     }
   };
-  std::vector<std::jthread> threads;
-  for (int t = 1; t < thread_count && static_cast<uint64_t>(t) < count; ++t) threads.emplace_back(run, t);
-  run(0);
-  threads.clear();
+  onThreads(static_cast<int>(std::clamp<uint64_t>(count, 1, static_cast<uint64_t>(thread_count))), run);
   if (error) std::rethrow_exception(error);
 }
 

@@ -1,17 +1,33 @@
-// A loop over independent items on several threads.
+// Work on several threads: a loop over independent items, and what it is made of. Threads are started here and nowhere else, so that a
+// system that refuses one ends in one line, with none of the others left behind.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <thread>
 
 namespace nlg {
 
 // As many threads as the machine runs of this process at once, at least 1: processors that it may not use do not count.
 int machineThreadCount();
 
+// A thread that runs work, which must not throw. To be joined by its owner.
+// throws   ThreadError when the system refuses it
+std::thread startThread(const std::function<void()>& work);
+
+// Runs work(thread) once on each of thread_count threads, the calling one among them as number 0, and returns when all are done. No work
+// begins before every thread has been made: either all of them run, or none. Of work only that of thread 0 may throw.
+// throws   ThreadError when the system refuses a thread; what work(0) throws, when the others are done
+void onThreads(int thread_count, const std::function<void(int thread)>& work);
+
+// Nothing when the system lets count more threads live at once, now. For libraries that hang or abort when it does not.
+// throws   ThreadError
+void requireThreads(int count);
+
 // Runs work(item, thread) for every item in [0, count), each on some thread in [0, thread_count): results must go to places of
 // their own, by item or by thread. Items are handed out in order. Returns when all are done; rethrows the first exception, after
 // which no further item is begun. thread_count >= 1; with 1 everything runs on the calling thread.
+// throws   ThreadError before any item is begun
 void parallelFor(uint64_t count, int thread_count, const std::function<void(uint64_t item, int thread)>& work);
 
 }  // namespace nlg

@@ -13,6 +13,7 @@
 #include "tool/atomic_file.h"
 #include "tool/file_info.h"
 #include "tool/output_path.h"
+#include "tool/parallel_for.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "train/generator/lost_pages.h"
@@ -76,6 +77,17 @@ torch::Device findDevice(const std::string& name) {
   return torch::kCUDA;
 }
 
+// at::set_num_threads also makes libtorch's own pool of threads, which nothing here uses, and waits for ever for one that the system
+// refuses; from the environment it takes the number for OpenMP alone. Its threads, and the one that reads the cache, are asked for before:
+// OpenMP would end the process with a line of its own.
+void setThreads(int count, bool reads_cache) {
+  requireThreads(count - 1 + (reads_cache ? 1 : 0));
+  ::setenv("OMP_NUM_THREADS", std::to_string(count).c_str(), 1);
+  ::unsetenv("MKL_NUM_THREADS");
+  at::init_num_threads();
+  if (at::get_num_threads() != count) at::set_num_threads(count);
+}
+
 // used   the basis, or as much of it as the options say
 TrainingData readTrainingData(const Request& request, const BasisFile& basis, const BasisData& used) {
   if (request.cache.empty()) {
@@ -112,6 +124,7 @@ void resume(const Request& request, const RunIdentity& identity, const RunFolder
     }
     readCheckpoint(path, identity, state);
     std::cerr << "nlg-train: going on from step " << state->step << " of " << path << '\n';
+    if (request.processes.rank == 0) folder.settle(path, *state);
     return;
   }
   if (!paths.empty() && request.processes.rank == 0) folder.clear();
@@ -179,7 +192,7 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   }
   representation.slope = static_cast<float>(options.representation_slope);
   options.device = findDevice(request.device);
-  at::set_num_threads(options.threads);
+  setThreads(options.threads, !request.cache.empty());
   const BasisFile basis = readBasisFile(request.basis);
   if (const int most = basis.basis.data.coefficientCount(); options.coefficients > most) {
     throw UsageError("coefficients", "at most the " + std::to_string(most) + " of the basis",

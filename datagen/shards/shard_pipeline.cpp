@@ -6,9 +6,10 @@
 #include <exception>
 #include <map>
 #include <mutex>
-#include <thread>
 #include <utility>
 #include <vector>
+
+#include "tool/parallel_for.h"
 
 namespace nlg {
 namespace {
@@ -140,10 +141,7 @@ class Run {
 
 void ShardPipeline::run(int thread_count, ShardCollector& collector, ShardWriter& writer) const {
   Run run(*this, thread_count, collector, writer);
-  std::vector<std::jthread> threads;
-  for (int i = 1; i < thread_count; ++i) threads.emplace_back([&run] { run.work(); });
-  run.work();
-  threads.clear();
+  onThreads(thread_count, [&run](int) { run.work(); });
   run.finish();
 }
 

@@ -10,12 +10,22 @@
 
 namespace nlg {
 
+namespace {
+
+// One for all scenes, and never released: with a device goes the limit that "threads=1" puts on TBB, which then starts a thread in passing
+// that nobody needs, and aborts where the system refuses it.
+RTCDevice embree() {
+  static const RTCDevice device = rtcNewDevice("threads=1");
+  return device;
+}
+
+}  // namespace
+
 struct RayScene::Impl {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   std::vector<uint8_t> double_sided;  // by triangle
   std::vector<uint32_t> material;     // by triangle
-  RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   RTCScene light_scene = nullptr;      // with sky faces as geometry 1; null without any
   std::vector<glm::vec3> sky_normals;  // by sky face, not normalised
@@ -40,7 +50,6 @@ struct RayScene::Impl {
   ~Impl() {
     if (light_scene) rtcReleaseScene(light_scene);
     if (scene) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
   }
 };
 
@@ -73,7 +82,7 @@ void* newBuffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size
 void RayScene::Impl::attach(RTCScene to, unsigned number, const std::vector<glm::vec3>& corners,
                             const std::vector<glm::uvec3>& faces) {
   if (faces.empty()) return;
-  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  const RTCGeometry geometry = rtcNewGeometry(embree(), RTC_GEOMETRY_TYPE_TRIANGLE);
   void* positions_out = newBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), corners.size());
   void* triangles_out = newBuffer(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, sizeof(glm::uvec3), faces.size());
   if (positions_out && triangles_out) {
@@ -93,14 +102,13 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
     impl_->double_sided.push_back(scene.materials[material].double_sided);
   }
   impl_->material = scene.triangle_material;
-  impl_->device = rtcNewDevice("threads=1");
-  impl_->scene = rtcNewScene(impl_->device);
+  impl_->scene = rtcNewScene(embree());
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   impl_->attach(impl_->scene, kSurfaces, scene.positions, scene.triangles);
   rtcCommitScene(impl_->scene);
   const SkyFaces& sky = scene.light.sky_faces;
   if (!sky.triangles.empty()) {
-    impl_->light_scene = rtcNewScene(impl_->device);
+    impl_->light_scene = rtcNewScene(embree());
     rtcSetSceneFlags(impl_->light_scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     impl_->attach(impl_->light_scene, kSurfaces, scene.positions, scene.triangles);
     impl_->attach(impl_->light_scene, kSky, sky.positions, sky.triangles);
@@ -108,7 +116,7 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
     for (const glm::uvec3& t : sky.triangles)
       impl_->sky_normals.push_back(glm::cross(sky.positions[t.y] - sky.positions[t.x], sky.positions[t.z] - sky.positions[t.x]));
   }
-  if (const RTCError error = rtcGetDeviceError(impl_->device); error != RTC_ERROR_NONE) {
+  if (const RTCError error = rtcGetDeviceError(embree()); error != RTC_ERROR_NONE) {
     throw InputError(scene.id, "acceleration structure", "Embree to build it", "Embree error " + std::to_string(error));
   }
 }

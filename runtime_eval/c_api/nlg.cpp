@@ -63,7 +63,7 @@ nlg_status withMemory(const Body& body) noexcept {
 }
 
 void fillDetail(std::string_view text, char* detail, size_t detail_size) {
-  if (detail_size == 0) return;
+  if (detail_size == 0 || detail == nullptr) return;
   size_t length = std::min(text.size(), detail_size - 1);
   // no half of a UTF-8 sequence
   while (length > 0 && length < text.size() && (static_cast<unsigned char>(text[length]) & 0xc0) == 0x80) --length;
@@ -87,8 +87,9 @@ struct nlg_look_up_scratch {
 
 struct nlg_scratch {
   nlg_scratch(const nlg::Generator& of, const nlg::PolicyOptions& options)
-      : generator(of), policy({&of}, options), points(emptyPoints()), values(kPointsAtOnce) {}
+      : of(&of), generator(of), policy({&of}, options), points(emptyPoints()), values(kPointsAtOnce) {}
   static nlg::PointSet emptyPoints() { return nlg::makePointSet(std::vector<nlg::LocalPoint>(kPointsAtOnce)); }
+  const nlg::Generator* of;
   nlg::GeneratorScratch generator;
   nlg::ThetaPolicy policy;
   nlg::PointSet points;
@@ -149,10 +150,17 @@ nlg_made madeOf(const nlg::MadeTheta& made, const nlg::CheckOptions& options) {
           record.elapsedUs(nlg::ThetaWord::stored)};
 }
 
+nlg_status refuseArgument(std::string_view what, char* detail, size_t detail_size) {
+  fillDetail(what, detail, detail_size);
+  return NLG_INVALID_ARGUMENT;
+}
+
 // load(Held*) returns a WeightsResult; Handle{held} is what is handed out.
 template <class Held, class Handle, class Load>
-nlg_status loadHandle(const Load& load, Handle** handle, char* detail, size_t detail_size) noexcept {
+nlg_status loadHandle(bool has_source, const Load& load, Handle** handle, char* detail, size_t detail_size) noexcept {
+  if (handle == nullptr) return refuseArgument("handle: expected where it goes, got a null pointer", detail, detail_size);
   *handle = nullptr;
+  if (!has_source) return refuseArgument("path or bytes: expected what to load, got a null pointer", detail, detail_size);
   const nlg_status status = withMemory([&] {
     Held loaded;
     const nlg::WeightsResult result = load(&loaded);
@@ -165,13 +173,19 @@ nlg_status loadHandle(const Load& load, Handle** handle, char* detail, size_t de
 }
 
 template <class Load>
-nlg_status loadGenerator(const Load& load, nlg_generator** generator, char* detail, size_t detail_size) noexcept {
-  return loadHandle<nlg::Generator>(load, generator, detail, detail_size);
+nlg_status loadGenerator(bool has_source, const Load& load, nlg_precision precision, nlg_generator** generator, char* detail,
+                         size_t detail_size) noexcept {
+  if (precision != NLG_FLOAT32 && precision != NLG_INT16) {
+    if (generator != nullptr) *generator = nullptr;
+    return refuseArgument("precision: expected NLG_FLOAT32 or NLG_INT16, got another number", detail, detail_size);
+  }
+  return loadHandle<nlg::Generator>(has_source, load, generator, detail, detail_size);
 }
 
 template <class Load>
-nlg_status loadGrid(const Load& load, nlg_light_grid** grid, char* detail, size_t detail_size) noexcept {
+nlg_status loadGrid(bool has_source, const Load& load, nlg_light_grid** grid, char* detail, size_t detail_size) noexcept {
   return loadHandle<nlg::LightGrid>(
+      has_source,
       [&](nlg::LightGrid* loaded) {
         nlg::GridMetadata texts;
         return load(loaded, &texts);
@@ -185,24 +199,29 @@ extern "C" {
 
 const char* nlg_status_name(nlg_status status) {
   if (status == NLG_OUT_OF_MEMORY) return "out_of_memory";
+  if (status == NLG_INVALID_ARGUMENT) return "invalid_argument";
   return nlg::weightsStatusName(static_cast<WeightsStatus>(status));
 }
 
 nlg_status nlg_generator_load(const char* path, nlg_precision precision, nlg_generator** generator, char* detail,
                               size_t detail_size) {
   return loadGenerator(
+      path != nullptr,
       [&](nlg::Generator* loaded) { return nlg::Generator::load(path, static_cast<nlg::GeneratorPrecision>(precision), loaded); },
-      generator, detail, detail_size);
+      precision, generator, detail, detail_size);
 }
 
 nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_precision precision, nlg_generator** generator,
                                     char* detail, size_t detail_size) {
-  const std::string_view view(static_cast<const char*>(bytes), byte_count);
+  const bool has_source = bytes != nullptr || byte_count == 0;
+  const std::string_view view =
+      bytes != nullptr ? std::string_view(static_cast<const char*>(bytes), byte_count) : std::string_view();
   return loadGenerator(
+      has_source,
       [&](nlg::Generator* loaded) {
         return nlg::Generator::parse(view, static_cast<nlg::GeneratorPrecision>(precision), loaded);
       },
-      generator, detail, detail_size);
+      precision, generator, detail, detail_size);
 }
 
 void nlg_generator_free(nlg_generator* generator) { delete generator; }
@@ -220,6 +239,7 @@ size_t nlg_theta_count(const nlg_generator* generator) {
 const float* nlg_theta0(const nlg_generator* generator) { return generator->generator.theta0(); }
 
 nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash) {
+  if (points_xyz == nullptr || pattern_hash == nullptr) return NLG_INVALID_ARGUMENT;
   return withMemory([&] {
     const nlg::SupportPattern& pattern = nlg::supportPattern();
     *points_xyz = pattern.points.front().data();
@@ -248,8 +268,15 @@ nlg_policy_options nlg_default_policy(void) {
           o.refinement.leak_weight};
 }
 
+const char* nlg_policy_out_of_range(const nlg_policy_options* options) {
+  return options != nullptr ? nlg::outOfRange(optionsOf(*options)) : nullptr;
+}
+
 nlg_status nlg_scratch_create(const nlg_generator* generator, const nlg_policy_options* options, nlg_scratch** scratch) {
+  if (scratch == nullptr) return NLG_INVALID_ARGUMENT;
   *scratch = nullptr;
+  if (generator == nullptr) return NLG_INVALID_ARGUMENT;
+  if (nlg_policy_out_of_range(options) != nullptr) return NLG_VALUE_OUT_OF_RANGE;
   return withMemory([&] {
     *scratch = new nlg_scratch(generator->generator, options != nullptr ? optionsOf(*options) : nlg::PolicyOptions{});
     return NLG_OK;
@@ -278,6 +305,8 @@ nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, co
 
 nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
                           nlg_made* made, nlg_scratch* scratch) {
+  if (generator == nullptr || scratch == nullptr || scratch->of != &generator->generator) return NLG_INVALID_ARGUMENT;
+  if (count > 0 && (phi == nullptr || validity == nullptr || theta == nullptr)) return NLG_INVALID_ARGUMENT;
   const auto theta_count = static_cast<size_t>(generator->generator.representation().thetaCount());
   return withMemory([&] {
     std::vector<nlg::StoredFunction> functions;
@@ -301,15 +330,20 @@ nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, co
 }
 
 nlg_status nlg_light_grid_load(const char* path, nlg_light_grid** grid, char* detail, size_t detail_size) {
-  return loadGrid([&](nlg::LightGrid* loaded, nlg::GridMetadata* texts) { return nlg::readLightGridFile(path, loaded, texts); },
-                  grid, detail, detail_size);
+  return loadGrid(
+      path != nullptr,
+      [&](nlg::LightGrid* loaded, nlg::GridMetadata* texts) { return nlg::readLightGridFile(path, loaded, texts); }, grid, detail,
+      detail_size);
 }
 
 nlg_status nlg_light_grid_load_bytes(const void* bytes, size_t byte_count, nlg_light_grid** grid, char* detail,
                                      size_t detail_size) {
-  const std::string_view view(static_cast<const char*>(bytes), byte_count);
-  return loadGrid([&](nlg::LightGrid* loaded, nlg::GridMetadata* texts) { return nlg::parseLightGrid(view, loaded, texts); },
-                  grid, detail, detail_size);
+  const bool has_source = bytes != nullptr || byte_count == 0;
+  const std::string_view view =
+      bytes != nullptr ? std::string_view(static_cast<const char*>(bytes), byte_count) : std::string_view();
+  return loadGrid(
+      has_source, [&](nlg::LightGrid* loaded, nlg::GridMetadata* texts) { return nlg::parseLightGrid(view, loaded, texts); },
+      grid, detail, detail_size);
 }
 
 void nlg_light_grid_free(nlg_light_grid* grid) { delete grid; }
@@ -324,6 +358,7 @@ nlg_light_status nlg_irradiance(const nlg_light_grid* grid, const double* positi
 }
 
 nlg_status nlg_look_up_scratch_create(nlg_look_up_scratch** scratch) {
+  if (scratch == nullptr) return NLG_INVALID_ARGUMENT;
   *scratch = nullptr;
   if (nlg::forceSimdTargetFromEnvironment() != nlg::SimdStatus::ok) return NLG_SIMD_UNAVAILABLE;
   return withMemory([&] {

@@ -8,7 +8,8 @@
  *           serves one thread at a time.
  * Memory    nlg_generate, nlg_evaluate, nlg_check_theta and both look-ups allocate nothing and cannot fail: all they need
  *           comes with the generator or grid and the scratch. nlg_make_theta allocates. Free every handle with its own function; a null handle may be freed.
- * Pointers  Never null, except where it is said. Arrays have no alignment to keep.
+ * Pointers  Never null, except where it is said. Arrays have no alignment to keep. What returns a status answers a null pointer with
+ *           NLG_INVALID_ARGUMENT; what cannot fail does not look.
  */
 #ifndef NLG_C_API_NLG_H_
 #define NLG_C_API_NLG_H_
@@ -39,7 +40,8 @@ typedef enum nlg_status {
   NLG_PATTERN_UNKNOWN = 12,  /* made for another support pattern */
   NLG_SIMD_UNAVAILABLE = 13, /* the environment variable NLG_SIMD names a target that this build or machine does not have */
   NLG_DIGEST_MISMATCH = 14,  /* the file's bytes are not those that its SHA-256 is of: damaged */
-  NLG_OUT_OF_MEMORY = 100
+  NLG_OUT_OF_MEMORY = 100,
+  NLG_INVALID_ARGUMENT = 101 /* a null pointer, a precision that is none, a scratch of another generator */
 } nlg_status;
 
 /* A short English name for messages: "tensor_missing"; "unknown" for a value that is none. Lives for ever. */
@@ -59,6 +61,7 @@ typedef enum nlg_precision {
 
 /* Loads a weights file, from a path or from bytes that are needed only during the call.
  *
+ * bytes         may be null when byte_count is 0
  * generator     receives the handle; null on failure
  * detail        receives one line of UTF-8, cut to fit and ended by a zero: on failure where and why, on success an empty text, or
  *               that the file names no digest, so that it could not be checked for damage. May be null when detail_size is 0 */
@@ -84,32 +87,36 @@ const float* nlg_theta0(const nlg_generator* generator);
  * returns       NLG_OK or NLG_OUT_OF_MEMORY; cannot fail any more once a generator has been loaded */
 nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash);
 
-/* The policy from a function to the theta that is stored: runtime_eval/fit/theta_policy.h says what its stages do. */
+/* The policy from a function to the theta that is stored: runtime_eval/fit/theta_policy.h says what its stages do. In brackets: where
+ * each number must lie; none may be a NaN. */
 typedef struct nlg_policy_options {
-  double bare_tent_rmse;     /* a function whose bare tent is not further off, and passes, has no theta; 0: every one has */
-  double good_rmse;          /* a theta of the network whose RMSE is not above, and that passes, takes no other stage */
-  int learned_steps;         /* corrections: learned steps of an attempt at most */
-  int mirror_images;         /* networks: attempts at a function, itself and mirror images of it; 1 to 8 */
-  double retry_rmse;         /* no further attempt at a function whose RMSE is not above */
-  int lm_iterations;         /* short fits, where they are cheap: of Levenberg-Marquardt */
-  int lm_theta0_iterations;  /* ... and from theta0 */
-  double adam_rmse;          /* elsewhere: a function whose RMSE is above ... */
-  int adam_steps;            /* ... takes so many steps of Adam for each .01 of it, 4 times as many at most */
-  double tau_rmse;           /* the check: RMSE over valid points above this fails */
-  double tau_leak;           /* ... |value| above this at a valid point whose phi is 0 is a leak */
-  double leak_share;         /* ... leaks at a larger share of those points fail */
-  int refine_rounds;         /* refinement of what fails: rounds of Adam (product fields: Levenberg-Marquardt), at most */
-  int refine_first_steps;    /* ... steps of the first round (product fields: a 32nd of it) */
-  int refine_growth;         /* ... steps of a round over those of the round before */
-  double refine_leak_weight; /* ... of squared residuals where phi is 0, over those elsewhere */
+  double bare_tent_rmse; /* [0, 1000] a function whose bare tent is not further off, and passes, has no theta; 0: every one has */
+  double good_rmse;      /* [0, 1000] a theta of the network whose RMSE is not above, and that passes, takes no other stage */
+  int learned_steps;     /* [0, 64] corrections: learned steps of an attempt at most */
+  int mirror_images;     /* [1, 8] networks: attempts at a function, itself and mirror images of it */
+  double retry_rmse;     /* [0, 1000] no further attempt at a function whose RMSE is not above */
+  int lm_iterations;     /* [0, 1000] short fits, where they are cheap: of Levenberg-Marquardt */
+  int lm_theta0_iterations;  /* [0, 1000] ... and from theta0 */
+  double adam_rmse;          /* [0, 1000] elsewhere: a function whose RMSE is above ... */
+  int adam_steps;            /* [0, 1000000] ... takes so many steps of Adam for each .01 of it, 4 times as many at most */
+  double tau_rmse;           /* [1e-6, 1] the check: RMSE over valid points above this fails */
+  double tau_leak;           /* [1e-6, 1] ... |value| above this at a valid point whose phi is 0 is a leak */
+  double leak_share;         /* [1e-6, 1] ... leaks at a larger share of those points fail */
+  int refine_rounds;         /* [0, 16] refinement of what fails: rounds of Adam (product fields: Levenberg-Marquardt), at most */
+  int refine_first_steps;    /* [1, 100000] ... steps of the first round (product fields: a 32nd of it) */
+  int refine_growth;         /* [1, 100] ... steps of a round over those of the round before */
+  double refine_leak_weight; /* [1, 1e6] ... of squared residuals where phi is 0, over those elsewhere */
 } nlg_policy_options;
 
 /* The defaults: those of nlg-bake. */
 nlg_policy_options nlg_default_policy(void);
 
+/* The name of the first option that is not where it must lie, "refine_first_steps"; null when all of them are. Lives for ever. */
+const char* nlg_policy_out_of_range(const nlg_policy_options* options);
+
 /* options   what nlg_make_theta and nlg_check_theta of this scratch do; null: the defaults
  * scratch   receives the handle; null on failure. The generator must outlive it
- * returns   NLG_OK or NLG_OUT_OF_MEMORY */
+ * returns   NLG_OK; NLG_OUT_OF_MEMORY; or NLG_VALUE_OUT_OF_RANGE, of an option that nlg_policy_out_of_range names */
 nlg_status nlg_scratch_create(const nlg_generator* generator, const nlg_policy_options* options, nlg_scratch** scratch);
 void nlg_scratch_free(nlg_scratch* scratch);
 
@@ -123,7 +130,7 @@ void nlg_generate(const nlg_generator* generator, const uint8_t* phi, size_t cou
 /* What one theta stands for at any points.
  *
  * theta    D floats, all finite
- * x, y, z  count floats each, local coordinates, all finite
+ * x, y, z  count floats each, local coordinates, all finite; outside (-1, 1) the values mean nothing
  * values   count floats, overwritten; not clamped
  * scratch  of this generator */
 void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t count, const float* x, const float* y,
@@ -165,7 +172,8 @@ typedef struct nlg_made {
  * theta     count x D floats, overwritten
  * made      count of them, overwritten; may be null
  * scratch   of this generator
- * returns   NLG_OK or NLG_OUT_OF_MEMORY; after the latter theta and made hold nothing of use */
+ * returns   NLG_OK; NLG_OUT_OF_MEMORY, after which theta and made hold nothing of use; or NLG_INVALID_ARGUMENT. When count is 0, phi,
+ *           validity and theta may be null */
 nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
                           nlg_made* made, nlg_scratch* scratch);
 
@@ -195,7 +203,7 @@ typedef enum nlg_light_status {
 
 /* Irradiance on a plane at a position.
  *
- * position_m   3 doubles, world coordinates of the bake, metres
+ * position_m   3 doubles, world coordinates of the bake, metres; one that is not finite is outside
  * normal       3 floats, length 1; one that is no direction gives 0 and NLG_UNLIT
  * rgb          3 floats, overwritten, none below 0 */
 nlg_light_status nlg_irradiance(const nlg_light_grid* grid, const double* position_m, const float* normal, float* rgb);

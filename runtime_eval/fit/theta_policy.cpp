@@ -11,6 +11,7 @@
 #include "runtime_eval/fit/correction_stages.h"
 #include "runtime_eval/fit/fit_stages.h"
 #include "runtime_eval/fit/last_layer.h"
+#include "runtime_eval/fit/policy_ranges.h"
 
 namespace nlg {
 namespace {
@@ -60,6 +61,35 @@ std::unique_ptr<StageRun> makeStage(const StagePlan& plan, const Generator& gene
 }
 
 }  // namespace
+
+const char* outOfRange(const PolicyOptions& options) {
+  const char* first = nullptr;
+  // a NaN is in no range
+  const auto judge = [&](const char* name, auto value, const auto& range) {
+    if (first == nullptr && !(value >= range.low && value <= range.high)) first = name;
+  };
+  const PolicyRanges& may = kPolicyRanges;
+  judge("bare_tent_rmse", options.bare_tent_rmse, may.rmse);
+  judge("good_rmse", options.stages.good_rmse, may.rmse);
+  judge("learned_steps", options.stages.learned_steps, may.learned_steps);
+  judge("mirror_images", options.stages.mirror_images, may.mirror_images);
+  judge("retry_rmse", options.stages.retry_rmse, may.rmse);
+  judge("lm_iterations", options.stages.lm_iterations, may.lm_iterations);
+  judge("lm_theta0_iterations", options.stages.lm_theta0_iterations, may.lm_iterations);
+  judge("adam_rmse", options.stages.adam_rmse, may.rmse);
+  judge("adam_steps", options.stages.adam_steps, may.adam_steps);
+  judge("tau_rmse", options.check().tau_rmse, may.tau);
+  judge("tau_leak", options.check().tau_leak, may.tau);
+  judge("leak_share", options.check().leak_share, may.tau);
+  judge("refine_rounds", options.refinement.rounds, may.refine_rounds);
+  judge("refine_first_steps", options.refinement.first_steps, may.refine_first_steps);
+  judge("refine_growth", options.refinement.growth, may.refine_growth);
+  judge("refine_leak_weight", options.refinement.leak_weight, may.refine_leak_weight);
+  judge("choice_flat_ratio", options.choice.flat_ratio, may.flat_ratio);
+  judge("choice_enough_rmse", options.choice.enough_rmse, may.rmse);
+  judge("choice_generator_excess", options.choice.generator_excess, may.generator_excess);
+  return first;
+}
 
 bool takesBareTent(const FunctionCheck& tent, const PolicyOptions& options) {
   return options.bare_tent_rmse > 0.0 && tent.valid_count > 0 && tent.rmse <= options.bare_tent_rmse &&

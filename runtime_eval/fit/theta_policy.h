@@ -31,6 +31,10 @@ struct PolicyOptions {
   const CheckOptions& check() const { return refinement.check; }
 };
 
+// The first number of the options that is not finite or not where policy_ranges.h says, by its name in the C interface
+// ("refine_first_steps"); null where all of them are. What the classes below make of other options is not defined.
+const char* outOfRange(const PolicyOptions& options);
+
 // Whether a function has no theta: the check of its bare tent says so.
 bool takesBareTent(const FunctionCheck& tent, const PolicyOptions& options);
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <thread>
 
 #include "tool/error.h"
 #include "tool/parallel_for.h"
@@ -23,14 +22,7 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowM
 // depend on their number.
 template <class Work>
 void forEachClass(const Work& work) {
-  std::vector<std::thread> threads;
-  const int thread_count = std::min(machineThreadCount(), kParityClassCount);
-  for (int t = 0; t < thread_count; ++t) {
-    threads.emplace_back([&, t] {
-      for (int c = t; c < kParityClassCount; c += thread_count) work(c);
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
+  parallelFor(kParityClassCount, machineThreadCount(), [&](uint64_t c, int) { work(static_cast<int>(c)); });
 }
 
 // Class c of transformed functions as rows in double, on the scale of phi in [0, 1].

@@ -69,16 +69,22 @@ void RunFolder::writeOrigin(const nlohmann::ordered_json& config, const nlohmann
 }
 
 void RunFolder::save(const RunIdentity& identity, const TrainingState& state) const {
-  const std::string name = nameOf(state.step);
-  writeCheckpoint((fs::path(path_) / name).string(), identity, state);
-  pointTo(fs::path(path_) / "latest", name);
+  const std::string path = (fs::path(path_) / nameOf(state.step)).string();
+  writeCheckpoint(path, identity, state);
+  settle(path, state);
+}
+
+void RunFolder::settle(const std::string& checkpoint, const TrainingState& state) const {
+  pointTo(fs::path(path_) / "latest", fs::path(checkpoint).filename().string());
   writeFileAtomically((fs::path(path_) / "log.csv").string(), state.log_csv);
-  const std::vector<fs::path> all = checkpoints(path_);
-  for (size_t i = 0; i + kKeptCheckpoints < all.size(); ++i) removeFile(all[i]);
+  std::vector<fs::path> kept = checkpoints(path_);
+  // later ones are damaged, or this would not be the newest: training writes them anew
+  std::erase_if(kept, [&](const fs::path& path) { return path.filename() > fs::path(checkpoint).filename(); });
+  for (size_t i = 0; i + kKeptCheckpoints < kept.size(); ++i) removeFile(kept[i]);
 }
 
 void RunFolder::clear() const {
-  removeFile(fs::path(path_) / "latest");
+  for (const char* name : {"latest", "log.csv"}) removeFile(fs::path(path_) / name);
   for (const fs::path& path : checkpoints(path_)) removeFile(path);
 }
 

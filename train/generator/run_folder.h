@@ -25,12 +25,18 @@ class RunFolder {
   // throws OutputError
   void writeOrigin(const nlohmann::ordered_json& config, const nlohmann::ordered_json& provenance) const;
 
-  // Writes the checkpoint of state.step and the curve, moves `latest` to it, then removes all but the last two checkpoints. Killed
-  // at any moment, it leaves a `latest` that is either the checkpoint before or this one.
+  // Writes the checkpoint of state.step, then what settle() does. Killed at any moment, it leaves a `latest` that is either the
+  // checkpoint before or this one.
   // throws OutputError
   void save(const RunIdentity& identity, const TrainingState& state) const;
 
-  // Removes the checkpoints of another run. throws OutputError
+  // Moves `latest` to a checkpoint that lies here, writes the curve up to it, and removes those before it but the last one. For a run
+  // that goes on from it, too: one that was killed just after it wrote the checkpoint left the rest as it was before.
+  // checkpoint   its path; state: what it holds
+  // throws       OutputError
+  void settle(const std::string& checkpoint, const TrainingState& state) const;
+
+  // Removes the checkpoints and the curve of another run. throws OutputError
   void clear() const;
 
  private:

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tool/parallel_for.h"
+
 namespace nlg {
 
 WindowLoader::WindowLoader(FunctionCache& cache, const SampleOrder& order, int64_t first_draw) : cache_(cache), order_(order) {
@@ -9,7 +11,7 @@ WindowLoader::WindowLoader(FunctionCache& cache, const SampleOrder& order, int64
     next_.push_back(order_.firstWindow(o, first_draw));
     wanted_.push_back(next_.back());
   }
-  thread_ = std::thread([this] { run(); });
+  thread_ = startThread([this] { run(); });
 }
 
 WindowLoader::~WindowLoader() {
@@ -57,19 +59,18 @@ bool WindowLoader::loadNext(std::unique_lock<std::mutex>& lock) {
 
 void WindowLoader::run() {
   std::unique_lock lock(mutex_);
-  while (!stopping_) {
-    try {
-      if (!loadNext(lock))
-        changed_.wait(lock);
-      else
+  try {
+    while (!stopping_) {
+      if (loadNext(lock))
         changed_.notify_all();
-    } catch (...) {
-      // thrown while the lock was not held
-      lock.lock();
-      error_ = std::current_exception();
-      changed_.notify_all();
-      return;
+      else
+        changed_.wait(lock);
     }
+  } catch (...) {
+    // a read throws without the lock, what allocates before it throws with it
+    if (!lock.owns_lock()) lock.lock();
+    error_ = std::current_exception();
+    changed_.notify_all();
   }
 }
 

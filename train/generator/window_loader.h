@@ -17,13 +17,14 @@ class WindowLoader {
  public:
   // cache        outlives the loader, and is loaded by no other one meanwhile
   // first_draw   no earlier draw is going to be required
+  // throws       ThreadError when the system refuses the thread
   WindowLoader(FunctionCache& cache, const SampleOrder& order, int64_t first_draw);
   ~WindowLoader();
   WindowLoader(const WindowLoader&) = delete;
   WindowLoader& operator=(const WindowLoader&) = delete;
 
   // Returns when the functions of a draw lie in memory and have been checked. Draws must not fall.
-  // throws   InputError when a block is damaged
+  // throws   InputError when a block is damaged; whatever else the thread ended with
   void require(int64_t draw);
 
  private:

@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <type_traits>
 
 #include "runtime_eval/c_api/nlg.h"
 #include "runtime_eval/evaluator/evaluate.h"
@@ -222,6 +225,7 @@ TEST(CApi, NamesEveryStatus) {
   }
   EXPECT_STREQ(nlg_status_name(NLG_TENSOR_MISSING), "tensor_missing");
   EXPECT_STREQ(nlg_status_name(NLG_OUT_OF_MEMORY), "out_of_memory");
+  EXPECT_STREQ(nlg_status_name(NLG_INVALID_ARGUMENT), "invalid_argument");
   EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_DIGEST_MISMATCH + 1)), "unknown");
 }
 
@@ -244,6 +248,93 @@ TEST(CApi, ItsDefaultPolicyIsTheLibrarys) {
   EXPECT_EQ(c.refine_first_steps, o.refinement.first_steps);
   EXPECT_EQ(c.refine_growth, o.refinement.growth);
   EXPECT_EQ(c.refine_leak_weight, o.refinement.leak_weight);
+}
+
+// Any other number would be taken for what it is not: a negative count of steps for one that never ends.
+TEST(CApi, RefusesEveryOptionOutOfItsRangeByItsName) {
+  const Loaded loaded(sampleData());
+  const auto refuses = [&]<class Number>(const char* name, Number nlg_policy_options::*option, Number low, Number high) {
+    constexpr Number kMost = std::numeric_limits<Number>::max(), kLeast = std::numeric_limits<Number>::lowest();
+    std::vector<Number> bad = {kMost, kLeast};
+    if constexpr (std::is_same_v<Number, int>) {
+      bad.insert(bad.end(), {low - 1, high + 1, -100000});
+    } else {
+      bad.insert(bad.end(), {std::nextafter(low, kLeast), std::nextafter(high, kMost), std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity()});
+    }
+    nlg_policy_options options = nlg_default_policy();
+    for (const Number value : bad) {
+      options.*option = value;
+      nlg_scratch* scratch = loaded.scratch;
+      EXPECT_STREQ(nlg_policy_out_of_range(&options), name) << value;
+      EXPECT_EQ(nlg_scratch_create(loaded.generator, &options, &scratch), NLG_VALUE_OUT_OF_RANGE) << name << ' ' << value;
+      EXPECT_EQ(scratch, nullptr) << name;
+    }
+    for (const Number value : {low, high}) {
+      options.*option = value;
+      EXPECT_EQ(nlg_policy_out_of_range(&options), nullptr) << name << ' ' << value;
+    }
+  };
+  using O = nlg_policy_options;
+  refuses("bare_tent_rmse", &O::bare_tent_rmse, 0.0, 1e3);
+  refuses("good_rmse", &O::good_rmse, 0.0, 1e3);
+  refuses("learned_steps", &O::learned_steps, 0, 64);
+  refuses("mirror_images", &O::mirror_images, 1, 8);
+  refuses("retry_rmse", &O::retry_rmse, 0.0, 1e3);
+  refuses("lm_iterations", &O::lm_iterations, 0, 1000);
+  refuses("lm_theta0_iterations", &O::lm_theta0_iterations, 0, 1000);
+  refuses("adam_rmse", &O::adam_rmse, 0.0, 1e3);
+  refuses("adam_steps", &O::adam_steps, 0, 1000000);
+  refuses("tau_rmse", &O::tau_rmse, 1e-6, 1.0);
+  refuses("tau_leak", &O::tau_leak, 1e-6, 1.0);
+  refuses("leak_share", &O::leak_share, 1e-6, 1.0);
+  refuses("refine_rounds", &O::refine_rounds, 0, 16);
+  refuses("refine_first_steps", &O::refine_first_steps, 1, 100000);
+  refuses("refine_growth", &O::refine_growth, 1, 100);
+  refuses("refine_leak_weight", &O::refine_leak_weight, 1.0, 1e6);
+  EXPECT_EQ(nlg_policy_out_of_range(nullptr), nullptr) << "the defaults";
+}
+
+TEST(CApi, AnswersArgumentsThatAreNoneWithAStatus) {
+  const Loaded loaded(sampleData()), other(fieldData());
+  nlg_generator* generator = loaded.generator;
+  nlg_light_grid* grid = nullptr;
+  nlg_scratch* scratch = nullptr;
+  const float* points = nullptr;
+  uint64_t hash = 0;
+  char detail[80];
+  const void* bytes = sampleBytes().data();
+  const size_t size = sampleBytes().size();
+  EXPECT_EQ(nlg_generator_load(nullptr, NLG_FLOAT32, &generator, detail, sizeof detail), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(generator, nullptr);
+  EXPECT_NE(std::strstr(detail, "path"), nullptr) << detail;
+  EXPECT_EQ(nlg_generator_load("x", NLG_FLOAT32, nullptr, detail, sizeof detail), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_generator_load_bytes(nullptr, 1, NLG_FLOAT32, &generator, nullptr, 80), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_generator_load_bytes(nullptr, 0, NLG_FLOAT32, &generator, nullptr, 0), NLG_TOO_SHORT);
+  for (const int precision : {-1, 2, 1 << 30}) {
+    EXPECT_EQ(nlg_generator_load_bytes(bytes, size, static_cast<nlg_precision>(precision), &generator, detail, sizeof detail),
+              NLG_INVALID_ARGUMENT);
+    EXPECT_NE(std::strstr(detail, "precision"), nullptr) << detail;
+  }
+  EXPECT_EQ(nlg_light_grid_load(nullptr, &grid, detail, sizeof detail), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_light_grid_load_bytes(nullptr, 5, &grid, detail, sizeof detail), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_light_grid_load_bytes(bytes, size, nullptr, detail, sizeof detail), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_support_pattern(nullptr, &hash), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_support_pattern(&points, nullptr), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_scratch_create(nullptr, nullptr, &scratch), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_scratch_create(loaded.generator, nullptr, nullptr), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_look_up_scratch_create(nullptr), NLG_INVALID_ARGUMENT);
+  const EngineFunctions functions(1);
+  const uint8_t *phi = functions.phi.data(), *validity = functions.validity.data();
+  std::vector<float> theta(1000);
+  EXPECT_EQ(nlg_make_theta(nullptr, phi, validity, 1, theta.data(), nullptr, loaded.scratch), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_make_theta(loaded.generator, nullptr, validity, 1, theta.data(), nullptr, loaded.scratch), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, nullptr, 1, theta.data(), nullptr, loaded.scratch), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, validity, 1, nullptr, nullptr, loaded.scratch), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, validity, 1, theta.data(), nullptr, nullptr), NLG_INVALID_ARGUMENT);
+  // its theta are longer: written where the caller has room for others
+  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, validity, 1, theta.data(), nullptr, other.scratch), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_make_theta(loaded.generator, nullptr, nullptr, 0, nullptr, nullptr, loaded.scratch), NLG_OK);
 }
 
 // Every option has a value of its own, so that two of them taken for one another would show.
