@@ -127,6 +127,17 @@ void forEachBlock(InputFile& file, Take take) {
   while (const size_t count = file.read(block.get(), kReadBlockBytes)) take(block.get(), count);
 }
 
+// What HDF5, libtorch and our own writers say of the file that they were given, about the one that the user asked for.
+[[noreturn]] void rethrowAbout(const std::string& path, const std::string& temporary_path, const std::exception& error) {
+  std::string line = error.what();
+  const size_t first = line.find(temporary_path);
+  if (first == std::string::npos) throw;
+  for (size_t at = first; at != std::string::npos; at = line.find(temporary_path, at + path.size())) {
+    line.replace(at, temporary_path.size(), path);
+  }
+  throw OutputError(line);
+}
+
 }  // namespace
 
 void writeAtomically(const std::string& path, const std::function<void(const std::string&)>& write) {
@@ -143,6 +154,9 @@ void writeAtomically(const std::string& path, const std::function<void(const std
     write(temporary_path);
     syncFile(temporary_path, path);
     if (::rename(temporary_path.c_str(), path.c_str()) != 0) throw OutputError(path, reasonOf(errno));
+  } catch (const std::exception& error) {
+    ::unlink(temporary_path.c_str());
+    rethrowAbout(path, temporary_path, error);
   } catch (...) {
     ::unlink(temporary_path.c_str());
     throw;

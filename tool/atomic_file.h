@@ -14,7 +14,7 @@ namespace nlg {
 // or the process dies, path is what it was before; a temporary file of ours is removed when write throws, and one that a process
 // which died left behind when the same machine next writes to path.
 // throws   OutputError with the system's reason (folder not writable, disk full; path is a device, a link or a folder); whatever
-// write throws, unchanged
+// write throws, unchanged, unless it names the temporary file: then an OutputError in the same words about path
 void writeAtomically(const std::string& path, const std::function<void(const std::string& temporary_path)>& write);
 
 // The same for a text or bytes that are already in memory.

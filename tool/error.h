@@ -70,6 +70,8 @@ class OutputError : public ToolError {
  public:
   OutputError(const std::string& path, const std::string& reason)
       : ToolError(ExitCode::output_error, path + ": cannot be written: " + reason) {}
+  // line   all of it: where another one is told in other words
+  explicit OutputError(const std::string& line) : ToolError(ExitCode::output_error, line) {}
 };
 
 // Threads that the system refused to make, by a limit on processes or for want of memory. Like memory that runs out it says nothing of

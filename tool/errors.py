@@ -1,4 +1,5 @@
 """How the Python scripts end, as the tools do: one line on stderr, the exit codes of tool/error.h."""
+import os
 import sys
 import traceback
 
@@ -53,10 +54,11 @@ def run(name, work):
     except ToolError as error:
         say(name, error)
         return error.exit_code
-    except BrokenPipeError:
-        # Python would flush once more at its end
-        sys.stdout = None
-        say(name, OutputError("standard output", "the other end refused it (pipe closed)"))
+    except OSError as error:
+        # what is read and written has a name; Python would flush once more at its end
+        if error.filename is None:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        say(name, OutputError(error.filename or "standard output", error.strerror or error))
         return OUTPUT_ERROR
     except MemoryError:
         say(name, "out of memory")

@@ -86,8 +86,8 @@ struct nlg_look_up_scratch {
 };
 
 struct nlg_scratch {
-  nlg_scratch(const nlg::Generator& of, const nlg::PolicyOptions& options)
-      : of(&of), generator(of), policy({&of}, options), points(emptyPoints()), values(kPointsAtOnce) {}
+  nlg_scratch(const nlg::Generator& made_for, const nlg::PolicyOptions& options)
+      : of(&made_for), generator(made_for), policy({&made_for}, options), points(emptyPoints()), values(kPointsAtOnce) {}
   static nlg::PointSet emptyPoints() { return nlg::makePointSet(std::vector<nlg::LocalPoint>(kPointsAtOnce)); }
   const nlg::Generator* of;
   nlg::GeneratorScratch generator;

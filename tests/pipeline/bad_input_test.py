@@ -294,6 +294,51 @@ def refuses_configuration(scenes, split, report, words, more=""):
         failures.append(f"configuration with {scenes}, {split}, {report}, {more}: expected a refusal with '{words}', got {code} and\n    {text.strip()[-600:]}")
 
 
+def ends_in_one_line(exit_code, words, *command, environment=None):
+    """A script that must end with this code and one line that holds the words."""
+    global cases
+    cases += 1
+    result = subprocess.run(command, capture_output=True, text=True, timeout=120 * TIMEOUT_FACTOR, cwd=SOURCES, env={**os.environ, **(environment or {})})
+    if result.returncode != exit_code or len(result.stderr.splitlines()) != 1 or words not in result.stderr or "Traceback" in result.stderr:
+        failures.append(f"{' '.join(command)}: expected exit code {exit_code} and one line with '{words}', got {result.returncode} and\n    {result.stderr.strip()[-600:]}")
+
+
+def check_broken_configurations():
+    """Files that are no configuration, by the script, by pipeline.sh and by Snakemake: one line, with line and column where there is one."""
+    broken = {"empty": (b"", "bad.yaml: top level"), "null": (b"null\n", "bad.yaml: top level"), "map": (b"{}\n", "'name'"), "list": (b"- 1\n", "bad.yaml: top level"),
+              "nameless": (b"representations: [mlp]\n", "missing key 'name'"), "cut": (b"name: x\nscenes: [1,\n", "bad.yaml:3:1"), "bytes": (b"name: x\n#\xff", "bad.yaml:2:2"),
+              "control": (b"name: x\nsplit: \x01\n", "bad.yaml:2:8"), "date": (b"\nname: 2020-13-45\n", "bad.yaml:2:7"), "digits": (b"name: " + b"9" * 5000, "bad.yaml:1:7"),
+              "surrogate": (b'name: "a\\ud800"\n', "name"), "deep": (b"[" * 100000, "bad.yaml"), "loop": (b"&a [*a]\n", "bad.yaml"), "key": (b"? [a]\n: b\n", "bad.yaml:1:3"),
+              "twice": (b"name: a\nname: b\n", "bad.yaml:2:1"), "two": (b"a: b\n---\nc: d\n", "bad.yaml:2:1"), "tag": (b"a: !!python/object:os.system x\n", "bad.yaml:1:4")}
+    path = os.path.abspath("bad.yaml")
+    snakemake = ["/usr/bin/snakemake", "-n", "-s", os.path.join(SOURCES, "workflow", "Snakefile"), "--cores", "1", "--nolock"]
+    for name, (content, words) in broken.items():
+        write(path, content)
+        ends_in_one_line(USAGE_ERROR, words, "/usr/bin/python3", "workflow/configuration.py", path)
+        if name in ("empty", "cut"):
+            ends_in_one_line(USAGE_ERROR, words, *snakemake, "--config", f"file={path}")
+    # what Snakemake takes for a configuration, and we do not
+    write(path, "{}\n")
+    ends_in_one_line(USAGE_ERROR, "'name'", *snakemake, "--configfile", path)
+    ends_in_one_line(USAGE_ERROR, "'name'", *snakemake, "--configfile", "configs/smoke.yaml", "--config", "name=other")
+    os.mkfifo("pipe.yaml")
+    ends_in_one_line(USAGE_ERROR, "pipe.yaml", "/usr/bin/python3", "workflow/configuration.py", os.path.abspath("pipe.yaml"))
+    ends_in_one_line(USAGE_ERROR, "CONFIG", "/usr/bin/python3", "workflow/configuration.py")
+    for arguments, words in [(["-x"], "unknown option -x"), (["--plan", "--plam"], "unknown option --plam"), (["a", "b", "c"], "got 3 arguments"),
+                             (["none.yaml"], "none.yaml"), (["configs/smoke.yaml", "none"], "none")]:
+        ends_in_one_line(USAGE_ERROR, words, "./pipeline.sh", *arguments)
+
+
+def check_tables_of_scripts():
+    """JSON and CSV that the workflow's scripts read: one line that names the file. tests/tool/scripts_test.py has what may be wrong in them."""
+    path = os.path.abspath(write("bad.json", b'{"cases": [{"ran": ' + b"9" * 400 + b"}]}"))
+    for script in (["workflow/failed_cases.py", path], ["workflow/plan.py", "--training", "1", path, "--held-out", "1", path],
+                   ["workflow/training_curve.py", "--log", path, "--title", "x", "--out", os.path.abspath("bad.png")]):
+        ends_in_one_line(INPUT_ERROR, "bad.json", "/usr/bin/python3", *script)
+    if os.path.exists("bad.png"):
+        failures.append("a refused curve left a picture")
+
+
 def check_workflow():
     global cases
     os.makedirs("game", exist_ok=True)
@@ -570,6 +615,13 @@ def check_full_disk():
     for words in ["large.h5", "it needs", "are free"]:
         if words not in result.stderr:
             failures.append(f"file size limit: stderr does not say '{words}'\n    {result.stderr.strip()}")
+    # whatever is at work on it then, HDF5 included: the user asked for no temporary file
+    for size in (0, 3000, 100000):
+        result = subprocess.run([os.path.join(BIN, "nlg-datagen"), "--scene", "house:1", "--out", "large.h5"], capture_output=True, text=True,
+                                preexec_fn=lambda: (signal.signal(signal.SIGXFSZ, signal.SIG_IGN), resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))),
+                                timeout=60 * TIMEOUT_FACTOR)
+        if result.returncode != OUTPUT_ERROR or ".tmp." in result.stderr or len(result.stderr.splitlines()) != 1:
+            failures.append(f"file size limit {size}: exit code {result.returncode}\n    {result.stderr.strip()}")
 
 
 def check_killed_run():
@@ -699,6 +751,8 @@ def main():
         check_scenes()
         check_levels()
         check_workflow()
+        check_broken_configurations()
+        check_tables_of_scripts()
         check_shards()
         check_bakes()
         check_renders()

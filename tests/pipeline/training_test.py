@@ -118,6 +118,22 @@ def check_damaged_checkpoint():
     end(train("damaged", steps=60), INPUT_ERROR)
 
 
+def check_left_behind():
+    """Killed between the checkpoint and what points at it: the next start puts both right, even with no step left to train."""
+    log, whole = read("disk_run/log.csv"), read("disk.ckpt")
+    provenance = os.stat("disk_run/provenance.json").st_mtime_ns
+    os.remove("disk_run/latest")
+    os.symlink("step-000000110.ckpt", "disk_run/latest")
+    with open("disk_run/log.csv", "wb") as file:
+        file.write(log[: log[:-1].rindex(b"\n") + 1])
+    with open("disk_run/step-000000100.ckpt", "wb") as file:  # which would have been removed last
+        file.write(read("disk_run/step-000000110.ckpt"))
+    end(train("disk"))
+    check(os.readlink("disk_run/latest") == "step-000000120.ckpt" and read("disk_run/log.csv") == log, "a restart left latest or the curve behind its checkpoint")
+    check(not os.path.exists("disk_run/step-000000100.ckpt") and os.path.exists("disk_run/step-000000110.ckpt"), "a restart left three checkpoints, or one")
+    check(read("disk.ckpt") == whole and os.stat("disk_run/provenance.json").st_mtime_ns == provenance, "a restart without a step changed what was finished")
+
+
 def check_other_process():
     """Processes that do not train the same are refused before they take a step."""
     pair = [train("odd", "--rank", str(rank), "--processes", "2", "--rendezvous", "odd_meeting", "--seed", str(1 + rank)) for rank in range(2)]
@@ -198,6 +214,7 @@ def main():
         end(start("nlg-cache", "--basis", "basis.h5", "--shards", "training.h5", "--out", "functions.cache"))
         check_cache()
         check_kills("killed", "disk.ckpt")
+        check_left_behind()
         check_damaged_checkpoint()
         check_other_process()
         check_processes()

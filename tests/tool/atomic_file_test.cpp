@@ -76,6 +76,21 @@ TEST_F(AtomicFile, RoundTripsAnyBytes) {
   EXPECT_EQ(fileCount(), 1u);
 }
 
+// Libraries speak of the file that they were given: the user asked for another.
+TEST_F(AtomicFile, NeverNamesTheTemporaryFile) {
+  const auto failing = [&](const auto& error_of) {
+    return outputErrorOf([&] { writeAtomically(at("data"), [&](const std::string& temporary) { throw error_of(temporary); }); });
+  };
+  EXPECT_EQ(failing([](const std::string& t) { return OutputError(t, "write failed: filename = " + t + ", errno = 28"); }),
+            at("data") + ": cannot be written: write failed: filename = " + at("data") + ", errno = 28");
+  EXPECT_EQ(failing([](const std::string& t) { return InputError(t, "read", "a readable file", "EIO"); }),
+            at("data") + ": read: expected a readable file, got EIO");
+  EXPECT_EQ(failing([](const std::string& t) { return std::runtime_error("stat " + t); }), "stat " + at("data"));
+  EXPECT_THROW(writeAtomically(at("data"), [](const std::string&) { throw InputError("other.h5", "a", "b", "c"); }), InputError)
+      << "what is of another file stays what it is";
+  EXPECT_EQ(fileCount(), 0u);
+}
+
 TEST_F(AtomicFile, ReplacesTheOldFileWhole) {
   writeFileAtomically(at("data"), "a much longer old text");
   writeFileAtomically(at("data"), "new");

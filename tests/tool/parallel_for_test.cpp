@@ -1,11 +1,15 @@
 #include "tool/parallel_for.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 #include <sched.h>
 
 #include <atomic>
 #include <stdexcept>
+#include <string>
 #include <vector>
+
+#include "tool/error.h"
 
 namespace nlg {
 namespace {
@@ -47,6 +51,61 @@ TEST(MachineThreadCount, CountsOnlyProcessorsThatTheProcessMayUse) {
   ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
   EXPECT_EQ(machineThreadCount(), 1);
   ASSERT_EQ(sched_setaffinity(0, sizeof before, &before), 0);
+}
+
+// Every thread would take a stack that no address space holds, which the system answers as it answers one thread too many.
+class RefusedThreads {
+ public:
+  RefusedThreads() {
+    pthread_getattr_default_np(&before_);
+    pthread_attr_t huge;
+    pthread_attr_init(&huge);
+    pthread_attr_setstacksize(&huge, size_t{1} << 48);
+    pthread_setattr_default_np(&huge);
+    pthread_attr_destroy(&huge);
+  }
+  ~RefusedThreads() {
+    pthread_setattr_default_np(&before_);
+    pthread_attr_destroy(&before_);
+  }
+
+ private:
+  pthread_attr_t before_;
+};
+
+TEST(ParallelFor, BeginsNothingWhenAThreadIsRefused) {
+  std::atomic<int> begun{0};
+  const RefusedThreads refused;
+  try {
+    parallelFor(1000, 4, [&](uint64_t, int) { ++begun; });
+    FAIL() << "threads were made";
+  } catch (const ThreadError& error) {
+    EXPECT_EQ(error.exitCode(), ExitCode::internal_error);
+    EXPECT_NE(std::string(error.what()).find("expected 3 more, got 0"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(begun, 0);
+  parallelFor(1000, 1, [&](uint64_t, int) { ++begun; });
+  EXPECT_EQ(begun, 1000) << "what needs no other thread runs";
+}
+
+TEST(Threads, AreAskedForAndRefusedByName) {
+  requireThreads(3);
+  const RefusedThreads refused;
+  requireThreads(0);
+  EXPECT_THROW(requireThreads(1), ThreadError);
+  EXPECT_THROW(startThread([] {}), ThreadError);
+  EXPECT_THROW(onThreads(2, [](int) { ADD_FAILURE() << "work began"; }), ThreadError);
+}
+
+TEST(Threads, EndBeforeWhatTheFirstOneThrowsGoesOn) {
+  std::atomic<int> ended{0};
+  EXPECT_THROW(onThreads(4,
+                         [&](int thread) {
+                           if (thread == 0) throw std::runtime_error("the first");
+                           ++ended;
+                         }),
+               std::runtime_error);
+  EXPECT_EQ(ended, 3);
 }
 
 }  // namespace

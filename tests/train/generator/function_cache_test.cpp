@@ -4,10 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <new>
 #include <set>
 
 #include "tests/runtime_eval/sample_generator.h"
@@ -20,6 +22,20 @@
 #include "train/generator/sample_order.h"
 #include "train/generator/training_data.h"
 #include "train/generator/window_loader.h"
+
+namespace {
+thread_local bool is_test_thread = false;
+std::atomic<bool> refuse_allocations_elsewhere{false};
+}  // namespace
+
+// Any thread but the test's own may be refused its memory.
+void* operator new(size_t size) {
+  void* const memory = refuse_allocations_elsewhere && !is_test_thread ? nullptr : std::malloc(size);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 
 namespace nlg {
 namespace {
@@ -201,6 +217,21 @@ TEST_F(Cache, IsNotMadeOfShardsWithoutFunctions) {
   writeShard(empty, sampleShard("a", 0, 0));
   EXPECT_THROW(writeFunctionCache(out, {empty}, basis(), "basis"), InputError);
   EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+// A vector of more than fits is asked for with the loader's lock held: what is thrown then comes out where a draw is required.
+TEST_F(Cache, LoaderHandsOverWhatIsThrownUnderItsLock) {
+  FunctionCache cache(path());
+  const SampleOrder order(cache.functionCount(), {}, {.batch = 4});
+  refuse_allocations_elsewhere = false;
+  WindowLoader loader(cache, order, 0);
+  loader.require(0);
+  is_test_thread = true;
+  refuse_allocations_elsewhere = true;
+  // the second epoch is ordered anew: every draw of it is far from what has been loaded
+  EXPECT_THROW(loader.require(cache.functionCount()), std::bad_alloc);
+  EXPECT_THROW(loader.require(cache.functionCount() + 1), std::bad_alloc) << "again, instead of waiting for ever";
+  refuse_allocations_elsewhere = false;
 }
 
 TEST_F(Cache, LoaderChecksWhatIsDrawn) {
