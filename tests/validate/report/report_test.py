@@ -419,6 +419,15 @@ def check_refusals(needed):
     words = (other, "provenance.inputs.held_out", "summary.json", "00" * 32, "11" * 32)
     expect(result.returncode == INPUT_ERROR and len(result.stderr.splitlines()) == 1 and all(w in result.stderr for w in words) and not os.path.exists("bad"),
            f"report.py with the frontier of other scenes: exit code {result.returncode}, {result.stderr.strip()!r}")
+    # numbers and texts that JSON can hold, and neither a float nor a page
+    whole = open("summary.json", encoding="utf-8").read()
+    for old, new, words in (('"parameters": ', '"parameters": ' + "9" * 400, "400 digits"), ('"tool": "', '"tool": "\\ud800', "provenance.tool"), ('"mean": ', '"mean": 1e999', "finite")):
+        expect(old in whole, f"summary.json without {old}: nothing is tested")
+        with open("hostile.json", "w", encoding="utf-8") as file:
+            file.write(whole.replace(old, new, 1))
+        result = run("report.py", *["hostile.json" if argument == "summary.json" else argument for argument in needed], "--out", "bad/out.html")
+        expect(result.returncode == INPUT_ERROR and len(result.stderr.splitlines()) == 1 and "hostile.json: " in result.stderr and words in result.stderr and not os.path.exists("bad"),
+               f"report.py with {new[:40]}: exit code {result.returncode}, {result.stderr.strip()[-300:]!r}")
     # the tool itself: one line, the exit code, nothing left
     result = run("report.py", *needed, "--savings", "missing.json", "--out", "bad/out.html")
     expect(result.returncode == INPUT_ERROR and len(result.stderr.splitlines()) == 1 and "missing.json" in result.stderr and not os.path.exists("bad"),
