@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iostream>
 #include <new>
+#include <nlohmann/json.hpp>
 
 #include "tool/printable.h"
 #include "tool/provenance.h"
@@ -58,6 +59,17 @@ void refuseEmptyAssignments(int argc, char** argv) {
   }
 }
 
+// Names of scenes and files travel in JSON and in shards, which hold UTF-8 and nothing else.
+void refuseOtherBytes(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    try {
+      static_cast<void>(nlohmann::json(argv[i]).dump());
+    } catch (const nlohmann::json::type_error&) {
+      throw UsageError("argument " + std::to_string(i), "UTF-8", "other bytes");
+    }
+  }
+}
+
 // What a tool prints on stdout is its result: losing it on a full disk or a closed pipe must not look like success.
 void flushStandardOutput() {
   std::cout.flush();
@@ -70,6 +82,7 @@ void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const
       app.add_option("--config", config, "pipeline.yaml: this tool reads its own section of it")->type_name("FILE");
   if (app.get_version_ptr() == nullptr) app.set_version_flag("--version", std::string(sourceRevision()));
   table.addFlags(app);
+  refuseOtherBytes(argc, argv);
   refuseEmptyAssignments(argc, argv);
   app.parse(argc, argv);
   if (config_flag->count() > 0) table.readYaml(config);

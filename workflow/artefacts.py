@@ -13,13 +13,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all
 from tool.atomic_file import write_atomically
 from tool.errors import InputError, OutputError
 from tool.input_file import as_documented, read_bytes
+from tool.regular_file import regular
 
 NAME = "artefacts.json"
 SCHEMA_VERSION = 1
 
 
 def sha256_of(path):
-    with open(path, "rb") as file:
+    with open(path, "rb", opener=regular) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 

@@ -57,7 +57,10 @@ def judge_by_itself(tools, path):
 
 def judge_by_record(tools, path, recorded):
     """A file against what the run recorded when it made it."""
-    found = state_of(path)
+    try:
+        found = state_of(path)
+    except OSError as error:
+        return INPUT_ERROR, f"{path}: expected a readable file, got: {error.strerror}"
     if found["sha256"] == recorded["sha256"]:
         return 0, ""
     if found["mtime_ns"] == recorded["mtime_ns"]:

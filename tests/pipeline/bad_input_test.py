@@ -8,6 +8,8 @@ import os
 import resource
 import shutil
 import signal
+import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -216,6 +218,154 @@ def check_inputs():
     for bad in ["missing.cache", "folder", "basis.h5", *damaged_copies("functions.cache")]:
         refuses(INPUT_ERROR, [bad], outputs, "nlg-train", "--config", "good.yaml",
                 *[bad if argument == "training.h5" else argument for argument in arguments])
+
+
+def make_strange_files():
+    """What has a file's name and is none, by what it is: opened as a file, a pipe would keep its reader waiting for ever."""
+    os.mkfifo("pipe")
+    os.symlink("ring", "ring")
+    listening = socket.socket(socket.AF_UNIX)
+    listening.bind("socket")
+    listening.close()
+    return {"pipe": "a pipe", "socket": "a socket", "ring": "Too many levels of symbolic links", "/dev/zero": "a device", "folder": "a directory",
+            "x" * 300: "File name too long"}
+
+
+def check_strange_files():
+    """Every reader of every tool with each of them: refused at once, by what it is."""
+    strange = make_strange_files()
+    inputs = {
+        "nlg-datagen": ["house:1"],
+        "nlg-pca": ["training.h5"],
+        "nlg-cache": ["basis.h5", "training.h5"],
+        "nlg-train": ["basis.h5", "training.h5", "held_out.h5"],
+        "nlg-export": ["run.ckpt", "basis.h5", "held_out.h5"],
+        "nlg-bake": ["house:1", "weights.safetensors"],
+        "nlg-validate": ["weights.safetensors", "held_out.h5"],
+        "nlg-render": ["house:1"],
+        "nlg-view": ["house:1", "weights.safetensors"],
+    }
+    for name, what in strange.items():
+        for tool, paths in inputs.items():
+            for path in paths:
+                arguments, outputs = arguments_of(tool, {path: name})
+                refuses(INPUT_ERROR, [name, what], outputs, tool, *arguments)
+            arguments, outputs = arguments_of(tool)
+            refuses(INPUT_ERROR, [name, what], outputs, tool, *arguments, "--config", name)
+        arguments, outputs = arguments_of("nlg-train", {"--shards": "--cache", "training.h5": name})
+        refuses(INPUT_ERROR, [name, what], outputs, "nlg-train", *arguments)
+        refuses(INPUT_ERROR, [name, what], [], "nlg-datagen", "info", name)
+        refuses(INPUT_ERROR, [name, what], ["bad.png"], "nlg-datagen", "view", name, "--probe", "0", "--out", "bad.png")
+        refuses(INPUT_ERROR, [name, what], ["bad.png"], "nlg-render", "house:1", "--grid", name, "--panel", "grid", "--out", "bad.png")
+        refuses(INPUT_ERROR, [name, what], ["bad_shader"], "nlg-export", "shader", "--grid", name, "--out", "bad_shader")
+        refuses(INPUT_ERROR, [name, what], ["bad_frontier"], "nlg-validate", "frontier", "--weights", name, "--held-out", "held_out.h5", "--out", "bad_frontier")
+        refuses(INPUT_ERROR, [name, what], [], "nlg-validate", "compare", name, name)
+        code, text = in_time(["/usr/bin/python3", os.path.join(SOURCES, "workflow", "configuration.py"), name])
+        if code != USAGE_ERROR or what not in text or len(text.splitlines()) != 1:
+            failures.append(f"configuration.py {name}: {code}\n    {text.strip()}")
+        code, text = in_time(["/usr/bin/python3", os.path.join(SOURCES, "validate", "report", "report.py"), "--validation", name, "--out", "bad.html"])
+        if code == 0 or "Traceback" in text:
+            failures.append(f"report.py {name}: {code}\n    {text.strip()}")
+    # inside of what is whole: buffers and material libraries
+    for name, what in strange.items():
+        if name.startswith("/"):
+            continue
+        write("strange.gltf", json.dumps({"asset": {"version": "2.0"}, "buffers": [{"uri": name, "byteLength": 3}]}))
+        refuses(INPUT_ERROR, ["strange.gltf", "buffer", what], ["bad.h5"], "nlg-datagen", "--scene", "strange.gltf", "--out", "bad.h5")
+        write("strange.obj", f"mtllib {name}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        refuses(INPUT_ERROR, ["strange.obj", "mtllib", what], ["bad.h5"], "nlg-datagen", "--scene", "strange.obj", "--out", "bad.h5")
+    # a file that comes by way of a link, or of the shell, is as good as any
+    os.symlink("good.yaml", "link.yaml")
+    must("nlg-datagen", "plan", "--config", "link.yaml", "--scene", "house:1")
+    with open("good.yaml") as file:
+        result = subprocess.run([os.path.join(BIN, "nlg-datagen"), "plan", "--config", "/dev/stdin", "--scene", "house:1"], stdin=file, capture_output=True,
+                                text=True, timeout=60 * TIMEOUT_FACTOR)
+    if result.returncode != 0:
+        failures.append(f"a configuration from /dev/stdin: {result.stderr.strip()}")
+
+
+def in_time(command):
+    """A command's exit code and words."""
+    try:
+        result = subprocess.run(command, capture_output=True, text=True, timeout=60 * TIMEOUT_FACTOR)
+    except subprocess.TimeoutExpired:
+        return None, f"still running after {60 * TIMEOUT_FACTOR} s"
+    return result.returncode, result.stdout + result.stderr
+
+
+def sequential_jpeg(side, scans):
+    """A JPEG of three channels whose first is in every scan, and each of them empty."""
+    def segment(marker, data):
+        return bytes([255, marker]) + struct.pack(">H", 2 + len(data)) + data
+
+    tables = [segment(0xC4, bytes([kind, 1]) + bytes(16)) for kind in (0x00, 0x10)]
+    frame = struct.pack(">BHHB", 8, side, side, 3) + bytes([1, 0x11, 0, 2, 0x11, 0, 3, 0x11, 0])
+    return b"\xff\xd8" + segment(0xDB, b"\0" + b"\1" * 64) + segment(0xC0, frame) + b"".join(tables) + segment(0xDA, bytes([1, 1, 0, 0, 63, 0])) * scans + b"\xff\xd9"
+
+
+def small_level(shaders):
+    """A .bsp with a floor of 100 x 100 units for each shader."""
+    lumps = [b""] * 17
+    lumps[0] = b'{ "classname" "worldspawn" }'
+    for i, name in enumerate(shaders):
+        lumps[1] += name.encode().ljust(64, b"\0") + bytes(8)
+        lumps[13] += struct.pack("<8I", i, 0xFFFFFFFF, 1, 4 * i, 4, 6 * i, 6, 0xFFFFFFFD) + bytes(72)
+        for x, y in [(0, 0), (0, 100), (100, 100), (100, 0)]:
+            lumps[10] += struct.pack("<3f", 100 * i + x, y, 0) + bytes(32)
+        lumps[11] += struct.pack("<6I", 0, 1, 2, 0, 2, 3)
+    lumps[7] = bytes(24) + struct.pack("<4I", 0, len(shaders), 0, 0)
+    header, at = b"IBSP" + struct.pack("<I", 46), 144
+    for lump in lumps:
+        header += struct.pack("<2I", at, len(lump))
+        at += len(lump)
+    return header + b"".join(lumps)
+
+
+def check_budgets():
+    """Small files that ask for much; all but the last are refused by the budget, the last is read, in time."""
+    write_archive("scans.pk3", {"maps/a.bsp": small_level(["a"]), "a.jpg": sequential_jpeg(2048, 20000)})
+    refuses(INPUT_ERROR, ["scans.pk3: a.jpg", "pixels of textures, times their scans"], ["bad.h5"], "nlg-datagen", "--scene", "scans.pk3:a", "--out", "bad.h5")
+    write("zeros.gltf", json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                                    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}] * 14}],
+                                    "accessors": [{"componentType": 5126, "count": 1 << 20, "type": "VEC3"}]}).replace("1048576", "1048575"))
+    refuses(INPUT_ERROR, ["zeros.gltf", "mesh 0, primitive 1", "elements of accessors without a buffer view", "2097150"], ["bad.h5"],
+            "nlg-datagen", "--scene", "zeros.gltf", "--out", "bad.h5")
+    buffers = [{"uri": f"{i}.bin", "byteLength": 3 << 30} for i in range(4)]
+    for buffer in buffers:
+        open(buffer["uri"], "wb").close()
+        os.truncate(buffer["uri"], 3 << 30)
+    write("four.gltf", json.dumps({"asset": {"version": "2.0"}, "buffers": buffers}))
+    refuses(INPUT_ERROR, ['four.gltf: buffer "1.bin"', "at most 4294967295 bytes"], ["bad.h5"], "nlg-datagen", "--scene", "four.gltf", "--out", "bad.h5")
+    for buffer in buffers:
+        os.remove(buffer["uri"])
+    shaders = [f"s{i}" for i in range(200)]
+    image = struct.pack("<3B9x2H2B", 0, 0, 10, 4096, 4096, 24, 0) + b"\xff\x10\x20\x30" * (4096 * 4096 // 128)
+    write_archive("shared.pk3", {"maps/a.bsp": small_level(shaders), "big.tga": image,
+                                 "scripts/a.shader": "".join(f"{name}\n{{\n{{\nmap big.tga\n}}\n}}\n" for name in shaders)})
+    must("nlg-datagen", "plan", "--scene", "shared.pk3:a")
+    for tool, *command in [("nlg-datagen",), ("nlg-datagen", "plan"), ("nlg-datagen", "view"), ("nlg-bake",), ("nlg-render",), ("nlg-view",), ("nlg-validate", "light"),
+                           ("nlg-validate", "look-up")]:
+        if "33554432 triangles" not in must(tool, *command, "--help"):
+            failures.append(f"{tool} {' '.join(command)} --help does not say what one scene may take")
+
+
+def check_control_characters():
+    """What a level calls itself must not steer a terminal, nor look like a line of the tool's own."""
+    global cases
+    for name in ["a\033[2J.obj", "a\x9b2J.obj", "a\nb.obj"]:
+        cases += 1
+        write(name, "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        for command in [["nlg-datagen", "--scene", name, "--max-functions", "2", "--out", "steered.h5"], ["nlg-datagen", "info", "steered.h5"],
+                        ["nlg-datagen", "plan", "--scene", name], ["nlg-bake", name, "--weights", "weights.safetensors", "--out", "steered.safetensors"]]:
+            result = run(*command)
+            shown = result.stderr + (result.stdout if command[1] in ("info", "plan") else "")
+            if result.returncode not in (0, INPUT_ERROR) or any(ord(c) < 32 and c not in "\n\t" or 127 <= ord(c) < 160 for c in shown):
+                failures.append(f"{command}: {result.returncode}, {shown!r}")
+            if "\nb" in shown:
+                failures.append(f"{command}: two lines of one name: {shown!r}")
+        for path in [name, "steered.h5", "steered.safetensors"]:
+            if os.path.exists(path):
+                os.remove(path)
 
 
 def check_scenes():
@@ -748,7 +898,10 @@ def main():
         check_command_lines()
         check_configurations()
         check_inputs()
+        check_strange_files()
         check_scenes()
+        check_budgets()
+        check_control_characters()
         check_levels()
         check_workflow()
         check_broken_configurations()

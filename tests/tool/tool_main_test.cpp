@@ -85,6 +85,20 @@ TEST(RunTool, EndsCommandLineMistakesAsUsageErrors) {
   }
 }
 
+// JSON and shards, in which names of scenes travel, hold nothing else.
+TEST(RunTool, TakesArgumentsInUtf8Only) {
+  const Outcome outcome = runWith({"--jobs", "\xff"});
+  EXPECT_EQ(outcome.code, codeOf(ExitCode::usage_error));
+  EXPECT_EQ(outcome.err, "nlg-pca: error: argument 2: expected UTF-8, got other bytes\n");
+  EXPECT_EQ(runWith({"--jobs", "3", "--config", "Größe.yaml"}).code, codeOf(ExitCode::input_error));
+}
+
+TEST(RunTool, PrintsNothingThatSteersATerminal) {
+  const Outcome outcome = runWith({}, [](int) { std::cerr << "a level of \033[2J\ttwo\nlines\xc2\x9b" << std::flush; });
+  EXPECT_EQ(outcome.err, "a level of  [2J\ttwo\nlines ");
+  EXPECT_EQ(outcome.code, 0);
+}
+
 TEST(RunTool, ReadsItsSectionAndPrefersFlags) {
   const std::string path = (std::filesystem::temp_directory_path() / ("nlg_main_" + std::to_string(::getpid()))).string();
   std::ofstream(path) << "basis: {jobs: 7}\ntrain: {jobs: 9}\n";
