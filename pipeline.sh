@@ -23,7 +23,9 @@ while [ $# -gt 0 ]; do
     --plan) plan=yes; shift ;;
     --profile)
       [ -f "${2:-}/config.yaml" ] || refuse "--profile: expected a folder with a config.yaml, got ${2:-none}"
-      profile=$(realpath -- "$2")
+      # from this folder; snakemake does not quote the paths of a profile's scripts
+      profile=$(realpath --relative-base="$(dirname "$0")" -- "$2")
+      [[ $profile != *[[:space:]]* ]] || refuse "--profile: expected a path without blanks, got $profile"
       shift 2
       ;;
     --) shift; break ;;
@@ -57,14 +59,14 @@ flock -n 9 || { echo "pipeline.sh: $run: another run is at work there" >&2; exit
 where=(--cores "$(nproc)")
 # a plan is too little to send anywhere
 if [ -n "$profile" ] && [ -z "$plan" ]; then
-  # snakemake does not quote the paths of a profile's scripts: from here they are short
-  where=(--profile "$(realpath --relative-base=. "$profile")")
+  where=(--profile "$profile")
   [ ! -x "$profile/before.sh" ] || "$profile/before.sh" "$run"
 fi
 flock -n "$run/.jobs.lock" true || { echo "pipeline.sh: $run: a tool of a run that was killed is still at work there" >&2; exit 2; }
+# files to make come first: what a profile holds is appended, and would be files behind a "--"
 workflow() {
-  /usr/bin/snakemake -s workflow/Snakefile --configfile "$config" "${where[@]}" --rerun-incomplete --nolock \
-    --rerun-triggers mtime params input --log-handler-script workflow/run_progress.py -- "$@"
+  /usr/bin/snakemake "$@" -s workflow/Snakefile --configfile "$config" "${where[@]}" --rerun-incomplete --nolock \
+    --rerun-triggers mtime params input --log-handler-script workflow/run_progress.py
 }
 if [ -n "$plan" ]; then
   workflow plan

@@ -68,7 +68,8 @@ export CI=true
 
 fail() {
   echo "FAILED: $*" >&2
-  tail -n 15 "$temporary"/*.log .snakemake/slurm/*.log >&2 2> /dev/null || true
+  tail -n 15 "$temporary"/*.log 2> /dev/null | cut -c 1-300 >&2
+  tail -n 4 .snakemake/slurm/*.log 2> /dev/null | cut -c 1-300 >&2
   exit 1
 }
 
@@ -133,6 +134,8 @@ CONF
 start_node() { slurmd -f "$SLURM_CONF" -N node; }
 node_is() { [ "$(sinfo --noheader --format=%T)" = "$1" ]; }
 runs() { [ -n "$(squeue --noheader --states=RUNNING --name="$1")" ]; }
+# … and has come so far as its tool
+works() { [ -n "$(job_processes | sed 's|.*|/proc/&/comm|' | xargs -r grep -lsx "$1")" ]; }
 queue_is_empty() { [ -z "$(squeue --noheader)" ]; }
 
 # a folder of our own to run in: snakemake's records and the jobs' logs lie where it runs
@@ -164,25 +167,26 @@ config["train"].update(steps=40, batch=8, exact_last_layer=False, correction_ste
 yaml.safe_dump(config, open(sys.argv[2] + "/together.yaml", "w"))
 PYTHON
 
-# runs the workflow of configuration $2 into the folder $1; the rest goes to snakemake
+# runs the workflow of configuration $2 into the folder $1; the rest goes to snakemake, files to make first: what a profile holds is
+# appended, and would be files behind a "--"
 workflow() {
   local folder=$1 config=$2
   shift 2
-  NLG_OUT=$temporary/$folder exec /usr/bin/snakemake -s workflow/Snakefile --configfile "$temporary/$config.yaml" --nolock --rerun-incomplete \
-    --rerun-triggers mtime params input --log-handler-script workflow/run_progress.py "$@"
+  NLG_OUT=$temporary/$folder exec /usr/bin/snakemake "$@" -s workflow/Snakefile --configfile "$temporary/$config.yaml" --nolock \
+    --rerun-incomplete --rerun-triggers mtime params input --log-handler-script workflow/run_progress.py
 }
 # … as jobs of Slurm, as pipeline.sh does
 by_slurm() { workflow "$@" --profile configs/profiles/slurm --cores 2 --group-components shards=3 --latency-wait 10; }
 
 local_run=$temporary/local/smoke run=$temporary/slurm/smoke
-(workflow local run --cores 2 -- "$local_run"/{weights/tent_mlp.safetensors,validation/functions.csv,hierarchy/doorway.hierarchy.json,light/two_rooms_0.json}) \
+(workflow local run "$local_run"/{weights/tent_mlp.safetensors,validation/functions.csv,hierarchy/doorway.hierarchy.json,light/two_rooms_0.json} --cores 2) \
   > "$temporary/local.log" 2>&1 || fail "the run without Slurm"
 start_slurm
 
 # --- a job that is cancelled ends the run, and the run says which
 by_slurm slurm run --restart-times 0 > "$temporary/cancelled.log" 2>&1 &
 driver=$!
-wait_for 300 test -e "$run/training/tent_mlp/latest"
+wait_for 300 test -L "$run/training/tent_mlp/latest"
 scancel --name=nlg-train
 ! wait "$driver" || fail "a job was cancelled, and the run went on"
 grep -q "^slurm job [0-9]*: CANCELLED; its log: " "$temporary/cancelled.log" || fail "nothing was said of the cancelled job: $(cat "$temporary/cancelled.log")"
@@ -201,7 +205,7 @@ grep -q "Cancelling jobs" "$temporary/before.log" || fail "the killed run had no
 # --- slurmd is killed and comes back; then the whole node goes, with all that works on it
 by_slurm slurm run > "$temporary/slurm.log" 2>&1 &
 driver=$!
-wait_for 300 runs nlg-train
+wait_for 300 works nlg-train
 kill -9 "$(cat "$temporary/slurmd.pid")"
 start_node
 wait_for 300 runs nlg-stability
@@ -231,10 +235,9 @@ for file in report.html stability.json savings/clutter_1.json validation/frontie
 # --- two processes by srun train what one does: the sums of floats differ in their order, 1e-7 of the gradient a step, printed with six digits
 mkdir -p "$temporary/together/smoke"
 cp -a "$run/dataset" "$run/basis.h5" "$run/basis.json" "$temporary/together/smoke/"
-(by_slurm together together "$temporary/together/smoke/training/tent_mlp.ckpt") > "$temporary/together.log" 2>&1 || fail "two processes by srun"
-"$NLG_BIN/nlg-cache" --basis "$run/basis.h5" --shards "$run"/dataset/training/*.h5 --out "$temporary/functions.cache" > /dev/null
+(by_slurm together together "$temporary/together/smoke/training/tent_mlp.ckpt" --notemp) > "$temporary/together.log" 2>&1 || fail "two processes by srun"
 OPENBLAS_NUM_THREADS=1 "$NLG_BIN/nlg-train" --config "$temporary/together.yaml" --processes 1 --representation tent_mlp --basis "$run/basis.h5" \
-  --cache "$temporary/functions.cache" --held-out "$run"/dataset/held_out/*.h5 --out "$temporary/one.ckpt" --run "$temporary/one" --log "$temporary/one.csv" > /dev/null
+  --cache "$temporary/together/smoke/training/functions.cache" --held-out "$run"/dataset/held_out/*.h5 --out "$temporary/one.ckpt" --run "$temporary/one" --log "$temporary/one.csv" > /dev/null
 /usr/bin/python3 - "$temporary/one.csv" "$temporary/together/smoke/training/tent_mlp.csv" << 'PYTHON'
 import csv, sys
 

@@ -12,8 +12,12 @@ log=.snakemake/slurm/$job.log
 
 # one line on stderr, and what the tools said
 failed() {
-  echo "slurm job $job: $1; its log: $log" >&2
-  [ ! -f "$log" ] || grep -E '^(nlg-[a-z]+[a-z ]*|[a-z_]+\.py|slurmstepd|srun): ' "$log" | tail -n 5 >&2 || true
+  if [ ! -f "$log" ]; then
+    echo "slurm job $job: $1" >&2
+  else
+    echo "slurm job $job: $1; its log: $log" >&2
+    grep -E '^(nlg-[a-z]+[a-z ]*|[a-z_]+\.py|slurmstepd|srun): ' "$log" | tail -n 5 >&2 || true
+  fi
   echo failed
   exit 0
 }
@@ -29,6 +33,14 @@ if ! shown=$(timeout 30 scontrol --oneliner show job "$job" 2>&1); then
   exit 0
 fi
 state=$(sed -n 's/.* JobState=\([A-Z_]*\).*/\1/p' <<< "$shown")
+reason=$(sed -n 's/.* Reason=\([A-Za-z_]*\).*/\1/p' <<< "$shown")
+case $state:$reason in
+  # it asks for what no node has, or more than the site allows: it would stay in the queue for ever
+  PENDING:PartitionConfig | PENDING:PartitionTimeLimit | PENDING:PartitionNodeLimit | PENDING:BadConstraints | PENDING:InvalidAccount | PENDING:InvalidQOS)
+    scancel "$job" || true
+    failed "taken out of the queue, where it could never begin ($reason)"
+    ;;
+esac
 case $state in
   COMPLETED) echo success ;;
   PENDING | CONFIGURING | RUNNING | COMPLETING | SUSPENDED | STOPPED | SIGNALING | STAGE_OUT | RESIZING | REQUEUED | REQUEUE_FED | REQUEUE_HOLD | RESV_DEL_HOLD | SPECIAL_EXIT)
