@@ -134,6 +134,11 @@ class LightSection:
                 gid = f"p{len(hover)}"
                 hover[gid] = f"{method[0]}, light {LIGHT_WORDS[method[1]]}\n{spacing_m:g} m apart: RMSE {error(y)}, {text(x)}"
                 axes.plot(x, y, "o", color=self.colours[method[0]], markersize=6.5 if is_ours else 4.5, markerfacecolor=self.colours[method[0]] if method[1] == "solved" else "white", gid=gid, zorder=5)
+        name, title = f"light-{cost}-{group}", f"Error {GROUP_NAMES[group]} against {axis_words}"
+        if not lines:
+            # a level in the dark: an error over truth's mean is none
+            axes.text(0.5, 0.5, "truth has no light here", transform=axes.transAxes, ha="center", va="center")
+            return plots.finish(figure, name, title, hover)
         errors, costs = ([point[i] for line in lines for point in line] for i in (1, 0))
         plots.log_error_axis(axes.yaxis, 0.8 * min(errors), 1.25 * max(errors))
         axes.set(xscale="log", xlim=(min(costs) / 1.5, max(costs) * 1.5))
@@ -141,7 +146,7 @@ class LightSection:
         axes.xaxis.set_minor_formatter(plots.NullFormatter())
         if math.log10(max(costs) / min(costs)) < 1.2:
             axes.xaxis.set_major_locator(plots.LogLocator(subs=(1, 2, 5)))
-        return plots.finish(figure, f"light-{cost}-{group}", f"Error {GROUP_NAMES[group]} against {axis_words}", hover)
+        return plots.finish(figure, name, title, hover)
 
     def panels(self, cost):
         return [self.panel(cost, group) for group in GROUPS]

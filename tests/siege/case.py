@@ -1,0 +1,16 @@
+"""A case of the siege: a name, the row of the table that it counts in, and what it does in a folder of its own."""
+from dataclasses import dataclass
+from random import Random
+from typing import Callable
+
+
+@dataclass
+class Case:
+    name: str      # tells it from all others: part/…/number
+    row: str       # of the table
+    run: Callable  # (folder, faults) → words for the record, or nothing
+
+
+def random_of(siege, *names):
+    """Random numbers of a case's own: the same whatever ran before it, and in whichever thread."""
+    return Random("/".join(map(str, (siege.seed, *names))))

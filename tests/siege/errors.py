@@ -1,0 +1,41 @@
+"""Injected errors: a system call or an allocation of a tool fails, or a write ends early.
+
+The tool either ends well with the files of an undisturbed run, or with a documented exit code, one line and no torn or temporary file.
+"""
+import chain
+import injector
+import trial
+from case import Case, random_of
+
+# Without memory or threads an exit code of 1 with one line is as good as any.
+WITHOUT_MEMORY = (trial.INTERNAL_ERROR, *trial.DOCUMENTED)
+
+
+def fail_call(siege, tool, made, random):
+    def run(folder, faults):
+        chain.lay_out(siege.store, tool, folder)
+        counts = siege.counts[tool.name]
+        if tool.is_script:  # Python itself has no answer to these
+            counts = {name: count for name, count in counts.items() if name not in ("memory", "thread")}
+        settings, word = injector.draw_error(random, counts)
+        ending = trial.run(tool.argv(siege), folder, injector.injecting(siege, folder, tool.program(), **settings), siege.limits)
+        codes = WITHOUT_MEMORY if settings["call"] in ("memory", "thread", "map") else trial.DOCUMENTED
+        trial.judge(ending, siege.limits, faults, codes, is_quiet=not made.stderr)
+        left = chain.outputs_in(tool, folder)
+        for path in left:
+            if chain.is_temporary(path):
+                faults.add(trial.LEFT, f"{path} stays")
+            elif path in made.listing and not made.is_whole(folder, path):
+                faults.add(trial.TORN, f"{path} is torn")
+        for path in made.listing if ending.code == 0 else ():
+            if path not in left or not made.is_final(folder, path):
+                faults.add(trial.SILENT, f"success, and {path} is not what it should be")
+        return f"{tool.name}: {word}: {ending.words()}"
+    return run
+
+
+def cases(siege, count):
+    for number in range(count):
+        random = random_of(siege, "errors", number)
+        tool = siege.draw_tool(random, siege.tools)
+        yield Case(f"errors/{number}", "injected errors", fail_call(siege, tool, siege.made[tool.name], random)), 1

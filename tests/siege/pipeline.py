@@ -1,0 +1,99 @@
+"""A whole pipeline in a folder: pipeline.sh of this checkout, without what installs and builds, on tests/siege/siege.yaml."""
+import base64
+import os
+import shutil
+
+import chain
+import trial
+
+NAME = "siege"
+# pipeline.sh sources it; packages and binaries are there
+SETUP = "install_packages() { :; }\nbuild() { :; }\n"
+
+
+class Pipeline:
+    """A checkout of links, so that locks and snakemake's own records are this run's alone."""
+
+    def __init__(self, siege, folder):
+        self.siege, self.folder = siege, folder
+        self.checkout, self.results = os.path.join(folder, "checkout"), os.path.join(folder, "out", NAME)
+        self.environment = {**siege.environment, "NLG_BIN": siege.binaries, "NLG_OUT": os.path.join(folder, "out"), "NLG_LEVELS": ""}
+        lay_out_checkout(siege.sources, self.checkout)
+        self.config = os.path.join(self.checkout, chain.CONFIG)
+        shutil.copyfile(os.path.join(siege.here, chain.CONFIG), self.config)
+
+    def run(self, kill_after=None, *arguments):
+        return trial.run([os.path.join(self.checkout, "pipeline.sh"), *arguments, self.config], self.folder, self.environment, self.siege.pipeline_limits, kill_after)
+
+    def clear(self):
+        shutil.rmtree(os.path.dirname(self.results), ignore_errors=True)
+
+    def files(self):
+        return chain.files_in(self.results)
+
+    def check_whole(self, made, faults, when):
+        """What has a finished file's name is whole. What snakemake will make again, it says itself."""
+        again = self.incomplete()
+        for path in self.files():
+            if path in made.listing and path not in again and not made.is_whole(self.results, path):
+                faults.add(trial.TORN, f"{when}: {path} is torn")
+
+    def incomplete(self):
+        """Outputs of rules that were at work, which snakemake has on record: --rerun-incomplete makes them again."""
+        folder = os.path.join(self.checkout, ".snakemake", "incomplete")
+        names = os.listdir(folder) if os.path.isdir(folder) else []
+        paths = (base64.b64decode(name, altchars=b"-_", validate=False).decode(errors="replace") for name in names if name != "migration_underway")
+        return {os.path.relpath(path, self.results) for path in paths}
+
+    def finish(self, made, faults):
+        """Runs to the end: the files of an undisturbed run."""
+        ending = self.run()
+        trial.judge(ending, self.siege.pipeline_limits, faults, is_quiet=False)
+        if ending.code != 0:
+            faults.add(trial.ENDING, f"restart: {ending.words()}")
+            return ending
+        left = set(self.files())
+        for path in made.listing:
+            if path not in left:
+                faults.add(trial.TORN, f"{path} is missing after a restart")
+            elif not made.is_final(self.results, path):
+                faults.add(trial.TORN, f"{path} is another file after a restart")
+        for path in sorted(left - set(made.listing)):
+            faults.add(trial.LEFT, f"{path} stays after a restart")
+        return ending
+
+
+def lay_out_checkout(sources, checkout):
+    os.makedirs(os.path.join(checkout, "workflow"), exist_ok=True)
+    for name in os.listdir(sources):
+        if name not in ("build", "out", ".git", ".snakemake", "workflow"):
+            link(os.path.join(sources, name), os.path.join(checkout, name))
+    for name in os.listdir(os.path.join(sources, "workflow")):
+        if name != "setup.sh":
+            link(os.path.join(sources, "workflow", name), os.path.join(checkout, "workflow", name))
+    with open(os.path.join(checkout, "workflow", "setup.sh"), "w") as file:
+        file.write(SETUP)
+
+
+def link(source, place):
+    if not os.path.lexists(place):
+        os.symlink(source, place)
+
+
+class MadePipeline(chain.Made):
+    def __init__(self, first, again):
+        super().__init__(first.results, again.results, [path for path in first.files() if path in set(again.files())], "", 0.0)
+
+
+def make(siege):
+    """Two undisturbed runs; what an earlier call made it takes."""
+    runs = [Pipeline(siege, os.path.join(siege.out, "pipeline", name)) for name in ("first", "again")]
+    for pipeline in runs:
+        done = os.path.join(pipeline.folder, "done")
+        if not os.path.exists(done):
+            pipeline.clear()
+            ending = pipeline.run()
+            if ending.code != 0:
+                raise SystemExit(f"siege: an undisturbed pipeline must succeed: {ending.words()}")
+            open(done, "w").close()
+    return MadePipeline(*runs)

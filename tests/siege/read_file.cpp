@@ -1,0 +1,139 @@
+// Reads one file as an engine would: siege_read READER FILE. Readers that no tool has: the C++ library's, the C library's, and the header
+// that is all of a program in C. Exit code 0: it was accepted; 3: refused, with one line on stderr.
+//
+//   weights, weights-c       a generator
+//   grid, grid-c             a light grid
+//   grid-header              grid.bin, by nlg_light_grid.h: refused when a look-up over the whole level finds no light anywhere
+//   policy OPTION VALUE      FILE are weights: one option of the C library's policy, and a function that takes every stage
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "runtime_eval/c_api/nlg.h"
+#include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+
+extern "C" int cHeaderIrradiance(const uint8_t* bytes, size_t size, const float* position_m, const float* normal, float* rgb);
+
+namespace {
+
+constexpr int kAccepted = 0, kUsage = 2, kRefused = 3;
+
+int refused(const std::string& detail) {
+  std::cerr << "siege_read: error: " << detail << '\n';
+  return kRefused;
+}
+
+int verdict(const nlg::WeightsResult& result) { return result.ok() ? kAccepted : refused(result.detail); }
+
+int verdict(nlg_status status, const char* detail) { return status == NLG_OK ? kAccepted : refused(detail); }
+
+int readWeights(const char* path) {
+  nlg::Generator generator;
+  return verdict(nlg::Generator::load(path, &generator));
+}
+
+int readWeightsInC(const char* path) {
+  nlg_generator* generator = nullptr;
+  std::array<char, 512> detail{};
+  const nlg_status status = nlg_generator_load(path, NLG_FLOAT32, &generator, detail.data(), detail.size());
+  nlg_generator_free(generator);
+  return verdict(status, detail.data());
+}
+
+int readGrid(const char* path) {
+  nlg::LightGrid grid;
+  nlg::GridMetadata metadata;
+  return verdict(nlg::readLightGridFile(path, &grid, &metadata));
+}
+
+int readGridInC(const char* path) {
+  nlg_light_grid* grid = nullptr;
+  std::array<char, 512> detail{};
+  const nlg_status status = nlg_light_grid_load(path, &grid, detail.data(), detail.size());
+  nlg_light_grid_free(grid);
+  return verdict(status, detail.data());
+}
+
+int readGridByHeader(const char* path) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream && bytes.empty()) return refused("no bytes");
+  constexpr int kEdge = 12;
+  constexpr float kReachM = 16.0f;
+  const float normal[3] = {0.0f, 1.0f, 0.0f};
+  float largest = 0.0f;
+  for (int i = 0; i < kEdge * kEdge * kEdge; ++i) {
+    const float position_m[3] = {kReachM * static_cast<float>(i % kEdge) / kEdge,
+                                 kReachM * static_cast<float>(i / kEdge % kEdge) / kEdge,
+                                 kReachM * static_cast<float>(i / kEdge / kEdge) / kEdge};
+    float rgb[3];
+    cHeaderIrradiance(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size(), position_m, normal, rgb);
+    for (const float value : rgb) largest = value > largest ? value : largest;
+  }
+  return largest > 0.0f ? kAccepted : refused("no light anywhere");
+}
+
+bool setOption(nlg_policy_options* options, const std::string& name, double value) {
+  const auto whole = static_cast<int>(value);
+  const std::pair<const char*, int*> counts[] = {{"learned_steps", &options->learned_steps},
+                                                 {"mirror_images", &options->mirror_images},
+                                                 {"lm_iterations", &options->lm_iterations},
+                                                 {"lm_theta0_iterations", &options->lm_theta0_iterations},
+                                                 {"adam_steps", &options->adam_steps},
+                                                 {"refine_rounds", &options->refine_rounds},
+                                                 {"refine_first_steps", &options->refine_first_steps},
+                                                 {"refine_growth", &options->refine_growth}};
+  const std::pair<const char*, double*> numbers[] = {{"bare_tent_rmse", &options->bare_tent_rmse},
+                                                     {"good_rmse", &options->good_rmse},
+                                                     {"retry_rmse", &options->retry_rmse},
+                                                     {"adam_rmse", &options->adam_rmse},
+                                                     {"tau_rmse", &options->tau_rmse},
+                                                     {"tau_leak", &options->tau_leak},
+                                                     {"leak_share", &options->leak_share},
+                                                     {"refine_leak_weight", &options->refine_leak_weight}};
+  for (const auto& [known, place] : counts) {
+    if (name == known) return *place = whole, true;
+  }
+  for (const auto& [known, place] : numbers) {
+    if (name == known) return *place = value, true;
+  }
+  return false;
+}
+
+int usePolicy(const char* weights, const char* name, const char* value) {
+  nlg_generator* generator = nullptr;
+  nlg_scratch* scratch = nullptr;
+  nlg_policy_options options = nlg_default_policy();
+  if (!setOption(&options, name, std::stod(value))) return kUsage;
+  nlg_status status = nlg_generator_load(weights, NLG_FLOAT32, &generator, nullptr, 0);
+  if (status == NLG_OK) status = nlg_scratch_create(generator, &options, &scratch);
+  if (status == NLG_OK) {
+    // no smooth field comes near: it takes every stage
+    std::vector<uint8_t> phi(NLG_SUPPORT_POINT_COUNT), validity(NLG_SUPPORT_POINT_COUNT / 8, 0xff);
+    for (size_t i = 0; i < phi.size(); ++i) phi[i] = i % 2 == 0 ? 0 : 255;
+    std::vector<float> theta(nlg_theta_count(generator));
+    status = nlg_make_theta(generator, phi.data(), validity.data(), 1, theta.data(), nullptr, scratch);
+  }
+  nlg_scratch_free(scratch);
+  nlg_generator_free(generator);
+  return verdict(status, nlg_status_name(status));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string reader = argc >= 3 ? argv[1] : "";
+  if (argc == 3 && reader == "weights") return readWeights(argv[2]);
+  if (argc == 3 && reader == "weights-c") return readWeightsInC(argv[2]);
+  if (argc == 3 && reader == "grid") return readGrid(argv[2]);
+  if (argc == 3 && reader == "grid-c") return readGridInC(argv[2]);
+  if (argc == 3 && reader == "grid-header") return readGridByHeader(argv[2]);
+  if (argc == 5 && reader == "policy") return usePolicy(argv[2], argv[3], argv[4]);
+  std::cerr << "usage: siege_read weights|weights-c|grid|grid-c|grid-header FILE, siege_read policy WEIGHTS OPTION VALUE\n";
+  return kUsage;
+}
