@@ -10,7 +10,7 @@ import trial
 
 CONFIG = "siege.yaml"
 # those whose files all others read, and no more: what the short form besieges
-SHORT = ("datagen", "datagen held out", "datagen info", "pca", "cache", "train", "export", "bake", "shader")
+SHORT = ("datagen", "datagen held out", "datagen info", "pca", "cache", "train", "curve", "export", "bake", "shader")
 LIGHT = ["--spacings", "2.0", "--air-places", "64", "--surface-places", "64", "--walks", "4", "--truth-rays", "32", "--probe-rays", "32"]
 PICTURE = ["--width", "16", "--height", "12", "--truth-rays", "8"]
 

@@ -38,7 +38,7 @@ PARTS = ("findings", "kills", "errors", "damage", "scenes")
 MODULES = {"findings": findings, "kills": kills, "errors": errors, "damage": damage, "scenes": scenes}
 NEEDS_INJECTOR = ("findings", "kills", "errors")
 SHORT = {"kills": 8, "errors": 16, "damage": 100, "scenes": 30}
-SECONDS, SANITIZED = 60.0, 10  # of a tool, at most; times as long under sanitizers
+SECONDS, SANITIZED = 30.0, 10  # of a tool, at most; times as long under sanitizers
 PIPELINE_SECONDS = 600.0
 # as workflow/environment.sh sets it for every stage
 ENVIRONMENT = {"NLG_PROGRESS": "off", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "2", "OMP_WAIT_POLICY": "passive", "MPLCONFIGDIR": "/tmp", "LC_ALL": "C.UTF-8"}
@@ -57,7 +57,7 @@ class Siege:
         self.out = os.path.abspath(arguments.out)
         self.store = os.path.join(self.out, "store")  # one of every file that a stage reads
         self.environment = {**injector.clean(os.environ), **ENVIRONMENT}
-        factor = SANITIZED if arguments.sanitized else 1
+        self.factor = factor = SANITIZED if arguments.sanitized else 1
         self.limits = trial.Limits(seconds=SECONDS * factor, peak_mb=2000.0 * (3 if arguments.sanitized else 1), address_space=not arguments.sanitized)
         self.pipeline_limits = trial.Limits(seconds=PIPELINE_SECONDS * factor, address_space=not arguments.sanitized)
         self.lock = threading.Lock()
