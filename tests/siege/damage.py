@@ -128,8 +128,11 @@ def readings(siege):
         read("weights", "tent_mlp.safetensors", "weights", 6), read("weights", "tent_mlp.safetensors", "weights-c", 3),
         read("light grids", "grid.safetensors", "grid", 6), read("light grids", "grid.safetensors", "grid-c", 3),
         read("shader grids, by the C header", "shader/grid.bin", "grid-header", 6),
-        Reading("shards", "training.h5", [os.path.join(siege.binaries, "nlg-datagen"), "info", "--quiet", "training.h5"], weight=6),
     ]
+    # each tool describes and verifies what it writes
+    for program, kind, file in (("nlg-datagen", "shards", "training.h5"), ("nlg-pca", "bases", "basis.h5"), ("nlg-cache", "function caches", "functions.cache"),
+                                ("nlg-train", "checkpoints", "tent_mlp.ckpt"), ("nlg-export", "weights", "tent_mlp.safetensors"), ("nlg-bake", "light grids", "grid.safetensors")):
+        found.append(Reading(kind, file, [os.path.join(siege.binaries, program), "info", "--quiet", file], weight=6))
     kinds = {".safetensors": "weights", ".h5": "shards", ".cache": "function caches", ".ckpt": "checkpoints", ".yaml": "configurations", ".json": "JSON", ".csv": "CSV"}
     for tool in siege.tools:
         for name in tool.inputs:
