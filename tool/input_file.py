@@ -21,7 +21,7 @@ def read_bytes(path):
         with open(path, "rb", opener=regular) as file:
             data = file.read(MAX_FILE_BYTES + 1)
     except OSError as error:
-        raise InputError(path, "file", "a readable file", error.strerror or error) from None
+        raise InputError(path, "file", "a regular file", error.strerror or error) from None
     except ValueError as error:  # a name that no file can have
         raise InputError(path, "file", "a file's name", error) from None
     if len(data) > MAX_FILE_BYTES:

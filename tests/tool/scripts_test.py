@@ -134,7 +134,7 @@ class InputFile(InFolder):
 
     def test_reads_regular_files_alone_and_waits_for_none(self):
         os.mkfifo(self.path)
-        for path, words in [(self.path, "a regular file"), ("/dev/zero", "a regular file"), (self.folder.name, "Is a directory"), (self.path + "0", "No such file"), ("a\0b", "a file's name")]:
+        for path, words in [(self.path, "got a pipe"), ("/dev/zero", "got a device"), (self.folder.name, "got a directory"), (self.path + "0", "No such file"), ("a\0b", "a file's name")]:
             for read in (read_bytes, read_text, read_json):
                 with self.assertRaisesRegex(InputError, words):
                     read(path)

@@ -134,6 +134,7 @@ TEST_F(FunctionSetFiles, DropAllDuplicatesBandByBand) {
   DuplicateFilter filter(paths, {.earlier = nullptr, .memory_bytes = 1});
   FunctionSet left;
   left.point_count = kPoints;
+  left.test_point_count = kTest;
   uint64_t dropped = 0;
   for (Shard& shard : shards) {
     const uint64_t before = shard.counts.functions, duplicates = shard.counts.duplicates;
