@@ -42,7 +42,7 @@ def check(tool, *arguments, words="threads: expected"):
         if result.returncode == 0:
             continue
         refusals += 1
-        errors = [line for line in result.stderr.splitlines() if not line.startswith("weights: ")]
+        errors = [line for line in result.stderr.splitlines() if line and not line.startswith("weights: ")]
         is_own = errors[:1] and errors[0].startswith(f"{tool}: error: ") and words in errors[0]
         if result.returncode != 1 or len(errors) != 1 or not (is_own or errors[0].lstrip().startswith("libgomp: Thread creation failed")):
             failures.append(f"{case}: exit code {result.returncode}, {result.stderr.strip()[-400:]!r}")
