@@ -55,7 +55,7 @@ void ignoreMessage(j_common_ptr) {}
 
 // What decoding an image takes: pixels, times the scans so far.
 struct JpegWork {
-  jpeg_progress_mgr base;
+  jpeg_progress_mgr base{};
   uint64_t pixels_of_scan = 0, most = 0, taken = 0;
 };
 
