@@ -140,7 +140,7 @@ queue_is_empty() { [ -z "$(squeue --noheader)" ]; }
 
 # a folder of our own to run in: snakemake's records and the jobs' logs lie where it runs
 mkdir "$temporary/checkout"
-ln -s "$source"/{workflow,configs,validate,pipeline.yaml} "$temporary/checkout/"
+ln -s "$source"/{workflow,configs,tool,validate,pipeline.yaml} "$temporary/checkout/"
 cd "$temporary/checkout"
 
 # --- every stage on less than next to nothing
