@@ -33,18 +33,8 @@ INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", "
 LONG = 1000000  # steps that no run here comes to the end of
 
 
-def fletcher32(data):
-    """docs/reference/formats.md: big-endian 16-bit words."""
-    sum1 = sum2 = 0
-    for (word,) in struct.iter_unpack(">H", data):
-        sum1 = (sum1 + word) % 65535
-        sum2 = (sum2 + sum1) % 65535
-    # the sums are folded, never reduced to 0
-    return (sum2 or 65535) << 16 | (sum1 or 65535)
-
-
 def changed_cache(source, path, change):
-    """A copy of a function cache after change(records, record_size, coefficient_count), with checksums that fit."""
+    """A copy of a function cache after change(records, record_size, coefficient_count), with digests that fit."""
     with open(source, "rb") as file:
         whole = bytearray(file.read())
     footer_first = struct.unpack_from("<Q", whole, 16)[0]
@@ -53,7 +43,7 @@ def changed_cache(source, path, change):
     size = POINTS + VALIDITY + 4 * values["coefficient_count"]
     records = whole[HEAD:footer_first]
     change(records, size)
-    values["block_checksums"] = [fletcher32(records[i : i + BLOCK * size]) for i in range(0, len(records), BLOCK * size)]
+    values["block_sha256"] = [hashlib.sha256(records[i : i + BLOCK * size]).hexdigest() for i in range(0, len(records), BLOCK * size)]
     footer = json.dumps(values).encode() + b"\n" + tail
     whole[24:88] = hashlib.sha256(footer).hexdigest().encode()
     with open(path, "wb") as file:

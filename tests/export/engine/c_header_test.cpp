@@ -117,13 +117,15 @@ TEST(CHeader, KnowsEveryDamagedByteAndEveryOtherLength) {
   const std::string whole = fileNamed(filesOf(everyRepresentation(ThetaPrecision::int8, 4)), "grid.bin");
   Random random(8);
   EXPECT_TRUE(FencedBytes(whole).isWhole());
-  for (size_t i = 0; i < whole.size(); i += i < 256 ? 1 : 1 + random.below(400)) {
+  // the head with the digest, and anywhere
+  for (int round = 0; round < 100; ++round) {
+    const size_t i = round < 64 ? static_cast<size_t>(round) : random.below(static_cast<uint32_t>(whole.size()));
     std::string damaged = whole;
     damaged[i] = static_cast<char>(damaged[i] ^ 1 << random.below(8));
     ASSERT_FALSE(FencedBytes(damaged).isWhole()) << "byte " << i;
   }
   // every place of the last byte in its block
-  for (size_t count = 0; count < 130; ++count) {
+  for (size_t count = 0; count < 66; ++count) {
     ASSERT_FALSE(FencedBytes(std::string_view(whole).substr(0, count)).isWhole()) << count << " bytes";
     ASSERT_FALSE(FencedBytes(std::string_view(whole).substr(0, whole.size() - 1 - count)).isWhole()) << count << " bytes less";
   }
