@@ -17,9 +17,11 @@
 #include "tool/atomic_file.h"
 #include "tool/file_info.h"
 #include "tool/output_path.h"
+#include "tool/parallel_for.h"
 #include "tool/provenance.h"
 #include "tool/require_read.h"
 #include "tool/tool_main.h"
+#include "train/generator/torch_threads.h"
 #include "train/generator/trainer.h"
 
 namespace nlg {
@@ -180,6 +182,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
     requireOnnxName(request.onnx);
     refuseToReplaceInputs(request.onnx, inputs);
   }
+  setTorchThreads(machineThreadCount());
   const BasisFile basis = readBasisFile(request.basis);
   const RunIdentity identity = readIdentity(request.checkpoint);
   const std::string basis_sha256 = fileSha256(request.basis);

@@ -1,6 +1,5 @@
 // nlg-train: trains the generator of one representation; a killed run goes on where its last checkpoint stood.
 
-#include <ATen/Parallel.h>
 #include <torch/cuda.h>
 #include <cstring>
 
@@ -13,12 +12,12 @@
 #include "tool/atomic_file.h"
 #include "tool/file_info.h"
 #include "tool/output_path.h"
-#include "tool/parallel_for.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "train/generator/lost_pages.h"
 #include "train/generator/rate_finder.h"
 #include "train/generator/run_folder.h"
+#include "train/generator/torch_threads.h"
 #include "train/generator/trainer.h"
 
 namespace nlg {
@@ -75,17 +74,6 @@ torch::Device findDevice(const std::string& name) {
   if (name != "cuda") throw UsageError("--device", "cpu or cuda", "'" + name + "'");
   if (!torch::cuda::is_available()) throw UsageError("--device", "cpu: this libtorch finds no CUDA device", "cuda");
   return torch::kCUDA;
-}
-
-// at::set_num_threads also makes libtorch's own pool of threads, which nothing here uses, and waits for ever for one that the system
-// refuses; from the environment it takes the number for OpenMP alone. Its threads, and the one that reads the cache, are asked for before:
-// OpenMP would end the process with a line of its own.
-void setThreads(int count, bool reads_cache) {
-  requireThreads(count - 1 + (reads_cache ? 1 : 0));
-  ::setenv("OMP_NUM_THREADS", std::to_string(count).c_str(), 1);
-  ::unsetenv("MKL_NUM_THREADS");
-  at::init_num_threads();
-  if (at::get_num_threads() != count) at::set_num_threads(count);
 }
 
 // used   the basis, or as much of it as the options say
@@ -192,7 +180,7 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   }
   representation.slope = static_cast<float>(options.representation_slope);
   options.device = findDevice(request.device);
-  setThreads(options.threads, !request.cache.empty());
+  setTorchThreads(options.threads, request.cache.empty() ? 0 : 1);  // one that reads the cache
   const BasisFile basis = readBasisFile(request.basis);
   if (const int most = basis.basis.data.coefficientCount(); options.coefficients > most) {
     throw UsageError("coefficients", "at most the " + std::to_string(most) + " of the basis",

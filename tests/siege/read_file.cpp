@@ -5,17 +5,18 @@
 //   grid, grid-c             a light grid
 //   grid-header              grid.bin, by nlg_light_grid.h
 //   policy OPTION VALUE      FILE are weights: one option of the C library's policy, and a function that takes every stage
+#include <unistd.h>
+
 #include <array>
 #include <cstring>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include "runtime_eval/c_api/nlg.h"
 #include "runtime_eval/evaluator/generator.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/regular_file/regular_file.h"
 
 extern "C" int cHeaderIsWhole(const uint8_t* bytes, size_t size);
 
@@ -60,9 +61,13 @@ int readGridInC(const char* path) {
 }
 
 int readGridByHeader(const char* path) {
-  std::ifstream stream(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream && bytes.empty()) return refused("no bytes");
+  std::string bytes, fault;
+  const int file = nlg::openRegularFile(path, &fault);
+  if (file < 0) return refused(fault);
+  std::array<char, 65536> block;
+  for (ssize_t count = 0; (count = ::read(file, block.data(), block.size())) > 0;)
+    bytes.append(block.data(), static_cast<size_t>(count));
+  ::close(file);
   return cHeaderIsWhole(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()) == 1 ? kAccepted
                                                                                            : refused("another digest");
 }
