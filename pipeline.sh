@@ -34,6 +34,7 @@ while [ $# -gt 0 ]; do
   esac
 done
 [ $# -le 2 ] || refuse "expected at most a configuration and a folder of levels, got $# arguments"
+[ -n "${1-pipeline.yaml}" ] || refuse "expected a configuration, got an empty name"
 config=$(realpath -m -- "${1:-$(dirname "$0")/pipeline.yaml}")
 [ -f "$config" ] || { echo "pipeline.sh: $config: expected a configuration file, got none" >&2; exit 2; }
 if [ $# -ge 2 ]; then
