@@ -25,7 +25,7 @@ LONG_NUMBER, SURROGATE = "9" * 400, "\\ud800"
 
 def damaged(siege, kinds, hows, count, name):
     """Cases (words, run) of damaged files of some kinds, the readers in turn."""
-    some = [reading for reading in damage.readings(siege) if reading.kind in kinds]
+    some = [reading for reading in damage.readings(siege) if reading.kind in kinds and (reading.opens or hows[0] in damage.BYTES)]
     for number in range(count or len(some) * len(hows)):
         reading, how = some[number % len(some)], hows[number // len(some) % len(hows)]
         yield damage.read_damaged(siege, reading, how, random_of(siege, name, number))

@@ -1,4 +1,5 @@
 """One trial: a command under limits, and what is wrong with how it ended."""
+import math
 import os
 import re
 import resource
@@ -15,6 +16,7 @@ TORN, LEFT, HANG, SILENT, TRACEBACK, MEMORY, ENDING = COLUMNS = ("torn", "left b
 SUCCESS, INTERNAL_ERROR, USAGE_ERROR, INPUT_ERROR, NUMERICAL_ERROR, OUTPUT_ERROR, CHECK_FAILED, DAMAGED_FILE = range(8)
 DOCUMENTED = (USAGE_ERROR, INPUT_ERROR, NUMERICAL_ERROR, OUTPUT_ERROR, CHECK_FAILED, DAMAGED_FILE)
 
+WAIT = 4
 STDERR_BYTES = 1 << 20
 ADDRESS_SPACE_BYTES = 12 << 30  # the machine's own limit, so that a trial cannot take the machine
 # what an abort of ours, of the libraries and of the sanitizers says
@@ -25,7 +27,7 @@ CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 
 @dataclass
 class Limits:
-    seconds: float = 60.0
+    seconds: float = 60.0  # of a processor, and WAIT times as many by the clock: other work on the machine is no hang
     peak_mb: float = 2000.0
     address_space: bool = True  # sanitizers map terabytes
 
@@ -53,6 +55,8 @@ class Faults:
 
 def limit_child(limits):
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    seconds = math.ceil(limits.seconds)
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
     if limits.address_space:
         resource.setrlimit(resource.RLIMIT_AS, (ADDRESS_SPACE_BYTES, ADDRESS_SPACE_BYTES))
 
@@ -79,7 +83,7 @@ def run(command, folder, environment, limits, kill_after=None):
     handle = os.pidfd_open(process.pid)
     poll = select.poll()
     poll.register(handle, select.POLLIN)
-    is_over = bool(poll.poll(1000 * (limits.seconds if kill_after is None else kill_after)))
+    is_over = bool(poll.poll(1000 * (WAIT * limits.seconds if kill_after is None else kill_after)))
     end_group(process)
     _, status, usage = os.wait4(process.pid, 0)
     os.close(handle)
@@ -87,11 +91,13 @@ def run(command, folder, environment, limits, kill_after=None):
     with open(stderr_path, "rb") as file:
         text = file.read(STDERR_BYTES).decode(errors="replace")
     os.remove(stderr_path)
-    return Ending(process.returncode, text, time.monotonic() - began, usage.ru_maxrss / 1024, not is_over and kill_after is None)
+    is_hung = process.returncode == -signal.SIGXCPU or (not is_over and kill_after is None)
+    return Ending(process.returncode, text, time.monotonic() - began, usage.ru_maxrss / 1024, is_hung)
 
 
 def error_lines(text):
-    return [line for line in text.splitlines() if re.match(r"[\w.\- ]+: error: ", line) or re.match(r"(pipeline\.sh|WorkflowError)\b", line)]
+    """Ours, those of pipeline.sh and what it calls, and what OpenMP says before it ends a process by itself."""
+    return [line for line in text.splitlines() if re.match(r"[\w.\- ]+: error: |pipeline\.sh: |libgomp: ", line)]
 
 
 def judge(ending, limits, faults, codes=DOCUMENTED, is_quiet=True):
@@ -115,5 +121,5 @@ def judge(ending, limits, faults, codes=DOCUMENTED, is_quiet=True):
     lines = error_lines(ending.stderr)
     if ending.code not in codes:
         faults.add(ENDING, f"expected one of {', '.join(map(str, codes))}: {ending.words()}")
-    elif len(lines) != 1 or (is_quiet and len(ending.stderr.splitlines()) != 1):
+    elif len(lines) != 1 or (is_quiet and len([line for line in ending.stderr.splitlines() if line]) != 1):
         faults.add(ENDING, f"expected one line: {ending.words()}")
