@@ -257,7 +257,7 @@ CONFIGURATIONS = {"empty": "", "broken": "name: [", "nameless": "scenes: {famili
 def d13(siege):
     for words, text in CONFIGURATIONS.items():
         yield configuration(siege, words, text)
-    for flag in ("-x", "--nonsense", "--plan=", ""):
+    for flag in ("-x", "--nonsense", "--plan="):
         yield flagged(siege, flag)
 
 
@@ -318,40 +318,20 @@ def orphaned_tools(siege, seconds):
         started = subprocess.Popen([os.path.join(checkout.checkout, "pipeline.sh"), checkout.config], cwd=folder, env=checkout.environment, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
         time.sleep(seconds)
-        parents = [process for process, name in session_of(started.pid) if not name.startswith("nlg-")]
+        parents = [process for process, name in trial.session_of(started.pid) if not name.startswith("nlg-")]
         for process in parents:
             try:
                 os.kill(process, signal.SIGKILL)
             except ProcessLookupError:
                 pass
         started.wait()
-        alive = [process for process, name in session_of(started.pid) if name.startswith("nlg-")]
+        alive = [process for process, name in trial.session_of(started.pid) if name.startswith("nlg-")]
         ending = checkout.run()
         trial.judge(ending, siege.pipeline_limits, faults, (trial.USAGE_ERROR,), is_quiet=False)
-        wait_for(alive)
+        trial.wait_for(lambda: any(process in alive for process, _ in trial.session_of(started.pid)))
         checkout.finish(siege.pipeline, faults)
         return f"{len(alive)} tools lived on: {ending.words()}"
     return run
-
-
-def session_of(leader):
-    """(process, name) of those in a session that we started."""
-    found = []
-    for name in os.listdir("/proc"):
-        try:
-            with open(f"/proc/{name}/stat") as file:
-                words, _, rest = file.read().rpartition(")")
-        except (OSError, ValueError):
-            continue
-        if name.isdigit() and rest and int(rest.split()[3]) == leader:
-            found.append((int(name), words.split("(", 1)[1]))
-    return found
-
-
-def wait_for(processes):
-    deadline = time.monotonic() + 120
-    while any(os.path.exists(f"/proc/{process}") for process in processes) and time.monotonic() < deadline:
-        time.sleep(0.1)
 
 
 # ---- D15: the C library's options

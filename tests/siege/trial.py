@@ -17,6 +17,7 @@ SUCCESS, INTERNAL_ERROR, USAGE_ERROR, INPUT_ERROR, NUMERICAL_ERROR, OUTPUT_ERROR
 DOCUMENTED = (USAGE_ERROR, INPUT_ERROR, NUMERICAL_ERROR, OUTPUT_ERROR, CHECK_FAILED, DAMAGED_FILE)
 
 WAIT = 4
+GONE_SECONDS = 120  # what a killed process may take to be gone on a busy machine
 STDERR_BYTES = 1 << 20
 ADDRESS_SPACE_BYTES = 12 << 30  # the machine's own limit, so that a trial cannot take the machine
 # what an abort of ours, of the libraries and of the sanitizers says
@@ -67,12 +68,34 @@ def start(command, folder, environment, limits, stderr_path):
                                 preexec_fn=lambda: limit_child(limits))
 
 
+def session_of(leader):
+    """(process, name) of what lives in a session that we started."""
+    found = []
+    for name in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{name}/stat") as file:
+                words, _, rest = file.read().rpartition(")")
+        except OSError:
+            continue
+        state, _, _, session = rest.split()[:4]
+        if int(session) == leader and state != "Z":
+            found.append((int(name), words.split("(", 1)[1]))
+    return found
+
+
+def wait_for(goes_on):
+    deadline = time.monotonic() + GONE_SECONDS
+    while goes_on() and time.monotonic() < deadline:
+        time.sleep(0.02)
+
+
 def end_group(process):
-    """Nothing of a trial outlives it. The group is the trial's own: it was started in a session of its own."""
+    """Nothing of a trial outlives it: the session is its own. Locks are free once all of it is gone."""
     try:
         os.killpg(process.pid, signal.SIGKILL)
     except ProcessLookupError:
         pass
+    wait_for(lambda: session_of(process.pid))
 
 
 def run(command, folder, environment, limits, kill_after=None):
