@@ -96,7 +96,7 @@ def reads_as_whole(path):
         except ValueError:
             return False
         return True
-    ends = {".html": b"</html>\n", ".png": b"IEND\xaeB`\x82", ".csv": b"\n"}
+    ends = {".html": b"</html>", ".png": b"IEND\xaeB`\x82", ".csv": b"\n"}
     return bool(data) and data.endswith(ends.get(os.path.splitext(path)[1], b""))
 
 
