@@ -123,8 +123,10 @@ void writeAll(const std::string& temporary_path, const std::string& path, std::s
 // Calls take(block, size) for every block of the file.
 template <class Take>
 void forEachBlock(InputFile& file, Take take) {
-  const auto block = std::make_unique<char[]>(kReadBlockBytes);
-  while (const size_t count = file.read(block.get(), kReadBlockBytes)) take(block.get(), count);
+  // a small file takes no more memory than it has bytes; one that says 0 may hold some all the same
+  const size_t block_bytes = std::clamp<uint64_t>(file.size(), 4096, kReadBlockBytes);
+  const auto block = std::make_unique<char[]>(block_bytes);
+  while (const size_t count = file.read(block.get(), block_bytes)) take(block.get(), count);
 }
 
 // What HDF5, libtorch and our own writers say of the file that they were given, about the one that the user asked for.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 
 namespace nlg {
 namespace {
@@ -30,16 +32,16 @@ double numberOf(const BspEntity& entity, std::string_view key, double otherwise)
 // Irradiance of what adds this to the codes of a lightmap that faces it.
 double irradianceOf(double codes) { return kPi * kLightPerCode * codes; }
 
-// Where the entity of this name stands; false when there is none.
-bool findTarget(const std::vector<BspEntity>& entities, std::string_view name, glm::dvec3* origin) {
-  if (name.empty()) return false;
+// Where lights aim at: the origins of all entities that have a name, by it. Of a name that comes twice the first one counts. Found
+// once for all lights: tens of thousands of each would take minutes otherwise.
+using Targets = std::map<std::string_view, std::optional<glm::dvec3>>;
+Targets targetsOf(const std::vector<BspEntity>& entities) {
+  Targets targets;
   for (const BspEntity& entity : entities) {
-    if (textOf(entity, "targetname") != name) continue;
-    const std::optional<glm::dvec3> found = threeNumbers(textOf(entity, "origin"));
-    if (found) *origin = *found;
-    return found.has_value();
+    const std::string_view name = textOf(entity, "targetname");
+    if (!name.empty()) targets.try_emplace(name, threeNumbers(textOf(entity, "origin")));
   }
-  return false;
+  return targets;
 }
 
 // A spot's cone reaches radius + 16 units around its target, and fades over the last 32 of them.
@@ -54,7 +56,7 @@ void aimLamp(const BspEntity& entity, const glm::dvec3& way, Lamp* lamp) {
 
 class EntityLightReader {
  public:
-  explicit EntityLightReader(const std::vector<BspEntity>& entities) : entities_(entities) {}
+  explicit EntityLightReader(const std::vector<BspEntity>& entities) : entities_(entities), targets_(targetsOf(entities)) {}
 
   EntityLights read() {
     for (const BspEntity& entity : entities_) {
@@ -88,10 +90,10 @@ class EntityLightReader {
     strength *= numberOf(entity, "scale", 1.0);
     // a negative light takes light away: no lamp does
     if (!(strength > 0.0)) return;
-    glm::dvec3 aim(0.0);
-    const bool has_aim = findTarget(entities_, textOf(entity, "target"), &aim);
+    const auto target = targets_.find(textOf(entity, "target"));
+    const std::optional<glm::dvec3> aim = target == targets_.end() ? std::nullopt : target->second;
     if (numberOf(entity, "_sun", 0.0) == 1.0) {
-      addSun(entity, strength, has_aim ? *origin - aim : glm::dvec3(0.0, 0.0, 1.0));
+      addSun(entity, strength, aim ? *origin - *aim : glm::dvec3(0.0, 0.0, 1.0));
       return;
     }
     Lamp lamp;
@@ -101,7 +103,7 @@ class EntityLightReader {
     const double codes_at_a_unit = is_linear ? linearStrength(strength) : strength * kPointScale;
     lights_.linear_lamps += is_linear;
     lamp.intensity = colourOf(entity) * static_cast<float>(irradianceOf(codes_at_a_unit) * kBspMetresPerUnit * kBspMetresPerUnit);
-    if (has_aim) aimLamp(entity, aim - *origin, &lamp);
+    if (aim) aimLamp(entity, *aim - *origin, &lamp);
     lights_.lamps.push_back(lamp);
     lights_.lamp_units.push_back(*origin);
   }
@@ -123,6 +125,7 @@ class EntityLightReader {
   }
 
   const std::vector<BspEntity>& entities_;
+  const Targets targets_;
   EntityLights lights_;
 };
 

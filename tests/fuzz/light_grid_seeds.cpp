@@ -1,12 +1,12 @@
-// Writes the files that light_grid_fuzz starts from into a folder: small grids with trees of one, two and three levels, without light and
-// with light in every form, and of version 1.
-#include <fstream>
+// The files that light_grid_fuzz starts from: small grids with trees of one, two and three levels, without light and with light in
+// every form, and of version 1.
 #include <string>
 
 #include "runtime_eval/light_grid/light_grid_file.h"
+#include "tests/fuzz/fuzz.h"
 #include "tests/runtime_eval/light_grid/old_grid_file.h"
 
-namespace nlg {
+namespace nlg::fuzz {
 namespace {
 
 // Too coarse around one point down to cells of `finest` units, nothing in the upper half.
@@ -30,31 +30,24 @@ LightGrid smallGrid(int32_t finest) {
   return grid;
 }
 
-bool writeFile(const std::string& path, const std::string& bytes) {
-  std::ofstream stream(path, std::ios::binary);
-  stream << bytes;
-  return static_cast<bool>(stream.flush());
-}
+}  // namespace
 
-bool writeSeeds(const std::string& folder) {
-  bool written = true;
+Seeds seeds() {
+  Seeds seeds;
   for (const int32_t finest : {32, 8, 2}) {
     const LightGrid grid = smallGrid(finest);
-    const std::string name = folder + "/" + std::to_string(finest);
+    const std::string name = std::to_string(finest);
     for (const LightForm form : kLightForms) {
       const ThetaPrecision precision = form == LightForm::none       ? ThetaPrecision::float32
                                        : form == LightForm::sh2_8bit ? ThetaPrecision::int8
                                                                      : ThetaPrecision::float16;
       std::string bytes;
-      written = written && serializeLightGrid(grid, {precision, form}, {{"scene", "house"}}, &bytes).ok();
-      written = written && writeFile(name + "_" + lightFormName(form), bytes);
+      FUZZ_CHECK(serializeLightGrid(grid, {precision, form}, {{"scene", "house"}}, &bytes).ok(), name);
+      seeds.emplace_back(name + "_" + lightFormName(form), bytes);
     }
-    written = written && writeFile(name + "_version_1", oldGridBytes(grid, {{"scene", "house"}}));
+    seeds.emplace_back(name + "_version_1", oldGridBytes(grid, {{"scene", "house"}}));
   }
-  return written;
+  return seeds;
 }
 
-}  // namespace
-}  // namespace nlg
-
-int main(int argc, char** argv) { return argc == 2 && nlg::writeSeeds(argv[1]) ? 0 : 2; }
+}  // namespace nlg::fuzz

@@ -14,28 +14,22 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
-#include <iterator>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/numbers/random.h"
 #include "runtime_eval/weights_file/header_parser.h"
 #include "runtime_eval/weights_file/weights_file.h"
+#include "tests/fuzz/digests.h"
+#include "tests/fuzz/fuzz.h"
 
-namespace nlg {
+namespace nlg::fuzz {
 namespace {
 
 // The seeds fit in; above it the sanitizer maps new pages for every input. Larger data is left to the first form.
 constexpr uint64_t kMaxDataBytes = uint64_t{1} << 17;
-
-#define FUZZ_CHECK(condition, text) \
-  ((condition) ? void() : (std::fprintf(stderr, "%s does not hold: %s\n", #condition, std::string(text).c_str()), std::abort()))
 
 // The data that stands in for a file's: the input's own bytes over and over, or ones.
 std::string filled(std::string_view pattern, uint64_t bytes) {
@@ -129,70 +123,17 @@ void load(std::string_view bytes, bool laid_out) {
   }
 }
 
-// Begin and length of every number of a text, or of every text in quotes, the quotes included.
-std::vector<std::pair<size_t, size_t>> numbersOf(std::string_view text) {
-  std::vector<std::pair<size_t, size_t>> found;
-  for (size_t i = 0; (i = text.find_first_of("0123456789", i)) != text.npos; i += found.back().second) {
-    found.emplace_back(i, std::min(text.find_first_not_of("0123456789", i), text.size()) - i);
-  }
-  return found;
-}
-std::vector<std::pair<size_t, size_t>> quotedOf(std::string_view text) {
-  std::vector<std::pair<size_t, size_t>> found;
-  for (size_t i = 0; (i = text.find('"', i)) != text.npos; i += found.back().second) {
-    found.emplace_back(i, std::min(text.find('"', i + 1), text.size() - 1) + 1 - i);
-  }
-  return found;
-}
-
-// Something near a number, or at a limit.
-std::string neighbour(std::string_view digits, Random& random) {
-  uint64_t value = 0;
-  for (const char digit : digits) value = 10 * value + static_cast<uint64_t>(digit - '0');
-  const uint64_t choices[] = {value + 1, value - 1, value + 4 * random.below(32),   value - 4 * random.below(32),
-                              value / 2, 0,         uint64_t{1} << random.below(64)};
-  return std::to_string(choices[random.below(std::size(choices))]);
-}
-
-// Puts a neighbour, or another one of the text's own, in the place of one number or quoted text.
-std::string mutated(const std::string& text, Random& random) {
-  const bool number = random.chance(0.7);
-  const auto parts = number ? numbersOf(text) : quotedOf(text);
-  if (parts.empty()) return text;
-  const auto part = [&] { return parts[random.below(static_cast<uint32_t>(parts.size()))]; };
-  const auto [begin, length] = part();
-  const auto [other_begin, other_length] = part();
-  const bool own = !number || random.chance(0.3);
-  const std::string_view view = text;
-  std::string result = text;
-  return result.replace(begin, length,
-                        own ? text.substr(other_begin, other_length) : neighbour(view.substr(begin, length), random));
-}
-
 }  // namespace
-}  // namespace nlg
 
-extern "C" size_t LLVMFuzzerMutate(uint8_t* bytes, size_t size, size_t max_size);
-
-// Blind mutations hardly ever change a number of a header and leave it a header: every other one does no more than that.
-extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* bytes, size_t size, size_t max_size, unsigned int seed) {
-  nlg::Random random(seed);
-  if (random.chance(0.5)) return LLVMFuzzerMutate(bytes, size, max_size);
-  const std::string result = nlg::mutated(std::string(reinterpret_cast<const char*>(bytes), size), random);
-  if (result.size() > max_size) return LLVMFuzzerMutate(bytes, size, max_size);
-  std::memcpy(bytes, result.data(), result.size());
-  return result.size();
-}
-
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  nlg::supportPattern();  // a tenth of a second that no single input shall be charged with
-  return 0;
-}
-
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
-  const std::string file = nlg::wholeFile({reinterpret_cast<const char*>(bytes), size});
+void readOne(std::string_view bytes) {
+  const std::string file = withRightDigest(wholeFile(bytes));
   // a string may own more than its text: a read past the end shall leave the allocation
   const std::vector<char> exact(file.begin(), file.end());
-  nlg::load({exact.data(), exact.size()}, size > 0 && bytes[0] == '[' && !exact.empty());
-  return 0;
+  load({exact.data(), exact.size()}, bytes.starts_with('[') && !exact.empty());
 }
+
+std::string mutated(std::string bytes, size_t max_size, Random& random) {
+  return mutatedTextOrBlindly(std::move(bytes), max_size, random);
+}
+
+}  // namespace nlg::fuzz

@@ -1,12 +1,12 @@
-// Writes the inputs that weights_fuzz starts from into a folder: headers of the smallest generators in both forms that the target
+// The inputs that weights_fuzz starts from: headers of the smallest generators in both forms that the target
 // completes, and small files that are whole. Their numbers do not matter; names, shapes and texts do.
 #include <cstring>
-#include <fstream>
 #include <string>
 
 #include "runtime_eval/evaluator/generator.h"
+#include "tests/fuzz/fuzz.h"
 
-namespace nlg {
+namespace nlg::fuzz {
 namespace {
 
 std::vector<GeneratorLayer> smallLayers(int input_count, int output_count, int layer_count, int width) {
@@ -67,14 +67,10 @@ WeightsFile smallFile() {
   return file;
 }
 
-bool write(const std::string& path, const std::string& bytes) {
-  std::ofstream stream(path, std::ios::binary);
-  stream << bytes;
-  return static_cast<bool>(stream.flush());
-}
+}  // namespace
 
-bool writeSeeds(const std::string& folder) {
-  bool written = write(folder + "/whole", serializeWeights(smallFile())) && write(folder + "/whole_empty", serializeWeights({}));
+Seeds seeds() {
+  Seeds seeds = {{"whole", serializeWeights(smallFile())}, {"whole_empty", serializeWeights({})}};
   struct Size {
     int component_count, layer_count, width;
   };
@@ -82,24 +78,24 @@ bool writeSeeds(const std::string& folder) {
     for (const char* representation : kRepresentationNames) {
       const GeneratorData data = smallGenerator(representation, size.component_count, size.layer_count, size.width);
       const std::string header = headerOf(serializeWeights(weightsFromGenerator(data)));
-      const std::string name = folder + "/" + representation + "_" + std::to_string(size.layer_count);
+      const std::string name = representation + ("_" + std::to_string(size.layer_count));
       const std::string correction = headerOf(serializeWeights(weightsFromGenerator(withCorrection(data))));
       const std::string half = headerOf(serializeWeights(inFloat16(data)));
       const std::string half_correction = headerOf(serializeWeights(inFloat16(withCorrection(data))));
-      written = written && write(name + "_correction_header", correction) &&
-                write(name + "_correction_shapes", "[" + correction) && write(name + "_half_header", half) &&
-                write(name + "_half_shapes", "[" + half) && write(name + "_half_correction_shapes", "[" + half_correction);
-      // behind a zero byte: how much longer the data is than the header says, and what fills it
-      written = written && write(name + "_header", header) && write(name + "_shapes", "[" + header) &&
-                write(name + "_long", header + std::string("\0\4", 2)) &&
-                write(name + "_short", header + std::string("\0\xfc", 2)) &&
-                write(name + "_filled", header + std::string("\0\0", 2) + "\x33\x33\xb3\x3e");
+      seeds.insert(seeds.end(), {{name + "_correction_header", correction},
+                                 {name + "_correction_shapes", "[" + correction},
+                                 {name + "_half_header", half},
+                                 {name + "_half_shapes", "[" + half},
+                                 {name + "_half_correction_shapes", "[" + half_correction},
+                                 {name + "_header", header},
+                                 {name + "_shapes", "[" + header},
+                                 // behind a zero byte: how much longer the data is than the header says, and what fills it
+                                 {name + "_long", header + std::string("\0\4", 2)},
+                                 {name + "_short", header + std::string("\0\xfc", 2)},
+                                 {name + "_filled", header + std::string("\0\0", 2) + "\x33\x33\xb3\x3e"}});
     }
   }
-  return written;
+  return seeds;
 }
 
-}  // namespace
-}  // namespace nlg
-
-int main(int argc, char** argv) { return argc == 2 && nlg::writeSeeds(argv[1]) ? 0 : 2; }
+}  // namespace nlg::fuzz

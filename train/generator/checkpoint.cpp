@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <limits>
+#include <map>
 #include <sstream>
 
 #include "tool/atomic_file.h"
@@ -73,7 +75,41 @@ void writeMoments(const TrainingState& state, torch::serialize::OutputArchive& a
   }
 }
 
-void readMoments(torch::serialize::InputArchive& archive, TrainingState* state) {
+// What has to be the same in a run and in its checkpoint: libtorch gives a tensor whatever shape and type the archive has.
+struct TensorForm {
+  std::vector<int64_t> sizes;
+  torch::ScalarType type;
+  bool is_contiguous;
+  bool operator==(const TensorForm&) const = default;
+};
+
+TensorForm formOf(const torch::Tensor& tensor) { return {tensor.sizes().vec(), tensor.scalar_type(), tensor.is_contiguous()}; }
+
+std::string nameOf(const TensorForm& form) {
+  std::string shape;
+  for (const int64_t size : form.sizes) shape += (shape.empty() ? "" : " x ") + std::to_string(size);
+  return (shape.empty() ? "one" : shape) + std::string(" of ") + c10::toString(form.type) +
+         (form.is_contiguous ? "" : ", scattered");
+}
+
+void requireForm(const std::string& path, const std::string& place, const TensorForm& expected, const torch::Tensor& got) {
+  const TensorForm form = formOf(got);
+  if (!(form == expected)) throw InputError(path, place, nameOf(expected), nameOf(form));
+}
+
+void loadNetwork(const std::string& path, const std::string& name, torch::serialize::InputArchive& archive,
+                 GeneratorNetwork& network) {
+  std::map<std::string, TensorForm> forms;
+  for (const auto& tensor : network->named_parameters()) forms.emplace(tensor.key(), formOf(tensor.value()));
+  for (const auto& tensor : network->named_buffers()) forms.emplace(tensor.key(), formOf(tensor.value()));
+  network->load(archive);
+  for (const auto& tensor : network->named_parameters())
+    requireForm(path, name + " " + tensor.key(), forms.at(tensor.key()), tensor.value());
+  for (const auto& tensor : network->named_buffers())
+    requireForm(path, name + " " + tensor.key(), forms.at(tensor.key()), tensor.value());
+}
+
+void readMoments(const std::string& path, torch::serialize::InputArchive& archive, TrainingState* state) {
   const std::vector<torch::Tensor> parameters = state->network->parameters();
   for (size_t i = 0; i < parameters.size(); ++i) {
     c10::IValue step;
@@ -82,6 +118,9 @@ void readMoments(torch::serialize::InputArchive& archive, TrainingState* state) 
     torch::Tensor mean, square;
     archive.read("mean" + std::to_string(i), mean);
     archive.read("square" + std::to_string(i), square);
+    const TensorForm expected = formOf(parameters[i]);
+    requireForm(path, "optimizer mean" + std::to_string(i), expected, mean);
+    requireForm(path, "optimizer square" + std::to_string(i), expected, square);
     moments->step(step.toInt());
     moments->exp_avg(mean.to(parameters[i].device()));
     moments->exp_avg_sq(square.to(parameters[i].device()));
@@ -99,6 +138,13 @@ int64_t readNumber(torch::serialize::InputArchive& archive, const std::string& k
   c10::IValue value;
   archive.read(key, value);
   return value.toInt();
+}
+
+int64_t readCount(const std::string& path, torch::serialize::InputArchive& archive, const std::string& key) {
+  const int64_t count = readNumber(archive, key);
+  if (count < 0 || count > std::numeric_limits<int>::max())
+    throw InputError(path, key, "a number from 0 to 2147483647", std::to_string(count));
+  return count;
 }
 
 }  // namespace
@@ -152,12 +198,12 @@ void readCheckpoint(const std::string& path, const RunIdentity& identity, Traini
     archive.read("network", network);
     archive.read("average", average);
     archive.read("optimizer", optimizer);
-    state->network->load(network);
-    state->average->load(average);
-    readMoments(optimizer, state);
-    state->step = readNumber(archive, "step");
-    state->draw = readNumber(archive, "draw");
-    state->rollbacks = static_cast<int>(readNumber(archive, "rollbacks"));
+    loadNetwork(path, "network", network, state->network);
+    loadNetwork(path, "average", average, state->average);
+    readMoments(path, optimizer, state);
+    state->step = readCount(path, archive, "step");
+    state->draw = readCount(path, archive, "draw");
+    state->rollbacks = static_cast<int>(readCount(path, archive, "rollbacks"));
     torch::Tensor losses;
     archive.read("recent_losses", losses);
     losses = losses.contiguous();

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numeric>
 #include <string_view>
 #include <system_error>
@@ -36,6 +37,15 @@ const uint8_t* mapFile(const std::string& path, size_t* count) {
   void* address = ::mmap(nullptr, *count, PROT_READ, MAP_SHARED, file.descriptor(), 0);
   if (address == MAP_FAILED) throw InputError(path, "map", "a file that can be mapped", reason());
   return static_cast<const uint8_t*>(address);
+}
+
+// A whole number of the footer from 0 to `most`. The library's own conversion takes fractions, and makes of what is out of range
+// whatever comes of it.
+uint64_t wholeNumber(const std::string& path, const nlohmann::json& json, const char* key, uint64_t most) {
+  const nlohmann::json& value = json.at(key);
+  if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
+    throw InputError(path, key, "a whole number from 0 to " + std::to_string(most), value.dump().substr(0, 40));
+  return value.get<uint64_t>();
 }
 
 }  // namespace
@@ -79,11 +89,13 @@ void FunctionCache::readFooter(const std::string& footer) {
   const size_t json_count = std::min(footer.find('\n'), footer.size());
   try {
     const nlohmann::json json = nlohmann::json::parse(footer.substr(0, json_count));
-    if (json.at("pattern_hash").get<uint64_t>() != supportPattern().hash) {
-      throw InputError(path_, "pattern_hash", std::to_string(supportPattern().hash), json.at("pattern_hash").dump());
+    const uint64_t hash = wholeNumber(path_, json, "pattern_hash", std::numeric_limits<uint64_t>::max());
+    if (hash != supportPattern().hash) {
+      throw InputError(path_, "pattern_hash", std::to_string(supportPattern().hash), std::to_string(hash));
     }
-    function_count_ = json.at("function_count").get<int64_t>();
-    coefficient_count_ = json.at("coefficient_count").get<int>();
+    // no more functions than the footer has bytes: each has four of them
+    function_count_ = static_cast<int64_t>(wholeNumber(path_, json, "function_count", footer.size() / sizeof(float)));
+    coefficient_count_ = static_cast<int>(wholeNumber(path_, json, "coefficient_count", std::numeric_limits<int>::max()));
     origin_ = {json.at("basis_sha256").get<std::string>(), json.at("training_set_sha256").get<std::string>(),
                json.at("scene_ids").get<std::vector<std::string>>()};
     block_sha256_ = json.at("block_sha256").get<std::vector<std::string>>();

@@ -216,6 +216,31 @@ TEST_F(BspLight, LampsGiveTheCodesThatTheCompilerGives) {
 }
 
 // Nine numbers that no light should have.
+// Half of all entities that a level may have are lamps, each with a target of its own: to look through all entities for each would
+// take a minute.
+TEST_F(BspLight, EveryLampOfAFullLevelFindsItsTarget) {
+  std::string text;
+  constexpr int kLamps = 32768;
+  for (int i = 0; i < kLamps; ++i) text += R"({"classname" "light" "origin" "0 0 0" "target" "t)" + std::to_string(i) + "\"}\n";
+  for (int i = 0; i < kLamps; ++i) text += R"({"targetname" "t)" + std::to_string(i) + R"(" "origin" "0 0 8"})" + "\n";
+  const EntityLights lights = entityLights(readEntities("level.bsp", text));
+  ASSERT_EQ(lights.lamps.size(), static_cast<size_t>(kLamps));
+  for (const Lamp& lamp : lights.lamps) ASSERT_EQ(lamp.direction, glm::vec3(0, 1, 0));
+}
+
+TEST_F(BspLight, TheFirstEntityOfATargetsNameCounts) {
+  const auto direction = [](const std::string& targets) {
+    const std::string lamp = R"({"classname" "light" "origin" "0 0 0" "target" "t"})";
+    const EntityLights lights = entityLights(readEntities("level.bsp", lamp + targets));
+    return lights.lamps.at(0).cos_outer > -1.0f ? lights.lamps[0].direction : glm::vec3(0.0f);
+  };
+  const std::string up = R"({"targetname" "t" "origin" "0 0 8"})", down = R"({"targetname" "t" "origin" "0 0 -8"})";
+  EXPECT_EQ(direction(up + down), glm::vec3(0, 1, 0));
+  EXPECT_EQ(direction(down + up), glm::vec3(0, -1, 0));
+  EXPECT_EQ(direction(R"({"targetname" "t"})" + up), glm::vec3(0.0f)) << "the first has no place";
+  EXPECT_EQ(direction(R"({"targetname" ""})"), glm::vec3(0.0f));
+}
+
 TEST_F(BspLight, OddNumbersOfLightsAreReadAsTheCompilerReadsThem) {
   BspParts parts = litLevel();
   for (const char* light : {"nan", "", "x", "-5", "1e30", "0", "inf", "300 units", "+300"})

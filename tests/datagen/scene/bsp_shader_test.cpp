@@ -9,9 +9,8 @@
 #include "datagen/scene/quake_tokens.h"
 #include "datagen/scene/texture_colour.h"
 #include "hand_built_bsp.h"
+#include "tests/datagen/scene/hand_built_images.h"
 #include "tool/error.h"
-
-#include <jpeglib.h>
 
 namespace nlg {
 namespace {
@@ -132,40 +131,6 @@ TEST(ShaderScripts, RefusesMoreThanAnyGameHas) {
 }
 
 // --- colours
-
-std::string targa(int kind, int width, int height, int bits, const std::string& pixels) {
-  std::string header(18, '\0');
-  header[2] = static_cast<char>(kind);
-  header[12] = static_cast<char>(width);
-  header[14] = static_cast<char>(height);
-  header[16] = static_cast<char>(bits);
-  return header + pixels;
-}
-
-std::string jpeg(int side, unsigned char red, unsigned char green, unsigned char blue) {
-  jpeg_compress_struct info;
-  jpeg_error_mgr errors;
-  info.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&info);
-  unsigned char* out = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&info, &out, &size);
-  info.image_width = info.image_height = static_cast<unsigned>(side);
-  info.input_components = 3;
-  info.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&info);
-  jpeg_set_quality(&info, 100, TRUE);
-  jpeg_start_compress(&info, TRUE);
-  std::vector<unsigned char> row;
-  for (int x = 0; x < side; ++x) row.insert(row.end(), {red, green, blue});
-  unsigned char* row_start = row.data();
-  for (int y = 0; y < side; ++y) jpeg_write_scanlines(&info, &row_start, 1);
-  jpeg_finish_compress(&info);
-  jpeg_destroy_compress(&info);
-  std::string bytes(reinterpret_cast<char*>(out), size);
-  free(out);
-  return bytes;
-}
 
 std::optional<glm::vec3> averageColour(const std::string& bytes) {
   SceneBudget pixels = SceneBudgets().pixels;

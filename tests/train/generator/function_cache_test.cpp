@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -17,6 +18,7 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "train/basis/basis_fit.h"
+#include "train/generator/cache_layout.h"
 #include "train/generator/function_cache_writer.h"
 #include "train/generator/lost_pages.h"
 #include "train/generator/sample_order.h"
@@ -203,6 +205,28 @@ TEST_F(Cache, IsRefusedWhenABitHasFlipped) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x40);
     EXPECT_NE(complaint(damaged), "") << "byte " << at << " of the head";
+  }
+}
+
+// The digests of a footer prove no more than that nobody changed it by accident.
+TEST_F(Cache, IsRefusedWhenItsCountsAreNoCounts) {
+  const std::string whole = readFile(path());
+  CacheHead head;
+  std::memcpy(&head, whole.data(), sizeof head);
+  const std::string footer = whole.substr(head.footer_first),
+                    records = whole.substr(sizeof head, head.footer_first - sizeof head);
+  for (const std::string key : {"pattern_hash", "function_count", "coefficient_count"}) {
+    const size_t first = footer.find("\"" + key + "\":") + key.size() + 3, last = footer.find(',', first);
+    // of function_count those that overflow when blocks or bytes are counted; of all what is no whole number
+    for (const char* count :
+         {"9223372036854775807", "9223372036854775296", "4611686018427387904", "0", "-1", "5e37", "1.5", "null"}) {
+      std::string changed = footer;
+      changed.replace(first, last - first, count);
+      CacheHead right = head;
+      std::memcpy(right.footer_sha256, sha256(changed).data(), sizeof right.footer_sha256);
+      const std::string bytes = std::string(reinterpret_cast<const char*>(&right), sizeof right) + records + changed;
+      EXPECT_NE(complaint(bytes), "") << key << " " << count;
+    }
   }
 }
 

@@ -232,6 +232,41 @@ TEST_F(Checkpoint, OfAnotherRunIsRefused) {
   }
 }
 
+// libtorch gives a tensor whatever shape and type the archive has.
+TEST_F(Checkpoint, IsRefusedWhenItsTensorsAreNotThoseOfTheRun) {
+  TrainOptions narrow = run().options;
+  narrow.shape.width = 16;
+  writeCheckpoint(path_, kIdentity, makeState(narrow, run().theta0));
+  EXPECT_TRUE(refused()) << "layers of another width";
+  TrainingState state = makeState(run().options, run().theta0);
+  state.average->to(torch::kDouble);
+  writeCheckpoint(path_, kIdentity, state);
+  EXPECT_TRUE(refused()) << "numbers of another type";
+
+  state = makeState(run().options, run().theta0);
+  trainUntil(state, 20, "");
+  writeCheckpoint(path_, kIdentity, state);
+  EXPECT_FALSE(refused());
+  adamMoments(state).at(1)->exp_avg_sq(torch::zeros({1}));
+  writeCheckpoint(path_, kIdentity, state);
+  EXPECT_TRUE(refused()) << "moments of another shape";
+}
+
+TEST_F(Checkpoint, IsRefusedWhenItsCountsAreNoCounts) {
+  TrainingState state = makeState(run().options, run().theta0);
+  for (int64_t TrainingState::*count : {&TrainingState::step, &TrainingState::draw}) {
+    for (const int64_t value : {int64_t{-1}, int64_t{1} << 40}) {
+      state.*count = value;
+      writeCheckpoint(path_, kIdentity, state);
+      EXPECT_TRUE(refused()) << value;
+    }
+    state.*count = 0;
+  }
+  state.rollbacks = -1;
+  writeCheckpoint(path_, kIdentity, state);
+  EXPECT_TRUE(refused()) << "rollbacks";
+}
+
 TEST_F(Checkpoint, IsRefusedWhenTruncated) {
   writeFresh();
   const std::string whole = readFile(path_);

@@ -1,0 +1,51 @@
+// Images of a few bytes, for tests that know their colours.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <jpeglib.h>
+
+namespace nlg {
+
+inline std::string targa(int kind, int width, int height, int bits, const std::string& pixels) {
+  std::string header(18, '\0');
+  header[2] = static_cast<char>(kind);
+  header[12] = static_cast<char>(width);
+  header[14] = static_cast<char>(height);
+  header[16] = static_cast<char>(bits);
+  return header + pixels;
+}
+
+enum class JpegKind { plain, progressive };
+
+// A square of one colour.
+inline std::string jpeg(int side, unsigned char red, unsigned char green, unsigned char blue, JpegKind kind = JpegKind::plain) {
+  jpeg_compress_struct info;
+  jpeg_error_mgr errors;
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  unsigned char* out = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&info, &out, &size);
+  info.image_width = info.image_height = static_cast<unsigned>(side);
+  info.input_components = 3;
+  info.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&info);
+  jpeg_set_quality(&info, 100, TRUE);
+  if (kind == JpegKind::progressive) jpeg_simple_progression(&info);
+  jpeg_start_compress(&info, TRUE);
+  std::vector<unsigned char> row;
+  for (int x = 0; x < side; ++x) row.insert(row.end(), {red, green, blue});
+  unsigned char* row_start = row.data();
+  for (int y = 0; y < side; ++y) jpeg_write_scanlines(&info, &row_start, 1);
+  jpeg_finish_compress(&info);
+  jpeg_destroy_compress(&info);
+  std::string bytes(reinterpret_cast<char*>(out), size);
+  free(out);
+  return bytes;
+}
+
+}  // namespace nlg

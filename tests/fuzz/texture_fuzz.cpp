@@ -1,0 +1,44 @@
+// Hostile textures, JPEG and Targa: an image has means between black and white, or none, or it asks for too
+// many pixels.
+#include "datagen/scene/texture_colour.h"
+#include "tests/datagen/scene/hand_built_images.h"
+#include "tests/fuzz/fuzz.h"
+
+namespace nlg::fuzz {
+namespace {
+
+// far less than a scene may have, so that the end of the budget is met, too
+constexpr uint64_t kMostPixels = uint64_t{1} << 22;
+
+void check(const glm::vec3& mean) {
+  for (int channel = 0; channel < 3; ++channel)
+    FUZZ_CHECK(mean[channel] >= 0.0f && mean[channel] <= 1.0f, std::to_string(mean[channel]));
+}
+
+void readMeans(std::string_view bytes) {
+  SceneBudget pixels("pixels of textures", kMostPixels);
+  const std::optional<ImageMeans> means = imageMeans(bytes, pixels, "level.pk3", "image");
+  if (!means) return;
+  check(means->linear);
+  check(means->code);
+}
+
+}  // namespace
+
+void readOne(std::string_view bytes) {
+  isTaken([&] { readMeans(bytes); });
+}
+
+Seeds seeds() {
+  return {{"colours.tga", targa(2, 2, 1, 24, std::string("\0\0\0\xff\xff\xff", 6))},
+          {"transparent.tga", targa(2, 1, 1, 32, std::string("\xff\0\0\x80", 4))},
+          {"grey.tga", targa(3, 1, 2, 8, "\xbc\xbc")},
+          {"packed.tga", targa(10, 2, 2, 24, std::string("\x82\0\0\xff\0\0\0\0", 8))},
+          {"packed_grey.tga", targa(11, 3, 2, 8, "\x81\x10\x03\x20\x30\x40\x50")},
+          {"plain.jpg", jpeg(9, 10, 20, 30)},
+          {"progressive.jpg", jpeg(17, 10, 20, 30, JpegKind::progressive)}};
+}
+
+std::string mutated(std::string bytes, size_t max_size, Random&) { return mutatedBlindly(std::move(bytes), max_size); }
+
+}  // namespace nlg::fuzz
