@@ -2,6 +2,7 @@
 
 Each ends within the limits of time and memory: with success, or with a documented exit code and one line.
 """
+import copy
 import json
 import os
 
@@ -13,6 +14,7 @@ from case import Case, random_of
 SECONDS, PEAK_MB = 30.0, 1500.0
 NUMBERS = (-1, 0, 1, 255, 65536, 2**31 - 1, 2**31, 2**32 - 1, 2**32, 2**53, 2**63, -2**63, 1e-45, 1e38, 1e308, -1e308, 0.1)
 VALUES = (*NUMBERS, "", "a" * 5000, "\x1b[2J", "\ud800", None, True, [], {}, [[]] * 100)
+MANY_WORDS = 10000  # from there on a text is no longer made fifty times as long
 WORDS = (b"nan", b"inf", b"-1", b"1e999", b"4294967296", b"9" * 400, b"", b"\x00", b"\x1b[2J", b"../../../etc/passwd", b"{", b"}", b"//", b"/*", b"\"", b"/", b"a" * 2000, b"\xff\xfe")
 
 
@@ -30,11 +32,12 @@ def mutate_json(data, random):
         holder, key = random.choice(parents)
         what = random.random()
         if what < 0.6:
-            holder[key] = random.choice(VALUES)
+            # a copy: a later change may go into it
+            holder[key] = copy.deepcopy(random.choice(VALUES))
         elif what < 0.75:
             del holder[key]
         elif what < 0.9 and isinstance(holder, list):
-            holder.extend([holder[key]] * random.choice((1, 100, 10000)))
+            holder.extend([holder[key]] * random.choice((1, 100, 10000) if len(parents) == 1 else (1, 100)))
         else:
             holder[key] = [holder[key]]
         if not document:
@@ -53,7 +56,7 @@ def mutate_words(data, random):
         elif what < 0.8:
             words[place] = words[place].replace(b"\n", b"")
         else:
-            words[place:place] = words[:random.randrange(1, len(words))] * random.choice((1, 50))
+            words[place:place] = words[:random.randrange(1, len(words))] * random.choice((1, 50) if len(words) < MANY_WORDS else (1,))
     return b" ".join(words)
 
 
