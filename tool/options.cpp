@@ -1,6 +1,7 @@
 #include "tool/options.h"
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +11,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <variant>
 
 #include <nlohmann/json.hpp>
@@ -161,15 +163,51 @@ size_t editDistance(const std::string& a, const std::string& b) {
   throw UsageError(place, fmt::format("one of [{}]", fmt::join(known, ", ")), got);
 }
 
+// Sees where the contents of documents begin, and nothing else.
+class DocumentStarts : public YAML::EventHandler {
+ public:
+  std::vector<YAML::Mark> marks;
+
+  void OnDocumentStart(const YAML::Mark&) override { is_expected_ = true; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { take(mark); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { take(mark); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t, const std::string&) override { take(mark); }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    take(mark);
+  }
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override { take(mark); }
+  void OnMapEnd() override {}
+
+ private:
+  void take(const YAML::Mark& mark) {
+    if (std::exchange(is_expected_, false)) marks.push_back(mark);
+  }
+
+  bool is_expected_ = false;
+};
+
+// Of more than two documents the first two. yaml-cpp's own list of all has no end on some texts that are no YAML: ", # o" gives it one
+// empty document after the other.
+std::vector<YAML::Mark> documentStarts(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentStarts starts;
+  while (starts.marks.size() < 2 && parser.HandleNextDocument(starts)) {
+  }
+  return std::move(starts.marks);
+}
+
 // A YAML file with the name under which the user knows it.
 class YamlFile {
  public:
   explicit YamlFile(const std::string& path) : path_(path) {
     const std::string text = readFile(path, kMaxYamlBytes);
     try {
-      const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-      if (documents.size() > 1) throw UsageError(place(documents[1]), "one YAML document", "a second one");
-      if (!documents.empty()) root_ = documents[0];
+      const std::vector<YAML::Mark> starts = documentStarts(text);
+      if (starts.size() > 1) throw UsageError(place(starts[1]), "one YAML document", "a second one");
+      if (!starts.empty()) root_ = YAML::Load(text);
     } catch (const YAML::Exception& error) {
       throw UsageError(place(error.mark), "readable YAML", error.msg);
     }

@@ -76,7 +76,7 @@ WeightsResult roundToFloat16(const std::string& name, WeightsTensor* tensor);
 
 // The bytes of a file: tensors in the order of their names; the same content gives the same bytes.
 //
-// file   names and texts in UTF-8; no tensor is named "__metadata__" or "padding.…"; values as many as the shape says; those of
+// file   names and texts in UTF-8; no metadata key is "file_sha256", which is written here; no tensor is named "__metadata__" or "padding.…"; values as many as the shape says; those of
 //        F16 tensors are float16's own (roundToFloat16)
 std::string serializeWeights(const WeightsFile& file);
 

@@ -63,6 +63,7 @@ std::string laidOut(std::string_view text, std::string_view pattern) {
   if (!parseWeightsHeader(text, &header).empty()) return {};
   WeightsFile file;
   file.metadata = header.metadata;
+  file.metadata.erase(kDigestKey);  // the writer's own
   uint64_t left = kMaxDataBytes / sizeof(float);
   for (const auto& [name, tensor] : header.tensors) {
     if (name.rfind("padding.", 0) == 0) continue;

@@ -201,6 +201,8 @@ TEST_F(Options, RefuseWhatIsNoYaml) {
   EXPECT_EQ(refusalOfYaml("datagen:\n  jobs: [1\n").substr(0, 3), ":3:");
   EXPECT_EQ(refusalOfYaml("datagen: *nowhere\n").substr(0, 26), ":1:10: expected readable Y");
   EXPECT_EQ(refusalOfYaml("a: 1\n---\nb: 2\n"), ":3:1: expected one YAML document, got a second one");
+  // yaml-cpp finds no end to the documents of this one
+  EXPECT_EQ(refusalOfYaml(", # o"), ":1:1: expected one YAML document, got a second one");
   EXPECT_NE(refusalOfYaml("datagen: {jobs: 1"), "taken");
   EXPECT_NE(refusalOfYaml("\tdatagen: 1"), "taken");
 }

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <new>
 #include <sstream>
 
 #include "tool/atomic_file.h"
@@ -44,6 +45,8 @@ void readArchive(const std::string& path, const Read& read) {
     read(archive);
   } catch (const ToolError&) {
     throw;
+  } catch (const std::bad_alloc&) {
+    throw;  // says nothing of the file
   } catch (const std::exception& error) {
     const std::string text = error.what();
     throw InputError(path, "archive", "a whole checkpoint", text.substr(0, text.find('\n')));

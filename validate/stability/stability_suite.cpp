@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <new>
 #include <set>
 
 #include <fmt/format.h>
@@ -68,6 +69,8 @@ StabilityResult notRun(const std::string& why) { return {.measured = "not run", 
 StabilityResult measure(const StabilityCase& stability_case, const StabilityInputs& inputs) {
   try {
     return withoutExcuse(stability_case.measure(inputs));
+  } catch (const std::bad_alloc&) {
+    throw;  // says something of the machine, and nothing of the case
   } catch (const std::exception& error) {
     return {.measured = std::string("ended with an exception: ") + error.what()};
   }
