@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
+#include <new>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,6 +46,17 @@ inline void silenceHdf5() {
   static const herr_t no_exit_handler = H5dont_atexit();
   static_cast<void>(no_exit_handler);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+// HDF5 1.10 ends the process by a signal when the system refuses it the memory of a file's cache: it is asked for before.
+// throws   std::bad_alloc
+inline void requireMemoryOfAFile() {
+  constexpr size_t kFileBytes = size_t{4} << 20;
+  void* const memory = std::malloc(kFileBytes);
+  if (memory == nullptr) throw std::bad_alloc();
+  // a use, or the compiler would ask for nothing
+  *static_cast<volatile char*>(memory) = 0;
+  std::free(memory);
 }
 
 // What HDF5 says at the place where the error arose; when the system refused, only the system's words (the rest holds a time).

@@ -203,6 +203,7 @@ Handle openAttribute(hid_t file, const Place& place, const std::string& name) {
 Hdf5Reader::Hdf5Reader(const std::string& path) : path_(path) {
   silenceHdf5();
   requireOurSuperblock(path);
+  requireMemoryOfAFile();
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access, false, true);
   file_ = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access);

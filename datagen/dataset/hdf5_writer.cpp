@@ -52,6 +52,7 @@ Hdf5Writer::Hdf5Writer(const std::string& path) : path_(path) {
   H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
   // readers never see a file under construction, and cluster file systems often know no locks
   H5Pset_file_locking(access, false, true);
+  requireMemoryOfAFile();
   file_ = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access);
   requireWritten(file_ >= 0, path_, "create");
 }
