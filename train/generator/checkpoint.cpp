@@ -8,7 +8,6 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
-#include <map>
 #include <new>
 #include <sstream>
 
@@ -78,38 +77,47 @@ void writeMoments(const TrainingState& state, torch::serialize::OutputArchive& a
   }
 }
 
-// What has to be the same in a run and in its checkpoint: libtorch gives a tensor whatever shape and type the archive has.
+// What has to be the same in a run and in its checkpoint. libtorch's own loading of a module gives a tensor whatever shape the
+// archive has, and takes numbers of another type for its own.
 struct TensorForm {
   std::vector<int64_t> sizes;
   torch::ScalarType type;
-  bool is_contiguous;
   bool operator==(const TensorForm&) const = default;
 };
 
-TensorForm formOf(const torch::Tensor& tensor) { return {tensor.sizes().vec(), tensor.scalar_type(), tensor.is_contiguous()}; }
+TensorForm formOf(const torch::Tensor& tensor) { return {tensor.sizes().vec(), tensor.scalar_type()}; }
 
 std::string nameOf(const TensorForm& form) {
   std::string shape;
   for (const int64_t size : form.sizes) shape += (shape.empty() ? "" : " x ") + std::to_string(size);
-  return (shape.empty() ? "one" : shape) + std::string(" of ") + c10::toString(form.type) +
-         (form.is_contiguous ? "" : ", scattered");
+  return (shape.empty() ? "one" : shape) + std::string(" of ") + c10::toString(form.type);
 }
 
-void requireForm(const std::string& path, const std::string& place, const TensorForm& expected, const torch::Tensor& got) {
-  const TensorForm form = formOf(got);
-  if (!(form == expected)) throw InputError(path, place, nameOf(expected), nameOf(form));
+enum class TensorRole { parameter, buffer };
+
+// The archive's tensor of that name, once it is known to have the form of this one.
+torch::Tensor readLike(const std::string& path, const std::string& place, torch::serialize::InputArchive& archive,
+                       const std::string& key, const torch::Tensor& like, TensorRole role = TensorRole::parameter) {
+  torch::Tensor tensor;
+  archive.read(key, tensor, role == TensorRole::buffer);
+  const TensorForm expected = formOf(like), form = formOf(tensor);
+  if (!(form == expected)) throw InputError(path, place + " " + key, nameOf(expected), nameOf(form));
+  return tensor.contiguous();
 }
 
-void loadNetwork(const std::string& path, const std::string& name, torch::serialize::InputArchive& archive,
-                 GeneratorNetwork& network) {
-  std::map<std::string, TensorForm> forms;
-  for (const auto& tensor : network->named_parameters()) forms.emplace(tensor.key(), formOf(tensor.value()));
-  for (const auto& tensor : network->named_buffers()) forms.emplace(tensor.key(), formOf(tensor.value()));
-  network->load(archive);
-  for (const auto& tensor : network->named_parameters())
-    requireForm(path, name + " " + tensor.key(), forms.at(tensor.key()), tensor.value());
-  for (const auto& tensor : network->named_buffers())
-    requireForm(path, name + " " + tensor.key(), forms.at(tensor.key()), tensor.value());
+// The archive of a module, as torch::nn::Module::save makes it.
+void loadModule(const std::string& path, const std::string& place, torch::serialize::InputArchive& archive,
+                torch::nn::Module& module) {
+  torch::NoGradGuard guard;
+  for (const auto& tensor : module.named_parameters(false))
+    tensor.value().copy_(readLike(path, place, archive, tensor.key(), tensor.value()));
+  for (const auto& tensor : module.named_buffers(false))
+    tensor.value().copy_(readLike(path, place, archive, tensor.key(), tensor.value(), TensorRole::buffer));
+  for (const auto& child : module.named_children()) {
+    torch::serialize::InputArchive inner;
+    archive.read(child.key(), inner);
+    loadModule(path, place + " " + child.key(), inner, *child.value());
+  }
 }
 
 void readMoments(const std::string& path, torch::serialize::InputArchive& archive, TrainingState* state) {
@@ -118,12 +126,8 @@ void readMoments(const std::string& path, torch::serialize::InputArchive& archiv
     c10::IValue step;
     if (!archive.try_read("step" + std::to_string(i), step)) continue;
     auto moments = std::make_unique<torch::optim::AdamParamState>();
-    torch::Tensor mean, square;
-    archive.read("mean" + std::to_string(i), mean);
-    archive.read("square" + std::to_string(i), square);
-    const TensorForm expected = formOf(parameters[i]);
-    requireForm(path, "optimizer mean" + std::to_string(i), expected, mean);
-    requireForm(path, "optimizer square" + std::to_string(i), expected, square);
+    const torch::Tensor mean = readLike(path, "optimizer", archive, "mean" + std::to_string(i), parameters[i]);
+    const torch::Tensor square = readLike(path, "optimizer", archive, "square" + std::to_string(i), parameters[i]);
     moments->step(step.toInt());
     moments->exp_avg(mean.to(parameters[i].device()));
     moments->exp_avg_sq(square.to(parameters[i].device()));
@@ -201,8 +205,8 @@ void readCheckpoint(const std::string& path, const RunIdentity& identity, Traini
     archive.read("network", network);
     archive.read("average", average);
     archive.read("optimizer", optimizer);
-    loadNetwork(path, "network", network, state->network);
-    loadNetwork(path, "average", average, state->average);
+    loadModule(path, "network", network, *state->network);
+    loadModule(path, "average", average, *state->average);
     readMoments(path, optimizer, state);
     state->step = readCount(path, archive, "step");
     state->draw = readCount(path, archive, "draw");
