@@ -23,5 +23,5 @@ export TMPDIR=$scratch
 "$program" --seeds "$seeds"
 mapfile -t limits < "$program.options"
 # memory and time that no small file may take
-"$program" -runs="$runs" -rss_limit_mb=2048 -malloc_limit_mb=512 -timeout=10 "${limits[@]}" -artifact_prefix="$build/$target-" \
+"$program" -runs="$runs" -rss_limit_mb=2048 -malloc_limit_mb=512 -timeout=60 "${limits[@]}" -artifact_prefix="$build/$target-" \
   -print_final_stats=1 -verbosity=1 "$@" "$corpus" "$seeds"
