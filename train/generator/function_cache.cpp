@@ -31,8 +31,8 @@ const uint8_t* mapFile(const std::string& path, size_t* count) {
   const InputFile file(path);
   *count = file.size();
   if (*count < kFirstRecord) {
-    throw InputError(path, "size", "a function cache of at least " + std::to_string(kFirstRecord) + " bytes",
-                     std::to_string(*count) + " bytes");
+    throw DamageError(path, "size", "a function cache of at least " + std::to_string(kFirstRecord) + " bytes",
+                      std::to_string(*count) + " bytes");
   }
   void* address = ::mmap(nullptr, *count, PROT_READ, MAP_SHARED, file.descriptor(), 0);
   if (address == MAP_FAILED) throw InputError(path, "map", "a file that can be mapped", reason());
@@ -54,7 +54,13 @@ FunctionCache::FunctionCache(const std::string& path) : path_(path), mapped_(map
   try {
     CacheHead head;
     std::memcpy(&head, mapped_, sizeof head);
+    const bool has_footer = head.footer_first >= kFirstRecord && head.footer_first <= mapped_count_;
+    const size_t footer_first = has_footer ? head.footer_first : mapped_count_;
+    const std::string footer(reinterpret_cast<const char*>(mapped_) + footer_first, mapped_count_ - footer_first);
+    const bool is_footer_whole = has_footer && sha256(footer) == std::string(head.footer_sha256, sizeof head.footer_sha256);
     if (std::memcmp(head.magic, kCacheMagic, sizeof kCacheMagic) != 0) {
+      // of anything but a cache these bytes are no SHA-256 of the others
+      if (is_footer_whole) throw DamageError(path, "first bytes", "those of a function cache", "others: the file is damaged");
       throw InputError(path, "first bytes", "those of a function cache", "others");
     }
     if (head.version != kCacheVersion) {
@@ -64,11 +70,8 @@ FunctionCache::FunctionCache(const std::string& path) : path_(path), mapped_(map
     if (std::any_of(mapped_ + sizeof head, mapped_ + kFirstRecord, [](uint8_t byte) { return byte != 0; })) {
       throw DamageError(path, "bytes behind the head", "zeros", "others: the file is damaged");
     }
-    if (head.footer_first < kFirstRecord || head.footer_first > mapped_count_) {
-      throw DamageError(path, "footer", "a whole file", "one of " + std::to_string(mapped_count_) + " bytes");
-    }
-    const std::string footer(reinterpret_cast<const char*>(mapped_) + head.footer_first, mapped_count_ - head.footer_first);
-    if (sha256(footer) != std::string(head.footer_sha256, sizeof head.footer_sha256)) {
+    if (!has_footer) throw DamageError(path, "footer", "a whole file", "one of " + std::to_string(mapped_count_) + " bytes");
+    if (!is_footer_whole) {
       throw DamageError(path, "SHA-256 of the footer", "that of the head", "another: the file is truncated or damaged");
     }
     readFooter(footer);

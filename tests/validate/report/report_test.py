@@ -421,7 +421,7 @@ def check_refusals(needed):
            f"report.py with the frontier of other scenes: exit code {result.returncode}, {result.stderr.strip()!r}")
     # numbers and texts that JSON can hold, and neither a float nor a page
     whole = open("summary.json", encoding="utf-8").read()
-    for old, new, words in (('"parameters": ', '"parameters": ' + "9" * 400, "400 digits"), ('"tool": "', '"tool": "\\ud800', "provenance.tool"), ('"mean": ', '"mean": 1e999', "finite")):
+    for old, new, words in (('"parameters": ', '"parameters": ' + "9" * 400, " digits"), ('"tool": "', '"tool": "\\ud800', "provenance.tool"), ('"mean": ', '"mean": 1e999', "finite")):
         expect(old in whole, f"summary.json without {old}: nothing is tested")
         with open("hostile.json", "w", encoding="utf-8") as file:
             file.write(whole.replace(old, new, 1))
