@@ -130,7 +130,7 @@ void applyEdit(RecipeBytes& bytes, std::vector<Placed>& items) {
       item.object = static_cast<Placed::Object>(bytes.below(Placed::kObjects));
       break;
     case Edit::repeat:
-      item.bytes.append(item.bytes.substr(0, kMaxItemBytes));
+      if (item.bytes.size() < kMaxItemBytes) item.bytes.append(item.bytes);
       break;
   }
 }
