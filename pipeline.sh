@@ -77,6 +77,8 @@ fi
 damaged=$(/usr/bin/python3 workflow/check_artefacts.py "$config" "${NLG_BIN:-build/release/bin}")
 mapfile -t again <<<"$damaged"
 workflow ${damaged:+"${again[@]}"} all
+# snakemake takes it away after the last training, and forgets it where it was killed just then
+rm -f "$run/training/functions.cache"
 echo "The report: $(realpath "$run/report.html")"
 [ ! -e "$run/evaluation/report.html" ] || echo "… of the evaluation: $(realpath "$run/evaluation/report.html")"
 code=0

@@ -39,6 +39,7 @@ class Sketches {
         sketcher_.emplace(rule_, point_count_, nullptr);
       }
       requireSameRule(reader.header(), rule_);
+      reader.verifyDigest();
       for (uint64_t first = 0; first < reader.functionCount(); first += kRowsAtOnce) {
         const Shard rows = reader.read(first, std::min(kRowsAtOnce, reader.functionCount() - first));
         block.clear();

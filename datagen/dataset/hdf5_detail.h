@@ -48,15 +48,19 @@ inline void silenceHdf5() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-// HDF5 1.10 ends the process by a signal when the system refuses it the memory of a file's cache: it is asked for before.
+// HDF5 1.10 ends the process by a signal when it is refused the memory of a file's cache: the system is asked for it before.
 // throws   std::bad_alloc
 inline void requireMemoryOfAFile() {
   constexpr size_t kFileBytes = size_t{4} << 20;
-  void* const memory = std::malloc(kFileBytes);
-  if (memory == nullptr) throw std::bad_alloc();
-  // a use, or the compiler would ask for nothing
-  *static_cast<volatile char*>(memory) = 0;
-  std::free(memory);
+  // Twice: the first block is a mapping of its own. Once it has been given back, glibc takes blocks of its size from the heap, and keeps
+  // them there, so that HDF5 gets what the second one was.
+  for (int time = 0; time < 2; ++time) {
+    void* const memory = std::malloc(kFileBytes);
+    if (memory == nullptr) throw std::bad_alloc();
+    // a use, or the compiler would ask for nothing
+    *static_cast<volatile char*>(memory) = 0;
+    std::free(memory);
+  }
 }
 
 // What HDF5 says at the place where the error arose; when the system refused, only the system's words (the rest holds a time).

@@ -90,6 +90,7 @@ KnownFunctions findKnown(const DuplicateRule& rule, const FunctionSet& held_out,
   KnownFunctionSearch search(rule, held_out);
   for (const std::string& path : training_shards) {
     const ShardReader reader(path, held_out.pattern_hash, held_out.point_count);
+    reader.verifyDigest();
     for (uint64_t first = 0; first < reader.functionCount(); first += kPieceFunctions) {
       const Shard piece = reader.read(first, std::min(kPieceFunctions, reader.functionCount() - first));
       for (uint64_t n = 0; n < piece.functionCount(); ++n) search.see(functionAt(piece, n));

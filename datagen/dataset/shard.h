@@ -56,7 +56,8 @@ inline constexpr uint64_t kChunkFunctions = 32;
 // same bytes. For shards that fit in memory; ShardWriter (shard_writer.h) takes the others. throws OutputError
 void writeShard(const std::string& path, const Shard& shard);
 
-// Reads a shard back, checks every shape against the attributes and the checksums against the bytes. Schema versions 1 to 3.
+// Reads a shard back, checks every shape against the attributes, the checksums and the SHA-256 against the bytes. Schema versions 1
+// to 3; version 1 has no SHA-256.
 // pattern_hash   the pattern that the caller works with; 0 takes any
 // point_count    its points; 0 takes any number
 // throws         InputError on a missing, truncated or damaged file, another schema version or another pattern

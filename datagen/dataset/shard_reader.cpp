@@ -108,7 +108,10 @@ uint64_t ShardReader::storedBytes() const {
 
 Shard readShard(const std::string& path, uint64_t pattern_hash, int point_count) {
   const ShardReader reader(path, pattern_hash, point_count);
-  return reader.read(0, reader.functionCount());
+  Shard shard = reader.read(0, reader.functionCount());
+  // last: what is wrong with single values is said in words of theirs
+  reader.verifyDigest();
+  return shard;
 }
 
 Shard readShardHeader(const std::string& path, uint64_t pattern_hash, int point_count) {

@@ -18,7 +18,8 @@ class ShardReader {
   const Shard& header() const { return header_; }
   uint64_t functionCount() const { return header_.counts.functions; }
 
-  // Functions [first, first + count), with the header; count may be anything that functionCount leaves room for.
+  // Functions [first, first + count), with the header; count may be anything that functionCount leaves room for. Every chunk is held
+  // against its Fletcher-32, which takes 0000 for ffff: who reads all functions asks for verifyDigest, too.
   // throws   InputError on damage: checksums, values that break the contract
   Shard read(uint64_t first, uint64_t count) const;
 

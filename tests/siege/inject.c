@@ -16,6 +16,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <malloc.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -304,7 +305,8 @@ extern void* __libc_calloc(size_t, size_t);
 extern void* __libc_realloc(void*, size_t);
 extern void* __libc_memalign(size_t, size_t);
 
-static int isRefused(size_t size) { return is_on && size >= above && strike(kMemory) > 0; }
+/* What the heap has at its end is given without asking the system, which can refuse nothing there. */
+static int isRefused(size_t size) { return is_on && size >= above && size + 64 > mallinfo2().keepcost && strike(kMemory) > 0; }
 
 void* malloc(size_t size) {
   if (isRefused(size)) return errno = ENOMEM, NULL;
