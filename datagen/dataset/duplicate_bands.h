@@ -2,8 +2,9 @@
 //
 // Functions are taken in bands of their sketches' sums, the lowest first, and inside a band in the order of the shards. One that
 // duplicates a function taken before is a duplicate. Sums of duplicates lie near each other (DuplicateIndex), so that a band needs
-// the band below no further down than their reach, and the sketches of two bands are all that is ever in memory. With one band this
-// is the order of the shards. As exact as DuplicateIndex: no two functions that are left duplicate each other, and every other has
+// what lies below it no further down than their reach: the sketches of a band and of that reach are all that is ever in memory. Half
+// of the memory is for the band; the reach below has the other half as long as sums are spread more widely than a band (at the default
+// rule it is 1/500 of all sums). With one band this is the order of the shards. As exact as DuplicateIndex: no two functions that are left duplicate each other, and every other has
 // its like among them; which of several duplicates is left depends on the order.
 #pragma once
 

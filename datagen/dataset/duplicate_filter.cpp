@@ -1,26 +1,28 @@
+#include <numeric>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "datagen/dataset/function_set.h"
 #include "datagen/dataset/nameless_file.h"
+#include "datagen/dataset/packed_functions.h"
 #include "datagen/dataset/shard_check.h"
 #include "datagen/dataset/shard_reader.h"
-#include "datagen/dataset/shard_rows.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
 
-uint64_t functionCountOf(const std::vector<std::string>& shards) {
-  uint64_t count = 0;
-  for (const std::string& path : shards) count += ShardReader(path).functionCount();
-  return count;
+std::vector<uint64_t> functionCountsOf(const std::vector<std::string>& shards) {
+  std::vector<uint64_t> counts;
+  for (const std::string& path : shards) counts.push_back(ShardReader(path).functionCount());
+  return counts;
 }
 
 }  // namespace
 
 struct DuplicateFilter::Impl {
-  explicit Impl(const std::vector<std::string>& paths) : shards(paths), rows(paths) {}
+  explicit Impl(const std::vector<std::string>& paths) : shards(paths), function_counts(functionCountsOf(paths)) {}
 
   // Steps on to what removeKnown was given: another shard, or more rows of the same.
   void begin(const Shard& shard) {
@@ -30,9 +32,14 @@ struct DuplicateFilter::Impl {
       ++begun_count;
       next_row = 0;
     }
+    const uint64_t count = function_counts[begun_count - 1];
+    if (next_row + shard.functionCount() > count)
+      throw InputError(shard.path, "functions", std::to_string(count) + ", as when it was opened",
+                       "more: it was changed meanwhile");
     if (!index) {
       rule = shard.duplicate_rule;
       index.emplace(rule, shard.point_count, [this](uint64_t id) { return samples(id); });
+      if (!is_banded && !earlier) packed.emplace(shard.point_count, temporaryFolder());
     }
     requireSameRule(shard, rule);
     current = &shard;
@@ -42,24 +49,25 @@ struct DuplicateFilter::Impl {
   StoredFunction samples(uint64_t id) {
     // those of the shard at work have moved to the front of its arrays
     if (id >= first_of_current) return functionAt(*current, id - first_of_current);
-    return earlier ? earlier(id) : rows.at(places[id].first, places[id].second);
+    return earlier ? earlier(id) : packed->at(id);
   }
 
   bool isDuplicate(const StoredFunction& function) {
-    const uint64_t place = seen_count++, row = next_row++;
+    const uint64_t place = seen_count++;
+    ++next_row;
     if (is_banded) return is_duplicate[place];
     if (index->findOrAdd(function)) return true;
-    if (!earlier) places.emplace_back(static_cast<uint32_t>(begun_count - 1), static_cast<uint32_t>(row));
+    if (packed) packed->append(function);
     return false;
   }
 
   std::vector<std::string> shards;
+  std::vector<uint64_t> function_counts;
   DuplicateIndex::Fetch earlier;
-  ShardRows rows;
   bool is_banded = false;
   std::vector<bool> is_duplicate;  // of all functions, where they are looked for band by band
   std::optional<DuplicateIndex> index;
-  std::vector<std::pair<uint32_t, uint32_t>> places;  // of what was kept, by id: shard and row; where rows gives the samples
+  std::optional<PackedFunctions> packed;  // what was kept, by id; where nobody else has it
   DuplicateRule rule;
   size_t begun_count = 0;                 // shards
   uint64_t seen_count = 0, next_row = 0;  // functions in all; of the present shard
@@ -70,8 +78,13 @@ struct DuplicateFilter::Impl {
 DuplicateFilter::DuplicateFilter(const std::vector<std::string>& shards, DuplicateFilterOptions options)
     : impl_(std::make_unique<Impl>(shards)) {
   impl_->earlier = std::move(options.earlier);
-  impl_->is_banded = functionCountOf(shards) > options.memory_bytes / kDuplicateBytesAFunction;
-  if (impl_->is_banded) impl_->is_duplicate = findDuplicates(shards, options.memory_bytes, temporaryFolder());
+  const uint64_t count = std::accumulate(impl_->function_counts.begin(), impl_->function_counts.end(), uint64_t{0});
+  impl_->is_banded = count > options.memory_bytes / kDuplicateBytesAFunction;
+  if (!impl_->is_banded) return;
+  impl_->is_duplicate = findDuplicates(shards, options.memory_bytes, temporaryFolder());
+  if (impl_->is_duplicate.size() != count)
+    throw InputError(shards.front(), "functions of all shards", std::to_string(count) + ", as when they were opened",
+                     std::to_string(impl_->is_duplicate.size()) + ": they were changed meanwhile");
 }
 
 DuplicateFilter::~DuplicateFilter() = default;

@@ -28,15 +28,16 @@ struct FunctionSet : FunctionRows {
 inline constexpr uint64_t kDuplicateMemoryBytes = uint64_t{4} << 30;
 
 struct DuplicateFilterOptions {
-  DuplicateIndex::Fetch earlier;  // gives the samples of the id-th function kept; without it they are read from the shards again
+  DuplicateIndex::Fetch earlier;  // gives the samples of the id-th function kept; without it a copy is kept in a file
   uint64_t memory_bytes = kDuplicateMemoryBytes;  // for sketches
 };
 
 // Drops from shards what other shards hold already, by the rule that the shards themselves were made with (DuplicateRule).
 //
 // Exact, as DuplicateIndex says. Of duplicates the first in the order of the shards is kept, as long as the sketches of all functions
-// fit in memory (kDuplicateBytesAFunction each); where they do not, the first in the order of duplicate_bands.h, whose search then
-// reads all shards once beforehand and takes 88 bytes a function of the folder for temporary files (TMPDIR).
+// fit in memory (kDuplicateBytesAFunction each), and their deflated samples in the folder for temporary files (TMPDIR), about .7 kB a
+// function; where they do not, the first in the order of duplicate_bands.h, whose search then reads all shards once beforehand, takes
+// 88 bytes a function of that folder, and reads what may be alike from the shards again.
 class DuplicateFilter {
  public:
   // shards   the paths, in the order in which removeKnown is given them

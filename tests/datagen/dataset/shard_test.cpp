@@ -145,7 +145,7 @@ void writeByHand(const std::string& path, Shard shard, uint64_t version, const s
   file.write(version < 3 ? "phi_unseen" : "phi_test", {N, U}, shard.phi_test.data());
   file.write(version < 3 ? "validity_unseen" : "validity_test", {N, U / 8}, shard.validity_test.data());
   file.write(version < 3 ? "seen_unseen" : "seen_test", {N, U / 8}, shard.seen_test.data());
-  file.close();
+  version < 2 ? file.close() : file.closeWithDigest();
 }
 
 TEST_F(ShardFile, RoundTrips) {
