@@ -34,6 +34,15 @@ def state_of(path):
     return {"bytes": status.st_size, "mtime_ns": status.st_mtime_ns, "sha256": sha256_of(path)}
 
 
+def files_of(paths):
+    """The paths, and for each that is a folder those of what is in it."""
+    for path in paths:
+        if os.path.isdir(path) and not os.path.islink(path):
+            yield from (os.path.join(folder, name) for folder, _, names in sorted(os.walk(path)) for name in sorted(names))
+        else:
+            yield path
+
+
 def digest_of(files):
     return hashlib.sha256(json.dumps(files, sort_keys=True).encode()).hexdigest()
 
@@ -47,7 +56,8 @@ class Artefacts:
     def __init__(self, folder):
         self.folder, self.path, self.fault = folder, os.path.join(folder, NAME), ""
         self.files = self._read()
-        self.written = dict(self.files)
+        # one that says nothing is written anew, whatever is in it
+        self.written = None if self.fault else dict(self.files)
 
     def _read(self):
         if not os.path.lexists(self.path):
@@ -63,8 +73,8 @@ class Artefacts:
         return {}
 
     def take(self, paths):
-        """Records files as they are now; what is no regular file of the folder is left out."""
-        for path in paths:
+        """Records files, and all files in folders, as they are now; what is no regular file of the run's folder is left out."""
+        for path in files_of(paths):
             relative = os.path.relpath(path, self.folder)
             if not relative.startswith(os.pardir) and not names_its_digest(relative) and os.path.isfile(path):
                 self.files[relative] = state_of(path)
@@ -92,5 +102,5 @@ class Recorder:
                 self.artefacts.take(made)
                 self.artefacts.write_if_changed()
             except (OSError, OutputError) as error:
-                # the files themselves are there: a later run takes them as they are then
+                # the files themselves are there: a later run judges them by themselves
                 print(f"artefacts: {', '.join(made)}: not recorded: {error}", file=sys.stderr)

@@ -3,11 +3,12 @@
     check_artefacts.py CONFIG BIN_FOLDER
 
 Shards prove by their own digests what they are. Every other file is compared with the record of the run (artefacts.py): one that is
-another although its time is the same is damaged. One that is newer than its record, or has none, was put there by somebody, and must
-prove itself as far as its kind can: bases, checkpoints and weights by their digests, JSON by being JSON.
+another although its time is the same is damaged. One that is newer than its record, or has none, must prove itself as far as its kind
+can: bases, checkpoints and weights by their digests, JSON by being JSON, tables, pages and pictures by their ends. Nobody but the run
+makes tables, pages and pictures: one that is not as recorded is made again.
 
-Touches only what the run's own plan or record names, inside the run's own folder: a path that leads out of it through a link stays as
-it is, and so does every other file that lies there. A damaged file becomes NAME.damaged: nothing is deleted. Prints the files to make
+Touches only what the configuration names, inside the run's own folder: a path that leads out of it through a link stays as it is, and
+so does every other file that lies there. A damaged file becomes NAME.damaged: nothing is deleted. Prints the files to make
 again on stdout, one a line; why, on stderr. Exit codes are those of the tools: 2 on a configuration that cannot be used; 3 when a
 file cannot be judged (permission denied, another kind of file), and then nothing was moved.
 """
@@ -18,12 +19,14 @@ from concurrent.futures import ThreadPoolExecutor
 
 import configuration
 import tool.errors
-from artefacts import Artefacts, state_of
+from artefacts import Artefacts, files_of, state_of
 from tool.errors import DAMAGED_FILE, INPUT_ERROR, InputError, OutputError, ToolError, one_line
-from tool.input_file import read_json
+from tool.input_file import read_bytes, read_json
 
 # which tool knows a file by its ending; shards aside
 TOOL_OF = {".h5": "nlg-pca", ".ckpt": "nlg-train", ".safetensors": "nlg-export"}
+# how a whole one ends
+END_OF = {".csv": b"\n", ".html": b"</html>", ".png": b"IEND\xaeB`\x82"}
 
 
 def say(line):
@@ -47,11 +50,17 @@ def judge_by_itself(tools, path):
     ending = os.path.splitext(path)[1]
     if ending in TOOL_OF:
         return ask(os.path.join(tools, TOOL_OF[ending]), path)
-    if ending == ".json":
-        try:
+    try:
+        data = read_bytes(path)
+    except InputError as error:
+        return INPUT_ERROR, str(error)
+    try:
+        if ending == ".json":
             read_json(path)
-        except InputError as error:
-            return DAMAGED_FILE, str(error)
+    except InputError as error:
+        return DAMAGED_FILE, str(error)
+    if not data.endswith(END_OF.get(ending, b"")):
+        return DAMAGED_FILE, f"{path}: end: expected that of a whole file, got another"
     return 0, ""
 
 
@@ -59,12 +68,16 @@ def judge_by_record(tools, path, recorded):
     """A file against what the run recorded when it made it."""
     try:
         found = state_of(path)
+    except FileNotFoundError:
+        return DAMAGED_FILE, f"{path}: expected what the run made, got nothing"
     except OSError as error:
         return INPUT_ERROR, f"{path}: expected a readable file, got: {error.strerror}"
     if found["sha256"] == recorded["sha256"]:
         return 0, ""
     if found["mtime_ns"] == recorded["mtime_ns"]:
         return DAMAGED_FILE, f"{path}: other bytes than the run made, and its time has not changed"
+    if os.path.splitext(path)[1] in END_OF:
+        return DAMAGED_FILE, f"{path}: other bytes than the run made"
     return judge_by_itself(tools, path)
 
 
@@ -76,23 +89,28 @@ def free_name(path):
 
 def check(run, tools):
     """Files to make again, and the exit code."""
-    shards = [shard for split in configuration.SPLITS for shard in run.shards(split)]
+    shards = dict.fromkeys(shard for split in configuration.SPLITS for shard in run.shards(split))
     artefacts = Artefacts(run.folder)
     if artefacts.fault:
-        say(f"{artefacts.fault}; what was made before is taken as it is")
+        say(f"{artefacts.fault}; what was made before must prove itself, and is recorded anew")
     recorded = {os.path.join(run.folder, relative): state for relative, state in artefacts.files.items()}
-    planned = [*shards, *recorded]
-    # an earlier check that put them aside, of a run that then did not get far enough
-    again = [path for path in planned if not os.path.lexists(path) and os.path.lexists(f"{path}.damaged")]
+    made, folders = run.artefacts(), run.picture_folders()
+    # what was put aside stays wanted until it is there: an earlier check may have been of a run that then did not get far enough
+    again = [path for path in [*shards, *made, *folders] if not os.path.lexists(path) and os.path.lexists(f"{path}.damaged")]
+    # a folder is judged file by file, those of the record among them, and made again as a whole
+    folder_of = {path: folder for folder in folders if os.path.isdir(folder)
+                 for path in [*files_of([folder]), *(path for path in recorded if path.startswith(folder + os.sep))]}
     there = []
-    for path in (path for path in planned if os.path.lexists(path)):
+    for path in [*(path for path in [*shards, *made] if os.path.lexists(path)), *folder_of]:
         if is_own(run, path):
             there.append(path)
         else:
             say(f"{path} leads elsewhere through a link: left as it is")
 
     def judge(path):
-        return judge_by_record(tools, path, recorded[path]) if path in recorded else ask(os.path.join(tools, "nlg-datagen"), path)
+        if path in shards:
+            return ask(os.path.join(tools, "nlg-datagen"), path)
+        return judge_by_record(tools, path, recorded[path]) if path in recorded else judge_by_itself(tools, path)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         verdicts = list(zip(there, pool.map(judge, there)))
@@ -103,13 +121,14 @@ def check(run, tools):
         codes = {code for code, _ in unclear}
         return [], INPUT_ERROR if INPUT_ERROR in codes else 1
     for path, (code, line) in verdicts:
-        if code == DAMAGED_FILE:
-            aside = free_name(path)
-            os.rename(path, aside)
+        whole = folder_of.get(path, path)
+        if code == DAMAGED_FILE and whole not in again:
+            aside = free_name(whole)
+            os.rename(whole, aside)
             say(f"{line}; put aside as {aside}, it will be made again")
-            again.append(path)
-    # what somebody put there and is sound is what the run has from now on
-    artefacts.take(path for path, (code, _) in verdicts if code == 0 and path in recorded)
+            again.append(whole)
+    # what is sound, whoever put it there, is what the run has from now on
+    artefacts.take(path for path, (code, _) in verdicts if code == 0 and path not in shards)
     artefacts.write_if_changed()
     return again, 0
 

@@ -43,6 +43,7 @@ RENAMED = {"test": "evaluation", "needs": "savings", "needs_rounds": "savings_ro
 MAX_SHARDS = 1000000
 MAX_PROCESSES = 4096  # of nlg-train
 MAX_DEPTH = 16
+MAX_BYTES = 1 << 20  # of a configuration, as for the tools
 
 
 class ConfigurationError(ToolError, ValueError):
@@ -89,7 +90,12 @@ def require_plain(place, value, depth=0):
 
 
 class Loader(yaml.SafeLoader):
-    """YAML's safe loader, which would take the last of two equal keys."""
+    """YAML's safe loader, which would take the last of two equal keys, and lists of lists of aliases that no machine can hold."""
+
+    def compose_node(self, parent, index):
+        if self.check_event(yaml.events.AliasEvent):
+            raise yaml.constructor.ConstructorError(None, None, "expected every value written out, got an alias", self.peek_event().start_mark)
+        return super().compose_node(parent, index)
 
     def construct_mapping(self, node, deep=False):
         seen = set()
@@ -122,6 +128,7 @@ def read(path):
     """
     try:
         data = read_bytes(path)
+        require(path, f"{len(data)}", len(data) <= MAX_BYTES, f"at most {MAX_BYTES} bytes")
         text = data.decode("utf-8")
         return yaml.load(text, Loader)
     except yaml.MarkedYAMLError as error:
@@ -186,7 +193,9 @@ class Run:
         self.name = config["name"]
         require("name", self.name, isinstance(self.name, str) and len(self.name) <= 100 and re.fullmatch(r"[\w.-]*\w[\w.-]*", self.name),
                 "a folder's name")
-        self.folder = os.path.join(environment.get("NLG_OUT") or "out", self.name)
+        results = environment.get("NLG_OUT") or "out"
+        require("NLG_OUT", results, results.isprintable() and not set(results) & set("{}"), "a folder's name of one line without braces")
+        self.folder = os.path.join(results, self.name)
         self._take_effort(config)
         self._take_representations(config["representations"])
         self._take_training()
@@ -318,6 +327,26 @@ class Run:
         jitters = self.jitters if split == "training" else 1
         return [f"{self.folder}/dataset/{split}/{scene}.{jitter}.h5" for scene in getattr(self, split)
                 for jitter in range(1 if scene in self.unjittered else jitters)]
+
+    def artefacts(self):
+        """Files that the run makes and keeps, in the order in which it makes them; shards aside, and what is in picture_folders."""
+        judged = ["validation", *(["evaluation"] if self.evaluation else [])]
+        names = ["basis.h5", "basis.json"]
+        for name in self.representations:
+            names += [f"training/{name}.ckpt", f"training/{name}.csv", f"training/{name}.json", f"training/{name}/curve.png",
+                      f"weights/{name}.safetensors", f"weights/{name}.json"]
+        names += [f"{split}/{file}" for split in judged for file in ("summary.json", "functions.csv", "slices.json")]
+        names += [f"hierarchy/{scene}.hierarchy.json" for scene in self.report["small_scenes"]]
+        names += [f"{split}/frontier.{ending}" for split in judged for ending in ("json", "csv")]
+        names += [*([] if self.report["stability"] == "short" else ["training_cases.json"]), "stability.json"]
+        names += [f"savings/{scene}.json" for scene in matching(self.held_out + self.evaluation, self.report["savings"])]
+        names += [f"light/{scene}.json" for scene in self.light_scenes]
+        names += [f"{split}{file}" for split in ("", *(f"{name}/" for name in judged[1:])) for file in ("report.html", "slices.png")]
+        return [f"{self.folder}/{name}" for name in names]
+
+    def picture_folders(self):
+        """Folders that a rule makes with whatever is in them."""
+        return [f"{self.folder}/light/{scene}_places" for scene in self.light_scenes]
 
     def section(self, name):
         """A tool's options as text: a change of them re-runs the rule."""

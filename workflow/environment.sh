@@ -9,3 +9,16 @@ export OPENBLAS_NUM_THREADS=1 OMP_WAIT_POLICY=passive
 if grep -qw avx512f /proc/cpuinfo 2>/dev/null; then export OPENBLAS_CORETYPE=SkylakeX; fi
 # libtorch frees and takes large tensors every step: keep the pages
 export GLIBC_TUNABLES=glibc.malloc.mmap_max=0:glibc.malloc.trim_threshold=4294967296
+
+# into FILE COMMAND …: what the command prints becomes the file when the command is done, as a whole; nothing does when it fails
+into() {
+  local file=$1 code=0
+  shift
+  "$@" > "$file.unfinished" || code=$?
+  if [ "$code" = 0 ]; then
+    sync "$file.unfinished" && mv "$file.unfinished" "$file"
+  else
+    rm -f "$file.unfinished"
+    return "$code"
+  fi
+}

@@ -1,5 +1,4 @@
 """A whole pipeline in a folder: pipeline.sh of this checkout, without what installs and builds, on tests/siege/siege.yaml."""
-import base64
 import os
 import shutil
 
@@ -32,18 +31,10 @@ class Pipeline:
         return chain.files_in(self.results)
 
     def check_whole(self, made, faults, when):
-        """What has a finished file's name is whole. What snakemake will make again, it says itself."""
-        again = self.incomplete()
+        """What has a finished file's name is whole."""
         for path in self.files():
-            if path in made.listing and path not in again and not made.is_whole(self.results, path):
+            if path in made.listing and not made.is_whole(self.results, path):
                 faults.add(trial.TORN, f"{when}: {path} is torn")
-
-    def incomplete(self):
-        """Outputs of rules that were at work, which snakemake has on record: --rerun-incomplete makes them again."""
-        folder = os.path.join(self.checkout, ".snakemake", "incomplete")
-        names = os.listdir(folder) if os.path.isdir(folder) else []
-        paths = (base64.b64decode(name, altchars=b"-_", validate=False).decode(errors="replace") for name in names if name != "migration_underway")
-        return {os.path.relpath(path, self.results) for path in paths}
 
     def finish(self, made, faults):
         """Runs to the end: the files of an undisturbed run."""
