@@ -3,12 +3,14 @@
 #
 #   ./pipeline.sh [--plan] [--profile FOLDER] [CONFIG [LEVELS]]
 #
-# --plan     only say how many probes, functions, bytes and core-hours the data set will take
+# --plan     only say how many probes, functions, bytes and core-hours the data set will take; its sample stays in the run's folder
 # --profile  a profile of snakemake's that runs the stages elsewhere; configs/profiles/slurm: as jobs of Slurm (docs/guide/scaling.md)
 # CONFIG     pipeline.yaml (the default), configs/smoke.yaml, configs/levels.yaml, configs/openarena.yaml or one of yours
 # LEVELS     a folder of .glb, .gltf or .obj levels, in place of the configuration's scenes.folder
-# A run that was stopped goes on where it was when it is started again. Exit code 6: the report is there, and a stability case in it
-# does not hold.
+# A run that was stopped goes on where it was when it is started again. Exit codes: 2 a configuration or option that cannot be used,
+# or another run at work; 3 a file that cannot be judged; 5 results that cannot be written; 6 the report is there, and a stability case
+# in it does not hold; 1 everything else, a tool that failed among it, whose line says why. NLG_BIN=FOLDER: the tools that are there;
+# nothing is installed or built.
 set -euo pipefail
 
 refuse() {
@@ -19,7 +21,7 @@ refuse() {
 plan='' profile=''
 while [ $# -gt 0 ]; do
   case $1 in
-    -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,15s/^# \{0,1\}//p' "$0"; exit 0 ;;
     --plan) plan=yes; shift ;;
     --profile)
       [ -f "${2:-}/config.yaml" ] || refuse "--profile: expected a folder with a config.yaml, got ${2:-none}"
@@ -45,16 +47,28 @@ fi
 
 cd "$(dirname "$0")"
 source workflow/setup.sh
-mkdir -p build
-install_packages
+if [ -z "${NLG_BIN:-}" ]; then
+  mkdir -p build
+  install_packages
+fi
 # judged before anything is built, made or moved
 run=$(/usr/bin/python3 workflow/configuration.py "$config")
-if [ -n "$plan" ]; then build nlg-datagen; else build nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-solve nlg-validate nlg-bake; fi
+mkdir -p "$run" 2> /dev/null || { echo "pipeline.sh: $run: cannot be written: no folder can be made there" >&2; exit 5; }
+for lock in "$run/.lock" "$run/.jobs.lock"; do
+  # a pipe would keep everybody waiting who asks for it
+  if [ -e "$lock" ] && [ ! -f "$lock" ]; then echo "pipeline.sh: $lock: expected a regular file, got something else" >&2; exit 2; fi
+done
+if [ -n "${NLG_BIN:-}" ]; then
+  :
+elif [ -n "$plan" ]; then
+  build nlg-datagen
+else
+  build nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-solve nlg-validate nlg-bake
+fi
 # Our own locks instead of snakemake's, which outlives a killed run. They belong to the results, whatever checkout works on them: one is
 # held by the run, the other by every job for as long as it lives (workflow/Snakefile), so that a tool which outlives its killed run
 # still keeps others away.
-mkdir -p "$run"
-exec 9>> "$run/.lock"
+exec 9>> "$run/.lock" || exit 5
 flock -n 9 || { echo "pipeline.sh: $run: another run is at work there" >&2; exit 2; }
 # what does the work: all cores of this machine, or what a profile says
 where=(--cores "$(nproc)")

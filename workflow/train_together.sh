@@ -11,6 +11,8 @@ count=$1 folder=$2
 shift 2
 [ "$count" != 1 ] || exec "$@"
 mkdir -p "$folder"
+# of a training that was killed; the run's lock lets no other one be at work here
+rm -f "$folder"/meeting.????????
 meeting=$(mktemp -u "$folder/meeting.XXXXXXXX")
 trap 'rm -f "$meeting"' EXIT
 
