@@ -35,7 +35,7 @@ struct DuplicateFilterOptions {
 // Drops from shards what other shards hold already, by the rule that the shards themselves were made with (DuplicateRule).
 //
 // Exact, as DuplicateIndex says. Of duplicates the first in the order of the shards is kept, as long as the sketches of all functions
-// fit in memory (kDuplicateBytesAFunction each), and their deflated samples in the folder for temporary files (TMPDIR), about .7 kB a
+// fit in memory (kDuplicateBytesAFunction each), and their deflated samples in the folder for temporary files (TMPDIR), about 1.2 kB a
 // function; where they do not, the first in the order of duplicate_bands.h, whose search then reads all shards once beforehand, takes
 // 88 bytes a function of that folder, and reads what may be alike from the shards again.
 class DuplicateFilter {
