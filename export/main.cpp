@@ -145,8 +145,9 @@ Parity compare(const TrainingState& state, const Generator& generator, const Tra
 }
 
 // The checkpoint's averaged network, once it is sure that it belongs to the basis.
-TrainingState readState(const Request& request, const RunIdentity& identity, const BasisFile& basis,
+TrainingState readState(const Request& request, const CheckpointFile& checkpoint, const BasisFile& basis,
                         const std::string& basis_sha256, Representation* representation, BasisData* used) {
+  const RunIdentity& identity = checkpoint.identity();
   if (identity.basis_sha256 != basis_sha256) {
     throw InputError(request.basis, "SHA-256", "the basis that the checkpoint was trained on, " + identity.basis_sha256,
                      basis_sha256);
@@ -159,7 +160,7 @@ TrainingState readState(const Request& request, const RunIdentity& identity, con
   options.shape.coefficient_count = used->coefficientCount();
   representation->slope = static_cast<float>(options.representation_slope);
   TrainingState state = makeState(options, Theta(representation->thetaCount()));
-  readCheckpoint(request.checkpoint, identity, &state);
+  readCheckpoint(checkpoint, identity, &state);
   return state;
 }
 
@@ -184,11 +185,11 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   }
   setTorchThreads(machineThreadCount());
   const BasisFile basis = readBasisFile(request.basis);
-  const RunIdentity identity = readIdentity(request.checkpoint);
+  const CheckpointFile checkpoint(request.checkpoint);
   const std::string basis_sha256 = fileSha256(request.basis);
   Representation representation;
   BasisData used;
-  TrainingState state = readState(request, identity, basis, basis_sha256, &representation, &used);
+  TrainingState state = readState(request, checkpoint, basis, basis_sha256, &representation, &used);
 
   WeightsFile file = weightsFromGenerator(state.average->toData(representation, used));
   const Generator unrounded(asLoaded(file));
@@ -207,15 +208,15 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
 
   const nlohmann::ordered_json origin =
       provenance("nlg-export", table.toJson(), {{"checkpoint", fileSha256(request.checkpoint)}, {"basis", basis_sha256}});
-  file.metadata["training_options"] = identity.options_json;
-  file.metadata["training_set_sha256"] = identity.training_set_sha256;
+  file.metadata["training_options"] = checkpoint.identity().options_json;
+  file.metadata["training_set_sha256"] = checkpoint.identity().training_set_sha256;
   file.metadata["training_functions"] = std::to_string(basis.basis.function_count);
   file.metadata["held_out_rmse_mean"] = std::to_string(held_out_rmse);
   file.metadata["parity_theta"] = std::to_string(parity.theta);
   file.metadata["provenance"] = origin.dump();
   writeFileAtomically(request.out, serializeWeights(file));
   if (!request.onnx.empty()) writeOnnx(file, data, fileSha256(request.out), request.onnx);
-  const nlohmann::ordered_json result = {{"representation", identity.representation},
+  const nlohmann::ordered_json result = {{"representation", checkpoint.identity().representation},
                                          {"dtype", options.dtype},
                                          {"parity_functions", parity.functions},
                                          {"parity_theta", parity.theta},

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -97,20 +98,20 @@ TrainingData readTrainingData(const Request& request, const BasisFile& basis, co
 void resume(const Request& request, const RunIdentity& identity, const RunFolder& folder, TrainingState* state) {
   const std::vector<std::string> paths = folder.newestFirst();
   for (const std::string& path : paths) {
-    RunIdentity found;
+    std::optional<CheckpointFile> file;
     try {
-      found = readIdentity(path);
+      file.emplace(path);
     } catch (const InputError& error) {
       // a damaged file says nothing of the run: the one before it may be whole
       if (path == paths.back() && !request.restart_on_change) throw;
       std::cerr << "nlg-train: left out: " << error.what() << '\n';
       continue;
     }
-    if (found != identity && request.restart_on_change) {
+    if (file->identity() != identity && request.restart_on_change) {
       std::cerr << "nlg-train: starting afresh: " << path << " is of another run\n";
       break;
     }
-    readCheckpoint(path, identity, state);
+    readCheckpoint(*file, identity, state);
     std::cerr << "nlg-train: going on from step " << state->step << " of " << path << '\n';
     if (request.processes.rank == 0) folder.settle(path, *state);
     return;
@@ -222,13 +223,13 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
 }
 
 nlohmann::ordered_json describeCheckpoint(const std::string& path) {
-  const CheckpointHead head = readCheckpointHead(path);
-  return {{"representation", head.identity.representation},
-          {"steps", head.step},
-          {"rollbacks", head.rollbacks},
-          {"basis_sha256", head.identity.basis_sha256},
-          {"training_set_sha256", head.identity.training_set_sha256},
-          {"options", parsedOrText(head.identity.options_json)},
+  const CheckpointFile file(path);
+  return {{"representation", file.identity().representation},
+          {"steps", file.progress().step},
+          {"rollbacks", file.progress().rollbacks},
+          {"basis_sha256", file.identity().basis_sha256},
+          {"training_set_sha256", file.identity().training_set_sha256},
+          {"options", parsedOrText(file.identity().options_json)},
           {"verified", kVerifiedByDigest}};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 
 #include "datagen/dataset/chunk_codec.h"
 #include "datagen/dataset/hdf5_detail.h"
@@ -13,6 +14,7 @@ namespace {
 using hdf5::Handle;
 
 constexpr size_t kMaxItemBytes = size_t{1} << 20;
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 26;
 
 enum class Edit : uint8_t { drop, kind, extent, rank, value, storage, raw_chunk, other_object, repeat };
 constexpr int kEdits = 9;
@@ -240,7 +242,11 @@ void writeRecipe(const std::vector<Hdf5Item>& items, std::string_view recipe, co
     }
     digest_first = makeDigestArray(hdf5);
   }
-  if (digest_first == HADDR_UNDEF) return;
+  // HDF5 gives a chunk without filters its whole place in the file, however few bytes are written: gigabytes, which take long to
+  // digest, or more than a file can have
+  const uint64_t file_bytes = std::filesystem::file_size(file.path());
+  if (file_bytes > kMaxFileBytes) return file.write("");
+  if (digest_first == HADDR_UNDEF || digest_first + hdf5::kDigestBytes > file_bytes) return;
   const std::vector<uint8_t> digest = fileSha256Bytes(file.path(), {digest_first, hdf5::kDigestBytes});
   file.overwrite(digest_first, {reinterpret_cast<const char*>(digest.data()), digest.size()});
 }

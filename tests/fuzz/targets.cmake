@@ -13,5 +13,4 @@ nlg_fuzz_target(options RUNS 20000 OPTIONS -max_len=1024 -dict=yaml.dict)
 nlg_fuzz_target(shard RUNS 1000 OPTIONS -max_len=512 -detect_leaks=0 SOURCES hdf5_recipe.cpp)
 nlg_fuzz_target(basis RUNS 500 OPTIONS -max_len=512 -detect_leaks=0 SOURCES hdf5_recipe.cpp)
 nlg_fuzz_target(cache RUNS 20000 OPTIONS -max_len=1024 -dict=cache.dict)
-nlg_fuzz_target(checkpoint RUNS 1000 OPTIONS -max_len=32768 -detect_leaks=0 LINKS nlg::torch
-  SOURCES ${PROJECT_SOURCE_DIR}/train/generator/checkpoint.cpp ${PROJECT_SOURCE_DIR}/train/generator/generator_network.cpp)
+nlg_fuzz_target(checkpoint RUNS 20000 OPTIONS -max_len=4096 SOURCES digests.cpp)
