@@ -6,9 +6,9 @@
 
 #include "datagen/dataset/duplicate_index.h"
 #include "datagen/dataset/nameless_file.h"
+#include "datagen/dataset/packed_functions.h"
 #include "datagen/dataset/shard_check.h"
 #include "datagen/dataset/shard_reader.h"
-#include "datagen/dataset/shard_rows.h"
 
 namespace nlg {
 namespace {
@@ -18,25 +18,26 @@ constexpr uint32_t kBinWidth = 256;       // of sums
 constexpr uint32_t kMaxSum = 32 * 65535;  // of a sketch
 constexpr size_t kBinCount = kMaxSum / kBinWidth + 1;
 
-// A function of a shard, and what it is searched by: as it lies in the temporary file.
+// What a function is searched by, and where its samples lie: as it lies in the temporary file.
 struct Record {
   DuplicateIndex::Sketch sketch;
-  uint32_t shard, row;
+  uint64_t place;  // among the packed functions
 };
 static_assert(sizeof(Record) == 88);
 
-// The sketches of all functions, on the disk, and how many of them there are by sum.
+// The sketches and samples of all functions, on the disk, and how many of them there are by sum.
 class Sketches {
  public:
   Sketches(const std::vector<std::string>& shards, const std::string& folder)
       : file_(folder, "sketches of functions, for comparison") {
     std::vector<Record> block;
-    for (uint32_t s = 0; s < shards.size(); ++s) {
-      const ShardReader reader(shards[s], 0, point_count_);
+    for (const std::string& path : shards) {
+      const ShardReader reader(path, 0, point_count_);
       if (!sketcher_) {
         rule_ = reader.header().duplicate_rule;
         point_count_ = reader.header().point_count;
         sketcher_.emplace(rule_, point_count_, nullptr);
+        packed_.emplace(point_count_, folder);
       }
       requireSameRule(reader.header(), rule_);
       reader.verifyDigest();
@@ -44,7 +45,8 @@ class Sketches {
         const Shard rows = reader.read(first, std::min(kRowsAtOnce, reader.functionCount() - first));
         block.clear();
         for (uint64_t n = 0; n < rows.functionCount(); ++n) {
-          block.push_back({sketcher_->sketch(functionAt(rows, n)), s, static_cast<uint32_t>(first + n)});
+          const StoredFunction function = functionAt(rows, n);
+          block.push_back({sketcher_->sketch(function), packed_->append(function)});
           ++counts_[block.back().sketch.sum() / kBinWidth];
         }
         file_.append(block.data(), block.size() * sizeof(Record));
@@ -56,6 +58,8 @@ class Sketches {
   DuplicateIndex emptyIndex(DuplicateIndex::Fetch fetch) const { return {rule_, point_count_, std::move(fetch)}; }
   uint32_t sumReach() const { return sketcher_ ? sketcher_->sumReach() : 0; }
   int pointCount() const { return point_count_; }
+  // Good until the next call.
+  StoredFunction samples(uint64_t place) { return packed_->at(place); }
 
   // Ends of bands that hold at most `capacity` functions each; the last is beyond all sums.
   std::vector<uint32_t> bandEnds(uint64_t capacity) const {
@@ -72,7 +76,7 @@ class Sketches {
     return ends;
   }
 
-  // Calls visit(place in the order of the shards, record) for every record whose sum is in [low, end).
+  // Calls visit(which one in the order of the shards, record) for every record whose sum is in [low, end).
   template <class Visit>
   void forEachBetween(uint32_t low, uint32_t end, const Visit& visit) const {
     std::vector<Record> block(16384);
@@ -90,38 +94,38 @@ class Sketches {
   DuplicateRule rule_;
   int point_count_ = 0;
   std::optional<DuplicateIndex> sketcher_;
+  std::optional<PackedFunctions> packed_;
   std::vector<uint64_t> counts_ = std::vector<uint64_t>(kBinCount, 0);
 };
 
 }  // namespace
 
 std::vector<bool> findDuplicates(const std::vector<std::string>& shards, uint64_t memory_bytes, const std::string& folder) {
-  const Sketches sketches(shards, folder);
+  Sketches sketches(shards, folder);
   std::vector<bool> is_duplicate(sketches.count(), false);
-  ShardRows rows(shards);
   std::vector<uint8_t> samples(static_cast<size_t>(sketches.pointCount()) / 8 * 9);
   uint32_t low = 0;
   for (const uint32_t end : sketches.bandEnds(memory_bytes / 2 / kDuplicateBytesAFunction)) {
-    std::vector<std::pair<uint32_t, uint32_t>> places;  // of what the index holds, by id: shard and row
-    DuplicateIndex index = sketches.emptyIndex([&](uint64_t id) { return rows.at(places[id].first, places[id].second); });
-    sketches.forEachBetween(low - std::min(low, sketches.sumReach()), low, [&](uint64_t place, const Record& record) {
-      if (is_duplicate[place]) return;
+    std::vector<uint64_t> places;  // of what the index holds, by id
+    DuplicateIndex index = sketches.emptyIndex([&](uint64_t id) { return sketches.samples(places[id]); });
+    sketches.forEachBetween(low - std::min(low, sketches.sumReach()), low, [&](uint64_t n, const Record& record) {
+      if (is_duplicate[n]) return;
       index.add(record.sketch);
-      places.emplace_back(record.shard, record.row);
+      places.push_back(record.place);
     });
-    sketches.forEachBetween(low, end, [&](uint64_t place, const Record& record) {
+    sketches.forEachBetween(low, end, [&](uint64_t n, const Record& record) {
       bool is_fetched = false;
       const auto fetch = [&] {
         // a copy: the function that it is compared with is fetched from the same place
         if (!std::exchange(is_fetched, true)) {
-          const StoredFunction function = rows.at(record.shard, record.row);
+          const StoredFunction function = sketches.samples(record.place);
           std::copy_n(function.phi, sketches.pointCount(), samples.begin());
           std::copy_n(function.validity, sketches.pointCount() / 8, samples.begin() + sketches.pointCount());
         }
         return StoredFunction{samples.data(), samples.data() + sketches.pointCount()};
       };
-      is_duplicate[place] = index.findOrAdd(record.sketch, fetch).has_value();
-      if (!is_duplicate[place]) places.emplace_back(record.shard, record.row);
+      is_duplicate[n] = index.findOrAdd(record.sketch, fetch).has_value();
+      if (!is_duplicate[n]) places.push_back(record.place);
     });
     low = end;
   }

@@ -17,9 +17,9 @@ namespace nlg {
 // At most so much of the memory goes to a function: its sketch, and its share of the cells that it is searched by.
 inline constexpr uint64_t kDuplicateBytesAFunction = 160;
 
-// shards         read once from the first to the last, and where functions are compared again
+// shards         read once from the first to the last
 // memory_bytes   for sketches; a sum that more functions have than fit is a band of its own all the same
-// folder         for temporary files: 88 bytes a function, in a nameless file
+// folder         for nameless files: 88 bytes a function for its sketch, and its samples, deflated (packed_functions.h)
 // returns        one entry a function, in the order of the shards
 // throws         InputError as readShard does, and when shards have different rules; OutputError when the folder has no room
 std::vector<bool> findDuplicates(const std::vector<std::string>& shards, uint64_t memory_bytes, const std::string& folder);

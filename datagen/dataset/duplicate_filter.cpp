@@ -49,7 +49,7 @@ struct DuplicateFilter::Impl {
   StoredFunction samples(uint64_t id) {
     // those of the shard at work have moved to the front of its arrays
     if (id >= first_of_current) return functionAt(*current, id - first_of_current);
-    return earlier ? earlier(id) : packed->at(id);
+    return earlier ? earlier(id) : packed->at(places[id]);
   }
 
   bool isDuplicate(const StoredFunction& function) {
@@ -57,7 +57,7 @@ struct DuplicateFilter::Impl {
     ++next_row;
     if (is_banded) return is_duplicate[place];
     if (index->findOrAdd(function)) return true;
-    if (packed) packed->append(function);
+    if (packed) places.push_back(packed->append(function));
     return false;
   }
 
@@ -67,7 +67,8 @@ struct DuplicateFilter::Impl {
   bool is_banded = false;
   std::vector<bool> is_duplicate;  // of all functions, where they are looked for band by band
   std::optional<DuplicateIndex> index;
-  std::optional<PackedFunctions> packed;  // what was kept, by id; where nobody else has it
+  std::optional<PackedFunctions> packed;  // what was kept, where nobody else has it
+  std::vector<uint64_t> places;           // of it there, by id
   DuplicateRule rule;
   size_t begun_count = 0;                 // shards
   uint64_t seen_count = 0, next_row = 0;  // functions in all; of the present shard

@@ -36,8 +36,8 @@ struct DuplicateFilterOptions {
 //
 // Exact, as DuplicateIndex says. Of duplicates the first in the order of the shards is kept, as long as the sketches of all functions
 // fit in memory (kDuplicateBytesAFunction each), and their deflated samples in the folder for temporary files (TMPDIR), about 1.2 kB a
-// function; where they do not, the first in the order of duplicate_bands.h, whose search then reads all shards once beforehand, takes
-// 88 bytes a function of that folder, and reads what may be alike from the shards again.
+// function; where they do not, the first in the order of duplicate_bands.h, whose search then reads all shards once beforehand, and
+// takes 88 bytes a function more of that folder.
 class DuplicateFilter {
  public:
   // shards   the paths, in the order in which removeKnown is given them

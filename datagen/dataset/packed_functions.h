@@ -16,15 +16,14 @@ class PackedFunctions {
   // folder        for the file; throws OutputError as NamelessFile does
   PackedFunctions(int point_count, const std::string& folder);
 
-  // throws OutputError (disk full)
-  void append(const StoredFunction& function);
-  // The id-th of those appended; good until the next call of either. throws OutputError when the disk fails
-  StoredFunction at(uint64_t id);
+  // returns   the function's place in the file. throws OutputError (disk full)
+  uint64_t append(const StoredFunction& function);
+  // A function by its place; good until the next call of either. throws OutputError when the disk fails
+  StoredFunction at(uint64_t place);
 
  private:
   size_t point_count_;
   NamelessFile file_;
-  std::vector<uint64_t> ends_;  // of each function's bytes
   std::vector<uint8_t> samples_, packed_;
 };
 
