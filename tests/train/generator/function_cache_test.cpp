@@ -30,14 +30,14 @@ thread_local bool is_test_thread = false;
 std::atomic<bool> refuse_allocations_elsewhere{false};
 }  // namespace
 
-// Any thread but the test's own may be refused its memory.
-void* operator new(size_t size) {
+// Any thread but the test's own may be refused its memory. Not inlined: where only one of the pair is, GCC warns of a mismatch.
+[[gnu::noinline]] void* operator new(size_t size) {
   void* const memory = refuse_allocations_elsewhere && !is_test_thread ? nullptr : std::malloc(size);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 
 namespace nlg {
 namespace {
