@@ -11,6 +11,8 @@ import trial
 CONFIG = "siege.yaml"
 # those whose files all others read, and no more: what the short form besieges
 SHORT = ("datagen", "datagen held out", "datagen info", "pca", "cache", "train", "curve", "export", "bake", "shader")
+# how much work there is, where a damaged configuration no longer says it: half of one asks for minutes of training
+TRAIN = ["--steps", "12", "--batch", "4", "--start-candidates", "1", "--width", "16", "--layers", "2"]
 LIGHT = ["--spacings", "2.0", "--air-places", "64", "--surface-places", "64", "--walks", "4", "--truth-rays", "32", "--probe-rays", "32"]
 PICTURE = ["--width", "16", "--height", "12", "--truth-rays", "8"]
 
@@ -38,7 +40,7 @@ def tools():
     """In the order in which they can run: each reads what those before it left."""
     config = ["--config", CONFIG]
     weights, held_out = "tent_mlp.safetensors", "held_out.h5"
-    train = ["nlg-train", *config, "--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", held_out, "--out", "tent_mlp.ckpt", "--run", "run", "--log", "tent_mlp.csv"]
+    train = ["nlg-train", *config, *TRAIN, "--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", held_out, "--out", "tent_mlp.ckpt", "--run", "run", "--log", "tent_mlp.csv"]
     return [
         Tool("datagen", ["nlg-datagen", *config, "--scene", "house:0", "--out", "training.h5"], [CONFIG], ["training.h5"]),
         Tool("datagen held out", ["nlg-datagen", *config, "--scene", "house:1", "--held-out", "--out", held_out], [CONFIG], [held_out]),
