@@ -23,8 +23,15 @@ extern "C" {
 
 #define NLG_SUPPORT_POINT_COUNT 8192 /* P */
 
+/* An enumeration in C may hold any int; in C++ it only may if it says so, and everything else is undefined. */
+#ifdef __cplusplus
+#define NLG_OF_INT : int
+#else
+#define NLG_OF_INT
+#endif
+
 /* Why a file was refused, and what else may go wrong. Values stay what they are; later versions add to them. */
-typedef enum nlg_status {
+typedef enum nlg_status NLG_OF_INT {
   NLG_OK = 0,
   NLG_CANNOT_OPEN = 1,       /* the system refused, or it is no regular file */
   NLG_CANNOT_READ = 2,       /* the system refused, or the file is larger than 1 GiB */
@@ -54,7 +61,7 @@ typedef struct nlg_generator nlg_generator;
 typedef struct nlg_scratch nlg_scratch;
 
 /* What the products of a generator are made of: docs/theory/inference.md has the errors and the speeds. */
-typedef enum nlg_precision {
+typedef enum nlg_precision NLG_OF_INT {
   NLG_FLOAT32 = 0,
   NLG_INT16 = 1 /* fixed point with exact sums: the same bits on every SIMD target */
 } nlg_precision;
@@ -194,7 +201,7 @@ size_t nlg_light_grid_probe_count(const nlg_light_grid* grid);
 int nlg_light_grid_has_light(const nlg_light_grid* grid);
 
 /* Where light at a position comes from: runtime_eval/light_grid/irradiance.h has the words. Values stay what they are. */
-typedef enum nlg_light_status {
+typedef enum nlg_light_status NLG_OF_INT {
   NLG_LIT = 0,      /* by weighting functions */
   NLG_BY_TENTS = 1, /* no function has weight here: by bare tents, which nothing stops at walls */
   NLG_UNLIT = 2,    /* no probe around has light to give: 0 */

@@ -36,6 +36,8 @@ std::atomic<bool> refuse_allocations_elsewhere{false};
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
+// a sanitizer's own would take from its heap what is freed below
+[[gnu::noinline]] void* operator new(size_t size, const std::nothrow_t&) noexcept { return std::malloc(size); }
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 
