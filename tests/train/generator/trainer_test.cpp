@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "tests/runtime_eval/sample_generator.h"
+#include "tests/runtime_eval/weights_file/digest_edits.h"
 #include "tests/train/sample_set.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -300,6 +301,14 @@ TEST_F(Checkpoint, IsRefusedWhenABitHasFlipped) {
       taken += ' ' + std::to_string(at);
   }
   EXPECT_EQ(refusals, flip_count) << "taken with a flipped bit at bytes" << taken << " of " << whole.size();
+}
+
+TEST_F(Checkpoint, IsDamagedWithoutADigest) {
+  writeFresh();
+  const std::string whole = readFile(path_);
+  std::ofstream(path_, std::ios::binary) << withoutDigest(whole);
+  EXPECT_TRUE(refused());
+  EXPECT_THROW(CheckpointFile{path_}, DamageError);
 }
 
 TEST_F(Checkpoint, IsRefusedWhenMissingOrForeign) {
