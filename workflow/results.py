@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """One source for every number that the documentation states: docs/results/NAME.json.
 
-    workflow/results.py collect RUN [--config CONFIG] [--no-pictures]    measured → docs/results, then write
+    workflow/results.py collect RUN [--config CONFIG] [--no-pictures] [--add]    measured → docs/results, then write
     workflow/results.py collect-light FOLDER [--ours NAME]               what was measured of light → docs/results/light.json, then write
     workflow/results.py collect-siege FOLDER                             what the siege found → docs/results/reliability.json, then write
     workflow/results.py write                                            docs/results → every text
@@ -100,8 +100,10 @@ def keep(results):
     return all_results
 
 
-def collect(run, configuration, pictures):
-    results = results_collect.collect(run.resolve(), configuration)
+def collect(run, configuration, pictures, add):
+    run = run.resolve()
+    earlier = load_results(RESULTS).get(run.name) if add else None
+    results = results_collect.collect(run, configuration, earlier)
     all_results = keep(results)
     if pictures and results["run"] == MAIN:
         draw(run)
@@ -120,6 +122,7 @@ def main():
     collecting.add_argument("run", type=Path, help="the run's result folder, out/NAME")
     collecting.add_argument("--config", default=f"configs/{MAIN}.yaml", help="the configuration that the run was made by (%(default)s)")
     collecting.add_argument("--no-pictures", action="store_true", help="leave docs/images as it is")
+    collecting.add_argument("--add", action="store_true", help="what RUN has not measured stays as docs/results has it, of the same weights")
     collecting_light = commands.add_parser("collect-light", help="what was measured of light → docs/results/light.json, then write")
     collecting_light.add_argument("folder", type=Path, help="SCENE.json of nlg-validate light, one a scene")
     collecting_light.add_argument("--ours", default=light_page.OURS, help="the weights that are held against rivals (%(default)s)")
@@ -129,7 +132,7 @@ def main():
     commands.add_parser("check", help="names every text that says something else")
     arguments = parser.parse_args()
     if arguments.command == "collect":
-        return collect(arguments.run, arguments.config, not arguments.no_pictures)
+        return collect(arguments.run, arguments.config, not arguments.no_pictures, arguments.add)
     if arguments.command == "collect-light":
         return collect_light(arguments.folder, arguments.ours)
     if arguments.command == "collect-siege":

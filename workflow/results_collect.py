@@ -215,8 +215,8 @@ def held_to(read, path):
         return read(path)
 
 
-def collect(run, configuration):
-    """The results of one run's folder."""
+def collect(run, configuration, earlier=None):
+    """The results of one run's folder; what it does not hold is taken from earlier results of the same weights."""
     out = {"schema_version": 1, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
     readers = {"evaluation": ("evaluation/summary.json", summary), "validation": ("validation/summary.json", summary),
                "frontier": ("evaluation/frontier.json", frontier), "stability": ("stability.json", stability)}
@@ -230,6 +230,7 @@ def collect(run, configuration):
         out["benchmarks"] = benchmarks(files)
     if len(out) == 4:
         fail(run, "the folder of a run that measured something", "none of its files")
+    out = {**(earlier or {}), **out}
     if "frontier" in out and "evaluation" in out and out["frontier"]["held_out_sha256"] != out["evaluation"]["held_out_sha256"]:
         fail(run / "evaluation/frontier.json", "the shards that summary.json is of", "others")
     out["weights"] = check_weights(out, run)

@@ -335,6 +335,22 @@ class Results(unittest.TestCase):
         self.assertEqual(result.returncode, 3)
         self.assertIn("figures of weights", result.stderr)
 
+    def test_what_a_folder_has_not_measured_stays_when_it_is_added(self):
+        self.assertEqual(self.collect().returncode, 0)
+        before = json.loads((self.root / "docs/results/openarena.json").read_text())
+        shutil.rmtree(self.root / "out/openarena/evaluation")
+        line = bake()["savings"][0]
+        self.write("out/openarena/savings/kaos2.json", {**bake(), "savings": [{**line, "count": 5}]})
+        result = self.run_results("collect", "out/openarena", "--config", "c.yaml", "--no-pictures", "--add")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        after = json.loads((self.root / "docs/results/openarena.json").read_text())
+        self.assertEqual(after["savings"]["kaos2"]["lines"]["probes_in_solid"]["count"], 5)
+        self.assertEqual({**after, "savings": before["savings"]}, before)
+        self.write("out/openarena/validation/summary.json", summary(SHA256))
+        result = self.run_results("collect", "out/openarena", "--config", "c.yaml", "--no-pictures", "--add")
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("figures of weights", result.stderr)
+
     def test_refuses_figures_of_weights_that_do_not_ship(self):
         self.write("out/openarena/evaluation/summary.json", summary(SHA256))
         (self.root / "out/openarena/validation/summary.json").unlink()
