@@ -207,15 +207,16 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   checkParity(parity, held_out_rmse, options);
 
   const nlohmann::ordered_json origin =
-      provenance("nlg-export", table.toJson(), {{"checkpoint", fileSha256(request.checkpoint)}, {"basis", basis_sha256}});
+      provenance("nlg-export", table.toJson(), {{"checkpoint", checkpoint.sha256()}, {"basis", basis_sha256}});
   file.metadata["training_options"] = checkpoint.identity().options_json;
   file.metadata["training_set_sha256"] = checkpoint.identity().training_set_sha256;
   file.metadata["training_functions"] = std::to_string(basis.basis.function_count);
   file.metadata["held_out_rmse_mean"] = std::to_string(held_out_rmse);
   file.metadata["parity_theta"] = std::to_string(parity.theta);
   file.metadata["provenance"] = origin.dump();
-  writeFileAtomically(request.out, serializeWeights(file));
-  if (!request.onnx.empty()) writeOnnx(file, data, fileSha256(request.out), request.onnx);
+  const std::string bytes = serializeWeights(file);
+  writeFileAtomically(request.out, bytes);
+  if (!request.onnx.empty()) writeOnnx(file, data, sha256(bytes), request.onnx);
   const nlohmann::ordered_json result = {{"representation", checkpoint.identity().representation},
                                          {"dtype", options.dtype},
                                          {"parity_functions", parity.functions},

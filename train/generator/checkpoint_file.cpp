@@ -58,6 +58,8 @@ CheckpointFile::CheckpointFile(const std::string& path) : path_(path), bytes_(re
   progress_.log_csv.assign(log.begin(), log.end());
 }
 
+std::string CheckpointFile::sha256() const { return nlg::sha256(bytes_); }
+
 template <class T>
 std::vector<T> CheckpointFile::read(const std::string& name) const {
   std::vector<T> values;

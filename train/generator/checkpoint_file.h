@@ -48,6 +48,8 @@ class CheckpointFile {
   CheckpointFile& operator=(const CheckpointFile&) = delete;
 
   const std::string& path() const { return path_; }
+  // of the bytes that were read, in hexadecimal digits: the file of that name may be another one by now
+  std::string sha256() const;
   const RunIdentity& identity() const { return identity_; }
   const RunProgress& progress() const { return progress_; }
 
