@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bake/policy_options.h"
 #include "datagen/scene/light_options.h"
 #include "datagen/scene/scene_source.h"
 #include "datagen/weighting/weighting_builder.h"
@@ -40,10 +41,10 @@ struct BakeOptions {
   double light_outlier = 1.0;
   double refine_seconds = 0.0;  // 0: as long as it takes
   std::string generator_precision = "float32";
-  std::string theta_precision = "int8";  // becomes the policy's by takeThetaPrecision
-  std::string light_form = "sh2_8bit";   // of light in the file (light_form.h)
-  std::string simd;                      // empty: the best
-  int threads = 0;                       // 0: as many as the machine runs at once
+  std::string theta_precision = kDefaultThetaPrecision;  // becomes the policy's by takeThetaPrecision
+  std::string light_form = "sh2_8bit";                   // of light in the file (light_form.h)
+  std::string simd;                                      // empty: the best
+  int threads = 0;                                       // 0: as many as the machine runs at once
   uint64_t seed = 1;
 };
 

@@ -96,7 +96,7 @@ def facts_table(name, facts, entry):
     rows = [
         ("file", f"`{path.name}`, {path.stat().st_size:,} bytes, " + ("matrices in float16" if halves else "float32")),
         ("SHA-256", f"`{sha256}`"),
-        ("a function", f"{parameters} numbers: {4 * parameters} bytes as float32, {2 * parameters} as float16"),
+        ("a function", f"{parameters} numbers" + (": " + ", ".join(f"{size:,} bytes in {precision}" for precision, size in entry["theta_bytes"].items()) if entry else "")),
         ("trained on", f"{int(metadata['training_functions']):,} distinct functions; {facts['scenes']}"),
         ("training set", f"`{metadata['training_set_sha256']}`"),
         ("configuration", f"`{facts['configuration']}`"),
@@ -143,7 +143,7 @@ def overview(names, evaluation):
     for name in names:
         entry = evaluation["representations"][name]
         theta, hard = ({word: entry[word][population] for word in STAGES} for population in ("theta", "hard"))
-        cells = [f"[{name}](#{name})", entry["parameters"], entry["bytes"] // 2, f"{entry['weights_bytes'] / 1000:,.0f} kB",
+        cells = [f"[{name}](#{name})", entry["parameters"], entry["theta_bytes"]["int8"], f"{entry['weights_bytes'] / 1000:,.0f} kB",
                  *(number(theta[word]["rmse"]["mean"]) for word in STAGES), number(theta["stored"]["rmse"]["p95"]), number(hard["stored"]["rmse"]["median"]),
                  percent(theta["network"]["share_failing_check"]["value"]), share(theta["fitted"]["share_fitted"]),
                  share(entry["fitted"]["all"]["share_fitted"])]
@@ -151,11 +151,11 @@ def overview(names, evaluation):
             to_best = entry["sample"]["ratios"]["stored"]["to_best_known"]
             cells += [ratio(to_best["median"]), ratio(to_best["median_hard"])]
         rows.append((entry["parameters"], cells))
-    head = ["", "numbers", "bytes, float16", "file", "network: mean", "corrected: mean", "fitted: mean", "stored: mean", "stored: p95", "hard, stored: median",
+    head = ["", "numbers", "bytes, int8", "file", "network: mean", "corrected: mean", "fitted: mean", "stored: mean", "stored: p95", "hard, stored: median",
             "network fails the check", "share fitted", "of all functions", "stored over best known, median", "hard"]
     rows = [cells + [""] * (len(head) - len(cells)) for _, cells in sorted(rows, key=lambda row: row[0])]
     counts = evaluation["functions"]
-    text = f"\nEvaluation: the {counts['take_theta']:,} functions that take a θ, of {counts['held_out_scenes']} scenes, none of them trained on.\n"
+    text = f"\nEvaluation: the {counts['take_theta']:,} functions that take a θ, of {counts['held_out_scenes']} scenes, none of them trained on. What is stored has θ in {evaluation['theta_precision']}.\n"
     return text + table(head, rows)
 
 

@@ -93,7 +93,7 @@ def sample(source, place):
 
 
 def representation(source, place):
-    out = take(source, ["parameters", "bytes", "weights_bytes", "weights_sha256", "correction_steps", "stages"], place)
+    out = take(source, ["parameters", "theta_bytes", "weights_bytes", "weights_sha256", "correction_steps", "stages"], place)
     out.update({key: source[key] for key in ("evaluate_us", "convergence") if key in source})
     out.update({word: by_population(source[word], f"{place}.{word}") for word in STAGES})
     if "sample" in source:
@@ -108,7 +108,7 @@ def summary(path):
     if document.get("schema_version") != 2:
         fail(path, "schema_version 2", document.get("schema_version"))
     out = {"revision": revision(document, path), "held_out_sha256": document["provenance"].get("inputs", {}).get("held_out", ""),
-           **take(document, ["tau", "functions"], path), "tent": by_population(document["tent"], f"{path}: tent")}
+           **take(document, ["tau", "theta_precision", "functions"], path), "tent": by_population(document["tent"], f"{path}: tent")}
     out["representations"] = {name: representation(entry, f"{path}: {name}") for name, entry in document["representations"].items()}
     return out
 

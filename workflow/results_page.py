@@ -4,6 +4,7 @@ from results_quotes import MAIN, microseconds, number, percent
 
 POPULATION_NAMES = {"theta": "functions that take a θ", "hard": "hard functions", "all": "all distinct functions"}
 POPULATION_ORDER = ("theta", "hard", "all")
+PRECISIONS = ("int8", "float16", "float32")  # that a grid may store θ in
 FIT_NAMES = {"direct": "direct", "adam_theta0": "Adam from θ₀", "lm_theta0": "Levenberg–Marquardt from θ₀", "adam_random": "Adam from a random start",
              "best_known": "best known"}
 SPLIT_TITLES = {"evaluation": "Evaluation: scenes that no generator was trained on", "validation": "Validation: held-out scenes of the kinds trained on"}
@@ -17,7 +18,7 @@ Errors are RMSE over all valid support points, of functions of scenes that no ge
 - **network**: one pass of the generator's network, and nothing else.
 - **corrected**: with the exact last layer, and with learned steps and mirror images where the policy has any (the stages of each representation are listed below). No iterative fit.
 - **fitted**: with every step of Adam or Levenberg–Marquardt that the bake takes before it writes the grid.
-- **stored**: what the grid holds in the end, bare tents and the rounding of θ included.
+- **stored**: what the grid holds in the end, bare tents and the rounding of θ included (the evaluation says to what).
 
 **Share fitted** is the share of functions that took any step of Adam or Levenberg–Marquardt, whether or not its result was kept. Among all distinct functions it is what stands beside the 4 to 13 % of the talk.
 Populations: *functions that take a θ* are the main one. *All distinct functions* also has those for which the bare tent is enough; they count as the bare tent under every word, in the time of one check, as a bake has them. *Hard functions* are those whose bare tent has an RMSE of .01 or more.
@@ -83,9 +84,9 @@ def stages_section(split):
 
 
 def size_section(split):
-    rows = [[f"`{name}`", entry["parameters"], entry["bytes"] // 2, f"{entry['weights_bytes'] / 1000:,.0f} kB", entry["correction_steps"],
+    rows = [[f"`{name}`", entry["parameters"], *(f"{entry['theta_bytes'][precision]:,}" for precision in PRECISIONS), f"{entry['weights_bytes'] / 1000:,.0f} kB", entry["correction_steps"],
              microseconds(entry["evaluate_us"]) if "evaluate_us" in entry else ""] for name, entry in split["representations"].items()]
-    head = ["", "numbers a function", "bytes, float16", "weights file", "learned steps", "µs for one θ at 8,192 points"]
+    head = ["", "numbers a function", *(f"bytes, {precision}" for precision in PRECISIONS), "weights file", "learned steps", "µs for one θ at 8,192 points"]
     return "\n## Sizes\n" + table(head, rows)
 
 
@@ -149,7 +150,7 @@ def split_section(key, split):
     text = f"\n## {SPLIT_TITLES[key]}\n\n" if key in SPLIT_TITLES else f"\n## {key}\n\n"
     text += (f"{counts['held_out']:,} distinct functions of {counts['held_out_scenes']} scenes; {counts['take_theta']:,} of them take a θ, {counts['hard']:,} are hard. "
              f"Training has {counts['held_out_in_training']:,} of them too, by the rule for duplicates, and {counts['held_out_in_training_mirrored']:,} when mirror "
-             f"images count. Revision `{split['revision']}`.\n")
+             f"images count. What is stored has θ in {split['theta_precision']}. Revision `{split['revision']}`.\n")
     if key == "evaluation":
         text += ("\nOne setting was once chosen with the help of these levels (commits a41ee66 to 04510fc), and villas of other seeds were looked at while "
                  "the weights were made. None of them was trained on, but they are no test that nobody has looked at.\n")

@@ -40,9 +40,9 @@ def representation(weights_sha256):
     ratios = {word: {"to_best_known": ratio, "to_direct": ratio, "without_duplicates": ratio} for word in words}
     stages = [{"name": "network", "word": "network", "population": "theta", "above_rmse": None, "budget": None, "text": "one pass"},
               {"name": "adam", "word": "fitted", "population": "theta", "above_rmse": 0.003, "budget": 500, "text": "500 steps of Adam"}]
-    return {"parameters": 113, "bytes": 452, "weights_bytes": 3032068, "weights_sha256": weights_sha256, "correction_steps": 3, "evaluate_us": 9.1,
+    return {"parameters": 113, "theta_bytes": {"float32": 452, "float16": 226, "int8": 122}, "weights_bytes": 3032068, "weights_sha256": weights_sha256, "correction_steps": 3, "evaluate_us": 9.1,
             "convergence": {"functions": 100, "by_restarts": [{"restarts": 2, "adam_steps": 32000, "rmse_mean": 0.0017}],
-                            "by_adam_steps": [{"restarts": 2, "adam_steps": 64000, "rmse_mean": 0.0016}]}, "stages": stages, **words, "sample": {"functions": 280, "hard": 70, "best_known_from": {"direct": 200, "adam_stored": 80}, **words, **fits, "ratios": ratios},
+                            "by_adam_steps": [{"restarts": 2, "adam_steps": 64000, "rmse_mean": 0.0016}]}, "stages": stages, **words, "sample": {"functions": 280, "hard": 70, "best_known_from": {"direct": 200, "adam_policy": 80}, **words, **fits, "ratios": ratios},
             "by_scene": {"kaos2": {"stored": quantiles(0.002), "network": quantiles(0.005)}}}
 
 
@@ -50,7 +50,7 @@ def summary(weights_sha256=SHA256):
     counts = {"distinct": 9000, "free_space": 1, "duplicates": 2, "in_solid": 3, "empty": 4, "visited_probes": 5, "grid_probes": 6, "held_out": 2000,
               "held_out_scenes": 41, "take_theta": 1000, "hard": 300, "held_out_in_training": 20, "held_out_in_training_mirrored": 30}
     return {"schema_version": 2, "provenance": {"tool": "nlg-validate", "revision": "0123abc", "options": {}, "inputs": {"held_out": "cd" * 32}},
-            "tau": {"rmse": 0.02, "leak": 0.1, "leak_share": 0.01, "hard_tent_rmse": 0.01, "bare_tent_rmse": 0.002}, "functions": counts,
+            "tau": {"rmse": 0.02, "leak": 0.1, "leak_share": 0.01, "hard_tent_rmse": 0.01, "bare_tent_rmse": 0.002}, "theta_precision": "int8", "functions": counts,
             "tent": populations(0.012), "representations": {"tent_mlp": representation(weights_sha256)}}
 
 

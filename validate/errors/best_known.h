@@ -1,7 +1,7 @@
 // What long fits reach on the sample: direct optimisation, its parts, and the best that is known of a function.
 //
 // *Direct* starts from theta0 and at random (runtime_eval/fit/direct.h). *Best known* is the lowest error of direct and of two long
-// fits that start from what the policy stores: Adam with direct's budget, then Levenberg–Marquardt; Levenberg–Marquardt alone.
+// fits that start from what the policy made: Adam with direct's budget, then Levenberg–Marquardt; Levenberg–Marquardt alone.
 #pragma once
 
 #include <array>
@@ -11,7 +11,6 @@
 
 #include "runtime_eval/evaluator/generator.h"
 #include "runtime_eval/fit/direct.h"
-#include "runtime_eval/fit/theta_policy.h"
 #include "validate/errors/measured_word.h"
 
 namespace nlg {
@@ -23,14 +22,14 @@ const char* longFitName(LongFit fit);
 // All long fits of one function.
 struct FunctionFits {
   std::array<FitResult, kLongFitCount> fits;  // by LongFit
-  const char* best_known_from = "";           // the fit that found it: "direct", "adam_stored", "lm_stored"
+  const char* best_known_from = "";           // the fit that found it: "direct", "adam_policy", "lm_policy"
 
   const FitResult& at(LongFit fit) const { return fits[static_cast<size_t>(fit)]; }
 };
 
 // function   in the order of the generator's representation
-// stored     the policy's theta for it
-FunctionFits fitLong(const Generator& generator, const WeightingFunction& function, const Theta& stored,
+// made       the policy's theta for it
+FunctionFits fitLong(const Generator& generator, const WeightingFunction& function, const Theta& made,
                      const DirectOptions& options, NormalEquationsKernel* kernel);
 
 struct LongFits {
@@ -41,9 +40,9 @@ struct LongFits {
   const MeasuredWord& at(LongFit fit) const { return words[static_cast<size_t>(fit)]; }
 };
 
-// made   by function of the set: what the policy stores
+// made   by function of the sample: the policy's theta, PolicyWords::least_wrong
 LongFits measureLongFits(const Generator& generator, const FunctionSet& set, const Populations& populations,
-                         const std::vector<MadeTheta>& made, const ValidateOptions& options);
+                         const std::vector<Theta>& made, const ValidateOptions& options);
 
 // The seed of a function's random starts.
 uint64_t startSeed(const ValidateOptions& options, uint64_t function);

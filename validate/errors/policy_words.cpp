@@ -1,5 +1,6 @@
 #include "validate/errors/policy_words.h"
 
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 
@@ -40,6 +41,15 @@ PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, co
                     static_cast<int64_t>(set.functionCount()));
   std::mutex mutex;
   int64_t done = 0;
+  const std::vector<uint64_t>& sample = populations.sample();
+  result.least_wrong.resize(sample.size());
+  const auto keepLeastWrong = [&](uint64_t i, const MadeTheta& made, const ThetaByWord& theta) {
+    const auto place = std::lower_bound(sample.begin(), sample.end(), i);
+    if (place == sample.end() || *place != i) return;
+    const bool rounding_helped = made.record.at(ThetaWord::stored).rmse < made.record.at(ThetaWord::fitted).rmse;
+    const float* first = theta[static_cast<size_t>(rounding_helped ? ThetaWord::stored : ThetaWord::fitted)];
+    result.least_wrong[place - sample.begin()].assign(first, first + made.theta.size());
+  };
   const UseTheta measure = [&](int t, uint64_t i, const MadeTheta& made, const ThetaByWord& theta) {
     ErrorMeter& meter = threads[t].meter;
     FunctionError tent;
@@ -50,6 +60,7 @@ PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, co
       result.words[w].functions[i] = measured(i, error, made.record, word, options.policy.check());
       threads[t].leaks[w].add(meter.leakMagnitudes(), i, populations);
     }
+    if (!made.isBareTent()) keepLeastWrong(i, made, theta);
     const std::lock_guard lock(mutex);
     progress.update(++done);
   };

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "runtime_eval/evaluator/theta_form.h"
 #include "tool/atomic_file.h"
 #include "validate/errors/ratios.h"
 
@@ -133,10 +134,18 @@ Json stagesJson(const std::vector<StagePlan>& plan) {
   return json;
 }
 
+Json thetaBytesJson(const Representation& representation) {
+  Json json;
+  for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::float16, ThetaPrecision::int8}) {
+    json[thetaPrecisionName(precision)] = thetaForm(representation, precision).bytes();
+  }
+  return json;
+}
+
 Json representationJson(const ValidatedGenerator& validated, const FigureContext& context) {
   const Representation& representation = validated.generator.representation();
   Json json = {{"parameters", representation.thetaCount()},
-               {"bytes", static_cast<size_t>(representation.thetaCount()) * sizeof(float)},
+               {"theta_bytes", thetaBytesJson(representation)},
                {"weights_bytes", std::filesystem::file_size(validated.path)},
                {"weights_sha256", fileSha256(validated.path)},
                {"correction_steps", validated.generator.correctionStepCount()},

@@ -1,6 +1,5 @@
 #include "validate/errors/validate_options.h"
 
-#include "bake/policy_options.h"
 #include "tool/parallel_for.h"
 
 namespace nlg {

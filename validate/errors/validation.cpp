@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "bake/policy_options.h"
+#include "runtime_eval/evaluator/theta_form.h"
 #include "tool/atomic_file.h"
 #include "tool/provenance.h"
 #include "validate/errors/choice.h"
@@ -23,7 +24,7 @@ constexpr int kSchemaVersion = 2;
 ValidatedGenerator measure(const Generator& generator, const std::string& path, const FigureContext& context,
                            const ValidateOptions& options) {
   PolicyWords policy = measurePolicy(generator, context.set, context.populations, options);
-  LongFits fits = measureLongFits(generator, context.set, context.populations, policy.made, options);
+  LongFits fits = measureLongFits(generator, context.set, context.populations, policy.least_wrong, options);
   Convergence convergence = measureConvergence(generator, context.set, context.populations, fits, options);
   return {generator, path, std::move(policy), std::move(fits), std::move(convergence)};
 }
@@ -45,6 +46,7 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
   Json summary = {{"schema_version", kSchemaVersion},
                   {"provenance", provenance("nlg-validate", table.toJson(), {{"held_out", set.sha256}})},
                   {"tau", tauJson(options)},
+                  {"theta_precision", thetaPrecisionName(options.policy.theta_precision)},
                   {"functions", functionsJson(counts.all, context)},
                   {"bootstrap", bootstrapJson(context)},
                   {tents.name, figuresByPopulation(tents, Scope::set, context)}};

@@ -35,18 +35,18 @@ POINT_COUNT = 8192  # that evaluate_us is the time of
 class Cost:
     """One representation: what a function costs and how wrong it is, by every statistic of the summary."""
     name: str
-    bytes_float32: int
+    bytes: int          # of one θ, as the summary's functions are stored
     evaluate_us: float  # 0: not measured
     sample: dict        # word → the RMSE's statistics over the functions of the sample that take a θ
 
 
 def costs(summary, times=None):
     """times: the summary that evaluate_us is taken from; None: the same."""
-    result = []
+    result, precision = [], summary["theta_precision"].text()
     for name, node in summary["representations"].entries():
         rmse = lambda word: {q: node["sample"][word]["theta"]["rmse"][q].number() for q in inputs_module.QUANTILES}
         timed = times["representations"][name] if times else node
-        result.append(Cost(name, node["bytes"].count(), timed["evaluate_us"].number(), {word: rmse(word) for word in SHOWN}))
+        result.append(Cost(name, node["theta_bytes"][precision].count(), timed["evaluate_us"].number(), {word: rmse(word) for word in SHOWN}))
     return result
 
 
@@ -58,13 +58,11 @@ def decade_axis(axis, values, text):
     axis.set_minor_formatter(NullFormatter())
 
 
-def draw_panel(figure, axes, some, statistic, x_of, limits, more_lines=()):
+def draw_panel(figure, axes, some, statistic, x_of, limits):
     """Filled: stored, open: best known, a thin line from there up to the network, ticks where it passes the network and the corrected;
-    dashed and dotted: Pareto fronts of stored and best known.
-
-    more_lines   what is drawn besides; returns what writes the names, once the axes have their limits
+    dashed and dotted: Pareto fronts of stored and best known. Returns what writes the names, once the axes have their limits.
     """
-    labels, lines = [], [*more_lines]
+    labels, lines = [], []
     for cost in some:
         x, shade, shape = x_of(cost), plots.representation_colour(cost.name), plots.representation_marker(cost.name)
         errors = {word: cost.sample[word][statistic] for word in SHOWN}
@@ -92,13 +90,9 @@ def draw(summary, statistic="mean", times=None):
     figure, (left, right) = plots.plt.subplots(1, 2, figsize=(9.8, 4.4), layout="constrained", sharey=True)
     for axes in (left, right):
         axes.grid(True)
-    to_float32 = [[(c.bytes_float32 / 2, c.sample["stored"][statistic]), (c.bytes_float32, c.sample["stored"][statistic])] for c in some]
-    place = [draw_panel(figure, left, some, statistic, lambda c: c.bytes_float32 / 2, limits, to_float32)]
-    decade_axis(left.xaxis, [c.bytes_float32 / 2 for c in some] + [c.bytes_float32 for c in some], plots.short)
-    for cost, line in zip(some, to_float32):  # where the function stands when its numbers are stored as float32
-        left.plot(*zip(*line), linewidth=0.9, alpha=0.45, color=plots.representation_colour(cost.name), marker="|", markevery=[1],
-                  markersize=7, zorder=2)
-    left.set(xlabel="bytes a function: float16 (tick to the right: float32)", ylabel=f"RMSE of a function that takes a θ, {statistic}")
+    place = [draw_panel(figure, left, some, statistic, lambda c: c.bytes, limits)]
+    decade_axis(left.xaxis, [c.bytes for c in some], plots.short)
+    left.set(xlabel=f"bytes a function, θ in {summary['theta_precision'].text()}", ylabel=f"RMSE of a function that takes a θ, {statistic}")
     right.set_xlabel(f"evaluation time of {POINT_COUNT} points, one core")
     timed = [c for c in some if c.evaluate_us > 0]
     if timed:

@@ -105,6 +105,7 @@ class Findings:
         summary = inputs.summary
         self.functions = {key: node.count() for key, node in summary["functions"].entries()}
         self.tau = {key: node.number() for key, node in summary["tau"].entries()}
+        self.precision = summary["theta_precision"].text()
         self.sample_theta_count = len(inputs.sampled(inputs.representations[0], "best_known"))
 
     def summary_of(self, representation):
@@ -147,7 +148,7 @@ class Findings:
             node = self.summary_of(name)
             rows = [figures_row(word, node[word][population], population, self.tau["rmse"]) | {"first": word == WORDS[0], "main": population == POPULATIONS[0]}
                     for population in POPULATIONS for word in WORDS]
-            groups.append({"name": name, "note": f"{grouped(node['parameters'].count())} parameters, {grouped(node['bytes'].count())} bytes a function as float32. The generator: "
+            groups.append({"name": name, "note": f"{grouped(node['parameters'].count())} parameters, {grouped(node['theta_bytes'][self.precision].count())} bytes a function in {self.precision}. The generator: "
                            f"{grouped(round(node['weights_bytes'].count() / 1000))} kB, {plural(node['correction_steps'].count(), 'learned correction step')}.", "rows": rows})
         tent = self.inputs.summary["tent"]
         groups.append({"name": "bare tent", "note": "No network at all and the same for every probe: this is what a generator has to beat.",
@@ -240,20 +241,20 @@ class Findings:
         """Who is best by bytes and by error, as stored, over the functions of the sample that take a θ."""
         some = costs(self.inputs.summary)
         mean = lambda cost, word: cost.sample[word]["mean"]
-        front = [name for _, _, name in pareto([(c.bytes_float32, mean(c, "stored"), c.name) for c in some])]
+        front = [name for _, _, name in pareto([(c.bytes, mean(c, "stored"), c.name) for c in some])]
         best = min(some, key=lambda c: mean(c, "stored"))
-        text = (f"The lowest mean error of what is stored has {best.name}, {error(mean(best, 'stored'))} at {best.bytes_float32 // 2} bytes in float16 "
+        text = (f"The lowest mean error of what is stored has {best.name}, {error(mean(best, 'stored'))} at {best.bytes} bytes in {self.precision} "
                 f"(best known: {error(mean(best, 'best_known'))}). On the front of bytes and error: {', '.join(front)}.")
         return [("", text)]
 
     def curve_table(self):
         """By bytes: the mean error of every word, and the time that what is stored took."""
         rows = []
-        for c in sorted(costs(self.inputs.summary), key=lambda c: (c.bytes_float32, c.sample["stored"]["mean"])):
+        for c in sorted(costs(self.inputs.summary), key=lambda c: (c.bytes, c.sample["stored"]["mean"])):
             sample = self.summary_of(c.name)["sample"]
             mean_of = lambda word: quantile_cells(sample[word]["theta"]["rmse"])[QUANTILES.index("mean")]
             time_of = lambda word: duration(sample[word]["theta"]["us_per_function"].number())
-            rows.append({"name": c.name, "bytes": (grouped(c.bytes_float32 // 2), grouped(c.bytes_float32)), "time": duration(c.evaluate_us) if c.evaluate_us > 0 else "–",
+            rows.append({"name": c.name, "bytes": grouped(c.bytes), "time": duration(c.evaluate_us) if c.evaluate_us > 0 else "–",
                          "cells": [(mean_of(word), time_of(word)) for word in SHOWN], "fitted": share_cell(sample["stored"]["theta"], "share_fitted")})
         return rows
 

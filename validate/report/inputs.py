@@ -17,6 +17,7 @@ WORDS = ("network", "corrected", "fitted", "stored")
 FITS = ("adam_theta0", "lm_theta0", "adam_random", "direct", "best_known")
 POPULATIONS = ("theta", "hard", "all")  # the main one first: functions that take a theta
 SCHEMA_VERSION = 2
+PRECISIONS = ("float32", "float16", "int8")  # that θ may be stored in
 QUANTILES = ("median", "mean", "p95", "p99", "worst")
 INTERVALS = ("median", "mean", "p95")   # the quantiles that have one
 RATIOS = ("median", "median_hard", "median_test_points", "median_occluded_hard")
@@ -215,7 +216,8 @@ def check_stage(stage):
 
 
 def check_representation(node):
-    [node[key].count() for key in ("parameters", "bytes", "weights_bytes", "correction_steps")]
+    [node[key].count() for key in ("parameters", "weights_bytes", "correction_steps")]
+    [node["theta_bytes"][precision].count() for precision in PRECISIONS]
     node["weights_sha256"].text(), node["evaluate_us"].number()
     [check_stage(stage) for stage in node["stages"].items()]
     [check_populations(node[word]) for word in WORDS]
@@ -233,6 +235,8 @@ def check_summary(summary):
         summary["functions"][key].count()
     for key in ("rmse", "leak", "leak_share", "hard_tent_rmse", "bare_tent_rmse"):
         summary["tau"][key].number()
+    if summary["theta_precision"].text() not in PRECISIONS:
+        summary["theta_precision"].refuse(" or ".join(PRECISIONS), f"'{summary['theta_precision'].value}'")
     check_populations(summary["tent"])
     [check_representation(node) for _, node in summary["representations"].entries()]
     origin = summary["provenance"]

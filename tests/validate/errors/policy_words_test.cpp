@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "runtime_eval/evaluator/theta_form.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "validate/errors/best_known.h"
 #include "validate/errors/convergence.h"
@@ -127,31 +128,35 @@ TEST_F(PolicyWordsTest, ErrorsAndLeaksAreTheSameOnAnyNumberOfThreads) {
 }
 
 TEST_F(PolicyWordsTest, NothingIsBelowTheBestKnown) {
-  const PolicyWords words = measurePolicy(generator_, set_, populations_, options_);
-  const LongFits fits = measureLongFits(generator_, set_, populations_, words.made, options_);
-  uint64_t functions = 0;
-  for (const auto& [from, count] : fits.best_known_from) functions += count;
-  EXPECT_EQ(functions, populations_.sample().size());
-  for (size_t n = 0; n < populations_.sample().size(); ++n) {
-    // fits sum in float, the meter in double
-    const double best = fits.at(LongFit::best_known).functions[n].error.rmse * (1.0 - 1e-5);
-    for (const MeasuredWord& fit : fits.words) EXPECT_GE(fit.functions[n].error.rmse, best) << fit.name;
-    for (const MeasuredWord& word : words.words) {
-      EXPECT_GE(word.functions[populations_.sample()[n]].error.rmse, best) << word.name;
+  for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::int8}) {
+    SCOPED_TRACE(thetaPrecisionName(precision));
+    options_.policy.theta_precision = precision;
+    const PolicyWords words = measurePolicy(generator_, set_, populations_, options_);
+    const LongFits fits = measureLongFits(generator_, set_, populations_, words.least_wrong, options_);
+    uint64_t functions = 0;
+    for (const auto& [from, count] : fits.best_known_from) functions += count;
+    EXPECT_EQ(functions, populations_.sample().size());
+    for (size_t n = 0; n < populations_.sample().size(); ++n) {
+      // fits sum in float, the meter in double
+      const double best = fits.at(LongFit::best_known).functions[n].error.rmse * (1.0 - 1e-5);
+      for (const MeasuredWord& fit : fits.words) EXPECT_GE(fit.functions[n].error.rmse, best) << fit.name;
+      for (const MeasuredWord& word : words.words) {
+        EXPECT_GE(word.functions[populations_.sample()[n]].error.rmse, best) << word.name;
+      }
     }
+    const auto all = [](uint64_t) { return true; };
+    const auto ratios = ratiosJson(words.at(ThetaWord::stored), fits.at(LongFit::best_known), context_, all);
+    EXPECT_GE(ratios["median"]["value"].get<double>(), 1.0 - 1e-5);
+    EXPECT_LE(ratios["median"]["low"].get<double>(), ratios["median"]["value"].get<double>());
+    const auto none =
+        ratiosJson(words.at(ThetaWord::stored), fits.at(LongFit::best_known), context_, [](uint64_t) { return false; });
+    EXPECT_EQ(none["median"]["value"], 0.0);
   }
-  const auto all = [](uint64_t) { return true; };
-  const auto ratios = ratiosJson(words.at(ThetaWord::stored), fits.at(LongFit::best_known), context_, all);
-  EXPECT_GE(ratios["median"]["value"].get<double>(), 1.0 - 1e-5);
-  EXPECT_LE(ratios["median"]["low"].get<double>(), ratios["median"]["value"].get<double>());
-  const auto none =
-      ratiosJson(words.at(ThetaWord::stored), fits.at(LongFit::best_known), context_, [](uint64_t) { return false; });
-  EXPECT_EQ(none["median"]["value"], 0.0);
 }
 
 TEST_F(PolicyWordsTest, MoreStartsNeverMakeDirectFitsWorse) {
   const PolicyWords words = measurePolicy(generator_, set_, populations_, options_);
-  const LongFits fits = measureLongFits(generator_, set_, populations_, words.made, options_);
+  const LongFits fits = measureLongFits(generator_, set_, populations_, words.least_wrong, options_);
   const Convergence convergence = measureConvergence(generator_, set_, populations_, fits, options_);
   EXPECT_EQ(convergence.functions, 2u);
   ASSERT_EQ(convergence.by_restarts.size(), 3u);

@@ -97,7 +97,7 @@ def summary(table, held_out=HELD_OUT):
     for name, parameters in REPRESENTATIONS.items():
         stages = [{"name": stage, "word": word, "population": population, "above_rmse": above, "budget": budget, "text": title + text}
                   for stage, title, word, population, above, budget, text in STAGES]
-        node = {"parameters": parameters, "bytes": 4 * parameters, "weights_bytes": 2000000, "weights_sha256": "0" * 64, "correction_steps": 3, "evaluate_us": 10.0, "stages": stages}
+        node = {"parameters": parameters, "theta_bytes": {"float32": 4 * parameters, "float16": 2 * parameters, "int8": parameters + 9}, "weights_bytes": 2000000, "weights_sha256": "0" * 64, "correction_steps": 3, "evaluate_us": 10.0, "stages": stages}
         node |= {word: populations(table[name, word]) for word in WORDS} | {"sample": sample(table, name)}
         by_scene = lambda word, scene: quantiles([r[4] for r in table[name, word] if r[1] == scene and r[2]])
         node["by_scene"] = {scene: {word: by_scene(word, scene) for word in ("stored", "network")} for scene in SCENES}
@@ -110,7 +110,7 @@ def summary(table, held_out=HELD_OUT):
               "held_out": FUNCTIONS, "held_out_scenes": len(SCENES), "take_theta": sum(r[2] for r in tent), "hard": sum(r[3] for r in tent), "held_out_in_training": 2,
               "held_out_in_training_mirrored": 3}
     return {"schema_version": 2, "provenance": {"tool": "nlg-validate", "revision": "made-up", "options": options, "inputs": {"held_out": held_out}},
-            "tau": TAU, "functions": counts, "tent": populations(tent), "representations": representations}
+            "tau": TAU, "theta_precision": "int8", "functions": counts, "tent": populations(tent), "representations": representations}
 
 
 def slices():
