@@ -8,7 +8,7 @@
 
 namespace nlg {
 
-// Every option of the policy but theta_precision, which only a grid has.
+// Every option of the policy but theta_precision, which only those take who store theta.
 void describePolicy(PolicyOptions& options, OptionTable& table);
 
 // What theta is stored in unless an option says otherwise: by a bake, and so by what measures bakes.

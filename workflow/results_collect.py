@@ -215,6 +215,15 @@ def held_to(read, path):
         return read(path)
 
 
+BY_NAME = ("savings", "bakes", "look_up", "benchmarks")  # sections of which a folder may hold a part
+
+
+def added_to(earlier, found):
+    """Earlier results with the sections that were found; of those by scene or case the others stay."""
+    parts = {key: {**earlier[key], **found[key]} for key in BY_NAME if key in earlier and key in found}
+    return {**earlier, **found, **parts}
+
+
 def collect(run, configuration, earlier=None):
     """The results of one run's folder; what it does not hold is taken from earlier results of the same weights."""
     out = {"schema_version": 1, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
@@ -230,10 +239,14 @@ def collect(run, configuration, earlier=None):
         out["benchmarks"] = benchmarks(files)
     if len(out) == 4:
         fail(run, "the folder of a run that measured something", "none of its files")
-    out = {**(earlier or {}), **out}
+    if earlier is not None:
+        out = added_to(earlier, out)
     if "frontier" in out and "evaluation" in out and out["frontier"]["held_out_sha256"] != out["evaluation"]["held_out_sha256"]:
         fail(run / "evaluation/frontier.json", "the shards that summary.json is of", "others")
     out["weights"] = check_weights(out, run)
+    for name, sha256 in (earlier or {}).get("weights", {}).items():
+        if out["weights"].get(name, sha256) != sha256:
+            fail(f"{run}: {name}", f"figures of weights {sha256}, as docs/results has them", out["weights"][name])
     return rounded(out, str(run))
 
 

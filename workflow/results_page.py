@@ -4,7 +4,6 @@ from results_quotes import MAIN, microseconds, number, percent
 
 POPULATION_NAMES = {"theta": "functions that take a θ", "hard": "hard functions", "all": "all distinct functions"}
 POPULATION_ORDER = ("theta", "hard", "all")
-PRECISIONS = ("int8", "float16", "float32")  # that a grid may store θ in
 FIT_NAMES = {"direct": "direct", "adam_theta0": "Adam from θ₀", "lm_theta0": "Levenberg–Marquardt from θ₀", "adam_random": "Adam from a random start",
              "best_known": "best known"}
 SPLIT_TITLES = {"evaluation": "Evaluation: scenes that no generator was trained on", "validation": "Validation: held-out scenes of the kinds trained on"}
@@ -84,10 +83,11 @@ def stages_section(split):
 
 
 def size_section(split):
-    rows = [[f"`{name}`", entry["parameters"], *(f"{entry['theta_bytes'][precision]:,}" for precision in PRECISIONS), f"{entry['weights_bytes'] / 1000:,.0f} kB", entry["correction_steps"],
+    precisions = next(iter(split["representations"].values()))["theta_bytes"]
+    rows = [[f"`{name}`", entry["parameters"], *(f"{entry['theta_bytes'][precision]:,}" for precision in precisions), f"{entry['weights_bytes'] / 1000:,.0f} kB", entry["correction_steps"],
              microseconds(entry["evaluate_us"]) if "evaluate_us" in entry else ""] for name, entry in split["representations"].items()]
-    head = ["", "numbers a function", *(f"bytes, {precision}" for precision in PRECISIONS), "weights file", "learned steps", "µs for one θ at 8,192 points"]
-    return "\n## Sizes\n" + table(head, rows)
+    head = ["", "numbers a function", *(f"bytes, {precision}" for precision in precisions), "weights file", "learned steps", "µs for one θ at 8,192 points"]
+    return "\n## Sizes\n" + table(head, rows) + "\nint8 keeps the last layers of networks, and whole product fields, in float16.\n"
 
 
 RATIO_HEAD = ["", "word", "median", "hard, median", "at test points, median", "hard, at occluded points, median", "without duplicates: median", "hard, median"]

@@ -335,21 +335,35 @@ class Results(unittest.TestCase):
         self.assertEqual(result.returncode, 3)
         self.assertIn("figures of weights", result.stderr)
 
+    def add(self):
+        result = self.run_results("collect", "out/openarena", "--config", "c.yaml", "--no-pictures", "--add")
+        return result, json.loads((self.root / "docs/results/openarena.json").read_text())
+
     def test_what_a_folder_has_not_measured_stays_when_it_is_added(self):
         self.assertEqual(self.collect().returncode, 0)
         before = json.loads((self.root / "docs/results/openarena.json").read_text())
-        shutil.rmtree(self.root / "out/openarena/evaluation")
+        shutil.rmtree(self.root / "out/openarena")
         line = bake()["savings"][0]
-        self.write("out/openarena/savings/kaos2.json", {**bake(), "savings": [{**line, "count": 5}]})
-        result = self.run_results("collect", "out/openarena", "--config", "c.yaml", "--no-pictures", "--add")
+        self.write("out/openarena/savings/slimefac.json", {**bake(), "scene": "slimefac", "savings": [{**line, "count": 5}]})
+        result, after = self.add()
         self.assertEqual(result.returncode, 0, result.stderr)
-        after = json.loads((self.root / "docs/results/openarena.json").read_text())
-        self.assertEqual(after["savings"]["kaos2"]["lines"]["probes_in_solid"]["count"], 5)
-        self.assertEqual({**after, "savings": before["savings"]}, before)
-        self.write("out/openarena/validation/summary.json", summary(SHA256))
+        self.assertEqual(after["savings"]["slimefac"]["lines"]["probes_in_solid"]["count"], 5)
+        self.assertEqual({**after, "savings": {"kaos2": after["savings"]["kaos2"]}}, before)
+
+    def test_figures_of_other_weights_are_not_added(self):
+        self.assertEqual(self.collect().returncode, 0)
+        before = json.loads((self.root / "docs/results/openarena.json").read_text())
+        shutil.rmtree(self.root / "out/openarena")
+        for split in ("validation", "evaluation"):
+            self.write(f"out/openarena/{split}/summary.json", summary(SHA256))
+            result, after = self.add()
+            self.assertEqual(result.returncode, 3)
+            self.assertIn("figures of weights", result.stderr)
+            self.assertEqual(after, before)
+        (self.root / "docs/results/openarena.json").unlink()
         result = self.run_results("collect", "out/openarena", "--config", "c.yaml", "--no-pictures", "--add")
         self.assertEqual(result.returncode, 3)
-        self.assertIn("figures of weights", result.stderr)
+        self.assertIn("earlier results", result.stderr)
 
     def test_refuses_figures_of_weights_that_do_not_ship(self):
         self.write("out/openarena/evaluation/summary.json", summary(SHA256))

@@ -31,6 +31,10 @@ void refuseOtherRuns(const ValidationResult& old_run, const ValidationResult& ne
     throw InputError(new_run.path, "provenance.inputs.held_out",
                      "the held-out functions of " + old_run.path + ", " + old_run.held_out, new_run.held_out);
   }
+  if (old_run.theta_precision != new_run.theta_precision) {
+    throw InputError(new_run.path, "theta_precision", old_run.theta_precision + " as in " + old_run.path,
+                     new_run.theta_precision);
+  }
   for (const auto& [key, value] : old_run.tau) {
     if (new_run.tau.at(key) != value) {
       throw InputError(new_run.path, "tau." + key, fmt::format("{:g} as in {}", value, old_run.path),

@@ -46,6 +46,12 @@ double number(const std::string& path, const Json& json, const Place& place) {
   return value.get<double>();
 }
 
+std::string text(const std::string& path, const Json& json, const Place& place) {
+  const Json& value = at(path, json, place);
+  if (!value.is_string()) throw InputError(path, place.to_string(), "a text", value.dump().substr(0, 40));
+  return value.get<std::string>();
+}
+
 const Json& object(const std::string& path, const Json& json, const Place& place) {
   const Json& value = at(path, json, place);
   if (!value.is_object() || value.empty())
@@ -168,10 +174,8 @@ ValidationResult readValidation(const std::string& summary_path) {
   }
   ValidationResult result;
   result.path = summary_path;
-  const Place held_out_place = placeOf({"provenance", "inputs", "held_out"});
-  const Json& held_out = at(summary_path, json, held_out_place);
-  if (!held_out.is_string()) throw InputError(summary_path, held_out_place.to_string(), "a text", held_out.dump().substr(0, 40));
-  result.held_out = held_out.get<std::string>();
+  result.held_out = text(summary_path, json, placeOf({"provenance", "inputs", "held_out"}));
+  result.theta_precision = text(summary_path, json, placeOf({"theta_precision"}));
   for (const char* key : {"rmse", "leak", "leak_share", "hard_tent_rmse", "bare_tent_rmse"})
     result.tau[key] = number(summary_path, json, placeOf({"tau", key}));
   for (const auto& [name, _] : object(summary_path, json, placeOf({"representations"})).items()) {

@@ -43,6 +43,7 @@ struct ValidationResult {
   std::string path;      // of summary.json
   std::string held_out;  // hash of the held-out shards as a set
   std::map<std::string, double> tau;
+  std::string theta_precision;
   bool has_functions = false;  // functions.csv lies beside it
   std::vector<ComparedRepresentation> representations;
 };

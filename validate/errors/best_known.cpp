@@ -33,7 +33,7 @@ const char* longFitName(LongFit fit) {
 
 uint64_t startSeed(const ValidateOptions& options, uint64_t function) { return mixSeed(options.seed, function); }
 
-FunctionFits fitLong(const Generator& generator, const WeightingFunction& function, const Theta& made,
+FunctionFits fitLong(const Generator& generator, const WeightingFunction& function, const Theta& start,
                      const DirectOptions& options, NormalEquationsKernel* kernel) {
   const Representation& representation = generator.representation();
   const Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
@@ -48,11 +48,11 @@ FunctionFits fitLong(const Generator& generator, const WeightingFunction& functi
   result.best_known_from = longFitName(LongFit::direct);
   const auto adamPolicy = [&] {
     const FitResult adam =
-        fitAdam(representation, function, made, refinementAdam(representation, directAdamSteps(representation, options)));
+        fitAdam(representation, function, start, refinementAdam(representation, directAdamSteps(representation, options)));
     return fitLevenbergMarquardt(representation, function, adam.theta, polish, kernel);
   };
   const Candidate others[] = {{"adam_policy", timedFit(adamPolicy)},
-                              {"lm_policy", fitLevenbergMarquardt(representation, function, made, polish, kernel)}};
+                              {"lm_policy", fitLevenbergMarquardt(representation, function, start, polish, kernel)}};
   double elapsed_us = best.elapsed_us;
   for (const Candidate& other : others) {
     elapsed_us += other.fit.elapsed_us;
@@ -66,7 +66,7 @@ FunctionFits fitLong(const Generator& generator, const WeightingFunction& functi
 }
 
 LongFits measureLongFits(const Generator& generator, const FunctionSet& set, const Populations& populations,
-                         const std::vector<Theta>& made, const ValidateOptions& options) {
+                         const std::vector<Theta>& starts, const ValidateOptions& options) {
   const Representation& representation = generator.representation();
   const std::vector<uint64_t>& sample = populations.sample();
   LongFits result;
@@ -86,7 +86,7 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
     DirectOptions direct = options.direct;
     direct.seed = startSeed(options, function);
     const FunctionFits of_function =
-        fitLong(generator, decodeFunction(stored, pointOrder(representation)), made[n], direct, &thread.kernel);
+        fitLong(generator, decodeFunction(stored, pointOrder(representation)), starts[n], direct, &thread.kernel);
     const std::array<FitResult, kLongFitCount>& fits = of_function.fits;
     for (int f = 0; f < kLongFitCount; ++f) {
       const FunctionCheck check = thread.checker.check(representation, stored, fits[f].theta.data(), options.policy.check());

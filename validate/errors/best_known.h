@@ -28,8 +28,8 @@ struct FunctionFits {
 };
 
 // function   in the order of the generator's representation
-// made       the policy's theta for it
-FunctionFits fitLong(const Generator& generator, const WeightingFunction& function, const Theta& made,
+// start      the policy's theta for it
+FunctionFits fitLong(const Generator& generator, const WeightingFunction& function, const Theta& start,
                      const DirectOptions& options, NormalEquationsKernel* kernel);
 
 struct LongFits {
@@ -40,9 +40,9 @@ struct LongFits {
   const MeasuredWord& at(LongFit fit) const { return words[static_cast<size_t>(fit)]; }
 };
 
-// made   by function of the sample: the policy's theta, PolicyWords::least_wrong
+// starts   by function of the sample: the policy's theta, PolicyWords::least_wrong
 LongFits measureLongFits(const Generator& generator, const FunctionSet& set, const Populations& populations,
-                         const std::vector<Theta>& made, const ValidateOptions& options);
+                         const std::vector<Theta>& starts, const ValidateOptions& options);
 
 // The seed of a function's random starts.
 uint64_t startSeed(const ValidateOptions& options, uint64_t function);

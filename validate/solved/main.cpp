@@ -153,7 +153,7 @@ void descendHierarchy(const Request& request, const SolvedScene& scene, const st
   std::map<std::string, std::string> hashes;
   for (size_t i = 0; i < generators.size(); ++i) hashes["weights." + std::to_string(i)] = fileSha256(request.weights[i]);
   Json json = {{"schema_version", 1}, {"provenance", provenance("nlg-solve", table.toJson(), hashes)}};
-  json.update(hierarchyJson(scene, generators, PolicyOptions{}, direct));  // as nlg-bake has it unless told otherwise
+  json.update(hierarchyJson(scene, generators, PolicyOptions{}, direct));  // nlg-bake's, before theta is rounded
   writeFileAtomically(request.out_dir + "/" + request.scene + ".hierarchy.json", json.dump(1) + "\n");
 }
 

@@ -59,6 +59,7 @@ class ComparisonTest : public testing::Test {
     const nlohmann::ordered_json summary = {
         {"schema_version", 2},
         {"provenance", {{"inputs", {{"held_out", held_out}}}}},
+        {"theta_precision", "int8"},
         {"tau", {{"rmse", kTauRmse}, {"leak", 0.1}, {"leak_share", 0.01}, {"hard_tent_rmse", 0.01}, {"bare_tent_rmse", 0.002}}},
         {"representations", {{"mlp", words}}}};
     std::filesystem::create_directories(folder_ + "/" + name);
@@ -154,6 +155,9 @@ TEST_F(ComparisonTest, RefusesOtherFunctionsAndOtherThresholds) {
   EXPECT_THROW(compare(old_run, readValidation(write("other", same_, true, "bb")), {}), InputError);
   ValidationResult other = old_run;
   other.tau["rmse"] = 0.03;
+  EXPECT_THROW(compare(old_run, other, {}), InputError);
+  other = old_run;
+  other.theta_precision = "float32";
   EXPECT_THROW(compare(old_run, other, {}), InputError);
   other = old_run;
   other.representations[0].functions["network"][3].scene = "elsewhere";
