@@ -49,6 +49,12 @@ void describePolicy(PolicyOptions& o, OptionTable& table) {
   table.renamed("correct_adam_steps", "fit_adam_steps");
 }
 
+PolicyOptions defaultBakePolicy() {
+  PolicyOptions options;
+  options.theta_precision = thetaPrecisionFromName(kDefaultThetaPrecision);
+  return options;
+}
+
 ThetaPrecision thetaPrecisionFromName(const std::string& name) {
   if (name == "float32") return ThetaPrecision::float32;
   if (name == "float16") return ThetaPrecision::float16;

@@ -22,14 +22,13 @@ PlotRun runOf(PlotPoint point, const std::shared_ptr<PolicyRun>& policy) {
   return {{std::move(point)}, [policy](const FunctionBlock& block) { return FittedFunctions{policy->run(block)}; }};
 }
 
-// What theta is called after a stage of the list: each word that no later stage has, as far as it is not the last of all.
+// What theta is called after a stage of the list: each word that no later stage has; stored only once it is rounded.
 std::vector<ThetaWord> wordsAfter(const std::vector<StagePlan>& plan, size_t at) {
   const auto wordOfPlace = [&](size_t n) { return n == plan.size() ? ThetaWord::stored : wordOf(plan[n].stage); };
   std::vector<ThetaWord> words;
   for (auto word = static_cast<int>(wordOfPlace(at)); word < static_cast<int>(wordOfPlace(at + 1)); ++word) {
     words.push_back(static_cast<ThetaWord>(word));
   }
-  if (at + 1 == plan.size()) words.push_back(ThetaWord::stored);
   return words;
 }
 
@@ -47,7 +46,7 @@ void addStages(const std::shared_ptr<const Generator>& generator, const PolicyOp
     runs.push_back(runOf(point, run));
   }
   const auto last = std::make_shared<PolicyRun>(SharedGenerators{generator}, options, ThetaStage::rounding);
-  const PlotPoint rounded{name, "stages", 8, "rounding to int8", {}};
+  const PlotPoint rounded{name, "stages", 8, "rounding to int8", {ThetaWord::stored}};
   runs.push_back({{rounded}, [last](const FunctionBlock& block) { return FittedFunctions{last->runAndRound(block)}; }});
 }
 

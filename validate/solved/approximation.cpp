@@ -47,15 +47,15 @@ std::array<ThetaOfFunctions, kThetaWordCount> thetaByWord(const Generator& gener
   return words;
 }
 
-ThetaOfFunctions bestKnownTheta(const Generator& generator, const TargetFunctions& functions, const ThetaOfFunctions& stored,
+ThetaOfFunctions bestKnownTheta(const Generator& generator, const TargetFunctions& functions, const ThetaOfFunctions& starts,
                                 const DirectOptions& options) {
   const std::vector<StoredFunction> views = functions.views();
   NormalEquationsKernel kernel;
   ThetaOfFunctions best(views.size());
   for (size_t n = 0; n < views.size(); ++n) {
-    if (stored[n].empty()) continue;
+    if (starts[n].empty()) continue;
     const WeightingFunction function = decodeFunction(views[n], pointOrder(generator.representation()));
-    best[n] = fitLong(generator, function, stored[n], options, &kernel).at(LongFit::best_known).theta;
+    best[n] = fitLong(generator, function, starts[n], options, &kernel).at(LongFit::best_known).theta;
   }
   return best;
 }

@@ -27,8 +27,8 @@ std::array<ThetaOfFunctions, kThetaWordCount> thetaByWord(const Generator& gener
                                                           const PolicyOptions& policy);
 
 // The lowest error that long fits find, for every function that takes a theta.
-// stored   where some of the fits start
-ThetaOfFunctions bestKnownTheta(const Generator& generator, const TargetFunctions& functions, const ThetaOfFunctions& stored,
+// starts   where some of the fits start
+ThetaOfFunctions bestKnownTheta(const Generator& generator, const TargetFunctions& functions, const ThetaOfFunctions& starts,
                                 const DirectOptions& options);
 
 // All probes of a scene as theta stand for their functions. Probes in free space have the bare tent, as in a light grid.

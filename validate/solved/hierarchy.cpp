@@ -73,7 +73,8 @@ Json hierarchyJson(const SolvedScene& scene, const std::vector<Generator>& gener
                            &after);
     };
     const auto words = thetaByWord(generator, functions, policy);
-    const double best_known = add("best known", bestKnownTheta(generator, functions, words.back(), direct), target);
+    const double best_known =
+        add("best known", bestKnownTheta(generator, functions, words[static_cast<size_t>(ThetaWord::fitted)], direct), target);
     for (int word = 0; word < kThetaWordCount; ++word) add(wordName(static_cast<ThetaWord>(word)), words[word], best_known);
   }
   return hierarchy.take();

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "bake/policy_options.h"
 #include "tool/atomic_file.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
@@ -153,7 +154,7 @@ void descendHierarchy(const Request& request, const SolvedScene& scene, const st
   std::map<std::string, std::string> hashes;
   for (size_t i = 0; i < generators.size(); ++i) hashes["weights." + std::to_string(i)] = fileSha256(request.weights[i]);
   Json json = {{"schema_version", 1}, {"provenance", provenance("nlg-solve", table.toJson(), hashes)}};
-  json.update(hierarchyJson(scene, generators, PolicyOptions{}, direct));  // nlg-bake's, before theta is rounded
+  json.update(hierarchyJson(scene, generators, defaultBakePolicy(), direct));
   writeFileAtomically(request.out_dir + "/" + request.scene + ".hierarchy.json", json.dump(1) + "\n");
 }
 

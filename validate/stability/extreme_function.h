@@ -4,7 +4,7 @@
 #include <functional>
 #include <limits>
 
-#include "runtime_eval/fit/theta_policy.h"
+#include "bake/policy_options.h"
 #include "validate/stability/stability_case.h"
 
 namespace nlg {
@@ -37,10 +37,11 @@ struct BakedFunction {
   FunctionCheck stored;
   Theta theta;  // that is stored; empty: the bare tent
   bool fails_check = false;
-  bool is_finite = false;
-  bool never_worse = false;  // corrections did not raise the error, nothing after them the trouble
+  bool is_finite = false;    // … and can be stored
+  bool never_worse = false;  // corrections did not raise the error, no fit after them the trouble
 };
-BakedFunction bakeFunction(const NamedGenerator& generator, const StoredFunction& stored, const PolicyOptions& options = {});
+BakedFunction bakeFunction(const NamedGenerator& generator, const StoredFunction& stored,
+                           const PolicyOptions& options = defaultBakePolicy());
 
 // What the stored error of a function may be, beside the threshold tau.
 enum class ErrorBound {
@@ -75,7 +76,7 @@ struct WorstBake {
   void add(const WorstBake& other);
 };
 WorstBake worstBake(const StabilityInputs& inputs, const StoredFunction& stored, ErrorBound bound,
-                    const PolicyOptions& options = {});
+                    const PolicyOptions& options = defaultBakePolicy());
 
 // "nearest to its bound: .0449 of .0512, pf3 (best known .0341 by direct)".
 std::string describeBound(const WorstBake& worst);

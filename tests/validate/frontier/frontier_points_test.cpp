@@ -284,7 +284,9 @@ TEST(GeneratorPoints, HaveOneAfterEveryStageOfThePolicyAsThePolicyLeavesIt) {
     expected.push_back("rounding to int8");
     EXPECT_EQ(stages, expected) << name;
     ASSERT_EQ(named.size(), size_t{kThetaWordCount}) << name;
-    ThetaPolicy policy({generator.get()}, {});
+    PolicyOptions options;
+    options.theta_precision = ThetaPrecision::int8;
+    ThetaPolicy policy({generator.get()}, options);
     std::vector<MadeTheta> made(block.functions.size());
     ThetaTrace trace;
     policy.bake(block.stored.data(), block.count(), made.data(), &trace);
