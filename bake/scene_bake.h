@@ -53,7 +53,7 @@ struct Bake {
 
 // generators   one a representation, by rising D; at least one
 // left_out     which probes
-// throws       as SceneFunctions does; NumericalError when a theta is beyond float16 and the policy rounds to it
+// throws       as SceneFunctions does
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
                const std::string& spool_folder, const LeftOut& left_out = {});
 

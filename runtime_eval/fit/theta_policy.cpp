@@ -60,6 +60,13 @@ std::unique_ptr<StageRun> makeStage(const StagePlan& plan, const Generator& gene
   }
 }
 
+// Fits drive the logits of product fields to any size where a larger one changes nothing. The largest half stands for all beyond it;
+// what that does to the function, the check finds.
+void roundLimited(const Representation& representation, ThetaPrecision precision, Theta* theta) {
+  for (float& number : *theta) number = std::clamp(number, -kMaxHalf, kMaxHalf);
+  roundTheta(representation, precision, theta->data());
+}
+
 }  // namespace
 
 const char* outOfRange(const PolicyOptions& options) {
@@ -287,7 +294,7 @@ FunctionCheck ThetaPolicy::checkBareTent(const StoredFunction& function) {
   return checker_.checkBareTent(function, options_.check());
 }
 
-int ThetaPolicy::bake(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace) {
+void ThetaPolicy::bake(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace) {
   std::vector<StoredFunction> with_theta;
   std::vector<int> numbers;
   std::vector<float> tent_us(count);
@@ -305,7 +312,6 @@ int ThetaPolicy::bake(const StoredFunction* functions, int count, MadeTheta* mad
     made[i].record.ended = ThetaStage::bare_tent;
     addTime(ThetaStage::bare_tent, ThetaWord::corrected, tent_us[i], &made[i].record);
   }
-  int beyond = count;
   std::vector<MadeTheta> results(with_theta.size());
   const size_t traced = trace != nullptr ? trace->fitted.size() : 0;
   make(with_theta.data(), static_cast<int>(with_theta.size()), results.data(), trace);
@@ -316,11 +322,10 @@ int ThetaPolicy::bake(const StoredFunction* functions, int count, MadeTheta* mad
       std::copy(results[n].theta.begin(), results[n].theta.end(),
                 trace->fitted.begin() + static_cast<ptrdiff_t>(traced + n * results[n].theta.size()));
     }
-    if (!round(with_theta[n], &results[n])) beyond = std::min(beyond, numbers[n]);
+    round(with_theta[n], &results[n]);
     addTime(ThetaStage::bare_tent, ThetaWord::corrected, tent_us[numbers[n]], &results[n].record);
     made[numbers[n]] = std::move(results[n]);
   }
-  return beyond;
 }
 
 void ThetaPolicy::make(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace) {
@@ -400,23 +405,21 @@ void ThetaPolicy::refine(const StoredFunction& function, MadeTheta* made) {
   }
 }
 
-bool ThetaPolicy::round(const StoredFunction& function, MadeTheta* made) {
-  if (last_ < ThetaStage::rounding || options_.theta_precision == ThetaPrecision::float32 || made->isBareTent()) return true;
+void ThetaPolicy::round(const StoredFunction& function, MadeTheta* made) {
+  if (last_ < ThetaStage::rounding || options_.theta_precision == ThetaPrecision::float32 || made->isBareTent()) return;
   const Clock::time_point start = Clock::now();
   const bool has_bytes =
       options_.theta_precision == ThetaPrecision::int8 && !generators_[made->generator]->representation().isField();
   Rounded rounded = has_bytes ? roundToBytes(function, *made) : roundToHalves(function, *made);
-  if (rounded.theta.empty()) return false;
   made->theta = std::move(rounded.theta);
   made->record.at(ThetaWord::stored) = rounded.check;
   addTime(ThetaStage::rounding, ThetaWord::stored, microsecondsSince(start), &made->record);
-  return true;
 }
 
 ThetaPolicy::Rounded ThetaPolicy::roundToHalves(const StoredFunction& function, const MadeTheta& made) {
   const Representation& representation = generators_[made.generator]->representation();
   Rounded rounded{made.theta, {}};
-  if (!roundTheta(representation, ThetaPrecision::float16, rounded.theta.data())) return {};
+  roundLimited(representation, ThetaPrecision::float16, &rounded.theta);
   rounded.check = checker_.check(representation, function, rounded.theta.data(), options_.check());
   return rounded;
 }
@@ -432,7 +435,7 @@ ThetaPolicy::Rounded ThetaPolicy::roundToBytes(const StoredFunction& function, c
   Rounded best;
   const auto isDone = [&] { return !best.theta.empty() && badness(best.check) <= enough; };
   const auto offer = [&](Theta theta) {
-    if (!roundTheta(representation, ThetaPrecision::int8, theta.data())) return;
+    roundLimited(representation, ThetaPrecision::int8, &theta);
     const FunctionCheck found = checker_.check(representation, function, theta.data(), check);
     if (best.theta.empty() || badness(found) < badness(best.check)) best = {std::move(theta), found};
   };

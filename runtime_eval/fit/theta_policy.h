@@ -142,12 +142,10 @@ class ThetaPolicy {
   const PolicyOptions& options() const { return options_; }
   const std::vector<StagePlan>& plan(size_t generator) const { return runners_[generator]->plan(); }
 
-  // All of it, but for a theta that rounding would take beyond float16: that one stays as it was. Every function has the same theta
-  // whatever stands beside it.
+  // All of it. Every function has the same theta whatever stands beside it.
   // made     count of them, overwritten
   // trace    theta of the functions that take one, in their order; of the smallest representation; may be null
-  // returns  the first function whose theta rounding would take beyond float16; count where there is none
-  int bake(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace = nullptr);
+  void bake(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace = nullptr);
 
   // The same in its parts, for who bakes many at once and refines the worst first: takesBareTent, make, refine, round.
   FunctionCheck checkBareTent(const StoredFunction& function);
@@ -155,13 +153,13 @@ class ThetaPolicy {
   void make(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace = nullptr);
   // Where the check fails: fits on, in the next larger representation where this one is not enough.
   void refine(const StoredFunction& function, MadeTheta* made);
-  // To theta_precision. returns   false, and *made unchanged, when a number is beyond float16
-  bool round(const StoredFunction& function, MadeTheta* made);
+  // To theta_precision; a number beyond float16 becomes the largest that it has. What the check finds of it is recorded.
+  void round(const StoredFunction& function, MadeTheta* made);
 
  private:
   // What rounding makes of theta: the least troubled of several ways, where one is enough.
   struct Rounded {
-    Theta theta;  // empty: a number is beyond float16, whatever the way
+    Theta theta;
     FunctionCheck check;
   };
   Rounded roundToHalves(const StoredFunction& function, const MadeTheta& made);

@@ -73,11 +73,13 @@ fail() {
   exit 1
 }
 
-# waits until a command holds, at most $1 seconds
+# waits until a command holds, at most $1 seconds, and no longer than the run that it is waited for in
+driver=
 wait_for() {
   local deadline=$((SECONDS + $1 * slower))
   shift
   until "$@" > /dev/null 2>&1; do
+    [ -z "$driver" ] || kill -0 "$driver" 2> /dev/null || fail "the run has ended, which was to come to: $*"
     [ "$SECONDS" -lt "$deadline" ] || fail "waited in vain for: $*"
     sleep 0.1
   done
@@ -94,7 +96,7 @@ print(*[one.getsockname()[1] for one in sockets])')
   head -c 128 /dev/urandom > "$temporary/munge.key"
   chmod 400 "$temporary/munge.key"
   mkdir "$temporary/state" "$temporary/spool"
-  # the node claims what our jobs ask for: this test measures nothing
+  # the node claims what our jobs ask for: this test measures nothing. Sanitizers take longer than the jobs' limits, which are the plan's
   cat > "$SLURM_CONF" << CONF
 ClusterName=test
 SlurmctldHost=localhost
@@ -119,6 +121,7 @@ SelectTypeParameters=CR_Core_Memory
 SlurmdParameters=config_overrides
 SchedulerParameters=batch_sched_delay=0,sched_interval=1,sched_min_interval=100000
 KillWait=2
+OverTimeLimit=$((5 * (slower - 1)))
 ReturnToService=2
 NodeName=node NodeAddr=127.0.0.1 NodeHostname=localhost CPUs=4 RealMemory=64000
 PartitionName=all Nodes=node Default=YES State=UP

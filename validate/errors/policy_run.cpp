@@ -1,10 +1,8 @@
 #include "validate/errors/policy_run.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
-#include "tool/error.h"
 #include "tool/parallel_for.h"
 
 namespace nlg {
@@ -18,19 +16,12 @@ class BatchRun {
     theta_count_ = static_cast<size_t>(generators.front()->representation().thetaCount());
   }
 
-  // first             the batch's first function, for errors
   // functions, made   of one batch
   // use               with the number inside the batch
-  void run(uint64_t first, const StoredFunction* functions, int count, MadeTheta* made,
+  void run(const StoredFunction* functions, int count, MadeTheta* made,
            const std::function<void(int i, const ThetaByWord& theta)>& use) {
     ThetaTrace trace;
-    const int beyond = policy_.bake(functions, count, made, traces_ ? &trace : nullptr);
-    if (beyond < count) {
-      const Theta& theta = made[beyond].theta;
-      const auto largest =
-          std::max_element(theta.begin(), theta.end(), [](float a, float b) { return std::fabs(a) < std::fabs(b); });
-      throw NumericalError("validate", "function " + std::to_string(first + beyond), "theta, for float16,", *largest);
-    }
+    policy_.bake(functions, count, made, traces_ ? &trace : nullptr);
     if (!use) return;
     size_t at = 0;  // in the trace
     for (int i = 0; i < count; ++i) {
@@ -61,7 +52,7 @@ std::vector<MadeTheta> runPolicy(const std::vector<const Generator*>& generators
   parallelFor((functions.size() + batch - 1) / batch, options.threads, [&](uint64_t b, int thread) {
     const uint64_t begin = b * batch, end = std::min<uint64_t>(begin + batch, functions.size());
     const auto useOne = [&](int i, const ThetaByWord& theta) { use(thread, begin + i, made[begin + i], theta); };
-    threads[thread]->run(begin, &functions[begin], static_cast<int>(end - begin), &made[begin],
+    threads[thread]->run(&functions[begin], static_cast<int>(end - begin), &made[begin],
                          use ? useOne : std::function<void(int, const ThetaByWord&)>());
   });
   return made;

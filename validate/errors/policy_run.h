@@ -26,7 +26,6 @@ using UseTheta = std::function<void(int thread, uint64_t function, const MadeThe
 
 // generators   as ThetaPolicy takes them
 // returns      by function
-// throws       NumericalError when a theta is beyond float16 and the policy rounds to it, as a bake does
 std::vector<MadeTheta> runPolicy(const std::vector<const Generator*>& generators, const std::vector<StoredFunction>& functions,
                                  const PolicyOptions& policy, const PolicyRunOptions& options, const UseTheta& use = {});
 

@@ -49,7 +49,7 @@ double rmseOfZero(const SampledFunction& function) {
 BakedFunction bakeFunction(const NamedGenerator& named, const StoredFunction& stored, const PolicyOptions& options) {
   ThetaPolicy policy({&named.generator}, options);
   MadeTheta made, before;
-  const bool can_be_stored = policy.bake(&stored, 1, &made) == 1;
+  policy.bake(&stored, 1, &made);
   policy.make(&stored, 1, &before);  // up to the refinement
   BakedFunction baked;
   baked.network_rmse = made.record.at(ThetaWord::network).rmse;
@@ -57,7 +57,7 @@ BakedFunction bakeFunction(const NamedGenerator& named, const StoredFunction& st
   baked.stored = made.check();
   baked.theta = made.theta;
   baked.fails_check = !baked.stored.passes(options.check());
-  baked.is_finite = can_be_stored && std::isfinite(baked.stored.rmse) && allFinite(baked.theta);
+  baked.is_finite = std::isfinite(baked.stored.rmse) && allFinite(baked.theta);
   // sums of another kernel: the same theta may differ in the last digits
   baked.never_worse = !(baked.corrected_rmse > baked.network_rmse * (1.0 + 1e-6));
   if (made.isBareTent()) return baked;

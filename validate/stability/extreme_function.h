@@ -37,7 +37,7 @@ struct BakedFunction {
   FunctionCheck stored;
   Theta theta;  // that is stored; empty: the bare tent
   bool fails_check = false;
-  bool is_finite = false;    // … and can be stored
+  bool is_finite = false;
   bool never_worse = false;  // corrections did not raise the error, no fit after them the trouble
 };
 BakedFunction bakeFunction(const NamedGenerator& generator, const StoredFunction& stored,
