@@ -6,6 +6,7 @@
 
 #include "runtime_eval/fit/loss_kernel.h"
 #include "runtime_eval/numbers/finite.h"
+#include "runtime_eval/numbers/flush_subnormals.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {
@@ -140,6 +141,7 @@ AdamOptions randomStartAdam(int steps) {
 
 FitResult iterateAdam(const Representation& representation, const WeightingFunction& function, const AdamOptions& options,
                       AdamWorkspace* workspace, float* theta) {
+  const FlushSubnormals flush;
   return AdamRun(representation, function, options, workspace).run(theta);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "runtime_eval/fit/last_layer.h"
+#include "runtime_eval/numbers/flush_subnormals.h"
 
 namespace nlg {
 namespace {
@@ -160,6 +161,7 @@ LevenbergMarquardtOptions refinementLevenbergMarquardt(const Representation& rep
 FitResult iterateLevenbergMarquardt(const Representation& representation, const WeightingFunction& function,
                                     const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel,
                                     LevenbergMarquardtWorkspace* workspace, float* theta) {
+  const FlushSubnormals flush;
   return LevenbergMarquardt(representation, function, options, kernel, workspace).run(theta);
 }
 

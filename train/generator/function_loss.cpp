@@ -6,6 +6,7 @@
 
 #include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/numbers/flush_subnormals.h"
 
 namespace nlg {
 namespace {
@@ -16,6 +17,7 @@ constexpr int64_t kSamplesATask = 8;
 template <class Visit>
 void forEachSample(int64_t count, const Visit& visit) {
   at::parallel_for(0, count, kSamplesATask, [&](int64_t begin, int64_t end) {
+    const FlushSubnormals flush;
     for (int64_t b = begin; b < end; ++b) visit(b);
   });
 }
