@@ -1,4 +1,4 @@
-// Arithmetic without subnormal numbers, which some makes of processor compute a hundred times as slowly as others.
+// Arithmetic without subnormal numbers, which some makes of processor compute up to a hundred times as slowly as others.
 #pragma once
 
 #include <cstdint>
