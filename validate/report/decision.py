@@ -36,10 +36,10 @@ def equal_error_words(judgement):
     if equal is None:
         return "not measured: this page was drawn without a frontier that times it (--frontier)"
     if equal.ratio is None:
-        return f"{name} as stored takes {duration(equal.stored_us)}; there is no ratio, because {equal.reason}"
+        return f"{name} fitted takes {duration(equal.fitted_us)}; there is no ratio, because {equal.reason}"
     if equal.label is None:
-        return f"at least: {name} as stored takes {duration(equal.stored_us)}, the longest direct fit {duration(equal.direct_us)}, and its mean error is still larger"
-    return f"{name} as stored takes {duration(equal.stored_us)}, and the fastest direct fit to the same mean error {duration(equal.direct_us)} ({equal.label})"
+        return f"at least: {name} fitted takes {duration(equal.fitted_us)}, the longest direct fit {duration(equal.direct_us)}, and its mean error is still larger"
+    return f"{name} fitted takes {duration(equal.fitted_us)}, and the fastest direct fit to the same mean error {duration(equal.direct_us)} ({equal.label})"
 
 
 class Decision:

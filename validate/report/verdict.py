@@ -48,7 +48,7 @@ class Judgement:
 @dataclass
 class EqualError:
     """What a generator is worth in time: what is stored, against the fastest direct fit to the same mean error."""
-    stored_us: float
+    fitted_us: float
     direct_us: object  # None: not known
     label: object      # of that fit; None: no budget reaches the error, and direct_us is the longest's
     ratio: object
@@ -62,13 +62,13 @@ def is_direct(family):
 
 def at_equal_error(frontier, representation):
     """None without a frontier, or where it says nothing of the representation."""
-    speed = frontier.speeds.get(representation, {}).get("stored") if frontier else None
+    speed = frontier.speeds.get(representation, {}).get("fitted") if frontier else None
     if speed is None:
         return None
     if speed.ratio is not None:
         return EqualError(speed.time_us, speed.rival_us, speed.rival, speed.ratio, (speed.low, speed.high), None)
     fits = [point.over("theta") for point in frontier.points if point.representation == representation and is_direct(point.family) and point.figures["theta"]]
-    error = [point.over("theta").mean for point in frontier.points if point.representation == representation and "stored" in point.words and point.figures["theta"]]
+    error = [point.over("theta").mean for point in frontier.points if point.representation == representation and "fitted" in point.words and point.figures["theta"]]
     if fits and error and all(fit.mean > error[0] for fit in fits):  # the longest fit's time is what it takes at least
         longest = max(fit.us for fit in fits)
         return EqualError(speed.time_us, longest, None, longest / speed.time_us, None, speed.reason)

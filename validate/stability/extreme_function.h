@@ -4,7 +4,7 @@
 #include <functional>
 #include <limits>
 
-#include "bake/policy_options.h"
+#include "runtime_eval/fit/theta_policy.h"
 #include "validate/stability/stability_case.h"
 
 namespace nlg {
@@ -31,7 +31,7 @@ SampledFunction functionBesideWall(uint64_t seed, double distance);
 // RMSE of answering 0 everywhere, over valid points; 0 when there are none.
 double rmseOfZero(const SampledFunction& function);
 
-// A function through one generator as nlg-bake takes it.
+// A function through one generator as nlg-bake takes it, but that theta is not rounded.
 struct BakedFunction {
   double network_rmse = 0.0, corrected_rmse = 0.0;
   FunctionCheck stored;
@@ -41,7 +41,7 @@ struct BakedFunction {
   bool never_worse = false;  // corrections did not raise the error, no fit after them the trouble
 };
 BakedFunction bakeFunction(const NamedGenerator& generator, const StoredFunction& stored,
-                           const PolicyOptions& options = defaultBakePolicy());
+                           const PolicyOptions& options = {});
 
 // What the stored error of a function may be, beside the threshold tau.
 enum class ErrorBound {
@@ -76,7 +76,7 @@ struct WorstBake {
   void add(const WorstBake& other);
 };
 WorstBake worstBake(const StabilityInputs& inputs, const StoredFunction& stored, ErrorBound bound,
-                    const PolicyOptions& options = defaultBakePolicy());
+                    const PolicyOptions& options = {});
 
 // "nearest to its bound: .0449 of .0512, pf3 (best known .0341 by direct)".
 std::string describeBound(const WorstBake& worst);

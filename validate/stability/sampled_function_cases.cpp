@@ -60,7 +60,7 @@ StabilityResult measureFreeSpace(const StabilityInputs& inputs) {
   const SampledFunction tents = sampleFunction([](int p) { return tent(pointAt(p)); });
   StabilityResult result;
   double rmse = 0.0;
-  PolicyOptions every_function_has_theta;  // and no rounding: a bake stores nothing for the tent
+  PolicyOptions every_function_has_theta;
   every_function_has_theta.bare_tent_rmse = 0.0;
   if (!inputs.generators.empty())
     rmse = worstBake(inputs, tents.view(), ErrorBound::best_known, every_function_has_theta).stored_rmse;

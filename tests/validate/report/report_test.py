@@ -197,8 +197,8 @@ def check_verdict(needed):
     timeless = decision.Decision(data, free, None)
     expect(all("no frontier" in text for _, text in timeless.objections()) and len(timeless.objections()) == 3, f"times that nobody measured: {timeless.objections()}")
     equal = verdict.at_equal_error(front, "tent_mlp")
-    expect((equal.stored_us, equal.direct_us, equal.label, equal.ratio, equal.interval) == (500.0, 3000.0, "LM from theta0, gated", 6.0, (4.5, 8.1)), f"another speed than the file's: {equal}")
-    speed = front.speeds["mlp"]["stored"]
+    expect((equal.fitted_us, equal.direct_us, equal.label, equal.ratio, equal.interval) == (500.0, 3000.0, "LM from theta0, gated", 6.0, (4.5, 8.1)), f"another speed than the file's: {equal}")
+    speed = front.speeds["mlp"]["fitted"]
     expect(decision.Decision(data, free, None, front).judgements[1].speedup.interval == (3.0, None) and findings.bracket((3.0, None), findings.factor) == "3.00 or more", "an interval without a bound")
     speed.ratio, speed.reason = None, "no direct fit reaches this error"
     fits = [p for p in front.points if p.representation == "mlp" and verdict.is_direct(p.family)]
@@ -207,7 +207,7 @@ def check_verdict(needed):
         fit.figures["theta"]["rmse_mean"] = 1.0
     equal = verdict.at_equal_error(front, "mlp")
     longest = max(p.figures["theta"]["us_median"] for p in fits)
-    expect((equal.label, equal.direct_us, equal.ratio) == (None, longest, longest / 500.0), f"no fit reaches the stored error: {equal}")
+    expect((equal.label, equal.direct_us, equal.ratio) == (None, longest, longest / 500.0), f"no fit reaches the fitted error: {equal}")
     fits[0].figures["theta"]["rmse_mean"], speed.reason = 1e-9, "the shortest fit is below it"
     silent = decision.Decision(data, free, None, front)
     expect(silent.judgements[1].speedup.value is None and "because the shortest fit is below it" in dict(silent.objections())["mlp"], f"a ratio that nobody measured: {silent.objections()}")
