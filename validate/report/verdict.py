@@ -47,7 +47,7 @@ class Judgement:
 
 @dataclass
 class EqualError:
-    """What a generator is worth in time: what is stored, against the fastest direct fit to the same mean error."""
+    """What a generator is worth in time: what is fitted, against the fastest direct fit to the same mean error."""
     fitted_us: float
     direct_us: object  # None: not known
     label: object      # of that fit; None: no budget reaches the error, and direct_us is the longest's

@@ -40,8 +40,7 @@ struct BakedFunction {
   bool is_finite = false;
   bool never_worse = false;  // corrections did not raise the error, no fit after them the trouble
 };
-BakedFunction bakeFunction(const NamedGenerator& generator, const StoredFunction& stored,
-                           const PolicyOptions& options = {});
+BakedFunction bakeFunction(const NamedGenerator& generator, const StoredFunction& stored, const PolicyOptions& options = {});
 
 // What the stored error of a function may be, beside the threshold tau.
 enum class ErrorBound {
