@@ -5,7 +5,6 @@
 #include <chrono>
 #include <mutex>
 
-#include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 

@@ -186,7 +186,7 @@ def parse_arguments():
     limits = verdict.Limits()
     parser.add_argument("--max-share-failing", type=float, default=limits.share_failing, help="a generator may ship of whose stored functions that take a theta at most this share fails the check (default: %(default)g)")
     parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and whose stored error is at most so many times the best known on hard functions, by median (default: %(default)g)")
-    parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="and that, corrected, is at least so many times as fast as the fastest direct fit of no larger mean error (default: %(default)g)")
+    parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="and that, fitted, is at least so many times as fast as the fastest direct fit to the same mean error (default: %(default)g)")
     parser.add_argument("--out", required=True, help="the page to write; slices.png is written beside it")
     return parser.parse_args()
 

@@ -61,10 +61,10 @@ BakedFunction bakeFunction(const NamedGenerator& named, const StoredFunction& st
   // sums of another kernel: the same theta may differ in the last digits
   baked.never_worse = !(baked.corrected_rmse > baked.network_rmse * (1.0 + 1e-6));
   if (made.isBareTent()) return baked;
-  const FunctionCheck &unrefined = before.check(), &fitted = made.record.at(ThetaWord::fitted);
+  const FunctionCheck& unrefined = before.check();
   baked.never_worse = baked.never_worse && !(unrefined.rmse > baked.corrected_rmse * (1.0 + 1e-6)) &&
-                      !(fitted.trouble(options.check()) > unrefined.trouble(options.check())) &&
-                      (fitted.passes(options.check()) || !made.record.at(ThetaWord::network).passes(options.check()));
+                      !(baked.stored.trouble(options.check()) > unrefined.trouble(options.check())) &&
+                      (baked.stored.passes(options.check()) || !made.record.at(ThetaWord::network).passes(options.check()));
   return baked;
 }
 

@@ -38,7 +38,7 @@ struct BakedFunction {
   Theta theta;  // that is stored; empty: the bare tent
   bool fails_check = false;
   bool is_finite = false;
-  bool never_worse = false;  // corrections did not raise the error, no fit after them the trouble
+  bool never_worse = false;  // corrections did not raise the error, nothing after them the trouble
 };
 BakedFunction bakeFunction(const NamedGenerator& generator, const StoredFunction& stored, const PolicyOptions& options = {});
 
