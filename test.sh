@@ -57,4 +57,14 @@ else
   cmake --preset "$what" -Wno-dev > build/configure.log 2>&1 || { cat build/configure.log >&2; exit 1; }
   cmake --build --preset "$what" --parallel "$(build_jobs)"
 fi
-ctest --preset "$what" --parallel "$(nproc)"
+if ! ctest --preset "$what" --parallel "$(nproc)"; then
+  echo
+  echo "What the tests that failed said last:"
+  # a thousand tests' words stand above: whoever reads only the end must find the reason there
+  awk '/^[0-9]+\/[0-9]+ Testing: / { name = $3; lines = 0; inside = 0 }
+       /^<end of output>/ { inside = 0 }
+       inside { line[lines++ % 40] = $0 }
+       /^Output:/ { inside = 1 }
+       /^Test Failed/ { print "== " name; for (i = lines > 40 ? lines - 40 : 0; i < lines; ++i) print line[i % 40] }' "build/$what/Testing/Temporary/LastTest.log"
+  exit 1
+fi

@@ -1,18 +1,36 @@
 """A real browser for tests of pages: Chromium, headless."""
 import base64
+import glob
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import tempfile
+import time
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "headless_shell")
 HIGHEST_PX = 16000  # a screenshot's limit
+LONGEST_CLOSE_S = 60
 
 
 def find_browser():
     """The path of the first that is installed, or None."""
     return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
+def is_running(group):
+    """Whether any process of the group runs still; one that nobody has waited for does not."""
+    for path in glob.glob("/proc/[0-9]*/stat"):
+        try:
+            with open(path, encoding="utf-8", errors="replace") as file:
+                state, _, its_group = file.read().rpartition(")")[2].split()[:3]
+        except (FileNotFoundError, ProcessLookupError):
+            continue  # it ended meanwhile
+        if int(its_group) == group and state not in "ZX":
+            return True
+    return False
 
 
 class Browser:
@@ -28,8 +46,10 @@ class Browser:
             os.dup2(ends[0], 3)
             os.dup2(ends[1], 4)
 
+        # its own group: the processes that draw and fetch outlive the first one, and write in the profile meanwhile
+        self.said = tempfile.TemporaryFile()
         self.process = subprocess.Popen([program, "--headless", "--no-sandbox", "--remote-debugging-pipe", f"--user-data-dir={profile}", "--hide-scrollbars",
-                                         "--no-first-run", *options, "about:blank"], preexec_fn=place_pipes, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                                         "--no-first-run", *options, "about:blank"], preexec_fn=place_pipes, close_fds=False, start_new_session=True, stdout=subprocess.DEVNULL, stderr=self.said)
         os.close(to_browser)
         os.close(from_browser)
         self.buffer, self.last, self.events, self.session = b"", 0, [], None
@@ -37,12 +57,14 @@ class Browser:
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
+        self.call("Page.setLifecycleEventsEnabled", enabled=True)
 
     def receive(self):
         while b"\0" not in self.buffer:
             part = os.read(self.read_end, 1 << 16)
             if not part:
-                sys.exit("the browser closed its pipe")
+                self.said.seek(0)
+                sys.exit("the browser closed its pipe; the last that it said:\n" + self.said.read().decode(errors="replace")[-2000:])
             self.buffer += part
         message, self.buffer = self.buffer.split(b"\0", 1)
         return json.loads(message)
@@ -62,8 +84,10 @@ class Browser:
             self.events.append(answer)
 
     def open(self, url):
-        self.call("Page.navigate", url=url)
-        while not any(event.get("method") == "Page.loadEventFired" for event in self.events):
+        """Goes there and waits until that page has loaded: on a busy machine the page before may report its own load meanwhile."""
+        loader = self.call("Page.navigate", url=url)["loaderId"]
+        loaded = {"loaderId": loader, "name": "load"}
+        while not any(event.get("method") == "Page.lifecycleEvent" and loaded.items() <= event["params"].items() for event in self.events):
             self.events.append(self.receive())
 
     def value(self, expression):
@@ -79,5 +103,17 @@ class Browser:
             file.write(base64.b64decode(data))
 
     def close(self):
-        self.process.terminate()
+        """Ends every process of the browser, so that its profile can be deleted."""
+        try:
+            os.killpg(self.process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
         self.process.wait()
+        deadline = time.monotonic() + LONGEST_CLOSE_S
+        while is_running(self.process.pid):
+            if time.monotonic() > deadline:
+                sys.exit(f"processes of the browser run on {LONGEST_CLOSE_S} s after they were killed")
+            time.sleep(0.01)
+        for end in (self.read_end, self.write_end):
+            os.close(end)
+        self.said.close()
