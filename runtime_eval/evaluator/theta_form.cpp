@@ -14,10 +14,10 @@ struct HiddenLayer {
 HiddenLayer firstLayer(const NetworkShape& shape) { return {shape.w1(), 3, shape.b1(), shape.first}; }
 HiddenLayer secondLayer(const NetworkShape& shape) { return {shape.w2(), shape.first, shape.b2(), shape.second}; }
 
-// Scales and rounds the units of a layer; divides what reads them: number n of `reader_count` that unit u has stands at
+// Scales the units of a layer; divides what reads them: number n of `reader_count` that unit u has stands at
 // readers + n * units + u.
 // most   steps of a unit's largest number
-void roundLayer(const HiddenLayer& layer, float step, int most, int readers, int reader_count, float* theta) {
+void scaleLayer(const HiddenLayer& layer, float step, int most, int readers, int reader_count, float* theta) {
   for (int u = 0; u < layer.units; ++u) {
     float* weights = theta + layer.weights + u * layer.inputs;
     float& bias = theta[layer.biases + u];
@@ -28,9 +28,8 @@ void roundLayer(const HiddenLayer& layer, float step, int most, int readers, int
     float scale = static_cast<float>(most) * step / largest;
     // numbers so small that their scale is none: they round to 0
     if (!std::isfinite(scale)) scale = 1.0f;
-    const auto rounded = [&](float value) { return step * std::nearbyint(value * scale / step); };
-    for (int i = 0; i < layer.inputs; ++i) weights[i] = rounded(weights[i]);
-    bias = rounded(bias);
+    for (int i = 0; i < layer.inputs; ++i) weights[i] *= scale;
+    bias *= scale;
     for (int n = 0; n < reader_count; ++n) theta[readers + n * layer.units + u] /= scale;
   }
 }
@@ -51,15 +50,22 @@ const char* thetaPrecisionName(ThetaPrecision precision) {
 
 float stepOf(const NetworkShape& shape) { return shape.second > 0 ? 0.03125f : 4.0f; }
 
-void roundHiddenLayers(const Representation& network, float* theta, UnitSteps most) {
+void scaleHiddenLayers(const Representation& network, float* theta, UnitSteps most) {
   const NetworkShape& shape = network.shape();
   const float step = stepOf(shape);
   if (shape.second > 0) {
-    roundLayer(firstLayer(shape), step, most.first, shape.w2(), shape.second, theta);
-    roundLayer(secondLayer(shape), step, most.second, shape.w3(), 1, theta);
+    scaleLayer(firstLayer(shape), step, most.first, shape.w2(), shape.second, theta);
+    scaleLayer(secondLayer(shape), step, most.second, shape.w3(), 1, theta);
   } else {
-    roundLayer(firstLayer(shape), step, most.first, shape.w3(), 1, theta);
+    scaleLayer(firstLayer(shape), step, most.first, shape.w3(), 1, theta);
   }
+}
+
+void roundHiddenLayers(const Representation& network, float* theta, UnitSteps most) {
+  scaleHiddenLayers(network, theta, most);
+  const NetworkShape& shape = network.shape();
+  const float step = stepOf(shape);
+  for (int d = 0; d < shape.w3(); ++d) theta[d] = step * std::nearbyint(theta[d] / step);
 }
 
 bool roundTheta(const Representation& representation, ThetaPrecision precision, float* theta) {

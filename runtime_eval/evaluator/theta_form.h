@@ -36,8 +36,11 @@ struct UnitSteps {
   int first = kMostThetaSteps, second = kMostThetaSteps;
 };
 
-// Scales every hidden unit of a network, and rounds the numbers of the hidden layers to steps; the last layer takes the scales.
-// Units whose numbers are whole steps already stay, bit for bit: so does a theta that was rounded before. theta: D finite floats
+// Scales every hidden unit of a network; what reads a unit takes its scale. Units whose numbers are whole steps already stay, bit for
+// bit. theta: D finite floats
+void scaleHiddenLayers(const Representation& network, float* theta, UnitSteps most = {});
+
+// The same, and rounds the numbers of the hidden layers to steps: a theta that was rounded before stays, bit for bit.
 void roundHiddenLayers(const Representation& network, float* theta, UnitSteps most = {});
 
 // The numbers that a file in this precision gives back, in place: nearest, ties to even.

@@ -12,15 +12,14 @@ constexpr int kNestedIterations = 40;    // on every grid, as direct optimisatio
 constexpr int64_t kMostSteps = 1 << 24;  // of one round, whatever the growth
 constexpr int kRandomStarts = 3;         // tried beside theta0 where a network is stuck
 
-// Where phi is stored as 0 the residual counts `weight` times in the sum of squares.
+}  // namespace
+
 void weighLeaks(double weight, WeightingFunction* function) {
   const float factor = static_cast<float>(std::sqrt(weight));
   for (size_t i = 0; i < function->phi.size(); ++i) {
     if (function->phi[i] == 0.0f) function->mask[i] *= factor;
   }
 }
-
-}  // namespace
 
 RefinementResult Refiner::refine(const Representation& representation, const StoredFunction& stored, const Theta& start,
                                  const Theta& theta0, const RefinementOptions& options) {

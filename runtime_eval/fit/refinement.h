@@ -24,6 +24,9 @@ struct RefinementOptions {
   double leak_weight = 4.0;  // of squared residuals where phi is 0, over those elsewhere
 };
 
+// Where phi is stored as 0, a squared residual counts `weight` times from now on: what refinement fits to.
+void weighLeaks(double weight, WeightingFunction* function);
+
 struct RefinementResult {
   Theta theta;
   FunctionCheck check;             // of theta

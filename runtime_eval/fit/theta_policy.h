@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/fit/compensated_rounding.h"
 #include "runtime_eval/fit/function_check.h"
 #include "runtime_eval/fit/refinement.h"
 #include "runtime_eval/fit/representation_choice.h"
@@ -153,7 +154,8 @@ class ThetaPolicy {
   void make(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace = nullptr);
   // Where the check fails: fits on, in the next larger representation where this one is not enough.
   void refine(const StoredFunction& function, MadeTheta* made);
-  // To theta_precision; a number beyond float16 becomes the largest that it has. What the check finds of it is recorded.
+  // To theta_precision; a number beyond float16 becomes the largest that it has. What the check finds of it is recorded. Where that
+  // makes a theta fail that had passed, and there is a refinement, it fits on to less than the check asks for, and rounds again.
   void round(const StoredFunction& function, MadeTheta* made);
 
  private:
@@ -162,6 +164,7 @@ class ThetaPolicy {
     Theta theta;
     FunctionCheck check;
   };
+  Rounded roundOnce(const StoredFunction& function, const MadeTheta& made);
   Rounded roundToHalves(const StoredFunction& function, const MadeTheta& made);
   Rounded roundToBytes(const StoredFunction& function, const MadeTheta& made);
   Theta theta0(size_t generator) const;
@@ -172,6 +175,7 @@ class ThetaPolicy {
   ThetaStage last_;
   std::vector<std::unique_ptr<StageRunner>> runners_;  // by generator
   Refiner refiner_;
+  CompensatedRounding compensated_;
   FunctionChecker checker_;
 };
 

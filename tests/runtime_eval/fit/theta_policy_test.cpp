@@ -246,7 +246,8 @@ TEST(ThetaPolicy, RoundsToFloat16AndChecksWhatThatMakesOfIt) {
 
 TEST(ThetaPolicy, LosesLittleByHiddenLayersInInt8) {
   const Functions functions(10);
-  for (const Representation& representation : {Representation::tentMlp(), Representation{RepresentationKind::tent_mlp4}}) {
+  for (const Representation& representation :
+       {Representation::mlp(), Representation::tentMlp(), Representation{RepresentationKind::tent_mlp4}}) {
     const Generator generator = solvedGenerator(representation);
     PolicyOptions options = shortOptions();
     options.theta_precision = ThetaPrecision::int8;
@@ -270,6 +271,36 @@ TEST(ThetaPolicy, LosesLittleByHiddenLayersInInt8) {
   }
 }
 
+// A check that the unrounded theta passes and hardly any rounding of it: what fails for rounding alone is fitted on, if fits may.
+TEST(ThetaPolicy, FitsOnWhereRoundingAloneMakesAFunctionFail) {
+  const Functions functions(20);
+  const Representation representation = Representation::mlp();
+  const Generator generator = solvedGenerator(representation);
+  int mended = 0, left = 0;
+  for (const StoredFunction& function : functions.views) {
+    PolicyOptions options = shortOptions();
+    options.refinement.first_steps = 600;
+    MadeTheta made;
+    ThetaPolicy({&generator}, options).make(&function, 1, &made);
+    options.theta_precision = ThetaPrecision::int8;
+    options.refinement.check = {made.check().rmse * 1.00001, 2.0, 1.0};
+    MadeTheta fitted_on = made, as_it_was = made;
+    ThetaPolicy({&generator}, options).round(function, &fitted_on);
+    options.refinement.rounds = 0;
+    ThetaPolicy({&generator}, options).round(function, &as_it_was);
+    EXPECT_FALSE(as_it_was.record.refined);
+    EXPECT_LE(fitted_on.check().trouble(options.check()), as_it_was.check().trouble(options.check()));
+    if (as_it_was.check().passes(options.check())) {
+      EXPECT_EQ(fitted_on.theta, as_it_was.theta);
+      continue;
+    }
+    EXPECT_TRUE(fitted_on.record.refined && fitted_on.record.took_fit);
+    EXPECT_EQ(fitted_on.record.at(ThetaWord::fitted).rmse, made.check().rmse);
+    ++(fitted_on.check().passes(options.check()) ? mended : left);
+  }
+  EXPECT_GT(mended, left);
+}
+
 TEST(ThetaPolicy, StoresTheLargestHalfForWhatIsBeyondAndChecksThat) {
   const Functions functions(1);
   for (const Representation& representation : {Representation::productField(3), Representation::tentMlp()}) {
@@ -286,7 +317,9 @@ TEST(ThetaPolicy, StoresTheLargestHalfForWhatIsBeyondAndChecksThat) {
       Theta again = made.theta;
       ASSERT_TRUE(roundTheta(representation, precision, again.data())) << "it can be stored";
       EXPECT_EQ(again, made.theta);
-      if (representation.isField()) EXPECT_EQ(made.theta.back(), -kMaxHalf);
+      if (representation.isField()) {
+        EXPECT_EQ(made.theta.back(), -kMaxHalf);
+      }
       FunctionChecker checker;
       EXPECT_EQ(made.check().rmse, checker.check(representation, functions.views[0], made.theta.data(), options.check()).rmse);
     }
