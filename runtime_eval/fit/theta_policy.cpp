@@ -8,6 +8,7 @@
 
 #include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/evaluator/theta_form.h"
+#include "runtime_eval/fit/compensated_rounding.h"
 #include "runtime_eval/fit/correction_stages.h"
 #include "runtime_eval/fit/fit_stages.h"
 #include "runtime_eval/fit/last_layer.h"
@@ -292,9 +293,11 @@ void StageRunner::finishWord(ThetaWord word, const StoredFunction* functions, Th
 }
 
 ThetaPolicy::ThetaPolicy(std::vector<const Generator*> generators, const PolicyOptions& options, ThetaStage last)
-    : generators_(std::move(generators)), options_(options), last_(last) {
+    : generators_(std::move(generators)), options_(options), last_(last), compensated_(std::make_unique<CompensatedRounding>()) {
   for (const Generator* generator : generators_) runners_.push_back(std::make_unique<StageRunner>(*generator, options, last));
 }
+
+ThetaPolicy::~ThetaPolicy() = default;
 
 FunctionCheck ThetaPolicy::checkBareTent(const StoredFunction& function) {
   return checker_.checkBareTent(function, options_.check());
@@ -465,24 +468,23 @@ ThetaPolicy::Rounded ThetaPolicy::roundToBytes(const StoredFunction& function, c
     if (best.theta.empty() || badness(found) < badness(best.check)) best = {std::move(theta), found};
   };
   const WeightingFunction values = decodeFunction(function, pointOrder(representation), 0);
+  const auto offerSolvedAndNot = [&](Theta theta) {
+    Theta solved = theta;
+    if (solveLastLayer(representation, values, solved.data())) offer(std::move(solved));
+    if (!isDone()) offer(std::move(theta));
+  };
   for (int way = 0; way < kRoundingWays && !isDone(); ++way) {
     Theta theta = made.theta;
     roundHiddenLayers(representation, theta.data(), {kMostThetaSteps - 2 * way, kMostThetaSteps});
-    Theta solved = theta;
-    solveLastLayer(representation, values, solved.data());
-    offer(std::move(solved));
-    if (!isDone()) offer(std::move(theta));
+    offerSolvedAndNot(std::move(theta));
   }
   if (isDone()) return best;
   WeightingFunction fitted = values;
   if (made.record.refined) weighLeaks(options_.refinement.leak_weight, &fitted);
   for (const Compensation& compensation : kCompensations) {
     Theta theta = made.theta;
-    if (isDone() || !compensated_.round(representation, fitted, compensation, theta.data())) continue;
-    Theta solved = theta;
-    solveLastLayer(representation, values, solved.data());
-    offer(std::move(solved));
-    if (!isDone()) offer(std::move(theta));
+    if (isDone() || !compensated_->round(representation, fitted, compensation, theta.data())) continue;
+    offerSolvedAndNot(std::move(theta));
   }
   return best;
 }

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/fit/compensated_rounding.h"
 #include "runtime_eval/fit/function_check.h"
 #include "runtime_eval/fit/refinement.h"
 #include "runtime_eval/fit/representation_choice.h"
@@ -21,6 +20,8 @@
 #include "runtime_eval/fit/theta_stage.h"
 
 namespace nlg {
+
+class CompensatedRounding;
 
 struct PolicyOptions {
   double bare_tent_rmse = 0.002;  // a function whose bare tent is not further off, and passes, has no theta; 0: every one has
@@ -139,6 +140,7 @@ class ThetaPolicy {
   // generators   one a representation, by rising D; at least one, at most 256; they must outlive it
   // last         no stage after this one runs
   ThetaPolicy(std::vector<const Generator*> generators, const PolicyOptions& options, ThetaStage last = ThetaStage::rounding);
+  ~ThetaPolicy();
 
   const PolicyOptions& options() const { return options_; }
   const std::vector<StagePlan>& plan(size_t generator) const { return runners_[generator]->plan(); }
@@ -175,7 +177,7 @@ class ThetaPolicy {
   ThetaStage last_;
   std::vector<std::unique_ptr<StageRunner>> runners_;  // by generator
   Refiner refiner_;
-  CompensatedRounding compensated_;
+  std::unique_ptr<CompensatedRounding> compensated_;
   FunctionChecker checker_;
 };
 
