@@ -46,8 +46,8 @@ class Browser:
             os.dup2(ends[0], 3)
             os.dup2(ends[1], 4)
 
-        # its own group: the processes that draw and fetch outlive the first one, and write in the profile meanwhile
         self.said = tempfile.TemporaryFile()
+        # a session of its own: the processes that draw and fetch outlive the first one and write in the profile, so close ends the group
         self.process = subprocess.Popen([program, "--headless", "--no-sandbox", "--remote-debugging-pipe", f"--user-data-dir={profile}", "--hide-scrollbars",
                                          "--no-first-run", *options, "about:blank"], preexec_fn=place_pipes, close_fds=False, start_new_session=True, stdout=subprocess.DEVNULL, stderr=self.said)
         os.close(to_browser)

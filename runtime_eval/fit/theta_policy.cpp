@@ -293,7 +293,8 @@ void StageRunner::finishWord(ThetaWord word, const StoredFunction* functions, Th
 }
 
 ThetaPolicy::ThetaPolicy(std::vector<const Generator*> generators, const PolicyOptions& options, ThetaStage last)
-    : generators_(std::move(generators)), options_(options), last_(last), compensated_(std::make_unique<CompensatedRounding>()) {
+    : generators_(std::move(generators)), options_(options), last_(last) {
+  if (options.theta_precision == ThetaPrecision::int8) compensated_ = std::make_unique<CompensatedRounding>();
   for (const Generator* generator : generators_) runners_.push_back(std::make_unique<StageRunner>(*generator, options, last));
 }
 

@@ -177,7 +177,7 @@ class ThetaPolicy {
   ThetaStage last_;
   std::vector<std::unique_ptr<StageRunner>> runners_;  // by generator
   Refiner refiner_;
-  std::unique_ptr<CompensatedRounding> compensated_;
+  std::unique_ptr<CompensatedRounding> compensated_;  // for int8 alone: it holds half a megabyte
   FunctionChecker checker_;
 };
 
