@@ -13,6 +13,7 @@
 #include "runtime_eval/fit/fit_stages.h"
 #include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/policy_ranges.h"
+#include "runtime_eval/numbers/flush_subnormals.h"
 
 namespace nlg {
 namespace {
@@ -201,6 +202,7 @@ void StageRunner::runBatch(const StoredFunction* functions, int count, float* th
   const auto keepTrace = [&](std::vector<float> ThetaTrace::*word) {
     if (trace != nullptr) (trace->*word).insert((trace->*word).end(), theta, theta + value_count);
   };
+  const FlushSubnormals flush;
   const Clock::time_point start = Clock::now();
   batch_.begin(functions, count, theta);
   if (generates) batch_.generate();
@@ -417,6 +419,7 @@ void ThetaPolicy::refine(const StoredFunction& function, MadeTheta* made) {
 
 void ThetaPolicy::round(const StoredFunction& function, MadeTheta* made) {
   if (last_ < ThetaStage::rounding || options_.theta_precision == ThetaPrecision::float32 || made->isBareTent()) return;
+  const FlushSubnormals flush;
   const Clock::time_point start = Clock::now();
   const bool passed = made->check().passes(options_.check()), may_fit = last_ >= ThetaStage::refinement;
   Rounded rounded = roundOnce(function, *made);
@@ -433,6 +436,8 @@ void ThetaPolicy::round(const StoredFunction& function, MadeTheta* made) {
     made->record.refinement_stop = refined.stop;
     Rounded again = roundOnce(function, *made);
     if (again.check.trouble(options_.check()) < rounded.check.trouble(options_.check())) rounded = std::move(again);
+    // a check that all rounds of steps did not reach is not reached where it is stricter still
+    if (!refined.check.passes(stricter.check)) break;
   }
   made->theta = std::move(rounded.theta);
   made->record.at(ThetaWord::stored) = rounded.check;

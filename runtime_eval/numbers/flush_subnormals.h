@@ -10,7 +10,8 @@
 namespace nlg {
 
 // While one lives, its thread takes numbers below 2^-126 for 0, as operands and as results; afterwards all is as it was. Derivatives of
-// sigmoids far from their middle are such numbers. On processors other than x86 and AArch64 it does nothing.
+// sigmoids far from their middle are such numbers, and those of units that hardly count. On processors other than x86 and AArch64 it
+// does nothing.
 class FlushSubnormals {
  public:
   FlushSubnormals() : before_(control()) { setControl(before_ | kFlush); }
