@@ -190,7 +190,7 @@ std::string toTable(const BakeReport& report) {
                         100.0 * share(s.failing(word, report.policy.check()), counts.functions));
   }
   text += fmt::format(
-      "fitted: {:.1f} % of all distinct functions took a step of Adam or Levenberg-Marquardt, {:.1f} % of those that take a "
+      "fitted: {:.1f} % of all functions took a step of Adam or Levenberg-Marquardt, {:.1f} % of those that take a "
       "theta\n",
       100.0 * share(s.tookFit(), with_tents), 100.0 * share(s.tookFit(), counts.functions));
   if (s.bare_tents.count > 0) {

@@ -112,7 +112,10 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   }
   std::vector<std::string> inputs = request.weights;
   inputs.insert(inputs.end(), {request.scene, request.config});
-  if (request.out_is_given) refuseToReplaceInputs(request.out, inputs);
+  if (request.out_is_given) {
+    refuseToReplaceInputs(request.out, inputs);
+    requireOutputFile(request.out);
+  }
   const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
   takeThetaPrecision(&options);
   const GridPrecision stored{options.policy.theta_precision, lightFormFromName(options.light_form)};
@@ -128,12 +131,13 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   if (!request.out_is_given) {
     request.out = scene.source.id + ".safetensors";
     refuseToReplaceInputs(request.out, inputs);
+    requireOutputFile(request.out);
   }
   Bake bake = bakeScene(scene, generators, options, temporaryFolder());
 
   std::string bytes;
   const WeightsResult result = serializeLightGrid(bake.grid, stored, metadata(scene, weights, table), &bytes);
-  if (!result.ok()) throw NumericalError("bake", "light grid", result.detail, 0.0);
+  if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": no number that the file can hold");
   writeFileAtomically(request.out, bytes);
 
   BakeReport report;

@@ -20,11 +20,11 @@ void describePolicy(PolicyOptions& o, OptionTable& table) {
   add("correct_images", &o.stages.mirror_images, "networks: attempts at a function, itself and mirror images of it",
       range.mirror_images);
   add("retry_rmse", &o.stages.retry_rmse, "… another one, or another start, while its RMSE is above", range.rmse);
-  add("fit_lm_iterations", &o.stages.lm_iterations,
-      "short fits of product fields and small networks: iterations of Levenberg-Marquardt", range.lm_iterations);
+  add("fit_lm_iterations", &o.stages.lm_iterations, "short fits of product fields: iterations of Levenberg-Marquardt",
+      range.lm_iterations);
   add("fit_lm_theta0_iterations", &o.stages.lm_theta0_iterations, "… and from theta0, where the RMSE is above retry_rmse",
       range.lm_iterations);
-  add("fit_adam_rmse", &o.stages.adam_rmse, "short fits of large networks: what is above after the corrections …", range.rmse);
+  add("fit_adam_rmse", &o.stages.adam_rmse, "short fits of networks: what is above after the corrections …", range.rmse);
   add("fit_adam_steps", &o.stages.adam_steps, "… takes so many steps of Adam for each .01 of it, 4 times as many at most",
       range.adam_steps);
   add("tau_rmse", &o.refinement.check.tau_rmse, "the check: a theta whose RMSE is above fails", range.tau);

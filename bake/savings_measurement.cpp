@@ -124,7 +124,8 @@ class SavingsMeasurement {
     Result result{std::move(bake.grid), processorSeconds() - start};
     std::string bytes;
     const WeightsResult written = serializeLightGrid(result.grid, {variant.options.policy.theta_precision}, {}, &bytes);
-    if (!written.ok()) throw NumericalError("bake", "light grid, " + variant.what, written.detail, 0.0);
+    if (!written.ok())
+      throw NumericalError("bake: light grid, " + variant.what + ": " + written.detail + ": no number that the file can hold");
     result.bytes = static_cast<int64_t>(bytes.size());
     return result;
   }

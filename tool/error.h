@@ -63,6 +63,8 @@ class NumericalError : public ToolError {
  public:
   NumericalError(const std::string& stage, const std::string& step, const std::string& quantity, double value)
       : ToolError(ExitCode::numerical_error, stage + ": " + step + ": " + quantity + " is " + std::to_string(value)) {}
+  // line   all of it: where no one value is at fault
+  explicit NumericalError(const std::string& line) : ToolError(ExitCode::numerical_error, line) {}
 };
 
 // A file that could not be written. reason: the system's words.

@@ -11,14 +11,15 @@ namespace nlg {
 
 void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs) {
   if (out.empty()) throw UsageError("--out", "the name of a file", "an empty text");
+  if (out.ends_with('/')) throw UsageError("--out", "the name of a file", out + ", a folder");
   for (const std::string& input : inputs) {
     std::error_code error;
     if (std::filesystem::equivalent(out, input, error)) throw UsageError("--out", "a file that is no input", out);
   }
 }
 
-void requireOutputFolder(const std::string& out) {
-  if (out.empty()) throw UsageError("--out", "the name of a folder", "an empty text");
+void requireOutputFolder(const std::string& out, const char* flag) {
+  if (out.empty()) throw UsageError(flag, "the name of a folder", "an empty text");
   namespace fs = std::filesystem;
   std::error_code error;
   // made, since only that says whether it can be, and taken away again
@@ -32,6 +33,14 @@ void requireOutputFolder(const std::string& out) {
   std::error_code kept;
   for (const fs::path& path : missing) fs::remove(path, kept);
   if (error) throw OutputError(out, error.message());
+}
+
+void requireOutputFile(const std::string& out) {
+  const std::filesystem::path path(out);
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error))
+    throw OutputError(out, std::make_error_code(std::errc::is_a_directory).message());
+  requireOutputFolder(path.has_parent_path() ? path.parent_path().string() : ".");
 }
 
 }  // namespace nlg

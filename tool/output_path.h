@@ -8,11 +8,15 @@ namespace nlg {
 
 // An output that is an input would be gone for good.
 // out, inputs   paths; an input that does not exist is none
-// throws        UsageError naming --out when it is empty or the same file as one of the inputs
+// throws        UsageError naming --out when it is empty, ends as a folder does or is the same file as one of the inputs
 void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs);
 
 // Whether files can be written into a folder, before a long run begins: it is one that may be written to, or can be made.
-// throws        UsageError naming --out when it is empty; OutputError with the system's reason
-void requireOutputFolder(const std::string& out);
+// throws        UsageError naming the flag when it is empty; OutputError with the system's reason
+void requireOutputFolder(const std::string& out, const char* flag = "--out");
+
+// Whether a file can be written, before a long run begins: it is no folder, and the folder that it lies in is as above.
+// throws        OutputError with the system's reason
+void requireOutputFile(const std::string& out);
 
 }  // namespace nlg

@@ -24,9 +24,11 @@ std::vector<uint64_t> functionCountsOf(const std::vector<std::string>& shards) {
 struct DuplicateFilter::Impl {
   explicit Impl(const std::vector<std::string>& paths) : shards(paths), function_counts(functionCountsOf(paths)) {}
 
-  // Steps on to what removeKnown was given: another shard, or more rows of the same.
+  // Steps on to what removeKnown was given: another shard, or more rows of the same. A shard that was named twice is another one: it
+  // is for whoever named it to say so.
   void begin(const Shard& shard) {
-    if (begun_count == 0 || shards[begun_count - 1] != shard.path) {
+    const bool has_ended = begun_count > 0 && begun_count < shards.size() && next_row == function_counts[begun_count - 1];
+    if (begun_count == 0 || shards[begun_count - 1] != shard.path || (has_ended && shards[begun_count] == shard.path)) {
       NLG_CHECK(begun_count, <, shards.size());
       NLG_CHECK(shards[begun_count], ==, shard.path);
       ++begun_count;

@@ -24,6 +24,7 @@ constexpr const char* kFiles[] = {"grid.bin", "look_up.glsl", "resample.comp", "
 constexpr size_t kWord = sizeof(uint32_t), kLightBytes = 32, kCorners = 8;
 
 void run(const std::string& grid_path, const std::string& folder) {
+  requireOutputFolder(folder);
   for (const char* name : kFiles) refuseToReplaceInputs((fs::path(folder) / name).string(), {grid_path});
   LightGrid grid;
   GridMetadata metadata;

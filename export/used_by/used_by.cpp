@@ -86,6 +86,7 @@ std::vector<BakeWeights> weightsUsedBy(const BakedWeights& baked, const std::str
 }
 
 void copyUsedWeights(const std::vector<BakeWeights>& weights, const std::string& bake_path, const std::string& folder) {
+  requireOutputFolder(folder);
   std::vector<std::string> inputs = {bake_path};
   for (const BakeWeights& file : weights) inputs.push_back(file.path);
   // all refusals before the first copy

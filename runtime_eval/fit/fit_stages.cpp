@@ -18,7 +18,7 @@ constexpr double kIterationProgress = 0.05;
 constexpr double kFullRmse = 0.01, kMostSteps = 4.0;
 
 // One in so many of its steps goes from theta and one from theta0, the rest from the better of the two: what a network predicts may
-// lie where no steps lead far, and theta0 does not. Halves the functions above .02 at no cost (docs/lab/training.md).
+// lie where no steps lead far, and theta0 does not (docs/lab/training.md).
 constexpr int kRaceShare = 8;
 
 // One fit of the tent, so that workspaces have the memory that every later fit needs.
@@ -30,10 +30,6 @@ void warmUp(const Generator& generator, const Fit& fit) {
 }
 
 }  // namespace
-
-bool iteratesCheaply(const Representation& representation) {
-  return representation.isField() || representation.thetaCount() <= 32;
-}
 
 LevenbergMarquardtStage::LevenbergMarquardtStage(const Generator& generator, Start start, int iterations)
     : start_(start),

@@ -1,5 +1,5 @@
-// Short fits after the corrections: Levenberg–Marquardt where an iteration is cheap, Adam elsewhere. They are direct optimisation
-// from a good start, so that every function that takes one counts as fitted.
+// Short fits after the corrections: Levenberg–Marquardt for product fields, Adam for networks. They are direct optimisation from a
+// good start, so that every function that takes one counts as fitted.
 #pragma once
 
 #include <vector>
@@ -11,10 +11,8 @@
 
 namespace nlg {
 
-// Product fields, whose normal equations are a band, and networks of at most 32 numbers: there an iteration of
-// Levenberg–Marquardt costs no more than a learned step and gains more. For others it costs half a millisecond.
-bool iteratesCheaply(const Representation& representation);
-
+// For product fields, whose normal equations are a band: an iteration costs no more than a learned step and gains more. Networks gain
+// more by Adam in the same time, the smallest too (docs/lab/training.md).
 class LevenbergMarquardtStage : public StageRun {
  public:
   enum class Start { theta, theta0 };

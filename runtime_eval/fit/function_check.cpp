@@ -128,6 +128,10 @@ FunctionCheck FunctionChecker::compare(const float* values, const StoredFunction
     result.leak_mean = sums.leak / sums.zero;
     result.leak_share = static_cast<double>(sums.over) / sums.zero;
   }
+  // finite theta may have values that are none: an error that is no number is the largest there is
+  for (double* error : {&result.rmse, &result.leak_mean}) {
+    if (std::isnan(*error)) *error = std::numeric_limits<double>::infinity();
+  }
   return result;
 }
 

@@ -70,8 +70,13 @@ std::unique_ptr<StageRun> makeStage(const StagePlan& plan, const Generator& gene
 
 // Fits drive the logits of product fields to any size where a larger one changes nothing. The largest half stands for all beyond it;
 // what that does to the function, the check finds.
+Theta limited(Theta theta) {
+  for (float& number : theta) number = std::clamp(number, -kMaxHalf, kMaxHalf);
+  return theta;
+}
+
 void roundLimited(const Representation& representation, ThetaPrecision precision, Theta* theta) {
-  for (float& number : *theta) number = std::clamp(number, -kMaxHalf, kMaxHalf);
+  *theta = limited(std::move(*theta));
   roundTheta(representation, precision, theta->data());
 }
 
@@ -135,7 +140,7 @@ std::vector<StagePlan> stagesOf(const StageFacts& facts, const PolicyOptions& op
   using Who = StagePlan::Who;
   const StageOptions& o = options.stages;
   const bool is_field = facts.representation.isField();
-  const bool iterates = iteratesCheaply(facts.representation) && o.lm_iterations > 0;
+  const bool iterates = is_field && o.lm_iterations > 0;
   const double tent_rmse = std::isfinite(facts.tent_rmse) ? facts.tent_rmse : 0.0;
   const double least_rmse = std::min(kOverTent * tent_rmse, kMostRetry * o.retry_rmse);
   const double retry_rmse = std::max(o.retry_rmse, least_rmse);
@@ -149,7 +154,7 @@ std::vector<StagePlan> stagesOf(const StageFacts& facts, const PolicyOptions& op
   add(steps > 0, ThetaStage::learned_steps, Who::wrong, o.good_rmse, steps);
   // mirror images hardly help product fields
   add(!is_field && o.mirror_images > 1, ThetaStage::mirror_images, Who::above, retry_rmse, o.mirror_images);
-  if (iteratesCheaply(facts.representation)) {
+  if (is_field) {
     add(o.lm_iterations > 0, ThetaStage::lm, Who::wrong, o.good_rmse, o.lm_iterations);
     add(o.lm_theta0_iterations > 0, ThetaStage::lm_theta0, Who::above, retry_rmse, o.lm_theta0_iterations);
   } else {
@@ -473,6 +478,7 @@ ThetaPolicy::Rounded ThetaPolicy::roundToBytes(const StoredFunction& function, c
     const FunctionCheck found = checker_.check(representation, function, theta.data(), check);
     if (best.theta.empty() || badness(found) < badness(best.check)) best = {std::move(theta), found};
   };
+  const Theta start = limited(made.theta);  // scaled units of larger numbers would leave the range of floats
   const WeightingFunction values = decodeFunction(function, pointOrder(representation), 0);
   const auto offerSolvedAndNot = [&](Theta theta) {
     Theta solved = theta;
@@ -480,7 +486,7 @@ ThetaPolicy::Rounded ThetaPolicy::roundToBytes(const StoredFunction& function, c
     if (!isDone()) offer(std::move(theta));
   };
   for (int way = 0; way < kRoundingWays && !isDone(); ++way) {
-    Theta theta = made.theta;
+    Theta theta = start;
     roundHiddenLayers(representation, theta.data(), {kMostThetaSteps - 2 * way, kMostThetaSteps});
     offerSolvedAndNot(std::move(theta));
   }
@@ -488,7 +494,7 @@ ThetaPolicy::Rounded ThetaPolicy::roundToBytes(const StoredFunction& function, c
   WeightingFunction fitted = values;
   if (made.record.refined) weighLeaks(options_.refinement.leak_weight, &fitted);
   for (const Compensation& compensation : kCompensations) {
-    Theta theta = made.theta;
+    Theta theta = start;
     if (isDone() || !compensated_->round(representation, fitted, compensation, theta.data())) continue;
     offerSolvedAndNot(std::move(theta));
   }

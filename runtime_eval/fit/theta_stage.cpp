@@ -42,7 +42,7 @@ const char* unitOf(ThetaStage stage, int budget) {
     case ThetaStage::lm_theta0:
       return one ? "iteration at most" : "iterations at most";
     case ThetaStage::adam:
-      return one ? "step for each .01 of RMSE" : "steps for each .01 of RMSE";
+      return one ? "step for each .01 of RMSE, 4 at most" : "steps for each .01 of RMSE, 4 times as many at most";
     case ThetaStage::refinement:
     case ThetaStage::larger:
       return one ? "round at most" : "rounds at most";

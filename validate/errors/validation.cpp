@@ -6,6 +6,7 @@
 #include "bake/policy_options.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "tool/atomic_file.h"
+#include "tool/output_path.h"
 #include "tool/provenance.h"
 #include "validate/errors/choice.h"
 #include "validate/errors/function_counts.h"
@@ -32,6 +33,7 @@ ValidatedGenerator measure(const Generator& generator, const std::string& path, 
 }  // namespace
 
 void validate(const ValidationRequest& request, ValidateOptions options, const OptionTable& table) {
+  requireOutputFolder(request.out_dir);
   options.policy.theta_precision = thetaPrecisionFromName(options.theta_precision);
   const std::vector<Generator> generators = loadGenerators(request.weights);
   const FunctionSet set = readHeldOut(request.held_out);

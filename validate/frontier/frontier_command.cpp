@@ -6,6 +6,7 @@
 #include "bake/policy_options.h"
 #include "tool/atomic_file.h"
 #include "tool/one_file_each.h"
+#include "tool/output_path.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
@@ -111,6 +112,7 @@ std::vector<WordSpeed> speedsOver(const std::vector<bool>& counts, const Frontie
 }
 
 void measureFrontier(const Request& request, const FrontierOptions& options, const OptionTable& table) {
+  requireOutputFolder(request.out_dir);
   const Plan plan = planOf(request, options);
   const FunctionSet set = readHeldOut(request.held_out);
   Json json = {{"schema_version", 2}};

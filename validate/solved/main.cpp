@@ -8,6 +8,7 @@
 
 #include "bake/policy_options.h"
 #include "tool/atomic_file.h"
+#include "tool/output_path.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "validate/errors/held_out.h"
@@ -159,6 +160,7 @@ void descendHierarchy(const Request& request, const SolvedScene& scene, const st
 }
 
 void solve(const Request& request, const SolveSetup& setup, const DirectOptions& direct, const OptionTable& table) {
+  requireOutputFolder(request.out_dir, "--out-dir");
   const std::vector<Generator> generators = loadGenerators(request.weights);
   const SolvedScene scene(request.scene, setup);
   if (generators.empty()) {

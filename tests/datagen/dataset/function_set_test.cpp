@@ -178,6 +178,7 @@ TEST_F(FunctionSetFiles, AreIdentifiedByTheirBytesAndOrder) {
   EXPECT_NE(identity({a, b}), identity({b, a}));
   EXPECT_NE(identity({a, b}), identity({a}));
   EXPECT_THROW(identity({a, b, a}), UsageError) << "one shard twice";
+  EXPECT_THROW(identity({a, a}), UsageError) << "… in a row, which are not more rows of the one";
   EXPECT_THROW(identity({a, a_again}), UsageError) << "the same bytes in two files";
 }
 

@@ -97,6 +97,21 @@ TEST(FunctionCheck, FailsAnInfiniteThetaWhoseValuesAreFinite) {
   }
 }
 
+TEST(FunctionCheck, TakesAnErrorThatIsNoNumberForTheLargest) {
+  // finite theta with values of +Inf - Inf, which are no numbers
+  FunctionChecker checker;
+  const StoredSample sample = wallSample(7);
+  const Representation network = Representation::mlp();
+  Theta theta = randomTheta(network, 7);
+  const NetworkShape& shape = network.shape();
+  std::fill(theta.begin(), theta.begin() + shape.b3(), 3e38f);
+  for (int u = 0; u < shape.last(); u += 2) theta[shape.w3() + u] = -3e38f;
+  const FunctionCheck check = checker.check(network, sample.view(), theta.data(), {});
+  EXPECT_EQ(check.rmse, INFINITY);
+  EXPECT_EQ(check.leak_mean, INFINITY);
+  EXPECT_FALSE(check.passes({}));
+}
+
 TEST(FunctionCheck, HandlesNoValidPointAndBrokenTheta) {
   StoredSample sample = noiseSample(6);
   FunctionChecker checker;
