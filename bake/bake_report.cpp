@@ -107,6 +107,8 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
         std::count_if(s.records.begin(), s.records.end(), [&](const ThetaRecord& r) { return r.ended == name; });
     stage_seconds[stageName(name)] = s.stageSeconds(name);
   }
+  // of all functions, also those that have no theta for it
+  stage_seconds[stageName(ThetaStage::bare_tent)] = s.function_times.bare_tent_s;
   for (const ThetaWord word : kWords) words[wordName(word)] = errorsJson(report, word);
   const uint64_t with_tents = counts.functions + s.bare_tents.count;
   return {{"scene", report.scene},
@@ -159,18 +161,19 @@ std::string toTable(const BakeReport& report) {
   const ShardCounts& counts = s.counts;
   const uint64_t failing = s.failing(ThetaWord::stored, report.policy.check()),
                  with_tents = counts.functions + s.bare_tents.count;
-  std::string text = fmt::format("{:>9} {:>12} {:>12} {:>12} {:>10} {:>10} {:>8} {:>11} {:>10} {:>16} {:>12} {:>9} {:>8}\n",
-                                 "probes", "visibility", "functions", "lighting", "functions", "network", "check", "corrections",
-                                 "fits", "fitted", "refinement", "bytes", "a probe");
+  std::string text =
+      fmt::format("{:>9} {:>12} {:>12} {:>12} {:>10} {:>10} {:>8} {:>11} {:>10} {:>16} {:>12} {:>10} {:>9} {:>8}\n", "probes",
+                  "visibility", "functions", "lighting", "functions", "network", "check", "corrections", "fits", "fitted",
+                  "refinement", "rounding", "bytes", "a probe");
   text += fmt::format(
       "{:>9} {:>10.2f} s {:>10.2f} s {:>10.2f} s {:>10} {:>8.2f} s {:>6.2f} s {:>9.2f} s {:>8.2f} s {:>7} ({:>4.1f} %) {:>10.2f} "
-      "s {:>6.1f} "
+      "s {:>8.2f} s {:>6.1f} "
       "MB "
       "{:>8.1f}\n",
       counts.grid_probes, s.function_times.visibility_s, s.function_times.functions_s, lightWallSeconds(s.light) * report.threads,
       counts.functions, s.stageSeconds(ThetaStage::network), s.stageSeconds(ThetaStage::check),
       secondsOf(s, ThetaWord::corrected), secondsOf(s, ThetaWord::fitted), s.tookFit(), 100.0 * share(s.tookFit(), with_tents),
-      refinementSeconds(s), static_cast<double>(report.file_bytes) * 1e-6,
+      refinementSeconds(s), s.stageSeconds(ThetaStage::rounding), static_cast<double>(report.file_bytes) * 1e-6,
       static_cast<double>(report.file_bytes) / std::max<double>(1.0, static_cast<double>(counts.grid_probes)));
   text += fmt::format(
       "seconds are summed over threads, those of lighting taken by the clock; {:.2f} s by the clock on {} threads ({}), {:.2f} s "

@@ -43,7 +43,7 @@ struct BakeScene {
 
 // By the clock, summed over threads.
 struct FunctionTimes {
-  double visibility_s = 0.0, functions_s = 0.0, duplicates_s = 0.0;
+  double visibility_s = 0.0, functions_s = 0.0, bare_tent_s = 0.0, duplicates_s = 0.0;
 };
 
 // Functions that the bare tent gives well enough.

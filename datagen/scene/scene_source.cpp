@@ -48,7 +48,7 @@ SceneSource sourceOf(BspLevel level) {
 // form   the request's, for the error
 uint64_t seedOf(const std::string& number, const std::string& form) {
   if (number.empty() || number.size() > 18 || number.find_first_not_of("0123456789") != std::string::npos)
-    throw UsageError("--scene", form + " with a decimal seed", "'" + number + "'");
+    throw UsageError("scene", form + " with a decimal seed", "'" + number + "'");
   return std::stoull(number);
 }
 
