@@ -199,11 +199,7 @@ int main(int argc, char** argv) {
   nlg::BakeOptions options;
   nlg::OptionTable table("bake");
   nlg::describe(options, table);
-  app.add_option("scene", request.scene,
-                 "a .glb, .gltf, .obj or .bsp file, FOLDER:MAP for a level in .pk3 archives, PATH.sh3f:PLAN:SEED for an "
-                 "interior, or FAMILY:SEED (house, maze, colonnade, "
-                 "stairs, clutter, outdoor, cave, apartment, cornell, two_rooms)")
-      ->required();
+  app.add_option("scene", request.scene, nlg::sceneForms())->required();
   app.add_option(
       "--weights", request.weights,
       "weights of nlg-export; of several, the bake chooses a representation for every function; none: those that ship, "

@@ -19,11 +19,7 @@ namespace {
 
 // What generating and planning ask for alike.
 void addRequest(CLI::App& app, ShardRequest& request) {
-  app.add_option("--scene", request.scene,
-                 "a .glb, .gltf, .obj or .bsp file, FOLDER:MAP for a level in .pk3 archives, PATH.sh3f:PLAN:SEED for an "
-                 "interior, or FAMILY:SEED (house, maze, colonnade, "
-                 "stairs, clutter, outdoor, cave, apartment)")
-      ->required();
+  app.add_option("--scene", request.scene, sceneForms())->required();
   app.add_option("--jitter", request.jitter, "which variant; 0 is the scene as it is")->check(CLI::Range(0.0, 0x1p53));
   app.add_flag("--held-out", request.held_out, "the scene is for validation: add points that no fit sees");
 }

@@ -48,7 +48,8 @@ class UsageError : public ToolError {
 class InputError : public ToolError {
  public:
   InputError(const std::string& path, const std::string& place, const std::string& expected, const std::string& got)
-      : ToolError(ExitCode::input_error, (path.empty() ? "\"\"" : path) + ": " + place + ": expected " + expected + ", got " + got) {}
+      : ToolError(ExitCode::input_error,
+                  (path.empty() ? "\"\"" : path) + ": " + place + ": expected " + expected + ", got " + got) {}
 };
 
 // An input file whose own bytes prove that it is damaged: cut short, a checksum that does not hold. What the system refused to

@@ -8,39 +8,51 @@
 #include "tool/error.h"
 
 namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Why nothing can be written into a folder; no error where something can.
+std::error_code whyNotWritable(const std::string& folder) {
+  std::error_code error;
+  // made, since only that says whether it can be, and taken away again
+  std::vector<fs::path> missing;
+  for (fs::path path = fs::absolute(folder).lexically_normal(); !fs::exists(path, error) && path.has_relative_path();
+       path = path.parent_path())
+    missing.push_back(path);
+  fs::create_directories(folder, error);
+  if (!error && !fs::is_directory(folder)) error = std::make_error_code(std::errc::not_a_directory);
+  if (!error && access(folder.c_str(), W_OK | X_OK) != 0) error = std::error_code(errno, std::generic_category());
+  std::error_code kept;
+  for (const fs::path& path : missing) fs::remove(path, kept);
+  return error;
+}
+
+}  // namespace
 
 void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs) {
   if (out.empty()) throw UsageError("--out", "the name of a file", "an empty text");
   if (out.ends_with('/')) throw UsageError("--out", "the name of a file", out + ", a folder");
   for (const std::string& input : inputs) {
     std::error_code error;
-    if (std::filesystem::equivalent(out, input, error)) throw UsageError("--out", "a file that is no input", out);
+    if (fs::equivalent(out, input, error)) throw UsageError("--out", "a file that is no input", out);
   }
 }
 
 void requireOutputFolder(const std::string& out, const char* flag) {
   if (out.empty()) throw UsageError(flag, "the name of a folder", "an empty text");
-  namespace fs = std::filesystem;
-  std::error_code error;
-  // made, since only that says whether it can be, and taken away again
-  std::vector<fs::path> missing;
-  for (fs::path path = fs::absolute(out).lexically_normal(); !fs::exists(path, error) && path.has_relative_path();
-       path = path.parent_path())
-    missing.push_back(path);
-  fs::create_directories(out, error);
-  if (!error && !fs::is_directory(out)) error = std::make_error_code(std::errc::not_a_directory);
-  if (!error && access(out.c_str(), W_OK | X_OK) != 0) error = std::error_code(errno, std::generic_category());
-  std::error_code kept;
-  for (const fs::path& path : missing) fs::remove(path, kept);
-  if (error) throw OutputError(out, error.message());
+  if (const std::error_code error = whyNotWritable(out)) throw OutputError(out, error.message());
 }
 
 void requireOutputFile(const std::string& out) {
-  const std::filesystem::path path(out);
+  const fs::path path(out);
   std::error_code error;
-  if (std::filesystem::is_directory(path, error))
-    throw OutputError(out, std::make_error_code(std::errc::is_a_directory).message());
-  requireOutputFolder(path.has_parent_path() ? path.parent_path().string() : ".");
+  if (fs::is_directory(path, error)) {
+    error = std::make_error_code(std::errc::is_a_directory);
+  } else {
+    error = whyNotWritable(path.has_parent_path() ? path.parent_path().string() : ".");
+  }
+  if (error) throw OutputError(out, error.message());
 }
 
 }  // namespace nlg

@@ -65,8 +65,9 @@ double fittingSpacing(const glm::dvec3& side_m, double spacing_m, uint64_t max_p
 
 [[noreturn]] void refuse(const Scene& scene, const glm::dvec3& side_m, double spacing_m, const ProbePlacementOptions& options) {
   const double fitting = fittingSpacing(side_m, spacing_m, options.max_probes);
-  const std::string expected = "at most " + std::to_string(options.max_probes) + " probes" +
-                               (std::isfinite(fitting) ? ", which a finest spacing of " + numberText(1.001 * fitting) + " m keeps" : "");
+  const std::string expected =
+      "at most " + std::to_string(options.max_probes) + " probes" +
+      (std::isfinite(fitting) ? ", which a finest spacing of " + numberText(1.001 * fitting) + " m keeps" : "");
   throw UsageError(scene.id, expected,
                    "spacing " + numberText(spacing_m) + " m over " + numberText(side_m.x) + " x " + numberText(side_m.y) + " x " +
                        numberText(side_m.z) + " m");

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "datagen/scene/bsp_reader.h"
 #include "datagen/scene/gltf_reader.h"
@@ -149,7 +150,18 @@ SceneSource loadScene(const std::string& request, const SceneReading& reading) {
   const size_t colon = archiveColon(request);
   if (colon != std::string::npos) return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1)));
   if (lowerCase(fs::path(request).extension().string()) == ".bsp") return sourceOf(readBsp(request));
+  std::error_code error;
+  if (!fs::exists(request, error) && !error)
+    throw InputError(request, "scene", sceneForms(), "a name that is none of these, and of no file");
   return readGltfFile(request, reading);
+}
+
+std::string sceneForms() {
+  return fmt::format(
+      "a .glb, .gltf, .obj or .bsp file, FOLDER:MAP for a level in .pk3 archives, PATH.sh3f:PLAN:SEED for an interior, "
+      "FAMILY:SEED "
+      "({}), or a small scene to look at light with ({})",
+      fmt::join(proceduralFamilies(), ", "), fmt::join(builtInScenes(), ", "));
 }
 
 void tellNotes(const std::string& tool, const SceneSource& source) {

@@ -39,6 +39,9 @@ void describe(SceneReading& reading, OptionTable& table);
 //           one whose longest side is under 10 cm or over 100 km; whatever the reader throws
 SceneSource loadScene(const std::string& request, const SceneReading& reading = {});
 
+// What `request` may be, in one sentence for --help.
+std::string sceneForms();
+
 // Says on stderr what a tool's user should know of the scene, a line each.
 void tellNotes(const std::string& tool, const SceneSource& source);
 

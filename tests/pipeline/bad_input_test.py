@@ -155,11 +155,11 @@ def check_command_lines():
             refuses(USAGE_ERROR, [flag.lstrip("-").replace("-", "_") if flag in ("--test-points", "--extent-m") else flag], outputs, tool, *arguments, f"{flag}={value}")
     arguments, outputs = arguments_of("nlg-datagen")
     refuses(USAGE_ERROR, ["spacing_max_m"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "3", "--spacing-max-m", "2")
-    refuses(USAGE_ERROR, ["134217728", "spacing_min_m"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "0.0001", "--spacing-max-m", "0.0001")
+    refuses(USAGE_ERROR, ["134217728", "finest spacing"], outputs, "nlg-datagen", *arguments, "--spacing-min-m", "0.0001", "--spacing-max-m", "0.0001")
     for extent in ["1,2,3", "0,0,0,1,1,nan", "0,0,0,1,1,-1", "0,0,0,1,1,x"]:
         refuses(USAGE_ERROR, ["extent_m"], outputs, "nlg-datagen", *arguments, f"--extent-m={extent}")
     for seed in ["", "x", "-1", "1.5", "9" * 30]:
-        refuses(USAGE_ERROR, ["--scene"], outputs, "nlg-datagen", "--scene", f"house:{seed}", "--out", "bad.h5")
+        refuses(USAGE_ERROR, ["scene: "], outputs, "nlg-datagen", "--scene", f"house:{seed}", "--out", "bad.h5")
     arguments, outputs = arguments_of("nlg-export")
     refuses(USAGE_ERROR, ["dtype", "float8"], outputs, "nlg-export", *arguments, "--dtype", "float8")
     refuses(USAGE_ERROR, [".onnx"], ["bad.safetensors", "bad.bin"], "nlg-export", *arguments, "--onnx", "bad.bin")
@@ -714,7 +714,7 @@ def check_weights_used_by():
     refuses(USAGE_ERROR, ["two of tent_mlp: weights.safetensors and again.safetensors"], ["bad_weights"], "nlg-export", "used-by", "--bake", "grid.safetensors",
             "--weights", "weights.safetensors", "again.safetensors", "--out", "bad_weights")
     write("file", "")
-    refuses(OUTPUT_ERROR, ["file/tent_mlp.safetensors"], [], "nlg-export", "used-by", "--bake", "grid.safetensors", "--weights", "weights.safetensors", "--out", "file")
+    refuses(OUTPUT_ERROR, ["file: "], [], "nlg-export", "used-by", "--bake", "grid.safetensors", "--weights", "weights.safetensors", "--out", "file")
 
 
 def check_shader():
@@ -723,7 +723,11 @@ def check_shader():
         refuses(INPUT_ERROR, [grid], ["bad_shader"], "nlg-export", "shader", "--grid", grid, "--out", "bad_shader")
     must("nlg-bake", "house:1", "--weights", "weights.safetensors", "--config", "good.yaml", "--light", "none", "--out", "dark.safetensors")
     refuses(INPUT_ERROR, ["dark.safetensors", "without light"], ["bad_shader"], "nlg-export", "shader", "--grid", "dark.safetensors", "--out", "bad_shader")
-    refuses(OUTPUT_ERROR, ["file/grid.bin"], [], "nlg-export", "shader", "--grid", "grid.safetensors", "--out", "file")
+    refuses(OUTPUT_ERROR, ["file: "], [], "nlg-export", "shader", "--grid", "grid.safetensors", "--out", "file")
+    for command in (["nlg-export", "shader", "--grid", "grid.safetensors"], ["nlg-validate", "--weights", "weights.safetensors", "--held-out", "held_out.h5"]):
+        refuses(USAGE_ERROR, ["--out", "empty"], [], *command, "--out", "")
+    refuses(USAGE_ERROR, ["--out", "folder"], [], "nlg-bake", "house:1", "--weights", "weights.safetensors", "--out", "bad.folder/")
+    refuses(INPUT_ERROR, ["hous:1", "FAMILY:SEED"], [], "nlg-bake", "hous:1", "--weights", "weights.safetensors", "--out", "bad.out")
     line = json.loads(must("nlg-export", "shader", "--grid", "grid.safetensors", "--out", "shader"))
     if line["bytes"] != os.path.getsize("shader/grid.bin") or line["bytes"] <= line["tree_bytes"] + line["light_bytes"] + line["theta_bytes"]:
         failures.append(f"nlg-export shader says {line}")

@@ -182,7 +182,7 @@ def check_bad_input():
     refuses(INPUT_ERROR, ["narrow.h5"], *replaced("two.h5", "narrow.h5"))
     refuses(INPUT_ERROR, ["other.json"], *GOOD, "--hierarchy", "other.json", "--out", "bad")
     refuses(INPUT_ERROR, ["missing.json"], *GOOD, "--hierarchy", "missing.json", "--out", "bad")
-    refuses(OUTPUT_ERROR, ["other.json/"], *GOOD, "--out", "other.json")
+    refuses(OUTPUT_ERROR, ["other.json:"], *GOOD, "--out", "other.json")
 
 
 def main():

@@ -337,9 +337,10 @@ TEST(ProbePlacement, NamesASpacingThatFitsWhenThereAreTooManyProbes) {
     options.max_probes = 2000;
     const Scene scene = boxScene(-half, half);
     const std::string error = errorOf(scene, options);
-    const size_t at = error.find("spacing_min_m ");
+    const std::string before = "finest spacing of ";
+    const size_t at = error.find(before);
     ASSERT_NE(at, std::string::npos) << "seed " << seed << ": " << error;
-    options.spacing_min_m = options.spacing_max_m = std::stod(error.substr(at + 14));
+    options.spacing_min_m = options.spacing_max_m = std::stod(error.substr(at + before.size()));
     for (uint64_t draw = 0; draw < 20; ++draw) {
       EXPECT_LE(placeProbes(scene, options, draw).probeCount(), 2000u) << error;
     }
