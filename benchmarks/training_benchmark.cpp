@@ -1,6 +1,7 @@
-// A training step of the generator alone, the shared kernel against the same loss in libtorch's own differentiable operations:
-// batch 256, all 8192 points of every function, two threads. Both take turns in one case, so that whatever else the machine does
-// slows both alike.
+// A training step of the generator alone, ours (the shared kernel, parts of the batch at once, one pass over the parameters) against the
+// same loss in libtorch's own differentiable operations and its own optimizer: batch 256, all 8192 points of every function, two
+// threads. Both take turns in one case, so that whatever else the machine does slows both alike. OPENBLAS_NUM_THREADS=1, as the workflow
+// has it, is the better setting for both.
 
 #include <ATen/Parallel.h>
 #include <benchmark/benchmark.h>
@@ -14,12 +15,15 @@
 #include "runtime_eval/fit/adam.h"
 #include "train/generator/function_loss.h"
 #include "train/generator/generator_network.h"
+#include "train/generator/generator_update.h"
 #include "train/generator/theta_stages.h"
+#include "train/generator/torch_threads.h"
 
 namespace nlg {
 namespace {
 
-constexpr int kBatch = 256, kThreads = 2, kFunctionCount = 2048;
+constexpr int kBatch = 256, kParts = 2, kThreads = 2, kFunctionCount = 2048;
+constexpr double kRate = 1e-3, kAverageShare = 1e-3;
 constexpr double kSameLoss = 1e-5;  // relative: what rounding may make of one
 
 GeneratorShape withoutCorrection() {
@@ -28,15 +32,43 @@ GeneratorShape withoutCorrection() {
   return shape;
 }
 
+// Training's own step.
 struct TrainingStep {
   GeneratorNetwork network, average;
-  torch::optim::Adam optimizer;
+  ParameterMoments moments;
+  BatchGradient gradient;
+  int64_t number = 0;
 
   explicit TrainingStep(const Theta& theta0)
-      : network(withoutCorrection(), theta0, 1), average(withoutCorrection(), theta0, 1), optimizer(network->parameters()) {}
+      : network(withoutCorrection(), theta0, 1),
+        average(withoutCorrection(), theta0, 1),
+        moments(zeroMoments(network)),
+        gradient(network) {}
 
   // lossOf   theta, samples → mean squared errors, one a sample
   // returns  the step's loss
+  template <class LossOf>
+  double run(const TrainingData& data, const std::vector<Sample>& samples, const LossOf& lossOf) {
+    gradient.compute(network, kParts, kThreads, [&](int part) {
+      const std::vector<Sample> some(samples.begin() + part * kBatch / kParts, samples.begin() + (part + 1) * kBatch / kParts);
+      const torch::Tensor theta = network->forward(coefficientBatch(data, some));
+      return (lossOf(theta, some) + 1e-6).sqrt().sum() / kBatch;
+    });
+    takeStep({++number, kRate, 1.0, kAverageShare}, gradient, kThreads, network, moments, average);
+    return gradient.loss();
+  }
+};
+
+// The same with what libtorch brings.
+struct LibtorchStep {
+  GeneratorNetwork network, average;
+  torch::optim::Adam optimizer;
+
+  explicit LibtorchStep(const Theta& theta0)
+      : network(withoutCorrection(), theta0, 1),
+        average(withoutCorrection(), theta0, 1),
+        optimizer(network->parameters(), torch::optim::AdamOptions(kRate).betas({0.9, 0.99})) {}
+
   template <class LossOf>
   double run(const TrainingData& data, const std::vector<Sample>& samples, const LossOf& lossOf) {
     const torch::Tensor theta = network->forward(coefficientBatch(data, samples));
@@ -47,7 +79,7 @@ struct TrainingStep {
     optimizer.step();
     const torch::NoGradGuard guard;
     const std::vector<torch::Tensor> from = network->parameters(), to = average->parameters();
-    for (size_t i = 0; i < from.size(); ++i) to[i].lerp_(from[i], 1e-3);
+    for (size_t i = 0; i < from.size(); ++i) to[i].lerp_(from[i], kAverageShare);
     return loss.item<double>();
   }
 };
@@ -133,19 +165,28 @@ double secondsOf(const Step& step) {
 
 void trainingStep(benchmark::State& state, const Representation& representation) {
   const int threads_before = torch::get_num_threads();
-  torch::set_num_threads(kThreads);
+  useOneTorchThread();
   const BasisData basis = randomGenerator().basis;
   const TrainingData data(wallSet(), basis, basis);
   const Theta theta0 = randomTheta(representation, 1);
-  TrainingStep with_kernel(theta0), with_autograd(theta0);
+  TrainingStep with_kernel(theta0);
+  LibtorchStep with_autograd(theta0);
   AutogradLoss autograd(data, representation);
   const auto kernel = [&](const torch::Tensor& theta, const std::vector<Sample>& samples) {
     return kernelLoss(data, representation, theta, samples);
   };
   Random random(1);
+  const auto runKernel = [&](const std::vector<Sample>& samples) {
+    torch::set_num_threads(1);  // of this thread, one of those that share the parts
+    return with_kernel.run(data, samples, kernel);
+  };
+  const auto runAutograd = [&](const std::vector<Sample>& samples) {
+    torch::set_num_threads(kThreads);
+    return with_autograd.run(data, samples, autograd);
+  };
   // both compute the same: before the networks drift apart by rounding
   const std::vector<Sample> first = drawSamples(random);
-  const double kernel_loss = with_kernel.run(data, first, kernel), autograd_loss = with_autograd.run(data, first, autograd);
+  const double kernel_loss = runKernel(first), autograd_loss = runAutograd(first);
   if (!(std::abs(kernel_loss - autograd_loss) <= kSameLoss * autograd_loss)) {
     torch::set_num_threads(threads_before);
     return state.SkipWithError("kernel and autograd do not have the same loss");
@@ -153,8 +194,8 @@ void trainingStep(benchmark::State& state, const Representation& representation)
   double kernel_s = 0.0, autograd_s = 0.0;
   for (auto _ : state) {
     const std::vector<Sample> samples = drawSamples(random);
-    kernel_s += secondsOf([&] { with_kernel.run(data, samples, kernel); });
-    autograd_s += secondsOf([&] { with_autograd.run(data, samples, autograd); });
+    kernel_s += secondsOf([&] { runKernel(samples); });
+    autograd_s += secondsOf([&] { runAutograd(samples); });
   }
   const double samples = static_cast<double>(kBatch) * static_cast<double>(state.iterations());
   state.counters["kernel_samples/s"] = samples / kernel_s;

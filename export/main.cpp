@@ -17,7 +17,6 @@
 #include "tool/atomic_file.h"
 #include "tool/file_info.h"
 #include "tool/output_path.h"
-#include "tool/parallel_for.h"
 #include "tool/provenance.h"
 #include "tool/require_read.h"
 #include "tool/tool_main.h"
@@ -183,7 +182,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
     requireOnnxName(request.onnx);
     refuseToReplaceInputs(request.onnx, inputs);
   }
-  setTorchThreads(machineThreadCount());
+  useOneTorchThread();
   const BasisFile basis = readBasisFile(request.basis);
   const CheckpointFile checkpoint(request.checkpoint);
   const std::string basis_sha256 = fileSha256(request.basis);

@@ -44,10 +44,11 @@ void readSlurm(ProcessGroup::Options& processes, bool is_given) {
   throw UsageError("processes", "as many as srun started, " + std::to_string(processes.count), std::to_string(asked));
 }
 
-// What makes a run the run that it is. Sums are the same to rounding in any number of processes: a run may go on with another.
+// What makes a run the run that it is. Threads change no bit, and processes none but by rounding: a run may go on with others.
 nlohmann::ordered_json runOptions(const OptionTable& table) {
   nlohmann::ordered_json options = table.toJson();
   options.erase("processes");
+  options.erase("threads");
   return options;
 }
 
@@ -181,7 +182,7 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   }
   representation.slope = static_cast<float>(options.representation_slope);
   options.device = findDevice(request.device);
-  setTorchThreads(options.threads, request.cache.empty() ? 0 : 1);  // one that reads the cache
+  useOneTorchThread(options.threads - 1 + (request.cache.empty() ? 0 : 1));  // one that reads the cache
   const BasisFile basis = readBasisFile(request.basis);
   if (const int most = basis.basis.data.coefficientCount(); options.coefficients > most) {
     throw UsageError("coefficients", "at most the " + std::to_string(most) + " of the basis",

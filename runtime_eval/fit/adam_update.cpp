@@ -34,11 +34,11 @@ HWY_INLINE void updateVector(D d, const AdamFactors& factors, const float* HWY_R
   hn::StoreU(hn::Sub(hn::LoadU(d, theta), hn::Div(hn::Mul(hn::Set(d, factors.rate), m), root)), d, theta);
 }
 
-void updateAll(const AdamFactors& factors, int count, const float* HWY_RESTRICT gradient, float* HWY_RESTRICT mean,
+void updateAll(const AdamFactors& factors, int64_t count, const float* HWY_RESTRICT gradient, float* HWY_RESTRICT mean,
                float* HWY_RESTRICT square, float* HWY_RESTRICT theta) {
   const hn::CappedTag<float, 16> d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  int i = 0;
+  const int64_t lanes = static_cast<int64_t>(hn::Lanes(d));
+  int64_t i = 0;
   for (; i + lanes <= count; i += lanes) updateVector(d, factors, gradient + i, mean + i, square + i, theta + i);
   const hn::CappedTag<float, 1> one;
   for (; i < count; ++i) updateVector(one, factors, gradient + i, mean + i, square + i, theta + i);
@@ -63,10 +63,15 @@ void AdamMoments::step(double learning_rate, double beta1, double beta2, float g
                        float* theta) {
   mean_power_ *= beta1;
   square_power_ *= beta2;
-  const AdamFactors factors = {static_cast<float>(beta1), static_cast<float>(beta2),
-                               static_cast<float>(learning_rate / (1.0 - mean_power_)),
-                               static_cast<float>(1.0 / (1.0 - square_power_)), gradient_scale};
-  HWY_DYNAMIC_DISPATCH(updateAll)(factors, static_cast<int>(mean_.size()), gradient, mean_.data(), square_.data(), theta);
+  adamUpdate({learning_rate, beta1, beta2, mean_power_, square_power_, gradient_scale}, static_cast<int64_t>(mean_.size()),
+             gradient, mean_.data(), square_.data(), theta);
+}
+
+void adamUpdate(const AdamStep& step, int64_t count, const float* gradient, float* mean, float* square, float* theta) {
+  const AdamFactors factors = {static_cast<float>(step.beta1), static_cast<float>(step.beta2),
+                               static_cast<float>(step.learning_rate / (1.0 - step.beta1_power)),
+                               static_cast<float>(1.0 / (1.0 - step.beta2_power)), step.gradient_scale};
+  HWY_DYNAMIC_DISPATCH(updateAll)(factors, count, gradient, mean, square, theta);
 }
 
 }  // namespace nlg

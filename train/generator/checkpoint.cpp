@@ -1,7 +1,5 @@
 #include "train/generator/checkpoint.h"
 
-#include <torch/version.h>
-
 #include <algorithm>
 
 #include "tool/error.h"
@@ -12,13 +10,6 @@ namespace {
 void requireSame(const CheckpointFile& file, const char* what, const std::string& expected, const std::string& got) {
   if (expected != got) throw InputError(file.path(), what, expected, got);
 }
-
-// Where libtorch's optimizer keeps the state of a parameter.
-#if TORCH_VERSION_MAJOR >= 2
-void* addressOf(const torch::Tensor& parameter) { return parameter.unsafeGetTensorImpl(); }
-#else
-std::string addressOf(const torch::Tensor& parameter) { return c10::guts::to_string(parameter.unsafeGetTensorImpl()); }
-#endif
 
 std::vector<float> numbersOf(const torch::Tensor& tensor) {
   const torch::Tensor values = tensor.detach().cpu().contiguous();
@@ -52,40 +43,26 @@ constexpr const char* kMeans = "adam.mean.";
 constexpr const char* kSquares = "adam.square.";
 
 void loadMoments(const CheckpointFile& file, TrainingState* state) {
-  for (const auto& parameter : state->network->named_parameters()) {
-    const torch::Tensor& tensor = parameter.value();
-    auto moments = std::make_unique<torch::optim::AdamParamState>();
-    moments->step(file.progress().step);
-    moments->exp_avg(tensorLike(tensor, file, kMeans + parameter.key()));
-    moments->exp_avg_sq(tensorLike(tensor, file, kSquares + parameter.key()));
-    state->optimizer->state()[addressOf(tensor)] = std::move(moments);
+  const auto parameters = state->network->named_parameters();
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    state->moments.mean[i] = tensorLike(state->moments.mean[i], file, kMeans + parameters[i].key());
+    state->moments.square[i] = tensorLike(state->moments.square[i], file, kSquares + parameters[i].key());
   }
 }
 
 }  // namespace
-
-std::vector<torch::optim::AdamParamState*> adamMoments(const TrainingState& state) {
-  std::vector<torch::optim::AdamParamState*> moments;
-  for (const torch::Tensor& parameter : state.network->parameters()) {
-    const auto found = state.optimizer->state().find(addressOf(parameter));
-    if (found == state.optimizer->state().end()) return {};  // before the first step
-    moments.push_back(static_cast<torch::optim::AdamParamState*>(found->second.get()));
-  }
-  return moments;
-}
 
 void writeCheckpoint(const std::string& path, const RunIdentity& identity, const TrainingState& state) {
   NamedNumbers numbers;
   const auto add = [&](const std::string& name, const torch::Tensor& tensor) { numbers[name] = numbersOf(tensor); };
   forTensors(kNetwork, state.network, add);
   forTensors(kAverage, state.average, add);
-  const std::vector<torch::optim::AdamParamState*> moments = adamMoments(state);
-  const auto parameters = state.network->named_parameters();
-  for (size_t i = 0; i < moments.size(); ++i) {
-    // every step of the run is one of Adam's: his own count is not stored
-    NLG_CHECK(moments[i]->step(), ==, state.step);
-    add(kMeans + parameters[i].key(), moments[i]->exp_avg());
-    add(kSquares + parameters[i].key(), moments[i]->exp_avg_sq());
+  if (state.step > 0) {
+    const auto parameters = state.network->named_parameters();
+    for (size_t i = 0; i < state.moments.mean.size(); ++i) {
+      add(kMeans + parameters[i].key(), state.moments.mean[i]);
+      add(kSquares + parameters[i].key(), state.moments.square[i]);
+    }
   }
   writeCheckpointFile(path, identity, state, numbers);
 }

@@ -1,29 +1,23 @@
 // A training run's state on disk: written atomically, resumed bit for bit.
 #pragma once
 
-#include <torch/optim/adam.h>
-
 #include <string>
-#include <vector>
 
 #include "train/generator/checkpoint_file.h"
-#include "train/generator/generator_network.h"
+#include "train/generator/generator_update.h"
 
 namespace nlg {
 
 struct TrainingState : RunProgress {
   GeneratorNetwork network{nullptr};  // being trained
   GeneratorNetwork average{nullptr};  // its averaged weights: what is validated and exported
-  std::shared_ptr<torch::optim::Adam> optimizer;
+  ParameterMoments moments;
 };
-
-// Adam's moments in the order of the network's parameters; empty before the first step.
-std::vector<torch::optim::AdamParamState*> adamMoments(const TrainingState& state);
 
 // throws OutputError
 void writeCheckpoint(const std::string& path, const RunIdentity& identity, const TrainingState& state);
 
-// Loads into a state whose networks and optimizer have been made for the same shape. What it throws for leaves the state half loaded.
+// Loads into a state whose networks and moments have been made for the same shape. What it throws for leaves the state half loaded.
 // throws InputError when the file is of another run, naming what differs, or holds other numbers than such a state has
 void readCheckpoint(const CheckpointFile& file, const RunIdentity& identity, TrainingState* state);
 

@@ -1,7 +1,5 @@
 #include "train/generator/function_loss.h"
 
-#include <ATen/Parallel.h>
-
 #include <algorithm>
 
 #include "runtime_eval/fit/last_layer.h"
@@ -9,20 +7,6 @@
 #include "runtime_eval/numbers/flush_subnormals.h"
 
 namespace nlg {
-namespace {
-
-constexpr int64_t kSamplesATask = 8;
-
-// Calls visit(b) for every sample, on libtorch's threads.
-template <class Visit>
-void forEachSample(int64_t count, const Visit& visit) {
-  at::parallel_for(0, count, kSamplesATask, [&](int64_t begin, int64_t end) {
-    const FlushSubnormals flush;
-    for (int64_t b = begin; b < end; ++b) visit(b);
-  });
-}
-
-}  // namespace
 
 SampleTargets::SampleTargets(const Representation& representation, const TrainingData& data, const std::vector<Sample>& samples)
     : representation_(representation), places_(samples.size()) {
@@ -34,13 +18,13 @@ SampleTargets::SampleTargets(const Representation& representation, const Trainin
   }
   phi_.resize(samples.size() * stride_);
   mask_.resize(samples.size() * stride_);
-  forEachSample(count(), [&](int64_t b) {
+  for (size_t b = 0; b < samples.size(); ++b) {
     const Sample& sample = samples[b];
     for (int batch = sample.batch; batch < sample.batch + sample.batch_count; ++batch) {
       const size_t at = b * stride_ + (order.batch_begin[batch] - places_[b].first);
       places_[b].valid_count += decodeBatch(order, batch, data.function(sample.function), sample.mirror, &phi_[at], &mask_[at]);
     }
-  });
+  }
 }
 
 SampleTargets::Points SampleTargets::of(int64_t sample) const {
@@ -56,7 +40,8 @@ ThetaErrors measureTheta(const torch::Tensor& theta, const SampleTargets& target
   const float* theta_values = values.data_ptr<float>();
   float* mean_squares = errors.mean_square.data_ptr<float>();
   float* gradients = errors.gradient.data_ptr<float>();
-  forEachSample(count, [&](int64_t b) {
+  const FlushSubnormals flush;
+  for (int64_t b = 0; b < count; ++b) {
     const SampleTargets::Points points = targets.of(b);
     float* gradient = gradients + b * D;
     const double sum = lossAndGradient(targets.representation(), points.first, points.count, points.phi, points.mask,
@@ -64,7 +49,7 @@ ThetaErrors measureTheta(const torch::Tensor& theta, const SampleTargets& target
     const float scale = points.valid_count > 0 ? 1.0f / static_cast<float>(points.valid_count) : 0.0f;
     mean_squares[b] = static_cast<float>(sum) * scale;
     for (int64_t d = 0; d < D; ++d) gradient[d] *= scale;
-  });
+  }
   return errors;
 }
 
@@ -76,10 +61,11 @@ torch::Tensor solveLastLayers(const torch::Tensor& theta, const SampleTargets& t
   torch::Tensor solved = theta.detach().clone(torch::MemoryFormat::Contiguous);
   const int64_t D = solved.size(1);
   float* values = solved.data_ptr<float>();
-  forEachSample(targets.count(), [&](int64_t b) {
+  const FlushSubnormals flush;
+  for (int64_t b = 0; b < targets.count(); ++b) {
     const SampleTargets::Points points = targets.of(b);
     solveLastLayer(targets.representation(), points.first, points.count, points.phi, points.mask, values + b * D);
-  });
+  }
   const int64_t last = targets.representation().shape().w3();
   return torch::cat({theta.slice(1, 0, last), solved.slice(1, last)}, 1);
 }

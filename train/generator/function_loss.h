@@ -15,7 +15,6 @@ namespace nlg {
 // What a step judges thetas by: the points of every sample, decoded once for all stages.
 class SampleTargets {
  public:
-  // Work here and below is split over libtorch's threads by function, so that no result depends on their number.
   SampleTargets(const Representation& representation, const TrainingData& data, const std::vector<Sample>& samples);
 
   // The points of one sample as the kernels read them; good while the targets live.

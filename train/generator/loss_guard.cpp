@@ -18,15 +18,14 @@ double medianOf(std::vector<double> values) {
   return *middle;
 }
 
-std::vector<torch::Tensor> copyOf(const GeneratorNetwork& network) {
+std::vector<torch::Tensor> copyOf(const std::vector<torch::Tensor>& tensors) {
   std::vector<torch::Tensor> copies;
-  for (const torch::Tensor& parameter : network->parameters()) copies.push_back(parameter.detach().clone());
+  for (const torch::Tensor& tensor : tensors) copies.push_back(tensor.detach().clone());
   return copies;
 }
 
-void putBack(const std::vector<torch::Tensor>& copies, GeneratorNetwork& network) {
-  const std::vector<torch::Tensor> parameters = network->parameters();
-  for (size_t i = 0; i < copies.size(); ++i) torch::Tensor(parameters[i]).copy_(copies[i]);
+void putBack(const std::vector<torch::Tensor>& copies, std::vector<torch::Tensor> tensors) {
+  for (size_t i = 0; i < copies.size(); ++i) tensors[i].copy_(copies[i]);
 }
 
 bool isFinite(const std::vector<torch::Tensor>& tensors) {
@@ -38,8 +37,7 @@ bool isFinite(const std::vector<torch::Tensor>& tensors) {
 
 LossGuard::LossGuard(const TrainingState& state, double divergence_ratio) : divergence_ratio_(divergence_ratio) {
   // numbers that are wrong from the start are found by the first step
-  network_ = copyOf(state.network);
-  average_ = copyOf(state.average);
+  network_ = copyOf(state.network->parameters());
   keep(state);
 }
 
@@ -50,14 +48,11 @@ bool LossGuard::accepts(const TrainingState& state, double loss, double gradient
 
 bool LossGuard::keep(const TrainingState& state) {
   torch::NoGradGuard no_gradient;
-  std::vector<torch::Tensor> network = copyOf(state.network);
+  std::vector<torch::Tensor> network = copyOf(state.network->parameters());
   if (!isFinite(network)) return false;
   network_ = std::move(network);
-  average_ = copyOf(state.average);
-  moments_.clear();
-  for (const torch::optim::AdamParamState* moments : adamMoments(state)) {
-    moments_.push_back({moments->step(), moments->exp_avg().clone(), moments->exp_avg_sq().clone()});
-  }
+  average_ = copyOf(state.average->parameters());
+  moments_ = {copyOf(state.moments.mean), copyOf(state.moments.square)};
   step_ = state.step;
   recent_losses_ = state.recent_losses;
   return true;
@@ -67,15 +62,10 @@ void LossGuard::rollBack(TrainingState* state, const char* quantity, double valu
   const int64_t failed_step = state->step;
   {
     torch::NoGradGuard no_gradient;
-    putBack(network_, state->network);
-    putBack(average_, state->average);
-    if (moments_.empty()) state->optimizer->state().clear();
-    const std::vector<torch::optim::AdamParamState*> targets = adamMoments(*state);
-    for (size_t i = 0; i < moments_.size(); ++i) {
-      targets[i]->step(moments_[i].step);
-      targets[i]->exp_avg().copy_(moments_[i].mean);
-      targets[i]->exp_avg_sq().copy_(moments_[i].square);
-    }
+    putBack(network_, state->network->parameters());
+    putBack(average_, state->average->parameters());
+    putBack(moments_.mean, state->moments.mean);
+    putBack(moments_.square, state->moments.square);
   }
   state->step = step_;
   state->recent_losses = recent_losses_;

@@ -28,16 +28,11 @@ class LossGuard {
   void rollBack(TrainingState* state, const char* quantity, double value) const;
 
  private:
-  struct Moments {
-    int64_t step;
-    torch::Tensor mean, square;
-  };
-
   double divergence_ratio_;
   int64_t step_ = 0;
   std::vector<double> recent_losses_;
   std::vector<torch::Tensor> network_, average_;
-  std::vector<Moments> moments_;  // empty before the first step
+  ParameterMoments moments_;
 };
 
 // Notes the loss of a step that was taken.

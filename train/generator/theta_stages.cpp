@@ -1,5 +1,7 @@
 #include "train/generator/theta_stages.h"
 
+#include "tool/parallel_for.h"
+
 namespace nlg {
 
 ThetaStages runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
@@ -31,23 +33,26 @@ ThetaStages runStages(GeneratorNetwork& network, const Representation& represent
 }
 
 HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit,
-                          double tent_rmse) {
-  torch::NoGradGuard guard;
+                          double tent_rmse, int thread_count) {
   const std::vector<uint32_t> functions = data.functionsAbove(tent_rmse);
   const int64_t function_count = static_cast<int64_t>(functions.size()), count = std::min<int64_t>(limit, function_count);
+  if (count == 0) return {};
   const int all_points = pointOrder(representation).batchCount();
-  HeldOutError error;
-  for (int64_t begin = 0; begin < count; begin += kBatchCount) {
+  std::vector<HeldOutError> sums(static_cast<size_t>((count + kBatchCount - 1) / kBatchCount));
+  parallelFor(sums.size(), thread_count, [&](uint64_t part, int) {
+    const torch::NoGradGuard guard;  // of this thread
+    const int64_t begin = static_cast<int64_t>(part) * kBatchCount;
     std::vector<Sample> samples;
     for (int64_t i = begin; i < std::min<int64_t>(begin + kBatchCount, count); ++i) {
       samples.push_back({.function = functions[static_cast<size_t>(i * function_count / count)], .batch_count = all_points});
     }
     const ThetaStages stages = runStages(network, representation, data, samples);
     const torch::Tensor least = std::get<0>(torch::stack(stages.mean_squares).min(0));
-    error.network += stages.mean_squares.front().sqrt().sum().item<double>();
-    error.final += least.sqrt().sum().item<double>();
-  }
-  if (count > 0) error.network /= static_cast<double>(count), error.final /= static_cast<double>(count);
+    sums[part] = {stages.mean_squares.front().sqrt().sum().item<double>(), least.sqrt().sum().item<double>()};
+  });
+  HeldOutError error;
+  for (const HeldOutError& sum : sums) error.network += sum.network, error.final += sum.final;
+  error.network /= static_cast<double>(count), error.final /= static_cast<double>(count);
   return error;
 }
 

@@ -27,9 +27,9 @@ struct HeldOutError {
 };
 
 // Over all valid support points, for at most `limit` functions, taken at equal distances from those whose bare tent has an RMSE
-// above `tent_rmse`; zeros when there are none.
+// above `tent_rmse`; zeros when there are none. The same on any number of threads.
 HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit,
-                          double tent_rmse = -1.0);
+                          double tent_rmse = -1.0, int thread_count = 1);
 
 // Coefficients of the samples' functions, mirrored: B x K.
 torch::Tensor coefficientBatch(const TrainingData& data, const std::vector<Sample>& samples);

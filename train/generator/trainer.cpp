@@ -1,7 +1,5 @@
 #include "train/generator/trainer.h"
 
-#include <torch/nn/utils/clip_grad.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -20,6 +18,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int64_t kStepsBetweenGoodStates = 100;
 
+// A batch is computed in parts of at most so many samples, and in two at least, each on one thread: enough for the matrix products to be
+// at their best, and few enough for what a layer leaves to stay in the cache.
+constexpr int kSamplesAPart = 256;
+
 struct LossMean {
   double sum = 0.0;
   int64_t count = 0;
@@ -30,21 +32,15 @@ struct LossMean {
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// average += (1 - decay) * (network - average); the decay grows from nothing, so that the start is forgotten.
-void updateAverage(GeneratorNetwork& average, const GeneratorNetwork& network, double decay, int64_t step) {
-  torch::NoGradGuard guard;
-  const double used = std::min(decay, (1.0 + step) / (10.0 + step));
-  std::vector<torch::Tensor> targets = average->parameters(), sources = network->parameters();
-  for (size_t i = 0; i < targets.size(); ++i) targets[i].lerp_(sources[i], 1.0 - used);
+// How far the averaged weights follow; all the way at first, so that the start is forgotten.
+double averageShare(const TrainOptions& options, int64_t step) {
+  const double count = static_cast<double>(step);
+  return 1.0 - std::min(options.average_decay, (1.0 + count) / (10.0 + count));
 }
 
 // A rollback halves what the schedule says.
 double scheduledRate(const TrainOptions& options, const TrainingState& state, int64_t step) {
   return std::ldexp(oneCycleRate(options, step), -state.rollbacks);
-}
-
-void setRate(torch::optim::Adam& optimizer, double rate) {
-  for (auto& group : optimizer.param_groups()) static_cast<torch::optim::AdamOptions&>(group.options()).lr(rate);
 }
 
 void requireFinite(double value, int64_t step, const char* quantity) {
@@ -62,31 +58,10 @@ torch::Tensor stepLosses(const TrainOptions& options, const Representation& repr
   return (torch::stack(stages.mean_squares) + 1e-6).pow(options.error_power).clamp_max(kLargestLoss).mean(0);
 }
 
-// This process's share of a batch.
-std::vector<Sample> shareOf(const std::vector<Sample>& batch, const ProcessGroup& processes) {
-  const size_t rank = static_cast<size_t>(processes.rank()), count = static_cast<size_t>(processes.count());
-  return {batch.begin() + static_cast<ptrdiff_t>(rank * batch.size() / count),
-          batch.begin() + static_cast<ptrdiff_t>((rank + 1) * batch.size() / count)};
-}
-
-// Sums the gradients of all processes in one message, with the loss at its end. Returns the sum of the losses.
-double sumGradients(const std::vector<torch::Tensor>& parameters, double loss, const ProcessGroup& processes) {
-  if (processes.count() == 1) return loss;
-  std::vector<torch::Tensor> parts;
-  for (const torch::Tensor& parameter : parameters) {
-    // a parameter that nothing of this share used
-    if (!parameter.grad().defined()) parameter.mutable_grad() = torch::zeros_like(parameter);
-    parts.push_back(parameter.grad().reshape({-1}).cpu());
-  }
-  parts.push_back(torch::full({1}, static_cast<float>(loss)));
-  torch::Tensor message = torch::cat(parts);
-  processes.sum(message);
-  int64_t first = 0;
-  for (const torch::Tensor& parameter : parameters) {
-    parameter.mutable_grad().copy_(message.slice(0, first, first + parameter.numel()).view_as(parameter));
-    first += parameter.numel();
-  }
-  return message[first].item<double>();
+// One of `count` shares of the samples.
+std::vector<Sample> shareOf(const std::vector<Sample>& samples, int index, int count) {
+  const auto border = [&](int at) { return samples.begin() + static_cast<ptrdiff_t>(at * samples.size() / count); };
+  return {border(index), border(index + 1)};
 }
 
 // The processes start alike: at the same step, with the first one's networks.
@@ -170,7 +145,7 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("start_candidates", &o.start.candidates, "random starts tried for theta0", 1, 1000000);
   table.add("checkpoint_steps", &o.checkpoint_steps, "steps between checkpoints", 1, 100000000);
   table.add("validation_functions", &o.validation_functions, "held-out functions in the validation loss", 1, 100000000);
-  table.add("threads", &o.threads, "threads; resuming repeats a run bit for bit at the same number", 1, 1024);
+  table.add("threads", &o.threads, "threads; the result does not depend on their number", 1, 1024);
 }
 
 BasisData usedBasis(const TrainOptions& options, const Basis& basis) {
@@ -203,8 +178,7 @@ TrainingState makeState(const TrainOptions& options, const Theta& theta0) {
   state.average = GeneratorNetwork(options.shape, theta0, options.seed);
   state.network->to(options.device);
   state.average->to(options.device);
-  state.optimizer = std::make_shared<torch::optim::Adam>(state.network->parameters(),
-                                                         torch::optim::AdamOptions(options.learning_rate).betas({0.9, 0.99}));
+  state.moments = zeroMoments(state.network);
   state.log_csv = "step,learning_rate,training_loss,held_out_network,held_out_rmse,rollbacks\n";
   return state;
 }
@@ -215,29 +189,29 @@ TrainStep::TrainStep(const TrainOptions& options, const Representation& represen
       representation_(representation),
       training_(training),
       processes_(processes),
-      order_(sampleOrder(options, representation, training)) {
+      order_(sampleOrder(options, representation, training)),
+      gradient_(state.network) {
   if (training.cache() != nullptr) loader_ = std::make_unique<WindowLoader>(*training.cache(), order_, state.draw);
 }
 
 TrainStep::Result TrainStep::computeGradient(TrainingState& state) {
   if (loader_) loader_->require(state.draw);
   const std::vector<Sample> batch = order_.samples(state.draw++);
-  const torch::Tensor loss = stepLosses(options_, representation_, training_, shareOf(batch, processes_), state).sum() /
-                             static_cast<double>(batch.size());
-  state.optimizer->zero_grad();
-  loss.backward();
-  const std::vector<torch::Tensor> parameters = state.network->parameters();
-  Result result;
-  result.loss = sumGradients(parameters, loss.item<double>(), processes_);
-  result.gradient_norm = torch::nn::utils::clip_grad_norm_(parameters, options_.gradient_clip);
-  return result;
+  const std::vector<Sample> share = shareOf(batch, processes_.rank(), processes_.count());
+  const int sample_count = static_cast<int>(share.size());
+  const int part_count = std::min(std::max(2, (sample_count + kSamplesAPart - 1) / kSamplesAPart), sample_count);
+  gradient_.compute(state.network, part_count, options_.threads, [&](int part) {
+    return stepLosses(options_, representation_, training_, shareOf(share, part, part_count), state).sum() /
+           static_cast<double>(batch.size());
+  });
+  if (processes_.count() > 1) processes_.sum(gradient_.row());
+  return {gradient_.loss(), gradient_.norm()};
 }
 
 void TrainStep::apply(TrainingState& state, double rate) {
-  setRate(*state.optimizer, rate);
-  state.optimizer->step();
   ++state.step;
-  updateAverage(state.average, state.network, options_.average_decay, state.step);
+  takeStep({state.step, rate, options_.gradient_clip, averageShare(options_, state.step)}, gradient_, options_.threads,
+           state.network, state.moments, state.average);
 }
 
 TrainReport train(const TrainOptions& options, const Representation& representation, const TrainingData& training,
@@ -257,7 +231,8 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     mean = kept_mean;
   };
   const auto judge = [&] {
-    return heldOutError(state->average, representation, held_out, options.validation_functions, options.bare_tent_rmse);
+    return heldOutError(state->average, representation, held_out, options.validation_functions, options.bare_tent_rmse,
+                        options.threads);
   };
   while (state->step < options.steps) {
     const Clock::time_point step_start = Clock::now();

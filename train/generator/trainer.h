@@ -9,6 +9,7 @@
 #include "tool/options.h"
 #include "train/basis/basis_file.h"
 #include "train/generator/checkpoint.h"
+#include "train/generator/generator_update.h"
 #include "train/generator/process_group.h"
 #include "train/generator/sample_order.h"
 #include "train/generator/theta_stages.h"
@@ -90,7 +91,7 @@ class TrainStep {
 
   // Draws a batch and computes its gradient, summed over the processes.
   Result computeGradient(TrainingState& state);
-  // Clips the gradient and steps along it.
+  // Clips that gradient and steps along it.
   void apply(TrainingState& state, double rate);
 
  private:
@@ -100,6 +101,7 @@ class TrainStep {
   const ProcessGroup& processes_;
   SampleOrder order_;
   std::unique_ptr<WindowLoader> loader_;  // for a cache
+  BatchGradient gradient_;
 };
 
 }  // namespace nlg

@@ -182,6 +182,51 @@ TEST(Train, GivesTheSameParametersEveryTime) {
   expectSame(a.network->parameters(), b.network->parameters(), "network");
 }
 
+TEST(Train, GivesTheSameParametersOnAnyNumberOfThreads) {
+  TrainingState one = makeState(run().options, run().theta0), three = makeState(run().options, run().theta0);
+  TrainOptions options = run().options;
+  options.steps = 10;
+  const TrainReport of_one = train(options, kTentMlp, run().training, run().held_out, &one, [] {});
+  options.threads = 3;
+  const TrainReport of_three = train(options, kTentMlp, run().training, run().held_out, &three, [] {});
+  expectSame(one.network->parameters(), three.network->parameters(), "network");
+  expectSame(one.average->parameters(), three.average->parameters(), "average");
+  EXPECT_EQ(of_one.held_out.final, of_three.held_out.final);
+}
+
+// Adam, clipping and averages as libtorch has them, on a gradient of known numbers.
+TEST(TakeStep, IsLibtorchsAdamWithClippingAndAverages) {
+  GeneratorNetwork network(run().options.shape, run().theta0, 1), average(run().options.shape, run().theta0, 2),
+      peer(run().options.shape, run().theta0, 1), peer_average(run().options.shape, run().theta0, 2);
+  ParameterMoments moments = zeroMoments(network);
+  BatchGradient gradient(network);
+  torch::optim::Adam adam(peer->parameters(), torch::optim::AdamOptions(0.01).betas({0.9, 0.99}));
+  for (int64_t number = 1; number <= 5; ++number) {
+    // a loss whose gradient is the parameters themselves, times a half in each of two parts
+    gradient.compute(network, 2, 2, [&](int) {
+      torch::Tensor loss = torch::zeros({});
+      for (const torch::Tensor& parameter : network->parameters()) loss = loss + parameter.square().sum() / 4;
+      return loss;
+    });
+    adam.zero_grad();
+    torch::Tensor loss = torch::zeros({});
+    for (const torch::Tensor& parameter : peer->parameters()) loss = loss + parameter.square().sum() / 2;
+    loss.backward();
+    EXPECT_NEAR(gradient.loss(), loss.item<double>(), 1e-5 * loss.item<double>());
+    const double norm = torch::nn::utils::clip_grad_norm_(peer->parameters(), 0.5);
+    EXPECT_NEAR(gradient.norm(), norm, 1e-5 * norm);
+    adam.step();
+    takeStep({number, 0.01, 0.5, 0.25}, gradient, 2, network, moments, average);
+    const torch::NoGradGuard no_gradient;
+    for (size_t i = 0; i < peer->parameters().size(); ++i) {
+      peer_average->parameters()[i].lerp_(peer->parameters()[i], 0.25);
+      // a step is .01 long: rounding of its factors may move it by a few 1e-7 of that, and every step adds its own
+      EXPECT_TRUE(torch::allclose(network->parameters()[i], peer->parameters()[i], 1e-5, 1e-7)) << "parameter " << i;
+      EXPECT_TRUE(torch::allclose(average->parameters()[i], peer_average->parameters()[i], 1e-5, 1e-7)) << "average " << i;
+    }
+  }
+}
+
 TEST_F(Checkpoint, ResumesAKilledRunBitForBit) {
   TrainingState whole = makeState(run().options, run().theta0);
   trainUntil(whole, -1, "");
@@ -242,12 +287,13 @@ TEST_F(Checkpoint, IsRefusedWhenItsTensorsAreNotThoseOfTheRun) {
   trainUntil(state, 20, "");
   writeCheckpoint(path_, kIdentity, state);
   EXPECT_FALSE(refused());
-  adamMoments(state).at(1)->exp_avg_sq(torch::zeros({1}));
+  state.moments.square.at(1) = torch::zeros({1});
   writeCheckpoint(path_, kIdentity, state);
   EXPECT_TRUE(refused()) << "moments of another shape";
 
   state = makeState(run().options, run().theta0);
   state.step = 20;
+  state.moments = {};
   writeCheckpoint(path_, kIdentity, state);
   EXPECT_TRUE(refused()) << "a step without moments";
   state.step = 0;
