@@ -3,6 +3,7 @@
 
     light_test.py BIN_FOLDER WEIGHTS_FOLDER
 """
+import copy
 import json
 import os
 import subprocess
@@ -65,6 +66,16 @@ class Light(unittest.TestCase):
                 self.assertEqual(lights[name], ["point", "solved"], name)
             for name in ("DDGI float", "DDGI as shipped", "DDGI, exact visibility", "DDGI float, relocated", "DDGI as shipped, relocated"):
                 self.assertEqual(lights[name], ["own"], name)
+
+    def test_grids_are_the_same_without_rivals(self):
+        alone = os.path.join(self.folder.name, "alone.json")
+        run = light(*HOUSE, *weights("tent_mlp4", "pf3 pf5"), "--spacings", "1.5", "3", "--grids-only", "--out", alone)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        with open(alone) as file:
+            spacings = without_times(json.load(file))["spacings"]
+        for of_grids, of_all in zip(spacings, without_times(copy.deepcopy(self.result))["spacings"], strict=True):
+            self.assertEqual({method["weights"] for method in of_grids["methods"]}, {"target functions", "tent_mlp4", "pf3 or pf5"})
+            self.assertEqual(of_grids["methods"], [method for method in of_all["methods"] if method in of_grids["methods"]])
 
     def test_figures_are_shares_and_bytes_add_up(self):
         for method in self.methods():

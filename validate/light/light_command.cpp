@@ -38,6 +38,7 @@ struct Request {
   std::vector<std::string> weights;  // each a bake: one file, or several with commas between them, of which the bake chooses
   LightPlaceOptions places;
   GatherOptions truth{1024, 64}, probe{1024, 64};
+  bool grids_only = false;  // no rivals: a fraction of the time
   double look_up_seconds = 0.0;
   std::string pictures;  // the folder for pictures of worst places; empty: none are drawn
   int picture_rays = 64;
@@ -125,11 +126,13 @@ class LightMeasurement {
     method_options.seed = mixSeed(options.seed, kMethodStream);
     const LightTransport transport(scene.source.scene, scene.rays);
     MethodSet methods({transport, scene.links, scene.tree, scene.air}, method_options);
-    methods.addTrilinear();
-    methods.addTetrahedra();
-    methods.addApv();
-    methods.addDdgi();
-    methods.addQuakeGrid();
+    if (!request_.grids_only) {
+      methods.addTrilinear();
+      methods.addTetrahedra();
+      methods.addApv();
+      methods.addDdgi();
+      methods.addQuakeGrid();
+    }
     std::vector<glm::dvec3> asked;
     for (const LightPlace& place : places_.places) asked.push_back(place.position_m);
     methods.addTargetFunctions(asked, options.diffusion);
@@ -239,6 +242,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   used["source_distance_m"] = request.places.source_distance_m;
   used["truth_rays"] = request.truth.rays;
   used["probe_rays"] = request.probe.rays;
+  used["grids_only"] = request.grids_only;
 
   request.truth.direct = request.probe.direct = directLightFromName(options.light_direct);
   options.spacing_m = request.spacings_m.front();
@@ -286,6 +290,8 @@ int lightMain(int argc, char** argv) {
                  "exported generators, each a bake of its own; several with commas between them: a bake that chooses");
   app.add_option("--spacings", request.spacings_m, "finest distances between probes, metres; none: the bake's spacing_m")
       ->check(CLI::Range(0.01, 1000.0));
+  app.add_flag("--grids-only", request.grids_only,
+               "leave out rivals: grids and target functions alone, in a fraction of the time");
   app.add_option("--air-places", request.places.air, "places in air")->check(CLI::Range(8, 10000000))->capture_default_str();
   app.add_option("--surface-places", request.places.surface, "places 2 to 50 cm before surfaces, a quarter of them in each class")
       ->check(CLI::Range(8, 10000000))
