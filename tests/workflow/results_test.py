@@ -311,6 +311,11 @@ class Results(unittest.TestCase):
             result = self.collect_light()
             self.assertEqual(result.returncode, 3, result.stderr)
             self.assertIn(words, result.stderr)
+        for scene in ("kaos2", "am_thornish", "aggressor"):
+            grids = light(scene, 0.1, 0.1)
+            grids["spacings"][0]["methods"] = [method for method in grids["spacings"][0]["methods"] if method["weights"] == "tent_mlp4"]
+            self.write(f"out/light/{scene}.json", grids)
+        self.assertIn("grids alone", self.collect_light().stderr)
         self.write_light()
         self.assertIn("a method mlp", self.collect_light("--ours", "mlp").stderr)
         self.assertEqual(self.run_results("collect-light", "out/nothing").returncode, 3)

@@ -257,7 +257,8 @@ TEST(HeldOutError, IsTheMeanOverFunctionsOfTheBestStage) {
 
 // Training sees every stage of theta; at bake time the steps of a function end when one does not lower its mean square by a
 // hundredth.
-double errorAtBakeTime(const ThetaStages& stages, int solve_count, int64_t n, int* steps_taken) {
+// before   of the theta from which the last step was taken
+double errorAtBakeTime(const ThetaStages& stages, int solve_count, int64_t n, int* steps_taken, double* before) {
   const auto at = [&](size_t s) { return stages.mean_squares[s][n].item<double>(); };
   double least = at(0);
   size_t s = 1;
@@ -266,6 +267,7 @@ double errorAtBakeTime(const ThetaStages& stages, int solve_count, int64_t n, in
   *steps_taken = 0;
   for (bool paid = true; paid && s < stages.mean_squares.size(); ++s, ++*steps_taken) {
     paid = at(s) < 0.99 * least;
+    *before = at(s - 1);
     least = std::min(least, at(s));
   }
   return least;
@@ -300,11 +302,14 @@ TEST(ThetaStages, AreThoseOfBakeTime) {
     std::vector<double> differences;
     for (int n = 0; n < kHeldOutCount; ++n) {
       int steps_taken = 0;
-      const double expected = errorAtBakeTime(stages, solveCount(representation), n, &steps_taken);
+      double before = 0.0;
+      const double expected = errorAtBakeTime(stages, solveCount(representation), n, &steps_taken, &before);
       went_all_the_way += steps_taken == kSteps;
       const double rmse = functionRmse(representation, decodeFunction(functions[n], pointOrder(representation)), &theta[n * D]);
       differences.push_back(std::abs(rmse * rmse - expected) / expected);
-      EXPECT_LT(differences.back(), 1e-2) << representationName(representation) << ", function " << n;
+      // a step that removes nearly all of an error removes it to a share of what it was, by the rounding of theta and its gradient
+      EXPECT_LT(std::abs(rmse * rmse - expected), 1e-2 * std::max(before, expected))
+          << representationName(representation) << ", function " << n;
     }
     // roundings, which steep last layers carry on: as a rule by little
     std::nth_element(differences.begin(), differences.begin() + kHeldOutCount / 2, differences.end());
