@@ -122,6 +122,12 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   chooseSimd(options.simd);
   std::map<std::string, WeightsUsed> weights;
   const std::vector<Generator> generators = loadGenerators(request.weights, precision, &weights);
+  for (const Generator& generator : generators) {
+    if (options.policy.stages.learned_steps > 0 && generator.correctionStepCount() == 0) {
+      std::cerr << "nlg-bake: correct_steps: the weights of " << representationName(generator.representation())
+                << " hold no learned steps: none are taken\n";
+    }
+  }
 
   const auto start = std::chrono::steady_clock::now();
   const BakeScene scene(request.scene, options);

@@ -1,9 +1,8 @@
 // A training step of the generator alone, ours (the shared kernel, parts of the batch at once, one pass over the parameters) against the
 // same loss in libtorch's own differentiable operations and its own optimizer: batch 256, all 8192 points of every function, two
-// threads. Both take turns in one case, so that whatever else the machine does slows both alike. OPENBLAS_NUM_THREADS=1, as the workflow
-// has it, is the better setting for both.
+// threads. Both take turns in one case, so that whatever else the machine does slows both alike. OpenBLAS
+// works on one thread for both: on two of its own the step in autograd is no faster.
 
-#include <ATen/Parallel.h>
 #include <benchmark/benchmark.h>
 #include <torch/torch.h>
 
@@ -13,6 +12,7 @@
 #include "benchmarks/random_generator.h"
 #include "benchmarks/sample_function.h"
 #include "runtime_eval/fit/adam.h"
+#include "tool/parallel_for.h"
 #include "train/generator/function_loss.h"
 #include "train/generator/generator_network.h"
 #include "train/generator/generator_update.h"
@@ -54,7 +54,7 @@ struct TrainingStep {
       const torch::Tensor theta = network->forward(coefficientBatch(data, some));
       return (lossOf(theta, some) + 1e-6).sqrt().sum() / kBatch;
     });
-    takeStep({++number, kRate, 1.0, kAverageShare}, gradient, kThreads, network, moments, average);
+    takeStep({++number, kRate, gradient.norm(), 1.0, kAverageShare}, gradient, kThreads, network, moments, average);
     return gradient.loss();
   }
 };
@@ -110,13 +110,11 @@ struct AutogradLoss {
   }
 
   void decode(const std::vector<Sample>& samples) const {
-    at::parallel_for(0, kBatch, 8, [&](int64_t begin, int64_t end) {
-      for (int64_t b = begin; b < end; ++b) {
-        const WeightingFunction function =
-            decodeFunction(data.function(samples[b].function), pointOrder(representation), samples[b].mirror);
-        std::copy_n(function.phi.data(), kSupportPointCount, phi.data_ptr<float>() + b * kSupportPointCount);
-        std::copy_n(function.mask.data(), kSupportPointCount, mask.data_ptr<float>() + b * kSupportPointCount);
-      }
+    parallelFor(kBatch, kThreads, [&](uint64_t b, int) {
+      const WeightingFunction function =
+          decodeFunction(data.function(samples[b].function), pointOrder(representation), samples[b].mirror);
+      std::copy_n(function.phi.data(), kSupportPointCount, phi.data_ptr<float>() + b * kSupportPointCount);
+      std::copy_n(function.mask.data(), kSupportPointCount, mask.data_ptr<float>() + b * kSupportPointCount);
     });
   }
 
@@ -165,7 +163,7 @@ double secondsOf(const Step& step) {
 
 void trainingStep(benchmark::State& state, const Representation& representation) {
   const int threads_before = torch::get_num_threads();
-  useOneTorchThread();
+  computeOnCallingThreads();
   const BasisData basis = randomGenerator().basis;
   const TrainingData data(wallSet(), basis, basis);
   const Theta theta0 = randomTheta(representation, 1);

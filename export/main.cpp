@@ -182,7 +182,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
     requireOnnxName(request.onnx);
     refuseToReplaceInputs(request.onnx, inputs);
   }
-  useOneTorchThread();
+  computeOnCallingThreads();
   const BasisFile basis = readBasisFile(request.basis);
   const CheckpointFile checkpoint(request.checkpoint);
   const std::string basis_sha256 = fileSha256(request.basis);

@@ -13,6 +13,7 @@
 #include "tool/atomic_file.h"
 #include "tool/file_info.h"
 #include "tool/output_path.h"
+#include "tool/parallel_for.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "train/generator/lost_pages.h"
@@ -182,7 +183,8 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   }
   representation.slope = static_cast<float>(options.representation_slope);
   options.device = findDevice(request.device);
-  useOneTorchThread(options.threads - 1 + (request.cache.empty() ? 0 : 1));  // one that reads the cache
+  computeOnCallingThreads();
+  requireThreads(options.threads - 1 + (request.cache.empty() ? 0 : 1));  // one that reads the cache
   const BasisFile basis = readBasisFile(request.basis);
   if (const int most = basis.basis.data.coefficientCount(); options.coefficients > most) {
     throw UsageError("coefficients", "at most the " + std::to_string(most) + " of the basis",

@@ -3,7 +3,7 @@
 
 # several tools share one terminal: run_progress.py says how far the run is
 export NLG_PROGRESS=off
-# stages bring their own parallelism: one BLAS thread each, and OpenMP threads that sleep while they wait
+# stages bring their own parallelism: one BLAS thread each; OpenMP threads, where a library makes some, sleep while they wait
 export OPENBLAS_NUM_THREADS=1 OMP_WAIT_POLICY=passive
 # OpenBLAS 0.3.21 takes newer AVX-512 processors for Haswell and halves sgemm
 if grep -qw avx512f /proc/cpuinfo 2>/dev/null; then export OPENBLAS_CORETYPE=SkylakeX; fi

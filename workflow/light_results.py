@@ -200,8 +200,9 @@ def collect(folder, ours=OURS):
     points = figures.read_all([str(path) for path in files])
     if not any(point.method == (ours, "solved") for point in points):
         fail(folder, f"a method {ours} with solved light", ", ".join(sorted({point.method[0] for point in points})))
-    if not any(point.method[0] in RIVALS for point in points):
-        fail(folder, "results with rivals", "grids alone (--grids-only)")
+    alone = sorted({point.scene for point in points} - {point.scene for point in points if point.method[0] in RIVALS})
+    if alone:
+        fail(folder, "rivals in the results of every scene", f"grids alone (--grids-only) of {', '.join(alone)}")
     documents = [held_to(read_scene, path) for path in files]
     kinds = {point.scene: point.kind for point in points}
     out = {"schema_version": 1, "run": NAME, "command": "workflow/results.py collect-light FOLDER", "ours": ours,

@@ -52,7 +52,8 @@ class Resources:
             processes, threads = self.run.training_cores[wildcards.representation]
             own = self.run.representations[wildcards.representation]
             samples = self._setting("train", "steps", own) * self._setting("train", "batch", own)
-            return START_S + SAMPLE_S * samples / (processes * threads)
+            # two threads are all that a batch of up to 512 keeps busy (train/generator/trainer.cpp)
+            return START_S + SAMPLE_S * samples / (processes * min(threads, 2))
 
         def megabytes(wildcards):
             processes, _ = self.run.training_cores[wildcards.representation]

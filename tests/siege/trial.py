@@ -119,8 +119,8 @@ def run(command, folder, environment, limits, kill_after=None):
 
 
 def error_lines(text):
-    """Ours, those of pipeline.sh and what it calls, and what OpenMP says before it ends a process by itself."""
-    return [line for line in text.splitlines() if re.match(r"[\w.\- ]+: error: |pipeline\.sh: |libgomp: ", line)]
+    """Ours, and those of pipeline.sh and what it calls."""
+    return [line for line in text.splitlines() if re.match(r"[\w.\- ]+: error: |pipeline\.sh: ", line)]
 
 
 def judge(ending, limits, faults, codes=DOCUMENTED, is_quiet=True):

@@ -18,8 +18,8 @@ struct GeneratorShape {
   double output_scale = 0.05;  // theta = theta0 + output_scale * last layer: keeps Adam's first steps small in theta
   bool exact_last_layer =
       true;  // networks with a linear output: the last layer is solved after the generator and every correction
-  // 0: none, and no correction network. Bakes take none unless asked to, and fits start from a better place where the generator was
-  // not trained beside them (docs/lab/training.md, "What corrections do to starts").
+  // 0: none, and no correction network. Bakes take none unless asked to, training is twice as fast without, and fits of tent_mlp end
+  // lower (docs/lab/training.md, "What corrections do to starts").
   int correction_steps = 0;
   double theta_unit = 1.0;  // in which corrections see theta, compressed: CorrectionData::theta_unit
   int correction_width = 256;

@@ -33,12 +33,12 @@ std::vector<Block> blocksOf(const std::vector<int64_t>& begin) {
 }
 
 // The parameters' numbers on the processor, to be changed in place; those of another device are put back there.
-class NumbersOf {
+class ProcessorNumbers {
  public:
-  explicit NumbersOf(const GeneratorNetwork& network) : parameters_(network->parameters()) {
+  explicit ProcessorNumbers(const GeneratorNetwork& network) : parameters_(network->parameters()) {
     for (const torch::Tensor& parameter : parameters_) numbers_.push_back(parameter.detach().cpu());
   }
-  float* of(size_t parameter) const { return numbers_[parameter].data_ptr<float>(); }
+  float* begin(size_t parameter) const { return numbers_[parameter].data_ptr<float>(); }
   void putBack() const {
     const torch::NoGradGuard no_gradient;
     for (size_t i = 0; i < parameters_.size(); ++i) {
@@ -113,17 +113,16 @@ void takeStep(const GeneratorStep& step, const BatchGradient& gradient, int thre
   adam.beta2 = kBeta2;
   adam.beta1_power = std::pow(kBeta1, static_cast<double>(step.number));
   adam.beta2_power = std::pow(kBeta2, static_cast<double>(step.number));
-  adam.gradient_scale = static_cast<float>(std::min(1.0, step.gradient_clip / (gradient.norm() + 1e-6)));
+  adam.gradient_scale = static_cast<float>(std::min(1.0, step.gradient_clip / (step.gradient_norm + 1e-6)));
   const float share = static_cast<float>(step.average_share);
-  const NumbersOf of_network(network), of_average(average);
+  const ProcessorNumbers of_network(network), of_average(average);
   const std::vector<Block> blocks = blocksOf(gradient.begin());
   parallelFor(blocks.size(), thread_count, [&](uint64_t b, int) {
     const Block& block = blocks[b];
-    const auto at = [&](float* of_parameter) { return of_parameter + block.first; };
-    float *numbers = at(of_network.of(block.parameter)), *averages = at(of_average.of(block.parameter));
-    adamUpdate(adam, block.count, gradient.ofParameter(block.parameter) + block.first,
-               at(moments.mean[block.parameter].data_ptr<float>()), at(moments.square[block.parameter].data_ptr<float>()),
-               numbers);
+    const size_t i = block.parameter;
+    float *numbers = of_network.begin(i) + block.first, *averages = of_average.begin(i) + block.first;
+    float *mean = moments.mean[i].data_ptr<float>() + block.first, *square = moments.square[i].data_ptr<float>() + block.first;
+    adamUpdate(adam, block.count, gradient.ofParameter(i) + block.first, mean, square, numbers);
     for (int64_t k = 0; k < block.count; ++k) averages[k] += share * (numbers[k] - averages[k]);
   });
   of_network.putBack();

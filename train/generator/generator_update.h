@@ -24,8 +24,8 @@ class BatchGradient {
  public:
   explicit BatchGradient(const GeneratorNetwork& network);
 
-  // Computes several parts at once, and adds them up in their order: the same bits on any number of threads. Threads of libtorch's own
-  // would only be in the way (torch_threads.h).
+  // Computes several parts at once, and adds them up in their order: the same bits on any number of threads. libtorch is to
+  // compute on each of them alone (torch_threads.h).
   // lossOf   (part, from 0) → the part's share of the batch's loss: a scalar
   void compute(const GeneratorNetwork& network, int part_count, int thread_count,
                const std::function<torch::Tensor(int)>& lossOf);
@@ -44,7 +44,8 @@ class BatchGradient {
 struct GeneratorStep {
   int64_t number = 1;  // from 1
   double learning_rate = 0.0;
-  double gradient_clip = 1.0;   // largest norm of the gradient that is followed
+  double gradient_norm = 0.0;
+  double gradient_clip = 1.0;   // a gradient with a larger norm is followed as if it had this one
   double average_share = 0.01;  // of the way from the averaged weights to the new ones
 };
 

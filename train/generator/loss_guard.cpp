@@ -37,8 +37,7 @@ bool isFinite(const std::vector<torch::Tensor>& tensors) {
 
 LossGuard::LossGuard(const TrainingState& state, double divergence_ratio) : divergence_ratio_(divergence_ratio) {
   // numbers that are wrong from the start are found by the first step
-  network_ = copyOf(state.network->parameters());
-  keep(state);
+  copy(state);
 }
 
 bool LossGuard::accepts(const TrainingState& state, double loss, double gradient_norm) const {
@@ -48,14 +47,18 @@ bool LossGuard::accepts(const TrainingState& state, double loss, double gradient
 
 bool LossGuard::keep(const TrainingState& state) {
   torch::NoGradGuard no_gradient;
-  std::vector<torch::Tensor> network = copyOf(state.network->parameters());
-  if (!isFinite(network)) return false;
-  network_ = std::move(network);
+  if (!isFinite(state.network->parameters())) return false;
+  copy(state);
+  return true;
+}
+
+void LossGuard::copy(const TrainingState& state) {
+  torch::NoGradGuard no_gradient;
+  network_ = copyOf(state.network->parameters());
   average_ = copyOf(state.average->parameters());
   moments_ = {copyOf(state.moments.mean), copyOf(state.moments.square)};
   step_ = state.step;
   recent_losses_ = state.recent_losses;
-  return true;
 }
 
 void LossGuard::rollBack(TrainingState* state, const char* quantity, double value) const {

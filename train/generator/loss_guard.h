@@ -28,6 +28,8 @@ class LossGuard {
   void rollBack(TrainingState* state, const char* quantity, double value) const;
 
  private:
+  void copy(const TrainingState& state);
+
   double divergence_ratio_;
   int64_t step_ = 0;
   std::vector<double> recent_losses_;

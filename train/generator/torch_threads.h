@@ -1,12 +1,10 @@
-// The threads of libtorch and OpenMP.
+// The threads of the libraries that compute for training: none of their own.
 #pragma once
 
 namespace nlg {
 
-// Has libtorch work on the thread that calls it alone, whichever that is: what trains or exports splits its work itself, and a second
-// team of threads would only be in the way. Call it before anything else of libtorch.
-// others   threads that the tool starts besides, later
-// throws   ThreadError when the system refuses as many threads
-void useOneTorchThread(int others = 0);
+// From here on every thread that calls libtorch, and through it OpenBLAS, computes alone: training takes several samples at once instead,
+// and threads of the libraries' own would only be in the way. Call it before anything else of libtorch.
+void computeOnCallingThreads();
 
 }  // namespace nlg

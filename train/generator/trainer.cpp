@@ -18,9 +18,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int64_t kStepsBetweenGoodStates = 100;
 
-// A batch is computed in parts of at most so many samples, and in two at least, each on one thread: enough for the matrix products to be
-// at their best, and few enough for what a layer leaves to stay in the cache.
-constexpr int kSamplesAPart = 256;
+// A batch is computed in parts of so many samples, each on one thread: enough for the matrix products to be at their best, and few enough
+// for what a layer leaves to stay in the cache. Two parts at least, and no more than kMostParts, since each has a gradient of its own.
+constexpr int kSamplesAPart = 256, kMostParts = 16;
 
 struct LossMean {
   double sum = 0.0;
@@ -145,7 +145,8 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("start_candidates", &o.start.candidates, "random starts tried for theta0", 1, 1000000);
   table.add("checkpoint_steps", &o.checkpoint_steps, "steps between checkpoints", 1, 100000000);
   table.add("validation_functions", &o.validation_functions, "held-out functions in the validation loss", 1, 100000000);
-  table.add("threads", &o.threads, "threads; the result does not depend on their number", 1, 1024);
+  table.add("threads", &o.threads,
+            "threads, of which a batch of up to 512 keeps two busy; the result does not depend on their number", 1, 1024);
 }
 
 BasisData usedBasis(const TrainOptions& options, const Basis& basis) {
@@ -199,19 +200,20 @@ TrainStep::Result TrainStep::computeGradient(TrainingState& state) {
   const std::vector<Sample> batch = order_.samples(state.draw++);
   const std::vector<Sample> share = shareOf(batch, processes_.rank(), processes_.count());
   const int sample_count = static_cast<int>(share.size());
-  const int part_count = std::min(std::max(2, (sample_count + kSamplesAPart - 1) / kSamplesAPart), sample_count);
+  const int part_count = std::min(std::clamp((sample_count + kSamplesAPart - 1) / kSamplesAPart, 2, kMostParts), sample_count);
   gradient_.compute(state.network, part_count, options_.threads, [&](int part) {
     return stepLosses(options_, representation_, training_, shareOf(share, part, part_count), state).sum() /
            static_cast<double>(batch.size());
   });
   if (processes_.count() > 1) processes_.sum(gradient_.row());
-  return {gradient_.loss(), gradient_.norm()};
+  gradient_norm_ = gradient_.norm();
+  return {gradient_.loss(), gradient_norm_};
 }
 
 void TrainStep::apply(TrainingState& state, double rate) {
   ++state.step;
-  takeStep({state.step, rate, options_.gradient_clip, averageShare(options_, state.step)}, gradient_, options_.threads,
-           state.network, state.moments, state.average);
+  takeStep({state.step, rate, gradient_norm_, options_.gradient_clip, averageShare(options_, state.step)}, gradient_,
+           options_.threads, state.network, state.moments, state.average);
 }
 
 TrainReport train(const TrainOptions& options, const Representation& representation, const TrainingData& training,

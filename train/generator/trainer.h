@@ -91,7 +91,7 @@ class TrainStep {
 
   // Draws a batch and computes its gradient, summed over the processes.
   Result computeGradient(TrainingState& state);
-  // Clips that gradient and steps along it.
+  // Clips the gradient that was computed last and steps along it.
   void apply(TrainingState& state, double rate);
 
  private:
@@ -102,6 +102,7 @@ class TrainStep {
   SampleOrder order_;
   std::unique_ptr<WindowLoader> loader_;  // for a cache
   BatchGradient gradient_;
+  double gradient_norm_ = 0.0;
 };
 
 }  // namespace nlg

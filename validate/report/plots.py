@@ -291,7 +291,7 @@ def training_curve(inputs, representation, limits):
         axes.plot(log.step, np.clip(log.held_out_network, *limits), color=colour("network"), linewidth=1.4, marker="o", markersize=2.6,
                   label="held-out scenes, network")
     axes.plot(log.step, np.clip(log.held_out_rmse, *limits), color=colour("corrected"), linewidth=1.8, marker="o", markersize=3.2,
-              label="held-out scenes, learned steps applied")
+              label="held-out scenes, best stage")
     log_error_axis(axes.yaxis, *limits)
     axes.set_xlim(0, log.step.max() * 1.02)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: short(v)))

@@ -113,22 +113,6 @@ TEST(FunctionLoss, IsZeroForAStratumWithoutAnyValidPoint) {
   EXPECT_GT(theta.grad()[1].abs().max().item<float>(), 0.0f);
 }
 
-TEST(FunctionLoss, DoesNotDependOnTheNumberOfThreads) {
-  std::vector<Sample> samples;
-  for (int b = 0; b < 100; ++b) samples.push_back({b % 5, b % 8, b % 7, 1 + b % 2});
-  const torch::Tensor theta = randomThetaBatch(samples.size());
-  at::set_num_threads(1);
-  const ThetaErrors one = measureTheta(theta, {{}, data(), samples});
-  const torch::Tensor solved_by_one = solveLastLayers(theta, {{}, data(), samples});
-  at::set_num_threads(2);
-  const ThetaErrors two = measureTheta(theta, {{}, data(), samples});
-  const torch::Tensor solved_by_two = solveLastLayers(theta, {{}, data(), samples});
-  at::set_num_threads(1);
-  EXPECT_TRUE(torch::equal(one.mean_square, two.mean_square));
-  EXPECT_TRUE(torch::equal(one.gradient, two.gradient));
-  EXPECT_TRUE(torch::equal(solved_by_one, solved_by_two));
-}
-
 TEST(FunctionLoss, ReadsThetaThatIsNotContiguous) {
   const torch::Tensor theta = randomThetaBatch(3);
   const std::vector<Sample> samples(kSamples.begin(), kSamples.begin() + 3);

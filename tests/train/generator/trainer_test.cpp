@@ -216,7 +216,7 @@ TEST(TakeStep, IsLibtorchsAdamWithClippingAndAverages) {
     const double norm = torch::nn::utils::clip_grad_norm_(peer->parameters(), 0.5);
     EXPECT_NEAR(gradient.norm(), norm, 1e-5 * norm);
     adam.step();
-    takeStep({number, 0.01, 0.5, 0.25}, gradient, 2, network, moments, average);
+    takeStep({number, 0.01, gradient.norm(), 0.5, 0.25}, gradient, 2, network, moments, average);
     const torch::NoGradGuard no_gradient;
     for (size_t i = 0; i < peer->parameters().size(); ++i) {
       peer_average->parameters()[i].lerp_(peer->parameters()[i], 0.25);
