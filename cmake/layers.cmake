@@ -71,13 +71,13 @@ function(nlg_library name)
   target_link_libraries(nlg_${name} PUBLIC ${ARG_LINKS} PRIVATE $<BUILD_INTERFACE:nlg_warnings>)
 endfunction()
 
-# HEADERS_OF   the library whose precompiled headers it shares; unless told otherwise those of the tools' options and JSON
+# HEADERS_OF   the target whose precompiled headers it shares; unless told otherwise those of the tools' options and JSON
 function(nlg_tool name)
   cmake_parse_arguments(ARG "" "HEADERS_OF" "SOURCES;LINKS" ${ARGN})
   nlg_check_links(${name} ${ARG_LINKS})
   add_executable(${name} ${ARG_SOURCES})
   if(NOT ARG_HEADERS_OF)
-    set(ARG_HEADERS_OF nlg_tool)
+    set(ARG_HEADERS_OF nlg_tool_headers)
   endif()
   target_precompile_headers(${name} REUSE_FROM ${ARG_HEADERS_OF})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} nlg_warnings)

@@ -1,33 +1,43 @@
 #include "validate/errors/function_counts.h"
 
+#include <array>
+
 #include "runtime_eval/support/weighting_function.h"
+#include "tool/parallel_for.h"
 
 namespace nlg {
 
 FunctionCounts countFunctions(const std::vector<std::string>& training, const std::vector<std::string>& held_out,
-                              const FunctionSet& set) {
-  const auto read = [](const std::string& path) { return readShard(path, supportPattern().hash, kSupportPointCount); };
+                              const FunctionSet& set, int thread_count) {
   const DuplicateRule rule = readShardHeader(held_out.front(), supportPattern().hash, kSupportPointCount).duplicate_rule;
   FunctionCounts counts;
   std::vector<std::string> all = training;
   all.insert(all.end(), held_out.begin(), held_out.end());
   DuplicateFilter filter(all);
-  const auto add = [&](Shard* shard) {
-    filter.removeKnown(shard);
-    addCounts(shard->counts, &counts.all);
-  };
   KnownFunctionSearch search(rule, set);
-  for (const std::string& path : training) {
-    Shard shard = read(path);
-    for (uint64_t n = 0; n < shard.counts.functions; ++n) {
-      const StoredFunction stored = storedFunction(shard, n);
-      search.see({stored.phi, stored.validity});
-    }
-    add(&shard);
-  }
-  for (const std::string& path : held_out) {
-    Shard shard = read(path);
-    add(&shard);
+  // a shard is read while the one before is searched and the one before that is filtered: HDF5 is for one thread at a time, and
+  // filtering moves the rows that the search reads
+  constexpr size_t kStageCount = 3;
+  std::array<Shard, kStageCount> shards;
+  const auto read = [&](size_t i) { shards[i % kStageCount] = readShard(all[i], supportPattern().hash, kSupportPointCount); };
+  const auto searchFor = [&](size_t i) {
+    if (i >= training.size()) return;
+    const Shard& shard = shards[i % kStageCount];
+    for (uint64_t n = 0; n < shard.counts.functions; ++n) search.see(functionAt(shard, n));
+  };
+  const auto count = [&](size_t i) {
+    Shard& shard = shards[i % kStageCount];
+    filter.removeKnown(&shard);
+    addCounts(shard.counts, &counts.all);
+  };
+  for (size_t step = 0; step < all.size() + kStageCount - 1; ++step) {
+    parallelFor(kStageCount, thread_count, [&](uint64_t stage, int) {
+      if (step < stage || step - stage >= all.size()) return;
+      const size_t i = step - stage;
+      if (stage == 0) read(i);
+      if (stage == 1) searchFor(i);
+      if (stage == 2) count(i);
+    });
   }
   counts.known = search.known();
   return counts;

@@ -16,8 +16,8 @@ struct FunctionCounts {
 
 // Reads every shard once. Without training shards nothing is known.
 // set      the functions of the held-out shards
-// throws   InputError as readShard does, or when shards were made with different rules for duplicates
+// throws   InputError as readShard does, or when shards were made with different rules for duplicates; ThreadError
 FunctionCounts countFunctions(const std::vector<std::string>& training, const std::vector<std::string>& held_out,
-                              const FunctionSet& set);
+                              const FunctionSet& set, int thread_count);
 
 }  // namespace nlg

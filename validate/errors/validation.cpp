@@ -38,7 +38,7 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
   const std::vector<Generator> generators = loadGenerators(request.weights);
   const FunctionSet set = readHeldOut(request.held_out);
   const Populations populations(set, options);
-  const FunctionCounts counts = countFunctions(request.training, request.held_out, set);
+  const FunctionCounts counts = countFunctions(request.training, request.held_out, set, options.threadCount());
   const FigureContext context{set, populations, counts.known};
   const MeasuredWord tents = measureTents(set, populations, options);
 
