@@ -126,7 +126,7 @@ def main():
     collecting.add_argument("run", type=Path, help="the run's result folder, out/NAME")
     collecting.add_argument("--config", default=f"configs/{MAIN}.yaml", help="the configuration that the run was made by (%(default)s)")
     collecting.add_argument("--no-pictures", action="store_true", help="leave docs/images as it is")
-    collecting.add_argument("--add", action="store_true", help="sections that RUN has not measured stay as docs/results has them, and so do their other scenes; of the same weights")
+    collecting.add_argument("--add", action="store_true", help="sections that RUN has not measured stay as docs/results has them, and so do their other scenes; of the same weights, unless only benchmarks stay")
     collecting_light = commands.add_parser("collect-light", help="what was measured of light → docs/results/light.json, then write")
     collecting_light.add_argument("folder", type=Path, help="SCENE.json of nlg-validate light, one a scene")
     collecting_light.add_argument("--ours", default=light_page.OURS, help="the weights that are held against rivals (%(default)s)")

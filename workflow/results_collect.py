@@ -224,6 +224,13 @@ def added_to(earlier, found):
     return {**earlier, **found, **parts}
 
 
+def weights_that_stay(earlier, found):
+    """Those of earlier results, unless nothing of them but benchmarks, which know no weights, is left when what was found is added."""
+    sections = set(earlier) & {"evaluation", "validation", "frontier", "stability", *BY_NAME} - {"benchmarks"}
+    some_stay = any(key not in found or (key in BY_NAME and set(earlier[key]) - set(found[key])) for key in sections)
+    return earlier["weights"] if some_stay else {}
+
+
 def collect(run, configuration, earlier=None):
     """The results of one run's folder; what it does not hold is taken from earlier results of the same weights."""
     out = {"schema_version": 1, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
@@ -239,11 +246,12 @@ def collect(run, configuration, earlier=None):
         out["benchmarks"] = benchmarks(files)
     if len(out) == 4:
         fail(run, "the folder of a run that measured something", "none of its files")
+    known_weights = weights_that_stay(earlier, out) if earlier else {}
     if earlier:
         out = added_to(earlier, out)
     if "frontier" in out and "evaluation" in out and out["frontier"]["held_out_sha256"] != out["evaluation"]["held_out_sha256"]:
         fail(run / "evaluation/frontier.json", "the shards that summary.json is of", "others")
-    out["weights"] = check_weights(out, run, earlier["weights"] if earlier else {})
+    out["weights"] = check_weights(out, run, known_weights)
     return rounded(out, str(run))
 
 

@@ -370,6 +370,28 @@ class Results(unittest.TestCase):
         self.assertEqual(result.returncode, 3)
         self.assertIn("earlier results", result.stderr)
 
+    def test_new_weights_take_the_place_of_old_ones_when_all_but_benchmarks_was_measured_again(self):
+        shutil.copytree(self.root / "out", self.root / "earlier/out")
+        for split in ("validation", "evaluation"):
+            self.write(f"earlier/out/openarena/{split}/summary.json", summary(SHA256))
+        (self.root / "docs/results/openarena.json").unlink()
+        sys.path.insert(0, str(SOURCES / "workflow"))
+        import results_collect
+        earlier = results_collect.collect(self.root / "earlier/out/openarena", "c.yaml")
+        self.write("docs/results/openarena.json", earlier)
+        shutil.rmtree(self.root / "out/openarena/benchmarks")
+        result, after = self.add()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(after["weights"], {"tent_mlp": self.sha256})
+        self.assertEqual(after["benchmarks"], earlier["benchmarks"])
+        for part in ("stability.json", "look_up/kaos2.json"):  # figures of the old weights would stay
+            self.write("docs/results/openarena.json", earlier)
+            (self.root / "out/openarena" / part).unlink()
+            result, after = self.add()
+            self.assertEqual(result.returncode, 3, part)
+            self.assertIn("figures of weights", result.stderr)
+            self.write("out/openarena/stability.json", stability())
+
     def test_refuses_figures_of_weights_that_do_not_ship(self):
         self.write("out/openarena/evaluation/summary.json", summary(SHA256))
         (self.root / "out/openarena/validation/summary.json").unlink()

@@ -35,6 +35,7 @@ MARKS = {"network": ("o", True, 6.5, "network"), "corrected": ("s", True, 5.5, "
 FAMILIES = {"stages": "stages", "lm_from_corrected": "lm", "adam_from_corrected": "adam",
             "lm_from_theta0": "direct_lm", "lm_from_random": "direct_lm", "adam_from_theta0": "direct_adam", "adam_from_random": "direct_adam"}
 BAND = "#0072B2"
+RUNAWAY = 1.0  # φ lies in 0 to 1: a mean RMSE above it is some θ that left all measure. Such a point lies above the plot, and is named there
 KEY_HEIGHTS = (0.965, 0.925)  # of the two rows of the key, shares of the figure
 
 
@@ -100,9 +101,9 @@ def front_of_scene(frontier, scene):
 
 
 def limits_of(spreads, members):
-    """((time from, to), (error from, to)) around all points; the bands of fronts are cut at the edge."""
+    """((time from, to), (error from, to)) around all points but runaways; the bands of fronts are cut at the edge."""
     times = [s.us for s in spreads if s.us > 0]
-    errors = [s.mean for s in spreads if s.mean > 0] or [1e-3]
+    errors = [s.mean for s in spreads if 0 < s.mean < RUNAWAY] or [1e-3]
     bands = [value for s in members for value in (s.p5, s.p95) if value > 0] or errors
     return (min(times) / 1.6, max(times) * 1.9), (max(min(errors + bands) / 1.25, max(errors) / 2000), max(errors + bands) * 1.3)
 
@@ -167,6 +168,9 @@ def draw_whole(frontier, view, name):
                   markerfacecolor=shade if filled else "white", markeredgecolor=plots.INK if on_front else shade,
                   markeredgewidth=1.1, zorder=7 if on_front else 6 if is_default else 5 if filled else 3)
         hover[f"{name}-point-{index}"] = figure_text(point, spread)
+        if spread.mean >= RUNAWAY:
+            axes.annotate(f"↑ {spread.mean:.2g}: {point.representation}, {point.label}", (spread.us, bounds[1]), xytext=(0, -4), textcoords="offset points", ha="left", va="top",
+                          fontsize=8, color=shade, zorder=9, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 1.5})
     key(axes, frontier)
     # below the front there is nothing: numbers stand there and cover no point
     for number, (_, spread) in enumerate(front, 1):

@@ -4,6 +4,7 @@
     report_test.py
 """
 import base64
+import dataclasses
 import html.parser
 import json
 import os
@@ -276,6 +277,9 @@ def check_frontier():
     made_up.write_json("no_hard.json", content)
     expect(len(frontier.views(proof_inputs.read_frontier("no_hard.json"))) == 1, "a plot over no function")
     expect(run("frontier.py", "--frontier", "no_hard.json", "--out", "no_hard.png").returncode == 0, "frontier.py refuses a file without hard functions")
+    spreads = [view.spread(point) for view in views for point in front.points]
+    runaway = dataclasses.replace(spreads[0], mean=37.0, p95=4.0)
+    expect(frontier.limits_of([*spreads, runaway], []) == frontier.limits_of(spreads, []), "one theta that ran away sets the limits of the plot")
     rows = frontier.csv_bytes(front).decode().splitlines()
     expect(len(rows) == 1 + len(front.points) * (3 + len(front.scenes)), f"{len(rows)} rows in frontier.csv")
     for copy in ("one.png", "two.png"):
