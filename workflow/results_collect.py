@@ -199,13 +199,29 @@ def cases_of(path):
     return out
 
 
-def check_weights(results, path, known):
-    """Every section's figures are of the same weights, those that are known already among them."""
+def weights_named(section, path):
+    """Representation or number → SHA-256, as a result's file names the weights that it is of."""
+    document = read_json(path)
+    if section in ("bakes", "savings"):
+        return {name: entry["sha256"] for name, entry in document.get("weights", {}).items()}
+    return {name: sha256 for name, sha256 in document.get("provenance", {}).get("inputs", {}).items() if name.startswith("weights")}
+
+
+def check_weights(results, run, files, known):
+    """Every section's figures are of the same weights, those that are known already among them.
+
+    files   section → its files, which name their weights beside the figures
+    """
     hashes = dict(known)
     for split in ("evaluation", "validation"):
         for name, entry in results.get(split, {}).get("representations", {}).items():
             if hashes.setdefault(name, entry["weights_sha256"]) != entry["weights_sha256"]:
-                fail(f"{path}: {split}: {name}", f"figures of weights {hashes[name]}", entry["weights_sha256"])
+                fail(f"{run}: {split}: {name}", f"figures of weights {hashes[name]}", entry["weights_sha256"])
+    for section, paths in files.items():
+        for path in paths:
+            for name, sha256 in held_to(lambda file: weights_named(section, file), path).items():
+                if hashes and sha256 not in hashes.values():
+                    fail(f"{path}: {name}", "figures of weights " + " or ".join(sorted(hashes.values())), sha256)
     return hashes
 
 
@@ -224,11 +240,15 @@ def added_to(earlier, found):
     return {**earlier, **found, **parts}
 
 
-def weights_that_stay(earlier, found):
-    """Those of earlier results, unless nothing of them but benchmarks, which know no weights, is left when what was found is added."""
+def of_weights(case):
+    """Whether a benchmark measures the weights that ship."""
+    return case.startswith(("shipped_", "peer_difference_"))
+
+
+def replaces_weights(earlier, found):
+    """Whether all of earlier results that depends on weights was found again: new weights may then take the place of the old ones."""
     sections = set(earlier) & {"evaluation", "validation", "frontier", "stability", *BY_NAME} - {"benchmarks"}
-    some_stay = any(key not in found or (key in BY_NAME and set(earlier[key]) - set(found[key])) for key in sections)
-    return earlier["weights"] if some_stay else {}
+    return all(key in found and (key not in BY_NAME or not set(earlier[key]) - set(found[key])) for key in sections)
 
 
 def collect(run, configuration, earlier=None):
@@ -236,22 +256,32 @@ def collect(run, configuration, earlier=None):
     out = {"schema_version": 1, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
     readers = {"evaluation": ("evaluation/summary.json", summary), "validation": ("validation/summary.json", summary),
                "frontier": ("evaluation/frontier.json", frontier), "stability": ("stability.json", stability)}
+    files = {}  # of sections that name their weights beside the figures
     for section, (file, read) in readers.items():
         if (run / file).exists():
             out[section] = held_to(read, run / file)
+            if read is not summary:
+                files[section] = [run / file]
     for section, read in (("savings", savings), ("bakes", bake), ("look_up", look_up)):
-        if files := sorted((run / section).glob("*.json")):
-            out[section] = {file.stem: held_to(read, file) for file in files}
-    if files := sorted((run / "benchmarks").glob("*.json")):
-        out["benchmarks"] = benchmarks(files)
+        if found := sorted((run / section).glob("*.json")):
+            out[section] = {file.stem: held_to(read, file) for file in found}
+            files[section] = found
+    if found := sorted((run / "benchmarks").glob("*.json")):
+        out["benchmarks"] = benchmarks(found)
     if len(out) == 4:
         fail(run, "the folder of a run that measured something", "none of its files")
-    known_weights = weights_that_stay(earlier, out) if earlier else {}
+    known = {}
+    if earlier and replaces_weights(earlier, out):
+        measured = {name: entry["weights_sha256"] for name, entry in out.get("evaluation", {}).get("representations", {}).items()}
+        if measured != earlier["weights"]:
+            earlier["benchmarks"] = {case: figures for case, figures in earlier.get("benchmarks", {}).items() if not of_weights(case)}
+    elif earlier:
+        known = earlier["weights"]
     if earlier:
         out = added_to(earlier, out)
     if "frontier" in out and "evaluation" in out and out["frontier"]["held_out_sha256"] != out["evaluation"]["held_out_sha256"]:
         fail(run / "evaluation/frontier.json", "the shards that summary.json is of", "others")
-    out["weights"] = check_weights(out, run, known_weights)
+    out["weights"] = check_weights(out, run, files, known)
     return rounded(out, str(run))
 
 

@@ -379,18 +379,26 @@ class Results(unittest.TestCase):
         import results_collect
         earlier = results_collect.collect(self.root / "earlier/out/openarena", "c.yaml")
         self.write("docs/results/openarena.json", earlier)
+        earlier["benchmarks"]["shipped_tent_mlp_check"] = earlier["benchmarks"]["generator_float32_96"]
+        self.write("docs/results/openarena.json", earlier)
         shutil.rmtree(self.root / "out/openarena/benchmarks")
         result, after = self.add()
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(after["weights"], {"tent_mlp": self.sha256})
-        self.assertEqual(after["benchmarks"], earlier["benchmarks"])
-        for part in ("stability.json", "look_up/kaos2.json"):  # figures of the old weights would stay
+        self.assertEqual(list(after["benchmarks"]), ["generator_float32_96"])  # and none of the old weights
+        other = {"revision": "0123abc", "inputs": {"held_out": "cd" * 32, "weights_0": SHA256}}
+        for part, content in (("stability.json", stability()), ("look_up/kaos2.json", look_up()), ("bakes/kaos2.json", bake()), ("evaluation/frontier.json", frontier())):
             self.write("docs/results/openarena.json", earlier)
             (self.root / "out/openarena" / part).unlink()
-            result, after = self.add()
+            result, after = self.add()  # figures of the old weights would stay
             self.assertEqual(result.returncode, 3, part)
             self.assertIn("figures of weights", result.stderr)
-            self.write("out/openarena/stability.json", stability())
+            self.write(f"out/openarena/{part}", {**content, "provenance": other, "weights": {"tent_mlp": {"sha256": SHA256}}})
+            result, after = self.add()  # a file of the old weights lies there
+            self.assertEqual(result.returncode, 3, part)
+            self.assertIn(part, result.stderr)
+            self.assertEqual(after, earlier)
+            self.write(f"out/openarena/{part}", content)
 
     def test_refuses_figures_of_weights_that_do_not_ship(self):
         self.write("out/openarena/evaluation/summary.json", summary(SHA256))

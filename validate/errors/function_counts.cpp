@@ -33,10 +33,14 @@ FunctionCounts countFunctions(const std::vector<std::string>& training, const st
   for (size_t step = 0; step < all.size() + kStageCount - 1; ++step) {
     parallelFor(kStageCount, thread_count, [&](uint64_t stage, int) {
       if (step < stage || step - stage >= all.size()) return;
-      const size_t i = step - stage;
-      if (stage == 0) read(i);
-      if (stage == 1) searchFor(i);
-      if (stage == 2) count(i);
+      switch (const size_t i = step - stage; stage) {
+        case 0:
+          return read(i);
+        case 1:
+          return searchFor(i);
+        default:
+          return count(i);
+      }
     });
   }
   counts.known = search.known();

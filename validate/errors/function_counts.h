@@ -15,8 +15,9 @@ struct FunctionCounts {
 };
 
 // Reads every shard once. Without training shards nothing is known.
-// set      the functions of the held-out shards
-// throws   InputError as readShard does, or when shards were made with different rules for duplicates; ThreadError
+// set           the functions of the held-out shards
+// thread_count  at least 1; more than three are of no use. Three shards are held at a time
+// throws        InputError as readShard does, or when shards were made with different rules for duplicates; ThreadError
 FunctionCounts countFunctions(const std::vector<std::string>& training, const std::vector<std::string>& held_out,
                               const FunctionSet& set, int thread_count);
 

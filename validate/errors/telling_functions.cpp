@@ -1,8 +1,11 @@
 #include "validate/errors/telling_functions.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
+#include <numeric>
 
 #include "validate/errors/slice.h"
 
@@ -39,7 +42,8 @@ Theta bareTentTheta() {
 
 }  // namespace
 
-std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const Populations& populations) {
+std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const FunctionSet& set,
+                                              const Populations& populations) {
   std::vector<MeasuredFunction> functions;
   for (const Population population : {Population::hard, Population::theta, Population::all}) {
     std::copy_if(stored.functions.begin(), stored.functions.end(), std::back_inserter(functions),
@@ -48,16 +52,25 @@ std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const 
   }
   std::stable_sort(functions.begin(), functions.end(),
                    [](const MeasuredFunction& a, const MeasuredFunction& b) { return a.error.rmse < b.error.rmse; });
-  const auto at = [&](double share) {
-    return functions[static_cast<size_t>(share * static_cast<double>(functions.size() - 1))].function;
+  const auto validCount = [&](const MeasuredFunction& one) {
+    const uint8_t* const validity = functionAt(set, one.function).validity;
+    return std::accumulate(validity, validity + set.point_count / 8, 0,
+                           [](int sum, uint8_t bits) { return sum + std::popcount(bits); });
   };
-  return {{"best", at(0.0)}, {"median", at(0.5)}, {"p95", at(0.95)}, {"worst", at(1.0)}};
+  const auto near = [&](double share) {
+    const size_t count = functions.size(), reach = count / 200;
+    const auto rank = static_cast<size_t>(share * static_cast<double>(count - 1));
+    const auto first = functions.begin() + static_cast<std::ptrdiff_t>(rank - std::min(rank, reach));
+    const auto end = functions.begin() + static_cast<std::ptrdiff_t>(std::min(rank + reach + 1, count));
+    return std::max_element(first, end, [&](const auto& a, const auto& b) { return validCount(a) < validCount(b); })->function;
+  };
+  return {{"p5", near(0.05)}, {"median", near(0.5)}, {"p95", near(0.95)}, {"worst", functions.back().function}};
 }
 
 void appendSlices(const Representation& representation, const PolicyWords& words, const FunctionSet& set,
                   const Populations& populations, nlohmann::ordered_json* slices) {
   const MeasuredWord& stored = words.at(ThetaWord::stored);
-  for (const TellingFunction& telling : tellingFunctions(stored, populations)) {
+  for (const TellingFunction& telling : tellingFunctions(stored, set, populations)) {
     const MadeTheta& made = words.made[telling.function];
     const Slice slice = made.isBareTent()
                             ? makeSlice(set, telling.function, Representation::tentMlp(), bareTentTheta().data(), kSlicePixels)

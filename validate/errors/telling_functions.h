@@ -11,12 +11,14 @@
 namespace nlg {
 
 struct TellingFunction {
-  std::string which;  // "best", "median", "p95", "worst"
+  std::string which;  // "p5", "median", "p95", "worst"
   uint64_t function = 0;
 };
 
 // By the error of what is stored, among the hard functions; among those that take a theta when none is hard, among all when none does.
-std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const Populations& populations);
+// Of the functions whose ranks lie within a two-hundredth of all around a percentile the one with the most valid points: a picture of
+// solid says nothing.
+std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const FunctionSet& set, const Populations& populations);
 
 // Slices through them, for slices.json: docs/reference/formats.md.
 void appendSlices(const Representation& representation, const PolicyWords& words, const FunctionSet& set,

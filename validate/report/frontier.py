@@ -35,7 +35,7 @@ MARKS = {"network": ("o", True, 6.5, "network"), "corrected": ("s", True, 5.5, "
 FAMILIES = {"stages": "stages", "lm_from_corrected": "lm", "adam_from_corrected": "adam",
             "lm_from_theta0": "direct_lm", "lm_from_random": "direct_lm", "adam_from_theta0": "direct_adam", "adam_from_random": "direct_adam"}
 BAND = "#0072B2"
-RUNAWAY = 1.0  # φ lies in 0 to 1: a mean RMSE above it is some θ that left all measure. Such a point lies above the plot, and is named there
+RUNAWAY = 1.0  # φ lies in 0 to 1: a mean RMSE from here on is some θ that left all measure. Such a point lies above the plot of all scenes, and is named there
 KEY_HEIGHTS = (0.965, 0.925)  # of the two rows of the key, shares of the figure
 
 

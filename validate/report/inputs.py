@@ -22,7 +22,7 @@ QUANTILES = ("median", "mean", "p95", "p99", "worst")
 INTERVALS = ("median", "mean", "p95")   # the quantiles that have one
 RATIOS = ("median", "median_hard", "median_test_points", "median_occluded_hard")
 REFERENCES = ("to_best_known", "to_direct", "without_duplicates")
-SLICE_NAMES = ("best", "median", "p95", "worst")
+SLICE_NAMES = ("p5", "median", "p95", "worst")
 
 
 # ---- what the files hold -----------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ SIGHT, OCCLUDED = "#ffe9a8", "#46566e"  # valid points: in plain sight of the pr
 PLATE_REPRESENTATIONS = 2  # beside each other
 ZOOM = 3
 AXIS_NAMES = "xyz"
-WHICH_NAMES = {"best": "best", "median": "median", "p95": "95th percentile", "worst": "worst"}
+WHICH_NAMES = {"p5": "5th percentile", "median": "median", "p95": "95th percentile", "worst": "worst"}
 
 
 def upright(slice_, picture):
