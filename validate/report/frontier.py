@@ -151,7 +151,8 @@ def draw_whole(frontier, view, name):
     axes.grid(True)
     front, hover = front_of(frontier, view), {}
     # what random starts are after a few steps would take half of the height: it lies above the plot
-    time_limits, bounds = limits_of([view.spread(point) for point in frontier.points if not ("random" in point.family or point.family.startswith("adam_from_theta0"))], [spread for _, spread in front])
+    settled = [(point, view.spread(point)) for point in frontier.points if not ("random" in point.family or point.family.startswith("adam_from_theta0"))]
+    time_limits, bounds = limits_of([spread for _, spread in settled], [spread for _, spread in front])
     time_axis(axes, *time_limits)
     plots.log_error_axis(axes.yaxis, *bounds)
     axes.set(xlabel="time per function, median (log)", ylabel=f"RMSE, mean over {view.words} (log)")
@@ -168,9 +169,10 @@ def draw_whole(frontier, view, name):
                   markerfacecolor=shade if filled else "white", markeredgecolor=plots.INK if on_front else shade,
                   markeredgewidth=1.1, zorder=7 if on_front else 6 if is_default else 5 if filled else 3)
         hover[f"{name}-point-{index}"] = figure_text(point, spread)
-        if spread.mean >= RUNAWAY:
-            axes.annotate(f"↑ {spread.mean:.2g}: {point.representation}, {point.label}", (spread.us, bounds[1]), xytext=(0, -4), textcoords="offset points", ha="left", va="top",
-                          fontsize=8, color=shade, zorder=9, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 1.5})
+    for line, (point, spread) in enumerate((point, spread) for point, spread in settled if spread.mean >= RUNAWAY):
+        axes.annotate(f"↑ {spread.mean:.2g}: {point.representation}, {point.label}", (spread.us, bounds[1]), xytext=(0, -4 - 12 * line), textcoords="offset points",
+                      ha="left" if spread.us**2 < time_limits[0] * time_limits[1] else "right", va="top", fontsize=8,
+                      color=plots.representation_colour(point.representation), zorder=9, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 1.5})
     key(axes, frontier)
     # below the front there is nothing: numbers stand there and cover no point
     for number, (_, spread) in enumerate(front, 1):
