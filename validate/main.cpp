@@ -35,7 +35,8 @@ int validateMain(int argc, char** argv) {
   describe(options, table);
   app.add_option("--weights", request.weights, "exported generators, one a representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
-  app.add_option("--training", request.training, "training shards: their functions are counted, and held-out ones looked for among them");
+  app.add_option("--training", request.training,
+                 "training shards: their functions are counted, and held-out ones looked for among them");
   app.add_option("--out", request.out_dir, "folder for summary.json, functions.csv and slices.json")->required();
   return runTool(argc, argv, app, table, [&] { validate(request, options, table); });
 }

@@ -71,8 +71,7 @@ TEST_F(FunctionCountsOfShards, AreTheSameOnAnyNumberOfThreads) {
     size_t training_shards;
     uint64_t functions, duplicates, in_training, in_training_mirrored;
   };
-  for (const Expected& expected :
-       {Expected{0, 4, 0, 0, 0}, {1, 6, 0, 0, 0}, {2, 6, 2, 1, 1}, {3, 7, 2, 1, 1}, {5, 9, 4, 1, 2}}) {
+  for (const Expected& expected : {Expected{0, 4, 0, 0, 0}, {1, 6, 0, 0, 0}, {2, 6, 2, 1, 1}, {3, 7, 2, 1, 1}, {5, 9, 4, 1, 2}}) {
     for (const int threads : {1, 2, 3, 5}) {
       const std::vector<std::string> some(training.begin(),
                                           training.begin() + static_cast<std::ptrdiff_t>(expected.training_shards));
