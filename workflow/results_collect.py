@@ -240,15 +240,18 @@ def added_to(earlier, found):
     return {**earlier, **found, **parts}
 
 
-def of_weights(case):
-    """Whether a benchmark measures the weights that ship."""
-    return case.startswith(("shipped_", "peer_difference_"))
+def what_stays(earlier, found):
+    """What of earlier results may stand beside what was found, and the weights that found figures have to be of.
 
-
-def replaces_weights(earlier, found):
-    """Whether all of earlier results that depends on weights was found again: new weights may then take the place of the old ones."""
+    New weights take the place of the old ones when all that depends on weights was found again; then benchmarks of the old ones go.
+    """
     sections = set(earlier) & {"evaluation", "validation", "frontier", "stability", *BY_NAME} - {"benchmarks"}
-    return all(key in found and (key not in BY_NAME or not set(earlier[key]) - set(found[key])) for key in sections)
+    all_found = all(key in found and (key not in BY_NAME or set(earlier[key]) <= set(found[key])) for key in sections)
+    measured = {name: entry["weights_sha256"] for name, entry in found.get("evaluation", {}).get("representations", {}).items()}
+    if not all_found or measured == earlier["weights"]:
+        return earlier, earlier["weights"]
+    of_no_weights = {case: figures for case, figures in earlier.get("benchmarks", {}).items() if not case.startswith(("shipped_", "peer_difference_"))}
+    return {**earlier, "benchmarks": of_no_weights}, {}
 
 
 def collect(run, configuration, earlier=None):
@@ -271,13 +274,8 @@ def collect(run, configuration, earlier=None):
     if len(out) == 4:
         fail(run, "the folder of a run that measured something", "none of its files")
     known = {}
-    if earlier and replaces_weights(earlier, out):
-        measured = {name: entry["weights_sha256"] for name, entry in out.get("evaluation", {}).get("representations", {}).items()}
-        if measured != earlier["weights"]:
-            earlier["benchmarks"] = {case: figures for case, figures in earlier.get("benchmarks", {}).items() if not of_weights(case)}
-    elif earlier:
-        known = earlier["weights"]
     if earlier:
+        earlier, known = what_stays(earlier, out)
         out = added_to(earlier, out)
     if "frontier" in out and "evaluation" in out and out["frontier"]["held_out_sha256"] != out["evaluation"]["held_out_sha256"]:
         fail(run / "evaluation/frontier.json", "the shards that summary.json is of", "others")
