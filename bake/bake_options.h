@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "bake/policy_options.h"
-#include "datagen/scene/light_options.h"
-#include "datagen/scene/scene_source.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/fit/theta_policy.h"
 #include "runtime_eval/light_grid/light_form.h"
+#include "scene/light_options.h"
+#include "scene/scene_source.h"
 #include "tool/options.h"
 
 namespace nlg {

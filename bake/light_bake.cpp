@@ -4,7 +4,7 @@
 #include <chrono>
 #include <memory>
 
-#include "datagen/lighting/surface_cache.h"
+#include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bake/scene_functions.h"
-#include "datagen/lighting/probe_light.h"
+#include "light/probe_light.h"
 #include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/light_grid.h"
 

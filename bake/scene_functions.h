@@ -13,13 +13,13 @@
 #include "datagen/dataset/duplicate_index.h"
 #include "datagen/dataset/row_spool.h"
 #include "datagen/dataset/shard.h"
-#include "datagen/lighting/air_places.h"
-#include "datagen/scene/scene_source.h"
 #include "datagen/shards/probe_block.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
+#include "light/air_places.h"
 #include "runtime_eval/fit/function_check.h"
 #include "runtime_eval/light_grid/light_grid.h"
+#include "scene/scene_source.h"
 
 namespace nlg {
 

@@ -12,9 +12,9 @@
 
 #include "datagen/probes/probe_placement.h"
 #include "datagen/probes/shuffled_order.h"
-#include "datagen/scene/gltf_reader.h"
-#include "datagen/scene/procedural.h"
 #include "datagen/weighting/weighting_builder.h"
+#include "scene/gltf_reader.h"
+#include "scene/procedural.h"
 
 namespace nlg {
 namespace {

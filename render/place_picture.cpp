@@ -17,7 +17,7 @@ constexpr double kFovY = 1.0;                          // radians
 constexpr double kFarthestM = 3.0;                     // of the camera
 constexpr double kFreeShare = 0.85;                    // of the free way that the camera goes back
 constexpr double kSmallBall = 0.07, kLargeBall = 0.1;  // its radius over the camera's distance
-constexpr int kLeastRays = 8;                          // of a sample: datagen/lighting/light_transport.h
+constexpr int kLeastRays = 8;                          // of a sample: light/light_transport.h
 constexpr double kNeedleRadii = 1.3;                   // the needle's length over the ball's radius
 constexpr double kBrightest = 0.6;                     // what the ball is shown as at most
 constexpr Colour kNeedle{255, 0, 200};                 // of no material

@@ -6,8 +6,8 @@
 
 #include <cstdint>
 
-#include "datagen/lighting/light_transport.h"
 #include "datagen/view/image.h"
+#include "light/light_transport.h"
 #include "render/camera.h"
 #include "render/lighting_method.h"
 #include "render/sight.h"

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "datagen/lighting/air.h"
 #include "datagen/view/legend.h"
 #include "datagen/view/png_file.h"
+#include "light/air.h"
 #include "render/lighting_method.h"
 #include "render/lit_picture.h"
 #include "render/panel.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bake/scene_functions.h"
-#include "datagen/lighting/light_transport.h"
+#include "light/light_transport.h"
 #include "render/lighting_method.h"
 #include "render/render_run.h"
 #include "validate/light/method_set.h"

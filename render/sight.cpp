@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "datagen/lighting/air.h"
+#include "light/air.h"
 #include "tool/parallel_for.h"
 
 namespace nlg {

@@ -6,7 +6,7 @@
 
 #include <glm/glm.hpp>
 
-#include "datagen/lighting/light_transport.h"
+#include "light/light_transport.h"
 #include "render/camera.h"
 
 namespace nlg {

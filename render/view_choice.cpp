@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "datagen/lighting/air.h"
+#include "light/air.h"
 #include "render/lit_picture.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"

@@ -1,7 +1,7 @@
 // A view of a scene for those who name none.
 #pragma once
 
-#include "datagen/lighting/light_transport.h"
+#include "light/light_transport.h"
 #include "render/camera.h"
 
 namespace nlg {

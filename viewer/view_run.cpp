@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "datagen/lighting/air.h"
 #include "export/shader/shader_export.h"
+#include "light/air.h"
 #include "render/lit_picture.h"
 #include "render/place_picture.h"
 #include "render/rendered_scene.h"

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from entries import check_keys, check_text, checked, install_hint, is_texts, under_root
 
-PLANS = ["flat", "townhouse", "office", "villa"]  # interiorPlans() of datagen/scene/interiors
+PLANS = ["flat", "townhouse", "office", "villa"]  # interiorPlans() of scene/interiors
 REQUIRED, OPTIONAL = {"archives", "plans", "seeds"}, {"first_seed", "install"}
 MAX_SEED = 10**9
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "datagen/scene/scene.h"
+#include "scene/scene.h"
 
 namespace nlg {
 

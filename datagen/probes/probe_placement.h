@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "datagen/scene/scene.h"
 #include "runtime_eval/light_grid/probe_tree.h"
+#include "scene/scene.h"
 
 namespace nlg {
 

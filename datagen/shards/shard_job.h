@@ -7,12 +7,12 @@
 #include "datagen/dataset/shard.h"
 #include "datagen/probes/probe_placement.h"
 #include "datagen/probes/shuffled_order.h"
-#include "datagen/scene/jitter.h"
-#include "datagen/scene/scene_source.h"
 #include "datagen/shards/shard_pipeline.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
 #include "datagen/weighting/weighting_builder.h"
+#include "scene/jitter.h"
+#include "scene/scene_source.h"
 #include "tool/options.h"
 
 namespace nlg {

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "datagen/probes/probe_placement.h"
-#include "datagen/scene/procedural.h"
-#include "datagen/scene/scene_source.h"
 #include "runtime_eval/numbers/random.h"
+#include "scene/procedural.h"
+#include "scene/scene_source.h"
 #include "tool/error.h"
 
 namespace nlg {

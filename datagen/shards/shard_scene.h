@@ -6,9 +6,9 @@
 #include <string>
 
 #include "datagen/dataset/shard.h"
-#include "datagen/scene/jitter.h"
-#include "datagen/scene/scene.h"
 #include "runtime_eval/light_grid/probe_tree.h"
+#include "scene/jitter.h"
+#include "scene/scene.h"
 
 namespace nlg {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "datagen/dataset/shard.h"
-#include "datagen/scene/scene.h"
 #include "datagen/view/function_slice.h"
 #include "datagen/view/view.h"
 #include "runtime_eval/light_grid/probe_tree.h"
+#include "scene/scene.h"
 
 namespace nlg {
 

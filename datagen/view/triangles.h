@@ -6,7 +6,7 @@
 
 #include <glm/glm.hpp>
 
-#include "datagen/scene/scene.h"
+#include "scene/scene.h"
 
 namespace nlg {
 

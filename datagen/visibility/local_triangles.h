@@ -9,8 +9,8 @@
 
 #include <glm/glm.hpp>
 
-#include "datagen/scene/scene.h"
 #include "runtime_eval/simd/aligned.h"
+#include "scene/scene.h"
 
 namespace nlg {
 

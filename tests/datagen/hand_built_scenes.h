@@ -3,7 +3,7 @@
 
 #include <initializer_list>
 
-#include "datagen/scene/scene.h"
+#include "scene/scene.h"
 
 namespace nlg {
 

@@ -2,8 +2,8 @@
 // finite.
 #include <cmath>
 
-#include "datagen/scene/bsp_entities.h"
-#include "datagen/scene/bsp_light.h"
+#include "scene/bsp_entities.h"
+#include "scene/bsp_light.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace nlg::fuzz {

@@ -4,10 +4,10 @@
 // is then made here, or hardly any mutation would get past its lengths.
 #include <iterator>
 
-#include "datagen/scene/gltf_reader.h"
-#include "tests/datagen/scene/gltf_packed_parts.h"
+#include "scene/gltf_reader.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/scene_check.h"
+#include "tests/scene/gltf_packed_parts.h"
 
 namespace nlg::fuzz {
 namespace {

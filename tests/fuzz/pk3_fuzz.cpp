@@ -1,12 +1,12 @@
 // Hostile .pk3 archives: whatever the bytes, they are refused in one line, or their files can be read, and a level in them with
 // its shader scripts and textures.
-#include "datagen/scene/bsp_reader.h"
-#include "datagen/scene/pk3_archive.h"
-#include "tests/datagen/scene/hand_built_bsp.h"
-#include "tests/datagen/scene/hand_built_images.h"
+#include "scene/bsp_reader.h"
+#include "scene/pk3_archive.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/scene_check.h"
 #include "tests/fuzz/zip_file.h"
+#include "tests/scene/hand_built_bsp.h"
+#include "tests/scene/hand_built_images.h"
 
 namespace nlg::fuzz {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "datagen/scene/scene.h"
+#include "scene/scene.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace nlg::fuzz {

@@ -1,8 +1,8 @@
 // Hostile textures, JPEG and Targa: an image has means between black and white, or none, or it asks for too
 // many pixels.
-#include "datagen/scene/texture_colour.h"
-#include "tests/datagen/scene/hand_built_images.h"
+#include "scene/texture_colour.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/scene/hand_built_images.h"
 
 namespace nlg::fuzz {
 namespace {

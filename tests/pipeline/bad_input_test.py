@@ -401,7 +401,7 @@ def write_archive(path, entries):
 
 
 def check_levels():
-    """Levels and archives that are none: tests/datagen/scene has the many, here are the few that a user meets."""
+    """Levels and archives that are none: tests/scene has the many, here are the few that a user meets."""
     write("garbage.bsp", b"IBSP" + b"\xff" * 400)
     write("other.bsp", b"VBSP" + b"\0" * 400)
     write("text.pk3", "no archive")

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "datagen/lighting/directions.h"
+#include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/bake_options.h"
-#include "datagen/lighting/closure.h"
-#include "datagen/scene/scene_source.h"
+#include "light/closure.h"
+#include "scene/scene_source.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/output_path.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "datagen/lighting/directions.h"
+#include "light/directions.h"
 #include "runtime_eval/numbers/half.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"

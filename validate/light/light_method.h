@@ -12,7 +12,7 @@
 
 #include <glm/glm.hpp>
 
-#include "datagen/lighting/light_transport.h"
+#include "light/light_transport.h"
 
 namespace nlg {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datagen/lighting/air.h"
-#include "datagen/lighting/directions.h"
 #include "datagen/probes/nearby_triangles.h"
+#include "light/air.h"
+#include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {

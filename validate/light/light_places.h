@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "datagen/probes/probe_placement.h"
-#include "datagen/scene/scene.h"
 #include "datagen/visibility/ray_scene.h"
+#include "scene/scene.h"
 
 namespace nlg {
 
@@ -65,7 +65,7 @@ struct LightPlaces {
 // The box around all triangles, those of the sky among them; or the extent of a setting. Relative to the scene's origin.
 ExtentBox lightExtent(const Scene& scene, const std::vector<std::string>& extent_m);
 
-// All places are in air (datagen/lighting/air.h) and in the extent; between a place and the surface that it stands before there is
+// All places are in air (light/air.h) and in the extent; between a place and the surface that it stands before there is
 // nothing, nor between two steps of a walk. The same seed gives the same places.
 LightPlaces drawLightPlaces(const Scene& scene, const RayScene& rays, const ExtentBox& extent, const LightPlaceOptions& options);
 

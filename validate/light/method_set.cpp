@@ -3,7 +3,7 @@
 #include <bit>
 #include <chrono>
 
-#include "datagen/lighting/directions.h"
+#include "light/directions.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"

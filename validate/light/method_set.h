@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
-#include "datagen/lighting/air_places.h"
-#include "datagen/lighting/probe_light.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/weighting/weighting_builder.h"
+#include "light/air_places.h"
+#include "light/probe_light.h"
 #include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/light_grid.h"
 #include "validate/light/apv.h"

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "datagen/lighting/air.h"
+#include "light/air.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "datagen/lighting/light_transport.h"
+#include "light/light_transport.h"
 #include "runtime_eval/light_grid/probe_tree.h"
 
 namespace nlg {

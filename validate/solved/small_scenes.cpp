@@ -1,7 +1,7 @@
 #include "validate/solved/small_scenes.h"
 
-#include "datagen/scene/mesh_builder.h"
 #include "runtime_eval/numbers/random.h"
+#include "scene/mesh_builder.h"
 #include "tool/error.h"
 
 namespace nlg {

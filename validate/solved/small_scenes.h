@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datagen/scene/scene.h"
+#include "scene/scene.h"
 
 namespace nlg {
 

@@ -6,8 +6,8 @@
 
 #include "datagen/dataset/shard.h"
 #include "datagen/probes/probe_placement.h"
-#include "datagen/scene/scene.h"
 #include "datagen/weighting/weighting_builder.h"
+#include "scene/scene.h"
 
 namespace nlg {
 

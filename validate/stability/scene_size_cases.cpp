@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "datagen/scene/procedural.h"
+#include "scene/procedural.h"
 #include "validate/stability/scene_measures.h"
 
 namespace nlg {

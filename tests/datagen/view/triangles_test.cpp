@@ -4,8 +4,8 @@
 
 #include <map>
 
-#include "datagen/scene/procedural.h"
 #include "runtime_eval/numbers/random.h"
+#include "scene/procedural.h"
 #include "tests/datagen/hand_built_scenes.h"
 
 namespace nlg {

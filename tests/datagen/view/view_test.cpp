@@ -10,12 +10,12 @@
 
 #include "datagen/dataset/shard.h"
 #include "datagen/probes/probe_placement.h"
-#include "datagen/scene/procedural.h"
 #include "datagen/shards/shard_scene.h"
 #include "datagen/view/colour_map.h"
 #include "datagen/view/image.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/support/support_pattern.h"
+#include "scene/procedural.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <numeric>
 
-#include "datagen/scene/procedural.h"
-#include "datagen/scene/scene_source.h"
 #include "runtime_eval/numbers/random.h"
+#include "scene/procedural.h"
+#include "scene/scene_source.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tests/runtime_eval/each_target.h"
 

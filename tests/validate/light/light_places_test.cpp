@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datagen/lighting/air.h"
+#include "light/air.h"
 #include "tests/validate/light/lit_scenes.h"
 
 namespace nlg {

@@ -1,10 +1,10 @@
 // Scenes whose light is known, with probes and all that methods are made from.
 #pragma once
 
-#include "datagen/lighting/air_places.h"
-#include "datagen/lighting/light_transport.h"
 #include "datagen/probes/probe_placement.h"
 #include "datagen/visibility/link_table.h"
+#include "light/air_places.h"
+#include "light/light_transport.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "validate/light/light_places.h"
 #include "validate/light/method_set.h"

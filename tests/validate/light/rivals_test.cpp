@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "datagen/lighting/directions.h"
+#include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/validate/light/lit_scenes.h"
 #include "validate/light/apv.h"

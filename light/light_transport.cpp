@@ -1,0 +1,349 @@
+#include "light/light_transport.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "light/baked_light.h"
+#include "light/directions.h"
+#include "light/emitters.h"
+#include "light/surface_cache.h"
+#include "runtime_eval/numbers/random.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr float kPi = 3.14159265f;
+constexpr float kHighestAlbedo = 0.9f;  // files without textures say 1 where they mean white paint: light would never end
+constexpr int kSetCount = 8;            // of directions, whose means say how sure the whole is
+constexpr int kSurePathVertices = 3;    // no roulette before
+constexpr float kSurvival = 0.95f;      // at most
+constexpr int kLampSamples = 16;        // of one lamp at a place, at least
+constexpr uint64_t kPathStream = 0x70617468, kLampStream = 0x6c616d70, kSunStream = 0x73756e;
+
+float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
+
+// What of a spot's intensity goes this way.
+float spotShare(const Lamp& lamp, const glm::vec3& from_lamp) {
+  if (lamp.cos_outer <= -1.0f) return 1.0f;
+  const float cosine = glm::dot(lamp.direction, from_lamp);
+  const float share = (cosine - lamp.cos_outer) / std::max(1e-4f, lamp.cos_inner - lamp.cos_outer);
+  const float clamped = std::clamp(share, 0.0f, 1.0f);
+  return clamped * clamped;
+}
+
+using Arriving = ArrivingLight;
+
+}  // namespace
+
+struct LightTransport::Impl {
+  const Scene& scene;
+  const RayScene& rays;
+  std::vector<glm::vec3> albedo;  // by material
+  Emitters emitters;
+  float nudge_m = 1e-4f;  // off a surface, so that the next ray does not meet it again
+
+  Impl(const Scene& s, const RayScene& r) : scene(s), rays(r), emitters(s) {
+    for (const Material& material : scene.materials)
+      albedo.push_back(glm::clamp(material.base_color, glm::vec3(0.0f), glm::vec3(kHighestAlbedo)));
+    float furthest = 0.0f;
+    for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+    nudge_m = std::max(2e-5f, furthest * 0x1p-20f);
+  }
+
+  bool isBaked() const { return !scene.light.baked.empty(); }
+
+  glm::vec3 corner(uint32_t t, int k) const { return scene.positions[scene.triangles[t][k]]; }
+  glm::vec3 crossOf(uint32_t t) const { return glm::cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0)); }
+
+  const Material& materialOf(uint32_t triangle) const { return scene.materials[scene.triangle_material[triangle]]; }
+
+  glm::vec3 emission(const LightHit& hit) const {
+    const Material& material = materialOf(hit.triangle);
+    return hit.is_front || material.double_sided ? material.emissive : glm::vec3(0.0f);
+  }
+
+  // Flux of one emitter point that the place draws; by multiple importance sampling with directions of this density (per
+  // steradian). u   in [0, 1): which emitters it comes from
+  template <class Density>
+  bool emitterLight(const Emitters::Draws& draws, double u, const glm::vec3& from, Random& random, const Density& density,
+                    Arriving* arriving) const {
+    if (emitters.empty()) return false;
+    const EmitterPoint point = draws.draw(u, random);
+    const glm::vec3 way = point.position - from;
+    const float distance = glm::length(way);
+    if (!(distance > 2.0f * nudge_m)) return false;
+    arriving->direction = way / distance;
+    const Material& material = materialOf(point.triangle);
+    float cosine = -glm::dot(glm::normalize(crossOf(point.triangle)), arriving->direction);
+    if (material.double_sided) cosine = std::fabs(cosine);
+    if (!(cosine > 0.0f) || rays.isBlocked(from, from + way * (1.0f - 2.0f * nudge_m / distance))) return false;
+    const float solid_density = point.area_density * distance * distance / cosine;
+    arriving->flux = material.emissive / (solid_density + density(arriving->direction));
+    return true;
+  }
+
+  // Flux of a point of a lamp, and of a sun. places   two numbers in [0, 1)
+  bool lampLight(const Lamp& lamp, const glm::vec3& from, double place_u, double place_v, Arriving* arriving) const {
+    const glm::vec3 way = lamp.position - from;
+    const float to_centre = glm::length(way);
+    const float distance = std::max(to_centre, 1.001f * lamp.radius_m);
+    const glm::vec3 axis = to_centre > 0.0f ? way / to_centre : glm::vec3(0.0f, 1.0f, 0.0f);
+    const float sine = lamp.radius_m / distance;
+    // 1 - cosine, without losing small lamps to rounding
+    const float cap = sine * sine / (1.0f + std::sqrt(1.0f - sine * sine));
+    arriving->direction = coneDirection(axis, cap, place_u, place_v);
+    const float solid_angle = 2.0f * kPi * cap;
+    arriving->flux = lamp.intensity * (spotShare(lamp, -axis) * solid_angle / (kPi * lamp.radius_m * lamp.radius_m));
+    if (luminance(arriving->flux) <= 0.0f) return false;
+    // up to the sphere's front
+    const float reach = std::max(0.0f, to_centre - lamp.radius_m);
+    return !rays.isBlocked(from, from + arriving->direction * reach);
+  }
+
+  bool sunLight(const Sun& sun, const glm::vec3& from, double place_u, double place_v, Arriving* arriving) const {
+    const float sine = std::sin(sun.angular_radius);
+    const float cap = sine * sine / (1.0f + std::sqrt(1.0f - sine * sine));
+    arriving->direction = coneDirection(sun.to_sun, cap, place_u, place_v);
+    arriving->flux = sun.irradiance;
+    const LightHit hit = rays.lightHit(from, arriving->direction);
+    return hit.kind == LightHit::Kind::nothing ||
+           (hit.kind == LightHit::Kind::sky && !scene.light.sky_faces.shines(hit.triangle));
+  }
+
+  // What a surface there sends back of lamps and suns that shine on it: one lamp, drawn by what it would give without shadows.
+  glm::vec3 reflectedDirect(const glm::vec3& from, const glm::vec3& normal, Random& random) const {
+    glm::vec3 sum(0.0f);
+    Arriving arriving;
+    for (const Sun& sun : scene.light.suns) {
+      if (!sunLight(sun, from, random.uniform(), random.uniform(), &arriving)) continue;
+      sum += arriving.flux * std::max(0.0f, glm::dot(arriving.direction, normal));
+    }
+    float total = 0.0f;
+    for (const Lamp& lamp : scene.light.lamps) total += openLight(lamp, from);
+    if (total > 0.0f) {
+      float at = static_cast<float>(random.uniform()) * total;
+      const Lamp* chosen = nullptr;
+      float share = 0.0f;
+      for (const Lamp& lamp : scene.light.lamps) {
+        const float light = openLight(lamp, from);
+        if (light <= 0.0f) continue;
+        chosen = &lamp;
+        share = light / total;
+        if ((at -= light) < 0.0f) break;
+      }
+      if (lampLight(*chosen, from, random.uniform(), random.uniform(), &arriving))
+        sum += arriving.flux * (std::max(0.0f, glm::dot(arriving.direction, normal)) / share);
+    }
+    const auto density = [&](const glm::vec3& direction) { return std::max(0.0f, glm::dot(direction, normal)) / kPi; };
+    if (emitterLight({emitters, from}, random.uniform(), from, random, density, &arriving))
+      sum += arriving.flux * std::max(0.0f, glm::dot(arriving.direction, normal));
+    return sum / kPi;
+  }
+
+  // A lamp's irradiance if nothing stood between.
+  static float openLight(const Lamp& lamp, const glm::vec3& from) {
+    const glm::vec3 way = from - lamp.position;
+    const float squared = std::max(glm::dot(way, way), lamp.radius_m * lamp.radius_m);
+    return luminance(lamp.intensity) * spotShare(lamp, way / std::sqrt(squared)) / squared;
+  }
+
+  // Radiance that comes along a ray, but for lamps and suns as seen from its origin.
+  // density   of the ray's own direction, per steradian: emitters at its end were sampled too. 0: they were not
+  glm::vec3 radiance(glm::vec3 origin, glm::vec3 direction, const GatherOptions& options, float density, Random& random,
+                     SurfacePoint* hits = nullptr) const {
+    glm::vec3 sum(0.0f), throughput(1.0f);
+    for (int vertex = 0;; ++vertex) {
+      const LightHit hit = rays.lightHit(origin, direction);
+      if (hit.kind == LightHit::Kind::nothing) return sum + throughput * scene.light.sky.radiance(direction);
+      if (hit.kind == LightHit::Kind::sky)
+        return sum + throughput * scene.light.sky_faces.radiance(hit.triangle, direction, scene.light.sky);
+      const glm::vec3& reflectance = albedo[scene.triangle_material[hit.triangle]];
+      const glm::vec3 shine = emission(hit);
+      if (luminance(shine) > 0.0f) {
+        float share = 1.0f;
+        if (density > 0.0f) {
+          const float cosine = std::fabs(glm::dot(hit.normal, direction));
+          const float other =
+              Emitters::Draws(emitters, origin).areaDensity(hit.triangle) * hit.distance * hit.distance / std::max(cosine, 1e-6f);
+          share = density / (density + other);
+        }
+        sum += throughput * shine * share;
+      }
+      if (isBaked()) return sum + throughput * bakedLight(scene, hit.triangle, hit.u, hit.v) * reflectance;
+      if (hits != nullptr && vertex == 0) *hits = {origin + direction * hit.distance, hit.normal, hit.triangle};
+      if (vertex >= options.max_bounces) return sum;
+      throughput *= reflectance;
+      if (options.cache != nullptr) {
+        const glm::vec3 point = origin + direction * hit.distance;
+        if (const glm::vec3* stored = options.cache->irradiance(point, hit.normal)) return sum + throughput * *stored / kPi;
+      }
+      const float most = std::max({throughput.r, throughput.g, throughput.b});
+      if (!(most > 0.0f)) return sum;
+      if (vertex + 1 >= kSurePathVertices) {
+        const float survival = std::min(kSurvival, most);
+        if (random.uniform() >= survival) return sum;
+        throughput /= survival;
+      }
+      origin = origin + direction * hit.distance + hit.normal * nudge_m;
+      sum += throughput * reflectedDirect(origin, hit.normal, random);
+      direction = cosineDirection(hit.normal, random.uniform(), random.uniform());
+      density = std::max(1e-6f, glm::dot(direction, hit.normal) / kPi);
+    }
+  }
+
+  // Everything that arrives at a place, direction by direction: add(set, direction, flux). Flux is what the mean over a set's
+  // directions takes: the sum over all directions of radiance times solid angle is the mean over sets.
+  // direction_of   of ray i of a set: the direction; density: of a direction, per steradian
+  template <class DirectionOf, class Density, class Add>
+  void gather(const glm::vec3& from, const GatherOptions& options, uint64_t seed, const DirectionOf& direction_of,
+              const Density& density, const Add& add, std::vector<SurfacePoint>* hits = nullptr) const {
+    const int rays_per_set = std::max(1, options.rays / kSetCount);
+    const int count = rays_per_set * kSetCount;
+    const auto share = 1.0f / static_cast<float>(rays_per_set);
+    const Emitters::Draws draws(emitters, from);
+    if (hits != nullptr) hits->assign(static_cast<size_t>(count), {});
+    Arriving arriving;
+    for (int i = 0; i < count; ++i) {
+      Random random(mixSeed(seed, kPathStream, i));
+      const int set = i % kSetCount;
+      const glm::vec3 direction = direction_of(i, count);
+      const float direction_density = density(direction);
+      add(set, direction,
+          radiance(from, direction, options, direction_density, random, hits != nullptr ? &(*hits)[i] : nullptr) *
+              (share / direction_density));
+      // each set goes evenly through all emitters
+      if (emitterLight(draws, (i + random.uniform()) / count, from, random, density, &arriving))
+        add(set, arriving.direction, arriving.flux * share);
+    }
+    const auto sampleAll = [&](int samples, uint64_t stream, const auto& light) {
+      const Lattice lattice(mixSeed(seed, stream));
+      for (int i = 0; i < samples; ++i) {
+        const auto [u, v] = lattice.point(i, samples);
+        if (light(u, v)) add(i % kSetCount, arriving.direction, arriving.flux * (static_cast<float>(kSetCount) / samples));
+      }
+    };
+    const int sun_samples = std::clamp(options.rays / 4 / kSetCount * kSetCount, kSetCount, 2 * kLampSamples);
+    for (size_t s = 0; s < scene.light.suns.size() && options.direct == DirectLight::all; ++s) {
+      sampleAll(sun_samples, mixSeed(kSunStream, s),
+                [&](double u, double v) { return sunLight(scene.light.suns[s], from, u, v, &arriving); });
+    }
+    if (options.direct == DirectLight::none) return;
+    float total = 0.0f;
+    for (const Lamp& lamp : scene.light.lamps) total += openLight(lamp, from);
+    for (size_t l = 0; l < scene.light.lamps.size() && total > 0.0f; ++l) {
+      const Lamp& lamp = scene.light.lamps[l];
+      const float part = openLight(lamp, from) / total;
+      if (part <= 0.0f) continue;
+      // far lamps that add next to nothing together get one sample a set, near ones what their size needs
+      const int samples = std::clamp(kSetCount * static_cast<int>(part * static_cast<float>(options.rays) / (4 * kSetCount)),
+                                     kSetCount, 4 * kLampSamples);
+      sampleAll(samples, mixSeed(kLampStream, l), [&](double u, double v) { return lampLight(lamp, from, u, v, &arriving); });
+    }
+  }
+
+  template <class Add>
+  void gatherFromAllSides(const glm::vec3& from, const GatherOptions& options, uint64_t seed, const Add& add) const {
+    const Lattice lattice(seed);
+    gather(
+        from, options, seed,
+        [&](int i, int count) {
+          const auto [u, v] = lattice.point(i, count);
+          return sphereDirection(u, v);
+        },
+        [](const glm::vec3&) { return 0.25f / kPi; }, add);
+  }
+};
+
+DirectLight directLightFromName(const std::string& name) {
+  if (name == "all") return DirectLight::all;
+  if (name == "no_suns") return DirectLight::no_suns;
+  if (name == "none") return DirectLight::none;
+  throw UsageError("light_direct", "all, no_suns or none", "'" + name + "'");
+}
+
+glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal) {
+  const std::array<float, kShCount> basis = shBasis(normal.x, normal.y, normal.z);
+  glm::vec3 sum(0.0f);
+  for (int i = 0; i < kShCount; ++i) sum += light[i] * (kCosineBand[i] * basis[i]);
+  return sum;
+}
+
+LightTransport::LightTransport(const Scene& scene, const RayScene& rays) : impl_(std::make_unique<Impl>(scene, rays)) {}
+LightTransport::~LightTransport() = default;
+
+const Scene& LightTransport::scene() const { return impl_->scene; }
+const RayScene& LightTransport::rays() const { return impl_->rays; }
+bool LightTransport::isBaked() const { return impl_->isBaked(); }
+
+std::vector<ArrivingLight> LightTransport::arriving(const glm::dvec3& position_m, const GatherOptions& options,
+                                                    uint64_t seed) const {
+  std::vector<ArrivingLight> result;
+  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, [&](int, const glm::vec3& direction, const glm::vec3& flux) {
+    result.push_back({direction, flux / static_cast<float>(kSetCount)});
+  });
+  return result;
+}
+
+GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed) const {
+  std::array<LightSh, kSetCount> sets{};
+  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed,
+                            [&](int set, const glm::vec3& direction, const glm::vec3& flux) {
+                              const std::array<float, kShCount> basis = shBasis(direction.x, direction.y, direction.z);
+                              for (int k = 0; k < kShCount; ++k) sets[set][k] += flux * basis[k];
+                            });
+  GatheredLight result;
+  for (int k = 0; k < kShCount; ++k) {
+    for (const LightSh& set : sets) result.light[k] += set[k] / static_cast<float>(kSetCount);
+    glm::vec3 squares(0.0f);
+    for (const LightSh& set : sets) squares += (set[k] - result.light[k]) * (set[k] - result.light[k]);
+    result.deviation[k] = glm::sqrt(squares / static_cast<float>(kSetCount * (kSetCount - 1)));
+  }
+  return result;
+}
+
+GatheredIrradiance LightTransport::gatherIrradiance(const glm::dvec3& position_m, const glm::vec3& normal,
+                                                    const GatherOptions& options, uint64_t seed,
+                                                    std::vector<SurfacePoint>* hits) const {
+  std::array<glm::vec3, kSetCount> sets{};
+  const Lattice lattice(seed);
+  impl_->gather(
+      glm::vec3(position_m), options, seed,
+      [&](int i, int count) {
+        const auto [u, v] = lattice.point(i, count);
+        return cosineDirection(normal, u, v);
+      },
+      [&](const glm::vec3& direction) { return std::max(1e-6f, glm::dot(direction, normal) / kPi); },
+      [&](int set, const glm::vec3& direction, const glm::vec3& flux) {
+        sets[set] += flux * std::max(0.0f, glm::dot(direction, normal));
+      },
+      hits);
+  GatheredIrradiance result;
+  for (const glm::vec3& set : sets) result.irradiance += set / static_cast<float>(kSetCount);
+  glm::vec3 squares(0.0f);
+  for (const glm::vec3& set : sets) squares += (set - result.irradiance) * (set - result.irradiance);
+  result.deviation = glm::sqrt(squares / static_cast<float>(kSetCount * (kSetCount - 1)));
+  return result;
+}
+
+glm::vec3 LightTransport::radianceAlong(const glm::vec3& origin, const glm::vec3& direction, int max_bounces,
+                                        uint64_t seed) const {
+  Random random(mixSeed(seed, kPathStream));
+  return impl_->radiance(origin, direction, {1, max_bounces}, 0.0f, random);
+}
+
+glm::vec3 LightTransport::reflected(const SurfacePoint& point, uint64_t seed) const {
+  Random random(mixSeed(seed, kPathStream));
+  const glm::vec3 from = point.position + point.normal * impl_->nudge_m;
+  const glm::vec3 direct = impl_->reflectedDirect(from, point.normal, random);
+  const glm::vec3 direction = cosineDirection(point.normal, random.uniform(), random.uniform());
+  const float density = std::max(1e-6f, glm::dot(direction, point.normal) / kPi);
+  return albedo(point.triangle) * (direct + impl_->radiance(from, direction, {}, density, random));
+}
+
+glm::vec3 LightTransport::albedo(uint32_t triangle) const { return impl_->albedo[impl_->scene.triangle_material[triangle]]; }
+
+float LightTransport::nudge() const { return impl_->nudge_m; }
+
+}  // namespace nlg

@@ -1,0 +1,191 @@
+#include "light/probe_light.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include "light/air.h"
+#include "runtime_eval/numbers/random.h"
+#include "tool/error.h"
+#include "tool/parallel_for.h"
+#include "tool/progress.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kPlaceStream = 0x706c6163, kProbeStream = 0x70726f62;
+constexpr uint64_t kBlockPlaces = 64;
+// Rounds of the solve: each takes the say from places that the one before could not serve.
+constexpr int kRounds = 3;
+// Of the tent in the mean that a probe begins with: too little to count where its function has weight anywhere.
+constexpr float kTentShare = 1e-4f;
+
+float luminanceOf(const LightSh& light) {
+  const glm::vec3& mean = light[0];
+  return std::max(0.0f, 0.2126f * mean.r + 0.7152f * mean.g + 0.0722f * mean.b);
+}
+
+void add(LightSh* sum, float weight, const LightSh& light) {
+  for (int k = 0; k < kShCount; ++k) (*sum)[k] += weight * light[k];
+}
+
+// Light under weights that were never normalised: every probe's own mean.
+struct Means {
+  std::vector<LightSh> light;
+  std::vector<float> weight;
+  std::vector<uint8_t> is_read;
+
+  Means(const ProbeTree& tree, const std::vector<glm::dvec3>& places, const std::vector<ProbeWeights>& weights,
+        const std::vector<LightSh>& place_light)
+      : light(tree.probeCount()), weight(tree.probeCount(), 0.0f), is_read(tree.probeCount(), 0) {
+    const auto addTo = [&](uint32_t probe, float share, const LightSh& of_place) {
+      add(&light[probe], share, of_place);
+      weight[probe] += share;
+    };
+    for (size_t i = 0; i < places.size(); ++i) {
+      for (int j = 0; j < weights[i].count; ++j) {
+        addTo(weights[i].probe[j], weights[i].weight[j], place_light[i]);
+        is_read[weights[i].probe[j]] = 1;
+      }
+      ProbesAround around;
+      if (!tree.lookUp({places[i].x, places[i].y, places[i].z}, &around)) continue;
+      for (const ProbeAround& corner : around.corners)
+        addTo(corner.probe, kTentShare * tent(corner.local) * corner.tent_ratio, place_light[i]);
+    }
+    for (size_t p = 0; p < light.size(); ++p) {
+      for (glm::vec3& value : light[p]) value /= std::max(weight[p], 1e-12f);
+    }
+  }
+};
+
+float meanLuminance(const std::vector<LightSh>& light) {
+  double sum = 0.0;
+  for (const LightSh& sh : light) sum += luminanceOf(sh);
+  return static_cast<float>(std::max(1e-12, sum / std::max<double>(1.0, static_cast<double>(light.size()))));
+}
+
+std::vector<LightSample> samplesOf(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>& place_light, float mean,
+                                   double dark_share) {
+  std::vector<LightSample> samples;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    ProbeWeights normalised = weights[i];
+    if (!normaliseWeights(&normalised)) continue;
+    LightSample sample;
+    sample.count = normalised.count;
+    std::copy_n(normalised.probe, normalised.count, sample.probe.begin());
+    std::copy_n(normalised.weight, normalised.count, sample.weight.begin());
+    // between absolute and relative error: an eye sees shares, but noise rules where there is no light
+    sample.importance = mean / (luminanceOf(place_light[i]) + static_cast<float>(dark_share) * mean);
+    sample.light = place_light[i];
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+std::vector<float> pullOf(const std::vector<LightSample>& samples, size_t probe_count, double share) {
+  std::vector<float> pull(probe_count, 0.0f);
+  double total = 0.0;
+  for (const LightSample& sample : samples) {
+    for (int j = 0; j < sample.count; ++j) {
+      const float curvature = sample.importance * sample.weight[j] * sample.weight[j];
+      pull[sample.probe[j]] += curvature;
+      total += curvature;
+    }
+  }
+  // probes that are hardly read follow their mean
+  const double least = 1e-3 * total / std::max<double>(1.0, static_cast<double>(probe_count)) + 1e-12;
+  for (float& value : pull) value = static_cast<float>(share * value + least);
+  return pull;
+}
+
+// Of irradiance, over all normals and channels, in the unit of a first coefficient.
+float squaredError(const LightSample& sample, const std::vector<LightSh>& light) {
+  const LightSh blend = blendOf(sample, light);
+  float sum = 0.0f;
+  for (int k = 0; k < kShCount; ++k) {
+    const glm::vec3 error = blend[k] - sample.light[k];
+    const float band = kCosineBand[k] / kCosineBand[0];
+    sum += band * band * glm::dot(error, error);
+  }
+  return sum / kShChannels;
+}
+
+// Beside a lamp light changes within less than probes are apart. Squares of the errors there would rule all that those probes
+// hold, so that their loss is Cauchy's, s² log(1 + importance error² / s²), by iteratively reweighted least squares.
+ProbeLight solved(std::vector<LightSample> samples, const Means& means, float mean, const ProbeLightOptions& options) {
+  std::vector<float> importance(samples.size());
+  std::transform(samples.begin(), samples.end(), importance.begin(), [](const LightSample& sample) { return sample.importance; });
+  const auto outlier = static_cast<float>(options.outlier * mean);
+  ProbeLight result{means.light, 0, 0};
+  for (int round = 0; round < kRounds; ++round) {
+    for (size_t i = 0; i < samples.size() && round > 0; ++i)
+      samples[i].importance =
+          importance[i] / (1.0f + importance[i] * squaredError(samples[i], result.light) / (outlier * outlier));
+    LightSolution solution = solveLight(samples, means.light, pullOf(samples, means.light.size(), options.pull), result.light);
+    result.light = std::move(solution.light);
+    result.iterations += solution.iterations;
+  }
+  return result;
+}
+
+}  // namespace
+
+LightWay lightWayFromName(const std::string& name) {
+  if (name == "point") return LightWay::point;
+  if (name == "integrated") return LightWay::integrated;
+  if (name == "solved") return LightWay::solved;
+  throw UsageError("light", "solved, integrated, point or none", "'" + name + "'");
+}
+
+WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m) {
+  return [&grid, origin_m](const glm::dvec3& position_m, ProbeWeights* weights) {
+    const glm::dvec3 world = position_m + origin_m;
+    weights->count = 0;
+    lookUpWeights(grid, {world.x, world.y, world.z}, weights);
+  };
+}
+
+std::vector<LightSh> measureLight(const LightTransport& transport, const std::vector<glm::dvec3>& places,
+                                  const GatherOptions& options, uint64_t seed, int thread_count) {
+  std::vector<LightSh> light(places.size());
+  Progress progress("places lit", static_cast<int64_t>(places.size()));
+  std::atomic<int64_t> done{0};
+  parallelFor((places.size() + kBlockPlaces - 1) / kBlockPlaces, thread_count, [&](uint64_t block, int thread) {
+    const uint64_t end = std::min<uint64_t>((block + 1) * kBlockPlaces, places.size());
+    for (uint64_t i = block * kBlockPlaces; i < end; ++i)
+      light[i] = transport.gather(places[i], options, mixSeed(seed, kPlaceStream, i)).light;
+    done += static_cast<int64_t>(kBlockPlaces);
+    if (thread == 0) progress.update(std::min<int64_t>(done, static_cast<int64_t>(places.size())));
+  });
+  return light;
+}
+
+ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
+                       const std::vector<LightSh>& place_light, const WeightsAt& weights_at, const ProbeLightOptions& options,
+                       int thread_count) {
+  NLG_CHECK(places.size(), ==, place_light.size());
+  std::vector<ProbeWeights> weights(places.size());
+  parallelFor((places.size() + kBlockPlaces - 1) / kBlockPlaces, thread_count, [&](uint64_t block, int) {
+    const uint64_t end = std::min<uint64_t>((block + 1) * kBlockPlaces, places.size());
+    for (uint64_t i = block * kBlockPlaces; i < end; ++i) weights_at(places[i], &weights[i]);
+  });
+  Means means(tree, places, weights, place_light);
+  const auto unread = static_cast<uint64_t>(std::count(means.is_read.begin(), means.is_read.end(), 0));
+  ProbeLight result;
+  if (options.way == LightWay::solved) {
+    const float mean = meanLuminance(place_light);
+    result = solved(samplesOf(weights, place_light, mean, options.dark_share), means, mean, options);
+  } else {
+    result.light = std::move(means.light);
+  }
+  if (options.way == LightWay::point) {
+    parallelFor(tree.probeCount(), thread_count, [&](uint64_t p, int) {
+      const auto [x, y, z] = tree.probePosition(p);
+      if (!isInAir(transport.rays(), {x, y, z})) return;
+      result.light[p] = transport.gather({x, y, z}, options.probe, mixSeed(options.seed, kProbeStream, p)).light;
+    });
+  }
+  result.unread = unread;
+  return result;
+}
+
+}  // namespace nlg

@@ -1,0 +1,62 @@
+// The light that probes hold, made of light measured at places in air: three ways.
+//
+// Neighbouring supports overlap eightfold, so that light is measured once at places of every cell, and each place serves the
+// eight probes around it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "light/air_places.h"
+#include "light/light_solve.h"
+#include "light/light_transport.h"
+#include "runtime_eval/light_grid/light_grid.h"
+
+namespace nlg {
+
+enum class LightWay : uint8_t {
+  point,       // light at the probe's own position; of a probe in solid: integrated
+  integrated,  // the talk's: the mean of light under the probe's weights
+  solved,      // least squares: blends give the light that was measured
+};
+// throws   UsageError on a name that is none of "point", "integrated", "solved"
+LightWay lightWayFromName(const std::string& name);
+
+struct ProbeLightOptions {
+  LightWay way = LightWay::solved;
+  GatherOptions place{64, 64};   // of every place in air
+  GatherOptions probe{512, 64};  // of every probe, for `point`
+  double pull = 0.3;             // of the prior, in shares of what places say of a probe
+  double dark_share = 0.5;       // of the level's mean light: added to a place's own where its error is taken as a share
+  double outlier = 1.0;          // of the level's mean light, > 0: errors far beyond it count no more than at it (Cauchy)
+  uint64_t seed = 1;
+};
+
+// The weights that a look-up blends at a place, not normalised; indices of the tree's probes. A count of 0 where there are none.
+using WeightsAt = std::function<void(const glm::dvec3& position_m, ProbeWeights* weights)>;
+
+// What a look-up in a grid gives, at positions relative to the scene's origin; the grid is where moveBy(origin_m) has put it. Both
+// must outlive it.
+WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m);
+
+// Light at places, each by a seed of its own.
+std::vector<LightSh> measureLight(const LightTransport& transport, const std::vector<glm::dvec3>& places,
+                                  const GatherOptions& options, uint64_t seed, int thread_count);
+
+struct ProbeLight {
+  std::vector<LightSh> light;  // by probe
+  int iterations = 0;          // of the solve
+  uint64_t unread = 0;         // probes that weigh nothing at every place: they hold the light of places around them
+};
+
+// tree         in the scene's coordinates
+// places       in air, in cells of the tree
+// place_light  by place
+// weights_at   what the probes' functions give; called once a place, from any thread
+ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
+                       const std::vector<LightSh>& place_light, const WeightsAt& weights_at, const ProbeLightOptions& options,
+                       int thread_count);
+
+}  // namespace nlg

@@ -1,0 +1,57 @@
+// What a Quake III level says of light, in the unit and the axes of a Scene: docs/theory/light.md, "Quake III levels".
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "scene/bsp_entities.h"
+#include "scene/bsp_file.h"
+#include "scene/bsp_shader.h"
+#include "scene/scene_light.h"
+
+namespace nlg {
+
+inline constexpr double kBspMetresPerUnit = 0.0254;
+
+// (x, y, z), z up, becomes (x, z, -y).
+inline glm::dvec3 sceneAxes(const glm::dvec3& quake) { return {quake.x, quake.z, -quake.y}; }
+
+// Light of a lightmap's texel, a vertex's colour or a cell of the grid: 4 for 255, what the engine makes of it.
+glm::vec3 lightOf(const BspColour& colour);
+
+// Radiance of a face of this q3map_surfacelight; of a sky of this q3map_skylight.
+double surfaceRadiance(double surface_light);
+double skyRadiance(double sky_light);
+
+// A light's colour as the compiler takes it: the largest channel is 1; white where there is none.
+glm::vec3 hueOf(const glm::dvec3& colour);
+
+Sun sunOf(const ScriptSun& sun);
+
+// What the entities say. The compilers strip most lights from what they write.
+struct EntityLights {
+  std::vector<glm::dvec3> lamp_units;  // where each lamp stands, in the file's axes and units
+  std::vector<Lamp> lamps;             // but for their position
+  std::vector<Sun> suns;
+  glm::vec3 ambient{0.0f};  // light that the compiler added to every texel and vertex
+  bool has_shader_suns = true;
+  uint32_t lamps_without_origin = 0;  // left out
+  uint32_t linear_lamps = 0;          // fade out at a distance; here by its square: the same irradiance half way there
+};
+EntityLights entityLights(const std::vector<BspEntity>& entities);
+
+// Decodes lump 15 as the engine does. Cells in solid hold no light.
+//
+// first_m    of the result is in world coordinates, metres, and not yet relative to any origin
+// returns    false, and nothing in grid, when the lump's size is not what the level's bounds ask for: the engine ignores such a
+//            grid too
+struct WorldQuakeGrid {
+  QuakeGrid grid;  // but for first_m
+  glm::dvec3 first_m{0.0};
+};
+bool readQuakeGrid(const BspFile& file, const std::vector<BspEntity>& entities, WorldQuakeGrid* grid);
+
+}  // namespace nlg

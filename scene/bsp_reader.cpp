@@ -1,0 +1,348 @@
+#include "scene/bsp_reader.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "scene/bsp_entities.h"
+#include "scene/bsp_file.h"
+#include "scene/bsp_light.h"
+#include "scene/bsp_looks.h"
+#include "scene/bsp_patch.h"
+#include "scene/bsp_shader.h"
+#include "scene/free_standing.h"
+#include "scene/pk3_archive.h"
+#include "scene/scene_budget.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr const char* kLevelName = "worldspawn";
+constexpr double kPatchToleranceUnits = 0.04 / kBspMetresPerUnit;
+constexpr size_t kMaxLevelBytes = size_t{256} << 20;
+
+// A face as triangles, counter-clockwise from its front; one entry of each for a vertex.
+struct FaceMesh {
+  std::vector<glm::dvec3> positions_m;  // world coordinates
+  std::vector<glm::vec2> lightmap_places;
+  std::vector<glm::vec3> light;
+  std::vector<glm::uvec3> triangles;
+};
+
+glm::dvec3 worldPosition(const glm::dvec3& units) {
+  // adding zero turns -0 into 0: components are found by comparing bits
+  return sceneAxes(units) * kBspMetresPerUnit + 0.0;
+}
+
+// What a shader's faces are to the scene.
+struct ShaderUse {
+  const char* drop_reason = nullptr;  // null: they are geometry
+  bool double_sided = false;
+  glm::vec3 emission{0.0f};
+  std::optional<uint32_t> material_idx;
+};
+
+// Faces that are no geometry but shine, and the sky that they show.
+class LightFaces {
+ public:
+  void addSky(const FaceMesh& mesh, uint32_t shader) {
+    append(mesh, sky_);
+    double area = 0.0;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::dvec3 a = mesh.positions_m[t.x];
+      area += 0.5 * glm::length(glm::cross(mesh.positions_m[t.y] - a, mesh.positions_m[t.z] - a));
+    }
+    area_of_shader_[shader] += area;
+  }
+
+  void addShining(const FaceMesh& mesh, const ShaderUse& use) {
+    append(mesh, shining_);
+    shine_.resize(shining_.size(), use.emission);
+    if (!use.double_sided) return;
+    for (const glm::uvec3& t : mesh.triangles) shining_.push_back(glm::uvec3(t.x, t.z, t.y) + lastBase(mesh));
+    shine_.resize(shining_.size(), use.emission);
+  }
+
+  size_t triangleCount() const { return sky_.size() + shining_.size(); }
+  // Square metres of sky by shader.
+  const std::map<uint32_t, double>& skyAreas() const { return area_of_shader_; }
+
+  SkyFaces finish(const glm::dvec3& origin_m) {
+    SkyFaces faces;
+    faces.positions = relativeTo(origin_m, positions_m_);
+    faces.triangles = std::move(sky_);
+    faces.triangles.insert(faces.triangles.end(), shining_.begin(), shining_.end());
+    faces.shine = std::move(shine_);
+    return faces;
+  }
+
+ private:
+  void append(const FaceMesh& mesh, std::vector<glm::uvec3>& triangles) {
+    positions_m_.insert(positions_m_.end(), mesh.positions_m.begin(), mesh.positions_m.end());
+    for (const glm::uvec3& t : mesh.triangles) triangles.push_back(t + lastBase(mesh));
+  }
+  uint32_t lastBase(const FaceMesh& mesh) const { return static_cast<uint32_t>(positions_m_.size() - mesh.positions_m.size()); }
+
+  std::vector<glm::dvec3> positions_m_;
+  std::vector<glm::uvec3> sky_, shining_;
+  std::vector<glm::vec3> shine_;
+  std::map<uint32_t, double> area_of_shader_;
+};
+
+class BspConverter {
+ public:
+  // looks    null when there are no archives
+  BspConverter(const std::string& path, const std::string& bytes, const BspLooks* looks)
+      : path_(path), file_(parseBsp(path, bytes)), looks_(looks), uses_(file_.shaders.size()) {}
+
+  BspLevel convert(const std::string& id) {
+    level_.scene.id = id;
+    const std::vector<BspEntity> entities = readEntities(path_, file_.entities);
+    const std::vector<BspPlacement> placements = readPlacements(path_, entities, file_.models.size());
+    for (size_t i = 0; i < file_.models.size(); ++i) {
+      const std::string classname = placements[i].classname.empty() ? "submodel" : placements[i].classname;
+      addModel(file_.models[i], i == 0 ? kLevelName : classname + " *" + std::to_string(i), placements[i].origin_units);
+    }
+    finishBakedLight();
+    finishScene(level_.scene, world_positions_);
+    addLights(entities);
+    addViewpoints(entities);
+    const std::vector<SceneObject>& objects = level_.scene.objects;
+    if (!objects.empty() && objects[0].name == kLevelName) splitFreeStanding(level_.scene, 0);
+    return std::move(level_);
+  }
+
+ private:
+  void addModel(const BspModel& model, const std::string& name, const glm::dvec3& origin_units) {
+    const auto first_triangle = static_cast<uint32_t>(level_.scene.triangles.size());
+    for (uint32_t i = model.first_face; i < model.first_face + model.face_count; ++i) addFace(file_.faces[i], origin_units);
+    const auto count = static_cast<uint32_t>(level_.scene.triangles.size()) - first_triangle;
+    if (count > 0) level_.scene.objects.push_back({name, first_triangle, count, true});
+  }
+
+  void addFace(const BspFace& face, const glm::dvec3& origin_units) {
+    if (face.kind == BspFaceKind::flare) {
+      ++level_.dropped_faces["flare"];
+      return;
+    }
+    const ShaderUse& use = useOf(face.shader);
+    const bool is_sky = use.drop_reason != nullptr && std::string_view(use.drop_reason) == "sky";
+    if (use.drop_reason != nullptr) ++level_.dropped_faces[use.drop_reason];
+    if (use.drop_reason != nullptr && !is_sky && use.emission == glm::vec3(0.0f)) return;
+    const uint64_t most =
+        face.kind == BspFaceKind::patch ? maxPatchTriangles(face.patch_width, face.patch_height) : face.index_count / 3;
+    // twice: one that shines may have two sides
+    triangles_left_.require(2 * most, path_, "faces");
+    const size_t before = triangleCount();
+    const FaceMesh mesh = face.kind == BspFaceKind::patch ? patchMesh(face, origin_units) : triangleMesh(face, origin_units);
+    if (is_sky) {
+      light_faces_.addSky(mesh, face.shader);
+    } else if (use.drop_reason != nullptr) {
+      light_faces_.addShining(mesh, use);
+    } else {
+      addGeometry(face, mesh);
+    }
+    triangles_left_.take(triangleCount() - before, path_, "faces");
+  }
+
+  size_t triangleCount() const { return level_.scene.triangles.size() + light_faces_.triangleCount(); }
+
+  void addGeometry(const BspFace& face, const FaceMesh& mesh) {
+    Scene& scene = level_.scene;
+    const glm::uvec3 base(static_cast<uint32_t>(world_positions_.size()));
+    world_positions_.insert(world_positions_.end(), mesh.positions_m.begin(), mesh.positions_m.end());
+    for (const glm::uvec3& triangle : mesh.triangles) scene.triangles.push_back(triangle + base);
+    scene.triangle_material.resize(scene.triangles.size(), materialOf(face.shader));
+    BakedLight& baked = scene.light.baked;
+    baked.vertex_light.insert(baked.vertex_light.end(), mesh.light.begin(), mesh.light.end());
+    baked.vertex_place.insert(baked.vertex_place.end(), mesh.lightmap_places.begin(), mesh.lightmap_places.end());
+    baked.triangle_page.resize(scene.triangles.size(), hasPage(face) ? face.lightmap : BakedLight::kByVertex);
+    if (face.lightmap >= 0 && !hasPage(face)) ++faces_without_page_;
+  }
+
+  bool hasPage(const BspFace& face) const {
+    return face.lightmap >= 0 && static_cast<uint32_t>(face.lightmap) < file_.lightmap_count;
+  }
+
+  // Polygons and meshes: clockwise in the file.
+  FaceMesh triangleMesh(const BspFace& face, const glm::dvec3& origin_units) const {
+    FaceMesh mesh;
+    for (uint32_t i = face.first_vertex; i < face.first_vertex + face.vertex_count; ++i) {
+      mesh.positions_m.push_back(worldPosition(glm::dvec3(file_.positions[i]) + origin_units));
+      mesh.light.push_back(lightOf(file_.vertex_light[i].colour));
+      mesh.lightmap_places.push_back(placeOf(face, file_.vertex_light[i].lightmap_place));
+    }
+    for (uint32_t i = face.first_index; i < face.first_index + face.index_count; i += 3)
+      mesh.triangles.emplace_back(file_.indices[i], file_.indices[i + 2], file_.indices[i + 1]);
+    return mesh;
+  }
+
+  FaceMesh patchMesh(const BspFace& face, const glm::dvec3& origin_units) const {
+    std::vector<glm::dvec3> control, light, places;
+    for (uint32_t i = face.first_vertex; i < face.first_vertex + face.vertex_count; ++i) {
+      control.push_back(glm::dvec3(file_.positions[i]) + origin_units);
+      light.emplace_back(lightOf(file_.vertex_light[i].colour));
+      places.emplace_back(placeOf(face, file_.vertex_light[i].lightmap_place), 0.0);
+    }
+    PatchMesh patch = tessellatePatch(control, face.patch_width, face.patch_height, kPatchToleranceUnits,
+                                      {std::move(light), std::move(places)});
+    FaceMesh mesh;
+    for (const glm::dvec3& p : patch.positions) mesh.positions_m.push_back(worldPosition(p));
+    for (const glm::dvec3& l : patch.carried[0]) mesh.light.emplace_back(l);
+    for (const glm::dvec3& p : patch.carried[1]) mesh.lightmap_places.emplace_back(p);
+    mesh.triangles = std::move(patch.triangles);
+    return mesh;
+  }
+
+  // Numbers of faces without a page are garbage in real levels.
+  glm::vec2 placeOf(const BspFace& face, const glm::vec2& place) const {
+    return hasPage(face) ? glm::clamp(place, glm::vec2(0.0f), glm::vec2(1.0f)) : glm::vec2(0.0f);
+  }
+
+  ShaderUse& useOf(uint32_t shader_idx) {
+    std::optional<ShaderUse>& use = uses_[shader_idx];
+    if (use) return *use;
+    const BspShader& shader = file_.shaders[shader_idx];
+    const ShaderScript* script = looks_ != nullptr ? looks_->scriptOf(shader.name) : nullptr;
+    use.emplace();
+    use->drop_reason = dropReason(shader.surface_flags | (script != nullptr ? script->surface_flags : 0u),
+                                  shader.content_flags | (script != nullptr ? script->content_flags : 0u));
+    use->double_sided = script != nullptr && script->double_sided;
+    if (looks_ != nullptr) use->emission = looks_->emission(shader.name);
+    return *use;
+  }
+
+  uint32_t materialOf(uint32_t shader_idx) {
+    ShaderUse& use = useOf(shader_idx);
+    if (use.material_idx) return *use.material_idx;
+    use.material_idx = static_cast<uint32_t>(level_.scene.materials.size());
+    Material material;
+    material.double_sided = use.double_sided;
+    material.emissive = use.emission;
+    const std::optional<glm::vec3> colour =
+        looks_ != nullptr ? looks_->textureColour(file_.shaders[shader_idx].name) : std::nullopt;
+    if (colour) material.base_color = *colour;
+    if (!colour) ++level_.materials_without_texture;
+    level_.scene.materials.push_back(material);
+    return *use.material_idx;
+  }
+
+  // A level that was never lit has no lightmaps and one colour at all vertices.
+  void finishBakedLight() {
+    BakedLight& baked = level_.scene.light.baked;
+    const std::vector<glm::vec3>& colours = baked.vertex_light;
+    const bool is_lit =
+        file_.lightmap_count > 0 || std::any_of(colours.begin(), colours.end(), [&](const auto& c) { return c != colours[0]; });
+    if (!is_lit) {
+      const bool has_geometry = !colours.empty();
+      baked = {};
+      if (has_geometry) note("neither lightmaps nor lit vertices: no baked light");
+      return;
+    }
+    if (faces_without_page_ > 0)
+      note(std::to_string(faces_without_page_) + " faces name a lightmap that is not there: lit by vertex, as the engine does");
+    baked.page_side = kBspLightmapSide;
+    baked.texels.reserve(file_.lightmap_texels.size());
+    for (const BspColour& texel : file_.lightmap_texels) baked.texels.push_back(lightOf(texel));
+  }
+
+  // Eyes stand 26 units above a player's origin (bg_public.h, DEFAULT_VIEWHEIGHT).
+  void addViewpoints(const std::vector<BspEntity>& entities) {
+    constexpr double kEyeUnits = 26.0;
+    for (const BspStart& start : playerStarts(entities)) {
+      Viewpoint viewpoint;
+      viewpoint.name = start.name;
+      viewpoint.position = glm::vec3(worldPosition(start.origin_units + glm::dvec3(0.0, 0.0, kEyeUnits)) - level_.scene.origin_m);
+      const double turn = glm::radians(start.turn_degrees);
+      viewpoint.forward = glm::vec3(glm::normalize(sceneAxes({std::cos(turn), std::sin(turn), 0.0})));
+      level_.scene.viewpoints.push_back(viewpoint);
+    }
+  }
+
+  void addLights(const std::vector<BspEntity>& entities) {
+    SceneLight& light = level_.scene.light;
+    const glm::dvec3& origin_m = level_.scene.origin_m;
+    EntityLights lights = entityLights(entities);
+    for (size_t i = 0; i < lights.lamps.size(); ++i)
+      lights.lamps[i].position = glm::vec3(worldPosition(lights.lamp_units[i]) - origin_m);
+    light.lamps = std::move(lights.lamps);
+    light.suns = std::move(lights.suns);
+    if (!light.baked.empty()) light.baked.ambient = lights.ambient;
+    if (lights.lamps_without_origin > 0) note(std::to_string(lights.lamps_without_origin) + " lamps without an origin: left out");
+    if (lights.linear_lamps > 0)
+      note(std::to_string(lights.linear_lamps) + " lamps that fade linearly: by the square of the distance instead");
+    addSky(lights.has_shader_suns);
+    light.sky_faces = light_faces_.finish(origin_m);
+    WorldQuakeGrid grid;
+    if (readQuakeGrid(file_, entities, &grid)) {
+      light.quake_grid = std::move(grid.grid);
+      light.quake_grid.first_m = glm::vec3(grid.first_m - origin_m);
+    } else if (!file_.light_grid.empty()) {
+      note("the light grid is not of the size that the level's bounds ask for: left out, as the engine does");
+    }
+  }
+
+  // Of several skies the mean by area: a scene has one.
+  void addSky(bool has_suns) {
+    if (looks_ == nullptr) return;
+    double total = 0.0;
+    for (const auto& [shader, area] : light_faces_.skyAreas()) total += area;
+    if (!(total > 0.0)) return;
+    Sky& sky = level_.scene.light.sky;
+    for (const auto& [shader, area] : light_faces_.skyAreas()) {
+      const std::string& name = file_.shaders[shader].name;
+      const Sky one = looks_->sky(name);
+      const auto share = static_cast<float>(area / total);
+      sky.zenith += share * one.zenith;
+      sky.horizon += share * one.horizon;
+      sky.ground += share * one.ground;
+      const ShaderScript* script = looks_->scriptOf(name);
+      if (script == nullptr || !has_suns) continue;
+      for (const ScriptSun& sun : script->light.suns) level_.scene.light.suns.push_back(sunOf(sun));
+    }
+    if (light_faces_.skyAreas().size() > 1)
+      note(std::to_string(light_faces_.skyAreas().size()) + " sky shaders: one sky, their mean by area");
+  }
+
+  void note(const std::string& line) { level_.light_notes.push_back(line); }
+
+  const std::string path_;
+  const BspFile file_;
+  const BspLooks* looks_;
+  std::vector<std::optional<ShaderUse>> uses_;  // by shader
+  std::vector<glm::dvec3> world_positions_;
+  LightFaces light_faces_;
+  SceneBudget triangles_left_ = SceneBudgets().level_triangles;
+  uint32_t faces_without_page_ = 0;
+  BspLevel level_;
+};
+
+std::string someOf(const std::vector<std::string>& names) {
+  std::string text;
+  for (size_t i = 0; i < names.size() && i < 8; ++i) text += (i > 0 ? ", " : "") + names[i];
+  return names.size() > 8 ? text + " …" : text;
+}
+
+}  // namespace
+
+BspLevel readBsp(const std::string& path) {
+  return BspConverter(path, readFile(path, kMaxLevelBytes), nullptr).convert(std::filesystem::path(path).stem().string());
+}
+
+BspLevel readBspFromArchives(const std::string& path, const std::string& map) {
+  const Pk3Archives archives(path);
+  const std::string id = lowerCase(map);
+  const std::string name = "maps/" + id + ".bsp";
+  if (id.empty() || id.find('/') != std::string::npos || !archives.has(name)) {
+    std::vector<std::string> maps;
+    for (const std::string& found : archives.names("maps/", ".bsp")) maps.push_back(found.substr(5, found.size() - 9));
+    throw InputError(path, "map \"" + map.substr(0, 80) + "\"", maps.empty() ? "archives with maps" : "one of " + someOf(maps),
+                     "none of that name");
+  }
+  const BspLooks looks(archives);
+  return BspConverter(path + ":" + id, archives.read(name, kMaxLevelBytes), &looks).convert(id);
+}
+
+}  // namespace nlg

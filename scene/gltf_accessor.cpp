@@ -1,0 +1,115 @@
+#include "scene/gltf_accessor.h"
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+int unsignedBytes(int component_type) {
+  switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return 1;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return 2;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return 4;
+    default:
+      return 0;
+  }
+}
+
+}  // namespace
+
+uint32_t readUnsigned(const unsigned char* bytes, int byte_count) {
+  uint32_t value = 0;
+  for (int i = 0; i < byte_count; ++i) value |= static_cast<uint32_t>(bytes[i]) << (8 * i);
+  return value;
+}
+
+AccessorReader::AccessorReader(const tinygltf::Model& model, int accessor_idx, const std::string& path, const std::string& place,
+                               SceneBudgets& budgets)
+    : model_(model), path_(path), place_(place) {
+  const tinygltf::Accessor& accessor = model.accessors[accessor_idx];
+  count_ = accessor.count;
+  const int component_bytes = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(accessor.componentType));
+  const int component_count = tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type));
+  if (component_bytes <= 0 || component_count <= 0) fail("a known type", std::to_string(accessor.componentType));
+  const auto element_bytes = static_cast<uint64_t>(component_bytes) * static_cast<uint64_t>(component_count);
+  if (accessor.bufferView >= 0) {
+    elements_ = checkedSpan(accessor.bufferView, accessor.byteOffset, element_bytes, count_, "elements");
+  } else {
+    // nothing in the file bounds their count
+    budgets.accessor_zeros.take(count_, path, place);
+  }
+  if (accessor.sparse.isSparse) readSparse(accessor, element_bytes, budgets);
+}
+
+void AccessorReader::fail(const std::string& expected, const std::string& got) const {
+  throw InputError(path_, place_, expected, got);
+}
+
+AccessorReader::Span AccessorReader::checkedSpan(int view_idx, uint64_t offset, uint64_t element_bytes, uint64_t count,
+                                                 const std::string& what) const {
+  if (view_idx < 0 || static_cast<size_t>(view_idx) >= model_.bufferViews.size()) fail("a buffer view", std::to_string(view_idx));
+  const tinygltf::BufferView& view = model_.bufferViews[view_idx];
+  const std::string name = "buffer view " + std::to_string(view_idx);
+  if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= model_.buffers.size())
+    fail(name + " in a buffer", std::to_string(view.buffer));
+  const std::vector<unsigned char>& data = model_.buffers[view.buffer].data;
+  if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset) {
+    fail(name + " within the buffer's " + std::to_string(data.size()) + " bytes",
+         std::to_string(view.byteLength) + " bytes at " + std::to_string(view.byteOffset));
+  }
+  const uint64_t stride = view.byteStride == 0 ? element_bytes : view.byteStride;
+  if (stride < element_bytes) fail("a stride of " + std::to_string(element_bytes) + " or more", std::to_string(stride));
+  // no sum or product below can overflow: offset and count are first bounded by what the view holds
+  const bool starts_inside = offset <= view.byteLength && element_bytes <= view.byteLength - offset;
+  const bool fits = count == 0 || (starts_inside && count - 1 <= (view.byteLength - offset - element_bytes) / stride);
+  if (!fits) {
+    fail(what + " within the " + std::to_string(view.byteLength) + " bytes of " + name,
+         std::to_string(count) + " of " + std::to_string(element_bytes) + " bytes at offset " + std::to_string(offset));
+  }
+  return {data.data() + view.byteOffset + (count == 0 ? 0 : offset), stride};
+}
+
+void AccessorReader::readSparse(const tinygltf::Accessor& accessor, uint64_t element_bytes, SceneBudgets& budgets) {
+  const auto& sparse = accessor.sparse;
+  sparse_index_bytes_ = unsignedBytes(sparse.indices.componentType);
+  if (sparse_index_bytes_ == 0) fail("sparse indices of 8, 16 or 32 bits", std::to_string(sparse.indices.componentType));
+  if (sparse.count < 0 || static_cast<uint64_t>(sparse.count) > count_) {
+    fail("at most " + std::to_string(count_) + " sparse elements", std::to_string(sparse.count));
+  }
+  sparse_count_ = static_cast<uint64_t>(sparse.count);
+  const auto offset = [](int bytes) { return static_cast<uint64_t>(bytes < 0 ? 0 : bytes); };
+  sparse_indices_ = checkedSpan(sparse.indices.bufferView, offset(sparse.indices.byteOffset),
+                                static_cast<uint64_t>(sparse_index_bytes_), sparse_count_, "sparse indices");
+  sparse_values_ =
+      checkedSpan(sparse.values.bufferView, offset(sparse.values.byteOffset), element_bytes, sparse_count_, "sparse values");
+  budgets.accessor_elements.take(sparse_count_, path_, place_);
+  for (uint64_t i = 0; i < sparse_count_; ++i) {
+    const uint64_t idx = sparseIndex(i);
+    if (idx >= count_) fail("sparse indices below " + std::to_string(count_), std::to_string(idx));
+    if (i > 0 && idx <= sparseIndex(i - 1)) fail("rising sparse indices", std::to_string(idx));
+  }
+}
+
+uint64_t AccessorReader::sparseIndex(uint64_t idx) const {
+  return readUnsigned(sparse_indices_.data + idx * sparse_indices_.stride, sparse_index_bytes_);
+}
+
+const unsigned char* AccessorReader::element(uint64_t idx) const {
+  uint64_t low = 0;
+  uint64_t high = sparse_count_;
+  while (low < high) {
+    const uint64_t middle = (low + high) / 2;
+    if (sparseIndex(middle) < idx) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  if (low < sparse_count_ && sparseIndex(low) == idx) return sparse_values_.data + low * sparse_values_.stride;
+  return elements_.data == nullptr ? nullptr : elements_.data + idx * elements_.stride;
+}
+
+}  // namespace nlg

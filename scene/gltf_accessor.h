@@ -1,0 +1,49 @@
+// Bounds-checked access to the elements of a glTF accessor.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <tiny_gltf.h>
+
+#include "scene/scene_budget.h"
+
+namespace nlg {
+
+// The elements of one accessor, still in the file's bytes. Every element below count() can be read: the constructor has checked
+// buffer view, offset, stride and length, and a sparse accessor's indices.
+class AccessorReader {
+ public:
+  // budgets   of elements: zeros and sparse values are taken from them here, whatever else is read by the caller
+  // throws    InputError at this place
+  AccessorReader(const tinygltf::Model& model, int accessor_idx, const std::string& path, const std::string& place,
+                 SceneBudgets& budgets);
+
+  uint64_t count() const { return count_; }
+  // The element's bytes; null stands for zeros, as an accessor without a buffer view holds.
+  const unsigned char* element(uint64_t idx) const;
+
+ private:
+  struct Span {
+    const unsigned char* data = nullptr;
+    uint64_t stride = 0;
+  };
+  Span checkedSpan(int view_idx, uint64_t offset, uint64_t element_bytes, uint64_t count, const std::string& what) const;
+  void readSparse(const tinygltf::Accessor& accessor, uint64_t element_bytes, SceneBudgets& budgets);
+  uint64_t sparseIndex(uint64_t idx) const;
+  [[noreturn]] void fail(const std::string& expected, const std::string& got) const;
+
+  const tinygltf::Model& model_;
+  const std::string& path_;
+  const std::string& place_;
+  uint64_t count_ = 0;
+  Span elements_;
+  Span sparse_indices_, sparse_values_;
+  uint64_t sparse_count_ = 0;
+  int sparse_index_bytes_ = 0;
+};
+
+// A little-endian unsigned integer of 1, 2 or 4 bytes.
+uint32_t readUnsigned(const unsigned char* bytes, int byte_count);
+
+}  // namespace nlg

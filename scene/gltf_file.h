@@ -1,0 +1,20 @@
+// A glTF file's model, with every file that it may open read by us.
+#pragma once
+
+#include <string>
+
+#include <tiny_gltf.h>
+
+#include "scene/scene_budget.h"
+
+namespace nlg {
+
+// Reads the file and its external buffers; images are never opened or decoded. What was packed is plain (gltf_unpack.h,
+// gltf_draco.h). Checked: the container, the JSON's grammar, types and URIs, each buffer's length. Not checked: what the numbers
+// refer to.
+//
+// bytes_left   of kMaxSceneBytes, for all that is read and unpacked
+// throws       InputError as readGltf does
+tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left);
+
+}  // namespace nlg

@@ -1,0 +1,240 @@
+#include "scene/gltf_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "scene/gltf_file.h"
+#include "scene/gltf_light.h"
+#include "scene/gltf_mesh.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr int kDeepestNode = 256;
+constexpr double kFarthest = 1e9;  // metres from the file's origin; beyond, a double no longer holds a tenth of a micrometre
+
+class GltfConverter {
+ public:
+  GltfConverter(const std::string& path, double unit_m)
+      : path_(path),
+        unit_m_(unit_m),
+        model_(loadGltfFile(path, budgets_.bytes)),
+        meshes_(model_.meshes.size()),
+        is_visited_(model_.nodes.size(), 0) {}
+
+  Scene convert() {
+    readMaterials();
+    lights_ = readGltfLights(path_, model_);
+    const glm::dmat4 metres_from_units{glm::dmat3(unit_m_)};
+    for (const int node : rootNodes()) visitNode(node, metres_from_units, 0);
+    return finish();
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& place, const std::string& expected, const std::string& got) const {
+    throw InputError(path_, place, expected, got);
+  }
+
+  void checkIndex(int idx, size_t count, const std::string& place, const std::string& what) const {
+    if (idx >= 0 && static_cast<size_t>(idx) < count) return;
+    fail(place, what + " below " + std::to_string(count), std::to_string(idx));
+  }
+
+  float checkedFactor(double value, double limit, const std::string& place) const {
+    // the tolerance is for factors that an exporter computed in float
+    if (!(value >= 0.0 && value <= limit * 1.001))
+      fail(place, "a number from 0 to " + std::to_string(limit), std::to_string(value));
+    return static_cast<float>(std::min(value, limit));
+  }
+
+  void readMaterials() {
+    for (size_t i = 0; i < model_.materials.size(); ++i) {
+      const tinygltf::Material& source = model_.materials[i];
+      const std::string place = "material " + std::to_string(i);
+      const std::vector<double>& base = source.pbrMetallicRoughness.baseColorFactor;
+      const double strength = emissiveStrength(source, place);
+      Material material;
+      for (int channel = 0; channel < 3; ++channel) {
+        material.base_color[channel] = checkedFactor(base[channel], 1.0, place + ": baseColorFactor");
+        material.emissive[channel] =
+            static_cast<float>(strength * checkedFactor(source.emissiveFactor[channel], 1.0, place + ": emissiveFactor"));
+      }
+      material.double_sided = source.doubleSided;
+      scene_.materials.push_back(material);
+    }
+  }
+
+  double emissiveStrength(const tinygltf::Material& material, const std::string& place) const {
+    const auto extension = material.extensions.find("KHR_materials_emissive_strength");
+    if (extension == material.extensions.end() || !extension->second.Has("emissiveStrength")) return 1.0;
+    return checkedFactor(extension->second.Get("emissiveStrength").GetNumberAsDouble(), 1e12, place + ": emissiveStrength");
+  }
+
+  std::vector<int> rootNodes() const {
+    if (!model_.scenes.empty()) {
+      const int scene_idx = std::max(model_.defaultScene, 0);
+      checkIndex(scene_idx, model_.scenes.size(), "scene", "a scene");
+      return model_.scenes[scene_idx].nodes;
+    }
+    std::vector<char> is_child(model_.nodes.size(), 0);
+    for (const tinygltf::Node& node : model_.nodes) {
+      for (const int child : node.children) {
+        if (child >= 0 && static_cast<size_t>(child) < is_child.size()) is_child[child] = 1;
+      }
+    }
+    std::vector<int> roots;
+    for (size_t i = 0; i < is_child.size(); ++i) {
+      if (!is_child[i]) roots.push_back(static_cast<int>(i));
+    }
+    // every node of a ring is a child: start anywhere, and the ring is found
+    if (roots.empty() && !is_child.empty()) roots.push_back(0);
+    return roots;
+  }
+
+  void visitNode(int node_idx, const glm::dmat4& world_from_parent, int depth) {
+    const std::string place = "node " + std::to_string(node_idx);
+    checkIndex(node_idx, model_.nodes.size(), place, "a node");
+    if (is_visited_[node_idx]) fail(place, "a tree of nodes", "a node that is its own ancestor or has two parents");
+    if (depth > kDeepestNode) fail(place, "nesting of at most 256 nodes", "more");
+    is_visited_[node_idx] = 1;
+    const tinygltf::Node& node = model_.nodes[node_idx];
+    const glm::dmat4 world_from_local = world_from_parent * localTransform(node, place);
+    if (node.mesh >= 0) addInstance(node, node_idx, world_from_local, place);
+    const int light = lightOfNode(path_, place, node, lights_.size());
+    if (light >= 0) addLight(lights_[light], world_from_local, place);
+    if (node.camera >= 0) addCamera(node, world_from_local, place);
+    for (const int child : node.children) visitNode(child, world_from_local, depth + 1);
+  }
+
+  // Perspective cameras: no view of a level is without perspective.
+  void addCamera(const tinygltf::Node& node, const glm::dmat4& world_from_local, const std::string& place) {
+    checkIndex(node.camera, model_.cameras.size(), place + ": camera", "a camera");
+    const tinygltf::Camera& camera = model_.cameras[node.camera];
+    if (camera.type != "perspective") return;
+    const double fov_y = camera.perspective.yfov;
+    if (!(fov_y > 0.0 && fov_y < 3.1415926))
+      fail("camera " + std::to_string(node.camera) + ": yfov", "a number between 0 and pi", std::to_string(fov_y));
+    const glm::dvec3 forward = -glm::dvec3(world_from_local[2]), right(world_from_local[0]);
+    const glm::dvec3 up = glm::cross(right, forward);
+    if (!(glm::length(forward) > 0.0 && glm::length(up) > 0.0)) fail(place + ": camera", "a node with a direction", "scale 0");
+    checkPosition(glm::dvec3(world_from_local[3]), place);
+    viewpoint_positions_.emplace_back(world_from_local[3]);
+    const std::string name = !node.name.empty() ? node.name : camera.name;
+    scene_.viewpoints.push_back(
+        {name, glm::vec3(0.0f), glm::vec3(glm::normalize(forward)), glm::vec3(glm::normalize(up)), static_cast<float>(fov_y)});
+  }
+
+  void addLight(const GltfLight& light, const glm::dmat4& world_from_local, const std::string& place) {
+    const glm::dvec3 forward = -glm::dvec3(world_from_local[2]), position(world_from_local[3]);
+    const double length = glm::length(forward);
+    if (!(length > 0.0)) fail(place + ": light", "a node with a direction", "scale 0");
+    if (light.is_sun) {
+      scene_.light.suns.push_back(sunOf(light, forward / length));
+      return;
+    }
+    checkPosition(position, place);
+    scene_.light.lamps.push_back(lampOf(light, forward / length));
+    lamp_positions_.push_back(position);
+  }
+
+  void checkPosition(const glm::dvec3& world, const std::string& place) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(std::abs(world[axis]) <= kFarthest)) fail(place, "positions within 1e9 m of the origin", std::to_string(world[axis]));
+    }
+  }
+
+  // Lengths and that there is a matrix or the other three, not both, the text has been checked for.
+  glm::dmat4 localTransform(const tinygltf::Node& node, const std::string& place) const {
+    glm::dmat4 local(1.0);
+    if (!node.matrix.empty()) {
+      for (int i = 0; i < 16; ++i) local[i / 4][i % 4] = node.matrix[i];
+      const bool is_affine = local[0][3] == 0.0 && local[1][3] == 0.0 && local[2][3] == 0.0 && local[3][3] == 1.0;
+      if (!is_affine) fail(place + ": matrix", "0 0 0 1 as its last row", "another");
+    }
+    if (!node.rotation.empty()) local = rotationMatrix(node.rotation, place);
+    for (int axis = 0; axis < 3 && !node.scale.empty(); ++axis) local[axis] *= node.scale[axis];
+    if (!node.translation.empty()) local[3] = {node.translation[0], node.translation[1], node.translation[2], 1.0};
+    return local;
+  }
+
+  glm::dmat4 rotationMatrix(const std::vector<double>& q, const std::string& place) const {
+    const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(length > 1e-6 && length < 1e6)) fail(place + ": rotation", "a unit quaternion", "length " + std::to_string(length));
+    const double x = q[0] / length;
+    const double y = q[1] / length;
+    const double z = q[2] / length;
+    const double w = q[3] / length;
+    glm::dmat4 m(1.0);
+    m[0] = {1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w), 0.0};
+    m[1] = {2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w), 0.0};
+    m[2] = {2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y), 0.0};
+    return m;
+  }
+
+  void addInstance(const tinygltf::Node& node, int node_idx, const glm::dmat4& world_from_local, const std::string& place) {
+    checkIndex(node.mesh, model_.meshes.size(), place + ": mesh", "a mesh");
+    const GltfMesh& mesh = localMesh(node.mesh);
+    triangles_left_.take(mesh.triangles.size(), path_, place);
+    if (mesh.triangles.empty()) return;
+    const std::string& mesh_name = model_.meshes[node.mesh].name;
+    const std::string name = !node.name.empty() ? node.name : !mesh_name.empty() ? mesh_name : "node " + std::to_string(node_idx);
+    scene_.objects.push_back(
+        {name, static_cast<uint32_t>(scene_.triangles.size()), static_cast<uint32_t>(mesh.triangles.size()), true});
+
+    const auto base = static_cast<uint32_t>(world_positions_.size());
+    for (const glm::vec3& p : mesh.positions) {
+      const glm::dvec3 world(world_from_local * glm::dvec4(glm::dvec3(p), 1.0));
+      checkPosition(world, place);
+      world_positions_.push_back(world);
+    }
+    const bool is_mirrored = glm::determinant(glm::dmat3(world_from_local)) < 0.0;
+    for (glm::uvec3 triangle : mesh.triangles) {
+      if (is_mirrored) std::swap(triangle.y, triangle.z);
+      scene_.triangles.push_back(triangle + base);
+    }
+    scene_.triangle_material.insert(scene_.triangle_material.end(), mesh.triangle_material.begin(), mesh.triangle_material.end());
+  }
+
+  const GltfMesh& localMesh(int mesh_idx) {
+    if (!meshes_[mesh_idx]) {
+      meshes_[mesh_idx] = readGltfMesh(model_, mesh_idx, path_, budgets_);
+      const std::vector<uint32_t>& materials = meshes_[mesh_idx]->triangle_material;
+      const bool has_none = std::find(materials.begin(), materials.end(), model_.materials.size()) != materials.end();
+      // what glTF gives to a primitive without a material
+      if (has_none) scene_.materials.resize(model_.materials.size() + 1, {glm::vec3(1.0f), glm::vec3(0.0f), false});
+    }
+    return *meshes_[mesh_idx];
+  }
+
+  Scene finish() {
+    scene_.id = std::filesystem::path(path_).stem().string();
+    finishScene(scene_, world_positions_);
+    const std::vector<glm::vec3> lamp_positions = relativeTo(scene_.origin_m, lamp_positions_);
+    for (size_t i = 0; i < lamp_positions.size(); ++i) scene_.light.lamps[i].position = lamp_positions[i];
+    const std::vector<glm::vec3> eyes = relativeTo(scene_.origin_m, viewpoint_positions_);
+    for (size_t i = 0; i < eyes.size(); ++i) scene_.viewpoints[i].position = eyes[i];
+    return std::move(scene_);
+  }
+
+  const std::string path_;
+  const double unit_m_;
+  SceneBudgets budgets_;                                   // of the file: each mesh once
+  SceneBudget triangles_left_ = SceneBudgets().triangles;  // of the scene: each instance
+  const tinygltf::Model model_;
+  std::vector<std::optional<GltfMesh>> meshes_;
+  std::vector<char> is_visited_;
+  std::vector<glm::dvec3> world_positions_;
+  std::vector<glm::dvec3> viewpoint_positions_;
+  std::vector<GltfLight> lights_;
+  std::vector<glm::dvec3> lamp_positions_;  // of the scene's lamps, world coordinates
+  Scene scene_;
+};
+
+}  // namespace
+
+Scene readGltf(const std::string& path, double unit_m) { return GltfConverter(path, unit_m).convert(); }
+
+}  // namespace nlg

@@ -1,0 +1,161 @@
+#include "scene/interiors/furniture_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace nlg {
+namespace {
+
+constexpr double kGridsPerMetre = 1024.0;  // as MeshBuilder rounds
+constexpr double kFirstCellM = 0.004, kCellGrowth = 1.3, kLargestCellShare = 1.0 / 20.0;
+
+using Cell = std::tuple<int64_t, int64_t, int64_t>;
+
+double snapped(double metres) { return std::floor(metres * kGridsPerMetre + 0.5) / kGridsPerMetre; }
+
+// Positions turned upright and stretched to the entry's box, which stands on y = 0 around the origin.
+std::vector<glm::dvec3> uprightPositions(const Scene& model, const CatalogueEntry& entry) {
+  const std::array<double, 9>& r = entry.rotation;
+  std::vector<glm::dvec3> positions;
+  glm::dvec3 low(1e30), high(-1e30);
+  for (const glm::vec3& p : model.positions) {
+    const glm::dvec3 q(p);
+    positions.emplace_back(r[0] * q.x + r[1] * q.y + r[2] * q.z, r[3] * q.x + r[4] * q.y + r[5] * q.z,
+                           r[6] * q.x + r[7] * q.y + r[8] * q.z);
+    low = glm::min(low, positions.back());
+    high = glm::max(high, positions.back());
+  }
+  for (glm::dvec3& p : positions) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double extent = high[axis] - low[axis];
+      const double share = extent > 0.0 ? (p[axis] - low[axis]) / extent : 0.5;
+      p[axis] = entry.size_m[axis] * (axis == 1 ? share : share - 0.5);
+    }
+  }
+  return positions;
+}
+
+struct Mesh {
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::uvec3> triangles;
+  std::vector<uint32_t> triangle_material;
+};
+
+// Merges the vertices of each cell at their mean; triangles without area and those that are there already are left out.
+Mesh merged(const Mesh& fine, double cell_m) {
+  Mesh mesh;
+  std::map<Cell, uint32_t> cells;
+  std::vector<uint32_t> cell_of(fine.positions.size());
+  std::vector<uint32_t> member_count;
+  for (size_t i = 0; i < fine.positions.size(); ++i) {
+    std::array<int64_t, 3> key{};
+    for (int axis = 0; axis < 3; ++axis) key[axis] = static_cast<int64_t>(std::floor(fine.positions[i][axis] / cell_m + 0.5));
+    const auto [entry, is_new] = cells.try_emplace({key[0], key[1], key[2]}, static_cast<uint32_t>(mesh.positions.size()));
+    if (is_new) {
+      mesh.positions.emplace_back(0.0);
+      member_count.push_back(0);
+    }
+    cell_of[i] = entry->second;
+    mesh.positions[entry->second] += fine.positions[i];
+    ++member_count[entry->second];
+  }
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) mesh.positions[i][axis] = snapped(mesh.positions[i][axis] / member_count[i]);
+  }
+  std::set<std::tuple<uint32_t, uint32_t, uint32_t>> known;
+  for (size_t i = 0; i < fine.triangles.size(); ++i) {
+    glm::uvec3 t(cell_of[fine.triangles[i].x], cell_of[fine.triangles[i].y], cell_of[fine.triangles[i].z]);
+    const glm::dvec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
+    const glm::dvec3 normal = glm::cross(b - a, c - a);
+    if (normal == glm::dvec3(0.0)) continue;
+    while (t.x > t.y || t.x > t.z) t = {t.y, t.z, t.x};
+    if (!known.emplace(t.x, t.y, t.z).second) continue;
+    mesh.triangles.push_back(t);
+    mesh.triangle_material.push_back(fine.triangle_material[i]);
+  }
+  return mesh;
+}
+
+// By triangle: the lowest vertex of its connected component.
+std::vector<uint32_t> componentsOf(const Mesh& mesh) {
+  std::vector<uint32_t> root(mesh.positions.size());
+  std::iota(root.begin(), root.end(), 0u);
+  const auto find = [&](uint32_t v) {
+    while (root[v] != v) v = root[v] = root[root[v]];
+    return v;
+  };
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (const uint32_t other : {t.y, t.z}) {
+      const uint32_t a = find(t.x), b = find(other);
+      root[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::vector<uint32_t> component;
+  for (const glm::uvec3& t : mesh.triangles) component.push_back(find(t.x));
+  return component;
+}
+
+// By component: whether it is closed and wound outwards.
+std::map<uint32_t, bool> outwardComponents(const Mesh& mesh, const std::vector<uint32_t>& component) {
+  std::map<std::pair<uint32_t, uint32_t>, int> surplus;  // of an edge's runs from its lower to its higher vertex
+  std::map<uint32_t, double> volume;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const glm::uvec3& t = mesh.triangles[i];
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t from = t[k], to = t[(k + 1) % 3];
+      surplus[std::minmax(from, to)] += from < to ? 1 : -1;
+    }
+    volume[component[i]] += glm::dot(mesh.positions[t.x], glm::cross(mesh.positions[t.y], mesh.positions[t.z]));
+  }
+  std::map<uint32_t, bool> is_outward;
+  for (const auto& [root, six_volumes] : volume) is_outward[root] = six_volumes > 0.0;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const glm::uvec3& t = mesh.triangles[i];
+    for (int k = 0; k < 3; ++k) {
+      if (surplus[std::minmax(t[k], t[(k + 1) % 3])] != 0) is_outward[component[i]] = false;
+    }
+  }
+  return is_outward;
+}
+
+void giveMaterials(const Scene& source, const Mesh& mesh, FurnitureModel* model) {
+  const std::vector<uint32_t> component = componentsOf(mesh);
+  const std::map<uint32_t, bool> is_outward = outwardComponents(mesh, component);
+  std::map<std::pair<uint32_t, bool>, uint32_t> copies;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const bool is_one_sided = is_outward.at(component[i]);
+    const auto [copy, is_new] =
+        copies.try_emplace({mesh.triangle_material[i], is_one_sided}, static_cast<uint32_t>(model->materials.size()));
+    if (is_new) {
+      model->materials.push_back(source.materials[mesh.triangle_material[i]]);
+      model->materials.back().double_sided = !is_one_sided;
+    }
+    model->triangle_material.push_back(copy->second);
+    model->one_sided_count += is_one_sided ? 1 : 0;
+  }
+}
+
+}  // namespace
+
+FurnitureModel fitFurnitureModel(const Scene& model, const CatalogueEntry& entry) {
+  FurnitureModel result;
+  result.source_triangle_count = static_cast<uint32_t>(model.triangles.size());
+  const Mesh raw{uprightPositions(model, entry), model.triangles, model.triangle_material};
+  Mesh mesh = merged(raw, 1.0 / kGridsPerMetre);
+  const double largest_m = kLargestCellShare * std::max({entry.size_m.x, entry.size_m.y, entry.size_m.z});
+  for (double cell_m = kFirstCellM; mesh.triangles.size() > kModelTriangleBudget && cell_m <= largest_m; cell_m *= kCellGrowth)
+    mesh = merged(mesh, cell_m);
+  if (mesh.triangles.empty() || mesh.triangles.size() > kModelTriangleBudget) return result;
+  giveMaterials(model, mesh, &result);
+  result.positions = std::move(mesh.positions);
+  result.triangles = std::move(mesh.triangles);
+  return result;
+}
+
+}  // namespace nlg

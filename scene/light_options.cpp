@@ -1,0 +1,115 @@
+#include "scene/light_options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr double kRadiansPerDegree = 0.017453292519943295;
+constexpr double kBrightest = 1e12;
+constexpr const char* kSkyForm = "r,g,b, or those of zenith, horizon and ground, each from 0 to 1e12, or 0 for none";
+constexpr const char* kSunForm = "azimuth and elevation in degrees, and r,g,b from 0 to 1e12; or 0 for none";
+
+std::vector<double> numbersOf(const std::vector<std::string>& texts, const UsageError& error) {
+  std::vector<double> numbers;
+  for (const std::string& text : texts) {
+    char* end = nullptr;
+    numbers.push_back(std::strtod(text.c_str(), &end));
+    if (text.empty() || *end != '\0' || !std::isfinite(numbers.back())) throw error;
+  }
+  return numbers;
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : ",") + text;
+  return all;
+}
+
+glm::vec3 colourFrom(const std::vector<double>& numbers, size_t first, const UsageError& error) {
+  glm::vec3 colour;
+  for (int channel = 0; channel < 3; ++channel) {
+    const double value = numbers[first + static_cast<size_t>(channel)];
+    if (!(value >= 0.0 && value <= kBrightest)) throw error;
+    colour[channel] = static_cast<float>(value);
+  }
+  return colour;
+}
+
+bool isNone(const std::vector<double>& numbers) { return numbers.size() == 1 && numbers[0] == 0.0; }
+
+Sky skyFrom(const std::vector<std::string>& texts) {
+  const UsageError error("--sky", kSkyForm, joined(texts));
+  const std::vector<double> numbers = numbersOf(texts, error);
+  if (isNone(numbers)) return {};
+  if (numbers.size() != 3 && numbers.size() != 9) throw error;
+  const size_t step = numbers.size() == 9 ? 3 : 0;
+  return {colourFrom(numbers, 0, error), colourFrom(numbers, step, error), colourFrom(numbers, 2 * step, error)};
+}
+
+// Azimuth turns from +x towards +z.
+Sun sunAt(double azimuth_degrees, double elevation_degrees, const glm::vec3& irradiance) {
+  const double turn = azimuth_degrees * kRadiansPerDegree, rise = elevation_degrees * kRadiansPerDegree;
+  Sun sun;
+  sun.to_sun = glm::normalize(glm::vec3(std::cos(turn) * std::cos(rise), std::sin(rise), std::sin(turn) * std::cos(rise)));
+  sun.irradiance = irradiance;
+  return sun;
+}
+
+std::vector<Sun> sunsFrom(const std::vector<std::string>& texts) {
+  const UsageError error("--sun", kSunForm, joined(texts));
+  const std::vector<double> numbers = numbersOf(texts, error);
+  if (isNone(numbers)) return {};
+  if (numbers.size() != 5 || std::abs(numbers[0]) > 360.0 || std::abs(numbers[1]) > 90.0) throw error;
+  return {sunAt(numbers[0], numbers[1], colourFrom(numbers, 2, error))};
+}
+
+bool isBright(const glm::vec3& colour) { return colour.r > 0.0f || colour.g > 0.0f || colour.b > 0.0f; }
+
+}  // namespace
+
+void describe(LightOptions& options, OptionTable& table) {
+  table.add("sky", &options.sky, std::string("radiance of the sky: ") + kSkyForm + "; none: the scene's own");
+  table.add("sun", &options.sun, std::string("a sun: ") + kSunForm + "; none: the scene's own");
+}
+
+bool hasLight(const Scene& scene) {
+  const SceneLight& light = scene.light;
+  if (!light.baked.empty()) return true;
+  if (isBright(light.sky.zenith) || isBright(light.sky.horizon) || isBright(light.sky.ground)) return true;
+  for (const Sun& sun : light.suns) {
+    if (isBright(sun.irradiance)) return true;
+  }
+  for (const Lamp& lamp : light.lamps) {
+    if (isBright(lamp.intensity)) return true;
+  }
+  if (std::any_of(light.sky_faces.shine.begin(), light.sky_faces.shine.end(), isBright)) return true;
+  return std::any_of(scene.triangle_material.begin(), scene.triangle_material.end(),
+                     [&](uint32_t material) { return isBright(scene.materials[material].emissive); });
+}
+
+Sky defaultSky() { return {{0.35f, 0.55f, 0.95f}, {0.80f, 0.90f, 1.00f}, {0.20f, 0.18f, 0.15f}}; }
+Sun defaultSun() { return sunAt(120.0, 50.0, {5.0f, 4.7f, 4.1f}); }
+
+std::vector<std::string> applyLight(Scene& scene, const LightOptions& options) {
+  std::vector<std::string> done;
+  if (!options.sky.empty()) {
+    scene.light.sky = skyFrom(options.sky);
+    done.push_back("sky: " + joined(options.sky));
+  }
+  if (!options.sun.empty()) {
+    scene.light.suns = sunsFrom(options.sun);
+    done.push_back("sun: " + joined(options.sun));
+  }
+  if (!done.empty() || hasLight(scene)) return done;
+  scene.light.sky = defaultSky();
+  scene.light.suns = {defaultSun()};
+  done.push_back("nothing shines in the scene: a clear sky and a sun by default (--sky, --sun)");
+  return done;
+}
+
+}  // namespace nlg

@@ -1,0 +1,42 @@
+// Reads a level from a Wavefront .obj file, through tinyobjloader.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace nlg {
+
+struct ObjLevel {
+  Scene scene;
+  std::vector<std::string> notes;  // what was not found or had to be changed, a line each
+};
+
+// Faces, polygons cut into triangles. y is up, fronts wind counter-clockwise, as programs write them by default: the format
+// itself says neither, nor what a unit is. One SceneObject for each object or group. Materials: Kd (linear) is the base
+// colour, at most 1; Ke is emission, in cd/m²; d and textures are left aside. A face without a material that was found is
+// grey, counted. Lines, points and faces of two corners are skipped; triangles of zero area are dropped and counted. A file has no sky and no lamps.
+//
+// path     the file; its material libraries must lie in its folder or below, and may be missing
+// unit_m   metres of one unit of the file, finite, above 0
+// returns  the scene; its id is the file's stem
+// throws   InputError naming file, line, expected and got, as obj_text.h says; on a library outside of the folder, positions
+//          beyond 1e9 m
+ObjLevel readObj(const std::string& path, double unit_m);
+
+// A material library that a file names.
+struct ObjLibraryFile {
+  std::string path;  // for errors
+  std::string key;   // of one library the same, by whatever name it goes: it is read once
+  std::function<std::string()> read;
+  std::string problem;  // what is noted where there is none, as "is not there"; empty where there is one
+};
+using ObjLibrary = std::function<ObjLibraryFile(const std::string& name)>;
+
+// The same of a text in memory, as of an entry of an archive; path is its name in errors.
+ObjLevel readObjText(const std::string& path, std::string_view text, double unit_m, const ObjLibrary& library);
+
+}  // namespace nlg

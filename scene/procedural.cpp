@@ -1,0 +1,55 @@
+#include "scene/procedural.h"
+
+#include <array>
+
+#include "scene/procedural/daylight.h"
+#include "scene/procedural/level.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+struct Family {
+  const char* name;
+  void (*build)(Level&);
+};
+
+constexpr uint64_t kDaylightStream = 0x6c69676874;
+
+constexpr std::array<Family, 8> kFamilies = {{{"house", buildHouse},
+                                              {"maze", buildMaze},
+                                              {"colonnade", buildColonnade},
+                                              {"stairs", buildStairs},
+                                              {"clutter", buildClutter},
+                                              {"outdoor", buildOutdoor},
+                                              {"cave", buildCave},
+                                              {"apartment", buildApartment}}};
+
+}  // namespace
+
+const std::vector<std::string>& proceduralFamilies() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const Family& family : kFamilies) list.emplace_back(family.name);
+    return list;
+  }();
+  return names;
+}
+
+Scene makeProceduralScene(const std::string& family, uint64_t seed) {
+  for (size_t i = 0; i < kFamilies.size(); ++i) {
+    if (family != kFamilies[i].name) continue;
+    Level level(mixSeed(0x6c6576656c, i, seed));
+    kFamilies[i].build(level);
+    Scene scene = level.mesh.finish(family + "-" + std::to_string(seed));
+    const Daylight daylight = drawDaylight(mixSeed(kDaylightStream, i, seed));
+    scene.light.sky = daylight.sky;
+    scene.light.suns = daylight.suns;
+    return scene;
+  }
+  std::string names;
+  for (const Family& known : kFamilies) names += std::string(names.empty() ? "" : ", ") + known.name;
+  throw UsageError("scene family", "one of " + names, family);
+}
+
+}  // namespace nlg

@@ -1,0 +1,34 @@
+// Levels from a seed: the embedded training scenes, so that the pipeline needs no file from anywhere.
+//
+// Eight families, each recognisable and each varied by its seed in extent, plan and furnishing. Walls, floors and props are
+// closed solids with outward faces (ground and cave shells included), as an engine's brushes and meshes are.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace nlg {
+
+// The families' names: house (rooms with doors and windows, one or two storeys; inner walls of 15 cm), maze (corridors), colonnade (halls, arcades),
+// stairs (flights and mezzanines), clutter (furnished interiors), outdoor (uneven ground with buildings, walls and rocks), cave,
+// apartment (a house whose outer walls are 15 cm thick, and inner ones 10 cm).
+const std::vector<std::string>& proceduralFamilies();
+
+// The scene of one family and seed; the same bits on every machine for the same arguments. Typically 10 to 30 m across, 3 to 12 m
+// high, a few hundred to some ten thousand triangles. Structure (shell, ground) is not movable; props and inner walls are.
+// Lit by lamps under the ceilings of furnished rooms, by sky and by sun (procedural/daylight.h).
+// throws   UsageError when family is not one of proceduralFamilies()
+Scene makeProceduralScene(const std::string& family, uint64_t seed);
+
+// Small scenes to look at light with; none is a family to train on. Closed solids with outward faces, as above.
+//   cornell:0     the box of that name, 2 x 2 x 2 m inside, open towards +z: red and green walls, two blocks, a lamp above
+//   two_rooms:0   two closed rooms of 4 x 2.5 x 4 m with a wall of 10 cm between, a lamp in the left (x < 0) one
+//   two_rooms:1   the same with a door between them
+const std::vector<std::string>& builtInScenes();
+// throws   UsageError on a name or seed that is not above
+Scene makeBuiltInScene(const std::string& name, uint64_t seed);
+
+}  // namespace nlg

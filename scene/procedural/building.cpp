@@ -1,0 +1,237 @@
+#include "scene/procedural/building.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nlg {
+namespace {
+
+// A box that pierces one wall of the shell, given along the wall.
+struct Hole {
+  glm::dvec3 min, max;
+};
+
+Hole holeThrough(const Building& building, Side side, double from, double to, double low, double high) {
+  const Rect& out = building.outer;
+  const Rect in = building.inner();
+  switch (side) {
+    case Side::north:
+      return {{in.x0 + from, low, out.z0}, {in.x0 + to, high, in.z0}};
+    case Side::south:
+      return {{in.x0 + from, low, in.z1}, {in.x0 + to, high, out.z1}};
+    case Side::west:
+      return {{out.x0, low, in.z0 + from}, {in.x0, high, in.z0 + to}};
+    default:
+      return {{in.x1, low, in.z0 + from}, {out.x1, high, in.z0 + to}};
+  }
+}
+
+void carveHole(Building& building, int storey, const Hole& hole, double margin_m) {
+  building.shell.carve(hole.min, hole.max);
+  building.openings.push_back({storey, Rect{hole.min.x, hole.min.z, hole.max.x, hole.max.z}.grown(margin_m)});
+}
+
+// A wall between two halves of a room, seen from above.
+struct Cut {
+  bool along_x = false;  // the wall runs along x
+  double at = 0.0;       // its middle on the other axis
+};
+
+Rect cutArea(const Rect& room, const Cut& cut, double thickness) {
+  const double half = 0.5 * thickness;
+  return cut.along_x ? Rect{room.x0, cut.at - half, room.x1, cut.at + half}
+                     : Rect{cut.at - half, room.z0, cut.at + half, room.z1};
+}
+
+class Parter {
+ public:
+  Parter(Level& level, const Building& building, int storey, const PlanOptions& options, std::vector<Rect>& keep_free)
+      : level_(level),
+        floor_m_(building.floorHeight(storey)),
+        clear_m_(building.clear_m[storey]),
+        options_(options),
+        keep_free_(keep_free) {}
+
+  void part(const Rect& room) {
+    const bool along_x = room.depth() > room.width() * level_.random.uniform(0.75, 1.33);
+    const double length = along_x ? room.depth() : room.width();
+    const double slack = length - 2.0 * options_.min_side_m - options_.wall_m;
+    if (slack < 0.0 || (level_.random.chance(options_.stop_chance) && length < 7.0)) return keep(room);
+    for (int attempt = 0; attempt < 12; ++attempt) {
+      const double offset = options_.min_side_m + 0.5 * options_.wall_m + slack * level_.random.uniform();
+      const Cut cut{along_x, (along_x ? room.z0 : room.x0) + offset};
+      const Rect area = cutArea(room, cut, options_.wall_m);
+      const bool is_free =
+          std::none_of(keep_free_.begin(), keep_free_.end(), [&](const Rect& other) { return other.grown(0.1).overlaps(area); });
+      if (is_free) return divide(room, area, along_x);
+    }
+    keep(room);
+  }
+
+  std::vector<Room> take() { return std::move(rooms_); }
+
+ private:
+  void divide(const Rect& room, const Rect& area, bool along_x) {
+    addWall(area, along_x);
+    if (along_x) {
+      part({room.x0, room.z0, room.x1, area.z0});
+      part({room.x0, area.z1, room.x1, room.z1});
+    } else {
+      part({room.x0, room.z0, area.x0, room.z1});
+      part({area.x1, room.z0, room.x1, room.z1});
+    }
+  }
+
+  void addWall(const Rect& area, bool along_x) {
+    const double length = along_x ? area.width() : area.depth();
+    const double door_width = length > 5.0 && level_.random.chance(0.25) ? level_.pick(1.4, 2.2) : level_.pick(0.8, 1.0);
+    const double door = 0.3 + (length - door_width - 0.6) * level_.random.uniform();
+    const double head = floor_m_ + std::min(2.05, clear_m_ - 0.2);
+    level_.mesh.beginObject("inner wall", options_.mobility);
+    const BrushMaterials materials(level_.palette.inner_wall);
+    BrushGrid grid;
+    grid.fill({area.x0, floor_m_, area.z0}, {area.x1, floor_m_ + clear_m_, area.z1}, materials);
+    const Rect opening = along_x ? Rect{area.x0 + door, area.z0, area.x0 + door + door_width, area.z1}
+                                 : Rect{area.x0, area.z0 + door, area.x1, area.z0 + door + door_width};
+    grid.carve({opening.x0, floor_m_, opening.z0}, {opening.x1, head, opening.z1});
+    if (length > 6.0 && level_.random.chance(0.3)) carveHatch(grid, area, along_x, door > 0.5 * length ? 0.8 : length - 2.0);
+    grid.emit(level_.mesh);
+    keep_free_.push_back(opening.grown(0.6));
+  }
+
+  // a hatch like a kitchen's: an opening above the hip
+  void carveHatch(BrushGrid& grid, const Rect& area, bool along_x, double at) {
+    const double low = floor_m_ + 1.0;
+    const double high = floor_m_ + 1.8;
+    if (along_x) {
+      grid.carve({area.x0 + at, low, area.z0}, {area.x0 + at + 1.2, high, area.z1});
+    } else {
+      grid.carve({area.x0, low, area.z0 + at}, {area.x1, high, area.z0 + at + 1.2});
+    }
+  }
+
+  void keep(const Rect& room) { rooms_.push_back({room, floor_m_, clear_m_, keep_free_}); }
+
+  Level& level_;
+  double floor_m_, clear_m_;
+  const PlanOptions& options_;
+  std::vector<Rect>& keep_free_;
+  std::vector<Room> rooms_;
+};
+
+}  // namespace
+
+double Building::floorHeight(int storey) const {
+  double height = ground_m;
+  for (int i = 0; i < storey; ++i) height += clear_m[i] + slab_m;
+  return height;
+}
+
+std::vector<Rect> Building::openingsOf(int storey) const {
+  std::vector<Rect> areas;
+  for (const Opening& opening : openings) {
+    if (opening.storey == storey) areas.push_back(opening.area);
+  }
+  return areas;
+}
+
+void addGround(Level& level, const Building& building, double margin_m) {
+  const Rect area = building.outer.grown(margin_m);
+  level.mesh.beginObject("ground", Mobility::structure);
+  addBox(level.mesh, {}, {area.x0, -1.5, area.z0}, {area.x1, -0.02, area.z1}, level.palette.ground);
+}
+
+void fillShell(Level& level, Building& building) {
+  const Rect& out = building.outer;
+  const Rect in = building.inner();
+  const int storey_count = building.storeyCount();
+  building.shell.fill({out.x0, building.base_m, out.z0}, {out.x1, building.roofHeight(), out.z1}, level.roomFaces());
+  const BrushMaterials roof(level.palette.wall, level.palette.roof, level.palette.ceiling);
+  building.shell.fill({out.x0, building.roofHeight() - building.slab_m, out.z0}, {out.x1, building.roofHeight(), out.z1}, roof);
+  for (int storey = 0; storey < storey_count; ++storey) {
+    const double floor = building.floorHeight(storey);
+    building.shell.carve({in.x0, floor, in.z0}, {in.x1, floor + building.clear_m[storey], in.z1});
+    const Rect& well = building.stairwell;
+    if (storey > 0 && well.width() > 0.0) {
+      building.shell.carve({well.x0, floor - building.slab_m, well.z0}, {well.x1, floor, well.z1});
+    }
+  }
+}
+
+double wallLength(const Building& building, Side side) {
+  const bool along_x = side == Side::north || side == Side::south;
+  return along_x ? building.inner().width() : building.inner().depth();
+}
+
+void carveWindows(Level& level, Building& building, int storey, double share) {
+  const double floor = building.floorHeight(storey);
+  const double sill = floor + level.pick(0.7, 1.0);
+  const double head = floor + std::min(level.pick(1.9, 2.3), building.clear_m[storey] - 0.25);
+  const double distance = level.pick(2.2, 3.4);
+  const double width = level.pick(0.8, std::min(1.8, distance - 0.8));
+  for (const Side side : {Side::north, Side::west, Side::south, Side::east}) {
+    const double length = wallLength(building, side);
+    const int count = static_cast<int>(length / distance);
+    for (int i = 0; i < count; ++i) {
+      if (!level.random.chance(share)) continue;
+      const double middle = length * (i + 0.5) / count;
+      carveHole(building, storey, holeThrough(building, side, middle - 0.5 * width, middle + 0.5 * width, sill, head), 0.0);
+    }
+  }
+}
+
+void carveDoor(Building& building, Side side, int storey, double along, double width, double height) {
+  const double floor = building.floorHeight(storey);
+  const double from = std::clamp(along, 0.2, wallLength(building, side) - width - 0.2);
+  carveHole(building, storey, holeThrough(building, side, from, from + width, floor, floor + height), 0.6);
+}
+
+std::vector<Room> partStorey(Level& level, const Building& building, int storey, const Rect& area, const PlanOptions& options,
+                             std::vector<Rect> keep_free) {
+  for (const Rect& opening : building.openingsOf(storey)) keep_free.push_back(opening);
+  std::vector<Rect> blocked = keep_free;
+  Parter parter(level, building, storey, options, blocked);
+  parter.part(area);
+  std::vector<Room> rooms = parter.take();
+  for (Room& room : rooms) room.keep_free = blocked;  // doors of walls that came later bound earlier rooms too
+  return rooms;
+}
+
+void addFlight(Level& level, const Placement& placement, const Flight& flight, uint32_t material) {
+  const int step_count = std::max(2, static_cast<int>(std::floor(flight.rise_m / 0.18 + 0.5)));
+  const double rise = flight.rise_m / step_count;
+  const double run = flight.run_m / step_count;
+  BrushGrid grid;
+  for (int step = 0; step < step_count; ++step) {
+    const double low = flight.is_open ? std::max(0.0, rise * (step - 1)) : 0.0;
+    grid.fill({run * step, low, -0.5 * flight.width_m}, {run * (step + 1), rise * (step + 1), 0.5 * flight.width_m}, material);
+  }
+  grid.emit(level.mesh, placement);
+}
+
+void addRailing(Level& level, const Placement& placement, double length) {
+  if (length < 0.3) return;
+  level.mesh.beginObject("railing", Mobility::movable);
+  BrushGrid grid;
+  const int post_count = std::max(1, static_cast<int>(length / 0.9));
+  for (int post = 0; post <= post_count; ++post) {
+    const double x = (length - 0.06) * post / post_count;
+    grid.fill({x, 0, -0.03}, {x + 0.06, 0.95, 0.03}, level.palette.metal);
+  }
+  grid.fill({0, 0.95, -0.04}, {length, 1.02, 0.04}, level.palette.dark_wood);
+  grid.fill({0, 0.45, -0.03}, {length, 0.5, 0.03}, level.palette.metal);
+  grid.emit(level.mesh, placement);
+}
+
+void addGable(Level& level, const Rect& area, double eaves_m, double height_m) {
+  const bool along_x = area.width() > area.depth();
+  const double half = 0.5 * (along_x ? area.depth() : area.width()) + 0.4;
+  const double reach = 0.5 * (along_x ? area.width() : area.depth()) + 0.3;
+  const glm::dvec2 middle = area.middle();
+  const Placement placement{{middle.x, eaves_m, middle.y}, turnByDegrees(along_x ? 90.0 : 0.0)};
+  level.mesh.beginObject("roof", Mobility::structure);
+  const std::vector<ProfilePoint> profile = {{-half, 0.0, 0.12}, {0.0, 0.0, height_m}, {half, 0.0, 0.12}};
+  addProfile(level.mesh, placement, profile, -reach, reach, level.palette.roof);
+}
+
+}  // namespace nlg

@@ -1,0 +1,72 @@
+// A building: an outer shell with storeys, windows and doors as one closed solid, and inner walls that part it into rooms.
+#pragma once
+
+#include <vector>
+
+#include "scene/procedural/furnishing.h"
+#include "scene/procedural/level.h"
+
+namespace nlg {
+
+// A window or door seen from above; a door with the room to walk through it.
+struct Opening {
+  int storey = 0;
+  Rect area;
+};
+
+struct Building {
+  Rect outer;             // the shell's outside
+  double base_m = -0.5;   // how deep its foundation reaches
+  double ground_m = 0.0;  // height of the lowest floor
+  double wall_m = 0.3, slab_m = 0.2;
+  std::vector<double> clear_m;    // clear height of each storey, lowest first
+  Rect stairwell;                 // opening in the slabs between storeys; empty when there is one storey
+  std::vector<Opening> openings;  // windows and doors so far; neither walls nor furniture stand in them
+  BrushGrid shell;
+
+  Rect inner() const { return outer.grown(-wall_m); }
+  double floorHeight(int storey) const;
+  double roofHeight() const { return floorHeight(static_cast<int>(clear_m.size())); }
+  std::vector<Rect> openingsOf(int storey) const;
+  int storeyCount() const { return static_cast<int>(clear_m.size()); }
+};
+
+// A slab of ground under and around the building, its top at y = -0.02.
+void addGround(Level& level, const Building& building, double margin_m);
+
+// The outside and the rooms' air, without openings yet.
+void fillShell(Level& level, Building& building);
+
+// Carves windows with sills at regular distances into a storey's four walls; some stay closed.
+void carveWindows(Level& level, Building& building, int storey, double share);
+
+enum class Side { north, west, south, east };  // -z, -x, +z, +x
+// Carves a door 2 m high (or as given) at this distance along the wall.
+void carveDoor(Building& building, Side side, int storey, double along, double width, double height = 2.05);
+// Length of a wall's inside.
+double wallLength(const Building& building, Side side);
+
+// Parts a storey into rooms by inner walls with doors and returns the rooms; walls avoid doors, windows and reserved places.
+struct PlanOptions {
+  double min_side_m = 2.6;
+  double stop_chance = 0.1;  // that a room is left large though it could be parted
+  double wall_m = 0.15;
+  Mobility mobility = Mobility::movable;
+};
+std::vector<Room> partStorey(Level& level, const Building& building, int storey, const Rect& area, const PlanOptions& options,
+                             std::vector<Rect> keep_free);
+
+// A straight flight of steps along +x of the placement, one closed solid on the ground or, where open, with free space below.
+struct Flight {
+  double rise_m = 2.8, run_m = 4.0, width_m = 1.0;
+  bool is_open = false;
+};
+void addFlight(Level& level, const Placement& placement, const Flight& flight, uint32_t material);
+
+// Posts and a handrail along +x of the placement.
+void addRailing(Level& level, const Placement& placement, double length);
+
+// A gable roof over the rectangle, closed, its ridge along the longer side.
+void addGable(Level& level, const Rect& area, double eaves_m, double height_m);
+
+}  // namespace nlg

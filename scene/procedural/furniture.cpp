@@ -1,0 +1,203 @@
+#include "scene/procedural/furniture.h"
+
+#include <algorithm>
+
+namespace nlg {
+namespace {
+
+constexpr double kLeg = 0.07;
+
+// Four legs under a rectangle around the origin.
+void fillLegs(BrushGrid& grid, double width, double depth, double height, uint32_t material) {
+  for (const double x : {-0.5 * width, 0.5 * width - kLeg}) {
+    for (const double z : {-0.5 * depth, 0.5 * depth - kLeg}) grid.fill({x, 0, z}, {x + kLeg, height, z + kLeg}, material);
+  }
+}
+
+}  // namespace
+
+void addBed(Level& level, const Placement& placement, double width, double length) {
+  const Palette& palette = level.palette;
+  level.mesh.beginObject("bed", Mobility::movable);
+  BrushGrid grid;
+  fillLegs(grid, width, length, 0.25, palette.dark_wood);
+  grid.fill({-0.5 * width, 0.2, -0.5 * length}, {0.5 * width, 0.32, 0.5 * length}, palette.dark_wood);
+  grid.fill({-0.5 * width, 0.2, -0.5 * length}, {0.5 * width, level.pick(0.8, 1.1), -0.5 * length + 0.07}, palette.dark_wood);
+  grid.fill({-0.5 * width + 0.05, 0.32, -0.5 * length + 0.07}, {0.5 * width - 0.05, 0.5, 0.5 * length - 0.05}, palette.cloth);
+  grid.fill({-0.4 * width, 0.5, -0.5 * length + 0.1}, {0.4 * width, 0.6, -0.5 * length + 0.5}, palette.ceiling);
+  grid.emit(level.mesh, placement);
+}
+
+void addSofa(Level& level, const Placement& placement, double width, double depth) {
+  level.mesh.beginObject("sofa", Mobility::movable);
+  const double x = 0.5 * width;
+  const double z = 0.5 * depth;
+  BrushGrid grid;
+  fillLegs(grid, width, depth, 0.12, level.palette.dark_wood);
+  grid.fill({-x, 0.1, -z}, {x, 0.42, z}, level.palette.cloth);
+  grid.fill({-x, 0.1, -z}, {x, 0.85, -z + 0.2}, level.palette.cloth);
+  grid.fill({-x, 0.1, -z}, {-x + 0.18, 0.62, z}, level.palette.cloth);
+  grid.fill({x - 0.18, 0.1, -z}, {x, 0.62, z}, level.palette.cloth);
+  grid.emit(level.mesh, placement);
+}
+
+void addCupboard(Level& level, const Placement& placement, double width, double depth, double height) {
+  level.mesh.beginObject("cupboard", Mobility::movable);
+  const double x = 0.5 * width;
+  const double z = 0.5 * depth;
+  BrushGrid grid;
+  grid.fill({-x + 0.05, 0, -z}, {x - 0.05, 0.1, z - 0.05}, level.palette.dark_wood);
+  grid.fill({-x, 0.1, -z}, {x, height, z}, level.palette.wood);
+  grid.carve({-0.02, 0.15, z - 0.05}, {0.02, height - 0.1, z});
+  grid.emit(level.mesh, placement);
+}
+
+void addMachine(Level& level, const Placement& placement, double width, double depth, double height) {
+  level.mesh.beginObject("machine", Mobility::movable);
+  const double x = 0.5 * width;
+  const double z = 0.5 * depth;
+  BrushGrid grid;
+  grid.fill({-x, 0, -z}, {x, 0.15, z}, level.palette.dark_wood);
+  grid.fill({-x + 0.1, 0.15, -z}, {x - 0.1, height, z - 0.15}, level.palette.metal);
+  grid.fill({-x + 0.1, 0.15, -z}, {x - 0.1, 0.6 * height, z}, level.palette.metal);
+  grid.carve({-x + 0.25, 0.35 * height, z - 0.4}, {0.1 * x, 0.5 * height, z});
+  grid.emit(level.mesh, placement);
+  const double pipe_radius = level.pick(0.1, 0.2);
+  Placement chimney = placement;
+  chimney.position = placement.apply({0.3 * width, height, -0.2 * depth});
+  addLathe(level.mesh, chimney, {{-0.05, pipe_radius}, {0.6, pipe_radius}}, 8, level.palette.metal);
+}
+
+void addDiningGroup(Level& level, const Placement& placement, double width, double depth) {
+  addTable(level, placement, width, depth, level.pick(0.7, 0.8));
+  for (const double side : {-1.0, 1.0}) {
+    const int chair_count = std::max(1, static_cast<int>(width / 0.75));
+    for (int i = 0; i < chair_count; ++i) {
+      if (level.random.chance(0.15)) continue;
+      const double x = width * ((i + 0.5) / chair_count - 0.5);
+      Placement chair = placement;
+      chair.position = placement.apply({x, 0, side * (0.5 * depth + 0.2)});
+      const Turn facing = turnByDegrees(side > 0 ? 180.0 : 0.0);
+      const Turn& t = placement.turn;
+      chair.turn = {t.cosine * facing.cosine - t.sine * facing.sine, t.sine * facing.cosine + t.cosine * facing.sine};
+      addChair(level, chair);
+    }
+  }
+}
+
+void addTable(Level& level, const Placement& placement, double width, double depth, double height) {
+  level.mesh.beginObject("table", Mobility::movable);
+  BrushGrid grid;
+  fillLegs(grid, width - 0.1, depth - 0.1, height, level.palette.wood);
+  grid.fill({-0.5 * width, height - 0.06, -0.5 * depth}, {0.5 * width, height, 0.5 * depth}, level.palette.wood);
+  grid.emit(level.mesh, placement);
+}
+
+void addChair(Level& level, const Placement& placement) {
+  level.mesh.beginObject("chair", Mobility::movable);
+  BrushGrid grid;
+  fillLegs(grid, 0.42, 0.42, 0.45, level.palette.dark_wood);
+  grid.fill({-0.22, 0.42, -0.22}, {0.22, 0.48, 0.22}, level.palette.dark_wood);
+  grid.fill({-0.21, 0.48, -0.21}, {0.21, 0.95, -0.15}, level.palette.dark_wood);
+  grid.carve({-0.14, 0.55, -0.21}, {0.14, 0.78, -0.15});
+  grid.emit(level.mesh, placement);
+}
+
+void addShelf(Level& level, const Placement& placement, double width, double depth, double height) {
+  const Palette& palette = level.palette;
+  level.mesh.beginObject("shelf", Mobility::movable);
+  const double x = 0.5 * width;
+  const double z = 0.5 * depth;
+  const int board_count = std::max(2, static_cast<int>(height / 0.42));
+  BrushGrid grid;
+  grid.fill({-x, 0, -z}, {-x + 0.05, height, z}, palette.wood);
+  grid.fill({x - 0.05, 0, -z}, {x, height, z}, palette.wood);
+  if (level.random.chance(0.6)) grid.fill({-x, 0, -z}, {x, height, -z + 0.05}, palette.wood);
+  for (int board = 0; board <= board_count; ++board) {
+    const double y = 0.05 + (height - 0.1) * board / board_count;
+    grid.fill({-x, y, -z}, {x, y + 0.05, z}, palette.wood);
+    if (board == board_count || level.random.chance(0.3)) continue;
+    // one block of books or boxes a board: what casts shadows, not what is read
+    const double from = level.random.uniform(-x + 0.1, 0.0);
+    const double to = std::min(x - 0.1, from + level.random.uniform(0.2, width));
+    const double block_height = 0.6 * (height - 0.1) / board_count;
+    grid.fill({from, y + 0.05, -z + 0.05}, {to, y + 0.05 + block_height, z - 0.06}, palette.cloth);
+  }
+  grid.emit(level.mesh, placement);
+}
+
+void addCrate(Level& level, const Placement& placement, double side_m) {
+  level.mesh.beginObject("crate", Mobility::movable);
+  const double half = 0.5 * side_m;
+  BrushGrid grid;
+  grid.fill({-half, 0, -half}, {half, side_m, half}, level.palette.wood);
+  if (level.random.chance(0.3)) grid.carve({-half + 0.06, 0.1, -half + 0.06}, {half - 0.06, side_m, half - 0.06});
+  grid.emit(level.mesh, placement);
+}
+
+void addCratePile(Level& level, const Placement& placement, int count) {
+  double x = -0.5 * count * 0.5;
+  double stack_m = 0.0;
+  for (int i = 0; i < count; ++i) {
+    const double side = level.pick(0.5, 0.85);
+    const bool on_top = stack_m > 0.0 && stack_m < 1.2 && level.random.chance(0.5);
+    if (!on_top) {
+      x += 0.95;
+      stack_m = 0.0;
+    }
+    Placement crate = placement;
+    crate.position = placement.apply({x - 0.95, stack_m, level.random.uniform(-0.1, 0.1)});
+    crate.turn = turnByDegrees(level.random.uniform(-25.0, 25.0));
+    addCrate(level, crate, side);
+    stack_m += side;
+  }
+}
+
+void addBarrel(Level& level, const Placement& placement, double height) {
+  level.mesh.beginObject("barrel", Mobility::movable);
+  const double radius = level.pick(0.25, 0.35);
+  const int side_count = level.pickCount(8, 12);
+  addLathe(level.mesh, placement, {{0, 0.85 * radius}, {0.5 * height, radius}, {height, 0.85 * radius}}, side_count,
+           level.random.chance(0.5) ? level.palette.metal : level.palette.wood);
+}
+
+void addCeilingLamp(Level& level, const Placement& placement) {
+  level.mesh.beginObject("lamp", Mobility::movable);
+  BrushGrid grid;
+  const double drop = level.pick(0.1, 0.6);
+  grid.fill({-0.03, -drop, -0.03}, {0.03, 0, 0.03}, level.palette.metal);
+  const glm::dvec2 half{level.pick(0.15, 0.6), level.pick(0.15, 0.25)};
+  grid.fill({-half.x, -drop - 0.08, -half.y}, {half.x, -drop, half.y},
+            BrushMaterials(level.palette.metal, level.palette.metal, level.palette.lamp));
+  grid.emit(level.mesh, placement);
+}
+
+void addPipe(Level& level, const Placement& placement, double length, double radius) {
+  level.mesh.beginObject("pipe", Mobility::movable);
+  std::vector<Ring> rings = {{0, radius}};
+  const int clamp_count = static_cast<int>(length / 2.5);
+  for (int i = 1; i <= clamp_count; ++i) {
+    const double y = length * i / (clamp_count + 1.0);
+    for (const Ring& ring : {Ring{y - 0.06, radius}, {y - 0.06, 1.35 * radius}, {y + 0.06, 1.35 * radius}, {y + 0.06, radius}}) {
+      rings.push_back(ring);
+    }
+  }
+  rings.push_back({length, radius});
+  Placement laid = placement;
+  laid.axis = Axis::along_x;
+  addLathe(level.mesh, laid, rings, 8, level.palette.metal);
+}
+
+void addTree(Level& level, const glm::dvec3& foot) {
+  const double height = level.pick(2.0, 4.0);
+  const double radius = level.pick(0.12, 0.25);
+  level.mesh.beginObject("trunk", Mobility::movable);
+  addLathe(level.mesh, {{foot.x, foot.y - 0.3, foot.z}, {}}, {{0, 1.4 * radius}, {0.6, radius}, {height, 0.6 * radius}}, 7,
+           level.palette.dark_wood);
+  const double crown = level.pick(0.8, 1.6);
+  level.mesh.beginObject("crown", Mobility::movable);
+  addRock(level.mesh, {{foot.x, foot.y + height + 0.3 * crown, foot.z}, {}}, {crown, 0.9 * crown, crown}, level.random.next(),
+          level.palette.leaf);
+}
+
+}  // namespace nlg

@@ -1,0 +1,28 @@
+// Furniture and props, each one movable object.
+#pragma once
+
+#include "scene/procedural/level.h"
+
+namespace nlg {
+
+// The placement is the middle of the foot, local +z the front.
+void addTable(Level& level, const Placement& placement, double width, double depth, double height);
+void addBed(Level& level, const Placement& placement, double width, double length);
+void addSofa(Level& level, const Placement& placement, double width, double depth);
+void addCupboard(Level& level, const Placement& placement, double width, double depth, double height);
+void addMachine(Level& level, const Placement& placement, double width, double depth, double height);
+// A table with chairs around it, all facing it.
+void addDiningGroup(Level& level, const Placement& placement, double width, double depth);
+void addChair(Level& level, const Placement& placement);
+void addShelf(Level& level, const Placement& placement, double width, double depth, double height);
+void addCrate(Level& level, const Placement& placement, double side_m);
+void addCratePile(Level& level, const Placement& placement, int count);
+void addBarrel(Level& level, const Placement& placement, double height);
+// A lamp under the ceiling: the placement is the point on the ceiling.
+void addCeilingLamp(Level& level, const Placement& placement);
+// A pipe from one point, running along the placement's local x, with clamps.
+void addPipe(Level& level, const Placement& placement, double length, double radius);
+// A tree of 3 to 6 m: trunk and crown.
+void addTree(Level& level, const glm::dvec3& foot);
+
+}  // namespace nlg

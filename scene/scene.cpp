@@ -1,0 +1,278 @@
+#include "scene/scene.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <numeric>
+#include <type_traits>
+
+#include "tool/atomic_file.h"
+
+namespace nlg {
+namespace {
+
+void grow(Bounds& bounds, const glm::vec3& p, bool is_first) {
+  bounds.min = is_first ? p : glm::min(bounds.min, p);
+  bounds.max = is_first ? p : glm::max(bounds.max, p);
+}
+
+Bounds geometryBounds(const Scene& scene) {
+  Bounds bounds;
+  for (size_t i = 0; i < scene.positions.size(); ++i) grow(bounds, scene.positions[i], i == 0);
+  return bounds;
+}
+
+float largestSide(const Bounds& bounds) {
+  const glm::vec3 size = bounds.max - bounds.min;
+  return std::max({size.x, size.y, size.z});
+}
+
+uint32_t findRoot(std::vector<uint32_t>& parent, uint32_t vertex) {
+  while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
+  return vertex;
+}
+
+// For every vertex the first one with the same position, bit for bit.
+std::vector<uint32_t> weldedVertices(const std::vector<glm::vec3>& positions) {
+  const auto bits = [&](uint32_t vertex) {
+    const glm::vec3& p = positions[vertex];
+    return std::array{std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)};
+  };
+  std::vector<uint32_t> order(positions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return bits(a) < bits(b); });
+  std::vector<uint32_t> welded(positions.size());
+  for (size_t i = 0; i < order.size(); ++i) {
+    const bool is_same = i > 0 && bits(order[i]) == bits(order[i - 1]);
+    welded[order[i]] = is_same ? welded[order[i - 1]] : order[i];
+  }
+  return welded;
+}
+
+bool isFlat(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  return normal.x == 0.0 && normal.y == 0.0 && normal.z == 0.0;
+}
+
+void dropFlatTriangles(Scene& scene) {
+  std::vector<SceneObject> objects;
+  std::vector<int32_t>& pages = scene.light.baked.triangle_page;
+  uint32_t kept = 0;
+  for (SceneObject object : scene.objects) {
+    const uint32_t end = object.first_triangle + object.triangle_count;
+    const uint32_t first_kept = kept;
+    for (uint32_t i = object.first_triangle; i < end; ++i) {
+      const glm::uvec3 t = scene.triangles[i];
+      if (isFlat(scene.positions[t.x], scene.positions[t.y], scene.positions[t.z])) continue;
+      scene.triangles[kept] = t;
+      if (!pages.empty()) pages[kept] = pages[i];
+      scene.triangle_material[kept++] = scene.triangle_material[i];
+    }
+    object.first_triangle = first_kept;
+    object.triangle_count = kept - first_kept;
+    if (object.triangle_count > 0) objects.push_back(object);
+  }
+  scene.dropped_triangle_count = static_cast<uint32_t>(scene.triangles.size()) - kept;
+  scene.triangles.resize(kept);
+  scene.triangle_material.resize(kept);
+  if (!pages.empty()) pages.resize(kept);
+  scene.objects = std::move(objects);
+}
+
+class HashedBytes {
+ public:
+  template <class Value>
+  void add(const Value& value) {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(Value));
+  }
+  template <class Value>
+  void addAll(const std::vector<Value>& values) {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
+  }
+  template <class Value>
+  void addCounted(const std::vector<Value>& values) {
+    add<uint64_t>(values.size());
+    addAll(values);
+  }
+  void addText(const std::string& text) { bytes_ += text; }
+  std::string hash() const { return sha256(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+// Sorts triangles of one object by component, components by their first triangle, and appends an object for each.
+class ComponentSplitter {
+ public:
+  explicit ComponentSplitter(Scene& scene)
+      : scene_(scene), welded_(weldedVertices(scene.positions)), parent_(welded_), first_seen_(welded_.size(), kNone) {
+    triangles_.reserve(scene.triangles.size());
+    materials_.reserve(scene.triangles.size());
+  }
+
+  void keep(const SceneObject& object) {
+    objects_.push_back(object);
+    for (uint32_t i = 0; i < object.triangle_count; ++i) append(object.first_triangle + i);
+  }
+
+  void split(const SceneObject& object) {
+    const uint32_t end = object.first_triangle + object.triangle_count;
+    for (uint32_t t = object.first_triangle; t < end; ++t) join(scene_.triangles[t]);
+
+    // counting sort by component
+    std::vector<uint32_t> component(object.triangle_count);
+    std::vector<uint32_t> counts;
+    for (uint32_t t = object.first_triangle; t < end; ++t) {
+      const uint32_t root = findRoot(parent_, welded_[scene_.triangles[t].x]);
+      if (first_seen_[root] == kNone) {
+        first_seen_[root] = static_cast<uint32_t>(counts.size());
+        counts.push_back(0);
+      }
+      ++counts[component[t - object.first_triangle] = first_seen_[root]];
+    }
+    std::vector<uint32_t> offsets(counts.size(), 0);
+    for (size_t c = 1; c < counts.size(); ++c) offsets[c] = offsets[c - 1] + counts[c - 1];
+    for (size_t c = 0; c < counts.size(); ++c) {
+      const std::string name = counts.size() == 1 ? object.name : object.name + "/" + std::to_string(c);
+      objects_.push_back({name, static_cast<uint32_t>(triangles_.size()) + offsets[c], counts[c], true});
+    }
+    std::vector<uint32_t> order(object.triangle_count);
+    for (uint32_t i = 0; i < object.triangle_count; ++i) order[offsets[component[i]]++] = object.first_triangle + i;
+    for (const uint32_t t : order) append(t);
+    for (uint32_t t = object.first_triangle; t < end; ++t) release(scene_.triangles[t]);
+  }
+
+  void finish() {
+    scene_.triangles = std::move(triangles_);
+    scene_.triangle_material = std::move(materials_);
+    scene_.light.baked.triangle_page = std::move(pages_);
+    scene_.objects = std::move(objects_);
+  }
+
+ private:
+  static constexpr uint32_t kNone = ~0u;
+
+  void append(uint32_t triangle) {
+    triangles_.push_back(scene_.triangles[triangle]);
+    materials_.push_back(scene_.triangle_material[triangle]);
+    const std::vector<int32_t>& pages = scene_.light.baked.triangle_page;
+    if (!pages.empty()) pages_.push_back(pages[triangle]);
+  }
+
+  void join(const glm::uvec3& triangle) {
+    for (int corner = 1; corner < 3; ++corner) {
+      const uint32_t a = findRoot(parent_, welded_[triangle[0]]);
+      const uint32_t b = findRoot(parent_, welded_[triangle[corner]]);
+      parent_[std::max(a, b)] = std::min(a, b);
+    }
+  }
+
+  // objects that only touch each other stay apart: the next object starts with every vertex by itself
+  void release(const glm::uvec3& triangle) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const uint32_t vertex = welded_[triangle[corner]];
+      parent_[vertex] = vertex;
+      first_seen_[vertex] = kNone;
+    }
+  }
+
+  Scene& scene_;
+  std::vector<uint32_t> welded_, parent_, first_seen_;
+  std::vector<glm::uvec3> triangles_;
+  std::vector<uint32_t> materials_;
+  std::vector<int32_t> pages_;  // of baked light
+  std::vector<SceneObject> objects_;
+};
+
+}  // namespace
+
+Bounds objectBounds(const Scene& scene, const SceneObject& object) {
+  Bounds bounds;
+  for (uint32_t i = 0; i < object.triangle_count; ++i) {
+    const glm::uvec3& triangle = scene.triangles[object.first_triangle + i];
+    for (int corner = 0; corner < 3; ++corner) grow(bounds, scene.positions[triangle[corner]], i == 0 && corner == 0);
+  }
+  return bounds;
+}
+
+Bounds sceneBounds(const Scene& scene) {
+  Bounds bounds = geometryBounds(scene);
+  const std::vector<glm::vec3>& sky = scene.light.sky_faces.positions;
+  for (size_t i = 0; i < sky.size(); ++i) grow(bounds, sky[i], i == 0 && scene.positions.empty());
+  return bounds;
+}
+
+void finishScene(Scene& scene, const std::vector<glm::dvec3>& world_positions_m) {
+  if (!world_positions_m.empty()) {
+    glm::dvec3 low = world_positions_m[0];
+    glm::dvec3 high = low;
+    for (const glm::dvec3& p : world_positions_m) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    scene.origin_m = glm::round(0.5 * (low + high));
+  }
+  scene.positions = relativeTo(scene.origin_m, world_positions_m);
+  dropFlatTriangles(scene);
+}
+
+std::vector<glm::vec3> relativeTo(const glm::dvec3& origin_m, const std::vector<glm::dvec3>& world_positions_m) {
+  std::vector<glm::vec3> positions;
+  positions.reserve(world_positions_m.size());
+  for (const glm::dvec3& p : world_positions_m) positions.emplace_back(p - origin_m);
+  return positions;
+}
+
+std::string sceneSha256(const Scene& scene) {
+  HashedBytes bytes;
+  bytes.add(scene.origin_m);
+  bytes.addAll(scene.positions);
+  bytes.addAll(scene.triangles);
+  for (const uint32_t material : scene.triangle_material) bytes.add<char>(scene.materials[material].double_sided ? 1 : 0);
+  for (const SceneObject& object : scene.objects) {
+    bytes.add(object.first_triangle);
+    bytes.add(object.triangle_count);
+    bytes.add<char>(object.movable ? 1 : 0);
+  }
+  return bytes.hash();
+}
+
+std::string sceneLightSha256(const Scene& scene) {
+  HashedBytes bytes;
+  bytes.addText(sceneSha256(scene));
+  for (const uint32_t material : scene.triangle_material) {
+    bytes.add(scene.materials[material].base_color);
+    bytes.add(scene.materials[material].emissive);
+  }
+  const SceneLight& light = scene.light;
+  bytes.add(light.sky);
+  bytes.addCounted(light.lamps);
+  bytes.addCounted(light.suns);
+  bytes.addCounted(light.sky_faces.positions);
+  bytes.addCounted(light.sky_faces.triangles);
+  bytes.addCounted(light.sky_faces.shine);
+  bytes.add(light.baked.page_side);
+  bytes.addCounted(light.baked.texels);
+  bytes.addCounted(light.baked.triangle_page);
+  bytes.addCounted(light.baked.vertex_place);
+  bytes.addCounted(light.baked.vertex_light);
+  return bytes.hash();
+}
+
+void splitConnectedComponents(Scene& scene, double structure_share) {
+  const double limit = structure_share * largestSide(geometryBounds(scene));
+  ComponentSplitter splitter(scene);
+  for (const SceneObject& object : scene.objects) {
+    if (object.movable) {
+      splitter.split(object);
+    } else {
+      splitter.keep(object);
+    }
+  }
+  splitter.finish();
+  for (SceneObject& object : scene.objects) object.movable = object.movable && largestSide(objectBounds(scene, object)) <= limit;
+}
+
+}  // namespace nlg

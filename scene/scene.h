@@ -1,0 +1,84 @@
+// A scene: triangles in metres, and the objects that jitter may move.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "scene/scene_light.h"
+
+namespace nlg {
+
+struct Material {
+  glm::vec3 base_color{0.5f};  // linear, 0..1
+  glm::vec3 emissive{0.0f};    // radiance of its front (of both sides when double_sided), linear, >= 0
+  bool double_sided = false;   // faces of it are no evidence of solid: see docs/theory/visibility.md
+};
+
+// What jitter moves as one: a glTF node with a mesh, a connected component of one, or a part that the generator names.
+// The triangles of an object are contiguous.
+struct SceneObject {
+  std::string name;
+  uint32_t first_triangle = 0;
+  uint32_t triangle_count = 0;
+  bool movable = true;  // false: structure (ground, the level's shell), which jitter leaves where it is
+};
+
+// From where the scene's own authors look at it: a camera of a glTF file, a place where players of a Quake III level begin.
+struct Viewpoint {
+  std::string name;                                            // as the file has it
+  glm::vec3 position{0.0f};                                    // relative to the scene's origin
+  glm::vec3 forward{0.0f, 0.0f, -1.0f}, up{0.0f, 1.0f, 0.0f};  // unit, at a right angle
+  float fov_y = 0.0f;  // radians from the lower to the upper edge; 0: no camera, only a place
+};
+
+// Right-handed, y up, metres. Front faces wind counter-clockwise; a mirrored node's faces have been turned to do so.
+// Positions are relative to origin_m, which stands near the middle of the scene, so that a scene 100 km from the world's
+// origin loses no precision: world position = origin_m + position.
+struct Scene {
+  std::string id;
+  glm::dvec3 origin_m{0.0};
+  std::vector<glm::vec3> positions;         // V, metres, finite
+  std::vector<glm::uvec3> triangles;        // T, indices into positions
+  std::vector<uint32_t> triangle_material;  // T, indices into materials
+  std::vector<Material> materials;          // at least one when there are triangles
+  std::vector<SceneObject> objects;         // cover all triangles, in order, without gaps
+  uint32_t dropped_triangle_count = 0;      // triangles of zero area that the source held
+  SceneLight light;
+  std::vector<Viewpoint> viewpoints;  // in the file's order
+};
+
+struct Bounds {
+  glm::vec3 min{0.0f};
+  glm::vec3 max{0.0f};
+};
+
+// Axis-aligned box around all vertices of an object, or of the scene with its sky's faces; zeros when there are none.
+Bounds objectBounds(const Scene& scene, const SceneObject& object);
+Bounds sceneBounds(const Scene& scene);
+
+// SHA-256 of what weighting functions can depend on, as it was read from whatever files: positions, triangles, which of them are
+// double-sided, objects, and the origin. Neither colours nor light count.
+std::string sceneSha256(const Scene& scene);
+// SHA-256 of what light can depend on: all of that, colours, emission and the scene's light. The Quake III grid, which lights
+// nothing here, does not count.
+std::string sceneLightSha256(const Scene& scene);
+
+// Splits every object into its connected components: triangles that share a vertex position bit for bit. Triangle order within
+// a component stays. A component whose largest side exceeds structure_share of the scene's largest side becomes not movable.
+// An object that is not movable already stays whole.
+void splitConnectedComponents(Scene& scene, double structure_share);
+
+// Ends the reading of a file: moves the origin to the middle of the positions, on whole metres, and drops triangles of zero area,
+// counted in dropped_triangle_count, and objects that have no other. What the scene's light says of triangles stays in step with
+// them here and above; places of its own are still to be moved to the origin (relativeTo).
+//
+// scene               all but origin and positions
+// world_positions_m   V, finite
+void finishScene(Scene& scene, const std::vector<glm::dvec3>& world_positions_m);
+
+std::vector<glm::vec3> relativeTo(const glm::dvec3& origin_m, const std::vector<glm::dvec3>& world_positions_m);
+
+}  // namespace nlg

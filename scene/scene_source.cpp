@@ -1,0 +1,171 @@
+#include "scene/scene_source.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "scene/bsp_reader.h"
+#include "scene/gltf_reader.h"
+#include "scene/interiors/interiors.h"
+#include "scene/obj_reader.h"
+#include "scene/pk3_archive.h"
+#include "scene/procedural.h"
+#include "scene/scene_budget.h"
+#include "scene/scene_size.h"
+#include "tool/error.h"
+#include "tool/printable.h"
+
+namespace nlg {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Where PATH:MAP has its colon; npos when the request names a file.
+size_t archiveColon(const std::string& request) {
+  const size_t colon = request.rfind(':');
+  std::error_code error;
+  if (colon == std::string::npos || fs::is_regular_file(request, error)) return std::string::npos;
+  const std::string path = request.substr(0, colon);
+  const bool is_archive = lowerCase(fs::path(path).extension().string()) == ".pk3" || fs::is_directory(path, error);
+  return is_archive ? colon : std::string::npos;
+}
+
+SceneSource sourceOf(BspLevel level) {
+  SceneSource source;
+  source.id = level.scene.id;
+  source.scene = std::move(level.scene);
+  source.sha256 = sceneSha256(source.scene);
+  source.dropped_faces = std::move(level.dropped_faces);
+  source.materials_without_texture = level.materials_without_texture;
+  source.light_notes = std::move(level.light_notes);
+  return source;
+}
+
+// form   the request's, for the error
+uint64_t seedOf(const std::string& number, const std::string& form) {
+  if (number.empty() || number.size() > 18 || number.find_first_not_of("0123456789") != std::string::npos)
+    throw UsageError("scene", form + " with a decimal seed", "'" + number + "'");
+  return std::stoull(number);
+}
+
+// A request of PATH:PLAN:SEED for an interior.
+struct InteriorRequest {
+  std::string path, plan, seed;
+};
+
+// False when the request names something else: interiors are of .sh3f files, or of folders with a plan's name behind.
+bool readInterior(const std::string& request, InteriorRequest* found) {
+  const size_t last = request.rfind(':');
+  const size_t first = last == std::string::npos || last == 0 ? std::string::npos : request.rfind(':', last - 1);
+  if (first == std::string::npos) return false;
+  *found = {request.substr(0, first), request.substr(first + 1, last - first - 1), request.substr(last + 1)};
+  const std::vector<std::string>& plans = interiorPlans();
+  const bool is_file = lowerCase(fs::path(found->path).extension().string()) == ".sh3f";
+  return is_file || std::find(plans.begin(), plans.end(), found->plan) != plans.end();
+}
+
+// The seed behind NAME:, or 0 for a built-in scene's name alone; false when the request names something else.
+bool readSeed(const std::string& request, const std::string& name, bool may_stand_alone, uint64_t* seed) {
+  *seed = 0;
+  if (may_stand_alone && request == name) return true;
+  if (request.rfind(name + ":", 0) != 0) return false;
+  *seed = seedOf(request.substr(name.size() + 1), name + ":SEED");
+  return true;
+}
+
+SceneSource sourceOf(const std::string& family, uint64_t seed, Scene scene) {
+  SceneSource source;
+  source.family = family;
+  source.id = family + "_" + std::to_string(seed);
+  source.scene = std::move(scene);
+  return source;
+}
+
+SceneSource readInterior(const InteriorRequest& request) {
+  Interior interior = makeInterior(request.path, request.plan, seedOf(request.seed, "PATH:PLAN:SEED"));
+  SceneSource source;
+  source.family = request.plan;
+  source.scene = std::move(interior.scene);
+  source.furniture_models = std::move(interior.models);
+  source.id = source.scene.id;
+  source.sha256 = sceneSha256(source.scene);
+  return source;
+}
+
+bool isObj(const std::string& request) { return lowerCase(fs::path(request).extension().string()) == ".obj"; }
+
+bool isGltf(const std::string& request) {
+  const std::string extension = lowerCase(fs::path(request).extension().string());
+  return extension == ".glb" || extension == ".gltf";
+}
+
+// Of a file that says nothing of its unit, or says it wrongly.
+SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::string& path, const SceneReading& reading) {
+  SceneSource source;
+  source.scene = std::move(scene);
+  source.notes = std::move(notes);
+  const std::string size = sizeNote(source.scene, path, reading.unit_m);
+  if (!size.empty()) source.notes.push_back(size);
+  source.id = source.scene.id;
+  source.sha256 = sceneSha256(source.scene);
+  return source;
+}
+
+SceneSource readObjFile(const std::string& path, const SceneReading& reading) {
+  ObjLevel level = readObj(path, reading.unit_m);
+  return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
+}
+
+SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
+  return sourceOf(readGltf(path, reading.unit_m), {}, path, reading);
+}
+
+}  // namespace
+
+void describe(SceneReading& reading, OptionTable& table) {
+  table.add("unit", &reading.unit_m, "metres of one unit of a glTF or .obj file: 0.01 of one in centimetres, 0.0254 in inches",
+            1e-6, 1e6);
+  table.addNote(sceneBudgets());
+}
+
+SceneSource loadScene(const std::string& request, const SceneReading& reading) {
+  if (isObj(request)) return readObjFile(request, reading);
+  if (isGltf(request)) return readGltfFile(request, reading);
+  if (reading.unit_m != 1.0)
+    throw UsageError("--unit", "1 for a scene that is no glTF or .obj file", fmt::format("{:g} for {}", reading.unit_m, request));
+  uint64_t seed = 0;
+  for (const std::string& family : proceduralFamilies()) {
+    if (readSeed(request, family, false, &seed)) return sourceOf(family, seed, makeProceduralScene(family, seed));
+  }
+  for (const std::string& name : builtInScenes()) {
+    if (readSeed(request, name, true, &seed)) return sourceOf(name, seed, makeBuiltInScene(name, seed));
+  }
+  InteriorRequest interior;
+  if (readInterior(request, &interior)) return readInterior(interior);
+  const size_t colon = archiveColon(request);
+  if (colon != std::string::npos) return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1)));
+  if (lowerCase(fs::path(request).extension().string()) == ".bsp") return sourceOf(readBsp(request));
+  std::error_code error;
+  if (!fs::exists(request, error) && !error)
+    throw InputError(request, "scene", sceneForms(), "a name that is none of these, and of no file");
+  return readGltfFile(request, reading);
+}
+
+std::string sceneForms() {
+  return fmt::format(
+      "a .glb, .gltf, .obj or .bsp file, FOLDER:MAP for a level in .pk3 archives, PATH.sh3f:PLAN:SEED for an interior, "
+      "FAMILY:SEED "
+      "({}), or a small scene to look at light with ({})",
+      fmt::join(proceduralFamilies(), ", "), fmt::join(builtInScenes(), ", "));
+}
+
+void tellNotes(const std::string& tool, const SceneSource& source) {
+  for (const std::string& note : source.notes) std::cerr << printable(tool + ": " + source.id + ": " + note) << '\n';
+}
+
+}  // namespace nlg

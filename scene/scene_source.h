@@ -1,0 +1,48 @@
+// Where a scene comes from: the one text by which users, configurations and shards name it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+#include "tool/options.h"
+
+namespace nlg {
+
+struct SceneSource {
+  std::string family = "level";  // procedural family, name of a built-in scene, or "level"
+  std::string id;                // "house_3", the file's stem, or the map's name in lower case
+  std::string sha256;            // of the scene as it was read: sceneSha256; empty for a procedural one
+  Scene scene;
+  std::map<std::string, uint32_t> dropped_faces;     // of a .bsp, by why: bsp_reader.h
+  uint32_t materials_without_texture = 0;            // of a .bsp: these have the default colour
+  std::map<std::string, uint32_t> furniture_models;  // of an interior: interiors/interiors.h
+  std::vector<std::string> light_notes;  // what its light lost in reading (bsp_reader.h), or was given (light_options.h)
+  std::vector<std::string> notes;        // whatever else its user should know: obj_reader.h, scene_size.h
+};
+
+// How a scene is read from its file.
+struct SceneReading {
+  double unit_m = 1.0;  // metres of one unit of a glTF file, whose unit is the metre if it keeps to the rule, or of an .obj file
+};
+
+// Adds `unit` to a tool's table, and to its --help what a scene may take (scene_budget.h).
+void describe(SceneReading& reading, OptionTable& table);
+
+// request   FAMILY:SEED for a procedural scene (house:3), NAME or NAME:SEED for a built-in one (cornell, two_rooms:1);
+//           PATH:PLAN:SEED for an interior (interiors/interiors.h), PATH a .sh3f file or a folder of them (Scopia.sh3f:flat:3);
+//           PATH:MAP for a level in archives, PATH a .pk3 file or a folder of them (baseoa:kaos2 is maps/kaos2.bsp); otherwise
+//           the path of a .glb, .gltf, .obj or .bsp file
+// throws    UsageError on a seed that is no decimal number, and on a unit of a scene that is no glTF or .obj file; InputError on
+//           one whose longest side is under 10 cm or over 100 km; whatever the reader throws
+SceneSource loadScene(const std::string& request, const SceneReading& reading = {});
+
+// What `request` may be, in one sentence for --help.
+std::string sceneForms();
+
+// Says on stderr what a tool's user should know of the scene, a line each.
+void tellNotes(const std::string& tool, const SceneSource& source);
+
+}  // namespace nlg

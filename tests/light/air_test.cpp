@@ -1,0 +1,62 @@
+#include "light/air.h"
+
+#include <gtest/gtest.h>
+
+#include "datagen/visibility/solid_vote.h"
+#include "tests/datagen/hand_built_scenes.h"
+
+namespace nlg {
+namespace {
+
+// A yard of four walls and a floor that look inward, 4 m wide and 3 m high, under a lid of sky: all that a level's file has of it.
+Scene yardUnderSky() {
+  SceneOfFaces faces;
+  faces.addBox({-2, 0, -2}, {2, 3, 2}, true);
+  Scene scene = faces.finish();
+  const auto isLid = [&](const glm::uvec3& t) {
+    return scene.positions[t.x].y == 3.0f && scene.positions[t.y].y == 3.0f && scene.positions[t.z].y == 3.0f;
+  };
+  SkyFaces& sky = scene.light.sky_faces;
+  sky.positions = scene.positions;
+  std::vector<glm::uvec3> kept;
+  for (const glm::uvec3& triangle : scene.triangles) (isLid(triangle) ? sky.triangles : kept).push_back(triangle);
+  EXPECT_EQ(sky.triangles.size(), 2u);
+  scene.triangles = kept;
+  scene.triangle_material.resize(kept.size());
+  scene.objects[0].triangle_count = static_cast<uint32_t>(kept.size());
+  return scene;
+}
+
+TEST(Air, IsInARoomAndNotInItsWalls) {
+  SceneOfFaces faces;
+  faces.addRoom({-2, 0, -2}, {2, 3, 2}, 0.2f);
+  const Scene scene = faces.finish();
+  const RayScene rays(scene);
+  EXPECT_TRUE(isInAir(rays, {0.3, 1.5, -0.4}));
+  EXPECT_TRUE(isInAir(rays, {1.99, 1.5, -0.4}));
+  EXPECT_FALSE(isInAir(rays, {2.1, 1.5, -0.4}));
+  EXPECT_TRUE(isInAir(rays, {2.3, 1.5, -0.4})) << "outside a house is air";
+}
+
+TEST(Air, EndsBehindTheSky) {
+  const Scene scene = yardUnderSky();
+  const RayScene rays(scene);
+  EXPECT_TRUE(isInAir(rays, {0.3, 1.5, -0.4}));
+  EXPECT_TRUE(isInAir(rays, {0.3, 2.99, -0.4}));
+  // just above the lid: rays down go through it and meet walls and floor from their fronts
+  const glm::dvec3 behind(0.3, 3.05, -0.4);
+  EXPECT_FALSE(solidVote(rays, behind).solid()) << "without the sky this is air";
+  EXPECT_FALSE(isInAir(rays, behind));
+}
+
+TEST(Air, CountsSkyFacesOnlyWhereAsked) {
+  const Scene scene = yardUnderSky();
+  const RayScene rays(scene);
+  EXPECT_EQ(rays.firstFacing({0, 1, 0}, {0, 1, 0}), Facing::nothing);
+  EXPECT_EQ(rays.firstFacingWithSky({0, 1, 0}, {0, 1, 0}), Facing::front);
+  EXPECT_EQ(rays.firstFacingWithSky({0, 4, 0}, {0, -1, 0}), Facing::back);
+  EXPECT_EQ(rays.firstFacing({0, 4, 0}, {0, -1, 0}), Facing::front);
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,129 @@
+#include "light/surface_cache.h"
+
+#include <gtest/gtest.h>
+
+#include "runtime_eval/numbers/random.h"
+#include "tests/datagen/hand_built_scenes.h"
+
+namespace nlg {
+namespace {
+
+// Two rooms of 4 x 3 x 4 m side by side, walls of 10 cm between and around; a lamp in the first one.
+Scene twoRooms() {
+  SceneOfFaces faces;
+  faces.addRoom({-4.05f, 0, -2}, {-0.05f, 3, 2}, 0.1f);
+  faces.addRoom({0.05f, 0, -2}, {4.05f, 3, 2}, 0.1f);
+  Scene scene = faces.finish();
+  scene.materials[0].base_color = glm::vec3(0.5f);
+  Lamp lamp;
+  lamp.position = {-2, 2, 0.5f};
+  lamp.intensity = glm::vec3(10.0f);
+  scene.light.lamps.push_back(lamp);
+  return scene;
+}
+
+// One room of 8 m whose floor and walls run on behind a partition that reaches from wall to wall.
+Scene dividedRoom() {
+  SceneOfFaces faces;
+  faces.addRoom({-4, 0, -2}, {4, 3, 2}, 0.1f);
+  faces.addBox({-0.05f, -0.05f, -2.05f}, {0.05f, 3.05f, 2.05f});
+  Scene scene = faces.finish();
+  scene.materials[0].base_color = glm::vec3(0.5f);
+  Lamp lamp;
+  lamp.position = {-1, 1.5f, 0};
+  lamp.intensity = glm::vec3(10.0f);
+  scene.light.lamps.push_back(lamp);
+  return scene;
+}
+
+std::vector<glm::dvec3> placesIn(const glm::dvec3& low, const glm::dvec3& high, int count, uint64_t seed) {
+  Random random(seed);
+  std::vector<glm::dvec3> places;
+  for (int i = 0; i < count; ++i)
+    places.emplace_back(random.uniform(low.x, high.x), random.uniform(low.y, high.y), random.uniform(low.z, high.z));
+  return places;
+}
+
+class CachedScene {
+ public:
+  explicit CachedScene(const Scene& scene, const std::vector<glm::dvec3>& places)
+      : scene_(scene), rays_(scene_), transport_(scene_, rays_), cache_(transport_, places, {}, 2) {}
+
+  glm::vec3 irradiance(const glm::dvec3& place, const glm::vec3& normal, bool cached, glm::vec3* deviation = nullptr) const {
+    const GatheredIrradiance result = transport_.gatherIrradiance(place, normal, {4096, 64, cached ? &cache_ : nullptr}, 11);
+    if (deviation) *deviation = result.deviation;
+    return result.irradiance;
+  }
+  const SurfaceCache& cache() const { return cache_; }
+  const LightTransport& transport() const { return transport_; }
+
+ private:
+  Scene scene_;
+  RayScene rays_;
+  LightTransport transport_;
+  SurfaceCache cache_;
+};
+
+TEST(SurfaceCache, GivesWhatPathsGive) {
+  const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {-0.2, 2.9, 1.9}, 200, 3);
+  const CachedScene scene(twoRooms(), places);
+  EXPECT_GT(scene.cache().cellCount(), 500u);
+  double error = 0.0, reference = 0.0;
+  for (int i = 0; i < 20; ++i) {
+    const glm::vec3 normal(0, i % 2 ? 1 : -1, 0);
+    glm::vec3 deviation;
+    const float traced = scene.irradiance(places[i], normal, false, &deviation).r;
+    const float cached = scene.irradiance(places[i], normal, true).r;
+    error += (cached - traced) * (cached - traced);
+    reference += traced * traced;
+    // cells blur what they hold over their quarter of a metre
+    EXPECT_NEAR(cached, traced, 0.05f * traced + 4.0f * deviation.r) << "place " << i;
+  }
+  EXPECT_LT(error, 0.02 * 0.02 * reference);
+}
+
+TEST(SurfaceCache, DarkRoomStaysDark) {
+  for (const Scene& scene : {twoRooms(), dividedRoom()}) {
+    const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {3.9, 2.9, 1.9}, 400, 5);
+    const CachedScene lit(scene, places);
+    double sum = 0.0;
+    int count = 0;
+    for (const glm::dvec3& place : places) {
+      if (place.x < 0.2) continue;
+      // the first room has about 10; what is beyond the points that a cell knows is traced
+      const float leak = lit.irradiance(place, {0, -1, 0}, true).r;
+      EXPECT_LT(leak, 2e-3f) << place.x << ' ' << place.y << ' ' << place.z;
+      sum += leak;
+      ++count;
+    }
+    EXPECT_LT(sum / count, 2e-4);
+  }
+}
+
+TEST(SurfaceCache, DividedCellsAreNotUsed) {
+  const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {3.9, 2.9, 1.9}, 400, 5);
+  const CachedScene lit(dividedRoom(), places);
+  EXPECT_GT(lit.cache().dividedCount(), 10u);  // the partition is 4 m wide, of 16 cells
+  EXPECT_LT(lit.cache().dividedCount(), lit.cache().cellCount() / 4);
+}
+
+TEST(SurfaceCache, SameBitsForAnyThreads) {
+  const Scene scene = twoRooms();
+  const RayScene rays(scene);
+  const LightTransport transport(scene, rays);
+  const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {-0.2, 2.9, 1.9}, 100, 3);
+  const SurfaceCache one(transport, places, {}, 1), three(transport, places, {}, 3);
+  ASSERT_EQ(one.cellCount(), three.cellCount());
+  for (const glm::dvec3& place : places) {
+    const LightHit hit = rays.lightHit(glm::vec3(place), {0, -1, 0});
+    const glm::vec3 point = glm::vec3(place) - glm::vec3(0, hit.distance, 0);
+    const glm::vec3 *a = one.irradiance(point, hit.normal), *b = three.irradiance(point, hit.normal);
+    ASSERT_EQ(a == nullptr, b == nullptr);
+    if (a != nullptr) {
+      EXPECT_EQ(*a, *b);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,114 @@
+#include "scene/interiors/catalogue.h"
+
+#include <gtest/gtest.h>
+
+#include "scene/interiors/furniture_use.h"
+#include "tiny_library.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+const char* const kChair = "name#7=Chair\ncategory#7=Living room\nmodel#7=/a/chair.obj\nwidth#7=45\ndepth#7=50.5\nheight#7=90\n";
+
+std::string errorOf(const std::string& text) {
+  try {
+    parseCatalogue("test.sh3f", text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Catalogue, GivesSizesInMetresOfWidthHeightAndDepth) {
+  const std::vector<CatalogueEntry> entries =
+      parseCatalogue("test.sh3f", std::string("id=test\n") + kChair + "elevation#7=12.5\n");
+  ASSERT_EQ(entries.size(), 1u);
+  EXPECT_EQ(entries[0].name, "Chair");
+  EXPECT_EQ(entries[0].model, "a/chair.obj");
+  EXPECT_DOUBLE_EQ(entries[0].size_m.x, 0.45);
+  EXPECT_DOUBLE_EQ(entries[0].size_m.y, 0.9);
+  EXPECT_DOUBLE_EQ(entries[0].size_m.z, 0.505);
+  EXPECT_DOUBLE_EQ(entries[0].elevation_m, 0.125);
+  EXPECT_DOUBLE_EQ(entries[0].top_m, 0.9) << "what says nothing of it carries things on its top";
+  EXPECT_LT(parseCatalogue("", std::string(kChair) + "dropOnTopElevation#7=-1\n")[0].top_m, 0.0);
+}
+
+TEST(Catalogue, ReadsPropertiesAsJavaWritesThem) {
+  const std::string text =
+      "# comment \\\n! another\r\n  name#1 : Caf\\u00e9\\\n    table\r\ncategory#1 Living room\nmodel#1=/m.obj\nwidth#1=1\n"
+      "depth#1=1\nheight#1=1\ntags#1=a\\=b\xe9";
+  const std::vector<CatalogueEntry> entries = parseCatalogue("test.sh3f", text);
+  ASSERT_EQ(entries.size(), 1u);
+  EXPECT_EQ(entries[0].name, "Caf\xc3\xa9table");
+  EXPECT_EQ(entries[0].category, "Living room");
+  EXPECT_EQ(entries[0].tags, "a=b\xc3\xa9") << "ISO-8859-1 becomes UTF-8";
+}
+
+TEST(Catalogue, PassesOverKeysOfNoPiece) {
+  const std::string text = std::string("dropOnTopElevation#-1=3\nname#=x\nname#1x=y\nversion=1.8\n=\n:\n") + kChair;
+  EXPECT_EQ(parseCatalogue("test.sh3f", text).size(), 1u);
+}
+
+TEST(Catalogue, RefusesPiecesThatAreNone) {
+  const std::string chair = kChair;
+  const std::pair<std::string, std::string> cases[] = {
+      {"width#7=1\n", "piece 7: expected a name"},
+      {chair + "width#7=0\n", "sizes above 0"},
+      {chair + "depth#7=-3\n", "sizes above 0"},
+      {chair + "height#7=1e9\n", "within 10000 cm"},
+      {chair + "height#7=nan\n", "decimal numbers"},
+      {chair + "height#7=1e999\n", "decimal numbers"},
+      {chair + "height#7=12 cm\n", "decimal numbers"},
+      {chair + "elevation#7=ground\n", "decimal numbers"},
+      {chair + "modelRotation#7=1 0 0 0 1 0 0 0\n", "nine numbers, got 8"},
+      {chair + "modelRotation#7=1 0 0 0 1 0 0 0 1 0\n", "nine numbers"},
+      {chair + "modelRotation#7=-1 0 0 0 1 0 0 0 1\n", "only turns"},
+      {chair + "modelRotation#7=2 0 0 0 1 0 0 0 1\n", "only turns"},
+      {chair + "modelRotation#7=0 0 0 0 0 0 0 0 0\n", "only turns"},
+      {chair + "name#7=\\u12\n", "four hexadecimal digits"},
+      {chair + "name#7=\\u12g4\n", "line 7"},
+  };
+  for (const auto& [text, words] : cases) {
+    EXPECT_NE(errorOf(text).find(words), std::string::npos) << text << "gave: " << errorOf(text);
+  }
+}
+
+TEST(Catalogue, EndsOnAnyBytes) {
+  // every prefix, and every single byte replaced: read or refused, nothing else
+  const std::string text = std::string(kChair) + "modelRotation#7=1 0 0 0 1 0 0 0 1\ntags#7=a\\u00e9\\\n b\n";
+  for (size_t i = 0; i < text.size(); ++i) {
+    errorOf(text.substr(0, i));
+    for (const char c : {'\0', '\\', '\n', '#', '=', '9', '\xff'}) {
+      std::string changed = text;
+      changed[i] = c;
+      errorOf(changed);
+    }
+  }
+}
+
+TEST(FurnitureUse, FollowsCategoryNameAndSize) {
+  const auto useOf = [](const std::string& category, const std::string& name, const std::string& tags, double width, double depth,
+                        double height) {
+    CatalogueEntry entry;
+    entry.category = category;
+    entry.name = name;
+    entry.tags = tags;
+    entry.size_m = {width, height, depth};
+    return furnitureUse(entry);
+  };
+  EXPECT_EQ(useOf("Bedroom", "Bed", "Double", 1.7, 2.17, 1.1), FurnitureUse::bed);
+  EXPECT_EQ(useOf("Bedroom", "Bedside table", "Nightstand", 0.5, 0.5, 0.5), FurnitureUse::bedside);
+  EXPECT_EQ(useOf("Living room", "Clear sofa", "Couch, Seat", 1.94, 0.76, 0.8), FurnitureUse::sofa);
+  EXPECT_EQ(useOf("Living room", "Corner sofa", "Couch, Seat", 2.5, 1.9, 0.8), FurnitureUse::corner_sofa);
+  EXPECT_EQ(useOf("Living room", "TV stand", "Cabinet", 1.35, 0.47, 0.53), FurnitureUse::tv_stand);
+  EXPECT_EQ(useOf("Kitchen", "Upper cabinet", "Cupboard", 0.6, 0.41, 0.72), FurnitureUse::kitchen_wall);
+  EXPECT_EQ(useOf("Characters", "Sitting male", "Human, People", 0.7, 0.9, 1.4), FurnitureUse::none);
+  EXPECT_EQ(useOf("Characters", "Female", "Human, Woman", 0.5, 0.5, 1.65), FurnitureUse::person);
+  EXPECT_EQ(useOf("Vehicles", "Bus", "Car", 2.8, 14.0, 3.7), FurnitureUse::none);
+  EXPECT_EQ(useOf("Living room", "Table", "", 30.0, 20.0, 0.75), FurnitureUse::none) << "no table is 30 m long";
+  EXPECT_EQ(useOf("Something else", "Chair", "", 0.5, 0.5, 0.9), FurnitureUse::none);
+}
+
+}  // namespace
+}  // namespace nlg

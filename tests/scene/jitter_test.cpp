@@ -1,0 +1,183 @@
+#include "scene/jitter.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/procedural.h"
+
+namespace nlg {
+namespace {
+
+void addTetrahedron(Scene& scene, const glm::vec3& at, float size) {
+  const auto base = static_cast<uint32_t>(scene.positions.size());
+  for (const glm::vec3& corner : {glm::vec3(0, 0, 0), {1, 0, 0}, {0, 1, 0}, {0, 0, 1}})
+    scene.positions.push_back(at + size * corner);
+  for (const glm::uvec3& t : {glm::uvec3(0, 2, 1), {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}) scene.triangles.push_back(t + base);
+  scene.triangle_material.resize(scene.triangles.size(), 0);
+}
+
+// A large piece of structure, one object of three pieces, and one whole object.
+Scene makeScene() {
+  Scene scene;
+  scene.id = "three";
+  scene.materials.emplace_back();
+  addTetrahedron(scene, {0, 0, 0}, 20.0f);
+  for (const float x : {2.0f, 5.0f, 8.0f}) addTetrahedron(scene, {x, 0, 2}, 1.0f);
+  addTetrahedron(scene, {2, 0, 8}, 1.0f);
+  scene.objects = {{"shell", 0, 4, false}, {"pieces", 4, 12, true}, {"whole", 16, 4, true}};
+  return scene;
+}
+
+JitterOptions withoutDrops() {
+  JitterOptions options;
+  options.drop_share = 0.0;
+  return options;
+}
+
+double volume(const Scene& scene, const SceneObject& object) {
+  double sum = 0.0;
+  for (uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
+    const glm::uvec3& t = scene.triangles[i];
+    const glm::dvec3 a(scene.positions[t.x]);
+    sum += glm::dot(a, glm::cross(glm::dvec3(scene.positions[t.y]), glm::dvec3(scene.positions[t.z]))) / 6.0;
+  }
+  return sum;
+}
+
+TEST(SplitConnectedComponents, SeparatesWhatSharesNoPosition) {
+  Scene scene = makeScene();
+  splitConnectedComponents(scene, 0.35);
+  ASSERT_EQ(scene.objects.size(), 5u);
+  uint32_t next = 0;
+  for (const SceneObject& object : scene.objects) {
+    EXPECT_EQ(object.first_triangle, next);
+    EXPECT_EQ(object.triangle_count, 4u);
+    next += object.triangle_count;
+  }
+  EXPECT_EQ(next, scene.triangles.size());
+  EXPECT_EQ(scene.objects[4].name, "whole");
+}
+
+TEST(SplitConnectedComponents, JoinsVerticesThatStandAtTheSamePosition) {
+  Scene scene = makeScene();
+  // a second tetrahedron with one corner, by another index, where the first has one
+  addTetrahedron(scene, {2, 0, 9}, 1.0f);
+  scene.objects.back().triangle_count = 8;
+  splitConnectedComponents(scene, 0.35);
+  EXPECT_EQ(scene.objects.size(), 5u);
+  EXPECT_EQ(scene.objects.back().triangle_count, 8u);
+}
+
+TEST(SplitConnectedComponents, KeepsObjectsApartThatOnlyTouch) {
+  Scene scene = makeScene();
+  addTetrahedron(scene, {2, 0, 9}, 1.0f);
+  scene.objects.push_back({"other", 20, 4, true});
+  splitConnectedComponents(scene, 0.35);
+  EXPECT_EQ(scene.objects.size(), 6u);
+}
+
+TEST(SplitConnectedComponents, SortsInterleavedTrianglesAndKeepsTheirOrder) {
+  Scene scene = makeScene();
+  std::swap(scene.triangles[5], scene.triangles[9]);
+  scene.triangle_material[9] = 0;
+  const glm::uvec3 moved = scene.triangles[9];
+  splitConnectedComponents(scene, 0.35);
+  ASSERT_EQ(scene.objects.size(), 5u);
+  // the first piece's triangles were the 4th, 9th, 6th and 7th: the 9th comes last of them
+  EXPECT_EQ(scene.triangles[7], moved);
+}
+
+TEST(SplitConnectedComponents, HoldsLargeComponentsForStructure) {
+  Scene scene = makeScene();
+  scene.objects[0].movable = true;
+  splitConnectedComponents(scene, 0.35);
+  EXPECT_FALSE(scene.objects[0].movable);
+  EXPECT_TRUE(scene.objects[1].movable);
+}
+
+TEST(Jitter, ZeroIsTheSceneItself) {
+  const Scene scene = makeScene();
+  const Scene same = jitterScene(scene, {}, 0);
+  EXPECT_EQ(same.positions, scene.positions);
+  EXPECT_EQ(same.triangles, scene.triangles);
+  EXPECT_EQ(same.objects.size(), scene.objects.size());
+}
+
+TEST(Jitter, IsAPureFunctionOfItsArguments) {
+  const Scene scene = makeProceduralScene("house", 3);
+  for (const uint64_t jitter : {1, 2, 99}) {
+    EXPECT_EQ(jitterScene(scene, {}, jitter).positions, jitterScene(scene, {}, jitter).positions) << jitter;
+  }
+  EXPECT_NE(jitterScene(scene, {}, 1).positions, jitterScene(scene, {}, 2).positions);
+}
+
+TEST(Jitter, LeavesStructureWhereItIs) {
+  const Scene scene = makeScene();
+  const Scene moved = jitterScene(scene, {}, 5);
+  ASSERT_EQ(moved.objects[0].name, "shell");
+  for (uint32_t i = 0; i < 4; ++i) {
+    for (int corner = 0; corner < 3; ++corner) {
+      EXPECT_EQ(moved.positions[moved.triangles[i][corner]], scene.positions[scene.triangles[i][corner]]);
+    }
+  }
+}
+
+TEST(Jitter, MovesTurnsAndScalesWithinItsOptions) {
+  const Scene scene = makeScene();
+  const JitterOptions options = withoutDrops();
+  Scene parts = scene;
+  splitConnectedComponents(parts, options.structure_share);
+  for (uint64_t jitter = 1; jitter <= 50; ++jitter) {
+    const Scene moved = jitterScene(scene, options, jitter);
+    ASSERT_EQ(moved.objects.size(), parts.objects.size());
+    for (size_t i = 1; i < moved.objects.size(); ++i) {
+      const double scale = std::cbrt(volume(moved, moved.objects[i]) / volume(parts, parts.objects[i]));
+      EXPECT_GE(scale, 0.85 - 1e-4) << "jitter " << jitter;
+      EXPECT_LE(scale, 1.15 + 1e-4) << "jitter " << jitter;
+      // the point at the box's lower corner lies sqrt(1/2) from the axis: it turns by at most 20 degrees and grows by 15 %
+      const uint32_t corner = moved.triangles[moved.objects[i].first_triangle].x;
+      const uint32_t before = parts.triangles[parts.objects[i].first_triangle].x;
+      const glm::vec3 shift = moved.positions[corner] - parts.positions[before];
+      EXPECT_LE(std::abs(shift.x), 0.5 + 0.5) << "jitter " << jitter;
+      EXPECT_LE(std::abs(shift.z), 0.5 + 0.5) << "jitter " << jitter;
+      EXPECT_LE(std::abs(shift.y), 0.05 + 0.5 * 0.15 + 1e-5) << "jitter " << jitter;
+    }
+  }
+}
+
+TEST(Jitter, DropsItsShareOfMovableObjects) {
+  const Scene scene = makeScene();
+  size_t kept = 0;
+  constexpr size_t kDraws = 2000;
+  for (uint64_t jitter = 1; jitter <= kDraws; ++jitter) kept += jitterScene(scene, {}, jitter).objects.size() - 1;
+  // 4 x 2000 draws at 0.9: five standard deviations are 0.017
+  EXPECT_NEAR(static_cast<double>(kept) / (4.0 * kDraws), 0.9, 0.017);
+}
+
+TEST(Jitter, CoversAllTrianglesWithObjectsInOrder) {
+  for (const std::string& family : proceduralFamilies()) {
+    const Scene moved = jitterScene(makeProceduralScene(family, 1), {}, 4);
+    uint32_t next = 0;
+    for (const SceneObject& object : moved.objects) {
+      EXPECT_EQ(object.first_triangle, next) << family << " " << object.name;
+      next += object.triangle_count;
+    }
+    EXPECT_EQ(next, moved.triangles.size()) << family;
+    EXPECT_EQ(next, moved.triangle_material.size()) << family;
+    for (const glm::uvec3& t : moved.triangles) ASSERT_LT(std::max({t.x, t.y, t.z}), moved.positions.size()) << family;
+  }
+}
+
+TEST(Jitter, CarriesOriginAndMaterialsOver) {
+  Scene scene = makeScene();
+  scene.origin_m = {1e5, 2.0, -3e5};
+  const Scene moved = jitterScene(scene, {}, 8);
+  EXPECT_EQ(moved.origin_m, scene.origin_m);
+  EXPECT_EQ(moved.materials.size(), scene.materials.size());
+  EXPECT_EQ(moved.id, scene.id);
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,251 @@
+#include "scene/obj_reader.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "scene/scene_source.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A unit square in the plane z = 0, front towards +z, and a unit triangle above it.
+const char* const kSquare =
+    "# a comment\nmtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 2\nv 1 0 2\nv 0 1 2\nvt 0 0\nvn 0 0 1\n"
+    "o square\nusemtl lamp\nf 1/1/1 2/1/1 3/1/1 4/1/1\no roof\nusemtl brick\ns off\nf -3//1 -2//1 -1//1\nl 1 2\n";
+const char* const kLooks = "newmtl lamp\nKd 0.25 0.5 0.75\nKe 8 4 0\nmap_Kd bricks.png\nNs 10\nnewmtl brick\nKd 0.5 0.25 0.125\n";
+
+class ObjReader : public testing::Test {
+ protected:
+  ObjReader() {
+    std::string pattern = (fs::temp_directory_path() / "obj_reader_XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+    fs::create_directory(folder_ / "level");
+    write("looks.mtl", kLooks);
+  }
+  ~ObjReader() override { fs::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    const fs::path path = folder_ / "level" / name;
+    std::ofstream(path, std::ios::binary) << text;
+    return path.string();
+  }
+  ObjLevel read(const std::string& text, double unit_m = 1.0) const { return readObj(write("test.obj", text), unit_m); }
+  std::string errorOf(const std::string& text) const {
+    try {
+      read(text);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  fs::path folder_;
+};
+
+glm::dvec3 corner(const Scene& scene, size_t triangle, int which) {
+  return scene.origin_m + glm::dvec3(scene.positions[scene.triangles[triangle][which]]);
+}
+
+glm::dvec3 crossOf(const Scene& scene, size_t triangle) {
+  const glm::dvec3 a = corner(scene, triangle, 0);
+  return glm::cross(corner(scene, triangle, 1) - a, corner(scene, triangle, 2) - a);
+}
+
+TEST_F(ObjReader, ReadsObjectsFacesAndMaterials) {
+  const ObjLevel level = read(kSquare);
+  const Scene& scene = level.scene;
+  EXPECT_EQ(scene.id, "test");
+  EXPECT_TRUE(level.notes.empty()) << level.notes[0];
+  ASSERT_EQ(scene.triangles.size(), 3u);
+  EXPECT_EQ(scene.positions.size(), 7u);
+  ASSERT_EQ(scene.objects.size(), 2u);
+  EXPECT_EQ(scene.objects[0].name, "square");
+  EXPECT_EQ(scene.objects[0].triangle_count, 2u);
+  EXPECT_EQ(scene.objects[1].name, "roof");
+  EXPECT_EQ(scene.objects[1].first_triangle, 2u);
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(crossOf(scene, i), glm::dvec3(0, 0, 1)) << "each is half a unit square, from in front";
+  EXPECT_EQ(corner(scene, 2, 0), glm::dvec3(0, 0, 2));
+  const Material& lamp = scene.materials[scene.triangle_material[0]];
+  EXPECT_EQ(lamp.base_color, glm::vec3(0.25f, 0.5f, 0.75f));
+  EXPECT_EQ(lamp.emissive, glm::vec3(8, 4, 0));
+  EXPECT_FALSE(lamp.double_sided);
+  EXPECT_EQ(scene.materials[scene.triangle_material[2]].base_color, glm::vec3(0.5f, 0.25f, 0.125f));
+  EXPECT_EQ(scene.materials[scene.triangle_material[2]].emissive, glm::vec3(0.0f));
+}
+
+TEST_F(ObjReader, ScalesByTheUnit) {
+  const Scene scene = read(kSquare, 0.5).scene;
+  EXPECT_EQ(corner(scene, 2, 0), glm::dvec3(0, 0, 1));
+  EXPECT_EQ(crossOf(scene, 0), glm::dvec3(0, 0, 0.25));
+}
+
+// 100 km away a float's step is 8 mm.
+TEST_F(ObjReader, LosesNoPrecisionFarFromTheOrigin) {
+  const Scene scene = read("v 100000 0 0\nv 100000.001 0 0\nv 100000 0.001 0\nf 1 2 3\nv 100001 1 1\nf 1 2 4\n").scene;
+  ASSERT_EQ(scene.triangles.size(), 2u);
+  EXPECT_NEAR(glm::length(crossOf(scene, 0)), 1e-6, 1e-9);
+}
+
+TEST_F(ObjReader, CutsPolygonsThatAreNotConvex) {
+  // an L of six corners: three unit squares
+  const Scene scene = read("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n").scene;
+  double area = 0.0;
+  for (size_t i = 0; i < scene.triangles.size(); ++i) {
+    EXPECT_GT(crossOf(scene, i).z, 0.0) << "triangle " << i << " shows its front";
+    area += 0.5 * crossOf(scene, i).z;
+  }
+  EXPECT_NEAR(area, 3.0, 1e-9);
+}
+
+TEST_F(ObjReader, ReadsLinesOfOtherSystems) {
+  std::string text = kSquare;
+  for (size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) text.insert(at, "\r");
+  EXPECT_EQ(read(text).scene.triangles.size(), 3u);
+  EXPECT_EQ(read(text.substr(0, text.size() - 2)).scene.triangles.size(), 3u) << "the last line without an end";
+}
+
+TEST_F(ObjReader, SaysWhatItDidNotFind) {
+  fs::remove(folder_ / "level" / "looks.mtl");
+  const ObjLevel level = read(kSquare);
+  ASSERT_EQ(level.notes.size(), 2u);
+  EXPECT_EQ(level.notes[0], "mtllib \"looks.mtl\" is not there");
+  EXPECT_EQ(level.notes[1], "3 triangles without a material that was found: grey");
+  EXPECT_EQ(level.scene.materials[level.scene.triangle_material[0]].base_color, Material().base_color);
+}
+
+TEST_F(ObjReader, CutsColoursAboveOneAndSaysSo) {
+  write("looks.mtl", "newmtl lamp\nKd 2 0.5 0\nnewmtl brick\nKd 1 1 1\n");
+  const ObjLevel level = read(kSquare);
+  EXPECT_EQ(level.scene.materials[level.scene.triangle_material[0]].base_color, glm::vec3(1.0f, 0.5f, 0.0f));
+  ASSERT_EQ(level.notes.size(), 1u);
+  EXPECT_EQ(level.notes[0], "1 materials with a Kd above 1: cut to 1");
+}
+
+TEST_F(ObjReader, RefusesHostileFilesByNamingTheLine) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
+  std::string many = vertices + "f";
+  for (int i = 0; i < 1025; ++i) many += " 1";
+  const struct {
+    std::string text;
+    const char* error;
+  } cases[] = {{"v 0 0 0\nv 1 x 0\n", "line 2: expected three numbers of -1e30 to 1e30, got x"},
+               {"v 0 0\n", "line 1: expected three numbers of -1e30 to 1e30, got 2"},
+               {"v 0 0 nan\n", "line 1: expected three numbers"},
+               {"v 0 0 1e999\n", "line 1: expected three numbers"},
+               {"v 0 0 1,5\n", "line 1: expected three numbers"},
+               {vertices + "f 1 2 4\n", "line 4: expected a vertex of 1 to 3, or one counted back, got 4"},
+               {vertices + "f 1 2 0\n", "line 4: expected a vertex of 1 to 3"},
+               {vertices + "f 1 2 -4\n", "line 4: expected a vertex of 1 to 3"},
+               {vertices + "f 1 2 99999999999999999999\n", "line 4: expected a vertex of 1 to 3"},
+               {vertices + "f 1/1 2/1 x/1\n", "line 4: expected a vertex of 1 to 3"},
+               {vertices + "f 1 7\n", "line 4: expected a vertex of 1 to 3"},
+               {many + "\n", "line 4: expected a face of at most 1024 corners, got 1025"},
+               {"v 0 0 0\nv 2e9 0 0\nv 1 1 0\nf 1 2 3\n", "vertex 2: expected positions within 1e9 m"},
+               {"mtllib ../looks.mtl\n", "no error"},  // not there: noted
+               {std::string("v 0 0 0\0\n", 9), "expected text, got a zero byte"}};
+  for (const auto& c : cases) {
+    const std::string error = errorOf(c.text);
+    EXPECT_NE(error.find(c.error), std::string::npos) << c.text.substr(0, 80) << ": " << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  }
+}
+
+TEST_F(ObjReader, ReadsContinuedLinesAndNamesOfSeveralWords) {
+  write("looks.mtl", "newmtl red  brick\nKd 1 0 0\nnewmtl red paint\nKd 0 0 1\n");
+  const Scene scene =
+      read(
+          "# no continuation: \\\nmtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red brick \nf 1 \\\n2\\\r\n 3\n"
+          "usemtl red\tpaint\nf 1 3 4\\")
+          .scene;
+  ASSERT_EQ(scene.triangles.size(), 2u);
+  EXPECT_EQ(scene.materials[scene.triangle_material[0]].base_color, glm::vec3(1, 0, 0));
+  EXPECT_EQ(scene.materials[scene.triangle_material[1]].base_color, glm::vec3(0, 0, 1));
+  EXPECT_NE(errorOf("v 0 0 0\nf 1 1 \\\n7\n").find("line 3: expected a vertex of 1 to 1"), std::string::npos);
+}
+
+// One in forty of the furniture models of Sweet Home 3D has them.
+TEST_F(ObjReader, LeavesFacesOfTwoCornersOutAndSaysSo) {
+  const ObjLevel level = read(std::string(kSquare) + "f 1 2\nf 3\nf 1/1 2/1\n");
+  EXPECT_EQ(level.scene.triangles.size(), 3u);
+  ASSERT_EQ(level.notes.size(), 1u);
+  EXPECT_EQ(level.notes[0], "3 faces of fewer than three corners: left out");
+}
+
+TEST_F(ObjReader, OpensNoLibraryOutsideTheFolder) {
+  std::ofstream(folder_ / "secret.mtl") << kLooks;
+  fs::create_symlink(folder_ / "secret.mtl", folder_ / "level" / "link.mtl");
+  for (const char* name : {"../secret.mtl", "link.mtl"}) {
+    const std::string error = errorOf(std::string("mtllib ") + name + "\n");
+    EXPECT_NE(error.find("mtllib"), std::string::npos) << name << ": " << error;
+  }
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl lamp\nf 1 2 3\n";
+  for (const std::string& name : {(folder_ / "secret.mtl").string(), std::string("C:\\\\looks\\\\looks.mtl")}) {
+    const ObjLevel level = read("mtllib " + name + "\n" + triangle);
+    ASSERT_EQ(level.notes.size(), 2u) << name;
+    EXPECT_NE(level.notes[0].find("is a path of another place: not opened"), std::string::npos) << level.notes[0];
+    EXPECT_EQ(level.scene.materials.size(), 1u) << name;
+  }
+}
+
+TEST_F(ObjReader, RefusesLibrariesThatAreNoRegularFiles) {
+  ASSERT_EQ(::mkfifo((folder_ / "level" / "pipe.mtl").c_str(), 0600), 0);
+  fs::create_symlink("ring.mtl", folder_ / "level" / "ring.mtl");
+  const std::string long_name = std::string(300, 'x') + ".mtl";
+  for (const auto& [name, got] : {std::pair<std::string, std::string>("pipe.mtl", "a pipe"),
+                                  {"ring.mtl", "Too many levels of symbolic links"},
+                                  {long_name, "File name too long"}}) {
+    const std::string error = errorOf("mtllib " + name + "\n");
+    EXPECT_NE(error.find("mtllib \"" + name.substr(0, 80)), std::string::npos) << error;
+    EXPECT_NE(error.find("got " + got), std::string::npos) << error;
+  }
+}
+
+TEST_F(ObjReader, OpensALibraryOnce) {
+  std::string text;
+  for (const char* name : {"looks.mtl", "./looks.mtl", ".//looks.mtl", "looks.mtl"}) text += std::string("mtllib ") + name + "\n";
+  EXPECT_EQ(read(text + kSquare).scene.materials.size(), 3u) << "two and the one of faces without";
+}
+
+TEST_F(ObjReader, RefusesColoursThatAreNone) {
+  for (const char* colour : {"Kd -1 0 0", "Kd 0.5", "Ke 1 x 1", "Ke 1e13 0 0", "Kd spectral file.rfl 1"}) {
+    write("looks.mtl", std::string("newmtl lamp\n") + colour + "\n");
+    const std::string error = errorOf(kSquare);
+    EXPECT_NE(error.find("looks.mtl: line 2: expected three numbers of 0 to 1e12"), std::string::npos) << colour << ": " << error;
+  }
+}
+
+// Bytes changed at random anywhere: an error or a scene, never a crash.
+TEST_F(ObjReader, SurvivesRandomDamage) {
+  const std::string whole = kSquare;
+  uint32_t state = 1;
+  const auto next = [&] { return (state = state * 1664525u + 1013904223u) >> 8; };
+  int refused_count = 0;
+  for (int round = 0; round < 1000; ++round) {
+    std::string damaged = whole;
+    for (uint32_t i = 0; i < 1 + next() % 3; ++i) damaged[next() % damaged.size()] = static_cast<char>(next());
+    refused_count += errorOf(damaged) == "no error" ? 0 : 1;
+  }
+  EXPECT_GT(refused_count, 100);
+  EXPECT_LT(refused_count, 1000);
+}
+
+TEST_F(ObjReader, IsAmongTheSourcesOfScenes) {
+  const std::string path = write("Room.OBJ", kSquare);
+  const SceneSource metres = loadScene(path), feet = loadScene(path, {0.25});
+  EXPECT_EQ(metres.id, "Room");
+  EXPECT_EQ(metres.sha256, sceneSha256(metres.scene));
+  EXPECT_NE(metres.sha256, feet.sha256);
+  EXPECT_EQ(crossOf(feet.scene, 0), glm::dvec3(0, 0, 0.0625));
+  EXPECT_THROW(loadScene("house:3", {0.25}), UsageError);
+}
+
+}  // namespace
+}  // namespace nlg

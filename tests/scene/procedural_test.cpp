@@ -1,0 +1,172 @@
+#include "scene/procedural.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "runtime_eval/numbers/random.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kSeedCount = 6;
+
+uint64_t hashOf(const Scene& scene) {
+  uint64_t hash = mixSeed(scene.positions.size(), scene.triangles.size(), scene.objects.size());
+  for (const glm::vec3& p : scene.positions) {
+    hash = mixSeed(hash, std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z));
+  }
+  for (const glm::uvec3& t : scene.triangles) hash = mixSeed(hash, t.x, t.y, t.z);
+  for (const uint32_t material : scene.triangle_material) hash = mixSeed(hash, material);
+  return hash;
+}
+
+// Calls check(scene) for some seeds of every family, with the scene's id in every message.
+template <class Check>
+void forEachScene(Check check) {
+  for (const std::string& family : proceduralFamilies()) {
+    for (uint64_t seed = 0; seed < kSeedCount; ++seed) {
+      const Scene scene = makeProceduralScene(family, seed);
+      SCOPED_TRACE(scene.id);
+      check(scene);
+    }
+  }
+}
+
+double signedVolume(const Scene& scene, const SceneObject& object) {
+  double volume = 0.0;
+  for (uint32_t i = 0; i < object.triangle_count; ++i) {
+    const glm::uvec3& t = scene.triangles[object.first_triangle + i];
+    const glm::dvec3 a(scene.positions[t.x]);
+    volume += glm::dot(a, glm::cross(glm::dvec3(scene.positions[t.y]), glm::dvec3(scene.positions[t.z]))) / 6.0;
+  }
+  return volume;
+}
+
+// Directed edges without their opposites; none when the object's surface is closed.
+size_t openEdgeCount(const Scene& scene, const SceneObject& object) {
+  std::map<std::pair<uint32_t, uint32_t>, int> balance;
+  for (uint32_t i = 0; i < object.triangle_count; ++i) {
+    const glm::uvec3& t = scene.triangles[object.first_triangle + i];
+    for (int corner = 0; corner < 3; ++corner) {
+      const uint32_t a = t[corner];
+      const uint32_t b = t[(corner + 1) % 3];
+      balance[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  }
+  size_t count = 0;
+  for (const auto& [edge, sum] : balance) count += sum != 0;
+  return count;
+}
+
+TEST(ProceduralScene, IsTheSameForTheSameSeed) {
+  for (const std::string& family : proceduralFamilies()) {
+    EXPECT_EQ(hashOf(makeProceduralScene(family, 7)), hashOf(makeProceduralScene(family, 7))) << family;
+  }
+}
+
+TEST(ProceduralScene, DiffersBetweenSeedsAndFamilies) {
+  std::set<uint64_t> hashes;
+  forEachScene([&](const Scene& scene) { EXPECT_TRUE(hashes.insert(hashOf(scene)).second); });
+  EXPECT_EQ(hashes.size(), 8 * kSeedCount);
+}
+
+TEST(ProceduralScene, RefusesAnUnknownFamilyByNamingTheKnownOnes) {
+  try {
+    makeProceduralScene("castle", 1);
+    FAIL() << "no error";
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("colonnade"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("castle"), std::string::npos) << error.what();
+  }
+}
+
+TEST(ProceduralScene, HasFinitePositionsAndIndicesInRange) {
+  forEachScene([](const Scene& scene) {
+    ASSERT_EQ(scene.triangles.size(), scene.triangle_material.size());
+    for (const glm::vec3& p : scene.positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
+    for (const glm::uvec3& t : scene.triangles) ASSERT_LT(std::max({t.x, t.y, t.z}), scene.positions.size());
+    for (const uint32_t material : scene.triangle_material) ASSERT_LT(material, scene.materials.size());
+  });
+}
+
+TEST(ProceduralScene, CoversAllTrianglesWithObjectsInOrder) {
+  forEachScene([](const Scene& scene) {
+    uint32_t next = 0;
+    size_t movable_count = 0;
+    for (const SceneObject& object : scene.objects) {
+      EXPECT_EQ(object.first_triangle, next) << object.name;
+      EXPECT_GT(object.triangle_count, 0u) << object.name;
+      next += object.triangle_count;
+      movable_count += object.movable;
+    }
+    EXPECT_EQ(next, scene.triangles.size());
+    EXPECT_GT(movable_count, 2u);
+    EXPECT_LT(movable_count, scene.objects.size());
+  });
+}
+
+TEST(ProceduralScene, HasNoDegenerateTriangles) {
+  forEachScene([](const Scene& scene) {
+    for (size_t i = 0; i < scene.triangles.size(); ++i) {
+      const glm::uvec3& t = scene.triangles[i];
+      const glm::dvec3 a(scene.positions[t.x]);
+      const glm::dvec3 normal = glm::cross(glm::dvec3(scene.positions[t.y]) - a, glm::dvec3(scene.positions[t.z]) - a);
+      // positions are multiples of 2^-10 m, so twice an area is zero or at least 2^-20 m2
+      ASSERT_GE(glm::length(normal), 0x1p-20) << "triangle " << i;
+    }
+  });
+}
+
+TEST(ProceduralScene, HasClosedObjects) {
+  forEachScene([](const Scene& scene) {
+    for (const SceneObject& object : scene.objects) EXPECT_EQ(openEdgeCount(scene, object), 0u) << object.name;
+  });
+}
+
+// A cave's shell looks into its air: the only object whose volume is negative.
+TEST(ProceduralScene, FacesOutwards) {
+  forEachScene([](const Scene& scene) {
+    for (const SceneObject& object : scene.objects) {
+      const double volume = signedVolume(scene, object);
+      if (object.name == "cave") {
+        EXPECT_LT(volume, -50.0);
+      } else {
+        EXPECT_GT(volume, 0.0) << object.name;
+      }
+    }
+  });
+}
+
+TEST(ProceduralScene, HasTheSizeOfALevel) {
+  forEachScene([](const Scene& scene) {
+    const Bounds bounds = sceneBounds(scene);
+    const glm::vec3 size = bounds.max - bounds.min;
+    EXPECT_GE(std::max(size.x, size.z), 9.0f);
+    EXPECT_LE(std::max(size.x, size.z), 40.0f);
+    EXPECT_GE(size.y, 2.5f);
+    EXPECT_LE(size.y, 15.0f);
+    EXPECT_GE(scene.triangles.size(), 300u);
+    EXPECT_LE(scene.triangles.size(), 60000u);
+  });
+}
+
+TEST(ProceduralScene, HasPlausibleMaterials) {
+  forEachScene([](const Scene& scene) {
+    for (const Material& material : scene.materials) {
+      for (int channel = 0; channel < 3; ++channel) {
+        EXPECT_GT(material.base_color[channel], 0.0f);
+        EXPECT_LT(material.base_color[channel], 0.95f);
+        EXPECT_GE(material.emissive[channel], 0.0f);
+      }
+    }
+  });
+}
+
+}  // namespace
+}  // namespace nlg

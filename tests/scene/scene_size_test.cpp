@@ -1,0 +1,99 @@
+#include "scene/scene_size.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "scene/scene_source.h"
+#include "tests/scene/gltf_parts.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+// A triangle whose bounds are those of a box.
+Scene sceneOfSize(const glm::vec3& size) {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {size.x, size.y, 0}, {0, 0, size.z}};
+  scene.triangles = {{0, 1, 2}};
+  return scene;
+}
+
+std::string noteOf(const glm::vec3& size, double unit_m = 1.0) { return sizeNote(sceneOfSize(size), "room.obj", unit_m); }
+
+std::string errorOf(const glm::vec3& size) {
+  try {
+    return "note: " + noteOf(size);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+TEST(SceneSize, SaysNothingOfLevels) {
+  EXPECT_EQ(noteOf({5, 3, 8}), "") << "a room";
+  EXPECT_EQ(noteOf({1, 0, 0.5f}), "") << "a table's top";
+  EXPECT_EQ(noteOf({4000, 140, 4000}), "") << "a landscape";
+  EXPECT_EQ(sizeNote(Scene(), "empty.obj", 1.0), "");
+}
+
+TEST(SceneSize, SuggestsTheUnitOfWhatIsTooLarge) {
+  EXPECT_EQ(
+      noteOf({500, 300, 800}),
+      "at 1 m a unit it is 500 x 300 x 800 m, a size that few levels have; if it was made in centimetres, --unit 0.01 makes "
+      "it 5 x 3 x 8 m");
+  EXPECT_NE(noteOf({20000, 20000, 8000}).find("if it was made in millimetres, --unit 0.001 makes it 20 x 20 x 8 m"),
+            std::string::npos)
+      << noteOf({20000, 20000, 8000});
+  EXPECT_NE(noteOf({6000, 3, 100}).find("--unit 0.01 makes it 60 x 0.03 x 1 m"), std::string::npos) << noteOf({6000, 3, 100});
+}
+
+TEST(SceneSize, SuggestsTheUnitOfWhatIsTooSmall) {
+  EXPECT_EQ(noteOf({0.2f, 0.1f, 0.3f}),
+            "at 1 m a unit it is 0.2 x 0.1 x 0.3 m, a size that few levels have; --unit 100 makes it 20 x 10 x 30 m");
+}
+
+TEST(SceneSize, SuggestsInTermsOfTheUnitThatWasAskedFor) {
+  EXPECT_NE(noteOf({500, 300, 800}, 0.5)
+                .find("at 0.5 m a unit it is 500 x 300 x 800 m, a size that few levels have; if it was made in centimetres, "
+                      "--unit 0.005 "),
+            std::string::npos)
+      << noteOf({500, 300, 800}, 0.5);
+}
+
+TEST(SceneSize, RefusesWhatIsNoLevel) {
+  EXPECT_EQ(errorOf({0.02f, 0.01f, 0}), "room.obj: longest side: expected 0.1 to 100000 m at 1 m a unit (--unit), got 0.02 m");
+  EXPECT_EQ(errorOf({1, 200000, 1}), "room.obj: longest side: expected 0.1 to 100000 m at 1 m a unit (--unit), got 200000 m");
+}
+
+using SceneFiles = GltfFiles;
+
+// A square of 400 units, upright: as it is, and with a unit.
+TEST_F(SceneFiles, AreToldOfTheirSizeAlike) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0,"scale":[400,400,400]}])";
+  const std::string paths[] = {write("wall.gltf", parts.text()), write("wall.glb", parts.binary()),
+                               write("wall.obj", "v 0 0 0\nv 400 0 0\nv 400 400 0\nv 0 400 0\nf 1 2 3 4\n")};
+  for (const std::string& path : paths) {
+    const SceneSource source = loadScene(path);
+    ASSERT_FALSE(source.notes.empty()) << path;
+    EXPECT_NE(source.notes.back().find("at 1 m a unit it is 400 x 400 x 0 m"), std::string::npos) << source.notes.back();
+    const SceneSource scaled = loadScene(path, {0.01});
+    for (const std::string& note : scaled.notes) EXPECT_EQ(note.find("few levels"), std::string::npos) << note;
+    EXPECT_NEAR(areaOf(scaled.scene), 16.0, 1e-4) << path;
+    EXPECT_NE(scaled.sha256, source.sha256) << path;
+    EXPECT_THROW(loadScene(path, {1e4}), InputError) << path;
+  }
+}
+
+TEST_F(SceneFiles, TellTheirNotesByLines) {
+  SceneSource source;
+  source.id = "room";
+  source.notes = {"one", "two"};
+  testing::internal::CaptureStderr();
+  tellNotes("nlg-bake", source);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "nlg-bake: room: one\nnlg-bake: room: two\n");
+}
+
+}  // namespace
+}  // namespace nlg
