@@ -142,7 +142,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   Bake bake = bakeScene(scene, generators, options, temporaryFolder());
 
   std::string bytes;
-  const WeightsResult result = serializeLightGrid(bake.grid, stored, metadata(scene, weights, table), &bytes);
+  const FileResult result = serializeLightGrid(bake.grid, stored, metadata(scene, weights, table), &bytes);
   if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": no number that the file can hold");
   writeFileAtomically(request.out, bytes);
 
@@ -176,7 +176,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
 nlohmann::ordered_json describeGrid(const std::string& path) {
   LightGrid grid;
   GridMetadata metadata;
-  const WeightsResult opened = readLightGridFile(path, &grid, &metadata);
+  const FileResult opened = readLightGridFile(path, &grid, &metadata);
   requireRead(path, opened, "a light grid");
   nlohmann::ordered_json json = {{"scene", metadata["scene"]},        {"probes", grid.tree.probeCount()},
                                  {"cells", grid.tree.cellCount()},    {"spacing_m", grid.tree.frame().spacing_m},

@@ -123,7 +123,7 @@ class SavingsMeasurement {
     Bake bake = bakeScene(inputs_.scene, variant.generators, variant.options, inputs_.spool_folder, variant.left_out);
     Result result{std::move(bake.grid), processorSeconds() - start};
     std::string bytes;
-    const WeightsResult written = serializeLightGrid(result.grid, {variant.options.policy.theta_precision}, {}, &bytes);
+    const FileResult written = serializeLightGrid(result.grid, {variant.options.policy.theta_precision}, {}, &bytes);
     if (!written.ok())
       throw NumericalError("bake: light grid, " + variant.what + ": " + written.detail + ": no number that the file can hold");
     result.bytes = static_cast<int64_t>(bytes.size());

@@ -133,7 +133,7 @@ void registerLevel(const char* path, const NamedWay& way, bool is_walk) {
   benchmark::RegisterBenchmark(caseName(way, "level", is_walk).c_str(), [=](benchmark::State& state) {
     LightGrid grid;
     GridMetadata texts;
-    const WeightsResult result = readLightGridFile(path, &grid, &texts);
+    const FileResult result = readLightGridFile(path, &grid, &texts);
     if (!result.ok() || grid.light.empty() || grid.tree.cellCount() == 0) {
       state.SkipWithError((std::string(path) + ": expected a light grid with light. " + result.detail).c_str());
       return;

@@ -152,7 +152,7 @@ void differ(benchmark::State& state, const std::string& path) {
   const torch::InferenceMode guard;
   WeightsFile file;
   GeneratorData data;
-  WeightsResult result = readWeightsFile(path, &file);
+  FileResult result = readWeightsFile(path, &file);
   if (result.ok()) result = generatorFromWeights(file, &data);
   if (!result.ok()) return state.SkipWithError(result.detail.c_str());
   std::vector<uint8_t> phi = parityFunctions();

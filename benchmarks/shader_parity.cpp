@@ -81,9 +81,9 @@ void compare(const ComputeDevice& device, const std::string& path) {
   LightGrid grid;
   GridMetadata metadata;
   ShaderGrid packed;
-  WeightsResult result = readLightGridFile(path, &grid, &metadata);
+  FileResult result = readLightGridFile(path, &grid, &metadata);
   if (result.ok()) result = packShaderGrid(grid, &packed);
-  if (!result.ok()) throw std::runtime_error(path + ": " + weightsStatusName(result.status) + ": " + result.detail);
+  if (!result.ok()) throw std::runtime_error(path + ": " + fileStatusName(result.status) + ": " + result.detail);
   Places places = placesNearProbes(grid);
   const std::vector<uint32_t> words = places.words();
   const std::vector<uint32_t> shader =

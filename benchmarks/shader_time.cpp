@@ -159,7 +159,7 @@ class Timer {
 
   static ShaderGrid pack(const LightGrid& grid) {
     ShaderGrid packed;
-    const WeightsResult result = packShaderGrid(grid, &packed);
+    const FileResult result = packShaderGrid(grid, &packed);
     if (!result.ok()) throw std::runtime_error(result.detail);
     return packed;
   }
@@ -208,8 +208,8 @@ void run(const std::string& path, int repetitions) {
   if (!device) throw std::runtime_error("no Vulkan device, not even a software one (Debian: mesa-vulkan-drivers)");
   LightGrid grid;
   GridMetadata metadata;
-  const WeightsResult result = readLightGridFile(path, &grid, &metadata);
-  if (!result.ok()) throw std::runtime_error(path + ": " + weightsStatusName(result.status) + ": " + result.detail);
+  const FileResult result = readLightGridFile(path, &grid, &metadata);
+  if (!result.ok()) throw std::runtime_error(path + ": " + fileStatusName(result.status) + ": " + result.detail);
   const auto with_function =
       std::count_if(grid.probe_function.begin(), grid.probe_function.end(), [](uint32_t f) { return f < kNoWeight; });
   std::printf("On %s, %d places, %d turns; of %zu probes %zd have a function in the grid.\n\n", device->name().c_str(),

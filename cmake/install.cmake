@@ -11,6 +11,7 @@ include(CMakePackageConfigHelpers)
 # Headers that a baker includes, and those that these include. Kernels (-inl.h), the parts of the loss and what only files or tests
 # need stay behind.
 target_sources(nlg_weights_file PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES
+  ${PROJECT_SOURCE_DIR}/runtime_eval/weights_file/file_result.h
   ${PROJECT_SOURCE_DIR}/runtime_eval/weights_file/weights_file.h)
 set(NLG_PUBLIC_HEADERS
   c_api/nlg.h

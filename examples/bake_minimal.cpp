@@ -38,8 +38,8 @@ void print(const char* what, const nlg::FunctionCheck& check) {
 int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "usage: bake_minimal WEIGHTS.safetensors\n"), 2;
   nlg::Generator generator;
-  const nlg::WeightsResult loaded = nlg::Generator::load(argv[1], &generator);
-  if (!loaded.ok()) return std::fprintf(stderr, "%s (%s)\n", loaded.detail.c_str(), nlg::weightsStatusName(loaded.status)), 3;
+  const nlg::FileResult loaded = nlg::Generator::load(argv[1], &generator);
+  if (!loaded.ok()) return std::fprintf(stderr, "%s (%s)\n", loaded.detail.c_str(), nlg::fileStatusName(loaded.status)), 3;
   const nlg::Representation& representation = generator.representation();
   std::printf("%s, %d numbers a function\n", nlg::representationName(representation), representation.thetaCount());
 

@@ -75,7 +75,7 @@ void raise(double& largest, double value) {
 GeneratorData asLoaded(const WeightsFile& file) {
   WeightsFile parsed;
   GeneratorData data;
-  WeightsResult result = parseWeights(serializeWeights(file), &parsed);
+  FileResult result = parseWeights(serializeWeights(file), &parsed);
   if (result.ok()) result = generatorFromWeights(parsed, &data);
   if (!result.ok()) throw CheckFailed("exported weights", "a loadable generator", result.detail);
   return data;
@@ -85,7 +85,7 @@ GeneratorData asLoaded(const WeightsFile& file) {
 void roundMatrices(WeightsFile* file) {
   for (auto& [name, tensor] : file->tensors) {
     if (name != "basis.components" && !name.ends_with(".weight")) continue;
-    const WeightsResult result = roundToFloat16(name, &tensor);
+    const FileResult result = roundToFloat16(name, &tensor);
     if (!result.ok()) throw CheckFailed("weights as float16", "values of at most 65504", result.detail);
   }
 }
@@ -229,7 +229,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
 nlohmann::ordered_json describeWeights(const std::string& path) {
   WeightsFile file;
   GeneratorData data;
-  const WeightsResult opened = readWeightsFile(path, &file);
+  const FileResult opened = readWeightsFile(path, &file);
   requireRead(path, opened, "the weights of a generator");
   requireRead(path, generatorFromWeights(file, &data), "the weights of a generator");
   nlohmann::ordered_json json = {{"representation", representationName(data.representation)},

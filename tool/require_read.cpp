@@ -12,10 +12,9 @@ namespace nlg {
 namespace {
 
 // What the bytes themselves prove: no writer of ours left them so.
-bool isDamage(WeightsStatus status) {
-  return status == WeightsStatus::too_short || status == WeightsStatus::header_too_large ||
-         status == WeightsStatus::header_malformed || status == WeightsStatus::tensor_malformed ||
-         status == WeightsStatus::digest_mismatch;
+bool isDamage(FileStatus status) {
+  return status == FileStatus::too_short || status == FileStatus::header_too_large || status == FileStatus::header_malformed ||
+         status == FileStatus::tensor_malformed || status == FileStatus::digest_mismatch;
 }
 
 // Whether a file is whole all the same: a safetensors file whose digest holds, of other tensors than were looked for, or an HDF5 file.
@@ -35,8 +34,8 @@ bool isOfAnotherKind(const std::string& path) {
 
 }  // namespace
 
-void requireRead(const std::string& path, const WeightsResult& result, const std::string& expected) {
-  const char* status = weightsStatusName(result.status);
+void requireRead(const std::string& path, const FileResult& result, const std::string& expected) {
+  const char* status = fileStatusName(result.status);
   if (isDamage(result.status) && !isOfAnotherKind(path)) throw DamageError(path, status, expected, result.detail);
   if (!result.ok()) throw InputError(path, status, expected, result.detail);
   if (!result.detail.empty()) sayUnchecked(result.detail);

@@ -12,9 +12,9 @@ namespace {
 
 ShaderGrid packed(const LightGrid& grid) {
   ShaderGrid result;
-  const WeightsResult status = packShaderGrid(grid, &result);
+  const FileResult status = packShaderGrid(grid, &result);
   if (!status.ok())
-    throw InputError("the light grid", weightsStatusName(status.status), "a grid that shaders can show", status.detail);
+    throw InputError("the light grid", fileStatusName(status.status), "a grid that shaders can show", status.detail);
   return result;
 }
 

@@ -10,10 +10,10 @@ const std::string kGrid = "grid.bin", kHeader = "nlg_light_grid.h";
 
 }  // namespace
 
-WeightsResult cHeaderFiles(const LightGrid& grid, std::vector<EngineFile>* files) {
+FileResult cHeaderFiles(const LightGrid& grid, std::vector<EngineFile>* files) {
   files->clear();
   ShaderGrid packed;
-  WeightsResult result = packShaderGrid(grid, &packed);
+  FileResult result = packShaderGrid(grid, &packed);
   if (result.ok()) *files = {{kGrid, shaderGridBytes(packed)}, {kHeader, std::string(kCHeaderText)}};
   return result;
 }

@@ -13,7 +13,7 @@ extern const std::string_view kCHeaderText;  // runtime_eval/shader_grid/nlg_lig
 
 // grid       one that checkLightGrid accepts
 // returns    that of packShaderGrid; *files is empty where it is not ok
-WeightsResult cHeaderFiles(const LightGrid& grid, std::vector<EngineFile>* files);
+FileResult cHeaderFiles(const LightGrid& grid, std::vector<EngineFile>* files);
 
 // The header's own look-up, in grid.bin of any format that has it.
 EngineIrradiance readCHeader(const std::vector<EngineFile>& files);

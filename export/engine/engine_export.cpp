@@ -27,7 +27,7 @@ const std::string kPlace = "light.json";
 // Formats that hold the grid itself, grid.bin, and no texture.
 struct GridFormat {
   const char* name;
-  WeightsResult (*write)(const LightGrid& grid, std::vector<EngineFile>* files);
+  FileResult (*write)(const LightGrid& grid, std::vector<EngineFile>* files);
 };
 
 constexpr GridFormat kGridFormats[] = {{"three-per-pixel", threePerPixelFiles}, {"c-header", cHeaderFiles}};
@@ -104,9 +104,8 @@ nlohmann::ordered_json errorJson(const std::optional<ResamplingError>& error) {
 void writeGrid(const LightGrid& grid, const GridFormat& format, const EngineRequest& request, const EngineOptions& options,
                nlohmann::ordered_json line) {
   std::vector<EngineFile> files;
-  const WeightsResult result = format.write(grid, &files);
-  if (!result.ok())
-    throw InputError(request.grid, weightsStatusName(result.status), "a grid that shaders can show", result.detail);
+  const FileResult result = format.write(grid, &files);
+  if (!result.ok()) throw InputError(request.grid, fileStatusName(result.status), "a grid that shaders can show", result.detail);
   line["bytes"] = bytesOf(files);
   line["error"] = errorJson(resamplingError(grid, nullptr, readCHeader(files), options.places));
   writeFiles(files, request);

@@ -4,10 +4,10 @@
 
 namespace nlg {
 
-WeightsResult threePerPixelFiles(const LightGrid& grid, std::vector<EngineFile>* files) {
+FileResult threePerPixelFiles(const LightGrid& grid, std::vector<EngineFile>* files) {
   files->clear();
   ShaderGrid packed;
-  WeightsResult result = packShaderGrid(grid, &packed);
+  FileResult result = packShaderGrid(grid, &packed);
   if (!result.ok()) return result;
   *files = {{"grid.bin", shaderGridBytes(packed)},
             {"look_up.glsl", shaderText(packed)},

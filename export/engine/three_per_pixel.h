@@ -14,6 +14,6 @@ extern const std::string_view kThreeLightGridText, kThreeLightGridWebgpuText;
 
 // grid       one that checkLightGrid accepts
 // returns    that of packShaderGrid; *files is empty where it is not ok
-WeightsResult threePerPixelFiles(const LightGrid& grid, std::vector<EngineFile>* files);
+FileResult threePerPixelFiles(const LightGrid& grid, std::vector<EngineFile>* files);
 
 }  // namespace nlg

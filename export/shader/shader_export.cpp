@@ -30,8 +30,8 @@ void run(const std::string& grid_path, const std::string& folder) {
   GridMetadata metadata;
   requireRead(grid_path, readLightGridFile(grid_path, &grid, &metadata), "a light grid");
   ShaderGrid packed;
-  const WeightsResult result = packShaderGrid(grid, &packed);
-  if (!result.ok()) throw InputError(grid_path, weightsStatusName(result.status), "a grid that shaders can show", result.detail);
+  const FileResult result = packShaderGrid(grid, &packed);
+  if (!result.ok()) throw InputError(grid_path, fileStatusName(result.status), "a grid that shaders can show", result.detail);
   writeShader(packed, folder);
   const PixelReads reads = pixelReads(packed);
   const nlohmann::ordered_json line = {

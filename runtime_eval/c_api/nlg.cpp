@@ -17,10 +17,10 @@
 
 namespace {
 
-using nlg::WeightsStatus;
+using nlg::FileStatus;
 
 // a status goes through the border as the same number
-#define NLG_SAME(c_name, name) static_assert(c_name == static_cast<int>(WeightsStatus::name))
+#define NLG_SAME(c_name, name) static_assert(c_name == static_cast<int>(FileStatus::name))
 NLG_SAME(NLG_OK, ok);
 NLG_SAME(NLG_CANNOT_OPEN, cannot_open);
 NLG_SAME(NLG_CANNOT_READ, cannot_read);
@@ -155,7 +155,7 @@ nlg_status refuseArgument(std::string_view what, char* detail, size_t detail_siz
   return NLG_INVALID_ARGUMENT;
 }
 
-// load(Held*) returns a WeightsResult; Handle{held} is what is handed out.
+// load(Held*) returns a FileResult; Handle{held} is what is handed out.
 template <class Held, class Handle, class Load>
 nlg_status loadHandle(bool has_source, const Load& load, Handle** handle, char* detail, size_t detail_size) noexcept {
   if (handle == nullptr) return refuseArgument("handle: expected where it goes, got a null pointer", detail, detail_size);
@@ -163,7 +163,7 @@ nlg_status loadHandle(bool has_source, const Load& load, Handle** handle, char* 
   if (!has_source) return refuseArgument("path or bytes: expected what to load, got a null pointer", detail, detail_size);
   const nlg_status status = withMemory([&] {
     Held loaded;
-    const nlg::WeightsResult result = load(&loaded);
+    const nlg::FileResult result = load(&loaded);
     fillDetail(result.detail, detail, detail_size);
     if (result.ok()) *handle = new Handle{std::move(loaded)};
     return static_cast<nlg_status>(result.status);
@@ -200,7 +200,7 @@ extern "C" {
 const char* nlg_status_name(nlg_status status) {
   if (status == NLG_OUT_OF_MEMORY) return "out_of_memory";
   if (status == NLG_INVALID_ARGUMENT) return "invalid_argument";
-  return nlg::weightsStatusName(static_cast<WeightsStatus>(status));
+  return nlg::fileStatusName(static_cast<FileStatus>(status));
 }
 
 nlg_status nlg_generator_load(const char* path, nlg_precision precision, nlg_generator** generator, char* detail,

@@ -41,16 +41,16 @@ Generator::Generator(const GeneratorData& data, GeneratorPrecision precision)
 
 namespace {
 
-WeightsResult obeyEnvironment() {
+FileResult obeyEnvironment() {
   const SimdStatus simd = forceSimdTargetFromEnvironment();
   if (simd == SimdStatus::ok) return {};
-  return {WeightsStatus::simd_unavailable, "NLG_SIMD: " + simdRefusal(std::getenv("NLG_SIMD"), simd)};
+  return {FileStatus::simd_unavailable, "NLG_SIMD: " + simdRefusal(std::getenv("NLG_SIMD"), simd)};
 }
 
-WeightsResult prepare(WeightsResult result, const WeightsFile& file, GeneratorPrecision precision, Generator* generator) {
+FileResult prepare(FileResult result, const WeightsFile& file, GeneratorPrecision precision, Generator* generator) {
   GeneratorData data;
   if (!result.ok()) return result;
-  const WeightsResult made = generatorFromWeights(file, &data);
+  const FileResult made = generatorFromWeights(file, &data);
   if (!made.ok()) return made;
   *generator = Generator(data, precision);
   return result;
@@ -58,16 +58,16 @@ WeightsResult prepare(WeightsResult result, const WeightsFile& file, GeneratorPr
 
 }  // namespace
 
-WeightsResult Generator::load(const std::string& path, GeneratorPrecision precision, Generator* generator) {
+FileResult Generator::load(const std::string& path, GeneratorPrecision precision, Generator* generator) {
   WeightsFile file;
-  WeightsResult result = obeyEnvironment();
+  FileResult result = obeyEnvironment();
   if (result.ok()) result = readWeightsFile(path, &file);
   return prepare(std::move(result), file, precision, generator);
 }
 
-WeightsResult Generator::parse(std::string_view bytes, GeneratorPrecision precision, Generator* generator) {
+FileResult Generator::parse(std::string_view bytes, GeneratorPrecision precision, Generator* generator) {
   WeightsFile file;
-  WeightsResult result = obeyEnvironment();
+  FileResult result = obeyEnvironment();
   if (result.ok()) result = parseWeights(bytes, &file);
   return prepare(std::move(result), file, precision, generator);
 }

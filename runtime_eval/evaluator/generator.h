@@ -54,7 +54,7 @@ struct CorrectionFeatures {
 };
 
 // Between file and numbers. The reader checks every shape, range and the support pattern; on failure *data is unspecified.
-WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data);
+FileResult generatorFromWeights(const WeightsFile& file, GeneratorData* data);
 WeightsFile weightsFromGenerator(const GeneratorData& data);
 
 class GeneratorScratch;
@@ -71,11 +71,11 @@ class Generator {
   // of a file without a digest. Obeys NLG_SIMD
   // (simd_target.h): a name that is no target of this build and machine is refused (simd_unavailable), so the first call should
   // precede other threads' work.
-  static WeightsResult load(const std::string& path, GeneratorPrecision precision, Generator* generator);
-  static WeightsResult load(const std::string& path, Generator* generator) {
+  static FileResult load(const std::string& path, GeneratorPrecision precision, Generator* generator);
+  static FileResult load(const std::string& path, Generator* generator) {
     return load(path, GeneratorPrecision::float32, generator);
   }
-  static WeightsResult parse(std::string_view bytes, GeneratorPrecision precision, Generator* generator);
+  static FileResult parse(std::string_view bytes, GeneratorPrecision precision, Generator* generator);
 
   const Representation& representation() const { return representation_; }
   GeneratorPrecision precision() const { return precision_; }

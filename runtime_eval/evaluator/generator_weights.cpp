@@ -39,21 +39,21 @@ class TensorReader {
   explicit TensorReader(const WeightsFile& file) : file_(file) {}
 
   bool ok() const { return result_.ok(); }
-  const WeightsResult& result() const { return result_; }
+  const FileResult& result() const { return result_; }
 
-  void fail(WeightsStatus status, const std::string& detail) {
+  void fail(FileStatus status, const std::string& detail) {
     if (ok()) result_ = {status, detail};
   }
 
   std::vector<float> tensor(const std::string& name, const std::vector<uint64_t>& shape) {
     const auto found = file_.tensors.find(name);
     if (found == file_.tensors.end()) {
-      fail(WeightsStatus::tensor_missing, "no tensor " + name);
+      fail(FileStatus::tensor_missing, "no tensor " + name);
     } else if (found->second.shape != shape) {
-      fail(WeightsStatus::tensor_unexpected,
+      fail(FileStatus::tensor_unexpected,
            name + ": expected shape " + shapeText(shape) + ", got " + shapeText(found->second.shape));
     } else if (!std::all_of(found->second.values.begin(), found->second.values.end(), [](float v) { return std::isfinite(v); })) {
-      fail(WeightsStatus::value_not_finite, name + ": a value is not finite");
+      fail(FileStatus::value_not_finite, name + ": a value is not finite");
     } else {
       return found->second.values;
     }
@@ -63,7 +63,7 @@ class TensorReader {
   std::string text(const std::string& key) {
     const auto found = file_.metadata.find(key);
     if (found != file_.metadata.end()) return found->second;
-    fail(WeightsStatus::tensor_missing, "no metadata key " + key);
+    fail(FileStatus::tensor_missing, "no metadata key " + key);
     return {};
   }
 
@@ -75,8 +75,8 @@ class TensorReader {
     double parsed = 0.0;
     const bool is_number = static_cast<bool>(stream >> std::noskipws >> parsed) && stream.peek() == EOF;
     if (!is_number || !(parsed >= low && parsed <= high)) {
-      fail(WeightsStatus::value_out_of_range, "metadata " + key + ": expected a number from " + std::to_string(low) + " to " +
-                                                  std::to_string(high) + ", got " + shown(value));
+      fail(FileStatus::value_out_of_range, "metadata " + key + ": expected a number from " + std::to_string(low) + " to " +
+                                               std::to_string(high) + ", got " + shown(value));
       return low;
     }
     return parsed;
@@ -84,13 +84,13 @@ class TensorReader {
 
   int integer(const std::string& key, int low, int high) {
     const double value = number(key, low, high);
-    if (value != std::floor(value)) fail(WeightsStatus::value_out_of_range, "metadata " + key + ": expected an integer");
+    if (value != std::floor(value)) fail(FileStatus::value_out_of_range, "metadata " + key + ": expected an integer");
     return static_cast<int>(value);
   }
 
  private:
   const WeightsFile& file_;
-  WeightsResult result_;
+  FileResult result_;
 };
 
 void readBasis(TensorReader& reader, BasisData* basis) {
@@ -99,14 +99,14 @@ void readBasis(TensorReader& reader, BasisData* basis) {
     basis->class_count[c] = reader.integer("class_count." + std::to_string(c), 0, kOctantPointCount);
     coefficient_count += basis->class_count[c];
   }
-  if (coefficient_count == 0) reader.fail(WeightsStatus::value_out_of_range, "the basis has no component");
+  if (coefficient_count == 0) reader.fail(FileStatus::value_out_of_range, "the basis has no component");
   const uint64_t octant = kOctantPointCount, count = static_cast<uint64_t>(coefficient_count);
   basis->mean = reader.tensor("basis.mean", {uint64_t{kParityClassCount}, octant});
   basis->components = reader.tensor("basis.components", {count, octant});
   basis->deviation = reader.tensor("basis.deviation", {count});
   for (const float deviation : basis->deviation) {
     // its inverse is folded into the components: far below any real deviation that would no longer be finite
-    if (!(deviation >= 1e-30f)) reader.fail(WeightsStatus::value_out_of_range, "basis.deviation: expected values from 1e-30 on");
+    if (!(deviation >= 1e-30f)) reader.fail(FileStatus::value_out_of_range, "basis.deviation: expected values from 1e-30 on");
   }
 }
 
@@ -147,19 +147,19 @@ void writeLayers(const std::vector<GeneratorLayer>& layers, const std::string& p
 
 }  // namespace
 
-WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data) {
+FileResult generatorFromWeights(const WeightsFile& file, GeneratorData* data) {
   *data = {};
   TensorReader reader(file);
   const int version = reader.integer("version", 1, 1 << 20);
   if (version > kWeightsVersion) {
-    reader.fail(WeightsStatus::version_unknown,
+    reader.fail(FileStatus::version_unknown,
                 "version " + std::to_string(version) + " is newer than this reader's " + std::to_string(kWeightsVersion));
   }
   const std::string pattern = reader.text("pattern_hash"), own = hexadecimal(supportPattern().hash);
-  if (pattern != own) reader.fail(WeightsStatus::pattern_unknown, "support pattern " + shown(pattern) + ", expected " + own);
+  if (pattern != own) reader.fail(FileStatus::pattern_unknown, "support pattern " + shown(pattern) + ", expected " + own);
   const std::string representation = reader.text("representation");
   if (!findRepresentation(representation, &data->representation)) {
-    reader.fail(WeightsStatus::value_out_of_range, "metadata representation: unknown " + shown(representation));
+    reader.fail(FileStatus::value_out_of_range, "metadata representation: unknown " + shown(representation));
   }
   data->representation.slope = static_cast<float>(reader.number("representation_slope", 1e-6, 0.999));
   data->slope = static_cast<float>(reader.number("generator_slope", 1e-6, 0.999));
@@ -171,7 +171,7 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
     data->correction.exact_last_layer = reader.integer("correction.exact_last_layer", 0, 1) == 1;
     const bool is_linear = !data->representation.isField() && data->representation.shape().output == OutputFunction::linear;
     if (data->correction.exact_last_layer && !is_linear) {
-      reader.fail(WeightsStatus::value_out_of_range,
+      reader.fail(FileStatus::value_out_of_range,
                   "metadata correction.exact_last_layer: the representation's output is not linear");
     }
   }
@@ -191,7 +191,7 @@ WeightsResult generatorFromWeights(const WeightsFile& file, GeneratorData* data)
     for (const float scale : data->output_scale) {
       // a correction reads theta in units of it
       if (!(std::fabs(scale) >= 1e-30f)) {
-        reader.fail(WeightsStatus::value_out_of_range, "output_scale: expected magnitudes from 1e-30 on, for correction steps");
+        reader.fail(FileStatus::value_out_of_range, "output_scale: expected magnitudes from 1e-30 on, for correction steps");
       }
     }
   }

@@ -111,29 +111,29 @@ float commonScale(const std::vector<float>& light) {
   return floatFromHalf(rounded) < std::ldexp(1.0f, kMeanExponent) ? scale : 2.0f * scale;
 }
 
-WeightsResult checkPacked(LightForm form, const PackedLight& packed, size_t probe_count) {
+FileResult checkPacked(LightForm form, const PackedLight& packed, size_t probe_count) {
   const FormKind& kind = kindOf(form);
   const auto sized = [&](const char* what, size_t size, int per_probe) {
     const size_t expected = probe_count * static_cast<size_t>(per_probe);
-    if (size == expected) return WeightsResult{};
-    return WeightsResult{WeightsStatus::tensor_unexpected,
-                         std::string(what) + ": " + std::to_string(size) + " values; expected " + std::to_string(expected)};
+    if (size == expected) return FileResult{};
+    return FileResult{FileStatus::tensor_unexpected,
+                      std::string(what) + ": " + std::to_string(size) + " values; expected " + std::to_string(expected)};
   };
-  for (const WeightsResult& result :
+  for (const FileResult& result :
        {sized("light.halves", packed.halves.size(), kind.halves), sized("light.steps", packed.steps.size(), kind.steps)}) {
     if (!result.ok()) return result;
   }
   int exponent = 0;
   const bool is_scale = std::isfinite(packed.scale) && std::frexp(packed.scale, &exponent) == 0.5f &&
                         exponent - 1 >= kLeastExponent && exponent - 1 <= kMostExponent;
-  if (!is_scale) return {WeightsStatus::value_out_of_range, "light.scale: expected a power of two, 2^-115 to 2^22"};
+  if (!is_scale) return {FileStatus::value_out_of_range, "light.scale: expected a power of two, 2^-115 to 2^22"};
   for (size_t i = 0; i < packed.halves.size(); ++i) {
     const float value = floatFromHalf(packed.halves[i]);
-    if (!std::isfinite(value)) return {WeightsStatus::value_not_finite, "light.halves: value " + std::to_string(i)};
+    if (!std::isfinite(value)) return {FileStatus::value_not_finite, "light.halves: value " + std::to_string(i)};
   }
   const auto step = std::find(packed.steps.begin(), packed.steps.end(), int8_t{-128});
   if (step != packed.steps.end())
-    return {WeightsStatus::value_out_of_range, "light.steps: value " + std::to_string(step - packed.steps.begin())};
+    return {FileStatus::value_out_of_range, "light.steps: value " + std::to_string(step - packed.steps.begin())};
   return {};
 }
 
@@ -177,7 +177,7 @@ size_t lightFormBytes(LightForm form) {
   return static_cast<size_t>(kind.halves) * sizeof(Half) + static_cast<size_t>(kind.steps);
 }
 
-WeightsResult packLight(LightForm form, const std::vector<float>& light, PackedLight* packed) {
+FileResult packLight(LightForm form, const std::vector<float>& light, PackedLight* packed) {
   *packed = {};
   if (form == LightForm::none) return {};
   packed->scale = commonScale(light);
@@ -187,25 +187,25 @@ WeightsResult packLight(LightForm form, const std::vector<float>& light, PackedL
     for (size_t i = 0; i < kShFloats; ++i) scaled[i] = light[probe * kShFloats + i] / packed->scale;
     if (packer.add(scaled)) continue;
     *packed = {};
-    return {WeightsStatus::value_out_of_range,
+    return {FileStatus::value_out_of_range,
             "light of probe " + std::to_string(probe) + ": a coefficient beyond float16, and 32 times the largest Y00"};
   }
   return {};
 }
 
-WeightsResult unpackLight(LightForm form, const PackedLight& packed, size_t probe_count, std::vector<float>* light) {
+FileResult unpackLight(LightForm form, const PackedLight& packed, size_t probe_count, std::vector<float>* light) {
   light->clear();
-  WeightsResult result = checkPacked(form, packed, probe_count);
+  FileResult result = checkPacked(form, packed, probe_count);
   if (!result.ok() || form == LightForm::none) return result;
   light->resize(probe_count * kShFloats);
   for (size_t probe = 0; probe < probe_count; ++probe) unpackProbe(form, packed, probe, &(*light)[probe * kShFloats]);
   return {};
 }
 
-WeightsResult roundLight(LightForm form, std::vector<float>* light) {
+FileResult roundLight(LightForm form, std::vector<float>* light) {
   PackedLight packed;
   const size_t probe_count = light->size() / kShFloats;
-  const WeightsResult result = packLight(form, *light, &packed);
+  const FileResult result = packLight(form, *light, &packed);
   return result.ok() ? unpackLight(form, packed, probe_count, light) : result;
 }
 

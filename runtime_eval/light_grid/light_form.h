@@ -18,7 +18,7 @@
 
 #include "runtime_eval/light_grid/spherical_harmonics.h"
 #include "runtime_eval/numbers/half.h"
-#include "runtime_eval/weights_file/weights_file.h"
+#include "runtime_eval/weights_file/file_result.h"
 
 namespace nlg {
 
@@ -49,14 +49,14 @@ struct PackedLight {
 // light    kShFloats floats a probe, |light| <= kMaxGridLight (light_grid.h)
 // returns  ok; or value_out_of_range and which probe: a coefficient is more than 32 times the grid's largest Y00 and beyond
 //          float16, which no light is
-WeightsResult packLight(LightForm form, const std::vector<float>& light, PackedLight* packed);
+FileResult packLight(LightForm form, const std::vector<float>& light, PackedLight* packed);
 
 // What a file held, checked: sizes against probe_count, numbers finite and in range.
 // returns   ok; tensor_unexpected (a size), value_not_finite or value_out_of_range, with one line that says where; *light is
 //           empty then
-WeightsResult unpackLight(LightForm form, const PackedLight& packed, size_t probe_count, std::vector<float>* light);
+FileResult unpackLight(LightForm form, const PackedLight& packed, size_t probe_count, std::vector<float>* light);
 
 // What a form makes of light: packed, then unpacked. With none, nothing is left.
-WeightsResult roundLight(LightForm form, std::vector<float>* light);
+FileResult roundLight(LightForm form, std::vector<float>* light);
 
 }  // namespace nlg

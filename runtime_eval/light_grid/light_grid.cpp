@@ -9,52 +9,52 @@
 namespace nlg {
 namespace {
 
-WeightsResult refuse(WeightsStatus status, std::string detail) { return {status, std::move(detail)}; }
+FileResult refuse(FileStatus status, std::string detail) { return {status, std::move(detail)}; }
 
 std::string sized(const char* what, size_t size, const char* expected, size_t count) {
   return std::string(what) + " has " + std::to_string(size) + " entries; expected " + expected + ": " + std::to_string(count);
 }
 
-WeightsResult checkRepresentations(const LightGrid& grid) {
+FileResult checkRepresentations(const LightGrid& grid) {
   const size_t count = grid.representations.size();
   if (count > kMaxGridRepresentations)
-    return refuse(WeightsStatus::value_out_of_range, std::to_string(count) + " representations; expected at most 256");
+    return refuse(FileStatus::value_out_of_range, std::to_string(count) + " representations; expected at most 256");
   for (size_t i = 0; i < count; ++i) {
     const Representation& representation = grid.representations[i];
     const std::string place = "representation " + std::to_string(i);
     Representation known;
     if (!findRepresentation(representationName(representation), &known))
-      return refuse(WeightsStatus::value_out_of_range, place + ": expected " + representationNames());
+      return refuse(FileStatus::value_out_of_range, place + ": expected " + representationNames());
     if (!representation.isField() && !(representation.slope > 0.0f && representation.slope < 1.0f))
-      return refuse(WeightsStatus::value_out_of_range, place + ": slope lies outside (0, 1)");
+      return refuse(FileStatus::value_out_of_range, place + ": slope lies outside (0, 1)");
   }
   return {};
 }
 
-WeightsResult checkFunctions(const LightGrid& grid) {
+FileResult checkFunctions(const LightGrid& grid) {
   const size_t count = grid.functionCount();
-  if (count > kMaxGridFunctions) return refuse(WeightsStatus::value_out_of_range, std::to_string(count) + " functions");
+  if (count > kMaxGridFunctions) return refuse(FileStatus::value_out_of_range, std::to_string(count) + " functions");
   if (grid.theta_begin.size() != count + 1)
-    return refuse(WeightsStatus::tensor_unexpected, sized("theta_begin", grid.theta_begin.size(), "functions + 1", count + 1));
+    return refuse(FileStatus::tensor_unexpected, sized("theta_begin", grid.theta_begin.size(), "functions + 1", count + 1));
   uint64_t begin = 0;
   for (size_t function = 0; function < count; ++function) {
     const std::string place = "function " + std::to_string(function);
     if (grid.function_representation[function] >= grid.representations.size())
-      return refuse(WeightsStatus::value_out_of_range, place + ": representation does not exist");
-    if (grid.theta_begin[function] != begin) return refuse(WeightsStatus::value_out_of_range, place + ": theta_begin");
+      return refuse(FileStatus::value_out_of_range, place + ": representation does not exist");
+    if (grid.theta_begin[function] != begin) return refuse(FileStatus::value_out_of_range, place + ": theta_begin");
     begin += static_cast<uint64_t>(grid.representations[grid.function_representation[function]].thetaCount());
   }
-  if (grid.theta_begin[count] != begin) return refuse(WeightsStatus::value_out_of_range, "theta_begin: its last entry");
+  if (grid.theta_begin[count] != begin) return refuse(FileStatus::value_out_of_range, "theta_begin: its last entry");
   if (grid.theta.size() != begin)
-    return refuse(WeightsStatus::tensor_unexpected, sized("theta", grid.theta.size(), "what its functions need", begin));
+    return refuse(FileStatus::tensor_unexpected, sized("theta", grid.theta.size(), "what its functions need", begin));
   return {};
 }
 
-WeightsResult checkValues(const char* name, const std::vector<float>& values, float most) {
+FileResult checkValues(const char* name, const std::vector<float>& values, float most) {
   for (size_t i = 0; i < values.size(); ++i) {
     if (std::abs(values[i]) <= most) continue;
     const bool finite = std::isfinite(values[i]);
-    return refuse(finite ? WeightsStatus::value_out_of_range : WeightsStatus::value_not_finite,
+    return refuse(finite ? FileStatus::value_out_of_range : FileStatus::value_not_finite,
                   std::string(name) + ": value " + std::to_string(i));
   }
   return {};
@@ -81,26 +81,26 @@ uint32_t LightGrid::addFunction(uint8_t representation, const float* theta_D) {
   return static_cast<uint32_t>(functionCount() - 1);
 }
 
-WeightsResult checkLightGrid(const LightGrid& grid) {
+FileResult checkLightGrid(const LightGrid& grid) {
   const size_t probes = grid.tree.probeCount();
   if (grid.probe_function.size() != probes)
-    return refuse(WeightsStatus::tensor_unexpected, sized("probe_function", grid.probe_function.size(), "probes", probes));
-  WeightsResult result = checkRepresentations(grid);
+    return refuse(FileStatus::tensor_unexpected, sized("probe_function", grid.probe_function.size(), "probes", probes));
+  FileResult result = checkRepresentations(grid);
   if (result.ok()) result = checkFunctions(grid);
   if (!result.ok()) return result;
   for (size_t probe = 0; probe < probes; ++probe) {
     const uint32_t function = grid.probe_function[probe];
     if (function < grid.functionCount() || function == kFreeSpace || function == kNoWeight) continue;
-    return refuse(WeightsStatus::value_out_of_range, "probe " + std::to_string(probe) + ": function " + std::to_string(function) +
-                                                         " of " + std::to_string(grid.functionCount()));
+    return refuse(FileStatus::value_out_of_range, "probe " + std::to_string(probe) + ": function " + std::to_string(function) +
+                                                      " of " + std::to_string(grid.functionCount()));
   }
   if (!grid.light.empty() && grid.light.size() != probes * kShFloats)
-    return refuse(WeightsStatus::tensor_unexpected, sized("light", grid.light.size(), "27 a probe", probes * kShFloats));
+    return refuse(FileStatus::tensor_unexpected, sized("light", grid.light.size(), "27 a probe", probes * kShFloats));
   result = checkValues("theta", grid.theta, kMaxGridTheta);
   return result.ok() ? checkLight(grid.light) : result;
 }
 
-WeightsResult checkLight(const std::vector<float>& light) { return checkValues("light", light, kMaxGridLight); }
+FileResult checkLight(const std::vector<float>& light) { return checkValues("light", light, kMaxGridLight); }
 
 void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {
   float weight[8] = {}, residue[8] = {}, largest = 0.0f;

@@ -12,7 +12,7 @@
 #include "runtime_eval/evaluator/representation.h"
 #include "runtime_eval/light_grid/probe_tree.h"
 #include "runtime_eval/light_grid/spherical_harmonics.h"
-#include "runtime_eval/weights_file/weights_file.h"
+#include "runtime_eval/weights_file/file_result.h"
 
 namespace nlg {
 
@@ -51,9 +51,9 @@ struct LightGrid {
 // |light| <= kMaxGridLight.
 // The look-up is for grids that pass; what light_grid_file.h read has passed.
 // returns   ok; or tensor_unexpected (a size), value_out_of_range, value_not_finite, and in one line what is wrong
-WeightsResult checkLightGrid(const LightGrid& grid);
+FileResult checkLightGrid(const LightGrid& grid);
 // Of some light alone: |light| <= kMaxGridLight.
-WeightsResult checkLight(const std::vector<float>& light);
+FileResult checkLight(const std::vector<float>& light);
 
 // The probes that count at a position, in the order of ProbesAround's corners.
 struct ProbeWeights {

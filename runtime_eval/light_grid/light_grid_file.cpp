@@ -44,9 +44,9 @@ bool isOwnKey(std::string_view key) {
 }
 
 // The file's own keys beside the caller's.
-WeightsResult addOwnMetadata(const LightGrid& grid, LightForm light, GridMetadata* metadata) {
+FileResult addOwnMetadata(const LightGrid& grid, LightForm light, GridMetadata* metadata) {
   for (const auto& [key, text] : *metadata) {
-    if (isOwnKey(key)) return refuse(WeightsStatus::value_out_of_range, "metadata " + key + ": a key of the file's own");
+    if (isOwnKey(key)) return refuse(FileStatus::value_out_of_range, "metadata " + key + ": a key of the file's own");
   }
   (*metadata)["kind"] = kKind;
   (*metadata)["version"] = kVersion;
@@ -61,13 +61,13 @@ WeightsResult addOwnMetadata(const LightGrid& grid, LightForm light, GridMetadat
   return {};
 }
 
-WeightsResult stepsOf(const LightGrid& grid, PackedTheta* packed) {
+FileResult stepsOf(const LightGrid& grid, PackedTheta* packed) {
   Theta theta;
   for (size_t function = 0; function < grid.functionCount(); ++function) {
     const Representation& representation = grid.representations[grid.function_representation[function]];
     theta.assign(grid.functionTheta(function), grid.functionTheta(function) + representation.thetaCount());
     if (!roundTheta(representation, ThetaPrecision::int8, theta.data())) {
-      return refuse(WeightsStatus::value_out_of_range,
+      return refuse(FileStatus::value_out_of_range,
                     "function " + std::to_string(function) + ": its last layer is beyond float16 when the others are in int8");
     }
     packTheta(representation, theta.data(), packed);
@@ -75,15 +75,15 @@ WeightsResult stepsOf(const LightGrid& grid, PackedTheta* packed) {
   return {};
 }
 
-WeightsResult halvesOf(const LightGrid& grid, std::vector<Half>* halves) {
+FileResult halvesOf(const LightGrid& grid, std::vector<Half>* halves) {
   halves->resize(grid.theta.size());
   for (size_t i = 0; i < grid.theta.size(); ++i) {
     if (halfFromFloat(grid.theta[i], &(*halves)[i])) continue;
     const auto next = std::upper_bound(grid.theta_begin.begin(), grid.theta_begin.end(), i);
     const auto function = static_cast<size_t>(next - grid.theta_begin.begin() - 1);
-    return refuse(WeightsStatus::value_out_of_range, "function " + std::to_string(function) + ": theta " +
-                                                         std::to_string(i - grid.theta_begin[function]) + " is " +
-                                                         std::to_string(grid.theta[i]) + "; float16 holds up to 65504");
+    return refuse(FileStatus::value_out_of_range, "function " + std::to_string(function) + ": theta " +
+                                                      std::to_string(i - grid.theta_begin[function]) + " is " +
+                                                      std::to_string(grid.theta[i]) + "; float16 holds up to 65504");
   }
   return {};
 }
@@ -98,53 +98,53 @@ LightForm formOf(const LightGrid& grid, const GridPrecision& precision) {
   return grid.light.empty() ? LightForm::none : precision.light;
 }
 
-WeightsResult packedLight(const LightGrid& grid, LightForm form, PackedLight* packed) {
+FileResult packedLight(const LightGrid& grid, LightForm form, PackedLight* packed) {
   std::vector<float> light;
   for (size_t probe = 0; probe < grid.probe_function.size() && form != LightForm::none; ++probe) {
     if (grid.probe_function[probe] != kNoWeight)
       light.insert(light.end(), grid.probeLight(probe), grid.probeLight(probe) + kShFloats);
   }
-  WeightsResult result = packLight(form, light, packed);
+  FileResult result = packLight(form, light, packed);
   // a form may make more of the largest numbers than a reader takes
   if (result.ok()) result = unpackLight(form, *packed, light.size() / kShFloats, &light);
   if (result.ok()) result = checkLight(light);
   return result;
 }
 
-void takeFirst(WeightsResult* result, WeightsResult next) {
+void takeFirst(FileResult* result, FileResult next) {
   if (result->ok()) *result = std::move(next);
 }
 
 // A tensor of exactly kCount numbers.
 template <size_t kCount, class T>
-WeightsResult readNumbers(const TensorFileReader& reader, const std::string& name, T* numbers) {
+FileResult readNumbers(const TensorFileReader& reader, const std::string& name, T* numbers) {
   std::vector<T> values;
-  WeightsResult result = reader.read(name, &values);
+  FileResult result = reader.read(name, &values);
   if (!result.ok()) return result;
   if (values.size() != kCount) {
-    return refuse(WeightsStatus::tensor_unexpected,
+    return refuse(FileStatus::tensor_unexpected,
                   name + ": expected " + std::to_string(kCount) + " values, got " + std::to_string(values.size()));
   }
   std::copy(values.begin(), values.end(), numbers);
   return {};
 }
 
-WeightsResult readFrame(const TensorFileReader& reader, ProbeTreeFrame* frame) {
-  WeightsResult result = readNumbers<3>(reader, "frame.first_m", frame->first_m.data());
+FileResult readFrame(const TensorFileReader& reader, ProbeTreeFrame* frame) {
+  FileResult result = readNumbers<3>(reader, "frame.first_m", frame->first_m.data());
   takeFirst(&result, readNumbers<1>(reader, "frame.spacing_m", &frame->spacing_m));
   takeFirst(&result, readNumbers<3>(reader, "frame.root_count", frame->root_count.data()));
   return result;
 }
 
-WeightsResult refuseTree(const std::string& fault) {
-  return fault.empty() ? WeightsResult{} : refuse(WeightsStatus::value_out_of_range, "probe tree: " + fault);
+FileResult refuseTree(const std::string& fault) {
+  return fault.empty() ? FileResult{} : refuse(FileStatus::value_out_of_range, "probe tree: " + fault);
 }
 
 // After probe_function, which says how many probes there are.
-WeightsResult readTree(const TensorFileReader& reader, LightGrid* grid) {
+FileResult readTree(const TensorFileReader& reader, LightGrid* grid) {
   ProbeTreeData data;
   PackedNodes nodes;
-  WeightsResult result = readFrame(reader, &data.frame);
+  FileResult result = readFrame(reader, &data.frame);
   takeFirst(&result, reader.read("node.kind", &nodes.kind));
   takeFirst(&result, reader.read("node.bits", &nodes.bits));
   if (result.ok()) result = refuseTree(unpackNodes(nodes, &data));
@@ -154,9 +154,9 @@ WeightsResult readTree(const TensorFileReader& reader, LightGrid* grid) {
 
 // A list of a version 1 file against the one that follows from its nodes.
 template <class T>
-WeightsResult compareList(const TensorFileReader& reader, const char* name, const std::vector<T>& expected) {
+FileResult compareList(const TensorFileReader& reader, const char* name, const std::vector<T>& expected) {
   std::vector<T> list;
-  const WeightsResult result = reader.read(name, &list);
+  const FileResult result = reader.read(name, &list);
   if (!result.ok() || list == expected) return result;
   if (list.size() != expected.size())
     return refuseTree(std::string(name) + ": expected " + std::to_string(expected.size()) + " entries");
@@ -165,9 +165,9 @@ WeightsResult compareList(const TensorFileReader& reader, const char* name, cons
                     std::to_string(*wrong.second));
 }
 
-WeightsResult readOldTree(const TensorFileReader& reader, LightGrid* grid) {
+FileResult readOldTree(const TensorFileReader& reader, LightGrid* grid) {
   ProbeTreeData data;
-  WeightsResult result = readFrame(reader, &data.frame);
+  FileResult result = readFrame(reader, &data.frame);
   takeFirst(&result, reader.read("node.child_mask", &data.child_mask));
   takeFirst(&result, reader.read("node.used_mask", &data.used_mask));
   takeFirst(&result, reader.read("node.cell_count", &data.cell_count));
@@ -190,51 +190,51 @@ bool parseNumber(const std::string& text, T* number) {
 }
 
 // Takes one of the file's own keys out of the metadata.
-WeightsResult takeText(GridMetadata* metadata, const std::string& key, std::string* text) {
+FileResult takeText(GridMetadata* metadata, const std::string& key, std::string* text) {
   const auto found = metadata->find(key);
-  if (found == metadata->end()) return refuse(WeightsStatus::tensor_missing, "no metadata key " + key);
+  if (found == metadata->end()) return refuse(FileStatus::tensor_missing, "no metadata key " + key);
   *text = std::move(found->second);
   metadata->erase(found);
   return {};
 }
 
-WeightsResult refuseText(WeightsStatus status, const std::string& key, const std::string& expected, const std::string& got) {
+FileResult refuseText(FileStatus status, const std::string& key, const std::string& expected, const std::string& got) {
   return refuse(status,
                 "metadata " + key + ": expected " + expected + ", got " + jsonQuoted(std::string_view(got).substr(0, 40)));
 }
 
-WeightsResult takeIdentity(GridMetadata* metadata, std::string* version) {
+FileResult takeIdentity(GridMetadata* metadata, std::string* version) {
   std::string kind, pattern;
-  WeightsResult result = takeText(metadata, "kind", &kind);
+  FileResult result = takeText(metadata, "kind", &kind);
   takeFirst(&result, takeText(metadata, "version", version));
   takeFirst(&result, takeText(metadata, "pattern_hash", &pattern));
   if (!result.ok()) return result;
-  if (kind != kKind) return refuseText(WeightsStatus::value_out_of_range, "kind", kKind, kind);
+  if (kind != kKind) return refuseText(FileStatus::value_out_of_range, "kind", kKind, kind);
   if (*version != kVersion && *version != kHalvesVersion && *version != kStepsVersion && *version != kOldVersion)
-    return refuseText(WeightsStatus::version_unknown, "version", std::string(kOldVersion) + " to " + kVersion, *version);
-  if (pattern != patternHash()) return refuseText(WeightsStatus::pattern_unknown, "pattern_hash", patternHash(), pattern);
+    return refuseText(FileStatus::version_unknown, "version", std::string(kOldVersion) + " to " + kVersion, *version);
+  if (pattern != patternHash()) return refuseText(FileStatus::pattern_unknown, "pattern_hash", patternHash(), pattern);
   return {};
 }
 
-WeightsResult takeRepresentations(GridMetadata* metadata, std::vector<Representation>* representations) {
+FileResult takeRepresentations(GridMetadata* metadata, std::vector<Representation>* representations) {
   std::string text;
-  WeightsResult result = takeText(metadata, "representation_count", &text);
+  FileResult result = takeText(metadata, "representation_count", &text);
   if (!result.ok()) return result;
   size_t count = 0;
   if (!parseNumber(text, &count) || count > kMaxGridRepresentations)
-    return refuseText(WeightsStatus::value_out_of_range, "representation_count", "0 to 256", text);
+    return refuseText(FileStatus::value_out_of_range, "representation_count", "0 to 256", text);
   for (size_t i = 0; i < count; ++i) {
     Representation representation;
     const std::string key = numbered(kRepresentationPrefix, i), slope_key = numbered(kSlopePrefix, i);
     result = takeText(metadata, key, &text);
     if (!result.ok()) return result;
     if (!findRepresentation(text, &representation))
-      return refuseText(WeightsStatus::value_out_of_range, key, representationNames(), text);
+      return refuseText(FileStatus::value_out_of_range, key, representationNames(), text);
     if (!representation.isField()) {
       result = takeText(metadata, slope_key, &text);
       if (!result.ok()) return result;
       if (!parseNumber(text, &representation.slope))
-        return refuseText(WeightsStatus::value_out_of_range, slope_key, "a number in (0, 1)", text);
+        return refuseText(FileStatus::value_out_of_range, slope_key, "a number in (0, 1)", text);
     }
     representations->push_back(representation);
   }
@@ -249,18 +249,18 @@ uint16_t shortFunction(uint32_t function) {
 }
 uint32_t longFunction(uint16_t function) { return function == 0xffff ? kFreeSpace : function == 0xfffe ? kNoWeight : function; }
 
-WeightsResult readProbeFunctions(const TensorFileReader& reader, bool is_short, std::vector<uint32_t>* probe_function) {
+FileResult readProbeFunctions(const TensorFileReader& reader, bool is_short, std::vector<uint32_t>* probe_function) {
   if (!is_short) return reader.read("probe.function", probe_function);
   std::vector<uint16_t> functions;
-  const WeightsResult result = reader.read("probe.function", &functions);
+  const FileResult result = reader.read("probe.function", &functions);
   std::transform(functions.begin(), functions.end(), std::back_inserter(*probe_function), longFunction);
   return result;
 }
 
 // After the functions' representations.
-WeightsResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
+FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   PackedTheta packed;
-  WeightsResult result = reader.read("theta.steps", &packed.steps);
+  FileResult result = reader.read("theta.steps", &packed.steps);
   takeFirst(&result, reader.read("theta.halves", &packed.halves));
   if (!result.ok()) return result;
   size_t step_count = 0, half_count = 0;
@@ -271,13 +271,13 @@ WeightsResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
     step_count += form.steps, half_count += form.halves;
   }
   if (packed.steps.size() != step_count || packed.halves.size() != half_count) {
-    return refuse(WeightsStatus::tensor_unexpected,
+    return refuse(FileStatus::tensor_unexpected,
                   "theta.steps, theta.halves: expected " + std::to_string(step_count) + " and " + std::to_string(half_count) +
                       " values, got " + std::to_string(packed.steps.size()) + " and " + std::to_string(packed.halves.size()));
   }
   const auto beyond = std::find(packed.steps.begin(), packed.steps.end(), int8_t{-128});
   if (beyond != packed.steps.end()) {
-    return refuse(WeightsStatus::value_out_of_range,
+    return refuse(FileStatus::value_out_of_range,
                   "theta.steps: value " + std::to_string(beyond - packed.steps.begin()) + ": expected -127 to 127");
   }
   grid->theta.resize(step_count + half_count);
@@ -296,8 +296,8 @@ WeightsResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
 
 // is_old     of a file of version 1
 // in_steps   theta in int8
-WeightsResult readFunctions(const TensorFileReader& reader, bool is_old, bool in_steps, LightGrid* grid) {
-  WeightsResult result = reader.read("function.representation", &grid->function_representation);
+FileResult readFunctions(const TensorFileReader& reader, bool is_old, bool in_steps, LightGrid* grid) {
+  FileResult result = reader.read("function.representation", &grid->function_representation);
   const bool is_short = !is_old && grid->functionCount() <= kMaxShortFunctions;
   takeFirst(&result, readProbeFunctions(reader, is_short, &grid->probe_function));
   if (!result.ok()) return result;
@@ -316,19 +316,19 @@ WeightsResult readFunctions(const TensorFileReader& reader, bool is_old, bool in
   return {};
 }
 
-WeightsResult takeLightForm(GridMetadata* metadata, LightForm* form) {
+FileResult takeLightForm(GridMetadata* metadata, LightForm* form) {
   std::string text;
-  const WeightsResult result = takeText(metadata, "light", &text);
+  const FileResult result = takeText(metadata, "light", &text);
   if (!result.ok() || findLightForm(text, form)) return result;
-  return refuseText(WeightsStatus::value_out_of_range, "light", "none, sh2_float16, sh2_8bit, zh3_float16 or sh1_float16", text);
+  return refuseText(FileStatus::value_out_of_range, "light", "none, sh2_float16, sh2_8bit, zh3_float16 or sh1_float16", text);
 }
 
 // After the functions of probes, which say whose light there is.
-WeightsResult readLight(const TensorFileReader& reader, LightForm form, LightGrid* grid) {
+FileResult readLight(const TensorFileReader& reader, LightForm form, LightGrid* grid) {
   if (form == LightForm::none) return {};
   PackedLight packed;
   std::vector<float> light;
-  WeightsResult result = readNumbers<1>(reader, "light.scale", &packed.scale);
+  FileResult result = readNumbers<1>(reader, "light.scale", &packed.scale);
   takeFirst(&result, reader.read("light.halves", &packed.halves));
   if (form == LightForm::sh2_8bit) takeFirst(&result, reader.read("light.steps", &packed.steps));
   if (result.ok()) result = unpackLight(form, packed, countWithWeight(*grid), &light);
@@ -343,17 +343,17 @@ WeightsResult readLight(const TensorFileReader& reader, LightForm form, LightGri
   return {};
 }
 
-WeightsResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
+FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
   *metadata = reader.metadata();
   std::string version;
   LightForm form = LightForm::none;
-  WeightsResult result = takeIdentity(metadata, &version);
-  if (result.ok() && version == kVersion && !reader.hasDigest()) result = refuse(WeightsStatus::digest_mismatch, kDigestMissing);
+  FileResult result = takeIdentity(metadata, &version);
+  if (result.ok() && version == kVersion && !reader.hasDigest()) result = refuse(FileStatus::digest_mismatch, kDigestMissing);
   if (result.ok() && version != kOldVersion) result = takeLightForm(metadata, &form);
   if (result.ok()) result = takeRepresentations(metadata, &grid->representations);
   if (!result.ok()) return result;
   for (const auto& [key, text] : *metadata) {
-    if (isOwnKey(key)) return refuse(WeightsStatus::value_out_of_range, "metadata " + key + ": expected no such key");
+    if (isOwnKey(key)) return refuse(FileStatus::value_out_of_range, "metadata " + key + ": expected no such key");
   }
   const bool is_old = version == kOldVersion;
   const bool in_steps = version == kStepsVersion || (version == kVersion && !reader.dtypeOf("theta.steps").empty());
@@ -364,13 +364,13 @@ WeightsResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMeta
 }
 
 // Nothing half-read reaches the caller.
-WeightsResult finish(const WeightsResult& opened, const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
+FileResult finish(const FileResult& opened, const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
   *grid = {};
   metadata->clear();
   if (!opened.ok()) return opened;
   LightGrid read_grid;
   GridMetadata read_metadata;
-  WeightsResult result = readGrid(reader, &read_grid, &read_metadata);
+  FileResult result = readGrid(reader, &read_grid, &read_metadata);
   if (!result.ok()) return result;
   *grid = std::move(read_grid);
   *metadata = std::move(read_metadata);
@@ -379,10 +379,10 @@ WeightsResult finish(const WeightsResult& opened, const TensorFileReader& reader
 
 }  // namespace
 
-WeightsResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precision, const GridMetadata& metadata,
-                                 std::string* bytes) {
+FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precision, const GridMetadata& metadata,
+                              std::string* bytes) {
   bytes->clear();
-  WeightsResult result = checkLightGrid(grid);
+  FileResult result = checkLightGrid(grid);
   GridMetadata texts = metadata;
   const LightForm form = formOf(grid, precision);
   const bool in_steps = precision.theta == ThetaPrecision::int8;
@@ -433,17 +433,17 @@ WeightsResult serializeLightGrid(const LightGrid& grid, const GridPrecision& pre
   return writer.serialize(texts, bytes);
 }
 
-WeightsResult readLightGridFile(const std::string& path, LightGrid* grid, GridMetadata* metadata) {
+FileResult readLightGridFile(const std::string& path, LightGrid* grid, GridMetadata* metadata) {
   TensorFileReader reader;
-  const WeightsResult opened = reader.openFile(path);
-  WeightsResult result = finish(opened, reader, grid, metadata);
+  const FileResult opened = reader.openFile(path);
+  FileResult result = finish(opened, reader, grid, metadata);
   if (!result.detail.empty()) result.detail = path + ": " + result.detail;
   return result;
 }
 
-WeightsResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata* metadata) {
+FileResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata* metadata) {
   TensorFileReader reader;
-  const WeightsResult opened = reader.openBytes(bytes);
+  const FileResult opened = reader.openBytes(bytes);
   return finish(opened, reader, grid, metadata);
 }
 

@@ -1,6 +1,6 @@
 // The file of a light grid: safetensors, written by nlg-bake, read by engines. What the tensors mean: docs/reference/formats.md.
 //
-// Neither direction throws; results are those of weights_file.h, with one line that says where and why.
+// Neither direction throws; results are those of file_result.h, with one line that says where and why.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 #include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/light_grid.h"
-#include "runtime_eval/weights_file/weights_file.h"
+#include "runtime_eval/weights_file/file_result.h"
 
 namespace nlg {
 
@@ -34,15 +34,15 @@ struct GridPrecision {
 //           with int8 a last layer that comes to lie beyond float16 (names the function), light that packLight refuses or a form
 //           takes beyond kMaxGridLight, a key of the file's own, texts that are no UTF-8 (header_malformed) or too long
 //           (header_too_large). *bytes is empty then.
-WeightsResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precision, const GridMetadata& metadata,
-                                 std::string* bytes);
+FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precision, const GridMetadata& metadata,
+                              std::string* bytes);
 
 // Reads a file, or bytes in memory. Every byte is checked: by the file's digest, and what is accepted passes checkLightGrid, and its tree is one that
 // ProbeTree::build gives, so that no look-up can leave it. Memory is in proportion to the bytes that are there, whatever they
 // say.
 // returns   ok; otherwise *grid and *metadata are empty
-WeightsResult readLightGridFile(const std::string& path, LightGrid* grid, GridMetadata* metadata);
-WeightsResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata* metadata);
+FileResult readLightGridFile(const std::string& path, LightGrid* grid, GridMetadata* metadata);
+FileResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata* metadata);
 
 // Where a file's bytes go, without header and fillers.
 struct LightGridBytes {

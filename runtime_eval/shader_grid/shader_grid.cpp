@@ -26,7 +26,7 @@ constexpr int kBlockLog2 = 2, kBlockSide = 1 << kBlockLog2;
 constexpr size_t kLightWords = 8, kWordsAFour = 4;
 constexpr uint64_t kMostWords = 1ull << 29;
 
-WeightsResult refuse(std::string detail) { return {WeightsStatus::value_out_of_range, std::move(detail)}; }
+FileResult refuse(std::string detail) { return {FileStatus::value_out_of_range, std::move(detail)}; }
 
 size_t toFours(size_t words) { return (words + kWordsAFour - 1) / kWordsAFour * kWordsAFour; }
 
@@ -93,7 +93,7 @@ class Packer {
  public:
   explicit Packer(const LightGrid& grid) : grid_(grid) {}
 
-  WeightsResult pack(ShaderGrid* result) {
+  FileResult pack(ShaderGrid* result) {
     if (grid_.light.empty()) return refuse("a grid without light; shaders have nothing to show of it");
     findClasses();
     for (const ProbeClass& of : classes_) {
@@ -102,7 +102,7 @@ class Packer {
     numberProbes();
     result->header_count = kClassHeader + kHeadersAClass * static_cast<int>(classes_.size());
     words_.resize(static_cast<size_t>(result->header_count) * kWordsAFour);
-    WeightsResult packed = addTree(result);
+    FileResult packed = addTree(result);
     if (packed.ok()) packed = addRecords(result);
     if (!packed.ok()) return packed;
     writeHeader();
@@ -169,7 +169,7 @@ class Packer {
     }
   }
 
-  WeightsResult addTree(ShaderGrid* result) {
+  FileResult addTree(ShaderGrid* result) {
     const ProbeTreeData tree = probeTreeData(grid_.tree);
     const ProbeTreeLists lists = probeTreeLists(grid_.tree);
     if (lists.slots.size() > kIndexMask) return refuse(std::to_string(lists.slots.size()) + " slots; shaders name 2^27");
@@ -243,9 +243,9 @@ class Packer {
     }
   }
 
-  WeightsResult addRecords(ShaderGrid* result) {
+  FileResult addRecords(ShaderGrid* result) {
     PackedLight light;
-    WeightsResult packed = packLight(LightForm::sh2_8bit, grid_.light, &light);
+    FileResult packed = packLight(LightForm::sh2_8bit, grid_.light, &light);
     if (!packed.ok()) return packed;
     scale_ = light.scale;
     size_t end = words_.size();
@@ -365,9 +365,9 @@ class Packer {
 
 }  // namespace
 
-WeightsResult packShaderGrid(const LightGrid& grid, ShaderGrid* shader_grid) {
+FileResult packShaderGrid(const LightGrid& grid, ShaderGrid* shader_grid) {
   *shader_grid = {};
-  WeightsResult result = Packer(grid).pack(shader_grid);
+  FileResult result = Packer(grid).pack(shader_grid);
   if (!result.ok()) *shader_grid = {};
   return result;
 }

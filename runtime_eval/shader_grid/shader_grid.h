@@ -51,7 +51,7 @@ struct ShaderGrid {
 // grid      one that checkLightGrid accepts
 // returns   ok; or value_out_of_range and what is wrong: a grid without light, a theta beyond float16, more than 2^27 slots,
 //           2^29 words or kMaxShaderBlocks blocks. *shader_grid is empty then
-WeightsResult packShaderGrid(const LightGrid& grid, ShaderGrid* shader_grid);
+FileResult packShaderGrid(const LightGrid& grid, ShaderGrid* shader_grid);
 
 inline constexpr uint64_t kMaxShaderBlocks = 1ull << 26;  // of 4 bytes each: a level a kilometre long at 0.25 m has 6e7
 

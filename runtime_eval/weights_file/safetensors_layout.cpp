@@ -38,25 +38,25 @@ bool tensorBytes(const std::vector<uint64_t>& shape, uint64_t element_bytes, uin
   return true;
 }
 
-WeightsResult readHeader(const ByteSource& source, WeightsHeader* header, uint64_t* data_offset) {
+FileResult readHeader(const ByteSource& source, WeightsHeader* header, uint64_t* data_offset) {
   uint64_t length = 0;
-  if (source.size < kLengthBytes) return refuse(WeightsStatus::too_short, "no 8 bytes for the header's length");
-  if (!source.read(0, &length, kLengthBytes)) return refuse(WeightsStatus::cannot_read, "header length");
+  if (source.size < kLengthBytes) return refuse(FileStatus::too_short, "no 8 bytes for the header's length");
+  if (!source.read(0, &length, kLengthBytes)) return refuse(FileStatus::cannot_read, "header length");
   if (length > kMaxHeaderBytes || length > source.size - kLengthBytes) {
-    return refuse(WeightsStatus::header_too_large,
+    return refuse(FileStatus::header_too_large,
                   "header of " + std::to_string(length) + " bytes in a file of " + std::to_string(source.size));
   }
   std::string text(length, '\0');
-  if (!source.read(kLengthBytes, text.data(), length)) return refuse(WeightsStatus::cannot_read, "header");
+  if (!source.read(kLengthBytes, text.data(), length)) return refuse(FileStatus::cannot_read, "header");
   const std::string fault = parseWeightsHeader(text, header);
-  if (!fault.empty()) return refuse(WeightsStatus::header_malformed, "header, " + fault);
+  if (!fault.empty()) return refuse(FileStatus::header_malformed, "header, " + fault);
   *data_offset = kLengthBytes + length;
   return {};
 }
 
 // One tensor by itself: alignment in the file, and a shape that fills its range exactly.
-WeightsResult checkTensor(const std::string& name, const TensorEntry& tensor, uint64_t data_offset) {
-  constexpr WeightsStatus kMalformed = WeightsStatus::tensor_malformed;
+FileResult checkTensor(const std::string& name, const TensorEntry& tensor, uint64_t data_offset) {
+  constexpr FileStatus kMalformed = FileStatus::tensor_malformed;
   uint64_t bytes = 0;
   if (!tensorBytes(tensor.shape, dtypeBytes(tensor.dtype), &bytes)) return refuseTensor(kMalformed, name, "shape too large");
   if (tensor.begin > tensor.end || tensor.end - tensor.begin != bytes) {
@@ -68,7 +68,7 @@ WeightsResult checkTensor(const std::string& name, const TensorEntry& tensor, ui
   return {};
 }
 
-WeightsResult checkCoverage(const WeightsHeader& header, uint64_t data_bytes) {
+FileResult checkCoverage(const WeightsHeader& header, uint64_t data_bytes) {
   std::vector<std::pair<std::string_view, const TensorEntry*>> in_order;
   for (const auto& [name, tensor] : header.tensors) in_order.emplace_back(name, &tensor);
   std::sort(in_order.begin(), in_order.end(), [](const auto& a, const auto& b) {
@@ -78,15 +78,15 @@ WeightsResult checkCoverage(const WeightsHeader& header, uint64_t data_bytes) {
   for (const auto& [name, tensor] : in_order) {
     if (tensor->begin != covered) {
       const std::string what = tensor->begin < covered ? "overlaps" : "leaves a hole behind";
-      return refuseTensor(WeightsStatus::tensor_malformed, std::string(name), what + " the tensor before it");
+      return refuseTensor(FileStatus::tensor_malformed, std::string(name), what + " the tensor before it");
     }
     covered = tensor->end;
   }
   if (covered > data_bytes) {
-    return refuse(WeightsStatus::too_short,
+    return refuse(FileStatus::too_short,
                   "tensors of " + std::to_string(covered) + " bytes, " + std::to_string(data_bytes) + " are there");
   }
-  if (covered < data_bytes) return refuse(WeightsStatus::tensor_malformed, "bytes behind the last tensor");
+  if (covered < data_bytes) return refuse(FileStatus::tensor_malformed, "bytes behind the last tensor");
   return {};
 }
 
@@ -116,45 +116,44 @@ class FileDigest {
 };
 
 // Takes the digest out of the metadata and compares it with the source's bytes.
-WeightsResult checkDigest(const ByteSource& source, WeightsHeader* header) {
+FileResult checkDigest(const ByteSource& source, WeightsHeader* header) {
   const auto found = header->metadata.find(kDigestKey);
-  if (found == header->metadata.end()) return {WeightsStatus::ok, kNoDigest};
+  if (found == header->metadata.end()) return {FileStatus::ok, kNoDigest};
   const std::string named = std::move(found->second);
   header->metadata.erase(found);
   FileDigest digest(kLengthBytes + header->digest_offset);
   std::vector<char> block(std::min<uint64_t>(source.size, kReadBlockBytes));
   for (uint64_t at = 0; at < source.size; at += block.size()) {
     const size_t count = std::min<uint64_t>(block.size(), source.size - at);
-    if (!source.read(at, block.data(), count)) return refuse(WeightsStatus::cannot_read, "byte " + std::to_string(at));
+    if (!source.read(at, block.data(), count)) return refuse(FileStatus::cannot_read, "byte " + std::to_string(at));
     digest.add(block.data(), count);
   }
   if (digest.finish() == named) return {};
-  return refuse(WeightsStatus::digest_mismatch,
-                "its bytes are not those that its file_sha256 is of: damaged, or changed by hand");
+  return refuse(FileStatus::digest_mismatch, "its bytes are not those that its file_sha256 is of: damaged, or changed by hand");
 }
 
 }  // namespace
 
-WeightsResult refuse(WeightsStatus status, std::string detail) { return {status, std::move(detail)}; }
+FileResult refuse(FileStatus status, std::string detail) { return {status, std::move(detail)}; }
 
-WeightsResult refuseTensor(WeightsStatus status, const std::string& name, const std::string& detail) {
+FileResult refuseTensor(FileStatus status, const std::string& name, const std::string& detail) {
   return {status, "tensor " + jsonQuoted(name) + ": " + detail};
 }
 
-WeightsResult openByteSource(const std::string& path, ByteSource* source) {
+FileResult openByteSource(const std::string& path, ByteSource* source) {
   std::string fault;
   const int descriptor = openRegularFile(path, &fault);
-  if (descriptor < 0) return refuse(WeightsStatus::cannot_open, fault);
+  if (descriptor < 0) return refuse(FileStatus::cannot_open, fault);
   const std::shared_ptr<std::FILE> stream(::fdopen(descriptor, "rb"), [](std::FILE* file) {
     if (file != nullptr) std::fclose(file);
   });
   if (stream == nullptr) {
     ::close(descriptor);
-    return refuse(WeightsStatus::cannot_open, "no memory for a stream");
+    return refuse(FileStatus::cannot_open, "no memory for a stream");
   }
   const bool at_end = std::fseek(stream.get(), 0, SEEK_END) == 0;
   const long size = at_end ? std::ftell(stream.get()) : -1;
-  if (size < 0) return refuse(WeightsStatus::cannot_read, std::strerror(errno));
+  if (size < 0) return refuse(FileStatus::cannot_read, std::strerror(errno));
   *source = {static_cast<uint64_t>(size), [stream](uint64_t offset, void* to, size_t count) {
                return std::fseek(stream.get(), static_cast<long>(offset), SEEK_SET) == 0 &&
                       std::fread(to, 1, count, stream.get()) == count;
@@ -180,13 +179,13 @@ uint64_t dtypeBytes(std::string_view dtype) {
   return 0;
 }
 
-WeightsResult readLayout(const ByteSource& source, std::string (*dtype_fault)(const std::string& name, const std::string& dtype),
-                         WeightsHeader* header, uint64_t* data_offset) {
-  WeightsResult result = readHeader(source, header, data_offset);
+FileResult readLayout(const ByteSource& source, std::string (*dtype_fault)(const std::string& name, const std::string& dtype),
+                      WeightsHeader* header, uint64_t* data_offset) {
+  FileResult result = readHeader(source, header, data_offset);
   if (!result.ok()) return result;
   for (const auto& [name, tensor] : header->tensors) {
     const std::string fault = dtype_fault(name, tensor.dtype);
-    if (!fault.empty()) return refuseTensor(WeightsStatus::tensor_malformed, name, fault);
+    if (!fault.empty()) return refuseTensor(FileStatus::tensor_malformed, name, fault);
     result = checkTensor(name, tensor, *data_offset);
     if (!result.ok()) return result;
   }

@@ -9,15 +9,15 @@
 #include <string_view>
 #include <vector>
 
+#include "runtime_eval/weights_file/file_result.h"
 #include "runtime_eval/weights_file/header_parser.h"
-#include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
 
 inline constexpr uint64_t kMaxHeaderBytes = uint64_t{1} << 20;
 
-WeightsResult refuse(WeightsStatus status, std::string detail);
-WeightsResult refuseTensor(WeightsStatus status, const std::string& name, const std::string& detail);
+FileResult refuse(FileStatus status, std::string detail);
+FileResult refuseTensor(FileStatus status, const std::string& name, const std::string& detail);
 
 // Bytes that can be fetched piece by piece, so that a file is never in memory twice.
 struct ByteSource {
@@ -25,7 +25,7 @@ struct ByteSource {
   std::function<bool(uint64_t offset, void* to, size_t count)> read;
 };
 // The file stays open as long as the source lives. Refused with the system's reason: cannot_open, cannot_read.
-WeightsResult openByteSource(const std::string& path, ByteSource* source);
+FileResult openByteSource(const std::string& path, ByteSource* source);
 // bytes   must outlive the source
 ByteSource byteSource(std::string_view bytes);
 
@@ -42,8 +42,8 @@ uint64_t dtypeBytes(std::string_view dtype);
 // header        metadata without kDigestKey; digest_offset says whether it was there
 // data_offset   where the tensors begin
 // returns       ok, with kNoDigest as its detail where the file names none; otherwise what is wrong
-WeightsResult readLayout(const ByteSource& source, std::string (*dtype_fault)(const std::string& name, const std::string& dtype),
-                         WeightsHeader* header, uint64_t* data_offset);
+FileResult readLayout(const ByteSource& source, std::string (*dtype_fault)(const std::string& name, const std::string& dtype),
+                      WeightsHeader* header, uint64_t* data_offset);
 
 // What is said of files that were written before digests.
 inline constexpr const char* kNoDigest = "it names no file_sha256: whether it is damaged was not checked";

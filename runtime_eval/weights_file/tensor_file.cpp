@@ -11,23 +11,23 @@ std::string dtypeFault(const std::string&, const std::string& dtype) {
 
 }  // namespace
 
-WeightsResult TensorFileReader::openFile(const std::string& path) {
+FileResult TensorFileReader::openFile(const std::string& path) {
   *this = {};
   ByteSource source;
-  const WeightsResult result = openByteSource(path, &source);
+  const FileResult result = openByteSource(path, &source);
   return result.ok() ? open(std::move(source)) : result;
 }
 
-WeightsResult TensorFileReader::openBytes(std::string_view bytes) {
+FileResult TensorFileReader::openBytes(std::string_view bytes) {
   *this = {};
   return open(byteSource(bytes));
 }
 
-WeightsResult TensorFileReader::open(ByteSource source) {
-  if (source.size > kMaxTensorFileBytes) return refuse(WeightsStatus::cannot_read, "larger than 16 GiB");
+FileResult TensorFileReader::open(ByteSource source) {
+  if (source.size > kMaxTensorFileBytes) return refuse(FileStatus::cannot_read, "larger than 16 GiB");
   WeightsHeader header;
   uint64_t data_offset = 0;
-  const WeightsResult result = readLayout(source, dtypeFault, &header, &data_offset);
+  const FileResult result = readLayout(source, dtypeFault, &header, &data_offset);
   if (!result.ok()) return result;
   header_ = std::move(header);
   data_offset_ = data_offset;
@@ -40,28 +40,27 @@ std::string_view TensorFileReader::dtypeOf(const std::string& name) const {
   return found == header_.tensors.end() ? std::string_view() : found->second.dtype;
 }
 
-WeightsResult TensorFileReader::find(const std::string& name, const char* dtype, const TensorEntry** entry) const {
+FileResult TensorFileReader::find(const std::string& name, const char* dtype, const TensorEntry** entry) const {
   const auto found = header_.tensors.find(name);
-  if (found == header_.tensors.end()) return refuse(WeightsStatus::tensor_missing, "no tensor " + name);
+  if (found == header_.tensors.end()) return refuse(FileStatus::tensor_missing, "no tensor " + name);
   const TensorEntry& tensor = found->second;
   if (tensor.dtype != dtype) {
-    return refuse(WeightsStatus::tensor_unexpected, name + ": expected dtype " + dtype + ", got " + tensor.dtype);
+    return refuse(FileStatus::tensor_unexpected, name + ": expected dtype " + dtype + ", got " + tensor.dtype);
   }
   if (tensor.shape.size() != 1) {
-    return refuse(WeightsStatus::tensor_unexpected,
-                  name + ": expected one dimension, got " + std::to_string(tensor.shape.size()));
+    return refuse(FileStatus::tensor_unexpected, name + ": expected one dimension, got " + std::to_string(tensor.shape.size()));
   }
   *entry = &tensor;
   return {};
 }
 
-WeightsResult TensorFileReader::fetch(const std::string& name, const TensorEntry& entry, void* to) const {
+FileResult TensorFileReader::fetch(const std::string& name, const TensorEntry& entry, void* to) const {
   const uint64_t bytes = entry.end - entry.begin;
   if (bytes == 0 || read_(data_offset_ + entry.begin, to, bytes)) return {};
-  return refuseTensor(WeightsStatus::cannot_read, name, "read error");
+  return refuseTensor(FileStatus::cannot_read, name, "read error");
 }
 
-WeightsResult TensorFileWriter::serialize(const std::map<std::string, std::string>& metadata, std::string* bytes) const {
+FileResult TensorFileWriter::serialize(const std::map<std::string, std::string>& metadata, std::string* bytes) const {
   bytes->clear();
   HeaderWriter writer(metadata);
   std::vector<uint64_t> padding;
@@ -72,11 +71,11 @@ WeightsResult TensorFileWriter::serialize(const std::map<std::string, std::strin
   }
   const std::string header = writer.finish();
   if (header.size() > kMaxHeaderBytes) {
-    return refuse(WeightsStatus::header_too_large, "header of " + std::to_string(header.size()) + " bytes");
+    return refuse(FileStatus::header_too_large, "header of " + std::to_string(header.size()) + " bytes");
   }
   WeightsHeader parsed;
   const std::string fault = parseWeightsHeader(header, &parsed);
-  if (!fault.empty()) return refuse(WeightsStatus::header_malformed, "header, " + fault);
+  if (!fault.empty()) return refuse(FileStatus::header_malformed, "header, " + fault);
 
   *bytes = withLength(header);
   bytes->reserve(bytes->size() + data_bytes);

@@ -2,7 +2,7 @@
 //
 // The same rules: tensors start at multiples of 64 bytes of the file, fillers of dtype U8 named "padding.0", "padding.1", … stand
 // where bytes are skipped, spaces end the header, nothing overlaps and nothing is left over. Every tensor has one dimension.
-// No exceptions, no dependency; statuses and results are those of weights_file.h.
+// No exceptions, no dependency; statuses and results are those of file_result.h.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "runtime_eval/numbers/half.h"
+#include "runtime_eval/weights_file/file_result.h"
 #include "runtime_eval/weights_file/header_parser.h"
-#include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
 
@@ -42,9 +42,9 @@ constexpr const char* tensorDtype() {
 // where the file names one, against all of them. Values are fetched one tensor at a time; nothing is allocated that the file does not cover. What values mean is for the caller.
 class TensorFileReader {
  public:
-  WeightsResult openFile(const std::string& path);
+  FileResult openFile(const std::string& path);
   // bytes   must outlive the reader
-  WeightsResult openBytes(std::string_view bytes);
+  FileResult openBytes(std::string_view bytes);
 
   // But for the digest, which openFile and openBytes have compared with every byte.
   const std::map<std::string, std::string>& metadata() const { return header_.metadata; }
@@ -55,19 +55,19 @@ class TensorFileReader {
   // Reads a whole tensor. Refused: no tensor of that name (tensor_missing), of another dtype or number of dimensions
   // (tensor_unexpected), a read error (cannot_read).
   template <class T>
-  WeightsResult read(const std::string& name, std::vector<T>* values) const {
+  FileResult read(const std::string& name, std::vector<T>* values) const {
     static_assert(std::is_trivially_copyable_v<T>);
     const TensorEntry* entry = nullptr;
-    WeightsResult result = find(name, tensorDtype<T>(), &entry);
+    FileResult result = find(name, tensorDtype<T>(), &entry);
     if (!result.ok()) return result;
     values->resize((entry->end - entry->begin) / sizeof(T));
     return fetch(name, *entry, values->data());
   }
 
  private:
-  WeightsResult open(ByteSource source);
-  WeightsResult find(const std::string& name, const char* dtype, const TensorEntry** entry) const;
-  WeightsResult fetch(const std::string& name, const TensorEntry& entry, void* to) const;
+  FileResult open(ByteSource source);
+  FileResult find(const std::string& name, const char* dtype, const TensorEntry** entry) const;
+  FileResult fetch(const std::string& name, const TensorEntry& entry, void* to) const;
 
   WeightsHeader header_;
   uint64_t data_offset_ = 0;
@@ -87,7 +87,7 @@ class TensorFileWriter {
 
   // The bytes of a file, tensors in the order they were added. Refused: what no reader would take, texts that are no UTF-8
   // (header_malformed) or more than 1 MiB of header (header_too_large). On failure *bytes is empty.
-  WeightsResult serialize(const std::map<std::string, std::string>& metadata, std::string* bytes) const;
+  FileResult serialize(const std::map<std::string, std::string>& metadata, std::string* bytes) const;
 
  private:
   struct Tensor {

@@ -31,8 +31,8 @@ void widen(const char* halves, std::vector<float>* values) {
   }
 }
 
-WeightsResult readTensor(const ByteSource& source, const std::string& name, const TensorEntry& entry, uint64_t data_offset,
-                         WeightsTensor* tensor) {
+FileResult readTensor(const ByteSource& source, const std::string& name, const TensorEntry& entry, uint64_t data_offset,
+                      WeightsTensor* tensor) {
   tensor->shape = entry.shape;
   tensor->dtype = entry.dtype == "F16" ? WeightsDtype::float16 : WeightsDtype::float32;
   const size_t bytes = entry.end - entry.begin;
@@ -40,12 +40,12 @@ WeightsResult readTensor(const ByteSource& source, const std::string& name, cons
   // halves are read into the upper half of their floats, so that widening from the front overwrites only what has been read
   char* first = reinterpret_cast<char*>(tensor->values.data()) + (tensor->values.size() * sizeof(float) - bytes);
   if (bytes > 0 && !source.read(data_offset + entry.begin, first, bytes)) {
-    return refuseTensor(WeightsStatus::cannot_read, name, "read error");
+    return refuseTensor(FileStatus::cannot_read, name, "read error");
   }
   if (tensor->dtype == WeightsDtype::float16) widen(first, &tensor->values);
   for (size_t i = 0; i < tensor->values.size(); ++i) {
     if (std::isfinite(tensor->values[i])) continue;
-    return refuseTensor(WeightsStatus::value_not_finite, name, "value " + std::to_string(i));
+    return refuseTensor(FileStatus::value_not_finite, name, "value " + std::to_string(i));
   }
   return {};
 }
@@ -59,25 +59,25 @@ bool mayLackDigest(const WeightsHeader& header) {
   return version < kFirstDigestVersion;
 }
 
-WeightsResult readAll(const ByteSource& source, WeightsFile* file) {
+FileResult readAll(const ByteSource& source, WeightsFile* file) {
   WeightsHeader header;
   uint64_t data_offset = 0;
-  WeightsResult opened = readLayout(source, dtypeFault, &header, &data_offset);
+  FileResult opened = readLayout(source, dtypeFault, &header, &data_offset);
   if (!opened.ok()) return opened;
-  if (header.digest_offset == 0 && !mayLackDigest(header)) return refuse(WeightsStatus::digest_mismatch, kDigestMissing);
+  if (header.digest_offset == 0 && !mayLackDigest(header)) return refuse(FileStatus::digest_mismatch, kDigestMissing);
   for (const auto& [name, entry] : header.tensors) {
     if (isPadding(name)) continue;
-    WeightsResult result = readTensor(source, name, entry, data_offset, &file->tensors[name]);
+    FileResult result = readTensor(source, name, entry, data_offset, &file->tensors[name]);
     if (!result.ok()) return result;
   }
   file->metadata = std::move(header.metadata);
   return opened;
 }
 
-WeightsResult readSource(const ByteSource& source, WeightsFile* file) {
+FileResult readSource(const ByteSource& source, WeightsFile* file) {
   *file = {};
   WeightsFile whole;
-  WeightsResult result = readAll(source, &whole);
+  FileResult result = readAll(source, &whole);
   if (result.ok()) *file = std::move(whole);
   return result;
 }
@@ -96,61 +96,25 @@ void appendValues(const WeightsTensor& tensor, std::string* data) {
 
 }  // namespace
 
-const char* weightsStatusName(WeightsStatus status) {
-  switch (status) {
-    case WeightsStatus::ok:
-      return "ok";
-    case WeightsStatus::cannot_open:
-      return "cannot_open";
-    case WeightsStatus::cannot_read:
-      return "cannot_read";
-    case WeightsStatus::too_short:
-      return "too_short";
-    case WeightsStatus::header_too_large:
-      return "header_too_large";
-    case WeightsStatus::header_malformed:
-      return "header_malformed";
-    case WeightsStatus::tensor_malformed:
-      return "tensor_malformed";
-    case WeightsStatus::tensor_missing:
-      return "tensor_missing";
-    case WeightsStatus::tensor_unexpected:
-      return "tensor_unexpected";
-    case WeightsStatus::value_not_finite:
-      return "value_not_finite";
-    case WeightsStatus::value_out_of_range:
-      return "value_out_of_range";
-    case WeightsStatus::version_unknown:
-      return "version_unknown";
-    case WeightsStatus::pattern_unknown:
-      return "pattern_unknown";
-    case WeightsStatus::simd_unavailable:
-      return "simd_unavailable";
-    case WeightsStatus::digest_mismatch:
-      return "digest_mismatch";
-  }
-  return "unknown";
-}
-
-WeightsResult readWeightsFile(const std::string& path, WeightsFile* file) {
+FileResult readWeightsFile(const std::string& path, WeightsFile* file) {
   *file = {};
   ByteSource source;
-  WeightsResult result = openByteSource(path, &source);
-  if (result.ok() && source.size > kMaxFileBytes) result = refuse(WeightsStatus::cannot_read, "larger than 1 GiB");
+  FileResult result = openByteSource(path, &source);
+  if (result.ok() && source.size > kMaxFileBytes) result = refuse(FileStatus::cannot_read, "larger than 1 GiB");
   if (result.ok()) result = readSource(source, file);
   if (!result.detail.empty()) result.detail = path + ": " + result.detail;
   return result;
 }
 
-WeightsResult parseWeights(std::string_view bytes, WeightsFile* file) { return readSource(byteSource(bytes), file); }
+FileResult parseWeights(std::string_view bytes, WeightsFile* file) { return readSource(byteSource(bytes), file); }
 
-WeightsResult roundToFloat16(const std::string& name, WeightsTensor* tensor) {
+FileResult roundToFloat16(const std::string& name, WeightsTensor* tensor) {
   std::vector<float> rounded;
   rounded.reserve(tensor->values.size());
   for (const float value : tensor->values) {
     Half half;
     if (!halfFromFloat(value, &half)) {
-      return refuseTensor(WeightsStatus::value_out_of_range, name,
+      return refuseTensor(FileStatus::value_out_of_range, name,
                           "value " + std::to_string(rounded.size()) + " is beyond float16: " + std::to_string(value));
     }
     rounded.push_back(floatFromHalf(half));

@@ -15,36 +15,9 @@
 #include <string_view>
 #include <vector>
 
+#include "runtime_eval/weights_file/file_result.h"
+
 namespace nlg {
-
-enum class WeightsStatus {
-  ok,
-  cannot_open,        // the system refused, or it is no regular file: a pipe, a device, a folder
-  cannot_read,        // the system refused, or the file is larger than 1 GiB
-  too_short,          // no header length, or fewer bytes than the tensors of the header need
-  header_too_large,   // header length above 1 MiB or past the end of the file
-  header_malformed,   // no JSON object of the form that safetensors prescribes
-  tensor_malformed,   // another dtype, shape and bytes disagree, overlap, hole, misaligned, or bytes behind the last tensor
-  tensor_missing,     // a tensor or metadata key that the generator needs is not there
-  tensor_unexpected,  // a tensor of another shape than the generator's
-  value_not_finite,
-  value_out_of_range,
-  version_unknown,
-  pattern_unknown,   // made for another support pattern
-  simd_unavailable,  // NLG_SIMD names a target that this build or machine does not have
-  digest_mismatch,   // the file's bytes are not those that its SHA-256 is of: damaged
-};
-
-// A short English name of a status, for messages: "tensor_missing".
-const char* weightsStatusName(WeightsStatus status);
-
-// Status and where and why in one line when it is not ok. A reader's ok has an empty text, or says that the file names no digest,
-// so that nobody knows whether it is damaged: files written before there were digests.
-struct WeightsResult {
-  WeightsStatus status = WeightsStatus::ok;
-  std::string detail;
-  bool ok() const { return status == WeightsStatus::ok; }
-};
 
 // How a tensor's numbers lie in the file; in memory they are floats.
 enum class WeightsDtype { float32, float16 };
@@ -66,13 +39,13 @@ inline constexpr int kFirstDigestVersion = 3;
 // Reads a file, or bytes in memory. The file's digest is compared with its bytes before anything else is believed. Every offset is
 // checked against the size before it is followed; nothing is allocated that the bytes do not cover (F16 takes twice its bytes), and
 // a file is never in memory twice. On failure *file is left empty.
-WeightsResult readWeightsFile(const std::string& path, WeightsFile* file);
-WeightsResult parseWeights(std::string_view bytes, WeightsFile* file);
+FileResult readWeightsFile(const std::string& path, WeightsFile* file);
+FileResult parseWeights(std::string_view bytes, WeightsFile* file);
 
 // Rounds a tensor's values to float16 (to nearest, ties to even) and has it stored so: what a reader of the file gets is what
 // *tensor then holds.
 // returns   value_out_of_range, *tensor unchanged, when a value is beyond float16
-WeightsResult roundToFloat16(const std::string& name, WeightsTensor* tensor);
+FileResult roundToFloat16(const std::string& name, WeightsTensor* tensor);
 
 // The bytes of a file: tensors in the order of their names; the same content gives the same bytes.
 //

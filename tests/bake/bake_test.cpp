@@ -127,7 +127,7 @@ class SceneBakeTest : public testing::Test {
 
 std::string fileBytes(const LightGrid& grid, ThetaPrecision precision) {
   std::string bytes;
-  const WeightsResult result = serializeLightGrid(grid, {precision}, {}, &bytes);
+  const FileResult result = serializeLightGrid(grid, {precision}, {}, &bytes);
   EXPECT_TRUE(result.ok()) << result.detail;
   return bytes;
 }
@@ -303,7 +303,7 @@ TEST_F(SceneBakeTest, CountsEveryProbeOnce) {
   EXPECT_EQ(std::accumulate(chosen.begin(), chosen.end(), uint64_t{0}), c.functions);
   EXPECT_EQ(s.left_for_time, 0u);
   EXPECT_GE(s.refined(), failing(house, ThetaWord::stored, houseOptions()));
-  const WeightsResult result = checkLightGrid(house.grid);
+  const FileResult result = checkLightGrid(house.grid);
   EXPECT_TRUE(result.ok()) << result.detail;
 }
 

@@ -71,7 +71,7 @@ Bake bakeHouse(const std::vector<Generator>& generators, const BakeOptions& opti
 
 std::string fileBytes(const LightGrid& grid) {
   std::string bytes;
-  const WeightsResult result = serializeLightGrid(grid, {ThetaPrecision::float32}, {}, &bytes);
+  const FileResult result = serializeLightGrid(grid, {ThetaPrecision::float32}, {}, &bytes);
   EXPECT_TRUE(result.ok()) << result.detail;
   return bytes;
 }

@@ -58,7 +58,7 @@ class UsedBy : public testing::Test {
     }
     std::string bytes;
     const GridMetadata metadata = {{"scene", "level"}, {"provenance", provenance("nlg-bake", {}, inputs).dump()}};
-    const WeightsResult result = serializeLightGrid(grid, {ThetaPrecision::float32}, metadata, &bytes);
+    const FileResult result = serializeLightGrid(grid, {ThetaPrecision::float32}, metadata, &bytes);
     EXPECT_TRUE(result.ok()) << result.detail;
     return write("grid.safetensors", bytes);
   }

@@ -52,7 +52,7 @@ void readOne(std::string_view bytes) {
   const std::string file = withRightDigest(std::string(bytes));
   // a string may own more than its text: a read past the end shall leave the allocation
   const std::vector<char> exact(file.begin(), file.end());
-  WeightsResult result = parseLightGrid({exact.data(), exact.size()}, &grid, &metadata);
+  FileResult result = parseLightGrid({exact.data(), exact.size()}, &grid, &metadata);
   FUZZ_CHECK(result.ok() || !result.detail.empty(), "a reason");
   if (!result.ok()) return;
   result = checkLightGrid(grid);

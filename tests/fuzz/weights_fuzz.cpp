@@ -93,9 +93,9 @@ std::string wholeFile(std::string_view input) {
   return lay_out ? laidOut(text, pattern) : fileAround(text, longer, pattern);
 }
 
-void checkRefusal(const WeightsResult& result) {
-  FUZZ_CHECK(!result.detail.empty(), weightsStatusName(result.status));
-  FUZZ_CHECK(std::strcmp(weightsStatusName(result.status), "unknown") != 0, result.detail);
+void checkRefusal(const FileResult& result) {
+  FUZZ_CHECK(!result.detail.empty(), fileStatusName(result.status));
+  FUZZ_CHECK(std::strcmp(fileStatusName(result.status), "unknown") != 0, result.detail);
   for (const char c : result.detail) FUZZ_CHECK(static_cast<unsigned char>(c) >= 0x20, "one line: " + result.detail);
 }
 
@@ -103,8 +103,8 @@ void checkRefusal(const WeightsResult& result) {
 void load(std::string_view bytes, bool laid_out) {
   WeightsFile file;
   GeneratorData data;
-  WeightsResult result = parseWeights(bytes, &file);
-  FUZZ_CHECK(!laid_out || result.ok() || result.status == WeightsStatus::value_not_finite, "written, yet " + result.detail);
+  FileResult result = parseWeights(bytes, &file);
+  FUZZ_CHECK(!laid_out || result.ok() || result.status == FileStatus::value_not_finite, "written, yet " + result.detail);
   FUZZ_CHECK(result.ok() || (file.tensors.empty() && file.metadata.empty()), "a refused file is left empty");
   if (result.ok()) result = generatorFromWeights(file, &data);
   if (!result.ok()) return checkRefusal(result);

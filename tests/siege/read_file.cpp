@@ -29,7 +29,7 @@ int refused(const std::string& detail) {
   return kRefused;
 }
 
-int verdict(const nlg::WeightsResult& result) { return result.ok() ? kAccepted : refused(result.detail); }
+int verdict(const nlg::FileResult& result) { return result.ok() ? kAccepted : refused(result.detail); }
 
 int verdict(nlg_status status, const char* detail) { return status == NLG_OK ? kAccepted : refused(detail); }
 

@@ -38,7 +38,7 @@ TEST_F(ShippedWeights, TakeAtMost32MegabytesTogether) {
 TEST_F(ShippedWeights, LoadAndAreNamedByTheirRepresentation) {
   for (const fs::path& path : paths_) {
     Generator generator;
-    const WeightsResult result = Generator::load(path.string(), &generator);
+    const FileResult result = Generator::load(path.string(), &generator);
     ASSERT_TRUE(result.ok()) << result.detail;
     EXPECT_EQ(representationName(generator.representation()), path.stem().string());
   }

@@ -29,18 +29,18 @@ void writeCheckpointFile(const std::string& path, const RunIdentity& identity, c
   writer.add("log", log);
   for (const auto& [name, values] : numbers) writer.add(name, values);
   std::string bytes;
-  const WeightsResult result = writer.serialize({{"kind", kKind},
-                                                 {"representation", identity.representation},
-                                                 {"options", identity.options_json},
-                                                 {"basis_sha256", identity.basis_sha256},
-                                                 {"training_set_sha256", identity.training_set_sha256}},
-                                                &bytes);
+  const FileResult result = writer.serialize({{"kind", kKind},
+                                              {"representation", identity.representation},
+                                              {"options", identity.options_json},
+                                              {"basis_sha256", identity.basis_sha256},
+                                              {"training_set_sha256", identity.training_set_sha256}},
+                                             &bytes);
   if (!result.ok()) throw OutputError(path, result.detail);
   writeFileAtomically(path, bytes);
 }
 
 CheckpointFile::CheckpointFile(const std::string& path) : path_(path), bytes_(readFile(path)) {
-  const WeightsResult opened = tensors_.openBytes(bytes_);
+  const FileResult opened = tensors_.openBytes(bytes_);
   // of a file that is read but names no digest requireRead would only say so: no checkpoint is without one
   if (!opened.ok()) requireRead(path, opened, kExpected);
   const std::string kind = text("kind");

@@ -53,7 +53,7 @@ std::vector<LightSh> rounded(LightForm form, const std::vector<LightSh>& light) 
   for (const LightSh& sh : light) {
     for (const glm::vec3& coefficient : sh) floats.insert(floats.end(), {coefficient.r, coefficient.g, coefficient.b});
   }
-  const WeightsResult result = roundLight(form, &floats);
+  const FileResult result = roundLight(form, &floats);
   if (!result.ok()) throw InputError("the scene", "light", "probes whose light the form can hold", result.detail);
   std::vector<LightSh> kept(light.size());
   for (size_t i = 0; i < floats.size(); ++i)

@@ -12,7 +12,7 @@ namespace {
 
 void write(const nlg::LightGrid& grid, const std::string& path) {
   std::string bytes;
-  const nlg::WeightsResult result = nlg::serializeLightGrid(grid, {}, {{"scene", "case"}}, &bytes);
+  const nlg::FileResult result = nlg::serializeLightGrid(grid, {}, {{"scene", "case"}}, &bytes);
   if (!result.ok()) {
     std::cerr << path << ": " << result.detail << '\n';
     std::exit(1);

@@ -33,7 +33,7 @@ namespace {
 constexpr double kFilterStep = 0x1p-8;  // texels
 constexpr size_t kOutsideEvery = 16;
 
-void require(const WeightsResult& result, const std::string& path) {
+void require(const FileResult& result, const std::string& path) {
   if (!result.ok()) throw std::runtime_error(path + ": " + result.detail);
 }
 

@@ -40,7 +40,7 @@ void writeCorrectionCase(const std::string& stem, const GeneratorData& data, int
 void writeCase(const std::string& stem, const std::string& bytes, int count) {
   WeightsFile file;
   GeneratorData data;
-  WeightsResult result = parseWeights(bytes, &file);
+  FileResult result = parseWeights(bytes, &file);
   if (result.ok()) result = generatorFromWeights(file, &data);
   if (!result.ok()) {
     std::fprintf(stderr, "onnx_cases: %s: %s\n", stem.c_str(), result.detail.c_str());

@@ -59,16 +59,16 @@ std::string describe(const RaggedCase& c) {
          std::to_string(c.layers) + ", " + std::to_string(c.count) + " functions";
 }
 
-WeightsStatus statusOf(const WeightsFile& file) {
+FileStatus statusOf(const WeightsFile& file) {
   GeneratorData data;
-  const WeightsResult result = generatorFromWeights(file, &data);
+  const FileResult result = generatorFromWeights(file, &data);
   EXPECT_EQ(result.ok(), result.detail.empty()) << result.detail;
   return result.status;
 }
 
 // The status of a good file after a change.
 template <class Change>
-WeightsStatus statusAfter(const Change& change) {
+FileStatus statusAfter(const Change& change) {
   WeightsFile file = weightsFromGenerator(sampleGenerator(Representation::tentMlp(0.01f), 24, 3, 1));
   change(file);
   return statusOf(file);
@@ -259,17 +259,17 @@ TEST(Generator, GivesTheSameBitsOnSeveralThreads) {
 [[noreturn]] void loadUnder(const char* simd) {
   ::setenv("NLG_SIMD", simd, 1);
   Generator generator;
-  const WeightsResult result = Generator::load("/nowhere/weights", &generator);
+  const FileResult result = Generator::load("/nowhere/weights", &generator);
   std::fprintf(stderr, "%s\n", result.detail.c_str());
   std::_Exit(static_cast<int>(result.status));
 }
 
 TEST(GeneratorDeathTest, IsNotLoadedUnderATargetThatIsNotThere) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  EXPECT_EXIT(loadUnder("avx9"), testing::ExitedWithCode(static_cast<int>(WeightsStatus::simd_unavailable)),
+  EXPECT_EXIT(loadUnder("avx9"), testing::ExitedWithCode(static_cast<int>(FileStatus::simd_unavailable)),
               "NLG_SIMD: SIMD target 'avx9' is unknown; expected one of ");
   // past the target: the file is missing
-  EXPECT_EXIT(loadUnder("scalar"), testing::ExitedWithCode(static_cast<int>(WeightsStatus::cannot_open)), "");
+  EXPECT_EXIT(loadUnder("scalar"), testing::ExitedWithCode(static_cast<int>(FileStatus::cannot_open)), "");
 }
 
 TEST(Generator, YieldsTheta0WhenItsLastLayerIsZero) {
@@ -301,7 +301,7 @@ TEST(Generator, LoadsWhatWasSaved) {
   const GeneratorData data = sampleGenerator(Representation::tentMlp(0.02f), 24, 3, 8);
   std::ofstream(path, std::ios::binary) << serializeWeights(weightsFromGenerator(data));
   Generator generator;
-  const WeightsResult result = Generator::load(path, &generator);
+  const FileResult result = Generator::load(path, &generator);
   ASSERT_TRUE(result.ok()) << result.detail;
   EXPECT_TRUE(generator.representation().tentFactor());
   EXPECT_EQ(generator.representation().slope, 0.02f);
@@ -313,7 +313,7 @@ TEST(Generator, LoadsWhatWasSaved) {
 
   // the same from its bytes
   Generator parsed;
-  const WeightsResult of_bytes = Generator::parse(serializeWeights(weightsFromGenerator(data)), kInteger, &parsed);
+  const FileResult of_bytes = Generator::parse(serializeWeights(weightsFromGenerator(data)), kInteger, &parsed);
   ASSERT_TRUE(of_bytes.ok()) << of_bytes.detail;
   EXPECT_EQ(parsed.precision(), kInteger);
   GeneratorScratch parsed_scratch(parsed);
@@ -323,9 +323,9 @@ TEST(Generator, LoadsWhatWasSaved) {
 
   // a failing load leaves the generator as it was
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
-  EXPECT_EQ(Generator::load(path, &generator).status, WeightsStatus::too_short);
+  EXPECT_EQ(Generator::load(path, &generator).status, FileStatus::too_short);
   std::filesystem::remove(path);
-  EXPECT_EQ(Generator::load(path, &generator).status, WeightsStatus::cannot_open);
+  EXPECT_EQ(Generator::load(path, &generator).status, FileStatus::cannot_open);
   std::vector<float> again(ThetaLayout::count);
   generator.generate(phi.data(), 1, again.data(), &scratch);
   EXPECT_EQ(again, theta);
@@ -336,7 +336,7 @@ TEST(GeneratorWeights, RoundTrip) {
     const GeneratorData data =
         sampleGenerator(layers % 2 == 0 ? Representation::tentMlp(0.03f) : Representation::mlp(0.03f), 24, layers, 9);
     GeneratorData read;
-    const WeightsResult result = generatorFromWeights(weightsFromGenerator(data), &read);
+    const FileResult result = generatorFromWeights(weightsFromGenerator(data), &read);
     ASSERT_TRUE(result.ok()) << result.detail;
     EXPECT_EQ(read.representation.tentFactor(), data.representation.tentFactor());
     EXPECT_EQ(read.representation.slope, data.representation.slope);
@@ -358,8 +358,8 @@ TEST(GeneratorWeights, RoundTrip) {
 }
 
 TEST(GeneratorWeights, AreTakenUnchanged) {
-  EXPECT_EQ(statusAfter([](WeightsFile&) {}), WeightsStatus::ok);
-  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["a note"] = "for people"; }), WeightsStatus::ok);
+  EXPECT_EQ(statusAfter([](WeightsFile&) {}), FileStatus::ok);
+  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["a note"] = "for people"; }), FileStatus::ok);
 }
 
 TEST(GeneratorWeights, RefuseEveryMissingKeyAndTensor) {
@@ -367,12 +367,12 @@ TEST(GeneratorWeights, RefuseEveryMissingKeyAndTensor) {
   for (const auto& [key, ignored] : whole.metadata) {
     WeightsFile file = whole;
     file.metadata.erase(key);
-    EXPECT_EQ(statusOf(file), WeightsStatus::tensor_missing) << "metadata " << key;
+    EXPECT_EQ(statusOf(file), FileStatus::tensor_missing) << "metadata " << key;
   }
   for (const auto& [name, ignored] : whole.tensors) {
     WeightsFile file = whole;
     file.tensors.erase(name);
-    EXPECT_EQ(statusOf(file), WeightsStatus::tensor_missing) << "tensor " << name;
+    EXPECT_EQ(statusOf(file), FileStatus::tensor_missing) << "tensor " << name;
   }
 }
 
@@ -383,13 +383,13 @@ TEST(GeneratorWeights, RefuseEveryTensorOfAnotherShape) {
     WeightsTensor& tensor = file.tensors[name];
     tensor.values.insert(tensor.values.end(), tensor.values.size() / tensor.shape[0], 0.0f);
     ++tensor.shape[0];
-    EXPECT_EQ(statusOf(file), WeightsStatus::tensor_unexpected) << name << " with a row more";
+    EXPECT_EQ(statusOf(file), FileStatus::tensor_unexpected) << name << " with a row more";
     file = whole;
     file.tensors[name].shape.push_back(1);
-    EXPECT_EQ(statusOf(file), WeightsStatus::tensor_unexpected) << name << " with a dimension more";
+    EXPECT_EQ(statusOf(file), FileStatus::tensor_unexpected) << name << " with a dimension more";
     file = whole;
     file.tensors[name] = {{0}, {}};
-    EXPECT_EQ(statusOf(file), WeightsStatus::tensor_unexpected) << name << " empty";
+    EXPECT_EQ(statusOf(file), FileStatus::tensor_unexpected) << name << " empty";
   }
 }
 
@@ -399,18 +399,17 @@ TEST(GeneratorWeights, RefuseNumbersThatAreNotFinite) {
     for (const float value : {NAN, INFINITY, -INFINITY}) {
       WeightsFile file = whole;
       file.tensors[name].values.back() = value;
-      EXPECT_EQ(statusOf(file), WeightsStatus::value_not_finite) << name << ": " << value;
+      EXPECT_EQ(statusOf(file), FileStatus::value_not_finite) << name << ": " << value;
     }
   }
 }
 
 TEST(GeneratorWeights, RefuseForeignPatternsAndNewerVersions) {
-  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["pattern_hash"] = "0123456789abcdef"; }), WeightsStatus::pattern_unknown);
-  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["pattern_hash"] = ""; }), WeightsStatus::pattern_unknown);
-  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["version"] = "4"; }), WeightsStatus::version_unknown);
+  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["pattern_hash"] = "0123456789abcdef"; }), FileStatus::pattern_unknown);
+  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["pattern_hash"] = ""; }), FileStatus::pattern_unknown);
+  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["version"] = "4"; }), FileStatus::version_unknown);
   for (const char* version : {"0", "-1", "1.5", "", "one", "nan"}) {
-    EXPECT_EQ(statusAfter([&](WeightsFile& f) { f.metadata["version"] = version; }), WeightsStatus::value_out_of_range)
-        << version;
+    EXPECT_EQ(statusAfter([&](WeightsFile& f) { f.metadata["version"] = version; }), FileStatus::value_out_of_range) << version;
   }
 }
 
@@ -419,33 +418,33 @@ TEST(GeneratorWeights, RefuseMetadataOutOfRange) {
     return statusAfter([&](WeightsFile& f) { f.metadata[key] = value; });
   };
   for (const char* name : {"", "MLP", "pf4", "mlp\n"}) {
-    EXPECT_EQ(statusWith("representation", name), WeightsStatus::value_out_of_range) << name;
+    EXPECT_EQ(statusWith("representation", name), FileStatus::value_out_of_range) << name;
   }
   for (const char* key : {"representation_slope", "generator_slope"}) {
     for (const char* value : {"0", "1", "-0.01", "nan", "inf", "", "0.01x"}) {
-      EXPECT_EQ(statusWith(key, value), WeightsStatus::value_out_of_range) << key << ": " << value;
+      EXPECT_EQ(statusWith(key, value), FileStatus::value_out_of_range) << key << ": " << value;
     }
   }
   for (const char* key : {"layer_count", "width"}) {
     for (const char* value : {"0", "-3", "2.5", "1e9", "99999999999999999999", ""}) {
-      EXPECT_EQ(statusWith(key, value), WeightsStatus::value_out_of_range) << key << ": " << value;
+      EXPECT_EQ(statusWith(key, value), FileStatus::value_out_of_range) << key << ": " << value;
     }
   }
   for (const char* value : {"-1", "1025", "0.5", "many"}) {
-    EXPECT_EQ(statusWith("class_count.3", value), WeightsStatus::value_out_of_range) << value;
+    EXPECT_EQ(statusWith("class_count.3", value), FileStatus::value_out_of_range) << value;
   }
-  EXPECT_EQ(statusWith("class_count.3", "4"), WeightsStatus::tensor_unexpected);  // one component more than there is
+  EXPECT_EQ(statusWith("class_count.3", "4"), FileStatus::tensor_unexpected);  // one component more than there is
   EXPECT_EQ(statusAfter([](WeightsFile& f) {
               for (int c = 0; c < kParityClassCount; ++c) f.metadata["class_count." + std::to_string(c)] = "0";
             }),
-            WeightsStatus::value_out_of_range);
+            FileStatus::value_out_of_range);
 }
 
 TEST(GeneratorWeights, RefuseDeviationsThatCannotDivide) {
   // the projection divides by them: 1e-40 is a denormal, its reciprocal infinite
   for (const float deviation : {0.0f, -1.0f, 1e-40f}) {
     EXPECT_EQ(statusAfter([&](WeightsFile& f) { f.tensors["basis.deviation"].values[3] = deviation; }),
-              WeightsStatus::value_out_of_range)
+              FileStatus::value_out_of_range)
         << deviation;
   }
 }

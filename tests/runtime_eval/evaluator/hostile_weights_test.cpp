@@ -8,7 +8,7 @@
 namespace nlg {
 namespace {
 
-WeightsResult resultWith(const std::string& key, const std::string& value) {
+FileResult resultWith(const std::string& key, const std::string& value) {
   WeightsFile file = weightsFromGenerator(sampleGenerator(Representation::tentMlp(), 24, 3, 1));
   file.metadata[key] = value;
   GeneratorData data;
@@ -17,7 +17,7 @@ WeightsResult resultWith(const std::string& key, const std::string& value) {
 
 TEST(HostileWeights, AreRefusedInOneShortLineWhateverTheirTextsHold) {
   for (const char* key : {"pattern_hash", "representation", "version", "representation_slope", "width", "class_count.3"}) {
-    const WeightsResult result = resultWith(key, "\n\x1b[2J" + std::string(100000, 'x'));
+    const FileResult result = resultWith(key, "\n\x1b[2J" + std::string(100000, 'x'));
     EXPECT_FALSE(result.ok()) << key;
     EXPECT_LT(result.detail.size(), 200u) << key;
     for (const char c : result.detail) EXPECT_GE(static_cast<unsigned char>(c), 0x20) << key << ": " << result.detail;
@@ -27,7 +27,7 @@ TEST(HostileWeights, AreRefusedInOneShortLineWhateverTheirTextsHold) {
 TEST(HostileWeights, HaveNumbersThatEndWithTheirText) {
   for (const std::string& value :
        {std::string("24\0", 3), std::string("24\0hidden", 9), std::string(" 24"), std::string("24 ")}) {
-    EXPECT_EQ(resultWith("width", value).status, WeightsStatus::value_out_of_range) << testing::PrintToString(value);
+    EXPECT_EQ(resultWith("width", value).status, FileStatus::value_out_of_range) << testing::PrintToString(value);
   }
 }
 
@@ -40,10 +40,10 @@ struct DecimalComma : std::numpunct<char> {
 
 TEST(Weights, AreReadAlikeInEveryLocale) {
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new DecimalComma));
-  const WeightsResult result = resultWith("generator_slope", "0.05"), wide = resultWith("width", "1.024");
+  const FileResult result = resultWith("generator_slope", "0.05"), wide = resultWith("width", "1.024");
   std::locale::global(before);
   EXPECT_TRUE(result.ok()) << result.detail;
-  EXPECT_EQ(wide.status, WeightsStatus::value_out_of_range) << wide.detail;
+  EXPECT_EQ(wide.status, FileStatus::value_out_of_range) << wide.detail;
 }
 
 }  // namespace

@@ -616,26 +616,26 @@ TEST(GeneratorWeights, KeepCorrectionSteps) {
   for (const char* key : {"correction.steps", "correction.layer_count", "correction.width"}) {
     WeightsFile broken = file;
     broken.metadata.erase(key);
-    EXPECT_EQ(generatorFromWeights(broken, &read).status, WeightsStatus::tensor_missing) << key;
+    EXPECT_EQ(generatorFromWeights(broken, &read).status, FileStatus::tensor_missing) << key;
   }
   for (const char* steps : {"0", "-1", "17", "1.5", "two", ""}) {
     WeightsFile broken = file;
     broken.metadata["correction.steps"] = steps;
-    EXPECT_EQ(generatorFromWeights(broken, &read).status, WeightsStatus::value_out_of_range) << steps;
+    EXPECT_EQ(generatorFromWeights(broken, &read).status, FileStatus::value_out_of_range) << steps;
   }
   for (const auto& [representation, is_linear] :
        {std::pair{Representation::tentMlp(), true}, {Representation::productField(3), false}}) {
     GeneratorData exact = sampleGenerator(representation, 48, 3, 1);
     exact.correction.exact_last_layer = true;
-    const WeightsResult result = generatorFromWeights(weightsFromGenerator(exact), &read);
-    EXPECT_EQ(result.status, is_linear ? WeightsStatus::ok : WeightsStatus::value_out_of_range) << result.detail;
+    const FileResult result = generatorFromWeights(weightsFromGenerator(exact), &read);
+    EXPECT_EQ(result.status, is_linear ? FileStatus::ok : FileStatus::value_out_of_range) << result.detail;
     EXPECT_TRUE(!is_linear || read.correction.exact_last_layer);
   }
   // a correction reads theta in units of output_scale
   for (const float scale : {0.0f, -1e-38f}) {
     WeightsFile flat = file;
     flat.tensors["output_scale"].values[7] = scale;
-    EXPECT_EQ(generatorFromWeights(flat, &read).status, WeightsStatus::value_out_of_range) << scale;
+    EXPECT_EQ(generatorFromWeights(flat, &read).status, FileStatus::value_out_of_range) << scale;
     for (const char* key : {"correction.steps", "correction.layer_count", "correction.width"}) flat.metadata.erase(key);
     flat.tensors.erase("correction.layer.0.weight");
     EXPECT_TRUE(generatorFromWeights(flat, &read).ok()) << scale;
@@ -651,14 +651,14 @@ TEST(GeneratorWeights, KeepCorrectionSteps) {
   }
   for (const char* unit : {"0", "-1", "1e9"}) {
     with.metadata["correction.theta_unit"] = unit;
-    EXPECT_EQ(generatorFromWeights(with, &read).status, WeightsStatus::value_out_of_range) << unit;
+    EXPECT_EQ(generatorFromWeights(with, &read).status, FileStatus::value_out_of_range) << unit;
   }
   WeightsFile broken = file;
   broken.tensors.erase("correction.layer.1.bias");
-  EXPECT_EQ(generatorFromWeights(broken, &read).status, WeightsStatus::tensor_missing);
+  EXPECT_EQ(generatorFromWeights(broken, &read).status, FileStatus::tensor_missing);
   broken = file;
   broken.tensors["correction.layer.0.weight"].shape = {40, 3};
-  EXPECT_EQ(generatorFromWeights(broken, &read).status, WeightsStatus::tensor_unexpected);
+  EXPECT_EQ(generatorFromWeights(broken, &read).status, FileStatus::tensor_unexpected);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ std::vector<float> lampLight(uint64_t seed) {
 }
 
 std::vector<float> rounded(LightForm form, std::vector<float> light) {
-  const WeightsResult result = roundLight(form, &light);
+  const FileResult result = roundLight(form, &light);
   EXPECT_TRUE(result.ok()) << result.detail;
   return light;
 }
@@ -185,7 +185,7 @@ TEST(LightForm, RefusesWhatIsNoLight) {
   light[20] = light[5] = 300.0f;  // of a mean of 1, over which float16 ends at 65504 / 512 at least
   PackedLight none;
   for (const LightForm form : {LightForm::sh2_float16, LightForm::sh2_8bit, LightForm::zh3_float16})
-    EXPECT_EQ(packLight(form, light, &none).status, WeightsStatus::value_out_of_range) << lightFormName(form);
+    EXPECT_EQ(packLight(form, light, &none).status, FileStatus::value_out_of_range) << lightFormName(form);
   EXPECT_TRUE(none.halves.empty() && none.steps.empty());
   light[5] = 1.0f;
   EXPECT_TRUE(packLight(LightForm::sh1_float16, light, &none).ok());
@@ -197,18 +197,18 @@ TEST(LightForm, RefusesWhatNoFormGives) {
     PackedLight bad = good;
     spoil(bad);
     std::vector<float> light{1.0f};
-    const WeightsResult result = unpackLight(LightForm::sh2_8bit, bad, kProbes, &light);
+    const FileResult result = unpackLight(LightForm::sh2_8bit, bad, kProbes, &light);
     EXPECT_EQ(result.ok(), !light.empty());
     EXPECT_EQ(result.ok(), result.detail.empty());
     return result.status;
   };
-  EXPECT_EQ(statusOf([](PackedLight&) {}), WeightsStatus::ok);
-  EXPECT_EQ(statusOf([](PackedLight& p) { p.halves.pop_back(); }), WeightsStatus::tensor_unexpected);
-  EXPECT_EQ(statusOf([](PackedLight& p) { p.steps.clear(); }), WeightsStatus::tensor_unexpected);
-  EXPECT_EQ(statusOf([](PackedLight& p) { p.steps[5] = -128; }), WeightsStatus::value_out_of_range);
-  EXPECT_EQ(statusOf([](PackedLight& p) { p.halves[5].bits = 0xfc00; }), WeightsStatus::value_not_finite);
+  EXPECT_EQ(statusOf([](PackedLight&) {}), FileStatus::ok);
+  EXPECT_EQ(statusOf([](PackedLight& p) { p.halves.pop_back(); }), FileStatus::tensor_unexpected);
+  EXPECT_EQ(statusOf([](PackedLight& p) { p.steps.clear(); }), FileStatus::tensor_unexpected);
+  EXPECT_EQ(statusOf([](PackedLight& p) { p.steps[5] = -128; }), FileStatus::value_out_of_range);
+  EXPECT_EQ(statusOf([](PackedLight& p) { p.halves[5].bits = 0xfc00; }), FileStatus::value_not_finite);
   for (const float scale : {0.0f, -1.0f, 1.5f, 8388608.0f, 1e-36f, std::numeric_limits<float>::infinity()})
-    EXPECT_EQ(statusOf([=](PackedLight& p) { p.scale = scale; }), WeightsStatus::value_out_of_range) << scale;
+    EXPECT_EQ(statusOf([=](PackedLight& p) { p.scale = scale; }), FileStatus::value_out_of_range) << scale;
 }
 
 }  // namespace

@@ -34,17 +34,17 @@ const GridMetadata kMetadata = {{"scene", "house_3"}, {"options", R"({"tau": 0.0
 std::string bytesOf(const LightGrid& grid, const GridPrecision& precision = {ThetaPrecision::float32},
                     const GridMetadata& metadata = kMetadata) {
   std::string bytes;
-  const WeightsResult result = serializeLightGrid(grid, precision, metadata, &bytes);
+  const FileResult result = serializeLightGrid(grid, precision, metadata, &bytes);
   EXPECT_TRUE(result.ok()) << result.detail;
   return bytes;
 }
 
 // Parses into a grid that holds something; what is refused must leave it empty.
-WeightsResult parse(std::string_view bytes, LightGrid* grid) {
+FileResult parse(std::string_view bytes, LightGrid* grid) {
   GridMetadata metadata = kMetadata;
   *grid = {};
   grid->theta = {1.0f};
-  const WeightsResult result = parseLightGrid(bytes, grid, &metadata);
+  const FileResult result = parseLightGrid(bytes, grid, &metadata);
   EXPECT_EQ(result.ok(), result.detail.empty() || result.detail == kNoDigest) << result.detail;
   EXPECT_EQ(result.detail.find('\n'), std::string::npos) << result.detail;
   if (!result.ok()) {
@@ -107,7 +107,7 @@ TEST(LightGridFile, ReadsBackWhatWasWritten) {
   for (uint64_t seed = 0; seed < 4; ++seed) {
     LightGrid grid = randomGrid(seed == 0 ? smallTree() : randomTree(seed).tree, seed), read;
     GridMetadata metadata;
-    const WeightsResult result = parseLightGrid(bytesOf(grid), &read, &metadata);
+    const FileResult result = parseLightGrid(bytesOf(grid), &read, &metadata);
     ASSERT_TRUE(result.ok()) << result.detail;
     expectSameGrid(read, grid);
     EXPECT_EQ(metadata, kMetadata);
@@ -119,7 +119,7 @@ TEST(LightGridFile, ReadsFilesOfVersion1) {
     const LightGrid grid = randomGrid(seed == 0 ? smallTree() : randomTree(seed).tree, seed);
     LightGrid read;
     GridMetadata metadata;
-    const WeightsResult result = parseLightGrid(oldGridBytes(grid, kMetadata), &read, &metadata);
+    const FileResult result = parseLightGrid(oldGridBytes(grid, kMetadata), &read, &metadata);
     ASSERT_TRUE(result.ok()) << result.detail;
     expectSameGrid(read, grid);
     EXPECT_EQ(metadata, kMetadata);
@@ -176,7 +176,7 @@ TEST(LightGridFile, TakesLittleBesideThetaAndLight) {
 TEST(LightGridFile, ReadsBackAnEmptyGrid) {
   LightGrid read;
   GridMetadata metadata;
-  const WeightsResult result = parseLightGrid(bytesOf(LightGrid{}, {ThetaPrecision::float16}, {}), &read, &metadata);
+  const FileResult result = parseLightGrid(bytesOf(LightGrid{}, {ThetaPrecision::float16}, {}), &read, &metadata);
   ASSERT_TRUE(result.ok()) << result.detail;
   expectSameGrid(read, {});
   EXPECT_TRUE(metadata.empty());
@@ -212,10 +212,10 @@ TEST(LightGridFile, RefusesStepsThatNoFileHas) {
   std::string bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
   put(bytes, "theta.steps", 9, int8_t{-128});
   LightGrid grid;
-  EXPECT_EQ(parse(stamped(bytes), &grid).status, WeightsStatus::value_out_of_range);
+  EXPECT_EQ(parse(stamped(bytes), &grid).status, FileStatus::value_out_of_range);
   bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
   put(bytes, "theta.halves", 3, uint16_t{0x7c00});
-  EXPECT_EQ(parse(stamped(bytes), &grid).status, WeightsStatus::value_not_finite);
+  EXPECT_EQ(parse(stamped(bytes), &grid).status, FileStatus::value_not_finite);
   // a function of another representation needs other numbers of steps and halves
   bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
   const LightGrid whole = randomGrid(smallTree(), 1);
@@ -223,7 +223,7 @@ TEST(LightGridFile, RefusesStepsThatNoFileHas) {
   uint8_t other = 0;
   while (bytesOfOne(other) == bytesOfOne(whole.function_representation[0])) ++other;
   put(bytes, "function.representation", 0, other);
-  EXPECT_EQ(parse(stamped(bytes), &grid).status, WeightsStatus::tensor_unexpected);
+  EXPECT_EQ(parse(stamped(bytes), &grid).status, FileStatus::tensor_unexpected);
 }
 
 TEST(LightGridFile, HoldsTheLightOfProbesWithWeightInEachForm) {
@@ -266,10 +266,10 @@ TEST(LightGridFile, RefusesToWriteLightThatNoReaderTakes) {
   for (size_t i = kShChannels; i < kShFloats; ++i) grid.light[i] = kMaxGridLight * order_1_and_2[i / kShChannels - 1];
   EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::sh2_8bit}, {}, &bytes).ok());
   EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::zh3_float16}, {}, &bytes).status,
-            WeightsStatus::value_out_of_range);
+            FileStatus::value_out_of_range);
   grid.light[1] = 1.01f * kMaxGridLight;
   EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::sh2_float16}, {}, &bytes).status,
-            WeightsStatus::value_out_of_range);
+            FileStatus::value_out_of_range);
   EXPECT_TRUE(bytes.empty());
 }
 
@@ -277,8 +277,8 @@ TEST(LightGridFile, RefusesToWriteAThetaThatHalfCannotHold) {
   LightGrid grid = randomGrid(smallTree(), 2);
   grid.theta[grid.theta_begin[3] + 5] = -65505.0f;
   std::string bytes = "before";
-  const WeightsResult result = serializeLightGrid(grid, {ThetaPrecision::float16}, {}, &bytes);
-  EXPECT_EQ(result.status, WeightsStatus::value_out_of_range);
+  const FileResult result = serializeLightGrid(grid, {ThetaPrecision::float16}, {}, &bytes);
+  EXPECT_EQ(result.status, FileStatus::value_out_of_range);
   EXPECT_EQ(result.detail.substr(0, 27), "function 3: theta 5 is -655") << result.detail;
   EXPECT_TRUE(bytes.empty());
   EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32}, {}, &bytes).ok());
@@ -289,13 +289,13 @@ TEST(LightGridFile, RefusesToWriteWhatItWouldNotRead) {
   std::string bytes;
   for (const char* key :
        {"file_sha256", "kind", "version", "pattern_hash", "representation_count", "representation.0", "slope.7"}) {
-    EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {{key, ""}}, &bytes).status, WeightsStatus::value_out_of_range)
+    EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {{key, ""}}, &bytes).status, FileStatus::value_out_of_range)
         << key;
   }
   EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {{"scene", "\xc0"}}, &bytes).status,
-            WeightsStatus::header_malformed);
+            FileStatus::header_malformed);
   grid.probe_function[0] = 1000;
-  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {}, &bytes).status, WeightsStatus::value_out_of_range);
+  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {}, &bytes).status, FileStatus::value_out_of_range);
   EXPECT_TRUE(bytes.empty());
 }
 
@@ -341,15 +341,15 @@ TEST(LightGridFile, IsReadFromAFile) {
   std::ofstream(path, std::ios::binary) << bytes;
   LightGrid read;
   GridMetadata metadata;
-  WeightsResult result = readLightGridFile(path, &read, &metadata);
+  FileResult result = readLightGridFile(path, &read, &metadata);
   ASSERT_TRUE(result.ok()) << result.detail;
   expectSameGrid(read, grid);
   std::filesystem::resize_file(path, bytes.size() - 1);
   result = readLightGridFile(path, &read, &metadata);
-  EXPECT_EQ(result.status, WeightsStatus::too_short);
+  EXPECT_EQ(result.status, FileStatus::too_short);
   EXPECT_EQ(result.detail.substr(0, path.size()), path);
   std::filesystem::remove(path);
-  EXPECT_EQ(readLightGridFile(path, &read, &metadata).status, WeightsStatus::cannot_open);
+  EXPECT_EQ(readLightGridFile(path, &read, &metadata).status, FileStatus::cannot_open);
 }
 
 TEST(LightGridFile, RefusesEveryTruncation) {
@@ -377,9 +377,9 @@ TEST(LightGridFile, ReadsFilesOfBeforeDigestsAndSaysSo) {
     std::string bytes = bytesOf(written, {precision});
     LightGrid expected, read;
     ASSERT_TRUE(parse(bytes, &expected).ok());
-    EXPECT_EQ(parse(withoutDigest(bytes), &read).status, WeightsStatus::digest_mismatch);
+    EXPECT_EQ(parse(withoutDigest(bytes), &read).status, FileStatus::digest_mismatch);
     bytes[bytes.find(R"("version":"4")") + 11] = version;
-    const WeightsResult result = parse(withoutDigest(bytes), &read);
+    const FileResult result = parse(withoutDigest(bytes), &read);
     ASSERT_TRUE(result.ok()) << result.detail;
     EXPECT_EQ(result.detail, kNoDigest);
     expectSameGrid(read, expected);
@@ -413,13 +413,13 @@ TEST(LightGridFile, SurvivesHostileBytes) {
 // One number changed, and what the reader says.
 struct Hostile {
   const char* what;
-  WeightsStatus status;
+  FileStatus status;
   const char* detail;  // its beginning
   std::function<void(std::string&)> spoil;
 };
 
 TEST(LightGridFile, NamesHostileNumbers) {
-  constexpr WeightsStatus kRange = WeightsStatus::value_out_of_range;
+  constexpr FileStatus kRange = FileStatus::value_out_of_range;
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const Hostile cases[] = {
       {"far origin", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.first_m", 1, infinity); }},
@@ -444,11 +444,10 @@ TEST(LightGridFile, NamesHostileNumbers) {
        [=](std::string& b) { put(b, "probe.function", 3, uint16_t{12}); }},
       {"no such representation", kRange, "function 4: representation does not exist",
        [=](std::string& b) { put(b, "function.representation", 4, uint8_t{6}); }},
-      {"another representation", WeightsStatus::tensor_unexpected, "theta has",
+      {"another representation", FileStatus::tensor_unexpected, "theta has",
        [=](std::string& b) { put(b, "function.representation", 4, uint8_t{5}); }},
-      {"theta NaN", WeightsStatus::value_not_finite, "theta: value 9",
-       [=](std::string& b) { put(b, "theta", 9, std::nanf("")); }},
-      {"light NaN", WeightsStatus::value_not_finite, "light.halves: value 9",
+      {"theta NaN", FileStatus::value_not_finite, "theta: value 9", [=](std::string& b) { put(b, "theta", 9, std::nanf("")); }},
+      {"light NaN", FileStatus::value_not_finite, "light.halves: value 9",
        [=](std::string& b) { put(b, "light.halves", 9, uint16_t{0x7e00}); }},
       {"a scale that is no power of two", kRange, "light.scale", [=](std::string& b) { put(b, "light.scale", 0, 3.0f); }},
       {"a negative scale", kRange, "light.scale", [=](std::string& b) { put(b, "light.scale", 0, -1.0f); }},
@@ -467,7 +466,7 @@ TEST(LightGridFile, NamesHostileNumbers) {
     std::string spoilt = bytes;
     hostile.spoil(spoilt);
     LightGrid grid;
-    const WeightsResult result = parse(stamped(spoilt), &grid);
+    const FileResult result = parse(stamped(spoilt), &grid);
     EXPECT_EQ(result.status, hostile.status) << hostile.what << ": " << result.detail;
     EXPECT_EQ(result.detail.substr(0, std::strlen(hostile.detail)), hostile.detail) << hostile.what;
   }
@@ -477,36 +476,36 @@ TEST(LightGridFile, RefusesInfiniteHalves) {
   std::string bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::float16});
   put(bytes, "theta", 9, uint16_t{0x7c00});
   LightGrid grid;
-  EXPECT_EQ(parse(stamped(bytes), &grid).status, WeightsStatus::value_not_finite);
+  EXPECT_EQ(parse(stamped(bytes), &grid).status, FileStatus::value_not_finite);
 }
 
 TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
   struct Edit {
     const char *from, *to;  // of one length, so that the file stays whole
-    WeightsStatus status;
+    FileStatus status;
   };
   const Edit edits[] = {
-      {R"("kind":"nlg-light-grid")", R"("kind":"nlg-light-grod")", WeightsStatus::value_out_of_range},
-      {R"("kind":)", R"("kin_":)", WeightsStatus::tensor_missing},
-      {R"("version":"4")", R"("version":"5")", WeightsStatus::version_unknown},
-      {R"("light":"sh2_8bit")", R"("light":"sh3_8bit")", WeightsStatus::value_out_of_range},
-      {R"("light":"sh2_8bit")", R"("lighd":"sh2_8bit")", WeightsStatus::tensor_missing},
-      {R"("light.steps":{)", R"("light.stops":{)", WeightsStatus::tensor_missing},
-      {R"("pattern_hash":")", R"("pattern_hash":"\)", WeightsStatus::header_malformed},
-      {R"("representation_count":"6")", R"("representation_count":"7")", WeightsStatus::tensor_missing},
-      {R"("representation_count":"6")", R"("representation_count":"5")", WeightsStatus::value_out_of_range},
-      {R"("representation_count":"6")", R"("representation_count":"x")", WeightsStatus::value_out_of_range},
-      {R"("representation.2":"pf3")", R"("representation.2":"pf4")", WeightsStatus::value_out_of_range},
-      {R"("slope.1":"0.3")", R"("slope.1":"0.x")", WeightsStatus::value_out_of_range},
-      {R"("slope.1":"0.3")", R"("slope.1":"3.3")", WeightsStatus::value_out_of_range},
-      {R"("slope.1":"0.3")", R"("slope.1":"nan")", WeightsStatus::value_out_of_range},
-      {R"("slope.1":"0.3")", R"("slope.2":"0.3")", WeightsStatus::tensor_missing},
-      {R"("node.bits":{)", R"("node.bats":{)", WeightsStatus::tensor_missing},
-      {R"("node.kind":{"dtype":"U8")", R"("node.kind":{"dtype":"V8")", WeightsStatus::tensor_malformed},
-      {R"("node.kind":{"dtype":"U8")", R"("node.kind":{"dtype":"I8")", WeightsStatus::tensor_unexpected},
-      {R"("version":"4")", R"("version":"1")", WeightsStatus::value_out_of_range},
+      {R"("kind":"nlg-light-grid")", R"("kind":"nlg-light-grod")", FileStatus::value_out_of_range},
+      {R"("kind":)", R"("kin_":)", FileStatus::tensor_missing},
+      {R"("version":"4")", R"("version":"5")", FileStatus::version_unknown},
+      {R"("light":"sh2_8bit")", R"("light":"sh3_8bit")", FileStatus::value_out_of_range},
+      {R"("light":"sh2_8bit")", R"("lighd":"sh2_8bit")", FileStatus::tensor_missing},
+      {R"("light.steps":{)", R"("light.stops":{)", FileStatus::tensor_missing},
+      {R"("pattern_hash":")", R"("pattern_hash":"\)", FileStatus::header_malformed},
+      {R"("representation_count":"6")", R"("representation_count":"7")", FileStatus::tensor_missing},
+      {R"("representation_count":"6")", R"("representation_count":"5")", FileStatus::value_out_of_range},
+      {R"("representation_count":"6")", R"("representation_count":"x")", FileStatus::value_out_of_range},
+      {R"("representation.2":"pf3")", R"("representation.2":"pf4")", FileStatus::value_out_of_range},
+      {R"("slope.1":"0.3")", R"("slope.1":"0.x")", FileStatus::value_out_of_range},
+      {R"("slope.1":"0.3")", R"("slope.1":"3.3")", FileStatus::value_out_of_range},
+      {R"("slope.1":"0.3")", R"("slope.1":"nan")", FileStatus::value_out_of_range},
+      {R"("slope.1":"0.3")", R"("slope.2":"0.3")", FileStatus::tensor_missing},
+      {R"("node.bits":{)", R"("node.bats":{)", FileStatus::tensor_missing},
+      {R"("node.kind":{"dtype":"U8")", R"("node.kind":{"dtype":"V8")", FileStatus::tensor_malformed},
+      {R"("node.kind":{"dtype":"U8")", R"("node.kind":{"dtype":"I8")", FileStatus::tensor_unexpected},
+      {R"("version":"4")", R"("version":"1")", FileStatus::value_out_of_range},
       {R"("frame.spacing_m":{"dtype":"F64","shape":[1])", R"("frame.spacing_m":{"dtype":"F32","shape":[2])",
-       WeightsStatus::tensor_unexpected},
+       FileStatus::tensor_unexpected},
   };
   const std::string bytes = bytesOf(litGrid(smallTree(), 1));
   for (const Edit& edit : edits) {
@@ -515,14 +514,14 @@ TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
     ASSERT_NE(place, std::string::npos) << edit.from;
     edited.replace(place, std::strlen(edit.from), edit.to);
     LightGrid grid;
-    const WeightsResult result = parse(stamped(edited), &grid);
+    const FileResult result = parse(stamped(edited), &grid);
     EXPECT_EQ(result.status, edit.status) << edit.to << ": " << result.detail;
   }
   std::string other_pattern = bytes;
   char& digit = other_pattern[other_pattern.find(R"("pattern_hash":")") + 16];
   digit = digit == '0' ? '1' : '0';
   LightGrid grid;
-  EXPECT_EQ(parse(stamped(other_pattern), &grid).status, WeightsStatus::pattern_unknown);
+  EXPECT_EQ(parse(stamped(other_pattern), &grid).status, FileStatus::pattern_unknown);
 }
 
 }  // namespace

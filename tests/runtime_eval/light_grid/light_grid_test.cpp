@@ -473,33 +473,33 @@ TEST(LightGrid, GivesTheSameToTwoThreadsAtOnce) {
 // A good grid with one thing wrong, and what the check says to it.
 struct WrongGrid {
   const char* what;
-  WeightsStatus status;
+  FileStatus status;
   void (*spoil)(LightGrid&);
 };
 
 TEST(LightGridCheck, NamesWhatDoesNotBelongTogether) {
   const WrongGrid cases[] = {
-      {"a probe too few", WeightsStatus::tensor_unexpected, [](LightGrid& g) { g.probe_function.pop_back(); }},
-      {"no such function", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.probe_function[7] = 12; }},
-      {"just below kNoWeight", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.probe_function[7] = kNoWeight - 1; }},
-      {"no such representation", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.function_representation[3] = 6; }},
-      {"another representation", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.function_representation[3] = 4; }},
-      {"a function too few", WeightsStatus::tensor_unexpected, [](LightGrid& g) { g.function_representation.pop_back(); }},
-      {"theta too short", WeightsStatus::tensor_unexpected, [](LightGrid& g) { g.theta.pop_back(); }},
-      {"theta too long", WeightsStatus::tensor_unexpected, [](LightGrid& g) { g.theta.push_back(0.0f); }},
-      {"theta_begin shifted", WeightsStatus::value_out_of_range, [](LightGrid& g) { ++g.theta_begin[2]; }},
-      {"theta_begin's end", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.theta_begin.back() = 1u << 30; }},
-      {"no theta_begin", WeightsStatus::tensor_unexpected, [](LightGrid& g) { g.theta_begin.clear(); }},
-      {"NaN", WeightsStatus::value_not_finite, [](LightGrid& g) { g.theta[5] = std::numeric_limits<float>::quiet_NaN(); }},
-      {"infinity", WeightsStatus::value_not_finite, [](LightGrid& g) { g.theta[5] = std::numeric_limits<float>::infinity(); }},
-      {"too large", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.theta[5] = -1.0001e9f; }},
-      {"light of a probe too few", WeightsStatus::tensor_unexpected, [](LightGrid& g) { g.light.pop_back(); }},
-      {"light NaN", WeightsStatus::value_not_finite, [](LightGrid& g) { g.light[5] = std::numeric_limits<float>::quiet_NaN(); }},
-      {"light too bright", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.light[5] = 1.1e9f; }},
-      {"slope 1", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.representations[0].slope = 1.0f; }},
-      {"slope NaN", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.representations[1].slope = std::nanf(""); }},
-      {"pf4", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.representations[3].resolution = 4; }},
-      {"many representations", WeightsStatus::value_out_of_range, [](LightGrid& g) { g.representations.resize(257); }},
+      {"a probe too few", FileStatus::tensor_unexpected, [](LightGrid& g) { g.probe_function.pop_back(); }},
+      {"no such function", FileStatus::value_out_of_range, [](LightGrid& g) { g.probe_function[7] = 12; }},
+      {"just below kNoWeight", FileStatus::value_out_of_range, [](LightGrid& g) { g.probe_function[7] = kNoWeight - 1; }},
+      {"no such representation", FileStatus::value_out_of_range, [](LightGrid& g) { g.function_representation[3] = 6; }},
+      {"another representation", FileStatus::value_out_of_range, [](LightGrid& g) { g.function_representation[3] = 4; }},
+      {"a function too few", FileStatus::tensor_unexpected, [](LightGrid& g) { g.function_representation.pop_back(); }},
+      {"theta too short", FileStatus::tensor_unexpected, [](LightGrid& g) { g.theta.pop_back(); }},
+      {"theta too long", FileStatus::tensor_unexpected, [](LightGrid& g) { g.theta.push_back(0.0f); }},
+      {"theta_begin shifted", FileStatus::value_out_of_range, [](LightGrid& g) { ++g.theta_begin[2]; }},
+      {"theta_begin's end", FileStatus::value_out_of_range, [](LightGrid& g) { g.theta_begin.back() = 1u << 30; }},
+      {"no theta_begin", FileStatus::tensor_unexpected, [](LightGrid& g) { g.theta_begin.clear(); }},
+      {"NaN", FileStatus::value_not_finite, [](LightGrid& g) { g.theta[5] = std::numeric_limits<float>::quiet_NaN(); }},
+      {"infinity", FileStatus::value_not_finite, [](LightGrid& g) { g.theta[5] = std::numeric_limits<float>::infinity(); }},
+      {"too large", FileStatus::value_out_of_range, [](LightGrid& g) { g.theta[5] = -1.0001e9f; }},
+      {"light of a probe too few", FileStatus::tensor_unexpected, [](LightGrid& g) { g.light.pop_back(); }},
+      {"light NaN", FileStatus::value_not_finite, [](LightGrid& g) { g.light[5] = std::numeric_limits<float>::quiet_NaN(); }},
+      {"light too bright", FileStatus::value_out_of_range, [](LightGrid& g) { g.light[5] = 1.1e9f; }},
+      {"slope 1", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations[0].slope = 1.0f; }},
+      {"slope NaN", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations[1].slope = std::nanf(""); }},
+      {"pf4", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations[3].resolution = 4; }},
+      {"many representations", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations.resize(257); }},
   };
   ASSERT_TRUE(checkLightGrid(LightGrid{}).ok());
   for (const WrongGrid& wrong : cases) {
@@ -507,8 +507,8 @@ TEST(LightGridCheck, NamesWhatDoesNotBelongTogether) {
     grid.light = randomLight(grid.tree.probeCount(), 1);
     ASSERT_TRUE(checkLightGrid(grid).ok());
     wrong.spoil(grid);
-    const WeightsResult result = checkLightGrid(grid);
-    EXPECT_EQ(result.status, wrong.status) << wrong.what << ": " << weightsStatusName(result.status);
+    const FileResult result = checkLightGrid(grid);
+    EXPECT_EQ(result.status, wrong.status) << wrong.what << ": " << fileStatusName(result.status);
     EXPECT_FALSE(result.detail.empty()) << wrong.what;
     EXPECT_EQ(result.detail.find('\n'), std::string::npos) << result.detail;
   }

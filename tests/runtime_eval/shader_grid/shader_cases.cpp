@@ -29,7 +29,7 @@ void write(const std::filesystem::path& path, const std::vector<Number>& numbers
 void writeCase(const std::filesystem::path& folder, ThetaPrecision precision, size_t place_count) {
   const LightGrid grid = everyRepresentation(precision, 7);
   ShaderGrid packed;
-  const WeightsResult result = packShaderGrid(grid, &packed);
+  const FileResult result = packShaderGrid(grid, &packed);
   if (!result.ok()) throw std::runtime_error(result.detail);
   writeShader(packed, folder.string());
   const Places places = randomPlaces(grid, place_count, 8);

@@ -136,8 +136,8 @@ TEST(ShaderGrid, RefusesWhatShadersCannotShow) {
   grid.tree = smallTree();
   grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
   ShaderGrid packed;
-  const WeightsResult dark = packShaderGrid(grid, &packed);
-  EXPECT_EQ(dark.status, WeightsStatus::value_out_of_range);
+  const FileResult dark = packShaderGrid(grid, &packed);
+  EXPECT_EQ(dark.status, FileStatus::value_out_of_range);
   EXPECT_NE(dark.detail.find("without light"), std::string::npos) << dark.detail;
   EXPECT_TRUE(packed.words.empty());
   grid.light = randomLight(grid.tree.probeCount(), 1);
@@ -145,7 +145,7 @@ TEST(ShaderGrid, RefusesWhatShadersCannotShow) {
   Theta theta = randomTheta(grid.representations[0], 1);
   theta[0] = 1e6f;
   grid.probe_function[0] = grid.addFunction(0, theta.data());
-  const WeightsResult beyond = packShaderGrid(grid, &packed);
+  const FileResult beyond = packShaderGrid(grid, &packed);
   EXPECT_NE(beyond.detail.find("float16"), std::string::npos) << beyond.detail;
   EXPECT_TRUE(packed.words.empty());
 }
@@ -157,7 +157,7 @@ TEST(ShaderGrid, OfATreeWithoutCellsIsDarkEverywhere) {
           {{0.0, 0.0, 0.0}, 1.0, {1, 1, 1}}, [](const ProbeCell&) { return CellVerdict::unneeded; }, kMaxTreeProbes, &grid.tree),
       ProbeTreeStatus::ok);
   ShaderGrid packed;
-  const WeightsResult result = packShaderGrid(grid, &packed);
+  const FileResult result = packShaderGrid(grid, &packed);
   EXPECT_FALSE(result.ok()) << "no probes, no light";
 }
 

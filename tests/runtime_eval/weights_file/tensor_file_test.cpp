@@ -32,14 +32,14 @@ std::string bytesOf(const Lists& lists, const std::map<std::string, std::string>
   writer.add("none", lists.none);
   writer.add("f64", lists.f64);
   std::string bytes;
-  const WeightsResult result = writer.serialize(metadata, &bytes);
+  const FileResult result = writer.serialize(metadata, &bytes);
   EXPECT_TRUE(result.ok()) << result.detail;
   return bytes;
 }
 
-WeightsResult readLists(std::string_view bytes, Lists* lists) {
+FileResult readLists(std::string_view bytes, Lists* lists) {
   TensorFileReader reader;
-  WeightsResult result = reader.openBytes(bytes);
+  FileResult result = reader.openBytes(bytes);
   const auto take = [&](const char* name, auto* values) {
     if (result.ok()) result = reader.read(name, values);
   };
@@ -63,9 +63,9 @@ std::string fileWith(std::string header, size_t data_bytes) {
   return bytes + header + std::string(data_bytes, '\0');
 }
 
-WeightsStatus statusOf(const std::string& header, size_t data_bytes) {
+FileStatus statusOf(const std::string& header, size_t data_bytes) {
   TensorFileReader reader;
-  const WeightsResult result = reader.openBytes(fileWith(header, data_bytes));
+  const FileResult result = reader.openBytes(fileWith(header, data_bytes));
   EXPECT_EQ(result.ok(), result.detail == kNoDigest) << result.detail;
   return result.status;
 }
@@ -73,7 +73,7 @@ WeightsStatus statusOf(const std::string& header, size_t data_bytes) {
 TEST(TensorFile, ReadsBackEveryType) {
   Lists lists, read{{}, {}, {}, {}, {}, {}, {}, {1.0f}};
   const std::string bytes = bytesOf(lists);
-  const WeightsResult result = readLists(bytes, &read);
+  const FileResult result = readLists(bytes, &read);
   ASSERT_TRUE(result.ok()) << result.detail;
   EXPECT_EQ(read, lists);
   TensorFileReader reader;
@@ -90,7 +90,7 @@ TEST(TensorFile, RefusesEveryTruncationAndExtension) {
   TensorFileReader reader;
   for (size_t length = 0; length < bytes.size(); ++length)
     ASSERT_FALSE(reader.openBytes(std::string_view(bytes).substr(0, length)).ok()) << length << " bytes";
-  EXPECT_EQ(reader.openBytes(bytes + '\0').status, WeightsStatus::tensor_malformed);
+  EXPECT_EQ(reader.openBytes(bytes + '\0').status, FileStatus::tensor_malformed);
 }
 
 TEST(TensorFile, RefusesEveryFlippedBit) {
@@ -109,18 +109,18 @@ TEST(TensorFile, RefusesTensorsOfAnotherNameTypeOrShape) {
   const std::string bytes = bytesOf({});
   ASSERT_TRUE(reader.openBytes(bytes).ok());
   std::vector<float> floats;
-  EXPECT_EQ(reader.read("f33", &floats).status, WeightsStatus::tensor_missing);
-  EXPECT_EQ(reader.read("u32", &floats).status, WeightsStatus::tensor_unexpected);
+  EXPECT_EQ(reader.read("f33", &floats).status, FileStatus::tensor_missing);
+  EXPECT_EQ(reader.read("u32", &floats).status, FileStatus::tensor_unexpected);
   for (const char* shape : {"[]", "[1,1]"}) {
     const std::string file = fileWith(std::string(R"({"a":{"dtype":"F32","shape":)") + shape + R"(,"data_offsets":[0,4]}})", 4);
     ASSERT_TRUE(reader.openBytes(file).ok());
-    EXPECT_EQ(reader.read("a", &floats).status, WeightsStatus::tensor_unexpected) << shape;
+    EXPECT_EQ(reader.read("a", &floats).status, FileStatus::tensor_unexpected) << shape;
   }
 }
 
 TEST(TensorFile, RefusesHeadersThatDoNotFitTheirBytes) {
-  constexpr WeightsStatus kMalformed = WeightsStatus::tensor_malformed;
-  EXPECT_EQ(statusOf(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", 8), WeightsStatus::ok);
+  constexpr FileStatus kMalformed = FileStatus::tensor_malformed;
+  EXPECT_EQ(statusOf(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", 8), FileStatus::ok);
   EXPECT_EQ(statusOf(R"({"a":{"dtype":"I64","shape":[1],"data_offsets":[0,8]}})", 8), kMalformed);
   EXPECT_EQ(statusOf(R"({"a":{"dtype":"F32","shape":[3],"data_offsets":[0,8]}})", 8), kMalformed);
   EXPECT_EQ(statusOf(R"({"a":{"dtype":"F32","shape":[4611686018427387906],"data_offsets":[0,8]}})", 8), kMalformed);
@@ -134,25 +134,25 @@ TEST(TensorFile, RefusesHeadersThatDoNotFitTheirBytes) {
                68),
       kMalformed);
   EXPECT_EQ(statusOf(R"({"a":{"dtype":"U8","shape":[1000000000000],"data_offsets":[0,1000000000000]}})", 8),
-            WeightsStatus::too_short);
-  EXPECT_EQ(statusOf(R"({"a":)", 0), WeightsStatus::header_malformed);
+            FileStatus::too_short);
+  EXPECT_EQ(statusOf(R"({"a":)", 0), FileStatus::header_malformed);
 }
 
 TEST(TensorFileWriter, RefusesWhatNoReaderTakes) {
   TensorFileWriter writer;
   std::string bytes = "before";
-  EXPECT_EQ(writer.serialize({{"note", "\xff"}}, &bytes).status, WeightsStatus::header_malformed);
+  EXPECT_EQ(writer.serialize({{"note", "\xff"}}, &bytes).status, FileStatus::header_malformed);
   EXPECT_TRUE(bytes.empty());
-  EXPECT_EQ(writer.serialize({{"note", std::string(1 << 20, 'x')}}, &bytes).status, WeightsStatus::header_too_large);
+  EXPECT_EQ(writer.serialize({{"note", std::string(1 << 20, 'x')}}, &bytes).status, FileStatus::header_too_large);
   const std::vector<float> values{1.0f};
   writer.add("a", values);
   writer.add("a", values);
-  EXPECT_EQ(writer.serialize({}, &bytes).status, WeightsStatus::header_malformed);
+  EXPECT_EQ(writer.serialize({}, &bytes).status, FileStatus::header_malformed);
 }
 
 TEST(TensorFile, SaysWhyAFileCannotBeRead) {
   TensorFileReader reader;
-  EXPECT_EQ(reader.openFile("/nowhere/at/all").status, WeightsStatus::cannot_open);
+  EXPECT_EQ(reader.openFile("/nowhere/at/all").status, FileStatus::cannot_open);
   EXPECT_FALSE(reader.openFile(testing::TempDir()).ok());
 }
 

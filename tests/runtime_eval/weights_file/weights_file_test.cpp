@@ -53,9 +53,9 @@ std::string padded(std::string header) {
   return header;
 }
 
-WeightsStatus statusOf(const std::string& bytes) {
+FileStatus statusOf(const std::string& bytes) {
   WeightsFile file = smallFile();
-  const WeightsResult result = parseWeights(bytes, &file);
+  const FileResult result = parseWeights(bytes, &file);
   EXPECT_EQ(result.ok(), result.detail.empty() || result.detail == kNoDigest) << result.detail;
   if (!result.ok()) {
     EXPECT_TRUE(file.tensors.empty() && file.metadata.empty()) << result.detail;
@@ -63,7 +63,7 @@ WeightsStatus statusOf(const std::string& bytes) {
   return result.status;
 }
 
-WeightsStatus statusOfTensors(const std::string& members, size_t data_bytes) {
+FileStatus statusOfTensors(const std::string& members, size_t data_bytes) {
   return statusOf(fileWith(padded("{" + members + "}"), data_bytes));
 }
 
@@ -83,7 +83,7 @@ decltype(WeightsFile::metadata) metadataOf(const nlohmann::json& header) {
 
 TEST(WeightsWriter, RoundTrips) {
   WeightsFile read;
-  const WeightsResult result = parseWeights(serializeWeights(smallFile()), &read);
+  const FileResult result = parseWeights(serializeWeights(smallFile()), &read);
   ASSERT_TRUE(result.ok()) << result.detail;
   expectEqual(smallFile(), read);
   ASSERT_TRUE(parseWeights(serializeWeights({}), &read).ok());
@@ -134,8 +134,8 @@ TEST(WeightsWriter, RoundsToFloat16OnlyWhatFits) {
   // 0.1 is 1638.4 units of 2^-14; what is less than half of 2^-24 becomes zero
   EXPECT_EQ(tensor.values, (std::vector<float>{1.0f, 1638.0f / 16384, -0.0f, 65504.0f}));
   WeightsTensor large{{2}, {1.0f, 1e5f}};
-  const WeightsResult refused = roundToFloat16("a", &large);
-  EXPECT_EQ(refused.status, WeightsStatus::value_out_of_range);
+  const FileResult refused = roundToFloat16("a", &large);
+  EXPECT_EQ(refused.status, FileStatus::value_out_of_range);
   EXPECT_EQ(refused.detail, "tensor \"a\": value 1 is beyond float16: 100000.000000");
   EXPECT_EQ(large.dtype, WeightsDtype::float32);
   EXPECT_EQ(large.values, (std::vector<float>{1.0f, 1e5f}));
@@ -145,18 +145,18 @@ TEST(WeightsReader, ReadsAFileAndSaysWhyNot) {
   const std::string path = (std::filesystem::temp_directory_path() / ("nlg_weights_" + std::to_string(::getpid()))).string();
   std::ofstream(path, std::ios::binary) << serializeWeights(smallFile());
   WeightsFile file;
-  const WeightsResult result = readWeightsFile(path, &file);
+  const FileResult result = readWeightsFile(path, &file);
   ASSERT_TRUE(result.ok()) << result.detail;
   expectEqual(smallFile(), file);
   std::filesystem::resize_file(path, 20);
-  EXPECT_EQ(readWeightsFile(path, &file).status, WeightsStatus::header_too_large);
+  EXPECT_EQ(readWeightsFile(path, &file).status, FileStatus::header_too_large);
   EXPECT_TRUE(file.tensors.empty());
   // sparse: costs no disk, and must cost no memory
   std::filesystem::resize_file(path, uint64_t{1} << 40);
-  EXPECT_EQ(readWeightsFile(path, &file).status, WeightsStatus::cannot_read);
+  EXPECT_EQ(readWeightsFile(path, &file).status, FileStatus::cannot_read);
   std::filesystem::remove(path);
-  const WeightsResult missing = readWeightsFile(path, &file);
-  EXPECT_EQ(missing.status, WeightsStatus::cannot_open);
+  const FileResult missing = readWeightsFile(path, &file);
+  EXPECT_EQ(missing.status, FileStatus::cannot_open);
   EXPECT_EQ(missing.detail, path + ": No such file or directory");
 }
 
@@ -167,8 +167,8 @@ TEST(WeightsReader, OpensRegularFilesOnly) {
   WeightsFile file;
   for (const auto& [name, what] :
        {std::pair<std::string, std::string>(path, "a pipe"), {"/tmp", "a directory"}, {"/dev/zero", "a device"}}) {
-    const WeightsResult result = readWeightsFile(name, &file);
-    EXPECT_EQ(result.status, WeightsStatus::cannot_open);
+    const FileResult result = readWeightsFile(name, &file);
+    EXPECT_EQ(result.status, FileStatus::cannot_open);
     EXPECT_EQ(result.detail, name + ": " + what);
   }
   std::filesystem::remove(path);
@@ -180,10 +180,9 @@ TEST(WeightsReader, RefusesEveryTruncation) {
   std::memcpy(&header_length, bytes.data(), sizeof header_length);
   for (size_t length = 0; length < bytes.size(); ++length) {
     const bool inside_header = length >= 8 && length < 8 + header_length;
-    EXPECT_EQ(statusOf(bytes.substr(0, length)), inside_header ? WeightsStatus::header_too_large : WeightsStatus::too_short)
-        << length;
+    EXPECT_EQ(statusOf(bytes.substr(0, length)), inside_header ? FileStatus::header_too_large : FileStatus::too_short) << length;
   }
-  EXPECT_EQ(statusOf(bytes + '\0'), WeightsStatus::tensor_malformed);
+  EXPECT_EQ(statusOf(bytes + '\0'), FileStatus::tensor_malformed);
 }
 
 TEST(WeightsReader, RefusesEveryFlippedBit) {
@@ -193,7 +192,7 @@ TEST(WeightsReader, RefusesEveryFlippedBit) {
     damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ 1 << bit % 8);
     // a key of another name is a file of before digests, which is read and said to be one
     WeightsFile file;
-    const WeightsResult result = parseWeights(damaged, &file);
+    const FileResult result = parseWeights(damaged, &file);
     ASSERT_TRUE(!result.ok() || result.detail == kNoDigest) << "bit " << bit << ": " << result.detail;
   }
 }
@@ -204,12 +203,12 @@ TEST(WeightsReader, RefusesZerosThatBecameOnes) {
   const size_t zeros = bytes.rfind(std::string(4, '\0'));
   ASSERT_NE(zeros, std::string::npos);
   bytes.replace(zeros, 2, "\xff\xff");
-  EXPECT_EQ(statusOf(bytes), WeightsStatus::digest_mismatch);
+  EXPECT_EQ(statusOf(bytes), FileStatus::digest_mismatch);
 }
 
 TEST(WeightsReader, ReadsFilesOfBeforeDigestsAndSaysSo) {
   WeightsFile read;
-  const WeightsResult result = parseWeights(withoutDigest(serializeWeights(smallFile())), &read);
+  const FileResult result = parseWeights(withoutDigest(serializeWeights(smallFile())), &read);
   ASSERT_TRUE(result.ok()) << result.detail;
   EXPECT_EQ(result.detail, kNoDigest);
   expectEqual(smallFile(), read);
@@ -218,16 +217,16 @@ TEST(WeightsReader, ReadsFilesOfBeforeDigestsAndSaysSo) {
 TEST(WeightsReader, RefusesFilesWhoseVersionPromisesADigest) {
   WeightsFile file = smallFile();
   file.metadata["version"] = std::to_string(kFirstDigestVersion);
-  EXPECT_EQ(statusOf(serializeWeights(file)), WeightsStatus::ok);
-  EXPECT_EQ(statusOf(withoutDigest(serializeWeights(file))), WeightsStatus::digest_mismatch);
+  EXPECT_EQ(statusOf(serializeWeights(file)), FileStatus::ok);
+  EXPECT_EQ(statusOf(withoutDigest(serializeWeights(file))), FileStatus::digest_mismatch);
   file.metadata["version"] = std::to_string(kFirstDigestVersion - 1);
-  EXPECT_EQ(statusOf(withoutDigest(serializeWeights(file))), WeightsStatus::ok);
+  EXPECT_EQ(statusOf(withoutDigest(serializeWeights(file))), FileStatus::ok);
 }
 
 TEST(WeightsReader, RefusesDigestsThatAreNone) {
   const std::string tensor = R"("a":{"dtype":"F32","shape":[],"data_offsets":[0,4]})";
   for (const std::string& digest : {std::string(), std::string("0"), std::string(64, '0'), std::string(1000, '0')}) {
-    EXPECT_EQ(statusOfTensors(R"("__metadata__":{"file_sha256":")" + digest + "\"}," + tensor, 4), WeightsStatus::digest_mismatch)
+    EXPECT_EQ(statusOfTensors(R"("__metadata__":{"file_sha256":")" + digest + "\"}," + tensor, 4), FileStatus::digest_mismatch)
         << digest;
   }
 }
@@ -260,18 +259,18 @@ TEST(WeightsReader, RefusesOrReadsFaithfullyEveryChangedHeaderByte) {
 }
 
 TEST(WeightsReader, RefusesHeadersThatAreTooLarge) {
-  EXPECT_EQ(statusOf(fileWith(std::string((1 << 20) + 1, ' '), 0)), WeightsStatus::header_too_large);
+  EXPECT_EQ(statusOf(fileWith(std::string((1 << 20) + 1, ' '), 0)), FileStatus::header_too_large);
   std::string bytes = fileWith("{}", 100);
   for (const uint64_t length : {uint64_t{103}, uint64_t{1} << 63, std::numeric_limits<uint64_t>::max()}) {
     std::memcpy(bytes.data(), &length, sizeof length);
-    EXPECT_EQ(statusOf(bytes), WeightsStatus::header_too_large) << length;
+    EXPECT_EQ(statusOf(bytes), FileStatus::header_too_large) << length;
   }
 }
 
 TEST(WeightsReader, RefusesHeadersThatAreNoStrictJson) {
   const std::string tensor = R"("a":{"dtype":"F32","shape":[],"data_offsets":[0,4]})";
-  EXPECT_EQ(statusOfTensors(tensor, 4), WeightsStatus::ok);
-  EXPECT_EQ(statusOfTensors(R"("a" : {"shape":[ ], "data_offsets":[ 0 , 4 ] ,"dtype":"F32"})", 4), WeightsStatus::ok);
+  EXPECT_EQ(statusOfTensors(tensor, 4), FileStatus::ok);
+  EXPECT_EQ(statusOfTensors(R"("a" : {"shape":[ ], "data_offsets":[ 0 , 4 ] ,"dtype":"F32"})", 4), FileStatus::ok);
   const std::vector<std::string> members = {
       tensor + ",",
       "," + tensor,
@@ -312,12 +311,12 @@ TEST(WeightsReader, RefusesHeadersThatAreNoStrictJson) {
       "\"__metadata__\":{\"k\":\"\xed\xa0\x80\"}",
       "\"__metadata__\":{\"k\":\"\xf4\x90\x80\x80\"}",
   };
-  for (const std::string& text : members) EXPECT_EQ(statusOfTensors(text, 8), WeightsStatus::header_malformed) << text;
+  for (const std::string& text : members) EXPECT_EQ(statusOfTensors(text, 8), FileStatus::header_malformed) << text;
   for (const std::string text : {"", " {}", "{", "{}x", "{} {}", "{}\n", "[]", "null", "{{}", "{}}"}) {
-    EXPECT_EQ(statusOf(fileWith(text, 0)), WeightsStatus::header_malformed) << text;
+    EXPECT_EQ(statusOf(fileWith(text, 0)), FileStatus::header_malformed) << text;
   }
-  EXPECT_EQ(statusOf(fileWith(std::string(1 << 20, '{'), 0)), WeightsStatus::header_malformed);
-  EXPECT_EQ(statusOf(fileWith(std::string(1 << 20, '['), 0)), WeightsStatus::header_malformed);
+  EXPECT_EQ(statusOf(fileWith(std::string(1 << 20, '{'), 0)), FileStatus::header_malformed);
+  EXPECT_EQ(statusOf(fileWith(std::string(1 << 20, '['), 0)), FileStatus::header_malformed);
 }
 
 TEST(WeightsReader, UnderstandsEveryEscape) {
@@ -333,9 +332,9 @@ TEST(WeightsReader, RefusesTensorsThatDoNotFitTheirBytes) {
   const auto tensor = [](const std::string& name, const std::string& dtype, const std::string& shape, const std::string& range) {
     return "\"" + name + "\":{\"dtype\":\"" + dtype + "\",\"shape\":[" + shape + "],\"data_offsets\":[" + range + "]}";
   };
-  constexpr WeightsStatus kMalformed = WeightsStatus::tensor_malformed;
+  constexpr FileStatus kMalformed = FileStatus::tensor_malformed;
   EXPECT_EQ(statusOfTensors(tensor("a", "F64", "1", "0,8"), 8), kMalformed) << "dtype";
-  EXPECT_EQ(statusOfTensors(tensor("a", "F16", "2", "0,4"), 4), WeightsStatus::ok);
+  EXPECT_EQ(statusOfTensors(tensor("a", "F16", "2", "0,4"), 4), FileStatus::ok);
   EXPECT_EQ(statusOfTensors(tensor("a", "F16", "1", "0,4"), 4), kMalformed) << "shape of halves";
   EXPECT_EQ(statusOfTensors(tensor("padding.0", "F16", "2", "0,4"), 4), kMalformed) << "filler of halves";
   EXPECT_EQ(statusOfTensors(tensor("a", "U8", "4", "0,4"), 4), kMalformed) << "dtype of fillers";
@@ -345,18 +344,18 @@ TEST(WeightsReader, RefusesTensorsThatDoNotFitTheirBytes) {
   EXPECT_EQ(statusOfTensors(tensor("a", "F32", "4611686018427387905", "0,4"), 4), kMalformed)
       << "2^62 + 1 numbers wrap to 4 bytes";
   EXPECT_EQ(statusOfTensors(tensor("a", "F32", "4294967296,4294967296", "0,0"), 0), kMalformed) << "2^64 numbers wrap to 0 bytes";
-  EXPECT_EQ(statusOfTensors(tensor("a", "F32", "1", "0,4"), 3), WeightsStatus::too_short);
+  EXPECT_EQ(statusOfTensors(tensor("a", "F32", "1", "0,4"), 3), FileStatus::too_short);
   EXPECT_EQ(statusOfTensors(tensor("a", "F32", "1", "0,4"), 5), kMalformed) << "rest";
   EXPECT_EQ(statusOfTensors(tensor("a", "F32", "1", "64,68"), 68), kMalformed) << "hole at the start";
   const std::string first = tensor("a", "F32", "16", "0,64") + ",";
-  EXPECT_EQ(statusOfTensors(first + tensor("b", "F32", "1", "64,68"), 68), WeightsStatus::ok);
+  EXPECT_EQ(statusOfTensors(first + tensor("b", "F32", "1", "64,68"), 68), FileStatus::ok);
   EXPECT_EQ(statusOfTensors(first + tensor("b", "F32", "1", "0,4"), 64), kMalformed) << "overlap";
   EXPECT_EQ(statusOfTensors(first + tensor("b", "F32", "1", "128,132"), 132), kMalformed) << "hole";
-  EXPECT_EQ(statusOfTensors(first + tensor("b", "F32", "4294967296", "64,17179869248"), 68), WeightsStatus::too_short);
+  EXPECT_EQ(statusOfTensors(first + tensor("b", "F32", "4294967296", "64,17179869248"), 68), FileStatus::too_short);
   const std::string odd = tensor("a", "F32", "1", "0,4") + ",";
   EXPECT_EQ(statusOfTensors(odd + tensor("b", "F32", "1", "4,8"), 8), kMalformed) << "misaligned";
   EXPECT_EQ(statusOfTensors(odd + tensor("padding.0", "U8", "60", "4,64") + "," + tensor("b", "F32", "1", "64,68"), 68),
-            WeightsStatus::ok);
+            FileStatus::ok);
   EXPECT_EQ(statusOf(fileWith("{" + tensor("a", "F32", "1", "0,4") + "}", 4)), kMalformed) << "header not padded to 64";
 }
 
@@ -364,8 +363,8 @@ TEST(WeightsReader, RefusesNumbersThatAreNotFinite) {
   for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
     WeightsFile file = smallFile();
     file.tensors["layer.0"].values[7] = bad;
-    const WeightsResult result = parseWeights(serializeWeights(file), &file);
-    EXPECT_EQ(result.status, WeightsStatus::value_not_finite);
+    const FileResult result = parseWeights(serializeWeights(file), &file);
+    EXPECT_EQ(result.status, FileStatus::value_not_finite);
     EXPECT_EQ(result.detail, "tensor \"layer.0\": value 7");
     file = smallFile();
     file.tensors["z.half"].values[1] = bad;
@@ -373,9 +372,9 @@ TEST(WeightsReader, RefusesNumbersThatAreNotFinite) {
   }
 }
 
-TEST(WeightsStatus, HasANameForEachValue) {
-  for (int i = 0; i <= static_cast<int>(WeightsStatus::digest_mismatch); ++i) {
-    EXPECT_STRNE(weightsStatusName(static_cast<WeightsStatus>(i)), "unknown") << i;
+TEST(FileStatus, HasANameForEachValue) {
+  for (int i = 0; i <= static_cast<int>(FileStatus::digest_mismatch); ++i) {
+    EXPECT_STRNE(fileStatusName(static_cast<FileStatus>(i)), "unknown") << i;
   }
 }
 

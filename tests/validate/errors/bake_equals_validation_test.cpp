@@ -32,7 +32,7 @@ class BakeEqualsValidation : public testing::Test {
   static Generator generatorOf(const std::string& representation) {
     const std::string path = std::string(NLG_SOURCE_WEIGHTS) + "/" + representation + ".safetensors";
     Generator generator;
-    const WeightsResult result = Generator::load(path, &generator);
+    const FileResult result = Generator::load(path, &generator);
     EXPECT_TRUE(result.ok()) << path << ": " << result.detail;
     return generator;
   }
