@@ -5,7 +5,6 @@
 
 #include "bake/policy_options.h"
 #include "tool/tool_main.h"
-#include "validate/compare/compare_command.h"
 #include "validate/errors/validation.h"
 #include "validate/frontier/frontier_command.h"
 #include "validate/light/closure_command.h"
@@ -25,8 +24,7 @@ int validateMain(int argc, char** argv) {
       "nlg-validate look-up SCENE: what a viewer sees of a level's light grid, at random places in its air.\n"
       "nlg-validate light SCENE: what every method makes of a scene's light, against ground truth.\n"
       "nlg-validate light-closure SCENE: whether a level's light explains its lightmaps.\n"
-      "nlg-validate light-noise SCENE: how noisy baked light is, and how fast it is baked.\n"
-      "nlg-validate compare OLD NEW: what got better or worse between two runs, beyond noise.",
+      "nlg-validate light-noise SCENE: how noisy baked light is, and how fast it is baked.",
       "nlg-validate"};
   app.footer(stagesHelp({}));
   ValidationRequest request;
@@ -48,7 +46,7 @@ struct Command {
 };
 constexpr Command kCommands[] = {
     {"stability", stabilityMain},        {"frontier", frontierMain},      {"look-up", lookUpMain}, {"light", lightMain},
-    {"light-closure", lightClosureMain}, {"light-noise", lightNoiseMain}, {"compare", compareMain}};
+    {"light-closure", lightClosureMain}, {"light-noise", lightNoiseMain}};
 
 }  // namespace
 }  // namespace nlg

@@ -17,8 +17,6 @@ import zipfile
 import time
 
 sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "validate", "report"))
-import made_up
 
 USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR, CHECK_FAILED, DAMAGED_FILE = 2, 3, 5, 6, 7  # tool/error.h
 
@@ -54,7 +52,7 @@ def refuses(exit_code, names, outputs, tool, *arguments, keeps=()):
         return
     lines = result.stderr.splitlines()
     # a command of a tool names itself: "nlg-datagen info: error: "
-    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "used-by", "shader", "engine", "compare", "frontier", "stability") else tool
+    name = f"{tool} {arguments[0]}" if arguments and arguments[0] in ("info", "plan", "view", "onnx", "used-by", "shader", "engine", "frontier", "stability") else tool
     errors = [line for line in lines if line.startswith(f"{name}: error: ")]
     if result.returncode != exit_code:
         failures.append(f"{command}: exit code {result.returncode}, expected {exit_code}\n    {result.stderr.strip()}")
@@ -260,7 +258,6 @@ def check_strange_files():
         refuses(INPUT_ERROR, [name, what], ["bad.png"], "nlg-render", "house:1", "--grid", name, "--panel", "grid", "--out", "bad.png")
         refuses(INPUT_ERROR, [name, what], ["bad_shader"], "nlg-export", "shader", "--grid", name, "--out", "bad_shader")
         refuses(INPUT_ERROR, [name, what], ["bad_frontier"], "nlg-validate", "frontier", "--weights", name, "--held-out", "held_out.h5", "--out", "bad_frontier")
-        refuses(INPUT_ERROR, [name, what], [], "nlg-validate", "compare", name, name)
         code, text = in_time(["/usr/bin/python3", os.path.join(SOURCES, "workflow", "configuration.py"), name])
         if code != USAGE_ERROR or what not in text or len(text.splitlines()) != 1:
             failures.append(f"configuration.py {name}: {code}\n    {text.strip()}")
@@ -850,33 +847,6 @@ def check_shards_whose_width_lies():
         refuses(INPUT_ERROR, ["narrow.h5"], outputs, tool, "--config", "good.yaml", *arguments)
 
 
-def check_comparisons():
-    """Two validations: only of the same functions, and nothing is worse than itself."""
-    summary = "compared/summary.json"
-    os.makedirs("compared", exist_ok=True)
-    table = made_up.samples(1)
-    made_up.write_json(summary, made_up.summary(table))
-    made_up.write_functions("compared/functions.csv", table)
-    must("nlg-validate", "compare", summary, summary)
-    must("nlg-validate", "compare", summary, summary, "--json")
-    refuses(USAGE_ERROR, ["new"], [], "nlg-validate", "compare", summary)
-    refuses(INPUT_ERROR, ["missing.json"], [], "nlg-validate", "compare", summary, "missing.json")
-    refuses(INPUT_ERROR, ["basis.h5"], [], "nlg-validate", "compare", "basis.h5", summary)
-    text = open(summary).read()
-    os.makedirs("worse", exist_ok=True)
-    held_out = json.loads(text)["provenance"]["inputs"]["held_out"]
-    write("worse/summary.json", text.replace(held_out, "f" * 64))
-    refuses(INPUT_ERROR, ["worse/summary.json", "held_out", held_out], [], "nlg-validate", "compare", summary, "worse/summary.json")
-    changed = json.loads(text)
-    changed["schema_version"] = 1
-    write("worse/summary.json", json.dumps(changed))
-    refuses(INPUT_ERROR, ["worse/summary.json", "schema_version", "the same schema only"], [], "nlg-validate", "compare", summary, "worse/summary.json")
-    changed["schema_version"] = 2
-    changed["representations"]["tent_mlp"]["stored"]["theta"]["rmse"]["mean"] *= 2
-    write("worse/summary.json", json.dumps(changed))
-    refuses(CHECK_FAILED, ["1 worse", "tent_mlp: stored, mean RMSE"], [], "nlg-validate", "compare", summary, "worse/summary.json")
-
-
 def check_outputs():
     write("file", "")
     refuses(USAGE_ERROR, ["--out", "empty"], [], "nlg-datagen", "--scene", "house:1", "--out", "")
@@ -925,7 +895,6 @@ def main():
         check_inputs_that_do_not_belong_together()
         check_held_out_sets()
         check_shards_whose_width_lies()
-        check_comparisons()
         check_outputs()
         os.chdir("/")
     for failure in failures:

@@ -38,6 +38,7 @@ class Samples:
     rmse: np.ndarray
     rmse_test_points: np.ndarray
     rmse_occluded: np.ndarray
+    leak_mean: np.ndarray
     leak_p99: np.ndarray
     fails_check: np.ndarray
     fitted: np.ndarray
@@ -106,7 +107,7 @@ def read_functions(path, representations):
         number = lambda column, empty=None: parse_number(path, line, column, row[FUNCTION_COLUMNS.index(column)], empty)
         groups.setdefault((row[0], row[1]), []).append(
             (int(number("function")), row[3], number("take_theta") == 1, number("hard") == 1, number("rmse"), number("rmse_test_points", math.nan),
-             number("rmse_occluded", math.nan), number("leak_p99"), number("fails_check") == 1, number("fitted") == 1, number("elapsed_us")))
+             number("rmse_occluded", math.nan), number("leak_mean"), number("leak_p99"), number("fails_check") == 1, number("fitted") == 1, number("elapsed_us")))
     expected = [("tent", "tent")] + [(r, w) for r in representations for w in WORDS + FITS]
     for key in expected:
         if key not in groups:
@@ -259,13 +260,8 @@ def check_basis(basis):
         kept.number(high=1.0 + 1e-9)
 
 
-def read_inputs(summary_path, functions_path, slices_path, basis_path, log_paths):
-    summary = read_summary(summary_path)
-    representations = [name for name, _ in summary["representations"].entries()]
-    basis = read_json(basis_path)
-    check_basis(basis)
-    logs = read_logs(log_paths, representations)
-    samples = read_functions(functions_path, representations)
+def check_counts(functions_path, samples, summary):
+    """As many rows of each representation and word as the summary counts functions."""
     for (name, word), some in samples.items():
         node = summary["tent"] if name == "tent" else summary["representations"][name]
         node = node if name == "tent" else node["sample"][word] if word in FITS else node[word]
@@ -273,6 +269,16 @@ def read_inputs(summary_path, functions_path, slices_path, basis_path, log_paths
             expected = node[population]["functions"].count()
             if len(some.of(population)) != expected:
                 raise InputError(functions_path, f"rows of '{name}', '{word}', population '{population}'", f"{expected} as in the summary", str(len(some.of(population))))
+
+
+def read_inputs(summary_path, functions_path, slices_path, basis_path, log_paths):
+    summary = read_summary(summary_path)
+    representations = [name for name, _ in summary["representations"].entries()]
+    basis = read_json(basis_path)
+    check_basis(basis)
+    logs = read_logs(log_paths, representations)
+    samples = read_functions(functions_path, representations)
+    check_counts(functions_path, samples, summary)
     paths = {"summary": summary_path, "functions": functions_path, "slices": slices_path, "basis": basis_path}
     paths.update({f"log {os.path.basename(p)}": p for p in log_paths})
     return Inputs(summary, representations, samples, read_slices(slices_path, representations), basis, logs, paths)

@@ -1,0 +1,246 @@
+#!/usr/bin/python3
+"""What counts as a change between two runs, and what as noise.
+
+    compare_test.py
+"""
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+import made_up
+
+SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "validate", "report", "compare.py")
+sys.path.insert(0, os.path.dirname(SCRIPT))
+import compare
+import numpy as np
+from inputs import WORDS, Samples
+from tool.errors import CHECK_FAILED, INPUT_ERROR, USAGE_ERROR, InputError
+from tool.input_file import Node
+
+made_up.FUNCTIONS = 400  # enough for chances to be told from noise
+made_up.REPRESENTATIONS = {"mlp": 113}
+TAU = made_up.TAU["rmse"]
+SCENES = made_up.SCENES
+
+
+def options(**changed):
+    some = compare.parse_arguments(["old", "new"])
+    vars(some).update(changed)
+    return some
+
+
+def same(function, rmse):
+    return rmse
+
+
+class Comparisons(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def write(self, name, changed=same, with_functions=True, held_out=made_up.HELD_OUT):
+        """A run whose functions that take a θ have an RMSE from .001 to .021 at every stage, but for what `changed` makes of it."""
+        table = made_up.samples(1)
+        for word in WORDS:
+            chance = np.random.default_rng(7)
+            for i, row in enumerate(table["mlp", word]):
+                rmse = changed(row[0], 0.001 + 0.02 * chance.uniform()) if row[2] else row[4]
+                table["mlp", word][i] = (*row[:4], rmse, row[5], rmse > TAU, *row[7:])
+        os.makedirs(os.path.join(self.folder, name), exist_ok=True)
+        if with_functions:
+            made_up.write_functions(os.path.join(self.folder, name, "functions.csv"), table)
+        return made_up.write_json(os.path.join(self.folder, name, "summary.json"), made_up.summary(table, held_out))
+
+    def run_of(self, *arguments, **keywords):
+        return compare.read_run(self.write(*arguments, **keywords))
+
+    def change(self, old, new, figure, scene="", **changed):
+        return next(some for some in compare.compare(old, new, options(**changed)).changes if (some.figure, some.scene) == (figure, scene))
+
+    def only(self, old, word, function, rmse):
+        """The same run with another error of one function at one stage."""
+        samples = {key: some.only(np.arange(len(some))) for key, some in old.samples.items()}
+        samples["mlp", word].rmse = np.where(samples["mlp", word].function == function, rmse, samples["mlp", word].rmse)
+        return compare.Run(old.path, old.summary, samples)
+
+    def test_finds_nothing_between_a_run_and_itself(self):
+        run = self.run_of("old")
+        comparison = compare.compare(run, run, options())
+        self.assertTrue(comparison.is_paired and comparison.changes)
+        self.assertEqual({some.trend for some in comparison.changes}, {"same"})
+
+    def test_sees_a_small_change_of_all_functions(self):
+        # 3 %: far below what the spread over functions would hide if they were not paired
+        old, worse = self.run_of("old"), self.run_of("new", lambda i, rmse: 1.03 * rmse)
+        there = self.change(old, worse, "network, mean RMSE")
+        self.assertEqual(there.trend, "worse")
+        self.assertAlmostEqual(there.new / there.old, 1.03, places=3)
+        self.assertEqual(self.change(worse, old, "network, mean RMSE").trend, "better")
+
+    def test_calls_noise_the_same(self):
+        # either run's errors are off by up to 30 %, so that each function's two could as well stand the other way round
+        chance = np.random.default_rng(11)
+        noise = lambda i, rmse: rmse * (0.7 + 0.6 * chance.uniform())
+        self.assertEqual({some.trend for some in compare.compare(self.run_of("old", noise), self.run_of("new", noise), options()).changes}, {"same"})
+
+    def test_names_the_scene_that_got_worse(self):
+        old, worse = self.run_of("old"), self.run_of("new", lambda i, rmse: 1.2 * rmse if i * len(SCENES) // made_up.FUNCTIONS == 2 else rmse)
+        self.assertEqual(self.change(old, worse, "stored, mean RMSE", SCENES[2]).trend, "worse")
+        self.assertEqual(self.change(old, worse, "stored, mean RMSE", SCENES[0]).trend, "same")
+
+    def test_counts_functions_that_come_to_fail_the_check(self):
+        old, worse = self.run_of("old", lambda i, rmse: rmse / 2), self.run_of("new", lambda i, rmse: 0.03 if i % 10 == 0 else rmse / 2)
+        there = self.change(old, worse, "network, share that fails the check")
+        self.assertEqual((there.old, there.trend), (0.0, "worse"))
+        self.assertIn(" rose above it, 0 fell below", there.note)
+
+    def test_falls_back_to_the_tolerance_without_functions(self):
+        runs = {name: self.run_of(name, changed, with_functions=False) for name, changed in
+                (("old", same), ("slightly", lambda i, rmse: 1.04 * rmse), ("clearly", lambda i, rmse: 1.06 * rmse), ("leapt", lambda i, rmse: max(rmse, 0.9 * (i == 5))))}
+        self.assertFalse(compare.compare(runs["old"], runs["slightly"], options()).is_paired)
+        for name, figure, trend in [("slightly", "mean RMSE", "same"), ("clearly", "mean RMSE", "worse"), ("clearly", "p99 of RMSE", "worse"), ("clearly", "worst RMSE", "same"),
+                                    ("leapt", "worst RMSE", "worse")]:
+            self.assertEqual(self.change(runs["old"], runs[name], f"network, {figure}").trend, trend, (name, figure))
+
+    def test_judges_times_only_when_asked(self):
+        old, slow = self.run_of("old"), self.run_of("new")
+        slow.summary.value["representations"]["mlp"]["network"]["theta"]["us_per_function"] *= 3
+        self.assertEqual(self.change(old, slow, "network, µs a function").trend, "same")
+        self.assertEqual(self.change(old, slow, "network, µs a function", time_tolerance=0.5).trend, "worse")
+
+    def test_refuses_other_functions_and_other_thresholds(self):
+        old = self.run_of("old")
+
+        def refuses(word, new):
+            with self.assertRaises(InputError) as refused:
+                compare.compare(old, new, options())
+            self.assertIn(word, str(refused.exception))
+        refuses("held_out", self.run_of("other", held_out="f" * 64))
+        for place, value in (("tau", made_up.TAU | {"rmse": 0.03}), ("theta_precision", "float32"), ("representations", {"pf3": old.summary.value["representations"]["mlp"]})):
+            refuses(place, compare.Run("new", Node("new", "", old.summary.value | {place: value}), old.samples))
+        other = self.only(old, "network", 0, 0.0)
+        other.samples["mlp", "network"].scene[3] = "elsewhere"
+        refuses("functions.csv", other)
+
+    def test_leaves_functions_that_take_no_theta_out(self):
+        old = self.run_of("old")
+        function = int(old.samples["mlp", "stored"].function[~old.samples["mlp", "stored"].takes_theta][0])
+        self.assertEqual({some.trend for some in compare.compare(old, self.only(old, "stored", function, 0.9), options()).changes}, {"same"})
+
+    def test_tells_which_representation_is_lost(self):
+        run = self.run_of("old")
+        two = {name: run.summary.value["representations"]["mlp"] for name in ("mlp", "pf3")}
+        both = compare.Run("both", Node("both", "", run.summary.value | {"representations": two}), run.samples)
+        self.assertEqual(compare.compare(both, run, options()).lost, ["pf3"])
+        self.assertEqual(compare.compare(run, both, options()).added, ["pf3"])
+
+    def test_sees_one_function_that_leaps(self):
+        old = self.run_of("old")
+        stored = old.samples["mlp", "stored"]
+        function = int(stored.function[stored.takes_theta][0])
+        tail = self.only(old, "stored", function, 0.9)
+        worst = self.change(old, tail, "stored, worst RMSE")
+        self.assertEqual((worst.trend, worst.new), ("worse", 0.9))
+        self.assertIn(f"function {function} of", worst.note)
+        self.assertEqual([self.change(old, tail, "stored, worst RMSE", scene).trend for scene in SCENES], ["worse", "same", "same"])
+        self.assertEqual(self.change(old, tail, "network, worst RMSE").trend, "same")
+        self.assertEqual(self.change(tail, old, "stored, worst RMSE").trend, "better")
+        # up to the factor, of tau or of its own error, it is not
+        self.assertEqual(self.change(old, self.only(old, "stored", function, 0.0399), "stored, worst RMSE").trend, "same")
+
+    def test_refuses_damaged_files(self):
+        path = self.write("old")
+        functions = os.path.join(os.path.dirname(path), "functions.csv")
+        whole = Path(functions).read_text()
+        for text in (whole[:len(whole) // 2], "a,b\n1,2\n", ""):
+            Path(functions).write_text(text)
+            with self.assertRaises(InputError):
+                compare.read_run(path)
+        for text in ("", "[]", '{"schema_version": 1}', '{"schema_version": "2"}'):
+            Path(path).write_text(text)
+            with self.assertRaises(InputError):
+                compare.read_run(path)
+
+    def test_noise_alone_seldom_has_anything_called_changed(self):
+        # every function's two errors are drawn alike; scenes of 8 functions, whose spread is poorly known
+        runs, scenes = 400, [f"scene {i}" for i in range(12)]
+        chance, count, path = np.random.default_rng(5), 96, self.write("old")
+        summary = json.loads(Path(path).read_text())
+        summary["representations"]["mlp"]["by_scene"] = {scene: {} for scene in scenes}
+
+        def drawn():
+            rmse, all_true = np.abs(chance.normal(0.015, 0.003, count)), np.ones(count, bool)
+            one = Samples(np.arange(count), np.repeat(scenes, 8), all_true, np.arange(count) % 2 == 0, rmse, rmse, rmse, chance.uniform(size=count), rmse, rmse > TAU, all_true, rmse)
+            return compare.Run("new", Node("new", "", summary), {("mlp", word): one for word in WORDS})
+        alarms = 0
+        for _ in range(runs):
+            comparison = compare.compare(drawn(), drawn(), options(smallest_change=0.0, worst_factor=1e6))
+            self.assertEqual(comparison.judged_by_chance, 4 * 5 + 2 * 2 * len(scenes))
+            alarms += any(some.trend != "same" for some in comparison.changes)
+        # at most 5 %; 4 standard deviations of the count more
+        self.assertLessEqual(alarms, 0.05 * runs + 4 * math.sqrt(runs * 0.05 * 0.95))
+
+    def test_says_so_by_its_exit_code(self):
+        old, worse = self.write("old"), self.write("new", lambda i, rmse: 2 * rmse)
+        run = lambda *arguments: subprocess.run([SCRIPT, *arguments], capture_output=True, text=True)
+        self.assertEqual(run(old, old).returncode, 0)
+        found = run(old, worse)
+        self.assertEqual(found.returncode, CHECK_FAILED)
+        self.assertRegex(found.stderr, r"^compare.py: error: new run against old: .*worse, the first of them mlp: network, mean RMSE\n$")
+        changes = json.loads(run(old, worse, "--json").stdout)["changes"]
+        self.assertEqual({some["trend"] for some in changes if some["figure"] == "stored, mean RMSE"}, {"worse"})
+        self.assertEqual(run(old).returncode, USAGE_ERROR)
+        missing = run(old, "missing.json")
+        self.assertEqual((missing.returncode, missing.stderr.count("\n")), (INPUT_ERROR, 1))
+
+
+class Chances(unittest.TestCase):
+    def test_a_mean_follows_student_with_the_number_of_pairs(self):
+        # differences 1 and 3, ten of each: mean 2, variance 20/19, standard error sqrt(1/19)
+        there = compare.mean_change(np.full(20, 100.0), np.tile([101.0, 103.0], 10))
+        self.assertAlmostEqual(there["standard_error"], math.sqrt(1 / 19), places=12)
+        # t = 8.7 of 19 degrees of freedom would be 5e-8
+        self.assertEqual(there["chance"], 2.0 ** -19)
+        # differences -2 and 3, four of each: mean .5, variance 50/7, t = .52915; by Simpson's rule of 7 degrees: .6131
+        self.assertAlmostEqual(compare.mean_change(np.full(8, 10.0), np.tile([8.0, 13.0], 4))["chance"], 0.6131, places=4)
+
+    def test_a_mean_says_nothing_of_one_pair(self):
+        self.assertEqual(compare.mean_change(np.array([1.0]), np.array([9.0]))["chance"], 1.0)
+        self.assertEqual(compare.mean_change(np.array([1.0, 1.0]), np.array([9.0, 9.0]))["chance"], 0.5)
+        self.assertEqual(compare.mean_change(np.array([1.0, 2.0]), np.array([1.0, 2.0]))["chance"], 1.0)
+        self.assertNotIn("chance", compare.mean_change(np.array([]), np.array([])))
+
+    def test_a_p99_is_the_sign_test_at_the_percentile_of_both_runs(self):
+        # 2000 functions from 0 to 1; 60 of the best become the worst: the highest 1 % of 4000 are 40 of these, and none falls
+        old = np.arange(2000) / 2000.0
+        new = np.where(np.arange(2000) < 60, 2.0 + np.arange(2000), old)
+        for a, b in ((old, new), (new, old)):
+            self.assertAlmostEqual(compare.p99_change(a, b)["chance"] / 2.0 ** -39, 1.0, places=9)
+        # thirty that change places with the worst thirty: as many up as down
+        swapped = old.copy()
+        swapped[:30], swapped[-30:] = old[-30:], old[:30]
+        self.assertEqual(compare.p99_change(old, swapped)["chance"], 1.0)
+
+    def test_signs_are_counted_as_heads(self):
+        self.assertEqual([compare.sign_chance(*some) for some in ((0, 0), (5, 5), (1, 0))], [1.0, 1.0, 1.0])
+        self.assertAlmostEqual(compare.sign_chance(10, 0), 2 / 1024, places=12)
+        self.assertAlmostEqual(compare.sign_chance(2, 8), 2 * (1 + 10 + 45) / 1024, places=12)
+        self.assertAlmostEqual(compare.sign_chance(0, 200) / 2.0 ** -199, 1.0, places=9)
+
+    def test_many_figures_follow_holm(self):
+        # .05 / 4 = .0125, .05 / 3 = .0167, .05 / 2 = .025: the third fails, and with it the fourth, though it is below .05
+        self.assertEqual(compare.beyond_chance([0.03, 0.01, 0.04, 0.015], 0.05), [False, True, False, True])
+        self.assertEqual(compare.beyond_chance([0.0126] * 4, 0.05), [False] * 4)
+        self.assertEqual(compare.beyond_chance([0.0125, 0.016, 0.025, 0.05], 0.05), [True] * 4)
+        self.assertEqual(compare.beyond_chance([], 0.05), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,323 @@
+#!/usr/bin/python3
+"""Two runs of nlg-validate on the same held-out functions: what got better or worse, beyond noise.
+
+    compare.py OLD/summary.json NEW/summary.json
+
+Functions are paired by the functions.csv beside both. Errors are those of the same functions in both runs, so the noise is that of
+the choice of functions: would another held-out set of the same kind say the same? docs/reference/formats.md says how each figure is
+judged. Exit code 0: nothing is worse; 6: something is, or a representation is gone.
+"""
+import argparse
+import dataclasses
+import json
+import math
+import os
+import sys
+from dataclasses import dataclass
+
+sys.dont_write_bytecode = True
+
+import packages
+
+packages.need("compare.py", "numpy", "scipy")
+
+import numpy as np
+from scipy import stats
+
+from inputs import WORDS, check_counts, read_functions, read_summary
+from tool.errors import CHECK_FAILED, InputError, run, say
+
+WORDS_BY_SCENE = ("network", "stored")  # what training makes, and what ships
+
+
+@dataclass
+class Run:
+    path: str
+    summary: object  # Node
+    samples: object  # of inputs.read_functions; None: no functions.csv lies beside it
+
+    def names(self):
+        return [name for name, _ in self.summary["representations"].entries()]
+
+
+@dataclass
+class Change:
+    """One figure in both runs; lower is better."""
+    representation: str
+    scene: str                  # empty: all held-out functions that the figure is of
+    figure: str
+    old: float
+    new: float
+    standard_error: float = 0.0  # of new - old; 0: not known
+    chance: object = None        # that noise alone makes so large a difference; None: judged by a tolerance or a factor
+    note: str = ""
+    trend: str = "same"          # where there is a chance: "same" until all figures are judged together
+
+
+def read_run(path):
+    summary = read_summary(path)
+    functions = os.path.join(os.path.dirname(path), "functions.csv")
+    if not os.path.exists(functions):
+        return Run(path, summary, None)
+    samples = read_functions(functions, [name for name, _ in summary["representations"].entries()])
+    check_counts(functions, samples, summary)
+    return Run(path, summary, samples)
+
+
+def refuse_other_runs(old, new):
+    def must_be_equal(node, expected):
+        if node.value != expected.value:
+            node.refuse(f"{expected.value} as in {old.path}", node.value)
+    must_be_equal(new.summary["provenance"]["inputs"]["held_out"], old.summary["provenance"]["inputs"]["held_out"])
+    must_be_equal(new.summary["theta_precision"], old.summary["theta_precision"])
+    for key, value in old.summary["tau"].entries():
+        must_be_equal(new.summary["tau"][key], value)
+
+
+# ---- what is more than chance
+
+
+def sign_chance(risen, fallen):
+    """Of risen + fallen changes, each up or down alike: the chance that so many or more go the way that most went."""
+    return 1.0 if risen == fallen else min(1.0, 2.0 * float(stats.binom.cdf(min(risen, fallen), risen + fallen, 0.5)))
+
+
+def beyond_chance(chances, level):
+    """Holm's method: which of many figures changed, so that noise alone makes one or more of them pass with at most this chance."""
+    beyond = [False] * len(chances)
+    for rank, index in enumerate(sorted(range(len(chances)), key=lambda i: chances[i])):
+        if chances[index] > level / (len(chances) - rank):
+            break
+        beyond[index] = True
+    return beyond
+
+
+def trend_beyond(old, new, share):
+    """By more than a share of the old value."""
+    return "same" if abs(new - old) <= share * old else "better" if new < old else "worse"
+
+
+# ---- one figure of the same functions in both runs, as fields of a Change
+
+
+def mean_change(old, new):
+    """A mean. Never below 2^(1 - pairs), the chance that so many go the same way: t alone believes a few pairs that agree more than that."""
+    if not len(old):
+        return {"old": 0.0, "new": 0.0}
+    differences, pairs = new - old, len(old)
+    change = {"old": float(old.mean()), "new": float(new.mean()), "chance": 1.0}
+    if pairs == 1 or not differences.mean():
+        return change
+    error = float(differences.std(ddof=1)) / math.sqrt(pairs)
+    t = abs(float(differences.mean())) / error if error else math.inf
+    return change | {"standard_error": error, "chance": max(2.0 * float(stats.t.sf(t, pairs - 1)), 2.0 ** (1 - pairs))}
+
+
+def crossings(old, new, threshold):
+    risen, fallen = int(((old <= threshold) & (new > threshold)).sum()), int(((old > threshold) & (new <= threshold)).sum())
+    return {"chance": sign_chance(risen, fallen), "note": f"{risen} rose above it, {fallen} fell below" if risen + fallen else ""}
+
+
+def p99_change(old, new):
+    """Judged at the 99th percentile of both runs' values together, which favours neither run."""
+    if not len(old):
+        return {"old": 0.0, "new": 0.0}
+    return {"old": float(np.quantile(old, 0.99)), "new": float(np.quantile(new, 0.99))} | crossings(old, new, np.quantile(np.concatenate([old, new]), 0.99))
+
+
+def failing_change(old, new):
+    if not len(old):
+        return {"old": 0.0, "new": 0.0}
+    return {"old": float(old.mean()), "new": float(new.mean())} | crossings(old.astype(float), new.astype(float), 0.5)
+
+
+def worst_change(old, new, tau, factor):
+    """A function leaps when its RMSE is above so many times its error in the other run, and tau. What these very functions do is no matter of chance."""
+    risen, fallen = new.rmse > factor * np.maximum(old.rmse, tau), old.rmse > factor * np.maximum(new.rmse, tau)
+    change = {"old": float(old.rmse.max(initial=0.0)), "new": float(new.rmse.max(initial=0.0))}
+    if risen.any():
+        highest = int(np.argmax(np.where(risen, new.rmse, -1.0)))
+        note = f"{risen.sum()} leapt, the highest function {new.function[highest]} of {new.scene[highest]}: {old.rmse[highest]:.5g} -> {new.rmse[highest]:.5g}"
+        return change | {"note": note, "trend": "worse"}
+    return change | ({"note": f"{fallen.sum()} no longer so high", "trend": "better"} if fallen.any() else {})
+
+
+def costs(old, new, options):
+    """How many functions took a fit, which is shown and never judged, and the time, which a busy machine changes."""
+    fitted = [node["theta"]["share_fitted"]["value"].number() for node in (old, new)]
+    times = [node["theta"]["us_per_function"].number() for node in (old, new)]
+    yield "share that took a fit", dict(zip(("old", "new"), fitted))
+    yield "µs a function", dict(zip(("old", "new"), times)) | {"trend": trend_beyond(*times, options.time_tolerance) if options.time_tolerance else "same"}
+
+
+# ---- all figures
+
+
+def paired_changes(name, old, new, options):
+    """(scene, figure, fields of a Change)"""
+    tau = new.summary["tau"]["rmse"].number()
+    pairs = {}
+    for word in WORDS:
+        a, b = pairs[word] = old.samples[name, word], new.samples[name, word]
+        if len(a) != len(b) or any((getattr(a, key) != getattr(b, key)).any() for key in ("function", "scene", "takes_theta", "hard")):
+            raise InputError(new.path, f"rows of '{name}', '{word}' in functions.csv beside it", "the functions of the old run, in its order", "others")
+        (theta_a, hard_a), (theta_b, hard_b) = [(some.of("theta"), some.of("hard")) for some in (a, b)]
+        yield "", f"{word}, mean RMSE", mean_change(theta_a.rmse, theta_b.rmse)
+        yield "", f"{word}, mean RMSE of hard functions", mean_change(hard_a.rmse, hard_b.rmse)
+        yield "", f"{word}, p99 of RMSE", p99_change(theta_a.rmse, theta_b.rmse)
+        yield "", f"{word}, worst RMSE", worst_change(theta_a, theta_b, tau, options.worst_factor)
+        yield "", f"{word}, share that fails the check", failing_change(theta_a.fails_check, theta_b.fails_check)
+        yield "", f"{word}, mean leak of a function", mean_change(theta_a.leak_mean, theta_b.leak_mean)
+        for figure, fields in costs(old.summary["representations"][name][word], new.summary["representations"][name][word], options):
+            yield "", f"{word}, {figure}", fields
+    for scene, _ in old.summary["representations"][name]["by_scene"].entries():
+        for word in WORDS_BY_SCENE:
+            a, b = [some.only(some.takes_theta & (some.scene == scene)) for some in pairs[word]]
+            yield scene, f"{word}, mean RMSE", mean_change(a.rmse, b.rmse)
+            yield scene, f"{word}, worst RMSE", worst_change(a, b, tau, options.worst_factor)
+            yield scene, f"{word}, share that fails the check", failing_change(a.fails_check, b.fails_check)
+
+
+def summary_changes(name, old, new, options):
+    """The same without the functions of both."""
+    tau = new.summary["tau"]["rmse"].number()
+    one, other = old.summary["representations"][name], new.summary["representations"][name]
+
+    def within(read, a, b):
+        values = read(a).number(), read(b).number()
+        return dict(zip(("old", "new"), values)) | {"trend": trend_beyond(*values, options.tolerance)}
+
+    def leap(a, b):
+        before, after = (node["theta"]["rmse"]["worst"].number() for node in (a, b))
+        trend = "worse" if after > options.worst_factor * max(before, tau) else "better" if before > options.worst_factor * max(after, tau) else "same"
+        return {"old": before, "new": after, "trend": trend}
+
+    for word in WORDS:
+        a, b = one[word], other[word]
+        yield "", f"{word}, mean RMSE", within(lambda node: node["theta"]["rmse"]["mean"], a, b)
+        if a["hard"]["functions"].count():
+            yield "", f"{word}, mean RMSE of hard functions", within(lambda node: node["hard"]["rmse"]["mean"], a, b)
+        yield "", f"{word}, p99 of RMSE", within(lambda node: node["theta"]["rmse"]["p99"], a, b)
+        yield "", f"{word}, worst RMSE", leap(a, b)
+        yield "", f"{word}, share that fails the check", within(lambda node: node["theta"]["share_failing_check"]["value"], a, b)
+        yield "", f"{word}, mean leak of a point", within(lambda node: node["theta"]["leak"]["mean"], a, b)
+        for figure, fields in costs(a, b, options):
+            yield "", f"{word}, {figure}", fields
+    for scene, words in one["by_scene"].entries():
+        for word in WORDS_BY_SCENE if scene in other["by_scene"] else ():
+            yield scene, f"{word}, mean RMSE", within(lambda node: node[word]["mean"], words, other["by_scene"][scene])
+
+
+@dataclass
+class Comparison:
+    is_paired: bool
+    lost: list   # representations that only the old run has
+    added: list  # … only the new one
+    changes: list
+    judged_by_chance: int = 0
+
+    def of(self, trend):
+        return [change for change in self.changes if change.trend == trend]
+
+    def worse_count(self):
+        return len(self.of("worse")) + len(self.lost)
+
+
+def compare(old, new, options):
+    refuse_other_runs(old, new)
+    names = old.names(), new.names()
+    both = [name for name in names[0] if name in names[1]]
+    if not both:
+        raise InputError(new.path, "representations", f"at least one of {old.path}", "none")
+    is_paired = old.samples is not None and new.samples is not None
+    changes = [Change(name, scene, figure, **fields) for name in both for scene, figure, fields in (paired_changes if is_paired else summary_changes)(name, old, new, options)]
+    # all figures that have a chance, of all representations, are one family
+    judged = [change for change in changes if change.chance is not None]
+    for change, is_beyond in zip(judged, beyond_chance([change.chance for change in judged], options.false_alarms)):
+        if is_beyond:
+            change.trend = trend_beyond(change.old, change.new, options.smallest_change)
+    return Comparison(is_paired, [name for name in names[0] if name not in names[1]], [name for name in names[1] if name not in names[0]], changes, len(judged))
+
+
+# ---- what is printed
+
+
+def line_of(change):
+    where = (f"{change.scene}: " if change.scene else "") + change.figure
+    line = f"  {change.trend:<7}{where:<48} {change.old:>10.5g} -> {change.new:<10.5g}"
+    if change.old:
+        line += f" {100 * (change.new - change.old) / change.old:+.1f} %"
+        line += f" (standard error {100 * change.standard_error / change.old:.1f} %)" if change.standard_error else ""
+    if change.chance is not None and change.old != change.new:
+        line += f", chance {change.chance:.2g}"
+    return line + (f"; {change.note}" if change.note else "")
+
+
+def text_of(comparison, options):
+    if comparison.is_paired:
+        yield (f"of functions that take a theta; noise: a chance of at most {options.false_alarms:g} that it has any of the {comparison.judged_by_chance} figures"
+               f" judged by chance called changed; and {100 * options.smallest_change:g} % of the old value")
+    else:
+        yield f"of functions that take a theta; noise: {100 * options.tolerance:g} % of the old value; no functions.csv beside both files to pair functions by"
+    representation = None
+    for change in comparison.changes:
+        if change.scene and change.trend == "same" and not options.all_scenes:
+            continue
+        if change.representation != representation:
+            representation = change.representation
+            yield f"\n{representation}"
+        yield line_of(change)
+    yield ""
+    yield from (f"worse: {name} is in the old run only" for name in comparison.lost)
+    yield from (f"{name} is in the new run only" for name in comparison.added)
+    yield f"{len(comparison.of('better'))} better, {comparison.worse_count()} worse, {len(comparison.of('same'))} the same"
+
+
+def json_of(comparison, options):
+    head = {"schema_version": 2, "paired": comparison.is_paired, "lost": comparison.lost, "added": comparison.added}
+    if comparison.is_paired:
+        head["false_alarms"] = options.false_alarms
+    return json.dumps(head | {"judged_by_chance": comparison.judged_by_chance, "changes": [dataclasses.asdict(change) for change in comparison.changes]}, ensure_ascii=False)
+
+
+def between(low, high):
+    def number(text):
+        value = float(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"expected a number from {low:g} to {high:g}, got {text}")
+        return value
+    return number
+
+
+def parse_arguments(arguments=None):
+    parser = argparse.ArgumentParser(description="Says what got better or worse between two validations of the same held-out functions, beyond noise; exit code 6 where something is worse.")
+    parser.add_argument("old", help="summary.json of the run to compare with")
+    parser.add_argument("new", help="summary.json of the run to judge; functions are paired by the functions.csv beside both")
+    parser.add_argument("--false-alarms", type=between(1e-12, 0.999), default=0.05, help="paired: the chance that noise alone has anything at all called changed (default: %(default)g)")
+    parser.add_argument("--smallest-change", type=between(0, 10), default=0.01, help="share of the old value below which a change is none (default: %(default)g)")
+    parser.add_argument("--worst-factor", type=between(1, 1e6), default=2.0, help="worse where a function's RMSE is above so many times its old one, and tau (default: %(default)g)")
+    parser.add_argument("--tolerance", type=between(0, 10), default=0.05, help="share of the old value that may be noise where functions cannot be paired (default: %(default)g)")
+    parser.add_argument("--time-tolerance", type=between(0, 1000), default=0.0, help="the same for times; 0: they are shown, never judged (default: %(default)g)")
+    parser.add_argument("--all-scenes", action="store_true", help="print scenes where nothing changed too")
+    parser.add_argument("--json", action="store_true", help="one line of JSON")
+    return parser.parse_args(arguments)
+
+
+def main():
+    options = parse_arguments()
+
+    def work():
+        comparison = compare(read_run(options.old), read_run(options.new), options)
+        print(json_of(comparison, options) if options.json else "\n".join(text_of(comparison, options)))
+        count = comparison.worse_count()
+        if not count:
+            return 0
+        worse = comparison.of("worse")
+        first = f"{comparison.lost[0]} is gone" if comparison.lost else ", ".join(filter(None, (worse[0].representation, worse[0].scene))) + f": {worse[0].figure}"
+        say("compare.py", f"new run against old: expected nothing worse beyond noise, got {count} worse, the first of them {first}")
+        return CHECK_FAILED
+    return run("compare.py", work)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
