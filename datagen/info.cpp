@@ -70,7 +70,7 @@ Json shardJson(const ShardReader& reader, const Statistics& statistics) {
   const Shard& s = reader.header();
   const ShardCounts& c = s.counts;
   const double functions = static_cast<double>(std::max<uint64_t>(c.functions, 1));
-  Json json = {{"schema_version", s.schema_version}, {"scene", s.scene_id}, {"family", s.family}, {"jitter", s.jitter}};
+  Json json = {{"schema_version", kShardVersion}, {"scene", s.scene_id}, {"family", s.family}, {"jitter", s.jitter}};
   json.update(countsJson(c));
   json.update({{"duplicate_rms", s.duplicate_rule.rms},
                {"duplicate_validity_points", s.duplicate_rule.validity_points},
@@ -84,7 +84,7 @@ Json shardJson(const ShardReader& reader, const Statistics& statistics) {
                {"pattern_hash", fmt::format("{:016x}", s.pattern_hash)},
                {"test_pattern_hash", fmt::format("{:016x}", s.test_pattern_hash)},
                {"bytes_per_function", static_cast<double>(std::filesystem::file_size(s.path)) / functions},
-               {"verified", s.schema_version >= 2 ? kVerifiedByDigest : "checksums of arrays (version 1 has no SHA-256)"},
+               {"verified", kVerifiedByDigest},
                {"origin", parsedOrText(s.provenance_json)}});
   return json;
 }
@@ -99,7 +99,7 @@ void refuseDamage(const std::string& path) {
   } catch (const DamageError&) {
     throw;
   } catch (const InputError&) {
-    // no digest: a stranger's file, or a shard of version 1
+    // no digest: a stranger's file
   }
 }
 

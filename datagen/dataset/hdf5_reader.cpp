@@ -261,13 +261,6 @@ uint64_t Hdf5Reader::storedBytes(const std::string& name) const {
   return H5Dget_storage_size(openDataset(file_, {path_, "dataset " + name}, name));
 }
 
-bool Hdf5Reader::hasAttribute(const std::string& name) const {
-  silenceHdf5();
-  const htri_t exists = H5Aexists(file_, name.c_str());
-  Place{path_, "attribute " + name}.require(exists >= 0, "an attribute");
-  return exists > 0;
-}
-
 std::string Hdf5Reader::readTextAttribute(const std::string& name) const {
   silenceHdf5();
   const Place place{path_, "attribute " + name};

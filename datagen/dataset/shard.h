@@ -30,8 +30,7 @@ struct ShardCounts {
 
 // What a file says beside its functions.
 struct ShardHeader {
-  std::string path;             // of the file that it was read from; empty for one that was made in memory
-  uint64_t schema_version = 3;  // of that file
+  std::string path;  // of the file that it was read from; empty for one that was made in memory
   std::string scene_id;
   std::string family;  // procedural family, or "level"
   uint64_t jitter = 0;
@@ -49,6 +48,9 @@ struct Shard : ShardHeader, FunctionRows {};
 // looked at, those in solid included. 0 when there were none.
 double functionsPerProbe(const ShardCounts& counts);
 
+// The attribute schema_version of its files.
+inline constexpr uint64_t kShardVersion = 1;
+
 // Functions a chunk of every array in the file: the unit in which shards are written and read.
 inline constexpr uint64_t kChunkFunctions = 32;
 
@@ -56,8 +58,7 @@ inline constexpr uint64_t kChunkFunctions = 32;
 // same bytes. For shards that fit in memory; ShardWriter (shard_writer.h) takes the others. throws OutputError
 void writeShard(const std::string& path, const Shard& shard);
 
-// Reads a shard back, checks every shape against the attributes, the checksums and the SHA-256 against the bytes. Schema versions 1
-// to 3; version 1 has no SHA-256.
+// Reads a shard back, checks every shape against the attributes, the checksums and the SHA-256 against the bytes.
 // pattern_hash   the pattern that the caller works with; 0 takes any
 // point_count    its points; 0 takes any number
 // throws         InputError on a missing, truncated or damaged file, another schema version or another pattern

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include "tool/error.h"
 
@@ -61,16 +60,6 @@ Fault placementFault(const FunctionRows& rows, uint64_t first_function) {
 double functionsPerProbe(const ShardCounts& counts) {
   if (counts.visited_probes == 0) return 0.0;
   return static_cast<double>(counts.functions + (counts.free_space > 0 ? 1 : 0)) / static_cast<double>(counts.visited_probes);
-}
-
-std::string storedName(const std::string& name, uint64_t schema_version) {
-  static const std::map<std::string, std::string> names_before_3 = {{"phi_test", "phi_unseen"},
-                                                                    {"validity_test", "validity_unseen"},
-                                                                    {"seen_test", "seen_unseen"},
-                                                                    {"test_point_count", "unseen_point_count"},
-                                                                    {"test_pattern_hash", "unseen_pattern_hash"}};
-  const auto old = names_before_3.find(name);
-  return schema_version < 3 && old != names_before_3.end() ? old->second : name;
 }
 
 std::vector<uint64_t> withRows(uint64_t rows, std::vector<uint64_t> columns) {

@@ -8,7 +8,6 @@
 
 namespace nlg {
 
-inline constexpr uint64_t kSchemaVersion = 3;
 inline constexpr const char* kShardKind = "nlg-weighting-functions";
 
 // Where and why a shard breaks its contract; an empty place when it does not.
@@ -25,9 +24,6 @@ void requireSameRule(const ShardHeader& shard, const DuplicateRule& first);
 // What must hold of the values once all lengths are known to be right.
 // first_function   what the arrays' first row is called in messages
 Fault valueFault(const FunctionRows& rows, uint64_t first_function = 0);
-
-// What a dataset or attribute is called in a file of a schema version: before 3, what is of test points had other names.
-std::string storedName(const std::string& name, uint64_t schema_version);
 
 // {rows, columns …}
 std::vector<uint64_t> withRows(uint64_t rows, std::vector<uint64_t> columns);

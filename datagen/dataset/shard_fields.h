@@ -7,9 +7,6 @@
 
 namespace nlg {
 
-// Files made before probes in solid could have functions have no such attribute: they hold none.
-inline constexpr const char* kCountSolidFunctions = "count_solid_functions";
-
 // Calls visit(attribute name, field) for every count, so that writing and reading cannot list different ones.
 template <class Counts, class Visit>
 void forEachCount(Counts& counts, const Visit& visit) {
@@ -20,7 +17,7 @@ void forEachCount(Counts& counts, const Visit& visit) {
   visit("count_in_solid", counts.in_solid);
   visit("count_duplicates", counts.duplicates);
   visit("count_empty", counts.empty);
-  visit(kCountSolidFunctions, counts.solid_functions);
+  visit("count_solid_functions", counts.solid_functions);
 }
 
 }  // namespace nlg

@@ -1,7 +1,5 @@
 #include "datagen/dataset/shard_reader.h"
 
-#include <string_view>
-
 #include <fmt/format.h>
 
 #include "datagen/dataset/shard_check.h"
@@ -24,20 +22,18 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
   const std::string kind = file.readTextAttribute("kind");
   if (kind != kShardKind) throw InputError(path, "attribute kind", kShardKind, kind);
   const uint64_t version = file.readIntegerAttribute("schema_version");
-  if (version < 1 || version > kSchemaVersion) {
-    throw InputError(path, "attribute schema_version", "1, 2 or 3", std::to_string(version));
-  }
+  if (version != kShardVersion)
+    throw InputError(path, "attribute schema_version", std::to_string(kShardVersion), std::to_string(version));
   Shard shard;
   shard.path = path;
-  shard.schema_version = version;
   shard.scene_id = file.readTextAttribute("scene_id");
   shard.family = file.readTextAttribute("family");
   shard.jitter = file.readIntegerAttribute("jitter");
   shard.pattern_hash = file.readIntegerAttribute("pattern_hash");
   requirePattern(path, pattern_hash, shard.pattern_hash);
-  shard.test_pattern_hash = file.readIntegerAttribute(storedName("test_pattern_hash", version));
+  shard.test_pattern_hash = file.readIntegerAttribute("test_pattern_hash");
   const uint64_t point_count = file.readIntegerAttribute("point_count");
-  const uint64_t test_point_count = file.readIntegerAttribute(storedName("test_point_count", version));
+  const uint64_t test_point_count = file.readIntegerAttribute("test_point_count");
   refuse(path, pointCountFault(point_count, test_point_count));
   if (expected_point_count != 0 && point_count != static_cast<uint64_t>(expected_point_count)) {
     throw InputError(path, "attribute point_count", std::to_string(expected_point_count), std::to_string(point_count));
@@ -45,15 +41,10 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
   shard.point_count = static_cast<int>(point_count);
   shard.test_point_count = static_cast<int>(test_point_count);
   shard.provenance_json = file.readTextAttribute("provenance_json");
-  if (version >= 2) {
-    shard.duplicate_rule.rms = file.readRealAttribute("duplicate_rms");
-    shard.duplicate_rule.validity_points = file.readIntegerAttribute("duplicate_validity_points");
-    refuse(path, duplicateRuleFault(shard.duplicate_rule));
-  }
-  forEachCount(shard.counts, [&](const char* name, uint64_t& count) {
-    if (std::string_view(name) == kCountSolidFunctions && !file.hasAttribute(name)) return;
-    count = file.readIntegerAttribute(name);
-  });
+  shard.duplicate_rule.rms = file.readRealAttribute("duplicate_rms");
+  shard.duplicate_rule.validity_points = file.readIntegerAttribute("duplicate_validity_points");
+  refuse(path, duplicateRuleFault(shard.duplicate_rule));
+  forEachCount(shard.counts, [&](const char* name, uint64_t& count) { count = file.readIntegerAttribute(name); });
   return shard;
 }
 
@@ -62,8 +53,7 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
 ShardReader::ShardReader(const std::string& path, uint64_t pattern_hash, int point_count)
     : file_(path), header_(readAttributes(path, file_, pattern_hash, point_count)) {
   forEachArray(
-      [&](const char* present_name, const std::vector<uint64_t>& columns, const auto&) {
-        const std::string name = storedName(present_name, header_.schema_version);
+      [&](const char* name, const std::vector<uint64_t>& columns, const auto&) {
         const std::vector<uint64_t> expected = withRows(functionCount(), columns), got = file_.shape(name);
         if (got == expected) return;
         throw InputError(path, fmt::format("dataset {}", name), fmt::format("shape {}", fmt::join(expected, " x ")),
@@ -76,8 +66,7 @@ Shard ShardReader::read(uint64_t first, uint64_t count) const {
   NLG_CHECK(first + count, <=, functionCount());
   Shard shard = header_;
   forEachArray(
-      [&](const char* present_name, const std::vector<uint64_t>& columns, auto& values) {
-        const std::string name = storedName(present_name, header_.schema_version);
+      [&](const char* name, const std::vector<uint64_t>& columns, auto& values) {
         using Element = typename std::remove_reference_t<decltype(values)>::value_type;
         const std::vector<uint64_t> shape = withRows(functionCount(), columns);
         if (count == functionCount()) {
@@ -92,17 +81,9 @@ Shard ShardReader::read(uint64_t first, uint64_t count) const {
   return shard;
 }
 
-bool ShardReader::verifyDigest() const {
-  if (header_.schema_version < 2) return false;
-  file_.verifyDigest();
-  return true;
-}
-
 uint64_t ShardReader::storedBytes() const {
   uint64_t bytes = 0;
-  forEachArray(
-      [&](const char* name, const auto&, const auto&) { bytes += file_.storedBytes(storedName(name, header_.schema_version)); },
-      header_);
+  forEachArray([&](const char* name, const auto&, const auto&) { bytes += file_.storedBytes(name); }, header_);
   return bytes;
 }
 

@@ -56,7 +56,7 @@ ShardWriter::ShardWriter(const std::string& path, const Shard& header) : file_(p
   NLG_CHECK(fault.place, ==, "");
   NLG_CHECK(duplicateRuleFault(header.duplicate_rule).place, ==, "");
   file_.writeAttribute("kind", std::string(kShardKind));
-  file_.writeAttribute("schema_version", kSchemaVersion);
+  file_.writeAttribute("schema_version", kShardVersion);
   file_.writeAttribute("scene_id", header.scene_id);
   file_.writeAttribute("family", header.family);
   file_.writeAttribute("jitter", header.jitter);

@@ -15,10 +15,7 @@ namespace nlg {
 namespace {
 
 constexpr const char* kKind = "nlg-light-grid";
-constexpr const char* kVersion = "4";        // with a digest, theta in int8 or as in 2
-constexpr const char* kHalvesVersion = "2";  // without a digest, theta in float16 or float32
-constexpr const char* kStepsVersion = "3";   // without a digest, theta in int8
-constexpr const char* kOldVersion = "1";     // without light, and with the tree in lists that follow from its nodes
+constexpr const char* kVersion = "1";
 constexpr std::string_view kRepresentationPrefix = "representation.", kSlopePrefix = "slope.";
 
 std::string numbered(std::string_view prefix, size_t index) { return std::string(prefix) + std::to_string(index); }
@@ -152,37 +149,6 @@ FileResult readTree(const TensorFileReader& reader, LightGrid* grid) {
   return result;
 }
 
-// A list of a version 1 file against the one that follows from its nodes.
-template <class T>
-FileResult compareList(const TensorFileReader& reader, const char* name, const std::vector<T>& expected) {
-  std::vector<T> list;
-  const FileResult result = reader.read(name, &list);
-  if (!result.ok() || list == expected) return result;
-  if (list.size() != expected.size())
-    return refuseTree(std::string(name) + ": expected " + std::to_string(expected.size()) + " entries");
-  const auto wrong = std::mismatch(list.begin(), list.end(), expected.begin());
-  return refuseTree(std::string(name) + ", entry " + std::to_string(wrong.first - list.begin()) + ": expected " +
-                    std::to_string(*wrong.second));
-}
-
-FileResult readOldTree(const TensorFileReader& reader, LightGrid* grid) {
-  ProbeTreeData data;
-  FileResult result = readFrame(reader, &data.frame);
-  takeFirst(&result, reader.read("node.child_mask", &data.child_mask));
-  takeFirst(&result, reader.read("node.used_mask", &data.used_mask));
-  takeFirst(&result, reader.read("node.cell_count", &data.cell_count));
-  if (result.ok()) result = refuseTree(makeProbeTree(data, grid->probe_function.size(), &grid->tree));
-  if (!result.ok()) return result;
-  const ProbeTreeLists lists = probeTreeLists(grid->tree);
-  takeFirst(&result, compareList(reader, "node.first_child", lists.first_child));
-  takeFirst(&result, compareList(reader, "node.first_slot", lists.first_slot));
-  takeFirst(&result, compareList(reader, "node.cell_log2", lists.cell_log2));
-  takeFirst(&result, compareList(reader, "slots", lists.slots));
-  takeFirst(&result, compareList(reader, "probe.key", lists.probe_keys));
-  takeFirst(&result, compareList(reader, "probe.log2", lists.probe_log2));
-  return result;
-}
-
 template <class T>
 bool parseNumber(const std::string& text, T* number) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *number);
@@ -203,15 +169,14 @@ FileResult refuseText(FileStatus status, const std::string& key, const std::stri
                 "metadata " + key + ": expected " + expected + ", got " + jsonQuoted(std::string_view(got).substr(0, 40)));
 }
 
-FileResult takeIdentity(GridMetadata* metadata, std::string* version) {
-  std::string kind, pattern;
+FileResult takeIdentity(GridMetadata* metadata) {
+  std::string kind, version, pattern;
   FileResult result = takeText(metadata, "kind", &kind);
-  takeFirst(&result, takeText(metadata, "version", version));
+  takeFirst(&result, takeText(metadata, "version", &version));
   takeFirst(&result, takeText(metadata, "pattern_hash", &pattern));
   if (!result.ok()) return result;
   if (kind != kKind) return refuseText(FileStatus::value_out_of_range, "kind", kKind, kind);
-  if (*version != kVersion && *version != kHalvesVersion && *version != kStepsVersion && *version != kOldVersion)
-    return refuseText(FileStatus::version_unknown, "version", std::string(kOldVersion) + " to " + kVersion, *version);
+  if (version != kVersion) return refuseText(FileStatus::version_unknown, "version", kVersion, version);
   if (pattern != patternHash()) return refuseText(FileStatus::pattern_unknown, "pattern_hash", patternHash(), pattern);
   return {};
 }
@@ -294,19 +259,16 @@ FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   return {};
 }
 
-// is_old     of a file of version 1
-// in_steps   theta in int8
-FileResult readFunctions(const TensorFileReader& reader, bool is_old, bool in_steps, LightGrid* grid) {
+FileResult readFunctions(const TensorFileReader& reader, LightGrid* grid) {
   FileResult result = reader.read("function.representation", &grid->function_representation);
-  const bool is_short = !is_old && grid->functionCount() <= kMaxShortFunctions;
-  takeFirst(&result, readProbeFunctions(reader, is_short, &grid->probe_function));
+  takeFirst(&result, readProbeFunctions(reader, grid->functionCount() <= kMaxShortFunctions, &grid->probe_function));
   if (!result.ok()) return result;
   for (const uint8_t representation : grid->function_representation) {
     // those that do not exist are for checkLightGrid to name
     const int count = representation < grid->representations.size() ? grid->representations[representation].thetaCount() : 0;
     grid->theta_begin.push_back(grid->theta_begin.back() + static_cast<uint64_t>(count));
   }
-  if (in_steps) return readSteps(reader, grid);
+  if (!reader.dtypeOf("theta.steps").empty()) return readSteps(reader, grid);
   if (reader.dtypeOf("theta") != tensorDtype<Half>()) return reader.read("theta", &grid->theta);
   std::vector<Half> halves;
   result = reader.read("theta", &halves);
@@ -345,20 +307,17 @@ FileResult readLight(const TensorFileReader& reader, LightForm form, LightGrid* 
 
 FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
   *metadata = reader.metadata();
-  std::string version;
   LightForm form = LightForm::none;
-  FileResult result = takeIdentity(metadata, &version);
-  if (result.ok() && version == kVersion && !reader.hasDigest()) result = refuse(FileStatus::digest_mismatch, kDigestMissing);
-  if (result.ok() && version != kOldVersion) result = takeLightForm(metadata, &form);
+  FileResult result = takeIdentity(metadata);
+  if (result.ok() && !reader.hasDigest()) result = refuse(FileStatus::digest_mismatch, kDigestMissing);
+  if (result.ok()) result = takeLightForm(metadata, &form);
   if (result.ok()) result = takeRepresentations(metadata, &grid->representations);
   if (!result.ok()) return result;
   for (const auto& [key, text] : *metadata) {
     if (isOwnKey(key)) return refuse(FileStatus::value_out_of_range, "metadata " + key + ": expected no such key");
   }
-  const bool is_old = version == kOldVersion;
-  const bool in_steps = version == kStepsVersion || (version == kVersion && !reader.dtypeOf("theta.steps").empty());
-  result = readFunctions(reader, is_old, in_steps, grid);
-  if (result.ok()) result = is_old ? readOldTree(reader, grid) : readTree(reader, grid);
+  result = readFunctions(reader, grid);
+  if (result.ok()) result = readTree(reader, grid);
   if (result.ok()) result = readLight(reader, form, grid);
   return result.ok() ? checkLightGrid(*grid) : result;
 }

@@ -31,8 +31,6 @@ class ProbeTreeAccess {
       lists.cell_log2.push_back(node.cell_log2);
     }
     lists.slots = tree.slots_;
-    lists.probe_keys = tree.probe_keys_;
-    lists.probe_log2 = tree.probe_log2_;
     return lists;
   }
 

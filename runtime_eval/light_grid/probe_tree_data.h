@@ -46,7 +46,7 @@ PackedNodes packNodes(const ProbeTreeData& data);
 // returns   an empty text, or what was expected and where
 std::string unpackNodes(const PackedNodes& packed, ProbeTreeData* data);
 
-// What the first version of files held beside the nodes, all of which follows from them.
+// What follows from the nodes, as look-ups elsewhere need it.
 struct ProbeTreeLists {
   std::vector<uint32_t>
       first_child;                   // by node: node of the lowest bit of child_mask; of the next child to be, when there is none
@@ -54,8 +54,6 @@ struct ProbeTreeLists {
   std::vector<uint8_t> cell_log2;    // side of a cell, units
   // by brick, in the order of nodes, (cell_count + 1)³ numbers each, x fastest: probe + 2^27 * probe_log2 of it, or kNoProbe
   std::vector<uint32_t> slots;
-  std::vector<uint64_t> probe_keys;  // by probe: lattice point as a Morton code, x in bit 0; rising
-  std::vector<uint8_t> probe_log2;   // by probe: of the largest cell that reads it, units
 };
 
 ProbeTreeLists probeTreeLists(const ProbeTree& tree);

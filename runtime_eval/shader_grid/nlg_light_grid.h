@@ -5,7 +5,7 @@
        NlgGrid grid = {bytes, size};                             bytes of grid.bin, which the caller keeps
        if (!nlgIsWhole(&grid)) ...                               once: its bytes against the digest that it holds
        float rgb[3];
-       NlgStatus status = nlgIrradiance(&grid, position_m, normal, rgb);
+       NlgGridStatus status = nlgIrradiance(&grid, position_m, normal, rgb);
 
    Irradiance on a plane that faces the normal (length 1), in the level's metres: a diffuse surface multiplies it by its albedo
    over pi. In no cell, the nearest cell within a unit lends its light. Takes no memory, cannot fail: no byte outside of the grid is
@@ -22,7 +22,8 @@ typedef struct {
   size_t size;
 } NlgGrid;
 
-typedef enum { NLG_LIT, NLG_BY_TENTS, NLG_UNLIT, NLG_OUTSIDE } NlgStatus;
+/* The numbers are those of nlg_light_status in nlg.h; one program may include both headers. */
+typedef enum { NLG_GRID_LIT, NLG_GRID_BY_TENTS, NLG_GRID_UNLIT, NLG_GRID_OUTSIDE } NlgGridStatus;
 
 enum { NLG_KIND_NONE, NLG_KIND_TENT, NLG_KIND_NETWORK_4, NLG_KIND_NETWORK_44, NLG_KIND_NETWORK_88, NLG_KIND_FIELD };
 enum { NLG_FLAG_TENT = 8, NLG_FLAG_SIGMOID = 16, NLG_FLAG_HALVES = 32 };
@@ -218,8 +219,8 @@ static inline float nlgWeight(const NlgGrid* grid, const NlgCorner* of) {
 }
 
 /* position_m, normal   three numbers each
-   rgb                  three numbers, overwritten; 0 where the status is NLG_UNLIT, and where NLG_OUTSIDE has no cell near */
-static inline NlgStatus nlgIrradiance(const NlgGrid* grid, const float* position_m, const float* normal, float* rgb) {
+   rgb                  three numbers, overwritten; 0 where the status is NLG_GRID_UNLIT, and where NLG_GRID_OUTSIDE has no cell near */
+static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* position_m, const float* normal, float* rgb) {
   const float x = normal[0], y = normal[1], z = normal[2];
   /* what irradiance takes of each coefficient */
   const float basis[9] = {0.88622693f,
@@ -233,15 +234,15 @@ static inline NlgStatus nlgIrradiance(const NlgGrid* grid, const float* position
                           0.42904276f * (x * x - y * y)};
   float units[3], weight[8], tents[8], residue[8], largest = 0.0f, sum = 0.0f, scale;
   uint32_t record[8], c, i;
-  NlgStatus status = NLG_LIT;
+  NlgGridStatus status = NLG_GRID_LIT;
   NlgCell cell = {0, 0, 0, {0.0f, 0.0f, 0.0f}};
   rgb[0] = rgb[1] = rgb[2] = 0.0f;
   for (i = 0; i < 3; ++i) {
-    if (!(fabsf(normal[i]) <= 1.5f)) return NLG_UNLIT; /* no direction */
+    if (!(fabsf(normal[i]) <= 1.5f)) return NLG_GRID_UNLIT; /* no direction */
     units[i] = (position_m[i] - nlgFloat(grid, i)) * nlgFloat(grid, 3);
   }
   if (!nlgFindCell(grid, units, &cell)) {
-    status = NLG_OUTSIDE;
+    status = NLG_GRID_OUTSIDE;
     if (!nlgFindNearCell(grid, units, &cell)) return status;
   }
   for (c = 0; c < 8; ++c) {
@@ -258,10 +259,10 @@ static inline NlgStatus nlgIrradiance(const NlgGrid* grid, const float* position
     sum += weight[c];
   }
   if (sum == 0.0f) { /* no function has weight here: bare tents, which nothing stops at walls */
-    if (status == NLG_LIT) status = NLG_BY_TENTS;
+    if (status == NLG_GRID_LIT) status = NLG_GRID_BY_TENTS;
     for (c = 0; c < 8; ++c) sum += weight[c] = tents[c] >= 1e-6f ? tents[c] : 0.0f;
   }
-  if (sum == 0.0f) return status == NLG_BY_TENTS ? NLG_UNLIT : status;
+  if (sum == 0.0f) return status == NLG_GRID_BY_TENTS ? NLG_GRID_UNLIT : status;
   scale = nlgFloat(grid, 12) / sum;
   for (c = 0; c < 8; ++c) {
     /* Y00 of red, green, blue and the largest of all others; then 24 steps: red, green, blue of each coefficient in turn */

@@ -1,10 +1,9 @@
 // The files that light_grid_fuzz starts from: small grids with trees of one, two and three levels, without light and with light in
-// every form, and of version 1.
+// every form.
 #include <string>
 
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "tests/fuzz/fuzz.h"
-#include "tests/runtime_eval/light_grid/old_grid_file.h"
 
 namespace nlg::fuzz {
 namespace {
@@ -45,7 +44,6 @@ Seeds seeds() {
       FUZZ_CHECK(serializeLightGrid(grid, {precision, form}, {{"scene", "house"}}, &bytes).ok(), name);
       seeds.emplace_back(name + "_" + lightFormName(form), bytes);
     }
-    seeds.emplace_back(name + "_version_1", oldGridBytes(grid, {{"scene", "house"}}));
   }
   return seeds;
 }

@@ -135,7 +135,7 @@ TEST(CHeader, IsWrittenBesideTheGridThatShadersRead) {
   const std::vector<EngineFile> files = filesOf(everyRepresentation(ThetaPrecision::int8, 4));
   ASSERT_EQ(files.size(), 2u);
   EXPECT_EQ(files[1].name, "nlg_light_grid.h");
-  EXPECT_NE(files[1].bytes.find("static inline NlgStatus nlgIrradiance("), std::string::npos);
+  EXPECT_NE(files[1].bytes.find("static inline NlgGridStatus nlgIrradiance("), std::string::npos);
 }
 
 TEST(CHeader, RefusesAGridWithoutLight) {

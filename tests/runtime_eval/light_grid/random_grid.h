@@ -79,8 +79,11 @@ inline void expectSameTree(const ProbeTree& a, const ProbeTree& b) {
   EXPECT_EQ(v.first_slot, w.first_slot);
   EXPECT_EQ(v.cell_log2, w.cell_log2);
   EXPECT_EQ(v.slots, w.slots);
-  EXPECT_EQ(v.probe_keys, w.probe_keys);
-  EXPECT_EQ(v.probe_log2, w.probe_log2);
+  ASSERT_EQ(a.probeCount(), b.probeCount());
+  for (size_t probe = 0; probe < a.probeCount(); ++probe) {
+    EXPECT_EQ(a.probePosition(probe), b.probePosition(probe));
+    EXPECT_EQ(a.probeSpacing(probe), b.probeSpacing(probe));
+  }
   EXPECT_EQ(a.cellCount(), b.cellCount());
 }
 
