@@ -17,7 +17,7 @@ import sys
 from pathlib import Path
 
 from results_collect import STAGES, dump, fail, read_json
-from results_page import POPULATION_NAMES, POPULATION_ORDER, ratio, share, table
+from results_page import ratio, share, table
 from results_quotes import MAIN, microseconds, number, percent
 from tool.atomic_file import write_atomically
 from tool.errors import run as run_script
@@ -30,20 +30,24 @@ FACTS = ROOT / "docs" / "results" / "weights.json"
 
 INTRODUCTION = """# Weights that ship
 
-*Written by `workflow/results.py write`; change nothing here by hand.*
+*`workflow/results.py write` writes this page; change nothing here by hand.*
 
-These are trained generators, one for each representation. `nlg-bake` takes them when no weights are named; `--representation` says which ([bake](../docs/guide/bake.md)). The test suite loads every file and holds all of them together to 32 MB.
-Each comes from a run of the pipeline, and
+These are trained generators, one a representation: a way to store a weighting function as a few numbers, θ. `nlg-bake` takes `tent_mlp4` when no weights are named; `--representation` names another ([bake](../docs/guide/bake.md)). All files together take at most 32 MB, which a test holds them to.
+
+| representation | what stands for a function |
+|---|---|
+| `mlp` | the network of the talk: 3 → 8 → 8 → 1 units, LeakyReLU |
+| `tent_mlp` | the same network, times the tent, the pyramid around the probe |
+| `tent_mlp44` | the tent times the sigmoid of a network of 3 → 4 → 4 → 1 units |
+| `tent_mlp4` | the tent times the sigmoid of a network of 3 → 4 → 1 units |
+| `pf3` … `pf9` | a product field: two grids of 3³ … 9³ nodes, interpolated; one is clamped, the other goes through a sigmoid, and they are multiplied |
+
+Each comes from a run of the pipeline. `ship_weights.sh` puts it here with its card:
 
 ```sh
 ./pipeline.sh CONFIG                                              # out/NAME
 workflow/ship_weights.sh out/NAME CONFIG REPRESENTATION ...
 ```
-
-puts it here with its card.
-
-All errors are RMSE over all valid support points, of functions of scenes that the generators were not trained on. They stand under four words. *Network* is one pass of the generator's network and nothing else. *Corrected* adds what needs no iterative fit: the exact last layer, and learned steps and mirror images where the policy has any. *Fitted* adds every step of Adam or Levenberg–Marquardt that the bake takes. *Stored* is what the grid holds in the end, bare tents and rounding included.
-*Share fitted* is the share of functions that took any such step, whether or not its result was kept. *Best known* is the least error that any long fit has found for the same functions. Parentheses hold 95 % intervals. The whole tables, and how all of it was measured, are on the [results page](../docs/reference/results.md).
 """
 
 
@@ -84,96 +88,76 @@ def training_facts(run, config, name):
             "rounding_rmse": exported["held_out_rmse"] - exported["held_out_rmse_float32"]}
 
 
-def facts_table(name, facts, entry):
+def known_facts(name, facts, entry):
+    """One row of the table of files; refuses facts and figures of other weights than those that ship."""
     path = WEIGHTS / f"{name}.safetensors"
     metadata, tensors = read_header(path)
-    sha256, parameters = hash_of(path), tensors["theta0"]["shape"][0]
+    sha256 = hash_of(path)
     if facts["sha256"] != sha256:
         fail(f"{FACTS}: {name}", f"facts of weights {sha256}", facts["sha256"])
     if entry and entry["weights_sha256"] != sha256:
         fail(f"docs/results/{MAIN}.json: {name}", f"figures of weights {sha256}", entry["weights_sha256"])
-    halves = any(tensor["dtype"] == "F16" for tensor in tensors.values())
-    rows = [
-        ("file", f"`{path.name}`, {path.stat().st_size:,} bytes, " + ("matrices in float16" if halves else "float32")),
-        ("SHA-256", f"`{sha256}`"),
-        ("a function", f"{parameters} numbers" + (": " + ", ".join(f"{size:,} bytes in {precision}" for precision, size in entry["theta_bytes"].items()) if entry else "")),
-        ("trained on", f"{int(metadata['training_functions']):,} distinct functions; {facts['scenes']}"),
-        ("training set", f"`{metadata['training_set_sha256']}`"),
-        ("configuration", f"`{facts['configuration']}`"),
-        ("options", ", ".join(f"{key} {value}" for key, value in json.loads(metadata["training_options"]).items())),
-        ("time", f"{facts['minutes']} minutes, {facts['samples_per_s']:,} samples/s, {facts['steps']:,} steps"),
-        ("revision", f"`{json.loads(metadata['provenance'])['revision']}`"),
-        ("parity", f"θ of libtorch and of the evaluator differ by at most {facts['parity_theta']:.1e} over {facts['parity_functions']:,} functions"),
-        ("rounding", f"float16 changes the mean RMSE over those functions by {facts['rounding_rmse']:+.1e}"),
-    ]
-    if entry and "evaluate_us" in entry:
-        rows.append(("evaluation", f"{microseconds(entry['evaluate_us'])} µs for one θ at 8,192 points"))
-    return table(["", ""], rows)
+    return {"name": name, "sha256": sha256, "bytes": path.stat().st_size, "numbers": tensors["theta0"]["shape"][0], "dtype": "float16" if any(tensor["dtype"] == "F16" for tensor in tensors.values()) else "float32",
+            "functions": int(metadata["training_functions"]), "training_set": metadata["training_set_sha256"], "options": json.loads(metadata["training_options"]),
+            "revision": json.loads(metadata["provenance"])["revision"], **facts}
 
 
-def quantile_cells(q):
-    return [f"{q['functions']:,}", *(number(q[key]) for key in ("median", "mean", "p95", "p99", "worst"))]
-
-
-def split_text(title, split, name):
-    """Errors of one set of scenes: by population and stage, then by scene."""
-    entry, counts = split["representations"][name], split["functions"]
+def sizes_section(cards, entries):
     rows = []
-    for population in POPULATION_ORDER:
-        for word in STAGES:
-            found = entry[word][population]
-            rows.append([POPULATION_NAMES[population] if word == STAGES[0] else "", word, *quantile_cells(found["rmse"]),
-                         number(found["rmse_test_points"]["mean"]), number(found["rmse_occluded"]["mean"]),
-                         percent(found["share_failing_check"]["value"]), percent(found["share_fitted"]["value"]), microseconds(found["us_per_function"])])
-    head = ["", "word", "functions", "median", "mean", "p95", "p99", "worst", "test points, mean", "occluded, mean", "fails the check", "fitted", "µs"]
-    text = f"\n{title}: {counts['held_out']:,} functions of {counts['held_out_scenes']} scenes.\n" + table(head, rows)
-    if "sample" in entry:
-        ratios = entry["sample"]["ratios"]
-        parts = [f"{word} {ratio(ratios[word]['to_best_known']['median'])}, hard {ratio(ratios[word]['to_best_known']['median_hard'])}" for word in STAGES]
-        text += f"\nError over the best known, median over a sample of {entry['sample']['functions']:,} functions: " + "; ".join(parts) + ".\n"
-    rows = [[scene, *quantile_cells(words["stored"]), number(words["network"]["mean"]), number(words["network"]["p95"])]
-            for scene, words in entry["by_scene"].items()]
-    head = ["scene", "functions that take a θ", "stored: median", "mean", "p95", "p99", "worst", "network: mean", "p95"]
-    return text + table(head, rows)
+    for card in cards:
+        entry = entries.get(card["name"])
+        sizes = [f"{size:,}" for size in entry["theta_bytes"].values()] if entry else ["", "", ""]
+        rows.append([f"`{card['name']}`", f"{card['numbers']:,}", *sizes, microseconds(entry["evaluate_us"]) if entry and "evaluate_us" in entry else "", f"{card['bytes'] / 1000:,.0f} kB", card["dtype"]])
+    return ("\n## Sizes\nBytes are those of one θ. int8 keeps the last layers of networks, and whole product fields, in float16.\n"
+            + table(["", "numbers", "bytes in float32", "in float16", "in int8", "µs for one θ at 8,192 points", "file", "matrices in"], rows))
 
 
-def overview(names, evaluation):
-    """One row a representation, the smallest first."""
+def errors_section(names, evaluation):
+    """One row a representation."""
     rows = []
     for name in names:
         entry = evaluation["representations"][name]
         theta, hard = ({word: entry[word][population] for word in STAGES} for population in ("theta", "hard"))
-        cells = [f"[{name}](#{name})", entry["parameters"], entry["theta_bytes"]["int8"], f"{entry['weights_bytes'] / 1000:,.0f} kB",
-                 *(number(theta[word]["rmse"]["mean"]) for word in STAGES), number(theta["stored"]["rmse"]["p95"]), number(hard["stored"]["rmse"]["median"]),
-                 percent(theta["network"]["share_failing_check"]["value"]), share(theta["fitted"]["share_fitted"]),
-                 share(entry["fitted"]["all"]["share_fitted"])]
-        if "sample" in entry:
-            to_best = entry["sample"]["ratios"]["stored"]["to_best_known"]
-            cells += [ratio(to_best["median"]), ratio(to_best["median_hard"])]
-        rows.append((entry["parameters"], cells))
-    head = ["", "numbers", "bytes, int8", "file", "network: mean", "corrected: mean", "fitted: mean", "stored: mean", "stored: p95", "hard, stored: median",
-            "network fails the check", "share fitted", "of all functions", "stored over best known, median", "hard"]
-    rows = [cells + [""] * (len(head) - len(cells)) for _, cells in sorted(rows, key=lambda row: row[0])]
+        to_best = entry["sample"]["ratios"]["stored"]["to_best_known"] if "sample" in entry else None
+        rows.append([f"`{name}`", *(number(theta[word]["rmse"]["mean"]) for word in STAGES), number(theta["stored"]["rmse"]["p95"]), number(hard["stored"]["rmse"]["mean"]),
+                     percent(theta["stored"]["share_failing_check"]["value"]), share(theta["fitted"]["share_fitted"]), microseconds(theta["stored"]["us_per_function"]), ratio(to_best["median"]) if to_best else ""])
     counts = evaluation["functions"]
-    text = f"\nEvaluation: the {counts['take_theta']:,} functions that take a θ, of {counts['held_out_scenes']} scenes, none of them trained on. What is stored has θ in {evaluation['theta_precision']}.\n"
-    return text + table(head, rows)
+    head = ["", *(f"{word}, mean" for word in STAGES), "stored, p95", "stored, hard: mean", "fails the check", "share fitted", "µs a function", "stored over best known, median"]
+    return (f"\n## Errors\nOf the {counts['take_theta']:,} functions that take a θ in {counts['held_out_scenes']} levels and villas that no generator was trained on. "
+            "The [results page](../docs/reference/results.md#words) says what the words mean, and has more.\n" + table(head, rows))
+
+
+def training_section(cards):
+    """What the cards have in common once, and a table of what differs."""
+    shared = lambda key: len({json.dumps(card[key]) for card in cards}) == 1
+    keys = list(dict.fromkeys(key for card in cards for key in card["options"]))
+    common = [key for key in keys if len({json.dumps(card["options"].get(key)) for card in cards}) == 1]
+    text = "\n## How they were trained\n"
+    for key, title in (("configuration", "Configuration"), ("functions", "Distinct functions"), ("training_set", "Training set"), ("scenes", "Scenes")):
+        text += f"- {title}: {cards[0][key]:,}\n" if shared(key) and key == "functions" else f"- {title}: {cards[0][key]}\n" if shared(key) else ""
+    text += "- Options of all: " + ", ".join(f"{key} {cards[0]['options'][key]}" for key in common) + "\n"
+    rest = [key for key in ("configuration", "functions", "training_set", "scenes") if not shared(key)]
+    rows = [[f"`{card['name']}`", *(card[key] for key in rest), *(card["options"].get(key, "") for key in keys if key not in common), card["minutes"], f"{card['samples_per_s']:,}", f"`{card['revision']}`",
+             f"{card['parity_theta']:.1e}", f"{card['rounding_rmse']:+.1e}"] for card in cards]
+    text += table(["", *(key.replace("_", " ") for key in rest), *(key for key in keys if key not in common), "minutes", "samples/s", "revision", "parity", "rounding"], rows)
+    return text + (f"\n*Parity*: the largest difference between θ of libtorch and of the evaluator, over {cards[0]['parity_functions']:,} functions. "
+                   "*Rounding*: what float16 changes of the mean error over them.\n")
 
 
 def page(all_results):
-    """weights/README.md: a table over all, then a card each."""
-    facts, results = all_results["weights"], all_results[MAIN]
-    names = sorted(path.stem for path in WEIGHTS.glob("*.safetensors"))
-    splits = {title: results[key] for key, title in (("evaluation", "Evaluation"), ("validation", "Validation")) if "representations" in results.get(key, {})}
-    text = INTRODUCTION
-    measured = [name for name in names if name in splits.get("Evaluation", {"representations": {}})["representations"]]
-    text += overview(measured, splits["Evaluation"]) if measured else "\nThe figures are measured again with the present policy and are pending.\n"
-    for name in names:
+    """weights/README.md: what differs between the generators, as tables."""
+    facts, evaluation = all_results["weights"], all_results[MAIN].get("evaluation", {})
+    entries = evaluation.get("representations", {})
+    cards = []
+    for name in sorted(path.stem for path in WEIGHTS.glob("*.safetensors")):
         if name not in facts:
             fail(FACTS, f"how {name}.safetensors came about", "nothing: ship it by workflow/ship_weights.sh")
-        entries = [split["representations"][name] for split in splits.values() if name in split["representations"]]
-        text += f"\n## {name}\n" + facts_table(name, facts[name], entries[0] if entries else None)
-        text += "".join(split_text(title, split, name) for title, split in splits.items() if name in split["representations"])
-    return text
+        cards.append(known_facts(name, facts[name], entries.get(name)))
+    cards.sort(key=lambda card: (card["numbers"], card["name"]))
+    text = INTRODUCTION + sizes_section(cards, entries)
+    if measured := [card["name"] for card in cards if card["name"] in entries]:
+        text += errors_section(measured, evaluation)
+    return text + training_section(cards) + "\n## Files\n" + table(["", "SHA-256"], [[f"`{card['name']}.safetensors`", f"`{card['sha256']}`"] for card in cards])
 
 
 def main():

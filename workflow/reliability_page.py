@@ -29,9 +29,7 @@ def count_of(rows, kind):
 
 
 def page(all_results):
-    results = all_results.get(NAME)
-    if results is None:
-        return INTRODUCTION + "\nNot measured yet.\n"
+    results = all_results[NAME]
     rows, origin = results["rows"], results["origin"]
     columns = [column for column in next(iter(rows.values())) if column != "cases"]
     targets = ", ".join(f"{count_of(rows, kind):,} of {target:,} {kind}" for kind, target in TARGETS.items())

@@ -10,7 +10,7 @@
 collect takes a run's result folder, out/NAME, reduces what it measured to docs/results/NAME.json, draws the plots of docs/images anew and fills the texts.
 collect-light takes what nlg-validate light wrote of scenes, FOLDER/SCENE.json (light_results.py says what else may lie there).
 collect-siege takes what tests/siege/run.py left in its --out.
-write makes docs/reference/results.md, docs/reference/light.md, docs/reference/reliability.md and weights/README.md whole, and fills what README, CONTRIBUTING, the pages of docs/ and the headers quote.
+write makes docs/reference/results.md, docs/reference/light.md, docs/reference/reliability.md and weights/README.md whole, and fills the phrases that workflow/quotes.json names.
 What a run's folder does not have by itself, and is taken when it is there:
     nlg-bake LEVEL --threads 1 --out GRID > RUN/bakes/LEVEL.json
     bench_runtime_eval --benchmark_repetitions=7 --benchmark_out=RUN/benchmarks/runtime_eval.json --benchmark_out_format=json
@@ -32,7 +32,7 @@ from results_quotes import MAIN, fill, load_results
 from tool.atomic_file import write_atomically
 from tool.errors import run as run_script
 from tool.errors import say
-from tool.input_file import as_documented, read_bytes, read_text
+from tool.input_file import as_documented, read_bytes, read_json, read_text
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
@@ -40,27 +40,20 @@ IMAGES = ROOT / "docs" / "images"
 GENERATED = {ROOT / "docs" / "reference" / "results.md": results_page.page, ROOT / "docs" / "reference" / "light.md": light_page.page,
              ROOT / "docs" / "reference" / "reliability.md": reliability_page.page,
              ROOT / "weights" / "README.md": model_card.page}
-
-
-def quoting_texts():
-    """Every text that may quote: pages, and headers."""
-    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
-    headers = [path for folder in ("runtime_eval", "datagen", "bake", "train", "export", "validate", "tool", "benchmarks") for path in (ROOT / folder).rglob("*.h")]
-    return [path for path in sorted(pages + headers) if path not in GENERATED]
+OF_ONE_FILE = (light_page.NAME, reliability_page.NAME)  # pages of a results file of their name; without it they are left alone
 
 
 def expected_texts(all_results, problems):
     """Path → the text as the results have it; problems gets a line and whether it is the key that is wrong."""
     texts = {}
     for path, page in GENERATED.items():
-        with as_documented(RESULTS):
-            texts[path] = page(all_results)
-        if not path.exists() or read_text(path) != texts[path]:
-            problems.append((f"{path.relative_to(ROOT)}: expected what docs/results says, got another text", False))
-    for path in quoting_texts():
-        text = read_text(path)
-        if "<!--=" in text:
-            texts[path] = fill(text, all_results, problems, path.relative_to(ROOT))
+        if path.stem in all_results or path.stem not in OF_ONE_FILE:
+            with as_documented(RESULTS):
+                texts[path] = page(all_results)
+            if not path.exists() or read_text(path) != texts[path]:
+                problems.append((f"{path.relative_to(ROOT)}: expected what docs/results says, got another text", False))
+    for name, phrases in read_json(ROOT / "workflow" / "quotes.json").value.items():
+        texts[ROOT / name] = fill(read_text(ROOT / name), phrases, all_results, problems, name)
     return texts
 
 

@@ -1,12 +1,12 @@
 """Numbers of docs/results/ in running text. Read by results.py.
 
-A text quotes a number by a pair of comments, which Markdown does not show; results.py writes what stands between them:
+workflow/quotes.json says which phrase of which page holds which numbers:
 
-    <!--=tent_mlp.stored.theta.rmse.mean-->.0024<!---->
+    {"README.md": {"fits {} of all functions": ["tent_mlp.stored.all.share_fitted:%"]}}
 
-The key is a way through docs/results/openarena.json, or through docs/results/NAME.json after "NAME@". It begins at the file's root, at its evaluation
-or at the evaluation's representations, whichever has it. Two keys with " / " between them give the ratio. After a colon stands how the value is
-written, where its name does not say: .1 to .6 digits, %, int, us, text; with ":interval" the value with its 95 % interval.
+Each {} is a number: the key leads to it, and the style behind the colon says how it is written (.0 to .6 digits, %, int, us). A key is a way through
+docs/results/openarena.json, or through docs/results/NAME.json after "NAME@". It begins at the file's root, at its evaluation or at the evaluation's
+representations, whichever has it. Two keys with " / " between them give the ratio.
 """
 import re
 import sys
@@ -16,10 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all
 from tool.input_file import read_json
 
 MAIN = "openarena"
-PENDING = "pending"
-NOTHING = "–"  # measured, and there is no such number
-MISSING = object()
-MARKER = re.compile(r"(?<!`)<!--=([^\n]*?)-->([^\n]*?)<!---->")
+WRITTEN = r"(-?[\d.,]*\d(?: %)?)"  # what stands in a {}, right or wrong
 
 
 class UnknownKey(KeyError):
@@ -46,103 +43,55 @@ def load_results(folder):
 
 
 def descend(node, steps):
-    """The value at the end of a way of keys, or MISSING."""
+    """The value at the end of a way of keys, or None."""
     for step in steps:
-        if isinstance(node, list) and step.isdigit() and int(step) < len(node):
-            node = node[int(step)]
-        elif isinstance(node, dict) and step in node:
-            node = node[step]
-        else:
-            return MISSING
+        node = node.get(step) if isinstance(node, dict) else None
     return node
 
 
 def find(all_results, key):
-    """The value that a key leads to (that of a dict is its "value"), and its interval; UnknownKey where it leads nowhere.
-
-    PENDING before anything was measured, NOTHING where the results say null.
-    """
+    """The number that a key leads to (that of a dict is its "value"); UnknownKey where it leads to none."""
     name, _, way = key.rpartition("@")
-    results = all_results.get(name or MAIN)
-    if results is None:
-        raise UnknownKey(key)
-    steps = way.split(".")
+    results = all_results.get(name or MAIN, {})
     for start in ([], ["evaluation"], ["evaluation", "representations"]):
-        node = descend(results, start + steps)
-        if isinstance(node, dict) and "value" in node:
-            return node["value"], [node["low"], node["high"]]
-        if node is not MISSING and not isinstance(node, (dict, list)):
-            interval = descend(results, [*start, *steps[:-1], "interval", steps[-1]])
-            return NOTHING if node is None else node, None if interval is MISSING else interval
-    if results.get("pending"):
-        return PENDING, None
+        node = descend(results, start + way.split("."))
+        node = node.get("value") if isinstance(node, dict) else node
+        if isinstance(node, (int, float)):
+            return node
     raise UnknownKey(key)
 
 
-def default_style(key, value):
-    """How a value is written, by what its key calls it."""
-    names = key.split(".")
-    if isinstance(value, str):
-        return "text"
-    if any("share" in name for name in names):
-        return "%"
-    if any(name == "us" or name.startswith("us_") or name.endswith("_us") for name in names):
-        return "us"
-    if "ratios" in names or "ratio" in names:
-        return ".2"
-    if isinstance(value, int):
-        return "int"
-    if any("rmse" in name or name == "leak" for name in names):
-        return ".4"
-    return ".3"
-
-
-def written(value, style):
-    if style == "text":
-        return str(value)
-    if style == "%":
-        return percent(value)
-    if style == "us":
-        return microseconds(value)
-    if style == "int":
-        return f"{value:,.0f}"
+def quote(all_results, spec):
+    """The text of a number: KEY:STYLE, or KEY / KEY:STYLE."""
+    keys, _, style = spec.rpartition(":")
+    values = [find(all_results, key) for key in keys.split(" / ")]
+    value = values[0] / values[1] if len(values) == 2 else values[0]
+    styles = {"%": percent, "us": microseconds, "int": lambda number_of: f"{number_of:,.0f}"}
+    if style in styles:
+        return styles[style](value)
     if re.fullmatch(r"\.[0-6]", style):
         return number(value, int(style[1:]))
-    raise UnknownKey(f"the style {style!r}")
+    raise UnknownKey(f"{spec}: the style {style!r}")
 
 
-def quote(all_results, spec):
-    """The text that belongs between the comments of a marker."""
-    keys, _, style = spec.strip().partition(":")
-    found = [find(all_results, key.strip()) for key in keys.split(" / ")]
-    values = [value for value, _ in found]
-    for word in (PENDING, NOTHING):
-        if word in values:
-            return word
-    if len(values) == 2:
-        return written(values[0] / values[1], style or ".2")
-    value, interval = found[0]
-    with_interval = style == "interval"
-    style = default_style(keys, value) if style in ("", "interval") else style
-    text = written(value, style)
-    if with_interval:
-        if interval is None:
-            raise UnknownKey(f"{keys}: its interval")
-        low, high = (bound if bound is None else written(bound, style) for bound in interval)
-        text += f" ({low} or more)" if high is None else f" ({low} to {high})"
-    return text
+def fill(text, phrases, all_results, problems, place):
+    """The text with every quoted number as the results have it; adds a line to problems for each phrase that says something else or is not there.
 
-
-def fill(text, all_results, problems, place):
-    """The text with every quoted number as the results have it; adds a line to problems for each that is another, and each key that is none."""
-    def replace(match):
-        line = text.count("\n", 0, match.start()) + 1
+    phrases   phrase → its numbers, as quotes.json has them of this page
+    problems  lines, each with whether it is the key that is wrong
+    """
+    for phrase, specs in phrases.items():
+        parts = phrase.split("{}")
         try:
-            expected = quote(all_results, match[1])
+            numbers = [quote(all_results, spec) for spec in specs]
         except UnknownKey as error:
-            problems.append((f"{place}:{line}: {match[1]}: expected a key of docs/results, got {error.args[0]}", True))
-            return match[0]
-        if expected != match[2]:
-            problems.append((f"{place}:{line}: {match[1]}: expected {expected}, got {match[2]}", False))
-        return f"<!--={match[1]}-->{expected}<!---->"
-    return MARKER.sub(replace, text)
+            problems.append((f"{place}: {phrase!r}: expected a key of docs/results, got {error.args[0]}", True))
+            continue
+        expected = "".join(part + found for part, found in zip(parts, [*numbers, ""]))
+        matches = list(re.finditer(WRITTEN.join(map(re.escape, parts)), text))
+        if len(matches) != 1 or len(parts) != len(numbers) + 1:
+            problems.append((f"{place}: expected {phrase!r} once, with {len(numbers)} numbers, got it {len(matches)} times", True))
+        elif matches[0][0] != expected:
+            problems.append((f"{place}: expected {expected!r}, got {matches[0][0]!r}", False))
+            text = text[:matches[0].start()] + expected + text[matches[0].end():]
+    return text

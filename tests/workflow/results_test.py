@@ -11,7 +11,6 @@ from pathlib import Path
 
 SOURCES = Path(__file__).resolve().parents[2]
 SHA256 = "ab" * 32
-QUOTE = "<!--={}-->{}<!---->"
 
 
 def interval(value):
@@ -59,13 +58,13 @@ def frontier():
     found = {"us_median": 5246, "us_p25": 5000, "us_p75": 5500, **errors, "leak_p99": 0.01, "share_fitted": 1.0, "on_front": True}
     point = {"representation": "tent_mlp", "family": "lm_from_theta0", "budget": 16, "label": "16 LM from theta0", "words": [],
              "figures": {"all": found, "theta": found, "hard": {**found, "on_front": False}}, "by_scene": {"kaos2": {}}}
-    stage = {**point, "family": "stages", "budget": None, "label": "learned steps", "words": ["corrected"]}
+    stage = {**point, "family": "stages", "budget": None, "label": "Adam", "words": ["fitted"]}
     speed = {"time_us": 600.0, "rmse_mean": 0.0024, "rival": "Adam from theta0", "rival_us_at_equal_error": 3960.0,
              "ratio": {"value": 6.6, "low": 5.1, "high": None}, "reason": None}
     none = {**speed, "rival": None, "rival_us_at_equal_error": None, "ratio": None, "reason": "no direct fit reaches the error"}
     return {"schema_version": 2, "provenance": {"revision": "0123abc", "inputs": {"held_out": "cd" * 32}},
             "functions": {"all": 500, "theta": 246, "hard": 50, "bare_tents_at_time_0": 254}, "scenes": ["kaos2"],
-            "points": [point, stage, {**stage, "label": "mirror images"}], "bare_tent": {"figures": {"all": errors, "theta": errors, "hard": errors}, "by_scene": {}},
+            "points": [point, stage, {**stage, "label": "refinement"}], "bare_tent": {"figures": {"all": errors, "theta": errors, "hard": errors}, "by_scene": {}},
             "front_sentences": {"all": "One point.", "theta": "Another.", "hard": ""},
             "speed_at_equal_error": {"tent_mlp": {"network": speed, "corrected": none}}, "speed_at_equal_error_hard": {},
             "hierarchy": [{"step": "solved", "representation": None, "rmse_mean": 0.17}], "walks": []}
@@ -140,7 +139,8 @@ class Results(unittest.TestCase):
         facts = {"sha256": self.sha256, "configuration": "c.yaml", "scenes": "2 scenes", "minutes": 33, "samples_per_s": 3893, "steps": 30000,
                  "parity_theta": 7e-6, "parity_functions": 1024, "held_out_rmse": 0.005, "rounding_rmse": 1e-8}
         self.write("docs/results/weights.json", {"tent_mlp": facts})
-        self.write("docs/results/openarena.json", {"schema_version": 1, "run": "openarena", "command": "./pipeline.sh", "pending": True})
+        self.write("docs/results/openarena.json", {"schema_version": 1, "run": "openarena", "command": "./pipeline.sh"})
+        self.write("workflow/quotes.json", {})
         run = "out/openarena/"
         self.write(run + "evaluation/summary.json", summary(self.sha256))
         self.write(run + "validation/summary.json", summary(self.sha256))
@@ -163,94 +163,95 @@ class Results(unittest.TestCase):
     def collect(self):
         return self.run_results("collect", "out/openarena", "--config", "c.yaml", "--no-pictures")
 
-    def filled(self, *keys):
-        """What stands in the README for these keys after a whole collection."""
-        self.write("README.md", "\n".join(QUOTE.format(key, "?") for key in keys))
+    def quote(self, specs):
+        """README quotes each of these, one a line, all of them wrongly."""
+        self.write("README.md", "".join(f"number {i} of {len(specs)} is 999.9\n" for i in range(len(specs))))
+        self.write("workflow/quotes.json", {"README.md": {f"number {i} of {len(specs)} is {{}}": [spec] for i, spec in enumerate(specs)}})
+
+    def filled(self, *specs):
+        """What stands in the README for these after a whole collection."""
+        self.quote(specs)
         result = self.collect()
         self.assertEqual(result.returncode, 0, result.stderr)
-        return [line.split("-->")[1].split("<!--")[0] for line in (self.root / "README.md").read_text().splitlines()]
+        return [line.split(" is ")[1] for line in (self.root / "README.md").read_text().splitlines()]
 
-    def test_quotes_are_written_as_their_keys_say(self):
+    def test_numbers_are_written_as_their_styles_say(self):
         expected = {
-            "tent_mlp.stored.theta.rmse.mean": ".0024",
-            "tent_mlp.stored.theta.rmse.mean:interval": ".0024 (.0022 to .0026)",
+            "tent_mlp.stored.theta.rmse.mean:.4": ".0024",
             "tent_mlp.stored.theta.rmse.mean:.3": ".002",
-            "tent_mlp.fitted.all.share_fitted": "25 %",
-            "tent_mlp.fitted.all.share_fitted:interval": "25 % (22 % to 28 %)",
-            "tent_mlp.fitted.theta.us_per_function": "612",
-            "tent_mlp.sample.ratios.stored.to_best_known.median_hard": "1.48",
+            "tent_mlp.fitted.all.share_fitted:%": "25 %",
+            "tent_mlp.fitted.theta.us_per_function:us": "612",
+            "tent_mlp.sample.ratios.stored.to_best_known.median_hard:.2": "1.48",
             "tent_mlp.network.theta.rmse.mean / tent_mlp.stored.theta.rmse.mean:.1": "2.2",
-            "functions.take_theta": "1,000",
-            "validation.functions.held_out_scenes": "41",
-            "tent.theta.rmse.mean": ".0120",
-            "frontier.points.tent_mlp.lm_from_theta0_16.figures.theta.us_median": "5,246",
-            "frontier.points.tent_mlp.stages_mirror_images.figures.theta.rmse_mean": ".0030",
+            "functions.take_theta:int": "1,000",
+            "validation.functions.held_out_scenes:int": "41",
+            "frontier.points.tent_mlp.lm_from_theta0_16.figures.theta.us_median:us": "5,246",
+            "frontier.points.tent_mlp.stages_Adam.figures.theta.rmse_mean:.4": ".0030",
             "frontier.speed_at_equal_error.tent_mlp.network.ratio:.1": "6.6",
-            "frontier.speed_at_equal_error.tent_mlp.corrected.ratio:interval": "–",
-            "frontier.speed_at_equal_error.tent_mlp.network.ratio:interval": "6.60 (5.10 or more)",
-            "savings.kaos2.lines.probes_in_solid.seconds_saved:.1": "33.8",
             "benchmarks.generator_float32_96.items_per_second:int": "54,400",
-            "benchmarks.generator_float32_96.us": "18",
             "bakes.kaos2.thread_s.network:.2": ".06",
-            "bakes.kaos2.share_fitted.all": "10 %",
             "look_up.kaos2.representations.tent_mlp.all.wrong.mean:.3": ".020",
-            "weights@tent_mlp.minutes": "33",
-            "evaluation.revision": "0123abc",
+            "weights@tent_mlp.minutes:int": "33",
         }
         self.assertEqual(dict(zip(expected, self.filled(*expected))), expected)
 
     def test_writing_twice_changes_nothing_and_check_agrees(self):
-        self.filled("tent_mlp.stored.theta.rmse.mean")
+        self.filled("tent_mlp.stored.theta.rmse.mean:.4")
         self.assertEqual(self.run_results("write").stdout, "")
         self.assertEqual(self.run_results("check").returncode, 0)
 
-    def test_check_names_the_text_that_says_something_else(self):
-        self.filled("tent_mlp.stored.theta.rmse.mean")
-        self.write("README.md", "\n" + QUOTE.format("tent_mlp.stored.theta.rmse.mean", ".0025"))
+    def test_check_names_the_phrase_that_says_something_else(self):
+        self.filled("tent_mlp.stored.theta.rmse.mean:.4")
+        readme = self.root / "README.md"
+        readme.write_text(readme.read_text().replace(".0024", ".0025"))
         result = self.run_results("check")
         self.assertEqual(result.returncode, 6)
-        self.assertIn("README.md:2: tent_mlp.stored.theta.rmse.mean: expected .0024, got .0025", result.stderr)
+        self.assertIn("README.md: expected 'number 0 of 1 is .0024', got 'number 0 of 1 is .0025'", result.stderr)
+
+    def test_check_names_the_phrase_that_a_text_does_not_hold_once(self):
+        self.filled("tent_mlp.stored.theta.rmse.mean:.4")
+        readme = self.root / "README.md"
+        for text in ("Nothing.", 2 * readme.read_text()):
+            readme.write_text(text)
+            result = self.run_results("check")
+            self.assertEqual(result.returncode, 3)
+            self.assertIn("README.md: expected 'number 0 of 1 is {}' once", result.stderr)
 
     def test_check_names_a_generated_page_that_somebody_changed(self):
-        self.filled("tent_mlp.stored.theta.rmse.mean")
+        self.filled("tent_mlp.stored.theta.rmse.mean:.4")
         page = self.root / "docs" / "reference" / "results.md"
         page.write_text(page.read_text().replace(".0024", ".0023"))
         result = self.run_results("check")
         self.assertEqual(result.returncode, 6)
         self.assertIn("docs/reference/results.md", result.stderr)
 
-    def test_a_key_that_leads_nowhere_is_refused(self):
-        self.write("README.md", QUOTE.format("tent_mlp.sorted.theta.rmse.mean", "?"))
-        result = self.collect()
-        self.assertEqual(result.returncode, 3)
-        self.assertIn("tent_mlp.sorted.theta.rmse.mean", result.stderr)
+    def test_keys_and_styles_that_are_none_are_refused(self):
+        for spec in ("tent_mlp.sorted.theta.rmse.mean:.4", "tent_mlp.stored.theta.rmse:.4", "tent_mlp.stored.theta.rmse.mean:.9", "nothing@tent_mlp:.1"):
+            self.quote([spec])
+            result = self.collect()
+            self.assertEqual(result.returncode, 3)
+            self.assertIn(spec.partition(":")[0], result.stderr)
 
-    def test_what_is_not_measured_yet_is_pending(self):
-        self.write("README.md", QUOTE.format("tent_mlp.stored.theta.rmse.mean", "?"))
+    def test_what_was_not_measured_has_no_section(self):
         self.assertEqual(self.run_results("write").returncode, 0)
-        self.assertEqual((self.root / "README.md").read_text(), QUOTE.format("tent_mlp.stored.theta.rmse.mean", "pending"))
-
-    def test_an_example_in_backticks_stays_as_it_is(self):
-        text = "`" + QUOTE.format("no.key", "?") + "`"
-        self.write("README.md", text)
-        self.assertEqual(self.run_results("write").returncode, 0)
-        self.assertEqual((self.root / "README.md").read_text(), text)
+        page = (self.root / "docs/reference/results.md").read_text()
+        self.assertNotIn("## Evaluation", page)
+        self.assertNotIn("not measured", page.lower())
+        self.assertFalse((self.root / "docs/reference/light.md").exists())
 
     def test_the_page_and_the_cards_hold_every_stage(self):
-        self.filled("tent_mlp.stored.theta.rmse.mean")
-        for page in ("docs/reference/results.md", "weights/README.md"):
-            text = (self.root / page).read_text()
-            for word in ("| network |", "| corrected |", "| fitted |", "| stored |"):
-                self.assertIn(word, text, page)
-            for line in filter(lambda line: line.startswith("|"), text.splitlines()):
-                self.assertNotIn("None", line)
-        page = (self.root / "docs/reference/results.md").read_text()
-        for title in ("## Error against run time", "## What a look-up blends", "## Stability", "## What a bake leaves out", "## Whole bakes", "## Benchmarks"):
+        self.assertEqual(self.collect().returncode, 0)
+        page, cards = ((self.root / path).read_text() for path in ("docs/reference/results.md", "weights/README.md"))
+        for word in ("network", "corrected", "fitted", "stored"):
+            self.assertIn(f"| {word} |", page)
+            self.assertIn(f"| {word}, mean |", cards)
+        for line in filter(lambda line: line.startswith("|"), (page + cards).splitlines()):
+            self.assertNotIn("None", line)
+        for title in ("## Evaluation", "## Validation", "## Error against run time", "## What a look-up blends", "## Stability", "## Whole bakes", "## Benchmarks", "## What a bake does"):
             self.assertIn(title, page)
-        self.assertNotIn("Not measured", page)
 
     def test_all_rows_of_a_table_have_the_cells_of_its_head(self):
-        self.filled("tent_mlp.stored.theta.rmse.mean")
+        self.assertEqual(self.collect().returncode, 0)
         for page in ("docs/reference/results.md", "weights/README.md"):
             cells = 0
             for line in (self.root / page).read_text().splitlines():
@@ -270,7 +271,6 @@ class Results(unittest.TestCase):
     def test_light_is_collected_quoted_and_tabled(self):
         expected = {
             "light@targets.levels.1m.air:.2": ".50",  # geometric mean of 1/4, 1/2 and 1, over DDGI, the better of the rivals
-            "light@targets.levels.1m.air.rival": "DDGI as shipped (own)",
             "light@targets.front.share:%": "50 %",  # the validity mask has fewer bytes than any of ours
             "light@targets.dark.1m.ours:.3": ".010",
             "light@targets.level_bytes:int": "480",
@@ -281,28 +281,20 @@ class Results(unittest.TestCase):
         }
         self.write_light()
         self.write("out/light/bakes/kaos2.json", bake())
-        self.write("README.md", "\n".join(QUOTE.format(key, "?") for key in expected))
+        self.quote(expected)
         result = self.collect_light()
         self.assertEqual(result.returncode, 0, result.stderr)
-        texts = [line.split("-->")[1].split("<!--")[0] for line in (self.root / "README.md").read_text().splitlines()]
+        texts = [line.split(" is ")[1] for line in (self.root / "README.md").read_text().splitlines()]
         self.assertEqual(dict(zip(expected, texts)), expected)
         self.assertEqual(self.run_results("check").returncode, 0)
         page = (self.root / "docs/reference/light.md").read_text()
-        row = next(line for line in page.splitlines() if line.startswith("| levels: RMSE over the best rival's"))
-        self.assertIn("| yes |", row)  # at most .7 in air and .5 before surfaces
-        self.assertIn(".50 (", row)
+        row = next(line for line in page.splitlines() if line.startswith("| levels, over the best rival |"))
+        self.assertIn("**.50; .50; .50**", row)  # at most .7 in air and .5 before surfaces
         cells = 0
         for line in page.splitlines():
             cells = (cells or line.count("|")) if line.startswith("|") else 0
             self.assertEqual(line.count("|"), cells, line)
             self.assertNotIn("None", line)
-
-    def test_light_that_was_not_measured_is_pending(self):
-        self.write("docs/results/light.json", {"schema_version": 1, "run": "light", "pending": True})
-        self.write("README.md", QUOTE.format("light@targets.levels.1m.air", "?"))
-        self.assertEqual(self.run_results("write").returncode, 0)
-        self.assertIn("-->pending<!--", (self.root / "README.md").read_text())
-        self.assertIn("Not measured", (self.root / "docs/reference/light.md").read_text())
 
     def test_light_that_cannot_be_used_is_refused(self):
         self.write_light()
