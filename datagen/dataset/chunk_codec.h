@@ -8,7 +8,7 @@
 
 namespace nlg {
 
-// libdeflate's level of encodeChunk, also told to HDF5. Measured on shards of levels (docs/lab/measurements.md §6): level 5 saves 4 %
+// libdeflate's level of encodeChunk, also told to HDF5. Measured on shards of levels (docs/lab/measurements.md): level 5 saves 4 %
 // of the bytes and costs a third of the speed.
 inline constexpr int kDeflateLevel = 1;
 

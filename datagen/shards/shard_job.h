@@ -27,7 +27,7 @@ struct DatagenOptions {
   int max_functions = 1200;
   int max_visited_probes = 4000000;
   int test_points = 2048;
-  double duplicate_rms = 0.5;  // half a step of the stored samples: docs/lab/measurements.md §6
+  double duplicate_rms = 0.5;  // half a step of the stored samples: docs/lab/measurements.md
   int duplicate_validity_points = 16;
   int threads = 1;
   uint64_t seed = 1;

@@ -14,7 +14,7 @@ struct LevenbergMarquardtOptions {
   double progress_tolerance = 1e-6;  // ends when three accepted iterations in a row lower the loss by less than this share
 };
 
-// Damping that measured best for a start near the solution (docs/lab/measurements.md §7).
+// Damping that measured best for a start near the solution (docs/lab/measurements.md).
 LevenbergMarquardtOptions refinementLevenbergMarquardt(const Representation& representation, int iterations);
 
 // What iterations keep between each other; from one function to the next of the same representation it allocates nothing.

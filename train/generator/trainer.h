@@ -54,7 +54,7 @@ BasisData usedBasis(const TrainOptions& options, const Basis& basis);
 double oneCycleRate(const TrainOptions& options, int64_t step);
 
 // theta0 for a training set: fitted to the bare tent for `mlp`, to the mean function of the set for the others
-// (docs/lab/measurements.md §7).
+// (docs/lab/measurements.md).
 Theta fitTheta0(const Representation& representation, const BasisFile& basis, const StartOptions& options);
 
 // A fresh state: networks at theta0, optimizer, step 0.
