@@ -26,6 +26,24 @@ uint32_t readUnsigned(const unsigned char* bytes, int byte_count) {
   return value;
 }
 
+std::span<const unsigned char> bytesOfView(const tinygltf::Model& model, int view_idx, const std::string& path,
+                                           const std::string& place) {
+  const auto require = [&](bool holds, const std::string& expected, const std::string& got) {
+    if (!holds) throw InputError(path, place, expected, got);
+  };
+  const auto isBelow = [](int idx, size_t count) { return idx >= 0 && static_cast<size_t>(idx) < count; };
+  require(isBelow(view_idx, model.bufferViews.size()), "a bufferView below " + std::to_string(model.bufferViews.size()),
+          std::to_string(view_idx));
+  const tinygltf::BufferView& view = model.bufferViews[static_cast<size_t>(view_idx)];
+  require(isBelow(view.buffer, model.buffers.size()), "a buffer below " + std::to_string(model.buffers.size()),
+          std::to_string(view.buffer));
+  const std::vector<unsigned char>& data = model.buffers[static_cast<size_t>(view.buffer)].data;
+  require(view.byteOffset <= data.size() && view.byteLength <= data.size() - view.byteOffset,
+          "buffer view " + std::to_string(view_idx) + " within the buffer's " + std::to_string(data.size()) + " bytes",
+          std::to_string(view.byteLength) + " bytes at " + std::to_string(view.byteOffset));
+  return std::span(data).subspan(view.byteOffset, view.byteLength);
+}
+
 AccessorReader::AccessorReader(const tinygltf::Model& model, int accessor_idx, const std::string& path, const std::string& place,
                                SceneBudgets& budgets)
     : model_(model), path_(path), place_(place) {
@@ -50,26 +68,18 @@ void AccessorReader::fail(const std::string& expected, const std::string& got) c
 
 AccessorReader::Span AccessorReader::checkedSpan(int view_idx, uint64_t offset, uint64_t element_bytes, uint64_t count,
                                                  const std::string& what) const {
-  if (view_idx < 0 || static_cast<size_t>(view_idx) >= model_.bufferViews.size()) fail("a buffer view", std::to_string(view_idx));
-  const tinygltf::BufferView& view = model_.bufferViews[view_idx];
-  const std::string name = "buffer view " + std::to_string(view_idx);
-  if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= model_.buffers.size())
-    fail(name + " in a buffer", std::to_string(view.buffer));
-  const std::vector<unsigned char>& data = model_.buffers[view.buffer].data;
-  if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset) {
-    fail(name + " within the buffer's " + std::to_string(data.size()) + " bytes",
-         std::to_string(view.byteLength) + " bytes at " + std::to_string(view.byteOffset));
-  }
-  const uint64_t stride = view.byteStride == 0 ? element_bytes : view.byteStride;
+  const std::span<const unsigned char> bytes = bytesOfView(model_, view_idx, path_, place_);
+  const size_t view_stride = model_.bufferViews[static_cast<size_t>(view_idx)].byteStride;
+  const uint64_t stride = view_stride == 0 ? element_bytes : view_stride;
   if (stride < element_bytes) fail("a stride of " + std::to_string(element_bytes) + " or more", std::to_string(stride));
   // no sum or product below can overflow: offset and count are first bounded by what the view holds
-  const bool starts_inside = offset <= view.byteLength && element_bytes <= view.byteLength - offset;
-  const bool fits = count == 0 || (starts_inside && count - 1 <= (view.byteLength - offset - element_bytes) / stride);
+  const bool starts_inside = offset <= bytes.size() && element_bytes <= bytes.size() - offset;
+  const bool fits = count == 0 || (starts_inside && count - 1 <= (bytes.size() - offset - element_bytes) / stride);
   if (!fits) {
-    fail(what + " within the " + std::to_string(view.byteLength) + " bytes of " + name,
+    fail(what + " within the " + std::to_string(bytes.size()) + " bytes of buffer view " + std::to_string(view_idx),
          std::to_string(count) + " of " + std::to_string(element_bytes) + " bytes at offset " + std::to_string(offset));
   }
-  return {data.data() + view.byteOffset + (count == 0 ? 0 : offset), stride};
+  return {bytes.data() + (count == 0 ? 0 : offset), stride};
 }
 
 void AccessorReader::readSparse(const tinygltf::Accessor& accessor, uint64_t element_bytes, SceneBudgets& budgets) {

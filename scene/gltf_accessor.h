@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include <tiny_gltf.h>
@@ -9,6 +10,11 @@
 #include "scene/scene_budget.h"
 
 namespace nlg {
+
+// The bytes of a buffer view.
+// throws   InputError at this place where it is none, or not within its buffer
+std::span<const unsigned char> bytesOfView(const tinygltf::Model& model, int view_idx, const std::string& path,
+                                           const std::string& place);
 
 // The elements of one accessor, still in the file's bytes. Every element below count() can be read: the constructor has checked
 // buffer view, offset, stride and length, and a sparse accessor's indices.

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <new>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@
 #include <draco/metadata/metadata_decoder.h>
 #include <tiny_gltf.h>
 
+#include "scene/gltf_accessor.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -29,11 +31,7 @@ constexpr uint64_t kMostFacesPerByte = 64;
 constexpr uint64_t kMostAttributeBytesPerByte = 1024;
 constexpr uint64_t kStoredBytes = 12;  // of a face and of a point: three indices, three floats
 
-// Where a Draco stream lies.
-struct Stream {
-  const char* data = nullptr;
-  size_t size = 0;
-};
+using Stream = std::span<const unsigned char>;
 
 // What the stream's beginning says.
 struct StreamStart {
@@ -74,10 +72,10 @@ class DracoPrimitive {
     const int view = index(extension, "bufferView");
     const int position_id = extension.Has("attributes") ? index(extension.Get("attributes"), "POSITION") : -1;
     if (position_id < 0) fail("attributes with a POSITION", "none");
-    const Stream stream = streamOf(view);
+    const Stream stream = bytesOfView(model_, view, path_, place_);
     const StreamStart start = startOf(stream);
-    if (start.face_count / kMostFacesPerByte > stream.size)
-      fail("at most 64 faces for each of " + std::to_string(stream.size) + " bytes", std::to_string(start.face_count));
+    if (start.face_count / kMostFacesPerByte > stream.size())
+      fail("at most 64 faces for each of " + std::to_string(stream.size()) + " bytes", std::to_string(start.face_count));
     faces_left.take(start.face_count, path_, place_);
     draco::Mesh mesh;
     if (start.is_edgebreaker) {
@@ -100,24 +98,10 @@ class DracoPrimitive {
     return object.Has(key) && object.Get(key).IsInt() ? object.Get(key).Get<int>() : -1;
   }
 
-  Stream streamOf(int view_idx) const {
-    if (view_idx < 0 || static_cast<size_t>(view_idx) >= model_.bufferViews.size())
-      fail("a bufferView below " + std::to_string(model_.bufferViews.size()), std::to_string(view_idx));
-    const tinygltf::BufferView& view = model_.bufferViews[static_cast<size_t>(view_idx)];
-    if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= model_.buffers.size())
-      fail("a buffer below " + std::to_string(model_.buffers.size()), std::to_string(view.buffer));
-    const std::vector<unsigned char>& data = model_.buffers[static_cast<size_t>(view.buffer)].data;
-    if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset) {
-      fail("buffer view " + std::to_string(view_idx) + " within the buffer's " + std::to_string(data.size()) + " bytes",
-           std::to_string(view.byteLength) + " bytes at " + std::to_string(view.byteOffset));
-    }
-    return {reinterpret_cast<const char*>(data.data()) + view.byteOffset, view.byteLength};
-  }
-
   // For the faces that the stream's beginning promises its decoder reserves memory at once.
   StreamStart startOf(const Stream& stream) const {
     draco::DecoderBuffer buffer;
-    buffer.Init(stream.data, stream.size);
+    buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
     draco::DracoHeader header;
     const bool is_draco = draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok();
     if (!is_draco || header.encoder_type != draco::TRIANGULAR_MESH) fail("a Draco mesh", "other bytes");
@@ -144,8 +128,8 @@ class DracoPrimitive {
   template <class Decoder>
   void decode(const Stream& stream, SceneBudget& bytes_left, draco::Mesh* mesh) const {
     draco::DecoderBuffer buffer;
-    buffer.Init(stream.data, stream.size);
-    const uint64_t most_bytes = std::min(bytes_left.left(), kMostAttributeBytesPerByte * stream.size);
+    buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
+    const uint64_t most_bytes = std::min(bytes_left.left(), kMostAttributeBytesPerByte * stream.size());
     BoundedDecoder<Decoder> decoder(most_bytes);
     try {
       const draco::Status status = decoder.Decode(draco::DecoderOptions(), &buffer, mesh);

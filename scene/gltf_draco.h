@@ -14,7 +14,7 @@ namespace nlg {
 // Gives every primitive that is packed by Draco indices and positions of its own, as plain buffers hold them; other attributes
 // are left aside. What is unpacked may be as damaged as any other file's: nothing is said of its numbers.
 //
-// model    of plainGltfText (gltf_unpack.h), without the primitives' indices
+// model    of plain_text (gltf_json.h), without the primitives' indices
 // throws   InputError naming mesh and primitive on a missing or wrong buffer view or attribute, a mode other than triangles, a
 //          Draco stream other than a mesh of version 2.2, more than 64 faces or 1 KiB of attributes for one packed byte, more
 //          triangles in all than one scene may have, more bytes than the budget holds, bytes that do not unpack

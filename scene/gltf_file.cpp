@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "scene/gltf_draco.h"
-#include "scene/gltf_text.h"
-#include "scene/gltf_unpack.h"
+#include "scene/gltf_json.h"
+#include "scene/gltf_meshopt.h"
 #include "scene/scene_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
@@ -120,12 +120,10 @@ tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left) {
   const bool is_binary = isBinary(bytes);
   const std::string_view text =
       is_binary ? binaryText(path, bytes) : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const GltfText checked = checkGltfText(path, text, is_binary);
-  AllowedFiles allowed = findBuffers(path, checked.buffer_files, bytes_left);
-  if (checked.is_packed) {
-    std::string plain = plainGltfText(path, text);
-    bytes = is_binary ? withText(path, bytes, std::move(plain)) : Bytes(plain.begin(), plain.end());
-  }
+  GltfJson json = readGltfJson(path, text, is_binary);
+  AllowedFiles allowed = findBuffers(path, json.buffer_files, bytes_left);
+  if (!json.plain_text.empty())
+    bytes = is_binary ? withText(path, bytes, std::move(json.plain_text)) : Bytes(json.plain_text.begin(), json.plain_text.end());
 
   const std::string folder = folderOf(path);
   tinygltf::TinyGLTF loader;

@@ -9,7 +9,7 @@
 
 namespace nlg {
 
-// Reads the file and its external buffers; images are never opened or decoded. What was packed is plain (gltf_unpack.h,
+// Reads the file and its external buffers; images are never opened or decoded. What was packed is plain (gltf_meshopt.h,
 // gltf_draco.h). Checked: the container, the JSON's grammar, types and URIs, each buffer's length. Not checked: what the numbers
 // refer to.
 //

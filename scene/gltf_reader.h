@@ -11,7 +11,7 @@ namespace nlg {
 // its transform, evaluated in double; instances are copied; a negative determinant turns the winding. Primitives: triangles,
 // strips and fans, indexed with 8, 16 or 32 bits or not at all; points and lines are skipped. Accessors: float positions,
 // or integers of 8 and 16 bits (KHR_mesh_quantization), any stride, sparse ones too; buffer views packed by
-// EXT_meshopt_compression (gltf_unpack.h), primitives by KHR_draco_mesh_compression (gltf_draco.h). Materials: base colour factor,
+// EXT_meshopt_compression (gltf_meshopt.h), primitives by KHR_draco_mesh_compression (gltf_draco.h). Materials: base colour factor,
 // emissive factor (times KHR_materials_emissive_strength), doubleSided. One SceneObject for each node with a mesh. Triangles of zero area are dropped and counted.
 // Light: KHR_lights_punctual (gltf_light.h), in cd and lux, emission in cd/m²; a lamp is a sphere of 5 cm radius. A file has no sky.
 // Perspective cameras become viewpoints; orthographic ones are skipped.

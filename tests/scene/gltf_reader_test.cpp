@@ -543,7 +543,7 @@ const Hostile kHostile[] = {
      "material 0: baseColorFactor"},
     {"colour of three", R"("asset":)", R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0]}}],"asset":)",
      "materials[0].pbrMetallicRoughness.baseColorFactor"},
-    {"key twice", R"("mesh":0)", R"("mesh":0,"mesh":0)", "nodes[0].mesh"},
+    {"key twice", R"("mesh":0)", R"("mesh":0,"mesh":0)", "key \"mesh\""},
     {"buffer without uri", R"("buffers":[)", R"("buffers":[{"byteLength":60},)", "buffers[0]"},
     {"buffer of another length", R"("byteLength":60)", R"("byteLength":61)", "hostile.gltf"},
     {"buffer of no length", R"("byteLength":60)", R"("byteLength":0)", "hostile.gltf"},

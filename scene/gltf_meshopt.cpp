@@ -1,5 +1,5 @@
 // EXT_meshopt_compression: https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Vendor/EXT_meshopt_compression
-#include "scene/gltf_unpack.h"
+#include "scene/gltf_meshopt.h"
 
 #include <cstdint>
 #include <utility>
@@ -7,7 +7,6 @@
 
 #include <meshoptimizer.h>
 #include <tiny_gltf.h>
-#include <nlohmann/json.hpp>
 
 #include "tool/error.h"
 
@@ -17,14 +16,6 @@ namespace {
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
 // Of vertices, 16 bytes take a quarter of a byte or more; a triangle's 12 bytes take one or more, an index's 4 one or more.
 constexpr uint64_t kBestRatio = 64;
-
-bool isFallbackWithoutUri(const nlohmann::json& buffer) {
-  if (!buffer.is_object() || buffer.contains("uri") || !buffer.contains("extensions")) return false;
-  const nlohmann::json& extensions = buffer["extensions"];
-  if (!extensions.is_object() || !extensions.contains(kMeshopt) || !extensions[kMeshopt].is_object()) return false;
-  const nlohmann::json& fallback = extensions[kMeshopt].value("fallback", nlohmann::json(false));
-  return fallback.is_boolean() && fallback.get<bool>();
-}
 
 // What the extension says of one buffer view.
 struct PackedView {
@@ -144,32 +135,7 @@ class MeshoptView {
   const PackedView packed_;
 };
 
-void hidePackedIndices(nlohmann::json& mesh) {
-  if (!mesh.contains("primitives")) return;
-  for (nlohmann::json& primitive : mesh["primitives"]) {
-    const auto extensions = primitive.find("extensions");
-    if (extensions != primitive.end() && extensions->is_object() && extensions->contains("KHR_draco_mesh_compression"))
-      primitive.erase("indices");
-  }
-}
-
 }  // namespace
-
-std::string plainGltfText(const std::string& path, std::string_view text) {
-  nlohmann::json root = nlohmann::json::parse(text, nullptr, false);
-  if (root.is_discarded()) throw InputError(path, "JSON", "JSON in UTF-8", "something else");
-  if (root.contains("buffers")) {
-    for (nlohmann::json& buffer : root["buffers"]) {
-      if (!isFallbackWithoutUri(buffer)) continue;
-      buffer["byteLength"] = 1;
-      buffer["uri"] = "data:application/octet-stream;base64,AA==";
-    }
-  }
-  if (root.contains("meshes")) {
-    for (nlohmann::json& mesh : root["meshes"]) hidePackedIndices(mesh);
-  }
-  return root.dump();
-}
 
 void unpackMeshopt(const std::string& path, tinygltf::Model& model, SceneBudget& bytes_left) {
   const size_t buffer_count = model.buffers.size();

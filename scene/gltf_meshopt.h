@@ -1,11 +1,9 @@
-// Compressed parts of a glTF file, made plain: tinygltf refuses them or leaves them packed.
+// Buffer views packed by EXT_meshopt_compression, made plain: tinygltf leaves them packed.
 //
-// EXT_meshopt_compression: a buffer view names packed bytes elsewhere; where it lies itself (a "fallback" buffer) need not exist.
-// KHR_draco_mesh_compression: gltf_draco.h.
+// Such a view names packed bytes elsewhere; where it lies itself (a "fallback" buffer) need not exist (gltf_json.h).
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "scene/scene_budget.h"
 
@@ -14,13 +12,6 @@ class Model;
 }
 
 namespace nlg {
-
-// The file's text as tinygltf takes it, before it is loaded: fallback buffers without a URI hold one byte, and primitives packed
-// by Draco have no indices, whose accessors need no buffer view.
-//
-// text      as checkGltfText has passed it
-// throws    InputError where the JSON library refuses it
-std::string plainGltfText(const std::string& path, std::string_view text);
 
 // Unpacks every packed buffer view into a buffer of its own, which the view then is the whole of. What is unpacked may be as
 // damaged as any other file's: nothing is said of its numbers.
