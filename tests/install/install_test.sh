@@ -3,7 +3,7 @@
 #
 #   install_test.sh BUILD_FOLDER MAKE_WEIGHTS CMAKE GENERATOR CONFIGURATION CC CXX CXX_FLAGS
 set -euo pipefail
-build=$1 make_weights=$2 cmake=$3 generator=$4 configuration=$5 cc=$6 cxx=$7 cxx_flags=$8
+build=$1 make_weights=$2 cmake=$3 generator=$4 configuration=$5 cc=$6 cxx=$7 cxx_flags=${8-}
 source=$(cd "$(dirname "$0")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -2,7 +2,9 @@
 """Every tool where the system refuses threads, from the first on, from the second, …: it ends by itself, and either it needs no more of them or
 one line says so. Nothing hangs, nothing aborts, nothing half-written stays.
 
-    refused_threads_test.py BIN_FOLDER REFUSE_THREADS
+    refused_threads_test.py BIN_FOLDER REFUSE_THREADS MOST
+
+MOST   threads that are started before the first is refused, at most; no tool below starts more than 8 at once
 """
 import os
 import subprocess
@@ -11,7 +13,7 @@ import tempfile
 
 BIN, REFUSE_THREADS = map(os.path.abspath, sys.argv[1:3])
 TIMEOUT_S = 60 * float(os.environ.get("NLG_TEST_TIMEOUT_FACTOR", "1"))  # of sanitizers, which slow everything down
-MOST = 8  # more than any tool below starts at once
+MOST = int(sys.argv[3])
 failures = []
 
 

@@ -15,7 +15,7 @@ import scenes
 import trial
 from case import Case, random_of
 
-SHORT_CASES = 4  # of each finding, about, in the short form
+SHORT_CASES = 2  # of each finding, about, in the short form
 SCENE_SECONDS, SCENE_MB = 10.0, 1000.0  # D3 to D5: what a small file may take
 POLICY_SECONDS = 10.0
 LONG_NUMBER, SURROGATE = "9" * 400, "\\ud800"

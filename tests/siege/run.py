@@ -37,7 +37,7 @@ import trial
 PARTS = ("findings", "kills", "errors", "damage", "scenes")
 MODULES = {"findings": findings, "kills": kills, "errors": errors, "damage": damage, "scenes": scenes}
 NEEDS_INJECTOR = ("findings", "kills", "errors")
-SHORT = {"kills": 8, "errors": 16, "damage": 100, "scenes": 30}
+SHORT = {"kills": 4, "errors": 8, "damage": 40, "scenes": 12}
 SECONDS, SANITIZED = 30.0, 10  # of a tool, at most; times as long under sanitizers
 PIPELINE_SECONDS = 600.0
 # as workflow/environment.sh sets it for every stage
