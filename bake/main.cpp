@@ -195,23 +195,24 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "info") == 0)
     return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-bake info", "light grids (.safetensors)", "bake", nlg::describeGrid});
   CLI::App app{
-      "Bakes the weighting functions of one scene: probes, visibility, functions, generator, check, refinement → a light grid.\n"
+      "Bakes one scene into a light grid: places probes, finds the weighting function of each, and lights them.\n"
       "nlg-bake SCENE: with the weights that ship with the project.\n"
       "nlg-bake info GRID ...: what light grids are, verified.\n"
       "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own; the scene first, because --weights takes several files.",
       "nlg-bake"};
-  app.footer(nlg::stagesHelp({}));
   nlg::Request request;
   nlg::BakeOptions options;
   nlg::OptionTable table("bake");
   nlg::describe(options, table);
+  table.addNote(nlg::stagesHelp({}));
+  table.common({"unit", "spacing_m", "extent_m", "sky", "sun", "light_direct", "weights", "out", "threads"});
   app.add_option("scene", request.scene, nlg::sceneForms())->required();
   app.add_option(
       "--weights", request.weights,
-      "weights of nlg-export; of several, the bake chooses a representation for every function; none: those that ship, "
-      "NAME.safetensors of --representation in the folder $NLG_WEIGHTS, or in the installation's, or in the sources'");
+      "weights of nlg-export. Of several the bake chooses a representation for every function. None: those that ship, which it "
+      "looks for in the folder $NLG_WEIGHTS, then in the installation and in the sources");
   const CLI::Option* out =
-      app.add_option("--out", request.out, "the light grid to write; none: the scene's name .safetensors, here");
+      app.add_option("--out", request.out, "the light grid to write. None: NAME.safetensors, here, by the name of the scene");
   app.add_option("--measure-savings", request.savings_rounds,
                  "rounds in which the scene is baked with and without all that it does not need, to measure what that saves; "
                  "0: the table of savings is counted only, and the bake takes no longer")

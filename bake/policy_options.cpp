@@ -7,6 +7,7 @@ namespace nlg {
 
 void describePolicy(PolicyOptions& o, OptionTable& table) {
   const PolicyRanges& range = kPolicyRanges;
+  table.group("Policy: which theta are worked on, and how long");
   const auto add = [&](const char* name, auto* value, const char* help, const auto& may) {
     table.add(name, value, help, may.low, may.high);
   };
@@ -41,12 +42,6 @@ void describePolicy(PolicyOptions& o, OptionTable& table) {
       "several weights: an error of direct optimisation that needs no larger representation", range.rmse);
   add("choice_generator_excess", &o.choice.generator_excess,
       "errors of predicted theta are about so many times those of direct optimisation", range.generator_excess);
-  table.renamed("correct_rmse", "good_rmse");
-  table.renamed("correct_retry_rmse", "retry_rmse");
-  table.renamed("correct_iterations", "fit_lm_iterations");
-  table.renamed("correct_theta0_iterations", "fit_lm_theta0_iterations");
-  table.renamed("correct_adam_rmse", "fit_adam_rmse");
-  table.renamed("correct_adam_steps", "fit_adam_steps");
 }
 
 PolicyOptions defaultBakePolicy() {

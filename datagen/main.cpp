@@ -17,6 +17,9 @@
 namespace nlg {
 namespace {
 
+const std::vector<std::string> kCommonOptions = {"jitter",        "held_out", "unit",          "spacing_min_m",
+                                                 "spacing_max_m", "threads",  "max_functions", "json"};
+
 // What generating and planning ask for alike.
 void addRequest(CLI::App& app, ShardRequest& request) {
   app.add_option("--scene", request.scene, sceneForms())->required();
@@ -27,14 +30,16 @@ void addRequest(CLI::App& app, ShardRequest& request) {
 int generateMain(int argc, char** argv) {
   CLI::App app{
       "Generates the weighting functions of one scene under one jitter and writes them as one shard.\n"
-      "nlg-datagen plan --scene ...: what a shard will take; nlg-datagen info FILE ...: what shards are, verified;\n"
-      "nlg-datagen view SHARD ...: pictures of one.",
+      "nlg-datagen plan --scene SCENE: what a shard will take.\n"
+      "nlg-datagen info FILE ...: what shards are, verified.\n"
+      "nlg-datagen view SHARD: pictures of one.",
       "nlg-datagen"};
   ShardRequest request;
   std::string out;
   DatagenOptions options;
   OptionTable table("datagen");
   describe(options, table);
+  table.common(kCommonOptions);
   addRequest(app, request);
   app.add_option("--out", out, "the shard to write (.h5)")->required();
   return runTool(argc, argv, app, table, [&] {
@@ -50,6 +55,7 @@ int planMain(int argc, char** argv) {
   bool json = false;
   OptionTable table("datagen");
   describe(options, table);
+  table.common(kCommonOptions);
   addRequest(app, request);
   app.add_flag("--json", json, "one line of JSON");
   return runTool(argc, argv, app, table,
@@ -62,12 +68,12 @@ int infoMain(int argc, char** argv) {
 
 int viewMain(int argc, char** argv) {
   CLI::App app{"Draws a shard: slices through one probe, an atlas of 64 functions, or the level from above.", "nlg-datagen view"};
-  app.footer(sceneBudgets());
   std::string shard, out;
   uint64_t probe_idx = 0;
   bool is_atlas = false, is_top = false;
   ViewOptions options;
   OptionTable table("datagen");
+  table.addNote(sceneBudgets());
   app.add_option("shard", shard, "the shard (.h5)")->required();
   CLI::App* picture = app.add_option_group("picture", "one of");
   CLI::Option* probe = picture->add_option("--probe", probe_idx, "three slices through the function of this index")

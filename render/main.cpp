@@ -18,11 +18,12 @@ int main(int argc, char** argv) {
       "nlg-render SCENE --out view.png: ground truth, from a view that shows something.\n"
       "nlg-render SCENE --grid GRID --panel truth,grid --out view.png: side by side, with the error.",
       "nlg-render"};
-  app.footer(stagesHelp({}));
   RenderRequest request;
   BakeOptions bake;
   OptionTable table("bake");
   describe(bake, table);
+  table.addNote(stagesHelp({}));
+  table.common({"grid", "bake", "method", "panel", "truth_rays", "exposure", "camera", "width"});
   describe(request, app);
   return runTool(argc, argv, app, table, [&] {
     takeThetaPrecision(&bake);

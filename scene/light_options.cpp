@@ -73,8 +73,10 @@ bool isBright(const glm::vec3& colour) { return colour.r > 0.0f || colour.g > 0.
 }  // namespace
 
 void describe(LightOptions& options, OptionTable& table) {
-  table.add("sky", &options.sky, std::string("radiance of the sky: ") + kSkyForm + "; none: the scene's own");
-  table.add("sun", &options.sun, std::string("a sun: ") + kSunForm + "; none: the scene's own");
+  table.add("sky", &options.sky,
+            "radiance of the sky: r,g,b; or nine numbers, of zenith, horizon and ground; or 0, no sky. None: the scene's own");
+  table.add("sun", &options.sun,
+            "a sun: its azimuth and elevation, degrees, and its irradiance r,g,b; or 0, no sun. None: the scene's own");
 }
 
 bool hasLight(const Scene& scene) {

@@ -128,8 +128,8 @@ SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
 }  // namespace
 
 void describe(SceneReading& reading, OptionTable& table) {
-  table.add("unit", &reading.unit_m, "metres of one unit of a glTF or .obj file: 0.01 of one in centimetres, 0.0254 in inches",
-            1e-6, 1e6);
+  table.add("unit", &reading.unit_m,
+            "metres of one unit of a glTF or .obj file: 0.01 where it is in centimetres, 0.0254 in inches", 1e-6, 1e6);
   table.addNote(sceneBudgets());
 }
 

@@ -40,6 +40,8 @@ struct Option {
   std::string name;
   std::string help;
   Target target;
+  std::string group;
+  std::string passed_from;  // a section of which only the workflow reads it; empty: the table's own
   CLI::Option* flag = nullptr;
 };
 
@@ -129,6 +131,38 @@ void takeOrThrow(const Option& option, const std::string& place, const std::stri
   const bool taken = std::visit([&](const auto& target) { return take(target, text); }, option.target);
   if (taken) return;
   throw UsageError(place, std::visit([](const auto& target) { return expected(target); }, option.target), quoted(text));
+}
+
+// All that there is to know of it but its section.
+nlohmann::ordered_json describeOption(const Option& option) {
+  nlohmann::ordered_json json = {{"name", option.name},
+                                 {"default", std::visit([](const auto& target) { return shown(target); }, option.target)}};
+  const auto addRange = [&](const auto& target) {
+    using Limits = std::numeric_limits<std::decay_t<decltype(target.min)>>;
+    if (target.min != Limits::lowest()) json["min"] = target.min;
+    if (target.max != Limits::max()) json["max"] = target.max;
+  };
+  if (const auto* target = std::get_if<IntTarget>(&option.target)) addRange(*target);
+  if (const auto* target = std::get_if<DoubleTarget>(&option.target)) addRange(*target);
+  if (std::holds_alternative<uint64_t*>(option.target)) json["min"] = 0;
+  json["group"] = option.group;
+  json["help"] = option.help;
+  return json;
+}
+
+// " (1 to 64; default 2)", of what there is of it.
+std::string limitsAndDefault(const nlohmann::ordered_json& option) {
+  const nlohmann::ordered_json& value = option["default"];
+  if (value == "" || value == nlohmann::ordered_json::array()) return "";
+  if (value.is_array()) return fmt::format(" (default {})", fmt::join(value.get<TextList>(), ","));
+  if (value.is_string()) return fmt::format(" (default {})", value.get<std::string>());
+  if (value.is_boolean()) return fmt::format(" (default {})", value.get<bool>());
+  std::string limits;
+  if (option.contains("min")) limits = fmt::format("at least {}; ", option["min"].get<double>());
+  if (option.contains("max")) limits = fmt::format("at most {}; ", option["max"].get<double>());
+  if (option.contains("min") && option.contains("max"))
+    limits = fmt::format("{} to {}; ", option["min"].get<double>(), option["max"].get<double>());
+  return fmt::format(" ({}default {})", limits, value.get<double>());
 }
 
 std::string flagOf(const std::string& name) {
@@ -284,17 +318,14 @@ void takeFlag(const Option& option, const std::string& place, const std::string&
 struct OptionTable::Impl {
   std::string section;
   std::vector<Option> options;
-  struct FormerName {
-    std::string old_name, name;
-    CLI::Option* flag = nullptr;
-  };
-  std::vector<FormerName> former_names;
+  std::string present_group = "Options", present_source;
+  std::vector<std::string> common;
   std::vector<std::string> notes;
 
   void add(const std::string& name, Target target, const std::string& help) {
     const bool repeated = std::any_of(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
     NLG_CHECK(repeated, ==, false);
-    options.push_back({name, help, target});
+    options.push_back({name, help, std::move(target), present_group, present_source});
   }
 };
 
@@ -320,37 +351,36 @@ void OptionTable::add(const std::string& name, std::vector<std::string>* value, 
   impl_->add(name, value, help);
 }
 
-void OptionTable::renamed(const std::string& old_name, const std::string& name) {
-  impl_->former_names.push_back({old_name, name});
-}
+void OptionTable::group(const std::string& name) { impl_->present_group = name; }
+void OptionTable::passedFrom(const std::string& section) { impl_->present_source = section; }
+
+void OptionTable::common(std::vector<std::string> names) { impl_->common = std::move(names); }
+const std::vector<std::string>& OptionTable::commonNames() const { return impl_->common; }
 
 void OptionTable::addNote(const std::string& note) { impl_->notes.push_back(note); }
+std::string OptionTable::notes() const { return fmt::format("{}", fmt::join(impl_->notes, "\n\n")); }
 
 void OptionTable::addFlags(CLI::App& app) {
   for (Option& option : impl_->options) {
-    const std::string expectation = std::visit([](const auto& target) { return expected(target); }, option.target);
-    const std::string value = std::visit([](const auto& target) { return shown(target); }, option.target).dump();
-    const std::string help = fmt::format("{} ({}; default {})", option.help, expectation, value);
+    const std::string help = option.help + limitsAndDefault(describeOption(option));
     // a bool is a switch, "--culling" or "--culling=false"; whatever stands there is kept as text until applyFlags
     const bool is_switch = std::holds_alternative<bool*>(option.target);
     option.flag = is_switch ? app.add_flag(flagOf(option.name), help) : app.add_option(flagOf(option.name), help);
+    option.flag->group(option.group);
   }
-  // the empty group keeps them out of --help
-  for (Impl::FormerName& former : impl_->former_names) former.flag = app.add_option(flagOf(former.old_name))->group("");
-  for (const std::string& note : impl_->notes) app.footer(app.get_footer().empty() ? note : app.get_footer() + "\n\n" + note);
 }
 
 void OptionTable::readYaml(const std::string& path) {
   const YamlFile file(path);
   const auto takeEntry = [&](const std::string& key, const YAML::Node& value, const std::string& place) {
     const auto& options = impl_->options;
-    const auto option = std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.name == key; });
+    const auto option =
+        std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.name == key && o.passed_from.empty(); });
     if (option != options.end()) return takeYaml(*option, file, value, place);
-    for (const Impl::FormerName& former : impl_->former_names) {
-      if (former.old_name == key) throw UsageError(place, quoted(former.name) + ", its present name", quoted(key));
-    }
     std::vector<std::string> known;
-    for (const Option& o : options) known.push_back(o.name);
+    for (const Option& o : options) {
+      if (o.passed_from.empty()) known.push_back(o.name);
+    }
     throwUnknownKey(place, key, known);
   };
   file.forEachEntry(file.root(), [&](const std::string& key, const YAML::Node& value, const std::string& place) {
@@ -361,10 +391,6 @@ void OptionTable::readYaml(const std::string& path) {
 }
 
 void OptionTable::applyFlags() {
-  for (const Impl::FormerName& former : impl_->former_names) {
-    if (former.flag == nullptr || former.flag->count() == 0) continue;
-    throw UsageError(flagOf(former.old_name), flagOf(former.name) + ", its present name", flagOf(former.old_name));
-  }
   for (const Option& option : impl_->options) {
     if (option.flag == nullptr || option.flag->count() == 0) continue;
     const std::vector<std::string> given = option.flag->results();
@@ -376,7 +402,18 @@ void OptionTable::applyFlags() {
 nlohmann::ordered_json OptionTable::toJson() const {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const Option& option : impl_->options) {
-    json[option.name] = std::visit([](const auto& target) { return shown(target); }, option.target);
+    if (option.passed_from.empty())
+      json[option.name] = std::visit([](const auto& target) { return shown(target); }, option.target);
+  }
+  return json;
+}
+
+nlohmann::ordered_json OptionTable::describeAsJson() const {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Option& option : impl_->options) {
+    nlohmann::ordered_json one = {{"section", option.passed_from.empty() ? impl_->section : option.passed_from}};
+    one.update(describeOption(option));
+    json.push_back(std::move(one));
   }
   return json;
 }

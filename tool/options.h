@@ -5,8 +5,9 @@
 //     OptionTable table("datagen");
 //     table.add("spacing_min_m", &options.spacing_min_m, "smallest probe spacing, metres", 0.01, 100.0);
 //
-// From that follow the keys of its section in pipeline.yaml, the flags `--spacing-min-m`, the text of `--help` and the JSON
-// that travels with every artefact. Order of precedence: default, pipeline.yaml, flag.
+// From that follow the keys of its section in pipeline.yaml, the flags `--spacing-min-m`, the texts of `--help` and `--help-all`,
+// the page docs/reference/settings.md and the JSON that travels with every artefact. Order of precedence: default, pipeline.yaml,
+// flag.
 #pragma once
 
 #include <cstdint>
@@ -44,11 +45,21 @@ class OptionTable {
   void add(const std::string& name, std::vector<std::string>* value,
            const std::string& help);  // a YAML sequence; the flag takes a comma-separated list
 
-  // An option's former name: a key or flag of that name is refused in one line that tells the present one.
-  void renamed(const std::string& old_name, const std::string& name);
+  // The headline of --help-all and of the page of settings that the options added from here on stand under.
+  void group(const std::string& name);
 
-  // What --help ends with, behind whatever the tool's own end is.
+  // The options added from here on are flags alone: the workflow finds them in another section of pipeline.yaml, and passes them on.
+  // They are not in toJson().
+  void passedFrom(const std::string& section);
+
+  // What --help shows, by snake_case name, of these options and of those that the tool itself has added to its command line;
+  // positionals, what is required and --config it shows in any case. Without this call it shows all of them.
+  void common(std::vector<std::string> names);
+  const std::vector<std::string>& commonNames() const;
+
+  // What --help-all ends with; --help, too, of a tool that shows all of its options there.
   void addNote(const std::string& note);
+  std::string notes() const;
 
   // Adds one flag an option to the command line, each with its help, default and range. Values are only remembered here.
   void addFlags(CLI::App& app);
@@ -64,6 +75,9 @@ class OptionTable {
 
   // The resolved options as a JSON object, keys in the order of the table.
   nlohmann::ordered_json toJson() const;
+
+  // What there is to know of each option, a JSON object each: section, name, default, min and max where there are any, group, help.
+  nlohmann::ordered_json describeAsJson() const;
 
  private:
   struct Impl;

@@ -4,16 +4,21 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "tool/help.h"
 #include "tool/printable.h"
 #include "tool/provenance.h"
 
 namespace nlg {
 namespace {
+
+// In place of a command line: the table as JSON, for workflow/settings.py.
+constexpr const char* kListOptions = "--list-options";
 
 std::string toolName(const CLI::App& app, int argc, char** argv) {
   if (!app.get_name().empty()) return app.get_name();
@@ -79,9 +84,15 @@ void flushStandardOutput() {
 void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run) {
   std::string config;
   const CLI::Option* config_flag =
-      app.add_option("--config", config, "pipeline.yaml: this tool reads its own section of it")->type_name("FILE");
+      app.add_option("--config", config, "a configuration such as pipeline.yaml, of which this tool reads its own section")
+          ->type_name("FILE");
   if (app.get_version_ptr() == nullptr) app.set_version_flag("--version", std::string(sourceRevision()));
+  addHelpFlags(app);
   table.addFlags(app);
+  if (argc == 2 && std::strcmp(argv[1], kListOptions) == 0) {
+    std::cout << table.describeAsJson().dump() << '\n';
+    return flushStandardOutput();
+  }
   refuseOtherBytes(argc, argv);
   refuseEmptyAssignments(argc, argv);
   app.parse(argc, argv);
@@ -92,9 +103,15 @@ void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const
 }
 
 // --help and --version reach us as exceptions too.
-int endOfParsing(const CLI::App& app, const CLI::ParseError& error, const std::string& name) {
+int endOfParsing(CLI::App& app, const OptionTable& table, const CLI::ParseError& error, const std::string& name) {
   if (error.get_exit_code() != 0) return fail(name, std::string(error.what()) + "; see --help", ExitCode::usage_error);
-  app.exit(error, std::cout, std::cerr);
+  if (error.get_name() == "CallForHelp") {
+    std::cout << helpText(app, table, HelpExtent::common);
+  } else if (error.get_name() == "CallForAllHelp") {
+    std::cout << helpText(app, table, HelpExtent::all);
+  } else {
+    app.exit(error, std::cout, std::cerr);
+  }
   flushStandardOutput();
   return static_cast<int>(ExitCode::success);
 }
@@ -111,7 +128,7 @@ int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std:
     try {
       parseAndRun(argc, argv, app, table, run);
     } catch (const CLI::ParseError& error) {
-      return endOfParsing(app, error, name);
+      return endOfParsing(app, table, error, name);
     }
   } catch (const ToolError& error) {
     return fail(name, error.what(), error.exitCode());

@@ -17,7 +17,8 @@ namespace nlg {
 // file, applies the flags, then calls run(). Every exception ends here: one line on stderr, "nlg-pca: error: …", and the exit
 // code of error.h (std::bad_alloc: internal_error, said as "out of memory"; other exceptions: internal_error).
 // What is printed meanwhile on stderr, and on stdout where that is a terminal, holds no control characters but ends of lines and
-// tabs: printable.h. SIGPIPE is ignored. Command-line mistakes exit with usage_error; --help and --version with success.
+// tabs: printable.h. SIGPIPE is ignored. Command-line mistakes exit with usage_error; --help, --help-all
+// and --version with success; so does --list-options, by itself, which prints OptionTable::describeAsJson.
 // returns   the process's exit code
 int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run);
 

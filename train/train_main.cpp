@@ -250,6 +250,8 @@ int main(int argc, char** argv) {
   nlg::TrainOptions options;
   nlg::OptionTable table("train");
   nlg::describeTrainOptions(options, table);
+  table.group("Run");
+  table.common({"steps", "learning_rate", "threads", "shards", "cache", "out", "run", "device"});
   app.add_option("--representation", request.representation, nlg::representationNames())->required();
   app.add_option("--shards", request.shards, "training shards, to be read into memory");
   app.add_option("--cache", request.cache, "the training set as nlg-cache made it, to be read from the disk");
@@ -261,8 +263,7 @@ int main(int argc, char** argv) {
   app.add_flag("--find-rate", request.find_rate, "look for a learning rate instead of training; writes --log alone");
   app.add_option("--device", request.device, "of the network: cpu or cuda");
   CLI::Option* rank = app.add_option("--rank", request.processes.rank, "which of the processes that train together this is");
-  table.add("processes", &request.processes.count, "how many train together; the batch is split among them", 1, 4096);
-  table.renamed("world_size", "processes");
+  table.add("processes", &request.processes.count, "processes that train together, among which a batch is split", 1, 4096);
   app.add_option("--rendezvous", request.processes.rendezvous,
                  "a fresh file that all of them can write; with it, srun's variables stand for --rank and --processes");
   app.add_option("--timeout-s", request.processes.timeout_s, "longest wait for another process");

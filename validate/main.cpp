@@ -26,11 +26,12 @@ int validateMain(int argc, char** argv) {
       "nlg-validate light-closure SCENE: whether a level's light explains its lightmaps.\n"
       "nlg-validate light-noise SCENE: how noisy baked light is, and how fast it is baked.",
       "nlg-validate"};
-  app.footer(stagesHelp({}));
   ValidationRequest request;
   ValidateOptions options;
   OptionTable table("validate");
   describe(options, table);
+  table.addNote(stagesHelp({}));
+  table.common({"training", "direct_functions", "convergence_functions", "threads"});
   app.add_option("--weights", request.weights, "exported generators, one a representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
   app.add_option("--training", request.training,

@@ -13,17 +13,18 @@
 int main(int argc, char** argv) {
   using namespace nlg;
   CLI::App app{
-      "Writes a page that shows a level lit by its light grid, beside what others use: to walk through, to compare, to look at "
-      "probes\n"
-      "and at the places where the grid is most wrong. The page is a folder that opens by a double click, without a network.\n"
-      "nlg-view SCENE --out FOLDER: bakes the grid first, with the weights that ship.\n"
-      "nlg-view SCENE --grid GRID --out FOLDER: of a grid that nlg-bake wrote.",
+      "Makes a page that shows a level lit by its light grid, beside what others use. One walks through it, compares, and looks "
+      "at\n"
+      "probes and at the places where the grid is most wrong. The page is a folder; a double click opens it, without a network.\n"
+      "nlg-view SCENE: bakes the grid first, with the weights that ship.\n"
+      "nlg-view SCENE --grid GRID: of a grid that nlg-bake wrote.",
       "nlg-view"};
-  app.footer(stagesHelp({}));
   ViewRequest request;
   BakeOptions bake;
   OptionTable table("bake");
   describe(bake, table);
+  table.addNote(stagesHelp({}));
+  table.common({"out", "grid", "weights", "rivals", "unit", "spacing_m", "sky", "sun", "threads"});
   describe(request, app);
   return runTool(argc, argv, app, table, [&] {
     request.rivals_are_given = app.get_option("--rivals")->count() > 0;

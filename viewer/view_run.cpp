@@ -301,11 +301,21 @@ class ViewFolder {
   Json said_;
 };
 
+// "levels/house.glb": house; "house:3": house_3.
+std::string folderName(const std::string& scene) {
+  const fs::path path(scene);
+  const std::string extension = path.extension().string();
+  const bool is_file = extension == ".glb" || extension == ".gltf" || extension == ".obj" || extension == ".bsp";
+  std::string name = (is_file ? path.stem() : path.filename()).string();
+  std::replace(name.begin(), name.end(), ':', '_');
+  return name;
+}
+
 }  // namespace
 
 void describe(ViewRequest& r, CLI::App& app) {
   app.add_option("scene", r.scene, "a scene, as nlg-bake takes it")->required();
-  app.add_option("--out", r.out, "the folder to write; index.html in it is the page")->required();
+  app.add_option("--out", r.out, "the folder to write, in which index.html is the page. None: here, by the name of the scene");
   app.add_option("--grid", r.grid, "a light grid that holds light, as nlg-bake writes it; none: it is baked here");
   app.add_option("--weights", r.weights, "weights for that bake; none: those that ship");
   app.add_option(
@@ -330,6 +340,7 @@ void describe(ViewRequest& r, CLI::App& app) {
 }
 
 Json makeView(ViewRequest request, BakeOptions options) {
+  if (request.out.empty()) request.out = folderName(request.scene);
   requireOutputFolder(request.out);
   if (request.rivals == std::vector<std::string>{"none"}) request.rivals.clear();
   for (const std::string& name : request.rivals) {

@@ -19,7 +19,8 @@ class App;
 namespace nlg {
 
 struct ViewRequest {
-  std::string scene, grid, out;
+  std::string scene, grid;
+  std::string out;                   // empty: by the name of the scene
   std::vector<std::string> weights;  // without a grid: to bake one
   std::vector<std::string> rivals = {"valid-trilinear", "ddgi", "quake-grid"};
   bool rivals_are_given = false;  // false: what a scene does not have is left out

@@ -61,41 +61,49 @@ SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& optio
 }  // namespace
 
 void describe(DiffusionOptions& o, OptionTable& table) {
+  table.group("Weighting functions");
   table.add("diffusion_passes", &o.passes, "passes that carry weight round corners", 0, 16);
-  table.add("diffusion_sigma", &o.sigma, "deviation of the diffusion's Gaussian, shares of the spacing", 1e-3, 10.0);
-  table.add("diffusion_falloff", &o.falloff, "a point's weight fades below a lit share of 1 over this of its open neighbourhood",
-            0.0, 1e6);
+  table.add("diffusion_sigma", &o.sigma, "deviation of the diffusion's Gaussian, as a share of the spacing", 1e-3, 10.0);
+  table.add("diffusion_falloff", &o.falloff,
+            "a point's weight fades below a lit share of 1 over this number of its open neighbourhood", 0.0, 1e6);
 }
 
 void describe(DatagenOptions& o, OptionTable& table) {
+  table.group("Shard");
   table.add("seed", &o.seed, "seed of every random choice");
+  table.group("Scene");
   describe(o.reading, table);
-  table.add("spacing_min_m", &o.probes.spacing_min_m, "smallest finest probe spacing, metres", 1e-4, 1e5);
-  table.add("spacing_max_m", &o.probes.spacing_max_m, "largest finest probe spacing, metres", 1e-4, 1e5);
+  table.group("Probes");
+  table.add("spacing_min_m", &o.probes.spacing_min_m,
+            "finest distance between probes, metres: the scene's own is drawn from here …", 1e-4, 1e5);
+  table.add("spacing_max_m", &o.probes.spacing_max_m, "… to here", 1e-4, 1e5);
   table.add("density_growth", &o.probes.density_growth,
-            "probe spacing over distance from the nearest triangle; 0: finest everywhere", 0.0, 1e3);
+            "how fast probes thin out: their distance from each other over that from the nearest triangle. 0: finest everywhere",
+            0.0, 1e3);
   table.add("extent_m", &o.extent_m,
-            "where there are probes: low x, y, z, high x, y, z, metres, world coordinates; none: the scene's bounds");
+            "where there are probes: x,y,z,X,Y,Z, low and high corner, metres, world coordinates. None: the scene's bounds");
   table.add("in_solid", &o.in_solid,
-            "share of the probes in solid that have functions, as seen from a place in air; 0: none has one", 0.0, 1.0);
-  table.add("max_functions", &o.max_functions, "stop a shard after so many functions; probes are visited in random order", 1,
-            1 << 30);
-  table.add("max_visited_probes", &o.max_visited_probes, "stop a shard after so many probes, most of them empty in sparse scenes",
-            1, 2000000000);
-  table.add("test_points", &o.test_points, "points that no fit sees, for held-out shards; a multiple of 16", 0,
-            kMaxTestPointCount);
-  table.renamed("unseen_points", "test_points");
+            "share of the probes in solid that have functions, as seen from a place in air. 0: none has one", 0.0, 1.0);
+  table.group("Shard");
+  table.add("max_functions", &o.max_functions, "stop after so many functions. Probes are visited in random order", 1, 1 << 30);
+  table.add("max_visited_probes", &o.max_visited_probes, "stop after so many probes, most of which are empty in sparse scenes", 1,
+            2000000000);
+  table.add("test_points", &o.test_points, "held-out shards: points that no fit sees, a multiple of 16", 0, kMaxTestPointCount);
+  table.group("Weighting functions");
   table.add("duplicate_rms", &o.duplicate_rms,
-            "functions that differ by no more than this RMS, in steps of 1/255, count as one; 0: the same bytes", 0.0, 16.0);
+            "functions that differ by no more than this RMS, in steps of 1/255, count as one. 0: only the same bytes do", 0.0,
+            16.0);
   table.add("duplicate_validity_points", &o.duplicate_validity_points,
-            "and whose validity differs in no more than so many support points", 0, 8192);
-  table.add("threads", &o.threads, "threads for one shard; its bytes do not depend on them", 1, 1024);
-  table.add("move_m", &o.jitter.move_m, "jitter: objects move by up to this, metres", 0.0, 1e4);
-  table.add("turn_degrees", &o.jitter.turn_degrees, "jitter: objects turn by up to this", 0.0, 180.0);
-  table.add("scale", &o.jitter.scale, "jitter: objects scale by up to this share", 0.0, 0.9);
-  table.add("drop_share", &o.jitter.drop_share, "jitter: this share of the objects is left out", 0.0, 1.0);
-  table.add("structure_share", &o.jitter.structure_share, "components above this share of the scene's side stay in place", 0.0,
-            1.0);
+            "such functions may differ in validity at no more than so many support points", 0, 8192);
+  table.group("Shard");
+  table.add("threads", &o.threads, "threads for one shard. Its bytes do not depend on them", 1, 1024);
+  table.group("Jitter");
+  table.add("move_m", &o.jitter.move_m, "objects move by up to this, metres", 0.0, 1e4);
+  table.add("turn_degrees", &o.jitter.turn_degrees, "objects turn by up to this, degrees", 0.0, 180.0);
+  table.add("scale", &o.jitter.scale, "objects grow or shrink by up to this share", 0.0, 0.9);
+  table.add("drop_share", &o.jitter.drop_share, "this share of the objects is left out", 0.0, 1.0);
+  table.add("structure_share", &o.jitter.structure_share, "what is larger than this share of the scene's side stays in place",
+            0.0, 1.0);
   describe(o.diffusion, table);
 }
 

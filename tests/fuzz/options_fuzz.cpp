@@ -23,7 +23,6 @@ void readOne(std::string_view bytes) {
   table.add("culling", &is_culled, "whether to");
   table.add("folder", &folder, "of levels");
   table.add("names", &names, "of representations");
-  table.renamed("number", "count");
   if (!isTaken([&] { table.readYaml(file.path()); })) return;
   FUZZ_CHECK(count >= 1 && count <= 100, std::to_string(count));
   FUZZ_CHECK(spacing_m >= 0.01 && spacing_m <= 100.0, std::to_string(spacing_m));

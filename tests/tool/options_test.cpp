@@ -30,7 +30,6 @@ OptionTable tableOf(Values* values) {
   table.add("cull", &values->cull, "skip what nobody sees");
   table.add("scene", &values->scene, "scene file");
   table.add("families", &values->families, "procedural families");
-  table.renamed("culling", "cull");
   return table;
 }
 
@@ -134,13 +133,35 @@ TEST_F(Options, ShowThemselvesAsJsonInTableOrder) {
             R"({"jobs":2,"seed":18446744073709551615,"spacing_m":0.5,"cull":true,"scene":"box","families":["rooms"]})");
 }
 
+TEST_F(Options, DescribeThemselvesAsJson) {
+  EXPECT_EQ(tableOf(&values_).describeAsJson()[2].dump(),
+            R"({"section":"datagen","name":"spacing_m","default":0.5,"min":0.01,"max":100.0,"group":"Options",)"
+            R"("help":"probe spacing, metres"})");
+}
+
+TEST_F(Options, PassedFromAnotherSectionAreFlagsAlone) {
+  OptionTable table = tableOf(&values_);
+  int walks = 3;
+  table.passedFrom("validate_light");
+  table.add("walks", &walks, "walks in air", 1, 9);
+  EXPECT_FALSE(table.toJson().contains("walks"));
+  EXPECT_EQ(table.describeAsJson().back()["section"], "validate_light");
+  std::ofstream(path_) << "datagen: {walks: 4}\n";
+  EXPECT_THROW(table.readYaml(path_), UsageError);
+  std::ofstream(path_) << "validate_light: {walks: 4}\n";
+  table.readYaml(path_);
+  parseFlags({"--walks", "5"}, &table);
+  EXPECT_EQ(walks, 5);
+}
+
 TEST_F(Options, DescribeThemselvesInHelp) {
   OptionTable table = tableOf(&values_);
   CLI::App app;
   table.addFlags(app);
   const std::string help = app.help();
   EXPECT_NE(help.find("--spacing-m"), std::string::npos) << help;
-  EXPECT_NE(help.find("probe spacing, metres (a finite number in [0.01, 100]; default 0.5)"), std::string::npos) << help;
+  EXPECT_NE(help.find("probe spacing, metres (0.01 to 100; default 0.5)"), std::string::npos) << help;
+  EXPECT_NE(help.find("scene file (default box)"), std::string::npos) << help;
 }
 
 TEST_F(Options, RefuseValuesWithLineAndColumn) {
@@ -186,15 +207,6 @@ TEST_F(Options, RefuseUnknownAndRepeatedKeysWithLineAndColumn) {
   EXPECT_EQ(refusalOfYaml("datagen: {}\ndatagen: {}\n"), ":2:1: expected each key once, got 'datagen' again");
   EXPECT_EQ(refusalOfYaml("datagen:\n  [1, 2]: 1\n"), ":2:3: expected a key, got a sequence");
   EXPECT_EQ(refusalOfYaml("datagen:\n  <<: {jobs: 3}\n").substr(0, 6), ":2:3: ");
-}
-
-TEST_F(Options, RefuseAFormerNameAndTellThePresentOne) {
-  EXPECT_EQ(refusalOfYaml("datagen:\n  culling: true\n"), ":2:3: expected 'cull', its present name, got 'culling'");
-  EXPECT_EQ(refusalOfFlags({"--culling", "true"}), "--culling: expected --cull, its present name, got --culling");
-  OptionTable table = tableOf(&values_);
-  CLI::App app;
-  table.addFlags(app);
-  EXPECT_EQ(app.help().find("culling"), std::string::npos);
 }
 
 TEST_F(Options, RefuseWhatIsNoYaml) {

@@ -61,6 +61,48 @@ TEST(RunTool, EndsEveryErrorWithItsCodeAndOneLine) {
   expectEnd([](int) { throw 5; }, ExitCode::internal_error, "nlg-pca: error: unknown exception\n");
 }
 
+// Runs "nlg-pca" with an option in each of two groups, of which only one is common.
+Outcome helpWith(const std::string& flag) {
+  int jobs = 2, depth = 3;
+  std::string out;
+  CLI::App app("projects functions", "nlg-pca");
+  OptionTable table("basis");
+  table.group("Work");
+  table.add("jobs", &jobs, "threads", 1, 64);
+  table.group("Tree");
+  table.add("depth", &depth, "a text that is so long that no terminal of the usual width holds it behind the option's name", 1,
+            64);
+  table.common({"jobs"});
+  table.addNote("What only few read.");
+  app.add_option("--out", out, "the file to write");
+  app.add_option("--in", out, "the file to read")->required();
+  std::vector<std::string> arguments = {"nlg-pca", flag};
+  std::vector<char*> argv = {arguments[0].data(), arguments[1].data()};
+  testing::internal::CaptureStdout();
+  const int code = runTool(2, argv.data(), app, table, [] { FAIL() << "ran"; });
+  return {code, testing::internal::GetCapturedStdout(), ""};
+}
+
+TEST(RunTool, ShowsInHelpWhatIsCommonAndTheRestInHelpAll) {
+  const Outcome brief = helpWith("--help"), whole = helpWith("--help-all");
+  EXPECT_EQ(brief.code, 0);
+  EXPECT_EQ(whole.code, 0);
+  for (const char* shown : {"--jobs", "--in", "--config", "nlg-pca --help-all: all "})
+    EXPECT_NE(brief.out.find(shown), std::string::npos) << shown << brief.out;
+  for (const char* shown : {"--depth", "--out", "--version", "Work:", "few read"}) {
+    EXPECT_EQ(brief.out.find(shown), std::string::npos) << shown << brief.out;
+    EXPECT_NE(whole.out.find(shown), std::string::npos) << shown << whole.out;
+  }
+  std::istringstream lines(whole.out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100) << line;
+}
+
+TEST(RunTool, ListsItsOptionsForPrograms) {
+  const Outcome outcome = runWith({"--list-options"}, [](int) { FAIL() << "ran"; });
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.out.rfind(R"([{"section":"basis","name":"jobs",)", 0), 0) << outcome.out;
+}
+
 TEST(RunTool, EndsHelpAndVersionWithSuccessAndWithoutRunning) {
   const auto mustNotRun = [](int) { FAIL() << "ran"; };
   const Outcome help = runWith({"--help"}, mustNotRun);

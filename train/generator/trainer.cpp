@@ -116,6 +116,7 @@ SampleOrder sampleOrder(const TrainOptions& options, const Representation& repre
 }  // namespace
 
 void describeTrainOptions(TrainOptions& o, OptionTable& table) {
+  table.group("Training");
   table.add("seed", &o.seed, "seed of every random choice");
   table.add("steps", &o.steps, "training steps", 1, 100000000);
   table.add("batch", &o.batch, "functions a step", 1, 65536);
@@ -131,6 +132,7 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("bare_tent_rmse", &o.bare_tent_rmse, "a function that the bare tent gives with no larger an RMSE takes no theta", 0.0,
             1.0);
   table.add("divergence_ratio", &o.divergence_ratio, "a loss over so many running medians takes training back", 1.0, 1e9);
+  table.group("Networks");
   table.add("representation_slope", &o.representation_slope, "LeakyReLU slope of the tiny network", 1e-6, 0.9);
   table.add("width", &o.shape.width, "width of the generator's hidden layers", 1, 8192);
   table.add("layers", &o.shape.layer_count, "layers of the generator, the last one included", 1, 32);
@@ -142,6 +144,7 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("theta_unit", &o.shape.theta_unit, "corrections see theta as asinh of its change over this", 1e-6, 1e6);
   table.add("correction_width", &o.shape.correction_width, "width of the correction network's hidden layers", 1, 8192);
   table.add("correction_layers", &o.shape.correction_layers, "its layers, the last one included", 1, 32);
+  table.group("Run");
   table.add("start_candidates", &o.start.candidates, "random starts tried for theta0", 1, 1000000);
   table.add("checkpoint_steps", &o.checkpoint_steps, "steps between checkpoints", 1, 100000000);
   table.add("validation_functions", &o.validation_functions, "held-out functions in the validation loss", 1, 100000000);

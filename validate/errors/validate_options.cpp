@@ -7,8 +7,10 @@ namespace nlg {
 int ValidateOptions::threadCount() const { return threads > 0 ? threads : machineThreadCount(); }
 
 void describe(ValidateOptions& o, OptionTable& table) {
+  table.group("Measurement");
   table.add("seed", &o.seed, "seed of random starts");
   describePolicy(o.policy, table);
+  table.group("Measurement");
   table.add("theta_precision", &o.theta_precision, "float32, float16 or int8: what the light grid would store");
   table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);
   table.add("direct_functions", &o.direct_functions,

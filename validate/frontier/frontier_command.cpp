@@ -156,6 +156,7 @@ int frontierMain(int argc, char** argv) {
   OptionTable table("frontier");
   describe(options, table);
   describePolicy(options.policy, table);
+  table.common({"functions", "repeats", "hierarchy"});
   app.add_option("--weights", request.weights, "exported generators, one a representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
   app.add_option("--hierarchy", request.hierarchies, "SCENE.hierarchy.json of nlg-solve --weights, one a scene");

@@ -33,6 +33,7 @@ FitBudgets FrontierOptions::budgets() const {
 std::vector<int> FrontierOptions::coefficientCounts() const { return risingNumbers("--coefficients", coefficients); }
 
 void describe(FrontierOptions& o, OptionTable& table) {
+  table.group("Measurement");
   table.add("functions", &o.functions, "held-out functions that take a theta, evenly over scenes: all points run on them", 1,
             1000000);
   table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);

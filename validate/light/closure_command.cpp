@@ -74,6 +74,7 @@ int lightClosureMain(int argc, char** argv) {
   BakeOptions options;
   OptionTable table("bake");
   describe(options, table);
+  table.common({"seed", "sky", "sun", "places", "rays"});
   app.add_option("scene", request.scene, "a level, as nlg-bake takes it")->required();
   app.add_option("--out", request.out, "the result (.json)")->required();
   app.add_option("--places", request.closure.places, "places before surfaces, at most")->check(CLI::Range(2, 1000000));

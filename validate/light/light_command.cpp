@@ -36,7 +36,8 @@ struct Request {
   std::string scene, out;
   std::vector<double> spacings_m;
   std::vector<std::string> weights;  // each a bake: one file, or several with commas between them, of which the bake chooses
-  LightPlaceOptions places;
+  int air_places = 2000, surface_places = 1600, walks = 40;
+  LightPlaceOptions places;  // these numbers from those above
   GatherOptions truth{1024, 64}, probe{1024, 64};
   bool grids_only = false;  // no rivals: a fraction of the time
   double look_up_seconds = 0.0;
@@ -230,6 +231,9 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   std::map<std::string, std::string> hashes;
   const GeneratorSets sets = loadSets(request.weights, &hashes);
   if (request.spacings_m.empty()) request.spacings_m = {options.spacing_m};
+  request.places.air = static_cast<uint64_t>(request.air_places);
+  request.places.surface = static_cast<uint64_t>(request.surface_places);
+  request.places.walks = static_cast<uint64_t>(request.walks);
   request.places.seed = mixSeed(options.seed, kPlaceStream);
   request.places.step_m = *std::min_element(request.spacings_m.begin(), request.spacings_m.end()) / 16.0;
 
@@ -284,37 +288,35 @@ int lightMain(int argc, char** argv) {
   BakeOptions options;
   OptionTable table("bake");
   describe(options, table);
+  table.passedFrom("validate_light");
+  table.group("Measurement");
+  table.add("air_places", &request.air_places, "places in air", 8, 10000000);
+  table.add("surface_places", &request.surface_places, "places 2 to 50 cm before surfaces, a quarter of them in each class", 8,
+            10000000);
+  table.add("walks", &request.walks, "straight walks in air", 1, 100000);
+  table.add("truth_rays", &request.truth.rays, "rays of ground truth at a place", 8, 1 << 24);
+  table.add("probe_rays", &request.probe.rays, "rays of every probe", 8, 1 << 24);
+  table.add("look_up_seconds", &request.look_up_seconds, "how long each method's look-ups are timed, seconds. 0: not at all", 0.0,
+            600.0);
+  table.add("picture_rays", &request.picture_rays,
+            "rays of ground truth at a pixel of the pictures of worst places; from 32 on, of four samples", 8, 1 << 20);
+  table.common({"weights", "spacings", "grids_only", "air_places", "surface_places", "truth_rays", "probe_rays", "pictures"});
   app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
   app.add_option("--out", request.out, "the result (.json)")->required();
   app.add_option("--weights", request.weights,
-                 "exported generators, each a bake of its own; several with commas between them: a bake that chooses");
-  app.add_option("--spacings", request.spacings_m, "finest distances between probes, metres; none: the bake's spacing_m")
+                 "exported generators, each a bake of its own. Several with commas between them: a bake that chooses");
+  app.add_option("--spacings", request.spacings_m, "finest distances between probes, metres. None: the bake's spacing_m")
       ->check(CLI::Range(0.01, 1000.0));
   app.add_flag("--grids-only", request.grids_only,
-               "leave out rivals: grids and target functions alone, in a fraction of the time");
-  app.add_option("--air-places", request.places.air, "places in air")->check(CLI::Range(8, 10000000))->capture_default_str();
-  app.add_option("--surface-places", request.places.surface, "places 2 to 50 cm before surfaces, a quarter of them in each class")
-      ->check(CLI::Range(8, 10000000))
-      ->capture_default_str();
-  app.add_option("--walks", request.places.walks, "straight walks in air")->check(CLI::Range(1, 100000))->capture_default_str();
+               "leave out rivals: measure grids and target functions alone, in a fraction of the time");
   app.add_option("--source-distance", request.places.source_distance_m,
-                 "metres from lamps and shining faces within which places are left out, at most a twenty-fifth of the scene's "
-                 "diagonal; 0: none are")
+                 "places nearer than this to lamps and shining faces are left out, metres; at most a twenty-fifth of the scene's "
+                 "diagonal. 0: none are")
       ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
-  app.add_option("--truth-rays", request.truth.rays, "rays of ground truth at a place")
-      ->check(CLI::Range(8, 1 << 24))
-      ->capture_default_str();
-  app.add_option("--probe-rays", request.probe.rays, "rays of every probe")->check(CLI::Range(8, 1 << 24))->capture_default_str();
-  app.add_option("--look-up-seconds", request.look_up_seconds, "how long to time each method's look-ups; 0: not at all")
-      ->check(CLI::Range(0.0, 600.0))
       ->capture_default_str();
   app.add_option("--pictures", request.pictures,
                  "a folder for pictures of the ten worst places of each of the weights, light solved for, at the finest spacing: "
-                 "truth, answer, error; none: no pictures");
-  app.add_option("--picture-rays", request.picture_rays, "rays of ground truth at a pixel of them; from 32 on, of four samples")
-      ->check(CLI::Range(8, 1 << 20))
-      ->capture_default_str();
+                 "truth, answer, error. None: no pictures");
   return runTool(argc, argv, app, table, [&] { measureLight(request, options, table); });
 }
 

@@ -59,6 +59,7 @@ int lightNoiseMain(int argc, char** argv) {
   BakeOptions options;
   OptionTable table("bake");
   describe(options, table);
+  table.common({"spacing_m", "light_rays", "runs"});
   app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
   app.add_option("--weights", request.weights, "an exported generator")->required();
   app.add_option("--out", request.out, "the result (.json)")->required();

@@ -160,6 +160,7 @@ int lookUpMain(int argc, char** argv) {
   BakeOptions options;
   OptionTable table("bake");
   describe(options, table);
+  table.common({"spacing_m", "threads", "places"});
   app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
   app.add_option("--weights", request.weights, "exported generators, one a representation; each makes a bake of its own")
       ->required();

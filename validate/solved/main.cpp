@@ -183,6 +183,7 @@ int main(int argc, char** argv) {
   nlg::DirectOptions direct;
   nlg::OptionTable table("solve");
   nlg::describeOptions(setup, direct, table);
+  table.common({"weights", "steps", "seed"});
   app.add_option("--scene", request.scene, "two_rooms, doorway, column, clutter, corridor or table")->required();
   app.add_option("--out-dir", request.out_dir, "folder for SCENE.csv and SCENE.json; with --weights: for SCENE.hierarchy.json")
       ->required();
