@@ -49,7 +49,8 @@ cd "$(dirname "$0")"
 source workflow/setup.sh
 if [ -z "${NLG_BIN:-}" ]; then
   mkdir -p build
-  install_packages
+  # a plan takes nlg-datagen alone
+  if [ -n "$plan" ]; then install_packages pipeline; else install_packages train pipeline; fi
 fi
 # judged before anything is built, made or moved
 run=$(/usr/bin/python3 workflow/configuration.py "$config")
@@ -61,9 +62,9 @@ done
 if [ -n "${NLG_BIN:-}" ]; then
   :
 elif [ -n "$plan" ]; then
-  build nlg-datagen
+  build "" nlg-datagen
 else
-  build nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-solve nlg-validate nlg-bake
+  build train nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-solve nlg-validate nlg-bake
 fi
 # Our own locks instead of snakemake's, which outlives a killed run. They belong to the results, whatever checkout works on them: one is
 # held by the run, the other by every job for as long as it lives (workflow/Snakefile), so that a tool which outlives its killed run

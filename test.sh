@@ -48,7 +48,7 @@ done
 
 source workflow/setup.sh
 mkdir -p build
-install_packages tests
+install_packages train pipeline tests
 
 if [ "$what" = tidy ]; then
   exec tests/tidy.sh
@@ -57,8 +57,8 @@ fi
 # for one test each, which says that it was skipped where this fails
 for package in onnxruntime naga ktx-parse three; do workflow/install_from_npm.sh $package build/$package || true; done
 if [ "$what" = release ]; then
-  build
-  [ "$tests" != all ] || build benchmarks/all
+  build tests
+  [ "$tests" != all ] || build tests benchmarks/all
 else
   cmake --preset "$what" -Wno-dev > build/configure.log 2>&1 || { cat build/configure.log >&2; exit 1; }
   cmake --build --preset "$what" --parallel "$(build_jobs)"

@@ -1,5 +1,5 @@
-# What `cmake --install` leaves: the bake-time library for find_package(nlg), the weights that ship, and of the tools nlg-bake alone
-# (where tools are built; bake/CMakeLists.txt).
+# What `cmake --install` leaves: the bake-time library for find_package(nlg), the weights that ship, and of the tools nlg-bake, nlg-view and
+# nlg in front of them (where tools are built; bake/CMakeLists.txt, viewer/CMakeLists.txt).
 #
 #   PREFIX/include/nlg/           the include directory; below it headers lie as in the repository
 #   PREFIX/lib/libnlg_*.a

@@ -1,16 +1,18 @@
-# Set-up that pipeline.sh and test.sh share: packages, configuration. Sourced from the root of the checkout.
+# Set-up that nlg, pipeline.sh and test.sh share: packages, configuration, builds. Sourced; its functions run at the root of the checkout.
+#
+# A purpose is a word behind packages of cmake/packages.txt: `train`, `pipeline`, `tests`. A bake and the viewer need none.
 
-# Installs what is missing from cmake/packages.txt; asks for nothing when all of it is there. With `tests`: what the suite needs, too.
+# Installs what is missing of the packages for these purposes, and of those without one; asks for nothing when all of it is there.
 install_packages() {
-  local missing=() package purpose
+  local wanted missing
   if ! command -v dpkg-query > /dev/null; then
     echo "This system has no dpkg: install the equivalents of cmake/packages.txt, then call cmake and snakemake as README.md shows." >&2
     return 1
   fi
-  while read -r package purpose; do
-    [ -z "$purpose" ] || [ "$purpose" = "${1:-}" ] || continue
-    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2> /dev/null || true)" = installed ] || missing+=("$package")
-  done < <(grep -v '^#' cmake/packages.txt)
+  mapfile -t wanted < <(awk -v purposes=" $* " '!/^#/ && NF && ($2 == "" || index(purposes, " " $2 " ")) {print $1}' cmake/packages.txt)
+  # dpkg-query names packages that it does not know on stderr, and ends with 1
+  mapfile -t missing < <(comm -23 <(printf '%s\n' "${wanted[@]}" | sort) \
+    <({ dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${wanted[@]}" 2> /dev/null || true; } | sed -n 's/^installed //p' | sort))
   [ ${#missing[@]} -gt 0 ] || return 0
   local as_root=()
   if [ "$(id -u)" -ne 0 ]; then
@@ -30,10 +32,44 @@ build_jobs() {
   echo $((memory_gb / 2 < cores ? (memory_gb / 2 > 0 ? memory_gb / 2 : 1) : cores))
 }
 
-# Configures the release build and builds the targets named, or everything.
+# The options of CMake that purposes need.
+options_for() {
+  case " $* " in *" train "*) echo NLG_BUILD_TRAINING ;; esac
+  case " $* " in *" tests "*) echo NLG_BUILD_TRAINING NLG_BUILD_TESTS NLG_BUILD_BENCHMARKS ;; esac
+}
+
+has_option() {
+  grep -qsE "^$1:BOOL=(ON|TRUE|1)$" build/release/CMakeCache.txt
+}
+
+# Whether the release build was configured for these purposes, and so their packages for compiling are there.
+is_configured_for() {
+  local option
+  [ -f build/release/build.ninja ] || return 1
+  for option in $(options_for "$@"); do has_option "$option" || return 1; done
+}
+
+# build "PURPOSES" [TARGET ...]: configures the release build for these purposes, and for those of before; builds the targets, or all.
 build() {
-  local targets=()
+  local targets=() options=() option wanted
+  wanted=" $(options_for "$1" | tr '\n' ' ')"
+  shift
   [ $# -eq 0 ] || targets=(--target "$@")
-  cmake --preset release -Wno-dev > build/configure.log 2>&1 || { cat build/configure.log >&2; return 1; }
-  cmake --build --preset release --parallel "$(build_jobs)" "${targets[@]}"
+  for option in NLG_BUILD_TRAINING NLG_BUILD_TESTS NLG_BUILD_BENCHMARKS; do
+    if [[ $wanted == *" $option "* ]] || has_option "$option"; then options+=("-D$option=ON"); else options+=("-D$option=OFF"); fi
+  done
+  mkdir -p build
+  (
+    flock 8 # two builds in one folder would spoil it
+    cmake --preset release -Wno-dev "${options[@]}" > build/configure.log 2>&1 || { cat build/configure.log >&2; exit 1; }
+    cmake --build --preset release --parallel "$(build_jobs)" "${targets[@]}"
+  ) 8> build/.lock
+}
+
+# The same of targets that were built before: only what has changed since, and without a word.
+build_again() {
+  (
+    flock 8
+    cmake --build --preset release --parallel "$(build_jobs)" --target "$@" -- --quiet
+  ) 8> build/.lock
 }
