@@ -4,7 +4,7 @@ Taken are, where the run's folder has them:
     evaluation/summary.json, validation/summary.json   nlg-validate, schema_version 2
     evaluation/frontier.json                           nlg-validate frontier, schema_version 2
     stability.json                                     nlg-validate stability
-    savings/SCENE.json                                 nlg-bake --measure-savings (stdout)
+    savings/SCENE.json                                 nlg-bake (stdout)
     bakes/SCENE.json                                   nlg-bake (stdout)
     look_up/SCENE.json                                 nlg-validate look-up
     benchmarks/*.json                                  bench_* --benchmark_out=FILE --benchmark_out_format=json
@@ -160,9 +160,9 @@ def bake(path):
 
 def savings(path):
     document = read_json(path)
-    keys = ["what", "left_out", "count", "of", "seconds_saved", "seconds_noise", "bytes_saved", "same_result"]
+    known = lambda line: [key for key in ("seconds_saved", "bytes_saved") if key in line]  # a bake names what it knows alone
     lines = take(document, ["savings"], path)["savings"]
-    return {**take(document, ["scene", "threads"], path), "lines": {slug(line["what"]): take(line, keys, path) for line in lines}}
+    return {**take(document, ["scene", "threads"], path), "lines": {slug(line["what"]): take(line, ["what", "count", "of", *known(line)], path) for line in lines}}
 
 
 def look_up(path):

@@ -228,6 +228,23 @@ def bakes_section(bakes):
     return text + table(BAKE_HEAD, rows)
 
 
+def savings_section(savings):
+    """A line a kind of what was left out, a column a scene."""
+    kinds = {key: line["what"] for entry in savings.values() for key, line in entry["lines"].items()}
+
+    def cell(line):
+        if line is None:
+            return ""
+        known = [f"{line['count']:,} of {line['of']:,}"]
+        known += [f"{line['seconds_saved']:,.1f} s"] if "seconds_saved" in line else []
+        known += [f"{line['bytes_saved'] / 1000:,.0f} kB"] if line.get("bytes_saved") else []
+        return "; ".join(known)
+
+    rows = [[what, *(cell(entry["lines"].get(key)) for entry in savings.values())] for key, what in kinds.items()]
+    text = "\n## What bakes left out\nHow many of how many, and the processor seconds and bytes that this saves, by what the same work took in the same bake ([bake](../guide/bake.md#what-a-scene-does-not-need)).\n"
+    return text + table(["", *savings], rows)
+
+
 # of all cases: those that say how fast the parts of a bake and a look-up are
 SHOWN_BENCHMARKS = ("machine/", "peer/generator/", "peer/adam_500", "peer/training_step", "loss_and_gradient/tent_mlp/8192", "evaluate/tent_mlp/", "evaluate/pf9/", "fit/adam/tent_mlp/2000",
                     "fit/lm/tent_mlp/40", "generator/float32/batch/96", "light_grid/look_up/tent_mlp/", "irradiance/batched/tent_mlp4/", "shipped/tent_mlp4/")
@@ -245,7 +262,7 @@ def page(all_results):
     """The whole page, of the main results; what was not measured has no section."""
     results = all_results[MAIN]
     text = INTRODUCTION + f"\nMade by `{results['command']}` and `workflow/results.py collect out/{results['run']}`; the SHA-256 of the weights stand in their [cards](../../weights/README.md).\n"
-    sections = {"evaluation": evaluation_section, "validation": validation_section, "frontier": frontier_section, "look_up": look_up_section, "bakes": bakes_section,
+    sections = {"evaluation": evaluation_section, "validation": validation_section, "frontier": frontier_section, "look_up": look_up_section, "bakes": bakes_section, "savings": savings_section,
                 "stability": stability_section, "benchmarks": benchmarks_section}
     text += "".join(write(results[key]) for key, write in sections.items() if key in results)
     return text + (stages_section(results["evaluation"]) if "evaluation" in results else "")
