@@ -3,15 +3,16 @@
 #   nlg_library(NAME SOURCES a.cpp … LINKS nlg::x package::y …)   a static library nlg_NAME with the alias nlg::NAME
 #   nlg_tool(NAME SOURCES … LINKS …)                              an executable NAME
 #
-# Layers, lowest first. A library links what its own line names, nothing else.
+# Layers, lowest first. A library links what its own line names, nothing else, and includes nothing else: tests/layout/sources_test.py.
+# Numbers of runtime_eval/numbers/ are headers alone, for everybody.
 set(NLG_MAY_LINK_regular_file  "")
 set(NLG_MAY_LINK_weights_file  nlg::regular_file)
 set(NLG_MAY_LINK_runtime_eval  nlg::weights_file hwy::hwy)
 set(NLG_MAY_LINK_tool          nlg::regular_file nlg::weights_file yaml-cpp CLI11::CLI11 nlohmann_json::nlohmann_json fmt::fmt Threads::Threads)
-set(NLG_MAY_LINK_dataset       nlg::tool hdf5::hdf5 nlg::deflate)
+set(NLG_MAY_LINK_dataset       nlg::tool hdf5::hdf5 nlg::deflate nlg::runtime_eval)
 set(NLG_MAY_LINK_scene         nlg::regular_file nlg::tool nlg::runtime_eval glm::glm TinyGLTF::TinyGLTF nlg::meshoptimizer nlg::draco nlg::tinyobjloader nlohmann_json::nlohmann_json PkgConfig::LIBZIP JPEG::JPEG)
-set(NLG_MAY_LINK_probes        nlg::scene nlg::runtime_eval)
-set(NLG_MAY_LINK_visibility    nlg::scene nlg::runtime_eval embree hwy::hwy)
+set(NLG_MAY_LINK_probes        nlg::scene nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_visibility    nlg::scene nlg::runtime_eval embree hwy::hwy nlg::tool)
 set(NLG_MAY_LINK_light         nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_weighting     nlg::visibility nlg::probes nlg::runtime_eval)
 set(NLG_MAY_LINK_shard_scene   nlg::scene nlg::probes nlg::dataset nlg::runtime_eval nlg::tool)
@@ -23,7 +24,7 @@ set(NLG_MAY_LINK_shader_export nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_engine_export nlg::shader_export nlg::runtime_eval nlg::tool nlohmann_json::nlohmann_json)
 set(NLG_MAY_LINK_basis         nlg::dataset nlg::runtime_eval Eigen3::Eigen BLAS::BLAS nlg::tool)
 set(NLG_MAY_LINK_training_data nlg::dataset nlg::runtime_eval nlg::tool nlohmann_json::nlohmann_json Threads::Threads)
-set(NLG_MAY_LINK_generator     nlg::training_data nlg::basis nlg::dataset nlg::runtime_eval nlg::torch)
+set(NLG_MAY_LINK_generator     nlg::training_data nlg::basis nlg::dataset nlg::runtime_eval nlg::torch nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_statistics    "")
 set(NLG_MAY_LINK_errors        nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_frontier      nlg::errors nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
@@ -41,13 +42,13 @@ set(NLG_MAY_LINK_nlg-datagen   nlg::shard_job nlg::view nlg::scene nlg::probes n
 set(NLG_MAY_LINK_nlg-solve     nlg::solved nlg::policy_options nlg::errors nlg::tool)
 set(NLG_MAY_LINK_nlg-pca       nlg::basis nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-cache     nlg::training_data nlg::basis nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch)
+set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch nlg::training_data)
 set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_file nlg::used_by nlg::shader_export nlg::engine_export nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch)
-set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-render    nlg::render nlg::bake nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-view      nlg::viewer nlg::bake nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
+set(NLG_MAY_LINK_nlg-render    nlg::render nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
+set(NLG_MAY_LINK_nlg-view      nlg::viewer nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
 set(NLG_MAY_LINK_light_noise   nlg::bake nlg::statistics nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-validate  nlg::render nlg::view nlg::light_figures nlg::look_up nlg::light_noise nlg::bake nlg::stability nlg::errors nlg::frontier nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-validate  nlg::render nlg::view nlg::light_figures nlg::look_up nlg::light_noise nlg::bake nlg::stability nlg::errors nlg::frontier nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool nlg::light nlg::scene)
 
 function(nlg_check_links name)
   if(NOT DEFINED NLG_MAY_LINK_${name})

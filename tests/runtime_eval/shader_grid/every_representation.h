@@ -63,9 +63,9 @@ inline PositionM randomPlace(const ProbeTreeFrame& frame, Random& random) {
 }
 
 // All over a grid, and a little outside.
-inline Places randomPlaces(const LightGrid& grid, size_t count, uint64_t seed) {
+inline ShaderPlaces randomPlaces(const LightGrid& grid, size_t count, uint64_t seed) {
   Random random(seed);
-  Places places;
+  ShaderPlaces places;
   for (size_t i = 0; i < count; ++i) {
     places.positions_m.push_back(randomPlace(grid.tree.frame(), random));
     places.normals.push_back(randomNormal(random));

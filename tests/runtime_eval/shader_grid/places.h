@@ -23,7 +23,7 @@ inline PositionM asFloats(const PositionM& position_m) {
   return rounded;
 }
 
-struct Places {
+struct ShaderPlaces {
   std::vector<PositionM> positions_m;  // floats
   std::vector<std::array<float, 3>> normals;
 
@@ -44,7 +44,7 @@ struct Places {
 };
 
 // 4 floats a place: irradiance, status.
-inline std::vector<float> lightAt(const LightGrid& grid, const Places& places) {
+inline std::vector<float> lightAt(const LightGrid& grid, const ShaderPlaces& places) {
   std::vector<float> light(4 * places.count());
   for (size_t i = 0; i < places.count(); ++i)
     light[4 * i + 3] = static_cast<float>(lookUpIrradiance(grid, places.positions_m[i], places.normals[i].data(), &light[4 * i]));

@@ -32,7 +32,7 @@ void writeCase(const std::filesystem::path& folder, ThetaPrecision precision, si
   const FileResult result = packShaderGrid(grid, &packed);
   if (!result.ok()) throw std::runtime_error(result.detail);
   writeShader(packed, folder.string());
-  const Places places = randomPlaces(grid, place_count, 8);
+  const ShaderPlaces places = randomPlaces(grid, place_count, 8);
   write(folder / "places.bin", places.words());
   write(folder / "lights.bin", lightAt(grid, places));
   const LightBox box = boxOf(grid.tree.frame());

@@ -24,7 +24,7 @@ TEST_P(ShaderOnVulkan, SaysWhatTheLookUpSays) {
     const LightGrid grid = everyRepresentation(precision, 7);
     ShaderGrid packed;
     ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
-    const Places places = randomPlaces(grid, kPlaces, 8);
+    const ShaderPlaces places = randomPlaces(grid, kPlaces, 8);
     const std::vector<float> expected = lightAt(grid, places);
     const std::vector<uint32_t> words = places.words();
     const std::vector<uint32_t> lights = device->run(GetParam(), {&packed.words, &words}, expected.size(), kPlaces / 64);
