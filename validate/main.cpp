@@ -11,7 +11,7 @@
 #include "validate/light/light_command.h"
 #include "validate/light/noise_command.h"
 #include "validate/look_up/look_up_command.h"
-#include "validate/stability/stability_suite.h"
+#include "validate/stability/stability_command.h"
 
 namespace nlg {
 namespace {

@@ -10,12 +10,49 @@
 #include "validate/errors/best_known.h"
 
 namespace nlg {
+namespace {
+
+constexpr double kBestKnownFactor = 1.5;
+// Sigmoids come near their ends but never to them, and a fit near its minimum.
+constexpr double kConstantFactor = 1.01;
+// Sums of another kernel: the same theta may differ in the last digits.
+constexpr double kOtherKernel = 1.0 + 1e-6;
+
+// The lowest RMSE of c, of c tent(x) where the representation has the tent, over all constants c that it can output.
+double constantRmse(const Representation& representation, const StoredFunction& stored) {
+  const bool is_limited = representation.isField() || representation.shape().output == OutputFunction::sigmoid;
+  double shape_shape = 0.0, shape_phi = 0.0, phi_phi = 0.0;
+  int count = 0;
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    if ((stored.validity[p / 8] >> (p % 8) & 1) == 0) continue;
+    const double shape = representation.tentFactor() ? double{tent(pointAt(p))} : 1.0, phi = stored.phi[p] / 255.0;
+    shape_shape += shape * shape;
+    shape_phi += shape * phi;
+    phi_phi += phi * phi;
+    ++count;
+  }
+  if (count == 0) return 0.0;
+  const double best = shape_shape > 0.0 ? shape_phi / shape_shape : 0.0, c = is_limited ? std::min(best, 1.0) : best;
+  return std::sqrt(std::max(0.0, phi_phi - 2.0 * c * shape_phi + c * c * shape_shape) / count);
+}
+
+// The lowest error of long fits, of the brief suite of shorter ones.
+double bestKnownRmse(const StabilityInputs& inputs, const Generator& generator, const StoredFunction& stored,
+                     const Theta& theta) {
+  DirectOptions options;
+  if (inputs.isBrief()) options.adam_steps = 8000, options.restarts = 1;
+  NormalEquationsKernel kernel;
+  const WeightingFunction function = decodeFunction(stored, pointOrder(generator.representation()));
+  return fitLong(generator, function, theta, options, &kernel).at(LongFit::best_known).rmse;
+}
+
+}  // namespace
 
 SampledFunction sampleFunction(const std::function<double(int)>& phi, const std::function<bool(int)>& valid) {
   SampledFunction function;
   for (int p = 0; p < kSupportPointCount; ++p) {
     if (valid(p)) {
-      function.phi[p] = static_cast<uint8_t>(std::lround(255.0 * phi(p)));
+      function.phi[p] = static_cast<uint8_t>(std::lround(255.0 * std::clamp(phi(p), 0.0, 1.0)));
     } else {
       function.validity[p / 8] = static_cast<uint8_t>(function.validity[p / 8] & ~(1 << (p % 8)));
     }
@@ -35,128 +72,57 @@ SampledFunction functionBesideWall(uint64_t seed, double distance) {
                         [&](int p) { return height(p) < 0.0 || height(p) > 0.1; });
 }
 
-double rmseOfZero(const SampledFunction& function) {
-  double sum = 0.0;
-  int count = 0;
-  for (int p = 0; p < kSupportPointCount; ++p) {
-    if (!function.valid(p)) continue;
-    sum += function.phi[p] * function.phi[p] / (255.0 * 255.0);
-    ++count;
-  }
-  return count > 0 ? std::sqrt(sum / count) : 0.0;
-}
-
-BakedFunction bakeFunction(const NamedGenerator& named, const StoredFunction& stored, const PolicyOptions& options) {
+void WorstBake::add(const StabilityInputs& inputs, const NamedGenerator& named, const StoredFunction& stored, ErrorBound bound,
+                    const PolicyOptions& options) {
+  const CheckOptions& check = options.check();
   ThetaPolicy policy({&named.generator}, options);
-  MadeTheta made, before;
+  MadeTheta made, unrefined;
   policy.bake(&stored, 1, &made);
-  policy.make(&stored, 1, &before);  // up to the refinement
-  BakedFunction baked;
-  baked.network_rmse = made.record.at(ThetaWord::network).rmse;
-  baked.corrected_rmse = made.record.at(ThetaWord::corrected).rmse;
-  baked.stored = made.check();
-  baked.theta = made.theta;
-  baked.fails_check = !baked.stored.passes(options.check());
-  baked.is_finite = std::isfinite(baked.stored.rmse) && allFinite(baked.theta);
-  // sums of another kernel: the same theta may differ in the last digits
-  baked.never_worse = !(baked.corrected_rmse > baked.network_rmse * (1.0 + 1e-6));
-  if (made.isBareTent()) return baked;
-  const FunctionCheck& unrefined = before.check();
-  baked.never_worse = baked.never_worse && !(unrefined.rmse > baked.corrected_rmse * (1.0 + 1e-6)) &&
-                      !(baked.stored.trouble(options.check()) > unrefined.trouble(options.check())) &&
-                      (baked.stored.passes(options.check()) || !made.record.at(ThetaWord::network).passes(options.check()));
-  return baked;
-}
+  policy.make(&stored, 1, &unrefined);
+  const FunctionCheck &network = made.record.at(ThetaWord::network), &last = made.check(), &before = unrefined.check();
+  const double corrected_rmse = made.record.at(ThetaWord::corrected).rmse;
 
-double constantRmse(const Representation& representation, const StoredFunction& stored) {
-  const bool has_tent = representation.tentFactor();
-  const bool is_limited = representation.isField() || representation.shape().output == OutputFunction::sigmoid;
-  double shape_shape = 0.0, shape_phi = 0.0, phi_phi = 0.0;
-  int count = 0;
-  for (int p = 0; p < kSupportPointCount; ++p) {
-    if ((stored.validity[p / 8] >> (p % 8) & 1) == 0) continue;
-    const double shape = has_tent ? double{tent(pointAt(p))} : 1.0, phi = stored.phi[p] / 255.0;
-    shape_shape += shape * shape;
-    shape_phi += shape * phi;
-    phi_phi += phi * phi;
-    ++count;
+  ++bake_count_;
+  failing_count_ += !last.passes(check);
+  is_finite_ = is_finite_ && std::isfinite(last.rmse) && allFinite(made.theta);
+  // a correction must not raise the error, nothing after it the trouble
+  never_worse_ = never_worse_ && !(corrected_rmse > network.rmse * kOtherKernel);
+  if (!made.isBareTent()) {
+    never_worse_ = never_worse_ && !(before.rmse > corrected_rmse * kOtherKernel) &&
+                   !(last.trouble(check) > before.trouble(check)) && (last.passes(check) || !network.passes(check));
   }
-  if (count == 0 || shape_shape == 0.0) return count == 0 ? 0.0 : std::sqrt(phi_phi / count);
-  const double best = shape_phi / shape_shape, c = is_limited ? std::min(best, 1.0) : best;
-  return std::sqrt(std::max(0.0, phi_phi - 2.0 * c * shape_phi + c * c * shape_shape) / count);
-}
+  network_rmse_ = std::max(network_rmse_, network.rmse);
+  corrected_rmse_ = std::max(corrected_rmse_, corrected_rmse);
+  stored_rmse_ = std::max(stored_rmse_, last.rmse);
 
-namespace {
-
-// A fit long enough to know what the representation can do; of the brief suite a shorter one.
-DirectOptions longFits(const StabilityInputs& inputs) {
-  DirectOptions options;
-  if (inputs.depth == StabilityDepth::brief) options.adam_steps = 8000, options.restarts = 1;
-  return options;
-}
-
-struct Bound {
-  double rmse = 0.0;
-  std::string text;
-};
-
-Bound boundOf(const StabilityInputs& inputs, const NamedGenerator& named, const StoredFunction& stored,
-              const BakedFunction& baked, ErrorBound kind) {
-  const double tau = CheckOptions{}.tau_rmse;
-  const Representation& representation = named.generator.representation();
-  if (kind == ErrorBound::constant) {
-    const double constant = constantRmse(representation, stored);
-    return {std::max(tau, kConstantFactor * constant), fmt::format("{} (a constant: {:.4f})", named.name, constant)};
+  double most = check.tau_rmse;
+  std::string from = "tau";
+  const auto mayBe = [&](double rmse, const char* why) {
+    if (rmse > most) most = rmse, from = why;
+  };
+  if (bound == ErrorBound::constant) {
+    mayBe(kConstantFactor * constantRmse(named.generator.representation(), stored), "a constant");
+  } else if (last.rmse > most && !made.isBareTent()) {  // what is good enough asks for no long fits
+    mayBe(kBestKnownFactor * bestKnownRmse(inputs, named.generator, stored, made.theta), "the best known");
   }
-  // what is good enough asks for no long fits
-  if (baked.stored.rmse <= tau || baked.theta.empty()) return {tau, named.name};
-  NormalEquationsKernel kernel;
-  const FunctionFits fits =
-      fitLong(named.generator, decodeFunction(stored, pointOrder(representation)), baked.theta, longFits(inputs), &kernel);
-  const double best_known = fits.at(LongFit::best_known).rmse;
-  return {std::max(tau, kBestKnownFactor * best_known),
-          fmt::format("{} (best known {:.4f} by {})", named.name, best_known, fits.best_known_from)};
-}
-
-}  // namespace
-
-void WorstBake::add(const WorstBake& other) {
-  is_finite = is_finite && other.is_finite;
-  never_worse = never_worse && other.never_worse;
-  network_rmse = std::max(network_rmse, other.network_rmse);
-  corrected_rmse = std::max(corrected_rmse, other.corrected_rmse);
-  failing_count = std::max(failing_count, other.failing_count);
-  best_stored_rmse = std::min(best_stored_rmse, other.best_stored_rmse);
   // in this order, so that an error that is no number counts as the worst
-  if (stored_name.empty() || !(other.stored_rmse <= stored_rmse)) {
-    stored_rmse = other.stored_rmse;
-    stored_name = other.stored_name;
-  }
-  if (bound_text.empty() || !(other.most_of_bound <= most_of_bound)) {
-    most_of_bound = other.most_of_bound;
-    bound_rmse = other.bound_rmse;
-    bound_text = other.bound_text;
-  }
+  if (last.rmse / most <= most_of_bound_) return;
+  most_of_bound_ = last.rmse / most;
+  nearest_ = fmt::format("nearest to its bound: {:.4f} of {:.4f} by {}, {}", last.rmse, most, from, named.name);
 }
 
-WorstBake worstBake(const StabilityInputs& inputs, const StoredFunction& stored, ErrorBound bound, const PolicyOptions& options) {
-  WorstBake worst;
-  int failing_count = 0;
-  for (const NamedGenerator& generator : inputs.generators) {
-    const BakedFunction baked = bakeFunction(generator, stored, options);
-    failing_count += baked.fails_check;
-    const double rmse = baked.stored.rmse;
-    const Bound most = boundOf(inputs, generator, stored, baked, bound);
-    worst.add({baked.is_finite, baked.never_worse, baked.network_rmse, baked.corrected_rmse, rmse, generator.name, 0, rmse,
-               rmse / most.rmse, most.rmse, most.text});
-  }
-  worst.failing_count = failing_count;
-  return worst;
-}
-
-std::string describeBound(const WorstBake& worst) {
-  return fmt::format("nearest to its bound: {:.4f} of {:.4f}, {}", worst.most_of_bound * worst.bound_rmse, worst.bound_rmse,
-                     worst.bound_text);
+void WorstBake::report(StabilityFigures* figures) const {
+  if (bake_count_ == 0) return;
+  figures->show("rmse_network", network_rmse_);
+  figures->show("rmse_corrected", corrected_rmse_);
+  figures->show("rmse_stored", stored_rmse_);
+  figures->atMost("stored_over_bound", most_of_bound_, 1.0);
+  figures->remark(nearest_);
+  figures->show("bakes", bake_count_);
+  figures->show("bakes_that_fail_the_check", failing_count_);
+  figures->require(is_finite_, "a theta or its error is not finite");
+  figures->require(never_worse_, "a stage made theta worse");
+  figures->fails_check = failing_count_ > 0;
 }
 
 }  // namespace nlg

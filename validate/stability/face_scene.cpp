@@ -1,45 +1,6 @@
 #include "validate/stability/face_scene.h"
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstdlib>
-
-#include "datagen/probes/shuffled_order.h"
-#include "datagen/shards/probe_block.h"
-
 namespace nlg {
-namespace {
-
-constexpr uint64_t kSeed = 1;
-
-// A function as it must be whatever the scene: finite, in [0, 1], 0 at invalid points.
-bool isSound(const GeneratedFunction& function) {
-  for (size_t p = 0; p < function.phi.size(); ++p) {
-    if (!(function.phi[p] >= 0.0f && function.phi[p] <= 1.0f)) return false;
-    if (function.valid[p] == 0 && function.phi[p] != 0.0f) return false;
-  }
-  return true;
-}
-
-ProbeFunctions emptyResult() {
-  ProbeFunctions result;
-  result.functions.point_count = kSupportPointCount;
-  return result;
-}
-
-void buildOne(WeightingBuilder& builder, const glm::dvec3& position_m, float spacing_m, GeneratedFunction* function,
-              ProbeFunctions* result) {
-  const ProbeOutcome outcome = builder.build(position_m, spacing_m, function);
-  result->outcomes.push_back(outcome);
-  if (outcome == ProbeOutcome::function || outcome == ProbeOutcome::empty) result->broken += !isSound(*function);
-  if (outcome != ProbeOutcome::function) return;
-  result->disputed += function->open_shell;
-  appendFunction(*function, position_m, spacing_m, &result->functions);
-}
-
-}  // namespace
-
 void FaceScene::addTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, Sides sides) {
   positions_.insert(positions_.end(), {a, b, c});
   materials_.push_back(static_cast<uint32_t>(sides));
@@ -115,52 +76,6 @@ const char* outcomeName(ProbeOutcome outcome) {
       return "empty";
   }
   return "unknown";
-}
-
-uint64_t ProbeFunctions::count(ProbeOutcome outcome) const {
-  return static_cast<uint64_t>(std::count(outcomes.begin(), outcomes.end(), outcome));
-}
-
-ProbeFunctions probeFunctions(const Scene& scene, const ProbePlacementOptions& options, uint64_t max_probes) {
-  const ProbeTree tree = placeProbes(scene, options, kSeed);
-  const RayScene rays(scene);
-  WeightingBuilder builder(rays, stabilityLinks(), {});
-  ProbeFunctions result = emptyResult();
-  result.probe_count = tree.probeCount();
-  ShuffledOrder order(tree.probeCount(), kSeed);
-  GeneratedFunction function;
-  for (uint64_t index = 0; result.outcomes.size() < max_probes && order.next(&index);) {
-    const auto [x, y, z] = tree.probePosition(index);
-    buildOne(builder, {x, y, z}, tree.probeSpacing(index), &function, &result);
-  }
-  return result;
-}
-
-ProbeFunctions functionsAt(const Scene& scene, const std::vector<glm::dvec3>& positions_m, float spacing_m) {
-  const RayScene rays(scene);
-  WeightingBuilder builder(rays, stabilityLinks(), {});
-  ProbeFunctions result = emptyResult();
-  result.probe_count = positions_m.size();
-  GeneratedFunction function;
-  for (const glm::dvec3& position_m : positions_m) buildOne(builder, position_m, spacing_m, &function, &result);
-  return result;
-}
-
-FunctionDifference difference(const ProbeFunctions& a, const ProbeFunctions& b) {
-  FunctionDifference result;
-  result.same_outcomes = a.outcomes == b.outcomes;
-  if (!result.same_outcomes) return result;
-  result.points = a.functions.phi.size();
-  for (size_t i = 0; i < a.functions.phi.size(); ++i) {
-    const int bytes = std::abs(a.functions.phi[i] - b.functions.phi[i]);
-    result.largest_bytes = std::max(result.largest_bytes, bytes);
-    result.points_apart += bytes > 1;
-  }
-  for (size_t i = 0; i < a.functions.validity.size(); ++i) {
-    result.validity_apart +=
-        static_cast<uint64_t>(std::popcount(static_cast<unsigned>(a.functions.validity[i] ^ b.functions.validity[i])));
-  }
-  return result;
 }
 
 }  // namespace nlg

@@ -1,11 +1,9 @@
-// Scenes made of a few faces, and the functions of their probes: what the cases of geometry are measured on.
+// Scenes made of a few faces: what the cases of geometry are measured on.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "datagen/dataset/shard.h"
-#include "datagen/probes/probe_placement.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "scene/scene.h"
 
@@ -43,32 +41,5 @@ FaceScene furnishedRoom();
 const LinkTable& stabilityLinks();
 
 const char* outcomeName(ProbeOutcome outcome);
-
-// What the probes of a scene gave, in one order.
-struct ProbeFunctions {
-  std::vector<ProbeOutcome> outcomes;
-  FunctionRows functions;    // quantised; one row for every outcome `function`
-  uint64_t broken = 0;       // functions with a value that is not in [0, 1], or not 0 at an invalid point
-  uint64_t disputed = 0;     // functions whose votes about solid were disputed
-  uint64_t probe_count = 0;  // of the whole tree
-
-  uint64_t count(ProbeOutcome outcome) const;
-};
-
-// The functions of up to max_probes probes of a scene, drawn from all by a fixed seed.
-ProbeFunctions probeFunctions(const Scene& scene, const ProbePlacementOptions& options, uint64_t max_probes);
-// … of probes at these places, relative to the scene's origin.
-ProbeFunctions functionsAt(const Scene& scene, const std::vector<glm::dvec3>& positions_m, float spacing_m);
-
-// How far two runs over the same probes are apart.
-struct FunctionDifference {
-  bool same_outcomes = false;
-  int largest_bytes = 0;        // of phi, 1/255
-  uint64_t points = 0;          // compared
-  uint64_t points_apart = 0;    // of these differ by more than one byte
-  uint64_t validity_apart = 0;  // … in validity
-  bool same_bits() const { return same_outcomes && largest_bytes == 0 && validity_apart == 0; }
-};
-FunctionDifference difference(const ProbeFunctions& a, const ProbeFunctions& b);
 
 }  // namespace nlg

@@ -196,7 +196,6 @@ def extreme_targets(bin_folder):
                 "Samples are bytes: 0 and 255 are the largest targets there are.")
 
 
-# the same names in stability_suite.cpp, for tables of a run without this script
 CASES = [poisoned_batch, poisoned_without_end, exploding_rate, extreme_targets, vanished_shard, vanished_cache, truncated_cache]
 
 

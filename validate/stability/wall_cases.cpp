@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "validate/stability/extreme_function.h"
 #include "validate/stability/face_scene.h"
 
@@ -20,171 +18,115 @@ struct WallScene {
   std::function<bool(const LocalPoint&)> plain = [](const LocalPoint&) { return false; };
 };
 
-// What was built at the origin with a spacing of 1 m, as figures.
+// What was built at the origin with a spacing of 1 m, as counts of points, over all scenes of a case.
 struct Built {
-  ProbeOutcome outcome = ProbeOutcome::empty;
-  uint64_t outside_range = 0;  // points with phi that is not in [0, 1], or not 0 where invalid
-  uint64_t unreachable = 0;    // lit points that lie more links from every seen one than there are passes
-  uint64_t lit_in_dark = 0;    // lit points where nothing may be lit
-  uint64_t off_tent = 0;       // points in plain sight without the tent
   uint64_t valid = 0, seen = 0, lit = 0, lit_occluded = 0;
-  double brightest_occluded = 0.0, brightest_seen = 0.0;
-  SampledFunction stored;
+  // with phi that is not in [0, 1] or not 0 where invalid; lit where nothing may be; in plain sight without the tent; brighter than
+  // all that is seen
+  uint64_t outside_range = 0, lit_in_dark = 0, off_tent = 0, too_bright = 0;
+  double brightest_occluded = 0.0;
 };
 
-// By point: how many links it lies from what the probe sees, at most `passes`; more says passes + 1.
-std::vector<int> linksFromSeen(const GeneratedFunction& function, int passes) {
-  const LinkTable& links = stabilityLinks();
-  std::vector<int> distance(kSupportPointCount, passes + 1);
-  for (int p = 0; p < kSupportPointCount; ++p) {
-    if (function.seen[p]) distance[p] = 0;
-  }
-  for (int pass = 1; pass <= passes; ++pass) {
-    for (int p = 0; p < kSupportPointCount; ++p) {
-      const LinkTable::Edge* nearest = &links.nearest[size_t(p) * kLinkCount];
-      const bool touches = std::any_of(nearest, nearest + kLinkCount, [&](const LinkTable::Edge& edge) {
-        return edge.point < kSupportPointCount && distance[edge.point] < pass;
-      });
-      if (distance[p] > pass && touches) distance[p] = pass;
-    }
-  }
-  return distance;
-}
-
 void countLight(const WallScene& scene, const GeneratedFunction& function, Built* built) {
-  const std::vector<int> distance = linksFromSeen(function, scene.diffusion.passes);
+  double brightest_seen = 0.0;
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    if (function.seen[p]) brightest_seen = std::max(brightest_seen, double{function.phi[p]});
+  }
   for (int p = 0; p < kSupportPointCount; ++p) {
     const double phi = function.phi[p];
     built->outside_range += !(phi >= 0.0 && phi <= 1.0) || (function.valid[p] == 0 && phi != 0.0);
     built->valid += function.valid[p];
     built->seen += function.seen[p];
-    if (function.seen[p]) built->brightest_seen = std::max(built->brightest_seen, phi);
     built->off_tent += scene.plain(pointAt(p)) && function.phi[p] != tent(pointAt(p));
     if (!(phi > 0.0)) continue;
     ++built->lit;
-    built->unreachable += distance[p] > scene.diffusion.passes;
     built->lit_in_dark += scene.dark(pointAt(p));
     if (function.seen[p]) continue;
     ++built->lit_occluded;
+    built->too_bright += phi > brightest_seen;
     built->brightest_occluded = std::max(built->brightest_occluded, phi);
   }
-  built->stored = sampleFunction([&](int p) { return std::clamp<double>(function.phi[p], 0.0, 1.0); },
-                                 [&](int p) { return function.valid[p] != 0; });
 }
 
-Built buildAtOrigin(const WallScene& scene) {
+// Builds the function at the origin; `expected` is what must become of the probe, and nothing is counted where it does not.
+bool buildAtOrigin(const WallScene& scene, ProbeOutcome expected, StabilityFigures* figures, GeneratedFunction* function,
+                   Built* built) {
   const Scene finished = scene.faces.finish();
   const RayScene rays(finished);
   WeightingBuilder builder(rays, stabilityLinks(), scene.diffusion);
-  GeneratedFunction function;
-  Built built;
-  built.outcome = builder.build(-finished.origin_m, 1.0f, &function);
-  if (built.outcome == ProbeOutcome::function || built.outcome == ProbeOutcome::empty) countLight(scene, function, &built);
-  return built;
+  const ProbeOutcome outcome = builder.build(-finished.origin_m, 1.0f, function);
+  figures->require(outcome == expected, std::string("a probe's outcome is ") + outcomeName(outcome));
+  if (outcome == expected) countLight(scene, *function, built);
+  return outcome == expected;
 }
-
-constexpr const char* kWallMustHold =
-    "phi is in [0, 1] and 0 in solid, nothing behind the wall is lit, no light goes more links from what the probe sees than "
-    "there are passes, nothing occluded is brighter than what is seen; what a bake stores is finite, no stage makes it worse, "
-    "and "
-    "its error is at most the threshold tau, or 1.5 times the best known of the function in that representation";
 
 // The functions of some scenes, all of which must hold.
-StabilityResult measureWalls(const StabilityInputs& inputs, const std::vector<WallScene>& scenes) {
-  StabilityResult result;
-  result.holds = true;
-  uint64_t lit_wrongly = 0, seen = 0, lit_occluded = 0;
-  double brightest = 0.0;
+void measureWalls(const StabilityInputs& inputs, const std::vector<WallScene>& scenes, StabilityFigures* figures) {
+  Built built;
   WorstBake worst;
-  std::string outcomes;
   for (const WallScene& scene : scenes) {
-    const Built built = buildAtOrigin(scene);
-    outcomes += (outcomes.empty() ? "" : ", ") + std::string(outcomeName(built.outcome));
-    const uint64_t wrong = built.outside_range + built.unreachable + built.lit_in_dark + built.off_tent;
-    lit_wrongly += wrong;
-    seen += built.seen;
-    lit_occluded += built.lit_occluded;
-    brightest = std::max(brightest, built.brightest_occluded);
-    // free space says that the wall was missed: nothing would be measured then
-    const bool is_found = built.outcome == ProbeOutcome::function && built.seen > 0;
-    result.holds = result.holds && is_found && wrong == 0 && built.brightest_occluded <= built.brightest_seen;
-    if (!is_found || inputs.generators.empty()) continue;
-    worst.add(worstBake(inputs, built.stored.view(), ErrorBound::best_known));
-    result.holds = result.holds && worst.holds();
+    GeneratedFunction function;
+    // free space would say that the wall was missed
+    if (!buildAtOrigin(scene, ProbeOutcome::function, figures, &function, &built)) continue;
+    const SampledFunction stored =
+        sampleFunction([&](int p) { return function.phi[p]; }, [&](int p) { return function.valid[p] != 0; });
+    worst.addAll(inputs, stored.view(), ErrorBound::best_known);
   }
-  result.measured = fmt::format("{}; {} points seen, {} lit by diffusion (brightest {:.3f}), {} lit wrongly", outcomes, seen,
-                                lit_occluded, brightest, lit_wrongly);
-  result.figures = {{"points_seen", double(seen)},
-                    {"points_lit_by_diffusion", double(lit_occluded)},
-                    {"points_lit_wrongly", double(lit_wrongly)},
-                    {"brightest_occluded", brightest}};
-  if (inputs.generators.empty()) return result;
-  result.fails_check = worst.failing_count > 0;
-  result.measured +=
-      fmt::format("; worst RMSE of what a bake stores {:.4f} ({}), {}; at most {} of {} generators fail its check",
-                  worst.stored_rmse, worst.stored_name, describeBound(worst), worst.failing_count, inputs.generators.size());
-  result.figures["rmse_stored"] = worst.stored_rmse;
-  result.figures["stored_over_bound"] = worst.most_of_bound;
-  result.figures["failing_generators"] = worst.failing_count;
-  return result;
-}
-
-// Probes that see nothing, for they stand in what is there: no function, and not one point lit.
-StabilityResult measureBlind(const std::vector<WallScene>& scenes) {
-  StabilityResult result;
-  result.holds = true;
-  uint64_t valid = 0, seen = 0, lit = 0;
-  std::string outcomes;
-  for (const WallScene& scene : scenes) {
-    const Built built = buildAtOrigin(scene);
-    outcomes += (outcomes.empty() ? "" : ", ") + std::string(outcomeName(built.outcome));
-    // without valid points there is nothing that could be lit
-    result.holds = result.holds && built.outcome == ProbeOutcome::empty && built.valid > 0;
-    valid += built.valid;
-    seen += built.seen;
-    lit += built.lit;
-  }
-  result.holds = result.holds && seen == 0 && lit == 0;
-  result.measured = fmt::format("{}; of {} points outside solid {} seen, {} lit", outcomes, valid, seen, lit);
-  result.figures = {{"points_valid", double(valid)}, {"points_seen", double(seen)}, {"points_lit", double(lit)}};
-  return result;
+  figures->atLeast("points_seen", double(built.seen), 1);
+  figures->show("points_lit_by_diffusion", double(built.lit_occluded));
+  figures->show("brightest_occluded", built.brightest_occluded);
+  figures->equals("points_outside_range", double(built.outside_range), 0);
+  figures->equals("points_lit_in_the_dark", double(built.lit_in_dark), 0);
+  figures->equals("points_in_plain_sight_without_the_tent", double(built.off_tent), 0);
+  figures->equals("occluded_points_brighter_than_all_seen", double(built.too_bright), 0);
+  worst.report(figures);
 }
 
 StabilityCase wallCase(const std::string& name, const std::function<std::vector<WallScene>()>& make) {
-  return {"functions",           name,  kWallMustHold,
-          StabilityDepth::brief, false, [make](const StabilityInputs& inputs) { return measureWalls(inputs, make()); }};
+  return {
+      "functions",
+      name,
+      "phi is in [0, 1] and 0 in solid, nothing behind the wall is lit, what stands in plain sight has the tent, nothing "
+      "occluded is brighter than what is seen; what a bake stores is finite, no stage makes it worse, and its error is at most "
+      "the threshold tau, or 1.5 times the best known of the function in that representation",
+      StabilityDepth::brief,
+      false,
+      [make](const StabilityInputs& inputs, StabilityFigures* figures) { measureWalls(inputs, make(), figures); }};
+}
+
+// Probes that stand in what is there.
+void measureBlind(const std::vector<WallScene>& scenes, StabilityFigures* figures) {
+  Built built;
+  GeneratedFunction function;
+  for (const WallScene& scene : scenes) buildAtOrigin(scene, ProbeOutcome::empty, figures, &function, &built);
+  // without valid points there is nothing that could be lit
+  figures->atLeast("points_valid", double(built.valid), 1);
+  figures->equals("points_seen", double(built.seen), 0);
+  figures->equals("points_lit", double(built.lit), 0);
 }
 
 // Nearer to a wall's face than this share of the spacing a point is in no plain sight.
 constexpr double kGrazing = 1e-3;
 
-// A slab, endless as far as a support can tell: from `near` to `far` along a normal that is turned about y from x.
+// An endless wall from `near` to `far` along a normal that is turned about y from x; of both sides where it has no thickness.
 WallScene slab(double near, double far, double degrees) {
   WallScene scene;
   const double angle = degrees * M_PI / 180.0;
-  const auto turned = [=](double along, double y, double across) {
-    return glm::dvec3(along * std::cos(angle) - across * std::sin(angle), y, along * std::sin(angle) + across * std::cos(angle));
-  };
-  scene.faces.addBox({near, -50, -50}, {far, 50, 50});
-  for (glm::dvec3& position : scene.faces.positions()) position = turned(position.x, position.y, position.z);
+  if (near < far) {
+    scene.faces.addBox({near, -50, -50}, {far, 50, 50});
+  } else {
+    scene.faces.addQuad({near, -50, -50}, {near, 50, -50}, {near, 50, 50}, {near, -50, 50}, FaceScene::Sides::two);
+  }
+  for (glm::dvec3& at : scene.faces.positions()) {
+    at = {at.x * std::cos(angle) - at.z * std::sin(angle), at.y, at.x * std::sin(angle) + at.z * std::cos(angle)};
+  }
   const auto height = [=](const LocalPoint& p) { return p[0] * std::cos(angle) + p[2] * std::sin(angle); };
   scene.dark = [=](const LocalPoint& p) { return height(p) > far + 1e-4; };
   scene.plain = [=](const LocalPoint& p) { return height(p) < near - kGrazing; };
   return scene;
 }
 
-// A sheet without thickness, seen from both sides, at this distance from the probe.
-WallScene sheet(double distance, double degrees) {
-  WallScene scene;
-  const double angle = degrees * M_PI / 180.0;
-  const glm::dvec3 along(-std::sin(angle), 0, std::cos(angle)), up(0, 1, 0), to(std::cos(angle), 0, std::sin(angle));
-  const auto at = [=](double u, double v) { return distance * to + u * along + v * up; };
-  scene.faces.addQuad(at(-50, -50), at(50, -50), at(50, 50), at(-50, 50), FaceScene::Sides::two);
-  const auto height = [=](const LocalPoint& p) { return p[0] * to.x + p[2] * to.z; };
-  scene.dark = [=](const LocalPoint& p) { return height(p) > distance + 1e-4; };
-  scene.plain = [=](const LocalPoint& p) { return height(p) < distance - kGrazing; };
-  return scene;
-}
+WallScene sheet(double distance, double degrees) { return slab(distance, distance, degrees); }
 
 // Two walls that meet in an edge, the probe at this distance from both.
 WallScene corner(double distance) {
@@ -194,6 +136,13 @@ WallScene corner(double distance) {
   scene.faces.addBox({-50, -50, distance}, {distance, 50, far});
   scene.dark = [=](const LocalPoint& p) { return std::max(p[0], p[2]) > far + 1e-4; };
   scene.plain = [=](const LocalPoint& p) { return std::max(p[0], p[2]) < distance - kGrazing; };
+  return scene;
+}
+
+// A triangle of two sides, one corner of which is the probe.
+WallScene cornerOnProbe() {
+  WallScene scene;
+  scene.faces.addTriangle({0, 0, 0}, {0.5, 0.3, -0.4}, {0.5, 0.2, 0.6}, FaceScene::Sides::two);
   return scene;
 }
 
@@ -251,12 +200,12 @@ std::vector<StabilityCase> wallCases() {
                  }
                  return scenes;
                }),
-      {"functions", "sheet at 0, 1 and 45 degrees and a corner, all through the probe itself",
+      {"functions", "sheet at 0, 1 and 45 degrees, two walls' edge and a triangle's corner, all through the probe itself",
        "a probe that stands in a surface is found to see nothing: it is empty, so that a bake stores no function of it, and no "
        "point on any side is lit",
        StabilityDepth::brief, false,
-       [](const StabilityInputs&) {
-         return measureBlind({sheet(0.0, 0.0), sheet(0.0, 1.0), sheet(0.0, 45.0), corner(0.0)});
+       [](const StabilityInputs&, StabilityFigures* figures) {
+         measureBlind({sheet(0.0, 0.0), sheet(0.0, 1.0), sheet(0.0, 45.0), corner(0.0), cornerOnProbe()}, figures);
        }},
       wallCase("wall thinner than any link (1e-5 of the spacing)",
                [] {

@@ -1,0 +1,195 @@
+#include "validate/stability/stability_command.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <iostream>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+#include "tool/one_file_each.h"
+#include "tool/output_path.h"
+#include "tool/progress.h"
+#include "tool/provenance.h"
+#include "tool/tool_main.h"
+#include "validate/errors/held_out.h"
+#include "validate/stability/stability_case.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<const char*, 6> kGroups = {"functions", "optimisers", "pca", "generator", "scenes", "training"};
+
+struct StabilityRequest {
+  std::vector<std::string> weights;  // exported generators; without any the cases that need them are not run
+  std::string training;              // what training_cases.py wrote; empty: the training cases are not run
+  std::string only;                  // one group; empty: all
+  std::string out;
+  StabilityDepth depth = StabilityDepth::full;
+};
+
+struct StabilityTable {
+  Json cases = Json::array();       // docs/reference/formats.md
+  std::vector<std::string> failed;  // names of cases that ran and did not hold
+  int passed = 0, not_run = 0;
+
+  void addNotRun(Json row, const std::string& why) {
+    row.update({{"measured", "not run"}, {"figures", Json::object()}, {"holds", false}, {"fails_check", false}, {"ran", false}});
+    row["note"] = "not run: " + why;
+    cases.push_back(std::move(row));
+    ++not_run;
+  }
+
+  void addRun(Json row) {
+    row["ran"] = true;
+    const bool holds = row.at("holds").get<bool>();
+    const auto measured = row.at("measured").get<std::string>(), note = row.at("note").get<std::string>();
+    if (holds) {
+      ++passed;
+    } else {
+      failed.push_back(row.at("group").get<std::string>() + ": " + row.at("name").get<std::string>());
+      // A case may note something whatever comes out. Beside a failure that would read like its excuse, and the report would count
+      // the failure as explained.
+      row["measured"] = note.empty() ? measured : measured + " (" + note + ")";
+      row["note"] = "";
+    }
+    cases.push_back(std::move(row));
+  }
+};
+
+std::vector<StabilityCase> allCases() {
+  std::vector<StabilityCase> all;
+  for (const auto& cases : {sampledFunctionCases(), wallCases(), fitCases(), pcaCases(), coefficientCases(), sceneCases()}) {
+    all.insert(all.end(), cases.begin(), cases.end());
+  }
+  return all;
+}
+
+StabilityInputs readInputs(const StabilityRequest& request) {
+  StabilityInputs inputs;
+  inputs.depth = request.depth;
+  OneFileEach given("--weights", "representation");
+  for (const std::string& path : request.weights) {
+    Generator generator = loadGenerator(path);
+    const std::string name = representationName(generator.representation());
+    inputs.generators.push_back({name, std::move(generator), loadGeneratorData(path)});
+    given.add(path, name);
+  }
+  return inputs;
+}
+
+// Why a case is not run; empty when it is.
+std::string reasonToSkip(const StabilityCase& stability_case, const StabilityInputs& inputs) {
+  if (stability_case.needs_generators && inputs.generators.empty()) return "it needs --weights";
+  if (stability_case.depth <= inputs.depth) return "";
+  return stability_case.depth == StabilityDepth::lengthy ? "it needs --long" : "left out by --short";
+}
+
+void runCase(const StabilityCase& stability_case, const StabilityInputs& inputs, StabilityTable* table) {
+  Json row = {{"group", stability_case.group}, {"name", stability_case.name}, {"must_hold", stability_case.must_hold}};
+  const std::string reason = reasonToSkip(stability_case, inputs);
+  if (!reason.empty()) return table->addNotRun(row, reason);
+  StabilityFigures figures;
+  try {
+    stability_case.measure(inputs, &figures);
+  } catch (const std::bad_alloc&) {
+    throw;  // says something of the machine, and nothing of the case
+  } catch (const std::exception& error) {
+    figures.require(false, std::string("ended with an exception: ") + error.what());
+  }
+  row.update({{"measured", figures.measured()},
+              {"figures", figures.figures()},
+              {"holds", figures.holds()},
+              {"fails_check", figures.fails_check},
+              {"note", figures.note}});
+  table->addRun(row);
+}
+
+// The cases of training_cases.py, or one row that says that they were not run.
+void addTraining(const std::string& path, StabilityTable* table) {
+  if (path.empty()) {
+    return table->addNotRun({{"group", "training"},
+                             {"name", "nlg-train while things go wrong"},
+                             {"must_hold", "training stops with the cause or goes on from the last good state"}},
+                            "it needs --training, the file of training_cases.py");
+  }
+  try {
+    const Json file = Json::parse(readFile(path));
+    for (Json row : file.at("cases")) {
+      row["fails_check"] = false;
+      table->addRun(std::move(row));
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(path, "JSON", "the file of training_cases.py", error.what());
+  }
+}
+
+StabilityTable runAll(const StabilityRequest& request) {
+  if (!request.only.empty() && std::find(kGroups.begin(), kGroups.end(), request.only) == kGroups.end()) {
+    throw UsageError("--only", fmt::format("one of {}", fmt::join(kGroups, ", ")), "'" + request.only + "'");
+  }
+  const StabilityInputs inputs = readInputs(request);
+  std::vector<StabilityCase> cases = allCases();
+  std::erase_if(cases, [&](const StabilityCase& c) { return !request.only.empty() && c.group != request.only; });
+  StabilityTable table;
+  Progress progress("cases", static_cast<int64_t>(cases.size()));
+  for (size_t i = 0; i < cases.size(); ++i) {
+    progress.update(static_cast<int64_t>(i), cases[i].group + ": " + cases[i].name);
+    runCase(cases[i], inputs, &table);
+  }
+  if (request.only.empty() || request.only == "training") addTraining(request.training, &table);
+  return table;
+}
+
+Json originOf(const StabilityRequest& request, const OptionTable& options) {
+  std::map<std::string, std::string> inputs;
+  for (size_t i = 0; i < request.weights.size(); ++i) inputs["weights_" + std::to_string(i)] = fileSha256(request.weights[i]);
+  if (!request.training.empty()) inputs["training"] = fileSha256(request.training);
+  Json given = options.toJson();
+  given["depth"] = request.depth == StabilityDepth::brief ? "short" : request.depth == StabilityDepth::full ? "full" : "long";
+  given["only"] = request.only;
+  return provenance("nlg-validate stability", given, inputs);
+}
+
+void run(const StabilityRequest& request, const OptionTable& options) {
+  std::vector<std::string> inputs = request.weights;
+  inputs.push_back(request.training);
+  refuseToReplaceInputs(request.out, inputs);
+  const StabilityTable table = runAll(request);
+  const Json json = {{"schema_version", 1}, {"provenance", originOf(request, options)}, {"cases", table.cases}};
+  writeFileAtomically(request.out, json.dump(1) + "\n");
+  std::cout << fmt::format("{}: {} cases hold, {} do not, {} were not run\n", request.out, table.passed, table.failed.size(),
+                           table.not_run);
+  if (table.failed.empty()) return;
+  throw CheckFailed("stability", "every case that ran to hold",
+                    fmt::format("{} that do not: {}", table.failed.size(), fmt::join(table.failed, "; ")));
+}
+
+}  // namespace
+
+int stabilityMain(int argc, char** argv) {
+  CLI::App app{
+      "Runs stiff and extreme cases and writes what must hold and what was measured. Exit code 6 when some case does not hold.",
+      "nlg-validate stability"};
+  StabilityRequest request;
+  bool is_short = false, is_long = false;
+  OptionTable table("stability");  // it has no options of a configuration
+  app.add_option("--out", request.out, "the table to write (.json)")->required();
+  app.add_option("--weights", request.weights, "exported generators; without any the cases that need them are not run");
+  app.add_option("--training", request.training, "what training_cases.py wrote: the training cases");
+  app.add_option("--only", request.only, fmt::format("one group: {}", fmt::join(kGroups, ", ")));
+  CLI::Option* short_flag = app.add_flag("--short", is_short, "some seconds: fewer cases, smaller ones");
+  app.add_flag("--long", is_long, "minutes and gigabytes: ten million triangles, a million functions")->excludes(short_flag);
+  return runTool(argc, argv, app, table, [&] {
+    if (is_short) request.depth = StabilityDepth::brief;
+    if (is_long) request.depth = StabilityDepth::lengthy;
+    run(request, table);
+  });
+}
+
+}  // namespace nlg
