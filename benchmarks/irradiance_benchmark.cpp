@@ -1,6 +1,6 @@
 // Look-ups in a light grid up to irradiance: look-ups/s of one core, one at a time and batched, beside the weights alone.
 //
-// 18,513 probes with a function and light of their own each, as in light_grid_benchmark.cpp: theta is 8 MB for the large networks,
+// 18,513 probes with a function and light of their own each: theta is 8 MB for the large networks,
 // 19 MB for pf5, light 2 MB. "walk" goes along straight lines in steps of 5 cm at 1 m between probes, as a moving object or a row
 // of a texture does; "scattered" jumps. Normals are all different. With NLG_GRID=FILE the same of a level's grid with light, as
 // nlg-bake writes it: positions in its cells, each cell as likely as any other.

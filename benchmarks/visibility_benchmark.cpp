@@ -113,7 +113,7 @@ void embreeAllLinks(benchmark::State& state, const Level& level) {
   state.counters["functions/s"] = rate(functions);
 }
 
-enum class Part { visibility, diffusion, both };
+enum class Part { visibility, diffusion };
 
 // Of the probes that have a function, timed function by function.
 void ofFunctions(benchmark::State& state, const Level& level, Part part) {
@@ -128,63 +128,12 @@ void ofFunctions(benchmark::State& state, const Level& level, Part part) {
       const Clock::time_point seen = Clock::now();
       builder.generate(&function);
       const Clock::time_point end = Clock::now();
-      spent += (part == Part::visibility ? seen : end) - (part == Part::diffusion ? seen : begin);
+      spent += part == Part::visibility ? seen - begin : end - seen;
       functions += 1.0;
     }
     state.SetIterationTime(std::chrono::duration<double>(spent).count());
   }
   state.counters["functions/s"] = rate(functions);
-}
-
-// Where the time goes: microseconds of each step, a probe for the first two, a function for the others; the eye of a probe in solid
-// that has triangles around it, instead of its rays.
-void stages(benchmark::State& state, const Level& level) {
-  SupportVisibility visibility(level.rays, level.links);
-  SolidEye solid_eye;
-  double probes = 0.0, functions = 0.0, triangles = 0.0, in_solid_count = 0.0;
-  Clock::duration vote{0}, collect{0}, eye{0}, rays{0}, links{0}, validity{0};
-  Clock::time_point last;
-  const auto lap = [&last](Clock::duration& stage) {
-    const Clock::time_point now = Clock::now();
-    stage += now - last;
-    last = now;
-  };
-  for (auto _ : state) {
-    for (const Place& place : level.places) {
-      last = Clock::now();
-      const bool in_solid = visibility.voteAt(place.position_m).solid();
-      lap(vote);
-      probes += 1.0;
-      visibility.beginProbe(place.position_m, place.spacing_m);
-      lap(collect);
-      if (visibility.supportIsEmpty()) continue;
-      if (in_solid) {
-        benchmark::DoNotOptimize(solid_eye.open(&visibility));
-        lap(eye);
-        in_solid_count += 1.0;
-        continue;
-      }
-      visibility.traceProbeRays();
-      lap(rays);
-      visibility.testLinks();
-      lap(links);
-      visibility.findValidity();
-      lap(validity);
-      functions += 1.0;
-      triangles += static_cast<double>(visibility.triangles().size());
-    }
-  }
-  const auto each = [](Clock::duration stage, double count) {
-    return std::chrono::duration<double, std::micro>(stage).count() / count;
-  };
-  state.counters["vote_us/probe"] = each(vote, probes);
-  state.counters["collect_us/probe"] = each(collect, probes);
-  state.counters["eye_us"] = each(eye, in_solid_count);
-  state.counters["rays_us"] = each(rays, functions);
-  state.counters["links_us"] = each(links, functions);
-  state.counters["validity_us"] = each(validity, functions);
-  state.counters["triangles"] = triangles / functions;
-  state.counters["functions/probe"] = functions / probes;
 }
 
 const bool kRegistered = [] {
@@ -210,16 +159,8 @@ const bool kRegistered = [] {
         ->Threads(2)
         ->UseRealTime()
         ->Unit(benchmark::kMillisecond);
-    benchmark::RegisterBenchmark(at("visibility/stages").c_str(),
-                                 [prepared](benchmark::State& state) { stages(state, prepared()); })
-        ->UseRealTime()
-        ->Unit(benchmark::kMillisecond);
     benchmark::RegisterBenchmark(at("weighting/diffusion").c_str(),
                                  [prepared](benchmark::State& state) { ofFunctions(state, prepared(), Part::diffusion); })
-        ->UseManualTime()
-        ->Unit(benchmark::kMillisecond);
-    benchmark::RegisterBenchmark(at("weighting/build").c_str(),
-                                 [prepared](benchmark::State& state) { ofFunctions(state, prepared(), Part::both); })
         ->UseManualTime()
         ->Unit(benchmark::kMillisecond);
   };

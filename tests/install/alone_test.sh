@@ -14,7 +14,7 @@ configure() {
   "$cmake" --no-warn-unused-cli -S . -B "$work/$1" -G "$generator" -DCMAKE_CXX_COMPILER="$cxx" "${packages[@]/#/-DCMAKE_DISABLE_FIND_PACKAGE_}" "${@:2}"
 }
 packages=("${packages[@]/%/=ON}")
-configure library -DNLG_BUILD_TOOLS=OFF -DNLG_BUILD_TESTS=OFF -DNLG_BUILD_BENCHMARKS=OFF
+configure library -DNLG_BUILD_TOOLS=OFF -DNLG_BUILD_TESTS=OFF
 # the same without the switches must fail, or nothing was made unfindable
 if configure tools > "$work/tools.log" 2>&1; then echo "alone_test: the tools configure without their packages" >&2; exit 1; fi
 # a bake and the viewer, where what only training and tests need is not there
