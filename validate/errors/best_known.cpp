@@ -73,7 +73,6 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
   for (int f = 0; f < kLongFitCount; ++f) {
     result.words.push_back({longFitName(static_cast<LongFit>(f)), std::vector<MeasuredFunction>(sample.size()), {}});
   }
-  result.direct_checks.resize(sample.size());
   std::vector<std::unique_ptr<Thread>> threads;
   for (int t = 0; t < options.threadCount(); ++t) threads.push_back(std::make_unique<Thread>(set));
   Progress progress(std::string(representationName(representation)) + ": functions fitted", static_cast<int64_t>(sample.size()));
@@ -90,7 +89,6 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
     const std::array<FitResult, kLongFitCount>& fits = of_function.fits;
     for (int f = 0; f < kLongFitCount; ++f) {
       const FunctionCheck check = thread.checker.check(representation, stored, fits[f].theta.data(), options.policy.check());
-      if (f == static_cast<int>(LongFit::direct)) result.direct_checks[n] = check;
       const FunctionError error = thread.meter.measure(representation, fits[f].theta.data(), function);
       result.words[f].functions[n] = {function, error, !check.passes(options.policy.check()), true, fits[f].elapsed_us};
       thread.leaks[f].add(thread.meter.leakMagnitudes(), function, populations);

@@ -34,7 +34,6 @@ FunctionFits fitLong(const Generator& generator, const WeightingFunction& functi
 
 struct LongFits {
   std::vector<MeasuredWord> words;                  // by LongFit, on the sample's functions
-  std::vector<FunctionCheck> direct_checks;         // by function of the sample
   std::map<std::string, uint64_t> best_known_from;  // as of one function → functions
 
   const MeasuredWord& at(LongFit fit) const { return words[static_cast<size_t>(fit)]; }

@@ -1,10 +1,11 @@
 // Intervals by bootstrap over scenes: how far a figure would move if other scenes had been held out.
 //
-// Functions of one scene resemble each other, so that scenes are drawn, never functions: a resample has as many scenes as there are,
-// drawn with replacement, with all functions of each (Efron & Tibshirani 1993, chapter 8). The interval reaches from the 2.5th to
-// the 97.5th percentile of the resamples' figures. In a simulation of 24 scenes (bootstrap_test.cpp) that of a mean or a median holds
-// the truth in 95 of 100 trials; that of a 95th percentile, which hangs on the few highest scenes, only in 78: read it as a lower
-// bound of how uncertain it is. One scene says nothing of others: there both ends are the value itself, and isOneScene says so.
+// Functions of one scene resemble each other, so scenes are drawn, never functions. A resample has as many scenes as there are, drawn
+// with replacement, and all functions of each (Efron & Tibshirani 1993, chapter 8). The interval reaches from the 2.5th to the 97.5th
+// percentile of the resamples' figures. A simulation of 24 scenes (bootstrap_test.cpp) says how far to trust it: the interval of a
+// mean or a median holds the truth in 95 of 100 trials. That of a 95th percentile does so only in 78, since it hangs on the few
+// highest scenes; read it as a lower bound of the uncertainty. One scene says nothing of others: there both ends are the value
+// itself, and isOneScene says so.
 #pragma once
 
 #include <cstddef>

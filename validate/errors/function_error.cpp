@@ -25,18 +25,15 @@ ErrorMeter::ErrorMeter(const FunctionSet& set)
       values_(points_.padded_count),
       test_values_(test_points_.padded_count) {}
 
-FunctionError ErrorMeter::measure(const Representation& representation, const float* theta, uint64_t index,
-                                  PooledMagnitudes* leaks) {
+FunctionError ErrorMeter::measure(const Representation& representation, const float* theta, uint64_t index) {
   evaluate(representation, points_, theta, values_.data());
   evaluate(representation, test_points_, theta, test_values_.data());
-  return compare(values_.data(), test_values_.data(), index, leaks);
+  return compare(values_.data(), test_values_.data(), index);
 }
 
-FunctionError ErrorMeter::measureTent(uint64_t index, PooledMagnitudes* leaks) {
-  return compare(points_.tent.data(), test_points_.tent.data(), index, leaks);
-}
+FunctionError ErrorMeter::measureTent(uint64_t index) { return compare(points_.tent.data(), test_points_.tent.data(), index); }
 
-FunctionError ErrorMeter::compare(const float* values, const float* test_values, uint64_t index, PooledMagnitudes* leaks) {
+FunctionError ErrorMeter::compare(const float* values, const float* test_values, uint64_t index) {
   const size_t point_count = set_.point_count, test_count = set_.test_point_count;
   MeanSquare all, occluded, test;
   leak_magnitudes_.clear();
@@ -49,7 +46,6 @@ FunctionError ErrorMeter::compare(const float* values, const float* test_values,
     occluded.add(residual);
     if (phi != 0) continue;
     leak_magnitudes_.push_back(std::fabs(values[i]));
-    if (leaks) leaks->add(values[i]);
   }
   for (size_t i = 0; i < test_count; ++i) {
     if (!bit(set_.validity_test, index, test_count, i)) continue;

@@ -26,19 +26,17 @@ class ErrorMeter {
  public:
   explicit ErrorMeter(const FunctionSet& set);
 
-  // index         function of the set
-  // leaks         collects |value| at every point that counts for leaks; may be null
-  FunctionError measure(const Representation& representation, const float* theta, uint64_t index,
-                        PooledMagnitudes* leaks = nullptr);
+  // index   function of the set
+  FunctionError measure(const Representation& representation, const float* theta, uint64_t index);
 
   // The same for the bare tent, no network at all.
-  FunctionError measureTent(uint64_t index, PooledMagnitudes* leaks = nullptr);
+  FunctionError measureTent(uint64_t index);
 
   // |value| at every point that counted for leaks in what was measured last.
   const std::vector<double>& leakMagnitudes() const { return leak_magnitudes_; }
 
  private:
-  FunctionError compare(const float* values, const float* test_values, uint64_t index, PooledMagnitudes* leaks);
+  FunctionError compare(const float* values, const float* test_values, uint64_t index);
 
   const FunctionSet& set_;
   PointSet points_, test_points_;  // pattern order

@@ -1,8 +1,17 @@
 #include "validate/errors/functions_csv.h"
 
-#include "validate/errors/csv_field.h"
-
 namespace nlg {
+namespace {
+
+// A text as a field: file stems may hold commas.
+std::string csvField(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string field = "\"";
+  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return field + '"';
+}
+
+}  // namespace
 
 FunctionsCsv::FunctionsCsv(const FunctionSet& set, const Populations& populations) : set_(set), populations_(populations) {
   text_

@@ -12,9 +12,7 @@ void PopulationLeaks::add(const std::vector<double>& magnitudes, uint64_t functi
     for (int p = 0; p < kPopulationCount; ++p) {
       const auto scope = static_cast<Scope>(s);
       const auto population = static_cast<Population>(p);
-      if (!populations.contains(scope, population, function)) continue;
-      PooledMagnitudes& pool = pools_[index(scope, population)];
-      for (const double magnitude : magnitudes) pool.add(magnitude);
+      if (populations.contains(scope, population, function)) pools_[index(scope, population)].add(magnitudes);
     }
   }
 }

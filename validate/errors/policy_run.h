@@ -1,7 +1,7 @@
 // The policy on many functions, on all threads, as a bake runs it: bare tents, batches through the stages, refinement, rounding.
 //
-// Validation calls ThetaPolicy::bake, a bake its parts; that they come to the same theta, bit for bit, whatever the batches
-// and threads, is tested (bake_equals_validation_test.cpp).
+// Validation calls ThetaPolicy::bake, a bake calls its parts. bake_equals_validation_test.cpp tests that both come to the same theta,
+// bit for bit, whatever the batches and threads.
 #pragma once
 
 #include <array>

@@ -22,10 +22,13 @@ Quantiles quantiles(std::vector<double> values);
 double quantile(std::vector<double>& values, double share);
 
 // Mean and quantiles of magnitudes pooled over points, in constant memory: bins of 1/2048 up to 2, larger ones in the last bin. The
-// same, bit for bit, in whatever order they come: sums are whole numbers of 2^-30, and what is above 16 counts as 16.
+// order in which values come changes no bit: sums are whole numbers of 2^-30, and what is above 16 counts as 16.
 class PooledMagnitudes {
  public:
   void add(double value);
+  void add(const std::vector<double>& values) {
+    for (const double value : values) add(value);
+  }
   void add(const PooledMagnitudes& other);
   double mean() const { return count_ > 0 ? static_cast<double>(sum_) * 0x1p-30 / static_cast<double>(count_) : 0.0; }
   double quantile(double share) const;  // upper edge of the bin

@@ -1,6 +1,5 @@
 #include "validate/errors/validation.h"
 
-#include <algorithm>
 #include <iostream>
 
 #include "bake/policy_options.h"
@@ -8,7 +7,6 @@
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
-#include "validate/errors/choice.h"
 #include "validate/errors/function_counts.h"
 #include "validate/errors/functions_csv.h"
 #include "validate/errors/held_out.h"
@@ -52,7 +50,6 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
                   {"functions", functionsJson(counts.all, context)},
                   {"bootstrap", bootstrapJson(context)},
                   {tents.name, figuresByPopulation(tents, Scope::set, context)}};
-  std::vector<ChoiceColumn> fields;
   for (size_t i = 0; i < generators.size(); ++i) {
     const Representation& representation = generators[i].representation();
     const std::string name = representationName(representation);
@@ -61,14 +58,8 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
     for (const MeasuredWord& word : validated.policy.words) csv.add(name, word);
     for (const MeasuredWord& fit : validated.fits.words) csv.add(name, fit);
     appendSlices(representation, validated.policy, set, populations, &slices);
-    if (representation.isField()) fields.push_back({&generators[i], validated.fits.direct_checks});
   }
-  if (fields.size() > 1) {
-    std::sort(fields.begin(), fields.end(), [](const ChoiceColumn& a, const ChoiceColumn& b) {
-      return a.generator->representation().thetaCount() < b.generator->representation().thetaCount();
-    });
-    summary["choice"] = choiceJson(fields, set, populations, options);
-  }
+
   writeFileAtomically(request.out_dir + "/functions.csv", csv.text());
   writeFileAtomically(request.out_dir + "/slices.json", slices.dump());
   writeFileAtomically(request.out_dir + "/summary.json", summary.dump(1) + "\n");

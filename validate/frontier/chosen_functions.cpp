@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "tool/error.h"
-#include "validate/errors/even_choice.h"
 
 namespace nlg {
 namespace {

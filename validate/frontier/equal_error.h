@@ -1,7 +1,7 @@
 // "So many times faster than direct at equal error": what direct fits take to exactly the error that the generator's theta has.
 //
-// Of every family of fits those budgets count that no other of the family beats in both mean time and mean error; between two of
-// them time follows error on a straight line in logarithms. The fastest family at the error is the rival.
+// Of a family of fits, a budget counts where no other budget of the family beats it in both mean time and mean error. Between two
+// budgets that count, time follows error on a straight line in logarithms. The rival is the family that is the fastest at the error.
 #pragma once
 
 #include <optional>

@@ -71,7 +71,7 @@ std::vector<FittedFunction> fitAll(const Fits& fits, int budget, const FunctionB
 }
 
 // Corrected once, then every budget from there.
-FittedFunctions fitOn(const Fits& fits, PolicyRun& corrected, const FunctionBlock& block) {
+FittedFunctions fitOn(const Fits& fits, TimedPolicy& corrected, const FunctionBlock& block) {
   const std::vector<FittedFunction> start = corrected.run(block);
   FittedFunctions points(fits.budgets.size(), start);
   for (size_t i = 0; i < start.size(); ++i) {
@@ -195,7 +195,7 @@ void addDirect(const Fits& fits, double loose_rmse, std::vector<PlotRun>& runs) 
 std::vector<PlotRun> fitsOfCorrected(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
                                      const FitBudgets& budgets) {
   std::vector<PlotRun> runs;
-  const auto corrected = std::make_shared<PolicyRun>(SharedGenerators{generator}, options, ThetaStage::mirror_images);
+  const auto corrected = std::make_shared<TimedPolicy>(SharedGenerators{generator}, options, ThetaStage::mirror_images);
   for (const Method method : {Method::lm, Method::adam}) {
     const std::vector<int> steps = method == Method::lm ? budgets.lm : adamSteps(generator->representation(), budgets.adam);
     if (steps.empty()) continue;

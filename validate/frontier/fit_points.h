@@ -1,7 +1,7 @@
 // Points of fits at growing budgets: from the corrected theta, and from theta0 and a random start, which need no generator.
 #pragma once
 
-#include "validate/frontier/policy_run.h"
+#include "validate/frontier/timed_policy.h"
 
 namespace nlg {
 
@@ -17,9 +17,10 @@ std::vector<PlotRun> fitsOfCorrected(const std::shared_ptr<const Generator>& gen
                                      const FitBudgets& budgets);
 
 // The rivals of a generator. Families lm_from_theta0, adam_from_theta0 and adam_from_random fit every function, each budget from
-// the start. Beside each stand two under the policy's own gate: in rounds of the same budgets, each from where the one before ended,
-// a function is fitted on only while it fails the check or its RMSE is above a threshold. That is good_rmse in the families …_gated,
-// and in …_gated_loosely the one above which the policy takes its last fit before the refinement, where that is larger.
+// the start. Beside each stand two families under the policy's own gate. They run in rounds of the same budgets, each round from
+// where the one before ended. A function is fitted on only while it fails the check or its RMSE is above a threshold. In the families
+// …_gated the threshold is good_rmse; in …_gated_loosely it is the one above which the policy takes its last fit before the
+// refinement, where that is larger.
 // seed   of the random starts; every function has one of its own, the same for all budgets
 std::vector<PlotRun> directFits(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
                                 const FitBudgets& budgets, uint64_t seed);

@@ -5,7 +5,6 @@
 
 #include "bake/policy_options.h"
 #include "tool/atomic_file.h"
-#include "tool/one_file_each.h"
 #include "tool/output_path.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
@@ -41,23 +40,14 @@ struct Plan {
 
 // The points of all weights, and the choice between those of product fields when there are several.
 Plan planOf(const Request& request, const FrontierOptions& options) {
-  const std::vector<int> coefficients = options.coefficientCounts();
   const FitBudgets budgets = options.budgets();
   Plan plan;
   SharedGenerators fields;
-  OneFileEach given("--weights", "representation");
-  for (const std::string& path : request.weights) {
-    const GeneratorData data = loadGeneratorData(path);
-    const std::string name = representationName(data.representation);
-    given.add(path, name);
-    const int all = data.basis.coefficientCount();
-    if (!coefficients.empty() && coefficients.back() > all) {
-      throw UsageError("--coefficients", "at most the " + std::to_string(all) + " of " + path,
-                       std::to_string(coefficients.back()));
-    }
-    const auto generator = std::make_shared<const Generator>(data);
-    plan.representations[name]["stages"] = stagesJson(stagesOf(stageFacts(*generator), options.policy));
-    plan.append(generatorPoints(data, generator, options.policy, coefficients));
+  for (Generator& loaded : loadGenerators(request.weights)) {
+    const auto generator = std::make_shared<const Generator>(std::move(loaded));
+    plan.representations[representationName(generator->representation())]["stages"] =
+        stagesJson(stagesOf(stageFacts(*generator), options.policy));
+    plan.append(stagePoints(generator, options.policy));
     plan.append(fitsOfCorrected(generator, options.policy, budgets));
     plan.append(directFits(generator, options.policy, budgets, options.seed));
     if (generator->representation().isField()) fields.push_back(generator);
@@ -138,7 +128,6 @@ void measureFrontier(const Request& request, const FrontierOptions& options, con
   json["scenes"] = set.scene_ids;
   json["representations"] = plan.representations;
   json.update(pointsJson(result));
-  writeFileAtomically(request.out_dir + "/frontier.csv", pointsCsv(result));
   writeFileAtomically(request.out_dir + "/frontier.json", json.dump(1) + "\n");
   for (const Front& front : result.fronts) {
     if (!front.sentence.empty()) std::cout << front.sentence << '\n';
@@ -160,7 +149,7 @@ int frontierMain(int argc, char** argv) {
   app.add_option("--weights", request.weights, "exported generators, one a representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
   app.add_option("--hierarchy", request.hierarchies, "SCENE.hierarchy.json of nlg-solve --weights, one a scene");
-  app.add_option("--out", request.out_dir, "folder for frontier.json and frontier.csv")->required();
+  app.add_option("--out", request.out_dir, "folder for frontier.json")->required();
   return runTool(argc, argv, app, table, [&] { measureFrontier(request, options, table); });
 }
 

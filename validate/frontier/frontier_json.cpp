@@ -5,7 +5,6 @@
 
 #include "tool/atomic_file.h"
 #include "tool/error.h"
-#include "validate/errors/csv_field.h"
 
 namespace nlg {
 namespace {
@@ -83,19 +82,6 @@ Json speedsJson(const std::vector<WordSpeed>& speeds) {
   Json json = Json::object();
   for (const WordSpeed& speed : speeds) json[speed.representation][wordName(speed.word)] = speedJson(speed.equal);
   return json;
-}
-
-std::string csvRow(const FrontierResult& result, size_t p, Population population) {
-  const PlotPoint& point = result.points[p];
-  const PopulationFigures& figures = *result.figures[p].figures[static_cast<size_t>(population)];
-  std::string words;
-  for (const ThetaWord word : point.words) words += (words.empty() ? "" : "+") + std::string(wordName(word));
-  const ErrorFigures& rmse = figures.rmse;
-  return fmt::format("{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{}\n",
-                     point.representation, point.family, point.budget ? fmt::format("{}", *point.budget) : "",
-                     csvField(point.label), words, populationName(population), figures.time.median_us, figures.time.p25_us,
-                     figures.time.p75_us, rmse.mean, rmse.median, rmse.p5, rmse.p95, rmse.worst, figures.leak_p99,
-                     figures.share_fitted, result.fronts[static_cast<size_t>(population)].members[p] ? 1 : 0);
 }
 
 Json readHierarchy(const std::string& path) {
@@ -183,18 +169,6 @@ Json pointsJson(const FrontierResult& result) {
   json["speed_at_equal_error"] = speedsJson(result.speeds);
   json["speed_at_equal_error_hard"] = speedsJson(result.speeds_hard);
   return json;
-}
-
-std::string pointsCsv(const FrontierResult& result) {
-  std::string csv =
-      "representation,family,budget,label,words,population,us_median,us_p25,us_p75,rmse_mean,rmse_median,rmse_p5,rmse_p95,"
-      "rmse_worst,leak_p99,share_fitted,on_front\n";
-  for (size_t p = 0; p < result.points.size(); ++p) {
-    for (const Population population : kPopulations) {
-      if (result.figures[p].figures[static_cast<size_t>(population)]) csv += csvRow(result, p, population);
-    }
-  }
-  return csv;
 }
 
 void addHierarchies(const std::vector<std::string>& paths, Json& frontier) {

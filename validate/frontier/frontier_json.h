@@ -1,4 +1,4 @@
-// frontier.json and frontier.csv from the figures; keys and columns: docs/reference/formats.md.
+// frontier.json from the figures; keys: docs/reference/formats.md.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -38,11 +38,8 @@ FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigure
 // The keys points, bare_tent, front_sentences, speed_at_equal_error and speed_at_equal_error_hard.
 nlohmann::ordered_json pointsJson(const FrontierResult& result);
 
-// One row a point and population.
-std::string pointsCsv(const FrontierResult& result);
-
-// The lists hierarchy and walks, means over the scenes, out of the files that nlg-solve --weights writes, one a scene; both empty
-// without any.
+// Adds the lists hierarchy and walks: means over the scenes of the files that nlg-solve --weights writes. Without files both are
+// empty.
 // throws   InputError when a file is not one
 void addHierarchies(const std::vector<std::string>& paths, nlohmann::ordered_json& frontier);
 

@@ -30,8 +30,6 @@ FitBudgets FrontierOptions::budgets() const {
           risingNumbers("--direct-lm-steps", direct_lm_steps), risingNumbers("--direct-adam-steps", direct_adam_steps)};
 }
 
-std::vector<int> FrontierOptions::coefficientCounts() const { return risingNumbers("--coefficients", coefficients); }
-
 void describe(FrontierOptions& o, OptionTable& table) {
   table.group("Measurement");
   table.add("functions", &o.functions, "held-out functions that take a theta, evenly over scenes: all points run on them", 1,
@@ -44,7 +42,6 @@ void describe(FrontierOptions& o, OptionTable& table) {
   table.add("adam_steps", &o.adam_steps, "Adam steps from the corrected theta; product fields: a 32nd");
   table.add("direct_lm_steps", &o.direct_lm_steps, "LM steps from theta0");
   table.add("direct_adam_steps", &o.direct_adam_steps, "Adam steps from theta0 and from random starts; product fields: a 32nd");
-  table.add("coefficients", &o.coefficients, "coefficients that the network sees; empty: 32, 128, 512, … below all");
   table.add("front_time_tolerance", &o.front.time, "front: times that differ by a smaller share are equal", 0.0, 10.0);
   table.add("front_error_tolerance", &o.front.error, "front: errors that differ by a smaller share are equal", 0.0, 10.0);
   table.add("bootstrap_draws", &o.bootstrap_draws, "speed at equal error: draws of scenes behind its interval", 1, 1000000);

@@ -17,7 +17,6 @@ struct FrontierOptions {
   std::vector<std::string> adam_steps = {"200", "1000", "4000"};
   std::vector<std::string> direct_lm_steps = {"1", "2", "4", "8", "16", "32", "64"};
   std::vector<std::string> direct_adam_steps = {"125", "250", "500", "1000", "2000", "4000", "8000", "16000"};
-  std::vector<std::string> coefficients;  // empty: 32, 128, 512, … below all
   PolicyOptions policy;
   FrontTolerances front;
   int bootstrap_draws = 1000;
@@ -25,7 +24,6 @@ struct FrontierOptions {
 
   // throws   UsageError naming the flag when a list is not one of rising whole numbers from 1 on
   FitBudgets budgets() const;
-  std::vector<int> coefficientCounts() const;
 };
 
 // Adds every option to the table of the section `frontier`, but those of the policy, which are describePolicy's.

@@ -58,17 +58,16 @@ class Interleaved {
                  PointMeasurement& measured) {
     NLG_CHECK(fitted.size(), ==, block.functions.size());
     for (size_t i = 0; i < fitted.size(); ++i) {
-      PooledMagnitudes leaks;
       const bool is_hard = functions_.hard[measured.rmse.size()];
-      const double rmse = meter_.measure(fitted[i].representation, fitted[i].theta.data(), block.functions[i], &leaks).rmse;
+      const double rmse = meter_.measure(fitted[i].representation, fitted[i].theta.data(), block.functions[i]).rmse;
       if (!std::isfinite(rmse)) {
         throw NumericalError("validate frontier", point.representation + ": " + point.label,
                              "RMSE of function " + std::to_string(block.functions[i]), rmse);
       }
       measured.rmse.push_back(rmse);
       measured.took_fit.push_back(fitted[i].took_fit);
-      measured.leaks.add(leaks);
-      if (is_hard) measured.leaks_hard.add(leaks);
+      measured.leaks.add(meter_.leakMagnitudes());
+      if (is_hard) measured.leaks_hard.add(meter_.leakMagnitudes());
     }
   }
 

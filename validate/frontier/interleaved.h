@@ -1,9 +1,9 @@
 // Runs all points of the plot on the same functions, interleaved, so that a slow moment of the machine hits all alike.
 //
-// The outer loops run over repeats and blocks of functions, the inner one over all runs. The first run on every block gives errors;
-// where a block took no longer than repeat_seconds, the repeats give times. What takes next to no time is run once more before each
-// of them, unmeasured, which brings its own weights and functions into the caches, as in a bake of many blocks. Runs that take
-// longer are made once: their times are those of the first, each the mean of many long fits.
+// The outer loops run over repeats and blocks of functions, the inner one over all runs. The first run on every block gives errors.
+// Where it took no longer than repeat_seconds, the repeats give times. What takes next to no time is run once more before each
+// repeat, unmeasured. That brings its own weights and functions into the caches, as in a bake of many blocks. Runs that take longer
+// are made once; their times are those of the first run, each the mean of many long fits.
 #pragma once
 
 #include "validate/errors/function_error.h"

@@ -5,6 +5,8 @@
 namespace nlg {
 namespace {
 
+using Mask = std::vector<bool>;  // of functions that take a theta: which of them count
+
 TimeFigures timeFigures(std::vector<double> samples, double scale = 1.0) {
   for (double& sample : samples) sample *= scale;
   return {quantile(samples, 0.5), quantile(samples, 0.25), quantile(samples, 0.75)};
@@ -15,27 +17,17 @@ ErrorFigures errorFigures(std::vector<double> rmse) {
   return {all.mean, all.median, quantile(rmse, 0.05), all.p95, all.worst};
 }
 
-std::vector<double> joined(std::vector<double> first, const std::vector<double>& second) {
-  first.insert(first.end(), second.begin(), second.end());
-  return first;
-}
-
-std::vector<double> hardOnes(const std::vector<double>& values, const std::vector<bool>& hard) {
+std::vector<double> picked(const std::vector<double>& values, const Mask& counts) {
   std::vector<double> some;
   for (size_t i = 0; i < values.size(); ++i) {
-    if (hard[i]) some.push_back(values[i]);
+    if (counts[i]) some.push_back(values[i]);
   }
   return some;
 }
 
-// 0 without any.
-double shareOf(const std::vector<bool>& taken, const std::vector<bool>& of) {
-  size_t count = 0, all = 0;
-  for (size_t i = 0; i < taken.size(); ++i) {
-    all += of[i] ? 1 : 0;
-    count += of[i] && taken[i] ? 1 : 0;
-  }
-  return all > 0 ? static_cast<double>(count) / static_cast<double>(all) : 0.0;
+std::vector<double> joined(std::vector<double> first, const std::vector<double>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
 }
 
 // Where every block begins in the list of all functions.
@@ -45,71 +37,79 @@ std::vector<size_t> beginnings(const std::vector<FunctionBlock>& blocks) {
   return begin;
 }
 
-// What one scene's functions give.
-struct SceneSamples {
-  std::vector<double> time_us, rmse;
-};
+// One a run on a block that holds any function that counts: the mean over these.
+std::vector<double> timeSamples(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks, const Mask& counts) {
+  const std::vector<size_t> begin = beginnings(blocks);
+  std::vector<double> samples;
+  for (const BlockTimes& times : measured.times) {
+    const auto first = counts.begin() + static_cast<std::ptrdiff_t>(begin[times.block]);
+    const std::vector<double> some =
+        picked(times.elapsed_us, Mask(first, first + static_cast<std::ptrdiff_t>(times.elapsed_us.size())));
+    if (!some.empty()) samples.push_back(mean(some));
+  }
+  return samples;
+}
+
+std::map<std::string, Mask> masksByScene(const FunctionSet& set, const ChosenFunctions& functions) {
+  std::map<std::string, Mask> masks;
+  for (size_t i = 0; i < functions.with_theta.size(); ++i) {
+    const std::string& scene = set.scene_ids[set.scene_idx[functions.with_theta[i]]];
+    masks.try_emplace(scene, functions.with_theta.size(), false).first->second[i] = true;
+  }
+  return masks;
+}
+
+bool any(const Mask& mask) { return std::find(mask.begin(), mask.end(), true) != mask.end(); }
 
 }  // namespace
 
 BareTents measureBareTents(const FunctionSet& set, const ChosenFunctions& functions) {
   BareTents tents;
   ErrorMeter meter(set);
-  for (const uint64_t function : functions.bare_tents) tents.rmse.push_back(meter.measureTent(function, &tents.leaks).rmse);
+  for (const uint64_t function : functions.bare_tents) {
+    tents.rmse.push_back(meter.measureTent(function).rmse);
+    tents.leaks.add(meter.leakMagnitudes());
+  }
   return tents;
 }
 
 TentFigures figuresOfTent(const FunctionSet& set, const ChosenFunctions& functions, const BareTents& tents) {
-  std::map<uint32_t, std::vector<double>> by_scene;
-  for (size_t i = 0; i < functions.with_theta.size(); ++i) {
-    by_scene[set.scene_idx[functions.with_theta[i]]].push_back(functions.tent_rmse[i]);
-  }
-  const std::vector<double> hard = hardOnes(functions.tent_rmse, functions.hard);
   TentFigures figures;
   figures.figures = {errorFigures(joined(functions.tent_rmse, tents.rmse)), errorFigures(functions.tent_rmse), std::nullopt};
-  if (!hard.empty()) figures.figures[static_cast<size_t>(Population::hard)] = errorFigures(hard);
-  for (const auto& [scene, rmse] : by_scene) figures.by_scene[set.scene_ids[scene]] = errorFigures(rmse);
+  if (any(functions.hard)) figures.figures.back() = errorFigures(picked(functions.tent_rmse, functions.hard));
+  for (const auto& [scene, mask] : masksByScene(set, functions)) {
+    figures.by_scene[scene] = errorFigures(picked(functions.tent_rmse, mask));
+  }
   return figures;
 }
 
 PointFigures figuresOf(const PointMeasurement& measured, const FunctionSet& set, const ChosenFunctions& functions,
                        const std::vector<FunctionBlock>& blocks, const BareTents& tents) {
-  const std::vector<size_t> begin = beginnings(blocks);
-  std::map<uint32_t, SceneSamples> by_scene;
-  for (size_t i = 0; i < measured.rmse.size(); ++i) {
-    by_scene[set.scene_idx[functions.with_theta[i]]].rmse.push_back(measured.rmse[i]);
-  }
-  std::vector<double> time_us, time_us_hard;
-  for (const BlockTimes& times : measured.times) {
-    std::map<uint32_t, std::vector<double>> of_scene;
-    std::vector<double> of_hard;
-    for (size_t i = 0; i < times.elapsed_us.size(); ++i) {
-      const size_t n = begin[times.block] + i;
-      of_scene[set.scene_idx[functions.with_theta[n]]].push_back(times.elapsed_us[i]);
-      if (functions.hard[n]) of_hard.push_back(times.elapsed_us[i]);
-    }
-    time_us.push_back(mean(times.elapsed_us));
-    if (!of_hard.empty()) time_us_hard.push_back(mean(of_hard));
-    for (const auto& [scene, elapsed_us] : of_scene) by_scene[scene].time_us.push_back(mean(elapsed_us));
-  }
+  const auto figuresOver = [&](const Mask& counts, const PooledMagnitudes& leaks) {
+    const std::vector<double> took_fit = picked({measured.took_fit.begin(), measured.took_fit.end()}, counts);
+    return PopulationFigures{timeFigures(timeSamples(measured, blocks, counts)), errorFigures(picked(measured.rmse, counts)),
+                             leaks.quantile(0.99), mean(took_fit)};
+  };
+  const Mask every(functions.with_theta.size(), true);
+  PointFigures figures;
+  figures.figures[static_cast<size_t>(Population::theta)] = figuresOver(every, measured.leaks);
+  if (any(functions.hard))
+    figures.figures[static_cast<size_t>(Population::hard)] = figuresOver(functions.hard, measured.leaks_hard);
+
+  // and the bare tents, which take no time and no fit
   const auto count = static_cast<double>(functions.with_theta.size());
   const double share_with_theta = count / (count + static_cast<double>(tents.rmse.size()));
-  const double share_fitted = shareOf(measured.took_fit, std::vector<bool>(measured.took_fit.size(), true));
-  PooledMagnitudes leaks_all = measured.leaks;
-  leaks_all.add(tents.leaks);
-  PointFigures figures;
-  figures.figures = {
-      PopulationFigures{timeFigures(time_us, share_with_theta), errorFigures(joined(measured.rmse, tents.rmse)),
-                        leaks_all.quantile(0.99), share_fitted * share_with_theta},
-      PopulationFigures{timeFigures(time_us), errorFigures(measured.rmse), measured.leaks.quantile(0.99), share_fitted},
-      std::nullopt};
-  if (!time_us_hard.empty()) {
-    figures.figures[static_cast<size_t>(Population::hard)] =
-        PopulationFigures{timeFigures(time_us_hard), errorFigures(hardOnes(measured.rmse, functions.hard)),
-                          measured.leaks_hard.quantile(0.99), shareOf(measured.took_fit, functions.hard)};
-  }
-  for (const auto& [scene, samples] : by_scene) {
-    figures.by_scene[set.scene_ids[scene]] = {timeFigures(samples.time_us), errorFigures(samples.rmse)};
+  PooledMagnitudes leaks = measured.leaks;
+  leaks.add(tents.leaks);
+  PopulationFigures all = *figures.figures[static_cast<size_t>(Population::theta)];
+  all.time = timeFigures(timeSamples(measured, blocks, every), share_with_theta);
+  all.rmse = errorFigures(joined(measured.rmse, tents.rmse));
+  all.leak_p99 = leaks.quantile(0.99);
+  all.share_fitted *= share_with_theta;
+  figures.figures[static_cast<size_t>(Population::all)] = all;
+
+  for (const auto& [scene, mask] : masksByScene(set, functions)) {
+    figures.by_scene[scene] = {timeFigures(timeSamples(measured, blocks, mask)), errorFigures(picked(measured.rmse, mask))};
   }
   return figures;
 }

@@ -1,7 +1,7 @@
 // How far the shares that a look-up blends are from those that target φ gives, at places in air.
 //
-// A share is a weight over the sum of the 8. Where one of two blends has no weight at all, nothing lights the place there: that
-// counts as a share of its own, so that all light lost is an error of 1.
+// A share is a weight over the sum of the 8. Where one of two blends has no weight at all, nothing lights the place. That counts as
+// a share of its own, so that all light lost is an error of 1.
 #pragma once
 
 #include <array>
@@ -65,8 +65,8 @@ struct JumpFigures {
 JumpFigures measureJumps(const std::vector<Place>& places, const ProbeTree& tree, const RayScene& rays, const LookUp& look_up,
                          uint64_t seed);
 
-// What functions say on the six faces of their supports, where the tent is 0: what a look-up that did not bound them by it would
-// see appear there. Clamped to [0, 1]; 96 points a function, in solid or not.
+// What functions say on the six faces of their supports, where the tent is 0. A look-up that did not bound them by the tent would see
+// just this appear there. Clamped to [0, 1]; 96 points a function, in solid or not.
 struct BorderFigures {
   uint64_t functions = 0;
   double mean = 0.0, p99 = 0.0, largest = 0.0;

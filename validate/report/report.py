@@ -95,7 +95,7 @@ def frontier_tables(frontier):
                 for p in frontier.points if not frontier_module.is_chain(p) and p.figures["theta"]]
     return [("From the truth to the generator", "How much error each step adds: the function that was solved for, the target φ, the best known of it in a representation, and what a bake makes of it, stage by stage.", frontier.hierarchy),
             ("Along straight walks", "What a viewer would notice: the largest jump between neighbouring samples.", frontier.walks),
-            ("Generators and settings", "Functions that take a θ: the policy with smaller budgets, and the network with fewer coefficients or in other precisions.", settings)]
+            ("Generators and settings", "Functions that take a θ: θ rounded to int8, and the policy over all product fields.", settings)]
 
 
 # section's id → its name in the list of contents

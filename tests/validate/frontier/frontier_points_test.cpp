@@ -217,10 +217,6 @@ std::shared_ptr<const Generator> sampleShared(const Representation& representati
   return std::make_shared<const Generator>(sampleData(representation));
 }
 
-std::vector<PlotRun> runsOfGenerator(const Representation& representation, const std::vector<int>& coefficients) {
-  return generatorPoints(sampleData(representation), sampleShared(representation), {}, coefficients);
-}
-
 std::vector<Theta> thetaOf(const std::vector<FittedFunction>& functions) {
   std::vector<Theta> thetas;
   for (const FittedFunction& function : functions) {
@@ -242,30 +238,11 @@ std::vector<FittedFunction> runPoint(const std::vector<PlotRun>& runs, const Fun
   throw std::runtime_error("no point of family " + family + ' ' + label);
 }
 
-TEST(GeneratorPoints, MeasureWhatTheyAreNamedFor) {
-  const std::vector<PlotRun> runs = runsOfGenerator(Representation::tentMlp(), {5, 25});
-  const FunctionBlock block = makeBlocks(sampleSet(), {0, 3, 5}).front();
-  const auto theta = [&](const std::string& family, std::optional<int> budget = {}, const std::string& label = "") {
-    return thetaOf(runPoint(runs, block, family, budget, label));
-  };
-  const std::vector<Theta> network = theta("stages", {}, "network");
-  EXPECT_EQ(network, theta("coefficients", 25)) << "all of them";
-  EXPECT_NE(network, theta("coefficients", 5));
-  EXPECT_NE(network, theta("precision", 16));
-  const std::vector<Theta> refined = theta("stages", {}, "refinement"), stored = theta("stages", 8);
-  EXPECT_NE(refined, stored);
-  for (const Theta& one : stored) {
-    Theta again = one;
-    ASSERT_TRUE(roundTheta(Representation::tentMlp(), ThetaPrecision::int8, again.data()));
-    EXPECT_EQ(again, one);
-  }
-}
-
 TEST(GeneratorPoints, HaveOneAfterEveryStageOfThePolicyAsThePolicyLeavesIt) {
   for (const Representation& representation : {Representation::tentMlp(), Representation::productField(3)}) {
     const std::string name = representationName(representation);
     const auto generator = sampleShared(representation);
-    const std::vector<PlotRun> runs = runsOfGenerator(representation, {25});
+    const std::vector<PlotRun> runs = stagePoints(generator, {});
     const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
     std::map<ThetaWord, Theta> named;
     std::vector<std::string> stages;
@@ -298,22 +275,6 @@ TEST(GeneratorPoints, HaveOneAfterEveryStageOfThePolicyAsThePolicyLeavesIt) {
   }
 }
 
-TEST(KeepCoefficients, LeavesTheLargestDeviationsAndSetsTheOthersToTheirMean) {
-  const GeneratorData data = sampleData(Representation::tentMlp());
-  const Generator all(data), some(keepCoefficients(data, 4));
-  GeneratorScratch all_scratch(all), some_scratch(some);
-  const int count = all.coefficientCount();
-  std::vector<float> before(count), after(count);
-  all.project(sampleSet().phi.data(), 1, before.data(), &all_scratch);
-  some.project(sampleSet().phi.data(), 1, after.data(), &some_scratch);
-  std::vector<float> largest = data.basis.deviation;
-  std::sort(largest.rbegin(), largest.rend());
-  for (int k = 0; k < count; ++k) {
-    const bool is_kept = data.basis.deviation[k] >= largest[3];
-    EXPECT_EQ(after[k], is_kept ? before[k] : 0.0f) << "coefficient " << k;
-  }
-}
-
 std::vector<PlotPoint> pointsOf(const std::vector<PlotRun>& runs) {
   std::vector<PlotPoint> points;
   for (const PlotRun& run : runs) points.insert(points.end(), run.points.begin(), run.points.end());
@@ -323,7 +284,7 @@ std::vector<PlotPoint> pointsOf(const std::vector<PlotRun>& runs) {
 TEST(FitPoints, StartWhereTheySayAndNeverEndAboveIt) {
   const auto generator = sampleShared(Representation::tentMlp());
   const FitBudgets budgets = {{1, 4}, {16}, {8}, {64}};
-  const auto corrected = std::make_shared<PolicyRun>(SharedGenerators{generator}, PolicyOptions{}, ThetaStage::mirror_images);
+  const auto corrected = std::make_shared<TimedPolicy>(SharedGenerators{generator}, PolicyOptions{}, ThetaStage::mirror_images);
   std::vector<PlotRun> runs = {{{{"tent_mlp", "stages", {}, "corrected", {}}},
                                 [&](const FunctionBlock& block) { return FittedFunctions{corrected->run(block)}; }}};
   for (PlotRun& run : fitsOfCorrected(generator, {}, budgets)) runs.push_back(std::move(run));
@@ -417,21 +378,6 @@ TEST(ChoicePoint, IsThePolicyOverSeveralGenerators) {
   }
 }
 
-TEST(GeneratorPoints, VaryOneSettingAtATime) {
-  const auto budgets = [](const Representation& representation, const std::string& family) {
-    std::vector<int> found;
-    for (const PlotPoint& point : pointsOf(runsOfGenerator(representation, {25}))) {
-      if (point.family == family) found.push_back(*point.budget);
-    }
-    return found;
-  };
-  EXPECT_EQ(budgets(Representation::tentMlp(), "learned_steps"), (std::vector<int>{1, 3, 8}));
-  EXPECT_EQ(budgets(Representation::tentMlp(), "mirror_images"), (std::vector<int>{2, 8}));
-  EXPECT_EQ(budgets(Representation::productField(3), "learned_steps"), std::vector<int>{1}) << "one is all that it takes";
-  EXPECT_EQ(budgets(Representation::productField(3), "mirror_images"), std::vector<int>()) << "it has none";
-  EXPECT_EQ(budgets(Representation::productField(3), "lm"), (std::vector<int>{1, 4, 16})) << "the bake's own is among the stages";
-}
-
 TEST(FrontierOptions, RefuseListsThatDoNotRise) {
   for (const char* wrong : {"0", "-1", "1.5", "x", "", "99999999"}) {
     FrontierOptions options;
@@ -443,7 +389,6 @@ TEST(FrontierOptions, RefuseListsThatDoNotRise) {
   EXPECT_THROW(options.budgets(), UsageError);
   options.direct_adam_steps = {"2", "3"};
   EXPECT_EQ(options.budgets().direct_adam, (std::vector<int>{2, 3}));
-  EXPECT_TRUE(options.coefficientCounts().empty());
 }
 
 }  // namespace

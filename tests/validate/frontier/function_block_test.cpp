@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "runtime_eval/evaluator/projection.h"
-#include "validate/errors/even_choice.h"
+#include "validate/errors/populations.h"
 
 namespace nlg {
 namespace {

@@ -1,4 +1,4 @@
-#include "validate/errors/even_choice.h"
+#include "validate/errors/populations.h"
 
 #include <gtest/gtest.h>
 

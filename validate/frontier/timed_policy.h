@@ -11,17 +11,15 @@ namespace nlg {
 // generators   one a representation, by rising D; any number of runs may share them
 using SharedGenerators = std::vector<std::shared_ptr<const Generator>>;
 
-class PolicyRun {
+class TimedPolicy {
  public:
   // last   no stage after this one runs
-  PolicyRun(SharedGenerators generators, const PolicyOptions& options, ThetaStage last);
+  TimedPolicy(SharedGenerators generators, const PolicyOptions& options, ThetaStage last);
 
   // theta of functions that take one. The policy's time on the block is shared out among them as its record says.
   std::vector<FittedFunction> run(const FunctionBlock& block);
   // … rounded as a bake stores them, to int8; for this `last` must be the rounding.
   std::vector<FittedFunction> runAndRound(const FunctionBlock& block);
-
-  const Generator& generator() const { return *generators_.front(); }
 
  private:
   std::vector<FittedFunction> fitted(const FunctionBlock& block, double elapsed_us) const;
@@ -32,9 +30,9 @@ class PolicyRun {
 };
 
 // One pass of the generator's network, which the policy never runs without the check that follows.
-class NetworkRun {
+class TimedNetwork {
  public:
-  explicit NetworkRun(std::shared_ptr<const Generator> generator);
+  explicit TimedNetwork(std::shared_ptr<const Generator> generator);
   std::vector<FittedFunction> run(const FunctionBlock& block);
 
  private:

@@ -1,4 +1,4 @@
-#include "validate/frontier/policy_run.h"
+#include "validate/frontier/timed_policy.h"
 
 #include <numeric>
 #include <utility>
@@ -24,10 +24,10 @@ double recordedUs(const ThetaRecord& record) { return std::accumulate(record.sta
 
 }  // namespace
 
-PolicyRun::PolicyRun(SharedGenerators generators, const PolicyOptions& options, ThetaStage last)
+TimedPolicy::TimedPolicy(SharedGenerators generators, const PolicyOptions& options, ThetaStage last)
     : generators_(std::move(generators)), policy_(pointersTo(generators_), withInt8(options), last) {}
 
-std::vector<FittedFunction> PolicyRun::run(const FunctionBlock& block) {
+std::vector<FittedFunction> TimedPolicy::run(const FunctionBlock& block) {
   made_.resize(block.functions.size());
   const Stopwatch watch;
   policy_.make(block.stored.data(), block.count(), made_.data());
@@ -35,7 +35,7 @@ std::vector<FittedFunction> PolicyRun::run(const FunctionBlock& block) {
   return fitted(block, watch.elapsedUs());
 }
 
-std::vector<FittedFunction> PolicyRun::runAndRound(const FunctionBlock& block) {
+std::vector<FittedFunction> TimedPolicy::runAndRound(const FunctionBlock& block) {
   std::vector<FittedFunction> functions = run(block);
   for (size_t i = 0; i < made_.size(); ++i) {
     const Stopwatch watch;
@@ -46,7 +46,7 @@ std::vector<FittedFunction> PolicyRun::runAndRound(const FunctionBlock& block) {
   return functions;
 }
 
-std::vector<FittedFunction> PolicyRun::fitted(const FunctionBlock& block, double elapsed_us) const {
+std::vector<FittedFunction> TimedPolicy::fitted(const FunctionBlock& block, double elapsed_us) const {
   // the record's clock is another one: what counts of it are the shares
   double recorded_us = 0.0;
   for (const MadeTheta& made : made_) recorded_us += recordedUs(made.record);
@@ -58,12 +58,12 @@ std::vector<FittedFunction> PolicyRun::fitted(const FunctionBlock& block, double
   return functions;
 }
 
-NetworkRun::NetworkRun(std::shared_ptr<const Generator> generator)
+TimedNetwork::TimedNetwork(std::shared_ptr<const Generator> generator)
     : generator_(std::move(generator)),
       scratch_(*generator_),
       theta_(static_cast<size_t>(kBatchCount) * static_cast<size_t>(generator_->representation().thetaCount())) {}
 
-std::vector<FittedFunction> NetworkRun::run(const FunctionBlock& block) {
+std::vector<FittedFunction> TimedNetwork::run(const FunctionBlock& block) {
   const Stopwatch watch;
   generator_->generate(block.phi.data(), block.count(), theta_.data(), &scratch_);
   const double elapsed_us = watch.elapsedUs() / block.count();
