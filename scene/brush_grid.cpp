@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint32_t kNoVertex = ~0u;
 
-double snapped(double metres) { return std::floor(metres * 256.0 + 0.5) / 256.0; }
+constexpr double kPlanesPerMetre = 256.0;
 
 // The cells between all planes of all boxes: what is solid, and which vertex stands at which corner.
 struct Cells {
@@ -69,8 +69,8 @@ void emitFace(Cells& cells, const glm::ivec3& c, int axis, int side, uint32_t ma
 void BrushGrid::add(const glm::dvec3& min, const glm::dvec3& max, int materials_idx) {
   Operation operation{{}, {}, materials_idx};
   for (int axis = 0; axis < 3; ++axis) {
-    operation.min[axis] = snapped(min[axis]);
-    operation.max[axis] = snapped(max[axis]);
+    operation.min[axis] = snapped(min[axis], kPlanesPerMetre);
+    operation.max[axis] = snapped(max[axis], kPlanesPerMetre);
     if (operation.min[axis] >= operation.max[axis]) return;
   }
   operations_.push_back(operation);

@@ -74,9 +74,11 @@ struct BspFile {
 
 // path     only named in errors
 // bytes    the whole file
-// throws   InputError with lump and record on: another magic or version, a lump that leaves the file or is no whole number of
-//          records or more than any level has, an index or range out of bounds, numbers that are not finite or too large, a face
-//          of an unknown kind, models that share faces, lightmap places that are not finite, faces that name more than 2^23 vertices or 3 * 2^23 indices together
+// throws   InputError with lump and record on
+//          - another magic or version, a lump that leaves the file, is no whole number of records or has more than any level
+//          - an index or range out of bounds, a face of an unknown kind, models that share faces
+//          - numbers that are not finite or too large, lightmap places that are not finite
+//          - faces that name more than 2^23 vertices, or 3 * 2^23 indices, together
 BspFile parseBsp(const std::string& path, std::string_view bytes);
 
 }  // namespace nlg

@@ -26,21 +26,22 @@ uint32_t readUnsigned(const unsigned char* bytes, int byte_count) {
   return value;
 }
 
+void requireIndex(int idx, size_t count, const std::string& path, const std::string& place, const std::string& what) {
+  if (idx >= 0 && static_cast<size_t>(idx) < count) return;
+  throw InputError(path, place, what + " below " + std::to_string(count), std::to_string(idx));
+}
+
 std::span<const unsigned char> bytesOfView(const tinygltf::Model& model, int view_idx, const std::string& path,
                                            const std::string& place) {
-  const auto require = [&](bool holds, const std::string& expected, const std::string& got) {
-    if (!holds) throw InputError(path, place, expected, got);
-  };
-  const auto isBelow = [](int idx, size_t count) { return idx >= 0 && static_cast<size_t>(idx) < count; };
-  require(isBelow(view_idx, model.bufferViews.size()), "a bufferView below " + std::to_string(model.bufferViews.size()),
-          std::to_string(view_idx));
+  requireIndex(view_idx, model.bufferViews.size(), path, place, "a bufferView");
   const tinygltf::BufferView& view = model.bufferViews[static_cast<size_t>(view_idx)];
-  require(isBelow(view.buffer, model.buffers.size()), "a buffer below " + std::to_string(model.buffers.size()),
-          std::to_string(view.buffer));
+  requireIndex(view.buffer, model.buffers.size(), path, place, "a buffer");
   const std::vector<unsigned char>& data = model.buffers[static_cast<size_t>(view.buffer)].data;
-  require(view.byteOffset <= data.size() && view.byteLength <= data.size() - view.byteOffset,
-          "buffer view " + std::to_string(view_idx) + " within the buffer's " + std::to_string(data.size()) + " bytes",
-          std::to_string(view.byteLength) + " bytes at " + std::to_string(view.byteOffset));
+  if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset) {
+    throw InputError(path, place,
+                     "buffer view " + std::to_string(view_idx) + " within the buffer's " + std::to_string(data.size()) + " bytes",
+                     std::to_string(view.byteLength) + " bytes at " + std::to_string(view.byteOffset));
+  }
   return std::span(data).subspan(view.byteOffset, view.byteLength);
 }
 

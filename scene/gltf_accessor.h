@@ -11,6 +11,9 @@
 
 namespace nlg {
 
+// throws   InputError at this place where an index is not below a count; what: "a mesh"
+void requireIndex(int idx, size_t count, const std::string& path, const std::string& place, const std::string& what);
+
 // The bytes of a buffer view.
 // throws   InputError at this place where it is none, or not within its buffer
 std::span<const unsigned char> bytesOfView(const tinygltf::Model& model, int view_idx, const std::string& path,

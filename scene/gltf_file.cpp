@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "scene/gltf_accessor.h"
 #include "scene/gltf_draco.h"
 #include "scene/gltf_json.h"
 #include "scene/gltf_meshopt.h"
@@ -21,11 +22,7 @@ using Bytes = std::vector<unsigned char>;
 
 bool isBinary(const Bytes& bytes) { return bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0; }
 
-uint32_t wordAt(const Bytes& bytes, size_t offset) {
-  uint32_t word = 0;
-  for (size_t i = 0; i < 4; ++i) word |= static_cast<uint32_t>(bytes[offset + i]) << (8 * i);
-  return word;
-}
+uint32_t wordAt(const Bytes& bytes, size_t offset) { return readUnsigned(bytes.data() + offset, 4); }
 
 // The JSON chunk of a .glb. tinygltf 2.7 lets the binary chunk reach eight bytes past the end, so chunks are checked here.
 std::string_view binaryText(const std::string& path, const Bytes& bytes) {

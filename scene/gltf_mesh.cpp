@@ -71,11 +71,6 @@ class MeshReader {
     throw InputError(path_, place, expected, got);
   }
 
-  void checkIndex(int idx, size_t count, const std::string& place, const std::string& what) const {
-    if (idx >= 0 && static_cast<size_t>(idx) < count) return;
-    fail(place, what + " below " + std::to_string(count), std::to_string(idx));
-  }
-
   void addPrimitive(const tinygltf::Primitive& primitive, const std::string& place, GltfMesh& local) {
     const int mode = primitive.mode;
     if (mode < 0 || mode > TINYGLTF_MODE_TRIANGLE_FAN) fail(place + ": mode", "0 to 6", std::to_string(mode));
@@ -105,7 +100,7 @@ class MeshReader {
     const auto attribute = primitive.attributes.find("POSITION");
     place_ = place + ": POSITION";
     if (attribute == primitive.attributes.end()) fail(place_, "FLOAT VEC3", "none");
-    checkIndex(attribute->second, model_.accessors.size(), place_, "an accessor");
+    requireIndex(attribute->second, model_.accessors.size(), path_, place_, "an accessor");
     const tinygltf::Accessor& accessor = model_.accessors[attribute->second];
     const int type = accessor.componentType;
     const bool is_known = type == TINYGLTF_COMPONENT_TYPE_FLOAT || (is_quantized_ && isSmallInteger(type));
@@ -142,7 +137,7 @@ class MeshReader {
   }
 
   AccessorReader indexReader(int accessor_idx, const std::string& place) {
-    checkIndex(accessor_idx, model_.accessors.size(), place, "an accessor");
+    requireIndex(accessor_idx, model_.accessors.size(), path_, place, "an accessor");
     const tinygltf::Accessor& accessor = model_.accessors[accessor_idx];
     const int type = accessor.componentType;
     const bool is_unsigned = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
@@ -156,7 +151,7 @@ class MeshReader {
 
   uint32_t materialOf(const tinygltf::Primitive& primitive, const std::string& place) const {
     if (primitive.material < 0) return static_cast<uint32_t>(model_.materials.size());
-    checkIndex(primitive.material, model_.materials.size(), place + ": material", "a material");
+    requireIndex(primitive.material, model_.materials.size(), path_, place + ": material", "a material");
     return static_cast<uint32_t>(primitive.material);
   }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "scene/gltf_accessor.h"
 #include "scene/gltf_file.h"
 #include "scene/gltf_light.h"
 #include "scene/gltf_mesh.h"
@@ -36,11 +37,6 @@ class GltfConverter {
  private:
   [[noreturn]] void fail(const std::string& place, const std::string& expected, const std::string& got) const {
     throw InputError(path_, place, expected, got);
-  }
-
-  void checkIndex(int idx, size_t count, const std::string& place, const std::string& what) const {
-    if (idx >= 0 && static_cast<size_t>(idx) < count) return;
-    fail(place, what + " below " + std::to_string(count), std::to_string(idx));
   }
 
   float checkedFactor(double value, double limit, const std::string& place) const {
@@ -76,7 +72,7 @@ class GltfConverter {
   std::vector<int> rootNodes() const {
     if (!model_.scenes.empty()) {
       const int scene_idx = std::max(model_.defaultScene, 0);
-      checkIndex(scene_idx, model_.scenes.size(), "scene", "a scene");
+      requireIndex(scene_idx, model_.scenes.size(), path_, "scene", "a scene");
       return model_.scenes[scene_idx].nodes;
     }
     std::vector<char> is_child(model_.nodes.size(), 0);
@@ -96,7 +92,7 @@ class GltfConverter {
 
   void visitNode(int node_idx, const glm::dmat4& world_from_parent, int depth) {
     const std::string place = "node " + std::to_string(node_idx);
-    checkIndex(node_idx, model_.nodes.size(), place, "a node");
+    requireIndex(node_idx, model_.nodes.size(), path_, place, "a node");
     if (is_visited_[node_idx]) fail(place, "a tree of nodes", "a node that is its own ancestor or has two parents");
     if (depth > kDeepestNode) fail(place, "nesting of at most 256 nodes", "more");
     is_visited_[node_idx] = 1;
@@ -111,7 +107,7 @@ class GltfConverter {
 
   // Perspective cameras: no view of a level is without perspective.
   void addCamera(const tinygltf::Node& node, const glm::dmat4& world_from_local, const std::string& place) {
-    checkIndex(node.camera, model_.cameras.size(), place + ": camera", "a camera");
+    requireIndex(node.camera, model_.cameras.size(), path_, place + ": camera", "a camera");
     const tinygltf::Camera& camera = model_.cameras[node.camera];
     if (camera.type != "perspective") return;
     const double fov_y = camera.perspective.yfov;
@@ -175,7 +171,7 @@ class GltfConverter {
   }
 
   void addInstance(const tinygltf::Node& node, int node_idx, const glm::dmat4& world_from_local, const std::string& place) {
-    checkIndex(node.mesh, model_.meshes.size(), place + ": mesh", "a mesh");
+    requireIndex(node.mesh, model_.meshes.size(), path_, place + ": mesh", "a mesh");
     const GltfMesh& mesh = localMesh(node.mesh);
     triangles_left_.take(mesh.triangles.size(), path_, place);
     if (mesh.triangles.empty()) return;

@@ -10,8 +10,6 @@
 namespace nlg {
 namespace {
 
-float snapped(double metres) { return static_cast<float>(std::floor(metres * 1024.0 + 0.5) / 1024.0); }
-
 using Corners = std::array<uint32_t, 4>;  // of a profile's cross-section: low front, low back, high front, high back
 
 Corners addCrossSection(MeshBuilder& mesh, const Placement& placement, const ProfilePoint& point, double z_min, double z_max) {
@@ -96,7 +94,8 @@ void MeshBuilder::closeObject() {
 
 uint32_t MeshBuilder::addVertex(const Placement& placement, const glm::dvec3& local) {
   const glm::dvec3 p = placement.apply(local);
-  scene_.positions.emplace_back(snapped(p.x), snapped(p.y), snapped(p.z));
+  scene_.positions.emplace_back(snapped(p.x, kVerticesPerMetre), snapped(p.y, kVerticesPerMetre),
+                                snapped(p.z, kVerticesPerMetre));
   return static_cast<uint32_t>(scene_.positions.size() - 1);
 }
 

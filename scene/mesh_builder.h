@@ -4,6 +4,7 @@
 // vertices with each other; within one shape every edge belongs to as many faces in one direction as in the other.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,6 +13,10 @@
 #include "scene/scene.h"
 
 namespace nlg {
+
+// The nearest multiple of a fraction of a metre.
+inline double snapped(double metres, double per_metre) { return std::floor(metres * per_metre + 0.5) / per_metre; }
+inline constexpr double kVerticesPerMetre = 1024.0;
 
 enum class Mobility { structure, movable };
 enum class Axis { vertical, along_x };  // where a shape's own y axis points before the turn

@@ -15,10 +15,13 @@ struct ObjLevel {
   std::vector<std::string> notes;  // what was not found or had to be changed, a line each
 };
 
-// Faces, polygons cut into triangles. y is up, fronts wind counter-clockwise, as programs write them by default: the format
-// itself says neither, nor what a unit is. One SceneObject for each object or group. Materials: Kd (linear) is the base
-// colour, at most 1; Ke is emission, in cd/m²; d and textures are left aside. A face without a material that was found is
-// grey, counted. Lines, points and faces of two corners are skipped; triangles of zero area are dropped and counted. A file has no sky and no lamps.
+// y is up and fronts wind counter-clockwise, as programs write them by default: the format itself says neither, nor what a unit
+// is. A file has no sky and no lamps.
+//
+// Geometry   Faces; polygons are cut into triangles. One SceneObject for each object or group. Lines, points and faces of two
+//            corners are skipped. Triangles of zero area are dropped and counted.
+// Materials  Kd (linear) is the base colour, at most 1; Ke is emission, in cd/m²; d and textures are left aside. A face whose
+//            material was not found is grey, and counted.
 //
 // path     the file; its material libraries must lie in its folder or below, and may be missing
 // unit_m   metres of one unit of the file, finite, above 0

@@ -24,20 +24,6 @@ std::string quoted(const std::string& text) {
   return "\"" + shown + "\"";
 }
 
-std::vector<std::string> archiveFiles(const std::string& path) {
-  std::error_code error;
-  if (!fs::is_directory(path, error)) return {path};
-  std::vector<std::string> files;
-  for (fs::directory_iterator i(path, error), end; !error && i != end; i.increment(error)) {
-    if (lowerCase(i->path().extension().string()) == ".pk3" && i->is_regular_file(error)) files.push_back(i->path().string());
-  }
-  if (error) throw InputError(path, "folder", "a readable folder", error.message());
-  if (files.empty()) throw InputError(path, "folder", ".pk3 files", "none");
-  const auto key = [](const std::string& file) { return std::pair(lowerCase(fs::path(file).filename().string()), file); };
-  std::sort(files.begin(), files.end(), [&](const std::string& a, const std::string& b) { return key(a) < key(b); });
-  return files;
-}
-
 // libzip believes the 64-bit counts of ZIP64 and reserves memory for them; no .pk3 needs them.
 void refuseZip64(const std::string& file, const InputFile& archive) {
   const uint64_t size = archive.size();
@@ -83,9 +69,25 @@ std::string lowerCase(std::string_view text) {
   return lower;
 }
 
+std::string extensionOf(const std::string& path) { return lowerCase(fs::path(path).extension().string()); }
+
+std::vector<std::string> archiveFiles(const std::string& path, const std::string& extension) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return {path};
+  std::vector<std::string> files;
+  for (fs::directory_iterator i(path, error), end; !error && i != end; i.increment(error)) {
+    if (extensionOf(i->path().string()) == extension && i->is_regular_file(error)) files.push_back(i->path().string());
+  }
+  if (error) throw InputError(path, "folder", "a readable folder", error.message());
+  if (files.empty()) throw InputError(path, "folder", extension + " files", "none");
+  const auto key = [](const std::string& file) { return std::pair(lowerCase(fs::path(file).filename().string()), file); };
+  std::sort(files.begin(), files.end(), [&](const std::string& a, const std::string& b) { return key(a) < key(b); });
+  return files;
+}
+
 Pk3Archives::Pk3Archives(const std::string& path, SceneBudget* unpacked)
     : path_(path), unpacked_(unpacked != nullptr ? unpacked : &own_budget_) {
-  for (const std::string& file : archiveFiles(path)) mount(file);
+  for (const std::string& file : archiveFiles(path, ".pk3")) mount(file);
 }
 
 Pk3Archives::~Pk3Archives() = default;
@@ -140,25 +142,29 @@ std::vector<std::string> Pk3Archives::names(std::string_view prefix, std::string
 
 size_t Pk3Archives::archiveIndex(const std::string& name) const { return entries_.at(lowerCase(name)).archive_idx; }
 
-uint64_t Pk3Archives::sizeOf(const std::string& name) const {
+const Pk3Archives::Entry& Pk3Archives::entryOf(const std::string& name) const {
   const auto found = entries_.find(lowerCase(name));
   if (found == entries_.end()) throw InputError(path_, quoted(name), "a file of that name", "none");
-  const Archive& archive = *archives_[found->second.archive_idx];
+  return found->second;
+}
+
+uint64_t Pk3Archives::sizeOf(const std::string& name) const {
+  const Entry& entry = entryOf(name);
+  const Archive& archive = *archives_[entry.archive_idx];
   zip_stat_t stat;
-  if (zip_stat_index(archive.zip, found->second.entry_idx, 0, &stat) != 0)
+  if (zip_stat_index(archive.zip, entry.entry_idx, 0, &stat) != 0)
     throw InputError(archive.file, quoted(name), "a size", zip_strerror(archive.zip));
   return stat.size;
 }
 
 std::string Pk3Archives::read(const std::string& name, size_t max_bytes) const {
-  const auto found = entries_.find(lowerCase(name));
-  if (found == entries_.end()) throw InputError(path_, quoted(name), "a file of that name", "none");
-  const Archive& archive = *archives_[found->second.archive_idx];
+  const Entry& entry = entryOf(name);
+  const Archive& archive = *archives_[entry.archive_idx];
   const auto fail = [&](const std::string& expected, const std::string& got) {
     throw InputError(archive.file, quoted(name), expected, got);
   };
   zip_stat_t stat;
-  if (zip_stat_index(archive.zip, found->second.entry_idx, 0, &stat) != 0) fail("a size", zip_strerror(archive.zip));
+  if (zip_stat_index(archive.zip, entry.entry_idx, 0, &stat) != 0) fail("a size", zip_strerror(archive.zip));
   if (stat.encryption_method != ZIP_EM_NONE) fail("an entry that is not encrypted", "an encrypted one");
   if (stat.comp_method != ZIP_CM_STORE && stat.comp_method != ZIP_CM_DEFLATE)
     fail("an entry that is stored or deflated", "method " + std::to_string(stat.comp_method));
@@ -167,7 +173,7 @@ std::string Pk3Archives::read(const std::string& name, size_t max_bytes) const {
   if (stat.size / 1100 > stat.comp_size) fail("a size that its compressed bytes can hold", std::to_string(stat.size));
   unpacked_->take(stat.size, archive.file, quoted(name));
 
-  const std::unique_ptr<zip_file_t, CloseFile> file(zip_fopen_index(archive.zip, found->second.entry_idx, 0));
+  const std::unique_ptr<zip_file_t, CloseFile> file(zip_fopen_index(archive.zip, entry.entry_idx, 0));
   if (file == nullptr) fail("a readable entry", zip_strerror(archive.zip));
   std::string bytes(stat.size, '\0');
   size_t done = 0;

@@ -48,6 +48,7 @@ class Pk3Archives {
   };
 
   void mount(const std::string& file);
+  const Entry& entryOf(const std::string& name) const;
 
   std::string path_;
   mutable SceneBudget own_budget_ = SceneBudgets().unpacked;
@@ -58,5 +59,12 @@ class Pk3Archives {
 
 // ASCII letters in lower case; all else stays.
 std::string lowerCase(std::string_view text);
+
+// What a path ends in, in lower case: ".pk3".
+std::string extensionOf(const std::string& path);
+
+// The path itself, if it is no folder; otherwise all of its files with this extension, in alphabetical order without regard to case.
+// throws   InputError on a folder that cannot be read or has none
+std::vector<std::string> archiveFiles(const std::string& path, const std::string& extension);
 
 }  // namespace nlg

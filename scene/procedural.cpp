@@ -28,11 +28,7 @@ constexpr std::array<Family, 8> kFamilies = {{{"house", buildHouse},
 }  // namespace
 
 const std::vector<std::string>& proceduralFamilies() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> list;
-    for (const Family& family : kFamilies) list.emplace_back(family.name);
-    return list;
-  }();
+  static const std::vector<std::string> names = namesOf(kFamilies);
   return names;
 }
 

@@ -12,9 +12,15 @@
 
 namespace nlg {
 
-// The families' names: house (rooms with doors and windows, one or two storeys; inner walls of 15 cm), maze (corridors), colonnade (halls, arcades),
-// stairs (flights and mezzanines), clutter (furnished interiors), outdoor (uneven ground with buildings, walls and rocks), cave,
-// apartment (a house whose outer walls are 15 cm thick, and inner ones 10 cm).
+// The families' names:
+//   house       rooms with doors and windows on one or two storeys; inner walls of 15 cm
+//   apartment   a house whose outer walls are 15 cm thick, and inner ones 10 cm
+//   maze        corridors
+//   colonnade   halls and arcades
+//   stairs      flights and mezzanines
+//   clutter     furnished interiors
+//   outdoor     uneven ground with buildings, walls and rocks
+//   cave
 const std::vector<std::string>& proceduralFamilies();
 
 // The scene of one family and seed; the same bits on every machine for the same arguments. Typically 10 to 30 m across, 3 to 12 m

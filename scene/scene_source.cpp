@@ -31,15 +31,21 @@ size_t archiveColon(const std::string& request) {
   std::error_code error;
   if (colon == std::string::npos || fs::is_regular_file(request, error)) return std::string::npos;
   const std::string path = request.substr(0, colon);
-  const bool is_archive = lowerCase(fs::path(path).extension().string()) == ".pk3" || fs::is_directory(path, error);
+  const bool is_archive = extensionOf(path) == ".pk3" || fs::is_directory(path, error);
   return is_archive ? colon : std::string::npos;
 }
 
-SceneSource sourceOf(BspLevel level) {
+// Of what was read from files.
+SceneSource sourceOf(Scene scene) {
   SceneSource source;
-  source.id = level.scene.id;
-  source.scene = std::move(level.scene);
-  source.sha256 = sceneSha256(source.scene);
+  source.id = scene.id;
+  source.sha256 = sceneSha256(scene);
+  source.scene = std::move(scene);
+  return source;
+}
+
+SceneSource sourceOf(BspLevel level) {
+  SceneSource source = sourceOf(std::move(level.scene));
   source.dropped_faces = std::move(level.dropped_faces);
   source.materials_without_texture = level.materials_without_texture;
   source.light_notes = std::move(level.light_notes);
@@ -65,7 +71,7 @@ bool readInterior(const std::string& request, InteriorRequest* found) {
   if (first == std::string::npos) return false;
   *found = {request.substr(0, first), request.substr(first + 1, last - first - 1), request.substr(last + 1)};
   const std::vector<std::string>& plans = interiorPlans();
-  const bool is_file = lowerCase(fs::path(found->path).extension().string()) == ".sh3f";
+  const bool is_file = extensionOf(found->path) == ".sh3f";
   return is_file || std::find(plans.begin(), plans.end(), found->plan) != plans.end();
 }
 
@@ -88,31 +94,18 @@ SceneSource sourceOf(const std::string& family, uint64_t seed, Scene scene) {
 
 SceneSource readInterior(const InteriorRequest& request) {
   Interior interior = makeInterior(request.path, request.plan, seedOf(request.seed, "PATH:PLAN:SEED"));
-  SceneSource source;
+  SceneSource source = sourceOf(std::move(interior.scene));
   source.family = request.plan;
-  source.scene = std::move(interior.scene);
   source.furniture_models = std::move(interior.models);
-  source.id = source.scene.id;
-  source.sha256 = sceneSha256(source.scene);
   return source;
-}
-
-bool isObj(const std::string& request) { return lowerCase(fs::path(request).extension().string()) == ".obj"; }
-
-bool isGltf(const std::string& request) {
-  const std::string extension = lowerCase(fs::path(request).extension().string());
-  return extension == ".glb" || extension == ".gltf";
 }
 
 // Of a file that says nothing of its unit, or says it wrongly.
 SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::string& path, const SceneReading& reading) {
-  SceneSource source;
-  source.scene = std::move(scene);
+  SceneSource source = sourceOf(std::move(scene));
   source.notes = std::move(notes);
   const std::string size = sizeNote(source.scene, path, reading.unit_m);
   if (!size.empty()) source.notes.push_back(size);
-  source.id = source.scene.id;
-  source.sha256 = sceneSha256(source.scene);
   return source;
 }
 
@@ -134,8 +127,9 @@ void describe(SceneReading& reading, OptionTable& table) {
 }
 
 SceneSource loadScene(const std::string& request, const SceneReading& reading) {
-  if (isObj(request)) return readObjFile(request, reading);
-  if (isGltf(request)) return readGltfFile(request, reading);
+  const std::string extension = extensionOf(request);
+  if (extension == ".obj") return readObjFile(request, reading);
+  if (extension == ".glb" || extension == ".gltf") return readGltfFile(request, reading);
   if (reading.unit_m != 1.0)
     throw UsageError("--unit", "1 for a scene that is no glTF or .obj file", fmt::format("{:g} for {}", reading.unit_m, request));
   uint64_t seed = 0;
@@ -149,7 +143,7 @@ SceneSource loadScene(const std::string& request, const SceneReading& reading) {
   if (readInterior(request, &interior)) return readInterior(interior);
   const size_t colon = archiveColon(request);
   if (colon != std::string::npos) return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1)));
-  if (lowerCase(fs::path(request).extension().string()) == ".bsp") return sourceOf(readBsp(request));
+  if (extension == ".bsp") return sourceOf(readBsp(request));
   std::error_code error;
   if (!fs::exists(request, error) && !error)
     throw InputError(request, "scene", sceneForms(), "a name that is none of these, and of no file");

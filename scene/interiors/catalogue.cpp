@@ -115,6 +115,7 @@ class Piece {
     entry.category = text("category");
     entry.model = text("model");
     entry.model.erase(0, std::min(entry.model.find_first_not_of('/'), entry.model.size()));
+    if (entry.model.empty()) fail("a model", "a path of slashes alone");
     const auto tags = properties_.find("tags");
     if (tags != properties_.end()) entry.tags = tags->second;
     entry.size_m = {metres("width"), metres("height"), metres("depth")};

@@ -33,18 +33,8 @@ void addPleats(Home& home, const Placement& wall, double from, double to, double
 }  // namespace
 
 Placement onWall(const HomeRoom& room, Side side, double along, double y) {
-  const Rect& f = room.floor;
-  const Turn turn = turnByDegrees(degreesAt(side));
-  switch (side) {
-    case Side::north:
-      return {{along, y, f.z0}, turn};
-    case Side::south:
-      return {{along, y, f.z1}, turn};
-    case Side::west:
-      return {{f.x0, y, along}, turn};
-    default:
-      return {{f.x1, y, along}, turn};
-  }
+  const double edge = room.floor.edge(side);
+  return {alongX(side) ? glm::dvec3(along, y, edge) : glm::dvec3(edge, y, along), turnByDegrees(degreesAt(side))};
 }
 
 void addLeaf(Home& home, HomeRoom& room, const RoomOpening& opening) {
@@ -54,8 +44,8 @@ void addLeaf(Home& home, HomeRoom& room, const RoomOpening& opening) {
   const bool hinge_at_from = level.random.chance(0.5);
   double degrees = drawLeafDegrees(level);
   // beyond a right angle the leaf comes nearer to the wall beside the doorway
-  const double end = room.start(opening.side) + room.length(opening.side);
-  const double beside = hinge_at_from ? opening.from - room.start(opening.side) : end - opening.to;
+  const double end = room.floor.start(opening.side) + room.floor.length(opening.side);
+  const double beside = hinge_at_from ? opening.from - room.floor.start(opening.side) : end - opening.to;
   if (beside < 0.5 * width) degrees = std::min(degrees, 88.0);
   // local x of the wall runs along +x at the north, along -z at the west, and so on
   const bool along_rises = opening.side == Side::north || opening.side == Side::east;
@@ -103,12 +93,12 @@ void addCurtains(Home& home, HomeRoom& room, const RoomOpening& window) {
   const double top = std::min(room.floor_m + room.clear_m - 0.03, window.high + 0.15);
   const double bottom = level.random.chance(0.6) ? room.floor_m + 0.02 : window.low - 0.12;
   const double over = 0.15, middle = 0.5 * (window.from + window.to);
-  const double low = std::max(room.start(window.side) + 0.03, window.from - over);
-  const double high = std::min(room.start(window.side) + room.length(window.side) - 0.03, window.to + over);
+  const double low = std::max(room.floor.start(window.side) + 0.03, window.from - over);
+  const double high = std::min(room.floor.start(window.side) + room.floor.length(window.side) - 0.03, window.to + over);
   const double share = level.random.chance(0.25) ? level.random.uniform(0.35, 0.5) : level.random.uniform(0.15, 0.25);
   const double width = share * (high - low);
   for (const auto& [from, to] : {std::pair(low, low + width), std::pair(high - width, high)}) {
-    const Box box{room.strip(window.side, from, to, kReach), bottom, top};
+    const Box box{room.floor.strip(window.side, from, to, kReach), bottom, top};
     if (!room.isEmpty(box)) continue;
     room.solids.push_back(box);
     const bool along_rises = window.side == Side::north || window.side == Side::east;
@@ -124,11 +114,11 @@ void addPicture(Home& home, HomeRoom& room) {
   const double width = level.pick(0.3, 1.1), height = level.pick(0.3, 0.8);
   const double middle = room.floor_m + std::min(1.55, room.clear_m - 0.5 * height - 0.2);
   for (int attempt = 0; attempt < 10; ++attempt) {
-    const Side side = static_cast<Side>(level.random.below(4));
-    const double slack = room.length(side) - width - 0.2;
+    const Side side = kSides[level.random.below(4)];
+    const double slack = room.floor.length(side) - width - 0.2;
     if (slack < 0.0 || !room.hasWall(side)) continue;
-    const double from = room.start(side) + 0.1 + slack * level.random.uniform();
-    const Box box{room.strip(side, from, from + width, kThick + 0.01), middle - 0.5 * height, middle + 0.5 * height};
+    const double from = room.floor.start(side) + 0.1 + slack * level.random.uniform();
+    const Box box{room.floor.strip(side, from, from + width, kThick + 0.01), middle - 0.5 * height, middle + 0.5 * height};
     if (!room.isFree(box)) continue;
     room.solids.push_back(box);
     level.mesh.beginObject("picture", Mobility::movable);

@@ -10,72 +10,14 @@ namespace {
 
 using Use = FurnitureUse;
 
-double gridded(double metres) { return std::floor(metres * 1024.0 + 0.5) / 1024.0; }
-
-glm::dvec3 gridded(const glm::dvec3& p) { return {gridded(p.x), gridded(p.y), gridded(p.z)}; }
-
-// Procedural furniture for the uses that a house cannot do without.
-std::optional<Piece> drawProcedural(Level& level, Use use) {
-  const auto piece = [&](const char* name, double width, double height, double depth, double elevation = 0.0) {
-    Piece made{use, {width, height, depth}, elevation, height, nullptr, name};
-    return made;
-  };
-  const double a = level.pick(0.0, 1.0), b = level.pick(0.0, 1.0);  // one draw each, whatever the use
-  switch (use) {
-    case Use::bed:
-      return piece("bed", 0.9 + 0.9 * a, 1.0, 2.0 + 0.15 * b);
-    case Use::child_bed:
-      return piece("bed", 0.8 + 0.2 * a, 0.95, 1.8 + 0.2 * b);
-    case Use::sofa:
-      return piece("sofa", 1.5 + 0.8 * a, 0.85, 0.8 + 0.15 * b);
-    case Use::armchair:
-      return piece("armchair", 0.75 + 0.2 * a, 0.85, 0.8);
-    case Use::dining_table:
-      return piece("table", 1.2 + 0.8 * a, 0.75, 0.8 + 0.2 * b);
-    case Use::desk:
-      return piece("desk", 1.2 + 0.5 * a, 0.74, 0.65 + 0.15 * b);
-    case Use::coffee_table:
-      return piece("table", 0.8 + 0.5 * a, 0.42, 0.5 + 0.2 * b);
-    case Use::chair:
-    case Use::office_chair:
-      return piece("chair", 0.44, 0.95, 0.44);
-    case Use::wardrobe:
-      return piece("wardrobe", 1.0 + 0.8 * a, 1.9 + 0.2 * b, 0.6);
-    case Use::chest:
-    case Use::tv_stand:
-      return piece("chest", 0.9 + 0.6 * a, use == Use::chest ? 0.7 + 0.2 * b : 0.5, 0.45);
-    case Use::bookcase:
-      return piece("bookcase", 0.8 + 1.0 * a, 1.2 + 0.8 * b, 0.32);
-    case Use::bedside:
-      return piece("bedside", 0.42, 0.5, 0.4);
-    case Use::filing:
-      return piece("filing", 0.4, 0.7 + 0.6 * b, 0.55);
-    case Use::kitchen_base:
-    case Use::kitchen_sink:
-    case Use::cooker:
-    case Use::laundry:
-      return piece("base unit", 0.6, 0.88, 0.6);
-    case Use::kitchen_wall:
-      return piece("wall unit", 0.6, 0.7, 0.35, 1.45);
-    case Use::fridge:
-      return piece("fridge", 0.6, 1.5 + 0.5 * b, 0.62);
-    case Use::washbasin:
-      return piece("washbasin", 0.55, 0.85, 0.45);
-    case Use::bath:
-      return piece("bath", 1.7, 0.58, 0.75);
-    case Use::toilet:
-      return piece("toilet", 0.38, 0.8, 0.66);
-    case Use::shower:
-      return piece("shower", 0.85, 2.0, 0.85);
-    case Use::storage:
-      return piece("crate", 0.5 + 0.3 * a, 0.5 + 0.3 * a, 0.5 + 0.3 * a);
-    default:
-      return std::nullopt;
-  }
+glm::dvec3 gridded(const glm::dvec3& p) {
+  return {snapped(p.x, kVerticesPerMetre), snapped(p.y, kVerticesPerMetre), snapped(p.z, kVerticesPerMetre)};
 }
 
+using Size = glm::dvec3;
+
 // A tub: a block with a hollow.
-void addTub(Home& home, const Placement& placement, const glm::dvec3& size) {
+void addTub(Home& home, const Placement& placement, const Size& size) {
   home.level.mesh.beginObject("bath", Mobility::movable);
   BrushGrid tub;
   const double x = 0.5 * size.x, z = 0.5 * size.z;
@@ -85,7 +27,7 @@ void addTub(Home& home, const Placement& placement, const glm::dvec3& size) {
 }
 
 // A bowl and a cistern.
-void addToilet(Home& home, const Placement& placement, const glm::dvec3& size) {
+void addToilet(Home& home, const Placement& placement, const Size& size) {
   home.level.mesh.beginObject("toilet", Mobility::movable);
   BrushGrid bowl;
   const double x = 0.5 * size.x, z = 0.5 * size.z;
@@ -97,7 +39,7 @@ void addToilet(Home& home, const Placement& placement, const glm::dvec3& size) {
 }
 
 // A tray, two panes of 8 mm, a door that stands half open.
-void addShower(Home& home, const Placement& placement, const glm::dvec3& size) {
+void addShower(Home& home, const Placement& placement, const Size& size) {
   home.level.mesh.beginObject("shower", Mobility::movable);
   BrushGrid cabin;
   const double x = 0.5 * size.x, z = 0.5 * size.z, pane = 0.008;
@@ -107,36 +49,53 @@ void addShower(Home& home, const Placement& placement, const glm::dvec3& size) {
   cabin.emit(home.level.mesh, placement);
 }
 
-void emitProcedural(Home& home, const Piece& piece, const Placement& placement) {
-  Level& level = home.level;
-  const glm::dvec3& size = piece.size_m;
-  switch (piece.use) {
-    case Use::bed:
-    case Use::child_bed:
-      return addBed(level, placement, size.x, size.z);
-    case Use::sofa:
-    case Use::armchair:
-      return addSofa(level, placement, size.x, size.z);
-    case Use::dining_table:
-    case Use::desk:
-    case Use::coffee_table:
-      return addTable(level, placement, size.x, size.z, size.y);
-    case Use::chair:
-    case Use::office_chair:
-      return addChair(level, placement);
-    case Use::bookcase:
-      return addShelf(level, placement, size.x, size.z, size.y);
-    case Use::bath:
-      return addTub(home, placement, size);
-    case Use::toilet:
-      return addToilet(home, placement, size);
-    case Use::shower:
-      return addShower(home, placement, size);
-    case Use::storage:
-      return addCrate(level, placement, size.x);
-    default:
-      return addCupboard(level, placement, size.x, size.z, size.y);
-  }
+using Emit = void (*)(Home&, const Placement&, const Size&);
+constexpr Emit kBed = [](Home& home, const Placement& at, const Size& s) { addBed(home.level, at, s.x, s.z); };
+constexpr Emit kSofa = [](Home& home, const Placement& at, const Size& s) { addSofa(home.level, at, s.x, s.z); };
+constexpr Emit kTable = [](Home& home, const Placement& at, const Size& s) { addTable(home.level, at, s.x, s.z, s.y); };
+constexpr Emit kChair = [](Home& home, const Placement& at, const Size&) { addChair(home.level, at); };
+constexpr Emit kShelf = [](Home& home, const Placement& at, const Size& s) { addShelf(home.level, at, s.x, s.z, s.y); };
+constexpr Emit kCrate = [](Home& home, const Placement& at, const Size& s) { addCrate(home.level, at, s.x); };
+constexpr Emit kCupboard = [](Home& home, const Placement& at, const Size& s) { addCupboard(home.level, at, s.x, s.z, s.y); };
+
+// Procedural furniture for a use that a house cannot do without.
+struct Procedural {
+  Use use;
+  Size size, more_a, more_b;  // metres, and what two draws from 0 to 1 add
+  Emit emit;
+  double elevation_m = 0.0;
+};
+
+const Procedural kProcedural[] = {{Use::bed, {0.9, 1.0, 2.0}, {0.9, 0, 0}, {0, 0, 0.15}, kBed},
+                                  {Use::child_bed, {0.8, 0.95, 1.8}, {0.2, 0, 0}, {0, 0, 0.2}, kBed},
+                                  {Use::sofa, {1.5, 0.85, 0.8}, {0.8, 0, 0}, {0, 0, 0.15}, kSofa},
+                                  {Use::armchair, {0.75, 0.85, 0.8}, {0.2, 0, 0}, {0, 0, 0}, kSofa},
+                                  {Use::dining_table, {1.2, 0.75, 0.8}, {0.8, 0, 0}, {0, 0, 0.2}, kTable},
+                                  {Use::desk, {1.2, 0.74, 0.65}, {0.5, 0, 0}, {0, 0, 0.15}, kTable},
+                                  {Use::coffee_table, {0.8, 0.42, 0.5}, {0.5, 0, 0}, {0, 0, 0.2}, kTable},
+                                  {Use::chair, {0.44, 0.95, 0.44}, {0, 0, 0}, {0, 0, 0}, kChair},
+                                  {Use::office_chair, {0.44, 0.95, 0.44}, {0, 0, 0}, {0, 0, 0}, kChair},
+                                  {Use::wardrobe, {1.0, 1.9, 0.6}, {0.8, 0, 0}, {0, 0.2, 0}, kCupboard},
+                                  {Use::chest, {0.9, 0.7, 0.45}, {0.6, 0, 0}, {0, 0.2, 0}, kCupboard},
+                                  {Use::tv_stand, {0.9, 0.5, 0.45}, {0.6, 0, 0}, {0, 0, 0}, kCupboard},
+                                  {Use::bookcase, {0.8, 1.2, 0.32}, {1.0, 0, 0}, {0, 0.8, 0}, kShelf},
+                                  {Use::bedside, {0.42, 0.5, 0.4}, {0, 0, 0}, {0, 0, 0}, kCupboard},
+                                  {Use::filing, {0.4, 0.7, 0.55}, {0, 0, 0}, {0, 0.6, 0}, kCupboard},
+                                  {Use::kitchen_base, {0.6, 0.88, 0.6}, {0, 0, 0}, {0, 0, 0}, kCupboard},
+                                  {Use::kitchen_sink, {0.6, 0.88, 0.6}, {0, 0, 0}, {0, 0, 0}, kCupboard},
+                                  {Use::cooker, {0.6, 0.88, 0.6}, {0, 0, 0}, {0, 0, 0}, kCupboard},
+                                  {Use::laundry, {0.6, 0.88, 0.6}, {0, 0, 0}, {0, 0, 0}, kCupboard},
+                                  {Use::kitchen_wall, {0.6, 0.7, 0.35}, {0, 0, 0}, {0, 0, 0}, kCupboard, 1.45},
+                                  {Use::fridge, {0.6, 1.5, 0.62}, {0, 0, 0}, {0, 0.5, 0}, kCupboard},
+                                  {Use::washbasin, {0.55, 0.85, 0.45}, {0, 0, 0}, {0, 0, 0}, kCupboard},
+                                  {Use::bath, {1.7, 0.58, 0.75}, {0, 0, 0}, {0, 0, 0}, addTub},
+                                  {Use::toilet, {0.38, 0.8, 0.66}, {0, 0, 0}, {0, 0, 0}, addToilet},
+                                  {Use::shower, {0.85, 2.0, 0.85}, {0, 0, 0}, {0, 0, 0}, addShower},
+                                  {Use::storage, {0.5, 0.5, 0.5}, {0.3, 0.3, 0.3}, {0, 0, 0}, kCrate}};
+
+const Procedural* proceduralOf(Use use) {
+  const auto found = std::find_if(std::begin(kProcedural), std::end(kProcedural), [&](const auto& p) { return p.use == use; });
+  return found != std::end(kProcedural) ? found : nullptr;
 }
 
 void addLibraryModel(Home& home, const Piece& piece, const Placement& placement) {
@@ -188,11 +147,7 @@ bool isWithin(const Piece& piece, const MostSize& most) {
 Stood atWall(const HomeRoom& room, const Piece& piece, Side side, double along, double gap_m) {
   const double degrees = degreesAt(side);
   const double half = 0.5 * piece.size_m.x;
-  Rect area = room.strip(side, along - half, along + half, gap_m + piece.size_m.z);
-  if (side == Side::north) area.z0 += gap_m;
-  if (side == Side::south) area.z1 -= gap_m;
-  if (side == Side::west) area.x0 += gap_m;
-  if (side == Side::east) area.x1 -= gap_m;
+  const Rect area = room.floor.strip(side, along - half, along + half, gap_m + piece.size_m.z, gap_m);
   const glm::dvec2 middle = area.middle();
   const Placement placement{gridded({middle.x, room.floor_m + piece.elevation_m, middle.y}), turnByDegrees(degrees)};
   return {piece, placement, area, degrees, side};
@@ -224,12 +179,16 @@ std::optional<Piece> drawPiece(Home& home, Use use, const MostSize& most) {
     const CatalogueEntry& entry = home.library.entry(i);
     return Piece{use, entry.size_m, entry.elevation_m, entry.top_m, model, entry.name};
   }
-  const std::optional<Piece> piece = drawProcedural(home.level, use);
-  return piece && isWithin(*piece, most) ? piece : std::nullopt;
+  const double a = home.level.pick(0.0, 1.0), b = home.level.pick(0.0, 1.0);  // one draw each, whatever the use
+  const Procedural* made = proceduralOf(use);
+  if (made == nullptr) return std::nullopt;
+  const Size size = made->size + a * made->more_a + b * made->more_b;
+  const Piece piece{use, size, made->elevation_m, size.y, nullptr, ""};
+  return isWithin(piece, most) ? std::optional(piece) : std::nullopt;
 }
 
 void emitPiece(Home& home, const Piece& piece, const Placement& placement) {
-  if (piece.model == nullptr) return emitProcedural(home, piece, placement);
+  if (piece.model == nullptr) return proceduralOf(piece.use)->emit(home, placement, piece.size_m);
   addLibraryModel(home, piece, placement);
   addLight(home, piece, placement);
 }
@@ -238,11 +197,11 @@ std::optional<Stood> standAtWall(Home& home, HomeRoom& room, const Piece& piece,
   Random& random = home.level.random;
   const double half = 0.5 * piece.size_m.x;
   for (int attempt = 0; attempt < 30; ++attempt) {
-    const Side drawn = static_cast<Side>(random.below(4));
+    const Side drawn = kSides[random.below(4)];
     const double share = random.uniform();
     const bool to_corner = random.chance(0.35);
     const Side side = wish.side.value_or(drawn);
-    const double first = room.start(side) + half + wish.gap_m, slack = room.length(side) - 2.0 * (half + wish.gap_m);
+    const double first = room.floor.start(side) + half + wish.gap_m, slack = room.floor.length(side) - 2.0 * (half + wish.gap_m);
     constexpr double kHanging = 0.3;  // what is higher than this above the floor needs a wall
     if (slack < 0.0 || (piece.elevation_m > kHanging && !room.hasWall(side))) continue;
     const double free_choice = first + slack * (to_corner ? (share < 0.5 ? 0.0 : 1.0) : share);
@@ -250,7 +209,7 @@ std::optional<Stood> standAtWall(Home& home, HomeRoom& room, const Piece& piece,
         wish.at ? std::clamp(*wish.at + (attempt == 0 ? 0.0 : 0.3 * (share - 0.5)), first, first + slack) : free_choice;
     const Stood stood = atWall(room, piece, side, along, wish.gap_m);
     if (!room.isFree(boxOf(stood))) continue;
-    const Box access{room.strip(side, along - half, along + half, wish.gap_m + piece.size_m.z + wish.access_m),
+    const Box access{room.floor.strip(side, along - half, along + half, wish.gap_m + piece.size_m.z + wish.access_m),
                      stood.placement.position.y, stood.placement.position.y + std::min(1.8, piece.size_m.y)};
     if (!room.isEmpty(access)) continue;
     if (wish.access_m > 0.0) room.kept.push_back(access);
@@ -258,6 +217,15 @@ std::optional<Stood> standAtWall(Home& home, HomeRoom& room, const Piece& piece,
     return stood;
   }
   return std::nullopt;
+}
+
+std::optional<Stood> addAtWall(Home& home, HomeRoom& room, Use use, const WallWish& wish) {
+  return addAtWall(home, room, use, {4.0, 4.0, room.clear_m}, wish);
+}
+
+std::optional<Stood> addAtWall(Home& home, HomeRoom& room, Use use, const MostSize& most, const WallWish& wish) {
+  const std::optional<Piece> piece = drawPiece(home, use, most);
+  return piece ? standAtWall(home, room, *piece, wish) : std::nullopt;
 }
 
 Rect footprint(const Piece& piece, const glm::dvec2& middle, double degrees) {
@@ -291,8 +259,14 @@ std::optional<Stood> standAnywhere(Home& home, HomeRoom& room, const Piece& piec
   return std::nullopt;
 }
 
-void putOnTop(Home& home, const Stood& below, const std::vector<Use>& uses, int count) {
-  if (below.piece.top_m <= 0.0) return;
+std::optional<Stood> addAnywhere(Home& home, HomeRoom& room, Use use, const MostSize& most, double margin_m) {
+  const std::optional<Piece> piece = drawPiece(home, use, most);
+  return piece ? standAnywhere(home, room, *piece, margin_m) : std::nullopt;
+}
+
+void putOnTop(Home& home, const std::optional<Stood>& stood, const std::vector<Use>& uses, int count) {
+  if (!stood || stood->piece.top_m <= 0.0) return;
+  const Stood& below = *stood;
   Random& random = home.level.random;
   std::vector<Rect> taken;
   const glm::dvec3& size = below.piece.size_m;

@@ -37,6 +37,11 @@ struct WallWish {
 };
 std::optional<Stood> standAtWall(Home& home, HomeRoom& room, const Piece& piece, const WallWish& wish = {});
 
+// Draws a piece and stands it there; nothing where there is none, or no place.
+std::optional<Stood> addAtWall(Home& home, HomeRoom& room, FurnitureUse use, const WallWish& wish = {});
+std::optional<Stood> addAtWall(Home& home, HomeRoom& room, FurnitureUse use, const MostSize& most, const WallWish& wish);
+std::optional<Stood> addAnywhere(Home& home, HomeRoom& room, FurnitureUse use, const MostSize& most, double margin_m);
+
 // The footprint's bounds after a turn by any angle.
 Rect footprint(const Piece& piece, const glm::dvec2& middle, double degrees);
 // In the open; margin_m: what stays empty around it.
@@ -44,8 +49,8 @@ std::optional<Stood> standFree(Home& home, HomeRoom& room, const Piece& piece, c
                                double margin_m = 0.0);
 // Anywhere in the room that is free.
 std::optional<Stood> standAnywhere(Home& home, HomeRoom& room, const Piece& piece, double margin_m);
-// Small things on a piece's top, at most count.
-void putOnTop(Home& home, const Stood& below, const std::vector<FurnitureUse>& uses, int count);
+// Small things on a piece's top, at most count; none where no piece stands.
+void putOnTop(Home& home, const std::optional<Stood>& below, const std::vector<FurnitureUse>& uses, int count);
 // A lamp under the ceiling.
 void hangLamp(Home& home, HomeRoom& room, const glm::dvec2& middle);
 

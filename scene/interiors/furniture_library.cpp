@@ -1,6 +1,5 @@
 #include "scene/interiors/furniture_library.h"
 
-#include <algorithm>
 #include <filesystem>
 
 #include "scene/obj_reader.h"
@@ -14,25 +13,10 @@ namespace fs = std::filesystem;
 constexpr size_t kMaxCatalogueBytes = size_t{4} << 20;
 constexpr size_t kMaxModelBytes = size_t{8} << 20;
 
-std::vector<std::string> libraryFiles(const std::string& path) {
-  std::error_code error;
-  if (!fs::is_directory(path, error)) return {path};
-  std::vector<std::string> files;
-  for (fs::directory_iterator i(path, error), end; !error && i != end; i.increment(error)) {
-    if (lowerCase(i->path().extension().string()) == ".sh3f" && i->is_regular_file(error)) files.push_back(i->path().string());
-  }
-  if (error) throw InputError(path, "folder", "a readable folder", error.message());
-  if (files.empty()) throw InputError(path, "folder", ".sh3f files", "none");
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
-bool isObj(const std::string& model) { return lowerCase(fs::path(model).extension().string()) == ".obj"; }
-
 }  // namespace
 
 FurnitureLibrary::FurnitureLibrary(const std::string& path) {
-  for (const std::string& file : libraryFiles(path)) addArchive(file);
+  for (const std::string& file : archiveFiles(path, ".sh3f")) addArchive(file);
 }
 
 void FurnitureLibrary::addArchive(const std::string& file) {
@@ -65,7 +49,7 @@ const FurnitureModel* FurnitureLibrary::model(size_t idx) {
 FurnitureModel FurnitureLibrary::read(const Piece& piece) const {
   const std::string& name = piece.entry.model;
   const Pk3Archives& archive = *archives_[piece.archive_idx];
-  if (!isObj(name) || archive.sizeOf(name) > kMaxModelBytes) return {};
+  if (extensionOf(name) != ".obj" || archive.sizeOf(name) > kMaxModelBytes) return {};
   const std::string text = archive.read(name, kMaxModelBytes);
   const auto library = [&](const std::string& library_name) {
     ObjLibraryFile file;

@@ -9,15 +9,14 @@
 #include <tuple>
 #include <utility>
 
+#include "scene/mesh_builder.h"
+
 namespace nlg {
 namespace {
 
-constexpr double kGridsPerMetre = 1024.0;  // as MeshBuilder rounds
 constexpr double kFirstCellM = 0.004, kCellGrowth = 1.3, kLargestCellShare = 1.0 / 20.0;
 
 using Cell = std::tuple<int64_t, int64_t, int64_t>;
-
-double snapped(double metres) { return std::floor(metres * kGridsPerMetre + 0.5) / kGridsPerMetre; }
 
 // Positions turned upright and stretched to the entry's box, which stands on y = 0 around the origin.
 std::vector<glm::dvec3> uprightPositions(const Scene& model, const CatalogueEntry& entry) {
@@ -66,7 +65,8 @@ Mesh merged(const Mesh& fine, double cell_m) {
     ++member_count[entry->second];
   }
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) mesh.positions[i][axis] = snapped(mesh.positions[i][axis] / member_count[i]);
+    for (int axis = 0; axis < 3; ++axis)
+      mesh.positions[i][axis] = snapped(mesh.positions[i][axis] / member_count[i], kVerticesPerMetre);
   }
   std::set<std::tuple<uint32_t, uint32_t, uint32_t>> known;
   for (size_t i = 0; i < fine.triangles.size(); ++i) {
@@ -147,7 +147,7 @@ FurnitureModel fitFurnitureModel(const Scene& model, const CatalogueEntry& entry
   FurnitureModel result;
   result.source_triangle_count = static_cast<uint32_t>(model.triangles.size());
   const Mesh raw{uprightPositions(model, entry), model.triangles, model.triangle_material};
-  Mesh mesh = merged(raw, 1.0 / kGridsPerMetre);
+  Mesh mesh = merged(raw, 1.0 / kVerticesPerMetre);
   const double largest_m = kLargestCellShare * std::max({entry.size_m.x, entry.size_m.y, entry.size_m.z});
   for (double cell_m = kFirstCellM; mesh.triangles.size() > kModelTriangleBudget && cell_m <= largest_m; cell_m *= kCellGrowth)
     mesh = merged(mesh, cell_m);

@@ -24,8 +24,9 @@ struct FurnitureModel {
   uint32_t one_sided_count = 0;        // triangles that are evidence
 };
 
-// Models above the budget are coarsened: vertices in one cell of a cubic lattice become one at their mean, and triangles that
-// lose their area, or stand on another in the same sense, go. Cells grow from 4 mm to a twentieth of the longest side until the budget is met.
+// Models above the budget are coarsened. Vertices in one cell of a cubic lattice become one at their mean. Triangles that lose their
+// area go, and so do those that stand on another in the same sense. Cells grow from 4 mm to a twentieth of the longest side until
+// the budget is met.
 inline constexpr uint32_t kModelTriangleBudget = 5000;
 
 // model     as obj_reader reads it, in whatever unit

@@ -31,19 +31,6 @@ std::optional<Facing> facing(const Rect& a, const Rect& b) {
   return std::nullopt;
 }
 
-double edge(const Rect& area, Side side) {
-  switch (side) {
-    case Side::north:
-      return area.z0;
-    case Side::south:
-      return area.z1;
-    case Side::west:
-      return area.x0;
-    default:
-      return area.x1;
-  }
-}
-
 bool isClear(const HomeRoom& room, Side side, double from, double to, double low, double high) {
   return std::none_of(room.openings.begin(), room.openings.end(), [&](const RoomOpening& other) {
     return other.side == side && other.from < to + kBetween && from - kBetween < other.to && other.low < high && low < other.high;
@@ -52,17 +39,27 @@ bool isClear(const HomeRoom& room, Side side, double from, double to, double low
 
 // A hole through a wall between two planes across it.
 void carveHole(Home& home, Side side, double from, double to, double plane, double other_plane, double low, double high) {
-  const double near = std::min(plane, other_plane), far = std::max(plane, other_plane);
-  if (alongX(side)) {
-    home.shell.carve({from, low, near}, {to, high, far});
-  } else {
-    home.shell.carve({near, low, from}, {far, high, to});
-  }
+  const Rect hole = Rect::across(side, from, to, plane, other_plane);
+  home.shell.carve({hole.x0, low, hole.z0}, {hole.x1, high, hole.z1});
 }
 
 void keepFree(HomeRoom& room, const RoomOpening& opening, double depth) {
   const double margin = 0.03;
-  room.kept.push_back({room.strip(opening.side, opening.from - margin, opening.to + margin, depth), opening.low, opening.high});
+  room.kept.push_back(
+      {room.floor.strip(opening.side, opening.from - margin, opening.to + margin, depth), opening.low, opening.high});
+}
+
+// How far behind a wall's face at that side the outside is, along x or z.
+double outwards(const Home& home, Side side) {
+  return side == Side::north || side == Side::west ? -home.outer_wall_m : home.outer_wall_m;
+}
+
+// Carves an opening to the outside and keeps what is before it free.
+void openOutside(Home& home, HomeRoom& room, const RoomOpening& opening, double depth) {
+  const double plane = room.floor.edge(opening.side);
+  carveHole(home, opening.side, opening.from, opening.to, plane, plane + outwards(home, opening.side), opening.low, opening.high);
+  room.openings.push_back(opening);
+  keepFree(room, opening, depth);
 }
 
 }  // namespace
@@ -109,7 +106,7 @@ bool Home::connect(size_t a_idx, size_t b_idx, const DoorShape& shape) {
     const double to = from + shape.width_m;
     const double high = a.floor_m + std::min(shape.height_m, std::min(a.clear_m, b.clear_m) - 0.1);
     if (!isClear(a, found->a, from, to, a.floor_m, high) || !isClear(b, found->b, from, to, b.floor_m, high)) continue;
-    carveHole(*this, found->a, from, to, edge(a.floor, found->a), edge(b.floor, found->b), a.floor_m, high);
+    carveHole(*this, found->a, from, to, a.floor.edge(found->a), b.floor.edge(found->b), a.floor_m, high);
     const auto kind = shape.has_leaf ? RoomOpening::Kind::door : RoomOpening::Kind::passage;
     a.openings.push_back({kind, found->a, from, to, a.floor_m, high});
     b.openings.push_back({kind, found->b, from, to, b.floor_m, high});
@@ -129,7 +126,7 @@ bool Home::isOutside(size_t room, Side side) const {
   return std::any_of(outsides.begin(), outsides.end(), [&](const Rect& outside) {
     const glm::dvec2 middle = floor.middle();
     const bool is_within = middle.x > outside.x0 && middle.x < outside.x1 && middle.y > outside.z0 && middle.y < outside.z1;
-    return is_within && std::abs(std::abs(edge(floor, side) - edge(outside, side)) - outer_wall_m) < 0.02;
+    return is_within && std::abs(std::abs(floor.edge(side) - outside.edge(side)) - outer_wall_m) < 0.02;
   });
 }
 
@@ -139,23 +136,19 @@ void Home::doorOutside(size_t room_idx, Side side, double at, const DoorShape& s
   std::optional<Piece> piece;
   if (is_front_door) piece = drawPiece(*this, FurnitureUse::front_door, {1.2, 0.6, room.clear_m - 0.1});
   if (piece) fitted = {piece->size_m.x, piece->size_m.y, false};
-  const double from =
-      std::clamp(room.start(side) + at, room.start(side) + kJamb,
-                 std::max(room.start(side) + kJamb, room.start(side) + room.length(side) - kJamb - fitted.width_m));
+  const double from = std::clamp(
+      room.floor.start(side) + at, room.floor.start(side) + kJamb,
+      std::max(room.floor.start(side) + kJamb, room.floor.start(side) + room.floor.length(side) - kJamb - fitted.width_m));
   const RoomOpening opening{piece || fitted.has_leaf ? RoomOpening::Kind::door : RoomOpening::Kind::passage,
                             side,
                             from,
                             from + fitted.width_m,
                             room.floor_m,
                             room.floor_m + std::min(fitted.height_m, room.clear_m - 0.1)};
-  const double plane = edge(room.floor, side);
-  const double out = side == Side::north || side == Side::west ? -outer_wall_m : outer_wall_m;
-  carveHole(*this, side, opening.from, opening.to, plane, plane + out, opening.low, opening.high);
-  room.openings.push_back(opening);
-  keepFree(room, opening, fitted.width_m + 0.05);
+  openOutside(*this, room, opening, fitted.width_m + 0.05);
   if (fitted.has_leaf) addLeaf(*this, room, opening);
   if (!piece) return;
-  const double middle = 0.5 * (opening.from + opening.to), across = plane + 0.5 * out;
+  const double middle = 0.5 * (opening.from + opening.to), across = room.floor.edge(side) + 0.5 * outwards(*this, side);
   const glm::dvec3 foot = alongX(side) ? glm::dvec3(middle, opening.low, across) : glm::dvec3(across, opening.low, middle);
   emitPiece(*this, *piece, {foot, turnByDegrees(degreesAt(side))});
 }
@@ -163,21 +156,17 @@ void Home::doorOutside(size_t room_idx, Side side, double at, const DoorShape& s
 void Home::window(size_t room_idx, Side side, double from, double to, double low_m, double high_m) {
   HomeRoom& room = rooms[room_idx];
   if (!isClear(room, side, from, to, low_m, high_m)) return;
-  const double plane = edge(room.floor, side);
-  const double out = side == Side::north || side == Side::west ? -outer_wall_m : outer_wall_m;
-  carveHole(*this, side, from, to, plane, plane + out, low_m, high_m);
-  room.openings.push_back({RoomOpening::Kind::window, side, from, to, low_m, high_m});
-  keepFree(room, room.openings.back(), 0.25);
+  openOutside(*this, room, {RoomOpening::Kind::window, side, from, to, low_m, high_m}, 0.25);
   addWindowFrame(*this, room, room.openings.back());
 }
 
 void Home::windows(size_t room_idx, double share, double sill_m, double head_m) {
   const double width = level.pick(0.8, 1.6);
   const double distance = width + level.pick(0.7, 1.6);
-  for (const Side side : {Side::north, Side::west, Side::south, Side::east}) {
+  for (const Side side : kSides) {
     if (!isOutside(room_idx, side)) continue;
     const HomeRoom& room = rooms[room_idx];
-    const double length = room.length(side), start = room.start(side);
+    const double length = room.floor.length(side), start = room.floor.start(side);
     const int count = std::max(1, static_cast<int>(length / distance));
     const double fitted = std::min(width, length / count - 0.4);
     for (int i = 0; i < count; ++i) {

@@ -35,11 +35,7 @@ std::string stemOf(const std::string& path) {
 }  // namespace
 
 const std::vector<std::string>& interiorPlans() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> list;
-    for (const Plan& plan : kPlans) list.emplace_back(plan.name);
-    return list;
-  }();
+  static const std::vector<std::string> names = namesOf(kPlans);
   return names;
 }
 

@@ -24,18 +24,10 @@ std::vector<HomeUse> drawRow(Level& level, double length, bool has_kitchen) {
 }
 
 double weightOf(HomeUse use) {
-  switch (use) {
-    case HomeUse::toilet:
-      return 0.55;
-    case HomeUse::store:
-      return 0.7;
-    case HomeUse::bath:
-      return 0.95;
-    case HomeUse::bedroom:
-      return 1.6;
-    default:
-      return 1.3;
-  }
+  if (use == HomeUse::toilet) return 0.55;
+  if (use == HomeUse::store) return 0.7;
+  if (use == HomeUse::bath) return 0.95;
+  return use == HomeUse::bedroom ? 1.6 : 1.3;
 }
 
 std::vector<size_t> addRow(Home& home, const std::vector<HomeUse>& row, double x0, double x1, double z0, double z1,
@@ -66,10 +58,7 @@ void addBalcony(Home& home, size_t living, const Rect& outer) {
   const double width = std::min(3.5, room.floor.width() - 0.2), reach = level.pick(1.0, 1.8);
   const double x0 = room.floor.x0 + (room.floor.width() - width) * level.random.uniform();
   home.doorOutside(living, Side::south, x0 + 0.5 * width - 0.45 - room.floor.x0, {0.9, 2.1, true}, false);
-  home.shell.fill({x0, -0.2, outer.z1}, {x0 + width, -0.03, outer.z1 + reach}, level.palette.stone);
-  addRailing(level, {{x0, -0.03, outer.z1 + reach - 0.05}, {}}, width);
-  addRailing(level, {{x0 + 0.05, -0.03, outer.z1 + reach - 0.05}, turnByDegrees(90.0)}, reach - 0.1);
-  addRailing(level, {{x0 + width - 0.05, -0.03, outer.z1 + reach - 0.05}, turnByDegrees(90.0)}, reach - 0.1);
+  addBalcony(level, home.shell, {x0, -0.03, outer.z1}, width, reach, -0.2);
 }
 
 }  // namespace

@@ -58,7 +58,8 @@ void addFlights(Home& home, const Townhouse& house, size_t ground_hall, size_t u
   }
 }
 
-// The ridge runs across the house, so that the stairs arrive below it. Gable walls with a window each, between knee walls of the shell and the two slopes, which are one solid.
+// The ridge runs across the house, so that the stairs arrive below it. The two slopes are one solid. Below them, between the shell's
+// knee walls, stand gable walls with a window each.
 void addRoof(Home& home, const Townhouse& house) {
   Level& level = home.level;
   const double attic = house.floor_m[2];

@@ -12,12 +12,6 @@ namespace {
 
 using Use = FurnitureUse;
 
-// A piece at any wall, if there is one and a place for it.
-std::optional<Stood> addAtWall(Home& home, HomeRoom& room, Use use, const WallWish& wish = {}) {
-  const std::optional<Piece> piece = drawPiece(home, use, {4.0, 4.0, room.clear_m});
-  return piece ? standAtWall(home, room, *piece, wish) : std::nullopt;
-}
-
 void addRug(Home& home, HomeRoom& room, const glm::dvec2& middle, double degrees) {
   const std::optional<Piece> piece = drawPiece(home, Use::rug, {room.floor.width() - 0.4, room.floor.depth() - 0.4, 0.05});
   if (!piece) return;
@@ -90,17 +84,18 @@ void addDesk(Home& home, HomeRoom& room, int thing_count) {
   const size_t kept_count = room.kept.size();
   const std::optional<Stood> stood = standAtWall(home, room, *desk, {{}, {}, 0.95, 0.03});
   if (!stood) return;
-  putOnTop(home, *stood, {Use::computer, Use::table_lamp, Use::small_thing}, thing_count);
+  putOnTop(home, stood, {Use::computer, Use::table_lamp, Use::small_thing}, thing_count);
   // the chair is what the place before the desk was kept for
   room.kept.resize(kept_count);
   const glm::dvec3 seat = stood->placement.apply({0.0, 0.0, 0.5 * desk->size_m.z + 0.55 * chair->size_m.z + pull});
   standFree(home, room, *chair, {seat.x, seat.z}, stood->degrees + 180.0 + turn);
 }
 
-void furnishBedroom(Home& home, HomeRoom& room, Use bed_use) {
+void furnishBedroom(Home& home, HomeRoom& room) {
   Level& level = home.level;
+  const bool is_child = room.use == HomeUse::child;
   addCurtainsOf(home, room, 0.7);
-  const std::optional<Stood> bed = addAtWall(home, room, bed_use, {{}, {}, 0.5, 0.03});
+  const std::optional<Stood> bed = addAtWall(home, room, is_child ? Use::child_bed : Use::bed, {{}, {}, 0.5, 0.03});
   if (bed) {
     const std::optional<Piece> bedside = drawPiece(home, Use::bedside, {0.7, 0.6, 0.9});
     const glm::dvec2 middle = bed->area.middle();
@@ -108,27 +103,19 @@ void furnishBedroom(Home& home, HomeRoom& room, Use bed_use) {
     for (const double sign : {-1.0, 1.0}) {
       if (!bedside || !level.random.chance(0.85)) continue;
       const double at = along + sign * (0.5 * (bed->piece.size_m.x + bedside->size_m.x) + 0.04);
-      const std::optional<Stood> stood = standAtWall(home, room, *bedside, {bed->wall, at, 0.0, 0.02});
-      if (stood) putOnTop(home, *stood, {Use::table_lamp, Use::table_lamp, Use::small_thing}, 1);
+      putOnTop(home, standAtWall(home, room, *bedside, {bed->wall, at, 0.0, 0.02}),
+               {Use::table_lamp, Use::table_lamp, Use::small_thing}, 1);
     }
     addRug(home, room, middle + glm::dvec2(0.4, 0.3), bed->degrees);
   }
   addAtWall(home, room, Use::wardrobe, {{}, {}, 0.6, 0.02});
-  const bool is_child = bed_use == Use::child_bed;
   if (level.random.chance(is_child ? 0.8 : 0.4)) addDesk(home, room, 2);
-  for (int i = level.pickCount(1, 2); i > 0; --i) {
-    const std::optional<Stood> chest = addAtWall(home, room, Use::chest);
-    if (chest) putOnTop(home, *chest, {Use::small_thing, Use::small_plant, Use::table_lamp}, 3);
-  }
+  for (int i = level.pickCount(1, 2); i > 0; --i)
+    putOnTop(home, addAtWall(home, room, Use::chest), {Use::small_thing, Use::small_plant, Use::table_lamp}, 3);
   if (level.random.chance(is_child ? 0.9 : 0.5)) addAtWall(home, room, Use::bookcase, {{}, {}, 0.4, 0.02});
   if (level.random.chance(0.3)) addAtWall(home, room, Use::storage, {{}, {}, 0.0, 0.03});
   if (level.random.chance(0.3)) addAtWall(home, room, Use::floor_lamp, {{}, {}, 0.0, 0.05});
-  if (is_child) {
-    for (int i = 0; i < 2; ++i) {
-      const std::optional<Piece> toy = drawPiece(home, Use::toy);
-      if (toy) standAnywhere(home, room, *toy, 0.1);
-    }
-  }
+  for (int i = 0; i < 2 && is_child; ++i) addAnywhere(home, room, Use::toy, {}, 0.1);
   if (!is_child && level.random.chance(0.3)) addAtWall(home, room, Use::armchair, {{}, {}, 0.4, 0.08});
   addRadiators(home, room);
   addFinish(home, room, level.pickCount(0, 2));
@@ -145,8 +132,8 @@ struct Facing {
 std::optional<Facing> drawFacing(Home& home, const HomeRoom& room, const Piece& sofa) {
   Random& random = home.level.random;
   for (int attempt = 0; attempt < 60; ++attempt) {
-    const Side wall = static_cast<Side>(random.below(4));
-    const double along = room.start(wall) + room.length(wall) * random.uniform(0.25, 0.75);
+    const Side wall = kSides[random.below(4)];
+    const double along = room.floor.start(wall) + room.floor.length(wall) * random.uniform(0.25, 0.75);
     const double depth = alongX(wall) ? room.floor.depth() : room.floor.width();
     const double distance = std::min(random.uniform(2.3, 3.2), depth - sofa.size_m.z - 0.06);
     if (distance < 1.6) continue;
@@ -199,8 +186,8 @@ void addSeatingGroup(Home& home, HomeRoom& room) {
   if (table) {
     const glm::dvec3 at = before.apply({0.0, 0.0, 0.5 * found->size_m.z + 0.35 + 0.5 * table->size_m.z});
     addRug(home, room, {at.x, at.z}, seat->degrees);
-    const std::optional<Stood> stood = standFree(home, room, *table, {at.x, at.z}, seat->degrees);
-    if (stood) putOnTop(home, *stood, {Use::small_thing, Use::small_plant, Use::kitchen_thing}, 2);
+    putOnTop(home, standFree(home, room, *table, {at.x, at.z}, seat->degrees),
+             {Use::small_thing, Use::small_plant, Use::kitchen_thing}, 2);
   }
   const std::optional<Piece> armchair = drawPiece(home, Use::armchair, {1.2, 1.2, 1.3});
   for (const double sign : {-1.0, 1.0}) {
@@ -214,7 +201,7 @@ void addSeatingGroup(Home& home, HomeRoom& room) {
   if (!side) return;
   const glm::dvec3 at = before.apply({0.5 * (found->size_m.x + side->size_m.x) + 0.08, 0.0, 0.0});
   const std::optional<Stood> stood = standFree(home, room, *side, {at.x, at.z}, seat->degrees);
-  if (stood && side->use == Use::side_table) putOnTop(home, *stood, {Use::table_lamp, Use::small_plant}, 1);
+  if (side->use == Use::side_table) putOnTop(home, stood, {Use::table_lamp, Use::small_plant}, 1);
 }
 
 void furnishLiving(Home& home, HomeRoom& room) {
@@ -225,11 +212,10 @@ void furnishLiving(Home& home, HomeRoom& room) {
   if (room.floor.width() * room.floor.depth() > 22.0) addTableGroup(home, room, 2.4);
   for (int i = level.pickCount(1, 3); i > 0; --i) {
     const std::optional<Stood> shelf = addAtWall(home, room, Use::bookcase, {{}, {}, 0.4, 0.02});
-    if (shelf && shelf->piece.size_m.y < 1.3) putOnTop(home, *shelf, {Use::small_plant, Use::small_thing}, 2);
+    if (shelf && shelf->piece.size_m.y < 1.3) putOnTop(home, shelf, {Use::small_plant, Use::small_thing}, 2);
   }
   if (level.random.chance(0.25)) addAtWall(home, room, Use::piano, {{}, {}, 0.7, 0.05});
-  const std::optional<Stood> chest = addAtWall(home, room, Use::chest);
-  if (chest) putOnTop(home, *chest, {Use::small_thing, Use::small_plant, Use::table_lamp}, 3);
+  putOnTop(home, addAtWall(home, room, Use::chest), {Use::small_thing, Use::small_plant, Use::table_lamp}, 3);
   addAtWall(home, room, Use::plant, {{}, {}, 0.0, 0.05});
   if (level.random.chance(0.5)) addAtWall(home, room, Use::floor_lamp, {{}, {}, 0.0, 0.1});
   addRadiators(home, room);
@@ -242,8 +228,7 @@ void furnishDining(Home& home, HomeRoom& room) {
   Level& level = home.level;
   addCurtainsOf(home, room, 0.6);
   addTableGroup(home, room, 2.4);
-  const std::optional<Stood> chest = addAtWall(home, room, Use::chest);
-  if (chest) putOnTop(home, *chest, {Use::small_thing, Use::small_plant, Use::kitchen_thing}, 3);
+  putOnTop(home, addAtWall(home, room, Use::chest), {Use::small_thing, Use::small_plant, Use::kitchen_thing}, 3);
   if (level.random.chance(0.6)) addAtWall(home, room, Use::bookcase, {{}, {}, 0.4, 0.02});
   addRadiators(home, room);
   addFinish(home, room, level.pickCount(1, 3));
@@ -257,25 +242,26 @@ void addKitchenRow(Home& home, HomeRoom& room, Side side, const std::vector<Use>
   const std::optional<Piece> base = drawPiece(home, Use::kitchen_base, {1.2, 0.8, 1.2});
   const std::optional<Piece> above = drawPiece(home, Use::kitchen_wall, {1.2, 0.6, room.clear_m});
   const bool has_above = level.random.chance(0.85);
-  double at = room.start(side) + kGap;
-  const double end = room.start(side) + room.length(side) - kGap;
+  double at = room.floor.start(side) + kGap;
+  const double end = room.floor.start(side) + room.floor.length(side) - kGap;
   for (const Use use : row) {
     const std::optional<Piece> piece = use == Use::kitchen_base ? base : drawPiece(home, use, {1.2, 1.0, room.clear_m});
     if (!piece) continue;
     std::optional<Stood> stood;
     for (; !stood && at + piece->size_m.x <= end; at += stood ? piece->size_m.x + 0.002 : kStep) {
       const double middle = at + 0.5 * piece->size_m.x;
-      const Rect area = room.strip(side, at, at + piece->size_m.x, piece->size_m.z + kGap);
+      const Rect area = room.floor.strip(side, at, at + piece->size_m.x, piece->size_m.z + kGap);
       if (!room.isFree({area, room.floor_m + piece->elevation_m, room.floor_m + piece->elevation_m + piece->size_m.y})) continue;
       stood = standAtWall(home, room, *piece, {side, middle, 0.0, kGap});
       if (!stood) break;
     }
     if (!stood) return;
     const double middle = at - 0.002 - 0.5 * piece->size_m.x;
-    room.kept.push_back({room.strip(side, middle - 0.5 * piece->size_m.x, middle + 0.5 * piece->size_m.x, piece->size_m.z + 0.9),
-                         room.floor_m, room.floor_m + 1.2});
+    room.kept.push_back(
+        {room.floor.strip(side, middle - 0.5 * piece->size_m.x, middle + 0.5 * piece->size_m.x, piece->size_m.z + 0.9),
+         room.floor_m, room.floor_m + 1.2});
     if (piece->size_m.y > 1.1) continue;
-    if (use == Use::kitchen_base) putOnTop(home, *stood, {Use::kitchen_thing}, level.pickCount(0, 2));
+    if (use == Use::kitchen_base) putOnTop(home, stood, {Use::kitchen_thing}, level.pickCount(0, 2));
     const std::optional<Piece> hood = use == Use::cooker ? drawPiece(home, Use::hood, {1.2, 0.6, 0.6}) : std::nullopt;
     if (hood) {
       Piece raised = *hood;
@@ -293,7 +279,7 @@ void furnishKitchen(Home& home, HomeRoom& room) {
   // the row stands at a wall with few doors
   std::stable_sort(sides.begin(), sides.end(), [&](Side a, Side b) {
     const auto cost = [&](Side side) {
-      double free_m = room.length(side);
+      double free_m = room.floor.length(side);
       for (const RoomOpening& o : room.openings) {
         if (o.side == side) free_m -= (o.kind == RoomOpening::Kind::window ? 0.3 : 1.3) * (o.to - o.from);
       }
@@ -326,21 +312,18 @@ void furnishBath(Home& home, HomeRoom& room) {
   const bool has_bath = room.use == HomeUse::bath && level.random.chance(0.75);
   if (has_bath) {
     const std::optional<Piece> bath = drawPiece(home, Use::bath, {2.0, 1.7, 1.3});
-    const Side first = static_cast<Side>(level.random.below(4));
+    const uint32_t first = level.random.below(4);
     bool is_there = !bath;
-    for (int i = 0; i < 4 && !is_there; ++i) {
-      const Side side = static_cast<Side>((static_cast<int>(first) + i) % 4);
-      is_there = standAtWall(home, room, *bath, {side, room.start(side), 0.4, 0.01}).has_value() ||
-                 standAtWall(home, room, *bath, {side, room.start(side) + room.length(side), 0.4, 0.01}).has_value();
+    for (uint32_t i = 0; i < 4 && !is_there; ++i) {
+      const Side side = kSides[(first + i) % 4];
+      is_there = standAtWall(home, room, *bath, {side, room.floor.start(side), 0.4, 0.01}).has_value() ||
+                 standAtWall(home, room, *bath, {side, room.floor.start(side) + room.floor.length(side), 0.4, 0.01}).has_value();
     }
   }
   addAtWall(home, room, Use::toilet, {{}, {}, 0.4, 0.01});
-  const std::optional<Piece> basin = drawPiece(home, Use::washbasin, {room.use == HomeUse::bath ? 1.3 : 0.65, 0.8, 2.3});
-  if (basin) standAtWall(home, room, *basin, {{}, {}, 0.4, 0.01});
+  addAtWall(home, room, Use::washbasin, {room.use == HomeUse::bath ? 1.3 : 0.65, 0.8, 2.3}, {{}, {}, 0.4, 0.01});
   if (room.use == HomeUse::bath) {
     if (!has_bath || level.random.chance(0.4)) addAtWall(home, room, Use::shower, {{}, {}, 0.4, 0.01});
-  }
-  if (room.use == HomeUse::bath) {
     if (level.random.chance(0.5)) addAtWall(home, room, Use::laundry, {{}, {}, 0.5, 0.02});
     if (level.random.chance(0.6)) addAtWall(home, room, Use::radiator, {{}, {}, 0.2, 0.02});
     if (level.random.chance(0.5)) addAtWall(home, room, Use::storage, {{}, {}, 0.0, 0.03});
@@ -371,10 +354,8 @@ void furnishHall(Home& home, HomeRoom& room) {
   const double deepest = std::max(0.2, narrow - 0.95);  // people still pass
   for (const Use use : {Use::chest, Use::bookcase}) {
     if (!level.random.chance(0.6)) continue;
-    const std::optional<Piece> piece = drawPiece(home, use, {2.0, deepest, room.clear_m});
-    if (!piece) continue;
-    const std::optional<Stood> stood = standAtWall(home, room, *piece, {{}, {}, 0.85, 0.01});
-    if (stood && use == Use::chest) putOnTop(home, *stood, {Use::table_lamp, Use::small_plant, Use::small_thing}, 2);
+    const std::optional<Stood> stood = addAtWall(home, room, use, {2.0, deepest, room.clear_m}, {{}, {}, 0.85, 0.01});
+    if (use == Use::chest) putOnTop(home, stood, {Use::table_lamp, Use::small_plant, Use::small_thing}, 2);
   }
   for (int i = level.pickCount(0, 3); i > 0; --i) addPicture(home, room);
   if (narrow > 1.4 && level.random.chance(0.4)) addAtWall(home, room, Use::plant, {{}, {}, 0.7, 0.05});
@@ -407,8 +388,7 @@ void furnishAttic(Home& home, HomeRoom& room) {
 void furnishMeeting(Home& home, HomeRoom& room) {
   addTableGroup(home, room, 3.0);
   addAtWall(home, room, Use::board, {{}, {}, 0.3, 0.05});
-  const std::optional<Piece> tv = drawPiece(home, Use::wall_tv, {2.0, 0.4, 2.2});
-  if (tv) standAtWall(home, room, *tv, {{}, {}, 0.0, 0.005});
+  addAtWall(home, room, Use::wall_tv, {2.0, 0.4, 2.2}, {{}, {}, 0.0, 0.005});
   addFinish(home, room, 1);
   if (home.level.random.chance(0.4)) addPeople(home, room, 1);
 }
@@ -416,10 +396,7 @@ void furnishMeeting(Home& home, HomeRoom& room) {
 void furnishLounge(Home& home, HomeRoom& room) {
   addSeatingGroup(home, room);
   addAtWall(home, room, Use::bookcase, {{}, {}, 0.4, 0.02});
-  if (home.level.random.chance(0.5)) {
-    const std::optional<Piece> game = drawPiece(home, Use::game, {3.0, 2.0, 1.2});
-    if (game) standAnywhere(home, room, *game, 0.7);
-  }
+  if (home.level.random.chance(0.5)) addAnywhere(home, room, Use::game, {3.0, 2.0, 1.2}, 0.7);
   addFinish(home, room, 2);
   addFinish(home, room, 0);
   hangLamp(home, room, room.floor.middle());
@@ -456,14 +433,8 @@ void furnishSalon(Home& home, HomeRoom& room) {
   if (level.random.chance(0.6)) addAtWall(home, room, Use::fireplace, {{}, {}, 1.0, 0.0});
   for (int i = level.pickCount(2, 3); i > 0; --i) addSeatingGroup(home, room);
   addTableGroup(home, room, 2.6);
-  if (level.random.chance(0.6)) {
-    const std::optional<Piece> piano = drawPiece(home, Use::piano, {2.0, 2.0, 2.0});
-    if (piano) standAnywhere(home, room, *piano, 0.6);
-  }
-  if (level.random.chance(0.4)) {
-    const std::optional<Piece> game = drawPiece(home, Use::game, {3.0, 2.0, 1.2});
-    if (game) standAnywhere(home, room, *game, 0.8);
-  }
+  if (level.random.chance(0.6)) addAnywhere(home, room, Use::piano, {2.0, 2.0, 2.0}, 0.6);
+  if (level.random.chance(0.4)) addAnywhere(home, room, Use::game, {3.0, 2.0, 1.2}, 0.8);
   for (int i = level.pickCount(2, 5); i > 0; --i) addAtWall(home, room, Use::plant, {{}, {}, 0.0, 0.1});
   for (const Use use : {Use::bookcase, Use::chest, Use::bookcase, Use::armchair, Use::floor_lamp, Use::chest, Use::armchair}) {
     if (level.random.chance(0.8)) addAtWall(home, room, use, {{}, {}, 0.5, 0.03});
@@ -492,10 +463,7 @@ void addGardenTree(Home& home, HomeRoom& room) {
 void furnishTerrace(Home& home, HomeRoom& room) {
   Level& level = home.level;
   const auto scatter = [&](Use use, int count, double margin) {
-    for (int i = 0; i < count; ++i) {
-      const std::optional<Piece> piece = drawPiece(home, use, {9.0, 9.0, 12.0});
-      if (piece) standAnywhere(home, room, *piece, margin);
-    }
+    for (int i = 0; i < count; ++i) addAnywhere(home, room, use, {9.0, 9.0, 12.0}, margin);
   };
   const std::optional<Piece> table = drawPiece(home, Use::garden_table, {2.2, 2.2, 1.2});
   if (table) {
@@ -531,7 +499,7 @@ bool addTableGroup(Home& home, HomeRoom& room, double most_length_m) {
     const std::optional<Stood> stood = standFree(home, room, *table, middle, degrees, kSeat - 0.05);
     if (!stood) continue;
     addSeats(home, room, *stood, level.random.chance(0.15) && room.use == HomeUse::meeting ? Use::office_chair : Use::chair);
-    putOnTop(home, *stood, {Use::kitchen_thing, Use::small_plant, Use::kitchen_thing, Use::small_thing}, level.pickCount(0, 6));
+    putOnTop(home, stood, {Use::kitchen_thing, Use::small_plant, Use::kitchen_thing, Use::small_thing}, level.pickCount(0, 6));
     hangLamp(home, room, middle);
     return true;
   }
@@ -575,7 +543,7 @@ void addDeskIsland(Home& home, HomeRoom& room, const glm::dvec2& wanted, bool al
       const glm::dvec3 at = frame.apply({along, 0.0, row * (0.5 * partition + 0.5 * desk->size_m.z + 0.01)});
       const std::optional<Stood> stood = standFree(home, room, *desk, {at.x, at.z}, degrees + (row > 0 ? 0.0 : 180.0));
       if (!stood) continue;
-      putOnTop(home, *stood, {Use::computer, Use::computer, Use::small_thing, Use::table_lamp}, 2);
+      putOnTop(home, stood, {Use::computer, Use::computer, Use::small_thing, Use::table_lamp}, 2);
       const std::optional<Piece> chair = drawPiece(home, Use::office_chair, {0.8, 0.8, 1.3});
       const double pull = level.random.uniform(0.02, 0.4), turn = level.random.uniform(-40.0, 40.0);
       if (!chair || level.random.chance(0.1)) continue;
@@ -588,47 +556,17 @@ void addDeskIsland(Home& home, HomeRoom& room, const glm::dvec2& wanted, bool al
 void addPeople(Home& home, HomeRoom& room, int count) {
   for (int i = 0; i < count; ++i) {
     const Use use = home.level.random.chance(0.85) ? Use::person : Use::animal;
-    const std::optional<Piece> piece = drawPiece(home, use, {1.2, 1.2, 2.0});
-    if (piece) standAnywhere(home, room, *piece, 0.1);
+    addAnywhere(home, room, use, {1.2, 1.2, 2.0}, 0.1);
   }
 }
 
 void furnish(Home& home, HomeRoom& room) {
-  switch (room.use) {
-    case HomeUse::living:
-      return furnishLiving(home, room);
-    case HomeUse::dining:
-      return furnishDining(home, room);
-    case HomeUse::kitchen:
-    case HomeUse::pantry:
-      return furnishKitchen(home, room);
-    case HomeUse::bedroom:
-      return furnishBedroom(home, room, Use::bed);
-    case HomeUse::child:
-      return furnishBedroom(home, room, Use::child_bed);
-    case HomeUse::bath:
-    case HomeUse::toilet:
-      return furnishBath(home, room);
-    case HomeUse::study:
-      return furnishStudy(home, room);
-    case HomeUse::hall:
-    case HomeUse::gallery:
-      return furnishHall(home, room);
-    case HomeUse::store:
-      return furnishStore(home, room);
-    case HomeUse::attic:
-      return furnishAttic(home, room);
-    case HomeUse::open_office:
-      return furnishOpenOffice(home, room);
-    case HomeUse::meeting:
-      return furnishMeeting(home, room);
-    case HomeUse::lounge:
-      return furnishLounge(home, room);
-    case HomeUse::salon:
-      return furnishSalon(home, room);
-    case HomeUse::terrace:
-      return furnishTerrace(home, room);
-  }
+  // in the order of HomeUse
+  constexpr void (*kRecipes[])(Home&, HomeRoom&) = {
+      furnishLiving,  furnishDining, furnishKitchen, furnishBedroom, furnishBedroom, furnishBath,
+      furnishBath,    furnishStudy,  furnishHall,    furnishStore,   furnishAttic,   furnishOpenOffice,
+      furnishMeeting, furnishLounge, furnishKitchen, furnishHall,    furnishSalon,   furnishTerrace};
+  kRecipes[static_cast<size_t>(room.use)](home, room);
 }
 
 }  // namespace nlg

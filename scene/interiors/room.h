@@ -56,18 +56,9 @@ struct HomeRoom {
   std::vector<Box> kept;    // what nothing may stand in: before doors, windows and drawers; these may overlap each other
 
   bool hasWall(Side side) const;
-  double length(Side side) const { return side == Side::north || side == Side::south ? floor.width() : floor.depth(); }
-  double start(Side side) const { return side == Side::north || side == Side::south ? floor.x0 : floor.z0; }
-  // The strip along a wall from its start to its end, this deep into the room.
-  Rect strip(Side side, double from, double to, double depth) const;
   bool isFree(const Box& box) const;
   // Whether nothing stands in it; what is only kept free does not count.
   bool isEmpty(const Box& box) const;
 };
-
-// Degrees that turn a piece whose front looks towards +z so that its back is at that wall.
-double degreesAt(Side wall);
-Side opposite(Side side);
-bool alongX(Side side);
 
 }  // namespace nlg

@@ -6,29 +6,13 @@
 namespace nlg {
 namespace {
 
-// A box that pierces one wall of the shell, given along the wall.
-struct Hole {
-  glm::dvec3 min, max;
-};
-
-Hole holeThrough(const Building& building, Side side, double from, double to, double low, double high) {
-  const Rect& out = building.outer;
+// A hole through one wall of the shell, given along the wall's inside; margin_m around it stays free.
+void carveHole(Building& building, int storey, Side side, double from, double to, double low, double high, double margin_m) {
   const Rect in = building.inner();
-  switch (side) {
-    case Side::north:
-      return {{in.x0 + from, low, out.z0}, {in.x0 + to, high, in.z0}};
-    case Side::south:
-      return {{in.x0 + from, low, in.z1}, {in.x0 + to, high, out.z1}};
-    case Side::west:
-      return {{out.x0, low, in.z0 + from}, {in.x0, high, in.z0 + to}};
-    default:
-      return {{in.x1, low, in.z0 + from}, {out.x1, high, in.z0 + to}};
-  }
-}
-
-void carveHole(Building& building, int storey, const Hole& hole, double margin_m) {
-  building.shell.carve(hole.min, hole.max);
-  building.openings.push_back({storey, Rect{hole.min.x, hole.min.z, hole.max.x, hole.max.z}.grown(margin_m)});
+  const double start = in.start(side);
+  const Rect hole = Rect::across(side, start + from, start + to, in.edge(side), building.outer.edge(side));
+  building.shell.carve({hole.x0, low, hole.z0}, {hole.x1, high, hole.z1});
+  building.openings.push_back({storey, hole.grown(margin_m)});
 }
 
 // A wall between two halves of a room, seen from above.
@@ -146,8 +130,8 @@ void fillShell(Level& level, Building& building) {
   const Rect in = building.inner();
   const int storey_count = building.storeyCount();
   building.shell.fill({out.x0, building.base_m, out.z0}, {out.x1, building.roofHeight(), out.z1}, level.roomFaces());
-  const BrushMaterials roof(level.palette.wall, level.palette.roof, level.palette.ceiling);
-  building.shell.fill({out.x0, building.roofHeight() - building.slab_m, out.z0}, {out.x1, building.roofHeight(), out.z1}, roof);
+  building.shell.fill({out.x0, building.roofHeight() - building.slab_m, out.z0}, {out.x1, building.roofHeight(), out.z1},
+                      level.roofFaces());
   for (int storey = 0; storey < storey_count; ++storey) {
     const double floor = building.floorHeight(storey);
     building.shell.carve({in.x0, floor, in.z0}, {in.x1, floor + building.clear_m[storey], in.z1});
@@ -158,32 +142,27 @@ void fillShell(Level& level, Building& building) {
   }
 }
 
-double wallLength(const Building& building, Side side) {
-  const bool along_x = side == Side::north || side == Side::south;
-  return along_x ? building.inner().width() : building.inner().depth();
-}
-
 void carveWindows(Level& level, Building& building, int storey, double share) {
   const double floor = building.floorHeight(storey);
   const double sill = floor + level.pick(0.7, 1.0);
   const double head = floor + std::min(level.pick(1.9, 2.3), building.clear_m[storey] - 0.25);
   const double distance = level.pick(2.2, 3.4);
   const double width = level.pick(0.8, std::min(1.8, distance - 0.8));
-  for (const Side side : {Side::north, Side::west, Side::south, Side::east}) {
-    const double length = wallLength(building, side);
+  for (const Side side : kSides) {
+    const double length = building.inner().length(side);
     const int count = static_cast<int>(length / distance);
     for (int i = 0; i < count; ++i) {
       if (!level.random.chance(share)) continue;
       const double middle = length * (i + 0.5) / count;
-      carveHole(building, storey, holeThrough(building, side, middle - 0.5 * width, middle + 0.5 * width, sill, head), 0.0);
+      carveHole(building, storey, side, middle - 0.5 * width, middle + 0.5 * width, sill, head, 0.0);
     }
   }
 }
 
 void carveDoor(Building& building, Side side, int storey, double along, double width, double height) {
   const double floor = building.floorHeight(storey);
-  const double from = std::clamp(along, 0.2, wallLength(building, side) - width - 0.2);
-  carveHole(building, storey, holeThrough(building, side, from, from + width, floor, floor + height), 0.6);
+  const double from = std::clamp(along, 0.2, building.inner().length(side) - width - 0.2);
+  carveHole(building, storey, side, from, from + width, floor, floor + height, 0.6);
 }
 
 std::vector<Room> partStorey(Level& level, const Building& building, int storey, const Rect& area, const PlanOptions& options,
@@ -221,6 +200,14 @@ void addRailing(Level& level, const Placement& placement, double length) {
   grid.fill({0, 0.95, -0.04}, {length, 1.02, 0.04}, level.palette.dark_wood);
   grid.fill({0, 0.45, -0.03}, {length, 0.5, 0.03}, level.palette.metal);
   grid.emit(level.mesh, placement);
+}
+
+void addBalcony(Level& level, BrushGrid& shell, const glm::dvec3& corner, double width, double reach, double low_m) {
+  const double x = corner.x, y = corner.y, edge = corner.z + reach;
+  shell.fill({x, low_m, corner.z}, {x + width, y, edge}, level.palette.stone);
+  addRailing(level, {{x, y, edge - 0.05}, {}}, width);
+  addRailing(level, {{x + 0.05, y, edge - 0.05}, turnByDegrees(90.0)}, reach - 0.1);
+  addRailing(level, {{x + width - 0.05, y, edge - 0.05}, turnByDegrees(90.0)}, reach - 0.1);
 }
 
 void addGable(Level& level, const Rect& area, double eaves_m, double height_m) {

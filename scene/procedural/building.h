@@ -40,11 +40,8 @@ void fillShell(Level& level, Building& building);
 // Carves windows with sills at regular distances into a storey's four walls; some stay closed.
 void carveWindows(Level& level, Building& building, int storey, double share);
 
-enum class Side { north, west, south, east };  // -z, -x, +z, +x
 // Carves a door 2 m high (or as given) at this distance along the wall.
 void carveDoor(Building& building, Side side, int storey, double along, double width, double height = 2.05);
-// Length of a wall's inside.
-double wallLength(const Building& building, Side side);
 
 // Parts a storey into rooms by inner walls with doors and returns the rooms; walls avoid doors, windows and reserved places.
 struct PlanOptions {
@@ -65,6 +62,10 @@ void addFlight(Level& level, const Placement& placement, const Flight& flight, u
 
 // Posts and a handrail along +x of the placement.
 void addRailing(Level& level, const Placement& placement, double length);
+
+// A balcony's slab, and the railing around its three free edges.
+// corner   of its top, at the wall and at the least x; low_m: height of its underside
+void addBalcony(Level& level, BrushGrid& shell, const glm::dvec3& corner, double width, double reach, double low_m);
 
 // A gable roof over the rectangle, closed, its ridge along the longer side.
 void addGable(Level& level, const Rect& area, double eaves_m, double height_m);

@@ -4,6 +4,7 @@
 #include "scene/brush_grid.h"
 #include "scene/mesh_builder.h"
 #include "scene/procedural.h"
+#include "scene/procedural/level.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -90,11 +91,7 @@ constexpr std::array<BuiltIn, 2> kBuiltIn = {{{"cornell", 1, makeCornell}, {"two
 }  // namespace
 
 const std::vector<std::string>& builtInScenes() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> list;
-    for (const BuiltIn& scene : kBuiltIn) list.emplace_back(scene.name);
-    return list;
-  }();
+  static const std::vector<std::string> names = namesOf(kBuiltIn);
   return names;
 }
 

@@ -44,7 +44,7 @@ void addBasilicaShell(Level& level, const Hall& hall, double nave_m) {
   BrushGrid grid;
   grid.fill({-x - w, -0.5, -z - w}, {x + w, hall.aisleHeight() + 0.3, z + w}, level.roomFaces());
   grid.fill({-x - w, -0.5, -nave_z - 0.2}, {x + w, nave_m + 0.3, nave_z + 0.2}, level.roomFaces());
-  const BrushMaterials roof(level.palette.wall, level.palette.roof, level.palette.ceiling);
+  const BrushMaterials roof = level.roofFaces();
   grid.fill({-x - w, hall.aisleHeight(), -z - w}, {x + w, hall.aisleHeight() + 0.3, -nave_z - 0.2}, roof);
   grid.fill({-x - w, hall.aisleHeight(), nave_z + 0.2}, {x + w, hall.aisleHeight() + 0.3, z + w}, roof);
   grid.fill({-x - w, nave_m, -nave_z - 0.2}, {x + w, nave_m + 0.3, nave_z + 0.2}, roof);
@@ -110,7 +110,7 @@ void buildCloister(Level& level, const Hall& hall) {
   const Rect in{-x - hall.aisle, -z - hall.aisle, x + hall.aisle, z + hall.aisle};
   BrushGrid grid;
   grid.fill({in.x0 - w, -0.5, in.z0 - w}, {in.x1 + w, top + 0.3, in.z1 + w}, level.roomFaces());
-  const BrushMaterials roof(level.palette.wall, level.palette.roof, level.palette.ceiling);
+  const BrushMaterials roof = level.roofFaces();
   grid.fill({in.x0 - w, top, in.z0 - w}, {in.x1 + w, top + 0.3, in.z1 + w}, roof);
   grid.carve({in.x0, 0, in.z0}, {in.x1, top, in.z1});
   grid.carve({-x, top, -z}, {x, top + 0.3, z});
@@ -143,7 +143,7 @@ void buildHypostyle(Level& level, const Hall& hall) {
   const double w = hall.wall_m;
   BrushGrid grid;
   grid.fill({-x - w, -0.5, -z - w}, {x + w, top + 0.3, z + w}, level.roomFaces());
-  const BrushMaterials roof(level.palette.wall, level.palette.roof, level.palette.ceiling);
+  const BrushMaterials roof = level.roofFaces();
   grid.fill({-x - w, top, -z - w}, {x + w, top + 0.3, z + w}, roof);
   grid.fill({-0.6 * x, top, -0.5 * z}, {0.6 * x, top + 1.5, 0.5 * z}, roof);
   grid.carve({-x, 0, -z}, {x, top, z});

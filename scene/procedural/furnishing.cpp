@@ -9,79 +9,72 @@ namespace {
 
 Placement at(double x, double y, double z, double degrees) { return {{x, y, z}, turnByDegrees(degrees)}; }
 
-enum class Kind { table, bed, sofa, shelf, cupboard, crate, crate_pile, barrel, machine };
+// Metres; a range of one number is not drawn.
+struct Range {
+  double low, high;
+};
+
+struct Item;
+
+// What furniture of a kind may measure, and what makes it.
+struct Kind {
+  Range width, depth, height;
+  void (*add)(Level&, const Placement&, const Item&);
+};
 
 struct Item {
-  Kind kind;
+  const Kind* kind;
   double width, depth, height;
 };
 
-Item drawItem(Level& level, RoomUse use) {
-  static const std::vector<Kind> living = {Kind::sofa, Kind::shelf, Kind::cupboard, Kind::table, Kind::sofa};
-  static const std::vector<Kind> bedroom = {Kind::bed, Kind::cupboard, Kind::shelf, Kind::bed, Kind::table};
-  static const std::vector<Kind> study = {Kind::shelf, Kind::shelf, Kind::table, Kind::cupboard, Kind::crate};
-  static const std::vector<Kind> store = {Kind::crate_pile, Kind::crate,      Kind::barrel,
-                                          Kind::shelf,      Kind::crate_pile, Kind::barrel};
-  static const std::vector<Kind> workshop = {Kind::machine,    Kind::table, Kind::barrel,
-                                             Kind::crate_pile, Kind::shelf, Kind::machine};
-  const auto& kinds = use == RoomUse::living    ? living
-                      : use == RoomUse::bedroom ? bedroom
-                      : use == RoomUse::study   ? study
-                      : use == RoomUse::store   ? store
-                                                : workshop;
-  switch (const Kind kind = kinds[level.random.below(static_cast<uint32_t>(kinds.size()))]) {
-    case Kind::table:
-      return {kind, level.pick(1.0, 1.8), level.pick(0.6, 0.8), level.pick(0.7, 0.8)};
-    case Kind::bed:
-      return {kind, level.pick(0.9, 1.8), level.pick(1.95, 2.15), 1.0};
-    case Kind::sofa:
-      return {kind, level.pick(1.4, 2.4), level.pick(0.8, 0.95), 0.85};
-    case Kind::shelf:
-      return {kind, level.pick(0.8, 2.0), level.pick(0.3, 0.5), level.pick(1.2, 2.2)};
-    case Kind::cupboard:
-      return {kind, level.pick(0.8, 1.6), level.pick(0.5, 0.65), level.pick(0.9, 2.1)};
-    case Kind::crate:
-      return {kind, 0.9, 0.9, level.pick(0.5, 0.85)};
-    case Kind::crate_pile:
-      return {kind, 1.9, 1.0, 1.7};
-    case Kind::barrel:
-      return {kind, 0.75, 0.75, level.pick(0.8, 1.1)};
-    case Kind::machine:
-      return {kind, level.pick(1.2, 2.2), level.pick(0.9, 1.4), level.pick(1.2, 1.9)};
-  }
-  return {Kind::crate, 0.9, 0.9, 0.7};
-}
+using At = Placement;
+constexpr Kind kTable = {{1.0, 1.8},
+                         {0.6, 0.8},
+                         {0.7, 0.8},
+                         [](Level&level, const At&at, const Item&i) { addTable(level, at, i.width, i.depth, i.height); }},
+               kBed = {{0.9, 1.8},
+                       {1.95, 2.15},
+                       {1.0, 1.0},
+                       [](Level&level, const At&at, const Item&i) { addBed(level, at, i.width, i.depth); }},
+               kSofa = {{1.4, 2.4},
+                        {0.8, 0.95},
+                        {0.85, 0.85},
+                        [](Level&level, const At&at, const Item&i) { addSofa(level, at, i.width, i.depth); }},
+               kShelf = {{0.8, 2.0},
+                         {0.3, 0.5},
+                         {1.2, 2.2},
+                         [](Level&level, const At&at, const Item&i) { addShelf(level, at, i.width, i.depth, i.height); }},
+               kCupboard = {{0.8, 1.6},
+                            {0.5, 0.65},
+                            {0.9, 2.1},
+                            [](Level&level, const At&at, const Item&i) { addCupboard(level, at, i.width, i.depth, i.height); }},
+               kCrate = {{0.9, 0.9},
+                         {0.9, 0.9},
+                         {0.5, 0.85},
+                         [](Level&level, const At&at, const Item&i) { addCrate(level, at, i.height); }},
+               kCratePile = {{1.9, 1.9},
+                             {1.0, 1.0},
+                             {1.7, 1.7},
+                             [](Level&level, const At&at, const Item&) { addCratePile(level, at, level.pickCount(2, 4)); }},
+               kBarrel = {{0.75, 0.75},
+                          {0.75, 0.75},
+                          {0.8, 1.1},
+                          [](Level&level, const At&at, const Item&i) { addBarrel(level, at, i.height); }},
+               kMachine = {{1.2, 2.2}, {0.9, 1.4}, {1.2, 1.9}, [](Level&level, const At&at, const Item&i) {
+                             addMachine(level, at, i.width, i.depth, i.height);
+                           }};
 
-void addItem(Level& level, const Placement& placement, const Item& item) {
-  switch (item.kind) {
-    case Kind::table:
-      addTable(level, placement, item.width, item.depth, item.height);
-      break;
-    case Kind::bed:
-      addBed(level, placement, item.width, item.depth);
-      break;
-    case Kind::sofa:
-      addSofa(level, placement, item.width, item.depth);
-      break;
-    case Kind::shelf:
-      addShelf(level, placement, item.width, item.depth, item.height);
-      break;
-    case Kind::cupboard:
-      addCupboard(level, placement, item.width, item.depth, item.height);
-      break;
-    case Kind::crate:
-      addCrate(level, placement, item.height);
-      break;
-    case Kind::crate_pile:
-      addCratePile(level, placement, level.pickCount(2, 4));
-      break;
-    case Kind::barrel:
-      addBarrel(level, placement, item.height);
-      break;
-    case Kind::machine:
-      addMachine(level, placement, item.width, item.depth, item.height);
-      break;
-  }
+Item drawItem(Level& level, RoomUse use) {
+  // by use; what stands twice is drawn twice as often
+  static const std::vector<const Kind*> kinds_of[] = {{&kSofa, &kShelf, &kCupboard, &kTable, &kSofa},
+                                                      {&kBed, &kCupboard, &kShelf, &kBed, &kTable},
+                                                      {&kShelf, &kShelf, &kTable, &kCupboard, &kCrate},
+                                                      {&kCratePile, &kCrate, &kBarrel, &kShelf, &kCratePile, &kBarrel},
+                                                      {&kMachine, &kTable, &kBarrel, &kCratePile, &kShelf, &kMachine}};
+  const std::vector<const Kind*>& kinds = kinds_of[static_cast<size_t>(use)];
+  const Kind* kind = kinds[level.random.below(static_cast<uint32_t>(kinds.size()))];
+  const auto draw = [&](const Range& range) { return range.low < range.high ? level.pick(range.low, range.high) : range.low; };
+  return {kind, draw(kind->width), draw(kind->depth), draw(kind->height)};
 }
 
 // Where an item stands with its back to one of the room's walls.
@@ -92,22 +85,10 @@ struct Spot {
 
 Spot drawWallSpot(Level& level, const Rect& floor, const Item& item) {
   constexpr double kGap = 0.03;  // to the wall: skirting, and no coplanar faces
-  const int wall = level.pickCount(0, 3);
-  const bool along_x = wall % 2 == 0;
-  const double length = along_x ? floor.width() : floor.depth();
-  const double start = kGap + level.random.uniform() * std::max(0.0, length - item.width - 2 * kGap);
-  const double end = start + item.width;
-  const double reach = item.depth + kGap;
-  switch (wall) {
-    case 0:
-      return {{floor.x0 + start, floor.z0 + kGap, floor.x0 + end, floor.z0 + reach}, 0.0};
-    case 1:
-      return {{floor.x0 + kGap, floor.z0 + start, floor.x0 + reach, floor.z0 + end}, 90.0};
-    case 2:
-      return {{floor.x0 + start, floor.z1 - reach, floor.x0 + end, floor.z1 - kGap}, 180.0};
-    default:
-      return {{floor.x1 - reach, floor.z0 + start, floor.x1 - kGap, floor.z0 + end}, 270.0};
-  }
+  const Side wall = kSides[level.pickCount(0, 3)];
+  const double start = kGap + level.random.uniform() * std::max(0.0, floor.length(wall) - item.width - 2 * kGap);
+  const double first = floor.start(wall);
+  return {floor.strip(wall, first + start, first + (start + item.width), item.depth + kGap, kGap), degreesAt(wall)};
 }
 
 bool isFree(const Rect& area, const std::vector<Rect>& taken) {
@@ -145,7 +126,7 @@ void furnishRoom(Level& level, const Room& room, RoomUse use, double density) {
     if (!fits || !isFree(spot.area, taken)) continue;
     taken.push_back(spot.area.grown(0.1));
     const glm::dvec2 middle = spot.area.middle();
-    addItem(level, at(middle.x, room.floor_m, middle.y, spot.degrees), item);
+    item.kind->add(level, at(middle.x, room.floor_m, middle.y, spot.degrees), item);
   }
   if (level.random.chance(0.8)) {
     const glm::dvec2 middle = room.floor.middle();

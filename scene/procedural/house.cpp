@@ -5,8 +5,6 @@
 namespace nlg {
 namespace {
 
-Placement facing(double x, double y, double z, double degrees) { return {{x, y, z}, turnByDegrees(degrees)}; }
-
 // The plan: the hall is a strip along the north wall that holds the flight; the rest is parted into rooms.
 struct House {
   Building building;
@@ -48,16 +46,11 @@ House drawHouse(Level& level, const WallThickness& walls) {
 void addBalcony(Level& level, Building& building) {
   const double reach = level.pick(1.2, 2.0);
   const double width = level.pick(2.5, 4.5);
-  const double from = level.random.uniform() * (wallLength(building, Side::south) - width);
-  const double floor = building.floorHeight(1);
-  const Rect& out = building.outer;
-  const double x0 = building.inner().x0 + from;
+  const double from = level.random.uniform() * (building.inner().width() - width);
   carveDoor(building, Side::south, 1, from + 0.5 * width - 0.5, 1.0);
-  const double top = floor - 0.04;  // below the floor inside: the door has a threshold
-  building.shell.fill({x0, top - 0.18, out.z1}, {x0 + width, top, out.z1 + reach}, level.palette.stone);
-  addRailing(level, facing(x0, top, out.z1 + reach - 0.05, 0.0), width);
-  addRailing(level, facing(x0 + 0.05, top, out.z1 + reach - 0.05, 90.0), reach - 0.1);
-  addRailing(level, facing(x0 + width - 0.05, top, out.z1 + reach - 0.05, 90.0), reach - 0.1);
+  const double top = building.floorHeight(1) - 0.04;  // below the floor inside: the door has a threshold
+  const glm::dvec3 corner(building.inner().x0 + from, top, building.outer.z1);
+  addBalcony(level, building.shell, corner, width, reach, top - 0.18);
 }
 
 void addRoof(Level& level, Building& building) {
@@ -73,11 +66,11 @@ void addStairs(Level& level, const House& house) {
   const Building& building = house.building;
   const double z = building.inner().z0 + 0.02 + 0.5 * house.flight.width_m;
   level.mesh.beginObject("flight", Mobility::structure);
-  addFlight(level, facing(house.flight_x, building.ground_m, z, 0.0), house.flight, level.palette.wood);
+  addFlight(level, {{house.flight_x, building.ground_m, z}, {}}, house.flight, level.palette.wood);
   const Rect& well = building.stairwell;
   const double floor = building.floorHeight(1);
-  addRailing(level, facing(well.x0, floor, well.z1 + 0.06, 0.0), well.width());
-  addRailing(level, facing(well.x0 - 0.05, floor, well.z1, 90.0), well.depth());
+  addRailing(level, {{well.x0, floor, well.z1 + 0.06}, {}}, well.width());
+  addRailing(level, {{well.x0 - 0.05, floor, well.z1}, turnByDegrees(90.0)}, well.depth());
 }
 
 void addRooms(Level& level, const House& house, int storey) {

@@ -1,6 +1,7 @@
 // What all families of procedural levels share: the builder, a palette drawn from the seed, and the seed's stream.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -10,10 +11,26 @@
 
 namespace nlg {
 
+// The names of a table's entries.
+template <class Table>
+std::vector<std::string> namesOf(const Table& table) {
+  std::vector<std::string> names;
+  for (const auto& entry : table) names.emplace_back(entry.name);
+  return names;
+}
+
 // Materials by use; the colours vary with the seed, darker and lighter within what such surfaces have.
 struct Palette {
   uint32_t wall, inner_wall, floor, ceiling, roof, stone, wood, dark_wood, metal, cloth, ground, rock, leaf, lamp;
 };
+
+enum class Side { north, west, south, east };  // -z, -x, +z, +x
+inline constexpr Side kSides[] = {Side::north, Side::west, Side::south, Side::east};
+// Whether a wall at that side runs along x.
+inline bool alongX(Side side) { return side == Side::north || side == Side::south; }
+inline Side opposite(Side side) { return static_cast<Side>((static_cast<int>(side) + 2) % 4); }
+// Degrees that turn a piece whose front looks towards +z so that its back is at that wall.
+inline double degreesAt(Side wall) { return 90.0 * static_cast<int>(wall); }
 
 struct Rect {
   double x0 = 0.0, z0 = 0.0, x1 = 0.0, z1 = 0.0;
@@ -22,6 +39,20 @@ struct Rect {
   double depth() const { return z1 - z0; }
   glm::dvec2 middle() const { return {0.5 * (x0 + x1), 0.5 * (z0 + z1)}; }
   Rect grown(double margin) const { return {x0 - margin, z0 - margin, x1 + margin, z1 + margin}; }
+  double edge(Side side) const { return side == Side::north ? z0 : side == Side::west ? x0 : side == Side::south ? z1 : x1; }
+  // A side's length, and where it starts along x or z.
+  double length(Side side) const { return alongX(side) ? width() : depth(); }
+  double start(Side side) const { return alongX(side) ? x0 : z0; }
+  // Along a side, from its inside's `gap` to `depth`.
+  Rect strip(Side side, double from, double to, double depth, double gap = 0.0) const {
+    const bool is_low = side == Side::north || side == Side::west;
+    return across(side, from, to, edge(side) + (is_low ? gap : -gap), edge(side) + (is_low ? depth : -depth));
+  }
+  // From one plane to another, in whatever order, that lie as a wall at that side does.
+  static Rect across(Side side, double from, double to, double plane, double other) {
+    const double near = std::min(plane, other), far = std::max(plane, other);
+    return alongX(side) ? Rect{from, near, to, far} : Rect{near, from, far, to};
+  }
   bool overlaps(const Rect& other) const { return x0 < other.x1 && other.x0 < x1 && z0 < other.z1 && other.z0 < z1; }
 };
 
@@ -35,6 +66,7 @@ struct Level {
 
   // Faces of rooms: walls, floor on top, ceiling below.
   BrushMaterials roomFaces() const { return {palette.wall, palette.floor, palette.ceiling}; }
+  BrushMaterials roofFaces() const { return {palette.wall, palette.roof, palette.ceiling}; }
   // A number in [low, high], in steps of 5 cm so that edges that ought to line up do.
   double pick(double low, double high);
   int pickCount(int low, int high) { return low + static_cast<int>(random.below(static_cast<uint32_t>(high - low + 1))); }

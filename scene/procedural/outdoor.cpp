@@ -92,8 +92,7 @@ void addHut(Level& level, Building& building, double ground_m) {
   building.base_m = ground_m - 0.8;
   fillShell(level, building);
   carveWindows(level, building, 0, 0.6);
-  const Side sides[] = {Side::north, Side::west, Side::south, Side::east};
-  const Side front = sides[level.random.below(4)];
+  const Side front = kSides[level.random.below(4)];
   const double along = level.random.uniform(0.3, 4.0);
   carveDoor(building, front, 0, along, level.pick(0.9, 1.2));
   level.mesh.beginObject("hut", Mobility::structure);

@@ -152,7 +152,7 @@ void buildStairs(Level& level) {
       if (level.random.chance(0.3)) building.shell.carve({x, low, out.z0}, {x + 1.0, low + 1.2, out.z0 + building.wall_m});
     }
   }
-  carveDoor(building, Side::south, 0, 0.6 * wallLength(building, Side::south), level.pick(1.2, 2.2), 2.4);
+  carveDoor(building, Side::south, 0, 0.6 * building.inner().width(), level.pick(1.2, 2.2), 2.4);
   if (level.random.chance(0.4)) {  // a skylight
     const Rect in = building.inner().grown(-2.0);
     building.shell.carve({in.x0, building.clear_m[0], in.z0}, {in.x0 + 0.5 * in.width(), building.roofHeight(), in.z1});

@@ -13,6 +13,7 @@
 #include <initializer_list>
 #include <string>
 
+#include "tests/scene/scene_triangles.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -104,15 +105,6 @@ class GltfFiles : public testing::Test {
 
   fs::path folder_;
 };
-
-inline glm::dvec3 corner(const Scene& scene, size_t triangle, int which) {
-  return scene.origin_m + glm::dvec3(scene.positions[scene.triangles[triangle][which]]);
-}
-
-inline glm::dvec3 normalOf(const Scene& scene, size_t triangle) {
-  const glm::dvec3 a = corner(scene, triangle, 0);
-  return glm::cross(corner(scene, triangle, 1) - a, corner(scene, triangle, 2) - a);
-}
 
 inline double areaOf(const Scene& scene) {
   double area = 0.0;

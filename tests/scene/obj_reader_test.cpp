@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "scene/scene_source.h"
+#include "tests/scene/scene_triangles.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -50,15 +51,6 @@ class ObjReader : public testing::Test {
   fs::path folder_;
 };
 
-glm::dvec3 corner(const Scene& scene, size_t triangle, int which) {
-  return scene.origin_m + glm::dvec3(scene.positions[scene.triangles[triangle][which]]);
-}
-
-glm::dvec3 crossOf(const Scene& scene, size_t triangle) {
-  const glm::dvec3 a = corner(scene, triangle, 0);
-  return glm::cross(corner(scene, triangle, 1) - a, corner(scene, triangle, 2) - a);
-}
-
 TEST_F(ObjReader, ReadsObjectsFacesAndMaterials) {
   const ObjLevel level = read(kSquare);
   const Scene& scene = level.scene;
@@ -71,7 +63,8 @@ TEST_F(ObjReader, ReadsObjectsFacesAndMaterials) {
   EXPECT_EQ(scene.objects[0].triangle_count, 2u);
   EXPECT_EQ(scene.objects[1].name, "roof");
   EXPECT_EQ(scene.objects[1].first_triangle, 2u);
-  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(crossOf(scene, i), glm::dvec3(0, 0, 1)) << "each is half a unit square, from in front";
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(normalOf(scene, i), glm::dvec3(0, 0, 1)) << "each is half a unit square, from in front";
   EXPECT_EQ(corner(scene, 2, 0), glm::dvec3(0, 0, 2));
   const Material& lamp = scene.materials[scene.triangle_material[0]];
   EXPECT_EQ(lamp.base_color, glm::vec3(0.25f, 0.5f, 0.75f));
@@ -84,14 +77,14 @@ TEST_F(ObjReader, ReadsObjectsFacesAndMaterials) {
 TEST_F(ObjReader, ScalesByTheUnit) {
   const Scene scene = read(kSquare, 0.5).scene;
   EXPECT_EQ(corner(scene, 2, 0), glm::dvec3(0, 0, 1));
-  EXPECT_EQ(crossOf(scene, 0), glm::dvec3(0, 0, 0.25));
+  EXPECT_EQ(normalOf(scene, 0), glm::dvec3(0, 0, 0.25));
 }
 
 // 100 km away a float's step is 8 mm.
 TEST_F(ObjReader, LosesNoPrecisionFarFromTheOrigin) {
   const Scene scene = read("v 100000 0 0\nv 100000.001 0 0\nv 100000 0.001 0\nf 1 2 3\nv 100001 1 1\nf 1 2 4\n").scene;
   ASSERT_EQ(scene.triangles.size(), 2u);
-  EXPECT_NEAR(glm::length(crossOf(scene, 0)), 1e-6, 1e-9);
+  EXPECT_NEAR(glm::length(normalOf(scene, 0)), 1e-6, 1e-9);
 }
 
 TEST_F(ObjReader, CutsPolygonsThatAreNotConvex) {
@@ -99,8 +92,8 @@ TEST_F(ObjReader, CutsPolygonsThatAreNotConvex) {
   const Scene scene = read("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n").scene;
   double area = 0.0;
   for (size_t i = 0; i < scene.triangles.size(); ++i) {
-    EXPECT_GT(crossOf(scene, i).z, 0.0) << "triangle " << i << " shows its front";
-    area += 0.5 * crossOf(scene, i).z;
+    EXPECT_GT(normalOf(scene, i).z, 0.0) << "triangle " << i << " shows its front";
+    area += 0.5 * normalOf(scene, i).z;
   }
   EXPECT_NEAR(area, 3.0, 1e-9);
 }
@@ -243,7 +236,7 @@ TEST_F(ObjReader, IsAmongTheSourcesOfScenes) {
   EXPECT_EQ(metres.id, "Room");
   EXPECT_EQ(metres.sha256, sceneSha256(metres.scene));
   EXPECT_NE(metres.sha256, feet.sha256);
-  EXPECT_EQ(crossOf(feet.scene, 0), glm::dvec3(0, 0, 0.0625));
+  EXPECT_EQ(normalOf(feet.scene, 0), glm::dvec3(0, 0, 0.0625));
   EXPECT_THROW(loadScene("house:3", {0.25}), UsageError);
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "scene/interiors/furniture_use.h"
 #include "tiny_library.h"
 #include "tool/error.h"
@@ -54,6 +56,7 @@ TEST(Catalogue, RefusesPiecesThatAreNone) {
   const std::string chair = kChair;
   const std::pair<std::string, std::string> cases[] = {
       {"width#7=1\n", "piece 7: expected a name"},
+      {chair + "model#7=//\n", "a model, got a path of slashes alone"},
       {chair + "width#7=0\n", "sizes above 0"},
       {chair + "depth#7=-3\n", "sizes above 0"},
       {chair + "height#7=1e9\n", "within 10000 cm"},
@@ -74,17 +77,30 @@ TEST(Catalogue, RefusesPiecesThatAreNone) {
   }
 }
 
-TEST(Catalogue, EndsOnAnyBytes) {
-  // every prefix, and every single byte replaced: read or refused, nothing else
+// Every prefix, and every single byte replaced: refused, or a piece as the header promises one.
+TEST(Catalogue, TakesNothingButPiecesThatCanStand) {
+  const auto takes = [](const std::string& text) {
+    if (errorOf(text) != "no error") return false;
+    for (const CatalogueEntry& entry : parseCatalogue("test.sh3f", text)) {
+      EXPECT_FALSE(entry.name.empty() || entry.category.empty() || entry.model.empty()) << text;
+      for (int axis = 0; axis < 3; ++axis) EXPECT_TRUE(entry.size_m[axis] > 0.0 && entry.size_m[axis] <= 100.0) << text;
+      EXPECT_TRUE(entry.elevation_m >= 0.0 && entry.elevation_m <= 100.0 && std::abs(entry.top_m) <= 100.0) << text;
+    }
+    return true;
+  };
   const std::string text = std::string(kChair) + "modelRotation#7=1 0 0 0 1 0 0 0 1\ntags#7=a\\u00e9\\\n b\n";
+  ASSERT_TRUE(takes(text));
+  int taken = 0, refused = 0;
   for (size_t i = 0; i < text.size(); ++i) {
-    errorOf(text.substr(0, i));
+    ++(takes(text.substr(0, i)) ? taken : refused);
     for (const char c : {'\0', '\\', '\n', '#', '=', '9', '\xff'}) {
       std::string changed = text;
       changed[i] = c;
-      errorOf(changed);
+      ++(takes(changed) ? taken : refused);
     }
   }
+  EXPECT_GT(taken, 100);
+  EXPECT_GT(refused, 100);
 }
 
 TEST(FurnitureUse, FollowsCategoryNameAndSize) {

@@ -133,7 +133,7 @@ TEST_F(Interiors, LeaveDoorwaysFree) {
           // lamps under the ceiling are higher than people
           constexpr double kHigh = 1.7;
           const Bounds before =
-              boundsOf({room.strip(opening.side, opening.from, opening.to, 0.65), opening.low, opening.low + kHigh});
+              boundsOf({room.floor.strip(opening.side, opening.from, opening.to, 0.65), opening.low, opening.low + kHigh});
           for (const auto& [name, box] : furniture) EXPECT_FALSE(overlap(before, box)) << plan << " " << seed << ": " << name;
         }
       }
