@@ -35,7 +35,7 @@ build_jobs() {
 # The options of CMake that purposes need.
 options_for() {
   case " $* " in *" train "*) echo NLG_BUILD_TRAINING ;; esac
-  case " $* " in *" tests "*) echo NLG_BUILD_TRAINING NLG_BUILD_TESTS NLG_BUILD_BENCHMARKS ;; esac
+  case " $* " in *" tests "*) echo NLG_BUILD_TRAINING NLG_BUILD_TESTS ;; esac
 }
 
 has_option() {
@@ -55,7 +55,7 @@ build() {
   wanted=" $(options_for "$1" | tr '\n' ' ')"
   shift
   [ $# -eq 0 ] || targets=(--target "$@")
-  for option in NLG_BUILD_TRAINING NLG_BUILD_TESTS NLG_BUILD_BENCHMARKS; do
+  for option in NLG_BUILD_TRAINING NLG_BUILD_TESTS; do
     if [[ $wanted == *" $option "* ]] || has_option "$option"; then options+=("-D$option=ON"); else options+=("-D$option=OFF"); fi
   done
   mkdir -p build

@@ -15,7 +15,7 @@ SOURCES = Path(__file__).resolve().parents[2]
 # "builds" nlg-bake
 PROJECT = """cmake_minimum_required(VERSION 3.25)
 project(small LANGUAGES NONE)
-foreach(name TRAINING TESTS BENCHMARKS)
+foreach(name TRAINING TESTS)
   option(NLG_BUILD_${name} "" ON)
 endforeach()
 add_custom_command(OUTPUT bin/nlg-bake COMMAND cp ${PROJECT_SOURCE_DIR}/bake.sh bin/nlg-bake DEPENDS ${PROJECT_SOURCE_DIR}/bake.sh)
@@ -99,7 +99,7 @@ class Checkout(InFolder):
     def test_builds_what_a_bake_needs_and_nothing_else(self):
         result = self.nlg("bake", "level")
         self.assertEqual((result.returncode, result.stdout), (0, "level in /\n"), result.stderr)
-        self.assertEqual([self.option("NLG_BUILD_" + name) for name in ("TRAINING", "TESTS", "BENCHMARKS")], ["OFF"] * 3)
+        self.assertEqual([self.option("NLG_BUILD_" + name) for name in ("TRAINING", "TESTS")], ["OFF"] * 2)
         self.assertFalse((self.folder / "system/apt-get.log").exists())
 
     def test_builds_again_what_has_changed_without_a_word(self):
@@ -110,9 +110,9 @@ class Checkout(InFolder):
         self.assertEqual((result.stdout, result.stderr, result.returncode), ("anew\n", "", 0))
 
     def test_keeps_what_the_build_was_configured_for(self):
-        subprocess.run(["cmake", "--preset", "release", "-DNLG_BUILD_TRAINING=ON", "-DNLG_BUILD_TESTS=ON", "-DNLG_BUILD_BENCHMARKS=OFF"], cwd=self.folder, capture_output=True, check=True)
+        subprocess.run(["cmake", "--preset", "release", "-DNLG_BUILD_TRAINING=ON", "-DNLG_BUILD_TESTS=ON"], cwd=self.folder, capture_output=True, check=True)
         self.assertEqual(self.nlg("bake").returncode, 0)
-        self.assertEqual([self.option("NLG_BUILD_" + name) for name in ("TRAINING", "TESTS", "BENCHMARKS")], ["ON", "ON", "OFF"])
+        self.assertEqual([self.option("NLG_BUILD_" + name) for name in ("TRAINING", "TESTS")], ["ON", "ON"])
 
     def test_asks_for_the_packages_of_the_tool_alone(self):
         result = self.nlg("train")
