@@ -40,21 +40,6 @@ nlohmann::ordered_json errorsJson(const BakeReport& report, ThetaWord word) {
 
 constexpr ThetaWord kWords[] = {ThetaWord::network, ThetaWord::corrected, ThetaWord::fitted, ThetaWord::stored};
 
-// Seconds of the threads that corrections and short fits took together, of all representations.
-double secondsOf(const BakeStatistics& statistics, ThetaWord word) {
-  double sum = 0.0;
-  for (int stage = 0; stage < kThetaStageCount; ++stage) {
-    const auto s = static_cast<ThetaStage>(stage);
-    const bool is_refinement = s == ThetaStage::refinement || s == ThetaStage::larger;
-    if (s != ThetaStage::check && wordOf(s) == word && !is_refinement) sum += statistics.stageSeconds(s);
-  }
-  return sum;
-}
-
-double refinementSeconds(const BakeStatistics& statistics) {
-  return statistics.stageSeconds(ThetaStage::refinement) + statistics.stageSeconds(ThetaStage::larger);
-}
-
 nlohmann::ordered_json lightJson(const LightStatistics& light) {
   if (!light.is_lit) return nullptr;
   return {{"gathered", light.is_gathered},
@@ -89,12 +74,12 @@ std::string lightText(const BakeStatistics& s) {
 nlohmann::ordered_json toJson(const BakeReport& report) {
   const BakeStatistics& s = report.statistics;
   const ShardCounts& counts = s.counts;
-  nlohmann::ordered_json chosen;
-  for (size_t i = 0; i < report.representations.size(); ++i)
-    chosen[report.representations[i]] = s.chosen(report.representations.size())[i];
-  nlohmann::ordered_json weights;
-  for (size_t i = 0; i < report.weights.size(); ++i)
-    weights[report.representations[i]] = {{"sha256", report.weights[i].sha256}, {"bytes", report.weights[i].bytes}};
+  nlohmann::ordered_json chosen, weights;
+  for (size_t i = 0; i < report.weights.size(); ++i) {
+    const WeightsUsed& used = report.weights[i];
+    chosen[used.representation] = s.chosen(report.weights.size())[i];
+    weights[used.representation] = {{"sha256", used.sha256}, {"bytes", used.bytes}};
+  }
   nlohmann::ordered_json stops, ended, stage_seconds, words;
   for (int stop = 0; stop < kFitStopCount; ++stop) stops[fitStopName(static_cast<FitStop>(stop))] = 0;
   for (const ThetaRecord& record : s.records) {
@@ -172,8 +157,8 @@ std::string toTable(const BakeReport& report) {
       "{:>8.1f}\n",
       counts.grid_probes, s.function_times.visibility_s, s.function_times.functions_s, lightWallSeconds(s.light) * report.threads,
       counts.functions, s.stageSeconds(ThetaStage::network), s.stageSeconds(ThetaStage::check),
-      secondsOf(s, ThetaWord::corrected), secondsOf(s, ThetaWord::fitted), s.tookFit(), 100.0 * share(s.tookFit(), with_tents),
-      refinementSeconds(s), s.stageSeconds(ThetaStage::rounding), static_cast<double>(report.file_bytes) * 1e-6,
+      s.wordSeconds(ThetaWord::corrected), s.wordSeconds(ThetaWord::fitted), s.tookFit(), 100.0 * share(s.tookFit(), with_tents),
+      s.refinementSeconds(), s.stageSeconds(ThetaStage::rounding), static_cast<double>(report.file_bytes) * 1e-6,
       static_cast<double>(report.file_bytes) / std::max<double>(1.0, static_cast<double>(counts.grid_probes)));
   text += fmt::format(
       "seconds are summed over threads, those of lighting taken by the clock; {:.2f} s by the clock on {} threads ({}), {:.2f} s "
@@ -202,10 +187,10 @@ std::string toTable(const BakeReport& report) {
   if (failing > 0 || s.left_for_time > 0) {
     text += fmt::format("{} functions still fail the check, {} of all were left for want of time\n", failing, s.left_for_time);
   }
-  if (report.representations.size() > 1) {
+  if (report.weights.size() > 1) {
     text += "representations:";
-    for (size_t i = 0; i < report.representations.size(); ++i)
-      text += fmt::format(" {} {}", report.representations[i], s.chosen(report.representations.size())[i]);
+    for (size_t i = 0; i < report.weights.size(); ++i)
+      text += fmt::format(" {} {}", report.weights[i].representation, s.chosen(report.weights.size())[i]);
     text += fmt::format("; {} raised in refinement\n", std::count(s.raised.begin(), s.raised.end(), 1));
   }
   if (!report.savings.empty()) text += toTable(report.savings);

@@ -12,14 +12,13 @@ namespace nlg {
 
 // A weights file that a bake was given.
 struct WeightsUsed {
-  std::string sha256;
+  std::string representation, sha256;
   uint64_t bytes = 0;
 };
 
 struct BakeReport {
   std::string scene;
-  std::vector<std::string> representations;  // by rising number of parameters
-  std::vector<WeightsUsed> weights;          // in the same order
+  std::vector<WeightsUsed> weights;  // by rising number of parameters
   BakeStatistics statistics;
   std::vector<Saving> savings;
   PolicyOptions policy;

@@ -12,14 +12,13 @@
 
 #include "bake/bake_report.h"
 #include "bake/default_weights.h"
+#include "bake/load_generators.h"
 #include "bake/policy_options.h"
-#include "bake/savings_measurement.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/simd/simd_target.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/file_info.h"
-#include "tool/one_file_each.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
 #include "tool/provenance.h"
@@ -33,7 +32,6 @@ struct Request {
   std::string scene, out, config;
   std::vector<std::string> weights;
   bool out_is_given = false;
-  int savings_rounds = 0;
 };
 
 GeneratorPrecision generatorPrecision(const std::string& name) {
@@ -54,32 +52,13 @@ void chooseSimd(const std::string& name) {
   if (status != SimdStatus::ok) throw UsageError("--simd", "a SIMD target of this machine", simdRefusal(name, status));
 }
 
-// By rising number of parameters, as the choice between them reads them.
-// weights   receives hash and size of each file, by representation
-std::vector<Generator> loadGenerators(const std::vector<std::string>& paths, GeneratorPrecision precision,
-                                      std::map<std::string, WeightsUsed>* weights) {
-  std::vector<Generator> generators;
-  OneFileEach given("--weights", "representation");
-  for (const std::string& path : paths) {
-    Generator generator;
-    requireRead(path, Generator::load(path, precision, &generator), "the weights of a generator");
-    given.add(path, representationName(generator.representation()));
-    (*weights)[representationName(generator.representation())] = {fileSha256(path), std::filesystem::file_size(path)};
-    generators.push_back(std::move(generator));
-  }
-  std::stable_sort(generators.begin(), generators.end(), [](const Generator& a, const Generator& b) {
-    return a.representation().thetaCount() < b.representation().thetaCount();
-  });
-  return generators;
-}
-
 uint64_t peakMemoryBytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-std::map<std::string, std::string> metadata(const BakeScene& scene, const std::map<std::string, WeightsUsed>& weights,
+std::map<std::string, std::string> metadata(const BakeScene& scene, const std::vector<WeightsUsed>& weights,
                                             const OptionTable& table) {
   nlohmann::ordered_json options = table.toJson();
   // what the grid holds does not depend on the threads, but on the instructions that were chosen; the hashes say which weights
@@ -89,7 +68,7 @@ std::map<std::string, std::string> metadata(const BakeScene& scene, const std::m
   std::map<std::string, std::string> inputs;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
   inputs["light of the scene"] = sceneLightSha256(scene.source.scene);
-  for (const auto& [representation, used] : weights) inputs["weights of " + representation] = used.sha256;
+  for (const WeightsUsed& used : weights) inputs["weights of " + used.representation] = used.sha256;
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
@@ -120,8 +99,12 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   takeThetaPrecision(&options);
   const GridPrecision stored{options.policy.theta_precision, lightFormFromName(options.light_form)};
   chooseSimd(options.simd);
-  std::map<std::string, WeightsUsed> weights;
-  const std::vector<Generator> generators = loadGenerators(request.weights, precision, &weights);
+  const auto [generators, weight_files] = loadGenerators(request.weights, precision);
+  std::vector<WeightsUsed> weights;
+  for (size_t g = 0; g < generators.size(); ++g) {
+    weights.push_back({representationName(generators[g].representation()), fileSha256(weight_files[g]),
+                       std::filesystem::file_size(weight_files[g])});
+  }
   for (const Generator& generator : generators) {
     if (options.policy.stages.learned_steps > 0 && generator.correctionStepCount() == 0) {
       std::cerr << "nlg-bake: correct_steps: the weights of " << representationName(generator.representation())
@@ -148,24 +131,18 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
 
   BakeReport report;
   report.scene = scene.source.id;
+  report.weights = weights;
   std::vector<uint64_t> weights_bytes;
-  for (const Generator& generator : generators) {
-    report.representations.emplace_back(representationName(generator.representation()));
-    report.weights.push_back(weights.at(report.representations.back()));
-    weights_bytes.push_back(report.weights.back().bytes);
-  }
+  for (const WeightsUsed& used : weights) weights_bytes.push_back(used.bytes);
+  report.threads = options.threads > 0 ? options.threads : machineThreadCount();
   bake.statistics.light.form = stored.light;
-  report.savings = countSavings(bake, generators, options.policy, weights_bytes);
+  report.savings = savingsOf(bake, generators, options.policy, stored, weights_bytes, report.threads);
   report.statistics = std::move(bake.statistics);
   report.statistics.load_wall_s = load_s;
   report.policy = options.policy;
   report.file_bytes = bytes.size();
   report.theta_bytes = lightGridBytes(bake.grid, stored).theta;
   report.peak_memory_bytes = peakMemoryBytes();
-  if (request.savings_rounds > 0) {
-    measureSavings({scene, generators, options, temporaryFolder()}, report.statistics, request.savings_rounds, &report.savings);
-  }
-  report.threads = options.threads > 0 ? options.threads : machineThreadCount();
   report.simd = chosenSimdTarget();
   warnOfNothing(scene, options, report);
   std::cerr << toTable(report);
@@ -213,10 +190,6 @@ int main(int argc, char** argv) {
       "looks for in the folder $NLG_WEIGHTS, then in the installation and in the sources");
   const CLI::Option* out =
       app.add_option("--out", request.out, "the light grid to write. None: NAME.safetensors, here, by the name of the scene");
-  app.add_option("--measure-savings", request.savings_rounds,
-                 "rounds in which the scene is baked with and without all that it does not need, to measure what that saves; "
-                 "0: the table of savings is counted only, and the bake takes no longer")
-      ->check(CLI::Range(0, 99));
   return nlg::runTool(argc, argv, app, table, [&] {
     const CLI::Option* config = app.get_option("--config");
     request.out_is_given = out->count() > 0;

@@ -4,330 +4,197 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 
+#include "datagen/visibility/link_table.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/light_form.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
-#include "runtime_eval/light_grid/probe_tree_data.h"
 
 namespace nlg {
 namespace {
 
-// Of a node without used cells in the file: its kind, and the mask of its children where some cells are none
-// (docs/reference/formats.md).
-int64_t nodeBytes(uint64_t child_mask) { return child_mask == 0 || child_mask == ~uint64_t{0} ? 1 : 1 + 8; }
+// Nothing of nothing: what was not done has no price.
+std::optional<double> each(double sum, uint64_t count) {
+  return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt;
+}
 
-constexpr int kTreeLevels = 3;
+std::optional<double> times(uint64_t count, const std::optional<double>& unit) {
+  return unit ? std::optional(static_cast<double>(count) * *unit) : std::nullopt;
+}
+
+std::optional<double> sum(const std::optional<double>& a, const std::optional<double>& b) {
+  return a && b ? std::optional(*a + *b) : std::nullopt;
+}
 
 // What a function takes in the file: theta, and which representation it is of.
 int64_t functionBytes(const Representation& representation, ThetaPrecision precision) {
   return static_cast<int64_t>(thetaForm(representation, precision).bytes()) + 1;
 }
 
+// What one of each kind took in this bake. Seconds of the processor.
+struct UnitCosts {
+  explicit UnitCosts(const BakeStatistics& s) {
+    const ShardCounts& counts = s.counts;
+    const FunctionTimes& spent = s.function_times;
+    // probes that went all the way: 0 everywhere or not
+    const uint64_t generated = counts.functions + counts.duplicates + counts.empty + s.bare_tents.count;
+    visibility_s = each(spent.visibility_s - spent.in_solid_s, generated);
+    function_s = each(spent.functions_s + spent.bare_tent_s, generated);
+    double theta_us = 0.0;
+    for (const ThetaRecord& record : s.records) theta_us += record.elapsedUs(ThetaWord::stored);
+    theta_s = each(1e-6 * theta_us, counts.functions);
+    probe_s = each(spent.visibility_s + spent.functions_s + spent.bare_tent_s + spent.duplicates_s + 1e-6 * theta_us,
+                   counts.grid_probes);
+  }
+
+  std::optional<double> visibility_s, function_s;  // of a probe that has a function
+  std::optional<double> theta_s;                   // of a function that has a theta: from the network to what is stored
+  std::optional<double> probe_s;                   // of any probe, but for its light
+};
+
 class SavingsCount {
  public:
   SavingsCount(const Bake& bake, const std::vector<Generator>& generators, const PolicyOptions& policy,
-               const std::vector<uint64_t>& weights_bytes)
+               const GridPrecision& stored, const std::vector<uint64_t>& weights_bytes, int threads)
       : grid_(bake.grid),
         statistics_(bake.statistics),
         counts_(bake.statistics.counts),
         generators_(generators),
         policy_(policy),
-        precision_(policy.theta_precision),
-        chosen_(bake.statistics.chosen(generators.size())),
-        weights_bytes_(weights_bytes) {}
+        stored_(stored),
+        weights_bytes_(weights_bytes),
+        threads_(threads),
+        unit_(bake.statistics) {}
 
   std::vector<Saving> run() {
+    addAir();
     addProbes();
+    addGeometry();
     addRepresentations();
     addFits();
-    addNeverChosen();
-    savings_.push_back(thetaBits());
-    savings_.push_back({saving::kSolidRays,
-                        false,
-                        counts_.free_space,
-                        counts_.grid_probes,
-                        {},
-                        0,
-                        {},
-                        "14 each, the only rays that they cast; neighbours with nothing between them could share one answer"});
-    addTree();
-    addAir();
     addLight();
     return std::move(savings_);
   }
 
  private:
-  int64_t bytesOf(size_t function) const {
-    return functionBytes(grid_.representations[grid_.function_representation[function]], precision_);
+  void add(const char* what, uint64_t count, uint64_t of, std::optional<double> seconds, std::optional<int64_t> bytes,
+           std::string note) {
+    savings_.push_back({what, count, of, seconds, bytes, std::move(note)});
   }
-  int64_t smallestBytes() const { return functionBytes(generators_.front().representation(), precision_); }
+
+  int64_t bytesOf(size_t function) const {
+    return functionBytes(grid_.representations[grid_.function_representation[function]], stored_.theta);
+  }
+
+  void addAir() {
+    const AirStatistics& air = statistics_.air;
+    if (air.airless_cells == 0) return;
+    const LightStatistics& light = statistics_.light;
+    // by the clock while every thread measured
+    const std::optional<double> light_s =
+        light.is_lit ? each(light.measure_wall_s * threads_, air.cells - air.airless_cells) : std::nullopt;
+    add("cells without air", air.airless_cells, air.cells, times(air.airless_cells, light_s), {},
+        "air_only; seconds: light at as many places as other cells have");
+    const uint64_t unread = air.probes - counts_.grid_probes;
+    const std::optional<double> probe_bytes =
+        each(static_cast<double>(lightGridBytes(grid_, stored_).total()), counts_.grid_probes);
+    const std::optional<double> bytes = times(unread, probe_bytes);
+    add("probes that only cells without air read", unread, air.probes, times(unread, unit_.probe_s),
+        bytes ? std::optional(static_cast<int64_t>(*bytes)) : std::nullopt, "air_only; each as the mean probe of this bake");
+  }
 
   void addProbes() {
-    const uint64_t probes = counts_.grid_probes;
-    const auto thetaEach = [this](uint64_t count) { return static_cast<int64_t>(count) * smallestBytes(); };
-    savings_.push_back(
-        {saving::kFreeSpace,
-         true,
-         counts_.free_space,
-         probes,
-         {},
-         0,
-         {},
-         "no links and no function; the bare tent, exactly. Duplicates of one another: there would be one theta at most"});
-    savings_.push_back(
-        {saving::kInSolid,
-         true,
-         counts_.in_solid,
-         probes,
-         {},
-         thetaEach(counts_.in_solid),
-         {},
-         "no links, function or theta; no weight. Counted bytes: a theta of the smallest representation each, at most"});
-    savings_.push_back({saving::kEmpty,
-                        true,
-                        counts_.empty,
-                        probes,
-                        {},
-                        thetaEach(counts_.empty),
-                        {},
-                        "no theta; their links and functions are made all the same, to know it. Counted bytes: as above"});
+    const uint64_t probes = counts_.grid_probes, tents = statistics_.bare_tents.count;
+    const FunctionTimes& spent = statistics_.function_times;
+    const int64_t theta_bytes = functionBytes(generators_.front().representation(), stored_.theta);
+    const auto thetas = [&](uint64_t count) { return static_cast<int64_t>(count) * theta_bytes; };
+    add("probes in free space", counts_.free_space, probes, times(counts_.free_space, unit_.function_s), 0,
+        "no function: the bare tent, exactly. Their visibility is not counted: where no triangle is near it is next to nothing");
+    const std::optional<double> whole = sum(sum(unit_.visibility_s, unit_.function_s), unit_.theta_s);
+    add("probes in solid", counts_.in_solid, probes, sum(times(counts_.in_solid, whole), -spent.in_solid_s),
+        thetas(counts_.in_solid), "without an eye in air: no links, function or theta; less what it took to look for the eye");
+    add("probes whose function is 0 everywhere", counts_.empty, probes, times(counts_.empty, unit_.theta_s),
+        thetas(counts_.empty), "no theta");
     int64_t shared = 0;
     std::vector<uint64_t> uses(grid_.functionCount(), 0);
     for (const uint32_t function : grid_.probe_function) {
       if (function < uses.size() && uses[function]++ > 0) shared += bytesOf(function);
     }
-    savings_.push_back(
-        {saving::kDuplicates, true, counts_.duplicates, probes, {}, shared, {}, "one theta for all that are alike"});
-    const uint64_t tents = statistics_.bare_tents.count;
-    savings_.push_back({saving::kBareTent,
-                        true,
-                        tents,
-                        tents + counts_.duplicates + counts_.functions,
-                        {},
-                        thetaEach(tents),
-                        {},
-                        "bare_tent_rmse; no theta, and nothing to evaluate in the look-up. Counted bytes: as above"});
-    const uint64_t all = counts_.free_space + counts_.in_solid + counts_.empty + counts_.duplicates + tents;
-    const int64_t all_bytes = thetaEach(counts_.free_space + counts_.in_solid + counts_.empty + tents) + shared;
-    savings_.push_back({saving::kAllProbes, true, all, probes, {}, all_bytes, {}, "a function and a theta for every probe"});
+    add("duplicates", counts_.duplicates, probes, sum(times(counts_.duplicates, unit_.theta_s), -spent.duplicates_s), shared,
+        "one theta for all that are alike; less what it took to find them");
+    add("functions that are all but the bare tent", tents, tents + counts_.duplicates + counts_.functions,
+        sum(times(tents, unit_.theta_s), -spent.bare_tent_s), thetas(tents),
+        "bare_tent_rmse: no theta, and nothing to evaluate in the look-up; less what it took to find out");
   }
 
-  void addAir() {
-    const AirStatistics& air = statistics_.air;
-    savings_.push_back(
-        {saving::kAirlessCells,
-         air.airless_cells > 0 ? std::optional(true) : std::nullopt,
-         air.airless_cells,
-         air.cells,
-         {},
-         0,
-         {},
-         "air_only: no place in air was found in them; look-ups there take light from the nearest cell that has some"});
-    const uint64_t unread = air.probes - counts_.grid_probes;
-    savings_.push_back({saving::kUnreadProbes,
-                        air.airless_cells > 0 ? std::optional(true) : std::nullopt,
-                        unread,
-                        air.probes,
-                        {},
-                        {},
-                        {},
-                        "no visibility, function, theta or light, and nothing of them in the file"});
+  void addGeometry() {
+    const uint64_t triangles = statistics_.scene_triangles, tested = statistics_.function_times.triangles;
+    const uint64_t seen = counts_.functions + counts_.duplicates + counts_.empty + statistics_.bare_tents.count;
+    if (seen == 0) return;
+    add("triangles that a probe's support does not touch", seen * triangles - tested, seen * triangles, {}, {},
+        "of every triangle for every probe that has a function");
+    const uint64_t pairs = tested * statistics_.link_packets;
+    add("links that no triangle is near", pairs - std::min(pairs, statistics_.function_times.link_tests), pairs, {}, {},
+        "pairs of 16 links and a triangle of the support, ruled out without a test");
+  }
+
+  void addRepresentations() {
+    const uint64_t functions = counts_.functions;
+    const std::vector<uint64_t> chosen = statistics_.chosen(generators_.size());
+    if (generators_.size() > 1) {
+      const auto larger = static_cast<uint64_t>(std::count(statistics_.larger_ran.begin(), statistics_.larger_ran.end(), 1));
+      add("functions that the smallest representation already fits", functions - larger, functions, {}, {},
+          fmt::format("only the generator of {} ran for them", representationName(generators_.front().representation())));
+      const Representation& largest = generators_.back().representation();
+      int64_t bytes = 0;
+      for (size_t f = 0; f < grid_.functionCount(); ++f) bytes += functionBytes(largest, stored_.theta) - bytesOf(f);
+      add("theta of the largest representation", functions - chosen.back(), functions, {}, bytes,
+          fmt::format("against {} alone, for every function", representationName(largest)));
+    }
+    std::vector<std::string> names;
+    uint64_t bytes = 0;
+    for (size_t g = 0; g < generators_.size(); ++g) {
+      if (chosen[g] > 0) continue;
+      names.emplace_back(representationName(generators_[g].representation()));
+      bytes += weights_bytes_[g];
+    }
+    add("representations never chosen", names.size(), generators_.size(), {}, static_cast<int64_t>(bytes),
+        names.empty()
+            ? "every one of them has a function"
+            : fmt::format("{}: not in the light grid, and nlg-export used-by leaves their weights out", fmt::join(names, ", ")));
+    if (stored_.theta != ThetaPrecision::float32) {
+      const auto floats = static_cast<int64_t>(grid_.theta.size() * sizeof(float));
+      add("bits of theta beyond its stored form", grid_.theta.size(), grid_.theta.size(), {},
+          floats - static_cast<int64_t>(lightGridBytes(grid_, stored_).theta),
+          fmt::format("theta_precision: {}, against float32", thetaPrecisionName(stored_.theta)));
+    }
+  }
+
+  void addFits() {
+    uint64_t good = 0, unrefined = 0;
+    for (const ThetaRecord& record : statistics_.records) {
+      good += isGood(record.at(ThetaWord::network), policy_.stages.good_rmse, policy_.check());
+      unrefined += !record.refined && record.at(ThetaWord::fitted).passes(policy_.check());
+    }
+    const double stages_s = statistics_.wordSeconds(ThetaWord::corrected) + statistics_.wordSeconds(ThetaWord::fitted);
+    add("corrections and fits of thetas that are good", good, counts_.functions,
+        times(good, each(stages_s, counts_.functions - good)), 0, "good_rmse: what the network left so takes no other stage");
+    add("refinements", unrefined, counts_.functions,
+        times(unrefined, each(statistics_.refinementSeconds(), statistics_.refined())), 0, "the check passes before");
   }
 
   void addLight() {
     const LightStatistics& light = statistics_.light;
+    if (!light.is_lit) return;
     const uint64_t rays = light.places * light.rays_per_place;
-    const bool traced = light.is_lit && !light.is_gathered;
-    savings_.push_back({saving::kStoredBounces,
-                        light.is_lit && light.is_gathered ? std::optional(true) : std::nullopt,
-                        light.is_gathered ? rays : 0,
-                        rays,
-                        {},
-                        0,
-                        {},
-                        light.is_gathered ? "one ray holds them all: its end shines with what the level's compiler left there"
-                                          : "this scene holds no light of its own"});
-    savings_.push_back(
-        {saving::kSharedBounces,
-         traced ? std::optional(light.cache_cells > 0) : std::nullopt,
-         light.cache_cells - light.cache_divided,
-         light.cache_cells,
-         {},
-         0,
-         {},
-         traced ? "light_cache: cells of surface, but for those that walls divide; paths end there" : "nothing was traced"});
+    if (light.is_gathered)
+      add("bounces that the level's own light holds", rays, rays, {}, 0, "one ray ends where the level's compiler left them all");
+    if (light.cache_cells > 0)
+      add("bounces traced once for all probes", light.cache_cells - light.cache_divided, light.cache_cells, {}, 0,
+          "light_cache: paths end at these cells of surface; walls divide the others");
     const auto full = static_cast<int64_t>(sizeof(float)) * kShFloats;
-    const auto stored = static_cast<int64_t>(lightFormBytes(light.form));
-    savings_.push_back({saving::kLightBits,
-                        light.is_lit ? std::optional(stored < full) : std::nullopt,
-                        light.is_lit ? counts_.grid_probes : 0,
-                        counts_.grid_probes,
-                        {},
-                        light.is_lit ? static_cast<int64_t>(counts_.grid_probes) * (full - stored) : 0,
-                        {},
-                        std::string("light_form: ") + lightFormName(light.form) + ", against 27 floats a probe"});
-  }
-
-  void addRepresentations() {
-    const uint64_t functions = counts_.functions,
-                   enough = functions -
-                            static_cast<uint64_t>(std::count(statistics_.larger_ran.begin(), statistics_.larger_ran.end(), 1));
-    const std::string smallest = representationName(generators_.front().representation());
-    const bool several = generators_.size() > 1;
-    savings_.push_back({saving::kLargerGenerators,
-                        several ? std::optional(true) : std::nullopt,
-                        enough,
-                        functions,
-                        {},
-                        several ? std::optional<int64_t>(0) : std::nullopt,
-                        {},
-                        several ? fmt::format("only the generator of {} ran for them", smallest)
-                                : fmt::format("{} is the only representation of this bake", smallest)});
-    if (several) {
-      const Representation& largest = generators_.back().representation();
-      int64_t bytes = 0;
-      for (size_t f = 0; f < grid_.functionCount(); ++f) bytes += functionBytes(largest, precision_) - bytesOf(f);
-      savings_.push_back({saving::kLargestTheta,
-                          true,
-                          functions - chosen_.back(),
-                          functions,
-                          {},
-                          bytes,
-                          {},
-                          fmt::format("against {} alone, for every function", representationName(largest))});
-    }
-    int64_t tent_bytes = 0;
-    uint64_t tents = 0;
-    for (size_t f = 0; f < grid_.functionCount(); ++f) {
-      if (statistics_.tent_passes[f]) ++tents, tent_bytes += bytesOf(f);
-    }
-    savings_.push_back({saving::kPassingTent,
-                        false,
-                        tents,
-                        functions,
-                        {},
-                        tent_bytes,
-                        {},
-                        "bare_tent_rmse up to tau_rmse would leave them out, too"});
-  }
-
-  void addFits() {
-    const auto good = static_cast<uint64_t>(
-        std::count_if(statistics_.records.begin(), statistics_.records.end(), [this](const ThetaRecord& record) {
-          const FunctionCheck& network = record.at(ThetaWord::network);
-          return isGood(network, policy_.stages.good_rmse, policy_.check());
-        }));
-    savings_.push_back({saving::kGoodTheta,
-                        true,
-                        good,
-                        counts_.functions,
-                        {},
-                        0,
-                        {},
-                        "good_rmse: thetas of the network, in the representation that was chosen"});
-    savings_.push_back({saving::kRefinement,
-                        true,
-                        static_cast<uint64_t>(std::count_if(statistics_.records.begin(), statistics_.records.end(),
-                                                            [this](const ThetaRecord& record) {
-                                                              return !record.refined &&
-                                                                     record.at(ThetaWord::fitted).passes(policy_.check());
-                                                            })),
-                        counts_.functions,
-                        {},
-                        0,
-                        {},
-                        "the check passes before"});
-  }
-
-  void addNeverChosen() {
-    std::vector<std::string> names;
-    uint64_t bytes = 0;
-    for (size_t g = 0; g < generators_.size(); ++g) {
-      if (chosen_[g] > 0) continue;
-      names.emplace_back(representationName(generators_[g].representation()));
-      bytes += weights_bytes_[g];
-    }
-    const std::string list = names.empty() ? "every one of them has a function" : fmt::format("{}", fmt::join(names, ", "));
-    savings_.push_back({saving::kNeverChosen,
-                        true,
-                        names.size(),
-                        generators_.size(),
-                        {},
-                        static_cast<int64_t>(bytes),
-                        {},
-                        list + "; not in the light grid, and left out of the scene's weights by nlg-export used-by"});
-    if (!names.empty()) {
-      savings_.push_back({saving::kNeverChosenGenerators,
-                          false,
-                          names.size(),
-                          generators_.size(),
-                          {},
-                          0,
-                          {},
-                          "known only after a bake; the next one of the scene can do without their weights"});
-    }
-  }
-
-  Saving thetaBits() const {
-    const bool is_rounded = precision_ != ThetaPrecision::float32;
-    const size_t stored = lightGridBytes(grid_, {is_rounded ? precision_ : ThetaPrecision::float16}).theta;
-    const auto bytes = static_cast<int64_t>(grid_.theta.size() * sizeof(float) - stored);
-    return {saving::kThetaBits,
-            is_rounded,
-            grid_.theta.size(),
-            grid_.theta.size(),
-            {},
-            bytes,
-            {},
-            is_rounded ? std::string("theta_precision: ") + thetaPrecisionName(precision_)
-                       : "theta_precision: float16 would leave them out"};
-  }
-
-  void addTree() {
-    const ProbeTreeData tree = probeTreeData(grid_.tree);
-    const std::vector<uint8_t> cell_log2 = probeTreeLists(grid_.tree).cell_log2;
-    uint64_t roots = 0, empty_roots = 0;
-    std::array<uint64_t, kTreeLevels> nodes{}, cells{};
-    std::array<int64_t, kTreeLevels> bytes{};
-    for (size_t n = 0; n < tree.cell_count.size(); ++n) {
-      const bool holds_nothing = tree.child_mask[n] == 0 && tree.used_mask[n] == 0;
-      const int side_log2 = cell_log2[n] + std::countr_zero(static_cast<uint32_t>(tree.cell_count[n]));
-      const int level = holds_nothing ? 0 : (std::countr_zero(static_cast<uint32_t>(kRootSide)) - side_log2) / 2;
-      roots += level == 0;
-      empty_roots += holds_nothing;
-      ++nodes[level];
-      bytes[level] += nodeBytes(tree.child_mask[n]);
-      cells[level] += static_cast<uint64_t>(std::popcount(tree.used_mask[n]));
-    }
-    uint64_t without = 0, leading = 0;
-    int64_t leading_bytes = 0;
-    for (int level = 0; level < kTreeLevels; ++level) {
-      without += nodes[level] == 0;
-      if (nodes[level] == 0 || cells[level] > 0) continue;
-      ++leading;
-      leading_bytes += bytes[level];
-    }
-    savings_.push_back(
-        {saving::kLevels, true, without, kTreeLevels, {}, 0, {}, "look-ups end before them, files hold nothing of them"});
-    savings_.push_back({saving::kThroughLevels,
-                        false,
-                        leading,
-                        kTreeLevels,
-                        {},
-                        leading_bytes,
-                        {},
-                        fmt::format("nodes a level: {}; cells: {}", fmt::join(nodes, ", "), fmt::join(cells, ", "))});
-    savings_.push_back({saving::kEmptyRoots,
-                        false,
-                        empty_roots,
-                        roots,
-                        {},
-                        nodeBytes(0) * static_cast<int64_t>(empty_roots),
-                        {},
-                        "the look-up finds its root by its place in the array"});
+    add("bits and coefficients of light beyond the file's form", counts_.grid_probes, counts_.grid_probes, {},
+        static_cast<int64_t>(counts_.grid_probes) * (full - static_cast<int64_t>(lightFormBytes(stored_.light))),
+        fmt::format("light_form: {}, against 27 floats a probe", lightFormName(stored_.light)));
   }
 
   const LightGrid& grid_;
@@ -335,22 +202,40 @@ class SavingsCount {
   const ShardCounts& counts_;
   const std::vector<Generator>& generators_;
   const PolicyOptions& policy_;
-  ThetaPrecision precision_;
-  std::vector<uint64_t> chosen_;  // functions by representation
+  const GridPrecision& stored_;
   const std::vector<uint64_t>& weights_bytes_;
+  int threads_;
+  UnitCosts unit_;
   std::vector<Saving> savings_;
 };
 
 }  // namespace
 
-std::vector<Saving> countSavings(const Bake& bake, const std::vector<Generator>& generators, const PolicyOptions& policy,
-                                 const std::vector<uint64_t>& weights_bytes) {
-  return SavingsCount(bake, generators, policy, weights_bytes).run();
+std::vector<Saving> savingsOf(const Bake& bake, const std::vector<Generator>& generators, const PolicyOptions& policy,
+                              const GridPrecision& stored, const std::vector<uint64_t>& weights_bytes, int threads) {
+  return SavingsCount(bake, generators, policy, stored, weights_bytes, threads).run();
 }
 
-Saving* findSaving(std::vector<Saving>& savings, const std::string& what) {
-  const auto found = std::find_if(savings.begin(), savings.end(), [&](const Saving& saving) { return saving.what == what; });
-  return found == savings.end() ? nullptr : &*found;
+nlohmann::ordered_json toJson(const std::vector<Saving>& savings) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const Saving& saving : savings) {
+    nlohmann::ordered_json row = {{"what", saving.what}, {"count", saving.count}, {"of", saving.of}};
+    if (saving.seconds) row["seconds_saved"] = *saving.seconds;
+    if (saving.bytes) row["bytes_saved"] = *saving.bytes;
+    row["note"] = saving.note;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::string toTable(const std::vector<Saving>& savings) {
+  std::string text = fmt::format("{:<56} {:>12} {:>12} {:>9} {:>12}\n", "left out", "count", "of", "seconds", "bytes");
+  for (const Saving& saving : savings) {
+    text += fmt::format("{:<56} {:>12} {:>12} {:>9} {:>12}  {}\n", saving.what, saving.count, saving.of,
+                        saving.seconds ? fmt::format("{:.3f}", *saving.seconds) : "-",
+                        saving.bytes ? std::to_string(*saving.bytes) : "-", saving.note);
+  }
+  return text;
 }
 
 }  // namespace nlg

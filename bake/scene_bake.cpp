@@ -5,6 +5,7 @@
 #include <chrono>
 #include <mutex>
 
+#include "runtime_eval/support/weighting_function.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 
@@ -24,12 +25,12 @@ struct BakeThread {
 class SceneBake {
  public:
   SceneBake(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-            const std::string& spool_folder, const LeftOut& left_out)
+            const std::string& spool_folder)
       : scene_(scene),
         generators_(generators),
         options_(options),
         thread_count_(options.threads > 0 ? options.threads : machineThreadCount()),
-        functions_(scene, options, thread_count_, spool_folder, left_out) {
+        functions_(scene, options, thread_count_, spool_folder) {
     std::vector<const Generator*> pointers;
     for (const Generator& generator : generators_) pointers.push_back(&generator);
     for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(pointers, options_.policy));
@@ -37,7 +38,9 @@ class SceneBake {
 
   Bake run() {
     const Clock::time_point start = Clock::now();
-    functions_.makeAll([this](const SceneFunctions::NewFunctions& made) { makeTheta(made); });
+    functions_.makeAll([this](int thread) {
+      return [this, thread](const FunctionRows& chunk) { return makeTheta(chunk, threads_[thread]->policy); };
+    });
     statistics_.functions_wall_s = secondsSince(start);
     for (const MadeTheta& made : made_) chosen_first_.push_back(made.generator);
     const Clock::time_point refinement_start = Clock::now();
@@ -52,13 +55,12 @@ class SceneBake {
   }
 
  private:
-  void makeTheta(const SceneFunctions::NewFunctions& made) {
-    made_.resize(made.first + made.functions.size());
-    statistics_.tent_passes.insert(statistics_.tent_passes.end(), made.tent_passes.begin(), made.tent_passes.end());
-    parallelFor((made.functions.size() + kBatchCount - 1) / kBatchCount, thread_count_, [&](uint64_t batch, int thread) {
-      const uint64_t begin = batch * kBatchCount, end = std::min<uint64_t>(begin + kBatchCount, made.functions.size());
-      threads_[thread]->policy.make(&made.functions[begin], static_cast<int>(end - begin), &made_[made.first + begin]);
-    });
+  std::function<void()> makeTheta(const FunctionRows& chunk, ThetaPolicy& policy) {
+    std::vector<StoredFunction> functions;
+    for (uint64_t n = 0; n < chunk.functionCount(); ++n) functions.push_back(storedFunction(chunk, n));
+    std::vector<MadeTheta> made(functions.size());
+    policy.make(functions.data(), static_cast<int>(functions.size()), made.data());
+    return [this, made = std::move(made)] { made_.insert(made_.end(), made.begin(), made.end()); };
   }
 
   // Worst first, so that a limit of time leaves the least trouble behind; without one the order changes nothing.
@@ -99,6 +101,8 @@ class SceneBake {
     statistics_.air.wall_s = scene_.air_wall_s;
     statistics_.counts = functions_.counts();
     statistics_.function_times = functions_.times();
+    statistics_.scene_triangles = scene_.source.scene.triangles.size();
+    statistics_.link_packets = scene_.links.link_packets.tree.packetCount();
     statistics_.bare_tents = functions_.bareTents();
     for (size_t i = 0; i < made_.size(); ++i) {
       statistics_.records.push_back(made_[i].record);
@@ -146,6 +150,20 @@ double BakeStatistics::stageSeconds(ThetaStage stage) const {
   return 1e-6 * sum_us;
 }
 
+double BakeStatistics::wordSeconds(ThetaWord word) const {
+  double sum = 0.0;
+  for (int stage = 0; stage < kThetaStageCount; ++stage) {
+    const auto s = static_cast<ThetaStage>(stage);
+    const bool is_refinement = s == ThetaStage::refinement || s == ThetaStage::larger;
+    if (s != ThetaStage::check && wordOf(s) == word && !is_refinement) sum += stageSeconds(s);
+  }
+  return sum;
+}
+
+double BakeStatistics::refinementSeconds() const {
+  return stageSeconds(ThetaStage::refinement) + stageSeconds(ThetaStage::larger);
+}
+
 uint64_t BakeStatistics::failing(ThetaWord word, const CheckOptions& check) const {
   return static_cast<uint64_t>(
       std::count_if(records.begin(), records.end(), [&](const ThetaRecord& record) { return !record.at(word).passes(check); }));
@@ -166,8 +184,8 @@ std::vector<uint64_t> BakeStatistics::chosen(size_t generator_count) const {
 }
 
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, const LeftOut& left_out) {
-  return SceneBake(scene, generators, options, spool_folder, left_out).run();
+               const std::string& spool_folder) {
+  return SceneBake(scene, generators, options, spool_folder).run();
 }
 
 }  // namespace nlg

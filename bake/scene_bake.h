@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "bake/left_out.h"
 #include "bake/light_bake.h"
 #include "bake/scene_functions.h"
 #include "runtime_eval/evaluator/generator.h"
@@ -25,19 +24,22 @@ struct AirStatistics {
 struct BakeStatistics {
   ShardCounts counts;
   FunctionTimes function_times;
+  uint64_t scene_triangles = 0, link_packets = 0;  // of the scene; of a support, 16 links each
   AirStatistics air;
   LightStatistics light;
   double wall_s = 0.0, load_wall_s = 0.0, functions_wall_s = 0.0,
          refinement_wall_s = 0.0;    // functions: stages up to fits included
   uint64_t left_for_time = 0;        // functions that failed the check and were not refined: refine_seconds were over
-  BareTents bare_tents;              // functions without theta: in none of the lists below
+  TentCounts bare_tents;             // functions without theta: in none of the lists below
   std::vector<ThetaRecord> records;  // by function
   std::vector<uint8_t> generator;    // by function: the representation that was chosen
   std::vector<uint8_t> larger_ran;   // by function: whether more than the smallest representation was tried
   std::vector<uint8_t> raised;       // by function: whether refinement took a larger representation than the choice
-  std::vector<uint8_t> tent_passes;  // by function: whether the bare tent passes the check
 
   double stageSeconds(ThetaStage stage) const;
+  // Of the stages that bring theta to a word, of all representations; without checks and without refinement.
+  double wordSeconds(ThetaWord word) const;
+  double refinementSeconds() const;
   // Functions whose theta fails the check at a word.
   uint64_t failing(ThetaWord word, const CheckOptions& check) const;
   uint64_t tookFit() const;
@@ -52,9 +54,8 @@ struct Bake {
 };
 
 // generators   one a representation, by rising D; at least one
-// left_out     which probes
 // throws       as SceneFunctions does
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, const LeftOut& left_out = {});
+               const std::string& spool_folder);
 
 }  // namespace nlg

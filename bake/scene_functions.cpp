@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
 
 #include "datagen/probes/probe_placement.h"
+#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/fit/theta_policy.h"
+#include "runtime_eval/support/weighting_function.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
@@ -12,8 +14,7 @@
 namespace nlg {
 namespace {
 
-// A window is held in memory whole, at most 10 kB a probe; between windows threads wait for one another.
-constexpr uint64_t kBlockProbes = 64, kWindowProbes = 8192;
+constexpr uint64_t kBlockProbes = 64;  // long against what handing a block on costs
 
 using Clock = std::chrono::steady_clock;
 double secondsBetween(Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double>(to - from).count(); }
@@ -66,20 +67,27 @@ struct SceneFunctions::ThreadState {
   WeightingBuilder builder;
   GeneratedFunction function;
   FunctionChecker checker;
-  double visibility_s = 0.0, functions_s = 0.0, bare_tent_s = 0.0;
+  FunctionTimes times;
 };
 
+namespace {
+
+FunctionRows supportRows() {
+  FunctionRows rows;
+  rows.point_count = kSupportPointCount;
+  return rows;
+}
+
+}  // namespace
+
 SceneFunctions::SceneFunctions(const BakeScene& scene, const BakeOptions& options, int thread_count,
-                               const std::string& spool_folder, const LeftOut& left_out)
+                               const std::string& spool_folder)
     : scene_(scene),
       options_(options),
-      left_out_(left_out),
-      thread_count_(thread_count),
-      spool_(spool_folder, kSupportPointCount),
-      index_({options.duplicate_rms, static_cast<uint64_t>(options.duplicate_validity_points)}, kSupportPointCount,
-             [this](uint64_t id) { return spool_.read(id); }) {
-  for (int t = 0; t < thread_count; ++t) threads_.push_back(std::make_unique<ThreadState>(scene, options));
-  counts_.grid_probes = scene.tree.probeCount();
+      threads_(static_cast<size_t>(thread_count)),
+      collector_(supportRows(), {options.duplicate_rms, static_cast<uint64_t>(options.duplicate_validity_points)}, kBatchCount,
+                 {}, spool_folder) {
+  collector_.tellFunctions(&probe_function_);
 }
 
 SceneFunctions::~SceneFunctions() = default;
@@ -87,109 +95,74 @@ SceneFunctions::~SceneFunctions() = default;
 FunctionTimes SceneFunctions::times() const {
   FunctionTimes times;
   for (const auto& thread : threads_) {
-    times.visibility_s += thread->visibility_s;
-    times.functions_s += thread->functions_s;
-    times.bare_tent_s += thread->bare_tent_s;
+    times.visibility_s += thread->times.visibility_s;
+    times.functions_s += thread->times.functions_s;
+    times.bare_tent_s += thread->times.bare_tent_s;
+    times.in_solid_s += thread->times.in_solid_s;
+    times.triangles += thread->times.triangles;
+    times.link_tests += thread->builder.visibility().packetTestCount();
   }
-  times.duplicates_s = duplicates_s_;
+  times.duplicates_s = collector_.seconds();
   return times;
 }
 
-StoredFunction SceneFunctions::read(uint64_t number, std::vector<uint8_t>* samples) {
-  samples->resize(kSupportPointCount + kValidityByteCount);
-  const std::lock_guard lock(spool_mutex_);
-  const StoredFunction row = spool_.read(number);
-  std::memcpy(samples->data(), row.phi, kSupportPointCount);
-  std::memcpy(samples->data() + kSupportPointCount, row.validity, kValidityByteCount);
-  return {samples->data(), samples->data() + kSupportPointCount};
-}
-
-// What a probe comes to: visibility, then the function where there is one. A probe that is not left out goes through both.
+// What a probe comes to: visibility, then the function where there is one.
 ProbeOutcome SceneFunctions::seeAndGenerate(const glm::dvec3& position, float spacing_m, ThreadState& state) const {
+  FunctionTimes& times = state.times;
   const Clock::time_point start = Clock::now();
-  const InSolid in_solid = left_out_.in_solid ? InSolid::by_eye : InSolid::kept;
-  ProbeOutcome outcome = state.builder.see(position, spacing_m, {in_solid, left_out_.free_space});
-  const Clock::time_point seen = Clock::now();
-  state.visibility_s += secondsBetween(start, seen);
-  if (outcome != ProbeOutcome::function) return outcome;
-  outcome = state.builder.generate(&state.function);
-  if (outcome == ProbeOutcome::empty && !left_out_.empty) outcome = ProbeOutcome::function;
-  state.functions_s += secondsBetween(seen, Clock::now());
+  const ProbeOutcome seen = state.builder.see(position, spacing_m, InSolid::by_eye);
+  const Clock::time_point after = Clock::now();
+  times.visibility_s += secondsBetween(start, after);
+  if (seen == ProbeOutcome::in_solid) times.in_solid_s += secondsBetween(start, after);
+  if (seen != ProbeOutcome::function) return seen;
+  times.triangles += state.builder.visibility().triangles().size();
+  const ProbeOutcome outcome = state.builder.generate(&state.function);
+  times.functions_s += secondsBetween(after, Clock::now());
   return outcome;
 }
 
-void SceneFunctions::makeBlock(uint64_t first_probe, uint64_t end_probe, ThreadState& state, CheckedBlock* block) const {
-  FunctionRows& rows = block->probes.functions;
+void SceneFunctions::makeBlock(const std::vector<uint64_t>& probes, ThreadState& state, ProbeBlock* block) const {
+  FunctionRows& rows = block->functions;
   rows.point_count = kSupportPointCount;
-  for (uint64_t probe = first_probe; probe < end_probe; ++probe) {
+  for (const uint64_t probe : probes) {
     const auto [x, y, z] = scene_.tree.probePosition(probe);
     const glm::dvec3 position(x, y, z);
     const float spacing_m = scene_.tree.probeSpacing(probe);
-    ProbeOutcome outcome = seeAndGenerate(position, spacing_m, state);
-    if (outcome == ProbeOutcome::function) {
-      const Clock::time_point start = Clock::now();
-      appendFunction(state.function, scene_.source.scene.origin_m + position, spacing_m, &rows);
-      const Clock::time_point appended = Clock::now();
-      state.functions_s += secondsBetween(start, appended);
-      block->tents.push_back(state.checker.checkBareTent(storedFunction(rows, block->tents.size()), options_.policy.check()));
-      state.bare_tent_s += secondsBetween(appended, Clock::now());
-    }
-    block->probes.outcomes.push_back(outcome);
+    const ProbeOutcome outcome = seeAndGenerate(position, spacing_m, state);
+    block->outcomes.push_back(outcome);
+    if (outcome != ProbeOutcome::function) continue;
+    const Clock::time_point start = Clock::now();
+    appendFunction(state.function, scene_.source.scene.origin_m + position, spacing_m, &rows);
+    const Clock::time_point appended = Clock::now();
+    state.times.functions_s += secondsBetween(start, appended);
+    const FunctionCheck tent =
+        state.checker.checkBareTent(storedFunction(rows, rows.functionCount() - 1), options_.policy.check());
+    block->bare_tent_rmse.push_back(takesBareTent(tent, options_.policy) ? std::optional(tent.rmse) : std::nullopt);
+    state.times.bare_tent_s += secondsBetween(appended, Clock::now());
   }
 }
 
-SceneFunctions::NewFunctions SceneFunctions::collect(const std::vector<CheckedBlock>& window) {
-  const Clock::time_point start = Clock::now();
-  NewFunctions result;
-  result.first = counts_.functions;
-  for (const CheckedBlock& block : window) {
-    uint64_t row = 0;
-    for (const ProbeOutcome outcome : block.probes.outcomes) {
-      ++counts_.visited_probes;
-      counts_.free_space += outcome == ProbeOutcome::free_space;
-      counts_.in_solid += outcome == ProbeOutcome::in_solid;
-      counts_.empty += outcome == ProbeOutcome::empty;
-      if (outcome != ProbeOutcome::function) {
-        probe_function_.push_back(outcome == ProbeOutcome::free_space ? kFreeSpace : kNoWeight);
-        continue;
-      }
-      const uint64_t n = row++;
-      counts_.solid_functions += (block.probes.functions.flags[n] & kFlagInSolid) != 0;
-      const FunctionCheck& tent = block.tents[n];
-      const StoredFunction stored = storedFunction(block.probes.functions, n);
-      if (takesBareTent(tent, options_.policy)) {
-        ++bare_tents_.count;
-        bare_tents_.rmse_sum += tent.rmse;
-        probe_function_.push_back(kFreeSpace);
-        continue;
-      }
-      const auto match = left_out_.duplicates ? index_.findOrAdd(stored) : std::nullopt;
-      probe_function_.push_back(static_cast<uint32_t>(match ? match->id : counts_.functions));
-      counts_.duplicates += match.has_value();
-      if (match) continue;
-      ++counts_.functions;
-      spool_.append(stored);
-      result.functions.push_back(stored);
-      result.tent_passes.push_back(tent.passes(options_.policy.check()));
-    }
-  }
-  duplicates_s_ += secondsBetween(start, Clock::now());
-  return result;
-}
-
-void SceneFunctions::makeAll(const std::function<void(const NewFunctions&)>& use) {
+void SceneFunctions::makeAll(const std::function<FunctionPipeline::Finish(int thread)>& makeFinisher) {
   const uint64_t probe_count = scene_.tree.probeCount();
   Progress progress("probes", static_cast<int64_t>(probe_count));
-  for (uint64_t begin = 0; begin < probe_count; begin += kWindowProbes) {
-    const uint64_t end = std::min(begin + kWindowProbes, probe_count);
-    std::vector<CheckedBlock> window((end - begin + kBlockProbes - 1) / kBlockProbes);
-    parallelFor(window.size(), thread_count_, [&](uint64_t b, int thread) {
-      const uint64_t first = begin + b * kBlockProbes;
-      makeBlock(first, std::min(first + kBlockProbes, end), *threads_[thread], &window[b]);
-    });
-    use(collect(window));
-    progress.update(static_cast<int64_t>(end));
-  }
+  FunctionPipeline pipeline;
+  pipeline.nextProbes = [next = uint64_t{0}, probe_count]() mutable {
+    std::vector<uint64_t> probes;
+    while (probes.size() < kBlockProbes && next < probe_count) probes.push_back(next++);
+    return probes;
+  };
+  pipeline.makeGenerator = [this](int thread) {
+    auto& state = threads_[static_cast<size_t>(thread)];
+    state = std::make_unique<ThreadState>(scene_, options_);
+    return [this, &state](const std::vector<uint64_t>& probes, ProbeBlock* block) { makeBlock(probes, *state, block); };
+  };
+  pipeline.makeFinisher = makeFinisher;
+  pipeline.report = [&](const FunctionCollector& collector) {
+    progress.update(static_cast<int64_t>(collector.counts().visited_probes));
+  };
+  pipeline.run(static_cast<int>(threads_.size()), collector_);
+  counts_ = collector_.counts();
+  counts_.grid_probes = probe_count;
 }
 
 }  // namespace nlg

@@ -26,7 +26,7 @@ double shareDone(const ShardCounts& counts, const CollectorLimits& limits) {
 }
 
 // What a disk that refused would have needed, and what it has.
-std::string spaceText(const std::string& out, const ShardCollector& collector, const ShardWriter& writer,
+std::string spaceText(const std::string& out, const FunctionCollector& collector, const ShardWriter& writer,
                       const CollectorLimits& limits) {
   const double share = shareDone(collector.counts(), limits);
   const auto megabytes = [](double bytes) { return fmt::format("{:.1f} MB", bytes / 1e6); };
@@ -50,7 +50,7 @@ std::string reasonOf(const OutputError& error) {
   return at == std::string::npos ? text : text.substr(at + mark.size());
 }
 
-void report(Progress& progress, const ShardCollector& collector, const CollectorLimits& limits) {
+void report(Progress& progress, const FunctionCollector& collector, const CollectorLimits& limits) {
   if (!progress.due()) return;
   const ShardCounts& counts = collector.counts();
   // the limit on functions may come long before the last probe
@@ -59,7 +59,7 @@ void report(Progress& progress, const ShardCollector& collector, const Collector
   progress.update(static_cast<int64_t>(counts.visited_probes), fmt::format("{} functions", counts.functions));
 }
 
-nlohmann::ordered_json resultJson(const ShardJob& job, const ShardCollector& collector, uint64_t file_bytes) {
+nlohmann::ordered_json resultJson(const ShardJob& job, const FunctionCollector& collector, uint64_t file_bytes) {
   ShardCounts counts = collector.counts();
   counts.grid_probes = job.probeCount();
   const DifferenceStatistics& differences = collector.differences();
@@ -96,12 +96,13 @@ void generate(const ShardRequest& request, const std::string& out, const Datagen
   nlohmann::ordered_json result;
   writeAtomically(out, [&](const std::string& temporary_path) {
     ShardWriter writer(temporary_path, job.header());
-    ShardCollector collector(job.header(), limits, std::filesystem::absolute(out).parent_path().string());
+    FunctionCollector collector(job.header(), limits, std::filesystem::absolute(out).parent_path().string());
     Progress progress("probes", static_cast<int64_t>(limits.visited_probes));
-    ShardPipeline pipeline = job.pipeline();
-    pipeline.report = [&](const ShardCollector& at_work) { report(progress, at_work, limits); };
+    FunctionPipeline pipeline = job.pipeline();
+    pipeline.report = [&](const FunctionCollector& at_work) { report(progress, at_work, limits); };
     try {
-      pipeline.run(options.threads, collector, writer);
+      pipeline.makeFinisher = appendTo(writer);
+      pipeline.run(options.threads, collector);
       ShardCounts counts = collector.counts();
       counts.grid_probes = job.probeCount();
       writer.finish(counts);

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datagen/dataset/row_spool.h"
+#include "datagen/dataset/nameless_file.h"
 #include "tool/printable.h"
 
 namespace nlg {
@@ -37,9 +37,9 @@ struct Sample {
 
 Sample takeSample(const ShardJob& job) {
   Sample sample;
-  ShardCollector collector(job.header(), job.limits(), temporaryFolder());
-  const ShardPipeline pipeline = job.pipeline();
-  const auto generate = pipeline.makeGenerator();
+  FunctionCollector collector(job.header(), job.limits(), temporaryFolder());
+  const FunctionPipeline pipeline = job.pipeline();
+  const auto generate = pipeline.makeGenerator(0);
   const double start = threadSeconds();
   const auto encode = [&](const FunctionRows& chunk) {
     if (chunk.functionCount() == 0) return;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/default_weights.h"
+#include "bake/load_generators.h"
 #include "bake/scene_bake.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
@@ -47,17 +48,6 @@ const RivalGroup* groupOf(const std::string& name) {
 }
 
 bool isRival(const std::string& name) { return groupOf(name) != nullptr; }
-
-std::vector<Generator> loadGenerators(const std::vector<std::string>& paths) {
-  std::vector<Generator> generators;
-  for (const std::string& path : paths) {
-    requireRead(path, Generator::load(path, &generators.emplace_back()), "the weights of a generator");
-  }
-  std::stable_sort(generators.begin(), generators.end(), [](const Generator& a, const Generator& b) {
-    return a.representation().thetaCount() < b.representation().thetaCount();
-  });
-  return generators;
-}
 
 LightGrid readGrid(const std::string& path, GridMetadata* metadata) {
   LightGrid grid;
@@ -148,7 +138,7 @@ void RenderedScene::makeGrid(bool has_rivals) {
   if (request_.bake) {
     const std::vector<std::string> weights =
         request_.weights.empty() ? shippedWeights(options_.representation, weightsFolders()) : request_.weights;
-    grid_ = bakeScene(*baked_scene_, loadGenerators(weights), options_, temporaryFolder()).grid;
+    grid_ = bakeScene(*baked_scene_, loadGenerators(weights).generators, options_, temporaryFolder()).grid;
   } else if (!request_.grid.empty()) {
     GridMetadata metadata;
     grid_ = readGrid(request_.grid, &metadata);

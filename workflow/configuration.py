@@ -39,7 +39,7 @@ OWN_PARTS = {"scenes", "report", "validate_light"}  # sections that the workflow
 # what nlg-datagen and nlg-bake call by the same name; all else says how a shard is sampled, which a bake does not do
 BAKE_TOO = {"unit", "extent_m", "density_growth", "diffusion_passes", "diffusion_sigma", "diffusion_falloff", "duplicate_rms", "duplicate_validity_points"}
 # keys that were called otherwise before
-RENAMED = {"test": "evaluation", "needs": "savings", "needs_rounds": "savings_rounds"}
+RENAMED = {"test": "evaluation"}
 MAX_SHARDS = 1000000
 MAX_PROCESSES = 4096  # of nlg-train
 MAX_DEPTH = 16
@@ -282,14 +282,12 @@ class Run:
 
     def _take_report(self, found):
         judged = self.held_out + self.evaluation
-        report = {"savings": [*self.held_out[:1], *self.evaluation[:1]], "savings_rounds": 1, "small_scenes": SMALL_SCENES, "stability": "full"}
+        report = {"savings": [*self.held_out[:1], *self.evaluation[:1]], "small_scenes": SMALL_SCENES, "stability": "full"}
         require_keys("report", found, set(), set(report))
         report.update(found)
         require("report: savings", report["savings"], is_texts(report["savings"]), "a list of names or patterns")
         for pattern in report["savings"]:
             require("report: savings", pattern, matching(judged, [pattern]), "a pattern of some scene that is held out or for the evaluation")
-        rounds = report["savings_rounds"]
-        require("report: savings_rounds", rounds, type(rounds) is int and 0 <= rounds <= 99, "an integer from 0 to 99")
         require("report: small_scenes", report["small_scenes"], is_texts(report["small_scenes"]) and set(report["small_scenes"]) <= set(SMALL_SCENES),
                 "a list out of " + ", ".join(SMALL_SCENES))
         require("report: stability", report["stability"], isinstance(report["stability"], str) and report["stability"] in STABILITY_DEPTHS,

@@ -15,9 +15,10 @@ void RowSpool::append(const StoredFunction& function) {
   file_.append(row_.data(), row_.size());
 }
 
-StoredFunction RowSpool::read(uint64_t n) {
-  file_.read(n * row_.size(), row_.data(), row_.size());
-  return {row_.data(), row_.data() + point_count_};
+StoredFunction RowSpool::read(uint64_t n, std::vector<uint8_t>* samples) const {
+  samples->resize(row_.size());
+  file_.read(n * row_.size(), samples->data(), samples->size());
+  return {samples->data(), samples->data() + point_count_};
 }
 
 }  // namespace nlg

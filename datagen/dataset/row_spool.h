@@ -18,8 +18,8 @@ class RowSpool {
 
   // Appends a function; its number is the count of those before. throws OutputError (disk full)
   void append(const StoredFunction& function);
-  // The n-th function; good until the next call. throws OutputError when the disk fails
-  StoredFunction read(uint64_t n);
+  // The n-th function; `samples` holds it. Any number of threads may read at once. throws OutputError when the disk fails
+  StoredFunction read(uint64_t n, std::vector<uint8_t>* samples) const;
 
   uint64_t byteCount() const { return file_.byteCount(); }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -14,6 +15,8 @@ namespace nlg {
 struct ProbeBlock {
   std::vector<ProbeOutcome> outcomes;  // one a probe, in visiting order
   FunctionRows functions;              // one row for every outcome `function`, in the same order
+  // By row, where the bare tent stands for the function: its RMSE. Of no row when nobody looked, as for shards.
+  std::vector<std::optional<double>> bare_tent_rmse;
 };
 
 // Appends the function, quantised, to rows whose point counts are set.

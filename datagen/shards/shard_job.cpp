@@ -137,26 +137,34 @@ void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& 
     const glm::dvec3 position(x, y, z);
     const float spacing_m = tree_.probeSpacing(index);
     const bool by_eye = Random(mixSeed(seed_, kInSolidStream, index)).chance(options_.in_solid);
-    const ProbeOutcome outcome = builder.build(position, spacing_m, &function, {by_eye ? InSolid::by_eye : InSolid::left_out});
+    const ProbeOutcome outcome = builder.build(position, spacing_m, &function, by_eye ? InSolid::by_eye : InSolid::left_out);
     block->outcomes.push_back(outcome);
     if (outcome != ProbeOutcome::function) continue;
     appendFunction(function, scene_.origin_m + position, spacing_m, &block->functions);
   }
 }
 
-ShardPipeline ShardJob::pipeline() const {
-  ShardPipeline pipeline;
+FunctionPipeline ShardJob::pipeline() const {
+  FunctionPipeline pipeline;
   pipeline.nextProbes = [order = ShuffledOrder(probeCount(), seed_)]() mutable {
     std::vector<uint64_t> probes;
     uint64_t index = 0;
     while (probes.size() < kBlockProbes && order.next(&index)) probes.push_back(index);
     return probes;
   };
-  pipeline.makeGenerator = [this] {
+  pipeline.makeGenerator = [this](int) {
     const auto builder = std::make_shared<WeightingBuilder>(rays_, links_, options_.diffusion);
     return [this, builder](const std::vector<uint64_t>& probes, ProbeBlock* block) { generate(*builder, probes, block); };
   };
   return pipeline;
+}
+
+std::function<FunctionPipeline::Finish(int thread)> appendTo(ShardWriter& writer) {
+  return [&writer](int) {
+    return [&writer](const FunctionRows& chunk) {
+      return [&writer, encoded = encodeFunctions(chunk, 0, chunk.functionCount())] { writer.append(encoded); };
+    };
+  };
 }
 
 }  // namespace nlg

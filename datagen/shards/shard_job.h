@@ -5,9 +5,10 @@
 #include <string>
 
 #include "datagen/dataset/shard.h"
+#include "datagen/dataset/shard_writer.h"
 #include "datagen/probes/probe_placement.h"
 #include "datagen/probes/shuffled_order.h"
-#include "datagen/shards/shard_pipeline.h"
+#include "datagen/shards/function_pipeline.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
 #include "datagen/weighting/weighting_builder.h"
@@ -61,8 +62,8 @@ class ShardJob {
   uint64_t probeCount() const { return tree_.probeCount(); }
   CollectorLimits limits() const;
 
-  // The functions of the probes in visiting order; serves one run. The job must outlive it.
-  ShardPipeline pipeline() const;
+  // The functions of the probes in visiting order, for whoever adds a finisher; serves one run. The job must outlive it.
+  FunctionPipeline pipeline() const;
 
  private:
   ShardJob(const SceneSource& source, const ShardRequest& request, const DatagenOptions& options, const OptionTable& table);
@@ -79,5 +80,8 @@ class ShardJob {
   LinkTable links_;
   RayScene rays_;
 };
+
+// What brings the chunks of a shard to its file: compressed in any order, written in theirs. The writer must outlive it.
+std::function<FunctionPipeline::Finish(int thread)> appendTo(ShardWriter& writer);
 
 }  // namespace nlg

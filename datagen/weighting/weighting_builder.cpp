@@ -32,32 +32,25 @@ WeightingBuilder::WeightingBuilder(const RayScene& scene, const LinkTable& links
   for (const float distance : links.distance) gaussian_.push_back(gaussianAt(distance, options.sigma));
 }
 
-ProbeOutcome WeightingBuilder::build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result,
-                                     const SeeOptions& options) {
-  const ProbeOutcome outcome = see(position_m, spacing_m, options);
+ProbeOutcome WeightingBuilder::build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result, InSolid in_solid) {
+  const ProbeOutcome outcome = see(position_m, spacing_m, in_solid);
   return outcome == ProbeOutcome::function ? generate(result) : outcome;
 }
 
-ProbeOutcome WeightingBuilder::see(const glm::dvec3& position_m, float spacing_m, const SeeOptions& options) {
+ProbeOutcome WeightingBuilder::see(const glm::dvec3& position_m, float spacing_m, InSolid in_solid) {
   const SolidVote probe_vote = visibility_.voteAt(position_m);
   in_solid_ = probe_vote.solid();
-  if (in_solid_ && options.in_solid == InSolid::left_out) return ProbeOutcome::in_solid;
+  if (in_solid_ && in_solid == InSolid::left_out) return ProbeOutcome::in_solid;
   visibility_.beginProbe(position_m, spacing_m);
   if (in_solid_) {
-    if (!openEye(options.in_solid)) return ProbeOutcome::in_solid;
+    if (!solid_eye_.open(&visibility_)) return ProbeOutcome::in_solid;
   } else {
-    if (options.stops_in_free_space && visibility_.supportIsEmpty()) return ProbeOutcome::free_space;
+    if (visibility_.supportIsEmpty()) return ProbeOutcome::free_space;
     visibility_.traceProbeRays();
   }
   visibility_.testLinks();
   open_shell_ = visibility_.findValidity() || probe_vote.disputed();
   return ProbeOutcome::function;
-}
-
-bool WeightingBuilder::openEye(InSolid in_solid) {
-  if (solid_eye_.open(&visibility_)) return true;
-  if (in_solid == InSolid::kept) visibility_.traceProbeRays();
-  return in_solid == InSolid::kept;
 }
 
 ProbeOutcome WeightingBuilder::generate(GeneratedFunction* result) {

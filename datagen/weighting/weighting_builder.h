@@ -37,13 +37,6 @@ struct GeneratedFunction {
 enum class InSolid {
   left_out,  // no function
   by_eye,    // a function where it has an eye
-  kept,      // and where it has none, that of what it sees in solid: a bake asks for it to measure what leaving out saves
-};
-
-// Which probes WeightingBuilder::see gives up early, because nobody needs their function.
-struct SeeOptions {
-  InSolid in_solid = InSolid::left_out;
-  bool stops_in_free_space = true;
 };
 
 class WeightingBuilder {
@@ -53,11 +46,12 @@ class WeightingBuilder {
 
   // position_m  relative to the scene's origin; spacing_m > 0
   // result      filled when the outcome is `function` or `empty`
-  ProbeOutcome build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result, const SeeOptions& options = {});
+  ProbeOutcome build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result,
+                     InSolid in_solid = InSolid::left_out);
 
   // build in two steps. see: visibility and validity alone; `function` when there is one to generate.
   // generate: the function of the probe that was seen last, whose outcome was `function`; returns `function` or `empty`
-  ProbeOutcome see(const glm::dvec3& position_m, float spacing_m, const SeeOptions& options = {});
+  ProbeOutcome see(const glm::dvec3& position_m, float spacing_m, InSolid in_solid = InSolid::left_out);
   ProbeOutcome generate(GeneratedFunction* result);
 
   // Of the probe that was seen last: whether it sees a place of its support, and what its function is there, by the rule that
@@ -69,7 +63,6 @@ class WeightingBuilder {
   const SupportVisibility& visibility() const { return visibility_; }
 
  private:
-  bool openEye(InSolid in_solid);
   void lightSeenPoints(GeneratedFunction* result);
   void diffuse(int pass, GeneratedFunction* result);
   bool isLitBefore(int pass, uint32_t point) const { return lit_[point] != 0 && lit_[point] <= pass; }

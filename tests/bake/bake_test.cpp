@@ -317,7 +317,7 @@ TEST_P(StoredThetaTest, HasTheErrorThatTheBakeReports) {
   const BakeScene scene("house:3", options);
   const Bake house = bakeScene(scene, generators({"tent_mlp", "mlp"}), options, folder_.string());
   SceneFunctions functions(scene, options, 2, folder_.string());
-  functions.makeAll([](const SceneFunctions::NewFunctions&) {});
+  functions.makeAll([](int) { return [](const FunctionRows&) { return [] {}; }; });
   ASSERT_EQ(functions.counts().functions, house.grid.functionCount());
   EXPECT_EQ(functions.probeFunction(), house.grid.probe_function);
   ASSERT_EQ(house.statistics.records.size(), house.grid.functionCount());
@@ -371,7 +371,7 @@ TEST_F(SceneBakeTest, ReportHoldsTheSameNumbersForProgramsAndPeople) {
   Bake wall = bake(writeWall(), only(correctedData()), wallOptions());
   BakeReport report;
   report.scene = "wall";
-  report.representations = {"tent_mlp"};
+  report.weights = {{"tent_mlp", "", 0}};
   report.statistics = wall.statistics;
   report.file_bytes = 123456;
   report.simd = "none";

@@ -1,33 +1,19 @@
-// What a scene does not need: the lines' counts add up, and what they claim to be saved is what a bake without the saving takes.
+// What a scene does not need: the lines' counts add up, and seconds and bytes are those of the same work in the same bake.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <set>
+#include <stdexcept>
 
-#include "bake/look_up_difference.h"
-#include "bake/savings_measurement.h"
+#include "bake/savings.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 namespace nlg {
 namespace {
 
 std::string spoolFolder() { return std::filesystem::temp_directory_path().string(); }
-
-// All of a text, in their order; a test of a note's figures leaves its words alone.
-std::vector<double> numbersIn(const std::string& text) {
-  std::vector<double> numbers;
-  for (const char* at = text.c_str(); *at != '\0';) {
-    char* end = nullptr;
-    const bool is_digit = *at >= '0' && *at <= '9';
-    if (is_digit) numbers.push_back(std::strtod(at, &end));
-    at = is_digit ? end : at + 1;
-  }
-  return numbers;
-}
 
 std::vector<Generator> generators(const std::vector<std::string>& names) {
   std::vector<Generator> result;
@@ -65,15 +51,8 @@ const BakeScene& house() {
   return scene;
 }
 
-Bake bakeHouse(const std::vector<Generator>& generators, const BakeOptions& options, const LeftOut& left_out = {}) {
-  return bakeScene(house(), generators, options, spoolFolder(), left_out);
-}
-
-std::string fileBytes(const LightGrid& grid) {
-  std::string bytes;
-  const FileResult result = serializeLightGrid(grid, {ThetaPrecision::float32}, {}, &bytes);
-  EXPECT_TRUE(result.ok()) << result.detail;
-  return bytes;
+Bake bakeHouse(const std::vector<Generator>& generators, const BakeOptions& options) {
+  return bakeScene(house(), generators, options, spoolFolder());
 }
 
 uint64_t probesOf(const LightGrid& grid, uint32_t function) {
@@ -91,99 +70,98 @@ double medianRmse(const std::vector<Generator>& generators, BakeOptions options)
   return rmse[rmse.size() / 2];
 }
 
+// The table of a bake on two threads that stores float32, and a line of it.
+std::vector<Saving> savingsOf(const Bake& bake, const std::vector<Generator>& generators, const BakeOptions& options) {
+  const std::vector<uint64_t> weights_bytes = {1000, 2000};
+  return savingsOf(bake, generators, options.policy, {ThetaPrecision::float32}, weights_bytes, options.threads);
+}
+
+const Saving* find(const std::vector<Saving>& savings, const std::string& what) {
+  const auto found = std::find_if(savings.begin(), savings.end(), [&](const Saving& saving) { return saving.what == what; });
+  return found == savings.end() ? nullptr : &*found;
+}
+
+const Saving& lineOf(const std::vector<Saving>& savings, const std::string& what) {
+  const Saving* saving = find(savings, what);
+  if (saving == nullptr) throw std::out_of_range("no line: " + what);
+  return *saving;
+}
+
 TEST(Savings, CountsAreThoseOfTheBakeAndAddUp) {
   const std::vector<Generator> both = generators({"tent_mlp", "mlp"});
   const Bake bake = bakeHouse(both, houseOptions());
-  std::vector<Saving> savings = countSavings(bake, both, houseOptions().policy, {1000, 2000});
+  const std::vector<Saving> savings = savingsOf(bake, both, houseOptions());
   const ShardCounts& counts = bake.statistics.counts;
-  const auto line = [&](const char* what) -> const Saving& {
-    Saving* saving = findSaving(savings, what);
-    EXPECT_NE(saving, nullptr) << what;
-    return *saving;
-  };
-  EXPECT_GT(line(saving::kFreeSpace).count, 0u);
-  EXPECT_GT(line(saving::kDuplicates).count, 0u);
-  EXPECT_GT(line(saving::kBareTent).count, 0u);
-  EXPECT_EQ(line(saving::kFreeSpace).count + line(saving::kBareTent).count, probesOf(bake.grid, kFreeSpace));
-  EXPECT_EQ(line(saving::kInSolid).count + line(saving::kEmpty).count, probesOf(bake.grid, kNoWeight));
-  const uint64_t parts = line(saving::kFreeSpace).count + line(saving::kInSolid).count + line(saving::kEmpty).count +
-                         line(saving::kDuplicates).count + line(saving::kBareTent).count;
-  EXPECT_EQ(line(saving::kAllProbes).count, parts);
-  EXPECT_EQ(parts + counts.functions, counts.grid_probes);
-  EXPECT_EQ(line(saving::kLargestTheta).count + bake.statistics.chosen(2).back(), counts.functions);
+  const auto count = [&](const char* what) { return lineOf(savings, what).count; };
+  const uint64_t free_space = count("probes in free space"), tents = count("functions that are all but the bare tent"),
+                 duplicates = count("duplicates"), in_solid = count("probes in solid"),
+                 empty = count("probes whose function is 0 everywhere");
+  EXPECT_GT(free_space, 0u);
+  EXPECT_GT(duplicates, 0u);
+  EXPECT_GT(tents, 0u);
+  EXPECT_EQ(free_space + tents, probesOf(bake.grid, kFreeSpace));
+  EXPECT_EQ(in_solid + empty, probesOf(bake.grid, kNoWeight));
+  EXPECT_EQ(free_space + tents + duplicates + in_solid + empty + counts.functions, counts.grid_probes);
+  EXPECT_EQ(count("theta of the largest representation") + bake.statistics.chosen(2).back(), counts.functions);
   // nothing is refined here: what passes the check needs no refinement, what fails it has had none
   EXPECT_EQ(bake.statistics.refined(), 0u);
-  EXPECT_EQ(line(saving::kRefinement).count + bake.statistics.failing(ThetaWord::fitted, houseOptions().policy.check()),
-            counts.functions);
-  uint64_t never_bytes = 0;
-  for (size_t g = 0; g < both.size(); ++g) never_bytes += bake.statistics.chosen(2)[g] == 0 ? 1000 * (g + 1) : 0;
-  EXPECT_EQ(line(saving::kNeverChosen).bytes_saved, static_cast<int64_t>(never_bytes));
+  EXPECT_EQ(count("refinements") + bake.statistics.failing(ThetaWord::fitted, houseOptions().policy.check()), counts.functions);
+  EXPECT_FALSE(lineOf(savings, "refinements").seconds) << "none was made: nobody knows what one takes";
+  int64_t never_bytes = 0;
+  for (size_t g = 0; g < both.size(); ++g)
+    never_bytes += bake.statistics.chosen(2)[g] == 0 ? 1000 * (static_cast<int64_t>(g) + 1) : 0;
+  EXPECT_EQ(lineOf(savings, "representations never chosen").bytes, never_bytes);
+  std::set<std::string> names;
   for (const Saving& saving : savings) {
     EXPECT_LE(saving.count, saving.of) << saving.what;
-    EXPECT_FALSE(saving.seconds_saved) << saving.what << ": nothing was measured";
-    EXPECT_FALSE(saving.same_result) << saving.what << ": nothing was compared";
     EXPECT_FALSE(saving.note.empty()) << saving.what;
+    EXPECT_TRUE(names.insert(saving.what).second) << saving.what << " stands there twice";
   }
 }
 
-TEST(Savings, TablesHaveEveryLineAndTheKeysOfTheReport) {
+TEST(Savings, CostWhatTheSameWorkTookInTheSameBake) {
   const std::vector<Generator> one = generators({"tent_mlp"});
-  const std::vector<Saving> savings = countSavings(bakeHouse(one, houseOptions()), one, houseOptions().policy, {1000});
-  const nlohmann::ordered_json json = toJson(savings);
-  const std::string text = toTable(savings);
-  ASSERT_EQ(json.size(), savings.size());
-  std::set<std::string> names;
-  for (size_t i = 0; i < savings.size(); ++i) {
-    for (const char* key :
-         {"what", "left_out", "count", "of", "seconds_saved", "seconds_noise", "bytes_saved", "same_result", "note"}) {
-      EXPECT_TRUE(json[i].contains(key)) << savings[i].what << ": " << key;
-    }
-    EXPECT_NE(text.find(savings[i].what), std::string::npos) << text;
-    EXPECT_TRUE(names.insert(savings[i].what).second) << savings[i].what << " stands there twice";
-  }
-  EXPECT_EQ(json.back().at("what"), saving::kLightBits);
+  const Bake bake = bakeHouse(one, houseOptions());
+  const std::vector<Saving> savings = savingsOf(bake, one, houseOptions());
+  const BakeStatistics& s = bake.statistics;
+  double theta_s = 0.0;
+  for (const ThetaRecord& record : s.records) theta_s += 1e-6 * record.elapsedUs(ThetaWord::stored);
+  const double each_s = theta_s / static_cast<double>(s.counts.functions);
+  EXPECT_GT(each_s, 0.0);
+  const auto duplicates = static_cast<double>(s.counts.duplicates), tents = static_cast<double>(s.bare_tents.count);
+  EXPECT_DOUBLE_EQ(*lineOf(savings, "duplicates").seconds, duplicates * each_s - s.function_times.duplicates_s);
+  EXPECT_DOUBLE_EQ(*lineOf(savings, "functions that are all but the bare tent").seconds,
+                   tents * each_s - s.function_times.bare_tent_s);
+  EXPECT_GT(*lineOf(savings, "probes in free space").seconds, 0.0);
+  // a theta of D floats and a byte that says of which representation it is
+  const int64_t bytes = 4 * one[0].representation().thetaCount() + 1;
+  EXPECT_EQ(lineOf(savings, "duplicates").bytes, static_cast<int64_t>(s.counts.duplicates) * bytes);
+  EXPECT_EQ(lineOf(savings, "functions that are all but the bare tent").bytes, static_cast<int64_t>(s.bare_tents.count) * bytes);
 }
 
-TEST(LeftOut, FreeSpaceIsOneFunctionForAllOfIt) {
-  const std::vector<Generator> one = generators({"tent_mlp"});
-  BakeOptions options = exactOptions();
-  options.policy.bare_tent_rmse = 0.0;
-  const Bake with = bakeHouse(one, options), without = bakeHouse(one, options, {.free_space = false});
-  ASSERT_GT(probesOf(with.grid, kFreeSpace), 0u);
-  EXPECT_EQ(probesOf(without.grid, kFreeSpace), 0u);
-  // the bare tent: one more distinct function, unless some other probe has it too
-  EXPECT_LE(without.grid.functionCount(), with.grid.functionCount() + 1);
-  std::set<uint32_t> functions;
-  for (size_t p = 0; p < with.grid.probe_function.size(); ++p) {
-    if (with.grid.probe_function[p] == kFreeSpace) functions.insert(without.grid.probe_function[p]);
-  }
-  EXPECT_EQ(functions.size(), 1u);
-  // which is all but the bare tent: without the saving, and without the links that it saves, the grid is the same
-  EXPECT_TRUE(fileBytes(bakeHouse(one, exactOptions(), {.free_space = false}).grid) ==
-              fileBytes(bakeHouse(one, exactOptions()).grid));
-}
-
-TEST(LeftOut, WithoutThemEveryProbeHasAFunctionOfItsOwn) {
+TEST(Savings, HaveALineForWhatThisBakeCouldLeaveOutAlone) {
   const std::vector<Generator> one = generators({"tent_mlp"});
   BakeOptions options = houseOptions();
-  options.policy.bare_tent_rmse = 0.0;
-  const Bake bake = bakeHouse(one, options, {false, false, false, false});
-  EXPECT_EQ(bake.grid.functionCount(), bake.grid.probe_function.size());
-  std::vector<uint32_t> numbers = bake.grid.probe_function;
-  std::sort(numbers.begin(), numbers.end());
-  for (size_t p = 0; p < numbers.size(); ++p) ASSERT_EQ(numbers[p], p);
+  options.light = "none";
+  const Bake dark = bakeHouse(one, options);
+  const std::vector<Saving> unlit = savingsOf(dark, one, options);
+  for (const char* what : {"bounces traced once for all probes", "bits and coefficients of light beyond the file's form",
+                           "bits of theta beyond its stored form", "theta of the largest representation"}) {
+    EXPECT_EQ(find(unlit, what), nullptr) << what;
+  }
+  const std::vector<Saving> rounded =
+      savingsOf(dark, one, options.policy, {ThetaPrecision::float16, LightForm::sh2_8bit}, {1000}, options.threads);
+  EXPECT_EQ(lineOf(rounded, "bits of theta beyond its stored form").bytes, static_cast<int64_t>(2 * dark.grid.theta.size()));
 }
 
-TEST(LeftOut, DuplicatesTakeAThetaEach) {
-  const std::vector<Generator> one = generators({"tent_mlp"});
-  const Bake with = bakeHouse(one, houseOptions()), without = bakeHouse(one, houseOptions(), {.duplicates = false});
-  const uint64_t duplicates = with.statistics.counts.duplicates;
-  ASSERT_GT(duplicates, 0u);
-  EXPECT_EQ(without.grid.functionCount(), with.grid.functionCount() + duplicates);
-  // what the table says without measuring: D floats and a byte a function
-  std::vector<Saving> savings = countSavings(with, one, houseOptions().policy, {1000});
-  const auto theta_bytes = static_cast<int64_t>(4 * (without.grid.theta.size() - with.grid.theta.size()));
-  EXPECT_EQ(findSaving(savings, saving::kDuplicates)->bytes_saved, theta_bytes + static_cast<int64_t>(duplicates));
+TEST(Savings, TablesHaveEveryLineAndOnlyTheKeysThatAreKnown) {
+  const std::vector<Saving> savings = {{"this", 3, 9, 1.5, {}, "a note"}, {"that", 0, 1, {}, -4, "another"}};
+  const nlohmann::ordered_json json = toJson(savings);
+  EXPECT_EQ(json.dump(), R"([{"what":"this","count":3,"of":9,"seconds_saved":1.5,"note":"a note"},)"
+                         R"({"what":"that","count":0,"of":1,"bytes_saved":-4,"note":"another"}])");
+  const std::string text = toTable(savings);
+  for (const char* word : {"this", "that", "1.500", "-4", "a note", "another"})
+    EXPECT_NE(text.find(word), std::string::npos) << word << " in\n" << text;
 }
 
 TEST(Savings, LargerGeneratorsRunOnlyWhereTheSmallestIsNotEnough) {
@@ -200,8 +178,8 @@ TEST(Savings, LargerGeneratorsRunOnlyWhereTheSmallestIsNotEnough) {
   EXPECT_GT(larger, 0u);
   EXPECT_LT(larger, house.statistics.counts.functions);
   EXPECT_EQ(house.statistics.chosen(2)[1], larger);
-  std::vector<Saving> savings = countSavings(house, both, options.policy, {1000, 2000});
-  EXPECT_EQ(findSaving(savings, saving::kLargerGenerators)->count, house.statistics.counts.functions - larger);
+  EXPECT_EQ(lineOf(savingsOf(house, both, options), "functions that the smallest representation already fits").count,
+            house.statistics.counts.functions - larger);
 }
 
 TEST(Savings, WhatIsGoodTakesNoStageAfterTheNetwork) {
@@ -210,13 +188,12 @@ TEST(Savings, WhatIsGoodTakesNoStageAfterTheNetwork) {
   options.policy.stages.good_rmse = 1e3;
   options.policy.refinement.check = {1e3, 1e3, 1.0};
   const Bake good = bakeHouse(one, options);
-  std::vector<Saving> savings = countSavings(good, one, options.policy, {1000});
-  EXPECT_EQ(findSaving(savings, saving::kGoodTheta)->count, good.statistics.counts.functions);
+  const char* line = "corrections and fits of thetas that are good";
+  EXPECT_EQ(lineOf(savingsOf(good, one, options), line).count, good.statistics.counts.functions);
   for (const ThetaRecord& record : good.statistics.records) EXPECT_EQ(record.ended, ThetaStage::network);
   options.policy.stages.good_rmse = 0.0;
   const Bake all = bakeHouse(one, options);
-  savings = countSavings(all, one, options.policy, {1000});
-  EXPECT_EQ(findSaving(savings, saving::kGoodTheta)->count, 0u);
+  EXPECT_EQ(lineOf(savingsOf(all, one, options), line).count, 0u);
   uint64_t better = 0;
   for (size_t f = 0; f < all.statistics.records.size(); ++f) {
     const ThetaRecord &record = all.statistics.records[f], &before = good.statistics.records[f];
@@ -226,7 +203,7 @@ TEST(Savings, WhatIsGoodTakesNoStageAfterTheNetwork) {
   EXPECT_GT(better, 0u);
 }
 
-TEST(LeftOut, WhatIsAllButTheBareTentHasNoThetaAndIsNoFurtherOff) {
+TEST(Savings, WhatIsAllButTheBareTentHasNoThetaAndIsNoFurtherOff) {
   const std::vector<Generator> one = generators({"tent_mlp"});
   BakeOptions options = exactOptions();
   options.policy.bare_tent_rmse = 0.004;
@@ -234,7 +211,7 @@ TEST(LeftOut, WhatIsAllButTheBareTentHasNoThetaAndIsNoFurtherOff) {
   BakeOptions none = options;
   none.policy.bare_tent_rmse = 0.0;
   const Bake without = bakeHouse(one, none);
-  const BareTents& tents = with.statistics.bare_tents;
+  const TentCounts& tents = with.statistics.bare_tents;
   ASSERT_GT(tents.count, 0u);
   EXPECT_LE(tents.rmse_sum, options.policy.bare_tent_rmse * static_cast<double>(tents.count));
   EXPECT_GT(tents.rmse_sum, 0.0);
@@ -250,104 +227,6 @@ TEST(LeftOut, WhatIsAllButTheBareTentHasNoThetaAndIsNoFurtherOff) {
     EXPECT_EQ(with.statistics.records[a].at(ThetaWord::stored).rmse, without.statistics.records[b].at(ThetaWord::stored).rmse)
         << "probe " << p;
   }
-}
-
-TEST(LeftOut, BareTentsThatPassTheCheckCouldCountAsFreeSpace) {
-  const std::vector<Generator> one = generators({"tent_mlp"});
-  BakeOptions passing_tents = exactOptions();
-  passing_tents.policy.bare_tent_rmse = passing_tents.policy.check().tau_rmse;
-  const Bake now = bakeHouse(one, exactOptions()), then = bakeHouse(one, passing_tents);
-  const auto passing = [](const Bake& bake) {
-    return std::count(bake.statistics.tent_passes.begin(), bake.statistics.tent_passes.end(), 1);
-  };
-  ASSERT_GT(passing(now), 0);
-  EXPECT_EQ(passing(then), 0);
-  EXPECT_EQ(then.grid.functionCount() + static_cast<size_t>(passing(now)), now.grid.functionCount());
-  EXPECT_GT(probesOf(then.grid, kFreeSpace), probesOf(now.grid, kFreeSpace));
-}
-
-bool everywhere(const PositionM&) { return true; }
-
-TEST(LookUpDifference, SeesEveryProbeThatChanged) {
-  const LightGrid grid = bakeHouse(generators({"tent_mlp"}), houseOptions()).grid;
-  const std::vector<PositionM> places = lookUpPlaces(grid.tree, 2000, 5, everywhere);
-  const LookUpDifference same = lookUpDifference(grid, grid, places);
-  EXPECT_EQ(same.changed, 0u);
-  EXPECT_EQ(same.largest, 0.0);
-  EXPECT_GT(same.look_ups, 1990u);
-  // without any weight the difference is the weight itself, whichever of the two has it
-  LightGrid bare = grid, none = grid;
-  std::fill(bare.probe_function.begin(), bare.probe_function.end(), kFreeSpace);
-  std::fill(none.probe_function.begin(), none.probe_function.end(), kNoWeight);
-  const LookUpDifference there = lookUpDifference(bare, none, places), back = lookUpDifference(none, bare, places);
-  EXPECT_EQ(there.changed, there.look_ups);
-  EXPECT_EQ(there.largest, back.largest);
-  EXPECT_EQ(there.mean, back.mean);
-  // of 8 tents that sum to 1 the largest is at least an eighth
-  EXPECT_GE(there.mean, 0.125);
-  EXPECT_LE(there.largest, 1.0);
-}
-
-TEST(LookUpPlaces, AreThoseOfTheDrawsThatLieInAir) {
-  const ProbeTree& tree = house().tree;
-  const std::vector<PositionM> all = lookUpPlaces(tree, 500, 5, everywhere);
-  ASSERT_EQ(all.size(), 500u);
-  const auto low = [&](const PositionM& place) { return place[2] < all[0][2]; };
-  std::vector<PositionM> expected;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(expected), low);
-  EXPECT_EQ(lookUpPlaces(tree, 500, 5, low), expected);
-  EXPECT_TRUE(lookUpPlaces(tree, 500, 5, [](const PositionM&) { return false; }).empty());
-  EXPECT_NE(lookUpPlaces(tree, 500, 6, everywhere), all);
-}
-
-TEST(SavingsMeasurement, EveryLineThatCanBeTurnedHasFiguresAndSaysWhatChanged) {
-  const std::vector<Generator> both = generators({"tent_mlp4", "tent_mlp"});
-  BakeOptions options = houseOptions();
-  options.policy.choice.enough_rmse = 1e3;  // of the larger one nothing is needed
-  options.policy.refinement.check = {1e3, 1e3, 1.0};
-  options.policy.refinement.rounds = 1;
-  const Bake bake = bakeHouse(both, options);
-  std::vector<Saving> savings = countSavings(bake, both, houseOptions().policy, {1000, 2000});
-  // the house a kilometre from the world's origin: places in it are told from solid all the same
-  BakeScene scene("house:3", houseOptions());
-  scene.source.scene.origin_m = {1024.0, -512.0, 0.0};
-  measureSavings({scene, both, options, spoolFolder()}, bake.statistics, 2, &savings);
-  const SupportVisibility visibility(scene.rays, scene.links);
-  uint64_t in_air = 0;
-  for (const PositionM& place : lookUpPlaces(scene.tree, 20000, 1, everywhere)) {
-    const SolidVote vote = visibility.voteAt({place[0], place[1], place[2]});
-    in_air += !vote.solid() && !vote.disputed();
-  }
-  EXPECT_GT(in_air, 0u);
-  EXPECT_LT(in_air, 20000u) << "no solid: nothing is left out of the comparison";
-  const std::set<std::string> only_counted = {saving::kNeverChosen,   saving::kLevels,           saving::kThroughLevels,
-                                              saving::kEmptyRoots,    saving::kAirlessCells,     saving::kUnreadProbes,
-                                              saving::kStoredBounces, saving::kSharedBounces,    saving::kLightBits,
-                                              saving::kSolidRays,     saving::kLargerGenerators, saving::kRefinement};
-  for (const Saving& saving : savings) {
-    if (saving.count == 0 || only_counted.contains(saving.what)) continue;
-    EXPECT_TRUE(saving.seconds_saved) << saving.what;
-    ASSERT_TRUE(saving.seconds_noise) << saving.what;
-    EXPECT_GE(*saving.seconds_noise, 0.0) << saving.what;
-    const std::vector<double> numbers = numbersIn(saving.note);
-    const auto says = [&](double number) { return std::find(numbers.begin(), numbers.end(), number) != numbers.end(); };
-    EXPECT_TRUE(says(static_cast<double>(in_air))) << saving.what << ", " << in_air << " places: " << saving.note;
-    EXPECT_TRUE(says(2)) << saving.what << ", 2 rounds: " << saving.note;
-    EXPECT_TRUE(saving.bytes_saved) << saving.what;
-    ASSERT_TRUE(saving.same_result) << saving.what;
-  }
-  const auto line = [&](const char* what) { return *findSaving(savings, what); };
-  EXPECT_EQ(line(saving::kLargerGenerators).count, bake.statistics.counts.functions);
-  EXPECT_EQ(line(saving::kLargerGenerators).bytes_saved, 0);
-  EXPECT_EQ(line(saving::kNeverChosen).bytes_saved, 2000);
-  EXPECT_EQ(line(saving::kNeverChosenGenerators).same_result, true) << "its generator never ran";
-  EXPECT_EQ(line(saving::kThetaBits).same_result, false);
-  EXPECT_NEAR(static_cast<double>(*line(saving::kThetaBits).bytes_saved), 2.0 * static_cast<double>(bake.grid.theta.size()),
-              128.0)
-      << "the file's fillers are at most 64 bytes a tensor";
-  EXPECT_GT(*line(saving::kAllProbes).bytes_saved, *line(saving::kDuplicates).bytes_saved);
-  EXPECT_TRUE(line(saving::kSolidRays).seconds_saved);
-  EXPECT_TRUE(line(saving::kSolidRays).seconds_noise);
 }
 
 }  // namespace

@@ -35,9 +35,11 @@ class GeneratedShard : public testing::Test {
   // The shard as run with these limits and threads writes it.
   std::string make(const CollectorLimits& limits, int threads) {
     const ShardJob job({"house:1", 0, true}, options_, table_);
-    ShardCollector collector(job.header(), limits, folder_.string());
+    FunctionCollector collector(job.header(), limits, folder_.string());
     ShardWriter writer(at("shard.h5"), job.header());
-    job.pipeline().run(threads, collector, writer);
+    FunctionPipeline pipeline = job.pipeline();
+    pipeline.makeFinisher = appendTo(writer);
+    pipeline.run(threads, collector);
     ShardCounts counts = collector.counts();
     counts.grid_probes = job.probeCount();
     writer.finish(counts);
@@ -124,16 +126,17 @@ TEST_F(GeneratedShard, HoldsNoTwoFunctionsWithinTheTolerance) {
 TEST_F(GeneratedShard, ReportsWhatAThreadThrows) {
   const ShardJob job({"house:1", 0, false}, options_, table_);
   for (const int threads : {1, 3}) {
-    ShardCollector collector(job.header(), {1000, 100000}, folder_.string());
+    FunctionCollector collector(job.header(), {1000, 100000}, folder_.string());
     ShardWriter writer(at("shard.h5"), job.header());
-    ShardPipeline pipeline = job.pipeline();
-    pipeline.makeGenerator = [calls = std::make_shared<std::atomic<int>>(0)] {
+    FunctionPipeline pipeline = job.pipeline();
+    pipeline.makeGenerator = [calls = std::make_shared<std::atomic<int>>(0)](int) {
       return [calls](const std::vector<uint64_t>& probes, ProbeBlock* block) {
         if (++*calls == 5) throw InputError("scene", "probe", "a place", "none");
         block->outcomes.assign(probes.size(), ProbeOutcome::in_solid);
       };
     };
-    EXPECT_THROW(pipeline.run(threads, collector, writer), InputError) << threads << " threads";
+    pipeline.makeFinisher = appendTo(writer);
+    EXPECT_THROW(pipeline.run(threads, collector), InputError) << threads << " threads";
   }
 }
 

@@ -1,7 +1,6 @@
 #include "validate/errors/held_out.h"
 
 #include "tool/error.h"
-#include "tool/one_file_each.h"
 #include "tool/require_read.h"
 
 namespace nlg {
@@ -28,16 +27,6 @@ Generator loadGenerator(const std::string& path) {
   Generator generator;
   requireRead(path, Generator::load(path, &generator), kExpected);
   return generator;
-}
-
-std::vector<Generator> loadGenerators(const std::vector<std::string>& paths) {
-  std::vector<Generator> generators;
-  OneFileEach given("--weights", "representation");
-  for (const std::string& path : paths) {
-    generators.push_back(loadGenerator(path));
-    given.add(path, representationName(generators.back().representation()));
-  }
-  return generators;
 }
 
 GeneratorData loadGeneratorData(const std::string& path) {

@@ -16,9 +16,6 @@ FunctionSet readHeldOut(const std::vector<std::string>& paths);
 
 // throws   InputError naming the file and what the reader says of it
 Generator loadGenerator(const std::string& path);
-// All of them, in the order of the paths.
-// throws   UsageError when two are of one representation
-std::vector<Generator> loadGenerators(const std::vector<std::string>& paths);
 // loadGenerator's refusals; a generator's numbers, from which generators of other settings are made.
 GeneratorData loadGeneratorData(const std::string& path);
 

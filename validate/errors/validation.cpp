@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "bake/load_generators.h"
 #include "bake/policy_options.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "tool/atomic_file.h"
@@ -33,7 +34,7 @@ ValidatedGenerator measure(const Generator& generator, const std::string& path, 
 void validate(const ValidationRequest& request, ValidateOptions options, const OptionTable& table) {
   requireOutputFolder(request.out_dir);
   options.policy.theta_precision = thetaPrecisionFromName(options.theta_precision);
-  const std::vector<Generator> generators = loadGenerators(request.weights);
+  const auto [generators, paths] = loadGenerators(request.weights);
   const FunctionSet set = readHeldOut(request.held_out);
   const Populations populations(set, options);
   const FunctionCounts counts = countFunctions(request.training, request.held_out, set, options.threadCount());
@@ -53,13 +54,12 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
   for (size_t i = 0; i < generators.size(); ++i) {
     const Representation& representation = generators[i].representation();
     const std::string name = representationName(representation);
-    const ValidatedGenerator validated = measure(generators[i], request.weights[i], context, options);
+    const ValidatedGenerator validated = measure(generators[i], paths[i], context, options);
     summary["representations"][name] = representationJson(validated, context);
     for (const MeasuredWord& word : validated.policy.words) csv.add(name, word);
     for (const MeasuredWord& fit : validated.fits.words) csv.add(name, fit);
     appendSlices(representation, validated.policy, set, populations, &slices);
   }
-
   writeFileAtomically(request.out_dir + "/functions.csv", csv.text());
   writeFileAtomically(request.out_dir + "/slices.json", slices.dump());
   writeFileAtomically(request.out_dir + "/summary.json", summary.dump(1) + "\n");

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bake/load_generators.h"
 #include "bake/scene_bake.h"
 #include "datagen/view/png_file.h"
 #include "render/place_picture.h"
@@ -58,8 +59,7 @@ using GeneratorSets = std::vector<std::pair<std::string, std::vector<Generator>>
 GeneratorSets loadSets(const std::vector<std::string>& weights, std::map<std::string, std::string>* hashes) {
   GeneratorSets sets;
   for (const std::string& listed : weights) {
-    const std::vector<std::string> paths = splitAtCommas(listed);
-    std::vector<Generator> generators = loadGenerators(paths);
+    auto [generators, paths] = loadGenerators(splitAtCommas(listed));
     std::string name;
     for (size_t g = 0; g < generators.size(); ++g) {
       const std::string representation(representationName(generators[g].representation()));

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bake/load_generators.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
@@ -25,7 +26,7 @@ struct Request {
 void measure(const Request& request, BakeOptions options, const OptionTable& table) {
   takeThetaPrecision(&options);
   refuseToReplaceInputs(request.out, {request.scene, request.weights});
-  const std::vector<Generator> generators = loadGenerators({request.weights});
+  const std::vector<Generator> generators = loadGenerators({request.weights}).generators;
   const BakeScene scene(request.scene, options);
   tellNotes("nlg-validate", scene.source);
   BakeOptions unlit = options;

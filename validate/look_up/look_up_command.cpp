@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bake/load_generators.h"
 #include "bake/scene_bake.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
@@ -110,7 +111,7 @@ void measureLookUps(Request request, BakeOptions options, const OptionTable& tab
   std::vector<std::string> inputs = request.weights;
   inputs.push_back(request.scene);
   refuseToReplaceInputs(request.out, inputs);
-  const std::vector<Generator> generators = loadGenerators(request.weights);
+  const auto [generators, paths] = loadGenerators(request.weights);
   const BakeScene scene(request.scene, options);
   tellNotes("nlg-validate", scene.source);
   request.places.seed = mixSeed(options.seed, kPlaceStream);
@@ -124,7 +125,7 @@ void measureLookUps(Request request, BakeOptions options, const OptionTable& tab
   std::map<std::string, std::string> hashes;
   if (!scene.source.sha256.empty()) hashes["scene"] = scene.source.sha256;
   for (size_t i = 0; i < generators.size(); ++i)
-    hashes["weights of " + std::string(representationName(generators[i].representation()))] = fileSha256(request.weights[i]);
+    hashes["weights of " + std::string(representationName(generators[i].representation()))] = fileSha256(paths[i]);
   Json json = {{"schema_version", 1},
                {"provenance", provenance("nlg-validate look-up", used, hashes)},
                {"scene", scene.source.id},

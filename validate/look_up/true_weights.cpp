@@ -36,7 +36,7 @@ class ProbeReader {
   // Everything that places read of one probe.
   void read(const Reading* begin, const Reading* end, std::vector<TrueWeights>& weights) {
     const auto [x, y, z] = tree_.probePosition(begin->probe);
-    const ProbeOutcome outcome = builder_.build({x, y, z}, tree_.probeSpacing(begin->probe), &function_, {InSolid::by_eye});
+    const ProbeOutcome outcome = builder_.build({x, y, z}, tree_.probeSpacing(begin->probe), &function_, InSolid::by_eye);
     for (const Reading* reading = begin; reading != end; ++reading) {
       const ProbeAround& around = reading->around;
       TrueWeights& place = weights[reading->place];

@@ -298,36 +298,24 @@ def seconds_text(value):
     return ("−" if value < 0 else "") + duration(abs(value) * 1e6) if value else "0 s"
 
 
-LEFT, NOT_YET, NOTHING, FOREIGN = range(4)  # in the order of the table
-
-
-def saving_state(row):
-    """NOTHING: a bake would leave such a thing out, and this scene has none; FOREIGN: this bake cannot tell."""
-    if row.left_out is None:
-        return FOREIGN
-    return NOTHING if row.count == 0 else LEFT if row.left_out else NOT_YET
-
-
 def saving_groups(savings):
-    """(scene, rows): what is left out first, by falling time saved, then what is not yet, then what this bake has none of."""
+    """(scene, rows): what saves time first, by falling time; what this bake has none of last."""
     groups = []
     for scene, rows in savings:
-        ordered = sorted(rows, key=lambda r: (saving_state(r), -(r.seconds_saved or 0)))
-        groups.append((scene, [{"what": r.what, "state": saving_state(r), "count": grouped(r.count), "of": grouped(r.of), "share": percent(r.count / r.of) if r.of else "–",
+        ordered = sorted(rows, key=lambda r: (r.count == 0, -(r.seconds_saved or 0)))
+        groups.append((scene, [{"what": r.what, "is_left_out": r.count > 0, "count": grouped(r.count), "of": grouped(r.of), "share": percent(r.count / r.of) if r.of else "–",
                                 "seconds": "–" if r.seconds_saved is None else seconds_text(r.seconds_saved),
-                                "bytes": "–" if r.bytes_saved is None else bytes_text(r.bytes_saved),
-                                "same": {None: "–", True: "same result", False: "differs"}[r.same_result], "differs": r.same_result is False, "note": r.note}
+                                "bytes": "–" if r.bytes_saved is None else bytes_text(r.bytes_saved), "note": r.note}
                                for r in ordered]))
     return groups
 
 
 def savings_sentence(savings):
-    """Lines overlap (all probes together, and each kind by itself), so nothing is added up: the one that saves most speaks."""
-    rows = [(scene, r) for scene, some in savings for r in some]
-    left, not_yet = ([(s, r) for s, r in rows if saving_state(r) == state] for state in (LEFT, NOT_YET))
-    text = f"{plural(len(savings), 'scene')}, {plural(len(rows), 'line')}: {len(left)} left out"
+    """Lines overlap (theta of what was not made, and bits of theta), so nothing is added up: the one that saves most speaks."""
+    left = [(scene, r) for scene, some in savings for r in some if r.count > 0]
+    text = f"{plural(len(savings), 'scene')}: {plural(len(left), 'kind')} of work and data left out"
     timed = [(s, r) for s, r in left if r.seconds_saved is not None and r.seconds_saved > 0]
     if timed:
         scene, best = max(timed, key=lambda pair: pair[1].seconds_saved)
         text += f", of which “{best.what}” saves most time, {seconds_text(best.seconds_saved)} in {scene}"
-    return text + (f"; {len(not_yet)} could be left out and {'is' if len(not_yet) == 1 else 'are'} not yet." if not_yet else ".")
+    return text + "."

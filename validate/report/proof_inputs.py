@@ -12,7 +12,6 @@ from tool.input_file import read_json
 
 GROUPS = ("functions", "optimisers", "pca", "generator", "scenes", "training")
 FRONTIER_SCHEMA_VERSION = 2
-SAVINGS_KEYS = ("savings", "needs")  # of nlg-bake's report: today's name and the one before
 ERROR_KEYS = ("rmse_mean", "rmse_median", "rmse_p5", "rmse_p95", "rmse_worst")
 POINT_KEYS = ("us_median", "us_p25", "us_p75", *ERROR_KEYS, "leak_p99", "share_fitted")
 
@@ -86,14 +85,12 @@ class Case:
 
 @dataclass
 class Saving:
-    """One thing that a bake leaves out because the scene does not need it, or could."""
+    """One thing that a bake left out because the scene does not need it."""
     what: str
-    left_out: object       # true, false: not yet; None: there is none of it in this bake
     count: int
     of: int
-    seconds_saved: object  # null: not measured
+    seconds_saved: object  # None: the bake does not know
     bytes_saved: object
-    same_result: object    # null: not known
     note: str
 
 
@@ -218,10 +215,9 @@ def read_savings(path):
     """(scene, its rows) of one bake's report."""
     file = read_json(path)
     rows = []
-    for node in file[next((key for key in SAVINGS_KEYS if key in file), SAVINGS_KEYS[0])].items():
-        saved = [optional(node[key], lambda n: n.number(low=-1e18)) for key in ("seconds_saved", "bytes_saved")]
-        rows.append(Saving(node["what"].text(), optional(node["left_out"], lambda n: n.truth()), node["count"].count(), node["of"].count(), *saved,
-                           optional(node["same_result"], lambda n: n.truth()), node["note"].text()))
+    for node in file["savings"].items():
+        saved = [node[key].number(low=-1e18) if key in node else None for key in ("seconds_saved", "bytes_saved")]
+        rows.append(Saving(node["what"].text(), node["count"].count(), node["of"].count(), *saved, node["note"].text()))
         if rows[-1].count > rows[-1].of:
             node["count"].refuse(f"at most 'of', {rows[-1].of}", rows[-1].count)
     return file["scene"].text(), rows

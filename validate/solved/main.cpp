@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "bake/load_generators.h"
 #include "bake/policy_options.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
@@ -161,7 +162,7 @@ void descendHierarchy(const Request& request, const SolvedScene& scene, const st
 
 void solve(const Request& request, const SolveSetup& setup, const DirectOptions& direct, const OptionTable& table) {
   requireOutputFolder(request.out_dir, "--out-dir");
-  const std::vector<Generator> generators = loadGenerators(request.weights);
+  const std::vector<Generator> generators = loadGenerators(request.weights).generators;
   const SolvedScene scene(request.scene, setup);
   if (generators.empty()) {
     compareRules(request, scene);

@@ -1,4 +1,4 @@
-#include "datagen/shards/shard_pipeline.h"
+#include "datagen/shards/function_pipeline.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -18,17 +18,16 @@ constexpr uint64_t kBlocksAheadPerThread = 4;  // a slow block holds up nobody b
 
 class Run {
  public:
-  Run(const ShardPipeline& pipeline, int thread_count, ShardCollector& collector, ShardWriter& writer)
+  Run(const FunctionPipeline& pipeline, int thread_count, FunctionCollector& collector)
       : pipeline_(pipeline),
         max_blocks_ahead_(kBlocksAheadPerThread * static_cast<uint64_t>(thread_count)),
-        collector_(collector),
-        writer_(writer) {}
+        collector_(collector) {}
 
-  void work() {
+  void work(int thread) {
     try {
-      const auto generate = pipeline_.makeGenerator();
+      const Worker worker{pipeline_.makeGenerator(thread), pipeline_.makeFinisher(thread)};
       std::unique_lock lock(mutex_);
-      while (step(lock, generate)) {
+      while (step(lock, worker)) {
       }
     } catch (...) {
       const std::scoped_lock lock(mutex_);
@@ -37,26 +36,29 @@ class Run {
     changed_.notify_all();
   }
 
-  void finish() {
+  void rethrow() const {
     if (error_) std::rethrow_exception(error_);
-    const FunctionRows rest = collector_.takeRest();
-    if (rest.functionCount() > 0) writer_.append(encodeFunctions(rest, 0, rest.functionCount()));
   }
 
  private:
-  using Generate = std::function<void(const std::vector<uint64_t>&, ProbeBlock*)>;
+  struct Worker {
+    FunctionPipeline::Generate generate;
+    FunctionPipeline::Finish finish;
+  };
 
   // Does the most urgent thing there is to do, what lies furthest down the line first; false when all is done.
-  bool step(std::unique_lock<std::mutex>& lock, const Generate& generate) {
+  bool step(std::unique_lock<std::mutex>& lock, const Worker& worker) {
     if (error_) return false;
-    if (!writing_ && encoded_.count(next_written_) != 0) {
-      write(lock);
+    if (!taking_ && finished_.count(next_taken_) != 0) {
+      take(lock);
     } else if (!collecting_ && !stopped_ && generated_.count(next_collected_) != 0) {
       collect(lock);
     } else if (!chunks_.empty()) {
-      encode(lock);
+      finish(lock, worker.finish);
     } else if (!stopped_ && !exhausted_ && next_block_ < next_collected_ + max_blocks_ahead_) {
-      generateBlock(lock, generate);
+      generateBlock(lock, worker.generate);
+    } else if (!rest_taken_ && allCollected()) {
+      takeRest();
     } else if (at_work_ == 0) {
       return false;
     } else {
@@ -76,7 +78,7 @@ class Run {
     changed_.notify_all();
   }
 
-  void generateBlock(std::unique_lock<std::mutex>& lock, const Generate& generate) {
+  void generateBlock(std::unique_lock<std::mutex>& lock, const FunctionPipeline::Generate& generate) {
     const std::vector<uint64_t> probes = pipeline_.nextProbes();
     if (probes.empty()) {
       exhausted_ = true;
@@ -105,44 +107,51 @@ class Run {
     generated_.clear();
   }
 
-  void encode(std::unique_lock<std::mutex>& lock) {
+  bool allCollected() const { return !collecting_ && (stopped_ || (exhausted_ && next_collected_ == next_block_)); }
+
+  void takeRest() {
+    rest_taken_ = true;
+    FunctionRows rest = collector_.takeRest();
+    if (rest.functionCount() > 0) chunks_.emplace_back(next_chunk_++, std::move(rest));
+  }
+
+  void finish(std::unique_lock<std::mutex>& lock, const FunctionPipeline::Finish& finish) {
     const auto [number, chunk] = std::move(chunks_.front());
     chunks_.pop_front();
-    EncodedFunctions encoded;
-    unlocked(lock, [&, &chunk = chunk] { encoded = encodeFunctions(chunk, 0, chunk.functionCount()); });
-    encoded_.emplace(number, std::move(encoded));
+    std::function<void()> finished;
+    unlocked(lock, [&, &chunk = chunk] { finished = finish(chunk); });
+    finished_.emplace(number, std::move(finished));
   }
 
-  void write(std::unique_lock<std::mutex>& lock) {
-    writing_ = true;
-    const EncodedFunctions encoded = std::move(encoded_.extract(next_written_).mapped());
-    unlocked(lock, [&] { writer_.append(encoded); });
-    ++next_written_;
-    writing_ = false;
+  void take(std::unique_lock<std::mutex>& lock) {
+    taking_ = true;
+    const std::function<void()> finished = std::move(finished_.extract(next_taken_).mapped());
+    unlocked(lock, finished);
+    ++next_taken_;
+    taking_ = false;
   }
 
-  const ShardPipeline& pipeline_;
+  const FunctionPipeline& pipeline_;
   const uint64_t max_blocks_ahead_;
-  ShardCollector& collector_;
-  ShardWriter& writer_;
+  FunctionCollector& collector_;
 
   std::mutex mutex_;  // guards all that follows
   std::condition_variable changed_;
   std::exception_ptr error_;
-  bool stopped_ = false, exhausted_ = false, collecting_ = false, writing_ = false;
-  uint64_t next_block_ = 0, next_collected_ = 0, next_chunk_ = 0, next_written_ = 0;
+  bool stopped_ = false, exhausted_ = false, collecting_ = false, rest_taken_ = false, taking_ = false;
+  uint64_t next_block_ = 0, next_collected_ = 0, next_chunk_ = 0, next_taken_ = 0;
   int at_work_ = 0;
   std::map<uint64_t, ProbeBlock> generated_;
   std::deque<std::pair<uint64_t, FunctionRows>> chunks_;
-  std::map<uint64_t, EncodedFunctions> encoded_;
+  std::map<uint64_t, std::function<void()>> finished_;
 };
 
 }  // namespace
 
-void ShardPipeline::run(int thread_count, ShardCollector& collector, ShardWriter& writer) const {
-  Run run(*this, thread_count, collector, writer);
-  onThreads(thread_count, [&run](int) { run.work(); });
-  run.finish();
+void FunctionPipeline::run(int thread_count, FunctionCollector& collector) const {
+  Run run(*this, thread_count, collector);
+  onThreads(thread_count, [&run](int thread) { run.work(thread); });
+  run.rethrow();
 }
 
 }  // namespace nlg
