@@ -38,8 +38,6 @@ SPLITS = ["training", "held_out", "evaluation"]
 OWN_PARTS = {"scenes", "report", "validate_light"}  # sections that the workflow itself reads
 # what nlg-datagen and nlg-bake call by the same name; all else says how a shard is sampled, which a bake does not do
 BAKE_TOO = {"unit", "extent_m", "density_growth", "diffusion_passes", "diffusion_sigma", "diffusion_falloff", "duplicate_rms", "duplicate_validity_points"}
-# keys that were called otherwise before
-RENAMED = {"test": "evaluation"}
 MAX_SHARDS = 1000000
 MAX_PROCESSES = 4096  # of nlg-train
 MAX_DEPTH = 16
@@ -62,9 +60,8 @@ def require_keys(place, found, expected, optional=frozenset()):
     keys = f"keys {sorted(expected | optional)}"
     require(place, found, isinstance(found, dict), keys)
     for key in sorted((set(found) - optional) ^ expected):
-        hint = f" (it is called {RENAMED[key]!r} now)" if RENAMED.get(key) in expected | optional else ""
         problem = "unknown key" if key in found else "missing key"
-        raise ConfigurationError(f"{place}: expected {keys}, got {problem} {key!r}{hint}")
+        raise ConfigurationError(f"{place}: expected {keys}, got {problem} {key!r}")
 
 
 def require_plain(place, value, depth=0):

@@ -200,7 +200,7 @@ def check_workflow():
         (basis + ", furniture: shop", held_out, "furniture: expected a list"),
         (basis + ", colour: red", held_out, "unknown key 'colour'"),
         (basis, held_out + ", tests: []", "unknown key 'tests'"),
-        (basis, held_out + ", test: []", "it is called 'evaluation' now"),
+        (basis, held_out + ", test: []", "unknown key 'test'"),
         (basis, held_out + ", evaluation: [castle_*]", "expected a pattern of some scene, got 'castle_*'"),
         (basis, held_out + ", evaluation: [house_2]", "house_2 in both"),
         (basis, held_out + ", evaluation: house_1", "a list of names or patterns"),
