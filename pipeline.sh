@@ -53,7 +53,9 @@ if [ -z "${NLG_BIN:-}" ]; then
   if [ -n "$plan" ]; then install_packages pipeline; else install_packages train pipeline; fi
 fi
 # judged before anything is built, made or moved
-run=$(/usr/bin/python3 workflow/configuration.py "$config")
+judged=$(/usr/bin/python3 workflow/configuration.py "$config")
+run=${judged%%$'\n'*}
+read -r -a tools <<< "${judged##*$'\n'}"
 mkdir -p "$run" 2> /dev/null || { echo "pipeline.sh: $run: cannot be written: no folder can be made there" >&2; exit 5; }
 for lock in "$run/.lock" "$run/.jobs.lock"; do
   # a pipe would keep everybody waiting who asks for it
@@ -64,7 +66,7 @@ if [ -n "${NLG_BIN:-}" ]; then
 elif [ -n "$plan" ]; then
   build "" nlg-datagen
 else
-  build train nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-solve nlg-validate nlg-bake
+  build train "${tools[@]}"
 fi
 # Our own locks instead of snakemake's, which outlives a killed run. They belong to the results, whatever checkout works on them: one is
 # held by the run, the other by every job for as long as it lives (workflow/Snakefile), so that a tool which outlives its killed run

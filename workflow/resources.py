@@ -5,9 +5,9 @@ killed: three times the time, twice the memory. One that is killed all the same 
 """
 import math
 
+from settings import default
+
 ROOM_S, ROOM_MB = 3, 2
-# what the tools take where a configuration does not say
-DEFAULTS = {"datagen": {"max_functions": 1200}, "train": {"steps": 10000, "batch": 256}}
 
 # Seconds of one core. A shard: process, scene and trees, and a function kept, with the duplicates that were made on the way to it.
 SHARD_S, FUNCTION_S = 2, 2e-3
@@ -34,9 +34,8 @@ class Resources:
         self.functions = {split: len(run.shards(split)) * self.functions_a_shard for split in ("training", "held_out", "evaluation")}
 
     def _setting(self, section, key, own):
-        """A number of a section, or what a scene or a representation has for itself. The tool refuses what is none."""
-        value = {**self.run.sections[section], **own}.get(key)
-        return value if type(value) is int else DEFAULTS[section][key]
+        """A number of a section, or what a scene or a representation has for itself."""
+        return int({**self.run.sections[section], **own}.get(key, default(section, key)))
 
     def shard(self):
         return job(SHARD_MB, SHARD_S + self.functions_a_shard * FUNCTION_S)

@@ -155,13 +155,13 @@ def check_workflow():
         is_taken, text = workflow(*options, more=effort + full)
         if not is_taken or any(word not in text for word in words) or any(word in text for word in absent):
             failures.append(f"workflow with {effort}: expected {words} and no {absent}, got\n    {text.strip()[-1500:]}")
-    for more, words in [("effort: half", "short or full, got 'half'"), ("effort: [full]", "short or full"), ("full: {name: x}", "unknown key 'name'"), ("full: 3", "full: expected keys"),
-                        ("full: {train: {Steps: 1}}", "options of that section"), ("train: [steps]", "a map of options"), ("colour: red", "unknown key 'colour'"),
+    for more, words in [("effort: half", "one of short, full, got 'half'"), ("effort: [full]", "one of short, full"), ("full: {name: x}", "unknown key 'name'"), ("full: 3", "full: expected a map"),
+                        ("full: {train: {Steps: 1}}", "unknown key 'Steps' (did you mean 'steps'?)"), ("train: [steps]", "a map of settings"), ("bake: {spacing_m: 0}", "bake: spacing_m: expected a number from 0.0001 to 100000, got 0"), ("frontier: {lm_steps: 8}", "a list, got 8"), ("colour: red", "unknown key 'colour'"),
                         ("train: {steps: 2001-01-01}", "a text, a number"), ("train: {1: 2}", "keys that are texts"), ("train: {a: 1, a: 2}", "workflow.yaml:6:15: expected each key once"),
                         ("effort: full\nfull: {report: {savings: [house_0]}}", "held out or for the evaluation")]:
         refuses_configuration(basis, held_out, "{}", words, more)
-    for light, words in [("{colour: red}", "unknown key 'colour'"), ("{scenes: 'cornell:0'}", "a list of scenes"), ("{scenes: ['cornell:0', 'cornell:0']}", "names of their own"),
-                         ("{scenes: ['::']}", "names of their own"), ("{spacings: []}", "1 to 16 distances"), ("{spacings: [0]}", "1 to 16 distances"), ("{spacings: [true]}", "1 to 16 distances"),
+    for light, words in [("{colour: red}", "unknown key 'colour'"), ("{scenes: 'cornell:0'}", "a list of texts"), ("{scenes: ['cornell:0', 'cornell:0']}", "names of their own"),
+                         ("{scenes: ['::']}", "names of their own"), ("{spacings: []}", "a list of numbers"), ("{spacings: [0]}", "a list of numbers"), ("{spacings: [true]}", "a list of numbers"),
                          ("{air_places: 4}", "an integer from 8 to 10000000, got 4"), ("{walks: 1.5}", "an integer from 1"), ("{look_up_seconds: -1}", "a number from 0 to 600")]:
         refuses_configuration(basis, held_out, "{}", words, f"validate_light: {light}")
     cases += 1
@@ -169,7 +169,7 @@ def check_workflow():
     for word in ("nlg-validate light cornell:0", "--walks=3", "--spacings 1 0.5 --pictures", "light/cornell_0_places", "light/cornell_0.json", "--light "):
         if not is_taken or word not in text:
             failures.append(f"workflow with light: expected '{word}', got\n    {text.strip()[-1500:]}")
-    for report, words in [("{colour: red}", "unknown key 'colour'"), ("[a]", "report: expected a map"), ("{savings: house_2}", "a list of names or patterns"),
+    for report, words in [("{colour: red}", "unknown key 'colour'"), ("[a]", "report: expected a map"), ("{savings: house_2}", "a list of texts"),
                           ("{savings: [house_0]}", "held out or for the evaluation, got 'house_0'"),
                           ("{small_scenes: [cellar]}", "a list out of two_rooms"),
                           ("{small_scenes: column}", "a list out of two_rooms"), ("{stability: brief}", "one of short, full, long, got 'brief'"),
@@ -203,7 +203,7 @@ def check_workflow():
         (basis, held_out + ", test: []", "unknown key 'test'"),
         (basis, held_out + ", evaluation: [castle_*]", "expected a pattern of some scene, got 'castle_*'"),
         (basis, held_out + ", evaluation: [house_2]", "house_2 in both"),
-        (basis, held_out + ", evaluation: house_1", "a list of names or patterns"),
+        (basis, held_out + ", evaluation: house_1", "a list of texts"),
         (basis.replace("per_family: 3", "per_family: 200000, jitters: 200").replace(", jitters: 1", ""), held_out, "at most 1000000 shards"),
         (*archives("{folder: /game, maps: ['*'], colour: red}"), "unknown key 'colour'"),
         (*archives("{folder: /game}"), "missing key 'maps'"),
@@ -216,9 +216,9 @@ def check_workflow():
         (*archives("{folder: /bad_game, maps: ['*']}"), "a b"),
         (*archives("{folder: /text_game, maps: ['*']}"), "text_game/a.pk3"),
         (basis + ", by_scene: {castle: {max_functions: 3}}", held_out, "expected a pattern of some scene, got 'castle'"),
-        (basis + ", by_scene: {house_1: {out: x}}", held_out, "an option of the datagen section"),
-        (basis + ", by_scene: {house_1: {seed: [x]}}", held_out, "a number, a text or a list of numbers"),
-        (basis + ", by_scene: {house_1: 3}", held_out, "options of nlg-datagen"),
+        (basis + ", by_scene: {house_1: {out: x}}", held_out, "unknown key 'out'"),
+        (basis + ", by_scene: {house_1: {seed: [x]}}", held_out, "seed: expected an integer from 0"),
+        (basis + ", by_scene: {house_1: 3}", held_out, "a map of settings"),
     ]
     for scenes, split, words in refused:
         refuses_configuration(scenes, split, "{}", words)

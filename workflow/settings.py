@@ -1,0 +1,215 @@
+#!/usr/bin/env python3
+"""The settings of a configuration, a row each. From the rows configurations are judged, and docs/reference/settings.md is written.
+
+    settings.py BIN [--check]
+
+The rows of the workflow's own settings stand below. Those of the tools are asked of the tools in BIN (nlg-TOOL --list-options) and kept
+in settings.json: a configuration is judged before anything is built. Without --check both files are written. With it nothing is: it fails
+where one of them is out of date, or where a tool's --help has more than a dozen options.
+"""
+import json
+import re
+import subprocess
+import sys
+from difflib import get_close_matches
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.atomic_file import write_files
+from tool.errors import CHECK_FAILED, UsageError, run
+from plain_yaml import ConfigurationError, require
+
+ROOT = Path(__file__).resolve().parents[1]
+TABLE, PAGE = ROOT / "workflow/settings.json", ROOT / "docs/reference/settings.md"
+TOOLS = ["nlg-datagen", "nlg-pca", "nlg-train", "nlg-export", "nlg-bake", "nlg-validate", "nlg-validate frontier", "nlg-validate light", "nlg-solve"]
+# tools without settings of their own, whose --help is counted too
+OTHER_TOOLS = ["nlg-cache", "nlg-view", "nlg-render", "nlg-datagen plan", "nlg-datagen view", "nlg-validate look-up", "nlg-validate light-closure",
+               "nlg-validate light-noise", "nlg-validate stability", "nlg-export shader", "nlg-export engine", "nlg-export onnx", "nlg-export used-by"]
+MOST_IN_HELP = 12
+
+FAMILIES = ["house", "maze", "colonnade", "stairs", "clutter", "outdoor", "cave"]
+REPRESENTATIONS = ["mlp", "tent_mlp", "tent_mlp88", "tent_mlp44", "tent_mlp4", "pf3", "pf5", "pf7", "pf9"]
+SMALL_SCENES = ["two_rooms", "doorway", "column", "clutter", "corridor", "table"]  # of nlg-solve
+MAX_SHARDS = 1000000
+
+
+def own(section, name, kind, help_text, **more):
+    """A row of the workflow's own. Without a default it must be there; a default of None says itself in the help what it is."""
+    return {"section": section, "name": name, "type": kind, **more, "help": help_text}
+
+
+OWN = [
+    own("", "name", "text", "results go to `out/NAME`"),
+    own("", "effort", "text", "how long the run may be: `full` puts what stands in the section `full` over the other sections", one_of=["short", "full"], default="short"),
+    own("", "full", "map", "options of the tools' sections, `scenes`, `report` and `validate_light` that `effort: full` puts over these sections. What a short run leaves out so stands in its report", default={}),
+    own("", "representations", "any", f"what generators are trained for: a list out of {', '.join(REPRESENTATIONS)}; or a map from each of them to its own options of the section `train`"),
+    own("scenes", "families", "texts", "procedural scenes, named `FAMILY_SEED`", one_of=FAMILIES),
+    own("scenes", "per_family", "integer", "seeds of each family: 0 … `per_family` − 1", min=0, max=MAX_SHARDS),
+    own("scenes", "folder", "text", "a folder, every `.glb`, `.gltf` and `.obj` of which is a scene too ([scenes](../guide/scenes.md)). `NLG_LEVELS` stands in for it. `\"\"`: none"),
+    own("scenes", "jitters", "integer", "variants of each training scene, the first of which is the scene as it is. Interiors have no other: another seed is another interior", min=1, max=MAX_SHARDS),
+    own("scenes", "archives", "any", "levels in the archives of Quake III-family games ([levels](../guide/levels.md)), a list. Of each entry: `folder` of the `.pk3` files, before which `NLG_ARCHIVE_ROOT` stands when it is absolute; `maps`, patterns of map names in lower case; `without` (optional), patterns of those to leave out; `install` (optional), the command that an error names when the archives are missing. A level that several archives of a folder hold counts once", default=[]),
+    own("scenes", "furniture", "any", "furnished interiors ([interiors](../guide/interiors.md)), named `PLAN_SEED_STEM`, STEM being the archive's name in lower case; a list. Of each entry: `archives`, `.sh3f` files, before which `NLG_ARCHIVE_ROOT` stands when they are absolute; `plans` out of `flat`, `townhouse`, `office`, `villa`; `seeds`, how many; `first_seed` (optional, 0); `install` (optional), the command that an error names when an archive is missing", default=[]),
+    own("scenes", "by_scene", "map", "patterns of scene names → options of nlg-datagen for these scenes. Later patterns go over earlier ones, and all of them over the section `datagen`", default={}),
+    own("split", "held_out", "texts", "patterns of scene names: whole scenes that are never trained on, for validation while training and for the report"),
+    own("split", "evaluation", "texts", "the same; the published figures are of these scenes. One setting was once chosen with the help of those of `configs/openarena.yaml` (commits a41ee66 to 04510fc), so that they are no test", default=[]),
+    own("report", "small_scenes", "texts", "small scenes of nlg-solve for the hierarchy of truths. `[]`: no hierarchy", one_of=SMALL_SCENES, default=SMALL_SCENES),
+    own("report", "stability", "text", "how many of the stability cases are run. `short` leaves out training", one_of=["short", "full", "long"], default="full"),
+    own("report", "savings", "texts", "patterns of held-out and evaluation scenes that are baked with the run's weights. Of `scenes.by_scene` the bake takes what it knows; its spacing is that of the section `bake`. `[]`: none. Default: the first scene of each split", default=None),
+    own("validate_light", "scenes", "texts", "scenes whose light is measured, as nlg-bake takes them, with each generator and the section `bake`", default=[]),
+    own("validate_light", "spacings", "numbers", "distances between probes, metres", min=0.01, max=1000.0, default=[1.0]),
+]
+TOOL_ROWS = json.loads(TABLE.read_text()) if TABLE.is_file() else []
+
+
+def rows_of(section):
+    """The workflow's own rows and those of the tool that has the section; None: none."""
+    return [row for row in OWN + TOOL_ROWS if row["section"] == section]
+
+
+def kind_of(row):
+    """The tools' rows say it by their defaults."""
+    return row.get("type") or {bool: "boolean", int: "integer", float: "number", str: "text", list: "list"}[type(row["default"])]
+
+
+def expectation(row):
+    """What a value must be, in the words of a refusal and of the page."""
+    low, high = (f"{limit:.10g}" if isinstance(limit, float) else limit for limit in (row.get("min"), row.get("max")))
+    out_of = ", ".join(row.get("one_of", []))
+    limits = "" if low is None and high is None else f" from {low}" if high is None else f" to {high}" if low is None else f" from {low} to {high}"
+    return {"integer": "an integer" + limits, "number": "a number" + limits, "numbers": "a list of numbers" + limits,
+            "boolean": "true or false", "text": f"one of {out_of}" if out_of else "a text", "texts": f"a list out of {out_of}" if out_of else "a list of texts",
+            "list": "a list", "map": "a map", "any": "as described"}[kind_of(row)]
+
+
+def is_number(value, row, kinds=(int, float)):
+    return type(value) in kinds and row.get("min", value) <= value <= row.get("max", value)
+
+
+def number_of(value, kind):
+    """YAML 1.1 takes 1e-4 for a text; the tools, for a number."""
+    try:
+        return kind(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
+
+
+def holds(value, row):
+    kind, out_of = kind_of(row), row.get("one_of")
+    if kind == "integer":
+        return is_number(number_of(value, int), row, [int])
+    if kind == "number":
+        return is_number(number_of(value, float), row)
+    if kind == "numbers":
+        return isinstance(value, list) and bool(value) and all(is_number(item, row) for item in value)
+    if kind == "boolean":
+        return isinstance(value, bool)
+    if kind == "text":
+        return isinstance(value, str) and (not out_of or value in out_of)
+    if kind == "texts":
+        return isinstance(value, list) and all(isinstance(item, str) and (not out_of or item in out_of) for item in value)
+    if kind == "list":
+        return isinstance(value, list) and all(isinstance(item, (str, int, float)) for item in value)
+    return kind == "any" or isinstance(value, dict)
+
+
+def judged(place, section, found, beside=(), is_part=False):
+    """The section's settings: what was found, and the defaults of the workflow's own settings.
+
+    beside    other keys that may stand there
+    is_part   nothing must be there, and no default is added: settings that go over a section
+    throws    ConfigurationError at a key that nothing reads, one that is missing, and a value that cannot be
+    """
+    rows = {row["name"]: row for row in rows_of(section)}
+    keys = f"keys {sorted({*rows, *beside})}"
+    require(place, found, isinstance(found, dict), "a map of settings")
+    for key, value in found.items():
+        if key in rows:
+            require(f"{place}: {key}", value, holds(value, rows[key]), expectation(rows[key]))
+        elif key not in beside:
+            near = get_close_matches(str(key), [*rows, *beside], 1)
+            raise ConfigurationError(f"{place}: expected {keys}, got unknown key {key!r}" + (f" (did you mean {near[0]!r}?)" if near else ""))
+    if is_part:
+        return found
+    for name, row in rows.items():
+        if "tool" not in row and name not in found and "default" not in row:
+            raise ConfigurationError(f"{place}: expected {keys}, got missing key {name!r}")
+    return {**{name: row["default"] for name, row in rows.items() if "tool" not in row and "default" in row}, **found}
+
+
+def default(section, name):
+    """What a tool takes where a configuration does not say."""
+    return next(row["default"] for row in rows_of(section) if row["name"] == name)
+
+
+def asked(folder):
+    """The rows of all tools, by the tools themselves; those that only another section's tool passes on belong to that one."""
+    rows = []
+    for command in TOOLS:
+        name, *arguments = command.split()
+        answer = json.loads(subprocess.run([folder / name, *arguments, "--list-options"], capture_output=True, text=True, check=True).stdout)
+        passed = [row for row in answer if row["section"] == "validate_light"]
+        rows += [{**row, "tool": command} for row in passed or answer]
+    return rows
+
+
+def cell(text):
+    return str(text).replace("|", "\\|")
+
+
+def table_of(rows):
+    lines = ["| setting | value | default | |", "|---|---|---|---|"]
+    for row in rows:
+        value = row.get("default")
+        shown = "must be there" if "default" not in row else "" if value is None else f"`{json.dumps(value, ensure_ascii=False)}`"
+        lines.append(f"| `{row['name']}` | {cell(expectation(row))} | {cell(shown)} | {cell(row['help'])} |")
+    return lines + [""]
+
+
+def page_of(tool_rows):
+    lines = ["# Settings", "",
+             "What a configuration such as `pipeline.yaml` may hold: a map of the sections below. A tool reads its own section of the file that `--config` names, and each of its settings is a flag too, which goes over the file: `spacing_m` is `--spacing-m`. `nlg-TOOL --help-all` lists the same. Whatever is unknown or out of range is refused, with its place.",
+             "", "This page is written by `workflow/settings.py build/release/bin`; the test `docs_settings` refuses an old one.", ""]
+    shown = {}  # the groups of all sections so far
+    rows = OWN + tool_rows
+    for section in dict.fromkeys(row["section"] for row in rows):
+        of_section = [row for row in rows if row["section"] == section]
+        tools = list(dict.fromkeys(row["tool"] for row in of_section if "tool" in row))
+        lines += [f"## {section}" if section else "## At the top", "", f"Read by {' and '.join(tools)}." if tools else "Read by the workflow.", ""]
+        groups = dict.fromkeys(row.get("group", "") for row in of_section)
+        for group in groups:
+            of_group = [{key: row.get(key) for key in row if key not in ("section", "tool")} for row in of_section if row.get("group", "") == group]
+            same = next((other for (other, name), known in shown.items() if name == group and known == of_group), None)
+            shown[section, group] = of_group
+            if len(groups) > 1 and group:
+                lines += [f"**{group}**", ""] if same is None else [f"**{group}**: as in [{same}](#{same}).", ""]
+            lines += table_of(of_group) if same is None else []
+    return "\n".join(lines)
+
+
+def long_helps(folder):
+    for command in TOOLS + OTHER_TOOLS:
+        name, *arguments = command.split()
+        text = subprocess.run([folder / name, *arguments, "--help"], capture_output=True, text=True, check=True).stdout
+        count = len(re.findall(r"^  -", text, flags=re.MULTILINE))
+        if count > MOST_IN_HELP:
+            yield f"{command} --help: expected at most {MOST_IN_HELP} options, got {count}"
+
+
+def main():
+    arguments = [argument for argument in sys.argv[1:] if argument != "--check"]
+    if len(arguments) != 1:
+        raise UsageError("settings.py", "BIN [--check]", f"{len(sys.argv) - 1} arguments")
+    rows = asked(Path(arguments[0]))
+    texts = {TABLE: "[\n" + ",\n".join(json.dumps(row, ensure_ascii=False) for row in rows) + "\n]\n", PAGE: page_of(rows)}
+    if "--check" not in sys.argv:
+        write_files({path: text.encode() for path, text in texts.items()})
+        return None
+    problems = [f"{path.relative_to(ROOT)}: not what the tools say; workflow/settings.py {arguments[0]} writes it"
+                for path, text in texts.items() if not path.is_file() or path.read_text() != text]
+    problems += long_helps(Path(arguments[0]))
+    print("\n".join(problems) or f"{len(rows)} settings are what the tools say")
+    return CHECK_FAILED if problems else None
+
+
+if __name__ == "__main__":
+    sys.exit(run("settings.py", main))
