@@ -7,7 +7,8 @@
  * Threads   A generator and a light grid are only read once they are loaded: any number of threads may share them. A scratch
  *           serves one thread at a time.
  * Memory    nlg_generate, nlg_evaluate, nlg_check_theta and both look-ups allocate nothing and cannot fail: all they need
- *           comes with the generator or grid and the scratch. nlg_make_theta allocates. Free every handle with its own function; a null handle may be freed.
+ *           comes with the generator or grid and the scratch. nlg_make_theta allocates. Every handle is freed by its own
+ *           function; a null handle may be freed.
  * Pointers  Never null, except where it is said. Arrays have no alignment to keep. What returns a status answers a null pointer with
  *           NLG_INVALID_ARGUMENT; what cannot fail does not look.
  */

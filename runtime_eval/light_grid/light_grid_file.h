@@ -37,9 +37,8 @@ struct GridPrecision {
 FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precision, const GridMetadata& metadata,
                               std::string* bytes);
 
-// Reads a file, or bytes in memory. Every byte is checked: by the file's digest, and what is accepted passes checkLightGrid, and its tree is one that
-// ProbeTree::build gives, so that no look-up can leave it. Memory is in proportion to the bytes that are there, whatever they
-// say.
+// Reads a file, or bytes in memory. The digest vouches for every byte. What is accepted passes checkLightGrid, and its tree is one
+// that ProbeTree::build gives: no look-up can leave it. Memory is in proportion to the bytes that are there, whatever they say.
 // returns   ok; otherwise *grid and *metadata are empty
 FileResult readLightGridFile(const std::string& path, LightGrid* grid, GridMetadata* metadata);
 FileResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata* metadata);

@@ -12,14 +12,11 @@ namespace nlg {
 namespace {
 
 ShaderGrid packedGrid() {
-  LightGrid grid;
-  grid.tree = smallTree();
+  LightGrid grid = freeGrid();
   grid.representations = {{RepresentationKind::tent_mlp4}};
   Theta theta = randomTheta(grid.representations[0], 1);
   EXPECT_TRUE(roundTheta(grid.representations[0], ThetaPrecision::int8, theta.data()));
-  grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
   grid.probe_function[0] = grid.addFunction(0, theta.data());
-  grid.light = randomLight(grid.tree.probeCount(), 1);
   ShaderGrid packed;
   EXPECT_TRUE(packShaderGrid(grid, &packed).ok());
   return packed;

@@ -63,25 +63,9 @@ class RecipeBytes {
 };
 
 hid_t fileType(ElementKind kind) {
-  switch (kind) {
-    case ElementKind::u8:
-      return H5T_STD_U8LE;
-    case ElementKind::u32:
-      return H5T_STD_U32LE;
-    case ElementKind::i32:
-      return H5T_STD_I32LE;
-    case ElementKind::u64:
-      return H5T_STD_U64LE;
-    case ElementKind::f32:
-      return H5T_IEEE_F32LE;
-    case ElementKind::f64:
-      return H5T_IEEE_F64LE;
-    case ElementKind::text:
-      return H5T_C_S1;
-    case ElementKind::big_endian:
-      break;
-  }
-  return H5T_STD_U64BE;
+  const hid_t types[kElementKinds] = {H5T_STD_U8LE,   H5T_STD_U32LE,  H5T_STD_I32LE, H5T_STD_U64LE,
+                                      H5T_IEEE_F32LE, H5T_IEEE_F64LE, H5T_C_S1,      H5T_STD_U64BE};
+  return types[static_cast<size_t>(kind)];
 }
 
 void applyEdit(RecipeBytes& bytes, std::vector<Placed>& items) {
@@ -215,13 +199,6 @@ haddr_t makeDigestArray(hid_t file) {
 }
 
 }  // namespace
-
-ElementKind kindOf(uint8_t) { return ElementKind::u8; }
-ElementKind kindOf(uint32_t) { return ElementKind::u32; }
-ElementKind kindOf(int32_t) { return ElementKind::i32; }
-ElementKind kindOf(uint64_t) { return ElementKind::u64; }
-ElementKind kindOf(float) { return ElementKind::f32; }
-ElementKind kindOf(double) { return ElementKind::f64; }
 
 void writeRecipe(const std::vector<Hdf5Item>& items, std::string_view recipe, const ScratchFile& file) {
   if (recipe.starts_with("\x89HDF")) return file.write(recipe);

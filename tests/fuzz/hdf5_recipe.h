@@ -16,12 +16,12 @@ namespace nlg::fuzz {
 enum class ElementKind : uint8_t { u8, u32, i32, u64, f32, f64, text, big_endian };
 inline constexpr int kElementKinds = 8;
 
-ElementKind kindOf(uint8_t);
-ElementKind kindOf(uint32_t);
-ElementKind kindOf(int32_t);
-ElementKind kindOf(uint64_t);
-ElementKind kindOf(float);
-ElementKind kindOf(double);
+inline ElementKind kindOf(uint8_t) { return ElementKind::u8; }
+inline ElementKind kindOf(uint32_t) { return ElementKind::u32; }
+inline ElementKind kindOf(int32_t) { return ElementKind::i32; }
+inline ElementKind kindOf(uint64_t) { return ElementKind::u64; }
+inline ElementKind kindOf(float) { return ElementKind::f32; }
+inline ElementKind kindOf(double) { return ElementKind::f64; }
 
 // An array; without a shape an attribute of one value.
 struct Hdf5Item {

@@ -9,8 +9,8 @@
 #include "hand_built_bsp.h"
 #include "scene/bsp_reader.h"
 #include "scene/jitter.h"
+#include "tests/scene/input_error.h"
 #include "tests/scene/scene_triangles.h"
-#include "tool/error.h"
 
 namespace nlg {
 namespace {
@@ -38,12 +38,7 @@ class BspLight : public testing::Test {
   void expectError(const std::string& words, const std::function<void(BspParts&)>& change) const {
     BspParts parts = litLevel();
     change(parts);
-    try {
-      read(parts);
-      FAIL() << words;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
-    }
+    expectInputError(words, [&] { read(parts); });
   }
   TemporaryFolder folder_;
 };

@@ -12,6 +12,7 @@
 #include "scene/bsp_looks.h"
 #include "scene/pk3_archive.h"
 #include "scene/scene_source.h"
+#include "tests/scene/input_error.h"
 #include "tests/scene/scene_triangles.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -25,19 +26,13 @@ class BspReader : public testing::Test {
  protected:
   BspLevel read(const BspParts& parts) const { return readBsp(folder_.write("level.bsp", parts.bytes())); }
 
-  std::string errorOf(const BspParts& parts) const { return errorOfBytes(parts.bytes()); }
   std::string errorOfBytes(const std::string& bytes) const {
-    try {
-      readBsp(folder_.write("hostile.bsp", bytes));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
+    return inputErrorOf([&] { readBsp(folder_.write("hostile.bsp", bytes)); });
   }
   void expectError(const std::string& words, const std::function<void(BspParts&)>& change) const {
     BspParts parts = smallLevel();
     change(parts);
-    const std::string error = errorOf(parts);
+    const std::string error = errorOfBytes(parts.bytes());
     EXPECT_NE(error.find(words), std::string::npos) << "expected " << words << ", got: " << error;
     EXPECT_NE(error.find("hostile.bsp"), std::string::npos) << error;
   }
@@ -322,13 +317,7 @@ TEST_F(BspInArchives, RefusesMorePixelsThanOneSceneMayHave) {
   const BspLooks looks(archives);
   EXPECT_FALSE(looks.textureColour("a").has_value()) << "its scans are empty";
   EXPECT_FALSE(looks.textureColour("a").has_value()) << "not read again";
-  try {
-    looks.textureColour("b");
-    FAIL();
-  } catch (const InputError& error) {
-    const std::string words = "b.jpg: expected at most 2147483648 pixels of textures";
-    EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
-  }
+  expectInputError("b.jpg: expected at most 2147483648 pixels of textures", [&] { looks.textureColour("b"); });
 }
 
 TEST_F(BspInArchives, ScenesAreRequestedByPathAndMap) {
@@ -346,12 +335,7 @@ TEST_F(BspInArchives, ScenesAreRequestedByPathAndMap) {
 
 TEST_F(BspInArchives, RefusesMapsThatAreNotThere) {
   for (const std::string& map : {std::string("large"), std::string(), std::string("../small"), std::string("x/small")}) {
-    try {
-      loadScene(folder_.string() + ":" + map);
-      FAIL() << map;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find("one of small"), std::string::npos) << error.what();
-    }
+    expectInputError("one of small", [&] { loadScene(folder_.string() + ":" + map); });
   }
   EXPECT_THROW(loadScene(folder_ / "missing.pk3:small"), InputError);
 }

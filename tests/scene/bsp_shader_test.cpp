@@ -7,7 +7,7 @@
 #include "scene/quake_tokens.h"
 #include "scene/texture_colour.h"
 #include "tests/scene/hand_built_images.h"
-#include "tool/error.h"
+#include "tests/scene/input_error.h"
 
 namespace nlg {
 namespace {
@@ -107,12 +107,7 @@ TEST(ShaderScripts, RefusesMoreThanAnyGameHas) {
                                                                     {"at most 4194304 bytes", std::string((4 << 20) + 1, ' ')}};
   for (const auto& [words, script] : hostile) {
     const std::string path = writeZip(folder / "a.pk3", {{"scripts/a.shader", script}});
-    try {
-      readShaderScripts(Pk3Archives(path));
-      FAIL() << words;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
-    }
+    expectInputError(words, [&] { readShaderScripts(Pk3Archives(path)); });
   }
 }
 
@@ -178,15 +173,10 @@ TEST(TextureColour, TakesItsPixelsOfTheBudgetOnceForEveryScan) {
 TEST(TextureColour, RefusesMoreScansThanTheBudgetHolds) {
   constexpr uint64_t kPixels = 2048 * 2048;
   SceneBudget pixels = SceneBudgets().pixels;
-  try {
-    imageMeans(jpegOfScans(2048, 20000), pixels, "a.pk3", "big.jpg");
-    FAIL();
-  } catch (const InputError& error) {
-    // it was stopped at the first scan too many
-    EXPECT_EQ(std::string(error.what()),
-              "a.pk3: big.jpg: expected at most 2147483648 pixels of textures, times their scans, in one scene, got " +
-                  std::to_string(kMaxImagePixels + kPixels));
-  }
+  // it is stopped at the first scan too many
+  EXPECT_EQ(inputErrorOf([&] { imageMeans(jpegOfScans(2048, 20000), pixels, "a.pk3", "big.jpg"); }),
+            "a.pk3: big.jpg: expected at most 2147483648 pixels of textures, times their scans, in one scene, got " +
+                std::to_string(kMaxImagePixels + kPixels));
 }
 
 }  // namespace

@@ -4,17 +4,16 @@
 #include "scene/gltf_reader.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
 #include <string>
 
+#include "tests/scene/input_error.h"
 #include "tests/scene/scene_triangles.h"
-#include "tool/error.h"
+#include "tests/scene/temporary_folder.h"
 
 namespace nlg {
 
@@ -79,31 +78,17 @@ struct Parts {
 
 class GltfFiles : public testing::Test {
  protected:
-  GltfFiles() {
-    std::string pattern = (fs::temp_directory_path() / "gltf_reader_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-    fs::create_directory(folder_ / "level");
-  }
-  ~GltfFiles() override { fs::remove_all(folder_); }
+  GltfFiles() { fs::create_directory(folder_ / "level"); }
 
-  std::string write(const std::string& name, const std::string& bytes) const {
-    const fs::path path = folder_ / "level" / name;
-    std::ofstream(path, std::ios::binary) << bytes;
-    return path.string();
-  }
+  std::string write(const std::string& name, const std::string& bytes) const { return folder_.write("level/" + name, bytes); }
   Scene read(const Parts& parts) const { return readGltf(write("test.gltf", parts.text())); }
 
   // The line of the InputError that reading the bytes gives.
   std::string errorOf(const std::string& bytes) const {
-    try {
-      readGltf(write("hostile.gltf", bytes));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
+    return inputErrorOf([&] { readGltf(write("hostile.gltf", bytes)); });
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 inline double areaOf(const Scene& scene) {

@@ -1,13 +1,10 @@
 // Levels and archives of a few bytes, for tests that know what must come out.
 #pragma once
 
-#include <unistd.h>
 #include <zip.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <map>
 #include <stdexcept>
@@ -15,6 +12,8 @@
 #include <vector>
 
 #include <glm/glm.hpp>
+
+#include "tests/scene/temporary_folder.h"
 
 namespace nlg {
 
@@ -131,26 +130,6 @@ inline BspParts smallLevel() {
   parts.addFace(0, 2, pipe);
   return parts;
 }
-
-// A folder of its own for each test, gone when the test is.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "nlg_test_XXXXXX").string();
-    path_ = mkdtemp(pattern.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-  std::string string() const { return path_.string(); }
-
-  std::string write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(path_ / name, std::ios::binary) << bytes;
-    return *this / name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 // A JPEG of three channels whose first is in every scan: no program writes such, and libjpeg reads them all.
 inline std::string jpegOfScans(int side, int scan_count) {

@@ -2,14 +2,14 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "scene/scene_source.h"
+#include "tests/scene/input_error.h"
 #include "tests/scene/scene_triangles.h"
+#include "tests/scene/temporary_folder.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -26,29 +26,17 @@ const char* const kLooks = "newmtl lamp\nKd 0.25 0.5 0.75\nKe 8 4 0\nmap_Kd bric
 class ObjReader : public testing::Test {
  protected:
   ObjReader() {
-    std::string pattern = (fs::temp_directory_path() / "obj_reader_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
     fs::create_directory(folder_ / "level");
     write("looks.mtl", kLooks);
   }
-  ~ObjReader() override { fs::remove_all(folder_); }
 
-  std::string write(const std::string& name, const std::string& text) const {
-    const fs::path path = folder_ / "level" / name;
-    std::ofstream(path, std::ios::binary) << text;
-    return path.string();
-  }
+  std::string write(const std::string& name, const std::string& text) const { return folder_.write("level/" + name, text); }
   ObjLevel read(const std::string& text, double unit_m = 1.0) const { return readObj(write("test.obj", text), unit_m); }
   std::string errorOf(const std::string& text) const {
-    try {
-      read(text);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
+    return inputErrorOf([&] { read(text); });
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(ObjReader, ReadsObjectsFacesAndMaterials) {
@@ -106,7 +94,7 @@ TEST_F(ObjReader, ReadsLinesOfOtherSystems) {
 }
 
 TEST_F(ObjReader, SaysWhatItDidNotFind) {
-  fs::remove(folder_ / "level" / "looks.mtl");
+  fs::remove(folder_ / "level/looks.mtl");
   const ObjLevel level = read(kSquare);
   ASSERT_EQ(level.notes.size(), 2u);
   EXPECT_EQ(level.notes[0], "mtllib \"looks.mtl\" is not there");
@@ -174,13 +162,13 @@ TEST_F(ObjReader, LeavesFacesOfTwoCornersOutAndSaysSo) {
 
 TEST_F(ObjReader, OpensNoLibraryOutsideTheFolder) {
   std::ofstream(folder_ / "secret.mtl") << kLooks;
-  fs::create_symlink(folder_ / "secret.mtl", folder_ / "level" / "link.mtl");
+  fs::create_symlink(folder_ / "secret.mtl", folder_ / "level/link.mtl");
   for (const char* name : {"../secret.mtl", "link.mtl"}) {
     const std::string error = errorOf(std::string("mtllib ") + name + "\n");
     EXPECT_NE(error.find("mtllib"), std::string::npos) << name << ": " << error;
   }
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl lamp\nf 1 2 3\n";
-  for (const std::string& name : {(folder_ / "secret.mtl").string(), std::string("C:\\\\looks\\\\looks.mtl")}) {
+  for (const std::string& name : {folder_ / "secret.mtl", std::string("C:\\\\looks\\\\looks.mtl")}) {
     const ObjLevel level = read("mtllib " + name + "\n" + triangle);
     ASSERT_EQ(level.notes.size(), 2u) << name;
     EXPECT_NE(level.notes[0].find("is a path of another place: not opened"), std::string::npos) << level.notes[0];
@@ -189,8 +177,8 @@ TEST_F(ObjReader, OpensNoLibraryOutsideTheFolder) {
 }
 
 TEST_F(ObjReader, RefusesLibrariesThatAreNoRegularFiles) {
-  ASSERT_EQ(::mkfifo((folder_ / "level" / "pipe.mtl").c_str(), 0600), 0);
-  fs::create_symlink("ring.mtl", folder_ / "level" / "ring.mtl");
+  ASSERT_EQ(::mkfifo((folder_ / "level/pipe.mtl").c_str(), 0600), 0);
+  fs::create_symlink("ring.mtl", folder_ / "level/ring.mtl");
   const std::string long_name = std::string(300, 'x') + ".mtl";
   for (const auto& [name, got] : {std::pair<std::string, std::string>("pipe.mtl", "a pipe"),
                                   {"ring.mtl", "Too many levels of symbolic links"},

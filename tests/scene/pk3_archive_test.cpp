@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include "hand_built_bsp.h"
+#include "tests/scene/input_error.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -13,12 +14,7 @@ class Pk3ArchivesTest : public testing::Test {
  protected:
   // The line of the InputError that mounting path, and reading an entry, gives.
   static std::string errorOf(const std::string& path, const std::string& entry = "a.txt", size_t max_bytes = 1 << 20) {
-    try {
-      Pk3Archives(path).read(entry, max_bytes);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
+    return inputErrorOf([&] { Pk3Archives(path).read(entry, max_bytes); });
   }
   static void expectError(const std::string& words, const std::string& error) {
     EXPECT_NE(error.find(words), std::string::npos) << "got: " << error;
@@ -84,12 +80,8 @@ TEST_F(Pk3ArchivesTest, ReadsNoMoreThanItsBudget) {
   archives.read("b.txt", 100);
   EXPECT_EQ(unpacked.left(), 5u);
   archives.read("a.txt", 5);
-  try {
-    archives.read("a.txt", 5);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()), path + ": \"a.txt\": expected at most 110 bytes in one scene, got 115");
-  }
+  EXPECT_EQ(inputErrorOf([&] { archives.read("a.txt", 5); }),
+            path + ": \"a.txt\": expected at most 110 bytes in one scene, got 115");
   EXPECT_EQ(unpacked.left(), 0u);
 }
 

@@ -25,8 +25,7 @@ void write(const nlg::LightGrid& grid, const std::string& path) {
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
   const std::string folder = std::string(argv[1]) + "/";
-  nlg::LightGrid grid = nlg::randomGrid(nlg::smallTree(), 1);
-  grid.light = nlg::randomLight(grid.tree.probeCount(), 1);
+  nlg::LightGrid grid = nlg::litGrid(nlg::smallTree(), 1);
   write(grid, folder + "grid.safetensors");
   for (float& coefficient : grid.light) coefficient *= 1e6f;
   write(grid, folder + "bright.safetensors");

@@ -12,21 +12,13 @@
 namespace nlg {
 namespace {
 
-// Free space below 48 units of a root of 64 along z; 0.5 m a unit, from (-3, 10000, 0.25).
-LightGrid freeGrid() {
-  LightGrid grid;
-  grid.tree = smallTree();
-  grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
-  grid.light = randomLight(grid.tree.probeCount(), 1);
-  return grid;
-}
-
 std::vector<std::string> texts(const std::array<double, 6>& numbers) {
   std::vector<std::string> result(numbers.size());
   std::transform(numbers.begin(), numbers.end(), result.begin(), [](double number) { return std::to_string(number); });
   return result;
 }
 
+// Of freeGrid: below 48 units of a root of 64 along z; 0.5 m a unit, from (-3, 10000, 0.25).
 TEST(VolumeBox, IsTheUsedCellsAndATexelOnEverySide) {
   const LightBox box = volumeBox(freeGrid(), {{}, 1.0});
   EXPECT_EQ(box.low_m, (PositionM{-4.0, 9999.0, -0.75}));

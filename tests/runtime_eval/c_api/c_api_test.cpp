@@ -229,25 +229,22 @@ TEST(CApi, NamesEveryStatus) {
   EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_DIGEST_MISMATCH + 1)), "unknown");
 }
 
-TEST(CApi, ItsDefaultPolicyIsTheLibrarys) {
-  const nlg_policy_options c = nlg_default_policy();
-  const PolicyOptions o;
-  EXPECT_EQ(c.bare_tent_rmse, o.bare_tent_rmse);
-  EXPECT_EQ(c.good_rmse, o.stages.good_rmse);
-  EXPECT_EQ(c.learned_steps, o.stages.learned_steps);
-  EXPECT_EQ(c.mirror_images, o.stages.mirror_images);
-  EXPECT_EQ(c.retry_rmse, o.stages.retry_rmse);
-  EXPECT_EQ(c.lm_iterations, o.stages.lm_iterations);
-  EXPECT_EQ(c.lm_theta0_iterations, o.stages.lm_theta0_iterations);
-  EXPECT_EQ(c.adam_rmse, o.stages.adam_rmse);
-  EXPECT_EQ(c.adam_steps, o.stages.adam_steps);
-  EXPECT_EQ(c.tau_rmse, o.check().tau_rmse);
-  EXPECT_EQ(c.tau_leak, o.check().tau_leak);
-  EXPECT_EQ(c.leak_share, o.check().leak_share);
-  EXPECT_EQ(c.refine_rounds, o.refinement.rounds);
-  EXPECT_EQ(c.refine_first_steps, o.refinement.first_steps);
-  EXPECT_EQ(c.refine_growth, o.refinement.growth);
-  EXPECT_EQ(c.refine_leak_weight, o.refinement.leak_weight);
+// Of every option: what a scratch without options does is what the library does by default (GivesAnEngineInC…).
+TEST(CApi, ItsDefaultPolicyIsWhatNoOptionsMean) {
+  constexpr size_t kCount = 30;
+  const EngineFunctions functions(kCount);
+  const nlg_policy_options options = nlg_default_policy();
+  std::vector<float> with_options(kCount * ThetaLayout::count), without(with_options);
+  std::vector<nlg_made> made(kCount);
+  for (const bool are_given : {true, false}) {
+    const Loaded loaded(correctedData(), are_given ? &options : nullptr);
+    ASSERT_EQ(nlg_make_theta(loaded.generator, functions.phi.data(), functions.validity.data(), kCount,
+                             (are_given ? with_options : without).data(), made.data(), loaded.scratch),
+              NLG_OK);
+  }
+  EXPECT_EQ(with_options, without);
+  const auto took_fit = [](const nlg_made& one) { return one.took_fit != 0; };
+  EXPECT_TRUE(std::any_of(made.begin(), made.end(), took_fit)) << "no option of fits had a say";
 }
 
 // Any other number would be taken for what it is not: a negative count of steps for one that never ends.
@@ -335,6 +332,10 @@ TEST(CApi, AnswersArgumentsThatAreNoneWithAStatus) {
   // its theta are longer: written where the caller has room for others
   EXPECT_EQ(nlg_make_theta(loaded.generator, phi, validity, 1, theta.data(), nullptr, other.scratch), NLG_INVALID_ARGUMENT);
   EXPECT_EQ(nlg_make_theta(loaded.generator, nullptr, nullptr, 0, nullptr, nullptr, loaded.scratch), NLG_OK);
+  nlg_light_grid_free(nullptr);
+  nlg_look_up_scratch_free(nullptr);
+  nlg_generator_free(nullptr);
+  nlg_scratch_free(nullptr);
 }
 
 // Every option has a value of its own, so that two of them taken for one another would show.
@@ -409,8 +410,7 @@ TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
 // A small grid with light, as a file holds it.
 const std::string& gridBytes() {
   static const std::string bytes = [] {
-    LightGrid grid = randomGrid(smallTree(), 1);
-    grid.light = randomLight(grid.tree.probeCount(), 1);
+    const LightGrid grid = litGrid(smallTree(), 1);
     std::string text;
     EXPECT_TRUE(serializeLightGrid(grid, {}, {}, &text).ok());
     return text;
@@ -457,13 +457,6 @@ TEST(CApi, RefusesAGridWithAStatusAndAReason) {
   EXPECT_EQ(grid, nullptr);
   EXPECT_EQ(nlg_light_grid_load_bytes(gridBytes().data(), gridBytes().size(), &grid, nullptr, 0), NLG_OK);
   nlg_light_grid_free(grid);
-}
-
-TEST(CApi, FreesNothingWhenThereIsNothing) {
-  nlg_light_grid_free(nullptr);
-  nlg_look_up_scratch_free(nullptr);
-  nlg_generator_free(nullptr);
-  nlg_scratch_free(nullptr);
 }
 
 }  // namespace

@@ -13,12 +13,6 @@
 namespace nlg {
 namespace {
 
-LightGrid litGrid(ProbeTree tree, uint64_t seed) {
-  LightGrid grid = randomGrid(std::move(tree), seed);
-  grid.light = randomLight(grid.tree.probeCount(), seed);
-  return grid;
-}
-
 // A list of positions and normals, and what a batch makes of them.
 struct Batch {
   std::vector<PositionM> positions_m;
@@ -36,11 +30,6 @@ struct Batch {
     lookUpIrradiances(grid, positions_m.data(), normals.data(), positions_m.size(), rgb.data(), status.data(), scratch);
   }
 };
-
-std::array<float, 3> randomDirection(Random& random) {
-  const double z = random.uniform(-1.0, 1.0), turn = random.uniform(0.0, 6.283185307179586), r = std::sqrt(1.0 - z * z);
-  return {static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)), static_cast<float>(z)};
-}
 
 // Scattered positions, and walks of small steps through many cells.
 Batch randomBatch(const ProbeTreeFrame& frame, size_t count, uint64_t seed) {

@@ -13,17 +13,6 @@
 namespace nlg {
 namespace {
 
-LightGrid litGrid(ProbeTree tree, uint64_t seed) {
-  LightGrid grid = randomGrid(std::move(tree), seed);
-  grid.light = randomLight(grid.tree.probeCount(), seed);
-  return grid;
-}
-
-std::array<float, 3> randomDirection(Random& random) {
-  const double z = random.uniform(-1.0, 1.0), turn = random.uniform(0.0, 6.283185307179586), r = std::sqrt(1.0 - z * z);
-  return {static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)), static_cast<float>(z)};
-}
-
 TEST(Irradiance, IsTheNormalisedBlendOfTheProbesLight) {
   int64_t of_status[4] = {};
   for (uint64_t seed = 0; seed < 6; ++seed) {

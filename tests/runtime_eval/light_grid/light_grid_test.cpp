@@ -503,8 +503,7 @@ TEST(LightGridCheck, NamesWhatDoesNotBelongTogether) {
   };
   ASSERT_TRUE(checkLightGrid(LightGrid{}).ok());
   for (const WrongGrid& wrong : cases) {
-    LightGrid grid = randomGrid(smallTree(), 1);
-    grid.light = randomLight(grid.tree.probeCount(), 1);
+    LightGrid grid = litGrid(smallTree(), 1);
     ASSERT_TRUE(checkLightGrid(grid).ok());
     wrong.spoil(grid);
     const FileResult result = checkLightGrid(grid);

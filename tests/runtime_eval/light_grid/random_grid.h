@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <utility>
 
 #include "runtime_eval/fit/adam.h"
@@ -56,6 +57,27 @@ inline LightGrid randomGrid(ProbeTree tree, uint64_t seed) {
     grid.probe_function.push_back(drawn < functions ? drawn : drawn < functions + 2 ? kFreeSpace : kNoWeight);
   }
   return grid;
+}
+
+// The same with light.
+inline LightGrid litGrid(ProbeTree tree, uint64_t seed) {
+  LightGrid grid = randomGrid(std::move(tree), seed);
+  grid.light = randomLight(grid.tree.probeCount(), seed);
+  return grid;
+}
+
+// Bare tents alone, with light.
+inline LightGrid freeGrid() {
+  LightGrid grid;
+  grid.tree = smallTree();
+  grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
+  grid.light = randomLight(grid.tree.probeCount(), 1);
+  return grid;
+}
+
+inline std::array<float, 3> randomDirection(Random& random) {
+  const double z = random.uniform(-1.0, 1.0), turn = random.uniform(0.0, 6.283185307179586), r = std::sqrt(1.0 - z * z);
+  return {static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)), static_cast<float>(z)};
 }
 
 // Anywhere in the box of the roots, and a little outside.

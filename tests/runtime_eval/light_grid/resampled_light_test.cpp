@@ -9,13 +9,6 @@
 namespace nlg {
 namespace {
 
-LightGrid freeGrid() {
-  LightGrid grid = randomGrid(smallTree(), 1);
-  std::fill(grid.probe_function.begin(), grid.probe_function.end(), kFreeSpace);
-  grid.light = randomLight(grid.tree.probeCount(), 1);
-  return grid;
-}
-
 // The whole box of the roots, and more on every side.
 LightBox boxAround(const LightGrid& grid, std::array<uint32_t, 3> texels) {
   const ProbeTreeFrame& frame = grid.tree.frame();

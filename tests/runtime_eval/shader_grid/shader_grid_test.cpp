@@ -116,10 +116,7 @@ TEST(ShaderGrid, ReadsNoMoreThanEightRecords) {
 }
 
 TEST(ShaderGrid, NamesWhatItIsToBeCompiledFor) {
-  LightGrid grid;
-  grid.tree = smallTree();
-  grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
-  grid.light = randomLight(grid.tree.probeCount(), 1);
+  LightGrid grid = freeGrid();
   ShaderGrid packed;
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
   EXPECT_EQ(packed.defines, std::vector<std::string>{"NLG_CLASS_COUNT 2"});
@@ -132,9 +129,8 @@ TEST(ShaderGrid, NamesWhatItIsToBeCompiledFor) {
 }
 
 TEST(ShaderGrid, RefusesWhatShadersCannotShow) {
-  LightGrid grid;
-  grid.tree = smallTree();
-  grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
+  LightGrid grid = freeGrid();
+  grid.light.clear();
   ShaderGrid packed;
   const FileResult dark = packShaderGrid(grid, &packed);
   EXPECT_EQ(dark.status, FileStatus::value_out_of_range);
@@ -148,17 +144,6 @@ TEST(ShaderGrid, RefusesWhatShadersCannotShow) {
   const FileResult beyond = packShaderGrid(grid, &packed);
   EXPECT_NE(beyond.detail.find("float16"), std::string::npos) << beyond.detail;
   EXPECT_TRUE(packed.words.empty());
-}
-
-TEST(ShaderGrid, OfATreeWithoutCellsIsDarkEverywhere) {
-  LightGrid grid;
-  ASSERT_EQ(
-      ProbeTree::build(
-          {{0.0, 0.0, 0.0}, 1.0, {1, 1, 1}}, [](const ProbeCell&) { return CellVerdict::unneeded; }, kMaxTreeProbes, &grid.tree),
-      ProbeTreeStatus::ok);
-  ShaderGrid packed;
-  const FileResult result = packShaderGrid(grid, &packed);
-  EXPECT_FALSE(result.ok()) << "no probes, no light";
 }
 
 }  // namespace

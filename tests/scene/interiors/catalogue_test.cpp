@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "scene/interiors/furniture_use.h"
+#include "tests/scene/input_error.h"
 #include "tiny_library.h"
-#include "tool/error.h"
 
 namespace nlg {
 namespace {
@@ -14,12 +14,7 @@ namespace {
 const char* const kChair = "name#7=Chair\ncategory#7=Living room\nmodel#7=/a/chair.obj\nwidth#7=45\ndepth#7=50.5\nheight#7=90\n";
 
 std::string errorOf(const std::string& text) {
-  try {
-    parseCatalogue("test.sh3f", text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+  return inputErrorOf([&] { parseCatalogue("test.sh3f", text); });
 }
 
 TEST(Catalogue, GivesSizesInMetresOfWidthHeightAndDepth) {

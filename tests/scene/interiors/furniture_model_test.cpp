@@ -9,8 +9,8 @@
 #include "runtime_eval/numbers/random.h"
 #include "scene/interiors/furniture_library.h"
 #include "scene/obj_reader.h"
+#include "tests/scene/input_error.h"
 #include "tiny_library.h"
-#include "tool/error.h"
 
 namespace nlg {
 namespace {
@@ -139,12 +139,7 @@ TEST(FurnitureModel, HasNoTrianglesWhereNoCoarseningMeetsTheBudget) {
 class FurnitureLibraryTest : public testing::Test {
  protected:
   std::string errorOf(const std::string& path) const {
-    try {
-      const FurnitureLibrary library(path);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
+    return inputErrorOf([&] { const FurnitureLibrary library(path); });
   }
   TemporaryFolder folder_;
 };
@@ -184,14 +179,9 @@ TEST_F(FurnitureLibraryTest, RefusesWhatIsNoLibrary) {
 }
 
 TEST_F(FurnitureLibraryTest, RefusesModelsThatAreMissingOrNoText) {
-  const auto modelError = [&](const std::vector<std::pair<std::string, std::string>>& files) -> std::string {
+  const auto modelError = [&](const std::vector<std::pair<std::string, std::string>>& files) {
     FurnitureLibrary library(writeTinyLibrary(folder_, {{"Bedroom", "Bed", 160, 200, 60, "", "bed.obj"}}, files));
-    try {
-      library.model(0);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
+    return inputErrorOf([&] { library.model(0); });
   };
   EXPECT_NE(modelError({}).find("models/bed.obj"), std::string::npos);
   EXPECT_NE(modelError({{"models/bed.obj", "v 1 2 x\n"}}).find("line 1"), std::string::npos);
