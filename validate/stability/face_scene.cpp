@@ -64,18 +64,4 @@ const LinkTable& stabilityLinks() {
   return links;
 }
 
-const char* outcomeName(ProbeOutcome outcome) {
-  switch (outcome) {
-    case ProbeOutcome::function:
-      return "a function";
-    case ProbeOutcome::free_space:
-      return "free space";
-    case ProbeOutcome::in_solid:
-      return "in solid";
-    case ProbeOutcome::empty:
-      return "empty";
-  }
-  return "unknown";
-}
-
 }  // namespace nlg

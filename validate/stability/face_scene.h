@@ -23,7 +23,6 @@ class FaceScene {
   void add(const Scene& scene);
 
   std::vector<glm::dvec3>& positions() { return positions_; }  // three a triangle
-  std::vector<uint32_t>& materials() { return materials_; }    // one a triangle
   size_t triangleCount() const { return materials_.size(); }
 
   // The scene as a reader of files would give it.
@@ -39,7 +38,5 @@ FaceScene furnishedRoom();
 
 // The links between support points, made once a process.
 const LinkTable& stabilityLinks();
-
-const char* outcomeName(ProbeOutcome outcome);
 
 }  // namespace nlg

@@ -55,7 +55,7 @@ bool buildAtOrigin(const WallScene& scene, ProbeOutcome expected, StabilityFigur
   const RayScene rays(finished);
   WeightingBuilder builder(rays, stabilityLinks(), scene.diffusion);
   const ProbeOutcome outcome = builder.build(-finished.origin_m, 1.0f, function);
-  figures->require(outcome == expected, std::string("a probe's outcome is ") + outcomeName(outcome));
+  figures->require(outcome == expected, expected == ProbeOutcome::empty ? "a probe is not empty" : "a probe has no function");
   if (outcome == expected) countLight(scene, *function, built);
   return outcome == expected;
 }
