@@ -125,29 +125,13 @@ def stages_section(split):
     return "\n## What a bake does with each representation\n" + table(["", "stages, and which functions take them"], [[", ".join(names), stages] for stages, names in lists.items()])
 
 
-# ways of earlier revisions, which still stand in the results that were measured with them
-GONE = ("learned_steps", "mirror_images", "precision")
-
-
-SMALLER = 0.98  # what the front's next point has at most of the error before it
-
-
-def front_of(points):
-    """The points that none beats in both time and mean error, from the fastest on."""
-    front, time_and_error = [], lambda found: tuple(found[1]["figures"]["theta"][key] for key in ("us_median", "rmse_mean"))
-    for found in sorted(points, key=time_and_error):
-        if not front or time_and_error(found)[1] <= SMALLER * time_and_error(front[-1])[1]:
-            front.append(found)
-    return front
-
-
 def frontier_section(front):
-    points = [(name, point) for name, ways in front["points"].items() for point in ways.values() if point["family"] not in GONE]
     counts = front["functions"]
-    text = (f"\n## Error against run time\n{counts['theta']:,} functions of the evaluation that take a θ, {counts['hard']:,} of them hard; {len(points)} ways from a function to its θ. "
-            f"These are beaten by none in both time and mean error. [What it says](frontier.md). Revision `{front['revision']}`.\n\n![Error against run time](../images/error_against_time.png)\n")
+    text = (f"\n## Error against run time\n{counts['theta']:,} functions of the evaluation that take a θ, {counts['hard']:,} of them hard. {front['front_sentences'].get('theta', '')} "
+            f"[How it is measured](frontier.md). Revision `{front['revision']}`.\n\n![Error against run time](../images/error_against_time.png)\n")
     rows = []
-    for name, point in front_of(points):
+    members = [(name, point) for name, ways in front["points"].items() for point in ways.values() if point["figures"]["theta"]["on_front"]]
+    for name, point in sorted(members, key=lambda member: member[1]["figures"]["theta"]["us_median"]):
         theta, hard = point["figures"]["theta"], point["figures"]["hard"]
         label = f"bake, after: {point['label']}" if point["family"] == "stages" else point["label"]
         rows.append([f"`{name}`", label, microseconds(theta["us_median"]), *(number(theta[key]) for key in ("rmse_mean", "rmse_median", "rmse_p95")), number(hard["rmse_mean"]) if hard else ""])
@@ -246,15 +230,14 @@ def savings_section(savings):
 
 
 # of all cases: those that say how fast the parts of a bake and a look-up are
-SHOWN_BENCHMARKS = ("machine/", "peer/generator/", "peer/adam_500", "peer/training_step", "loss_and_gradient/tent_mlp/8192", "evaluate/tent_mlp/", "evaluate/pf9/", "fit/adam/tent_mlp/2000",
-                    "fit/lm/tent_mlp/40", "generator/float32/batch/96", "light_grid/look_up/tent_mlp/", "irradiance/batched/tent_mlp4/", "shipped/tent_mlp4/")
+SHOWN_BENCHMARKS = ("machine/", "peer/generator/", "generator/float32/", "irradiance/batched/", "visibility/", "weighting/")
 
 
 def benchmarks_section(benchmarks):
     shown = lambda value: f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.4g}"
     rows = [[f"`{entry['case']}`", microseconds(entry["us"]),
              "; ".join(f"{key.replace('_', ' ')} {shown(value)}" for key, value in entry.items() if key not in {"case", "us", "wall_us"})]
-            for entry in benchmarks.values() if entry["case"].startswith(SHOWN_BENCHMARKS) and "int16" not in entry["case"]]
+            for entry in benchmarks.values() if entry["case"].startswith(SHOWN_BENCHMARKS)]
     return "\n## Benchmarks\nOne core; the machine's peak was measured in the same run.\n" + table(["case", "µs", "counters"], rows)
 
 
