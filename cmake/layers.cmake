@@ -71,6 +71,9 @@ function(nlg_library name)
   target_link_libraries(nlg_${name} PUBLIC ${ARG_LINKS} PRIVATE $<BUILD_INTERFACE:nlg_warnings>)
 endfunction()
 
+# What reads command lines and writes JSON computes nothing: at -O1 it compiles in two thirds of the time.
+set(NLG_WORDS_OPTIONS $<$<CONFIG:Release>:-O1>)
+
 # HEADERS_OF   the target whose precompiled headers it shares; unless told otherwise those of the tools' options and JSON
 function(nlg_tool name)
   cmake_parse_arguments(ARG "" "HEADERS_OF" "SOURCES;LINKS" ${ARGN})
@@ -81,5 +84,6 @@ function(nlg_tool name)
   endif()
   target_precompile_headers(${name} REUSE_FROM ${ARG_HEADERS_OF})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} nlg_warnings)
+  target_compile_options(${name} PRIVATE ${NLG_WORDS_OPTIONS})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 endfunction()

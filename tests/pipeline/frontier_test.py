@@ -7,36 +7,19 @@ import json
 import math
 import os
 import re
-import subprocess
 import sys
-import tempfile
 
-USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
+sys.dont_write_bytecode = True
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from tools import INPUT_ERROR, OUTPUT_ERROR, SOURCES, USAGE_ERROR, Tools, run_checks, write
 
-BIN, MAKE_WEIGHTS, MAKE_NARROW_SHARD = (os.path.abspath(path) for path in sys.argv[1:4])
-TIMEOUT_FACTOR = float(os.environ.get("NLG_TEST_TIMEOUT_FACTOR", "1"))  # of sanitizers, which slow everything down
-SOURCES = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+TOOLS = Tools(sys.argv[1])
+expect = TOOLS.check
+MAKE_WEIGHTS, MAKE_NARROW_SHARD = (os.path.abspath(path) for path in sys.argv[2:4])
 TINY = ["--functions", "7", "--repeats", "2", "--lm-steps", "1,2", "--adam-steps", "2", "--direct-lm-steps", "2,3", "--direct-adam-steps", "64"]
 GOOD = ["--weights", "tent_mlp.safetensors", "pf3.safetensors", "pf5.safetensors", "--held-out", "one.h5", "two.h5", *TINY]
 POPULATIONS = ["all", "theta", "hard"]
 WORDS = ["network", "corrected", "fitted", "stored"]
-failures = []
-
-
-def expect(holds, what):
-    if not holds:
-        failures.append(what)
-
-
-def run(tool, *arguments):
-    return subprocess.run([os.path.join(BIN, tool), *arguments], capture_output=True, text=True, timeout=120 * TIMEOUT_FACTOR)
-
-
-def must(*command):
-    result = subprocess.run(command, capture_output=True, text=True, timeout=120 * TIMEOUT_FACTOR)
-    if result.returncode != 0:
-        sys.exit(f"{' '.join(command)}: exit code {result.returncode}\n{result.stderr}")
-    return result.stdout
 
 
 def documented_keys():
@@ -115,8 +98,8 @@ def check_families(points):
     expect(choices == ["pf3+pf5"], f"choices: {choices}")
 
 
-def check_result():
-    must(os.path.join(BIN, "nlg-validate"), "frontier", *GOOD, "--hierarchy", "room.hierarchy.json", "hall.hierarchy.json", "--out", "out")
+def check_result(tools):
+    tools.must(["nlg-validate", "frontier", *GOOD, "--hierarchy", "room.hierarchy.json", "hall.hierarchy.json", "--out", "out"])
     result = json.load(open("out/frontier.json"))
     keys = documented_keys()
     points = result["points"]
@@ -142,57 +125,35 @@ def check_result():
     expect(result["walks"] == [{"functions": "solved", "representation": None, "scenes": 2, "light_jump_worst": 3}], f"walks: {result['walks']}")
 
 
-def refuses(code, names, *arguments):
-    result = run("nlg-validate", "frontier", *arguments)
-    lines = result.stderr.splitlines()
-    expect(result.returncode == code, f"{arguments}: exit code {result.returncode}, expected {code}: {result.stderr}")
-    expect(len(lines) == 1 and lines[0].startswith("nlg-validate frontier: error: "), f"{arguments}: {lines}")
-    for name in names:
-        expect(name in result.stderr, f"{arguments}: stderr does not name '{name}': {result.stderr}")
-    expect(not os.path.exists("bad"), f"{arguments}: left an output behind")
-
-
-def check_bad_input():
-    open("broken.safetensors", "w").write("x")
-    open("other.json", "w").write("{}")
+def check_bad_input(tools):
+    write("broken.safetensors", "x")
+    write("other.json", "{}")
 
     def replaced(old, new):
         return [new if argument == old else argument for argument in GOOD] + ["--out", "bad"]
 
-    refuses(USAGE_ERROR, ["--weights"], "--held-out", "one.h5", "--out", "bad")
-    refuses(USAGE_ERROR, ["--held-out"], "--weights", "tent_mlp.safetensors", "--out", "bad")
-    refuses(USAGE_ERROR, ["--lm-steps", "'0'"], *replaced("1,2", "0,2"))
-    refuses(USAGE_ERROR, ["--functions"], *replaced("7", "0"))
-    refuses(INPUT_ERROR, ["missing.safetensors"], *replaced("pf3.safetensors", "missing.safetensors"))
-    refuses(INPUT_ERROR, ["broken.safetensors"], *replaced("pf3.safetensors", "broken.safetensors"))
-    refuses(INPUT_ERROR, ["missing.h5"], *replaced("two.h5", "missing.h5"))
-    refuses(INPUT_ERROR, ["training.h5", "--held-out"], "--weights", "pf3.safetensors", "--held-out", "training.h5", *TINY, "--out", "bad")
-    refuses(INPUT_ERROR, ["narrow.h5"], *replaced("two.h5", "narrow.h5"))
-    refuses(INPUT_ERROR, ["other.json"], *GOOD, "--hierarchy", "other.json", "--out", "bad")
-    refuses(INPUT_ERROR, ["missing.json"], *GOOD, "--hierarchy", "missing.json", "--out", "bad")
-    refuses(OUTPUT_ERROR, ["other.json:"], *GOOD, "--out", "other.json")
+    for code, names, arguments in [
+            (USAGE_ERROR, "--weights", ["--held-out", "one.h5", "--out", "bad"]), (USAGE_ERROR, "--held-out", ["--weights", "tent_mlp.safetensors", "--out", "bad"]),
+            (USAGE_ERROR, ["--lm-steps", "'0'"], replaced("1,2", "0,2")), (USAGE_ERROR, "--functions", replaced("7", "0")),
+            (INPUT_ERROR, "missing.safetensors", replaced("pf3.safetensors", "missing.safetensors")),
+            (INPUT_ERROR, "broken.safetensors", replaced("pf3.safetensors", "broken.safetensors")), (INPUT_ERROR, "missing.h5", replaced("two.h5", "missing.h5")),
+            (INPUT_ERROR, ["training.h5", "--held-out"], ["--weights", "pf3.safetensors", "--held-out", "training.h5", *TINY, "--out", "bad"]),
+            (INPUT_ERROR, "narrow.h5", replaced("two.h5", "narrow.h5")), (INPUT_ERROR, "other.json", [*GOOD, "--hierarchy", "other.json", "--out", "bad"]),
+            (INPUT_ERROR, "missing.json", [*GOOD, "--hierarchy", "missing.json", "--out", "bad"]), (OUTPUT_ERROR, "other.json:", [*GOOD, "--out", "other.json"])]:
+        tools.refuses(code, names, ["nlg-validate", "frontier", *arguments])
 
 
-def main():
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)
-        for name, seed, flags in [("one", 1, ["--held-out"]), ("two", 2, ["--held-out"]), ("training", 3, [])]:
-            must(os.path.join(BIN, "nlg-datagen"), "--scene", f"house:{seed}", "--max-functions", "8", "--test-points", "64", *flags,
-                 "--out", f"{name}.h5")
-        for name in ["tent_mlp", "pf3", "pf5"]:
-            must(MAKE_WEIGHTS, f"{name}.safetensors", name)
-        must(MAKE_NARROW_SHARD, "narrow.h5")
-        for scene, rmse in [("room", 1), ("hall", 3)]:
-            step = {"scene": scene, "step": "solved", "representation": None, "rmse_mean": rmse, "function_rmse": None}
-            walk = {"scene": scene, "functions": "solved", "representation": None, "light_jump_worst": rmse}
-            json.dump({"schema_version": 1, "hierarchy": [step], "walks": [walk]}, open(f"{scene}.hierarchy.json", "w"))
-        check_result()
-        check_bad_input()
-        os.chdir("/")
-    for failure in failures:
-        print("FAILED:", failure)
-    return 1 if failures else 0
+def make_inputs(tools):
+    for name, scene, flags in [("one", "house:1", "--held-out"), ("two", "house:2", "--held-out"), ("training", "house:3", "")]:
+        tools.must(f"nlg-datagen --scene {scene} --max-functions 8 --test-points 64 {flags} --out {name}.h5")
+    for name in ("tent_mlp", "pf3", "pf5"):
+        tools.must([MAKE_WEIGHTS, f"{name}.safetensors", name])
+    tools.must([MAKE_NARROW_SHARD, "narrow.h5"])
+    for scene, rmse in (("room", 1), ("hall", 3)):
+        step = {"scene": scene, "step": "solved", "representation": None, "rmse_mean": rmse, "function_rmse": None}
+        walk = {"scene": scene, "functions": "solved", "representation": None, "light_jump_worst": rmse}
+        write(f"{scene}.hierarchy.json", json.dumps({"schema_version": 1, "hierarchy": [step], "walks": [walk]}))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_checks(TOOLS, (make_inputs, check_result, check_bad_input)))

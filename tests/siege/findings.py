@@ -193,19 +193,28 @@ def d5(siege):
 
 # ---- D9: no threads
 
+MOST_THREADS = 8  # no tool starts more at once
+
+
 def d9(siege):
-    for tool in siege.tools:
-        if not tool.is_script and siege.counts[tool.name].get("thread"):
-            yield without_threads(siege, tool)
+    """None at all, of every tool; then all but the first, all but the first two, …"""
+    for first in range(1, MOST_THREADS + 1):
+        for tool in siege.tools:
+            if not tool.is_script and siege.counts[tool.name].get("thread", 0) >= first:
+                yield without_threads(siege, tool, first)
 
 
-def without_threads(siege, tool):
+def without_threads(siege, tool, first):
     def run(folder, faults):
         chain.lay_out(siege.store, tool, folder)
-        environment = injector.injecting(siege, folder, tool.program(), call="thread", at=1, fault="11", stay=True)
+        environment = injector.injecting(siege, folder, tool.program(), call="thread", at=first, fault="11", stay=True)
         ending = trial.run(tool.argv(siege), folder, environment, siege.limits)
         trial.judge(ending, siege.limits, faults, (trial.INTERNAL_ERROR, *trial.DOCUMENTED), is_quiet=not siege.made[tool.name].stderr)
-        return f"{tool.name}: {ending.words()}"
+        # a training run's own folder stays: the next attempt goes on from there
+        for path in chain.outputs_in(tool, folder) if ending.code != 0 else ():
+            if chain.is_temporary(path) or not path.startswith("run"):
+                faults.add(trial.LEFT, f"{path} stays")
+        return f"{tool.name}, thread {first} refused: {ending.words()}"
     return run
 
 
