@@ -53,7 +53,7 @@ Statistics verify(const ShardReader& reader) {
   requireCountsThatAddUp(reader.header());
   reader.verifyDigest();
   Statistics statistics;
-  DuplicateFilter filter({reader.header().path});
+  DuplicateFilter filter;
   for (uint64_t first = 0; first < reader.functionCount(); first += kPieceFunctions) {
     Shard piece = reader.read(first, std::min(kPieceFunctions, reader.functionCount() - first));
     addTo(piece, statistics);

@@ -63,7 +63,7 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   MeanFunction mean;
   std::map<std::string, std::string> inputs;
   std::string hashes;
-  DuplicateFilter filter(request.shards);
+  DuplicateFilter filter;
   Progress progress("shards", static_cast<int64_t>(request.shards.size()));
   for (size_t i = 0; i < request.shards.size(); ++i) {
     Shard shard = readShard(request.shards[i], supportPattern().hash, kSupportPointCount);

@@ -43,8 +43,6 @@ DuplicateIndex::DuplicateIndex(const DuplicateRule& rule, int point_count, Fetch
   max_squared_distance_ = rule.rms == 0.0 ? 0 : static_cast<uint64_t>(std::ceil(kMaxGroupPoints * squared)) + 1;
 }
 
-uint32_t DuplicateIndex::Sketch::sum() const { return std::accumulate(group_sums.begin(), group_sums.end(), uint32_t{0}); }
-
 DuplicateIndex::Sketch DuplicateIndex::sketch(const StoredFunction& function) const {
   Sketch sketch{};
   for (int g = 0; g < kGroupCount; ++g) {
@@ -71,7 +69,7 @@ DuplicateIndex::Features DuplicateIndex::features(const Sketch& sketch) {
     features[o] = sketch.valid_counts[o];
     features[kOctantCount] += sketch.valid_counts[o];
   }
-  features.back() = sketch.sum();
+  features.back() = std::accumulate(sketch.group_sums.begin(), sketch.group_sums.end(), int64_t{0});
   return features;
 }
 
@@ -121,14 +119,10 @@ std::optional<DuplicateIndex::Match> DuplicateIndex::compare(const StoredFunctio
 }
 
 std::optional<DuplicateIndex::Match> DuplicateIndex::findOrAdd(const StoredFunction& function) {
-  return findOrAdd(sketch(function), [&] { return function; });
-}
-
-std::optional<DuplicateIndex::Match> DuplicateIndex::findOrAdd(const Sketch& sketch,
-                                                               const std::function<StoredFunction()>& samples) {
+  const Sketch place = sketch(function);
   std::optional<Match> match;
-  forEachNear(sketch, [&](const Entry& other) { return (match = compare(samples(), other.id)).has_value(); });
-  if (!match) add(sketch);
+  forEachNear(place, [&](const Entry& other) { return (match = compare(function, other.id)).has_value(); });
+  if (!match) add(place);
   return match;
 }
 

@@ -29,15 +29,6 @@ class DuplicateIndex {
     double rms_difference;  // in 1/255
   };
 
-  static constexpr int kGroupCount = 32, kOctantCount = 8;
-  // What a function is searched by, without its samples.
-  struct Sketch {
-    std::array<uint16_t, kOctantCount> valid_counts;
-    std::array<uint16_t, kGroupCount> group_sums;
-    // All of group_sums: those of duplicates lie no further apart than sumReach().
-    uint32_t sum() const;
-  };
-
   // point_count   P, a multiple of 8, at most 65536
   DuplicateIndex(const DuplicateRule& rule, int point_count, Fetch fetch);
 
@@ -45,15 +36,8 @@ class DuplicateIndex {
   // keeps its samples for fetch.
   std::optional<Match> findOrAdd(const StoredFunction& function);
 
-  // The same of a function whose sketch is at hand; its samples are asked for only when it is compared with another.
-  std::optional<Match> findOrAdd(const Sketch& sketch, const std::function<StoredFunction()>& samples);
-
   // Adds a function whatever it duplicates; its id is the number of functions added before.
   void add(const StoredFunction& function) { add(sketch(function)); }
-  void add(const Sketch& sketch);
-
-  Sketch sketch(const StoredFunction& function) const;
-  uint32_t sumReach() const { return static_cast<uint32_t>(reach_.back()); }
 
   // Calls visit for every added function with isWanted(id) that this one duplicates; perhaps twice for one of them.
   void forEachMatch(const StoredFunction& function, const std::function<bool(uint64_t id)>& isWanted,
@@ -63,6 +47,12 @@ class DuplicateIndex {
   uint64_t comparedCount() const { return compared_count_; }  // calls of fetch so far
 
  private:
+  static constexpr int kGroupCount = 32, kOctantCount = 8;
+  // What a function is searched by, without its samples.
+  struct Sketch {
+    std::array<uint16_t, kOctantCount> valid_counts;
+    std::array<uint16_t, kGroupCount> group_sums;
+  };
   struct Entry : Sketch {
     uint32_t id;
   };
@@ -70,6 +60,8 @@ class DuplicateIndex {
   static constexpr int kFeatureCount = kOctantCount + 2;
   using Features = std::array<int64_t, kFeatureCount>;
 
+  void add(const Sketch& sketch);
+  Sketch sketch(const StoredFunction& function) const;
   static Features features(const Sketch& sketch);
   bool mayMatch(const Sketch& a, const Sketch& b) const;
   // Calls visit(other entry) for what may match, the function's own cell first (most matches lie there), until visit returns true.

@@ -74,7 +74,7 @@ FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t patt
   if (paths.empty()) throw InputError("shards", "files", "at least one", "none");
   FunctionSet set;
   prepare(paths, pattern_hash, point_count, set);
-  DuplicateFilter filter(paths, {.earlier = [&](uint64_t id) { return functionAt(set, id); }});
+  DuplicateFilter filter([&](uint64_t id) { return functionAt(set, id); });
   std::string hashes;
   OneFileEach given("shards", "content");
   for (const std::string& path : paths) {

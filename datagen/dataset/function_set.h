@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "datagen/dataset/duplicate_bands.h"
 #include "datagen/dataset/duplicate_index.h"
 #include "datagen/dataset/shard.h"
 
@@ -24,33 +23,22 @@ struct FunctionSet : FunctionRows {
   uint64_t functionCount() const { return scene_idx.size(); }
 };
 
-// Memory for sketches beyond which duplicates are looked for band by band: 26 million functions.
-inline constexpr uint64_t kDuplicateMemoryBytes = uint64_t{4} << 30;
-
-struct DuplicateFilterOptions {
-  DuplicateIndex::Fetch earlier;  // gives the samples of the id-th function kept; without it a copy is kept in a file
-  uint64_t memory_bytes = kDuplicateMemoryBytes;  // for sketches
-};
-
 // Drops from shards what other shards hold already, by the rule that the shards themselves were made with (DuplicateRule).
 //
-// Exact, as DuplicateIndex says. Of duplicates the first in the order of the shards is kept, as long as the sketches of all functions
-// fit in memory (kDuplicateBytesAFunction each), and their deflated samples in the folder for temporary files (TMPDIR), about 1.2 kB a
-// function; where they do not, the first in the order of duplicate_bands.h, whose search then reads all shards once beforehand, and
-// takes 88 bytes a function more of that folder.
+// Exact, as DuplicateIndex says: of duplicates the first is kept. Takes 160 bytes of memory for each function that is kept, 160 MB for
+// a million of them. Their deflated samples lie in the folder for temporary files (TMPDIR), about 1.2 kB each.
 class DuplicateFilter {
  public:
-  // shards   the paths, in the order in which removeKnown is given them
-  // throws   as findDuplicates (duplicate_bands.h) does
-  explicit DuplicateFilter(const std::vector<std::string>& shards, DuplicateFilterOptions options = {});
+  // earlier   gives the samples of the id-th function kept; without it a copy is kept in a file
+  explicit DuplicateFilter(DuplicateIndex::Fetch earlier = nullptr);
   ~DuplicateFilter();
   DuplicateFilter(const DuplicateFilter&) = delete;
   DuplicateFilter& operator=(const DuplicateFilter&) = delete;
 
-  // Takes the known functions out of the next shard's arrays, or out of the next rows of the same shard, and moves them from
-  // counts.functions to counts.duplicates.
-  // throws   InputError when its rule is not that of the first shard, or an earlier shard cannot be read any more
-  void removeKnown(Shard* shard);
+  // Takes the known functions out of the arrays of a shard, or of some rows of one, and moves them from counts.functions to
+  // counts.duplicates.
+  // throws   InputError when its rule is not that of the first; OutputError when the temporary file refuses
+  void removeKnown(Shard* rows);
 
  private:
   struct Impl;

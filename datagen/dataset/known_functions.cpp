@@ -2,14 +2,12 @@
 
 #include <algorithm>
 
-#include "datagen/dataset/shard_reader.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
 
 constexpr uint64_t kMirrorCount = 8;
-constexpr uint64_t kPieceFunctions = 1024;  // about 20 MB at a time
 
 // The samples of a function's mirror image: whole octants change places.
 class MirroredSamples {
@@ -84,19 +82,5 @@ void KnownFunctionSearch::see(const StoredFunction& training) {
 }
 
 const KnownFunctions& KnownFunctionSearch::known() const { return impl_->known; }
-
-KnownFunctions findKnown(const DuplicateRule& rule, const FunctionSet& held_out,
-                         const std::vector<std::string>& training_shards) {
-  KnownFunctionSearch search(rule, held_out);
-  for (const std::string& path : training_shards) {
-    const ShardReader reader(path, held_out.pattern_hash, held_out.point_count);
-    reader.verifyDigest();
-    for (uint64_t first = 0; first < reader.functionCount(); first += kPieceFunctions) {
-      const Shard piece = reader.read(first, std::min(kPieceFunctions, reader.functionCount() - first));
-      for (uint64_t n = 0; n < piece.functionCount(); ++n) search.see(functionAt(piece, n));
-    }
-  }
-  return search.known();
-}
 
 }  // namespace nlg

@@ -40,9 +40,4 @@ class KnownFunctionSearch {
   std::unique_ptr<Impl> impl_;
 };
 
-// The search over whole shards, read a piece at a time: memory does not grow with the training set.
-// rule      what counts as the same: the rule that the shards were made with
-// throws    InputError as readShard does, and when a training shard has another pattern than the held-out set
-KnownFunctions findKnown(const DuplicateRule& rule, const FunctionSet& held_out, const std::vector<std::string>& training_shards);
-
 }  // namespace nlg

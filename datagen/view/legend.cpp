@@ -13,11 +13,10 @@ namespace {
 
 constexpr int kKeyWidth = 24, kKeyHeight = 18, kKeyGap = 30;
 
-void drawKeyFrame(Image& image, int x, int y) { drawFrame(image, x, y, kKeyWidth, kKeyHeight, kPaleInk); }
-
-void drawLineKey(Image& image, int x, int y, const std::function<void(const glm::dvec2&, const glm::dvec2&)>& line) {
-  fillRect(image, x, y, kKeyWidth, kKeyHeight, viridis(0.35));
-  line({x + 0.5, y + 9.0}, {x + kKeyWidth - 0.5, y + 9.0});
+void fillHatch(Image& box) {
+  for (int y = 0; y < box.height(); ++y) {
+    for (int x = 0; x < box.width(); ++x) box.set(x, y, hatchColour(x, y));
+  }
 }
 
 }  // namespace
@@ -48,14 +47,22 @@ void drawColourBar(Image& image, int x, int y, int width, const std::string& tit
   }
 }
 
-int drawKey(Image& image, int x, int y, const std::string& text, const std::function<void(Image&, int, int)>& draw) {
+int drawKey(Image& image, int x, int y, const std::string& text, const std::function<void(Image& box)>& draw) {
   // drawn apart, so that nothing reaches over the box
   Image box(kKeyWidth, kKeyHeight, kPaper);
-  draw(box, 0, 0);
+  draw(box);
   paste(image, box, x, y);
-  drawKeyFrame(image, x, y);
+  drawFrame(image, x, y, kKeyWidth, kKeyHeight, kPaleInk);
   drawText(image, x + kKeyWidth + 8, y, text, kInk);
   return x + kKeyWidth + 8 + textWidth(text) + kKeyGap;
+}
+
+int drawLineKey(Image& image, int x, int y, const std::string& text, Colour ground,
+                const std::function<void(Image& box, const glm::dvec2& from, const glm::dvec2& to)>& line) {
+  return drawKey(image, x, y, text, [&](Image& box) {
+    fillRect(box, 0, 0, kKeyWidth, kKeyHeight, ground);
+    line(box, {0.0, kKeyHeight / 2.0}, {kKeyWidth, kKeyHeight / 2.0});
+  });
 }
 
 void drawScaleBar(Image& image, int x, int y, double px_per_m, int max_px) {
@@ -80,26 +87,19 @@ void drawSliceLegend(Image& image, int x, int y, bool with_cut, bool with_points
   drawColourBar(image, x, y, 360, "weighting function φ (black: exactly 0)", {"0", "0.25", "0.5", "0.75", "1"},
                 [](double value) { return value < 0.012 ? kBlack : phiColour(value); });
   const int first = x + 440;
-  int at = drawKey(image, first, y, "solid (invalid)", [](Image& box, int bx, int by) {
-    for (int row = 0; row < kKeyHeight; ++row) {
-      for (int column = 0; column < kKeyWidth; ++column) box.set(bx + column, by + row, hatchColour(column, row));
-    }
-  });
-  at = drawKey(image, at, y, "border of what the probe sees", [](Image& box, int bx, int by) {
-    drawLineKey(box, bx, by, [&](const auto& a, const auto& b) { drawLine(box, a, b, 1.6, kSeenBorder); });
-  });
+  const Colour ground = viridis(0.35);
+  int at = drawKey(image, first, y, "solid (invalid)", fillHatch);
+  at = drawLineKey(image, at, y, "border of what the probe sees", ground,
+                   [](Image& box, const auto& a, const auto& b) { drawLine(box, a, b, 1.6, kSeenBorder); });
   if (with_cut) {
-    at = drawKey(image, at, y, "no support point in sight",
-                 [](Image& box, int bx, int by) { fillRect(box, bx, by, kKeyWidth, kKeyHeight, kUnknown); });
+    drawKey(image, at, y, "no support point in sight", [](Image& box) { fillRect(box, 0, 0, kKeyWidth, kKeyHeight, kUnknown); });
     at = first;
     for (const bool double_sided : {false, true}) {
-      at = drawKey(image, at, y + 32, double_sided ? "cut of a double-sided face" : "cut of a one-sided face",
-                   [&](Image& box, int bx, int by) {
-                     drawLineKey(box, bx, by, [&](const auto& a, const auto& b) {
-                       drawLine(box, a, b, 4.0, kWhite);
-                       drawCutLine(box, a, b, 2.0, double_sided);
-                     });
-                   });
+      at = drawLineKey(image, at, y + 32, double_sided ? "cut of a double-sided face" : "cut of a one-sided face", ground,
+                       [&](Image& box, const auto& a, const auto& b) {
+                         drawLine(box, a, b, 4.0, kWhite);
+                         drawCutLine(box, a, b, 2.0, double_sided);
+                       });
     }
   }
   if (!with_points) return;
@@ -108,10 +108,9 @@ void drawSliceLegend(Image& image, int x, int y, bool with_cut, bool with_points
                                                      {PixelKind::diffused, "not seen: φ from diffusion"},
                                                      {PixelKind::solid, "invalid"}};
   for (const auto& [kind, text] : kinds) {
-    at = drawKey(image, at, y + 64, text, [kind = kind](Image& box, int bx, int by) {
-      fillRect(box, bx, by, kKeyWidth, kKeyHeight, kind == PixelKind::solid ? Colour{90, 90, 90} : viridis(0.35));
-      drawSupportPoint(box, {bx + kKeyWidth / 2.0, by + kKeyHeight / 2.0}, 0.6, kind);
-    });
+    at =
+        drawLineKey(image, at, y + 64, text, kind == PixelKind::solid ? Colour{90, 90, 90} : ground,
+                    [kind = kind](Image& box, const auto& a, const auto& b) { drawSupportPoint(box, 0.5 * (a + b), 0.6, kind); });
   }
   drawText(image, at, y + 64, "(within " + fixed(kPointSlab, 2) + " spacings of the plane)", kPaleInk);
 }

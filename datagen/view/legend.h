@@ -20,8 +20,11 @@ std::string positionText(const glm::dvec3& position_m);
 void drawColourBar(Image& image, int x, int y, int width, const std::string& title, const std::vector<std::string>& labels,
                    const std::function<Colour(double)>& colour);
 
-// A box of 22 x 18 px that draw(image, x, y) fills, and a text to its right. Returns the x behind both, with a gap.
-int drawKey(Image& image, int x, int y, const std::string& text, const std::function<void(Image&, int, int)>& draw);
+// A box of 24 x 18 px that `draw` fills, and a text to its right. Returns the x behind both, with a gap.
+int drawKey(Image& image, int x, int y, const std::string& text, const std::function<void(Image& box)>& draw);
+// The same: a line across a ground of one colour.
+int drawLineKey(Image& image, int x, int y, const std::string& text, Colour ground,
+                const std::function<void(Image& box, const glm::dvec2& from, const glm::dvec2& to)>& line);
 
 // A bar of 1, 2 or 5 times a power of ten metres, at most max_px long, its lower left corner at (x, y); white on dark, so that it
 // can stand on any ground.

@@ -74,6 +74,9 @@ void drawCut(Image& image, const Level& level, const LevelMap& map) {
 // By level, coarse to fine: hues that neither the level's greys nor viridis have.
 constexpr Colour kLevelColours[3] = {{40, 80, 220}, {235, 110, 10}, {214, 30, 130}};
 constexpr double kLevelWidths[3] = {3.2, 2.0, 1.2};
+constexpr Colour kCellInk{60, 60, 80};
+constexpr double kCellShare = 0.35;
+const Colour kKeyGround = heightColour(0.7);
 
 void drawSquare(Image& image, const LevelMap& map, const glm::dvec3& low, double side_m, double width_px, Colour colour) {
   const glm::dvec2 a = map.pixelOf(low), b = map.pixelOf(low + side_m);
@@ -94,10 +97,10 @@ void drawTree(Image& image, const ViewedShard& viewed, const Level& level, const
   };
   Image lines = image;
   viewed.tree->forEachCell([&](const ProbeCell& cell) {
-    if (isCut(cell.low, cell.side)) drawSquare(lines, map, world(cell.low), cell.side * frame.spacing_m, 1.0, {60, 60, 80});
+    if (isCut(cell.low, cell.side)) drawSquare(lines, map, world(cell.low), cell.side * frame.spacing_m, 1.0, kCellInk);
   });
   for (int y = 0; y < image.height(); ++y) {
-    for (int x = 0; x < image.width(); ++x) image.blend(x, y, lines.at(x, y), 0.35);
+    for (int x = 0; x < image.width(); ++x) image.blend(x, y, lines.at(x, y), kCellShare);
   }
   std::vector<ProbeNode> nodes;
   viewed.tree->forEachNode([&](const ProbeNode& node) {
@@ -142,17 +145,14 @@ void drawHeader(Image& image, const ViewedShard& viewed, const Level& level) {
 }
 
 void drawGeometryKeys(Image& image, int x, int y) {
-  x = drawKey(image, x, y, "solid at the cut's height", [](Image& box, int bx, int by) {
-    for (int i = 0; i < box.width() * box.height(); ++i) {
-      const int px = i % box.width(), py = i / box.width();
-      box.set(bx + px, by + py, mix(heightColour(0.5), hatchColour(px, py), 0.6));
+  x = drawKey(image, x, y, "solid at the cut's height", [](Image& box) {
+    for (int py = 0; py < box.height(); ++py) {
+      for (int px = 0; px < box.width(); ++px) box.set(px, py, mix(heightColour(0.5), hatchColour(px, py), 0.6));
     }
   });
   for (const bool double_sided : {false, true}) {
-    x = drawKey(image, x, y, double_sided ? "cut, double-sided" : "cut of a one-sided face", [&](Image& box, int bx, int by) {
-      fillRect(box, bx, by, box.width(), box.height(), heightColour(0.7));
-      drawCutLine(box, {bx, by + 9}, {bx + box.width(), by + 9}, 2.2, double_sided);
-    });
+    x = drawLineKey(image, x, y, double_sided ? "cut, double-sided" : "cut of a one-sided face", kKeyGround,
+                    [&](Image& box, const auto& a, const auto& b) { drawCutLine(box, a, b, 2.2, double_sided); });
   }
 }
 
@@ -160,16 +160,14 @@ void drawTreeKeys(Image& image, const ProbeTree& tree, int y) {
   int x = kMargin;
   for (int level = 0; level < 3; ++level) {
     const double side_m = kRootSide / std::pow(4.0, level) * tree.frame().spacing_m;
-    x = drawKey(image, x, y, fmt::format("tree node, level {} ({} m)", level, fixed(side_m, 1)), [&](Image& box, int bx, int by) {
-      fillRect(box, bx, by, box.width(), box.height(), heightColour(0.7));
-      drawLine(box, {bx, by + 9}, {bx + box.width(), by + 9}, kLevelWidths[level], kLevelColours[level]);
-    });
+    x = drawLineKey(
+        image, x, y, fmt::format("tree node, level {} ({} m)", level, fixed(side_m, 1)), kKeyGround,
+        [&](Image& box, const auto& a, const auto& b) { drawLine(box, a, b, kLevelWidths[level], kLevelColours[level]); });
   }
-  drawKey(image, x, y, "cells of their bricks, where the cut goes through", [](Image& box, int bx, int by) {
-    fillRect(box, bx, by, box.width(), box.height(), heightColour(0.7));
-    for (const int at : {4, 12, 20})
-      drawLine(box, {bx + at, by}, {bx + at, by + 18}, 1.0, mix(heightColour(0.7), {60, 60, 80}, 0.35));
-  });
+  drawLineKey(image, x, y, "cells of their bricks, where the cut goes through", kKeyGround,
+              [](Image& box, const auto&, const auto&) {
+                for (const int at : {4, 12, 20}) drawLine(box, {at, 0}, {at, 18}, 1.0, mix(kKeyGround, kCellInk, kCellShare));
+              });
 }
 
 void drawLegend(Image& image, const ViewedShard& viewed, const Level& level, const LevelMap& map, int y) {
@@ -185,10 +183,8 @@ void drawLegend(Image& image, const ViewedShard& viewed, const Level& level, con
   drawScaleBar(image, x, y + 50, map.px_per_m, std::min(400, map.width / 2));
   x = kMargin;
   for (const bool is_above : {false, true}) {
-    x = drawKey(image, x, y + 84, is_above ? "probe above the cut" : "probe below the cut", [&](Image& box, int bx, int by) {
-      fillRect(box, bx, by, box.width(), box.height(), heightColour(0.7));
-      drawProbe(box, {bx + 12, by + 9}, 0.7, is_above);
-    });
+    x = drawLineKey(image, x, y + 84, is_above ? "probe above the cut" : "probe below the cut", kKeyGround,
+                    [&](Image& box, const auto& a, const auto& b) { drawProbe(box, 0.5 * (a + b), 0.7, is_above); });
   }
   if (!level.triangles.empty()) drawGeometryKeys(image, x, y + 84);
   if (viewed.tree) drawTreeKeys(image, *viewed.tree, y + 116);

@@ -185,7 +185,7 @@ CacheReport writeFunctionCache(const std::string& path, const std::vector<std::s
   writeAtomically(path, [&](const std::string& temporary_path) {
     RandomFile file(temporary_path, path);
     CacheWriter writer(file, basis, largest_count);
-    DuplicateFilter filter(shards, {.earlier = [&](uint64_t id) { return writer.samples(id); }});
+    DuplicateFilter filter([&](uint64_t id) { return writer.samples(id); });
     Progress progress("shards", static_cast<int64_t>(shards.size()));
     std::string hashes;
     for (size_t i = 0; i < shards.size(); ++i) {

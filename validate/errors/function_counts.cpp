@@ -13,7 +13,7 @@ FunctionCounts countFunctions(const std::vector<std::string>& training, const st
   FunctionCounts counts;
   std::vector<std::string> all = training;
   all.insert(all.end(), held_out.begin(), held_out.end());
-  DuplicateFilter filter(all);
+  DuplicateFilter filter;
   KnownFunctionSearch search(rule, set);
   // a shard is read while the one before is searched and the one before that is filtered: HDF5 is for one thread at a time, and
   // filtering moves the rows that the search reads

@@ -110,7 +110,7 @@ TEST_F(FunctionSetFiles, DropDuplicatesByTheRuleOfTheirShards) {
   EXPECT_EQ(readFunctionSet({c, d}, kPattern).functionCount(), 70u) << "50 to 119; nothing within half a step";
   EXPECT_THROW(readFunctionSet({a, c}, kPattern), InputError) << "two rules";
   // the filter that reads earlier shards from their files drops the same
-  DuplicateFilter filter({c, d});
+  DuplicateFilter filter;
   Shard first = readShard(c, kPattern), second = readShard(d, kPattern);
   filter.removeKnown(&first);
   filter.removeKnown(&second);
@@ -119,48 +119,6 @@ TEST_F(FunctionSetFiles, DropDuplicatesByTheRuleOfTheirShards) {
   EXPECT_EQ(second.phi[9 * kPoints], 59);
   EXPECT_EQ(second.phi[10 * kPoints], 100);
   EXPECT_EQ(second.counts.duplicates, 7u + 40u);
-}
-
-// In bands as narrow as they get: other functions may be left, but as few as ever are alike, and none is lost.
-TEST_F(FunctionSetFiles, DropAllDuplicatesBandByBand) {
-  std::vector<std::string> paths;
-  std::vector<Shard> shards;
-  for (const int first : {40, 60, 41, 200, 90}) {
-    Shard shard = shardOf("s" + std::to_string(first), 25, first);
-    shard.duplicate_rule = {1.5, 0};
-    paths.push_back(write(shard));
-    shards.push_back(readShard(paths.back(), kPattern));
-  }
-  DuplicateFilter filter(paths, {.earlier = nullptr, .memory_bytes = 1});
-  FunctionSet left;
-  left.point_count = kPoints;
-  left.test_point_count = kTest;
-  uint64_t dropped = 0;
-  for (Shard& shard : shards) {
-    const uint64_t before = shard.counts.functions, duplicates = shard.counts.duplicates;
-    const Shard whole = shard;
-    filter.removeKnown(&shard);
-    EXPECT_EQ(shard.counts.functions + shard.counts.duplicates, before + duplicates);
-    dropped += before - shard.functionCount();
-    appendRows(shard, 0, shard.functionCount(), &left);
-  }
-  const DuplicateRule rule{1.5, 0};
-  const uint64_t count = left.flags.size();
-  for (uint64_t a = 0; a < count; ++a) {
-    for (uint64_t b = 0; b < a; ++b)
-      EXPECT_FALSE(duplicateDistance(rule, functionAt(left, a), functionAt(left, b), kPoints).has_value()) << a << " and " << b;
-  }
-  for (const std::string& path : paths) {
-    const Shard whole = readShard(path, kPattern);
-    for (uint64_t n = 0; n < whole.functionCount(); ++n) {
-      bool has_like = false;
-      for (uint64_t a = 0; a < count && !has_like; ++a)
-        has_like = duplicateDistance(rule, functionAt(whole, n), functionAt(left, a), kPoints).has_value();
-      EXPECT_TRUE(has_like) << path << ", function " << n;
-    }
-  }
-  EXPECT_EQ(dropped + count, 5u * 25u);
-  EXPECT_GT(dropped, 30u);
 }
 
 TEST_F(FunctionSetFiles, TakeShardsWithoutFunctions) {

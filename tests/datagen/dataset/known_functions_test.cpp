@@ -1,19 +1,14 @@
 #include "datagen/dataset/known_functions.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <random>
-
-#include "tool/error.h"
 
 namespace nlg {
 namespace {
 
 constexpr size_t kPoints = 512, kOctant = kPoints / 8;
-constexpr uint64_t kPattern = 5;
 constexpr DuplicateRule kRule{0.5, 4};
 
 struct Function {
@@ -62,7 +57,6 @@ Function changed(Function function, double rms, int amount) {
 
 FunctionSet setOf(const std::vector<Function>& functions) {
   FunctionSet set;
-  set.pattern_hash = kPattern;
   set.point_count = static_cast<int>(kPoints);
   for (const Function& function : functions) {
     set.phi.insert(set.phi.end(), function.phi.begin(), function.phi.end());
@@ -134,33 +128,6 @@ TEST_F(KnownFunctionsTest, AreFoundOneByOneInAnyOrder) {
     EXPECT_EQ(found.countInTraining(), 2u);
     EXPECT_EQ(found.countInTrainingMirrored(), 2u);
   }
-}
-
-TEST_F(KnownFunctionsTest, AreFoundInShards) {
-  Shard shard;
-  shard.scene_id = "a";
-  shard.family = "level";
-  shard.pattern_hash = kPattern;
-  shard.point_count = static_cast<int>(kPoints);
-  shard.provenance_json = "{}";
-  const Function image = mirrorImage(held_out_[9], 6);
-  shard.phi = image.phi;
-  shard.validity = shard.seen = image.validity;
-  shard.probe_position_m.assign(3, 0.0);
-  shard.spacing_m.assign(1, 1.0f);
-  shard.flags.assign(1, 0);
-  shard.counts.functions = shard.counts.visited_probes = shard.counts.grid_probes = 1;
-  const std::string path =
-      (std::filesystem::temp_directory_path() / ("nlg_known_" + std::to_string(::getpid()) + ".h5")).string();
-  writeShard(path, shard);
-  FunctionSet set = setOf(held_out_);
-  const KnownFunctions found = findKnown(kRule, set, {path});
-  EXPECT_EQ(found.countInTraining(), 0u);
-  EXPECT_EQ(found.countInTrainingMirrored(), 1u);
-  EXPECT_TRUE(found.in_training_mirrored[9]);
-  set.pattern_hash = kPattern + 1;
-  EXPECT_THROW(findKnown(kRule, set, {path}), InputError);
-  std::filesystem::remove(path);
 }
 
 }  // namespace
