@@ -251,7 +251,7 @@ int main(int argc, char** argv) {
   nlg::OptionTable table("train");
   nlg::describeTrainOptions(options, table);
   table.group("Run");
-  table.common({"steps", "learning_rate", "threads", "shards", "cache", "out", "run", "device"});
+  table.common({"shards", "cache", "out", "run", "steps"});
   app.add_option("--representation", request.representation, nlg::representationNames())->required();
   app.add_option("--shards", request.shards, "training shards, to be read into memory");
   app.add_option("--cache", request.cache, "the training set as nlg-cache made it, to be read from the disk");

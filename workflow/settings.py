@@ -5,7 +5,8 @@
 
 The rows of the workflow's own settings stand below. Those of the tools are asked of the tools in BIN (nlg-TOOL --list-options) and kept
 in settings.json: a configuration is judged before anything is built. Without --check both files are written. With it nothing is: it fails
-where one of them is out of date, or where a tool's --help has more than a dozen options.
+where one of them is out of date, where a tool's --help has more than a dozen options, and where pipeline.yaml or one of configs/ holds what
+no tool knows.
 """
 import json
 import re
@@ -17,7 +18,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
 from tool.atomic_file import write_files
 from tool.errors import CHECK_FAILED, UsageError, run
-from plain_yaml import ConfigurationError, require
+from plain_yaml import ConfigurationError, read, require
 
 ROOT = Path(__file__).resolve().parents[1]
 TABLE, PAGE = ROOT / "workflow/settings.json", ROOT / "docs/reference/settings.md"
@@ -195,6 +196,21 @@ def long_helps(folder):
             yield f"{command} --help: expected at most {MOST_IN_HELP} options, got {count}"
 
 
+def old_configurations(rows):
+    """What configurations of ours hold and no tool knows any more. Only where their scenes are could they be judged whole."""
+    TOOL_ROWS[:] = rows
+    sections = {row["section"] for row in OWN + rows} - {""}
+    for path in [ROOT / "pipeline.yaml", *sorted((ROOT / "configs").glob("*.yaml"))]:
+        config = read(path)
+        parts = [(name, config[name]) for name in sorted(sections & set(config))] + list(config.get("full", {}).items())
+        parts += [("train", own) for own in config["representations"].values()] if isinstance(config["representations"], dict) else []
+        for name, part in parts:
+            try:
+                judged(name, name, part, is_part=True)
+            except ConfigurationError as error:
+                yield f"{path.relative_to(ROOT)}: {error}"
+
+
 def main():
     arguments = [argument for argument in sys.argv[1:] if argument != "--check"]
     if len(arguments) != 1:
@@ -206,7 +222,7 @@ def main():
         return None
     problems = [f"{path.relative_to(ROOT)}: not what the tools say; workflow/settings.py {arguments[0]} writes it"
                 for path, text in texts.items() if not path.is_file() or path.read_text() != text]
-    problems += long_helps(Path(arguments[0]))
+    problems += [*long_helps(Path(arguments[0])), *old_configurations(rows)]
     print("\n".join(problems) or f"{len(rows)} settings are what the tools say")
     return CHECK_FAILED if problems else None
 

@@ -164,7 +164,7 @@ config["basis"]["components"] = 32
 config["train"].update(steps=200, batch=16, checkpoint_steps=10)
 config["bake"]["spacing_m"] = 3.0
 config["validate"].update(direct_functions=2, direct_adam_steps=50)
-config["frontier"].update(functions=2, repeats=1, coefficients=[32])
+config["frontier"].update(functions=2, repeats=1)
 config["report"].update(savings=["clutter_1"])
 config["validate_light"].update(air_places=16, surface_places=16, walks=1, truth_rays=16, probe_rays=16)
 yaml.safe_dump(config, open(sys.argv[2] + "/run.yaml", "w"))
