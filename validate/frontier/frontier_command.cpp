@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "bake/load_generators.h"
 #include "bake/policy_options.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
@@ -43,8 +44,9 @@ Plan planOf(const Request& request, const FrontierOptions& options) {
   const FitBudgets budgets = options.budgets();
   Plan plan;
   SharedGenerators fields;
-  for (Generator& loaded : loadGenerators(request.weights)) {
-    const auto generator = std::make_shared<const Generator>(std::move(loaded));
+  LoadedGenerators loaded = loadGenerators(request.weights);
+  for (Generator& one : loaded.generators) {
+    const auto generator = std::make_shared<const Generator>(std::move(one));
     plan.representations[representationName(generator->representation())]["stages"] =
         stagesJson(stagesOf(stageFacts(*generator), options.policy));
     plan.append(stagePoints(generator, options.policy));
@@ -52,8 +54,6 @@ Plan planOf(const Request& request, const FrontierOptions& options) {
     plan.append(directFits(generator, options.policy, budgets, options.seed));
     if (generator->representation().isField()) fields.push_back(generator);
   }
-  std::sort(fields.begin(), fields.end(),
-            [](const auto& a, const auto& b) { return a->representation().thetaCount() < b->representation().thetaCount(); });
   if (fields.size() > 1) plan.runs.push_back(choicePoint(fields, options.policy));
   return plan;
 }
