@@ -35,7 +35,7 @@ set(NLG_MAY_LINK_light_figures nlg::delaunay nlg::look_up nlg::statistics nlg::l
 set(NLG_MAY_LINK_stability     nlg::errors nlg::shard_job nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_policy_options nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_bake          nlg::policy_options nlg::scene nlg::probes nlg::visibility nlg::light nlg::weighting nlg::dataset nlg::shard_job nlg::runtime_eval nlg::weights_file nlg::tool)
-set(NLG_MAY_LINK_render        nlg::light_figures nlg::bake nlg::view nlg::light nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_render        nlg::light_figures nlg::bake nlg::view nlg::light nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool nlg::policy_options)
 set(NLG_MAY_LINK_viewer        nlg::render nlg::shader_export nlg::light_figures nlg::bake nlg::view nlg::light nlg::scene nlg::runtime_eval nlg::tool)
 # tools: the stage's own libraries, and what all tools share
 set(NLG_MAY_LINK_nlg-datagen   nlg::shard_job nlg::view nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::runtime_eval nlg::tool)
