@@ -11,6 +11,9 @@ import tempfile
 import time
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "headless_shell")
+SKIPPED = 77  # ctest's exit code of a test that lacks what it needs
+# what SwiftShader says of the browser's own reading back, on a machine without a graphics card
+OF_THE_BROWSER = "GPU stall due to ReadPixels"
 HIGHEST_PX = 16000  # a screenshot's limit
 LONGEST_CLOSE_S = 60
 
@@ -18,6 +21,22 @@ LONGEST_CLOSE_S = 60
 def find_browser():
     """The path of the first that is installed, or None."""
     return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
+def complaints(events, is_own=lambda url: True):
+    """What the page said to the console, and what it asked for that is not its own."""
+    result = []
+    for event in events:
+        method, parameters = event.get("method"), event.get("params", {})
+        if method == "Runtime.consoleAPICalled" and parameters["type"] in ("error", "warning", "assert"):
+            result.append(f"console: {parameters['args']}")
+        elif method == "Runtime.exceptionThrown":
+            result.append(f"exception: {parameters['exceptionDetails'].get('exception', {}).get('description', parameters['exceptionDetails']['text'])}")
+        elif method == "Log.entryAdded" and parameters["entry"]["level"] in ("error", "warning") and OF_THE_BROWSER not in parameters["entry"]["text"]:
+            result.append(f"log: {parameters['entry']['text']}")
+        elif method == "Network.requestWillBeSent" and not is_own(parameters["request"]["url"]):
+            result.append(f"asks for {parameters['request']['url']}")
+    return result
 
 
 def is_running(group):

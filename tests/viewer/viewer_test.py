@@ -15,10 +15,9 @@ import time
 
 sys.dont_write_bytecode = True
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from browser import BROWSERS, Browser, find_browser
+from browser import BROWSERS, SKIPPED, Browser, complaints, find_browser
 from PIL import Image, ImageChops
 
-SKIPPED = 77
 LEVELS = "/usr/share/games/openarena/baseoa"
 SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
 WIDTH, HEIGHT = 320, 180  # of pictures that are compared
@@ -28,8 +27,6 @@ RIVALS = {"cornell": ["valid-trilinear", "ddgi"], "level": ["quake-grid"]}
 # between is the same light to a step of 255.
 MOST_MEDIAN, MOST_MEAN, MOST_BEYOND_EDGES = 1.0, 2.5, 0.04  # steps of 255; the last: share of pixels off by more than 16
 LONGEST_WAIT_S = 240
-# what SwiftShader says of the browser's own reading back, on a machine without a graphics card
-OF_THE_BROWSER = "GPU stall due to ReadPixels"
 # boxes that stick out of the window
 STICKING_OUT = """[...document.querySelectorAll('#panel *')].filter(e => e.getBoundingClientRect().width > 0 && e.getBoundingClientRect().right > innerWidth + 0.5)
   .map(e => e.id || e.tagName)"""
@@ -68,15 +65,8 @@ class Page:
             time.sleep(0.1)
         # the frame that is shown by now is the one that was drawn
         self.browser.value("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
-        complaints = [event["params"] for event in self.browser.events
-                      if event.get("method") == "Runtime.exceptionThrown" or
-                      (event.get("method") == "Runtime.consoleAPICalled" and event["params"]["type"] in ("error", "warning", "assert")) or
-                      (event.get("method") == "Log.entryAdded" and event["params"]["entry"]["level"] in ("error", "warning") and
-                       OF_THE_BROWSER not in event["params"]["entry"]["text"])]
-        asked = [event["params"]["request"]["url"] for event in self.browser.events if event.get("method") == "Network.requestWillBeSent"]
-        complaints += [url for url in asked if not url.startswith("file:")]
-        if complaints:
-            sys.exit(f"{query}: {json.dumps(complaints)[:2000]}")
+        if found := complaints(self.browser.events, lambda url: url.startswith("file:")):
+            sys.exit(f"{query}: {json.dumps(found)[:2000]}")
         return state
 
 

@@ -22,16 +22,14 @@ sys.dont_write_bytecode = True
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.join(HERE, "..", "..", "..")
 sys.path.append(os.path.join(ROOT, "tests"))
-from browser import BROWSERS, Browser, find_browser
+from browser import BROWSERS, SKIPPED, Browser, complaints, find_browser
 
-SKIPPED = 77
 PLACES = 512
 OFFSET_M = 0.02  # of both modules
 PER_PIXEL_BOUND = 1e-3
 ORIGIN = [2, -1, 4]  # of the level, in the pages that move it
 # without a graphics card by SwiftShader, which comes with Chromium
 OPTIONS = ["--enable-unsafe-swiftshader", "--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]
-OF_THE_BROWSER = "GPU stall due to ReadPixels"
 IMPORTS = {"three": "/three/build/three.module.js", "three/webgpu": "/three/build/three.webgpu.js", "three/tsl": "/three/build/three.tsl.js",
            "three/addons/": "/three/examples/jsm/"}
 RENDERERS = {"webgl": "const renderer = new THREE.WebGLRenderer();", "webgpu": "const renderer = new THREE.WebGPURenderer();\nawait renderer.init();"}
@@ -180,14 +178,6 @@ class QuietHandler(http.server.SimpleHTTPRequestHandler):
         pass
 
 
-def complaints_of(browser):
-    return [event["params"] for event in browser.events
-            if event.get("method") == "Runtime.exceptionThrown" or
-            (event.get("method") == "Runtime.consoleAPICalled" and event["params"]["type"] in ("error", "warning", "assert")) or
-            (event.get("method") == "Log.entryAdded" and event["params"]["entry"]["level"] in ("error", "warning") and
-             OF_THE_BROWSER not in event["params"]["entry"]["text"])]
-
-
 def channels(light):
     return [light[4 * i:4 * i + 3] for i in range(PLACES)]
 
@@ -289,7 +279,7 @@ def main():
                     browser.events.clear()
                     browser.open(f"http://127.0.0.1:{server.server_address[1]}/{case}/page.html")
                     answer = browser.value(f"import('./{name}.js').then((module) => module.answer)")
-                    failures += [f"{what}: {json.dumps(complaint)[:2000]}" for complaint in complaints_of(browser)]
+                    failures += [f"{what}: {complaint[:2000]}" for complaint in complaints(browser.events)]
                     failures += failures_of(what, answer, of_case, expected)
                     if judge:
                         failures += judge(what, answer, of_case)

@@ -18,9 +18,8 @@ sys.dont_write_bytecode = True
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.join(HERE, "..", "..", "..")
 sys.path.append(os.path.join(ROOT, "tests"))
-from browser import BROWSERS, Browser, find_browser
+from browser import BROWSERS, SKIPPED, Browser, find_browser
 
-SKIPPED = 77
 PLACES = 1563 * 64
 # without a graphics card by SwiftShader, which comes with Chromium
 OPTIONS = ["--enable-unsafe-swiftshader", "--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"]

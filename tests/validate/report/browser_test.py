@@ -14,29 +14,10 @@ import tempfile
 sys.dont_write_bytecode = True
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 import made_up
-from browser import BROWSERS, Browser, find_browser
+from browser import BROWSERS, SKIPPED, Browser, complaints, find_browser
 
-SKIPPED = 77
 REPORT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "validate", "report", "report.py")
 SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
-
-
-def complaints(events, url):
-    """What the page said to the console, and what it asked for besides itself."""
-    result = []
-    for event in events:
-        method, parameters = event.get("method"), event.get("params", {})
-        if method == "Runtime.consoleAPICalled" and parameters["type"] in ("error", "warning", "assert"):
-            result.append(f"console: {parameters['args']}")
-        elif method == "Runtime.exceptionThrown":
-            result.append(f"exception: {parameters['exceptionDetails'].get('exception', {}).get('description', parameters['exceptionDetails']['text'])}")
-        elif method == "Log.entryAdded" and parameters["entry"]["level"] in ("error", "warning"):
-            result.append(f"log: {parameters['entry']['text']}")
-        elif method == "Network.requestWillBeSent" and parameters["request"]["url"] != url and not parameters["request"]["url"].startswith("data:"):
-            result.append(f"asks for {parameters['request']['url']}")
-    return result
-
-
 # the boxes that stick out, so that a failure names them; what scrolls inside its own box may
 STICKING_OUT = """[...document.querySelectorAll('body *')].filter(e => e.getBoundingClientRect().right > innerWidth + 0.5
   && !e.closest('.scroll, .wide, svg')).slice(0, 5).map(e => e.tagName + '.' + e.className + ': ' + e.textContent.slice(0, 60))"""
@@ -53,7 +34,7 @@ def check(browser, name, url, folder):
     browser.events.clear()
     browser.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
     browser.open(url)
-    failures = [f"{name}: {text}" for text in complaints(browser.events, url)]
+    failures = [f"{name}: {text}" for text in complaints(browser.events, lambda asked: asked == url or asked.startswith("data:"))]
     browser.picture(os.path.join(folder, f"{name}_first.png"), width, height)
     for opened in (False, True):
         browser.value(f"document.querySelectorAll('details').forEach(d => d.open = {str(opened).lower()})")
