@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """What nlg-export engine writes, read by readers that share nothing with it; and what it refuses.
 
-    engine_files_test.py NLG_EXPORT ENGINE_CASES KTX_PARSE
+    engine_files_test.py BIN_FOLDER ENGINE_CASES KTX_PARSE
 
 KTX2, DDS, Godot's text resource and three.js's bytes are read here, by their specifications. With KTX_PARSE, a folder of
 workflow/install_from_npm.sh, the KTX2 files are read by ktx-parse instead and nothing else is done; exit code 77, a skipped test,
@@ -17,9 +17,11 @@ import subprocess
 import sys
 import tempfile
 
-USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
+sys.dont_write_bytecode = True
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+from tools import INPUT_ERROR, OUTPUT_ERROR, USAGE_ERROR, Tools
 
-EXPORT, CASES = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+TOOLS, CASES = Tools(sys.argv[1]), os.path.abspath(sys.argv[2])
 KTX_PARSE = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else None
 BOX = ["--extent-m=-2,10001,2,6,10007,12", "--spacing-m", "1"]  # 8 x 6 x 10 texels
 WITHOUT_TEXELS = ["three-per-pixel", "c-header"]
@@ -32,7 +34,7 @@ def must(condition, message):
 
 
 def export(*arguments):
-    return subprocess.run([EXPORT, "engine", *arguments], capture_output=True, text=True)
+    return TOOLS.run(["nlg-export", "engine", *arguments])
 
 
 def exported(format_name):
@@ -161,15 +163,7 @@ def check_three():
 
 
 def refuses(exit_code, names, *arguments):
-    before = set(os.listdir("."))
-    result = export(*arguments)
-    lines = result.stderr.splitlines()
-    what = " ".join(arguments)
-    must(result.returncode == exit_code, f"{what}: exit code {result.returncode}, expected {exit_code}\n{result.stderr}")
-    must(len(lines) == 1 and lines[0].startswith("nlg-export engine: error: "), f"{what}: one line was expected\n{result.stderr}")
-    for name in names:
-        must(name in lines[0], f"{what}: does not name '{name}'\n{result.stderr}")
-    must(set(os.listdir(".")) == before, f"{what}: left something behind")
+    TOOLS.refuses(exit_code, names, ["nlg-export", "engine", *arguments])
 
 
 def check_refusals():
@@ -238,6 +232,7 @@ try:
         check_dds()
         check_godot()
         check_refusals()
+        must(TOOLS.end() == 0, "what is refused")
 finally:
     os.chdir("/")
     shutil.rmtree(work)
