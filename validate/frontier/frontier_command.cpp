@@ -1,7 +1,6 @@
 #include "validate/frontier/frontier_command.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 
 #include "bake/load_generators.h"
 #include "bake/policy_options.h"
@@ -26,7 +25,7 @@ struct Request {
   std::string out_dir;
 };
 
-// What is measured, in the order of the weights.
+// What is measured, from the smallest representation on.
 struct Plan {
   std::vector<PlotRun> runs;
   Json representations;  // name → stages
@@ -44,7 +43,7 @@ Plan planOf(const Request& request, const FrontierOptions& options) {
   const FitBudgets budgets = options.budgets();
   Plan plan;
   SharedGenerators fields;
-  LoadedGenerators loaded = loadGenerators(request.weights);
+  LoadedGenerators loaded = loadGenerators(request.weights);  // by rising number of parameters
   for (Generator& one : loaded.generators) {
     const auto generator = std::make_shared<const Generator>(std::move(one));
     plan.representations[representationName(generator->representation())]["stages"] =
