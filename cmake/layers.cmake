@@ -32,7 +32,7 @@ set(NLG_MAY_LINK_solved        nlg::errors nlg::weighting nlg::visibility nlg::s
 set(NLG_MAY_LINK_look_up       nlg::statistics nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_delaunay      glm::glm Qhull::qhull_r)
 set(NLG_MAY_LINK_light_figures nlg::delaunay nlg::look_up nlg::statistics nlg::light nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_stability     nlg::errors nlg::shard_job nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_stability     nlg::errors nlg::policy_options nlg::shard_job nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_policy_options nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_bake          nlg::policy_options nlg::scene nlg::probes nlg::visibility nlg::light nlg::weighting nlg::dataset nlg::shard_job nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_render        nlg::light_figures nlg::bake nlg::view nlg::light nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool nlg::policy_options)

@@ -1,7 +1,7 @@
 #include "validate/errors/held_out.h"
 
+#include "runtime_eval/support/support_pattern.h"
 #include "tool/error.h"
-#include "tool/require_read.h"
 
 namespace nlg {
 
@@ -15,27 +15,6 @@ FunctionSet readHeldOut(const std::vector<std::string>& paths) {
                      std::to_string(set.test_pattern_hash));
   }
   return set;
-}
-
-namespace {
-
-constexpr const char* kExpected = "a generator of this support pattern";
-
-}  // namespace
-
-Generator loadGenerator(const std::string& path) {
-  Generator generator;
-  requireRead(path, Generator::load(path, &generator), kExpected);
-  return generator;
-}
-
-GeneratorData loadGeneratorData(const std::string& path) {
-  loadGenerator(path);  // obeys NLG_SIMD, which numbers alone do not
-  WeightsFile file;
-  GeneratorData data;
-  requireRead(path, readWeightsFile(path, &file), kExpected);
-  requireRead(path, generatorFromWeights(file, &data), kExpected);
-  return data;
 }
 
 }  // namespace nlg

@@ -13,7 +13,6 @@
 #include "tool/parallel_for.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
-#include "validate/errors/held_out.h"
 #include "validate/look_up/look_up_error.h"
 
 namespace nlg {

@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
+#include "bake/load_generators.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
-#include "tool/one_file_each.h"
 #include "tool/output_path.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
+#include "tool/require_read.h"
 #include "tool/tool_main.h"
-#include "validate/errors/held_out.h"
 #include "validate/stability/stability_case.h"
 
 namespace nlg {
@@ -71,14 +71,17 @@ std::vector<StabilityCase> allCases() {
 }
 
 StabilityInputs readInputs(const StabilityRequest& request) {
+  constexpr const char* kExpected = "a generator of this support pattern";
   StabilityInputs inputs;
   inputs.depth = request.depth;
-  OneFileEach given("--weights", "representation");
-  for (const std::string& path : request.weights) {
-    Generator generator = loadGenerator(path);
-    const std::string name = representationName(generator.representation());
-    inputs.generators.push_back({name, std::move(generator), loadGeneratorData(path)});
-    given.add(path, name);
+  auto [generators, paths] = loadGenerators(request.weights);
+  for (size_t i = 0; i < generators.size(); ++i) {
+    WeightsFile file;
+    GeneratorData data;
+    requireRead(paths[i], readWeightsFile(paths[i], &file), kExpected);
+    requireRead(paths[i], generatorFromWeights(file, &data), kExpected);
+    const std::string name = representationName(data.representation);
+    inputs.generators.push_back({name, std::move(generators[i]), std::move(data)});
   }
   return inputs;
 }
