@@ -45,7 +45,7 @@ class LookUp(unittest.TestCase):
         self.assertEqual(self.result["schema_version"], 1)
         self.assertEqual(self.result["scene"], "house_1")
         self.assertEqual(set(self.result["provenance"]["inputs"]), {"weights of pf3", "weights of tent_mlp4"})
-        self.assertEqual(list(self.result["representations"]), ["pf3", "tent_mlp4"])
+        self.assertEqual(list(self.result["representations"]), ["tent_mlp4", "pf3"], "by rising number of parameters")
 
     def test_shares_of_the_air_add_up(self):
         places = self.result["places"]
