@@ -15,16 +15,16 @@ struct RowCount {
   uint64_t receivers = 0, unlit = 0;
 };
 
-RowCount lightRow(const Sights& sights, const LightingMethod& method, size_t row, LitPicture* picture) {
+RowCount lightRow(const Sights& sights, const Lighting& lighting, size_t row, LitPicture* picture) {
   const size_t per_row = static_cast<size_t>(sights.width) * sights.samples_per_pixel;
   const Sight* samples = &sights.samples[row * per_row];
-  // all of a row at once: a method that looks up many places together may do so
+  // all of a row at once: a lighting that looks up many places together may do so
   std::vector<Receiver> receivers;
   for (size_t i = 0; i < per_row; ++i) {
     if (samples[i].kind == Sight::Kind::receiver) receivers.push_back(samples[i].receiver);
   }
   std::vector<ReceivedLight> received(receivers.size());
-  if (!receivers.empty()) method.light_at(receivers, received.data());
+  if (!receivers.empty()) lighting.light_at(receivers, received.data());
   const ReceivedLight* next = received.data();
   for (int x = 0; x < sights.width; ++x) {
     const size_t pixel = row * sights.width + x;
@@ -52,27 +52,27 @@ RowCount lightRow(const Sights& sights, const LightingMethod& method, size_t row
           static_cast<uint64_t>(std::count_if(received.begin(), received.end(), [](const auto& a) { return !a.is_lit; }))};
 }
 
-// The root of the mean of what square(pixel) gives for all channels of the pixels that have receivers.
-template <class Square>
-double rootMean(const LitPicture& picture, const Square& square) {
+// The mean of what value(pixel) gives for all channels, over the pixels that have receivers; 0 without any.
+template <class Value>
+double meanOf(const LitPicture& picture, const Value& value) {
   double sum = 0.0;
   uint64_t count = 0;
   for (size_t i = 0; i < picture.irradiance.size(); ++i) {
     if (picture.receiver_share[i] == 0.0f) continue;
-    const glm::dvec3 values(square(i));
-    sum += (values.x + values.y + values.z) / 3.0;
+    const glm::dvec3 channels(value(i));
+    sum += (channels.x + channels.y + channels.z) / 3.0;
     ++count;
   }
-  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
 }  // namespace
 
 double luminanceOf(const glm::vec3& rgb) { return 0.2126 * rgb.r + 0.7152 * rgb.g + 0.0722 * rgb.b; }
 
-LitPicture lightPicture(const Sights& sights, const LightingMethod& method, int thread_count) {
+LitPicture lightPicture(const Sights& sights, const Lighting& lighting, int thread_count) {
   LitPicture picture;
-  picture.method = method.name;
+  picture.method = lighting.name;
   picture.width = sights.width;
   picture.height = sights.height;
   const size_t pixels = static_cast<size_t>(sights.width) * sights.height;
@@ -82,7 +82,7 @@ LitPicture lightPicture(const Sights& sights, const LightingMethod& method, int 
   picture.receiver_share.resize(pixels);
   picture.in_solid.resize(pixels);
   std::vector<RowCount> counts(sights.height);
-  parallelFor(sights.height, thread_count, [&](uint64_t row, int) { counts[row] = lightRow(sights, method, row, &picture); });
+  parallelFor(sights.height, thread_count, [&](uint64_t row, int) { counts[row] = lightRow(sights, lighting, row, &picture); });
   RowCount all;
   for (const RowCount& count : counts) all.receivers += count.receivers, all.unlit += count.unlit;
   if (all.receivers > 0) picture.unlit_share = static_cast<double>(all.unlit) / static_cast<double>(all.receivers);
@@ -90,30 +90,16 @@ LitPicture lightPicture(const Sights& sights, const LightingMethod& method, int 
 }
 
 double irradianceRms(const LitPicture& picture) {
-  return rootMean(picture, [&](size_t i) { return picture.irradiance[i] * picture.irradiance[i]; });
+  return std::sqrt(meanOf(picture, [&](size_t i) { return picture.irradiance[i] * picture.irradiance[i]; }));
 }
 
 PictureError pictureError(const LitPicture& picture, const LitPicture& truth) {
   const double rms = irradianceRms(truth);
   if (!(rms > 0.0)) return {};
-  PictureError error;
-  error.rmse = rootMean(truth,
-                        [&](size_t i) {
-                          const glm::dvec3 difference(picture.irradiance[i] - truth.irradiance[i]);
-                          return difference * difference;
-                        }) /
-               rms;
-  error.truth_noise = rootMean(truth, [&](size_t i) { return truth.deviation[i] * truth.deviation[i]; }) / rms;
-  double sum = 0.0;
-  uint64_t count = 0;
-  for (size_t i = 0; i < truth.irradiance.size(); ++i) {
-    if (truth.receiver_share[i] == 0.0f) continue;
-    const glm::vec3 difference = picture.irradiance[i] - truth.irradiance[i];
-    sum += (difference.r + difference.g + difference.b) / 3.0;
-    ++count;
-  }
-  error.bias = sum / static_cast<double>(count) / rms;
-  return error;
+  const auto difference = [&](size_t i) { return glm::dvec3(picture.irradiance[i] - truth.irradiance[i]); };
+  return {std::sqrt(meanOf(truth, [&](size_t i) { return difference(i) * difference(i); })) / rms,
+          meanOf(truth, difference) / rms,
+          std::sqrt(meanOf(truth, [&](size_t i) { return truth.deviation[i] * truth.deviation[i]; })) / rms};
 }
 
 }  // namespace nlg

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "render/lighting_method.h"
+#include "render/lighting.h"
 #include "render/sight.h"
 
 namespace nlg {
@@ -22,7 +22,7 @@ struct LitPicture {
 };
 
 // The same bits for any number of threads.
-LitPicture lightPicture(const Sights& sights, const LightingMethod& method, int thread_count);
+LitPicture lightPicture(const Sights& sights, const Lighting& lighting, int thread_count);
 
 // Over pixels that have receivers, all channels, of irradiance. In shares of the root mean square of truth's; 0 where truth is 0.
 struct PictureError {

@@ -107,7 +107,7 @@ PlaceView viewOfPlace(const LightTransport& transport, const Receiver& place) {
   return best;
 }
 
-Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, const LightingMethod& method,
+Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, const Lighting& lighting,
                 const PlacePictureOptions& options) {
   const PlaceView view = viewOfPlace(transport, place.at);
   SightOptions sight;
@@ -119,13 +119,13 @@ Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, con
   const Sights sights = sightsOf(transport, view.camera, sight);
   GatherOptions gather;
   gather.rays = options.truth_rays / sights.samples_per_pixel;
-  const LitPicture truth = lightPicture(sights, truthMethod(transport, gather, options.seed), options.thread_count);
-  const LitPicture answer = lightPicture(sights, method, options.thread_count);
+  const LitPicture truth = lightPicture(sights, truthLighting(transport, gather, options.seed), options.thread_count);
+  const LitPicture answer = lightPicture(sights, lighting, options.thread_count);
   const double exposure = exposureOf(truth, place), range = nextScale(place.error);
 
   std::vector<PanelColumn> columns = {
       {"truth", {rgbText(place.truth), fmt::format("exposure {:.3g}", exposure)}, toneMapped(truth, exposure), std::nullopt},
-      {method.name, {rgbText(place.answer)}, toneMapped(answer, exposure), std::nullopt},
+      {lighting.name, {rgbText(place.answer)}, toneMapped(answer, exposure), std::nullopt},
       {"error",
        {"red: too bright", "blue: too dark", fmt::format("full at {:g} of RMS", range)},
        errorMapUpTo(range * place.scale, answer, truth, ErrorKind::with_sign),

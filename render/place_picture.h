@@ -9,7 +9,7 @@
 #include "datagen/view/image.h"
 #include "light/light_transport.h"
 #include "render/camera.h"
-#include "render/lighting_method.h"
+#include "render/lighting.h"
 #include "render/sight.h"
 
 namespace nlg {
@@ -42,8 +42,8 @@ struct PlacePictureOptions {
 // The exposure shows truth's median as middle grey, unless the ball would be cut off by it; it stands below the picture. The error's
 // last colour stands for at least the error at the place.
 // The same bits for any number of threads.
-// method   what answered
-Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, const LightingMethod& method,
+// lighting   what answered
+Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, const Lighting& lighting,
                 const PlacePictureOptions& options);
 
 }  // namespace nlg

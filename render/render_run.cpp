@@ -12,7 +12,8 @@
 #include "datagen/view/legend.h"
 #include "datagen/view/png_file.h"
 #include "light/air.h"
-#include "render/lighting_method.h"
+#include "light/light_extent.h"
+#include "render/lighting.h"
 #include "render/lit_picture.h"
 #include "render/panel.h"
 #include "render/place_picture.h"
@@ -229,14 +230,14 @@ class Rendering {
     place_ = "from " + positionText(eye) + " towards " + positionText(look);
   }
 
-  LitPicture lit(const LightingMethod& method) const { return lightPicture(sights_, method, scene_.threads()); }
+  LitPicture lit(const Lighting& lighting) const { return lightPicture(sights_, lighting, scene_.threads()); }
 
   Image drawWeights() {
     const uint32_t probe = shownProbe(request_, scene_.grid());
     const PositionM at = scene_.grid().tree.probePosition(probe);
     said_["probe"] = probe;
     said_["probe_m"] = at;
-    const LitPicture shares = lit(probeShareMethod(scene_.grid(), scene_.scene().origin_m, probe));
+    const LitPicture shares = lit(probeShareLighting(scene_.grid(), scene_.scene().origin_m, probe));
     const LitPicture shading = lit({"even", [](std::span<const Receiver> receivers, ReceivedLight* received) {
                                       for (const Receiver& r : receivers)
                                         *received++ = {glm::vec3(0.6f + 0.25f * r.normal.y + 0.15f * r.normal.x), {}, true};
@@ -264,10 +265,10 @@ class Rendering {
     const bool shows_error = request_.show != "light";
     const bool needs_truth = shows_error || asksFor(request_, "truth");
     std::optional<LitPicture> truth;
-    if (needs_truth) truth = lit(scene_.method("truth"));
+    if (needs_truth) truth = lit(scene_.lighting("truth"));
     std::vector<LitPicture> pictures;
     for (const std::string& name : methodNames(request_)) {
-      pictures.push_back(name == "truth" ? *truth : lit(scene_.method(name)));
+      pictures.push_back(name == "truth" ? *truth : lit(scene_.lighting(name)));
       said_["pictures"].push_back(figuresOf(pictures.back(), truth));
     }
     const double exposure = request_.exposure > 0.0 ? request_.exposure : automaticExposure(truth ? *truth : pictures.front());

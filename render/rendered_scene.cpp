@@ -63,23 +63,18 @@ struct BakedAs {
 
 // Of a grid that says nothing of its making everything is empty.
 BakedAs bakedAs(const GridMetadata& metadata) {
-  BakedAs baked;
-  const auto text = [&](const char* key) {
-    const auto found = metadata.find(key);
-    return found == metadata.end() ? std::string() : found->second;
+  using Json = nlohmann::json;
+  const auto textOf = [&](const char* key) { return metadata.contains(key) ? metadata.at(key) : std::string(); };
+  const Json provenance = Json::parse(textOf("provenance"), nullptr, false);
+  // null where there is no such place
+  const auto at = [&](const char* place) {
+    const Json::json_pointer pointer(place);
+    return provenance.contains(pointer) ? provenance[pointer] : Json();
   };
-  baked.scene = text("scene");
-  const auto provenance = nlohmann::json::parse(text("provenance"), nullptr, false);
-  if (!provenance.is_object()) return baked;
-  const auto options = provenance.value("options", nlohmann::json::object());
-  const auto inputs = provenance.value("inputs", nlohmann::json::object());
-  if (options.is_object() && options.contains("light_direct") && options["light_direct"].is_string())
-    baked.light_direct = options["light_direct"];
-  if (options.is_object() && options.contains("spacing_m") && options["spacing_m"].is_number())
-    baked.spacing_m = options["spacing_m"];
-  if (inputs.is_object() && inputs.contains("light of the scene") && inputs["light of the scene"].is_string())
-    baked.light_of_scene = inputs["light of the scene"];
-  return baked;
+  const auto text = [](const Json& value) { return value.is_string() ? value.get<std::string>() : std::string(); };
+  const Json spacing = at("/options/spacing_m");
+  return {textOf("scene"), text(at("/options/light_direct")), text(at("/inputs/light of the scene")),
+          spacing.is_number() ? spacing.get<double>() : 0.0};
 }
 
 // A picture of a grid beside a truth that it was not baked for is not wrong, but seldom what was meant.
@@ -170,15 +165,15 @@ void RenderedScene::makeRivals() {
   }
 }
 
-LightingMethod RenderedScene::method(const std::string& name) const {
-  if (name == "grid") return gridMethod(*grid_, scene().origin_m);
+Lighting RenderedScene::lighting(const std::string& name) const {
+  if (name == "grid") return gridLighting(*grid_, scene().origin_m);
   if (name == "truth") {
     GatherOptions options;
     options.rays = request_.truth_rays;
     options.direct = directLightFromName(options_.light_direct);
-    return truthMethod(*transport_, options, mixSeed(options_.seed, kTruthStream));
+    return truthLighting(*transport_, options, mixSeed(options_.seed, kTruthStream));
   }
-  return measuredMethod(name, rival(name));
+  return measuredLighting(name, rival(name));
 }
 
 const LightMethod& RenderedScene::rival(const std::string& name) const {

@@ -8,9 +8,9 @@
 
 #include "bake/scene_functions.h"
 #include "light/light_transport.h"
-#include "render/lighting_method.h"
+#include "light/methods/method_set.h"
+#include "render/lighting.h"
 #include "render/render_run.h"
-#include "validate/light/method_set.h"
 
 namespace nlg {
 
@@ -35,7 +35,7 @@ class RenderedScene {
   const LightGrid& grid() const { return *grid_; }  // of requests that need one
   int threads() const { return threads_; }
 
-  LightingMethod method(const std::string& name) const;
+  Lighting lighting(const std::string& name) const;
   // throws   UsageError when the scene has none of that name
   const LightMethod& rival(const std::string& name) const;
   // What of a grid's file says that it is not of this scene, or not of its light here; told on stderr as well.

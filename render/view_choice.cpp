@@ -48,17 +48,6 @@ double judge(const LightTransport& transport, const Camera& camera, double aspec
 
 }  // namespace
 
-Bounds boundsWithSky(const Scene& scene) {
-  Bounds bounds = sceneBounds(scene);
-  for (const glm::uvec3& triangle : scene.light.sky_faces.triangles) {
-    for (int corner = 0; corner < 3; ++corner) {
-      bounds.min = glm::min(bounds.min, scene.light.sky_faces.positions[triangle[corner]]);
-      bounds.max = glm::max(bounds.max, scene.light.sky_faces.positions[triangle[corner]]);
-    }
-  }
-  return bounds;
-}
-
 Camera chooseView(const LightTransport& transport, double fov_y, double aspect, uint64_t seed) {
   const Bounds bounds = sceneBounds(transport.scene());
   const glm::dvec3 low(bounds.min), side(bounds.max - bounds.min);

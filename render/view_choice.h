@@ -11,7 +11,4 @@ namespace nlg {
 // throws   InputError when no place in air was found
 Camera chooseView(const LightTransport& transport, double fov_y, double aspect, uint64_t seed);
 
-// The box around all triangles, those of the sky among them, relative to the scene's origin.
-Bounds boundsWithSky(const Scene& scene);
-
 }  // namespace nlg

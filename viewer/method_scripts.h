@@ -3,10 +3,10 @@
 
 #include <string>
 
+#include "light/methods/ddgi.h"
+#include "light/methods/method_set.h"
+#include "light/methods/quake_grid_method.h"
 #include "runtime_eval/light_grid/light_grid.h"
-#include "validate/light/ddgi.h"
-#include "validate/light/method_set.h"
-#include "validate/light/quake_grid_method.h"
 #include "viewer/data_script.h"
 
 namespace nlg {

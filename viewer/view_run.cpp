@@ -8,6 +8,7 @@
 
 #include "export/shader/shader_export.h"
 #include "light/air.h"
+#include "light/light_extent.h"
 #include "render/lit_picture.h"
 #include "render/place_picture.h"
 #include "render/rendered_scene.h"
@@ -189,13 +190,13 @@ class ViewFolder {
             {"eye", numbers(camera.eye_m)},
             {"forward", numbers(glm::dvec3(camera.forward))},
             {"fov_y", camera.fov_y},
-            {"exposure", automaticExposure(lightPicture(seen, scene_.method("grid"), scene_.threads()))}};
+            {"exposure", automaticExposure(lightPicture(seen, scene_.lighting("grid"), scene_.threads()))}};
   }
 
   DataScript truthScript(size_t view, const Camera& camera) const {
     const int width = request_.truth_width, height = width * 9 / 16;
     const LitPicture picture = lightPicture(sights(scene_.transport(), camera, width, height, scene_.threads()),
-                                            scene_.method("truth"), scene_.threads());
+                                            scene_.lighting("truth"), scene_.threads());
     float brightest = 0.0f;
     for (const glm::vec3& radiance : picture.radiance) brightest = std::max({brightest, radiance.r, radiance.g, radiance.b});
     const float unit = brightest > 0.0f ? brightest / kBrightestStored : 1.0f;
@@ -233,7 +234,7 @@ class ViewFolder {
     std::vector<Receiver> receivers;
     for (const LightPlace& place : measured.places.places) receivers.push_back({place.position_m, place.normal});
     std::vector<ReceivedLight> received(receivers.size());
-    scene_.method(method).light_at(receivers, received.data());
+    scene_.lighting(method).light_at(receivers, received.data());
     std::vector<LightAnswer> answers;
     answers.reserve(received.size());
     for (const ReceivedLight& light : received) answers.push_back({light.irradiance, light.is_lit ? Reach::lit : Reach::unlit});

@@ -176,7 +176,6 @@ class Run:
             names += [f"training/{name}.ckpt", f"training/{name}.csv", f"training/{name}.json", f"training/{name}/curve.png",
                       f"weights/{name}.safetensors", f"weights/{name}.json"]
         names += [f"{split}/{file}" for split in judged for file in ("summary.json", "functions.csv", "slices.json")]
-        names += [f"hierarchy/{scene}.hierarchy.json" for scene in self.report["small_scenes"]]
         names += [f"{split}/frontier.{ending}" for split in judged for ending in ("json", "csv")]
         names += [*([] if self.report["stability"] == "short" else ["training_cases.json"]), "stability.json"]
         names += [f"savings/{scene}.json" for scene in matching(self.held_out + self.evaluation, self.report["savings"])]
@@ -191,7 +190,7 @@ class Run:
     def tools(self):
         """What the run starts; the others need not be built."""
         names = ["datagen", "pca", "cache", "train", "export", "validate"]
-        return [f"nlg-{name}" for name in names + ["solve"] * bool(self.report["small_scenes"]) + ["bake"] * bool(self.report["savings"])]
+        return [f"nlg-{name}" for name in names + ["bake"] * bool(self.report["savings"])]
 
     def section(self, name):
         """A tool's options as text: a change of them re-runs the rule."""

@@ -22,7 +22,7 @@ from plain_yaml import ConfigurationError, read, require
 
 ROOT = Path(__file__).resolve().parents[1]
 TABLE, PAGE = ROOT / "workflow/settings.json", ROOT / "docs/reference/settings.md"
-TOOLS = ["nlg-datagen", "nlg-pca", "nlg-train", "nlg-export", "nlg-bake", "nlg-validate", "nlg-validate frontier", "nlg-validate light", "nlg-solve"]
+TOOLS = ["nlg-datagen", "nlg-pca", "nlg-train", "nlg-export", "nlg-bake", "nlg-validate", "nlg-validate frontier", "nlg-validate light"]
 # tools without settings of their own, whose --help is counted too
 OTHER_TOOLS = ["nlg-cache", "nlg-view", "nlg-render", "nlg-datagen plan", "nlg-datagen view", "nlg-validate look-up", "nlg-validate light-closure",
                "nlg-validate light-noise", "nlg-validate stability", "nlg-export shader", "nlg-export engine", "nlg-export onnx", "nlg-export used-by"]
@@ -30,7 +30,6 @@ MOST_IN_HELP = 12
 
 FAMILIES = ["house", "maze", "colonnade", "stairs", "clutter", "outdoor", "cave"]
 REPRESENTATIONS = ["mlp", "tent_mlp", "tent_mlp88", "tent_mlp44", "tent_mlp4", "pf3", "pf5", "pf7", "pf9"]
-SMALL_SCENES = ["two_rooms", "doorway", "column", "clutter", "corridor", "table"]  # of nlg-solve
 MAX_SHARDS = 1000000
 
 
@@ -53,7 +52,6 @@ OWN = [
     own("scenes", "by_scene", "map", "patterns of scene names → options of nlg-datagen for these scenes. Later patterns go over earlier ones, and all of them over the section `datagen`", default={}),
     own("split", "held_out", "texts", "patterns of scene names: whole scenes that are never trained on, for validation while training and for the report"),
     own("split", "evaluation", "texts", "the same; the published figures are of these scenes. One setting was once chosen with the help of those of `configs/openarena.yaml` (commits a41ee66 to 04510fc), so that they are no test", default=[]),
-    own("report", "small_scenes", "texts", "small scenes of nlg-solve for the hierarchy of truths. `[]`: no hierarchy", one_of=SMALL_SCENES, default=SMALL_SCENES),
     own("report", "stability", "text", "how many of the stability cases are run. `short` leaves out training", one_of=["short", "full", "long"], default="full"),
     own("report", "savings", "texts", "patterns of held-out and evaluation scenes that are baked with the run's weights. Of `scenes.by_scene` the bake takes what it knows; its spacing is that of the section `bake`. `[]`: none. Default: the first scene of each split", default=None),
     own("validate_light", "scenes", "texts", "scenes whose light is measured, as nlg-bake takes them, with each generator and the section `bake`", default=[]),

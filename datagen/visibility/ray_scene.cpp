@@ -25,7 +25,6 @@ struct RayScene::Impl {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   std::vector<uint8_t> double_sided;  // by triangle
-  std::vector<uint32_t> material;     // by triangle
   RTCScene scene = nullptr;
   RTCScene light_scene = nullptr;      // with sky faces as geometry 1; null without any
   std::vector<glm::vec3> sky_normals;  // by sky face, not normalised
@@ -101,7 +100,6 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   for (const uint32_t material : scene.triangle_material) {
     impl_->double_sided.push_back(scene.materials[material].double_sided);
   }
-  impl_->material = scene.triangle_material;
   impl_->scene = rtcNewScene(embree());
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   impl_->attach(impl_->scene, kSurfaces, scene.positions, scene.triangles);
@@ -206,13 +204,6 @@ bool RayScene::hasSkyFaces() const { return impl_->light_scene != nullptr; }
 
 Facing RayScene::firstFacingWithSky(const glm::vec3& origin, const glm::vec3& direction) const {
   return impl_->firstFacing(impl_->lightScene(), origin, direction);
-}
-
-std::optional<SurfaceHit> RayScene::firstHit(const glm::vec3& origin, const glm::vec3& direction) const {
-  const RTCRayHit hit = impl_->firstRayHit(impl_->scene, origin, direction);
-  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const glm::vec3 normal = glm::normalize(impl_->normal(hit.hit.primID));
-  return SurfaceHit{hit.ray.tfar, glm::dot(normal, direction) < 0.0f ? normal : -normal, impl_->material[hit.hit.primID]};
 }
 
 LightHit RayScene::lightHit(const glm::vec3& origin, const glm::vec3& direction) const {

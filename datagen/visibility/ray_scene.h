@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -21,13 +20,6 @@ struct SegmentPacket {
 };
 
 enum class Facing : uint8_t { nothing, front, back, both };  // both: a double-sided material, or faces that coincide
-
-// Where a ray first meets a face.
-struct SurfaceHit {
-  float distance = 0.0f;   // in lengths of the ray's direction
-  glm::vec3 normal{0.0f};  // unit, of the side that the ray meets: it points against the ray
-  uint32_t material = 0;   // index into the scene's materials
-};
 
 // Where a ray of light ends.
 struct LightHit {
@@ -61,9 +53,6 @@ class RayScene {
   bool hasSkyFaces() const;
   // The same with sky faces among the faces: their backs are where the scene ends.
   Facing firstFacingWithSky(const glm::vec3& origin, const glm::vec3& direction) const;
-
-  // The first face a ray from origin meets, of either side; nothing when it meets none.
-  std::optional<SurfaceHit> firstHit(const glm::vec3& origin, const glm::vec3& direction) const;
 
   // The first surface, or front of a sky face, that a ray of light meets; sky faces let rays through from behind.
   LightHit lightHit(const glm::vec3& origin, const glm::vec3& direction) const;

@@ -62,9 +62,9 @@ class LookUpScratch {
   std::unique_ptr<Buffers> buffers_;
 };
 
-// lookUpIrradiance of many positions, on vectors: several times faster, the more so the more of the positions share a cell, and
-// once more where those stand near each other in the list. A position has the same bits wherever it stands in whatever list, on one SIMD target; beside
-// those of lookUpIrradiance, and on another target, they differ by rounding. Allocates nothing, cannot fail.
+// lookUpIrradiance of many positions at once, on vectors: several times faster where many of them share a cell, and faster still where
+// these stand side by side in the list. The list changes no bit of a position's result on one SIMD target. Between targets, and
+// between this and lookUpIrradiance, results differ by rounding. Allocates nothing, cannot fail.
 //
 // positions_m   count of them
 // normals_3     3 floats each

@@ -99,7 +99,7 @@ def check_families(points):
 
 
 def check_result(tools):
-    tools.must(["nlg-validate", "frontier", *GOOD, "--hierarchy", "room.hierarchy.json", "hall.hierarchy.json", "--out", "out"])
+    tools.must(["nlg-validate", "frontier", *GOOD, "--out", "out"])
     result = json.load(open("out/frontier.json"))
     keys = documented_keys()
     points = result["points"]
@@ -120,9 +120,6 @@ def check_result(tools):
         check_front(points, population, result)
     check_speeds(result, "speed_at_equal_error", "theta", keys)
     check_speeds(result, "speed_at_equal_error_hard", "hard", keys)
-    expect(result["hierarchy"] == [{"step": "solved", "representation": None, "scenes": 2, "rmse_mean": 2, "function_rmse": None}],
-           f"hierarchy: {result['hierarchy']}")
-    expect(result["walks"] == [{"functions": "solved", "representation": None, "scenes": 2, "light_jump_worst": 3}], f"walks: {result['walks']}")
 
 
 def check_bad_input(tools):
@@ -138,8 +135,7 @@ def check_bad_input(tools):
             (INPUT_ERROR, "missing.safetensors", replaced("pf3.safetensors", "missing.safetensors")),
             (INPUT_ERROR, "broken.safetensors", replaced("pf3.safetensors", "broken.safetensors")), (INPUT_ERROR, "missing.h5", replaced("two.h5", "missing.h5")),
             (INPUT_ERROR, ["training.h5", "--held-out"], ["--weights", "pf3.safetensors", "--held-out", "training.h5", *TINY, "--out", "bad"]),
-            (INPUT_ERROR, "narrow.h5", replaced("two.h5", "narrow.h5")), (INPUT_ERROR, "other.json", [*GOOD, "--hierarchy", "other.json", "--out", "bad"]),
-            (INPUT_ERROR, "missing.json", [*GOOD, "--hierarchy", "missing.json", "--out", "bad"]), (OUTPUT_ERROR, "other.json:", [*GOOD, "--out", "other.json"])]:
+            (INPUT_ERROR, "narrow.h5", replaced("two.h5", "narrow.h5")), (OUTPUT_ERROR, "other.json:", [*GOOD, "--out", "other.json"])]:
         tools.refuses(code, names, ["nlg-validate", "frontier", *arguments])
 
 
@@ -149,10 +145,6 @@ def make_inputs(tools):
     for name in ("tent_mlp", "pf3", "pf5"):
         tools.must([MAKE_WEIGHTS, f"{name}.safetensors", name])
     tools.must([MAKE_NARROW_SHARD, "narrow.h5"])
-    for scene, rmse in (("room", 1), ("hall", 3)):
-        step = {"scene": scene, "step": "solved", "representation": None, "rmse_mean": rmse, "function_rmse": None}
-        walk = {"scene": scene, "functions": "solved", "representation": None, "light_jump_worst": rmse}
-        write(f"{scene}.hierarchy.json", json.dumps({"schema_version": 1, "hierarchy": [step], "walks": [walk]}))
 
 
 if __name__ == "__main__":

@@ -186,7 +186,7 @@ by_slurm() { workflow "$@" --profile configs/profiles/slurm --cores 2 --group-co
 
 local_run=$temporary/local/smoke run=$temporary/slurm/smoke
 results=(basis.h5)
-[ "$form" = short ] || results=(weights/tent_mlp.safetensors validation/functions.csv hierarchy/doorway.hierarchy.json light/two_rooms_0.json)
+[ "$form" = short ] || results=(weights/tent_mlp.safetensors validation/functions.csv light/two_rooms_0.json)
 (workflow local run "${results[@]/#/$local_run/}" --cores 2) > "$temporary/local.log" 2>&1 || fail "the run without Slurm"
 start_slurm
 

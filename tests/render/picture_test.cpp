@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "datagen/view/colour_map.h"
+#include "light/light_extent.h"
 #include "render/lit_picture.h"
 #include "render/panel.h"
 #include "render/tone.h"
@@ -39,7 +40,7 @@ SightOptions smallPicture(int threads = 1) {
   return options;
 }
 
-LightingMethod even(const std::string& name, const glm::vec3& irradiance) {
+Lighting even(const std::string& name, const glm::vec3& irradiance) {
   return {name, [irradiance](std::span<const Receiver> receivers, ReceivedLight* received) {
             for (size_t i = 0; i < receivers.size(); ++i) received[i] = {irradiance, glm::vec3(0.0f), true};
           }};
@@ -52,7 +53,7 @@ TEST(LitPicture, FurnaceIsConstant) {
   const glm::vec3 albedo(0.5f, 0.2f, 0.0f), emission(1.0f, 2.0f, 3.0f);
   const Rendered r(room(albedo, emission));
   const LitPicture picture =
-      lightPicture(sightsOf(r.transport, kAcross, smallPicture()), truthMethod(r.transport, {1024, 64}, 1), 1);
+      lightPicture(sightsOf(r.transport, kAcross, smallPicture()), truthLighting(r.transport, {1024, 64}, 1), 1);
   for (size_t i = 0; i < picture.radiance.size(); ++i) {
     EXPECT_EQ(picture.receiver_share[i], 1.0f);
     for (int c = 0; c < 3; ++c) {
@@ -118,7 +119,7 @@ TEST(LitPicture, SameForAnyThreads) {
   std::vector<LitPicture> pictures;
   for (const int threads : {1, 3}) {
     pictures.push_back(
-        lightPicture(sightsOf(r.transport, kAcross, smallPicture(threads)), truthMethod(r.transport, {16, 64}, 1), threads));
+        lightPicture(sightsOf(r.transport, kAcross, smallPicture(threads)), truthLighting(r.transport, {16, 64}, 1), threads));
   }
   EXPECT_EQ(pictures[0].radiance, pictures[1].radiance);
   EXPECT_EQ(pictures[0].deviation, pictures[1].deviation);

@@ -21,7 +21,7 @@ struct DarkRoom {
   LightTransport transport;
 };
 
-LightingMethod even(float irradiance) {
+Lighting even(float irradiance) {
   return {"even", [irradiance](std::span<const Receiver> receivers, ReceivedLight* received) {
             for (size_t i = 0; i < receivers.size(); ++i) received[i] = {glm::vec3(irradiance), glm::vec3(0.0f), true};
           }};

@@ -28,7 +28,7 @@ def weights(*lists):
 
 def without_times(result):
     for spacing in result["spacings"]:
-        for method in spacing["methods"]:
+        for method in spacing["methods"] + spacing.get("words", []):
             method.pop("times")
     result["floor"].pop("times")
     return result
@@ -39,7 +39,7 @@ class Light(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.out = os.path.join(cls.folder.name, "house.json")
-        run = light(*HOUSE, *weights("tent_mlp4", "pf3 pf5"), "--spacings", "1.5", "3", "--threads", "1", "--out", cls.out)
+        run = light(*HOUSE, *weights("tent_mlp4", "pf3 pf5"), "--spacings", "1.5", "3", "--words", "--threads", "1", "--out", cls.out)
         assert run.returncode == 0, run.stderr
         with open(cls.out) as file:
             cls.result = json.load(file)
@@ -77,6 +77,19 @@ class Light(unittest.TestCase):
             self.assertEqual({method["weights"] for method in of_grids["methods"]}, {"target functions", "tent_mlp4", "pf3 or pf5"})
             self.assertEqual(of_grids["methods"], [method for method in of_all["methods"] if method in of_grids["methods"]])
 
+    def test_words_lead_from_the_network_to_what_is_stored(self):
+        fine, coarse = self.result["spacings"]
+        self.assertNotIn("words", coarse)
+        # of a choice between generators there are none
+        self.assertEqual([(found["word"], found["weights"], found["light"]) for found in fine["words"]],
+                         [(word, "tent_mlp4", "solved") for word in ("network", "corrected", "fitted")])
+        stored = next(method for method in fine["methods"] if (method["weights"], method["light"]) == ("tent_mlp4", "solved"))
+        for found in fine["words"]:
+            self.assertEqual(found["bytes"], stored["bytes"])
+        # rounding to int8 moves light by less than the network's errors do
+        network, _, fitted = (abs(found["air"]["rmse"] - stored["air"]["rmse"]) for found in fine["words"])
+        self.assertLess(fitted, network)
+
     def test_figures_are_shares_and_bytes_add_up(self):
         for method in self.methods():
             for group in ("air", "surface", "turned"):
@@ -98,7 +111,7 @@ class Light(unittest.TestCase):
 
     def test_threads_change_nothing_but_times(self):
         again = os.path.join(self.folder.name, "again.json")
-        run = light(*HOUSE, *weights("tent_mlp4", "pf3 pf5"), "--spacings", "1.5", "3", "--threads", "3", "--out", again)
+        run = light(*HOUSE, *weights("tent_mlp4", "pf3 pf5"), "--spacings", "1.5", "3", "--words", "--threads", "3", "--out", again)
         self.assertEqual(run.returncode, 0, run.stderr)
         with open(self.out) as one, open(again) as other:
             self.assertEqual(without_times(json.load(one)), without_times(json.load(other)))

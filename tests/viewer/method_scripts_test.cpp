@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "light/methods/trilinear.h"
 #include "runtime_eval/light_grid/irradiance.h"
 #include "runtime_eval/numbers/half.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/validate/light/lit_scenes.h"
 #include "tool/base64.h"
-#include "validate/light/trilinear.h"
 
 namespace nlg {
 namespace {

@@ -21,7 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Request {
-  std::vector<std::string> weights, held_out, hierarchies;
+  std::vector<std::string> weights, held_out;
   std::string out_dir;
 };
 
@@ -106,7 +106,6 @@ void measureFrontier(const Request& request, const FrontierOptions& options, con
   const FunctionSet set = readHeldOut(request.held_out);
   Json json = {{"schema_version", 2}};
   json["provenance"] = provenance("nlg-validate frontier", table.toJson(), inputHashes(request, set));
-  addHierarchies(request.hierarchies, json);
   const ChosenFunctions functions =
       chooseFunctions(set, static_cast<uint64_t>(options.functions), options.policy, options.hard_tent_rmse);
   const std::vector<FunctionBlock> blocks = makeBlocks(set, functions.with_theta);
@@ -144,10 +143,9 @@ int frontierMain(int argc, char** argv) {
   OptionTable table("frontier");
   describe(options, table);
   describePolicy(options.policy, table);
-  table.common({"functions", "repeats", "hierarchy"});
+  table.common({"functions", "repeats"});
   app.add_option("--weights", request.weights, "exported generators, one a representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
-  app.add_option("--hierarchy", request.hierarchies, "SCENE.hierarchy.json of nlg-solve --weights, one a scene");
   app.add_option("--out", request.out_dir, "folder for frontier.json")->required();
   return runTool(argc, argv, app, table, [&] { measureFrontier(request, options, table); });
 }

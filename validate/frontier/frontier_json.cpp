@@ -84,59 +84,6 @@ Json speedsJson(const std::vector<WordSpeed>& speeds) {
   return json;
 }
 
-Json readHierarchy(const std::string& path) {
-  const Json json = Json::parse(readFile(path), nullptr, false);
-  if (json.is_discarded() || !json.is_object() || json.value("schema_version", 0) != 1 || !json.contains("hierarchy") ||
-      !json.contains("walks") || !json["hierarchy"].is_array() || !json["walks"].is_array()) {
-    throw InputError(path, "content", "a SCENE.hierarchy.json of nlg-solve, schema_version 1", "something else");
-  }
-  return json;
-}
-
-// What several scenes say of one step or walk: a flat row that a table shows as it is.
-struct SceneMean {
-  const char* name_key;  // "step" or "functions"
-  Json rows = Json::array();
-  std::vector<std::vector<Json>> entries;  // by row
-
-  void add(const std::string& path, const Json& entry) {
-    if (!entry.is_object() || !entry.contains(name_key) || !entry.contains("representation")) {
-      throw InputError(path, "hierarchy and walks", "entries with " + std::string(name_key) + " and representation",
-                       entry.dump());
-    }
-    size_t at = 0;
-    while (at < rows.size() && (rows[at][name_key] != entry[name_key] || rows[at]["representation"] != entry["representation"]))
-      ++at;
-    if (at == rows.size()) {
-      rows.push_back({{name_key, entry[name_key]}, {"representation", entry["representation"]}});
-      entries.emplace_back();
-    }
-    entries[at].push_back(entry);
-  }
-
-  // The mean of every figure, of the worst ones the largest; null where a scene has none.
-  Json take() {
-    for (size_t at = 0; at < rows.size(); ++at) {
-      rows[at]["scenes"] = entries[at].size();
-      for (const auto& [key, value] : entries[at].front().items()) {
-        if (key == "scene" || rows[at].contains(key)) continue;
-        rows[at][key] = combined(entries[at], key);
-      }
-    }
-    return std::move(rows);
-  }
-
-  static Json combined(const std::vector<Json>& entries, const std::string& key) {
-    double sum = 0.0, largest = 0.0;
-    for (const Json& entry : entries) {
-      if (!entry.contains(key) || !entry[key].is_number()) return nullptr;
-      sum += entry[key].get<double>();
-      largest = std::max(largest, entry[key].get<double>());
-    }
-    return key.ends_with("_worst") ? largest : sum / static_cast<double>(entries.size());
-  }
-};
-
 }  // namespace
 
 FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, TentFigures tent,
@@ -169,17 +116,6 @@ Json pointsJson(const FrontierResult& result) {
   json["speed_at_equal_error"] = speedsJson(result.speeds);
   json["speed_at_equal_error_hard"] = speedsJson(result.speeds_hard);
   return json;
-}
-
-void addHierarchies(const std::vector<std::string>& paths, Json& frontier) {
-  SceneMean hierarchy{"step"}, walks{"functions"};
-  for (const std::string& path : paths) {
-    const Json scene = readHierarchy(path);
-    for (const Json& entry : scene["hierarchy"]) hierarchy.add(path, entry);
-    for (const Json& entry : scene["walks"]) walks.add(path, entry);
-  }
-  frontier["hierarchy"] = hierarchy.take();
-  frontier["walks"] = walks.take();
 }
 
 }  // namespace nlg

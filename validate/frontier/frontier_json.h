@@ -38,9 +38,4 @@ FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigure
 // The keys points, bare_tent, front_sentences, speed_at_equal_error and speed_at_equal_error_hard.
 nlohmann::ordered_json pointsJson(const FrontierResult& result);
 
-// Adds the lists hierarchy and walks: means over the scenes of the files that nlg-solve --weights writes. Without files both are
-// empty.
-// throws   InputError when a file is not one
-void addHierarchies(const std::vector<std::string>& paths, nlohmann::ordered_json& frontier);
-
 }  // namespace nlg

@@ -12,6 +12,8 @@
 #include "bake/load_generators.h"
 #include "bake/scene_bake.h"
 #include "datagen/view/png_file.h"
+#include "light/light_extent.h"
+#include "light/methods/method_set.h"
 #include "render/place_picture.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
@@ -23,7 +25,7 @@
 #include "tool/tool_main.h"
 #include "validate/errors/held_out.h"
 #include "validate/light/light_json.h"
-#include "validate/light/method_set.h"
+#include "validate/light/word_grids.h"
 
 namespace nlg {
 namespace {
@@ -41,6 +43,7 @@ struct Request {
   LightPlaceOptions places;  // these numbers from those above
   GatherOptions truth{1024, 64}, probe{1024, 64};
   bool grids_only = false;  // no rivals: a fraction of the time
+  bool words = false;       // what functions are before they are stored, too
   double look_up_seconds = 0.0;
   std::string pictures;  // the folder for pictures of worst places; empty: none are drawn
   int picture_rays = 64;
@@ -81,6 +84,12 @@ std::string fileWord(std::string text) {
 
 enum class Draws { nothing, pictures };
 
+// What is measured at one spacing alone, the finest.
+struct FinestOnly {
+  bool pictures = false;  // of the worst places of every grid, its light solved for
+  bool words = false;     // grids of one generator before they are stored, their light solved for
+};
+
 class LightMeasurement {
  public:
   LightMeasurement(const Request& request, const BakeOptions& options, const BakeScene& scene)
@@ -116,8 +125,8 @@ class LightMeasurement {
   }
 
   // scene   as it is at this spacing
-  // draws   pictures of the worst places of every grid, its light solved for
-  Json spacingFigures(const BakeScene& scene, const BakeOptions& options, const GeneratorSets& sets, Draws draws) const {
+  Json spacingFigures(const BakeScene& scene, const BakeOptions& options, const GeneratorSets& sets,
+                      const FinestOnly& finest) const {
     MethodSetOptions method_options;
     method_options.probe = request_.probe;
     method_options.solve = probeLightOptions(options);
@@ -143,13 +152,29 @@ class LightMeasurement {
       Bake bake = bakeScene(scene, generators, without_light, temporaryFolder());
       methods.addGrid(name, std::move(bake.grid), bake.statistics.wall_s);
     }
+    const size_t first_word = methods.methods().size();
+    std::vector<ThetaWord> words;  // of the methods from there on
+    for (const auto& [name, generators] : sets) {
+      // of a choice between generators there are no words before the last
+      if (!finest.words || generators.size() > 1) continue;
+      for (WordGrid& at : wordGrids(scene, generators.front(), options, threads_)) {
+        words.push_back(at.word);
+        methods.addGrid(name, std::move(at.grid), 0.0, {LightWay::solved});
+      }
+    }
     Json json = {{"spacing_m", options.spacing_m},
                  {"probes", {{"count", methods.probes().count()}, {"in_air", methods.probes().air_count}}},
                  {"methods", Json::array()}};
-    for (const LightMethod& method : methods.methods()) {
+    for (size_t m = 0; m < first_word; ++m) {
+      const LightMethod& method = methods.methods()[m];
       const bool is_grid = std::any_of(sets.begin(), sets.end(), [&](const auto& set) { return set.first == method.weights; });
-      const bool is_drawn = draws == Draws::pictures && is_grid && method.light == "solved";
+      const bool is_drawn = finest.pictures && is_grid && method.light == "solved";
       json["methods"].push_back(measured(method, is_drawn ? Draws::pictures : Draws::nothing));
+    }
+    if (finest.words) json["words"] = Json::array();
+    for (size_t w = 0; w < words.size(); ++w) {
+      json["words"].push_back({{"word", wordName(words[w])}});
+      json["words"].back().update(measured(methods.methods()[first_word + w]));
     }
     return json;
   }
@@ -179,7 +204,7 @@ class LightMeasurement {
     picture.truth_rays = request_.picture_rays;
     picture.thread_count = threads_;
     picture.seed = mixSeed(options_.seed, kPictureStream);
-    const Image image = drawPlace(transport_, measured, measuredMethod(method.weights, method), picture);
+    const Image image = drawPlace(transport_, measured, measuredLighting(method.weights, method), picture);
     const std::string name = fmt::format("{}_{}_{:02}.png", fileWord(scene_id_), fileWord(method.weights), rank);
     const std::filesystem::path path = std::filesystem::path(request_.pictures) / name;
     writePng(path.string(), image, {{"Software", std::string("nlg-validate light ") + sourceRevision()}});
@@ -247,6 +272,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   used["truth_rays"] = request.truth.rays;
   used["probe_rays"] = request.probe.rays;
   used["grids_only"] = request.grids_only;
+  used["words"] = request.words;
 
   request.truth.direct = request.probe.direct = directLightFromName(options.light_direct);
   options.spacing_m = request.spacings_m.front();
@@ -268,9 +294,8 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   for (size_t s = 0; s < request.spacings_m.size(); ++s) {
     options.spacing_m = request.spacings_m[s];
     if (s > 0) others.push_back(std::make_unique<BakeScene>(request.scene, options));
-    const bool is_drawn = !request.pictures.empty() && s == finest;
-    json["spacings"].push_back(
-        measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets, is_drawn ? Draws::pictures : Draws::nothing));
+    const FinestOnly only = s == finest ? FinestOnly{!request.pictures.empty(), request.words} : FinestOnly{};
+    json["spacings"].push_back(measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets, only));
   }
   writeFileAtomically(request.out, json.dump(1) + "\n");
   std::cout << request.out << '\n';
@@ -309,6 +334,10 @@ int lightMain(int argc, char** argv) {
       ->check(CLI::Range(0.01, 1000.0));
   app.add_flag("--grids-only", request.grids_only,
                "leave out rivals: measure grids and target functions alone, in a fraction of the time");
+  app.add_flag(
+      "--words", request.words,
+      "measure also what network, corrections and fits make of each of the weights before it is stored. Light is solved for, "
+      "at the finest spacing");
   app.add_option("--source-distance", request.places.source_distance_m,
                  "places nearer than this to lamps and shining faces are left out, metres; at most a twenty-fifth of the scene's "
                  "diagonal. 0: none are")

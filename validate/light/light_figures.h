@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "validate/light/light_method.h"
+#include "light/methods/light_method.h"
 #include "validate/light/light_places.h"
 
 namespace nlg {

@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "light/methods/light_method.h"
 #include "validate/light/light_figures.h"
-#include "validate/light/light_method.h"
 
 namespace nlg {
 

@@ -215,18 +215,6 @@ double LightPlaces::surfaceWeight(uint8_t surface_class) const {
   return width / covered / static_cast<double>(surface_count[surface_class]);
 }
 
-ExtentBox lightExtent(const Scene& scene, const std::vector<std::string>& extent_m) {
-  if (const auto extent = extentFromNumbers(extent_m)) return {extent->low_m - scene.origin_m, extent->high_m - scene.origin_m};
-  Bounds bounds = sceneBounds(scene);
-  for (const glm::uvec3& t : scene.light.sky_faces.triangles) {
-    for (int corner = 0; corner < 3; ++corner) {
-      bounds.min = glm::min(bounds.min, scene.light.sky_faces.positions[t[corner]]);
-      bounds.max = glm::max(bounds.max, scene.light.sky_faces.positions[t[corner]]);
-    }
-  }
-  return {glm::dvec3(bounds.min), glm::dvec3(bounds.max)};
-}
-
 LightPlaces drawLightPlaces(const Scene& scene, const RayScene& rays, const ExtentBox& extent, const LightPlaceOptions& options) {
   return Drawing(scene, rays, extent, options).draw();
 }

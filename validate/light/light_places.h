@@ -62,9 +62,6 @@ struct LightPlaces {
   double surfaceWeight(uint8_t surface_class) const;
 };
 
-// The box around all triangles, those of the sky among them; or the extent of a setting. Relative to the scene's origin.
-ExtentBox lightExtent(const Scene& scene, const std::vector<std::string>& extent_m);
-
 // All places are in air (light/air.h) and in the extent; between a place and the surface that it stands before there is
 // nothing, nor between two steps of a walk. The same seed gives the same places.
 LightPlaces drawLightPlaces(const Scene& scene, const RayScene& rays, const ExtentBox& extent, const LightPlaceOptions& options);

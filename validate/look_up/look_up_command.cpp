@@ -85,7 +85,7 @@ class LookUpMeasurement {
         options_(options),
         places_(drawPlaces(drawnExtent(scene.source.scene, options), scene.rays, SupportVisibility(scene.rays, scene.links),
                            scene.tree, place_options)),
-        truth_(trueWeights(places_.places, scene.tree, scene.rays, scene.links, options.diffusion,
+        truth_(trueWeights(places_.positions(), scene.tree, scene.rays, scene.links, options.diffusion,
                            options.threads > 0 ? options.threads : machineThreadCount())) {}
 
   const Places& places() const { return places_; }

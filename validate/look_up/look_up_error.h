@@ -8,9 +8,9 @@
 #include <functional>
 #include <vector>
 
+#include "light/methods/true_weights.h"
 #include "runtime_eval/light_grid/light_grid.h"
 #include "validate/look_up/places.h"
-#include "validate/look_up/true_weights.h"
 
 namespace nlg {
 

@@ -52,6 +52,12 @@ float distanceToTriangle(const glm::vec3& point, const glm::vec3& a, const glm::
   return std::fabs(glm::dot(point - a, normal)) / std::sqrt(area_squared);
 }
 
+std::vector<glm::dvec3> Places::positions() const {
+  std::vector<glm::dvec3> all;
+  for (const Place& place : places) all.push_back(place.position_m);
+  return all;
+}
+
 double Places::weight(uint8_t distance_class) const {
   return kept[distance_class] > 0 ? air_share[distance_class] / static_cast<double>(kept[distance_class]) : 0.0;
 }

@@ -35,6 +35,7 @@ struct Places {
   uint64_t drawn = 0, in_solid = 0, disputed = 0, in_air = 0;  // of share_draws
   uint64_t outside = 0;                                        // of in_air: in no cell of the tree
 
+  std::vector<glm::dvec3> positions() const;
   // What a place of this class stands for: weights of all places add up to 1, as far as classes have any.
   double weight(uint8_t distance_class) const;
 };

@@ -33,11 +33,11 @@ TEST_F(LightPlacesTest, StandBeforeSurfacesAtDistancesOfTheirClass) {
   for (const LightPlace& place : places.places) {
     if (place.group != PlaceGroup::surface) continue;
     // back along the normal stands the surface, and nothing before it
-    const auto hit = lit_->rays.firstHit(glm::vec3(place.position_m), -place.normal);
-    ASSERT_TRUE(hit.has_value());
-    EXPECT_GE(hit->distance, kSurfaceBordersM[place.surface_class] - 1e-5);
-    EXPECT_LE(hit->distance, kSurfaceBordersM[place.surface_class + 1] + 1e-5);
-    EXPECT_GT(glm::dot(hit->normal, place.normal), 0.999f);
+    const LightHit hit = lit_->rays.lightHit(glm::vec3(place.position_m), -place.normal);
+    ASSERT_EQ(hit.kind, LightHit::Kind::surface);
+    EXPECT_GE(hit.distance, kSurfaceBordersM[place.surface_class] - 1e-5);
+    EXPECT_LE(hit.distance, kSurfaceBordersM[place.surface_class + 1] + 1e-5);
+    EXPECT_GT(glm::dot(hit.normal, place.normal), 0.999f);
   }
   for (const uint64_t count : places.surface_count) EXPECT_EQ(count, 50u);
 }

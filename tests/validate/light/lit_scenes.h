@@ -4,10 +4,11 @@
 #include "datagen/probes/probe_placement.h"
 #include "datagen/visibility/link_table.h"
 #include "light/air_places.h"
+#include "light/light_extent.h"
 #include "light/light_transport.h"
+#include "light/methods/method_set.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "validate/light/light_places.h"
-#include "validate/light/method_set.h"
 
 namespace nlg {
 

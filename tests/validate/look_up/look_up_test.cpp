@@ -43,7 +43,7 @@ class LookUpTest : public testing::Test {
       EXPECT_EQ(ProbeTree::build({{-32, -32, -32}, 1.0, {1, 1, 1}}, judge, kMaxTreeProbes, &tree), ProbeTreeStatus::ok);
       const SupportVisibility visibility(rays, links);
       places = drawPlaces({glm::dvec3(-7.5), glm::dvec3(7.5)}, rays, visibility, tree, {4000, 20000, 400000, 1});
-      truth = trueWeights(places.places, tree, rays, links, {}, 2);
+      truth = trueWeights(places.positions(), tree, rays, links, {}, 2);
     }
     Scene scene;
     RayScene rays;

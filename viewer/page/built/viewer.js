@@ -4363,7 +4363,7 @@ float leakAt(vec3 place, vec3 normal) {
 #else
 vec3 irradianceAt(vec3 place, vec3 normal) { return nlgIrradiance(place, normal).irradiance; }
 #endif
-`;var Kh=`// DDGI as shipped, as validate/light/ddgi.cpp has it: octahedral maps of irradiance (6 x 6, 10 bits) and depth (14 x 14, two
+`;var Kh=`// DDGI as shipped, as light/methods/ddgi.cpp has it: octahedral maps of irradiance (6 x 6, 10 bits) and depth (14 x 14, two
 // moments). Probes are those of a light grid of bare tents, in the order of the maps.
 uniform highp usampler2D maps;  // 236 words a probe, four a texel, 2048 texels a row
 uniform float irradiance_scale;
@@ -4466,7 +4466,7 @@ vec3 irradianceAt(vec3 place, vec3 normal) {
   roots /= weights;
   return roots * roots * 6.28318531 * irradiance_scale;
 }
-`;var Qh=`// The light grid that a Quake III level ships, as the engine blends it (validate/light/quake_grid_method.cpp).
+`;var Qh=`// The light grid that a Quake III level ships, as the engine blends it (light/methods/quake_grid_method.cpp).
 uniform highp sampler2D cells;  // three texels a cell: ambient, directed, the way to the light; 1023 texels a row
 uniform vec3 first_m, step_m;
 uniform ivec3 cell_count;

@@ -1,4 +1,4 @@
-// DDGI as shipped, as validate/light/ddgi.cpp has it: octahedral maps of irradiance (6 x 6, 10 bits) and depth (14 x 14, two
+// DDGI as shipped, as light/methods/ddgi.cpp has it: octahedral maps of irradiance (6 x 6, 10 bits) and depth (14 x 14, two
 // moments). Probes are those of a light grid of bare tents, in the order of the maps.
 uniform highp usampler2D maps;  // 236 words a probe, four a texel, 2048 texels a row
 uniform float irradiance_scale;

@@ -1,4 +1,4 @@
-// The light grid that a Quake III level ships, as the engine blends it (validate/light/quake_grid_method.cpp).
+// The light grid that a Quake III level ships, as the engine blends it (light/methods/quake_grid_method.cpp).
 uniform highp sampler2D cells;  // three texels a cell: ambient, directed, the way to the light; 1023 texels a row
 uniform vec3 first_m, step_m;
 uniform ivec3 cell_count;

@@ -1,0 +1,22 @@
+#include "light/methods/grid_weighting.h"
+
+#include "runtime_eval/light_grid/irradiance.h"
+
+namespace nlg {
+
+ProbeBlend GridWeighting::blendAt(const glm::dvec3& position_m, const glm::vec3&) const {
+  const glm::dvec3 world = position_m + origin_m_;
+  ProbeWeights shares;
+  const LightStatus status = lookUpShares(grid_, {world.x, world.y, world.z}, &shares);
+  ProbeBlend blend;
+  for (int i = 0; i < shares.count; ++i) blend.add(shares.probe[i], shares.weight[i]);
+  blend.finish(Reach::lit);
+  if (status != LightStatus::lit) {
+    blend.reach = status == LightStatus::by_tents ? Reach::fallback
+                  : status == LightStatus::unlit  ? Reach::unlit
+                                                  : Reach::outside;
+  }
+  return blend;
+}
+
+}  // namespace nlg

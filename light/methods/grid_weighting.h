@@ -1,0 +1,20 @@
+// The shares that our own light grid's look-up gives (irradiance.h), fallbacks included.
+#pragma once
+
+#include "light/methods/light_method.h"
+#include "runtime_eval/light_grid/light_grid.h"
+
+namespace nlg {
+
+class GridWeighting : public Weighting {
+ public:
+  // grid   in the world's coordinates, positions relative to the scene's origin; must outlive this object
+  GridWeighting(const LightGrid& grid, const glm::dvec3& origin_m) : grid_(grid), origin_m_(origin_m) {}
+  ProbeBlend blendAt(const glm::dvec3& position_m, const glm::vec3& normal) const override;
+
+ private:
+  const LightGrid& grid_;
+  const glm::dvec3 origin_m_;
+};
+
+}  // namespace nlg

@@ -1,0 +1,237 @@
+#include "light/methods/method_set.h"
+
+#include <bit>
+#include <chrono>
+
+#include "light/directions.h"
+#include "light/methods/grid_weighting.h"
+#include "light/methods/target_functions.h"
+#include "light/methods/tetrahedra.h"
+#include "light/methods/trilinear.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/numbers/random.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kProbeStream = 0x70726f6265, kSolveStream = 0x736f6c7665, kDdgiStream = 0x64646769, kApvStream = 0x617076;
+
+const std::string kDdgiAsShipped = "DDGI as shipped";
+
+using Clock = std::chrono::steady_clock;
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// Weights that look at the normal are solved for with any one: the same for the same place.
+glm::vec3 normalOfPlace(const glm::dvec3& place) {
+  Random random(mixSeed(std::bit_cast<uint64_t>(place.x), std::bit_cast<uint64_t>(place.y), std::bit_cast<uint64_t>(place.z),
+                        kSolveStream));
+  const double u = random.uniform(), v = random.uniform();
+  return sphereDirection(u, v);
+}
+
+WeightsAt weightsAt(const Weighting& weighting) {
+  return [&weighting](const glm::dvec3& position_m, ProbeWeights* weights) {
+    const ProbeBlend blend = weighting.blendAt(position_m, normalOfPlace(position_m));
+    weights->count = blend.count;
+    std::copy(blend.probe.begin(), blend.probe.end(), weights->probe);
+    std::copy(blend.weight.begin(), blend.weight.end(), weights->weight);
+  };
+}
+
+size_t treeBytes(const ProbeTree& tree) {
+  LightGrid grid;
+  grid.tree = tree;
+  grid.probe_function.assign(tree.probeCount(), kNoWeight);
+  return lightGridBytes(grid, {ThetaPrecision::float16, LightForm::none}).tree;
+}
+
+// What a form leaves of light.
+std::vector<LightSh> rounded(LightForm form, const std::vector<LightSh>& light) {
+  std::vector<float> floats;
+  floats.reserve(light.size() * kShFloats);
+  for (const LightSh& sh : light) {
+    for (const glm::vec3& coefficient : sh) floats.insert(floats.end(), {coefficient.r, coefficient.g, coefficient.b});
+  }
+  const FileResult result = roundLight(form, &floats);
+  if (!result.ok()) throw InputError("the scene", "light", "probes whose light the form can hold", result.detail);
+  std::vector<LightSh> kept(light.size());
+  for (size_t i = 0; i < floats.size(); ++i)
+    kept[i / kShFloats][i % kShFloats / kShChannels][static_cast<int>(i % kShChannels)] = floats[i];
+  return kept;
+}
+
+}  // namespace
+
+MethodSet::MethodSet(const MethodScene& scene, const MethodSetOptions& options)
+    : scene_(scene),
+      options_(options),
+      probes_(
+          makeProbeSet(scene.tree, scene.transport, {options.probe, options.thread_count, mixSeed(options.seed, kProbeStream)})),
+      tree_bytes_(treeBytes(scene.tree)) {
+  const Clock::time_point start = Clock::now();
+  place_light_ = measureLight(scene.transport, scene.air.places, options.solve.place, mixSeed(options.seed, kSolveStream),
+                              options.thread_count);
+  measure_s_ = secondsSince(start);
+}
+
+const Weighting& MethodSet::own(std::unique_ptr<Weighting> weighting) { return *weightings_.emplace_back(std::move(weighting)); }
+
+const std::vector<LightSh>& MethodSet::own(std::vector<LightSh> light) { return lights_.emplace_back(std::move(light)); }
+
+MethodBytes MethodSet::bytesOf(size_t probes, size_t weight_bytes) const {
+  return {probes * lightFormBytes(options_.form), weight_bytes, tree_bytes_};
+}
+
+void MethodSet::addBlends(Blends blends) {
+  const Weighting& weighting = own(std::move(blends.weighting));
+  for (const LightWay way : blends.ways) {
+    LightMethod method;
+    method.weights = blends.name;
+    method.light = way == LightWay::point ? "point" : "solved";
+    method.weighting = &weighting;
+    method.probes = blends.probes;
+    method.bytes = blends.bytes;
+    method.weights_s = blends.weights_s;
+    const Clock::time_point start = Clock::now();
+    std::vector<LightSh> light;
+    if (way == LightWay::point && blends.point_light != nullptr) {
+      light = *blends.point_light;
+    } else {
+      // a point sample in solid says nothing: such probes hold the mean of light under their weights
+      ProbeLightOptions options = options_.solve;
+      options.way = way == LightWay::point ? LightWay::integrated : LightWay::solved;
+      light = lightProbes(scene_.transport, probes_.tree, scene_.air.places, place_light_, weightsAt(weighting), options,
+                          options_.thread_count)
+                  .light;
+      for (size_t p = 0; p < light.size() && way == LightWay::point; ++p) {
+        if (probes_.is_in_air[p]) light[p] = probes_.light[p];
+      }
+    }
+    method.light_s = secondsSince(start) + (way == LightWay::point ? probes_.gather_s : measure_s_);
+    const std::vector<LightSh>& kept = own(rounded(options_.form, light));
+    method.probe_light = &kept;
+    method.irradiance_at = blendedLight(weighting, kept);
+    methods_.push_back(std::move(method));
+  }
+}
+
+void MethodSet::addTrilinear() {
+  const auto trilinear = [&](TrilinearKind kind) { return std::make_unique<Trilinear>(kind, probes_, scene_.transport.rays()); };
+  addBlends({"trilinear", trilinear(TrilinearKind::all), probes_.count(), bytesOf(probes_.count(), 0), 0.0, &probes_.light});
+  // a bit each says which probes are in air
+  const MethodBytes bytes = bytesOf(probes_.air_count, (probes_.count() + 7) / 8);
+  addBlends({"valid trilinear", trilinear(TrilinearKind::valid), probes_.air_count, bytes, 0.0, nullptr});
+  addBlends({"exact visibility", trilinear(TrilinearKind::visible), probes_.air_count, bytes, 0.0, nullptr});
+}
+
+void MethodSet::addApv() {
+  apv_ = std::make_unique<ApvProbes>(
+      bakeApvProbes(probes_, scene_.transport, {options_.probe, options_.thread_count, mixSeed(options_.seed, kApvStream)}));
+  // light of the lower form has order 1 alone
+  std::vector<LightSh> linear = apv_->light;
+  for (LightSh& light : linear) std::fill(light.begin() + 4, light.end(), glm::vec3(0.0f));
+  const auto add = [&](const std::string& name, size_t probe_bytes, const std::vector<LightSh>& light,
+                       const std::vector<LightWay>& ways) {
+    const MethodBytes bytes = {probes_.count() * (probe_bytes - 1), probes_.count(), tree_bytes_};
+    addBlends({name, std::make_unique<Apv>(probes_, *apv_), probes_.count(), bytes, apv_->bake_s, &light, ways});
+  };
+  add("APV", kApvBytesL2, apv_->light, kGatheredAndSolved);
+  add("APV, order 1", kApvBytesL1, linear, {LightWay::point});  // light that is solved for has order 2
+}
+
+void MethodSet::addDdgi(const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t probe_bytes) {
+  const Weighting& ddgi = own(std::make_unique<Ddgi>(probes_, maps, scene_.transport.rays(), visibility));
+  LightMethod method;
+  method.weights = name;
+  method.light = "own";
+  method.weighting = &ddgi;
+  method.probes = probes_.count();
+  method.bytes = {probes_.count() * probe_bytes, 0, tree_bytes_};
+  method.light_s = maps.bake_s;
+  method.irradiance_at = [&ddgi = static_cast<const Ddgi&>(ddgi)](const glm::dvec3& position_m, const glm::vec3& normal) {
+    return ddgi.irradianceAt(position_m, normal);
+  };
+  methods_.push_back(std::move(method));
+}
+
+const DdgiMaps& MethodSet::makeDdgi(bool relocates) {
+  return maps_.emplace_back(makeDdgiMaps(
+      probes_, scene_.transport, {options_.probe, relocates, options_.thread_count, mixSeed(options_.seed, kDdgiStream)}));
+}
+
+void MethodSet::addShippedDdgi() {
+  shipped_ddgi_ = &maps_.emplace_back(asShipped(makeDdgi(false)));
+  addDdgi(kDdgiAsShipped, *shipped_ddgi_, DdgiVisibility::depth, kDdgiShippedBytes);
+}
+
+void MethodSet::addDdgi() {
+  for (const bool relocates : {false, true}) {
+    const std::string suffix = relocates ? ", relocated" : "";
+    const DdgiMaps& maps = makeDdgi(relocates);
+    addDdgi("DDGI float" + suffix, maps, DdgiVisibility::depth, kDdgiFloatBytes);
+    addDdgi(kDdgiAsShipped + suffix, maps_.emplace_back(asShipped(maps)), DdgiVisibility::depth, kDdgiShippedBytes);
+    if (relocates) continue;
+    addDdgi("DDGI, exact visibility", maps, DdgiVisibility::exact, kDdgiFloatBytes);
+    // its weights with light in harmonics, so that light and weights are told apart
+    addBlends({"DDGI's weights", std::make_unique<Ddgi>(probes_, maps, scene_.transport.rays(), DdgiVisibility::depth),
+               probes_.count(), bytesOf(probes_.count(), probes_.count() * kDdgiShippedDepthBytes), maps.bake_s, nullptr});
+  }
+}
+
+void MethodSet::addTetrahedra() {
+  const Clock::time_point start = Clock::now();
+  std::unique_ptr<Tetrahedra> tetrahedra = Tetrahedra::make(probes_);
+  if (tetrahedra == nullptr) return;
+  const double seconds = secondsSince(start);
+  // an engine goes on from the tetrahedron of the frame before: it needs no tree
+  MethodBytes bytes = bytesOf(probes_.air_count, tetrahedra->byteCount());
+  bytes.tree = 0;
+  addBlends({"tetrahedra", std::move(tetrahedra), probes_.air_count, bytes, seconds, nullptr});
+}
+
+void MethodSet::addQuakeGrid() {
+  const QuakeGrid& grid = scene_.transport.scene().light.quake_grid;
+  if (grid.cells.empty()) return;
+  const Clock::time_point start = Clock::now();
+  quake_grid_ = std::make_unique<QuakeGridLight>(grid);
+  std::vector<glm::vec3> normals, light;
+  for (size_t i = 0; i < scene_.air.places.size(); ++i) {
+    normals.push_back(normalOfPlace(scene_.air.places[i]));
+    light.push_back(irradiance(place_light_[i], normals.back()));
+  }
+  quake_grid_->fit(scene_.air.places, normals, light);
+  LightMethod method;
+  method.weights = "the level's Quake III grid";
+  method.light = "own";
+  method.probes = grid.cells.size();
+  method.bytes = {grid.file_bytes, 0, 0};
+  method.weights_s = secondsSince(start);
+  method.irradiance_at = [this](const glm::dvec3& position_m, const glm::vec3& normal) {
+    return quake_grid_->irradianceAt(position_m, normal);
+  };
+  methods_.push_back(std::move(method));
+}
+
+void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion) {
+  std::vector<glm::dvec3> all = places;
+  all.insert(all.end(), scene_.air.places.begin(), scene_.air.places.end());
+  const Clock::time_point start = Clock::now();
+  auto functions =
+      std::make_unique<TargetFunctions>(all, probes_, scene_.transport.rays(), scene_.links, diffusion, options_.thread_count);
+  const double seconds = secondsSince(start);
+  // 8,192 samples in 8 bits each
+  addBlends({"target functions", std::move(functions), probes_.count(),
+             bytesOf(probes_.count(), probes_.count() * kSupportPointCount), seconds, nullptr});
+}
+
+void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, const std::vector<LightWay>& ways) {
+  const LightGrid& kept = grids_.emplace_back(std::move(grid));
+  const LightGridBytes bytes = lightGridBytes(kept, {options_.theta, LightForm::none});
+  size_t with_weight = 0;
+  for (const uint32_t function : kept.probe_function) with_weight += function != kNoWeight;
+  addBlends({name, std::make_unique<GridWeighting>(kept, scene_.transport.scene().origin_m), with_weight,
+             bytesOf(with_weight, bytes.theta + bytes.functions + bytes.probe_function), bake_s, nullptr, ways});
+}
+
+}  // namespace nlg

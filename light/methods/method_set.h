@@ -1,0 +1,102 @@
+// All methods at one spacing, with the same probes, the same rays, and the same measurements of light to solve with.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "datagen/visibility/link_table.h"
+#include "datagen/weighting/weighting_builder.h"
+#include "light/air_places.h"
+#include "light/methods/apv.h"
+#include "light/methods/ddgi.h"
+#include "light/methods/light_method.h"
+#include "light/methods/probe_set.h"
+#include "light/methods/quake_grid_method.h"
+#include "light/probe_light.h"
+#include "runtime_eval/light_grid/light_form.h"
+#include "runtime_eval/light_grid/light_grid.h"
+
+namespace nlg {
+
+struct MethodSetOptions {
+  GatherOptions probe;                          // of every probe
+  ProbeLightOptions solve;                      // of places in air
+  LightForm form = LightForm::sh2_8bit;         // in which every method keeps harmonics
+  ThetaPrecision theta = ThetaPrecision::int8;  // in which grids are counted: that of their bakes
+  int thread_count = 1;
+  uint64_t seed = 1;
+};
+
+// What methods are made from; all of it must outlive them.
+struct MethodScene {
+  const LightTransport& transport;
+  const LinkTable& links;
+  const ProbeTree& tree;  // in the scene's coordinates
+  const AirPlaces& air;   // places in cells of the tree
+};
+
+class MethodSet {
+ public:
+  // How probes are lit: by light gathered where they stand, and by light solved for.
+  static inline const std::vector<LightWay> kGatheredAndSolved = {LightWay::point, LightWay::solved};
+
+  // Gathers light at probes and at places in air.
+  MethodSet(const MethodScene& scene, const MethodSetOptions& options);
+
+  const ProbeSet& probes() const { return probes_; }
+  const std::deque<LightMethod>& methods() const { return methods_; }
+  // What is needed to show these methods elsewhere; null until they were added, or where the scene has none.
+  const DdgiMaps* shippedDdgi() const { return shipped_ddgi_; }
+  const QuakeGridLight* quakeGrid() const { return quake_grid_.get(); }
+  double measure_s() const { return measure_s_; }  // light at places in air, for whoever solves
+
+  void addTrilinear();
+  void addApv();
+  void addDdgi();
+  // Of these one alone: as shipped, not relocated.
+  void addShippedDdgi();
+  // Nothing where too few probes stand in air.
+  void addTetrahedra();
+  // Nothing where the scene has none.
+  void addQuakeGrid();
+  // places   where the methods will be asked
+  void addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion);
+  // grid   baked without light, in the world's coordinates
+  void addGrid(const std::string& name, LightGrid grid, double bake_s, const std::vector<LightWay>& ways = kGatheredAndSolved);
+
+ private:
+  struct Blends {
+    std::string name;
+    std::unique_ptr<Weighting> weighting;
+    size_t probes = 0;
+    MethodBytes bytes;
+    double weights_s = 0.0;
+    const std::vector<LightSh>* point_light = nullptr;  // by probe, where the method has its own way to gather it
+    std::vector<LightWay> ways = kGatheredAndSolved;    // a method each
+  };
+  const Weighting& own(std::unique_ptr<Weighting> weighting);
+  const std::vector<LightSh>& own(std::vector<LightSh> light);
+  // What of harmonics, weights and tree a method has that stores all of them as our grid does.
+  MethodBytes bytesOf(size_t probes, size_t weight_bytes) const;
+  void addBlends(Blends blends);
+  const DdgiMaps& makeDdgi(bool relocates);
+  void addDdgi(const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t probe_bytes);
+
+  const MethodScene scene_;
+  const MethodSetOptions options_;
+  ProbeSet probes_;
+  std::vector<LightSh> place_light_;  // of scene.air
+  double measure_s_ = 0.0;
+  size_t tree_bytes_ = 0;
+  std::deque<LightMethod> methods_;
+  std::deque<std::unique_ptr<Weighting>> weightings_;
+  std::deque<std::vector<LightSh>> lights_;
+  std::deque<DdgiMaps> maps_;
+  const DdgiMaps* shipped_ddgi_ = nullptr;
+  std::unique_ptr<ApvProbes> apv_;
+  std::unique_ptr<QuakeGridLight> quake_grid_;
+  std::deque<LightGrid> grids_;
+};
+
+}  // namespace nlg

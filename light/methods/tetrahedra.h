@@ -1,0 +1,43 @@
+// Barycentric blends over tetrahedra between the probes that stand in air. Cupisz, "Light probe interpolation using tetrahedral
+// tessellations" (GDC 2012).
+#pragma once
+
+#include <memory>
+
+#include "light/methods/delaunay.h"
+#include "light/methods/light_method.h"
+#include "light/methods/probe_set.h"
+
+namespace nlg {
+
+class Tetrahedra : public Weighting {
+ public:
+  // probes must outlive the object.
+  // returns   nothing where probes in air are too few for a tetrahedron
+  static std::unique_ptr<Tetrahedra> make(const ProbeSet& probes);
+
+  // Outside the hull: of the last tetrahedron on the way there, shares below 0 left out.
+  ProbeBlend blendAt(const glm::dvec3& position_m, const glm::vec3& normal) const override;
+
+  // 4 vertices, 4 neighbours and a 3 x 3 matrix of floats a tetrahedron, 3 floats a probe.
+  size_t byteCount() const { return cells_.size() * (4 * 4 + 4 * 4 + 9 * 4) + positions_m_.size() * 3 * 4; }
+
+ private:
+  struct Cell {
+    Tetrahedron corners;
+    glm::dmat3 shares_from_way;  // of the first three corners, from the way that leads here from the fourth
+  };
+
+  explicit Tetrahedra(const ProbeSet& probes) : probes_(probes) {}
+  uint32_t nearbyCell(const glm::dvec3& position_m) const;
+  std::array<double, 4> shares(const Cell& cell, const glm::dvec3& position_m) const;
+  static uint32_t nextTowards(const Cell& cell, const std::array<double, 4>& share);
+
+  const ProbeSet& probes_;
+  std::vector<uint32_t> probe_;          // by vertex
+  std::vector<glm::dvec3> positions_m_;  // by vertex: the probe's, moved a little
+  std::vector<Cell> cells_;
+  std::vector<uint32_t> cell_of_probe_;  // one that has it as a corner; kNoTetrahedron where none has
+};
+
+}  // namespace nlg

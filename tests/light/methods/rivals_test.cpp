@@ -1,0 +1,170 @@
+#include <gtest/gtest.h>
+
+#include "light/directions.h"
+#include "light/methods/apv.h"
+#include "light/methods/quake_grid_method.h"
+#include "light/methods/tetrahedra.h"
+#include "runtime_eval/numbers/random.h"
+#include "tests/validate/light/lit_scenes.h"
+
+namespace nlg {
+namespace {
+
+double volume(const std::vector<glm::dvec3>& points, const Tetrahedron& t) {
+  const glm::dvec3& d = points[t.vertex[3]];
+  return std::fabs(glm::dot(points[t.vertex[0]] - d, glm::cross(points[t.vertex[1]] - d, points[t.vertex[2]] - d))) / 6.0;
+}
+
+TEST(Delaunay, FillsTheHullWithTetrahedraThatMeet) {
+  std::vector<glm::dvec3> points;
+  for (int corner = 0; corner < 8; ++corner) points.emplace_back(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+  Random random(5);
+  for (int i = 0; i < 60; ++i)
+    points.emplace_back(random.uniform(0.05, 0.95), random.uniform(0.05, 0.95), random.uniform(0.05, 0.95));
+  const std::vector<Tetrahedron> cells = delaunay(points);
+  double sum = 0.0;
+  for (uint32_t c = 0; c < cells.size(); ++c) {
+    sum += volume(points, cells[c]);
+    for (int i = 0; i < 4; ++i) {
+      const uint32_t other = cells[c].neighbour[i];
+      if (other == kNoTetrahedron) continue;
+      // the neighbour shares all but the vertex over against it, and knows of this one
+      const auto& theirs = cells[other];
+      EXPECT_EQ(std::count(theirs.neighbour.begin(), theirs.neighbour.end(), c), 1);
+      for (int k = 0; k < 4; ++k) {
+        const auto found = std::count(theirs.vertex.begin(), theirs.vertex.end(), cells[c].vertex[k]);
+        EXPECT_EQ(found, k == i ? 0 : 1);
+      }
+    }
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-9);
+}
+
+TEST(Delaunay, HasNothingForFlatOrFewPoints) {
+  EXPECT_TRUE(delaunay({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}).empty());
+  EXPECT_TRUE(delaunay({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.3, 0.4, 0}, {0.7, 0.1, 0}}).empty());
+}
+
+class RivalsTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    lit_ = new LitScene(brightAndDarkRoom());
+    probes_ = new ProbeSet(makeProbeSet(lit_->tree, lit_->transport, {{256, 64}, 1, 1}));
+  }
+  static void TearDownTestSuite() {
+    delete probes_;
+    delete lit_;
+  }
+  static LitScene* lit_;
+  static ProbeSet* probes_;
+};
+LitScene* RivalsTest::lit_ = nullptr;
+ProbeSet* RivalsTest::probes_ = nullptr;
+
+TEST_F(RivalsTest, TetrahedraBlendPositionsToThePlaceItself) {
+  const std::unique_ptr<Tetrahedra> tetrahedra = Tetrahedra::make(*probes_);
+  ASSERT_NE(tetrahedra, nullptr);
+  int inside = 0;
+  for (const LightPlace& place : lit_->places().places) {
+    const ProbeBlend blend = tetrahedra->blendAt(place.position_m, place.normal);
+    ASSERT_GT(blend.count, 0);
+    ASSERT_LE(blend.count, 4);
+    float weights = 0.0f;
+    glm::dvec3 sum(0.0);
+    for (int i = 0; i < blend.count; ++i) {
+      EXPECT_TRUE(probes_->is_in_air[blend.probe[i]]);
+      weights += blend.weight[i];
+      sum += double{blend.weight[i]} * probes_->position_m[blend.probe[i]];
+    }
+    EXPECT_NEAR(weights, 1.0f, 1e-5f);
+    if (blend.reach != Reach::lit) continue;
+    ++inside;
+    // vertices were moved by a thousandth of the spacing along each axis
+    EXPECT_LT(glm::distance(sum, place.position_m), std::sqrt(3.0) * 1e-3 + 1e-5);
+  }
+  EXPECT_GT(inside, 100);
+}
+
+TEST_F(RivalsTest, ApvCapturesLightOutsideOfAWall) {
+  ProbeSet probes = *probes_;
+  const auto nearest = [&](const glm::dvec3& to) {
+    size_t best = 0;
+    for (size_t p = 1; p < probes.count(); ++p) {
+      if (glm::distance(probes.position_m[p], to) < glm::distance(probes.position_m[best], to)) best = p;
+    }
+    return best;
+  };
+  // 2 cm behind the face of the bright room: its light is captured before that face
+  const size_t moved = nearest({-1.0, 1.5, 1.5});
+  probes.position_m[moved] = {kWallLow + 0.02, 1.5, 1.5};
+  const ApvProbes baked = bakeApvProbes(probes, lit_->transport, {{256, 64}, 1, 1});
+  EXPECT_TRUE(baked.is_valid[moved]);
+  // the room's own light, radiance 1 all round: .282 times 4 pi
+  EXPECT_NEAR(baked.light[moved][0].r, 3.545f, 0.1f);
+}
+
+TEST(Apv, TakesLightForProbesDeepInSolidFromThoseAround) {
+  Scene scene = furnace();
+  // the block in the room is dark, inside and out
+  std::fill(scene.light.baked.vertex_light.end() - 36, scene.light.baked.vertex_light.end(), glm::vec3(0.0f));
+  const LitScene lit(std::move(scene));
+  ProbeSet probes = makeProbeSet(lit.tree, lit.transport, {{256, 64}, 1, 1});
+  const glm::dvec3 middle(-0.3, -0.35,
+                          0.15);  // .4 m and more from the block's faces: a virtual offset looks no further than .2 m
+  ProbesAround around;
+  ASSERT_TRUE(lit.tree.lookUp({middle.x, middle.y, middle.z}, &around));
+  const uint32_t deep = around.corners[0].probe;
+  const glm::dvec3 was = probes.position_m[deep];
+  probes.position_m[deep] = middle;
+  const ApvProbes baked = bakeApvProbes(probes, lit.transport, {{256, 64}, 1, 1});
+  EXPECT_FALSE(baked.is_valid[deep]);
+  EXPECT_GT(baked.light[deep][0].r, 1.0f) << "its own is 0";
+  const Apv apv(probes, baked);
+  const ProbeBlend blend = apv.blendAt(was + glm::dvec3(0.01), {0, 1, 0});
+  EXPECT_EQ(blend.reach, Reach::lit);
+  EXPECT_EQ(std::count(blend.probe.begin(), blend.probe.begin() + blend.count, deep), 0);
+}
+
+// Two cells along x, the second in solid; light from above.
+QuakeGrid twoCells() {
+  QuakeGrid grid;
+  grid.step_m = {2, 2, 2};
+  grid.count = {2, 1, 1};
+  grid.cells = {{glm::vec3(0.25f), glm::vec3(0.5f), {0, 1, 0}}, {glm::vec3(0.0f), glm::vec3(9.0f), {0, 1, 0}}};
+  return grid;
+}
+
+TEST(QuakeGridLight, LeavesOutCellsInSolid) {
+  const QuakeGrid grid = twoCells();
+  const QuakeGridLight light(grid);
+  for (const double x : {-5.0, 0.0, 0.7, 1.9}) {
+    EXPECT_NEAR(light.irradianceAt({x, 0, 0}, {0, 1, 0}).irradiance.r, 0.75f, 1e-6f) << x;
+    EXPECT_NEAR(light.irradianceAt({x, 0, 0}, {0, -1, 0}).irradiance.r, 0.25f, 1e-6f) << x;
+  }
+  EXPECT_EQ(light.irradianceAt({2, 0, 0}, {0, 1, 0}).reach, Reach::unlit);
+}
+
+TEST(QuakeGridLight, FindsTheScalesOfItsTwoParts) {
+  const QuakeGrid grid = twoCells();
+  QuakeGridLight light(grid);
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::vec3> normals, irradiance;
+  Random random(3);
+  for (int i = 0; i < 50; ++i) {
+    positions.emplace_back(random.uniform(-1, 1), 0, 0);
+    const double u = random.uniform(), v = random.uniform();
+    normals.push_back(sphereDirection(u, v));
+    irradiance.push_back(glm::vec3(3.0f * 0.25f + 2.0f * 0.5f * std::max(0.0f, normals.back().y)));
+  }
+  light.fit(positions, normals, irradiance);
+  EXPECT_NEAR(light.ambientScale(), 3.0f, 1e-4f);
+  EXPECT_NEAR(light.directedScale(), 2.0f, 1e-4f);
+  // light that falls where the grid says it does not: no scale below 0
+  for (size_t i = 0; i < irradiance.size(); ++i) irradiance[i] = glm::vec3(std::max(0.0f, -normals[i].y));
+  light.fit(positions, normals, irradiance);
+  EXPECT_GT(light.ambientScale(), 0.0f);
+  EXPECT_EQ(light.directedScale(), 0.0f);
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,37 @@
+#include "validate/light/word_grids.h"
+
+#include <gtest/gtest.h>
+
+#include "bake/scene_bake.h"
+#include "tests/runtime_eval/sample_generator.h"
+#include "tool/atomic_file.h"
+
+namespace nlg {
+namespace {
+
+TEST(WordGrids, EndAtWhatABakeStoresBeforeItRounds) {
+  // a corner of a house, fitted for next to no time
+  BakeOptions options;
+  options.spacing_m = 1.5;
+  options.extent_m = {"0", "0", "0", "6", "6", "3"};
+  options.light = "none";
+  options.policy.refinement.rounds = 1;
+  options.policy.refinement.first_steps = 4;
+  options.policy.stages.adam_steps = 20;
+  std::vector<Generator> generators;
+  generators.emplace_back(sampleGenerator(Representation::tentMlp(), 24, 3, 1));
+  const BakeScene scene("house:1", options);
+  const std::vector<WordGrid> words = wordGrids(scene, generators.front(), options, 2);
+  // float32, to which the policy rounds unless it is told, is no rounding
+  const LightGrid baked = bakeScene(scene, generators, options, temporaryFolder()).grid;
+  ASSERT_EQ(words.size(), 3u);
+  ASSERT_GT(baked.functionCount(), 0u);
+  for (const WordGrid& at : words) {
+    EXPECT_TRUE(checkLightGrid(at.grid).ok());
+    EXPECT_EQ(at.grid.probe_function, baked.probe_function);
+    EXPECT_EQ(at.grid.theta == baked.theta, at.word == ThetaWord::fitted) << wordName(at.word);
+  }
+}
+
+}  // namespace
+}  // namespace nlg
