@@ -1,8 +1,8 @@
 """What a run measured, reduced to what the documentation quotes or tables: docs/results/NAME.json. Read by results.py.
 
 Taken are, where the run's folder has them:
-    evaluation/summary.json, validation/summary.json   nlg-validate, schema_version 2
-    evaluation/frontier.json                           nlg-validate frontier, schema_version 2
+    evaluation/summary.json, validation/summary.json   nlg-validate, schema_version 1
+    evaluation/frontier.json                           nlg-validate frontier, schema_version 1
     stability.json                                     nlg-validate stability
     savings/SCENE.json                                 nlg-bake (stdout)
     bakes/SCENE.json                                   nlg-bake (stdout)
@@ -105,8 +105,8 @@ def representation(source, place):
 
 def summary(path):
     document = read_json(path)
-    if document.get("schema_version") != 2:
-        fail(path, "schema_version 2", document.get("schema_version"))
+    if document.get("schema_version") != 1:
+        fail(path, "schema_version 1", document.get("schema_version"))
     out = {"revision": revision(document, path), "held_out_sha256": document["provenance"].get("inputs", {}).get("held_out", ""),
            **take(document, ["tau", "theta_precision", "functions"], path), "tent": by_population(document["tent"], f"{path}: tent")}
     out["representations"] = {name: representation(entry, f"{path}: {name}") for name, entry in document["representations"].items()}
@@ -122,9 +122,9 @@ def point_key(point, others):
 def frontier(path):
     """Points by representation and family; what is by scene stays behind."""
     document = read_json(path)
-    if document.get("schema_version") != 2:
-        fail(path, "schema_version 2", document.get("schema_version"))
-    keys = ["functions", "bare_tent", "front_sentences", "speed_at_equal_error", "speed_at_equal_error_hard", "hierarchy", "walks"]
+    if document.get("schema_version") != 1:
+        fail(path, "schema_version 1", document.get("schema_version"))
+    keys = ["functions", "bare_tent", "front_sentences", "speed_at_equal_error", "speed_at_equal_error_hard"]
     out = {"revision": revision(document, path), "held_out_sha256": document["provenance"].get("inputs", {}).get("held_out", ""),
            **take(document, keys, path), "points": {}}
     out["bare_tent"] = {key: value for key, value in out["bare_tent"].items() if key != "by_scene"}

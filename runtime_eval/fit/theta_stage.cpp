@@ -64,22 +64,29 @@ const char* wordName(ThetaWord word) {
   return kNames[static_cast<size_t>(word)];
 }
 
-std::string describe(const StagePlan& plan) {
+std::string budgetText(const StagePlan& plan) {
+  return plan.budget > 0 ? std::to_string(plan.budget) + ' ' + unitOf(plan.stage, plan.budget) : "";
+}
+
+std::string takersText(const StagePlan& plan) {
   char rmse[32];
   std::snprintf(rmse, sizeof rmse, "%.4g", plan.above_rmse);
-  std::string text = stageTitle(plan.stage);
-  if (plan.budget > 0) text += ", " + std::to_string(plan.budget) + ' ' + unitOf(plan.stage, plan.budget);
   switch (plan.who) {
     case StagePlan::Who::all:
-      return text + ": all functions";
+      return "all functions";
     case StagePlan::Who::wrong:
-      return text + ": functions that the network left above an RMSE of " + rmse + " or failing the check";
+      return std::string("functions that the network left above an RMSE of ") + rmse + " or failing the check";
     case StagePlan::Who::above:
-      return text + ": those of them whose RMSE is still above " + rmse;
+      return std::string("those of them whose RMSE is still above ") + rmse;
     case StagePlan::Who::failing:
-      return text + ": functions that fail the check";
+      return "functions that fail the check";
   }
-  return text;
+  return "";
+}
+
+std::string describe(const StagePlan& plan) {
+  const std::string budget = budgetText(plan);
+  return stageTitle(plan.stage) + (budget.empty() ? "" : ", " + budget) + ": " + takersText(plan);
 }
 
 }  // namespace nlg

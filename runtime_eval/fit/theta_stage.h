@@ -68,6 +68,9 @@ struct StagePlan {
 
 // "Levenberg-Marquardt from theta0, 32 iterations at most: those of them whose RMSE is still above 0.005".
 std::string describe(const StagePlan& plan);
+// Its parts: "32 iterations at most", empty for a stage without a budget; "those of them whose RMSE is still above 0.005".
+std::string budgetText(const StagePlan& plan);
+std::string takersText(const StagePlan& plan);
 
 class ThetaBatch;
 

@@ -46,7 +46,7 @@ cmp "$temporary/curve.1.png" "$temporary/curve.2.png" || fail "the curve differs
 import json, math, sys
 
 summary = json.load(open(sys.argv[1]))
-assert summary["schema_version"] == 2, summary["schema_version"]
+assert summary["schema_version"] == 1, summary["schema_version"]
 words, fits, populations = ["network", "corrected", "fitted", "stored"], ["direct", "adam_theta0", "lm_theta0", "adam_random", "best_known"], ["all", "theta", "hard"]
 quantiles = ["median", "mean", "p95", "p99", "worst"]
 wanted = [["functions", key] for key in ["distinct", "free_space", "duplicates", "held_out", "take_theta", "hard", "held_out_in_training_mirrored"]]

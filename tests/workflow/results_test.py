@@ -48,7 +48,7 @@ def representation(weights_sha256):
 def summary(weights_sha256=SHA256):
     counts = {"distinct": 9000, "free_space": 1, "duplicates": 2, "in_solid": 3, "empty": 4, "visited_probes": 5, "grid_probes": 6, "held_out": 2000,
               "held_out_scenes": 41, "take_theta": 1000, "hard": 300, "held_out_in_training": 20, "held_out_in_training_mirrored": 30}
-    return {"schema_version": 2, "provenance": {"tool": "nlg-validate", "revision": "0123abc", "options": {}, "inputs": {"held_out": "cd" * 32}},
+    return {"schema_version": 1, "provenance": {"tool": "nlg-validate", "revision": "0123abc", "options": {}, "inputs": {"held_out": "cd" * 32}},
             "tau": {"rmse": 0.02, "leak": 0.1, "leak_share": 0.01, "hard_tent_rmse": 0.01, "bare_tent_rmse": 0.002}, "theta_precision": "int8", "functions": counts,
             "tent": populations(0.012), "representations": {"tent_mlp": representation(weights_sha256)}}
 
@@ -62,12 +62,11 @@ def frontier():
     speed = {"time_us": 600.0, "rmse_mean": 0.0024, "rival": "Adam from theta0", "rival_us_at_equal_error": 3960.0,
              "ratio": {"value": 6.6, "low": 5.1, "high": None}, "reason": None}
     none = {**speed, "rival": None, "rival_us_at_equal_error": None, "ratio": None, "reason": "no direct fit reaches the error"}
-    return {"schema_version": 2, "provenance": {"revision": "0123abc", "inputs": {"held_out": "cd" * 32}},
+    return {"schema_version": 1, "provenance": {"revision": "0123abc", "inputs": {"held_out": "cd" * 32}},
             "functions": {"all": 500, "theta": 246, "hard": 50, "bare_tents_at_time_0": 254}, "scenes": ["kaos2"],
             "points": [point, stage, {**stage, "label": "refinement"}], "bare_tent": {"figures": {"all": errors, "theta": errors, "hard": errors}, "by_scene": {}},
             "front_sentences": {"all": "One point.", "theta": "Another.", "hard": ""},
-            "speed_at_equal_error": {"tent_mlp": {"network": speed, "corrected": none}}, "speed_at_equal_error_hard": {},
-            "hierarchy": [{"step": "solved", "representation": None, "rmse_mean": 0.17}], "walks": []}
+            "speed_at_equal_error": {"tent_mlp": {"network": speed, "corrected": none}}, "speed_at_equal_error_hard": {}}
 
 
 def stability():
@@ -312,10 +311,10 @@ class Results(unittest.TestCase):
         self.assertEqual(self.run_results("collect-light", "out/nothing").returncode, 3)
 
     def test_refuses_another_schema_version(self):
-        self.write("out/openarena/evaluation/summary.json", {**summary(self.sha256), "schema_version": 1})
+        self.write("out/openarena/evaluation/summary.json", {**summary(self.sha256), "schema_version": 2})
         result = self.collect()
         self.assertEqual(result.returncode, 3)
-        self.assertIn("schema_version 2", result.stderr)
+        self.assertIn("schema_version 1", result.stderr)
 
     def test_refuses_numbers_that_are_not_finite(self):
         broken = summary(self.sha256)

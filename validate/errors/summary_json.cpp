@@ -11,22 +11,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Who takes the stage, in the report's table; the threshold stands in a column of its own.
-const char* populationText(StagePlan::Who who) {
-  switch (who) {
-    case StagePlan::Who::wrong:
-      return "functions that fail the check after the network, and those";
-    case StagePlan::Who::above:
-      return "those of them";
-    case StagePlan::Who::failing:
-      return "functions that fail the check";
-    default:
-      return "functions that take a theta";
-  }
-}
-
-bool hasThreshold(StagePlan::Who who) { return who == StagePlan::Who::wrong || who == StagePlan::Who::above; }
-
 Json sampleRatios(const MeasuredWord& word, const LongFits& fits, const FigureContext& context) {
   const auto all = [](uint64_t) { return true; };
   const auto isNew = [&](uint64_t function) { return !context.known.in_training_mirrored[function]; };
@@ -124,11 +108,12 @@ Json bootstrapJson(const FigureContext& context) {
 Json stagesJson(const std::vector<StagePlan>& plan) {
   Json json = Json::array();
   for (const StagePlan& stage : plan) {
+    const std::string budget = budgetText(stage);
     json.push_back({{"name", stageName(stage.stage)},
+                    {"title", stageTitle(stage.stage)},
                     {"word", wordName(wordOf(stage.stage))},
-                    {"population", populationText(stage.who)},
-                    {"above_rmse", hasThreshold(stage.who) ? Json(stage.above_rmse) : Json(nullptr)},
-                    {"budget", stage.budget > 0 ? Json(stage.budget) : Json(nullptr)},
+                    {"budget", budget.empty() ? Json(nullptr) : Json(budget)},
+                    {"takes", takersText(stage)},
                     {"text", describe(stage)}});
   }
   return json;

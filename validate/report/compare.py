@@ -274,7 +274,7 @@ def text_of(comparison, options):
 
 
 def json_of(comparison, options):
-    head = {"schema_version": 2, "paired": comparison.is_paired, "lost": comparison.lost, "added": comparison.added}
+    head = {"schema_version": 1, "paired": comparison.is_paired, "lost": comparison.lost, "added": comparison.added}
     if comparison.is_paired:
         head["false_alarms"] = options.false_alarms
     return json.dumps(head | {"judged_by_chance": comparison.judged_by_chance, "changes": [dataclasses.asdict(change) for change in comparison.changes]}, ensure_ascii=False)

@@ -1,6 +1,5 @@
 """What a lead reads first, as texts: the verdict with its three figures, scenes by trouble, the suite's cases, what bakes leave out."""
 import math
-import re
 
 import numpy as np
 
@@ -10,7 +9,7 @@ import verdict
 from findings import TALK_FITTED, bracket, error, factor, figures_row, grouped, percent, plural
 from frontier import front_of, stage_points
 from inputs import WORDS
-from plots import NAMES, duration, short
+from plots import NAMES, duration
 
 GROUP_NAMES = {"functions": "Functions", "optimisers": "Optimisers", "pca": "Principal components", "generator": "Generator", "scenes": "Scenes",
                "training": "Training"}
@@ -141,25 +140,14 @@ class Decision:
         for name in [self.leader, *self.others()]:
             points, rows = stage_points(frontier, name), []
             for stage in self.inputs.summary["representations"][name]["stages"].items():
-                said = self.stage_words(stage)
-                point = points.get(next((title for title in (said["name"], stage["name"].text()) if title in points), None))
+                title, takes, word = (stage[key].text() for key in ("title", "takes", "word"))
+                point = points.get(title)
                 figures = point and point.figures["theta"]
-                rows.append({**said, "word": stage["word"].text(), "label": NAMES[stage["word"].text()],
-                             "errors": [error(figures[f"rmse_{q}"]) for q in ("median", "mean", "p95")] if figures else ["–"] * 3,
+                rows.append({"name": title, "budget": stage["budget"].value or "–", "takes": "all functions that take a θ" if takes == "all functions" else takes,
+                             "word": word, "label": NAMES[word], "errors": [error(figures[f"rmse_{q}"]) for q in ("median", "mean", "p95")] if figures else ["–"] * 3,
                              "fitted": percent(figures["share_fitted"]) if figures else "–", "time": duration(figures["us_median"]) if figures else "–"})
             tables.append({"name": name, "rows": rows, "has_points": bool(points)})
         return tables
-
-    @staticmethod
-    def stage_words(stage):
-        """Title, budget and who takes it: of a text "TITLE, BUDGET: WHO", as the policy describes itself, or of the stage's other keys."""
-        above, budget, text = stage["above_rmse"].value, stage["budget"].value, stage["text"].text()
-        described = re.fullmatch(r"([^,:]+)(?:, ([^:]+))?: (.+)", text)
-        if described:
-            title, budget, takes = described.groups()
-            return {"name": title, "text": "", "budget": budget or "–", "takes": "all functions that take a θ" if takes == "all functions" else takes}
-        takes = stage["population"].text().replace("theta", "θ") + (f" whose RMSE is above {short(above)}" if above is not None else "")
-        return {"name": stage["name"].text().replace("_", " "), "text": text, "budget": "–" if budget is None else budget if isinstance(budget, str) else f"{budget:g}", "takes": takes}
 
     # ---- scenes
 

@@ -36,11 +36,6 @@ def grouped(count):
     return f"{count:,}".replace(",", "\u2009")
 
 
-def times(factor):
-    """A factor to two or three figures."""
-    return f"{factor:.1f}" if factor < 10 else grouped(int(float(f"{factor:.2g}")))
-
-
 def plural(count, noun):
     return f"{grouped(count)} {noun}{'' if count == 1 else 's'}"
 
@@ -265,18 +260,6 @@ class Findings:
                 return "no function takes a θ"
             return (f"what is stored is better than the bare tent for {percent(np.mean(stored < tent))} of these functions, and brings the "
                     f"95th percentile from {error(np.quantile(tent, 0.95))} to {error(np.quantile(stored, 0.95))}")
-        return self.each(text)
-
-    def run_time(self):
-        def text(name):
-            some = {word: self.inputs.sampled(name, word) for word in WORDS + FITS}
-            medians = {word: np.median(samples.rmse) for word, samples in some.items()}
-            elapsed = {word: float(np.mean(samples.elapsed_us)) for word, samples in some.items()}
-            front = [word for _, _, word in pareto([(elapsed[word], medians[word], word) for word in some])]
-            said = ", ".join(f"{NAMES[word]} {duration(elapsed[word])} and {error(medians[word])}" for word in WORDS)
-            longer = elapsed["direct"] / max(elapsed["stored"], 1e-9)
-            return (f"time a function and median error: {said}. Direct takes {duration(elapsed['direct'])}, {times(longer)} times as long as what is stored, for {error(medians['direct'])}; "
-                    f"on the front: {', '.join(NAMES[word] for word in front)}")
         return self.each(text)
 
     def test_points(self):

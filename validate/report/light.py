@@ -21,20 +21,13 @@ packages.need("light.py", "matplotlib", "numpy")
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 import plots
+from decision import bytes_text
 from light_figures import GROUP_NAMES, GROUPS, NOT_STORED, methods_of, read_all, summary
+from light_section import COLOURS, LIGHT_STYLES
 from tool.atomic_file import write_files
 from tool.errors import run
 
 LEGEND_COLUMNS = 4
-LIGHT_STYLES = {"point": (0, (1.5, 1.5)), "solved": "-", "own": (0, (4, 1.5))}
-COLOURS = ["#7a828a", "#1d232a", "#0072B2", "#E69F00", "#CC79A7", "#D55E00", "#009E73", "#56B4E9", "#9b6a8f", "#6b2d0f", "#7a3fb0", "#c08a00"]
-
-
-def bytes_text(value):
-    for unit, name in ((1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
-        if value >= unit:
-            return f"{value / unit:g} {name}"
-    return f"{value:g} B"
 
 
 def fronts(points):

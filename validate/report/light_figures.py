@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tool.errors import InputError
-from tool.input_file import read_json
+from tool.input_file import as_documented, read_json
 
 SCHEMA_VERSION = 1
 REFERENCE = ("valid trilinear", "point")
@@ -20,6 +20,7 @@ FIGURES = ("smape", "colour", "dark", "jump_mean", "jump_largest", "unlit", "out
 RESAMPLES, SEED = 4000, 1
 NOT_STORED = "target functions"  # whose bytes nobody would keep
 TEST_BOXES = ("cornell", "two_rooms")
+FLOOR, TARGET = "harmonics at the place", "target φ"  # steps before the words
 SCENE_KINDS = {"levels": "levels that hold their own light", "furnished": "furnished and thin-walled scenes", "boxes": "test boxes"}
 
 
@@ -58,6 +59,18 @@ class Point:
     look_ups_per_s: float = math.nan  # NaN: not measured
     by_distance: list = field(default_factory=list)  # (from_m, to_m, RMSE) before surfaces
     worst: list = field(default_factory=list)
+
+
+@dataclass
+class Step:
+    """What is wrong with light that is solved for, at one step from what harmonics can hold to what a bake stores; at the finest spacing."""
+    scene: str
+    step: str            # FLOOR, TARGET, or one of the four words
+    representation: str  # empty for the first two
+    rmse: dict           # by group
+    dark: float
+    jump_mean: float
+    unlit: float
 
 
 def scene_kind(name, holds_light):
@@ -99,6 +112,29 @@ def read_points(path):
     if not points:
         result["spacings"].refuse("at least one method", "none")
     return points
+
+
+def read_step(node, scene, step, representation=""):
+    return Step(scene, step, representation, {group: node[group]["rmse"].number() for group in GROUPS}, node["dark"]["excess"].number(low=-math.inf),
+                node["jumps"]["mean"].number(), node["air"]["unlit"].number(0.0, 1.0))
+
+
+def read_steps(path):
+    """Of a result with --words; none of others."""
+    result = read_json(path)
+    scene = result["scene"].text()
+    for spacing in result["spacings"].items():
+        if "words" not in spacing:
+            continue
+        solved = {node["weights"].text(): node for node in spacing["methods"].items() if node["light"].text() == "solved"}
+        words = [(node["weights"].text(), node["word"].text(), node) for node in spacing["words"].items()]
+        with as_documented(path):  # words of a grid that is not among the methods
+            steps = [read_step(result["floor"], scene, FLOOR), read_step(solved[NOT_STORED], scene, TARGET)]
+            for name in dict.fromkeys(name for name, _, _ in words):
+                steps += [read_step(node, scene, word, name) for other, word, node in words if other == name]
+                steps.append(read_step(solved[name], scene, "stored", name))
+        return steps
+    return []
 
 
 def read_all(paths):

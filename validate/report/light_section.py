@@ -11,7 +11,7 @@ import numpy as np
 import plots
 from decision import bytes_text, seconds_text
 from findings import bracket, grouped, percent, plural
-from light_figures import GROUP_NAMES, GROUPS, LIGHTS, NOT_STORED, geometric_mean, interval, methods_of, of_method, spacings_of
+from light_figures import FLOOR, GROUP_NAMES, GROUPS, LIGHTS, NOT_STORED, TARGET, geometric_mean, interval, methods_of, of_method, spacings_of
 from tool.errors import InputError
 from tool.input_file import read_bytes
 
@@ -45,9 +45,10 @@ def one_of(points, spacing_m):
 
 
 class LightSection:
-    """points: of all scenes and methods; leader: the generator that the page looks at first."""
+    """points: of all scenes and methods; leader: the generator that the page looks at first; steps: of the scenes that have any."""
 
-    def __init__(self, points, leader):
+    def __init__(self, points, leader, steps=()):
+        self.steps = steps
         self.points, self.scenes, self.spacings, self.methods = points, sorted({point.scene for point in points}), spacings_of(points), methods_of(points)
         names = list(dict.fromkeys(name for name, _ in self.methods))
         rivals = [name for name in names if name not in plots.REPRESENTATIONS]
@@ -98,6 +99,21 @@ class LightSection:
             if values:
                 rows.append({"weights": method[0], "light": method[1], "colour": self.colours[method[0]], "texts": [error(value) for value in np.median(values, axis=0)]})
         return [f"{100 * low:g}–{100 * high:g} cm" for low, high in classes], rows
+
+    def step_rows(self):
+        """Medians over scenes; `added`: to the error in air of the step that this one rests on."""
+        rows = {}
+        for key in dict.fromkeys((some.step, some.representation) for some in self.steps):
+            here = [some for some in self.steps if (some.step, some.representation) == key]
+            median = lambda value: float(np.median([value(some) for some in here]))
+            rows[key] = {"step": key[0], "representation": key[1] or None, **{f"RMSE {GROUP_NAMES[group]}": median(lambda some: some.rmse[group]) for group in GROUPS},
+                         "in the dark, beyond truth": median(lambda some: some.dark), "jumps beyond truth": median(lambda some: some.jump_mean),
+                         "unlit, most": max(some.unlit for some in here)}
+        in_air = f"RMSE {GROUP_NAMES['air']}"
+        for (step, _), row in rows.items():
+            before = rows.get((FLOOR if step == TARGET else TARGET, ""))
+            row["added in air"] = None if step == FLOOR else row[in_air] - before[in_air]
+        return list(rows.values())
 
     def worst(self):
         """Of ours, the places that are farthest from truth, over all scenes at the finest spacing, with their pictures where there are any."""

@@ -217,31 +217,6 @@ def pareto(points):
     return front
 
 
-def run_time(inputs, representation, limits, time_limits, tent_median):
-    figure, axes = start(representation, size=(4.7, 3.9), x="time per function, one core", y="RMSE (median; bar p5–p95)")
-    axes.set_xscale("log")
-    axes.set_xlim(*time_limits)
-    log_error_axis(axes.yaxis, *limits)
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: duration(v)))
-    axes.axhline(tent_median, color=colour("tent"), linewidth=1.2, linestyle="--", zorder=1)
-    tent_name = axes.annotate("bare tent", (1.0, tent_median), xycoords=axes.get_yaxis_transform(), xytext=(-2, 2),
-                              textcoords="offset points", ha="right", fontsize=7.5, color=colour("tent"))
-    points, labels, lines = [], [], [[(t, tent_median) for t in time_limits]]
-    for word in WORDS + FITS:
-        samples = inputs.sampled(representation, word)
-        time = max(float(np.mean(samples.elapsed_us)), time_limits[0])
-        low, middle, high = np.clip(np.quantile(samples.rmse, (0.05, 0.5, 0.95)), *limits)
-        axes.plot([time, time], [low, high], color=colour(word), linewidth=1.6, alpha=0.5, zorder=3)
-        axes.plot(time, middle, "o", color=colour(word), markersize=6, markeredgecolor="white", zorder=5)
-        points.append((time, middle))
-        labels.append((time, middle, NAMES[word], colour(word)))
-        lines.append([(time, low), (time, high)])
-    front = pareto(points)
-    axes.plot(*zip(*front), color=INK, linewidth=1.0, linestyle=(0, (4, 2)), zorder=2, alpha=0.7)
-    place_labels(figure, axes, sorted(labels), lines + [front], [tent_name])
-    return finish(figure, f"time-{representation}", f"Error against run time, {representation}")
-
-
 def test_points(inputs, representation, limits):
     samples = inputs.over(representation, "stored")
     figure, axes = start(representation, size=(4.7, 4.1), x="RMSE on support points", y="RMSE on test points")

@@ -6,12 +6,11 @@ import json
 import re
 from dataclasses import dataclass
 
-from inputs import POPULATIONS
+from inputs import POPULATIONS, SCHEMA_VERSION
 from tool.errors import InputError
 from tool.input_file import read_json
 
 GROUPS = ("functions", "optimisers", "pca", "generator", "scenes", "training")
-FRONTIER_SCHEMA_VERSION = 2
 ERROR_KEYS = ("rmse_mean", "rmse_median", "rmse_p5", "rmse_p95", "rmse_worst")
 POINT_KEYS = ("us_median", "us_p25", "us_p75", *ERROR_KEYS, "leak_p99", "share_fitted")
 
@@ -65,8 +64,6 @@ class Frontier:
     tent: dict            # population → mean RMSE of the bare tent, which takes no time; None without functions
     tent_by_scene: dict   # scene → the same
     speeds: dict          # representation → word → Speed
-    hierarchy: list       # one dict a step: texts and numbers
-    walks: list           # the same
 
 
 @dataclass
@@ -94,9 +91,9 @@ class Saving:
     note: str
 
 
-def check_schema(node, version=1):
-    if node["schema_version"].count() != version:
-        node["schema_version"].refuse(str(version), node["schema_version"].value)
+def check_schema(node):
+    if node["schema_version"].count() != SCHEMA_VERSION:
+        node["schema_version"].refuse(str(SCHEMA_VERSION), node["schema_version"].value)
 
 
 def optional(node, read):
@@ -106,16 +103,6 @@ def optional(node, read):
 def entries_or_none(node):
     """Of an object that may be empty, or null."""
     return node.entries() if node.value not in ({}, None) else []
-
-
-def row(node):
-    """A flat object of texts, numbers and truths, in the file's order; nulls stay."""
-    result = {}
-    for key, value in node.entries():
-        if not isinstance(value.value, (str, int, float, type(None))):
-            value.refuse("a text, a number, true, false or null", type(value.value).__name__)
-        result[key] = value.value
-    return result
 
 
 def check_quantiles(node):
@@ -167,7 +154,7 @@ def read_speed(node):
 
 def read_frontier(path):
     file = read_json(path)
-    check_schema(file, FRONTIER_SCHEMA_VERSION)
+    check_schema(file)
     scenes = [node.text() for node in file["scenes"].items()]
     functions = {population: file["functions"][population].count() for population in POPULATIONS}
     points = [read_point(node) for node in file["points"].items()]
@@ -180,10 +167,9 @@ def read_frontier(path):
                 file["points"].refuse(f"figures of '{population}' where it has functions, and only there", f"points[{index}]")
     tent = file["bare_tent"]
     speeds = {name: {word: read_speed(speed) for word, speed in entries_or_none(words)} for name, words in entries_or_none(file["speed_at_equal_error"])}
-    lists = [[row(node) for node in file[key].items()] for key in ("hierarchy", "walks")]
     return Frontier(path, file["provenance"]["inputs"]["held_out"].text(), functions, scenes, points, {population: file["front_sentences"][population].text() for population in POPULATIONS},
                     {population: optional(tent["figures"][population], lambda n: n["rmse_mean"].number()) for population in POPULATIONS},
-                    {scene: node["rmse_mean"].number() for scene, node in entries_or_none(tent["by_scene"])}, speeds, *lists)
+                    {scene: node["rmse_mean"].number() for scene, node in entries_or_none(tent["by_scene"])}, speeds)
 
 
 def check_same_scenes(frontier, summary):
@@ -200,7 +186,7 @@ def read_stability(path):
     for node in file["cases"].items():
         if node["group"].text() not in GROUPS:
             node["group"].refuse(" or ".join(GROUPS), f"'{node['group'].value}'")
-        holds = node["holds" if "holds" in node else "passes"]  # "passes": files from before "holds" and "fails_check"
+        holds = node["holds"]
         fails_check = "fails_check" in node and node["fails_check"].truth()
         cases.append(Case(*(node[key].text() for key in ("group", "name", "must_hold", "measured")), holds.truth(),
                           node["note"].text(), node["ran"].truth(), fails_check))

@@ -48,6 +48,7 @@ class Proof:
     cases: object = None     # of proof_inputs.Case
     savings: object = None   # of (scene, rows)
     light: object = None     # light_figures.Point of all scenes and methods
+    light_steps: object = None  # light_figures.Step of all scenes
     paths: dict = field(default_factory=dict)  # role → path
     is_evaluation: bool = False  # the scenes that published figures are of
     left_out: list = field(default_factory=list)  # what the run did less of than a full one, in words
@@ -59,18 +60,13 @@ def draw_plots(inputs, findings, frontier, scene_order):
     over = lambda word: [inputs.over(n, word) for n in names]
     every = [some for word in ("tent", *inputs_module.WORDS) for some in over(word)]
     limits = plots.error_limits([some.rmse for some in every])
-    sampled = [inputs.sampled(n, word).rmse for n in names for word in inputs_module.WORDS + inputs_module.FITS]
     spread = lambda values: np.quantile(values[np.isfinite(values)], (0.05, 0.95)) if np.isfinite(values).any() else values
-    tent = inputs.sampled(names[0], "tent").rmse
-    tent_median = float(np.median(tent)) if len(tent) else 0.0
-    fit_limits = plots.error_limits([spread(some) for some in sampled] + [[tent_median]])
     test_limits = plots.error_limits([values for some in over("stored") for values in (some.rmse, some.rmse_test_points)])
     occluded_limits = plots.error_limits([spread(values) for some in every for values in (some.rmse, some.rmse_occluded)])
     log_limits = plots.error_limits([array for log in inputs.logs.values() for array in (log.training_loss, log.held_out_network, log.held_out_rmse)])
     return {
         "curve": [plots.finish(curve.draw(inputs.summary), "curve", "Error against bytes a function and against evaluation time")],
         "histogram": [plots.histogram(inputs, n, limits, findings.tau["rmse"]) for n in names],
-        "run_time": [plots.run_time(inputs, n, fit_limits, run_time_limits(inputs), tent_median) for n in ([] if frontier else names)],
         "frontier": frontier_module.whole_svgs(frontier) if frontier else [],
         "frontier_scenes": frontier_module.scene_svgs(frontier, scene_order) if frontier else [],
         "test_points": [plots.test_points(inputs, n, test_limits) for n in names],
@@ -80,31 +76,22 @@ def draw_plots(inputs, findings, frontier, scene_order):
     }
 
 
-def run_time_limits(inputs):
-    """Whole decades around everything; what has no time stands at the left edge."""
-    times = [float(np.mean(inputs.sampled(n, word).elapsed_us)) for n in inputs.representations for word in inputs_module.WORDS + inputs_module.FITS]
-    times = [t for t in times if t > 0] or [1.0]
-    return 10 ** np.floor(np.log10(min(times) / 1.3)), 10 ** np.ceil(np.log10(max(times) * 1.3))
-
-
 def frontier_tables(frontier):
     """(title, what it says, rows) behind the frontier's plots."""
     settings = [{"representation": p.representation, "what": p.label, "time": plots.duration(p.figures["theta"]["us_median"]),
                  **{key.replace("rmse_", "RMSE ", 1): p.figures["theta"][key] for key in ("rmse_median", "rmse_mean", "rmse_p95", "rmse_worst")},
                  "took a fit": findings_module.percent(p.figures["theta"]["share_fitted"]), "leak p99": p.figures["theta"]["leak_p99"]}
                 for p in frontier.points if not frontier_module.is_chain(p) and p.figures["theta"]]
-    return [("From the truth to the generator", "How much error each step adds: the function that was solved for, the target φ, the best known of it in a representation, and what a bake makes of it, stage by stage.", frontier.hierarchy),
-            ("Along straight walks", "What a viewer would notice: the largest jump between neighbouring samples.", frontier.walks),
-            ("Generators and settings", "Functions that take a θ: θ rounded to int8, and the policy over all product fields.", settings)]
+    return [("Generators and settings", "Functions that take a θ: θ rounded to int8, and the policy over all product fields.", settings)]
 
 
 # section's id → its name in the list of contents
-CONTENTS = {"stages": "Stages", "frontier": "Error against time", "run_time": "Error against time", "scenes": "Scenes", "slices": "Worst functions", "stability": "Stability",
+CONTENTS = {"stages": "Stages", "frontier": "Error against time", "scenes": "Scenes", "slices": "Worst functions", "stability": "Stability",
             "savings": "Savings", "light": "Light", "training": "Training", "figures": "Every figure", "sample": "Best known", "provenance": "Provenance"}
 
 
 def contents(proof):
-    absent = {"run_time" if proof.frontier else "frontier", *(() if proof.cases else ("stability",)), *(() if proof.savings else ("savings",)), *(() if proof.light else ("light",))}
+    absent = {*(() if proof.frontier else ("frontier",)), *(() if proof.cases else ("stability",)), *(() if proof.savings else ("savings",)), *(() if proof.light else ("light",))}
     return [(section, name) for section, name in CONTENTS.items() if section not in absent]
 
 
@@ -131,7 +118,7 @@ def proof_values(proof, decision):
     if proof.savings:
         values |= {"saving_groups": decision_module.saving_groups(proof.savings), "savings_sentence": decision_module.savings_sentence(proof.savings)}
     if proof.light:
-        light = light_section.LightSection(proof.light, decision.leader)
+        light = light_section.LightSection(proof.light, decision.leader, proof.light_steps)
         values |= {"light": light, "light_plots": {cost: [Markup(text) for text in light.panels(cost)] for cost in light_section.COSTS}}
     return values
 
@@ -166,6 +153,7 @@ def read_proof(arguments, summary):
         proof.paths |= {f"savings of {scene}": path for path, (scene, _) in zip(arguments.savings, proof.savings)}
     if arguments.light:
         proof.light = light_figures.read_all(arguments.light)
+        proof.light_steps = [step for path in arguments.light for step in light_figures.read_steps(path)]
         proof.paths |= {f"light of {os.path.splitext(os.path.basename(path))[0]}": path for path in arguments.light}
     return proof
 
@@ -181,7 +169,7 @@ def parse_arguments():
     parser.add_argument("--stability", help="what nlg-validate stability wrote")
     parser.add_argument("--savings", nargs="+", help="what nlg-bake printed, with its table of savings, one a scene")
     parser.add_argument("--light", nargs="+", help="light.json of nlg-validate light, one a scene")
-    parser.add_argument("--evaluation", "--test", action="store_true", help="the scenes are the evaluation, which published figures are of: the page says so (--test: the name before)")
+    parser.add_argument("--evaluation", action="store_true", help="the scenes are the evaluation, which published figures are of: the page says so")
     parser.add_argument("--left-out", nargs="*", default=[], help="what the run did less of than a full one, a text each: stands in the page's provenance")
     limits = verdict.Limits()
     parser.add_argument("--max-share-failing", type=float, default=limits.share_failing, help="a generator may ship of whose stored functions that take a theta at most this share fails the check (default: %(default)g)")

@@ -173,10 +173,10 @@ TEST_F(PolicyWordsTest, StagesAreThePolicysOwnList) {
   const auto stages = stagesJson(words.plan);
   ASSERT_EQ(stages.size(), words.plan.size());
   EXPECT_EQ(stages.front()["name"], "network");
-  EXPECT_TRUE(stages.front()["above_rmse"].is_null());
+  EXPECT_TRUE(stages.front()["budget"].is_null());
   EXPECT_EQ(stages.back()["name"], "refinement");
   EXPECT_EQ(stages.back()["word"], "fitted");
-  EXPECT_EQ(stages.back()["budget"], 1);
+  EXPECT_EQ(stages.back()["budget"], "1 round at most");
 }
 
 TEST_F(PolicyWordsTest, TheCsvHasALineAFunctionAndWord) {

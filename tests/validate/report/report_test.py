@@ -125,7 +125,7 @@ def check_page(needed, proof):
     expect("Generators on evaluation scenes" in evaluation and "so they are no test" in evaluation and "so they are no test" not in text, "a page of the evaluation does not say so")
     os.makedirs("bare", exist_ok=True)
     bare = Page(draw("bare/report.html", *needed))
-    expect(bare.sections[:4] == ["stages", "run_time", "scenes", "slices"] and not {"frontier", "stability", "savings", "light"} & set(bare.sections), f"sections without a proof: {bare.sections}")
+    expect(bare.sections[:3] == ["stages", "scenes", "slices"] and not {"frontier", "stability", "savings", "light"} & set(bare.sections), f"sections without a proof: {bare.sections}")
     expect("Not judged: this page was drawn without the suite" in open("bare/report.html").read(), "a page without the suite's table does not say so")
 
 
@@ -162,8 +162,6 @@ def check_stages(needed):
         expect([(row["name"], row["errors"][0]) for row in table["rows"]] == [(p.label, f"{p.figures['theta']['rmse_median']:.4f}") for p in points] and len(points) == len(made_up.STAGES), f"{table['name']}: {table['rows']}")
         expect((table["rows"][2]["takes"], table["rows"][2]["budget"], table["rows"][0]["takes"], table["rows"][0]["budget"])
                == ("functions that the network left above an RMSE of 0.001 or failing the check", "3 steps at most", "all functions that take a θ", "–"), f"{table['rows'][2]}")
-    other = Node("", "", {"name": "learned_steps", "population": "those of them", "above_rmse": .005, "budget": 3, "text": "Steps."})
-    expect(some.stage_words(other) == {"name": "learned steps", "text": "Steps.", "budget": "3", "takes": "those of them whose RMSE is above 0.005"}, "a stage whose text is no description")
     expect(not any(table["has_points"] for table in some.stage_tables(None)), "figures of stages that nobody measured")
 
 
@@ -323,9 +321,9 @@ def check_light():
     expect(some.ours == ("tent_mlp", "solved") and some.scenes == sorted(made_up.SCENES), f"{some.ours}, {some.scenes}")
     spacing, groups = next(some.tables())
     rows = [row for _, rows in groups for row in rows]
-    expect(spacing == "1 m" and [title for title, _ in groups] == ["Without solved light", "With solved light"] and [row["weights"] for row in rows] == ["valid trilinear", "DDGI as shipped", "tent_mlp"], f"{spacing}: {groups}")
-    expect(rows[2]["is_ours"] and [c["text"] for c in rows[2]["cells"]] == ["0.200", "0.200", "0.240"] and rows[2]["cells"][0]["interval"] == ".100–.300", f"of .1, .2 and .3: {rows[2]['cells']}")
-    expect(rows[2]["others"] == ["+0.0100", "0.0030", "0.10", "0.1\u00a0%", "47.2 kB", "59", "420 ms", "1\u2009000\u2009000"], f"{rows[2]['others']}")
+    expect(spacing == "1 m" and [title for title, _ in groups] == ["Without solved light", "With solved light"] and [row["weights"] for row in rows] == ["valid trilinear", "DDGI as shipped", "target functions", "tent_mlp"], f"{spacing}: {groups}")
+    expect(rows[3]["is_ours"] and [c["text"] for c in rows[3]["cells"]] == ["0.200", "0.200", "0.240"] and rows[3]["cells"][0]["interval"] == ".100–.300", f"of .1, .2 and .3: {rows[3]['cells']}")
+    expect(rows[3]["others"] == ["+0.0100", "0.0030", "0.10", "0.1\u00a0%", "47.2 kB", "59", "420 ms", "1\u2009000\u2009000"], f"{rows[3]['others']}")
     line = some.line_of(("DDGI as shipped", "own"), "bytes", "air")
     mean = .18 * 6 ** (1 / 3)
     expect([round(x) for x, _, _ in line] == [1288 * 120, 1288 * 800] and abs(line[1][1] - mean) < 1e-9 and abs(line[0][1] - 1.6 * mean) < 1e-9, f"DDGI's line: {line}")
@@ -339,7 +337,11 @@ def check_light():
     easy = light_section.LightSection(light_figures.read_all(files[:1]), "tent_mlp").worst()
     expect(len(easy) == 10 and not any(row["picture"] for row in easy), "a result without pictures has some")
     heads, distances = some.distances()
-    expect(heads == ["2–5 cm", "5–10 cm", "10–20 cm", "20–50 cm"] and distances[2]["texts"][0] == f"{.2 * 1.02:.3f}", f"{heads}, {distances[2]}")
+    expect(heads == ["2–5 cm", "5–10 cm", "10–20 cm", "20–50 cm"] and distances[3]["texts"][0] == f"{.2 * 1.02:.3f}", f"{heads}, {distances[3]}")
+    steps = light_section.LightSection(some.points, "tent_mlp", [step for path in files for step in light_figures.read_steps(path)]).step_rows()
+    expect([(row["step"], row["representation"]) for row in steps] == [("harmonics at the place", None), ("target φ", None), *((word, "tent_mlp") for word in inputs.WORDS)], f"steps: {steps}")
+    # of .05, .1 and .15; .098, .196 and .294; .104, .208 and .312
+    expect([row["added in air"] and round(row["added in air"], 4) for row in steps] == [None, .096, .012, .006, .004, .004] and round(steps[1]["RMSE in air"], 4) == .196, f"steps: {steps}")
     expect("3 scenes, probes 1 and 2 m apart. At 1 m tent_mlp with light solved for has an RMSE of 0.200 in air" in some.sentence() and "The least has tent_mlp, solved for (in air, before surfaces, there with any normal)." in some.sentence(), some.sentence())
     expect(light_section.LightSection(some.points, "mlp").ours == ("tent_mlp", "solved"), "a leader whose light was not measured")
 
@@ -347,7 +349,7 @@ def check_light():
 def check_packages():
     """With a Python that lacks what they draw with, as one that stands first in PATH may, every tool says so in one line."""
     # -S: without site packages, Debian's among them
-    for script in ("report.py", "frontier.py", "curve.py", "weighting_slices.py"):
+    for script in ("report.py", "frontier.py", "curve.py"):
         result = subprocess.run(["/usr/bin/python3", "-S", os.path.join(SOURCES, script)], capture_output=True, text=True, timeout=200)
         expect(result.returncode == USAGE_ERROR and len(result.stderr.splitlines()) == 1
                and all(word in result.stderr for word in (f"{script}: error: ", "numpy", "matplotlib", "/usr/bin/python3")), f"{script} without packages: exit code {result.returncode}, {result.stderr.strip()[-300:]!r}")
@@ -392,13 +394,13 @@ def check_refusals(needed):
             ("light0.json", lambda c: c["spacings"][0]["methods"][0].update(light="moon"), "spacings[0].methods[0].light"),
             ("light0.json", lambda c: c["truth"].update(all_bounces_in_one_ray=1), "truth.all_bounces_in_one_ray"),
             ("light0.json", lambda c: c["spacings"][0]["methods"][0]["worst"][0]["position_m"].pop(), "worst[0].position_m"),
-            ("light0.json", lambda c: c["spacings"][0]["methods"][2]["worst"][0].update(picture=7), "worst[0].picture"),
+            ("light0.json", lambda c: c["spacings"][0]["methods"][3]["worst"][0].update(picture=7), "worst[0].picture"),
             ("bake0.json", lambda c: c.pop("savings"), "savings"),
             ("bake0.json", lambda c: c["savings"][0].update(count=91), "savings[0].count"),
             ("bake0.json", lambda c: c["savings"][3].update(seconds_saved="x"), "savings[3].seconds_saved")]:
         refuses([place], readers[source], changed(source, change))
     for picture, words in (("pictures/none.png", ("pictures/none.png", "file")), ("light0.json", ("light0.json", "a PNG file"))):
-        points = light_figures.read_points(changed("light0.json", lambda c: c["spacings"][0]["methods"][2]["worst"][0].update(picture=picture)))
+        points = light_figures.read_points(changed("light0.json", lambda c: c["spacings"][0]["methods"][3]["worst"][0].update(picture=picture)))
         try:
             light_section.LightSection(points, "tent_mlp").worst()
             expect(False, f"a picture {picture} is taken")
@@ -411,7 +413,7 @@ def check_refusals(needed):
         refuses(["provenance.inputs"], lambda path: proof_inputs.refuse_other_weights(path, summary, {"mlp"}), other)
         proof_inputs.refuse_other_weights(other, summary, {"pf33"})
     # figures of the summary, each of which the page needs
-    for change, place in [(lambda c: c.update(schema_version=1), "schema_version"),
+    for change, place in [(lambda c: c.update(schema_version=2), "schema_version"),
                           (lambda c: c["representations"]["mlp"]["stored"]["theta"]["rmse"]["interval"].pop("p95"), "representations.mlp.stored.theta.rmse.interval"),
                           (lambda c: c["representations"]["mlp"]["network"]["all"]["share_fitted"].update(value=2), "network.all.share_fitted.value"),
                           (lambda c: c["representations"]["pf5"]["stages"][2].update(word="refined"), "representations.pf5.stages[2].word"),
