@@ -83,6 +83,11 @@ void BrushGrid::fill(const glm::dvec3& min, const glm::dvec3& max, const BrushMa
 
 void BrushGrid::carve(const glm::dvec3& min, const glm::dvec3& max) { add(min, max, -1); }
 
+void BrushGrid::emitObject(MeshBuilder& mesh, const std::string& name, Mobility mobility, const Placement& placement) const {
+  mesh.beginObject(name, mobility);
+  emit(mesh, placement);
+}
+
 void BrushGrid::emit(MeshBuilder& mesh, const Placement& placement) const {
   if (operations_.empty()) return;
   Cells cells;

@@ -29,6 +29,8 @@ class BrushGrid {
 
   // Adds the surface to the builder's current object. Edges at which two boxes touch crosswise belong to four faces.
   void emit(MeshBuilder& mesh, const Placement& placement = {}) const;
+  // The same as a new object.
+  void emitObject(MeshBuilder& mesh, const std::string& name, Mobility mobility, const Placement& placement = {}) const;
 
  private:
   struct Operation {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "datagen/dataset/duplicate_index.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -54,14 +54,13 @@ void addLeaf(Home& home, HomeRoom& room, const RoomOpening& opening) {
   Placement hinge = onWall(room, opening.side, hinge_at_from ? opening.from : opening.to, opening.low);
   // from the closed leaf, which lies along the wall, towards the room's inside (+z)
   hinge.turn = turnByDegrees(degreesAt(opening.side) - sign * degrees);
-  level.mesh.beginObject("door", Mobility::movable);
   BrushGrid leaf;
   const double from = sign > 0 ? kGap : -width + kGap, to = sign > 0 ? width - kGap : -kGap;
   const double height = opening.high - opening.low - kGap;
   leaf.fill({from, kGap, -kThick}, {to, height, 0.0}, level.palette.wood);
   const double knob = sign > 0 ? to - 0.08 : from + 0.08;
   leaf.fill({knob - 0.02, 0.98, -kThick - 0.05}, {knob + 0.02, 1.02, 0.05}, level.palette.metal);
-  leaf.emit(level.mesh, hinge);
+  leaf.emitObject(level.mesh, "door", Mobility::movable, hinge);
   const glm::dvec3 a = hinge.apply({from, 0, 0}), b = hinge.apply({to, 0, 0});
   const Rect swept{std::min(a.x, b.x), std::min(a.z, b.z), std::max(a.x, b.x), std::max(a.z, b.z)};
   room.solids.push_back({swept.grown(kThick), opening.low, opening.high});
@@ -83,8 +82,8 @@ void addWindowFrame(Home& home, const HomeRoom& room, const RoomOpening& opening
     frame.carve({from, kBar, back}, {to, rail, front});
     if (has_rail) frame.carve({from, rail + kBar, back}, {to, height - kBar, front});
   }
-  level.mesh.beginObject("window frame", Mobility::movable);
-  frame.emit(level.mesh, onWall(room, opening.side, 0.5 * (opening.from + opening.to), opening.low));
+  frame.emitObject(level.mesh, "window frame", Mobility::movable,
+                   onWall(room, opening.side, 0.5 * (opening.from + opening.to), opening.low));
 }
 
 void addCurtains(Home& home, HomeRoom& room, const RoomOpening& window) {

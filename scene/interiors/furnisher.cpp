@@ -18,35 +18,32 @@ using Size = glm::dvec3;
 
 // A tub: a block with a hollow.
 void addTub(Home& home, const Placement& placement, const Size& size) {
-  home.level.mesh.beginObject("bath", Mobility::movable);
   BrushGrid tub;
   const double x = 0.5 * size.x, z = 0.5 * size.z;
   tub.fill({-x, 0, -z}, {x, size.y, z}, home.porcelain_material);
   tub.carve({-x + 0.08, 0.15, -z + 0.08}, {x - 0.08, size.y, z - 0.08});
-  tub.emit(home.level.mesh, placement);
+  tub.emitObject(home.level.mesh, "bath", Mobility::movable, placement);
 }
 
 // A bowl and a cistern.
 void addToilet(Home& home, const Placement& placement, const Size& size) {
-  home.level.mesh.beginObject("toilet", Mobility::movable);
   BrushGrid bowl;
   const double x = 0.5 * size.x, z = 0.5 * size.z;
   bowl.fill({-0.6 * x, 0, -0.4 * z}, {0.6 * x, 0.3, 0.6 * z}, home.porcelain_material);
   bowl.fill({-x, 0.25, -0.45 * z}, {x, 0.41, z}, home.porcelain_material);
   bowl.carve({-0.65 * x, 0.3, -0.3 * z}, {0.65 * x, 0.41, 0.8 * z});
   bowl.fill({-x, 0.25, -z}, {x, size.y, -0.45 * z}, home.porcelain_material);
-  bowl.emit(home.level.mesh, placement);
+  bowl.emitObject(home.level.mesh, "toilet", Mobility::movable, placement);
 }
 
 // A tray, two panes of 8 mm, a door that stands half open.
 void addShower(Home& home, const Placement& placement, const Size& size) {
-  home.level.mesh.beginObject("shower", Mobility::movable);
   BrushGrid cabin;
   const double x = 0.5 * size.x, z = 0.5 * size.z, pane = 0.008;
   cabin.fill({-x, 0, -z}, {x, 0.1, z}, home.porcelain_material);
   cabin.fill({-x, 0.1, -z}, {-x + pane, size.y, z}, home.glass_material);
   cabin.fill({-x, 0.1, z - pane}, {0.1 * x, size.y, z}, home.glass_material);
-  cabin.emit(home.level.mesh, placement);
+  cabin.emitObject(home.level.mesh, "shower", Mobility::movable, placement);
 }
 
 using Emit = void (*)(Home&, const Placement&, const Size&);

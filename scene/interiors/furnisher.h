@@ -22,8 +22,6 @@ struct Stood {
   Rect area;
   double degrees = 0.0;
   Side wall = Side::north;  // behind it, when it stands at one
-
-  double topHeight() const { return placement.position.y + piece.top_m; }
 };
 
 // Adds the piece's triangles, and what of it shines.

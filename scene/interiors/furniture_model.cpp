@@ -137,7 +137,6 @@ void giveMaterials(const Scene& source, const Mesh& mesh, FurnitureModel* model)
       model->materials.back().double_sided = !is_one_sided;
     }
     model->triangle_material.push_back(copy->second);
-    model->one_sided_count += is_one_sided ? 1 : 0;
   }
 }
 
@@ -145,7 +144,6 @@ void giveMaterials(const Scene& source, const Mesh& mesh, FurnitureModel* model)
 
 FurnitureModel fitFurnitureModel(const Scene& model, const CatalogueEntry& entry) {
   FurnitureModel result;
-  result.source_triangle_count = static_cast<uint32_t>(model.triangles.size());
   const Mesh raw{uprightPositions(model, entry), model.triangles, model.triangle_material};
   Mesh mesh = merged(raw, 1.0 / kVerticesPerMetre);
   const double largest_m = kLargestCellShare * std::max({entry.size_m.x, entry.size_m.y, entry.size_m.z});

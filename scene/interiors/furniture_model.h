@@ -20,8 +20,6 @@ struct FurnitureModel {
   std::vector<glm::uvec3> triangles;
   std::vector<uint32_t> triangle_material;
   std::vector<Material> materials;
-  uint32_t source_triangle_count = 0;  // before anything was merged
-  uint32_t one_sided_count = 0;        // triangles that are evidence
 };
 
 // Models above the budget are coarsened. Vertices in one cell of a cubic lattice become one at their mean. Triangles that lose their

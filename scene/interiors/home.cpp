@@ -178,9 +178,6 @@ void Home::windows(size_t room_idx, double share, double sill_m, double head_m) 
   }
 }
 
-void finishShell(Home& home) {
-  home.level.mesh.beginObject("shell", Mobility::structure);
-  home.shell.emit(home.level.mesh);
-}
+void finishShell(Home& home) { home.shell.emitObject(home.level.mesh, "shell", Mobility::structure); }
 
 }  // namespace nlg

@@ -78,8 +78,7 @@ void addGalleries(Home& home, const Villa& villa) {
   slab.fill({h.x0, villa.lower(), h.z0}, {h.x1, top, villa.naveZ0()}, faces);
   slab.fill({h.x0, villa.lower(), villa.naveZ1()}, {h.x1, top, h.z1}, faces);
   slab.fill({h.x0, villa.lower(), h.z0}, {x0, top, h.z1}, faces);
-  level.mesh.beginObject("galleries", Mobility::structure);
-  slab.emit(level.mesh);
+  slab.emitObject(level.mesh, "galleries", Mobility::structure);
   for (const double z : {villa.naveZ0() - 0.06, villa.naveZ1() + 0.06}) addRailing(level, {{x0, top, z}, {}}, h.x1 - x0);
   // beside the flight's arrival at the west gallery
   const double gap = 0.5 * villa.flight_m + 0.05;

@@ -71,7 +71,6 @@ class Parter {
     const double door_width = length > 5.0 && level_.random.chance(0.25) ? level_.pick(1.4, 2.2) : level_.pick(0.8, 1.0);
     const double door = 0.3 + (length - door_width - 0.6) * level_.random.uniform();
     const double head = floor_m_ + std::min(2.05, clear_m_ - 0.2);
-    level_.mesh.beginObject("inner wall", options_.mobility);
     const BrushMaterials materials(level_.palette.inner_wall);
     BrushGrid grid;
     grid.fill({area.x0, floor_m_, area.z0}, {area.x1, floor_m_ + clear_m_, area.z1}, materials);
@@ -79,7 +78,7 @@ class Parter {
                                  : Rect{area.x0, area.z0 + door, area.x1, area.z0 + door + door_width};
     grid.carve({opening.x0, floor_m_, opening.z0}, {opening.x1, head, opening.z1});
     if (length > 6.0 && level_.random.chance(0.3)) carveHatch(grid, area, along_x, door > 0.5 * length ? 0.8 : length - 2.0);
-    grid.emit(level_.mesh);
+    grid.emitObject(level_.mesh, "inner wall", options_.mobility);
     keep_free_.push_back(opening.grown(0.6));
   }
 
@@ -190,7 +189,6 @@ void addFlight(Level& level, const Placement& placement, const Flight& flight, u
 
 void addRailing(Level& level, const Placement& placement, double length) {
   if (length < 0.3) return;
-  level.mesh.beginObject("railing", Mobility::movable);
   BrushGrid grid;
   const int post_count = std::max(1, static_cast<int>(length / 0.9));
   for (int post = 0; post <= post_count; ++post) {
@@ -199,7 +197,7 @@ void addRailing(Level& level, const Placement& placement, double length) {
   }
   grid.fill({0, 0.95, -0.04}, {length, 1.02, 0.04}, level.palette.dark_wood);
   grid.fill({0, 0.45, -0.03}, {length, 0.5, 0.03}, level.palette.metal);
-  grid.emit(level.mesh, placement);
+  grid.emitObject(level.mesh, "railing", Mobility::movable, placement);
 }
 
 void addBalcony(Level& level, BrushGrid& shell, const glm::dvec3& corner, double width, double reach, double low_m) {

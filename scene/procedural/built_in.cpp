@@ -16,11 +16,10 @@ uint32_t addPaint(MeshBuilder& mesh, const glm::vec3& colour) { return mesh.addM
 
 // A panel 2 cm thick under a ceiling at y = 0 of the placement, which shines downward.
 void addPanel(MeshBuilder& mesh, const glm::dvec3& middle, const glm::dvec2& half, uint32_t housing, uint32_t lamp) {
-  mesh.beginObject("lamp", Mobility::movable);
   BrushGrid panel;
   panel.fill(middle + glm::dvec3(-half.x, -0.02, -half.y), middle + glm::dvec3(half.x, 0.0, half.y),
              BrushMaterials(housing, housing, lamp));
-  panel.emit(mesh);
+  panel.emitObject(mesh, "lamp", Mobility::movable);
 }
 
 // A camera in world coordinates.
@@ -37,13 +36,12 @@ Scene makeCornell(uint64_t) {
   const uint32_t white = addPaint(mesh, {0.725f, 0.71f, 0.68f}), red = addPaint(mesh, {0.63f, 0.065f, 0.05f}),
                  green = addPaint(mesh, {0.14f, 0.45f, 0.091f});
   const uint32_t lamp = mesh.addMaterial({glm::vec3(0.78f), glm::vec3(17.0f, 12.0f, 4.0f), false});
-  mesh.beginObject("box", Mobility::structure);
   BrushGrid box;
   box.fill({-1.0 - kShell_m, -kShell_m, -1.0 - kShell_m}, {1.0 + kShell_m, 2.0 + kShell_m, 1.0}, white);
   box.fill({-1.0 - kShell_m, 0.0, -1.0}, {-1.0, 2.0, 1.0}, red);
   box.fill({1.0, 0.0, -1.0}, {1.0 + kShell_m, 2.0, 1.0}, green);
   box.carve({-1.0, 0.0, -1.0}, {1.0, 2.0, 1.0});
-  box.emit(mesh);
+  box.emitObject(mesh, "box", Mobility::structure);
   mesh.beginObject("short block", Mobility::movable);
   addBox(mesh, {{0.33, 0.0, 0.35}, turnByDegrees(-17.0)}, {-0.3, 0.0, -0.3}, {0.3, 0.6, 0.3}, white);
   mesh.beginObject("tall block", Mobility::movable);
@@ -62,14 +60,13 @@ Scene makeTwoRooms(uint64_t seed) {
                  cloth = addPaint(mesh, {0.3f, 0.12f, 0.15f});
   const uint32_t lamp = mesh.addMaterial({glm::vec3(0.8f), glm::vec3(10.0f, 9.2f, 8.0f), false});
   const double half_wall = 0.5 * kShell_m, reach = half_wall + 4.0;
-  mesh.beginObject("rooms", Mobility::structure);
   BrushGrid rooms;
   rooms.fill({-reach - kShell_m, -kShell_m, -2.0 - kShell_m}, {reach + kShell_m, 2.5 + kShell_m, 2.0 + kShell_m},
              BrushMaterials(white, floor, white));
   rooms.carve({-reach, 0.0, -2.0}, {-half_wall, 2.5, 2.0});
   rooms.carve({half_wall, 0.0, -2.0}, {reach, 2.5, 2.0});
   if (seed == 1) rooms.carve({-half_wall, 0.0, -0.45}, {half_wall, 2.0, 0.45});
-  rooms.emit(mesh);
+  rooms.emitObject(mesh, "rooms", Mobility::structure);
   for (const double x : {-reach + 0.6, reach - 0.6}) {
     mesh.beginObject("chest", Mobility::movable);
     addBox(mesh, {{x, 0.0, 1.2}, {}}, {-0.4, 0.0, -0.5}, {0.4, 0.7, 0.5}, cloth);

@@ -78,13 +78,12 @@ void addGallery(Level& level, const Building& building) {
   const Rect in = building.inner();
   const double floor = 2.3;
   const double reach = level.pick(1.5, 2.5);
-  level.mesh.beginObject("gallery", Mobility::structure);
   BrushGrid grid;
   grid.fill({in.x0 + 0.02, floor, in.z0 + 0.02}, {in.x1 - 0.02, floor + 0.15, in.z0 + reach}, level.palette.metal);
   for (double x = in.x0 + 0.3; x < in.x1 - 0.3; x += 3.0) {
     grid.fill({x, 0, in.z0 + reach - 0.2}, {x + 0.12, floor, in.z0 + reach - 0.08}, level.palette.metal);
   }
-  grid.emit(level.mesh);
+  grid.emitObject(level.mesh, "gallery", Mobility::structure);
   addRailing(level, {{in.x0 + 1.4, floor + 0.15, in.z0 + reach - 0.06}, {}}, in.width() - 1.5);
 }
 
@@ -117,8 +116,7 @@ void buildClutter(Level& level) {
   carveWindows(level, building, 0, is_tall ? 0.35 : 0.7);
   carveDoor(building, Side::south, 0, level.random.uniform(0.5, depth - 2.0), is_tall ? 2.4 : 1.0, is_tall ? 2.6 : 2.05);
   if (level.random.chance(0.5)) carveDoor(building, Side::east, 0, level.random.uniform(0.5, depth - 2.0), 0.9);
-  level.mesh.beginObject("shell", Mobility::structure);
-  building.shell.emit(level.mesh);
+  building.shell.emitObject(level.mesh, "shell", Mobility::structure);
 
   PlanOptions options;
   options.min_side_m = is_tall ? 4.0 : level.pick(2.8, 3.6);

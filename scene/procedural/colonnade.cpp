@@ -60,22 +60,20 @@ void addBasilicaShell(Level& level, const Hall& hall, double nave_m) {
   }
   grid.carve({-x - w, 0, -1.1}, {-x, 3.0, 1.1});
   if (level.random.chance(0.6)) grid.carve({x, sill + 1.0, -0.8}, {x + w, nave_m - 0.8, 0.8});
-  level.mesh.beginObject("shell", Mobility::structure);
-  grid.emit(level.mesh);
+  grid.emitObject(level.mesh, "shell", Mobility::structure);
 }
 
 void addBenches(Level& level, const Hall& hall) {
   for (double x = -0.25 * hall.length; x < 0.3 * hall.length; x += level.pick(1.0, 1.6)) {
     for (const double side : {-1.0, 1.0}) {
       if (level.random.chance(0.2)) continue;
-      level.mesh.beginObject("bench", Mobility::movable);
       const double half = 0.25 * hall.nave - 0.6;
       BrushGrid grid;
       grid.fill({-0.2, 0, -half}, {0.2, 0.45, -half + 0.08}, level.palette.dark_wood);
       grid.fill({-0.2, 0, half - 0.08}, {0.2, 0.45, half}, level.palette.dark_wood);
       grid.fill({-0.2, 0.4, -half}, {0.2, 0.46, half}, level.palette.dark_wood);
       grid.fill({-0.2, 0.4, -half}, {-0.14, 0.95, half}, level.palette.dark_wood);
-      grid.emit(level.mesh, {{x, 0, side * (0.25 * hall.nave)}, {}});
+      grid.emitObject(level.mesh, "bench", Mobility::movable, {{x, 0, side * (0.25 * hall.nave)}, {}});
     }
   }
 }
@@ -90,13 +88,12 @@ void buildBasilica(Level& level, const Hall& hall) {
   }
   if (level.random.chance(0.7)) addBenches(level, hall);
   // a stepped platform at the far end with an altar
-  level.mesh.beginObject("platform", Mobility::structure);
   BrushGrid grid;
   const double x = 0.5 * hall.length;
   const double z = 0.5 * hall.nave - 0.6;
   for (int step = 0; step < 3; ++step) grid.fill({x - 3.0 + 0.4 * step, 0, -z}, {x, 0.17 * (step + 1), z}, level.palette.stone);
   grid.fill({x - 1.6, 0, -0.9}, {x - 0.9, 1.45, 0.9}, level.palette.stone);
-  grid.emit(level.mesh);
+  grid.emitObject(level.mesh, "platform", Mobility::structure);
 }
 
 // A court with a walk around it: columns carry a lean-to roof between court and outer wall.
@@ -121,8 +118,7 @@ void buildCloister(Level& level, const Hall& hall) {
     grid.carve({at, 0.9, in.z1}, {at + 1.0, 2.2, in.z1 + w});
   }
   if (level.random.chance(0.5)) grid.carve({in.x1, 0, -0.7}, {in.x1 + w, 2.3, 0.7});
-  level.mesh.beginObject("shell", Mobility::structure);
-  grid.emit(level.mesh);
+  grid.emitObject(level.mesh, "shell", Mobility::structure);
   addColumnRow(level, hall, {{-x, 0, -z}, {}}, x_bays, top, true);
   addColumnRow(level, hall, {{-x, 0, z}, {}}, x_bays, top, true);
   addColumnRow(level, hall, {{-x, 0, z}, turnByDegrees(90.0)}, z_bays, top, false);
@@ -154,8 +150,7 @@ void buildHypostyle(Level& level, const Hall& hall) {
     if (level.random.chance(0.8)) grid.carve({at - 0.5, 1.0, -z - w}, {at + 0.5, 2.6, -z});
     if (at > -0.5 * x && at < 0.5 * x) grid.carve({at - 0.4, top + 0.5, -0.5 * z}, {at + 0.4, top + 1.1, 0.5 * z});
   }
-  level.mesh.beginObject("shell", Mobility::structure);
-  grid.emit(level.mesh);
+  grid.emitObject(level.mesh, "shell", Mobility::structure);
   for (int row = 1; row < z_bays; ++row) addColumnRow(level, hall, {{-x, 0, -z + row * hall.bay}, {}}, x_bays, top, false);
   for (int i = level.pickCount(4, 9); i > 0; --i) {
     const int column = level.pickCount(0, x_bays - 1);

@@ -18,18 +18,16 @@ void fillLegs(BrushGrid& grid, double width, double depth, double height, uint32
 
 void addBed(Level& level, const Placement& placement, double width, double length) {
   const Palette& palette = level.palette;
-  level.mesh.beginObject("bed", Mobility::movable);
   BrushGrid grid;
   fillLegs(grid, width, length, 0.25, palette.dark_wood);
   grid.fill({-0.5 * width, 0.2, -0.5 * length}, {0.5 * width, 0.32, 0.5 * length}, palette.dark_wood);
   grid.fill({-0.5 * width, 0.2, -0.5 * length}, {0.5 * width, level.pick(0.8, 1.1), -0.5 * length + 0.07}, palette.dark_wood);
   grid.fill({-0.5 * width + 0.05, 0.32, -0.5 * length + 0.07}, {0.5 * width - 0.05, 0.5, 0.5 * length - 0.05}, palette.cloth);
   grid.fill({-0.4 * width, 0.5, -0.5 * length + 0.1}, {0.4 * width, 0.6, -0.5 * length + 0.5}, palette.ceiling);
-  grid.emit(level.mesh, placement);
+  grid.emitObject(level.mesh, "bed", Mobility::movable, placement);
 }
 
 void addSofa(Level& level, const Placement& placement, double width, double depth) {
-  level.mesh.beginObject("sofa", Mobility::movable);
   const double x = 0.5 * width;
   const double z = 0.5 * depth;
   BrushGrid grid;
@@ -38,22 +36,20 @@ void addSofa(Level& level, const Placement& placement, double width, double dept
   grid.fill({-x, 0.1, -z}, {x, 0.85, -z + 0.2}, level.palette.cloth);
   grid.fill({-x, 0.1, -z}, {-x + 0.18, 0.62, z}, level.palette.cloth);
   grid.fill({x - 0.18, 0.1, -z}, {x, 0.62, z}, level.palette.cloth);
-  grid.emit(level.mesh, placement);
+  grid.emitObject(level.mesh, "sofa", Mobility::movable, placement);
 }
 
 void addCupboard(Level& level, const Placement& placement, double width, double depth, double height) {
-  level.mesh.beginObject("cupboard", Mobility::movable);
   const double x = 0.5 * width;
   const double z = 0.5 * depth;
   BrushGrid grid;
   grid.fill({-x + 0.05, 0, -z}, {x - 0.05, 0.1, z - 0.05}, level.palette.dark_wood);
   grid.fill({-x, 0.1, -z}, {x, height, z}, level.palette.wood);
   grid.carve({-0.02, 0.15, z - 0.05}, {0.02, height - 0.1, z});
-  grid.emit(level.mesh, placement);
+  grid.emitObject(level.mesh, "cupboard", Mobility::movable, placement);
 }
 
 void addMachine(Level& level, const Placement& placement, double width, double depth, double height) {
-  level.mesh.beginObject("machine", Mobility::movable);
   const double x = 0.5 * width;
   const double z = 0.5 * depth;
   BrushGrid grid;
@@ -61,7 +57,7 @@ void addMachine(Level& level, const Placement& placement, double width, double d
   grid.fill({-x + 0.1, 0.15, -z}, {x - 0.1, height, z - 0.15}, level.palette.metal);
   grid.fill({-x + 0.1, 0.15, -z}, {x - 0.1, 0.6 * height, z}, level.palette.metal);
   grid.carve({-x + 0.25, 0.35 * height, z - 0.4}, {0.1 * x, 0.5 * height, z});
-  grid.emit(level.mesh, placement);
+  grid.emitObject(level.mesh, "machine", Mobility::movable, placement);
   const double pipe_radius = level.pick(0.1, 0.2);
   Placement chimney = placement;
   chimney.position = placement.apply({0.3 * width, height, -0.2 * depth});
@@ -86,26 +82,23 @@ void addDiningGroup(Level& level, const Placement& placement, double width, doub
 }
 
 void addTable(Level& level, const Placement& placement, double width, double depth, double height) {
-  level.mesh.beginObject("table", Mobility::movable);
   BrushGrid grid;
   fillLegs(grid, width - 0.1, depth - 0.1, height, level.palette.wood);
   grid.fill({-0.5 * width, height - 0.06, -0.5 * depth}, {0.5 * width, height, 0.5 * depth}, level.palette.wood);
-  grid.emit(level.mesh, placement);
+  grid.emitObject(level.mesh, "table", Mobility::movable, placement);
 }
 
 void addChair(Level& level, const Placement& placement) {
-  level.mesh.beginObject("chair", Mobility::movable);
   BrushGrid grid;
   fillLegs(grid, 0.42, 0.42, 0.45, level.palette.dark_wood);
   grid.fill({-0.22, 0.42, -0.22}, {0.22, 0.48, 0.22}, level.palette.dark_wood);
   grid.fill({-0.21, 0.48, -0.21}, {0.21, 0.95, -0.15}, level.palette.dark_wood);
   grid.carve({-0.14, 0.55, -0.21}, {0.14, 0.78, -0.15});
-  grid.emit(level.mesh, placement);
+  grid.emitObject(level.mesh, "chair", Mobility::movable, placement);
 }
 
 void addShelf(Level& level, const Placement& placement, double width, double depth, double height) {
   const Palette& palette = level.palette;
-  level.mesh.beginObject("shelf", Mobility::movable);
   const double x = 0.5 * width;
   const double z = 0.5 * depth;
   const int board_count = std::max(2, static_cast<int>(height / 0.42));
@@ -123,16 +116,15 @@ void addShelf(Level& level, const Placement& placement, double width, double dep
     const double block_height = 0.6 * (height - 0.1) / board_count;
     grid.fill({from, y + 0.05, -z + 0.05}, {to, y + 0.05 + block_height, z - 0.06}, palette.cloth);
   }
-  grid.emit(level.mesh, placement);
+  grid.emitObject(level.mesh, "shelf", Mobility::movable, placement);
 }
 
 void addCrate(Level& level, const Placement& placement, double side_m) {
-  level.mesh.beginObject("crate", Mobility::movable);
   const double half = 0.5 * side_m;
   BrushGrid grid;
   grid.fill({-half, 0, -half}, {half, side_m, half}, level.palette.wood);
   if (level.random.chance(0.3)) grid.carve({-half + 0.06, 0.1, -half + 0.06}, {half - 0.06, side_m, half - 0.06});
-  grid.emit(level.mesh, placement);
+  grid.emitObject(level.mesh, "crate", Mobility::movable, placement);
 }
 
 void addCratePile(Level& level, const Placement& placement, int count) {
@@ -162,14 +154,13 @@ void addBarrel(Level& level, const Placement& placement, double height) {
 }
 
 void addCeilingLamp(Level& level, const Placement& placement) {
-  level.mesh.beginObject("lamp", Mobility::movable);
   BrushGrid grid;
   const double drop = level.pick(0.1, 0.6);
   grid.fill({-0.03, -drop, -0.03}, {0.03, 0, 0.03}, level.palette.metal);
   const glm::dvec2 half{level.pick(0.15, 0.6), level.pick(0.15, 0.25)};
   grid.fill({-half.x, -drop - 0.08, -half.y}, {half.x, -drop, half.y},
             BrushMaterials(level.palette.metal, level.palette.metal, level.palette.lamp));
-  grid.emit(level.mesh, placement);
+  grid.emitObject(level.mesh, "lamp", Mobility::movable, placement);
 }
 
 void addPipe(Level& level, const Placement& placement, double length, double radius) {

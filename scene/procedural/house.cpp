@@ -92,8 +92,7 @@ void addRooms(Level& level, const House& house, int storey) {
     grid.carve({x, floor, hall_end}, {x + 0.9, floor + 2.05, hall_end + wall});
     keep_free.push_back(Rect{x, hall_end, x + 0.9, hall_end + wall}.grown(0.6));
   }
-  level.mesh.beginObject("hall wall", Mobility::structure);
-  grid.emit(level.mesh);
+  grid.emitObject(level.mesh, "hall wall", Mobility::structure);
 
   if (building.storeyCount() > 1)
     keep_free.push_back(
@@ -127,8 +126,7 @@ void build(Level& level, const WallThickness& walls) {
   }
   if (building.storeyCount() > 1 && level.random.chance(0.7)) addBalcony(level, building);
   addRoof(level, building);
-  level.mesh.beginObject("shell", Mobility::structure);
-  building.shell.emit(level.mesh);
+  building.shell.emitObject(level.mesh, "shell", Mobility::structure);
   if (building.storeyCount() > 1) addStairs(level, house);
   for (int storey = 0; storey < building.storeyCount(); ++storey) addRooms(level, house, storey);
 }

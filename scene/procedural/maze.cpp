@@ -72,7 +72,6 @@ void addMazeWall(Level& level, const Maze& maze, const Placement& placement, int
   const double half = 0.5 * maze.wall_m;
   const double length = cell_count * maze.cell_m;
   const double height = level.random.chance(0.15) ? level.pick(1.2, 2.0) : maze.height_m;
-  level.mesh.beginObject("inner wall", Mobility::movable);
   BrushGrid grid;
   grid.fill({-half, 0, -half}, {length + half, height, half}, level.palette.inner_wall);
   for (int cell = 0; cell < cell_count && height > 2.2; ++cell) {
@@ -82,7 +81,7 @@ void addMazeWall(Level& level, const Maze& maze, const Placement& placement, int
     if (draw >= 0.12 && draw < 0.25) grid.carve({x - 0.4, 1.1, -half}, {x + 0.4, 1.8, half});
     if (draw >= 0.25 && draw < 0.35) grid.carve({x - 0.35, 0.4, 0}, {x + 0.35, 1.9, half});
   }
-  grid.emit(level.mesh, placement);
+  grid.emitObject(level.mesh, "inner wall", Mobility::movable, placement);
 }
 
 void addInnerWalls(Level& level, const Maze& maze) {
@@ -107,7 +106,6 @@ void addInnerWalls(Level& level, const Maze& maze) {
 void addShell(Level& level, const Maze& maze) {
   const Rect in{maze.xAt(0), maze.zAt(0), maze.xAt(maze.x_count), maze.zAt(maze.z_count)};
   const Rect out = in.grown(0.4);
-  level.mesh.beginObject("shell", Mobility::structure);
   BrushGrid grid;
   grid.fill({out.x0, -0.5, out.z0}, {out.x1, maze.height_m + 0.3, out.z1}, level.roomFaces());
   grid.carve({in.x0, 0, in.z0}, {in.x1, maze.height_m, in.z1});
@@ -124,7 +122,7 @@ void addShell(Level& level, const Maze& maze) {
   grid.carve({entry - 0.6, 0, out.z0}, {entry + 0.6, 2.2, in.z0});
   const double exit = maze.zAt(level.pickCount(0, maze.z_count - 1)) + 0.5 * maze.cell_m;
   grid.carve({in.x1, 0, exit - 0.6}, {out.x1, 2.2, exit + 0.6});
-  grid.emit(level.mesh);
+  grid.emitObject(level.mesh, "shell", Mobility::structure);
 }
 
 void addProps(Level& level, const Maze& maze) {

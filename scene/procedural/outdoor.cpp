@@ -95,8 +95,7 @@ void addHut(Level& level, Building& building, double ground_m) {
   const Side front = kSides[level.random.below(4)];
   const double along = level.random.uniform(0.3, 4.0);
   carveDoor(building, front, 0, along, level.pick(0.9, 1.2));
-  level.mesh.beginObject("hut", Mobility::structure);
-  building.shell.emit(level.mesh);
+  building.shell.emitObject(level.mesh, "hut", Mobility::structure);
   if (level.random.chance(0.7)) addGable(level, building.outer, building.roofHeight(), level.pick(0.8, 1.8));
   PlanOptions options;
   options.min_side_m = 2.2;

@@ -18,7 +18,6 @@ struct Deck {
 
 void addDeck(Level& level, const Deck& deck) {
   constexpr double kThick = 0.25;
-  level.mesh.beginObject("deck", Mobility::structure);
   BrushGrid grid;
   const Rect& a = deck.area;
   grid.fill({a.x0, deck.floor_m - kThick, a.z0}, {a.x1, deck.floor_m, a.z1},
@@ -34,7 +33,7 @@ void addDeck(Level& level, const Deck& deck) {
       grid.fill({x - half, 0, z - half}, {x + half, deck.floor_m - kThick, z + half}, level.palette.stone);
     }
   }
-  grid.emit(level.mesh);
+  grid.emitObject(level.mesh, "deck", Mobility::structure);
 }
 
 // A railing along an edge of the deck with a gap where the flight arrives.
@@ -157,8 +156,7 @@ void buildStairs(Level& level) {
     const Rect in = building.inner().grown(-2.0);
     building.shell.carve({in.x0, building.clear_m[0], in.z0}, {in.x0 + 0.5 * in.width(), building.roofHeight(), in.z1});
   }
-  level.mesh.beginObject("shell", Mobility::structure);
-  building.shell.emit(level.mesh);
+  building.shell.emitObject(level.mesh, "shell", Mobility::structure);
   for (const Deck& deck : plan.decks) addDeck(level, deck);
   addFlights(level, plan);
   if (level.random.chance(0.6)) {

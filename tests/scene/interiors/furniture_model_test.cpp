@@ -72,7 +72,6 @@ TEST(FurnitureModel, OnlyClosedComponentsThatAreWoundOutwardsAreEvidenceOfSolid)
     const FurnitureModel model = fitFurnitureModel(objScene(text), entryOf({1, 1, 1}));
     size_t count = 0;
     for (const uint32_t material : model.triangle_material) count += model.materials[material].double_sided ? 0 : 1;
-    EXPECT_EQ(count, model.one_sided_count);
     return count;
   };
   EXPECT_EQ(oneSided(cube), 12u);
@@ -114,7 +113,6 @@ TEST(FurnitureModel, IsCoarsenedToTheBudget) {
   const Scene ball = objScene(ballObj(120, 120));
   ASSERT_GT(ball.triangles.size(), 5 * kModelTriangleBudget);
   const FurnitureModel model = fitFurnitureModel(ball, entryOf({1, 1, 1}));
-  EXPECT_EQ(model.source_triangle_count, ball.triangles.size());
   EXPECT_LE(model.triangles.size(), kModelTriangleBudget);
   EXPECT_GT(model.triangles.size(), kModelTriangleBudget / 4);
   // what grows together where slivers end, as at the poles, has lost faces: then it is no evidence
