@@ -4,6 +4,7 @@
     nlg_test.py
 """
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -101,6 +102,11 @@ class Checkout(InFolder):
         self.assertEqual((result.returncode, result.stdout), (0, "level in /\n"), result.stderr)
         self.assertEqual([self.option("NLG_BUILD_" + name) for name in ("TRAINING", "TESTS")], ["OFF"] * 2)
         self.assertFalse((self.folder / "system/apt-get.log").exists())
+
+    def test_knows_every_tool(self):
+        built = {name for file in SOURCES.glob("*/CMakeLists.txt") for name in re.findall(r"nlg_tool\(nlg-([a-z]+)", file.read_text())}
+        listed = set(re.findall(r"^  ([a-z]+) ", self.nlg("--help").stdout, flags=re.MULTILINE)) - {"completion"}
+        self.assertEqual(listed, built)
 
     def test_builds_again_what_has_changed_without_a_word(self):
         self.nlg("bake")
