@@ -54,8 +54,6 @@ class ShardOptions {
     return result;
   }
 
-  bool has(const std::string& key) const { return !find("options", key).is_null(); }
-
   // SHA-256 of the scene's file; empty for a procedural scene.
   std::string sceneSha256() const {
     const nlohmann::json& value = find("inputs", "scene");
@@ -103,7 +101,7 @@ Scene rebuildShardScene(const ShardHeader& shard, const std::string& shard_path,
   jitter.drop_share = options.real("drop_share", 1.0);
   jitter.structure_share = options.real("structure_share", 1.0);
   SceneReading reading;
-  if (options.has("unit")) reading.unit_m = options.real("unit", 1e6);
+  reading.unit_m = options.real("unit", 1e6);
   const SceneSource source = loadScene(request, reading);
   const std::string wanted = options.sceneSha256();
   if (source.sha256 != wanted) {
@@ -117,9 +115,8 @@ Scene rebuildShardScene(const ShardHeader& shard, const std::string& shard_path,
   return shardScene(source.scene, jitter, seed, shard.jitter);
 }
 
-std::optional<ProbeTree> rebuildShardTree(const ShardHeader& shard, const std::string& shard_path, const Scene& scene) {
+ProbeTree rebuildShardTree(const ShardHeader& shard, const std::string& shard_path, const Scene& scene) {
   const ShardOptions options(shard, shard_path);
-  if (!options.has("density_growth")) return std::nullopt;
   ProbePlacementOptions placement;
   placement.spacing_min_m = options.real("spacing_min_m", 1e5);
   placement.spacing_max_m = options.real("spacing_max_m", 1e5);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "datagen/dataset/shard.h"
@@ -32,8 +31,7 @@ std::string proceduralRequest(const ShardHeader& shard);
 Scene rebuildShardScene(const ShardHeader& shard, const std::string& shard_path, const std::string& request);
 
 // The probe tree of a shard, made again over its jittered scene.
-// returns      nothing when the shard's probes stood on a uniform grid: its provenance has no density_growth
 // throws       InputError as above; whatever placeProbes throws
-std::optional<ProbeTree> rebuildShardTree(const ShardHeader& shard, const std::string& shard_path, const Scene& scene);
+ProbeTree rebuildShardTree(const ShardHeader& shard, const std::string& shard_path, const Scene& scene);
 
 }  // namespace nlg

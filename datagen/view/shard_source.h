@@ -16,7 +16,7 @@ namespace nlg {
 struct ViewedShard {
   Shard shard;
   std::optional<Scene> scene;     // jittered as the shard's; none: a level whose file was not named
-  std::optional<ProbeTree> tree;  // none without a scene, and when the probes stood on a uniform grid
+  std::optional<ProbeTree> tree;  // none without a scene
 
   StoredFunction function(uint64_t idx) const;
   glm::dvec3 probePosition(uint64_t idx) const;  // world, metres
