@@ -28,9 +28,9 @@ constexpr size_t kPlaces = 1563 * 64;
 constexpr double kReach = 1.2;  // spacings
 constexpr float kDiffers = 1e-3f;
 
-Places placesNearProbes(const LightGrid& grid) {
+ShaderPlaces placesNearProbes(const LightGrid& grid) {
   Random random(8);
-  Places places;
+  ShaderPlaces places;
   for (size_t i = 0; i < kPlaces; ++i) {
     const size_t probe = random.below(static_cast<uint32_t>(grid.tree.probeCount()));
     PositionM at = grid.tree.probePosition(probe);
@@ -84,7 +84,7 @@ void compare(const ComputeDevice& device, const std::string& path) {
   FileResult result = readLightGridFile(path, &grid, &metadata);
   if (result.ok()) result = packShaderGrid(grid, &packed);
   if (!result.ok()) throw std::runtime_error(path + ": " + fileStatusName(result.status) + ": " + result.detail);
-  Places places = placesNearProbes(grid);
+  ShaderPlaces places = placesNearProbes(grid);
   const std::vector<uint32_t> words = places.words();
   const std::vector<uint32_t> shader =
       device.run(NLG_SPIRV_FOLDER "every_grid.spv", {&packed.words, &words}, 4 * kPlaces, kPlaces / 64);

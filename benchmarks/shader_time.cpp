@@ -78,9 +78,9 @@ LightGrid equipped(const LightGrid& grid, const Variant* variant, bool everywher
 }
 
 // Patches a quarter of a spacing wide.
-Places patches(const LightGrid& grid) {
+ShaderPlaces patches(const LightGrid& grid) {
   Random random(8);
-  Places places;
+  ShaderPlaces places;
   for (int patch = 0; patch < kPatches; ++patch) {
     const size_t probe = random.below(static_cast<uint32_t>(grid.tree.probeCount()));
     const double spacing_m = grid.tree.probeSpacing(probe), step_m = spacing_m / (4 * kPatchEdge);
@@ -119,7 +119,7 @@ class Timer {
  public:
   Timer(const ComputeDevice& device, const LightGrid& grid)
       : device_(device), lights_(device.makeBuffer(size_t{4} * kGroups * 64)) {
-    const Places places = patches(grid);
+    const ShaderPlaces places = patches(grid);
     places_ = device.makeBuffer(places.words());
     addLookUp("bare tents, a second time", "tents", equipped(grid, nullptr, false));
     for (const Variant& variant : variants()) {
@@ -171,7 +171,7 @@ class Timer {
     runs_.push_back(std::move(run));
   }
 
-  void addTexture(const LightGrid& grid, const Places& places) {
+  void addTexture(const LightGrid& grid, const ShaderPlaces& places) {
     const LightBox box = boxAround(grid);
     texture_ = device_.makeImage({kTexels, kTexels, static_cast<uint32_t>(kSlabs) * kTexels});
     const ComputeDevice::Buffer words = device_.makeBuffer(pack(grid).words), box_words = device_.makeBuffer(boxWords(box));
