@@ -175,8 +175,7 @@ class Run:
         for name in self.representations:
             names += [f"training/{name}.ckpt", f"training/{name}.csv", f"training/{name}.json", f"training/{name}/curve.png",
                       f"weights/{name}.safetensors", f"weights/{name}.json"]
-        names += [f"{split}/{file}" for split in judged for file in ("summary.json", "functions.csv", "slices.json")]
-        names += [f"{split}/frontier.{ending}" for split in judged for ending in ("json", "csv")]
+        names += [f"{split}/{file}" for split in judged for file in ("summary.json", "functions.csv", "slices.json", "frontier.json")]
         names += [*([] if self.report["stability"] == "short" else ["training_cases.json"]), "stability.json"]
         names += [f"savings/{scene}.json" for scene in matching(self.held_out + self.evaluation, self.report["savings"])]
         names += [f"light/{scene}.json" for scene in self.light_scenes]
