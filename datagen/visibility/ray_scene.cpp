@@ -39,7 +39,6 @@ struct RayScene::Impl {
   static void collectFacing(const RTCFilterFunctionNArguments* arguments);
 
   void attach(RTCScene to, unsigned number, const std::vector<glm::vec3>& corners, const std::vector<glm::uvec3>& faces);
-  RTCRayHit firstRayHit(RTCScene against, const glm::vec3& origin, const glm::vec3& direction) const;
   glm::vec3 normal(uint32_t triangle) const;  // not normalised
   RTCScene lightScene() const { return light_scene != nullptr ? light_scene : scene; }
   // geometry   kSurfaces or kSky
@@ -70,6 +69,21 @@ bool findSky(RTCPointQueryFunctionArguments* arguments) {
 RTCPointQuery queryAroundCube(const glm::vec3& center, float half_side) {
   const float reach = std::max({std::fabs(center.x), std::fabs(center.y), std::fabs(center.z)});
   return {center.x, center.y, center.z, 0.0f, half_side * 1.7330509f + reach * 0x1p-20f};
+}
+
+// From origin + near * direction to origin + far * direction.
+RTCRay rayAlong(const glm::vec3& origin, const glm::vec3& direction, float near, float far) {
+  return {origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0.0f, far, ~0u, 0, 0};
+}
+
+RTCRayHit firstRayHit(RTCScene against, const glm::vec3& origin, const glm::vec3& direction, float near = 0.0f) {
+  RTCRayHit hit{};
+  hit.ray = rayAlong(origin, direction, near, std::numeric_limits<float>::infinity());
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(against, &context, &hit);
+  return hit;
 }
 
 void* newBuffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t stride, size_t count) {
@@ -163,18 +177,6 @@ void RayScene::Impl::collectFacing(const RTCFilterFunctionNArguments* arguments)
   arguments->valid[0] = 0;  // go on to the next one
 }
 
-RTCRayHit RayScene::Impl::firstRayHit(RTCScene against, const glm::vec3& origin, const glm::vec3& direction) const {
-  RTCRayHit hit{};
-  hit.ray = {
-      origin.x, origin.y, origin.z, 0.0f, direction.x, direction.y, direction.z, 0.0f, std::numeric_limits<float>::infinity(),
-      ~0u,      0,        0};
-  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(against, &context, &hit);
-  return hit;
-}
-
 glm::vec3 RayScene::Impl::normal(uint32_t triangle) const {
   const glm::uvec3& corners = triangles[triangle];
   return glm::cross(positions[corners.y] - positions[corners.x], positions[corners.z] - positions[corners.x]);
@@ -207,35 +209,21 @@ Facing RayScene::firstFacingWithSky(const glm::vec3& origin, const glm::vec3& di
 }
 
 LightHit RayScene::lightHit(const glm::vec3& origin, const glm::vec3& direction) const {
-  RTCRayHit hit{};
-  hit.ray.org_x = origin.x;
-  hit.ray.org_y = origin.y;
-  hit.ray.org_z = origin.z;
-  hit.ray.dir_x = direction.x;
-  hit.ray.dir_y = direction.y;
-  hit.ray.dir_z = direction.z;
-  hit.ray.mask = ~0u;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  for (;;) {
-    hit.ray.tfar = std::numeric_limits<float>::infinity();
-    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(impl_->lightScene(), &context, &hit);
+  for (float near = 0.0f;;) {
+    const RTCRayHit hit = firstRayHit(impl_->lightScene(), origin, direction, near);
     LightHit result;
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return result;
     result.distance = hit.ray.tfar;
+    result.triangle = hit.hit.primID;
     if (hit.hit.geomID == kSky) {
       result.kind = LightHit::Kind::sky;
-      result.triangle = hit.hit.primID;
       if (glm::dot(impl_->sky_normals[hit.hit.primID], direction) < 0.0f) return result;
       // from behind: on, past this face
-      const float next = std::nextafter(hit.ray.tfar * (1.0f + 0x1p-20f), std::numeric_limits<float>::infinity());
-      if (!std::isfinite(next)) return {};
-      hit.ray.tnear = next;
+      near = std::nextafter(hit.ray.tfar * (1.0f + 0x1p-20f), std::numeric_limits<float>::infinity());
+      if (!std::isfinite(near)) return {};
       continue;
     }
     result.kind = LightHit::Kind::surface;
-    result.triangle = hit.hit.primID;
     result.u = hit.hit.u;
     result.v = hit.hit.v;
     const glm::vec3 normal = glm::normalize(impl_->normal(hit.hit.primID));
@@ -246,16 +234,7 @@ LightHit RayScene::lightHit(const glm::vec3& origin, const glm::vec3& direction)
 }
 
 bool RayScene::isBlocked(const glm::vec3& from, const glm::vec3& to) const {
-  const glm::vec3 direction = to - from;
-  RTCRay ray{};
-  ray.org_x = from.x;
-  ray.org_y = from.y;
-  ray.org_z = from.z;
-  ray.dir_x = direction.x;
-  ray.dir_y = direction.y;
-  ray.dir_z = direction.z;
-  ray.tfar = 1.0f;
-  ray.mask = ~0u;
+  RTCRay ray = rayAlong(from, to - from, 0.0f, 1.0f);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(impl_->scene, &context, &ray);

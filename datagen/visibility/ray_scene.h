@@ -42,8 +42,7 @@ class RayScene {
   RayScene& operator=(const RayScene&) = delete;
 
   // Bit i of the result: segment i meets a triangle, its ends included. Only the first `count` segments are traced.
-  // Edges are watertight (Embree's robust mode): a segment through a shared edge meets at least one of its triangles.
-  // A segment that lies in a triangle's plane does not meet it.
+  // Each as isBlocked says.
   uint32_t occluded(const SegmentPacket& segments, int count) const;
 
   // Which side of the first face a ray from origin meets. A front and a back in one place (within 2^-18 of the way) say `both`,
@@ -57,7 +56,8 @@ class RayScene {
   // The first surface, or front of a sky face, that a ray of light meets; sky faces let rays through from behind.
   LightHit lightHit(const glm::vec3& origin, const glm::vec3& direction) const;
 
-  // Whether a surface stands between two places.
+  // Whether a surface stands between two places, themselves included. Edges are watertight (Embree's robust mode): what passes through a
+  // shared edge meets at least one of its triangles. What runs in a triangle's plane does not meet it.
   bool isBlocked(const glm::vec3& from, const glm::vec3& to) const;
 
   // Whether light that leaves `from` is stopped before `to`: by a surface, or by a sky face that it meets from the front.

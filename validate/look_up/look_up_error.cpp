@@ -92,18 +92,6 @@ double differenceByProbe(ProbeWeights a, ProbeWeights b) {
   return 0.5 * sum;
 }
 
-bool meetsNothing(const RayScene& rays, const glm::dvec3& from, const glm::dvec3& to) {
-  SegmentPacket packet{};
-  const glm::vec3 origin(from), direction(to - from);
-  std::fill_n(packet.origin_x, kPacketSize, origin.x);
-  std::fill_n(packet.origin_y, kPacketSize, origin.y);
-  std::fill_n(packet.origin_z, kPacketSize, origin.z);
-  std::fill_n(packet.direction_x, kPacketSize, direction.x);
-  std::fill_n(packet.direction_y, kPacketSize, direction.y);
-  std::fill_n(packet.direction_z, kPacketSize, direction.z);
-  return rays.occluded(packet, 1) == 0;
-}
-
 }  // namespace
 
 Blend blendOf(const CornerWeights& weights) {
@@ -178,7 +166,7 @@ JumpFigures measureJumps(const std::vector<Place>& places, const ProbeTree& tree
     before[axis] = face_m - step_m;
     behind[axis] = face_m + step_m;
     if (!around(before, &before_face) || !around(behind, &behind_face)) continue;
-    if (!meetsNothing(rays, place.position_m, behind)) continue;
+    if (rays.isBlocked(glm::vec3(place.position_m), glm::vec3(behind))) continue;
     if (behind_face.cell.side != before_face.cell.side) {
       ++figures.hanging;
       continue;

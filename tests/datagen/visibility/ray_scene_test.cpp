@@ -10,13 +10,6 @@
 namespace nlg {
 namespace {
 
-bool blocked(const RayScene& scene, const glm::vec3& from, const glm::vec3& to) {
-  SegmentPacket packet{};
-  packet.origin_x[0] = from.x, packet.origin_y[0] = from.y, packet.origin_z[0] = from.z;
-  packet.direction_x[0] = to.x - from.x, packet.direction_y[0] = to.y - from.y, packet.direction_z[0] = to.z - from.z;
-  return scene.occluded(packet, 1) == 1;
-}
-
 // A square at x = 0 cut into random triangles that share their corners: rows of quads, corners shaken.
 Scene shakenSquare(std::vector<glm::vec3>* corners) {
   constexpr int kCells = 12;
@@ -39,26 +32,26 @@ Scene shakenSquare(std::vector<glm::vec3>* corners) {
 
 TEST(RayScene, BlocksSegmentsThatCrossAFaceFromEitherSide) {
   const RayScene scene(thinWall(Sides::one));
-  EXPECT_TRUE(blocked(scene, {0, 0, 0}, {1, 0.3f, 0.2f}));
-  EXPECT_TRUE(blocked(scene, {1, 0.3f, 0.2f}, {0, 0, 0}));
-  EXPECT_FALSE(blocked(scene, {0, 0, 0}, {0.3f, 40, 40}));
-  EXPECT_FALSE(blocked(scene, {0.32f, 0, 0}, {5, 1, 1}));
-  EXPECT_FALSE(blocked(scene, {0, 0, 0}, {-5, 0, 0})) << "the wall is behind the origin";
+  EXPECT_TRUE(scene.isBlocked({0, 0, 0}, {1, 0.3f, 0.2f}));
+  EXPECT_TRUE(scene.isBlocked({1, 0.3f, 0.2f}, {0, 0, 0}));
+  EXPECT_FALSE(scene.isBlocked({0, 0, 0}, {0.3f, 40, 40}));
+  EXPECT_FALSE(scene.isBlocked({0.32f, 0, 0}, {5, 1, 1}));
+  EXPECT_FALSE(scene.isBlocked({0, 0, 0}, {-5, 0, 0})) << "the wall is behind the origin";
 }
 
 TEST(RayScene, CountsASegmentsEnds) {
   SceneOfFaces faces;
   faces.addQuad({1, -4, -4}, {1, 4, -4}, {1, 4, 4}, {1, -4, 4});
   const RayScene scene(faces.finish());
-  EXPECT_TRUE(blocked(scene, {0, 0.25f, 0.5f}, {1, 0.25f, 0.5f}));
-  EXPECT_TRUE(blocked(scene, {1, 0.25f, 0.5f}, {2, 0.25f, 0.5f}));
-  EXPECT_FALSE(blocked(scene, {0, 0.25f, 0.5f}, {0.9999f, 0.25f, 0.5f}));
+  EXPECT_TRUE(scene.isBlocked({0, 0.25f, 0.5f}, {1, 0.25f, 0.5f}));
+  EXPECT_TRUE(scene.isBlocked({1, 0.25f, 0.5f}, {2, 0.25f, 0.5f}));
+  EXPECT_FALSE(scene.isBlocked({0, 0.25f, 0.5f}, {0.9999f, 0.25f, 0.5f}));
 }
 
 TEST(RayScene, LetsSegmentsPassInAFacesPlane) {
   SceneOfFaces faces;
   faces.addQuad({1, -4, -4}, {1, 4, -4}, {1, 4, 4}, {1, -4, 4});
-  EXPECT_FALSE(blocked(RayScene(faces.finish()), {1, -1, 0.5f}, {1, 2, 0.25f}));
+  EXPECT_FALSE(RayScene(faces.finish()).isBlocked({1, -1, 0.5f}, {1, 2, 0.25f}));
 }
 
 TEST(RayScene, TracesOnlyTheFirstSegments) {
@@ -86,13 +79,13 @@ TEST(RayScene, IsWatertightAlongSharedEdges) {
     if (std::max(std::fabs(target.y), std::fabs(target.z)) > 5.5f) continue;  // the square's own border
     const glm::vec3 from = target + glm::vec3(random.uniform(0.5, 3), random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2));
     const glm::vec3 to = target + (target - from) * static_cast<float>(random.uniform(0.5, 2));
-    ASSERT_TRUE(blocked(scene, from, to)) << "segment " << i << " through " << target.x << ' ' << target.y << ' ' << target.z;
+    ASSERT_TRUE(scene.isBlocked(from, to)) << "segment " << i << " through " << target.x << ' ' << target.y << ' ' << target.z;
   }
 }
 
 TEST(RayScene, OfNothingBlocksNothing) {
   const RayScene scene(Scene{});
-  EXPECT_FALSE(blocked(scene, {0, 0, 0}, {1, 1, 1}));
+  EXPECT_FALSE(scene.isBlocked({0, 0, 0}, {1, 1, 1}));
   EXPECT_EQ(scene.firstFacing({0, 0, 0}, {1, 0, 0}), Facing::nothing);
   std::vector<uint32_t> found = {7};
   scene.trianglesNearCube({0, 0, 0}, 1e6f, &found);

@@ -43,14 +43,6 @@ std::vector<NamedScene> scenes() {
           {"crate with a fin", crateWithFin()}};
 }
 
-// One segment by itself.
-bool clear(const RayScene& scene, const glm::vec3& from, const glm::vec3& to) {
-  SegmentPacket packet{};
-  packet.origin_x[0] = from.x, packet.origin_y[0] = from.y, packet.origin_z[0] = from.z;
-  packet.direction_x[0] = to.x - from.x, packet.direction_y[0] = to.y - from.y, packet.direction_z[0] = to.z - from.z;
-  return scene.occluded(packet, 1) == 0;
-}
-
 glm::vec3 pointAt(const glm::vec3& position_m, float spacing_m, uint32_t point) {
   const LocalPoint& local = table().points[point];
   return position_m + spacing_m * glm::vec3(local[0], local[1], local[2]);
@@ -82,7 +74,7 @@ TEST(SupportVisibility, FindsEveryLinkAsEmbreeDoesByBruteForce) {
     size_t blocked = 0, at_rims = 0;
     for (uint32_t l = 0; l < table().links.size(); ++l) {
       const LinkTable::Link& link = table().links[l];
-      const bool open = clear(scene, pointAt(glm::vec3(0), 1, link.a), pointAt(glm::vec3(0), 1, link.b));
+      const bool open = !scene.isBlocked(pointAt(glm::vec3(0), 1, link.a), pointAt(glm::vec3(0), 1, link.b));
       blocked += !visibility.linkOpen(l);
       if (visibility.linkOpen(l) == open) continue;
       const LocalPoint &a = table().points[link.a], &b = table().points[link.b];
@@ -149,7 +141,7 @@ TEST(SupportVisibility, SeesAlongALinkBothWays) {
   const RayScene scene(wallWithHole());
   for (uint32_t l = 0; l < table().links.size(); l += 3) {
     const glm::vec3 a = pointAt(glm::vec3(0), 1, table().links[l].a), b = pointAt(glm::vec3(0), 1, table().links[l].b);
-    ASSERT_EQ(clear(scene, a, b), clear(scene, b, a)) << "link " << l;
+    ASSERT_EQ(!scene.isBlocked(a, b), !scene.isBlocked(b, a)) << "link " << l;
   }
 }
 
@@ -199,7 +191,7 @@ TEST(SupportVisibility, SeesWhatSegmentsFromTheProbeReach) {
   const RayScene scene(moved);
   const SupportVisibility visibility = judged(scene, position, 2.0f);
   for (uint32_t p = 0; p < table().points.size(); ++p) {
-    ASSERT_EQ(visibility.seen(p), clear(scene, position, pointAt(position, 2.0f, p))) << "point " << p;
+    ASSERT_EQ(visibility.seen(p), !scene.isBlocked(position, pointAt(position, 2.0f, p))) << "point " << p;
   }
 }
 
@@ -353,8 +345,8 @@ TEST(SupportVisibility, FindsEveryLinkOfWholeLevelsByTheDefinition) {
       for (uint32_t l = 0; l < table().links.size(); ++l) {
         const LocalPoint &a = table().points[table().links[l].a], &b = table().points[table().links[l].b];
         ASSERT_EQ(visibility.linkOpen(l), !meetsAny(triangles, 0.0f, a, b)) << request << ", probe " << attempt << ", link " << l;
-        unlike_embree += visibility.linkOpen(l) !=
-                         clear(scene, pointAt(position, 1.5f, table().links[l].a), pointAt(position, 1.5f, table().links[l].b));
+        unlike_embree += visibility.linkOpen(l) != !scene.isBlocked(pointAt(position, 1.5f, table().links[l].a),
+                                                                    pointAt(position, 1.5f, table().links[l].b));
         ++links;
       }
     }
