@@ -64,6 +64,7 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add("duplicate_validity_points", &o.duplicate_validity_points,
             "such functions may differ in validity at no more than so many support points", 0, 8192);
   describePolicy(o.policy, table);
+  table.group("Machine");
   table.add(
       "refine_seconds", &o.refine_seconds,
       "time for all refinement, seconds, spent on the worst functions first. 0: as long as it takes; with any other value the "
