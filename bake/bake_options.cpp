@@ -70,8 +70,6 @@ void describe(BakeOptions& o, OptionTable& table) {
       "time for all refinement, seconds, spent on the worst functions first. 0: as long as it takes; with any other value the "
       "result depends on the machine's speed",
       0.0, 1e9);
-  table.group("Generators");
-  table.add("generator_precision", &o.generator_precision, "how generators compute: float32, or int16 (fixed point, faster)");
   table.group("Light grid's file");
   table.add("theta_precision", &o.theta_precision, "how the file holds theta: float32, float16 or int8");
   table.add("light_form", &o.light_form,

@@ -39,8 +39,7 @@ struct BakeOptions {
   double light_pull = 0.3;
   double light_dark_share = 0.5;
   double light_outlier = 1.0;
-  double refine_seconds = 0.0;  // 0: as long as it takes
-  std::string generator_precision = "float32";
+  double refine_seconds = 0.0;                           // 0: as long as it takes
   std::string theta_precision = kDefaultThetaPrecision;  // becomes the policy's by takeThetaPrecision
   std::string light_form = "sh2_8bit";                   // of light in the file (light_form.h)
   std::string simd;                                      // empty: the best

@@ -7,12 +7,12 @@
 
 namespace nlg {
 
-LoadedGenerators loadGenerators(const std::vector<std::string>& paths, GeneratorPrecision precision) {
+LoadedGenerators loadGenerators(const std::vector<std::string>& paths) {
   LoadedGenerators loaded;
   OneFileEach given("--weights", "representation");
   for (const std::string& path : paths) {
     Generator generator;
-    requireRead(path, Generator::load(path, precision, &generator), "the weights of a generator");
+    requireRead(path, Generator::load(path, &generator), "the weights of a generator");
     given.add(path, representationName(generator.representation()));
     const int parameters = generator.representation().thetaCount();
     const auto after = std::find_if(loaded.generators.begin(), loaded.generators.end(),

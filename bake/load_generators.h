@@ -16,7 +16,6 @@ struct LoadedGenerators {
 
 // In whatever order the files are named.
 // throws   InputError naming a file and what the reader says of it; UsageError when two are of one representation
-LoadedGenerators loadGenerators(const std::vector<std::string>& paths,
-                                GeneratorPrecision precision = GeneratorPrecision::float32);
+LoadedGenerators loadGenerators(const std::vector<std::string>& paths);
 
 }  // namespace nlg

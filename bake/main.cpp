@@ -34,12 +34,6 @@ struct Request {
   bool out_is_given = false;
 };
 
-GeneratorPrecision generatorPrecision(const std::string& name) {
-  if (name == "float32") return GeneratorPrecision::float32;
-  if (name == "int16") return GeneratorPrecision::int16;
-  throw UsageError("generator_precision", "float32 or int16", "'" + name + "'");
-}
-
 void chooseSimd(const std::string& name) {
   // the variable first, whatever the option says: later Generator::load would read it and override the option
   const SimdStatus inherited = forceSimdTargetFromEnvironment();
@@ -95,21 +89,14 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
     refuseToReplaceInputs(request.out, inputs);
     requireOutputFile(request.out);
   }
-  const GeneratorPrecision precision = generatorPrecision(options.generator_precision);
   takeThetaPrecision(&options);
   const GridPrecision stored{options.policy.theta_precision, lightFormFromName(options.light_form)};
   chooseSimd(options.simd);
-  const auto [generators, weight_files] = loadGenerators(request.weights, precision);
+  const auto [generators, weight_files] = loadGenerators(request.weights);
   std::vector<WeightsUsed> weights;
   for (size_t g = 0; g < generators.size(); ++g) {
     weights.push_back({representationName(generators[g].representation()), fileSha256(weight_files[g]),
                        std::filesystem::file_size(weight_files[g])});
-  }
-  for (const Generator& generator : generators) {
-    if (options.policy.stages.learned_steps > 0 && generator.correctionStepCount() == 0) {
-      std::cerr << "nlg-bake: correct_steps: the weights of " << representationName(generator.representation())
-                << " hold no learned steps: none are taken\n";
-    }
   }
 
   const auto start = std::chrono::steady_clock::now();

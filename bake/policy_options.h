@@ -22,7 +22,7 @@ PolicyOptions defaultBakePolicy();
 ThetaPrecision thetaPrecisionFromName(const std::string& name);
 
 // The stages that every representation goes through with these options, a line each, for --help. Weights are taken to hold an exact
-// last layer (networks with a linear output) and learned steps; thresholds may rise for a generator that is wrong about the tent.
+// last layer where the output is linear; thresholds may rise for a generator that is wrong about the tent.
 std::string stagesHelp(const PolicyOptions& options);
 
 }  // namespace nlg

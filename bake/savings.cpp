@@ -172,7 +172,7 @@ class SavingsCount {
   void addFits() {
     uint64_t good = 0, unrefined = 0;
     for (const ThetaRecord& record : statistics_.records) {
-      good += isGood(record.at(ThetaWord::network), policy_.stages.good_rmse, policy_.check());
+      good += isGood(record.at(ThetaWord::network), policy_.good_rmse, policy_.check());
       unrefined += !record.refined && record.at(ThetaWord::fitted).passes(policy_.check());
     }
     const double stages_s = statistics_.wordSeconds(ThetaWord::corrected) + statistics_.wordSeconds(ThetaWord::fitted);

@@ -25,7 +25,6 @@ set(NLG_PUBLIC_HEADERS
   evaluator/representation.h
   evaluator/evaluate.h
   evaluator/matrix_product.h
-  evaluator/integer_product.h
   evaluator/parity_transform.h
   evaluator/projection.h
   evaluator/layer_stack.h
@@ -38,12 +37,18 @@ set(NLG_PUBLIC_HEADERS
   fit/soap_update.h
   fit/levenberg_marquardt.h
   fit/direct.h
+  fit/policy_options.def
+  fit/policy_options.h
   fit/function_check.h
-  fit/theta_stage.h
-  fit/theta_batch.h
-  fit/theta_policy.h
   fit/refinement.h
   fit/representation_choice.h
+  fit/theta_stage.h
+  fit/theta_record.h
+  fit/theta_batch.h
+  fit/stage_plan.h
+  fit/stage_runner.h
+  fit/theta_rounding.h
+  fit/theta_policy.h
   light_grid/probe_tree.h
   light_grid/light_grid.h
   light_grid/spherical_harmonics.h

@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   uint64_t pattern_hash;
   char detail[256];
   if (argc != 2) return fprintf(stderr, "usage: bake_minimal_c WEIGHTS.safetensors\n"), 2;
-  nlg_status status = nlg_generator_load(argv[1], NLG_FLOAT32, &generator, detail, sizeof detail);
+  nlg_status status = nlg_generator_load(argv[1], &generator, detail, sizeof detail);
   if (status != NLG_OK) return fprintf(stderr, "%s (%s)\n", detail, nlg_status_name(status)), 3;
   if (nlg_scratch_create(generator, NULL, &scratch) != NLG_OK || nlg_support_pattern(&points, &pattern_hash) != NLG_OK) return 1;
   printf("%s, %zu numbers a function\n", nlg_representation_name(generator), nlg_theta_count(generator));

@@ -50,10 +50,6 @@ TrainOptions storedOptions(const std::string& path, const std::string& options_j
     options.shape.slope = json.at("generator_slope").get<double>();
     options.shape.output_scale = json.at("output_scale").get<double>();
     options.shape.exact_last_layer = json.at("exact_last_layer").get<bool>();
-    options.shape.correction_steps = json.at("correction_steps").get<int>();
-    options.shape.theta_unit = json.at("theta_unit").get<double>();
-    options.shape.correction_width = json.at("correction_width").get<int>();
-    options.shape.correction_layers = json.at("correction_layers").get<int>();
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path, "options", "the options of a training run", error.what());
   }
@@ -236,8 +232,7 @@ nlohmann::ordered_json describeWeights(const std::string& path) {
                                  {"theta", data.representation.thetaCount()},
                                  {"coefficients", data.basis.coefficientCount()},
                                  {"layers", data.layers.size()},
-                                 {"width", data.layers.front().output_count},
-                                 {"correction_steps", data.correction.step_count}};
+                                 {"width", data.layers.front().output_count}};
   for (const char* key : {"version", "training_functions", "training_set_sha256", "held_out_rmse_mean", "parity_theta"}) {
     if (const auto found = file.metadata.find(key); found != file.metadata.end()) json[key] = found->second;
   }

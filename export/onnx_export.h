@@ -12,15 +12,12 @@ namespace nlg {
 // throws   UsageError when the name of a model to write does not end in .onnx
 void requireOnnxName(const std::string& out);
 
-// Writes the generator of a weights file as ONNX, and beside it, as NAME.correction.onnx, its correction steps where it has them.
-// Texts of the file travel along, and its SHA-256 as `weights_sha256`.
+// Writes the generator of a weights file as ONNX. Texts of the file travel along, and its SHA-256 as `weights_sha256`.
 //
 // data      the generator of `file`
 // out       a name that requireOnnxName takes
-// returns   the paths that were written
 // throws    OutputError
-std::vector<std::string> writeOnnx(const WeightsFile& file, const GeneratorData& data, const std::string& sha256,
-                                   const std::string& out);
+void writeOnnx(const WeightsFile& file, const GeneratorData& data, const std::string& sha256, const std::string& out);
 
 // The tool's command `onnx`: nlg-export onnx --weights FILE --out FILE.
 int onnxMain(int argc, char** argv);

@@ -17,7 +17,6 @@
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "train/generator/lost_pages.h"
-#include "train/generator/rate_finder.h"
 #include "train/generator/run_folder.h"
 #include "train/generator/torch_threads.h"
 #include "train/generator/trainer.h"
@@ -30,7 +29,7 @@ struct Request {
   std::vector<std::string> shards, held_out;
   std::string device = "cpu";
   ProcessGroup::Options processes;
-  bool restart_on_change = false, find_rate = false;
+  bool restart_on_change = false;
 };
 
 // srun tells every process its number, and how many they are.
@@ -60,13 +59,10 @@ void check(const Request& request, const TrainOptions& options) {
   const ProcessGroup::Options& processes = request.processes;
   require(request.shards.empty() != request.cache.empty(), "--cache", "either --shards or --cache",
           request.cache.empty() ? "none of them" : "both");
-  require(request.find_rate || !request.out.empty(), "--out", "the finished checkpoint to write", "none");
-  require(request.find_rate || !request.run.empty(), "--run", "the run's folder", "none");
   require(processes.count >= 1 && processes.rank >= 0 && processes.rank < processes.count, "--rank",
           "a number from 0 to --processes - 1", std::to_string(processes.rank) + " of " + std::to_string(processes.count));
   require(processes.count == 1 || !processes.rendezvous.empty(), "--rendezvous", "a file through which the processes meet",
           "none");
-  require(processes.count == 1 || !request.find_rate, "--find-rate", "one process", std::to_string(processes.count));
   require((options.point_batches & (options.point_batches - 1)) == 0, "point_batches", "1, 2, 4 or 8",
           std::to_string(options.point_batches));
   require(processes.count <= options.batch, "processes", "at most as many as the batch", std::to_string(processes.count));
@@ -149,13 +145,6 @@ void requireSeparate(const Request& request, const TrainingData& training, const
   }
 }
 
-void printRate(const Request& request, const RateFinding& finding) {
-  writeFileAtomically(request.log, finding.csv);
-  const nlohmann::ordered_json result = {
-      {"suggested", finding.suggested}, {"steepest", finding.steepest}, {"diverged", finding.diverged}};
-  std::cout << result.dump() << '\n';
-}
-
 void printReport(const Request& request, const TrainingData& training, const TrainingState& state, const TrainReport& report) {
   const nlohmann::ordered_json result = {{"representation", request.representation},
                                          {"functions", training.functionCount()},
@@ -174,9 +163,7 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   inputs.insert(inputs.end(), request.held_out.begin(), request.held_out.end());
   inputs.push_back(request.basis);
   if (!request.cache.empty()) inputs.push_back(request.cache);
-  for (const std::string& out : {request.out, request.log}) {
-    if (!out.empty()) refuseToReplaceInputs(out, inputs);
-  }
+  for (const std::string& out : {request.out, request.log}) refuseToReplaceInputs(out, inputs);
   Representation representation;
   if (!findRepresentation(request.representation, &representation)) {
     throw UsageError("--representation", representationNames(), "'" + request.representation + "'");
@@ -199,16 +186,11 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
     throw InputError(request.held_out.front(), "functions", "at least one in all shards", "none");
   requireSeparate(request, training, held_out);
 
-  const auto fresh = [&] { return makeState(options, fitTheta0(representation, basis, options.start)); };
-  if (request.find_rate) {
-    TrainingState state = fresh();
-    return printRate(request, findRate(options, representation, training, &state));
-  }
   const RunIdentity identity{request.representation, runOptions(table).dump(), fileSha256(request.basis), training.sha256()};
   const RunFolder folder(request.run);
   TrainingState state = makeState(options, Theta(representation.thetaCount()));
   resume(request, identity, folder, &state);
-  if (state.step == 0) state = fresh();
+  if (state.step == 0) state = makeState(options, fitTheta0(representation, basis, options.start));
   const auto save = [&] {
     folder.writeOrigin(table.toJson(),
                        provenance("nlg-train", table.toJson(),
@@ -257,10 +239,10 @@ int main(int argc, char** argv) {
   app.add_option("--cache", request.cache, "the training set as nlg-cache made it, to be read from the disk");
   app.add_option("--held-out", request.held_out, "shards of held-out scenes, for the validation loss")->required();
   app.add_option("--basis", request.basis, "the basis of nlg-pca")->required();
-  app.add_option("--out", request.out, "the finished checkpoint to write");
-  app.add_option("--run", request.run, "the run's folder: checkpoints, curve and origin; a killed run goes on from it");
-  app.add_option("--log", request.log, "the training curve, or that of --find-rate, to write (.csv)")->required();
-  app.add_flag("--find-rate", request.find_rate, "look for a learning rate instead of training; writes --log alone");
+  app.add_option("--out", request.out, "the finished checkpoint to write")->required();
+  app.add_option("--run", request.run, "the run's folder: checkpoints, curve and origin; a killed run goes on from it")
+      ->required();
+  app.add_option("--log", request.log, "the training curve to write (.csv)")->required();
   app.add_option("--device", request.device, "of the network: cpu or cuda");
   CLI::Option* rank = app.add_option("--rank", request.processes.rank, "which of the processes that train together this is");
   table.add("processes", &request.processes.count, "processes that train together, among which a batch is split", 1, 4096);

@@ -93,7 +93,7 @@ def sample(source, place):
 
 
 def representation(source, place):
-    out = take(source, ["parameters", "theta_bytes", "weights_bytes", "weights_sha256", "correction_steps", "stages"], place)
+    out = take(source, ["parameters", "theta_bytes", "weights_bytes", "weights_sha256", "stages"], place)
     out.update({key: source[key] for key in ("evaluate_us", "convergence") if key in source})
     out.update({word: by_population(source[word], f"{place}.{word}") for word in STAGES})
     if "sample" in source:
@@ -114,7 +114,7 @@ def summary(path):
 
 
 def point_key(point, others):
-    """"corrected", "lm_from_theta0_16", "stages_learned_steps": the name of a point among those of its representation."""
+    """"corrected", "lm_from_theta0_16", "stages_exact_last_layer": the name of a point among those of its representation."""
     key = point["family"] if point["budget"] is None else slug(f"{point['family']}_{point['budget']}")
     return key if key not in others and point["family"] != "stages" else slug(f"{point['family']}_{point['label']}")
 
@@ -143,7 +143,7 @@ def stability(path):
 
 BAKE_COUNTS = ("threads", "probes", "free_space", "in_solid", "empty", "bare_tents", "duplicates", "functions", "took_fit", "still_failing", "bytes",
                "bytes_per_probe")
-BAKE_STAGES = {"network": ["network", "check"], "corrected": ["last_layer", "learned_steps", "mirror_images"], "fitted": ["lm", "lm_theta0", "adam"],
+BAKE_STAGES = {"network": ["network", "check"], "corrected": ["last_layer"], "fitted": ["lm", "lm_theta0", "adam"],
                "refinement": ["refinement", "larger"]}
 
 

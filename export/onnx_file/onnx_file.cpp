@@ -166,20 +166,19 @@ std::string addProjection(ModelBuilder& model, const BasisData& basis, const std
   return model.apply("Div", {raw, deviation}, "coefficients");
 }
 
-// output = scale * last layer.
-std::string addLayers(ModelBuilder& model, const std::vector<GeneratorLayer>& layers, float slope,
-                      const std::vector<float>& scale, std::string values, const std::string& output) {
-  for (size_t l = 0; l < layers.size(); ++l) {
-    const GeneratorLayer& layer = layers[l];
+// output = output_scale * last layer.
+std::string addLayers(ModelBuilder& model, const GeneratorData& data, std::string values, const std::string& output) {
+  for (size_t l = 0; l < data.layers.size(); ++l) {
+    const GeneratorLayer& layer = data.layers[l];
     const std::string name = "layer." + std::to_string(l);
     const std::string weight = model.matrix(name + ".weight", {layer.output_count, layer.input_count}, layer.weight);
     const std::string bias = model.numbers(name + ".bias", {layer.output_count}, layer.bias);
     const std::string product = model.product({values, weight, bias}, name + ".product");
-    if (l + 1 == layers.size()) {
-      const std::string factor = model.numbers("output_scale", {layer.output_count}, scale);
+    if (l + 1 == data.layers.size()) {
+      const std::string factor = model.numbers("output_scale", {layer.output_count}, data.output_scale);
       return model.apply("Mul", {product, factor}, output);
     }
-    const std::string hidden = model.leaky(product, slope, name + ".hidden");
+    const std::string hidden = model.leaky(product, data.slope, name + ".hidden");
     values = layer.input_count == layer.output_count ? model.apply("Add", {hidden, values}, name + ".skip") : hidden;
   }
   return values;
@@ -191,18 +190,10 @@ std::string onnxFromGenerator(const GeneratorData& data, const std::map<std::str
   ModelBuilder model("generator", metadata);
   const auto theta_count = static_cast<int64_t>(data.theta0.size());
   const std::string coefficients = addProjection(model, data.basis, model.input("phi", kSupportPointCount));
-  const std::string change = addLayers(model, data.layers, data.slope, data.output_scale, coefficients, "theta.change");
+  const std::string change = addLayers(model, data, coefficients, "theta.change");
   model.apply("Add", {change, model.numbers("theta0", {theta_count}, data.theta0)}, "theta");
   model.output("theta", theta_count);
   model.output("coefficients", data.basis.coefficientCount());
-  return model.bytes();
-}
-
-std::string onnxFromLayers(const LayerChain& chain, const std::map<std::string, std::string>& metadata) {
-  ModelBuilder model("layers", metadata);
-  const std::string input = model.input(chain.input, chain.layers.front().input_count);
-  addLayers(model, chain.layers, chain.slope, chain.scale, input, chain.output);
-  model.output(chain.output, chain.layers.back().output_count);
   return model.bytes();
 }
 

@@ -15,23 +15,10 @@ namespace nlg {
 // The generator from samples to theta, N functions at a time (N is free).
 //
 // input     `phi` N x 8192, float in [0, 1], pattern order
-// outputs   `theta` N x D; `coefficients` N x K, divided as the basis says: what a correction step reads beside theta
+// outputs   `theta` N x D; `coefficients` N x K, divided as the basis says
 // metadata  texts that travel with the model
 // returns   the file's bytes; the same arguments give the same bytes
 // throws    std::runtime_error when ONNX's own checker refuses the model: a bug of ours
 std::string onnxFromGenerator(const GeneratorData& data, const std::map<std::string, std::string>& metadata);
-
-// Layers by themselves, as a learned correction step has them: hidden layers as the generator's (with LeakyReLU, and the input
-// added where it is as wide as the output), output = scale * (W h + b).
-struct LayerChain {
-  std::string input, output;  // names
-  std::vector<GeneratorLayer> layers;
-  float slope = 0.01f;
-  std::vector<float> scale;  // as many as the last layer has outputs
-};
-
-// input     chain.input, N x inputs of the first layer
-// output    chain.output, N x outputs of the last
-std::string onnxFromLayers(const LayerChain& chain, const std::map<std::string, std::string>& metadata);
 
 }  // namespace nlg

@@ -37,8 +37,6 @@ NLG_SAME(NLG_PATTERN_UNKNOWN, pattern_unknown);
 NLG_SAME(NLG_SIMD_UNAVAILABLE, simd_unavailable);
 NLG_SAME(NLG_DIGEST_MISMATCH, digest_mismatch);
 #undef NLG_SAME
-static_assert(NLG_FLOAT32 == static_cast<int>(nlg::GeneratorPrecision::float32));
-static_assert(NLG_INT16 == static_cast<int>(nlg::GeneratorPrecision::int16));
 static_assert(NLG_LIT == static_cast<int>(nlg::LightStatus::lit));
 static_assert(NLG_BY_TENTS == static_cast<int>(nlg::LightStatus::by_tents));
 static_assert(NLG_UNLIT == static_cast<int>(nlg::LightStatus::unlit));
@@ -124,14 +122,9 @@ void evaluatePiece(const nlg::Representation& representation, const float* theta
 
 nlg::PolicyOptions optionsOf(const nlg_policy_options& options) {
   nlg::PolicyOptions result;
-  result.bare_tent_rmse = options.bare_tent_rmse;
-  result.stages = {options.good_rmse,     options.learned_steps,        options.mirror_images, options.retry_rmse,
-                   options.lm_iterations, options.lm_theta0_iterations, options.adam_rmse,     options.adam_steps};
-  result.refinement.check = {options.tau_rmse, options.tau_leak, options.leak_share};
-  result.refinement.rounds = options.refine_rounds;
-  result.refinement.first_steps = options.refine_first_steps;
-  result.refinement.growth = options.refine_growth;
-  result.refinement.leak_weight = options.refine_leak_weight;
+#define NLG_CHOICE_OPTION(type, name, value, low, high, help)
+#define NLG_POLICY_OPTION(type, name, value, low, high, help) result.name = options.name;
+#include "runtime_eval/fit/policy_options.def"
   return result;
 }
 
@@ -173,16 +166,6 @@ nlg_status loadHandle(bool has_source, const Load& load, Handle** handle, char* 
 }
 
 template <class Load>
-nlg_status loadGenerator(bool has_source, const Load& load, nlg_precision precision, nlg_generator** generator, char* detail,
-                         size_t detail_size) noexcept {
-  if (precision != NLG_FLOAT32 && precision != NLG_INT16) {
-    if (generator != nullptr) *generator = nullptr;
-    return refuseArgument("precision: expected NLG_FLOAT32 or NLG_INT16, got another number", detail, detail_size);
-  }
-  return loadHandle<nlg::Generator>(has_source, load, generator, detail, detail_size);
-}
-
-template <class Load>
 nlg_status loadGrid(bool has_source, const Load& load, nlg_light_grid** grid, char* detail, size_t detail_size) noexcept {
   return loadHandle<nlg::LightGrid>(
       has_source,
@@ -203,25 +186,19 @@ const char* nlg_status_name(nlg_status status) {
   return nlg::fileStatusName(static_cast<FileStatus>(status));
 }
 
-nlg_status nlg_generator_load(const char* path, nlg_precision precision, nlg_generator** generator, char* detail,
-                              size_t detail_size) {
-  return loadGenerator(
-      path != nullptr,
-      [&](nlg::Generator* loaded) { return nlg::Generator::load(path, static_cast<nlg::GeneratorPrecision>(precision), loaded); },
-      precision, generator, detail, detail_size);
+nlg_status nlg_generator_load(const char* path, nlg_generator** generator, char* detail, size_t detail_size) {
+  return loadHandle<nlg::Generator>(
+      path != nullptr, [&](nlg::Generator* loaded) { return nlg::Generator::load(path, loaded); }, generator, detail,
+      detail_size);
 }
 
-nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_precision precision, nlg_generator** generator,
-                                    char* detail, size_t detail_size) {
+nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_generator** generator, char* detail,
+                                    size_t detail_size) {
   const bool has_source = bytes != nullptr || byte_count == 0;
   const std::string_view view =
       bytes != nullptr ? std::string_view(static_cast<const char*>(bytes), byte_count) : std::string_view();
-  return loadGenerator(
-      has_source,
-      [&](nlg::Generator* loaded) {
-        return nlg::Generator::parse(view, static_cast<nlg::GeneratorPrecision>(precision), loaded);
-      },
-      precision, generator, detail, detail_size);
+  return loadHandle<nlg::Generator>(
+      has_source, [&](nlg::Generator* loaded) { return nlg::Generator::parse(view, loaded); }, generator, detail, detail_size);
 }
 
 void nlg_generator_free(nlg_generator* generator) { delete generator; }
@@ -249,23 +226,11 @@ nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash)
 }
 
 nlg_policy_options nlg_default_policy(void) {
-  const nlg::PolicyOptions o;
-  return {o.bare_tent_rmse,
-          o.stages.good_rmse,
-          o.stages.learned_steps,
-          o.stages.mirror_images,
-          o.stages.retry_rmse,
-          o.stages.lm_iterations,
-          o.stages.lm_theta0_iterations,
-          o.stages.adam_rmse,
-          o.stages.adam_steps,
-          o.check().tau_rmse,
-          o.check().tau_leak,
-          o.check().leak_share,
-          o.refinement.rounds,
-          o.refinement.first_steps,
-          o.refinement.growth,
-          o.refinement.leak_weight};
+  nlg_policy_options options;
+#define NLG_CHOICE_OPTION(type, name, value, low, high, help)
+#define NLG_POLICY_OPTION(type, name, value, low, high, help) options.name = value;
+#include "runtime_eval/fit/policy_options.def"
+  return options;
 }
 
 const char* nlg_policy_out_of_range(const nlg_policy_options* options) {

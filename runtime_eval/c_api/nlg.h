@@ -49,7 +49,7 @@ typedef enum nlg_status NLG_OF_INT {
   NLG_SIMD_UNAVAILABLE = 13, /* the environment variable NLG_SIMD names a target that this build or machine does not have */
   NLG_DIGEST_MISMATCH = 14,  /* the file's bytes are not those that its SHA-256 is of: damaged */
   NLG_OUT_OF_MEMORY = 100,
-  NLG_INVALID_ARGUMENT = 101 /* a null pointer, a precision that is none, a scratch of another generator */
+  NLG_INVALID_ARGUMENT = 101 /* a null pointer, a scratch of another generator */
 } nlg_status;
 
 /* A short English name for messages: "tensor_missing"; "unknown" for a value that is none. Lives for ever. */
@@ -61,22 +61,15 @@ typedef struct nlg_generator nlg_generator;
 /* Working memory of one thread for one generator. */
 typedef struct nlg_scratch nlg_scratch;
 
-/* What the products of a generator are made of: docs/theory/inference.md has the errors and the speeds. */
-typedef enum nlg_precision NLG_OF_INT {
-  NLG_FLOAT32 = 0,
-  NLG_INT16 = 1 /* fixed point with exact sums: the same bits on every SIMD target */
-} nlg_precision;
-
 /* Loads a weights file, from a path or from bytes that are needed only during the call.
  *
  * bytes         may be null when byte_count is 0
  * generator     receives the handle; null on failure
  * detail        receives one line of UTF-8, cut to fit and ended by a zero: on failure where and why, on success an empty text, or
  *               that the file names no digest, so that it could not be checked for damage. May be null when detail_size is 0 */
-nlg_status nlg_generator_load(const char* path, nlg_precision precision, nlg_generator** generator, char* detail,
-                              size_t detail_size);
-nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_precision precision, nlg_generator** generator,
-                                    char* detail, size_t detail_size);
+nlg_status nlg_generator_load(const char* path, nlg_generator** generator, char* detail, size_t detail_size);
+nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_generator** generator, char* detail,
+                                    size_t detail_size);
 void nlg_generator_free(nlg_generator* generator);
 
 /* "mlp", "tent_mlp", "pf5", …: what theta stands for (docs/reference/formats.md). Lives for ever. */
@@ -95,25 +88,13 @@ const float* nlg_theta0(const nlg_generator* generator);
  * returns       NLG_OK or NLG_OUT_OF_MEMORY; cannot fail any more once a generator has been loaded */
 nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash);
 
-/* The policy from a function to the theta that is stored: runtime_eval/fit/theta_policy.h says what its stages do. In brackets: where
- * each number must lie; none may be a NaN. */
+/* The policy from a function to the theta that is stored: runtime_eval/fit/theta_policy.h says what its stages do, and
+ * runtime_eval/fit/policy_options.def what each option is, its default and its range; none may be a NaN. A scratch has one generator,
+ * so that there are no options of the choice among several. */
 typedef struct nlg_policy_options {
-  double bare_tent_rmse; /* [0, 1000] a function whose bare tent is not further off, and passes, has no theta; 0: every one has */
-  double good_rmse;      /* [0, 1000] a theta of the network whose RMSE is not above, and that passes, takes no other stage */
-  int learned_steps;     /* [0, 64] corrections: learned steps of an attempt at most */
-  int mirror_images;     /* [1, 8] networks: attempts at a function, itself and mirror images of it */
-  double retry_rmse;     /* [0, 1000] no further attempt at a function whose RMSE is not above */
-  int lm_iterations;     /* [0, 1000] short fits, where they are cheap: of Levenberg-Marquardt */
-  int lm_theta0_iterations;  /* [0, 1000] ... and from theta0 */
-  double adam_rmse;          /* [0, 1000] elsewhere: a function whose RMSE is above ... */
-  int adam_steps;            /* [0, 1000000] ... takes so many steps of Adam for each .01 of it, 4 times as many at most */
-  double tau_rmse;           /* [1e-6, 1] the check: RMSE over valid points above this fails */
-  double tau_leak;           /* [1e-6, 1] ... |value| above this at a valid point whose phi is 0 is a leak */
-  double leak_share;         /* [1e-6, 1] ... leaks at a larger share of those points fail */
-  int refine_rounds;         /* [0, 16] refinement of what fails: rounds of Adam (product fields: Levenberg-Marquardt), at most */
-  int refine_first_steps;    /* [1, 100000] ... steps of the first round (product fields: a 32nd of it) */
-  int refine_growth;         /* [1, 100] ... steps of a round over those of the round before */
-  double refine_leak_weight; /* [1, 1e6] ... of squared residuals where phi is 0, over those elsewhere */
+#define NLG_CHOICE_OPTION(type, name, value, low, high, help)
+#define NLG_POLICY_OPTION(type, name, value, low, high, help) type name;
+#include "runtime_eval/fit/policy_options.def"
 } nlg_policy_options;
 
 /* The defaults: those of nlg-bake. */
@@ -164,14 +145,14 @@ nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, co
 typedef struct nlg_made {
   int has_theta;       /* 0: the bare tent is enough, and theta is all zeros */
   int took_fit;        /* 1: it took a step of Adam or Levenberg-Marquardt */
-  const char* ended;   /* the stage that made theta what it is: "network", "learned_steps", "refinement", ...; lives for ever */
+  const char* ended;   /* the stage that made theta what it is: "network", "last_layer", "refinement", ...; lives for ever */
   nlg_check network;   /* of one pass of the network */
-  nlg_check corrected; /* after the corrections */
+  nlg_check corrected; /* after the exact last layer */
   nlg_check fitted;    /* after every fit, the refinement included */
   double elapsed_us;   /* of this function, by a steady clock */
 } nlg_made;
 
-/* The whole policy: bare tent, network, check, corrections, short fits, refinement of what fails. Takes tens of microseconds for most
+/* The whole policy: bare tent, network, check, exact last layer, short fits, refinement of what fails. Takes tens of microseconds for most
  * functions and milliseconds for the hardest; docs/reference/results.md has the times. Every function has the same theta whatever
  * stands beside it in the call.
  *

@@ -54,11 +54,4 @@ std::vector<double> generateReference(const GeneratorData& data, const double* p
   return theta;
 }
 
-std::vector<double> correctionReference(const GeneratorData& data, const double* features) {
-  const CorrectionFeatures places{data.basis.coefficientCount(), data.representation.thetaCount()};
-  std::vector<double> change = runLayersReference(data.correction.layers, data.slope, {features, features + places.count()});
-  for (size_t i = 0; i < change.size(); ++i) change[i] *= data.output_scale[i];
-  return change;
-}
-
 }  // namespace nlg

@@ -110,19 +110,16 @@ void readBasis(TensorReader& reader, BasisData* basis) {
   }
 }
 
-constexpr int kLargestCorrectionStepCount = 16;
-
-// prefix         of the tensors' names and of the metadata keys
 // output_count   of the last layer
-std::vector<GeneratorLayer> readLayers(TensorReader& reader, const std::string& prefix, int input_count, int output_count) {
-  const int layer_count = reader.integer(prefix.empty() ? "layer_count" : prefix + ".layer_count", 1, kLargestLayerCount);
-  const int width = reader.integer(prefix.empty() ? "width" : prefix + ".width", 1, kLargestWidth);
+std::vector<GeneratorLayer> readLayers(TensorReader& reader, int input_count, int output_count) {
+  const int layer_count = reader.integer("layer_count", 1, kLargestLayerCount);
+  const int width = reader.integer("width", 1, kLargestWidth);
   std::vector<GeneratorLayer> layers;
   for (int l = 0; l < layer_count && reader.ok(); ++l) {
     GeneratorLayer layer;
     layer.input_count = input_count;
     layer.output_count = l + 1 == layer_count ? output_count : width;
-    const std::string name = (prefix.empty() ? "" : prefix + ".") + "layer." + std::to_string(l);
+    const std::string name = "layer." + std::to_string(l);
     const uint64_t outputs = static_cast<uint64_t>(layer.output_count), inputs = static_cast<uint64_t>(layer.input_count);
     layer.weight = reader.tensor(name + ".weight", {outputs, inputs});
     layer.bias = reader.tensor(name + ".bias", {outputs});
@@ -132,14 +129,13 @@ std::vector<GeneratorLayer> readLayers(TensorReader& reader, const std::string& 
   return layers;
 }
 
-void writeLayers(const std::vector<GeneratorLayer>& layers, const std::string& prefix, WeightsFile* file) {
-  const std::string dotted = prefix.empty() ? "" : prefix + ".";
-  file->metadata[dotted + "layer_count"] = std::to_string(layers.size());
-  file->metadata[dotted + "width"] = std::to_string(layers.front().output_count);
+void writeLayers(const std::vector<GeneratorLayer>& layers, WeightsFile* file) {
+  file->metadata["layer_count"] = std::to_string(layers.size());
+  file->metadata["width"] = std::to_string(layers.front().output_count);
   for (size_t l = 0; l < layers.size(); ++l) {
     const GeneratorLayer& layer = layers[l];
     const uint64_t outputs = static_cast<uint64_t>(layer.output_count), inputs = static_cast<uint64_t>(layer.input_count);
-    const std::string name = dotted + "layer." + std::to_string(l);
+    const std::string name = "layer." + std::to_string(l);
     file->tensors[name + ".weight"] = {{outputs, inputs}, layer.weight};
     file->tensors[name + ".bias"] = {{outputs}, layer.bias};
   }
@@ -165,36 +161,15 @@ FileResult generatorFromWeights(const WeightsFile& file, GeneratorData* data) {
   data->slope = static_cast<float>(reader.number("generator_slope", 1e-6, 0.999));
   readBasis(reader, &data->basis);
   const int theta_count = data->representation.thetaCount();
-  if (reader.ok()) data->layers = readLayers(reader, "", data->basis.coefficientCount(), theta_count);
-  // files without them say nothing of exact last layers and of correction steps
-  if (reader.ok() && file.metadata.count("correction.exact_last_layer") != 0) {
-    data->correction.exact_last_layer = reader.integer("correction.exact_last_layer", 0, 1) == 1;
-    const bool is_linear = !data->representation.isField() && data->representation.shape().output == OutputFunction::linear;
-    if (data->correction.exact_last_layer && !is_linear) {
-      reader.fail(FileStatus::value_out_of_range,
-                  "metadata correction.exact_last_layer: the representation's output is not linear");
-    }
-  }
-  const bool has_layers = file.metadata.count("correction.layer_count") != 0 || file.metadata.count("correction.width") != 0 ||
-                          file.tensors.count("correction.layer.0.weight") != 0;
-  if (reader.ok() && (has_layers || file.metadata.count("correction.steps") != 0)) {
-    data->correction.step_count = reader.integer("correction.steps", 1, kLargestCorrectionStepCount);
-    const bool has_unit = version == 2 || file.metadata.count("correction.theta_unit") != 0;
-    if (has_unit) data->correction.theta_unit = static_cast<float>(reader.number("correction.theta_unit", 1e-6, 1e6));
-    const CorrectionFeatures features{data->basis.coefficientCount(), theta_count};
-    if (reader.ok()) data->correction.layers = readLayers(reader, "correction", features.count(), theta_count);
+  if (reader.ok()) data->layers = readLayers(reader, data->basis.coefficientCount(), theta_count);
+  data->exact_last_layer = reader.integer("exact_last_layer", 0, 1) == 1;
+  const bool is_linear = !data->representation.isField() && data->representation.shape().output == OutputFunction::linear;
+  if (data->exact_last_layer && !is_linear) {
+    reader.fail(FileStatus::value_out_of_range, "metadata exact_last_layer: the representation's output is not linear");
   }
   const std::vector<uint64_t> theta_shape = {static_cast<uint64_t>(data->representation.thetaCount())};
   data->theta0 = reader.tensor("theta0", theta_shape);
   data->output_scale = reader.tensor("output_scale", theta_shape);
-  if (data->correction.step_count > 0 && data->correction.theta_unit == 0.0f) {
-    for (const float scale : data->output_scale) {
-      // a correction reads theta in units of it
-      if (!(std::fabs(scale) >= 1e-30f)) {
-        reader.fail(FileStatus::value_out_of_range, "output_scale: expected magnitudes from 1e-30 on, for correction steps");
-      }
-    }
-  }
   return reader.result();
 }
 
@@ -206,25 +181,19 @@ WeightsFile weightsFromGenerator(const GeneratorData& data) {
     std::snprintf(text, sizeof text, "%.9g", value);
     return std::string(text);
   };
-  const bool has_unit = data.correction.step_count > 0 && data.correction.theta_unit > 0.0f;
   file.metadata["version"] = std::to_string(kWeightsVersion);
-  if (has_unit) file.metadata["correction.theta_unit"] = number(data.correction.theta_unit);
   file.metadata["pattern_hash"] = hexadecimal(supportPattern().hash);
   file.metadata["representation"] = representationName(data.representation);
   file.metadata["representation_slope"] = number(data.representation.slope);
   file.metadata["generator_slope"] = number(data.slope);
+  file.metadata["exact_last_layer"] = data.exact_last_layer ? "1" : "0";
   for (int c = 0; c < kParityClassCount; ++c) {
     file.metadata["class_count." + std::to_string(c)] = std::to_string(data.basis.class_count[c]);
   }
   file.tensors["basis.mean"] = {{uint64_t{kParityClassCount}, octant}, data.basis.mean};
   file.tensors["basis.components"] = {{count, octant}, data.basis.components};
   file.tensors["basis.deviation"] = {{count}, data.basis.deviation};
-  writeLayers(data.layers, "", &file);
-  if (data.correction.exact_last_layer) file.metadata["correction.exact_last_layer"] = "1";
-  if (data.correction.step_count > 0) {
-    file.metadata["correction.steps"] = std::to_string(data.correction.step_count);
-    writeLayers(data.correction.layers, "correction", &file);
-  }
+  writeLayers(data.layers, &file);
   const std::vector<uint64_t> theta_shape = {data.theta0.size()};
   file.tensors["theta0"] = {theta_shape, data.theta0};
   file.tensors["output_scale"] = {theta_shape, data.output_scale};

@@ -26,23 +26,7 @@ HWY_INLINE void butterflies(V (&value)[kMirrorCount]) {
   }
 }
 
-// Stored functions: on 16-bit integers (8 * 255 fits) to the end.
-void bytesToIntegers(const uint8_t* HWY_RESTRICT phi, int16_t* HWY_RESTRICT classes) {
-  const hn::CappedTag<int16_t, 32> d;
-  const hn::Rebind<uint8_t, decltype(d)> d8;
-  const auto shift = hn::Set(d, kLargestClassSum);
-  for (int i = 0; i < kOctantPointCount; i += static_cast<int>(hn::Lanes(d))) {
-    hn::Vec<decltype(d)> value[kMirrorCount];
-#pragma GCC unroll 8
-    for (int m = 0; m < kMirrorCount; ++m) value[m] = hn::PromoteTo(d, hn::LoadU(d8, phi + m * kOctantPointCount + i));
-    butterflies(value);
-    value[0] = hn::Sub(value[0], shift);
-#pragma GCC unroll 8
-    for (int c = 0; c < kParityClassCount; ++c) hn::StoreU(value[c], d, classes + c * kOctantPointCount + i);
-  }
-}
-
-// The same, then floats.
+// Stored functions: on 16-bit integers (8 * 255 fits), then floats.
 void bytesToFloats(const uint8_t* HWY_RESTRICT phi, float* HWY_RESTRICT classes) {
   const hn::CappedTag<float, 16> df;
   const hn::Rebind<int32_t, decltype(df)> d32;
@@ -60,37 +44,16 @@ void bytesToFloats(const uint8_t* HWY_RESTRICT phi, float* HWY_RESTRICT classes)
   }
 }
 
-template <class D>
-HWY_INLINE void floatClasses(D d, const float* HWY_RESTRICT phi, hn::Vec<D> (&value)[kMirrorCount]) {
-  const auto scale = hn::Set(d, 255.0f);
-#pragma GCC unroll 8
-  for (int m = 0; m < kMirrorCount; ++m) value[m] = hn::Mul(scale, hn::LoadU(d, phi + m * kOctantPointCount));
-  butterflies(value);
-}
-
 void floatsToFloats(const float* HWY_RESTRICT phi, float* HWY_RESTRICT classes) {
   const hn::CappedTag<float, 16> d;
+  const auto scale = hn::Set(d, 255.0f);
   for (int i = 0; i < kOctantPointCount; i += static_cast<int>(hn::Lanes(d))) {
     hn::Vec<decltype(d)> value[kMirrorCount];
-    floatClasses(d, phi + i, value);
+#pragma GCC unroll 8
+    for (int m = 0; m < kMirrorCount; ++m) value[m] = hn::Mul(scale, hn::LoadU(d, phi + m * kOctantPointCount + i));
+    butterflies(value);
 #pragma GCC unroll 8
     for (int c = 0; c < kParityClassCount; ++c) hn::StoreU(value[c], d, classes + c * kOctantPointCount + i);
-  }
-}
-
-void floatsToIntegers(const float* HWY_RESTRICT phi, int16_t* HWY_RESTRICT classes) {
-  const hn::CappedTag<float, 16> d;
-  const hn::Rebind<int16_t, decltype(d)> d16;
-  const auto limit = hn::Set(d, static_cast<float>(kLargestClassSum));
-  for (int i = 0; i < kOctantPointCount; i += static_cast<int>(hn::Lanes(d))) {
-    hn::Vec<decltype(d)> value[kMirrorCount];
-    floatClasses(d, phi + i, value);
-    value[0] = hn::Sub(value[0], limit);
-#pragma GCC unroll 8
-    for (int c = 0; c < kParityClassCount; ++c) {
-      const auto clamped = hn::Max(hn::Min(value[c], limit), hn::Neg(limit));
-      hn::StoreU(hn::DemoteTo(d16, hn::NearestInt(clamped)), d16, classes + c * kOctantPointCount + i);
-    }
   }
 }
 
@@ -101,15 +64,6 @@ void floatsToFloatsAll(const float* phi, int count, float* classes) {
   for (size_t n = 0; n < static_cast<size_t>(count); ++n)
     floatsToFloats(phi + n * kSupportPointCount, classes + n * kClassStride);
 }
-void bytesToIntegersAll(const uint8_t* phi, int count, int16_t* classes) {
-  for (size_t n = 0; n < static_cast<size_t>(count); ++n)
-    bytesToIntegers(phi + n * kSupportPointCount, classes + n * kClassStride);
-}
-void floatsToIntegersAll(const float* phi, int count, int16_t* classes) {
-  for (size_t n = 0; n < static_cast<size_t>(count); ++n)
-    floatsToIntegers(phi + n * kSupportPointCount, classes + n * kClassStride);
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace nlg
 HWY_AFTER_NAMESPACE();
@@ -119,8 +73,6 @@ namespace nlg {
 
 HWY_EXPORT(bytesToFloatsAll);
 HWY_EXPORT(floatsToFloatsAll);
-HWY_EXPORT(bytesToIntegersAll);
-HWY_EXPORT(floatsToIntegersAll);
 
 void parityTransform(const uint8_t* phi, int count, float* classes) {
   HWY_DYNAMIC_DISPATCH(bytesToFloatsAll)(phi, count, classes);
@@ -128,12 +80,5 @@ void parityTransform(const uint8_t* phi, int count, float* classes) {
 void parityTransform(const float* phi, int count, float* classes) {
   HWY_DYNAMIC_DISPATCH(floatsToFloatsAll)(phi, count, classes);
 }
-void parityTransform(const uint8_t* phi, int count, int16_t* classes) {
-  HWY_DYNAMIC_DISPATCH(bytesToIntegersAll)(phi, count, classes);
-}
-void parityTransform(const float* phi, int count, int16_t* classes) {
-  HWY_DYNAMIC_DISPATCH(floatsToIntegersAll)(phi, count, classes);
-}
-
 }  // namespace nlg
 #endif  // HWY_ONCE

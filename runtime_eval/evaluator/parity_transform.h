@@ -16,17 +16,11 @@ inline constexpr int kParityClassCount = 8;
 // tile would all fall into one set of the first-level cache.
 inline constexpr int kClassStride = kSupportPointCount + 64;
 
-// In the integer form class 0 is shifted down by this, so that every class lies in ±kLargestClassSum.
-inline constexpr int kLargestClassSum = 4 * 255;
-
 // Classes of `count` functions.
 // phi      count x P in pattern order; bytes: round(255 phi); floats: phi in [0, 1]
-// classes  function n begins at n * kClassStride, class c of it c * 1024 further; 16-bit classes of floats are rounded to nearest
-//          and clamped to ±kLargestClassSum, which only values outside [0, 1] reach
+// classes  function n begins at n * kClassStride, class c of it c * 1024 further
 void parityTransform(const uint8_t* phi, int count, float* classes);
 void parityTransform(const float* phi, int count, float* classes);
-void parityTransform(const uint8_t* phi, int count, int16_t* classes);
-void parityTransform(const float* phi, int count, int16_t* classes);
 
 // +1 or -1: what mirroring a function by `mirror` does to its coefficients of parity class `parity_class`.
 inline float mirrorSign(int parity_class, int mirror) { return __builtin_popcount(parity_class & mirror) & 1 ? -1.0f : 1.0f; }

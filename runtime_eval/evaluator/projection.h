@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/evaluator/integer_product.h"
 #include "runtime_eval/evaluator/matrix_product.h"
 #include "runtime_eval/evaluator/parity_transform.h"
 
@@ -28,27 +27,20 @@ struct BasisData {
 // The largest batch that one call projects; scratch is sized for it.
 inline constexpr int kBatchCount = 96;
 
-// What the products of a generator are made of; docs/theory/inference.md has the errors and the speeds of both.
-enum class GeneratorPrecision {
-  float32,
-  int16,  // fixed point with exact sums: the same bits on every SIMD target
-};
-
 // Working memory of one thread.
 class ProjectionScratch {
  public:
-  explicit ProjectionScratch(GeneratorPrecision precision);
+  ProjectionScratch() : classes_(size_t{kBatchCount} * kClassStride) {}
 
  private:
   friend class Projection;
-  AlignedFloats float_classes_;
-  AlignedIntegers integer_classes_;
+  AlignedFloats classes_;
 };
 
 class Projection {
  public:
   Projection() = default;
-  explicit Projection(const BasisData& basis, GeneratorPrecision precision = GeneratorPrecision::float32);
+  explicit Projection(const BasisData& basis);
 
   int coefficientCount() const { return coefficient_count_; }
 
@@ -56,24 +48,16 @@ class Projection {
   // phi           count x P in pattern order; bytes: round(255 phi); floats: phi in [0, 1]
   // count         0 <= count <= kBatchCount
   // coefficients  count x K
-  // scratch       made for this projection's precision
   void project(const uint8_t* phi, int count, float* coefficients, ProjectionScratch* scratch) const;
   void project(const float* phi, int count, float* coefficients, ProjectionScratch* scratch) const;
-
-  // Coefficients of one function mirrored by `mirror`, from those of the function: no more than signs.
-  void mirrorCoefficients(const float* coefficients, int mirror, float* mirrored) const;
 
  private:
   template <class Sample>
   void projectSamples(const Sample* phi, int count, float* coefficients, ProjectionScratch* scratch) const;
 
-  GeneratorPrecision precision_ = GeneratorPrecision::float32;
   int coefficient_count_ = 0;
-  std::array<int, kParityClassCount> class_count_{};
-  // dequantisation, 1/sqrt(8) and standardisation folded in; those of the other precision stay empty
-  std::array<PackedMatrix, kParityClassCount> float_components_;
-  std::array<PackedIntegerMatrix, kParityClassCount> integer_components_;
-  AlignedFloats bias_;  // minus the mean's coefficients
+  std::array<PackedMatrix, kParityClassCount> components_;  // dequantisation, 1/sqrt(8) and standardisation folded in
+  AlignedFloats bias_;                                      // minus the mean's coefficients
 };
 
 }  // namespace nlg

@@ -2,7 +2,6 @@
 //
 //     mlp          phi(x) ≈           net(x)               3 → 8 → 8 → 1      113 numbers
 //     tent_mlp     phi(x) ≈ tent(x) * net(x)               3 → 8 → 8 → 1      113
-//     tent_mlp88   phi(x) ≈ tent(x) * sigmoid(net(x))      3 → 8 → 8 → 1      113
 //     tent_mlp44   phi(x) ≈ tent(x) * sigmoid(net(x))      3 → 4 → 4 → 1       41
 //     tent_mlp4    phi(x) ≈ tent(x) * sigmoid(net(x))      3 → 4 → 1           21
 //     pf r         phi(x) ≈ clamp(A(x), 0, 1) * sigmoid(B(x))      product field, r = 3, 5, 7, 9
@@ -61,8 +60,9 @@ struct NetworkKind {
 
 // All networks, in the order of RepresentationKind.
 inline constexpr NetworkKind kNetworks[] = {
-    {"mlp", {8, 8, OutputFunction::linear}, false},        {"tent_mlp", {8, 8, OutputFunction::linear}, true},
-    {"tent_mlp88", {8, 8, OutputFunction::sigmoid}, true}, {"tent_mlp44", {4, 4, OutputFunction::sigmoid}, true},
+    {"mlp", {8, 8, OutputFunction::linear}, false},
+    {"tent_mlp", {8, 8, OutputFunction::linear}, true},
+    {"tent_mlp44", {4, 4, OutputFunction::sigmoid}, true},
     {"tent_mlp4", {4, 0, OutputFunction::sigmoid}, true},
 };
 inline constexpr int kNetworkCount = static_cast<int>(std::size(kNetworks));
@@ -78,7 +78,7 @@ inline constexpr FieldKind kFields[] = {{"pf3", 3}, {"pf5", 5}, {"pf7", 7}, {"pf
 inline constexpr int kFieldResolutions[] = {3, 5, 7, 9};
 
 // Networks by their place in kNetworks.
-enum class RepresentationKind : uint8_t { mlp, tent_mlp, tent_mlp88, tent_mlp44, tent_mlp4, product_field = 255 };
+enum class RepresentationKind : uint8_t { mlp, tent_mlp, tent_mlp44, tent_mlp4, product_field = 255 };
 
 struct Representation {
   RepresentationKind kind = RepresentationKind::mlp;
@@ -156,10 +156,6 @@ inline constexpr auto kRepresentationNames = [] {
 
 // The order in which a representation's kernels read the support points: strata for networks, cells for product fields.
 const PointOrder& pointOrder(const Representation& representation);
-
-// Turns theta into that of the mirror image of its function, in place: f'(x) = f(mirrored x). Exact.
-// mirror   bits 0, 1, 2: x, y, z change their sign (support_pattern.h)
-void mirrorTheta(const Representation& representation, int mirror, float* theta);
 
 // One of kRepresentationNames.
 const char* representationName(const Representation& representation);

@@ -43,7 +43,7 @@ LevenbergMarquardtStage::LevenbergMarquardtStage(const Generator& generator, Sta
   });
 }
 
-void LevenbergMarquardtStage::run(ThetaBatch& batch, int* members, int member_count) {
+void LevenbergMarquardtStage::run(ThetaBatch& batch, const int* members, int member_count) {
   for (int n = 0; n < member_count; ++n) {
     const int i = members[n];
     batch.meanSquare(i);
@@ -67,7 +67,7 @@ AdamStage::AdamStage(const Generator& generator, int full_steps)
   });
 }
 
-void AdamStage::run(ThetaBatch& batch, int* members, int member_count) {
+void AdamStage::run(ThetaBatch& batch, const int* members, int member_count) {
   for (int n = 0; n < member_count; ++n) {
     const int i = members[n];
     const double share = std::min(kMostSteps, std::sqrt(batch.meanSquare(i)) / kFullRmse);

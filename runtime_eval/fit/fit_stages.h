@@ -1,5 +1,5 @@
-// Short fits after the corrections: Levenberg–Marquardt for product fields, Adam for networks. They are direct optimisation from a
-// good start, so that every function that takes one counts as fitted.
+// Short fits after the correction: Levenberg–Marquardt for product fields, Adam for networks. They are direct optimisation from a
+// good start: every function that takes one counts as fitted.
 #pragma once
 
 #include <vector>
@@ -11,13 +11,13 @@
 
 namespace nlg {
 
-// For product fields, whose normal equations are a band: an iteration costs no more than a learned step and gains more. Networks gain
-// more by Adam in the same time, the smallest too (docs/lab/training.md).
+// For product fields, whose normal equations are a band, so that an iteration is cheap. Networks gain more by Adam in the same time,
+// the smallest too (docs/lab/training.md).
 class LevenbergMarquardtStage : public StageRun {
  public:
   enum class Start { theta, theta0 };
   LevenbergMarquardtStage(const Generator& generator, Start start, int iterations);
-  void run(ThetaBatch& batch, int* members, int member_count) override;
+  void run(ThetaBatch& batch, const int* members, int member_count) override;
 
  private:
   Start start_;
@@ -31,7 +31,7 @@ class AdamStage : public StageRun {
  public:
   // full_steps   of a function whose RMSE is .01; of others in proportion, four times as many at most
   AdamStage(const Generator& generator, int full_steps);
-  void run(ThetaBatch& batch, int* members, int member_count) override;
+  void run(ThetaBatch& batch, const int* members, int member_count) override;
 
  private:
   int full_steps_;

@@ -1,16 +1,10 @@
 // Whether a theta may stand for its function: the check after the generator (the talk: "if the error is too high …").
 #pragma once
 
-#include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/fit/policy_options.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
-
-struct CheckOptions {
-  double tau_rmse = 0.02;    // RMSE over valid points
-  double tau_leak = 0.1;     // |value| at valid points whose phi is 0 …
-  double leak_share = 0.01;  // … is above tau_leak at no more than this share of them: their 99th percentile is below it
-};
 
 // One theta against one stored function, over all valid support points. A bake does not store what the probe sees: leaks are counted at
 // all points whose phi is 0, a few of which it does see, at the tent's rim.

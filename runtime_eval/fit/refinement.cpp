@@ -22,18 +22,18 @@ void weighLeaks(double weight, WeightingFunction* function) {
 }
 
 RefinementResult Refiner::refine(const Representation& representation, const StoredFunction& stored, const Theta& start,
-                                 const Theta& theta0, const RefinementOptions& options) {
-  RefinementResult result{start, checker_.check(representation, stored, start.data(), options.check)};
-  if (result.check.passes(options.check)) return result;
+                                 const Theta& theta0, const CheckOptions& check, const RefinementOptions& options) {
+  RefinementResult result{start, checker_.check(representation, stored, start.data(), check)};
+  if (result.check.passes(check)) return result;
   WeightingFunction function = decodeFunction(stored, pointOrder(representation));
-  weighLeaks(options.leak_weight, &function);
+  weighLeaks(options.refine_leak_weight, &function);
   const auto consider = [&](const FitResult& fit) {
-    const FunctionCheck check = checker_.check(representation, stored, fit.theta.data(), options.check);
+    const FunctionCheck found = checker_.check(representation, stored, fit.theta.data(), check);
     result.steps += fit.steps;
     result.stop = fit.stop;
-    if (check.trouble(options.check) < result.check.trouble(options.check)) result.theta = fit.theta, result.check = check;
+    if (found.trouble(check) < result.check.trouble(check)) result.theta = fit.theta, result.check = found;
   };
-  const auto fails = [&] { return !result.check.passes(options.check); };
+  const auto fails = [&] { return !result.check.passes(check); };
   const auto tryFrom = [&](const Theta& from, int steps) {
     if (fails()) consider(fitOn(representation, function, from, steps));
   };
@@ -45,11 +45,11 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
     }
     if (representation.isField() && fails()) consider(fitNested(representation, function, kNestedIterations, &kernel_));
   };
-  int64_t steps = options.first_steps, last_steps = 0;
+  int64_t steps = options.refine_first_steps, last_steps = 0;
   bool other_starts_tried = false;
-  for (int round = 0; round < options.rounds && fails(); ++round) {
+  for (int round = 0; round < options.refine_rounds && fails(); ++round) {
     // the last and longest round goes on from the best start that a shorter one has found
-    if (last_steps > 0 && round + 1 == options.rounds) {
+    if (last_steps > 0 && round + 1 == options.refine_rounds) {
       tryOtherStarts(static_cast<int>(last_steps));
       other_starts_tried = true;
     }
@@ -57,7 +57,7 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
     last_steps = std::min(steps, kMostSteps);
     tryFrom(result.theta, static_cast<int>(last_steps));
     if (result.stop != FitStop::budget) break;
-    steps = last_steps * options.growth;
+    steps = last_steps * options.refine_growth;
   }
   if (last_steps > 0 && !other_starts_tried) tryOtherStarts(static_cast<int>(last_steps));
   return result;

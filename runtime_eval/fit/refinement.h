@@ -16,14 +16,6 @@
 
 namespace nlg {
 
-struct RefinementOptions {
-  CheckOptions check;
-  int rounds = 3;            // a function that fails after so many stays as it is then, and is counted
-  int first_steps = 600;     // of Adam in the first round (product fields: a thirty-second of it, of Levenberg–Marquardt)
-  int growth = 4;            // steps of a round over those of the round before
-  double leak_weight = 4.0;  // of squared residuals where phi is 0, over those elsewhere
-};
-
 // Where phi is stored as 0, a squared residual counts `weight` times from now on: what refinement fits to.
 void weighLeaks(double weight, WeightingFunction* function);
 
@@ -40,7 +32,7 @@ class Refiner {
   // Fits on from `start` until the check passes or the rounds are used up. The result is never in more trouble than the start.
   // theta0   of the other starts: for a start that is broken or stuck. May be empty
   RefinementResult refine(const Representation& representation, const StoredFunction& stored, const Theta& start,
-                          const Theta& theta0, const RefinementOptions& options);
+                          const Theta& theta0, const CheckOptions& check, const RefinementOptions& options);
 
  private:
   FitResult fitOn(const Representation& representation, const WeightingFunction& function, const Theta& start, int steps);

@@ -10,9 +10,9 @@ namespace {
 bool isFlat(const std::vector<FunctionCheck>& checks, size_t index, const ChoiceOptions& options) {
   const double rmse = checks[index].rmse;
   if (!std::isfinite(rmse)) return false;
-  if (rmse <= options.enough_rmse) return true;
+  if (rmse <= options.choice_enough_rmse) return true;
   return std::all_of(checks.begin() + static_cast<ptrdiff_t>(index) + 1, checks.end(), [&](const FunctionCheck& larger) {
-    return !std::isfinite(larger.rmse) || rmse <= options.flat_ratio * larger.rmse;
+    return !std::isfinite(larger.rmse) || rmse <= options.choice_flat_ratio * larger.rmse;
   });
 }
 
@@ -32,7 +32,7 @@ int chooseRepresentation(const std::vector<FunctionCheck>& checks, const CheckOp
 }
 
 bool isSmallestEnough(const FunctionCheck& smallest, const CheckOptions& check, const ChoiceOptions& options) {
-  return smallest.rmse <= options.enough_rmse && smallest.passes(check);
+  return smallest.rmse <= options.choice_enough_rmse && smallest.passes(check);
 }
 
 }  // namespace nlg

@@ -11,15 +11,6 @@
 
 namespace nlg {
 
-struct ChoiceOptions {
-  double flat_ratio = 1.5;        // an error up to so many times that of the best larger representation is flat
-  double enough_rmse = 0.004;     // … and so is any error below this, by direct optimisation
-  double generator_excess = 2.5;  // errors of predicted theta are about so many times those of direct optimisation
-
-  // The same choice on the errors of predicted theta, which have further to fall.
-  ChoiceOptions forPredicted() const { return {flat_ratio, enough_rmse * generator_excess, 1.0}; }
-};
-
 // checks    of one function, one a representation, by rising number of parameters; at least one
 // returns   the first that passes the check and is flat; else the largest that passes; else the first that is flat
 int chooseRepresentation(const std::vector<FunctionCheck>& checks, const CheckOptions& check, const ChoiceOptions& options);

@@ -28,11 +28,8 @@ bool canBeStored(const Representation& representation, const float* theta) {
 ThetaBatch::ThetaBatch(const Generator& generator)
     : generator_(&generator),
       theta_count_(static_cast<size_t>(generator.representation().thetaCount())),
-      coefficient_count_(static_cast<size_t>(generator.coefficientCount())),
       scratch_(generator),
       phi_(static_cast<size_t>(kBatchCount) * kSupportPointCount),
-      coefficients_(kBatchCount * coefficient_count_),
-      rows_(kBatchCount * coefficient_count_),
       mean_square_(kBatchCount) {
   const PointOrder& order = pointOrder(generator.representation());
   function_.phi.resize(order.placeCount());
@@ -40,42 +37,27 @@ ThetaBatch::ThetaBatch(const Generator& generator)
   function_.valid_count.resize(order.batchCount());
 }
 
-void ThetaBatch::begin(const StoredFunction* functions, int count, float* theta) {
+void ThetaBatch::generate(const StoredFunction* functions, int count, float* theta) {
   functions_ = functions;
   count_ = count;
   theta_ = theta;
   function_idx_ = -1;
   std::fill(mean_square_.begin(), mean_square_.end(), kNotMeasured);
+  // the generator reads functions without gaps
   for (int i = 0; i < count; ++i) std::memcpy(&phi_[size_t(i) * kSupportPointCount], functions[i].phi, kSupportPointCount);
-  generator_->project(phi_.data(), count, coefficients_.data(), &scratch_);
+  generator_->generate(phi_.data(), count, theta, &scratch_);
 }
 
-void ThetaBatch::generate() {
-  generator_->generateFromCoefficients(coefficients_.data(), count_, theta_, &scratch_);
-  std::fill(mean_square_.begin(), mean_square_.end(), kNotMeasured);
-}
-
-void ThetaBatch::generateMirrored(int mirror, const int* members, int member_count, float* theta) {
-  // the generator reads rows without gaps
-  for (int n = 0; n < member_count; ++n) mirrorCoefficients(members[n], mirror, &rows_[n * coefficient_count_]);
-  generator_->generateFromCoefficients(rows_.data(), member_count, theta, &scratch_);
-}
-
-void ThetaBatch::mirrorCoefficients(int i, int mirror, float* coefficients) const {
-  generator_->projection().mirrorCoefficients(&coefficients_[static_cast<size_t>(i) * coefficient_count_], mirror, coefficients);
-}
-
-const WeightingFunction& ThetaBatch::function(int i, int mirror) {
-  if (function_idx_ == i && function_mirror_ == mirror) return function_;
+const WeightingFunction& ThetaBatch::function(int i) {
+  if (function_idx_ == i) return function_;
   const PointOrder& order = pointOrder(representation());
   valid_count_ = 0;
   for (int b = 0; b < order.batchCount(); ++b) {
     const int begin = order.batch_begin[b];
-    function_.valid_count[b] = decodeBatch(order, b, functions_[i], mirror, &function_.phi[begin], &function_.mask[begin]);
+    function_.valid_count[b] = decodeBatch(order, b, functions_[i], 0, &function_.phi[begin], &function_.mask[begin]);
     valid_count_ += function_.valid_count[b];
   }
   function_idx_ = i;
-  function_mirror_ = mirror;
   return function_;
 }
 

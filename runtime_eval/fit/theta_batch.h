@@ -14,27 +14,18 @@ class ThetaBatch {
   // generator   must outlive it
   explicit ThetaBatch(const Generator& generator);
 
-  // Takes functions up, whose theta nobody has measured yet, and projects them.
-  // functions, theta   at most kBatchCount of them; count x D, changed in place. Both must last until the next call
-  void begin(const StoredFunction* functions, int count, float* theta);
+  // Takes functions up, with the network's theta of each, which nobody has measured yet.
+  // functions, theta   at most kBatchCount of them; count x D, overwritten. Both must last until the next call
+  void generate(const StoredFunction* functions, int count, float* theta);
 
   const Generator& generator() const { return *generator_; }
   const Representation& representation() const { return generator_->representation(); }
   int count() const { return count_; }
   size_t thetaCount() const { return theta_count_; }
   const float* theta(int i) const { return theta_ + static_cast<size_t>(i) * theta_count_; }
-  // count x K: what the generator's layers read.
-  const float* coefficients() const { return coefficients_.data(); }
 
-  // The network's theta for all functions, in place of what they have.
-  void generate();
-  // … for some mirror image of some functions. theta: member_count x D
-  void generateMirrored(int mirror, const int* members, int member_count, float* theta);
-  // K numbers: those of function i, mirrored.
-  void mirrorCoefficients(int i, int mirror, float* coefficients) const;
-
-  // Function i, seen in a mirror (0: as it is), in the order of the representation; kept until another one is asked for.
-  const WeightingFunction& function(int i, int mirror = 0);
+  // Function i in the order of the representation; kept until another one is asked for.
+  const WeightingFunction& function(int i);
   // Mean square of residuals over the valid points of the function asked for last; infinite where theta is not finite or there is
   // no such point.
   double meanSquareOf(const float* theta) const;
@@ -53,17 +44,15 @@ class ThetaBatch {
   void set(int i, const float* theta, double mean_square);
 
   const Generator* generator_;
-  size_t theta_count_, coefficient_count_;
+  size_t theta_count_;
   GeneratorScratch scratch_;
   const StoredFunction* functions_ = nullptr;
   int count_ = 0;
   float* theta_ = nullptr;
   std::vector<uint8_t> phi_;         // one batch
-  AlignedFloats coefficients_;       // one batch
-  AlignedFloats rows_;               // … of those that generateMirrored is asked for, one behind another
   std::vector<double> mean_square_;  // by function; below 0: not measured yet
   WeightingFunction function_;       // the one asked for last …
-  int function_idx_ = -1, function_mirror_ = 0;
+  int function_idx_ = -1;
   int valid_count_ = 0;
 };
 

@@ -45,13 +45,13 @@ int WeightingFunction::validCount() const {
   return total;
 }
 
-WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order, int mirror) {
+WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order) {
   WeightingFunction function;
   function.phi.resize(order.placeCount());
   function.mask.resize(order.placeCount());
   for (int b = 0; b < order.batchCount(); ++b) {
     const int begin = order.batch_begin[b];
-    function.valid_count.push_back(decodeBatch(order, b, stored, mirror, &function.phi[begin], &function.mask[begin]));
+    function.valid_count.push_back(decodeBatch(order, b, stored, 0, &function.phi[begin], &function.mask[begin]));
   }
   return function;
 }

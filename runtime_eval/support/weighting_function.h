@@ -30,7 +30,7 @@ struct WeightingFunction {
 };
 
 // All batches of a stored function.
-WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order = stratumOrder(), int mirror = 0);
+WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order = stratumOrder());
 
 // Any samples, by index into the support pattern: phi in [0, 1], valid false where a point is left out.
 WeightingFunction functionFromSamples(const std::vector<float>& phi, const std::vector<bool>& valid, const PointOrder& order);

@@ -63,14 +63,14 @@ class SceneBakeTest : public testing::Test {
 
   // Numbers at random, of which the last layer is to be solved: that lowers any error.
   static GeneratorData correctedData(uint64_t seed = 1) {
-    GeneratorData data = withCorrection(sampleGenerator(Representation::tentMlp(), 24, 3, seed), 20, 3, 2, seed);
-    data.correction.exact_last_layer = true;
+    GeneratorData data = sampleGenerator(Representation::tentMlp(), 24, 3, seed);
+    data.exact_last_layer = true;
     return data;
   }
-  // The same numbers without corrections.
+  // The same numbers without it.
   static GeneratorData plainData() {
     GeneratorData data = correctedData();
-    data.correction = {};
+    data.exact_last_layer = false;
     return data;
   }
   static std::vector<Generator> only(const GeneratorData& data) {
@@ -103,18 +103,17 @@ class SceneBakeTest : public testing::Test {
     BakeOptions options;
     options.spacing_m = 1.5;
     options.extent_m = {"0", "0", "0", "6", "6", "3"};
-    options.policy.refinement.rounds = 1;
-    options.policy.refinement.first_steps = 4;
-    options.policy.stages.adam_steps = 20;
+    options.policy.refine_rounds = 1;
+    options.policy.refine_first_steps = 4;
+    options.policy.adam_steps = 20;
     options.threads = 2;
     return options;
   }
   // … of which corrections alone are left.
   static BakeOptions correctedHouseOptions() {
     BakeOptions options = houseOptions();
-    options.policy.refinement.rounds = 0;
-    options.policy.stages.mirror_images = 1;
-    options.policy.stages.adam_steps = 0;
+    options.policy.refine_rounds = 0;
+    options.policy.adam_steps = 0;
     return options;
   }
 
@@ -205,7 +204,7 @@ TEST_F(SceneBakeTest, GivesTheSameBytesOnAnyNumberOfThreadsWithCorrections) {
   BakeOptions options = houseOptions();
   options.threads = 1;
   std::vector<Generator> both = only(correctedData());
-  both.emplace_back(withCorrection(sampleGenerator(Representation::mlp(), 24, 3, 1), 20, 3, 2, 3));
+  both.emplace_back(sampleGenerator(Representation::mlp(), 24, 3, 1));
   const Bake one = bake("house:3", both, options);
   ASSERT_GT(changed(one), 20u);
   const std::string bytes = fileBytes(one.grid, ThetaPrecision::float32);
@@ -225,7 +224,7 @@ TEST_F(SceneBakeTest, CorrectionsLowerErrorsOfAllThatTheyAreAskedFor) {
   ASSERT_GT(count, 20u);
   // all of them, or those alone that fail the check: here the same, as numbers at random do
   for (const double good_rmse : {0.0, 1e3}) {
-    options.policy.stages.good_rmse = good_rmse;
+    options.policy.good_rmse = good_rmse;
     const Bake corrected = bake("house:3", only(correctedData()), options);
     EXPECT_EQ(changed(corrected), count);
     EXPECT_LT(failing(corrected, ThetaWord::fitted, options), failing(plain, ThetaWord::fitted, options));
@@ -249,8 +248,8 @@ TEST_F(SceneBakeTest, CorrectsWhatFailsTheCheckOrIsAboveGoodRmse) {
   const double median = errors[errors.size() / 2];
   // once nothing fails the check but for its error, once nothing fails it at all
   for (const double tau_rmse : {median, 1e3}) {
-    options.policy.refinement.check = {tau_rmse, 1e3, 1.0};
-    options.policy.stages.good_rmse = tau_rmse == median ? 1e3 : median;
+    options.policy.check() = {tau_rmse, 1e3, 1.0};
+    options.policy.good_rmse = tau_rmse == median ? 1e3 : median;
     const Bake some = bake("house:3", only(correctedData()), options);
     uint64_t above = 0;
     for (size_t f = 0; f < plain.size(); ++f) {
@@ -264,7 +263,7 @@ TEST_F(SceneBakeTest, CorrectsWhatFailsTheCheckOrIsAboveGoodRmse) {
     EXPECT_GT(above, 0u);
     EXPECT_EQ(changed(some), above);
   }
-  options.policy.stages.good_rmse = 1e3;
+  options.policy.good_rmse = 1e3;
   EXPECT_EQ(changed(bake("house:3", only(correctedData()), options)), 0u);
 }
 
@@ -278,13 +277,13 @@ TEST_F(SceneBakeTest, CorrectionsNeverMakeAThetaFailTheCheckThatPassed) {
     last.bias[d] = zero.theta0[d] = 0.0f;
   }
   BakeOptions options = correctedHouseOptions();
-  options.policy.stages.good_rmse = 0.0;
-  options.policy.refinement.check = {1e3, 1e-6, 0.01};
+  options.policy.good_rmse = 0.0;
+  options.policy.check() = {1e3, 1e-6, 0.01};
   const Bake house = bake("house:3", only(zero), options);
   EXPECT_EQ(failing(house, ThetaWord::fitted, options), 0u);
   EXPECT_LT(changed(house), house.statistics.counts.functions);
   // nothing but the leaks stood against it
-  options.policy.refinement.check.tau_leak = 1e3;
+  options.policy.tau_leak = 1e3;
   const Bake leaking = bake("house:3", only(zero), options);
   EXPECT_EQ(changed(leaking), leaking.statistics.counts.functions);
 }

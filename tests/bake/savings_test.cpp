@@ -20,8 +20,7 @@ std::vector<Generator> generators(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     Representation representation;
     EXPECT_TRUE(findRepresentation(name, &representation)) << name;
-    GeneratorData data = withCorrection(sampleGenerator(representation, 24, 3, 1), 20, 3, 2, 1);
-    result.emplace_back(data);
+    result.emplace_back(sampleGenerator(representation, 24, 3, 1));
   }
   return result;
 }
@@ -31,9 +30,9 @@ BakeOptions houseOptions() {
   BakeOptions options;
   options.spacing_m = 1.5;
   options.extent_m = {"0", "0", "0", "6", "6", "3"};
-  options.policy.refinement.rounds = 0;
-  options.policy.refinement.first_steps = 4;
-  options.policy.stages.adam_steps = 20;
+  options.policy.refine_rounds = 0;
+  options.policy.refine_first_steps = 4;
+  options.policy.adam_steps = 20;
   options.threads = 2;
   return options;
 }
@@ -61,8 +60,8 @@ uint64_t probesOf(const LightGrid& grid, uint32_t function) {
 
 // The median error of what generators make, nothing corrected.
 double medianRmse(const std::vector<Generator>& generators, BakeOptions options) {
-  options.policy.stages.good_rmse = 1e3;
-  options.policy.refinement.check = {1e3, 1e3, 1.0};
+  options.policy.good_rmse = 1e3;
+  options.policy.check() = {1e3, 1e3, 1.0};
   std::vector<double> rmse;
   for (const ThetaRecord& record : bakeHouse(generators, options).statistics.records)
     rmse.push_back(record.at(ThetaWord::stored).rmse);
@@ -168,10 +167,10 @@ TEST(Savings, LargerGeneratorsRunOnlyWhereTheSmallestIsNotEnough) {
   const std::vector<Generator> both = generators({"tent_mlp4", "tent_mlp"});
   BakeOptions options = houseOptions();
   // enough for about half of the functions; the larger representation for all others, however little it is better
-  options.policy.choice.flat_ratio = 1e-6;
-  options.policy.choice.enough_rmse = medianRmse(generators({"tent_mlp4"}), options) / options.policy.choice.generator_excess;
-  options.policy.stages.good_rmse = 1e3;
-  options.policy.refinement.check = {1e3, 1e3, 1.0};
+  options.policy.choice_flat_ratio = 1e-6;
+  options.policy.choice_enough_rmse = medianRmse(generators({"tent_mlp4"}), options) / options.policy.choice_generator_excess;
+  options.policy.good_rmse = 1e3;
+  options.policy.check() = {1e3, 1e3, 1.0};
   const Bake house = bakeHouse(both, options);
   const auto& larger_ran = house.statistics.larger_ran;
   const auto larger = static_cast<uint64_t>(std::count(larger_ran.begin(), larger_ran.end(), 1));
@@ -185,13 +184,13 @@ TEST(Savings, LargerGeneratorsRunOnlyWhereTheSmallestIsNotEnough) {
 TEST(Savings, WhatIsGoodTakesNoStageAfterTheNetwork) {
   const std::vector<Generator> one = generators({"tent_mlp"});
   BakeOptions options = houseOptions();
-  options.policy.stages.good_rmse = 1e3;
-  options.policy.refinement.check = {1e3, 1e3, 1.0};
+  options.policy.good_rmse = 1e3;
+  options.policy.check() = {1e3, 1e3, 1.0};
   const Bake good = bakeHouse(one, options);
   const char* line = "corrections and fits of thetas that are good";
   EXPECT_EQ(lineOf(savingsOf(good, one, options), line).count, good.statistics.counts.functions);
   for (const ThetaRecord& record : good.statistics.records) EXPECT_EQ(record.ended, ThetaStage::network);
-  options.policy.stages.good_rmse = 0.0;
+  options.policy.good_rmse = 0.0;
   const Bake all = bakeHouse(one, options);
   EXPECT_EQ(lineOf(savingsOf(all, one, options), line).count, 0u);
   uint64_t better = 0;

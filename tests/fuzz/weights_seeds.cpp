@@ -33,16 +33,6 @@ GeneratorData smallGenerator(const char* representation, int component_count, in
   return data;
 }
 
-// With correction steps, and an exact last layer where there is one.
-GeneratorData withCorrection(GeneratorData data) {
-  const CorrectionFeatures places{data.basis.coefficientCount(), data.representation.thetaCount()};
-  const bool is_field = data.representation.isField();
-  data.correction.exact_last_layer = !is_field && data.representation.shape().output == OutputFunction::linear;
-  data.correction.step_count = 2;
-  data.correction.layers = smallLayers(places.count(), data.representation.thetaCount(), 2, 1);
-  return data;
-}
-
 // The file of a generator with all its tensors in float16.
 WeightsFile inFloat16(const GeneratorData& data) {
   WeightsFile file = weightsFromGenerator(data);
@@ -79,14 +69,9 @@ Seeds seeds() {
       const GeneratorData data = smallGenerator(representation, size.component_count, size.layer_count, size.width);
       const std::string header = headerOf(serializeWeights(weightsFromGenerator(data)));
       const std::string name = representation + ("_" + std::to_string(size.layer_count));
-      const std::string correction = headerOf(serializeWeights(weightsFromGenerator(withCorrection(data))));
       const std::string half = headerOf(serializeWeights(inFloat16(data)));
-      const std::string half_correction = headerOf(serializeWeights(inFloat16(withCorrection(data))));
-      seeds.insert(seeds.end(), {{name + "_correction_header", correction},
-                                 {name + "_correction_shapes", "[" + correction},
-                                 {name + "_half_header", half},
+      seeds.insert(seeds.end(), {{name + "_half_header", half},
                                  {name + "_half_shapes", "[" + half},
-                                 {name + "_half_correction_shapes", "[" + half_correction},
                                  {name + "_header", header},
                                  {name + "_shapes", "[" + header},
                                  // behind a zero byte: how much longer the data is than the header says, and what fills it

@@ -169,7 +169,7 @@ config["report"].update(savings=["clutter_1"])
 config["validate_light"].update(air_places=16, surface_places=16, walks=1, truth_rays=16, probe_rays=16)
 yaml.safe_dump(config, open(sys.argv[2] + "/run.yaml", "w"))
 # two processes, and no exact last layers, which would make rounding larger: docs/guide/training.md
-config["train"].update(steps=40, batch=8, exact_last_layer=False, correction_steps=0, processes=2)
+config["train"].update(steps=40, batch=8, exact_last_layer=False, processes=2)
 yaml.safe_dump(config, open(sys.argv[2] + "/together.yaml", "w"))
 PYTHON
 

@@ -52,7 +52,7 @@ quantiles = ["median", "mean", "p95", "p99", "worst"]
 wanted = [["functions", key] for key in ["distinct", "free_space", "duplicates", "held_out", "take_theta", "hard", "held_out_in_training_mirrored"]]
 for name in ["mlp", "tent_mlp"]:
     representation = ["representations", name]
-    wanted += [representation + [key] for key in ["parameters", "evaluate_us", "weights_bytes", "correction_steps"]]
+    wanted += [representation + [key] for key in ["parameters", "evaluate_us", "weights_bytes"]]
     wanted += [representation + ["sample", "ratios", word, reference, key, "value"] for word in words
                for reference in ["to_best_known", "to_direct", "without_duplicates"]
                for key in ["median", "median_hard", "median_test_points", "median_occluded_hard"]]

@@ -194,15 +194,6 @@ def check_rollbacks():
     check(os.path.exists("lasting_run/latest"), "a run that gave up left no checkpoint")
 
 
-def check_find_rate():
-    before = set(os.listdir("."))
-    out, _ = end(start("nlg-train", *INPUTS, *OPTIONS, *CACHE, "--find-rate", "--log", "rates.csv"))
-    result = json.loads(out)
-    check(1e-6 < result["suggested"] <= min(result["steepest"], result["diverged"] / 10), f"--find-rate: {result}")
-    check(set(os.listdir(".")) - before == {"rates.csv"}, f"--find-rate left {set(os.listdir('.')) - before}")
-    check(set(columns("rates.csv")) == {"rate", "loss", "smoothed_loss"}, "--find-rate wrote another table")
-
-
 def main():
     for variable in ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"]:
         os.environ[variable] = "1"
@@ -220,7 +211,6 @@ def main():
         check_processes()
         check_lost_process()
         check_rollbacks()
-        check_find_rate()
         os.chdir("/")
     for failure in failures:
         print("FAILED:", failure)

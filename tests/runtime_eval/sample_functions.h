@@ -22,11 +22,10 @@ inline const Representation kBothRepresentations[] = {Representation::mlp(0.01f)
 inline const Representation kNetworkRepresentations[] = {Representation::mlp(0.01f),
                                                          Representation::tentMlp(0.01f),
                                                          Representation::mlp(0.3f),
-                                                         {RepresentationKind::tent_mlp88, 0.01f},
                                                          {RepresentationKind::tent_mlp44, 0.01f},
                                                          {RepresentationKind::tent_mlp4, 0.01f},
                                                          {RepresentationKind::tent_mlp44, 0.3f}};
-static_assert(kNetworkCount == 5, "kNetworkRepresentations holds them all");
+static_assert(kNetworkCount == 4, "kNetworkRepresentations holds them all");
 
 struct StoredSample {
   std::vector<uint8_t> phi = std::vector<uint8_t>(kSupportPointCount, 0);

@@ -51,24 +51,6 @@ inline GeneratorData sampleGenerator(const Representation& representation, int w
   return data;
 }
 
-// The same generator with correction steps of random numbers.
-inline GeneratorData withCorrection(GeneratorData data, int width, int layer_count, int step_count, uint64_t seed) {
-  Random random(seed);
-  const int theta_count = data.representation.thetaCount();
-  int inputs = CorrectionFeatures{data.basis.coefficientCount(), theta_count}.count();
-  data.correction.step_count = step_count;
-  for (int l = 0; l < layer_count; ++l) {
-    GeneratorLayer layer{inputs, l + 1 == layer_count ? theta_count : width, {}, {}};
-    for (int i = 0; i < layer.output_count * layer.input_count; ++i) {
-      layer.weight.push_back(static_cast<float>(random.normal() / std::sqrt(inputs)));
-    }
-    for (int o = 0; o < layer.output_count; ++o) layer.bias.push_back(static_cast<float>(0.1 * random.normal()));
-    inputs = layer.output_count;
-    data.correction.layers.push_back(layer);
-  }
-  return data;
-}
-
 // Stored functions one after another, every third of noise.
 inline std::vector<uint8_t> sampleFunctions(int count) {
   std::vector<uint8_t> phi;

@@ -345,7 +345,7 @@ def orphaned_tools(siege, seconds):
 
 # ---- D15: the C library's options
 
-WHOLE = ("learned_steps", "mirror_images", "lm_iterations", "lm_theta0_iterations", "adam_steps", "refine_rounds", "refine_first_steps", "refine_growth")
+WHOLE = ("lm_iterations", "lm_theta0_iterations", "adam_steps", "refine_rounds", "refine_first_steps", "refine_growth")
 NUMBERS = ("bare_tent_rmse", "good_rmse", "retry_rmse", "adam_rmse", "tau_rmse", "tau_leak", "leak_share", "refine_leak_weight")
 
 

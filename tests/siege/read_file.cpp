@@ -41,7 +41,7 @@ int readWeights(const char* path) {
 int readWeightsInC(const char* path) {
   nlg_generator* generator = nullptr;
   std::array<char, 512> detail{};
-  const nlg_status status = nlg_generator_load(path, NLG_FLOAT32, &generator, detail.data(), detail.size());
+  const nlg_status status = nlg_generator_load(path, &generator, detail.data(), detail.size());
   nlg_generator_free(generator);
   return verdict(status, detail.data());
 }
@@ -73,29 +73,10 @@ int readGridByHeader(const char* path) {
 }
 
 bool setOption(nlg_policy_options* options, const std::string& name, double value) {
-  const auto whole = static_cast<int>(value);
-  const std::pair<const char*, int*> counts[] = {{"learned_steps", &options->learned_steps},
-                                                 {"mirror_images", &options->mirror_images},
-                                                 {"lm_iterations", &options->lm_iterations},
-                                                 {"lm_theta0_iterations", &options->lm_theta0_iterations},
-                                                 {"adam_steps", &options->adam_steps},
-                                                 {"refine_rounds", &options->refine_rounds},
-                                                 {"refine_first_steps", &options->refine_first_steps},
-                                                 {"refine_growth", &options->refine_growth}};
-  const std::pair<const char*, double*> numbers[] = {{"bare_tent_rmse", &options->bare_tent_rmse},
-                                                     {"good_rmse", &options->good_rmse},
-                                                     {"retry_rmse", &options->retry_rmse},
-                                                     {"adam_rmse", &options->adam_rmse},
-                                                     {"tau_rmse", &options->tau_rmse},
-                                                     {"tau_leak", &options->tau_leak},
-                                                     {"leak_share", &options->leak_share},
-                                                     {"refine_leak_weight", &options->refine_leak_weight}};
-  for (const auto& [known, place] : counts) {
-    if (name == known) return *place = whole, true;
-  }
-  for (const auto& [known, place] : numbers) {
-    if (name == known) return *place = value, true;
-  }
+#define NLG_CHOICE_OPTION(type, option, usual, low, high, help)
+#define NLG_POLICY_OPTION(type, option, usual, low, high, help) \
+  if (name == #option) return options->option = static_cast<type>(value), true;
+#include "runtime_eval/fit/policy_options.def"
   return false;
 }
 
@@ -104,7 +85,7 @@ int usePolicy(const char* weights, const char* name, const char* value) {
   nlg_scratch* scratch = nullptr;
   nlg_policy_options options = nlg_default_policy();
   if (!setOption(&options, name, std::stod(value))) return kUsage;
-  nlg_status status = nlg_generator_load(weights, NLG_FLOAT32, &generator, nullptr, 0);
+  nlg_status status = nlg_generator_load(weights, &generator, nullptr, 0);
   if (status == NLG_OK) status = nlg_scratch_create(generator, &options, &scratch);
   if (status == NLG_OK) {
     // no smooth field comes near: it takes every stage

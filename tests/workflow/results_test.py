@@ -39,7 +39,7 @@ def representation(weights_sha256):
     ratios = {word: {"to_best_known": ratio, "to_direct": ratio, "without_duplicates": ratio} for word in words}
     stages = [{"name": "network", "word": "network", "population": "theta", "above_rmse": None, "budget": None, "text": "one pass"},
               {"name": "adam", "word": "fitted", "population": "theta", "above_rmse": 0.003, "budget": 500, "text": "500 steps of Adam"}]
-    return {"parameters": 113, "theta_bytes": {"float32": 452, "float16": 226, "int8": 122}, "weights_bytes": 3032068, "weights_sha256": weights_sha256, "correction_steps": 3, "evaluate_us": 9.1,
+    return {"parameters": 113, "theta_bytes": {"float32": 452, "float16": 226, "int8": 122}, "weights_bytes": 3032068, "weights_sha256": weights_sha256, "evaluate_us": 9.1,
             "convergence": {"functions": 100, "by_restarts": [{"restarts": 2, "adam_steps": 32000, "rmse_mean": 0.0017}],
                             "by_adam_steps": [{"restarts": 2, "adam_steps": 64000, "rmse_mean": 0.0016}]}, "stages": stages, **words, "sample": {"functions": 280, "hard": 70, "best_known_from": {"direct": 200, "adam_policy": 80}, **words, **fits, "ratios": ratios},
             "by_scene": {"kaos2": {"stored": quantiles(0.002), "network": quantiles(0.005)}}}

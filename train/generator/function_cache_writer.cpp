@@ -67,7 +67,6 @@ class CacheWriter {
   CacheWriter(RandomFile& file, const BasisData& basis, int64_t largest_count)
       : file_(file),
         projection_(basis),
-        scratch_(GeneratorPrecision::float32),
         record_bytes_(recordBytes(basis.coefficientCount())),
         places_(static_cast<size_t>(largest_count)),
         tent_rmse_(places_.size()),

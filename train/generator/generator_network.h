@@ -13,17 +13,10 @@ namespace nlg {
 struct GeneratorShape {
   int coefficient_count = 512;
   int width = 512;
-  int layer_count = 6;         // the last one yields theta
-  double slope = 0.01;         // LeakyReLU
-  double output_scale = 0.05;  // theta = theta0 + output_scale * last layer: keeps Adam's first steps small in theta
-  bool exact_last_layer =
-      true;  // networks with a linear output: the last layer is solved after the generator and every correction
-  // 0: none, and no correction network. Bakes take none unless asked to, training is twice as fast without, and fits of tent_mlp end
-  // lower (docs/lab/training.md, "What corrections do to starts").
-  int correction_steps = 0;
-  double theta_unit = 1.0;  // in which corrections see theta, compressed: CorrectionData::theta_unit
-  int correction_width = 256;
-  int correction_layers = 4;
+  int layer_count = 6;           // the last one yields theta
+  double slope = 0.01;           // LeakyReLU
+  double output_scale = 0.05;    // theta = theta0 + output_scale * last layer: keeps Adam's first steps small in theta
+  bool exact_last_layer = true;  // networks with a linear output: the last layer is solved after the generator
 };
 
 // The formulas of GeneratorData (runtime_eval/evaluator/generator.h), differentiable. The last layer starts at zero: the
@@ -40,19 +33,12 @@ class GeneratorNetworkImpl : public torch::nn::Module {
     return shape_.exact_last_layer && !representation.isField() && representation.shape().output == OutputFunction::linear;
   }
 
-  // What a correction step reads, B x CorrectionFeatures::count().
-  // theta, gradient   B x D; mean_square   B: of that theta
-  torch::Tensor correctionFeatures(const torch::Tensor& coefficients, const torch::Tensor& theta,
-                                   const torch::Tensor& mean_square, const torch::Tensor& gradient) const;
-  // The change of theta that it proposes, B x D; zero before any training.
-  torch::Tensor correction(torch::Tensor features);
-
   // Its present numbers for the evaluator.
   GeneratorData toData(const Representation& representation, const BasisData& basis) const;
 
  private:
   GeneratorShape shape_;
-  std::vector<torch::nn::Linear> layers_, correction_layers_;
+  std::vector<torch::nn::Linear> layers_;
   torch::Tensor theta0_;
 };
 TORCH_MODULE(GeneratorNetwork);

@@ -7,27 +7,14 @@ namespace nlg {
 ThetaStages runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
                       const std::vector<Sample>& samples) {
   const torch::Device device = network->parameters().front().device();
-  const torch::Tensor coefficients = coefficientBatch(data, samples).to(device);
-  torch::Tensor theta = network->forward(coefficients).cpu();
+  torch::Tensor theta = network->forward(coefficientBatch(data, samples).to(device)).cpu();
   const SampleTargets targets(representation, data, samples);
   ThetaStages stages;
-  ThetaErrors errors;
-  const auto measure = [&] {
-    errors = measureTheta(theta, targets);
-    stages.mean_squares.push_back(differentiable(errors, theta));
-  };
-  const bool solves = network->solvesLastLayer(representation);
-  const auto solveAndMeasure = [&] {
-    if (solves) theta = solveLastLayers(theta, targets);
-    measure();
-  };
+  const auto measure = [&] { stages.mean_squares.push_back(differentiable(measureTheta(theta, targets), theta)); };
   measure();
-  if (solves) solveAndMeasure();
-  for (int step = 0; step < network->shape().correction_steps; ++step) {
-    const torch::Tensor features = network->correctionFeatures(coefficients, theta.detach().to(device),
-                                                               errors.mean_square.to(device), errors.gradient.to(device));
-    theta = theta + network->correction(features).cpu();
-    solveAndMeasure();
+  if (network->solvesLastLayer(representation)) {
+    theta = solveLastLayers(theta, targets);
+    measure();
   }
   return stages;
 }

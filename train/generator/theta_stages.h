@@ -1,6 +1,6 @@
-// What becomes of a function's theta on its way: predicted, last layer solved, corrected step by step.
+// What becomes of a function's theta on its way: predicted, then its last layer solved.
 //
-// The same way as at bake time (runtime_eval/fit/theta_policy.h), but differentiable and without taking back steps that do not pay.
+// The same way as at bake time (runtime_eval/fit/theta_policy.h), but differentiable.
 #pragma once
 
 #include "train/generator/function_loss.h"
@@ -10,20 +10,18 @@ namespace nlg {
 
 struct ThetaStages {
   // One a stage, B each, differentiable: of the predicted theta; of that with its last layer solved (networks with a linear
-  // output, when the shape says so); after each correction step.
+  // output, when the shape says so).
   std::vector<torch::Tensor> mean_squares;
 };
 
-// Theta of all stages for the samples, each judged on its sample's points. Corrections are constants to the gradient's path through
-// theta itself: the generator learns what a correction step can still mend.
+// Theta of all stages for the samples, each judged on its sample's points.
 ThetaStages runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
                       const std::vector<Sample>& samples);
 
 // How the stages do on held-out functions.
 struct HeldOutError {
   double network = 0.0;  // mean RMSE of one pass of the network alone
-  // … and of each function's best stage. At bake time the steps end at the first that does not pay, so it may be above.
-  double final = 0.0;
+  double final = 0.0;    // … and of each function's best stage
 };
 
 // Over all valid support points, for at most `limit` functions, taken at equal distances from those whose bare tent has an RMSE

@@ -139,11 +139,7 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("generator_slope", &o.shape.slope, "LeakyReLU slope of the generator", 1e-6, 0.9);
   table.add("output_scale", &o.shape.output_scale, "factor of the last layer's output", 1e-6, 1e3);
   table.add("exact_last_layer", &o.shape.exact_last_layer,
-            "networks with a linear output: solve the last layer after the generator and every correction");
-  table.add("correction_steps", &o.shape.correction_steps, "learned correction steps; 0: none", 0, 16);
-  table.add("theta_unit", &o.shape.theta_unit, "corrections see theta as asinh of its change over this", 1e-6, 1e6);
-  table.add("correction_width", &o.shape.correction_width, "width of the correction network's hidden layers", 1, 8192);
-  table.add("correction_layers", &o.shape.correction_layers, "its layers, the last one included", 1, 32);
+            "networks with a linear output: solve the last layer after the generator");
   table.group("Run");
   table.add("start_candidates", &o.start.candidates, "random starts tried for theta0", 1, 1000000);
   table.add("checkpoint_steps", &o.checkpoint_steps, "steps between checkpoints", 1, 100000000);

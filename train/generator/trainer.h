@@ -77,7 +77,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
                   const TrainingData& held_out, TrainingState* state, const std::function<void()>& save,
                   const ProcessGroup& processes = ProcessGroup());
 
-// One step at a given rate, without validation: what train() and findRate() (rate_finder.h) are made of.
+// One step at a given rate, without validation: what train() is made of.
 class TrainStep {
  public:
   struct Result {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "runtime_eval/evaluator/mirror_coefficients.h"
-
 namespace nlg {
 namespace {
 
@@ -32,7 +30,7 @@ TrainingData::TrainingData(FunctionSet set, const BasisData& basis, const BasisD
       factor_(factors(basis, used)) {
   if (order == FunctionOrder::cache) order_ = cacheOrder(function_count_);
   const Projection projection(basis);
-  ProjectionScratch scratch(GeneratorPrecision::float32);
+  ProjectionScratch scratch;
   coefficients_.resize(size_t(function_count_) * stored_count_);
   for (int64_t begin = 0; begin < function_count_; begin += kBatchCount) {
     const int batch = static_cast<int>(std::min<int64_t>(kBatchCount, function_count_ - begin));
@@ -61,8 +59,14 @@ const float* TrainingData::coefficients(int64_t index) const {
 }
 
 void TrainingData::copyCoefficients(int64_t index, int mirror, float* coefficients) const {
-  mirrorCoefficients(stored_class_count_, class_count_, this->coefficients(index), mirror, coefficients);
-  for (int k = 0; k < coefficient_count_; ++k) coefficients[k] *= factor_[static_cast<size_t>(k)];
+  // mirroring changes no more than signs, by parity class
+  const float* stored = this->coefficients(index);
+  const float* factor = factor_.data();
+  for (int c = 0; c < kParityClassCount; ++c) {
+    const float sign = mirrorSign(c, mirror);
+    for (int k = 0; k < class_count_[c]; ++k) *coefficients++ = sign * stored[k] * *factor++;
+    stored += stored_class_count_[c];
+  }
 }
 
 std::vector<uint32_t> TrainingData::functionsAbove(double tent_rmse) const {

@@ -133,7 +133,6 @@ Json representationJson(const ValidatedGenerator& validated, const FigureContext
                {"theta_bytes", thetaBytesJson(representation)},
                {"weights_bytes", std::filesystem::file_size(validated.path)},
                {"weights_sha256", fileSha256(validated.path)},
-               {"correction_steps", validated.generator.correctionStepCount()},
                {"evaluate_us", measureEvaluation(representation)},
                {"stages", stagesJson(validated.policy.plan)}};
   for (const MeasuredWord& word : validated.policy.words) json[word.name] = figuresByPopulation(word, Scope::set, context);

@@ -158,7 +158,7 @@ std::vector<int> adamSteps(const Representation& representation, std::vector<int
 
 // Above which RMSE the policy takes its last fit before the refinement; that of its first one without any.
 double lastFitThreshold(const Generator& generator, const PolicyOptions& options) {
-  double threshold = options.stages.good_rmse;
+  double threshold = options.good_rmse;
   for (const StagePlan& plan : stagesOf(stageFacts(generator), options)) {
     if (isFit(plan.stage) && plan.stage < ThetaStage::refinement) threshold = plan.above_rmse;
   }
@@ -171,7 +171,7 @@ void addDirect(const Fits& fits, double loose_rmse, std::vector<PlotRun>& runs) 
     runs.push_back({{{name, fits.family(), budget, fits.label(budget), {}, true}},
                     [fits, budget](const FunctionBlock& block) { return FittedFunctions{fitAll(fits, budget, block)}; }});
   }
-  const double good_rmse = fits.options.stages.good_rmse;
+  const double good_rmse = fits.options.good_rmse;
   std::vector<double> thresholds = {good_rmse};
   if (loose_rmse > good_rmse) thresholds.push_back(loose_rmse);
   PlotRun gated;
@@ -195,7 +195,7 @@ void addDirect(const Fits& fits, double loose_rmse, std::vector<PlotRun>& runs) 
 std::vector<PlotRun> fitsOfCorrected(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
                                      const FitBudgets& budgets) {
   std::vector<PlotRun> runs;
-  const auto corrected = std::make_shared<TimedPolicy>(SharedGenerators{generator}, options, ThetaStage::mirror_images);
+  const auto corrected = std::make_shared<TimedPolicy>(SharedGenerators{generator}, options, ThetaStage::last_layer);
   for (const Method method : {Method::lm, Method::adam}) {
     const std::vector<int> steps = method == Method::lm ? budgets.lm : adamSteps(generator->representation(), budgets.adam);
     if (steps.empty()) continue;

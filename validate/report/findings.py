@@ -144,7 +144,7 @@ class Findings:
             rows = [figures_row(word, node[word][population], population, self.tau["rmse"]) | {"first": word == WORDS[0], "main": population == POPULATIONS[0]}
                     for population in POPULATIONS for word in WORDS]
             groups.append({"name": name, "note": f"{grouped(node['parameters'].count())} parameters, {grouped(node['theta_bytes'][self.precision].count())} bytes a function in {self.precision}. The generator: "
-                           f"{grouped(round(node['weights_bytes'].count() / 1000))} kB, {plural(node['correction_steps'].count(), 'learned correction step')}.", "rows": rows})
+                           f"{grouped(round(node['weights_bytes'].count() / 1000))} kB.", "rows": rows})
         tent = self.inputs.summary["tent"]
         groups.append({"name": "bare tent", "note": "No network at all and the same for every probe: this is what a generator has to beat.",
                        "rows": [figures_row("tent", tent[population], population, self.tau["rmse"]) | {"first": True, "main": population == POPULATIONS[0]} for population in POPULATIONS]})

@@ -215,7 +215,7 @@ def check_stage(stage):
 
 
 def check_representation(node):
-    [node[key].count() for key in ("parameters", "weights_bytes", "correction_steps")]
+    [node[key].count() for key in ("parameters", "weights_bytes")]
     [node["theta_bytes"][precision].count() for precision in PRECISIONS]
     node["weights_sha256"].text(), node["evaluate_us"].number()
     [check_stage(stage) for stage in node["stages"].items()]

@@ -22,7 +22,7 @@ COLOURS = {"tent": "#7a828a", "network": "#56B4E9", "corrected": "#0072B2", "fit
 NAMES = {"tent": "bare tent", "network": "network", "corrected": "corrected", "fitted": "fitted", "stored": "stored", "adam_theta0": "Adam from θ₀",
          "lm_theta0": "LM from θ₀", "adam_random": "Adam from a random start", "direct": "direct", "best_known": "best known"}
 POPULATION_NAMES = {"theta": "functions that take a θ", "hard": "hard functions", "all": "all distinct functions"}
-REPRESENTATIONS = {"mlp": ("#1d232a", "s"), "tent_mlp": ("#0b4f9c", "o"), "tent_mlp88": ("#2a8ac2", "D"), "tent_mlp44": ("#118a7e", "^"),
+REPRESENTATIONS = {"mlp": ("#1d232a", "s"), "tent_mlp": ("#0b4f9c", "o"), "tent_mlp44": ("#118a7e", "^"),
                    "tent_mlp4": ("#7a3fb0", "v"), "pf3": ("#c08a00", "<"), "pf5": ("#d95f0e", ">"), "pf7": ("#b3173c", "p"),
                    "pf9": ("#6b2d0f", "h")}
 OTHER_REPRESENTATION = (MUTED, "o")

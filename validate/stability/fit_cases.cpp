@@ -94,7 +94,7 @@ void measureStarts(const StabilityInputs& inputs, StabilityFigures* figures) {
   LevenbergMarquardtOptions lm;
   lm.iterations = inputs.isBrief() ? 2 : 20;
   RefinementOptions refinement;
-  refinement.rounds = 1;
+  refinement.refine_rounds = 1;
   const SampledFunction wall = functionBesideWall(9, 0.3);
   NormalEquationsKernel kernel;
   FunctionChecker checker;
@@ -124,7 +124,7 @@ void measureStarts(const StabilityInputs& inputs, StabilityFigures* figures) {
       if (!start.saturated || representation.thetaCount() > kRefinedCount) continue;
       // as a bake goes on: from theta0 too
       const double rmse =
-          refiner.refine(representation, wall.view(), start.theta, randomTheta(representation, 13), refinement).check.rmse;
+          refiner.refine(representation, wall.view(), start.theta, randomTheta(representation, 13), {}, refinement).check.rmse;
       figures->require(rmse < 0.9 * before, what + " is not left by the refinement");
       worst_refined = std::max(worst_refined, rmse);
       ++refined;

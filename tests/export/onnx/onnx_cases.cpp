@@ -1,8 +1,7 @@
 // Writes what a runtime for ONNX must come to: onnx_cases FOLDER FUNCTION_COUNT [WEIGHTS ...].
 //
-// For small generators of random numbers, one of them with a correction step, and for every file of WEIGHTS: NAME.safetensors, and
-// raw floats of the evaluator, one file a value of the model: NAME.phi.f32, NAME.theta.f32, NAME.coefficients.f32; of the correction
-// step NAME.correction.features.f32, NAME.correction.theta_change.f32.
+// For small generators of random numbers and for every file of WEIGHTS: NAME.safetensors, and raw floats of the evaluator, one file a
+// value of the model: NAME.phi.f32, NAME.theta.f32, NAME.coefficients.f32.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -22,20 +21,6 @@ void write(const std::string& path, const std::vector<float>& values) {
   write(path, values.data(), values.size() * sizeof(float));
 }
 
-void writeCorrectionCase(const std::string& stem, const GeneratorData& data, int count) {
-  Random random(10);
-  std::vector<float> features, changes;
-  for (int n = 0; n < count; ++n) {
-    std::vector<double> row;
-    for (int i = 0; i < data.correction.layers.front().input_count; ++i) row.push_back(static_cast<float>(random.normal()));
-    features.insert(features.end(), row.begin(), row.end());
-    const std::vector<double> change = correctionReference(data, row.data());
-    changes.insert(changes.end(), change.begin(), change.end());
-  }
-  write(stem + ".correction.features.f32", features);
-  write(stem + ".correction.theta_change.f32", changes);
-}
-
 // What the evaluator makes of the functions.
 void writeCase(const std::string& stem, const std::string& bytes, int count) {
   WeightsFile file;
@@ -52,7 +37,7 @@ void writeCase(const std::string& stem, const std::string& bytes, int count) {
   std::vector<float> theta(size_t(count) * data.representation.thetaCount());
   generator.generate(stored.data(), count, theta.data(), &scratch);
   const Projection projection(data.basis);
-  ProjectionScratch projection_scratch(GeneratorPrecision::float32);
+  ProjectionScratch projection_scratch;
   std::vector<float> phi, coefficients(size_t(count) * data.basis.coefficientCount());
   for (const uint8_t byte : stored) phi.push_back(static_cast<float>(byte) / 255.0f);
   for (int n = 0; n < count; ++n) {
@@ -63,7 +48,6 @@ void writeCase(const std::string& stem, const std::string& bytes, int count) {
   write(stem + ".phi.f32", phi);
   write(stem + ".theta.f32", theta);
   write(stem + ".coefficients.f32", coefficients);
-  if (data.correction.step_count > 0) writeCorrectionCase(stem, data, count);
 }
 
 std::string bytesOf(const std::string& path) {
@@ -73,8 +57,8 @@ std::string bytesOf(const std::string& path) {
 
 void writeCases(const std::string& folder, int count, const std::vector<std::string>& weights) {
   // layers 25 → 25 → 25 → 113: a skip beside each hidden layer
-  const GeneratorData skipping = withCorrection(sampleGenerator(Representation::tentMlp(), 25, 3, 1), 20, 3, 1, 9);
-  writeCase(folder + "/with_correction", serializeWeights(weightsFromGenerator(skipping)), count);
+  const GeneratorData skipping = sampleGenerator(Representation::tentMlp(), 25, 3, 1);
+  writeCase(folder + "/skipping", serializeWeights(weightsFromGenerator(skipping)), count);
   WeightsFile halves = weightsFromGenerator(sampleGenerator(Representation::productField(5), 24, 4, 2));
   for (const char* name : {"basis.components", "layer.0.weight", "layer.1.weight", "layer.3.weight"}) {
     if (!roundToFloat16(name, &halves.tensors[name]).ok()) std::exit(1);

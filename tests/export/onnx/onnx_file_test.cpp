@@ -144,21 +144,6 @@ TEST(OnnxFile, StoresMatricesAsFloat16OnlyWhereThatLosesNothing) {
   EXPECT_LT(bytes.size() + data.basis.components.size() * 2, float32_bytes + 2000);
 }
 
-TEST(OnnxFile, WritesLayersByThemselves) {
-  const GeneratorData data = sampleGenerator(Representation::mlp(), 16, 3, 5);
-  const LayerChain chain{"features", "theta_change", data.layers, 0.02f, data.output_scale};
-  const onnx::ModelProto model = parsed(onnxFromLayers(chain, {}));
-  EXPECT_EQ(interface(model.graph().input()), (std::set<std::string>{"features: N x 25"}));
-  EXPECT_EQ(interface(model.graph().output()), (std::set<std::string>{"theta_change: N x 113"}));
-  EXPECT_EQ(nodeCount(model, "Gemm"), 3);
-  EXPECT_EQ(nodeCount(model, "Add"), 1) << "16 → 16";
-  for (const onnx::NodeProto& node : model.graph().node()) {
-    if (node.op_type() == "LeakyRelu") {
-      EXPECT_EQ(node.attribute(0).f(), 0.02f);
-    }
-  }
-}
-
 TEST(OnnxFile, GivesTheSameBytesForTheSameNumbers) {
   const GeneratorData data = sampleGenerator(Representation::mlp(), 8, 2, 6);
   EXPECT_EQ(onnxFromGenerator(data, {{"k", "v"}}), onnxFromGenerator(data, {{"k", "v"}}));

@@ -35,11 +35,11 @@ const std::string& sampleBytes() {
   return bytes;
 }
 
-// Solves the last layer, which changes theta of any function, then takes two steps.
-const GeneratorData& correctedData() {
+// Solves the last layer, which changes theta of any function.
+const GeneratorData& exactData() {
   static const GeneratorData data = [] {
-    GeneratorData exact = withCorrection(sampleData(), 20, 3, 2, 4);
-    exact.correction.exact_last_layer = true;
+    GeneratorData exact = sampleData();
+    exact.exact_last_layer = true;
     return exact;
   }();
   return data;
@@ -67,7 +67,7 @@ struct Loaded {
   nlg_scratch* scratch = nullptr;
   explicit Loaded(const GeneratorData& data, const nlg_policy_options* options = nullptr) {
     const std::string bytes = serializeWeights(weightsFromGenerator(data));
-    EXPECT_EQ(nlg_generator_load_bytes(bytes.data(), bytes.size(), NLG_FLOAT32, &generator, nullptr, 0), NLG_OK);
+    EXPECT_EQ(nlg_generator_load_bytes(bytes.data(), bytes.size(), &generator, nullptr, 0), NLG_OK);
     EXPECT_EQ(nlg_scratch_create(generator, options, &scratch), NLG_OK);
   }
   ~Loaded() {
@@ -78,7 +78,7 @@ struct Loaded {
 
 TEST(CApi, GivesAnEngineInCTheNumbersOfTheLibrary) {
   const std::string path = (std::filesystem::temp_directory_path() / ("nlg_c_api_" + std::to_string(::getpid()))).string();
-  std::ofstream(path, std::ios::binary) << serializeWeights(weightsFromGenerator(correctedData()));
+  std::ofstream(path, std::ios::binary) << serializeWeights(weightsFromGenerator(exactData()));
   constexpr int kCount = 3;
   const EngineFunctions functions(kCount);
   float *theta = nullptr, *values = nullptr;
@@ -86,7 +86,7 @@ TEST(CApi, GivesAnEngineInCTheNumbersOfTheLibrary) {
   std::filesystem::remove(path);
   ASSERT_EQ(failed_step, 0);
 
-  const Generator generator(correctedData());
+  const Generator generator(exactData());
   const size_t theta_count = ThetaLayout::count;
   std::vector<MadeTheta> made(kCount);
   ThetaPolicy({&generator}, {}).bake(functions.views().data(), kCount, made.data());
@@ -104,25 +104,6 @@ TEST(CApi, GivesAnEngineInCTheNumbersOfTheLibrary) {
   }
   std::free(theta);
   std::free(values);
-}
-
-TEST(CApi, LoadsInThePrecisionAskedFor) {
-  nlg_generator* generator = nullptr;
-  nlg_scratch* c_scratch = nullptr;
-  ASSERT_EQ(nlg_generator_load_bytes(sampleBytes().data(), sampleBytes().size(), NLG_INT16, &generator, nullptr, 0), NLG_OK);
-  ASSERT_EQ(nlg_scratch_create(generator, nullptr, &c_scratch), NLG_OK);
-  const std::vector<uint8_t> phi = sampleFunctions(1);
-  std::vector<float> theta(ThetaLayout::count), int16(theta), float32(theta);
-  nlg_generate(generator, phi.data(), 1, theta.data(), c_scratch);
-  nlg_scratch_free(c_scratch);
-  nlg_generator_free(generator);
-  for (const GeneratorPrecision precision : {GeneratorPrecision::int16, GeneratorPrecision::float32}) {
-    const Generator expected(sampleData(), precision);
-    GeneratorScratch scratch(expected);
-    expected.generate(phi.data(), 1, (precision == GeneratorPrecision::int16 ? int16 : float32).data(), &scratch);
-  }
-  EXPECT_EQ(theta, int16);
-  EXPECT_NE(theta, float32);
 }
 
 TEST(CApi, DescribesWhatItLoaded) {
@@ -181,14 +162,14 @@ TEST(CApi, RefusesWithAStatusAndAReason) {
   char detail[256];
   const auto statusOf = [&](const std::string& bytes) {
     generator = reinterpret_cast<nlg_generator*>(&detail);
-    return nlg_generator_load_bytes(bytes.data(), bytes.size(), NLG_FLOAT32, &generator, detail, sizeof detail);
+    return nlg_generator_load_bytes(bytes.data(), bytes.size(), &generator, detail, sizeof detail);
   };
   EXPECT_EQ(statusOf(sampleBytes().substr(0, 5)), NLG_TOO_SHORT);
   EXPECT_EQ(generator, nullptr);
   EXPECT_STREQ(detail, "no 8 bytes for the header's length");
   EXPECT_EQ(statusOf(sampleBytes() + "x"), NLG_TENSOR_MALFORMED);
   EXPECT_EQ(statusOf(serializeWeights({})), NLG_TENSOR_MISSING);
-  EXPECT_EQ(nlg_generator_load("/no/such/file", NLG_FLOAT32, &generator, detail, sizeof detail), NLG_CANNOT_OPEN);
+  EXPECT_EQ(nlg_generator_load("/no/such/file", &generator, detail, sizeof detail), NLG_CANNOT_OPEN);
   EXPECT_EQ(std::string(detail).find("/no/such/file: "), 0u) << detail;
   EXPECT_EQ(statusOf(sampleBytes()), NLG_OK);
   EXPECT_STREQ(detail, "");
@@ -199,23 +180,23 @@ TEST(CApi, CutsTheReasonToTheBufferBetweenCharacters) {
   nlg_generator* generator = nullptr;
   const std::string path = "/né";
   char detail[8] = "unsized";
-  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, nullptr, 0);
+  nlg_generator_load(path.c_str(), &generator, nullptr, 0);
   EXPECT_STREQ(detail, "unsized");
-  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, detail, 1);
+  nlg_generator_load(path.c_str(), &generator, detail, 1);
   EXPECT_STREQ(detail, "");
-  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, detail, 4);  // room for three bytes; é has two
+  nlg_generator_load(path.c_str(), &generator, detail, 4);  // room for three bytes; é has two
   EXPECT_STREQ(detail, "/n");
-  nlg_generator_load(path.c_str(), NLG_FLOAT32, &generator, detail, 5);
+  nlg_generator_load(path.c_str(), &generator, detail, 5);
   EXPECT_STREQ(detail, "/né");
 }
 
 TEST(CApi, RefusesWeightsWithAFlippedBit) {
   std::string bytes = serializeWeights(weightsFromGenerator(sampleGenerator(Representation::tentMlp(), 24, 3, 1)));
   nlg_generator* generator = nullptr;
-  ASSERT_EQ(nlg_generator_load_bytes(bytes.data(), bytes.size(), NLG_FLOAT32, &generator, nullptr, 0), NLG_OK);
+  ASSERT_EQ(nlg_generator_load_bytes(bytes.data(), bytes.size(), &generator, nullptr, 0), NLG_OK);
   nlg_generator_free(generator);
   bytes[bytes.size() / 2] ^= 4;
-  EXPECT_EQ(nlg_generator_load_bytes(bytes.data(), bytes.size(), NLG_FLOAT32, &generator, nullptr, 0), NLG_DIGEST_MISMATCH);
+  EXPECT_EQ(nlg_generator_load_bytes(bytes.data(), bytes.size(), &generator, nullptr, 0), NLG_DIGEST_MISMATCH);
   EXPECT_EQ(generator, nullptr);
 }
 
@@ -237,7 +218,7 @@ TEST(CApi, ItsDefaultPolicyIsWhatNoOptionsMean) {
   std::vector<float> with_options(kCount * ThetaLayout::count), without(with_options);
   std::vector<nlg_made> made(kCount);
   for (const bool are_given : {true, false}) {
-    const Loaded loaded(correctedData(), are_given ? &options : nullptr);
+    const Loaded loaded(exactData(), are_given ? &options : nullptr);
     ASSERT_EQ(nlg_make_theta(loaded.generator, functions.phi.data(), functions.validity.data(), kCount,
                              (are_given ? with_options : without).data(), made.data(), loaded.scratch),
               NLG_OK);
@@ -272,23 +253,10 @@ TEST(CApi, RefusesEveryOptionOutOfItsRangeByItsName) {
       EXPECT_EQ(nlg_policy_out_of_range(&options), nullptr) << name << ' ' << value;
     }
   };
-  using O = nlg_policy_options;
-  refuses("bare_tent_rmse", &O::bare_tent_rmse, 0.0, 1e3);
-  refuses("good_rmse", &O::good_rmse, 0.0, 1e3);
-  refuses("learned_steps", &O::learned_steps, 0, 64);
-  refuses("mirror_images", &O::mirror_images, 1, 8);
-  refuses("retry_rmse", &O::retry_rmse, 0.0, 1e3);
-  refuses("lm_iterations", &O::lm_iterations, 0, 1000);
-  refuses("lm_theta0_iterations", &O::lm_theta0_iterations, 0, 1000);
-  refuses("adam_rmse", &O::adam_rmse, 0.0, 1e3);
-  refuses("adam_steps", &O::adam_steps, 0, 1000000);
-  refuses("tau_rmse", &O::tau_rmse, 1e-6, 1.0);
-  refuses("tau_leak", &O::tau_leak, 1e-6, 1.0);
-  refuses("leak_share", &O::leak_share, 1e-6, 1.0);
-  refuses("refine_rounds", &O::refine_rounds, 0, 16);
-  refuses("refine_first_steps", &O::refine_first_steps, 1, 100000);
-  refuses("refine_growth", &O::refine_growth, 1, 100);
-  refuses("refine_leak_weight", &O::refine_leak_weight, 1.0, 1e6);
+#define NLG_CHOICE_OPTION(type, name, value, low, high, help)
+#define NLG_POLICY_OPTION(type, name, value, low, high, help) \
+  refuses(#name, &nlg_policy_options::name, static_cast<type>(low), static_cast<type>(high));
+#include "runtime_eval/fit/policy_options.def"
   EXPECT_EQ(nlg_policy_out_of_range(nullptr), nullptr) << "the defaults";
 }
 
@@ -302,17 +270,12 @@ TEST(CApi, AnswersArgumentsThatAreNoneWithAStatus) {
   char detail[80];
   const void* bytes = sampleBytes().data();
   const size_t size = sampleBytes().size();
-  EXPECT_EQ(nlg_generator_load(nullptr, NLG_FLOAT32, &generator, detail, sizeof detail), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_generator_load(nullptr, &generator, detail, sizeof detail), NLG_INVALID_ARGUMENT);
   EXPECT_EQ(generator, nullptr);
   EXPECT_NE(std::strstr(detail, "path"), nullptr) << detail;
-  EXPECT_EQ(nlg_generator_load("x", NLG_FLOAT32, nullptr, detail, sizeof detail), NLG_INVALID_ARGUMENT);
-  EXPECT_EQ(nlg_generator_load_bytes(nullptr, 1, NLG_FLOAT32, &generator, nullptr, 80), NLG_INVALID_ARGUMENT);
-  EXPECT_EQ(nlg_generator_load_bytes(nullptr, 0, NLG_FLOAT32, &generator, nullptr, 0), NLG_TOO_SHORT);
-  for (const int precision : {-1, 2, 1 << 30}) {
-    EXPECT_EQ(nlg_generator_load_bytes(bytes, size, static_cast<nlg_precision>(precision), &generator, detail, sizeof detail),
-              NLG_INVALID_ARGUMENT);
-    EXPECT_NE(std::strstr(detail, "precision"), nullptr) << detail;
-  }
+  EXPECT_EQ(nlg_generator_load("x", nullptr, detail, sizeof detail), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_generator_load_bytes(nullptr, 1, &generator, nullptr, 80), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_generator_load_bytes(nullptr, 0, &generator, nullptr, 0), NLG_TOO_SHORT);
   EXPECT_EQ(nlg_light_grid_load(nullptr, &grid, detail, sizeof detail), NLG_INVALID_ARGUMENT);
   EXPECT_EQ(nlg_light_grid_load_bytes(nullptr, 5, &grid, detail, sizeof detail), NLG_INVALID_ARGUMENT);
   EXPECT_EQ(nlg_light_grid_load_bytes(bytes, size, nullptr, detail, sizeof detail), NLG_INVALID_ARGUMENT);
@@ -349,29 +312,17 @@ TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
       functions.phi[n * kSupportPointCount + p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
     }
   }
+  const auto set = [](auto& o) {
+    o.bare_tent_rmse = 0.0021, o.good_rmse = 0.0011, o.retry_rmse = 0.0051;
+    o.lm_iterations = 4, o.lm_theta0_iterations = 5;
+    o.adam_rmse = 0.0031, o.adam_steps = 60;
+    o.tau_rmse = 0.021, o.tau_leak = 0.11, o.leak_share = 0.012;
+    o.refine_rounds = 1, o.refine_first_steps = 70, o.refine_growth = 8, o.refine_leak_weight = 9.0;
+  };
   nlg_policy_options options = nlg_default_policy();
-  options = {.bare_tent_rmse = 0.0021,
-             .good_rmse = 0.0011,
-             .learned_steps = 2,
-             .mirror_images = 3,
-             .retry_rmse = 0.0051,
-             .lm_iterations = 4,
-             .lm_theta0_iterations = 5,
-             .adam_rmse = 0.0031,
-             .adam_steps = 60,
-             .tau_rmse = 0.021,
-             .tau_leak = 0.11,
-             .leak_share = 0.012,
-             .refine_rounds = 1,
-             .refine_first_steps = 70,
-             .refine_growth = 8,
-             .refine_leak_weight = 9.0};
   PolicyOptions same;
-  same.bare_tent_rmse = 0.0021;
-  same.stages = {0.0011, 2, 3, 0.0051, 4, 5, 0.0031, 60};
-  same.refinement = {{0.021, 0.11, 0.012}, 1, 70, 8, 9.0};
-  const GeneratorData field = withCorrection(fieldData(), 20, 3, 2, 4);
-  for (const GeneratorData* data : {&correctedData(), &field}) {
+  set(options), set(same);
+  for (const GeneratorData* data : {&exactData(), &fieldData()}) {
     const Loaded loaded(*data, &options);
     const Generator generator(*data);
     ThetaPolicy policy({&generator}, same);

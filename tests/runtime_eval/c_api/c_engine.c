@@ -15,7 +15,7 @@ int engine_bake(const char* path, const unsigned char* phi, const unsigned char*
   float *x, *y, *z;
   size_t i, n, theta_count;
   *theta = *values = NULL;
-  if (nlg_generator_load(path, NLG_FLOAT32, &generator, detail, sizeof detail) != NLG_OK) return 1;
+  if (nlg_generator_load(path, &generator, detail, sizeof detail) != NLG_OK) return 1;
   if (nlg_support_pattern(&points, &hash) != NLG_OK || nlg_scratch_create(generator, NULL, &scratch) != NLG_OK) return 2;
 
   theta_count = nlg_theta_count(generator);

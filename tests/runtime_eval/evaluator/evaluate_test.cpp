@@ -138,32 +138,5 @@ TEST(Representation, IsFoundByItsNameAlone) {
     EXPECT_FALSE(findRepresentation(name, &representation)) << name;
 }
 
-TEST(MirrorTheta, IsThatOfTheMirrorImage) {
-  std::vector<Representation> representations(std::begin(kNetworkRepresentations), std::end(kNetworkRepresentations));
-  for (const int resolution : kFieldResolutions) representations.push_back(Representation::productField(resolution));
-  const std::vector<LocalPoint> points = testPoints(64);
-  for (const Representation& representation : representations) {
-    const Theta theta = randomTheta(representation, 3);
-    const std::vector<double> exact(theta.begin(), theta.end());
-    for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
-      Theta image = theta;
-      mirrorTheta(representation, mirror, image.data());
-      const std::vector<double> exact_image(image.begin(), image.end());
-      for (const LocalPoint& point : points) {
-        LocalPoint seen = point;
-        for (int axis = 0; axis < 3; ++axis) {
-          if (mirror >> axis & 1) seen[axis] = -seen[axis];
-        }
-        // sums of the same numbers in another order, and positions in a cell from its other side
-        EXPECT_NEAR(evaluateReference(representation, point, exact_image.data()),
-                    evaluateReference(representation, seen, exact.data()), 1e-12)
-            << representationName(representation) << ", mirror " << mirror;
-      }
-      mirrorTheta(representation, mirror, image.data());
-      EXPECT_EQ(image, theta) << representationName(representation) << ", mirror " << mirror;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace nlg

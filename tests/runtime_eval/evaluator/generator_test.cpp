@@ -14,12 +14,9 @@
 namespace nlg {
 namespace {
 
-constexpr GeneratorPrecision kFloat = GeneratorPrecision::float32, kInteger = GeneratorPrecision::int16;
-
 template <class Sample>
-std::vector<float> generateAll(const GeneratorData& data, const std::vector<Sample>& phi, int count,
-                               GeneratorPrecision precision = kFloat) {
-  const Generator generator(data, precision);
+std::vector<float> generateAll(const GeneratorData& data, const std::vector<Sample>& phi, int count) {
+  const Generator generator(data);
   GeneratorScratch scratch(generator);
   std::vector<float> theta(size_t(count) * data.representation.thetaCount());
   generator.generate(phi.data(), count, theta.data(), &scratch);
@@ -93,91 +90,6 @@ TEST(Generator, EqualsTheReferenceOnRaggedCountsAndEveryTarget) {
   }
 }
 
-// How far int16 may be from the reference when every rounding falls the worst way: intervals, carried through the layers.
-std::vector<double> integerBound(const GeneratorData& data, const uint8_t* phi) {
-  std::vector<int16_t> classes(kClassStride);
-  parityTransform(phi, 1, classes.data());
-  std::vector<double> values, error;
-  int row = 0;
-  for (int c = 0; c < kParityClassCount; ++c) {
-    double total = 0.0;
-    for (int i = 0; i < kOctantPointCount; ++i) total += std::abs(classes[c * kOctantPointCount + i]);
-    const PackedIntegerMatrix matrix(&data.basis.components[size_t(row) * kOctantPointCount], data.basis.class_count[c],
-                                     kOctantPointCount, kLargestClassSum);
-    for (int k = 0; k < data.basis.class_count[c]; ++k, ++row) {
-      const double unit = 255.0 * std::sqrt(8.0) * data.basis.deviation[row];
-      error.push_back(0.5 * matrix.steps()[k] * total / unit);
-    }
-  }
-  // magnitudes of the activations: from the double values of a network that stops after layer l
-  for (size_t l = 0; l < data.layers.size(); ++l) {
-    GeneratorData part = data;
-    part.layers.resize(l + 1);
-    const GeneratorLayer& layer = data.layers[l];
-    // the reference of a first layer that hands its input on is the input
-    GeneratorLayer identity{layer.input_count, layer.input_count,
-                            std::vector<float>(size_t(layer.input_count) * layer.input_count),
-                            std::vector<float>(layer.input_count, 0.0f)};
-    for (int i = 0; i < layer.input_count; ++i) identity.weight[size_t(i) * layer.input_count + i] = 1.0f;
-    part.layers[l] = identity;
-    part.theta0.assign(layer.input_count, 0.0f);
-    part.output_scale.assign(layer.input_count, 1.0f);
-    values = referenceOf(part, phi);
-    double largest = 0.0, total = 0.0;
-    for (int i = 0; i < layer.input_count; ++i) {
-      largest = std::max(largest, std::fabs(values[i]) + error[i]);
-      total += std::fabs(values[i]) + error[i];
-    }
-    const double scale = largest / kActivationLimit;
-    const PackedIntegerMatrix matrix(layer.weight.data(), layer.output_count, layer.input_count, kActivationLimit);
-    std::vector<double> next(layer.output_count);
-    for (int o = 0; o < layer.output_count; ++o) {
-      for (int i = 0; i < layer.input_count; ++i) {
-        next[o] += std::fabs(layer.weight[size_t(o) * layer.input_count + i]) * (error[i] + 0.5 * scale);
-      }
-      next[o] += 0.5 * matrix.steps()[o] * (total + 0.5 * scale * layer.input_count);
-      const bool last = l + 1 == data.layers.size();
-      if (last) next[o] *= data.output_scale[o];
-      if (!last && layer.input_count == layer.output_count) next[o] += error[o];
-    }
-    error = next;
-  }
-  return error;
-}
-
-TEST(Generator, StaysWithinItsRoundingInInt16OnRaggedCountsAndEveryTarget) {
-  const std::vector<uint8_t> phi = sampleFunctions(257);
-  for (const RaggedCase& c : kRaggedCases) {
-    const GeneratorData data = sampleGenerator(c.representation, c.width, c.layers, 5);
-    const int theta_count = data.representation.thetaCount();
-    std::vector<std::vector<double>> expected, bound;
-    for (int n = 0; n < c.count; ++n) {
-      expected.push_back(referenceOf(data, &phi[size_t(n) * kSupportPointCount]));
-      bound.push_back(integerBound(data, &phi[size_t(n) * kSupportPointCount]));
-    }
-    forEachTarget([&] {
-      const std::vector<float> theta = generateAll(data, phi, c.count, kInteger);
-      for (int n = 0; n < c.count; ++n) {
-        for (int k = 0; k < theta_count; ++k) {
-          ASSERT_NEAR(theta[size_t(n) * theta_count + k], expected[n][k], bound[n][k] + kFloatBound)
-              << describe(c) << ": function " << n << ", theta " << k;
-        }
-      }
-    });
-  }
-}
-
-TEST(Generator, GivesTheSameBitsOnEveryTargetInInt16) {
-  const std::vector<uint8_t> phi = sampleFunctions(31);
-  for (const Representation& representation : {Representation::mlp(), Representation::productField(5)}) {
-    const GeneratorData data = sampleGenerator(representation, 48, 4, 12);
-    ASSERT_EQ(forceSimdTarget("scalar"), SimdStatus::ok);
-    const std::vector<float> scalar = generateAll(data, phi, 31, kInteger);
-    forEachTarget([&] { EXPECT_EQ(generateAll(data, phi, 31, kInteger), scalar); });
-    forceSimdTarget("");
-  }
-}
-
 TEST(Generator, TakesFloatSamples) {
   const GeneratorData data = sampleGenerator({}, 48, 3, 13);
   Random random(14);
@@ -199,14 +111,6 @@ TEST(Generator, TakesFloatSamples) {
   });
 }
 
-TEST(Generator, GivesTheSameBitsForBytesAndTheirFloatsInInt16) {
-  const GeneratorData data = sampleGenerator({}, 48, 3, 15);
-  const std::vector<uint8_t> phi = sampleFunctions(7);
-  std::vector<float> samples;
-  for (const uint8_t byte : phi) samples.push_back(byte / 255.0f);
-  forEachTarget([&] { EXPECT_EQ(generateAll(data, samples, 7, kInteger), generateAll(data, phi, 7, kInteger)); });
-}
-
 TEST(Generator, GivesAFunctionTheSameBitsInEveryBatch) {
   constexpr int kCount = 257;
   const std::vector<uint8_t> phi = sampleFunctions(kCount);
@@ -214,46 +118,42 @@ TEST(Generator, GivesAFunctionTheSameBitsInEveryBatch) {
     // 600 inputs are more than one block of either product
     GeneratorData data = sampleGenerator(representation, 600, 3, 6);
     const int theta_count = data.representation.thetaCount();
-    for (const GeneratorPrecision precision : {kFloat, kInteger}) {
-      const Generator generator(data, precision);
-      GeneratorScratch scratch(generator);
-      forEachTarget([&] {
-        if (chosenSimdTarget() == "scalar" && representation.isField()) return;  // slow, and the same path
-        std::vector<float> together(size_t(kCount) * theta_count), apart(together.size());
-        generator.generate(phi.data(), kCount, together.data(), &scratch);
-        // batches that end in the rows left over from tiles of every size
-        const int batches[] = {1, 2, 3, 5, 6, 7, 11, 12, 13, 23, 31, 96};
-        for (int n = 0, b = 0; n < kCount; ++b) {
-          const int batch = std::min(batches[b % 12], kCount - n);
-          generator.generate(&phi[size_t(n) * kSupportPointCount], batch, &apart[size_t(n) * theta_count], &scratch);
-          n += batch;
-        }
-        EXPECT_EQ(together, apart);
-      });
-    }
+    const Generator generator(data);
+    GeneratorScratch scratch(generator);
+    forEachTarget([&] {
+      if (chosenSimdTarget() == "scalar" && representation.isField()) return;  // slow, and the same path
+      std::vector<float> together(size_t(kCount) * theta_count), apart(together.size());
+      generator.generate(phi.data(), kCount, together.data(), &scratch);
+      // batches that end in the rows left over from tiles of every size
+      const int batches[] = {1, 2, 3, 5, 6, 7, 11, 12, 13, 23, 31, 96};
+      for (int n = 0, b = 0; n < kCount; ++b) {
+        const int batch = std::min(batches[b % 12], kCount - n);
+        generator.generate(&phi[size_t(n) * kSupportPointCount], batch, &apart[size_t(n) * theta_count], &scratch);
+        n += batch;
+      }
+      EXPECT_EQ(together, apart);
+    });
   }
 }
 
 TEST(Generator, GivesTheSameBitsOnSeveralThreads) {
   constexpr int kCount = 100, kThreads = 4;
   const std::vector<uint8_t> phi = sampleFunctions(kCount);
-  for (const GeneratorPrecision precision : {kFloat, kInteger}) {
-    const GeneratorData data = sampleGenerator({}, 40, 3, 16);
-    const Generator generator(data, precision);
-    const std::vector<float> expected = generateAll(data, phi, kCount, precision);
-    std::vector<float> theta(expected.size());
-    std::vector<std::thread> threads;
-    for (int t = 0; t < kThreads; ++t) {
-      threads.emplace_back([&, t] {
-        GeneratorScratch scratch(generator);
-        for (int n = t; n < kCount; n += kThreads) {
-          generator.generate(&phi[size_t(n) * kSupportPointCount], 1, &theta[size_t(n) * ThetaLayout::count], &scratch);
-        }
-      });
-    }
-    for (std::thread& thread : threads) thread.join();
-    EXPECT_EQ(theta, expected);
+  const GeneratorData data = sampleGenerator({}, 40, 3, 16);
+  const Generator generator(data);
+  const std::vector<float> expected = generateAll(data, phi, kCount);
+  std::vector<float> theta(expected.size());
+  std::vector<std::thread> threads;
+  for (int t = 0; t < kThreads; ++t) {
+    threads.emplace_back([&, t] {
+      GeneratorScratch scratch(generator);
+      for (int n = t; n < kCount; n += kThreads) {
+        generator.generate(&phi[size_t(n) * kSupportPointCount], 1, &theta[size_t(n) * ThetaLayout::count], &scratch);
+      }
+    });
   }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(theta, expected);
 }
 
 [[noreturn]] void loadUnder(const char* simd) {
@@ -280,22 +180,6 @@ TEST(Generator, YieldsTheta0WhenItsLastLayerIsZero) {
   for (size_t i = 0; i < theta.size(); ++i) ASSERT_EQ(theta[i], data.theta0[i % ThetaLayout::count]) << i;
 }
 
-TEST(Generator, ShowsThetaToCorrectionsInTheUnitOfItsWeights) {
-  GeneratorData data = withCorrection(sampleGenerator(Representation::tentMlp(), 48, 3, 1), 40, 2, 3, 2);
-  for (const float unit : {0.0f, 0.5f, 2.0f}) {
-    data.correction.theta_unit = unit;
-    const Generator generator(data);
-    Theta theta = data.theta0, features(theta.size());
-    for (size_t d = 0; d < theta.size(); ++d) theta[d] += static_cast<float>(std::pow(-2.0, static_cast<double>(d % 20) - 10));
-    generator.writeThetaFeatures(theta.data(), features.data());
-    for (size_t d = 0; d < theta.size(); ++d) {
-      const double change = double{theta[d]} - data.theta0[d];
-      const double expected = unit > 0 ? std::asinh(change / unit) : change / data.output_scale[d];
-      EXPECT_NEAR(features[d], expected, 1e-5 * std::fabs(expected)) << "unit " << unit << ", " << d;
-    }
-  }
-}
-
 TEST(Generator, LoadsWhatWasSaved) {
   const std::string path = (std::filesystem::temp_directory_path() / ("nlg_generator_" + std::to_string(::getpid()))).string();
   const GeneratorData data = sampleGenerator(Representation::tentMlp(0.02f), 24, 3, 8);
@@ -313,13 +197,12 @@ TEST(Generator, LoadsWhatWasSaved) {
 
   // the same from its bytes
   Generator parsed;
-  const FileResult of_bytes = Generator::parse(serializeWeights(weightsFromGenerator(data)), kInteger, &parsed);
+  const FileResult of_bytes = Generator::parse(serializeWeights(weightsFromGenerator(data)), &parsed);
   ASSERT_TRUE(of_bytes.ok()) << of_bytes.detail;
-  EXPECT_EQ(parsed.precision(), kInteger);
   GeneratorScratch parsed_scratch(parsed);
   std::vector<float> parsed_theta(ThetaLayout::count);
   parsed.generate(phi.data(), 1, parsed_theta.data(), &parsed_scratch);
-  EXPECT_EQ(parsed_theta, generateAll(data, phi, 1, kInteger));
+  EXPECT_EQ(parsed_theta, theta);
 
   // a failing load leaves the generator as it was
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
@@ -407,7 +290,7 @@ TEST(GeneratorWeights, RefuseNumbersThatAreNotFinite) {
 TEST(GeneratorWeights, RefuseForeignPatternsAndNewerVersions) {
   EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["pattern_hash"] = "0123456789abcdef"; }), FileStatus::pattern_unknown);
   EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["pattern_hash"] = ""; }), FileStatus::pattern_unknown);
-  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["version"] = "4"; }), FileStatus::version_unknown);
+  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["version"] = "2"; }), FileStatus::version_unknown);
   for (const char* version : {"0", "-1", "1.5", "", "one", "nan"}) {
     EXPECT_EQ(statusAfter([&](WeightsFile& f) { f.metadata["version"] = version; }), FileStatus::value_out_of_range) << version;
   }
@@ -438,6 +321,19 @@ TEST(GeneratorWeights, RefuseMetadataOutOfRange) {
               for (int c = 0; c < kParityClassCount; ++c) f.metadata["class_count." + std::to_string(c)] = "0";
             }),
             FileStatus::value_out_of_range);
+}
+
+TEST(GeneratorWeights, SayWhetherTheLastLayerIsSolved) {
+  for (const auto& [representation, is_linear] :
+       {std::pair{Representation::tentMlp(), true}, {Representation::productField(3), false}}) {
+    GeneratorData data = sampleGenerator(representation, 48, 3, 1), read;
+    ASSERT_TRUE(generatorFromWeights(weightsFromGenerator(data), &read).ok());
+    EXPECT_FALSE(read.exact_last_layer);
+    data.exact_last_layer = true;
+    const FileResult result = generatorFromWeights(weightsFromGenerator(data), &read);
+    EXPECT_EQ(result.status, is_linear ? FileStatus::ok : FileStatus::value_out_of_range) << result.detail;
+    EXPECT_TRUE(!is_linear || read.exact_last_layer);
+  }
 }
 
 TEST(GeneratorWeights, RefuseDeviationsThatCannotDivide) {

@@ -10,16 +10,17 @@ namespace {
 TEST(Refiner, IsNeverInMoreTroubleThanItsStart) {
   Refiner refiner;
   FunctionChecker checker;
-  const RefinementOptions options{.rounds = 2, .first_steps = 80};
+  CheckOptions check;
+  const RefinementOptions options{.refine_rounds = 2, .refine_first_steps = 80};
   for (const Representation& representation : kNetworkRepresentations) {
     for (uint64_t seed = 1; seed < 8; ++seed) {
       const StoredSample sample = seed % 3 == 0 ? noiseSample(seed) : wallSample(seed);
       const Theta start = randomTheta(representation, seed);
-      const double before = checker.check(representation, sample.view(), start.data(), options.check).trouble(options.check);
-      const RefinementResult result = refiner.refine(representation, sample.view(), start, {}, options);
-      EXPECT_LE(result.check.trouble(options.check), before) << "seed " << seed;
+      const double before = checker.check(representation, sample.view(), start.data(), check).trouble(check);
+      const RefinementResult result = refiner.refine(representation, sample.view(), start, {}, check, options);
+      EXPECT_LE(result.check.trouble(check), before) << "seed " << seed;
       // what it says is what its theta does
-      const FunctionCheck again = checker.check(representation, sample.view(), result.theta.data(), options.check);
+      const FunctionCheck again = checker.check(representation, sample.view(), result.theta.data(), check);
       EXPECT_EQ(again.rmse, result.check.rmse) << "seed " << seed;
       EXPECT_EQ(again.leak_share, result.check.leak_share) << "seed " << seed;
     }
@@ -35,19 +36,20 @@ TEST(Refiner, LeavesAloneWhatPasses) {
     sample.phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
   }
   Refiner refiner;
-  const RefinementResult result = refiner.refine(Representation::tentMlp(), sample.view(), tent_theta, {}, {});
+  const RefinementResult result = refiner.refine(Representation::tentMlp(), sample.view(), tent_theta, {}, {}, {});
   EXPECT_EQ(result.theta, tent_theta);
   EXPECT_EQ(result.steps, 0);
 }
 
 TEST(Refiner, BringsMostWallsUnderTheThreshold) {
   Refiner refiner;
-  const RefinementOptions options{.rounds = 2};
+  CheckOptions check;
+  const RefinementOptions options{.refine_rounds = 2};
   int passed = 0;
   for (uint64_t seed = 20; seed < 30; ++seed) {
     const RefinementResult result =
-        refiner.refine(Representation::tentMlp(), wallSample(seed).view(), randomTheta({}, seed), {}, options);
-    passed += result.check.passes(options.check);
+        refiner.refine(Representation::tentMlp(), wallSample(seed).view(), randomTheta({}, seed), {}, check, options);
+    passed += result.check.passes(check);
   }
   // random starts: some end in poor minima
   EXPECT_GE(passed, 6);
@@ -56,9 +58,10 @@ TEST(Refiner, BringsMostWallsUnderTheThreshold) {
 TEST(Refiner, GoesOnFromRandomStartsWhenTheStartIsBroken) {
   Refiner refiner;
   const StoredSample sample = wallSample(9);
-  const RefinementOptions options{.rounds = 1, .first_steps = 50};
+  CheckOptions check;
+  const RefinementOptions options{.refine_rounds = 1, .refine_first_steps = 50};
   const RefinementResult result =
-      refiner.refine(Representation::tentMlp(), sample.view(), Theta(ThetaLayout::count, NAN), {}, options);
+      refiner.refine(Representation::tentMlp(), sample.view(), Theta(ThetaLayout::count, NAN), {}, check, options);
   for (const float value : result.theta) ASSERT_TRUE(std::isfinite(value));
   EXPECT_LT(result.check.rmse, 1.0);
 }
@@ -66,18 +69,19 @@ TEST(Refiner, GoesOnFromRandomStartsWhenTheStartIsBroken) {
 TEST(Refiner, TriesOtherStartsBeforeItsLastRound) {
   Refiner refiner;
   // nothing passes, so that every round runs: 20 steps, 20 from each other start, 40
-  RefinementOptions options{.rounds = 2, .first_steps = 20, .growth = 2};
-  options.check.tau_rmse = 1e-6;
+  CheckOptions check;
+  RefinementOptions options{.refine_rounds = 2, .refine_first_steps = 20, .refine_growth = 2};
+  check.tau_rmse = 1e-6;
   const StoredSample sample = wallSample(9);
   const Representation tent_mlp = Representation::tentMlp();
   const Theta start = randomTheta(tent_mlp, 50), theta0 = randomTheta(tent_mlp, 51);
-  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, options).steps, 20 + 4 * 20 + 40);
-  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, {}, options).steps, 20 + 3 * 20 + 40);
+  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, check, options).steps, 20 + 4 * 20 + 40);
+  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, {}, check, options).steps, 20 + 3 * 20 + 40);
   // a single round comes first
-  options.rounds = 1;
-  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, options).steps, 20 + 4 * 20);
-  options.rounds = 0;
-  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, options).steps, 0);
+  options.refine_rounds = 1;
+  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, check, options).steps, 20 + 4 * 20);
+  options.refine_rounds = 0;
+  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, check, options).steps, 0);
 }
 
 TEST(Refiner, GoesBackToTheta0WhenTheStartIsBroken) {
@@ -85,11 +89,12 @@ TEST(Refiner, GoesBackToTheta0WhenTheStartIsBroken) {
   Theta theta0(ThetaLayout::count, 0.0f);
   theta0[ThetaLayout::b3] = 0.5f;
   const StoredSample sample = wallSample(9);
-  const RefinementOptions options{.rounds = 1, .first_steps = 50};
+  CheckOptions check;
+  const RefinementOptions options{.refine_rounds = 1, .refine_first_steps = 50};
   const RefinementResult result =
-      refiner.refine(Representation::tentMlp(), sample.view(), Theta(ThetaLayout::count, NAN), theta0, options);
+      refiner.refine(Representation::tentMlp(), sample.view(), Theta(ThetaLayout::count, NAN), theta0, check, options);
   FunctionChecker checker;
-  EXPECT_LE(result.check.rmse, checker.check(Representation::tentMlp(), sample.view(), theta0.data(), options.check).rmse);
+  EXPECT_LE(result.check.rmse, checker.check(Representation::tentMlp(), sample.view(), theta0.data(), check).rmse);
   for (const float value : result.theta) ASSERT_TRUE(std::isfinite(value));
 }
 

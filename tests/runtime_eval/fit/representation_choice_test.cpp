@@ -15,14 +15,14 @@ std::vector<FunctionCheck> checksOf(const std::vector<double>& rmse) {
 }
 
 TEST(ChooseRepresentation, TakesTheSmallestWhereErrorsFlatten) {
-  const ChoiceOptions options{.flat_ratio = 1.5, .enough_rmse = 0.001};
+  const ChoiceOptions options{.choice_flat_ratio = 1.5, .choice_enough_rmse = 0.001};
   EXPECT_EQ(chooseRepresentation(checksOf({0.010, 0.009, 0.008, 0.0079}), {}, options), 0);
   EXPECT_EQ(chooseRepresentation(checksOf({0.015, 0.006, 0.005, 0.0045}), {}, options), 1);
   EXPECT_EQ(chooseRepresentation(checksOf({0.015, 0.012, 0.009, 0.004}), {}, options), 3);
 }
 
 TEST(ChooseRepresentation, StopsAtAnErrorThatIsEnough) {
-  const ChoiceOptions options{.flat_ratio = 1.5, .enough_rmse = 0.005};
+  const ChoiceOptions options{.choice_flat_ratio = 1.5, .choice_enough_rmse = 0.005};
   EXPECT_EQ(chooseRepresentation(checksOf({0.010, 0.0049, 0.001}), {}, options), 1);
   EXPECT_EQ(chooseRepresentation(checksOf({0.010, 0.006, 0.001}), {}, options.forPredicted()), 0);
 }
@@ -38,7 +38,7 @@ TEST(ChooseRepresentation, PrefersOneThatPassesTheCheck) {
   // one that passes is not given up for a better one that fails
   leaking = checksOf({0.015, 0.009});
   leaking[1].leak_share = 0.5;
-  EXPECT_EQ(chooseRepresentation(leaking, {}, {.enough_rmse = 0.001}), 0);
+  EXPECT_EQ(chooseRepresentation(leaking, {}, {.choice_enough_rmse = 0.001}), 0);
 }
 
 TEST(ChooseRepresentation, NeverTakesWhatIsNotFiniteWhenOthersAre) {

@@ -31,20 +31,18 @@ struct Functions {
 };
 
 Generator solvedGenerator(const Representation& representation, uint64_t seed = 1) {
-  GeneratorData data = withCorrection(sampleGenerator(representation, 48, 3, seed), 40, 3, 3, 11);
-  data.correction.exact_last_layer = !representation.isField() && representation.shape().output == OutputFunction::linear;
+  GeneratorData data = sampleGenerator(representation, 48, 3, seed);
+  data.exact_last_layer = !representation.isField() && representation.shape().output == OutputFunction::linear;
   return Generator(data);
 }
 
 // Short, and with limits that some functions pass and others do not.
 PolicyOptions shortOptions() {
   PolicyOptions options;
-  options.stages.learned_steps = 3;
-  options.stages.mirror_images = 2;
-  options.stages.adam_steps = 40;
-  options.refinement.check.tau_rmse = 0.05;
-  options.refinement.rounds = 1;
-  options.refinement.first_steps = 60;
+  options.adam_steps = 40;
+  options.tau_rmse = 0.05;
+  options.refine_rounds = 1;
+  options.refine_first_steps = 60;
   return options;
 }
 
@@ -57,33 +55,21 @@ std::vector<ThetaStage> namesOf(const std::vector<StagePlan>& plan) {
 TEST(StagesOf, IsTheListThatEachKindOfRepresentationGoesThrough) {
   using enum ThetaStage;
   PolicyOptions options;
-  EXPECT_EQ(namesOf(stagesOf({Representation::tentMlp(), true, true}, options)),
-            (std::vector{network, last_layer, adam, refinement}));
-  EXPECT_EQ(namesOf(stagesOf({Representation{RepresentationKind::tent_mlp4}, false, true}, options)),
+  EXPECT_EQ(namesOf(stagesOf({Representation::tentMlp(), true}, options)), (std::vector{network, last_layer, adam, refinement}));
+  EXPECT_EQ(namesOf(stagesOf({Representation{RepresentationKind::tent_mlp4}, false}, options)),
             (std::vector{network, adam, refinement}));
-  EXPECT_EQ(namesOf(stagesOf({Representation::productField(5), false, true}, options)),
+  EXPECT_EQ(namesOf(stagesOf({Representation::productField(5), false}, options)),
             (std::vector{network, lm, lm_theta0, refinement}));
-  options.stages.learned_steps = options.stages.mirror_images = 8;
-  EXPECT_EQ(namesOf(stagesOf({Representation::tentMlp(), true, true}, options)),
-            (std::vector{network, last_layer, learned_steps, mirror_images, adam, refinement}));
-  EXPECT_EQ(namesOf(stagesOf({Representation{RepresentationKind::tent_mlp4}, false, true}, options)),
-            (std::vector{network, learned_steps, mirror_images, adam, refinement}));
-  EXPECT_EQ(namesOf(stagesOf({Representation::productField(5), false, true}, options)),
-            (std::vector{network, learned_steps, lm, lm_theta0, refinement}));
-  // weights without corrections
-  EXPECT_EQ(namesOf(stagesOf({Representation::mlp(), false, false}, options)),
-            (std::vector{network, mirror_images, adam, refinement}));
-  PolicyOptions none;
-  none.stages = {.learned_steps = 0, .mirror_images = 1, .lm_iterations = 0, .lm_theta0_iterations = 0, .adam_steps = 0};
-  none.refinement.rounds = 0;
-  EXPECT_EQ(namesOf(stagesOf({Representation::productField(3), false, true}, none)), std::vector{network});
+  options.lm_iterations = options.lm_theta0_iterations = options.adam_steps = options.refine_rounds = 0;
+  EXPECT_EQ(namesOf(stagesOf({Representation::productField(3), false}, options)), std::vector{network});
+  EXPECT_EQ(namesOf(stagesOf({Representation::mlp(), false}, options)), std::vector{network});
 }
 
 TEST(StagesOf, IsInTheOrderOfTheWords) {
   for (const char* name : kRepresentationNames) {
     Representation representation;
     ASSERT_TRUE(findRepresentation(name, &representation));
-    const std::vector<StagePlan> plan = stagesOf({representation, !representation.isField(), true}, {});
+    const std::vector<StagePlan> plan = stagesOf({representation, !representation.isField()}, {});
     for (size_t i = 1; i < plan.size(); ++i) {
       EXPECT_LT(plan[i - 1].stage, plan[i].stage) << name;
       EXPECT_LE(wordOf(plan[i - 1].stage), wordOf(plan[i].stage)) << name;
@@ -93,18 +79,17 @@ TEST(StagesOf, IsInTheOrderOfTheWords) {
 }
 
 TEST(StagesOf, RaisesThresholdsForWhatIsWrongAboutTheTentUpToTwice) {
-  PolicyOptions options;
-  options.stages.mirror_images = 2;
+  const PolicyOptions options;
   const auto retryOf = [&](double tent_rmse) {
-    for (const StagePlan& plan : stagesOf({Representation::tentMlp(), true, true, tent_rmse}, options)) {
-      if (plan.stage == ThetaStage::mirror_images) return plan.above_rmse;
+    for (const StagePlan& plan : stagesOf({Representation::productField(5), false, tent_rmse}, options)) {
+      if (plan.stage == ThetaStage::lm_theta0) return plan.above_rmse;
     }
     return -1.0;
   };
-  EXPECT_EQ(retryOf(0.0), options.stages.retry_rmse);
+  EXPECT_EQ(retryOf(0.0), options.retry_rmse);
   EXPECT_DOUBLE_EQ(retryOf(0.006), 1.25 * 0.006);
-  EXPECT_DOUBLE_EQ(retryOf(0.5), 2.0 * options.stages.retry_rmse);
-  EXPECT_EQ(retryOf(NAN), options.stages.retry_rmse);
+  EXPECT_DOUBLE_EQ(retryOf(0.5), 2.0 * options.retry_rmse);
+  EXPECT_EQ(retryOf(NAN), options.retry_rmse);
 }
 
 TEST(ThetaPolicy, GivesAFunctionTheSameThetaWhateverStandsBesideIt) {
@@ -180,7 +165,7 @@ TEST(ThetaPolicy, ALaterWordIsNeverInTroubleThatTheOneBeforeWasNot) {
   const Functions functions(60);
   PolicyOptions options = shortOptions();
   // leaks decide
-  options.refinement.check = {1e3, 1e-2, 0.05};
+  options.check() = {1e3, 1e-2, 0.05};
   for (const Representation& representation : {Representation::tentMlp(), Representation::productField(3)}) {
     for (uint64_t seed = 1; seed < 4; ++seed) {
       const Generator generator = solvedGenerator(representation, seed);
@@ -226,7 +211,7 @@ TEST(ThetaPolicy, RoundsToFloat16AndChecksWhatThatMakesOfIt) {
   const Functions functions(10);
   const Generator generator = solvedGenerator(Representation::tentMlp());
   PolicyOptions options = shortOptions();
-  options.refinement.rounds = 0;  // what rounding alone makes fail is not fitted on
+  options.refine_rounds = 0;  // what rounding alone makes fail is not fitted on
   std::vector<MadeTheta> full(functions.views.size()), half(full);
   ThetaPolicy({&generator}, options).bake(functions.views.data(), static_cast<int>(full.size()), full.data());
   options.theta_precision = ThetaPrecision::float16;
@@ -282,14 +267,14 @@ TEST(ThetaPolicy, FitsOnWhereRoundingAloneMakesAFunctionFail) {
   int mended = 0, left = 0;
   for (const StoredFunction& function : functions.views) {
     PolicyOptions options = shortOptions();
-    options.refinement.first_steps = 600;
+    options.refine_first_steps = 600;
     MadeTheta made;
     ThetaPolicy({&generator}, options).make(&function, 1, &made);
     options.theta_precision = ThetaPrecision::int8;
-    options.refinement.check = {made.check().rmse * 1.00001, 2.0, 1.0};
+    options.check() = {made.check().rmse * 1.00001, 2.0, 1.0};
     MadeTheta fitted_on = made, as_it_was = made;
     ThetaPolicy({&generator}, options).round(function, &fitted_on);
-    options.refinement.rounds = 0;
+    options.refine_rounds = 0;
     ThetaPolicy({&generator}, options).round(function, &as_it_was);
     EXPECT_FALSE(as_it_was.record.refined);
     EXPECT_LE(fitted_on.check().trouble(options.check()), as_it_was.check().trouble(options.check()));
@@ -336,9 +321,9 @@ TEST(ThetaPolicy, CountsAFitInWhateverRepresentationItWasMade) {
   const Functions functions(20);
   const Generator small = solvedGenerator(Representation::productField(3)), large = solvedGenerator(Representation::tentMlp());
   PolicyOptions options = shortOptions();
-  options.refinement.rounds = 0;
-  options.choice.enough_rmse = 0.0;  // the larger one always runs …
-  options.choice.flat_ratio = 1e-6;  // … and is taken, unless it is no better
+  options.refine_rounds = 0;
+  options.choice_enough_rmse = 0.0;  // the larger one always runs …
+  options.choice_flat_ratio = 1e-6;  // … and is taken, unless it is no better
   std::vector<MadeTheta> made(functions.views.size());
   ThetaPolicy({&small, &large}, options).bake(functions.views.data(), static_cast<int>(made.size()), made.data());
   int larger = 0;

@@ -24,8 +24,7 @@ inline ProbeTree wildTree(uint64_t seed) {
 // Every representation there is; theta and light as files have them.
 inline LightGrid everyRepresentation(ThetaPrecision precision, uint64_t seed) {
   LightGrid grid = randomGrid(wildTree(seed), seed);
-  for (const RepresentationKind kind :
-       {RepresentationKind::tent_mlp88, RepresentationKind::tent_mlp44, RepresentationKind::tent_mlp4}) {
+  for (const RepresentationKind kind : {RepresentationKind::tent_mlp44, RepresentationKind::tent_mlp4}) {
     grid.representations.push_back({kind, 0.02f});
     const auto representation = static_cast<uint8_t>(grid.representations.size() - 1);
     for (uint64_t i = 0; i < 4; ++i) {

@@ -160,7 +160,7 @@ TEST(TrainingData, FlipsTheSignsOfMirroredFunctions) {
   const int K = data().coefficientCount();
   std::vector<float> plain(K), mirrored(K), expected(K);
   const Projection projection(sampleBasis(kSampleClasses, 1));
-  ProjectionScratch scratch(GeneratorPrecision::float32);
+  ProjectionScratch scratch;
   for (int64_t n = 0; n < 5; ++n) {
     for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
       std::vector<uint8_t> image(kSupportPointCount);

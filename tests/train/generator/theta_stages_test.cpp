@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
-#include <algorithm>
 #include <map>
 
 #include "runtime_eval/fit/theta_policy.h"
@@ -18,7 +17,7 @@ namespace {
 const Representation kTentMlp = Representation::tentMlp(0.01f);
 const Representation kRepresentations[] = {kTentMlp, {RepresentationKind::tent_mlp44, 0.01f}, Representation::productField(3)};
 
-constexpr int kSteps = 3, kTrainingCount = 150, kHeldOutCount = 40;
+constexpr int kTrainingCount = 150, kHeldOutCount = 40;
 
 const BasisData& basis() {
   static const BasisData data = sampleBasis(kSampleClasses, 3);
@@ -38,9 +37,6 @@ GeneratorShape smallShape() {
   shape.coefficient_count = basis().coefficientCount();
   shape.width = 32;
   shape.layer_count = 3;
-  shape.correction_steps = kSteps;
-  shape.correction_width = 48;
-  shape.correction_layers = 3;
   return shape;
 }
 
@@ -93,7 +89,7 @@ TEST(ThetaStages, AreOnesOfTheta0BeforeTraining) {
     GeneratorNetwork network(smallShape(), theta0, 7);
     const std::vector<Sample> samples = allPoints(representation, 5);
     const ThetaStages stages = runStages(network, representation, training(), samples);
-    ASSERT_EQ(stages.mean_squares.size(), size_t(1 + solveCount(representation) + kSteps)) << representationName(representation);
+    ASSERT_EQ(stages.mean_squares.size(), size_t(1 + solveCount(representation))) << representationName(representation);
     torch::Tensor theta = torch::tensor(theta0).repeat({5, 1});
     const torch::Tensor generated = measureTheta(theta, {representation, training(), samples}).mean_square;
     torch::Tensor solved = generated;
@@ -109,16 +105,10 @@ TEST(ThetaStages, AreOnesOfTheta0BeforeTraining) {
 }
 
 TEST(ThetaStages, AreAsManyAsTheShapeSays) {
-  for (const bool solves : {false, true}) {
-    for (const int steps : {0, 1, 4}) {
-      GeneratorShape shape = smallShape();
-      shape.exact_last_layer = solves;
-      shape.correction_steps = steps;
-      GeneratorNetwork network(shape, randomTheta(kTentMlp, 1), 7);
-      const ThetaStages stages = runStages(network, kTentMlp, training(), allPoints(kTentMlp, 2));
-      EXPECT_EQ(stages.mean_squares.size(), size_t(1 + solves + steps)) << (solves ? "solved, " : "not solved, ") << steps;
-    }
-  }
+  GeneratorShape shape = smallShape();
+  shape.exact_last_layer = false;
+  GeneratorNetwork network(shape, randomTheta(kTentMlp, 1), 7);
+  EXPECT_EQ(runStages(network, kTentMlp, training(), allPoints(kTentMlp, 2)).mean_squares.size(), 1u);
 }
 
 TEST(ThetaStages, NeverRiseWhenTheLastLayerIsSolved) {
@@ -131,15 +121,11 @@ TEST(ThetaStages, NeverRiseWhenTheLastLayerIsSolved) {
       << torch::stack(stages.mean_squares).slice(0, 0, 2);
 }
 
-// Slope of the summed error of a stage in the direction of its gradient by the parameters whose names begin with `prefix`: what
-// autograd says, and what a central difference does.
-std::pair<double, double> slopes(GeneratorNetwork& network, const Representation& representation, size_t stage,
-                                 const std::string& prefix) {
+// Slope of the summed error of a stage in the direction of its gradient by the parameters: what autograd says, and what a central
+// difference does.
+std::pair<double, double> slopes(GeneratorNetwork& network, const Representation& representation, size_t stage) {
   const std::vector<Sample> samples = allPoints(representation, 8);
-  std::vector<torch::Tensor> parameters, gradients;
-  for (auto& item : network->named_parameters()) {
-    if (item.key().rfind(prefix, 0) == 0) parameters.push_back(item.value());
-  }
+  std::vector<torch::Tensor> parameters = network->parameters(), gradients;
   network->zero_grad();
   runStages(network, representation, training(), samples).mean_squares[stage].sum().backward();
   double square = 0.0;
@@ -162,44 +148,14 @@ std::pair<double, double> slopes(GeneratorNetwork& network, const Representation
 
 TEST(ThetaStages, HaveTheGradientOfFiniteDifferences) {
   for (const Representation& representation : kRepresentations) {
-    GeneratorShape shape = smallShape();
-    shape.correction_steps = 1;  // what a later step reads depends on the steps before: a path that the gradient leaves out
-    GeneratorNetwork network(shape, randomTheta(representation, 1), 7);
+    GeneratorNetwork network(smallShape(), randomTheta(representation, 1), 7);
     shake(network, 0.05);
-    const size_t solved = static_cast<size_t>(solveCount(representation));
-    std::vector<std::pair<size_t, std::string>> cases = {{0, "layer"}, {solved + 1, "correction"}};
-    if (solved) cases.push_back({1, "layer"});  // the solution of the last layer as a constant loses nothing
-    for (const auto& [stage, prefix] : cases) {
-      const auto [claimed, measured] = slopes(network, representation, stage, prefix);
-      EXPECT_NEAR(measured, claimed, 0.01 * claimed)
-          << representationName(representation) << ", stage " << stage << " by " << prefix;
+    // the solution of the last layer as a constant loses nothing
+    for (int stage = 0; stage <= solveCount(representation); ++stage) {
+      const auto [claimed, measured] = slopes(network, representation, static_cast<size_t>(stage));
+      EXPECT_NEAR(measured, claimed, 0.01 * claimed) << representationName(representation) << ", stage " << stage;
     }
   }
-}
-
-TEST(ThetaStages, ReachTheGeneratorThroughThetaAlone) {
-  // without a solved layer the gradient of a corrected theta by the generator is that of a theta that is so much further on
-  const Representation& representation = kRepresentations[1];
-  GeneratorShape shape = smallShape();
-  shape.correction_steps = 1;
-  GeneratorNetwork network(shape, randomTheta(representation, 1), 7);
-  shake(network, 0.05);
-  const std::vector<Sample> samples = allPoints(representation, 8);
-  const auto gradientOf = [&](const torch::Tensor& errors) {
-    network->zero_grad();
-    errors.sum().backward();
-    return network->named_parameters()["layer1.weight"].grad().clone();
-  };
-  const torch::Tensor gradient = gradientOf(runStages(network, representation, training(), samples).mean_squares[1]);
-
-  const torch::Tensor coefficients = coefficientBatch(training(), samples), theta = network->forward(coefficients);
-  const ThetaErrors errors = measureTheta(theta, {representation, training(), samples});
-  const torch::Tensor features = network->correctionFeatures(coefficients, theta.detach(), errors.mean_square, errors.gradient);
-  const torch::Tensor further = theta + network->correction(features).detach();
-  const torch::Tensor expected =
-      gradientOf(differentiable(measureTheta(further, {representation, training(), samples}), further));
-  EXPECT_GT(expected.abs().max().item<float>(), 0.0f);
-  EXPECT_TRUE(torch::allclose(gradient, expected, 1e-5, 1e-7));
 }
 
 TEST(ThetaStages, LeaveTheGeneratedLastLayerAloneOnceItIsSolved) {
@@ -215,26 +171,16 @@ TEST(ThetaStages, LeaveTheGeneratedLastLayerAloneOnceItIsSolved) {
   }
 }
 
-TEST(ThetaStages, LearnToCorrectFunctionsThatTrainingHasNotSeen) {
+TEST(ThetaStages, LearnFunctionsThatTrainingHasNotSeen) {
   for (const Representation& representation : kRepresentations) {
     GeneratorNetwork untrained(smallShape(), startTheta(representation), 1);
     const HeldOutError before = heldOutError(untrained, representation, heldOut(), kHeldOutCount);
     const HeldOutError after = heldOutError(trained(representation), representation, heldOut(), kHeldOutCount);
-    // 300 steps on 150 functions: the generator alone has not come far
+    // 300 steps on 150 functions: the generator has not come far
     EXPECT_LT(after.network, 0.9 * before.network) << representationName(representation);
-    EXPECT_LT(after.final, 0.8 * before.final) << representationName(representation);
-    EXPECT_LT(after.final, 0.9 * after.network) << representationName(representation);
-
-    // corrections pay on average, beyond what solving gives; the later ones next to nothing after so short a training, but they
-    // do no harm either
-    torch::NoGradGuard guard;
-    const ThetaStages stages =
-        runStages(trained(representation), representation, heldOut(), allPoints(representation, kHeldOutCount));
-    const auto mean = [&](size_t s) { return stages.mean_squares[s].sqrt().mean().item<double>(); };
-    const size_t first = static_cast<size_t>(solveCount(representation)) + 1;
-    EXPECT_LT(mean(first), mean(first - 1)) << representationName(representation);
-    for (size_t s = first + 1; s < stages.mean_squares.size(); ++s) {
-      EXPECT_LT(mean(s), 1.005 * mean(s - 1)) << representationName(representation) << ", stage " << s;
+    EXPECT_LT(after.final, 0.9 * before.final) << representationName(representation);
+    if (solveCount(representation) == 1) {
+      EXPECT_LT(after.final, 0.9 * after.network);
     }
   }
 }
@@ -255,67 +201,31 @@ TEST(HeldOutError, IsTheMeanOverFunctionsOfTheBestStage) {
   EXPECT_NEAR(error.final, final, 1e-6 * final);
 }
 
-// Training sees every stage of theta; at bake time the steps of a function end when one does not lower its mean square by a
-// hundredth.
-// before   of the theta from which the last step was taken
-double errorAtBakeTime(const ThetaStages& stages, int solve_count, int64_t n, int* steps_taken, double* before) {
-  const auto at = [&](size_t s) { return stages.mean_squares[s][n].item<double>(); };
-  double least = at(0);
-  size_t s = 1;
-  // solving is no step: its error may be what it likes
-  if (solve_count > 0) least = std::min(least, at(s++));
-  *steps_taken = 0;
-  for (bool paid = true; paid && s < stages.mean_squares.size(); ++s, ++*steps_taken) {
-    paid = at(s) < 0.99 * least;
-    *before = at(s - 1);
-    least = std::min(least, at(s));
-  }
-  return least;
-}
-
 TEST(ThetaStages, AreThoseOfBakeTime) {
   for (const Representation& representation : kRepresentations) {
     GeneratorNetwork& network = trained(representation);
     torch::NoGradGuard guard;
     const ThetaStages stages = runStages(network, representation, heldOut(), allPoints(representation, kHeldOutCount));
+    const torch::Tensor least = std::get<0>(torch::stack(stages.mean_squares).min(0));
 
     const Generator generator(network->toData(representation, basis()));
-    ASSERT_EQ(generator.correctionStepCount(), kSteps);
     ASSERT_EQ(generator.exactLastLayer(), solveCount(representation) == 1);
     const size_t D = static_cast<size_t>(representation.thetaCount());
     std::vector<float> theta(kHeldOutCount * D);
     std::vector<StoredFunction> functions;
     for (int n = 0; n < kHeldOutCount; ++n) functions.push_back(heldOut().function(n));
     PolicyOptions options;
-    options.stages = {.good_rmse = 0.0,
-                      .learned_steps = kSteps,
-                      .mirror_images = 1,
-                      .lm_iterations = 0,
-                      .lm_theta0_iterations = 0,
-                      .adam_steps = 0};
+    options.good_rmse = 0.0;
     // nothing passes, so that no theta is put back for its leaks
-    options.refinement.check.tau_rmse = 1e-9;
+    options.tau_rmse = 1e-9;
     std::vector<ThetaRecord> records(kHeldOutCount);
-    StageRunner(generator, options).make(functions.data(), kHeldOutCount, theta.data(), records.data());
-
-    int went_all_the_way = 0;
-    std::vector<double> differences;
+    StageRunner(generator, options, ThetaStage::last_layer).make(functions.data(), kHeldOutCount, theta.data(), records.data());
     for (int n = 0; n < kHeldOutCount; ++n) {
-      int steps_taken = 0;
-      double before = 0.0;
-      const double expected = errorAtBakeTime(stages, solveCount(representation), n, &steps_taken, &before);
-      went_all_the_way += steps_taken == kSteps;
+      const double expected = least[n].item<double>();
       const double rmse = functionRmse(representation, decodeFunction(functions[n], pointOrder(representation)), &theta[n * D]);
-      differences.push_back(std::abs(rmse * rmse - expected) / expected);
-      // a step that removes nearly all of an error removes it to a share of what it was, by the rounding of theta and its gradient
-      EXPECT_LT(std::abs(rmse * rmse - expected), 1e-2 * std::max(before, expected))
-          << representationName(representation) << ", function " << n;
+      // of a thousand roundings of coefficients, theta and values, each of 2^-24
+      EXPECT_NEAR(rmse * rmse, expected, 1e-3 * expected) << representationName(representation) << ", function " << n;
     }
-    // roundings, which steep last layers carry on: as a rule by little
-    std::nth_element(differences.begin(), differences.begin() + kHeldOutCount / 2, differences.end());
-    EXPECT_LT(differences[kHeldOutCount / 2], 1e-4) << representationName(representation);
-    EXPECT_GT(went_all_the_way, kHeldOutCount / 4)
-        << representationName(representation) << ": too few to say anything about the later steps";
   }
 }
 

@@ -13,7 +13,6 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "train/generator/loss_guard.h"
-#include "train/generator/rate_finder.h"
 
 namespace nlg {
 namespace {
@@ -33,9 +32,6 @@ struct Run {
     options.shape.coefficient_count = training.coefficientCount();
     options.shape.width = 32;
     options.shape.layer_count = 3;
-    options.shape.correction_steps = 2;
-    options.shape.correction_width = 32;
-    options.shape.correction_layers = 2;
     theta0[ThetaLayout::b3] = 1.0f;  // the bare tent, and hidden units that can learn
     const Theta random = randomTheta({}, 2);
     for (int i = 0; i < ThetaLayout::b3; ++i) theta0[i] = 0.3f * random[i];
@@ -405,18 +401,6 @@ TEST(LossGuard, RefusesLossesFarAboveTheMedian) {
   EXPECT_FALSE(guard.accepts(state, 0.102, 1.0)) << "the median is .0101";
   EXPECT_FALSE(guard.accepts(state, NAN, 1.0));
   EXPECT_FALSE(guard.accepts(state, 0.01, INFINITY));
-}
-
-TEST(FindRate, StopsWhereTheLossRunsAway) {
-  TrainOptions options = run().options;
-  options.shape.output_scale = 10;  // diverges within the ramp
-  TrainingState state = makeState(options, run().theta0);
-  const RateFinding finding = findRate(options, kTentMlp, run().training, &state);
-  EXPECT_GT(finding.suggested, 1e-6);
-  EXPECT_LE(finding.suggested, finding.diverged / 10);
-  EXPECT_LE(finding.suggested, finding.steepest);
-  EXPECT_LT(finding.diverged, 1.0);
-  EXPECT_EQ(finding.csv.rfind("rate,loss,smoothed_loss\n1e-06,", 0), 0u) << finding.csv;
 }
 
 TEST(OneCycleRate, RisesThenFallsToATenThousandth) {

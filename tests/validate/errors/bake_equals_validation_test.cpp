@@ -45,10 +45,10 @@ class BakeEqualsValidation : public testing::Test {
     // the same bytes: whether a bare tent stands in the list then changes no other function's place
     options.duplicate_rms = 0.0;
     options.duplicate_validity_points = 0;
-    options.policy.refinement.check.tau_rmse = 0.008;
-    options.policy.refinement.rounds = 2;
-    options.policy.refinement.first_steps = 30;
-    options.policy.stages.adam_steps = 40;
+    options.policy.tau_rmse = 0.008;
+    options.policy.refine_rounds = 2;
+    options.policy.refine_first_steps = 30;
+    options.policy.adam_steps = 40;
     options.policy.theta_precision = precision;
     options.threads = 2;
     return options;

@@ -57,9 +57,9 @@ ValidateOptions shortOptions() {
   options.direct_functions = 4;
   options.convergence_functions = 2;
   options.direct = {200, 2, 1, 1};
-  options.policy.refinement.rounds = 1;
-  options.policy.refinement.first_steps = 20;
-  options.policy.stages.adam_steps = 20;
+  options.policy.refine_rounds = 1;
+  options.policy.refine_first_steps = 20;
+  options.policy.adam_steps = 20;
   return options;
 }
 

@@ -205,12 +205,14 @@ TEST(ChosenFunctions, TakeBareTentsInTheProportionOfEveryScene) {
   every.bare_tent_rmse = 0.0;
   EXPECT_EQ(chooseFunctions(set, 100, every, 0.01).count(Population::theta), 10u);
   PolicyOptions none;
-  none.bare_tent_rmse = 1.0, none.refinement.check.tau_rmse = 1.0, none.refinement.check.leak_share = 1.0;
+  none.bare_tent_rmse = 1.0, none.tau_rmse = 1.0, none.leak_share = 1.0;
   EXPECT_THROW(chooseFunctions(set, 100, none, 0.01), InputError);
 }
 
 GeneratorData sampleData(const Representation& representation) {
-  return withCorrection(sampleGenerator(representation, 24, 3, 7), 16, 2, 2, 8);
+  GeneratorData data = sampleGenerator(representation, 24, 3, 7);
+  data.exact_last_layer = !representation.isField() && representation.shape().output == OutputFunction::linear;
+  return data;
 }
 
 std::shared_ptr<const Generator> sampleShared(const Representation& representation) {
@@ -284,7 +286,7 @@ std::vector<PlotPoint> pointsOf(const std::vector<PlotRun>& runs) {
 TEST(FitPoints, StartWhereTheySayAndNeverEndAboveIt) {
   const auto generator = sampleShared(Representation::tentMlp());
   const FitBudgets budgets = {{1, 4}, {16}, {8}, {64}};
-  const auto corrected = std::make_shared<TimedPolicy>(SharedGenerators{generator}, PolicyOptions{}, ThetaStage::mirror_images);
+  const auto corrected = std::make_shared<TimedPolicy>(SharedGenerators{generator}, PolicyOptions{}, ThetaStage::last_layer);
   std::vector<PlotRun> runs = {{{{"tent_mlp", "stages", {}, "corrected", {}}},
                                 [&](const FunctionBlock& block) { return FittedFunctions{corrected->run(block)}; }}};
   for (PlotRun& run : fitsOfCorrected(generator, {}, budgets)) runs.push_back(std::move(run));
@@ -319,10 +321,10 @@ TEST(FitPoints, OfAGateFitOnOnlyWhatIsNotGoodYet) {
   const auto generator = sampleShared(Representation::productField(3));
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
   PolicyOptions lenient;
-  lenient.refinement.check.tau_rmse = 1e3, lenient.refinement.check.leak_share = 1.0;
+  lenient.tau_rmse = 1e3, lenient.leak_share = 1.0;
   const auto gated = [&](double good_rmse, int budget) {
     PolicyOptions options = lenient;
-    options.stages.good_rmse = good_rmse;
+    options.good_rmse = good_rmse;
     return runPoint(directFits(generator, options, {{}, {}, {2, 8, 32}, {}}, 1), block, "lm_from_theta0_gated", budget);
   };
   const Theta theta0(generator->theta0(), generator->theta0() + generator->representation().thetaCount());
@@ -366,7 +368,7 @@ TEST(ChoicePoint, IsThePolicyOverSeveralGenerators) {
   }
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
   PolicyOptions options;
-  options.choice.flat_ratio = 1.0, options.choice.enough_rmse = 0.0;
+  options.choice_flat_ratio = 1.0, options.choice_enough_rmse = 0.0;
   const PlotRun run = choicePoint(generators, options);
   EXPECT_EQ(run.points.front().representation, "pf3+pf5");
   const std::vector<FittedFunction> chosen = run.run(block).front();

@@ -15,9 +15,9 @@ TEST(WordGrids, EndAtWhatABakeStoresBeforeItRounds) {
   options.spacing_m = 1.5;
   options.extent_m = {"0", "0", "0", "6", "6", "3"};
   options.light = "none";
-  options.policy.refinement.rounds = 1;
-  options.policy.refinement.first_steps = 4;
-  options.policy.stages.adam_steps = 20;
+  options.policy.refine_rounds = 1;
+  options.policy.refine_first_steps = 4;
+  options.policy.adam_steps = 20;
   std::vector<Generator> generators;
   generators.emplace_back(sampleGenerator(Representation::tentMlp(), 24, 3, 1));
   const BakeScene scene("house:1", options);

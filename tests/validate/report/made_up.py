@@ -19,12 +19,10 @@ TAU = {"rmse": 0.02, "leak": 0.1, "leak_share": 0.01, "hard_tent_rmse": 0.01, "b
 # name, title, word, budget, which functions take it
 STAGES = [("network", "network", "network", None, "all functions"),
           ("last_layer", "exact last layer", "corrected", None, "functions that the network left above an RMSE of 0.001 or failing the check"),
-          ("learned_steps", "learned steps", "corrected", "3 steps at most", "functions that the network left above an RMSE of 0.001 or failing the check"),
-          ("mirror_images", "mirror images", "corrected", "8 attempts at most, the function itself included", "those of them whose RMSE is still above 0.005"),
           ("lm", "Levenberg-Marquardt", "fitted", "4 iterations at most", "those of them whose RMSE is still above 0.005"),
           ("refinement", "refinement", "fitted", "3 rounds at most", "functions that fail the check"),
           ("rounding", "rounding", "stored", None, "all functions")]
-AFTER = (["network"], [], [], ["corrected"], ["fitted"], ["stored"], [])  # what θ is called after a stage
+AFTER = (["network"], ["corrected"], ["fitted"], ["stored"], [])  # what θ is called after a stage
 
 def quantiles(values):
     values = sorted(values)
@@ -96,7 +94,7 @@ def summary(table, held_out=HELD_OUT):
     representations = {}
     for name, parameters in REPRESENTATIONS.items():
         stages = [{"name": stage, "title": title, "word": word, "budget": budget, "takes": takes, "text": f"{title}: {takes}"} for stage, title, word, budget, takes in STAGES]
-        node = {"parameters": parameters, "theta_bytes": {"float32": 4 * parameters, "float16": 2 * parameters, "int8": parameters + 9}, "weights_bytes": 2000000, "weights_sha256": "0" * 64, "correction_steps": 3, "evaluate_us": 10.0, "stages": stages}
+        node = {"parameters": parameters, "theta_bytes": {"float32": 4 * parameters, "float16": 2 * parameters, "int8": parameters + 9}, "weights_bytes": 2000000, "weights_sha256": "0" * 64, "evaluate_us": 10.0, "stages": stages}
         node |= {word: populations(table[name, word]) for word in WORDS} | {"sample": sample(table, name)}
         by_scene = lambda word, scene: quantiles([r[4] for r in table[name, word] if r[1] == scene and r[2]])
         node["by_scene"] = {scene: {word: by_scene(word, scene) for word in ("stored", "network")} for scene in SCENES}
@@ -125,7 +123,7 @@ def slices():
 
 def frontier():
     chance, points = random.Random(2), []
-    families = [("learned_steps", [1, 2]), ("lm_from_corrected", [1, 2, 4, 8, 16, 32, 64]), ("adam_from_corrected", [16, 50, 200, 1000]),
+    families = [("lm", [1, 2]), ("lm_from_corrected", [1, 2, 4, 8, 16, 32, 64]), ("adam_from_corrected", [16, 50, 200, 1000]),
                 ("lm_from_theta0", [4, 16, 64]), ("lm_from_theta0_gated", [4, 16, 64]), ("adam_from_random", [200, 1000, 8000]), ("coefficients", [32, 256, 1024])]
 
     def add(representation, family, budget, label, us, rmse, words=(), fitted=0.0):
@@ -137,7 +135,7 @@ def frontier():
 
     for r, representation in enumerate(REPRESENTATIONS):
         for i, stage in enumerate(STAGES):
-            add(representation, "stages", None, stage[1], 20 * 1.9 ** i * (1 + r / 2), .004 * (1 + r / 3) * .8 ** i, AFTER[i], .3 * (i > 3))
+            add(representation, "stages", None, stage[1], 20 * 1.9 ** i * (1 + r / 2), .004 * (1 + r / 3) * .8 ** i, AFTER[i], .3 * (i > 1))
         for f, (family, budgets) in enumerate(families):
             for budget in budgets:
                 us = (60, 250, 300, 250, 150, 300, 40)[f] * (1 + r / 2) * (1 + budget / (1 if f < 6 else 1e4))

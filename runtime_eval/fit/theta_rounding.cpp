@@ -1,0 +1,93 @@
+#include "runtime_eval/fit/theta_rounding.h"
+
+#include <algorithm>
+
+#include "runtime_eval/evaluator/theta_form.h"
+#include "runtime_eval/fit/compensated_rounding.h"
+#include "runtime_eval/fit/last_layer.h"
+#include "runtime_eval/fit/refinement.h"
+
+namespace nlg {
+namespace {
+
+// Roundings to bytes are tried one after another, until the error is at most kRoundingExcess times what it was, or has grown by no
+// more than kRoundingAdds. In the first kRoundingWays each number is rounded for itself; in those of kCompensations numbers make up for
+// each other. Few theta need a second one (docs/lab/training.md).
+constexpr int kRoundingWays = 4;
+constexpr Compensation kCompensations[] = {
+    {{124, 124}, 0.03, 0}, {{118, 118}, 0.1, 3}, {{121, 121}, 0.01, 6}, {{112, 112}, 0.03, 9}};
+constexpr double kRoundingExcess = 1.02, kRoundingAdds = 5e-5;
+
+// Fits drive the logits of product fields to any size where a larger one changes nothing. The largest half stands for all beyond it;
+// what that does to the function, the check finds.
+Theta limited(Theta theta) {
+  for (float& number : theta) number = std::clamp(number, -kMaxHalf, kMaxHalf);
+  return theta;
+}
+
+void roundLimited(const Representation& representation, ThetaPrecision precision, Theta* theta) {
+  *theta = limited(std::move(*theta));
+  roundTheta(representation, precision, theta->data());
+}
+
+}  // namespace
+
+ThetaRounding::ThetaRounding(ThetaPrecision precision) {
+  if (precision == ThetaPrecision::int8) compensated_ = std::make_unique<CompensatedRounding>();
+}
+
+ThetaRounding::~ThetaRounding() = default;
+
+RoundedTheta ThetaRounding::round(const Representation& representation, const StoredFunction& function,
+                                  const RoundedTheta& present, const CheckOptions& check, double leak_weight) {
+  // product fields stay in float16
+  if (compensated_ == nullptr || representation.isField()) return roundToHalves(representation, function, present.theta, check);
+  return roundToBytes(representation, function, present, check, leak_weight);
+}
+
+RoundedTheta ThetaRounding::roundToHalves(const Representation& representation, const StoredFunction& function,
+                                          const Theta& theta, const CheckOptions& check) {
+  RoundedTheta rounded{theta, {}};
+  roundLimited(representation, ThetaPrecision::float16, &rounded.theta);
+  rounded.check = checker_.check(representation, function, rounded.theta.data(), check);
+  return rounded;
+}
+
+// The last layer makes up for what the hidden ones lose. But where a fit weighed leaks, the one that it left may leak less.
+RoundedTheta ThetaRounding::roundToBytes(const Representation& network, const StoredFunction& function,
+                                         const RoundedTheta& present, const CheckOptions& check, double leak_weight) {
+  // where a theta passes, its RMSE alone is what counts
+  const auto badness = [&](const FunctionCheck& of) { return of.passes(check) ? of.rmse / check.tau_rmse : of.trouble(check); };
+  const double before = badness(present.check),
+               enough = std::max(kRoundingExcess * before, before + kRoundingAdds / check.tau_rmse);
+  RoundedTheta best;
+  const auto isDone = [&] { return !best.theta.empty() && badness(best.check) <= enough; };
+  const auto offer = [&](Theta theta) {
+    roundLimited(network, ThetaPrecision::int8, &theta);
+    const FunctionCheck found = checker_.check(network, function, theta.data(), check);
+    if (best.theta.empty() || badness(found) < badness(best.check)) best = {std::move(theta), found};
+  };
+  const Theta start = limited(present.theta);  // scaled units of larger numbers would leave the range of floats
+  const WeightingFunction values = decodeFunction(function, pointOrder(network));
+  const auto offerSolvedAndNot = [&](Theta theta) {
+    Theta solved = theta;
+    if (solveLastLayer(network, values, solved.data())) offer(std::move(solved));
+    if (!isDone()) offer(std::move(theta));
+  };
+  for (int way = 0; way < kRoundingWays && !isDone(); ++way) {
+    Theta theta = start;
+    roundHiddenLayers(network, theta.data(), {kMostThetaSteps - 2 * way, kMostThetaSteps});
+    offerSolvedAndNot(std::move(theta));
+  }
+  if (isDone()) return best;
+  WeightingFunction fitted = values;
+  weighLeaks(leak_weight, &fitted);
+  for (const Compensation& compensation : kCompensations) {
+    Theta theta = start;
+    if (isDone() || !compensated_->round(network, fitted, compensation, theta.data())) continue;
+    offerSolvedAndNot(std::move(theta));
+  }
+  return best;
+}
+
+}  // namespace nlg

@@ -1,0 +1,40 @@
+// Theta rounded to the light grid's precision: the least troubled of several ways, where one is not enough.
+#pragma once
+
+#include <memory>
+
+#include "runtime_eval/fit/function_check.h"
+
+namespace nlg {
+
+class CompensatedRounding;
+
+struct RoundedTheta {
+  Theta theta;
+  FunctionCheck check;
+};
+
+// One of these a thread: for int8 it holds half a megabyte.
+class ThetaRounding {
+ public:
+  // precision   float16 or int8
+  explicit ThetaRounding(ThetaPrecision precision);
+  ~ThetaRounding();
+
+  // A number beyond float16 becomes the largest that it has.
+  // present       a theta with what the check found of it
+  // leak_weight   by which the fit that made it weighed leaks (refinement.h); 1 where none did
+  RoundedTheta round(const Representation& representation, const StoredFunction& function, const RoundedTheta& present,
+                     const CheckOptions& check, double leak_weight);
+
+ private:
+  RoundedTheta roundToHalves(const Representation& field, const StoredFunction& function, const Theta& theta,
+                             const CheckOptions& check);
+  RoundedTheta roundToBytes(const Representation& network, const StoredFunction& function, const RoundedTheta& present,
+                            const CheckOptions& check, double leak_weight);
+
+  std::unique_ptr<CompensatedRounding> compensated_;  // for int8 alone
+  FunctionChecker checker_;
+};
+
+}  // namespace nlg
