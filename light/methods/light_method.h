@@ -1,4 +1,4 @@
-// What is measured: a method that says what irradiance arrives at a place, and what it costs.
+// A method that says what irradiance arrives at a place, and what it costs.
 //
 // Most methods blend what up to 8 probes hold. Their weights and the probes' light are told apart, so that every kind of weights can
 // be tried with every kind of light.
