@@ -104,7 +104,7 @@ void measureFrontier(const Request& request, const FrontierOptions& options, con
   requireOutputFolder(request.out_dir);
   const Plan plan = planOf(request, options);
   const FunctionSet set = readHeldOut(request.held_out);
-  Json json = {{"schema_version", 2}};
+  Json json = {{"schema_version", 1}};
   json["provenance"] = provenance("nlg-validate frontier", table.toJson(), inputHashes(request, set));
   const ChosenFunctions functions =
       chooseFunctions(set, static_cast<uint64_t>(options.functions), options.policy, options.hard_tent_rmse);
