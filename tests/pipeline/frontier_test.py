@@ -16,7 +16,7 @@ from tools import INPUT_ERROR, OUTPUT_ERROR, SOURCES, USAGE_ERROR, Tools, run_ch
 TOOLS = Tools(sys.argv[1])
 expect = TOOLS.check
 MAKE_WEIGHTS, MAKE_NARROW_SHARD = (os.path.abspath(path) for path in sys.argv[2:4])
-TINY = ["--functions", "7", "--repeats", "2", "--lm-steps", "1,2", "--adam-steps", "2", "--direct-lm-steps", "2,3", "--direct-adam-steps", "64"]
+TINY = ["--functions", "7", "--repeats", "2", "--corrected-lm-steps", "1,2", "--corrected-adam-steps", "2", "--direct-lm-steps", "2,3", "--direct-adam-steps", "64"]
 GOOD = ["--weights", "tent_mlp.safetensors", "pf3.safetensors", "pf5.safetensors", "--held-out", "one.h5", "two.h5", *TINY]
 POPULATIONS = ["all", "theta", "hard"]
 WORDS = ["network", "corrected", "fitted", "stored"]
@@ -131,7 +131,7 @@ def check_bad_input(tools):
 
     for code, names, arguments in [
             (USAGE_ERROR, "--weights", ["--held-out", "one.h5", "--out", "bad"]), (USAGE_ERROR, "--held-out", ["--weights", "tent_mlp.safetensors", "--out", "bad"]),
-            (USAGE_ERROR, ["--lm-steps", "'0'"], replaced("1,2", "0,2")), (USAGE_ERROR, "--functions", replaced("7", "0")),
+            (USAGE_ERROR, ["--corrected-lm-steps", "'0'"], replaced("1,2", "0,2")), (USAGE_ERROR, "--functions", replaced("7", "0")),
             (INPUT_ERROR, "missing.safetensors", replaced("pf3.safetensors", "missing.safetensors")),
             (INPUT_ERROR, "broken.safetensors", replaced("pf3.safetensors", "broken.safetensors")), (INPUT_ERROR, "missing.h5", replaced("two.h5", "missing.h5")),
             (INPUT_ERROR, ["training.h5", "--held-out"], ["--weights", "pf3.safetensors", "--held-out", "training.h5", *TINY, "--out", "bad"]),

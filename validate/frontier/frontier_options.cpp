@@ -26,7 +26,7 @@ std::vector<int> risingNumbers(const std::string& flag, const std::vector<std::s
 }  // namespace
 
 FitBudgets FrontierOptions::budgets() const {
-  return {risingNumbers("--lm-steps", lm_steps), risingNumbers("--adam-steps", adam_steps),
+  return {risingNumbers("--corrected-lm-steps", lm_steps), risingNumbers("--corrected-adam-steps", adam_steps),
           risingNumbers("--direct-lm-steps", direct_lm_steps), risingNumbers("--direct-adam-steps", direct_adam_steps)};
 }
 
@@ -38,8 +38,8 @@ void describe(FrontierOptions& o, OptionTable& table) {
   table.add("repeats", &o.interleave.repeats, "timed runs of a short point on every block", 1, 10000);
   table.add("repeat_seconds", &o.interleave.repeat_seconds, "a point that takes longer for its first block is run once", 0.0,
             1e6);
-  table.add("lm_steps", &o.lm_steps, "LM steps from the corrected theta");
-  table.add("adam_steps", &o.adam_steps, "Adam steps from the corrected theta; product fields: a 32nd");
+  table.add("corrected_lm_steps", &o.lm_steps, "LM steps from the corrected theta");
+  table.add("corrected_adam_steps", &o.adam_steps, "Adam steps from the corrected theta; product fields: a 32nd");
   table.add("direct_lm_steps", &o.direct_lm_steps, "LM steps from theta0");
   table.add("direct_adam_steps", &o.direct_adam_steps, "Adam steps from theta0 and from random starts; product fields: a 32nd");
   table.add("front_time_tolerance", &o.front.time, "front: times that differ by a smaller share are equal", 0.0, 10.0);
