@@ -113,7 +113,7 @@ def check_budgets(tools):
                                  "scripts/a.shader": "".join(f"{name}\n{{\n{{\nmap big.tga\n}}\n}}\n" for name in shaders)})
     tools.must("nlg-datagen plan --scene shared.pk3:a")
     for command in READ_SCENES:
-        tools.check("33554432 triangles" in tools.must(f"{command} --help"), f"{command} --help does not say what one scene may take")
+        tools.check("33554432 triangles" in tools.must(f"{command} --help-all"), f"{command} --help-all does not say what one scene may take")
 
 
 def check_control_characters(tools):
