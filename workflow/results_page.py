@@ -225,7 +225,7 @@ def savings_section(savings):
         return "; ".join(known)
 
     rows = [[what, *(cell(entry["lines"].get(key)) for entry in savings.values())] for key, what in kinds.items()]
-    text = "\n## What bakes left out\nHow many of how many, and the processor seconds and bytes that this saves, by what the same work took in the same bake ([bake](../guide/bake.md#what-a-scene-does-not-need)).\n"
+    text = "\n## What bakes left out\nHow many of how many, and the bytes that this saves; processor seconds where the machine was quiet ([bake](../guide/bake.md#what-a-scene-does-not-need)).\n"
     return text + table(["", *savings], rows)
 
 
