@@ -46,8 +46,8 @@ struct Command {
   int (*run)(int argc, char** argv);
 };
 constexpr Command kCommands[] = {
-    {"stability", stabilityMain},        {"frontier", frontierMain},      {"look-up", lookUpMain}, {"light", lightMain},
-    {"light-closure", lightClosureMain}, {"light-noise", lightNoiseMain}};
+    {"stability", stabilityMain}, {"frontier", frontierMain},          {"look-up", lookUpMain},
+    {"light", lightMain},         {"light-closure", lightClosureMain}, {"light-noise", lightNoiseMain}};
 
 }  // namespace
 }  // namespace nlg
