@@ -1,7 +1,6 @@
 #include "runtime_eval/weights_file/weights_file.h"
 
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 
@@ -50,21 +49,14 @@ FileResult readTensor(const ByteSource& source, const std::string& name, const T
   return {};
 }
 
-// Whether a file may be without a digest: not where the version says that it has one, since damage may have taken it away.
-bool mayLackDigest(const WeightsHeader& header) {
-  const auto found = header.metadata.find("version");
-  if (found == header.metadata.end()) return true;
-  int version = 0;
-  std::from_chars(found->second.data(), found->second.data() + found->second.size(), version);
-  return version < kFirstDigestVersion;
-}
-
 FileResult readAll(const ByteSource& source, WeightsFile* file) {
   WeightsHeader header;
   uint64_t data_offset = 0;
   FileResult opened = readLayout(source, dtypeFault, &header, &data_offset);
   if (!opened.ok()) return opened;
-  if (header.digest_offset == 0 && !mayLackDigest(header)) return refuse(FileStatus::digest_mismatch, kDigestMissing);
+  // damage may have taken it away
+  const bool is_generator = header.metadata.count("version") != 0;
+  if (header.digest_offset == 0 && is_generator) return refuse(FileStatus::digest_mismatch, kDigestMissing);
   for (const auto& [name, entry] : header.tensors) {
     if (isPadding(name)) continue;
     FileResult result = readTensor(source, name, entry, data_offset, &file->tensors[name]);

@@ -33,12 +33,9 @@ struct WeightsFile {
   std::map<std::string, std::string> metadata;  // but for the digest, which belongs to the bytes
 };
 
-// The first version of a generator's tensors (metadata key `version`) whose files must name their digest.
-inline constexpr int kFirstDigestVersion = 3;
-
-// Reads a file, or bytes in memory. The file's digest is compared with its bytes before anything else is believed. Every offset is
-// checked against the size before it is followed; nothing is allocated that the bytes do not cover (F16 takes twice its bytes), and
-// a file is never in memory twice. On failure *file is left empty.
+// Reads a file, or bytes in memory. A generator's file, which says its version, must name its digest. The digest is compared with the
+// file's bytes before anything else is believed. Every offset is checked against the size before it is followed; nothing is allocated
+// that the bytes do not cover (F16 takes twice its bytes), and a file is never in memory twice. On failure *file is left empty.
 FileResult readWeightsFile(const std::string& path, WeightsFile* file);
 FileResult parseWeights(std::string_view bytes, WeightsFile* file);
 

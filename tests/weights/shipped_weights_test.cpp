@@ -102,6 +102,7 @@ TEST_F(ShippedWeights, HaveStagesThatHalveTheErrorOfTheta0) {
     Generator generator;
     ASSERT_TRUE(Generator::load(path.string(), &generator).ok()) << path;
     StageRunner runner(generator, PolicyOptions{});
+    FunctionChecker checker;
     Theta theta(generator.representation().thetaCount());
     double fitted = 0.0, constant = 0.0;
     for (const StoredSample& wall : walls.samples) {
@@ -109,7 +110,7 @@ TEST_F(ShippedWeights, HaveStagesThatHalveTheErrorOfTheta0) {
       ThetaRecord record;
       runner.make(&stored, 1, theta.data(), &record);
       fitted += record.at(ThetaWord::fitted).rmse;
-      constant += runner.checker().check(generator.representation(), stored, generator.theta0(), {}).rmse;
+      constant += checker.check(generator.representation(), stored, generator.theta0(), {}).rmse;
     }
     EXPECT_LE(fitted, 0.5 * constant) << path;
   }
