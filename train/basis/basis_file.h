@@ -16,7 +16,6 @@ struct BasisFile {
   std::vector<double> kept_variance;  // share kept, one a count
   uint64_t pattern_hash = 0;
   std::string provenance_json;
-  bool has_digest = false;  // as read: files of schema version 1 have none
 };
 
 // throws OutputError

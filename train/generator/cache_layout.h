@@ -8,7 +8,7 @@
 namespace nlg {
 
 inline constexpr char kCacheMagic[8] = {'n', 'l', 'g', 'c', 'a', 'c', 'h', 'e'};
-inline constexpr uint64_t kCacheVersion = 2;
+inline constexpr uint64_t kCacheVersion = 1;
 inline constexpr size_t kFirstRecord = 4096;  // a page: records begin on one
 
 // The first bytes of the file; zeros up to kFirstRecord. Little-endian, as everything in the file.

@@ -12,7 +12,7 @@
 namespace nlg {
 namespace {
 
-constexpr const char* kKind = "nlg-checkpoint-4";
+constexpr const char* kKind = "nlg-checkpoint-1";
 constexpr const char* kExpected = "a checkpoint of nlg-train";
 constexpr size_t kCounts = 3;  // step, draw, rollbacks
 
