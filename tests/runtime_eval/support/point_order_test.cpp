@@ -68,25 +68,5 @@ TEST(CellOrder, HoldsEachPlaceInItsCell) {
   }
 }
 
-TEST(PointOrder, DecodesAMirroredFunctionAsTheMirrorOfWhatIsStored) {
-  const StoredSample sample = noiseSample(7);
-  for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
-    StoredSample mirrored;
-    for (int p = 0; p < kSupportPointCount; ++p) {
-      const int source = p ^ (mirror * kOctantPointCount);
-      mirrored.phi[p] = sample.phi[source];
-      if (sample.valid(source)) mirrored.validity[p / 8] |= static_cast<uint8_t>(1 << (p % 8));
-    }
-    for (const PointOrder* order : allOrders()) {
-      SCOPED_TRACE(testing::Message() << "mirror " << mirror << ", resolution " << order->resolution);
-      const WeightingFunction expected = decodeFunction(mirrored.view(), *order),
-                              got = decodeFunction(sample.view(), *order, mirror);
-      EXPECT_EQ(got.phi, expected.phi);
-      EXPECT_EQ(got.mask, expected.mask);
-      EXPECT_EQ(got.valid_count, expected.valid_count);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace nlg
