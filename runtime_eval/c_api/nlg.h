@@ -94,7 +94,7 @@ nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash)
 typedef struct nlg_policy_options {
 #define NLG_CHOICE_OPTION(type, name, value, low, high, help)
 #define NLG_POLICY_OPTION(type, name, value, low, high, help) type name;
-#include "runtime_eval/fit/policy_options.def"
+#include "../fit/policy_options.def" /* from here: engines include this header by whatever path */
 } nlg_policy_options;
 
 /* The defaults: those of nlg-bake. */
