@@ -6,7 +6,7 @@
 install_packages() {
   local wanted missing
   if ! command -v dpkg-query > /dev/null; then
-    echo "This system has no dpkg: install the equivalents of cmake/packages.txt, then call cmake and snakemake as README.md shows." >&2
+    echo "This system has no dpkg: install the equivalents of cmake/packages.txt, then build with cmake --preset release." >&2
     return 1
   fi
   mapfile -t wanted < <(awk -v purposes=" $* " '!/^#/ && NF && ($2 == "" || index(purposes, " " $2 " ")) {print $1}' cmake/packages.txt)
@@ -49,6 +49,17 @@ is_configured_for() {
   for option in $(options_for "$@"); do has_option "$option" || return 1; done
 }
 
+# Two builds in one folder would spoil it: the second waits, and says so.
+lock_build() {
+  flock -n 8 || { echo "Waiting for another build in $PWD/build" >&2; flock 8; }
+}
+
+# A checkout that belongs to somebody else is used, not built.
+require_writable() {
+  mkdir -p build 2> /dev/null
+  [ -w build ] || { echo "$PWD/build: cannot be written. NLG_BIN=FOLDER takes tools that are built" >&2; return 1; }
+}
+
 # build "PURPOSES" [TARGET ...]: configures the release build for these purposes, and for those of before; builds the targets, or all.
 build() {
   local targets=() options=() option wanted
@@ -58,9 +69,9 @@ build() {
   for option in NLG_BUILD_TRAINING NLG_BUILD_TESTS; do
     if [[ $wanted == *" $option "* ]] || has_option "$option"; then options+=("-D$option=ON"); else options+=("-D$option=OFF"); fi
   done
-  mkdir -p build
+  require_writable
   (
-    flock 8 # two builds in one folder would spoil it
+    lock_build
     cmake --preset release -Wno-dev "${options[@]}" > build/configure.log 2>&1 || { cat build/configure.log >&2; exit 1; }
     cmake --build --preset release --parallel "$(build_jobs)" "${targets[@]}"
   ) 8> build/.lock
@@ -68,8 +79,9 @@ build() {
 
 # The same of targets that were built before: only what has changed since, and without a word.
 build_again() {
+  require_writable
   (
-    flock 8
+    lock_build
     cmake --build --preset release --parallel "$(build_jobs)" --target "$@" -- --quiet
   ) 8> build/.lock
 }

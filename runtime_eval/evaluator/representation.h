@@ -12,7 +12,8 @@
 // A and B are trilinear in r³ nodes that cover [-1, 1]³. theta, 2 r³ floats: the pair (A, B) of every node, x fastest, as a
 // texture of two channels holds them.
 //
-// Another network is one line of kNetworks: all kernels are templates over its shape.
+// Another network is one line of kNetworks: all kernels of the bake are templates over its shape. Shaders name theirs
+// (runtime_eval/shader_grid).
 #pragma once
 
 #include <array>

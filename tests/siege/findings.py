@@ -1,9 +1,11 @@
 """What the first siege found, each finding as cases of its name: D1 to D16."""
 import json
 import os
+import re
 import signal
 import subprocess
 import time
+from pathlib import Path
 
 import chain
 import damage
@@ -345,8 +347,13 @@ def orphaned_tools(siege, seconds):
 
 # ---- D15: the C library's options
 
-WHOLE = ("lm_iterations", "lm_theta0_iterations", "adam_steps", "refine_rounds", "refine_first_steps", "refine_growth")
-NUMBERS = ("bare_tent_rmse", "good_rmse", "retry_rmse", "adam_rmse", "tau_rmse", "tau_leak", "leak_share", "refine_leak_weight")
+def policy_options(of_type):
+    """Names of C's options of the policy, which has none of the choice between generators."""
+    table = Path(__file__).resolve().parents[2] / "runtime_eval/fit/policy_options.def"
+    return re.findall(rf"^NLG_(?!CHOICE)\w+_OPTION\({of_type}, (\w+),", table.read_text(), re.MULTILINE)
+
+
+WHOLE, NUMBERS = policy_options("int"), policy_options("double")
 
 
 def d15(siege):
