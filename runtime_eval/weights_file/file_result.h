@@ -28,7 +28,7 @@ enum class FileStatus {
 const char* fileStatusName(FileStatus status);
 
 // A status and, when it is not ok, one line that says where and why. A reader's ok has an empty text, or says that the file names no
-// digest, so that nobody knows whether it is damaged: files written before there were digests.
+// digest, so that nobody knows whether it is damaged: a safetensors file that is none of this project.
 struct FileResult {
   FileStatus status = FileStatus::ok;
   std::string detail;

@@ -45,7 +45,7 @@ uint64_t dtypeBytes(std::string_view dtype);
 FileResult readLayout(const ByteSource& source, std::string (*dtype_fault)(const std::string& name, const std::string& dtype),
                       WeightsHeader* header, uint64_t* data_offset);
 
-// What is said of files that were written before digests.
+// What is said of safetensors files that others wrote.
 inline constexpr const char* kNoDigest = "it names no file_sha256: whether it is damaged was not checked";
 // … and of files whose version says that they name one.
 inline constexpr const char* kDigestMissing = "it names no file_sha256, as files of its version do: damaged, or changed by hand";

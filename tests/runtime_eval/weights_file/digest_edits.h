@@ -1,4 +1,4 @@
-// Files whose bytes a test changes: with a digest that fits again, or as they were written before there were digests.
+// Files whose bytes a test changes: with a digest that fits again, or without one.
 #pragma once
 
 #include <cstring>
