@@ -37,6 +37,7 @@ class SceneCopier {
     result_.id = source.id;
     result_.origin_m = source.origin_m;
     result_.materials = source.materials;
+    result_.images = source.images;
     result_.dropped_triangle_count = source.dropped_triangle_count;
     // what lay on the surfaces lay there for them as they stood
     result_.light = source.light;
@@ -67,12 +68,20 @@ class SceneCopier {
       owner_[vertex] = object_count_;
       copies_[vertex] = static_cast<uint32_t>(result_.positions.size());
       result_.positions.push_back(source_.positions[vertex]);
+      copyLook(source_.base_places, vertex, &result_.base_places);
+      copyLook(source_.emissive_places, vertex, &result_.emissive_places);
+      copyLook(source_.vertex_colours, vertex, &result_.vertex_colours);
       if (change != nullptr) {
         const glm::dvec3 arm = (glm::dvec3(source_.positions[vertex]) - centre) * change->scale;
         result_.positions.back() = glm::vec3(centre + change->shift_m + turned(change->turn, arm));
       }
     }
     return copies_[vertex];
+  }
+
+  template <class Value>
+  static void copyLook(const std::vector<Value>& source, uint32_t vertex, std::vector<Value>* copy) {
+    if (!source.empty()) copy->push_back(source[vertex]);
   }
 
   const Scene& source_;

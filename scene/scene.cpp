@@ -103,6 +103,30 @@ class HashedBytes {
   std::string bytes_;
 };
 
+// Images, vertices' colours and veils: nothing for a scene that has none.
+void addLooks(const Scene& scene, HashedBytes& bytes) {
+  const bool has_veils = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                     [](const Material& material) { return material.veil != Veil::none; });
+  if (scene.images.empty() && scene.vertex_colours.empty() && !has_veils) return;
+  for (const TextureImage& image : scene.images) {
+    bytes.add(image.width);
+    bytes.addCounted(image.texels);
+  }
+  for (const Material& material : scene.materials) {
+    bytes.add(material.opacity);
+    bytes.add(material.transmission);
+    for (const TextureUse* use : {&material.base_image, &material.emissive_image, &material.transmission_image}) {
+      bytes.add(use->image);
+      bytes.add(use->wrap_u);
+      bytes.add(use->wrap_v);
+    }
+  }
+  bytes.addCounted(scene.triangle_material);
+  bytes.addCounted(scene.base_places);
+  bytes.addCounted(scene.emissive_places);
+  bytes.addCounted(scene.vertex_colours);
+}
+
 // Sorts triangles of one object by component, components by their first triangle, and appends an object for each.
 class ComponentSplitter {
  public:
@@ -230,7 +254,10 @@ std::string sceneSha256(const Scene& scene) {
   bytes.add(scene.origin_m);
   bytes.addAll(scene.positions);
   bytes.addAll(scene.triangles);
-  for (const uint32_t material : scene.triangle_material) bytes.add<char>(scene.materials[material].double_sided ? 1 : 0);
+  for (const uint32_t material : scene.triangle_material) {
+    const Material& m = scene.materials[material];
+    bytes.add<char>(static_cast<char>((m.double_sided ? 1 : 0) + 2 * static_cast<int>(m.veil)));
+  }
   for (const SceneObject& object : scene.objects) {
     bytes.add(object.first_triangle);
     bytes.add(object.triangle_count);
@@ -246,6 +273,7 @@ std::string sceneLightSha256(const Scene& scene) {
     bytes.add(scene.materials[material].base_color);
     bytes.add(scene.materials[material].emissive);
   }
+  addLooks(scene, bytes);
   const SceneLight& light = scene.light;
   bytes.add(light.sky);
   bytes.addCounted(light.lamps);

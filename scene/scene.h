@@ -8,13 +8,24 @@
 #include <glm/glm.hpp>
 
 #include "scene/scene_light.h"
+#include "scene/texture_image.h"
 
 namespace nlg {
 
+// Whether light passes through a surface: a fence of a cut-out image, a curtain, a pane. For weighting functions and for what lies
+// in solid a thin veil is air, a dense one a sheet as any other (docs/theory/visibility.md). For rays of light both are what their
+// images say at the point.
+enum class Veil : uint8_t { none, thin, dense };
+
 struct Material {
-  glm::vec3 base_color{0.5f};  // linear, 0..1
-  glm::vec3 emissive{0.0f};    // radiance of its front (of both sides when double_sided), linear, >= 0
+  glm::vec3 base_color{0.5f};  // linear, 0..1; times base_image and the vertices' colours (surface_look.h)
+  glm::vec3 emissive{0.0f};    // radiance of its front (of both sides when double_sided), linear, >= 0; times emissive_image
   bool double_sided = false;   // faces of it are no evidence of solid: see docs/theory/visibility.md
+  Veil veil = Veil::none;      // a veil is double_sided, too
+  float opacity = 1.0f;  // of a veil: what does not go straight through, 0..1; times the alpha of base_image and of the vertices
+  float transmission = 0.0f;  // of a veil: what goes through of light that its opacity stops, in the base colour, 0..1; times
+                              // the red of transmission_image
+  TextureUse base_image, emissive_image, transmission_image;  // those of base and transmission lie at base_places
 };
 
 // What jitter moves as one: a glTF node with a mesh, a connected component of one, or a part that the generator names.
@@ -44,6 +55,11 @@ struct Scene {
   std::vector<glm::uvec3> triangles;        // T, indices into positions
   std::vector<uint32_t> triangle_material;  // T, indices into materials
   std::vector<Material> materials;          // at least one when there are triangles
+  std::vector<TextureImage> images;         // that materials name
+  std::vector<glm::vec2> base_places;       // V, or empty where no material has a base_image: the vertices' places on it,
+                                            // textures' own transforms done
+  std::vector<glm::vec2> emissive_places;   // V, or empty where none has an emissive_image
+  std::vector<glm::vec4> vertex_colours;    // V, or empty: linear red, green, blue, and opacity
   std::vector<SceneObject> objects;         // cover all triangles, in order, without gaps
   uint32_t dropped_triangle_count = 0;      // triangles of zero area that the source held
   SceneLight light;

@@ -1,0 +1,28 @@
+// What a point of a scene's surface looks like: its material's factors times its images and its vertices' colours.
+//
+// u and v are the weights of the triangle's second and third corner, as LightHit has them.
+#pragma once
+
+#include <cstdint>
+
+#include <glm/glm.hpp>
+
+#include "scene/scene.h"
+
+namespace nlg {
+
+const Material& materialOf(const Scene& scene, uint32_t triangle);
+
+// Linear; of a material without images and vertex colours exactly its factor.
+glm::vec3 baseColourAt(const Scene& scene, uint32_t triangle, float u, float v);
+// Radiance of the side that shines.
+glm::vec3 emissionAt(const Scene& scene, uint32_t triangle, float u, float v);
+
+// What light meets at a point of a veil: a surface that lets some of it through.
+struct VeilLook {
+  glm::vec3 passes{0.0f};    // of light that goes straight on
+  glm::vec3 reflects{0.0f};  // of light that is scattered back, as a base colour
+};
+VeilLook veilAt(const Scene& scene, uint32_t triangle, float u, float v);
+
+}  // namespace nlg
