@@ -173,7 +173,7 @@ const bool kRegistered = [] {
     if (entry.path().extension() == ".glb") paths.push_back(entry.path());
   }
   std::sort(paths.begin(), paths.end());
-  for (const auto& path : paths) add(path.stem(), [path] { return readGltf(path); });
+  for (const auto& path : paths) add(path.stem(), [path] { return readGltf(path).scene; });
   return true;
 }();
 

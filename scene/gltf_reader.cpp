@@ -26,7 +26,7 @@ class GltfConverter {
         meshes_(model_.meshes.size()),
         is_visited_(model_.nodes.size(), 0) {}
 
-  Scene convert() {
+  GltfLevel convert() {
     readMaterials();
     lights_ = readGltfLights(path_, model_);
     const glm::dmat4 metres_from_units{glm::dmat3(unit_m_)};
@@ -205,14 +205,14 @@ class GltfConverter {
     return *meshes_[mesh_idx];
   }
 
-  Scene finish() {
+  GltfLevel finish() {
     scene_.id = std::filesystem::path(path_).stem().string();
     finishScene(scene_, world_positions_);
     const std::vector<glm::vec3> lamp_positions = relativeTo(scene_.origin_m, lamp_positions_);
     for (size_t i = 0; i < lamp_positions.size(); ++i) scene_.light.lamps[i].position = lamp_positions[i];
     const std::vector<glm::vec3> eyes = relativeTo(scene_.origin_m, viewpoint_positions_);
     for (size_t i = 0; i < eyes.size(); ++i) scene_.viewpoints[i].position = eyes[i];
-    return std::move(scene_);
+    return {std::move(scene_), std::move(notes_)};
   }
 
   const std::string path_;
@@ -227,10 +227,11 @@ class GltfConverter {
   std::vector<GltfLight> lights_;
   std::vector<glm::dvec3> lamp_positions_;  // of the scene's lamps, world coordinates
   Scene scene_;
+  std::vector<std::string> notes_;
 };
 
 }  // namespace
 
-Scene readGltf(const std::string& path, double unit_m) { return GltfConverter(path, unit_m).convert(); }
+GltfLevel readGltf(const std::string& path, double unit_m) { return GltfConverter(path, unit_m).convert(); }
 
 }  // namespace nlg

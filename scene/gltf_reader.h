@@ -2,10 +2,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "scene/scene.h"
 
 namespace nlg {
+
+struct GltfLevel {
+  Scene scene;
+  std::vector<std::string> notes;  // what the file holds that was not read, or read otherwise; a line each
+};
 
 // The default scene; the first one if none is named; all root nodes if there is none.
 //
@@ -29,6 +35,6 @@ namespace nlg {
 //          - a buffer's URI that leaves the folder: with "..", absolute, or of a scheme other than data:
 //          - a node that is its own ancestor, nesting deeper than 256
 //          - a required extension other than these three and those of materials, textures and lights, by its name
-Scene readGltf(const std::string& path, double unit_m = 1.0);
+GltfLevel readGltf(const std::string& path, double unit_m = 1.0);
 
 }  // namespace nlg

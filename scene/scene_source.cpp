@@ -115,7 +115,8 @@ SceneSource readObjFile(const std::string& path, const SceneReading& reading) {
 }
 
 SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
-  return sourceOf(readGltf(path, reading.unit_m), {}, path, reading);
+  GltfLevel level = readGltf(path, reading.unit_m);
+  return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
 }
 
 }  // namespace

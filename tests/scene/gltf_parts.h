@@ -81,7 +81,7 @@ class GltfFiles : public testing::Test {
   GltfFiles() { fs::create_directory(folder_ / "level"); }
 
   std::string write(const std::string& name, const std::string& bytes) const { return folder_.write("level/" + name, bytes); }
-  Scene read(const Parts& parts) const { return readGltf(write("test.gltf", parts.text())); }
+  Scene read(const Parts& parts) const { return readGltf(write("test.gltf", parts.text())).scene; }
 
   // The line of the InputError that reading the bytes gives.
   std::string errorOf(const std::string& bytes) const {

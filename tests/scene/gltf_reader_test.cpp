@@ -39,8 +39,8 @@ TEST_F(GltfReader, ReadsTheSameFromGlbAndFromABinBeside) {
   const Parts parts;
   write("my square.bin", parts.bin);
   const Scene expected = read(parts);
-  const Scene glb = readGltf(write("test.glb", parts.binary()));
-  const Scene beside = readGltf(write("beside.gltf", parts.json("my%20square.bin")));
+  const Scene glb = readGltf(write("test.glb", parts.binary())).scene;
+  const Scene beside = readGltf(write("beside.gltf", parts.json("my%20square.bin"))).scene;
   EXPECT_EQ(glb.positions, expected.positions);
   EXPECT_EQ(glb.triangles, expected.triangles);
   EXPECT_EQ(beside.positions, expected.positions);
@@ -220,7 +220,7 @@ TEST_F(GltfReader, ScalesByTheUnit) {
   parts.more = R"(,"cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}],)"
                R"("extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":5}]}})";
   const std::string path = write("units.gltf", parts.text());
-  const Scene metres = readGltf(path), quarters = readGltf(path, 0.25);
+  const Scene metres = readGltf(path).scene, quarters = readGltf(path, 0.25).scene;
   expectNear(corner(quarters, 0, 0), {25, 50, 0}, "corner");
   expectNear(corner(quarters, 0, 2), {25.75, 50.25, 0}, "corner");
   EXPECT_NEAR(areaOf(quarters), areaOf(metres) / 16, 1e-6);
@@ -636,7 +636,7 @@ TEST(GltfLevels, HaveTheTriangleCountsOfTheirTable) {
     for (std::string cell; std::getline(row, cell, '|');) cells.push_back(cell);
     if (cells.size() < 5 || cells[1].find(".glb") == std::string::npos) continue;
     const std::string name = cells[1].substr(1, cells[1].size() - 2);
-    const Scene scene = readGltf((fs::path(folder) / "levels" / name).string());
+    const Scene scene = readGltf((fs::path(folder) / "levels" / name).string()).scene;
     EXPECT_EQ(scene.triangles.size() + scene.dropped_triangle_count, std::stoul(cells[4])) << name;
     ++level_count;
   }
