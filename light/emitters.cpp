@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "runtime_eval/numbers/random.h"
+#include "scene/surface_look.h"
 
 namespace nlg {
 namespace {
@@ -16,37 +17,95 @@ glm::vec3 crossOf(const Scene& scene, uint32_t triangle) {
   return glm::cross(scene.positions[t.y] - scene.positions[t.x], scene.positions[t.z] - scene.positions[t.x]);
 }
 
-glm::vec3 middleOf(const Scene& scene, uint32_t triangle) {
+float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
+
+// Corners of one of side² parts of a triangle, as weights of its second and third corner.
+std::array<glm::vec2, 3> cornersOfPart(int side, int part) {
+  // rows of constant u hold 2 (side - row) - 1 parts
+  int row = 0, before = 0;
+  while (part - before >= 2 * (side - row) - 1) before += 2 * (side - row++) - 1;
+  const int column = (part - before) / 2;
+  const auto at = [&](int u, int v) { return glm::vec2(row + u, column + v) / static_cast<float>(side); };
+  if ((part - before) % 2 == 0) return {at(0, 0), at(1, 0), at(0, 1)};
+  return {at(1, 1), at(0, 1), at(1, 0)};
+}
+
+int partAt(int side, float u, float v) {
+  if (side == 1) return 0;
+  const auto cell = [&](float w, int count) { return std::clamp(static_cast<int>(w * static_cast<float>(side)), 0, count - 1); };
+  const int row = cell(u, side), column = cell(v, side - row);
+  const float across = (u + v) * static_cast<float>(side) - static_cast<float>(row + column);
+  const bool is_upside_down = across > 1.0f && column < side - row - 1;
+  return side * side - (side - row) * (side - row) + 2 * column + (is_upside_down ? 1 : 0);
+}
+
+glm::vec3 pointOf(const Scene& scene, uint32_t triangle, const glm::vec2& at) {
   const glm::uvec3& t = scene.triangles[triangle];
-  return (scene.positions[t.x] + scene.positions[t.y] + scene.positions[t.z]) / 3.0f;
+  return scene.positions[t.x] * (1.0f - at.x - at.y) + scene.positions[t.y] * at.x + scene.positions[t.z] * at.y;
+}
+
+constexpr int kTexelsOfPatch = 8;            // along its side
+constexpr uint64_t kMostPatches = 1u << 20;  // of images; beyond, patches are larger
+constexpr int kSamplesOfSide = 4;            // of a patch: its mean is over so many squared
+
+// Of the side of a triangle that shines by an image: how many patches its texels ask for.
+int wantedSide(const Scene& scene, uint32_t triangle) {
+  const Material& material = materialOf(scene, triangle);
+  const bool is_by_emission = material.emissive_image.isThere();
+  const TextureUse& use = is_by_emission ? material.emissive_image : material.base_image;
+  if (!use.isThere()) return 1;
+  const TextureImage& image = scene.images[static_cast<size_t>(use.image)];
+  const std::vector<glm::vec2>& places = is_by_emission ? scene.emissive_places : scene.base_places;
+  const glm::uvec3& t = scene.triangles[triangle];
+  const glm::vec2 size(image.width, image.height);
+  const glm::vec2 a = (places[t.y] - places[t.x]) * size, b = (places[t.z] - places[t.x]) * size;
+  const double texels = std::sqrt(std::fabs(static_cast<double>(a.x) * b.y - static_cast<double>(a.y) * b.x));
+  return static_cast<int>(std::clamp(std::ceil(texels / kTexelsOfPatch), 1.0, static_cast<double>(Emitters::kMostSide)));
+}
+
+// Whether the emission of points of a triangle differs.
+bool isByImage(const Material& material) { return material.emissive_image.isThere() || material.veil != Veil::none; }
+
+float meanLuminance(const Scene& scene, uint32_t triangle, const std::array<glm::vec2, 3>& corners) {
+  float sum = 0.0f;
+  for (int part = 0; part < kSamplesOfSide * kSamplesOfSide; ++part) {
+    const std::array<glm::vec2, 3> small = cornersOfPart(kSamplesOfSide, part);
+    const glm::vec2 within = (small[0] + small[1] + small[2]) / 3.0f;
+    const glm::vec2 at = corners[0] + within.x * (corners[1] - corners[0]) + within.y * (corners[2] - corners[0]);
+    sum += luminance(emissionAt(scene, triangle, at.x, at.y));
+  }
+  return sum / (kSamplesOfSide * kSamplesOfSide);
 }
 
 // Halves the widest range again and again: neighbours stay together.
-std::vector<std::vector<uint32_t>> clustersOf(const Scene& scene, std::vector<uint32_t> triangles) {
+// middles   by patch
+std::vector<std::vector<uint32_t>> clustersOf(const std::vector<glm::vec3>& middles) {
   struct Range {
-    std::vector<uint32_t> triangles;
+    std::vector<uint32_t> patches;
     glm::vec3 size{0.0f};
   };
   const auto measured = [&](std::vector<uint32_t> members) {
-    glm::vec3 low = middleOf(scene, members.front()), high = low;
-    for (const uint32_t t : members) {
-      low = glm::min(low, middleOf(scene, t));
-      high = glm::max(high, middleOf(scene, t));
+    glm::vec3 low = middles[members.front()], high = low;
+    for (const uint32_t p : members) {
+      low = glm::min(low, middles[p]);
+      high = glm::max(high, middles[p]);
     }
     return Range{std::move(members), high - low};
   };
   const auto width = [](const Range& range) { return std::max({range.size.x, range.size.y, range.size.z}); };
   std::vector<Range> ranges;
-  ranges.push_back(measured(std::move(triangles)));
+  std::vector<uint32_t> all(middles.size());
+  std::iota(all.begin(), all.end(), 0u);
+  ranges.push_back(measured(std::move(all)));
   while (ranges.size() < Emitters::kMostClusters) {
     const auto widest =
         std::max_element(ranges.begin(), ranges.end(), [&](const Range& a, const Range& b) { return width(a) < width(b); });
     if (!(width(*widest) > 0.0f)) break;
     const int axis = widest->size.x == width(*widest) ? 0 : widest->size.y == width(*widest) ? 1 : 2;
-    std::vector<uint32_t> members = std::move(widest->triangles);
+    std::vector<uint32_t> members = std::move(widest->patches);
     const auto half = members.begin() + static_cast<ptrdiff_t>(members.size() / 2);
     std::nth_element(members.begin(), half, members.end(), [&](uint32_t a, uint32_t b) {
-      const float at_a = middleOf(scene, a)[axis], at_b = middleOf(scene, b)[axis];
+      const float at_a = middles[a][axis], at_b = middles[b][axis];
       return at_a != at_b ? at_a < at_b : a < b;
     });
     *widest = measured({members.begin(), half});
@@ -54,44 +113,82 @@ std::vector<std::vector<uint32_t>> clustersOf(const Scene& scene, std::vector<ui
   }
   std::vector<std::vector<uint32_t>> clusters;
   for (Range& range : ranges) {
-    std::sort(range.triangles.begin(), range.triangles.end());
-    clusters.push_back(std::move(range.triangles));
+    std::sort(range.patches.begin(), range.patches.end());
+    clusters.push_back(std::move(range.patches));
   }
   return clusters;
 }
 
 }  // namespace
 
-float Emitters::luminance(uint32_t triangle) const {
-  const glm::vec3& rgb = scene_.materials[scene_.triangle_material[triangle]].emissive;
-  return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b;
+void Emitters::cutIntoPatches() {
+  std::vector<std::pair<uint32_t, int>> wanted;  // triangle and side
+  uint64_t by_image = 0;
+  for (uint32_t t = 0; t < scene_.triangles.size(); ++t) {
+    const Material& material = materialOf(scene_, t);
+    if (!(luminance(material.emissive) * glm::length(crossOf(scene_, t)) > 0.0f)) continue;
+    const int side = isByImage(material) ? wantedSide(scene_, t) : 1;
+    wanted.emplace_back(t, side);
+    by_image += static_cast<uint64_t>(side * side);
+  }
+  if (wanted.empty()) return;
+  const double shrink = std::min(1.0, std::sqrt(static_cast<double>(kMostPatches) / static_cast<double>(by_image)));
+  shining_of_.assign(scene_.triangles.size(), kNone);
+  for (const auto& [t, wanted_side] : wanted) {
+    const Material& material = materialOf(scene_, t);
+    const int side = std::max(1, static_cast<int>(wanted_side * shrink));
+    shining_of_[t] = static_cast<uint32_t>(shining_.size());
+    shining_.push_back({static_cast<uint32_t>(patch_at_.size()), static_cast<uint16_t>(side)});
+    for (int part = 0; part < side * side; ++part) {
+      const float shine =
+          isByImage(material) ? meanLuminance(scene_, t, cornersOfPart(side, part)) : luminance(material.emissive);
+      patch_at_.push_back(shine > 0.0f ? static_cast<uint32_t>(patches_.size()) : kNone);
+      if (shine > 0.0f) patches_.push_back({t, static_cast<uint16_t>(side), static_cast<uint16_t>(part), shine});
+    }
+  }
 }
 
 Emitters::Emitters(const Scene& scene) : scene_(scene) {
-  std::vector<uint32_t> shining;
-  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
-    if (luminance(t) * glm::length(crossOf(scene, t)) > 0.0f) shining.push_back(t);
+  cutIntoPatches();
+  if (patches_.empty()) return;
+  const auto cornersOf = [&](const Patch& patch) {
+    std::array<glm::vec3, 3> corners;
+    const std::array<glm::vec2, 3> weights = cornersOfPart(patch.side, patch.part);
+    for (size_t k = 0; k < 3; ++k) corners[k] = pointOf(scene, patch.triangle, weights[k]);
+    return corners;
+  };
+  std::vector<glm::vec3> middles;
+  for (const Patch& patch : patches_) {
+    const std::array<glm::vec3, 3> corners = cornersOf(patch);
+    middles.push_back((corners[0] + corners[1] + corners[2]) / 3.0f);
   }
-  if (shining.empty()) return;
-  cluster_of_.assign(scene.triangles.size(), kNone);
-  for (const std::vector<uint32_t>& members : clustersOf(scene, std::move(shining))) {
+  std::vector<Patch> by_cluster;
+  std::vector<uint32_t> place_of(patches_.size());  // in by_cluster
+  for (const std::vector<uint32_t>& members : clustersOf(middles)) {
     Cluster cluster;
-    cluster.first = static_cast<uint32_t>(triangles_.size());
+    cluster.first = static_cast<uint32_t>(by_cluster.size());
     cluster.count = static_cast<uint32_t>(members.size());
-    for (const uint32_t t : members) {
-      cluster.power += 0.5f * glm::length(crossOf(scene, t)) * luminance(t);
-      cluster.middle += middleOf(scene, t) / static_cast<float>(members.size());
-      cluster_of_[t] = static_cast<uint32_t>(clusters_.size());
-      triangles_.push_back(t);
+    for (const uint32_t p : members) {
+      const Patch& patch = patches_[p];
+      cluster.power +=
+          0.5f * glm::length(crossOf(scene, patch.triangle)) * patch.luminance / static_cast<float>(patch.side * patch.side);
+      cluster.middle += middles[p] / static_cast<float>(members.size());
+      cluster_of_.push_back(static_cast<uint32_t>(clusters_.size()));
+      place_of[p] = static_cast<uint32_t>(by_cluster.size());
+      by_cluster.push_back(patch);
       sums_.push_back(cluster.power);
     }
-    for (const uint32_t t : members) {
-      for (int k = 0; k < 3; ++k) {
-        const glm::vec3 way = scene.positions[scene.triangles[t][k]] - cluster.middle;
+    for (const uint32_t p : members) {
+      for (const glm::vec3& corner : cornersOf(patches_[p])) {
+        const glm::vec3 way = corner - cluster.middle;
         cluster.radius_squared = std::max(cluster.radius_squared, glm::dot(way, way));
       }
     }
     clusters_.push_back(cluster);
+  }
+  patches_ = std::move(by_cluster);
+  for (uint32_t& patch : patch_at_) {
+    if (patch != kNone) patch = place_of[patch];
   }
 }
 
@@ -119,24 +216,28 @@ EmitterPoint Emitters::Draws::draw(double u, Random& random) const {
   const Cluster& cluster = emitters_.clusters_[chosen];
   const size_t index =
       indexIn(&emitters_.sums_[cluster.first], cluster.count, static_cast<float>(random.uniform()) * cluster.power);
-  EmitterPoint point;
-  point.triangle = emitters_.triangles_[cluster.first + index];
-  point.area_density = areaDensity(point.triangle);
+  const auto chosen_patch = static_cast<uint32_t>(cluster.first + index);
+  const Patch& patch = emitters_.patches_[chosen_patch];
   auto a = static_cast<float>(random.uniform()), b = static_cast<float>(random.uniform());
   if (a + b > 1.0f) {
     a = 1.0f - a;
     b = 1.0f - b;
   }
-  const Scene& scene = emitters_.scene_;
-  const glm::uvec3& t = scene.triangles[point.triangle];
-  point.position = scene.positions[t.x] * (1.0f - a - b) + scene.positions[t.y] * a + scene.positions[t.z] * b;
-  return point;
+  const std::array<glm::vec2, 3> corners = cornersOfPart(patch.side, patch.part);
+  const glm::vec2 at = corners[0] + a * (corners[1] - corners[0]) + b * (corners[2] - corners[0]);
+  return {patch.triangle, pointOf(emitters_.scene_, patch.triangle, at), at.x, at.y, patchDensity(chosen_patch)};
 }
 
-float Emitters::Draws::areaDensity(uint32_t triangle) const {
-  if (emitters_.empty() || emitters_.cluster_of_[triangle] == kNone) return 0.0f;
-  const uint32_t own = emitters_.cluster_of_[triangle];
-  return chance(own) * emitters_.luminance(triangle) / emitters_.clusters_[own].power;
+float Emitters::Draws::patchDensity(uint32_t patch) const {
+  const uint32_t own = emitters_.cluster_of_[patch];
+  return chance(own) * emitters_.patches_[patch].luminance / emitters_.clusters_[own].power;
+}
+
+float Emitters::Draws::areaDensity(uint32_t triangle, float u, float v) const {
+  if (emitters_.empty() || emitters_.shining_of_[triangle] == kNone) return 0.0f;
+  const Shining& shining = emitters_.shining_[emitters_.shining_of_[triangle]];
+  const uint32_t patch = emitters_.patch_at_[shining.first_part + static_cast<uint32_t>(partAt(shining.side, u, v))];
+  return patch == kNone ? 0.0f : patchDensity(patch);
 }
 
 }  // namespace nlg

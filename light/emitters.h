@@ -1,7 +1,8 @@
 // The shining triangles of a scene, chosen one at a time by how much light each may send to a place.
 //
-// They are gathered into clusters of neighbours. A place draws a cluster by power over squared distance, without asking what
-// stands between, and a triangle of it by area times luminance.
+// A triangle that shines by an image is cut into patches, each with the mean luminance of its part of the image; any other is one
+// patch. Patches are gathered into clusters of neighbours. A place draws a cluster by power over squared distance, without asking what
+// stands between, and a patch of it by area times luminance.
 #pragma once
 
 #include <array>
@@ -18,12 +19,14 @@ class Random;
 struct EmitterPoint {
   uint32_t triangle = 0;
   glm::vec3 position{0.0f};
+  float u = 0.0f, v = 0.0f;   // weights of the triangle's second and third corner
   float area_density = 0.0f;  // of drawing it from that place, per square metre
 };
 
 class Emitters {
  public:
   static constexpr size_t kMostClusters = 64;  // a place weighs them all: about as long as a ray takes
+  static constexpr int kMostSide = 64;         // a triangle is cut into at most as many patches along a side
 
   // The scene must outlive it.
   explicit Emitters(const Scene& scene);
@@ -36,10 +39,11 @@ class Emitters {
     Draws(const Emitters& emitters, const glm::vec3& from);
     // Not without emitters. u   in [0, 1), of the cluster: evenly spread ones draw evenly among neighbours
     EmitterPoint draw(double u, Random& random) const;
-    // Of a point of this triangle, as draw would give it; 0 for a triangle that does not shine.
-    float areaDensity(uint32_t triangle) const;
+    // Of a point of this triangle, as draw would give it; 0 where it does not shine.
+    float areaDensity(uint32_t triangle, float u, float v) const;
 
    private:
+    float patchDensity(uint32_t patch) const;
     float chance(size_t cluster) const;
 
     const Emitters& emitters_;
@@ -47,20 +51,34 @@ class Emitters {
   };
 
  private:
+  // One of side² equal parts of a triangle; `part` counts them along rows of u, each in turn upright and upside down.
+  struct Patch {
+    uint32_t triangle = 0;
+    uint16_t side = 1, part = 0;
+    float luminance = 0.0f;  // mean over it
+  };
+  struct Shining {
+    uint32_t first_part = 0;  // into patch_at_
+    uint16_t side = 1;
+  };
   struct Cluster {
     glm::vec3 middle{0.0f};
     float radius_squared = 0.0f;
     float power = 0.0f;             // area times luminance
-    uint32_t first = 0, count = 0;  // of its triangles
+    uint32_t first = 0, count = 0;  // of its patches
   };
   static float reach(const Cluster& cluster, const glm::vec3& from);
-  float luminance(uint32_t triangle) const;
+  void cutIntoPatches();
 
   const Scene& scene_;
-  std::vector<uint32_t> triangles_;  // by cluster
-  std::vector<float> sums_;          // of power within the cluster, running
+  std::vector<Patch> patches_;  // by cluster
+  std::vector<float> sums_;     // of power within the cluster, running
   std::vector<Cluster> clusters_;
-  std::vector<uint32_t> cluster_of_;  // by triangle of the scene; 0xffffffff for those that do not shine; empty without emitters
+  std::vector<uint32_t> cluster_of_;  // by patch
+  std::vector<uint32_t> shining_of_;  // by triangle of the scene, into shining_; 0xffffffff for those that do not shine; empty
+                                      // without emitters
+  std::vector<Shining> shining_;      // triangles that shine
+  std::vector<uint32_t> patch_at_;    // by these and part: the patch; 0xffffffff for a part that is dark
 };
 
 }  // namespace nlg

@@ -9,6 +9,7 @@
 #include "light/emitters.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
+#include "scene/surface_look.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -40,13 +41,12 @@ using Arriving = ArrivingLight;
 struct LightTransport::Impl {
   const Scene& scene;
   const RayScene& rays;
-  std::vector<glm::vec3> albedo;  // by material
+  std::vector<glm::vec3> factor_albedo;  // by material: all there is of one without images
   Emitters emitters;
   float nudge_m = 1e-4f;  // off a surface, so that the next ray does not meet it again
 
   Impl(const Scene& s, const RayScene& r) : scene(s), rays(r), emitters(s) {
-    for (const Material& material : scene.materials)
-      albedo.push_back(glm::clamp(material.base_color, glm::vec3(0.0f), glm::vec3(kHighestAlbedo)));
+    for (const Material& material : scene.materials) factor_albedo.push_back(albedoOf(material.base_color));
     float furthest = 0.0f;
     for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
     nudge_m = std::max(2e-5f, furthest * 0x1p-20f);
@@ -57,11 +57,28 @@ struct LightTransport::Impl {
   glm::vec3 corner(uint32_t t, int k) const { return scene.positions[scene.triangles[t][k]]; }
   glm::vec3 crossOf(uint32_t t) const { return glm::cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0)); }
 
-  const Material& materialOf(uint32_t triangle) const { return scene.materials[scene.triangle_material[triangle]]; }
+  glm::vec3 albedo(const LightHit& hit) const {
+    const uint32_t material = scene.triangle_material[hit.triangle];
+    if (scene.materials[material].veil != Veil::none) return albedoOf(veilAt(scene, hit.triangle, hit.u, hit.v).reflects);
+    if (!scene.materials[material].base_image.isThere() && scene.vertex_colours.empty()) return factor_albedo[material];
+    return albedoOf(baseColourAt(scene, hit.triangle, hit.u, hit.v));
+  }
 
   glm::vec3 emission(const LightHit& hit) const {
-    const Material& material = materialOf(hit.triangle);
-    return hit.is_front || material.double_sided ? material.emissive : glm::vec3(0.0f);
+    const bool shines = hit.is_front || materialOf(scene, hit.triangle).double_sided;
+    return shines ? emissionAt(scene, hit.triangle, hit.u, hit.v) : glm::vec3(0.0f);
+  }
+
+  // What veils let through of light that goes so far.
+  glm::vec3 passing(const glm::vec3& from, const glm::vec3& direction, float reach) const {
+    glm::vec3 share(1.0f);
+    for (float near = 0.0f; rays.hasVeils();) {
+      const LightHit veil = rays.veilHit(from, direction, near, reach);
+      if (veil.kind == LightHit::Kind::nothing) break;
+      share *= veilAt(scene, veil.triangle, veil.u, veil.v).passes;
+      near = RayScene::justBehind(veil);
+    }
+    return share;
   }
 
   // Flux of one emitter point that the place draws; by multiple importance sampling with directions of this density (per
@@ -75,12 +92,12 @@ struct LightTransport::Impl {
     const float distance = glm::length(way);
     if (!(distance > 2.0f * nudge_m)) return false;
     arriving->direction = way / distance;
-    const Material& material = materialOf(point.triangle);
     float cosine = -glm::dot(glm::normalize(crossOf(point.triangle)), arriving->direction);
-    if (material.double_sided) cosine = std::fabs(cosine);
-    if (!(cosine > 0.0f) || rays.isBlocked(from, from + way * (1.0f - 2.0f * nudge_m / distance))) return false;
+    if (materialOf(scene, point.triangle).double_sided) cosine = std::fabs(cosine);
+    if (!(cosine > 0.0f) || rays.isOpaqueBetween(from, from + way * (1.0f - 2.0f * nudge_m / distance))) return false;
     const float solid_density = point.area_density * distance * distance / cosine;
-    arriving->flux = material.emissive / (solid_density + density(arriving->direction));
+    arriving->flux = emissionAt(scene, point.triangle, point.u, point.v) / (solid_density + density(arriving->direction));
+    arriving->flux *= passing(from, arriving->direction, distance - 2.0f * nudge_m);
     return true;
   }
 
@@ -99,7 +116,9 @@ struct LightTransport::Impl {
     if (luminance(arriving->flux) <= 0.0f) return false;
     // up to the sphere's front
     const float reach = std::max(0.0f, to_centre - lamp.radius_m);
-    return !rays.isBlocked(from, from + arriving->direction * reach);
+    if (rays.isOpaqueBetween(from, from + arriving->direction * reach)) return false;
+    arriving->flux *= passing(from, arriving->direction, reach);
+    return true;
   }
 
   bool sunLight(const Sun& sun, const glm::vec3& from, double place_u, double place_v, Arriving* arriving) const {
@@ -108,8 +127,10 @@ struct LightTransport::Impl {
     arriving->direction = coneDirection(sun.to_sun, cap, place_u, place_v);
     arriving->flux = sun.irradiance;
     const LightHit hit = rays.lightHit(from, arriving->direction);
-    return hit.kind == LightHit::Kind::nothing ||
-           (hit.kind == LightHit::Kind::sky && !scene.light.sky_faces.shines(hit.triangle));
+    const bool is_open =
+        hit.kind == LightHit::Kind::nothing || (hit.kind == LightHit::Kind::sky && !scene.light.sky_faces.shines(hit.triangle));
+    if (is_open) arriving->flux *= passing(from, arriving->direction, INFINITY);
+    return is_open;
   }
 
   // What a surface there sends back of lamps and suns that shine on it: one lamp, drawn by what it would give without shadows.
@@ -149,32 +170,63 @@ struct LightTransport::Impl {
     return luminance(lamp.intensity) * spotShare(lamp, way / std::sqrt(squared)) / squared;
   }
 
+  // A path's way through the veils before what it meets: it goes on through each, or back from it, by chance, as much as goes
+  // either way. throughput loses what does not go the way that it took.
+  // hit   what the ray meets behind all veils; where a veil ends it, the veil
+  // returns   whether a veil ended it; then reflectance is of light that it scatters back
+  template <class AddShine>
+  bool endsAtVeil(const glm::vec3& origin, const glm::vec3& direction, Random& random, const AddShine& addShine, LightHit* hit,
+                  glm::vec3* throughput, glm::vec3* reflectance) const {
+    const float reach = hit->kind == LightHit::Kind::nothing ? INFINITY : hit->distance;
+    for (float near = 0.0f;;) {
+      const LightHit veil = rays.veilHit(origin, direction, near, reach);
+      if (veil.kind == LightHit::Kind::nothing) return false;
+      addShine(veil);
+      const VeilLook look = veilAt(scene, veil.triangle, veil.u, veil.v);
+      const glm::vec3 reflects = albedoOf(look.reflects);
+      const float back = luminance(reflects), all = back + luminance(look.passes);
+      if (static_cast<float>(random.uniform()) * all < back || !(all > 0.0f)) {
+        *throughput *= all > 0.0f ? all / back : 0.0f;
+        *reflectance = reflects;
+        *hit = veil;
+        return true;
+      }
+      *throughput *= look.passes * (all / (all - back));
+      near = RayScene::justBehind(veil);
+    }
+  }
+
   // Radiance that comes along a ray, but for lamps and suns as seen from its origin.
   // density   of the ray's own direction, per steradian: emitters at its end were sampled too. 0: they were not
   glm::vec3 radiance(glm::vec3 origin, glm::vec3 direction, const GatherOptions& options, float density, Random& random,
                      SurfacePoint* hits = nullptr) const {
     glm::vec3 sum(0.0f), throughput(1.0f);
     for (int vertex = 0;; ++vertex) {
-      const LightHit hit = rays.lightHit(origin, direction);
-      if (hit.kind == LightHit::Kind::nothing) return sum + throughput * scene.light.sky.radiance(direction);
-      if (hit.kind == LightHit::Kind::sky)
-        return sum + throughput * scene.light.sky_faces.radiance(hit.triangle, direction, scene.light.sky);
-      const glm::vec3& reflectance = albedo[scene.triangle_material[hit.triangle]];
-      const glm::vec3 shine = emission(hit);
-      if (luminance(shine) > 0.0f) {
+      LightHit hit = rays.lightHit(origin, direction);
+      const auto addShine = [&](const LightHit& at) {
+        const glm::vec3 shine = emission(at);
+        if (!(luminance(shine) > 0.0f)) return;
         float share = 1.0f;
         if (density > 0.0f) {
-          const float cosine = std::fabs(glm::dot(hit.normal, direction));
-          const float other =
-              Emitters::Draws(emitters, origin).areaDensity(hit.triangle) * hit.distance * hit.distance / std::max(cosine, 1e-6f);
+          const float cosine = std::fabs(glm::dot(at.normal, direction));
+          const float other = Emitters::Draws(emitters, origin).areaDensity(at.triangle, at.u, at.v) * at.distance * at.distance /
+                              std::max(cosine, 1e-6f);
           share = density / (density + other);
         }
         sum += throughput * shine * share;
+      };
+      glm::vec3 reflectance;
+      if (!rays.hasVeils() || !endsAtVeil(origin, direction, random, addShine, &hit, &throughput, &reflectance)) {
+        if (hit.kind == LightHit::Kind::nothing) return sum + throughput * scene.light.sky.radiance(direction);
+        if (hit.kind == LightHit::Kind::sky)
+          return sum + throughput * scene.light.sky_faces.radiance(hit.triangle, direction, scene.light.sky);
+        reflectance = albedo(hit);
+        addShine(hit);
       }
       if (isBaked()) return sum + throughput * bakedLight(scene, hit.triangle, hit.u, hit.v) * reflectance;
-      if (hits != nullptr && vertex == 0) *hits = {origin + direction * hit.distance, hit.normal, hit.triangle};
-      if (vertex >= options.max_bounces) return sum;
       throughput *= reflectance;
+      if (hits != nullptr && vertex == 0) *hits = {origin + direction * hit.distance, hit.normal, throughput};
+      if (vertex >= options.max_bounces) return sum;
       if (options.cache != nullptr) {
         const glm::vec3 point = origin + direction * hit.distance;
         if (const glm::vec3* stored = options.cache->irradiance(point, hit.normal)) return sum + throughput * *stored / kPi;
@@ -339,10 +391,15 @@ glm::vec3 LightTransport::reflected(const SurfacePoint& point, uint64_t seed) co
   const glm::vec3 direct = impl_->reflectedDirect(from, point.normal, random);
   const glm::vec3 direction = cosineDirection(point.normal, random.uniform(), random.uniform());
   const float density = std::max(1e-6f, glm::dot(direction, point.normal) / kPi);
-  return albedo(point.triangle) * (direct + impl_->radiance(from, direction, {}, density, random));
+  return point.reflectance * (direct + impl_->radiance(from, direction, {}, density, random));
 }
 
-glm::vec3 LightTransport::albedo(uint32_t triangle) const { return impl_->albedo[impl_->scene.triangle_material[triangle]]; }
+glm::vec3 LightTransport::albedoOf(const glm::vec3& base_colour) {
+  return glm::clamp(base_colour, glm::vec3(0.0f), glm::vec3(kHighestAlbedo));
+}
+
+glm::vec3 LightTransport::albedo(const LightHit& hit) const { return impl_->albedo(hit); }
+glm::vec3 LightTransport::emission(const LightHit& hit) const { return impl_->emission(hit); }
 
 float LightTransport::nudge() const { return impl_->nudge_m; }
 

@@ -59,10 +59,17 @@ SurfaceCache::SurfaceCache(const LightTransport& transport, const std::vector<gl
     for (int ray = 0; ray < options.discovery_rays; ++ray) {
       const auto [u, v] = lattice.point(ray, options.discovery_rays);
       const glm::vec3 direction = sphereDirection(u, v);
+      const auto find = [&](const LightHit& hit) {
+        const SurfacePoint point{from + direction * hit.distance, hit.normal, {}};
+        blocks[block].push_back({keyOf(point.position, point.normal), point});
+      };
       const LightHit hit = transport.rays().lightHit(from, direction);
-      if (hit.kind != LightHit::Kind::surface) continue;
-      const SurfacePoint point{from + direction * hit.distance, hit.normal, hit.triangle};
-      blocks[block].push_back({keyOf(point.position, point.normal), point});
+      if (hit.kind == LightHit::Kind::surface) find(hit);
+      const float reach = hit.kind == LightHit::Kind::nothing ? INFINITY : hit.distance;
+      LightHit veil = transport.rays().veilHit(from, direction, 0.0f, reach);
+      for (; veil.kind == LightHit::Kind::surface;
+           veil = transport.rays().veilHit(from, direction, RayScene::justBehind(veil), reach))
+        find(veil);
     }
   });
   std::vector<Found> found;
@@ -71,7 +78,7 @@ SurfaceCache::SurfaceCache(const LightTransport& transport, const std::vector<gl
   buildTable();
   findDivided(transport, thread_count);
   measure(transport, options, thread_count);
-  exchange(transport);
+  exchange();
 }
 
 // Offset by an odd share of a cell: walls like to stand on whole numbers, and would fall into two cells by their last bits.
@@ -170,7 +177,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
         if (!hits[i].isSurface()) continue;
         const uint32_t other = cellAt(hits[i].position, hits[i].normal);
         if (other != kNone) {
-          block_links[block].push_back({other, hits[i].triangle});
+          block_links[block].push_back({other, hits[i].reflectance});
           ++link_count[cell];
         } else {
           direct_[cell] += transport.reflected(hits[i], mixSeed(seed, kPathStream, i)) * ray_share;
@@ -183,7 +190,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
   for (const uint32_t count : link_count) first_link_.push_back(first_link_.back() + count);
 }
 
-void SurfaceCache::exchange(const LightTransport& transport) {
+void SurfaceCache::exchange() {
   irradiance_ = direct_;
   float change = 1.0f, most = 0.0f;
   std::vector<glm::vec3> next(irradiance_.size());
@@ -192,7 +199,7 @@ void SurfaceCache::exchange(const LightTransport& transport) {
     for (size_t cell = 0; cell < irradiance_.size(); ++cell) {
       glm::vec3 sum(0.0f);
       for (uint32_t l = first_link_[cell]; l < first_link_[cell + 1]; ++l)
-        sum += transport.albedo(links_[l].triangle) * irradiance_[links_[l].cell];
+        sum += links_[l].reflectance * irradiance_[links_[l].cell];
       next[cell] = direct_[cell] + sum * link_share_[cell];
       change = std::max(change, largest(glm::abs(next[cell] - irradiance_[cell])));
       most = std::max(most, largest(next[cell]));

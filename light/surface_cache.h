@@ -41,8 +41,8 @@ class SurfaceCache {
     SurfacePoint point;
   };
   struct Link {
-    uint32_t cell;      // that a ray ended in
-    uint32_t triangle;  // whose albedo it sends back with
+    uint32_t cell;          // that a ray ended in
+    glm::vec3 reflectance;  // of the point where it did
   };
 
   uint64_t keyOf(const glm::vec3& point, const glm::vec3& normal) const;
@@ -52,7 +52,7 @@ class SurfaceCache {
   void keepOutermost(const Found* begin, const Found* end);
   void findDivided(const LightTransport& transport, int thread_count);
   void measure(const LightTransport& transport, const SurfaceCacheOptions& options, int thread_count);
-  void exchange(const LightTransport& transport);
+  void exchange();
   void buildTable();
 
   static constexpr uint32_t kNone = ~0u;

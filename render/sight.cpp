@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "light/air.h"
+#include "scene/surface_look.h"
 #include "tool/parallel_for.h"
 
 namespace nlg {
@@ -20,7 +21,35 @@ std::optional<double> entryOf(const Ball& ball, const glm::dvec3& origin, const 
   return along - std::sqrt(inside);
 }
 
-Sight surfaceSight(const LightTransport& transport, const LightHit& hit, const glm::vec3& point, double offset_m) {
+// What is seen along a ray, through the veils before it.
+struct Seen {
+  LightHit hit;
+  float stopped = 1.0f;     // of light, by what is seen: a veil stops a part
+  glm::vec3 through{1.0f};  // colour of the veils before it
+};
+
+// A sample sees a veil or what is behind it, never both: its chance, evenly spread over the samples of a pixel, says which.
+// far   in lengths of the direction: as far as the surface that ends it all
+Seen seenAlong(const LightTransport& transport, const glm::vec3& eye, const glm::vec3& direction, float chance, float far) {
+  Seen seen;
+  LightHit veil = transport.rays().veilHit(eye, direction, 0.0f, far);
+  for (; veil.kind == LightHit::Kind::surface; veil = transport.rays().veilHit(eye, direction, RayScene::justBehind(veil), far)) {
+    const glm::vec3 passes = veilAt(transport.scene(), veil.triangle, veil.u, veil.v).passes;
+    const float passing = std::max({passes.r, passes.g, passes.b}), stopped = 1.0f - passing;
+    if (chance < stopped) {
+      seen.hit = veil;
+      seen.stopped = stopped;
+      return seen;
+    }
+    chance = (chance - stopped) / passing;
+    seen.through *= passes / passing;
+  }
+  seen.hit = transport.rays().lightHit(eye, direction);
+  return seen;
+}
+
+Sight surfaceSight(const LightTransport& transport, const Seen& seen, const glm::vec3& point, double offset_m) {
+  const LightHit& hit = seen.hit;
   Sight sight;
   sight.kind = Sight::Kind::receiver;
   // never behind what stands before the surface
@@ -28,34 +57,45 @@ Sight surfaceSight(const LightTransport& transport, const LightHit& hit, const g
   const LightHit before = transport.rays().lightHit(off_surface, hit.normal);
   const double free_m = before.kind == LightHit::Kind::surface ? 0.5 * before.distance : offset_m;
   sight.receiver = {glm::dvec3(off_surface) + std::min(offset_m, free_m) * glm::dvec3(hit.normal), hit.normal};
-  sight.albedo = transport.albedo(hit.triangle);
-  const Scene& scene = transport.scene();
-  const Material& material = scene.materials[scene.triangle_material[hit.triangle]];
-  if (hit.is_front || material.double_sided) sight.shine = material.emissive;
+  sight.albedo = transport.albedo(hit) * seen.through / seen.stopped;
+  sight.shine = transport.emission(hit) * seen.through / seen.stopped;
   return sight;
 }
 
-Sight sightAlong(const LightTransport& transport, const Camera& camera, const glm::vec3& direction, const SightOptions& options) {
+// chance   in [0, 1), of this sample: whether it sees a veil or what is behind it
+Sight sightAlong(const LightTransport& transport, const Camera& camera, const glm::vec3& direction, const SightOptions& options,
+                 float chance) {
   const glm::vec3 eye(camera.eye_m);
   const LightHit hit = transport.rays().lightHit(eye, direction);
-  double nearest = hit.kind == LightHit::Kind::surface ? hit.distance : INFINITY;
+  double nearest = hit.kind == LightHit::Kind::nothing ? INFINITY : hit.distance;
   const Ball* met = nullptr;
   for (const Ball& ball : options.balls) {
     const std::optional<double> entry = entryOf(ball, camera.eye_m, glm::dvec3(direction));
     if (entry && *entry < nearest) nearest = *entry, met = &ball;
   }
+  const Seen seen = seenAlong(transport, eye, direction, chance, static_cast<float>(nearest));
+  const bool is_veil = seen.hit.kind == LightHit::Kind::surface && seen.hit.distance < nearest;
+  if (is_veil || (met == nullptr && seen.hit.kind == LightHit::Kind::surface))
+    return surfaceSight(transport, seen, eye + direction * seen.hit.distance, options.offset_m);
   Sight sight;
   if (met != nullptr) {
     sight.kind = Sight::Kind::receiver;
     const glm::dvec3 point = camera.eye_m + nearest * glm::dvec3(direction);
     sight.receiver = {met->centre_m, glm::vec3(glm::normalize(point - met->centre_m))};
-    sight.albedo = glm::vec3(kBallAlbedo);
+    sight.albedo = glm::vec3(kBallAlbedo) * seen.through;
     return sight;
   }
-  if (hit.kind == LightHit::Kind::surface) return surfaceSight(transport, hit, eye + direction * hit.distance, options.offset_m);
-  // no surface stands there: the sky's radiance is all that comes, whatever the seed
-  sight.shine = transport.radianceAlong(eye, direction, 0, 0);
+  const SceneLight& light = transport.scene().light;
+  const glm::vec3 sky = hit.kind == LightHit::Kind::sky ? light.sky_faces.radiance(hit.triangle, direction, light.sky)
+                                                        : light.sky.radiance(direction);
+  sight.shine = sky * seen.through;
   return sight;
+}
+
+// Of the samples of a pixel each has another share of [0, 1), and neighbours have them in another order.
+float chanceOf(int x, uint64_t row, int sample, int sample_count) {
+  const int shift = static_cast<int>((static_cast<uint64_t>(x) + 2 * row) % static_cast<uint64_t>(sample_count));
+  return (static_cast<float>((sample + shift) % sample_count) + 0.5f) / static_cast<float>(sample_count);
 }
 
 }  // namespace
@@ -70,7 +110,8 @@ Sights sightsOf(const LightTransport& transport, const Camera& camera, const Sig
     for (int x = 0; x < options.width; ++x) {
       for (int i = 0; i < n * n; ++i) {
         const double px = x + (i % n + 0.5) / n, py = static_cast<double>(row) + (i / n + 0.5) / n;
-        *sample++ = sightAlong(transport, camera, camera.direction(px / options.width, py / options.height, aspect), options);
+        *sample++ = sightAlong(transport, camera, camera.direction(px / options.width, py / options.height, aspect), options,
+                               chanceOf(x, row, i, n * n));
       }
     }
   });

@@ -32,8 +32,13 @@ glm::vec3 baseColourAt(const Scene& scene, uint32_t triangle, float u, float v) 
 
 glm::vec3 emissionAt(const Scene& scene, uint32_t triangle, float u, float v) {
   const Material& material = materialOf(scene, triangle);
-  if (!material.emissive_image.isThere()) return material.emissive;
-  return material.emissive * glm::vec3(imageAt(scene, material.emissive_image, scene.emissive_places, triangle, u, v));
+  glm::vec3 emission = material.emissive;
+  if (emission == glm::vec3(0.0f)) return emission;
+  if (material.emissive_image.isThere())
+    emission *= glm::vec3(imageAt(scene, material.emissive_image, scene.emissive_places, triangle, u, v));
+  // where a cut-out has a hole nothing shines
+  if (material.veil != Veil::none) emission *= baseAt(scene, material, triangle, u, v).a;
+  return emission;
 }
 
 VeilLook veilAt(const Scene& scene, uint32_t triangle, float u, float v) {

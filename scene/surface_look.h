@@ -15,7 +15,7 @@ const Material& materialOf(const Scene& scene, uint32_t triangle);
 
 // Linear; of a material without images and vertex colours exactly its factor.
 glm::vec3 baseColourAt(const Scene& scene, uint32_t triangle, float u, float v);
-// Radiance of the side that shines.
+// Radiance of the side that shines; of a veil, as much of it as its opacity.
 glm::vec3 emissionAt(const Scene& scene, uint32_t triangle, float u, float v);
 
 // What light meets at a point of a veil: a surface that lets some of it through.

@@ -157,12 +157,9 @@ class ViewFolder {
     std::vector<uint32_t> triangles;
     for (const glm::vec3& position : scene.positions) append(&positions, position);
     for (const glm::uvec3& t : scene.triangles) triangles.insert(triangles.end(), {t.x, t.y, t.z});
-    std::vector<uint32_t> first_of_material(scene.materials.size(), 0);
-    for (size_t t = 0; t < scene.triangles.size(); ++t) first_of_material[scene.triangle_material[t]] = static_cast<uint32_t>(t);
-    for (size_t m = 0; m < scene.materials.size(); ++m) {
-      // what light takes for the material's colour
-      append(&albedo, scene.triangles.empty() ? glm::vec3(0.0f) : scene_.transport().albedo(first_of_material[m]));
-      append(&emissive, scene.materials[m].emissive);
+    for (const Material& material : scene.materials) {
+      append(&albedo, LightTransport::albedoOf(material.base_color));
+      append(&emissive, material.emissive);
     }
     const SkyFaces& faces = scene.light.sky_faces;
     for (size_t t = 0; t < faces.triangles.size(); ++t) {

@@ -1,7 +1,9 @@
 #include "datagen/visibility/ray_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include <embree3/rtcore.h>
@@ -21,33 +23,49 @@ RTCDevice embree() {
 
 }  // namespace
 
+// Which of a scene's triangles a geometry holds.
+struct TriangleChoice {
+  bool is_all = true;
+  std::vector<uint32_t> ids;  // unless it is all: by primitive, the scene's triangle
+
+  uint32_t operator[](uint32_t primitive) const { return is_all ? primitive : ids[primitive]; }
+};
+
 struct RayScene::Impl {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
-  std::vector<uint8_t> double_sided;  // by triangle
-  RTCScene scene = nullptr;
-  RTCScene light_scene = nullptr;      // with sky faces as geometry 1; null without any
-  std::vector<glm::vec3> sky_normals;  // by sky face, not normalised
+  std::vector<uint8_t> double_sided;    // by triangle
+  TriangleChoice walls, opaque, veils;  // all but thin veils, all but veils, veils
+  RTCScene scene = nullptr;             // of walls
+  RTCScene opaque_scene = nullptr;      // null without dense veils: then it is `scene`
+  RTCScene light_scene = nullptr;       // of opaque ones, and sky faces as geometry 1; null without sky faces
+  RTCScene veil_scene = nullptr;        // null without veils
+  std::vector<glm::vec3> sky_normals;   // by sky face, not normalised
 
   // What a ray meets within a short stretch, all of it.
   struct FacingCollector {
     RTCIntersectContext context;  // first: Embree hands it to the filter
     const Impl* scene;
+    const TriangleChoice* surfaces;
     glm::vec3 direction;
     bool front = false, back = false, both = false;
   };
   static void collectFacing(const RTCFilterFunctionNArguments* arguments);
 
-  void attach(RTCScene to, unsigned number, const std::vector<glm::vec3>& corners, const std::vector<glm::uvec3>& faces);
+  static void attach(RTCScene to, unsigned number, const std::vector<glm::vec3>& corners, const std::vector<glm::uvec3>& faces);
+  RTCScene newScene(const TriangleChoice& choice) const;
   glm::vec3 normal(uint32_t triangle) const;  // not normalised
-  RTCScene lightScene() const { return light_scene != nullptr ? light_scene : scene; }
+  RTCScene opaqueScene() const { return opaque_scene != nullptr ? opaque_scene : scene; }
+  RTCScene lightScene() const { return light_scene != nullptr ? light_scene : opaqueScene(); }
+  LightHit surfaceHit(const RTCRayHit& hit, uint32_t triangle, const glm::vec3& direction) const;
   // geometry   kSurfaces or kSky
   Facing facing(unsigned geometry, uint32_t triangle, const glm::vec3& direction) const;
-  Facing firstFacing(RTCScene against, const glm::vec3& origin, const glm::vec3& direction) const;
+  Facing firstFacing(RTCScene against, const TriangleChoice& surfaces, const glm::vec3& origin, const glm::vec3& direction) const;
 
   ~Impl() {
-    if (light_scene) rtcReleaseScene(light_scene);
-    if (scene) rtcReleaseScene(scene);
+    for (const RTCScene made : {scene, opaque_scene, light_scene, veil_scene}) {
+      if (made != nullptr) rtcReleaseScene(made);
+    }
   }
 };
 
@@ -55,8 +73,14 @@ namespace {
 
 constexpr unsigned kSurfaces = 0, kSky = 1;  // numbers of geometries: they tell what a ray met
 
+struct TriangleCollector {
+  const TriangleChoice& surfaces;
+  std::vector<uint32_t>* triangles;
+};
+
 bool collectTriangle(RTCPointQueryFunctionArguments* arguments) {
-  static_cast<std::vector<uint32_t>*>(arguments->userPtr)->push_back(arguments->primID);
+  const TriangleCollector& collector = *static_cast<TriangleCollector*>(arguments->userPtr);
+  collector.triangles->push_back(collector.surfaces[arguments->primID]);
   return false;
 }
 
@@ -76,9 +100,20 @@ RTCRay rayAlong(const glm::vec3& origin, const glm::vec3& direction, float near,
   return {origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0.0f, far, ~0u, 0, 0};
 }
 
-RTCRayHit firstRayHit(RTCScene against, const glm::vec3& origin, const glm::vec3& direction, float near = 0.0f) {
+bool isOccluded(RTCScene against, const glm::vec3& from, const glm::vec3& to) {
+  RTCRay ray = rayAlong(from, to - from, 0.0f, 1.0f);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(against, &context, &ray);
+  return ray.tfar < 0.0f;
+}
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+RTCRayHit firstRayHit(RTCScene against, const glm::vec3& origin, const glm::vec3& direction, float near = 0.0f,
+                      float far = kInfinity) {
   RTCRayHit hit{};
-  hit.ray = rayAlong(origin, direction, near, std::numeric_limits<float>::infinity());
+  hit.ray = rayAlong(origin, direction, near, far);
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -107,26 +142,47 @@ void RayScene::Impl::attach(RTCScene to, unsigned number, const std::vector<glm:
   rtcReleaseGeometry(geometry);
 }
 
+RTCScene RayScene::Impl::newScene(const TriangleChoice& choice) const {
+  const RTCScene made = rtcNewScene(embree());
+  rtcSetSceneFlags(made, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  std::vector<glm::uvec3> chosen;
+  for (const uint32_t triangle : choice.ids) chosen.push_back(triangles[triangle]);
+  attach(made, kSurfaces, positions, choice.is_all ? triangles : chosen);
+  return made;
+}
+
 RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   impl_->positions = scene.positions;
   impl_->triangles = scene.triangles;
   impl_->double_sided.reserve(scene.triangles.size());
-  for (const uint32_t material : scene.triangle_material) {
-    impl_->double_sided.push_back(scene.materials[material].double_sided);
+  std::array<std::vector<uint32_t>, 3> of_kind;  // none, thin, dense
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+    const Material& material = scene.materials[scene.triangle_material[t]];
+    impl_->double_sided.push_back(material.double_sided);
+    of_kind[static_cast<size_t>(material.veil)].push_back(t);
   }
-  impl_->scene = rtcNewScene(embree());
-  rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-  impl_->attach(impl_->scene, kSurfaces, scene.positions, scene.triangles);
-  rtcCommitScene(impl_->scene);
   const SkyFaces& sky = scene.light.sky_faces;
+  const auto& [none, thin, dense] = of_kind;
+  const auto joined = [](const std::vector<uint32_t>& a, const std::vector<uint32_t>& b) {
+    TriangleChoice choice{false, {}};
+    std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(choice.ids));
+    return choice;
+  };
+  if (!thin.empty()) impl_->walls = joined(none, dense);
+  if (thin.size() + dense.size() > 0) impl_->opaque = joined(none, {});
+  impl_->veils = joined(thin, dense);
+
+  impl_->scene = impl_->newScene(impl_->walls);
+  if (!dense.empty()) impl_->opaque_scene = impl_->newScene(impl_->opaque);
+  if (!impl_->veils.ids.empty()) impl_->veil_scene = impl_->newScene(impl_->veils);
   if (!sky.triangles.empty()) {
-    impl_->light_scene = rtcNewScene(embree());
-    rtcSetSceneFlags(impl_->light_scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-    impl_->attach(impl_->light_scene, kSurfaces, scene.positions, scene.triangles);
+    impl_->light_scene = impl_->newScene(impl_->opaque);
     impl_->attach(impl_->light_scene, kSky, sky.positions, sky.triangles);
-    rtcCommitScene(impl_->light_scene);
     for (const glm::uvec3& t : sky.triangles)
       impl_->sky_normals.push_back(glm::cross(sky.positions[t.y] - sky.positions[t.x], sky.positions[t.z] - sky.positions[t.x]));
+  }
+  for (const RTCScene made : {impl_->scene, impl_->opaque_scene, impl_->light_scene, impl_->veil_scene}) {
+    if (made != nullptr) rtcCommitScene(made);
   }
   if (const RTCError error = rtcGetDeviceError(embree()); error != RTC_ERROR_NONE) {
     throw InputError(scene.id, "acceleration structure", "Embree to build it", "Embree error " + std::to_string(error));
@@ -169,8 +225,9 @@ Facing RayScene::Impl::facing(unsigned geometry, uint32_t triangle, const glm::v
 
 void RayScene::Impl::collectFacing(const RTCFilterFunctionNArguments* arguments) {
   FacingCollector& collector = *reinterpret_cast<FacingCollector*>(arguments->context);
+  const unsigned geometry = RTCHitN_geomID(arguments->hit, 1, 0), primitive = RTCHitN_primID(arguments->hit, 1, 0);
   const Facing facing =
-      collector.scene->facing(RTCHitN_geomID(arguments->hit, 1, 0), RTCHitN_primID(arguments->hit, 1, 0), collector.direction);
+      collector.scene->facing(geometry, geometry == kSky ? primitive : (*collector.surfaces)[primitive], collector.direction);
   collector.front |= facing == Facing::front;
   collector.back |= facing == Facing::back;
   collector.both |= facing == Facing::both;
@@ -182,11 +239,12 @@ glm::vec3 RayScene::Impl::normal(uint32_t triangle) const {
   return glm::cross(positions[corners.y] - positions[corners.x], positions[corners.z] - positions[corners.x]);
 }
 
-Facing RayScene::Impl::firstFacing(RTCScene against, const glm::vec3& origin, const glm::vec3& direction) const {
+Facing RayScene::Impl::firstFacing(RTCScene against, const TriangleChoice& surfaces, const glm::vec3& origin,
+                                   const glm::vec3& direction) const {
   RTCRayHit hit = firstRayHit(against, origin, direction);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return Facing::nothing;
   // which of coincident faces comes first is up to the traversal: ask for all of them
-  FacingCollector collector{{}, this, direction};
+  FacingCollector collector{{}, this, &surfaces, direction};
   rtcInitIntersectContext(&collector.context);
   collector.context.filter = collectFacing;
   const float distance = hit.ray.tfar;
@@ -199,56 +257,69 @@ Facing RayScene::Impl::firstFacing(RTCScene against, const glm::vec3& origin, co
 }
 
 Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction) const {
-  return impl_->firstFacing(impl_->scene, origin, direction);
+  return impl_->firstFacing(impl_->scene, impl_->walls, origin, direction);
 }
 
-bool RayScene::hasSkyFaces() const { return impl_->light_scene != nullptr; }
+bool RayScene::hasSkyFaces() const { return !impl_->sky_normals.empty(); }
 
 Facing RayScene::firstFacingWithSky(const glm::vec3& origin, const glm::vec3& direction) const {
-  return impl_->firstFacing(impl_->lightScene(), origin, direction);
+  return impl_->firstFacing(impl_->lightScene(), impl_->opaque, origin, direction);
 }
+
+LightHit RayScene::Impl::surfaceHit(const RTCRayHit& hit, uint32_t triangle, const glm::vec3& direction) const {
+  LightHit result;
+  result.kind = LightHit::Kind::surface;
+  result.triangle = triangle;
+  result.distance = hit.ray.tfar;
+  result.u = hit.hit.u;
+  result.v = hit.hit.v;
+  const glm::vec3 out = glm::normalize(normal(triangle));
+  result.is_front = glm::dot(out, direction) < 0.0f;
+  result.normal = result.is_front ? out : -out;
+  return result;
+}
+
+float RayScene::justBehind(const LightHit& hit) { return std::nextafter(hit.distance * (1.0f + 0x1p-20f), kInfinity); }
 
 LightHit RayScene::lightHit(const glm::vec3& origin, const glm::vec3& direction) const {
   for (float near = 0.0f;;) {
     const RTCRayHit hit = firstRayHit(impl_->lightScene(), origin, direction, near);
+    if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    if (hit.hit.geomID != kSky) return impl_->surfaceHit(hit, impl_->opaque[hit.hit.primID], direction);
     LightHit result;
-    if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return result;
+    result.kind = LightHit::Kind::sky;
     result.distance = hit.ray.tfar;
     result.triangle = hit.hit.primID;
-    if (hit.hit.geomID == kSky) {
-      result.kind = LightHit::Kind::sky;
-      if (glm::dot(impl_->sky_normals[hit.hit.primID], direction) < 0.0f) return result;
-      // from behind: on, past this face
-      near = std::nextafter(hit.ray.tfar * (1.0f + 0x1p-20f), std::numeric_limits<float>::infinity());
-      if (!std::isfinite(near)) return {};
-      continue;
-    }
-    result.kind = LightHit::Kind::surface;
-    result.u = hit.hit.u;
-    result.v = hit.hit.v;
-    const glm::vec3 normal = glm::normalize(impl_->normal(hit.hit.primID));
-    result.is_front = glm::dot(normal, direction) < 0.0f;
-    result.normal = result.is_front ? normal : -normal;
-    return result;
+    if (glm::dot(impl_->sky_normals[hit.hit.primID], direction) < 0.0f) return result;
+    // from behind: on, past this face
+    near = justBehind(result);
+    if (!std::isfinite(near)) return {};
   }
 }
 
-bool RayScene::isBlocked(const glm::vec3& from, const glm::vec3& to) const {
-  RTCRay ray = rayAlong(from, to - from, 0.0f, 1.0f);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(impl_->scene, &context, &ray);
-  return ray.tfar < 0.0f;
+bool RayScene::hasVeils() const { return impl_->veil_scene != nullptr; }
+
+LightHit RayScene::veilHit(const glm::vec3& origin, const glm::vec3& direction, float near, float far) const {
+  if (impl_->veil_scene == nullptr || !(near < far)) return {};
+  const RTCRayHit hit = firstRayHit(impl_->veil_scene, origin, direction, near, far);
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return impl_->surfaceHit(hit, impl_->veils[hit.hit.primID], direction);
+}
+
+bool RayScene::isBlocked(const glm::vec3& from, const glm::vec3& to) const { return isOccluded(impl_->scene, from, to); }
+
+bool RayScene::isOpaqueBetween(const glm::vec3& from, const glm::vec3& to) const {
+  return isOccluded(impl_->opaqueScene(), from, to);
 }
 
 bool RayScene::isLightBlocked(const glm::vec3& from, const glm::vec3& to) const {
-  if (impl_->light_scene == nullptr) return isBlocked(from, to);
+  if (!hasSkyFaces()) return isOpaqueBetween(from, to);
   const LightHit hit = lightHit(from, to - from);
   return hit.kind != LightHit::Kind::nothing && hit.distance <= 1.0f;
 }
 
 bool RayScene::isSkyNearCube(const glm::vec3& center, float half_side) const {
-  if (impl_->light_scene == nullptr) return false;
+  if (!hasSkyFaces()) return false;
   RTCPointQuery point = queryAroundCube(center, half_side);
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
@@ -262,7 +333,8 @@ void RayScene::trianglesNearCube(const glm::vec3& center, float half_side, std::
   RTCPointQuery point = queryAroundCube(center, half_side);
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(impl_->scene, &point, &context, collectTriangle, triangles);
+  TriangleCollector collector{impl_->walls, triangles};
+  rtcPointQuery(impl_->scene, &point, &context, collectTriangle, &collector);
   std::sort(triangles->begin(), triangles->end());
 }
 

@@ -21,7 +21,7 @@ struct SegmentPacket {
 
 enum class Facing : uint8_t { nothing, front, back, both };  // both: a double-sided material, or faces that coincide
 
-// Where a ray of light ends.
+// Where a ray of light ends, or meets a veil.
 struct LightHit {
   enum class Kind : uint8_t { nothing, sky, surface };
   Kind kind = Kind::nothing;
@@ -34,7 +34,8 @@ struct LightHit {
 
 class RayScene {
  public:
-  // Copies what it needs of the scene. Sky faces end rays of light (lightHit) and no others. throws InputError when Embree cannot
+  // Copies what it needs of the scene. Sky faces end rays of light (lightHit) and no others; veils end none of these, and those that
+  // are thin no others either: whatever says "surface" or "triangle" below means all but thin veils, and for light all but veils. throws InputError when Embree cannot
   // build (out of memory)
   explicit RayScene(const Scene& scene);
   ~RayScene();
@@ -53,12 +54,22 @@ class RayScene {
   // The same with sky faces among the faces: their backs are where the scene ends.
   Facing firstFacingWithSky(const glm::vec3& origin, const glm::vec3& direction) const;
 
-  // The first surface, or front of a sky face, that a ray of light meets; sky faces let rays through from behind.
+  // The first surface, or front of a sky face, that a ray of light meets; sky faces let rays through from behind, and veils are
+  // not looked at.
   LightHit lightHit(const glm::vec3& origin, const glm::vec3& direction) const;
+
+  bool hasVeils() const;
+  // The first veil beyond `near` and before `far`, both in lengths of the direction; Kind::nothing without one. To go on behind it:
+  // near = justBehind(hit).
+  LightHit veilHit(const glm::vec3& origin, const glm::vec3& direction, float near, float far) const;
+  static float justBehind(const LightHit& hit);
 
   // Whether a surface stands between two places, themselves included. Edges are watertight (Embree's robust mode): what passes through a
   // shared edge meets at least one of its triangles. What runs in a triangle's plane does not meet it.
   bool isBlocked(const glm::vec3& from, const glm::vec3& to) const;
+
+  // The same of what stops light wholly: veils do not count.
+  bool isOpaqueBetween(const glm::vec3& from, const glm::vec3& to) const;
 
   // Whether light that leaves `from` is stopped before `to`: by a surface, or by a sky face that it meets from the front.
   bool isLightBlocked(const glm::vec3& from, const glm::vec3& to) const;
