@@ -7,6 +7,7 @@
 #include "light/baked_light.h"
 #include "light/directions.h"
 #include "light/emitters.h"
+#include "light/sky_sampler.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/surface_look.h"
@@ -21,7 +22,7 @@ constexpr int kSetCount = 8;            // of directions, whose means say how su
 constexpr int kSurePathVertices = 3;    // no roulette before
 constexpr float kSurvival = 0.95f;      // at most
 constexpr int kLampSamples = 16;        // of one lamp at a place, at least
-constexpr uint64_t kPathStream = 0x70617468, kLampStream = 0x6c616d70, kSunStream = 0x73756e;
+constexpr uint64_t kPathStream = 0x70617468, kLampStream = 0x6c616d70, kSunStream = 0x73756e, kSkyStream = 0x736b79;
 
 float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
 
@@ -43,9 +44,10 @@ struct LightTransport::Impl {
   const RayScene& rays;
   std::vector<glm::vec3> factor_albedo;  // by material: all there is of one without images
   Emitters emitters;
+  SkySampler sky;         // of a sky that is an image; empty otherwise
   float nudge_m = 1e-4f;  // off a surface, so that the next ray does not meet it again
 
-  Impl(const Scene& s, const RayScene& r) : scene(s), rays(r), emitters(s) {
+  Impl(const Scene& s, const RayScene& r) : scene(s), rays(r), emitters(s), sky(s.light.sky.image) {
     for (const Material& material : scene.materials) factor_albedo.push_back(albedoOf(material.base_color));
     float furthest = 0.0f;
     for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
@@ -126,11 +128,30 @@ struct LightTransport::Impl {
     const float cap = sine * sine / (1.0f + std::sqrt(1.0f - sine * sine));
     arriving->direction = coneDirection(sun.to_sun, cap, place_u, place_v);
     arriving->flux = sun.irradiance;
+    return comesFromSky(from, arriving);
+  }
+
+  // Whether nothing but veils stands between a place and the sky: flux loses what these stop.
+  bool comesFromSky(const glm::vec3& from, Arriving* arriving) const {
     const LightHit hit = rays.lightHit(from, arriving->direction);
     const bool is_open =
         hit.kind == LightHit::Kind::nothing || (hit.kind == LightHit::Kind::sky && !scene.light.sky_faces.shines(hit.triangle));
     if (is_open) arriving->flux *= passing(from, arriving->direction, INFINITY);
     return is_open;
+  }
+
+  // Flux of a direction that the sky's image draws; by multiple importance sampling as emitterLight. places   in [0, 1)
+  template <class Density>
+  bool skyLight(const glm::vec3& from, double place_u, double place_v, const Density& density, Arriving* arriving) const {
+    const SkySampler::Drawn drawn = sky.draw(place_u, place_v);
+    arriving->direction = drawn.direction;
+    arriving->flux = drawn.radiance / (sky.density(drawn.radiance) + density(drawn.direction));
+    return comesFromSky(from, arriving);
+  }
+
+  // What of the sky's radiance a ray of this density counts for: the rest is skyLight's.
+  float skyShare(const glm::vec3& radiance, float density) const {
+    return density > 0.0f && !sky.empty() ? density / (density + sky.density(radiance)) : 1.0f;
   }
 
   // What a surface there sends back of lamps and suns that shine on it: one lamp, drawn by what it would give without shadows.
@@ -159,6 +180,8 @@ struct LightTransport::Impl {
     }
     const auto density = [&](const glm::vec3& direction) { return std::max(0.0f, glm::dot(direction, normal)) / kPi; };
     if (emitterLight({emitters, from}, random.uniform(), from, random, density, &arriving))
+      sum += arriving.flux * std::max(0.0f, glm::dot(arriving.direction, normal));
+    if (!sky.empty() && skyLight(from, random.uniform(), random.uniform(), density, &arriving))
       sum += arriving.flux * std::max(0.0f, glm::dot(arriving.direction, normal));
     return sum / kPi;
   }
@@ -217,9 +240,12 @@ struct LightTransport::Impl {
       };
       glm::vec3 reflectance;
       if (!rays.hasVeils() || !endsAtVeil(origin, direction, random, addShine, &hit, &throughput, &reflectance)) {
-        if (hit.kind == LightHit::Kind::nothing) return sum + throughput * scene.light.sky.radiance(direction);
-        if (hit.kind == LightHit::Kind::sky)
+        if (hit.kind == LightHit::Kind::sky && scene.light.sky_faces.shines(hit.triangle))
           return sum + throughput * scene.light.sky_faces.radiance(hit.triangle, direction, scene.light.sky);
+        if (hit.kind != LightHit::Kind::surface) {
+          const glm::vec3 shine = scene.light.sky.radiance(direction);
+          return sum + throughput * shine * skyShare(shine, density);
+        }
         reflectance = albedo(hit);
         addShine(hit);
       }
@@ -255,6 +281,7 @@ struct LightTransport::Impl {
     const int count = rays_per_set * kSetCount;
     const auto share = 1.0f / static_cast<float>(rays_per_set);
     const Emitters::Draws draws(emitters, from);
+    const Lattice sky_lattice(mixSeed(seed, kSkyStream));
     if (hits != nullptr) hits->assign(static_cast<size_t>(count), {});
     Arriving arriving;
     for (int i = 0; i < count; ++i) {
@@ -268,6 +295,9 @@ struct LightTransport::Impl {
       // each set goes evenly through all emitters
       if (emitterLight(draws, (i + random.uniform()) / count, from, random, density, &arriving))
         add(set, arriving.direction, arriving.flux * share);
+      if (sky.empty()) continue;
+      const auto [u, v] = sky_lattice.point(i, count);
+      if (skyLight(from, u, v, density, &arriving)) add(set, arriving.direction, arriving.flux * share);
     }
     const auto sampleAll = [&](int samples, uint64_t stream, const auto& light) {
       const Lattice lattice(mixSeed(seed, stream));

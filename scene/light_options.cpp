@@ -3,7 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
+#include <utility>
 
+#include <fmt/format.h>
+
+#include "scene/sky_file.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -11,7 +16,9 @@ namespace {
 
 constexpr double kRadiansPerDegree = 0.017453292519943295;
 constexpr double kBrightest = 1e12;
-constexpr const char* kSkyForm = "r,g,b, or those of zenith, horizon and ground, each from 0 to 1e12, or 0 for none";
+constexpr const char* kSkyForm =
+    "r,g,b, or those of zenith, horizon and ground, each from 0 to 1e12; FILE.hdr or FILE.exr, which turn in degrees and factor "
+    "may follow; or 0 for none";
 constexpr const char* kSunForm = "azimuth and elevation in degrees, and r,g,b from 0 to 1e12; or 0 for none";
 
 std::vector<double> numbersOf(const std::vector<std::string>& texts, const UsageError& error) {
@@ -42,13 +49,39 @@ glm::vec3 colourFrom(const std::vector<double>& numbers, size_t first, const Usa
 
 bool isNone(const std::vector<double>& numbers) { return numbers.size() == 1 && numbers[0] == 0.0; }
 
-Sky skyFrom(const std::vector<std::string>& texts) {
-  const UsageError error("--sky", kSkyForm, joined(texts));
+Sky skyOfColours(const std::vector<std::string>& texts, const UsageError& error) {
   const std::vector<double> numbers = numbersOf(texts, error);
   if (isNone(numbers)) return {};
   if (numbers.size() != 3 && numbers.size() != 9) throw error;
   const size_t step = numbers.size() == 9 ? 3 : 0;
   return {colourFrom(numbers, 0, error), colourFrom(numbers, step, error), colourFrom(numbers, 2 * step, error)};
+}
+
+// What --sky gives: the sun is one that a file's image has.
+struct GivenSky {
+  Sky sky;
+  std::optional<Sun> sun;
+  std::vector<std::string> notes;
+};
+
+GivenSky skyOfFile(const std::vector<std::string>& texts, const UsageError& error) {
+  const std::vector<double> numbers = numbersOf({texts.begin() + 1, texts.end()}, error);
+  const double turn = !numbers.empty() ? numbers[0] : 0.0, factor = numbers.size() > 1 ? numbers[1] : 1.0;
+  if (numbers.size() > 2 || std::abs(turn) > 360.0 || !(factor >= 0.0 && factor <= kBrightest)) throw error;
+  SkyFile file = readSkyFile(texts[0], turn / 360.0);
+  for (glm::vec3& texel : file.image.texels) texel *= static_cast<float>(factor);
+  GivenSky given;
+  if (file.mended > 0)
+    given.notes.push_back(texts[0] + ": " + std::to_string(file.mended) + " numbers that are no radiance were taken as 0");
+  given.sun = takeSun(&file.image);
+  given.sky = skyOfImage(std::move(file.image));
+  return given;
+}
+
+GivenSky skyFrom(const std::vector<std::string>& texts) {
+  const UsageError error("--sky", kSkyForm, joined(texts));
+  if (isSkyFile(texts[0])) return skyOfFile(texts, error);
+  return {skyOfColours(texts, error), std::nullopt, {}};
 }
 
 // Azimuth turns from +x towards +z.
@@ -68,13 +101,24 @@ std::vector<Sun> sunsFrom(const std::vector<std::string>& texts) {
   return {sunAt(numbers[0], numbers[1], colourFrom(numbers, 2, error))};
 }
 
+// "azimuth 120, elevation 50 degrees, irradiance 5 4.7 4.1"
+std::string sunText(const Sun& sun) {
+  const double azimuth = std::atan2(sun.to_sun.z, sun.to_sun.x) / kRadiansPerDegree;
+  const double elevation = std::asin(std::clamp(sun.to_sun.y, -1.0f, 1.0f)) / kRadiansPerDegree;
+  return fmt::format("azimuth {:.0f}, elevation {:.0f} degrees, irradiance {:.3g} {:.3g} {:.3g}", azimuth, elevation,
+                     sun.irradiance.r, sun.irradiance.g, sun.irradiance.b);
+}
+
 bool isBright(const glm::vec3& colour) { return colour.r > 0.0f || colour.g > 0.0f || colour.b > 0.0f; }
 
 }  // namespace
 
 void describe(LightOptions& options, OptionTable& table) {
-  table.add("sky", &options.sky,
-            "radiance of the sky: r,g,b; or nine numbers, of zenith, horizon and ground; or 0, no sky. None: the scene's own");
+  table.add(
+      "sky", &options.sky,
+      "radiance of the sky: r,g,b; or nine numbers, of zenith, horizon and ground; or FILE.hdr or FILE.exr, all around (its "
+      "middle looks along +x; FILE,DEGREES turns it towards +z, FILE,DEGREES,FACTOR makes it brighter); or 0, no sky. In the "
+      "unit of the scene's lamps and emission. None: the scene's own");
   table.add("sun", &options.sun,
             "a sun: its azimuth and elevation, degrees, and its irradiance r,g,b; or 0, no sun. None: the scene's own");
 }
@@ -100,8 +144,15 @@ Sun defaultSun() { return sunAt(120.0, 50.0, {5.0f, 4.7f, 4.1f}); }
 std::vector<std::string> applyLight(Scene& scene, const LightOptions& options) {
   std::vector<std::string> done;
   if (!options.sky.empty()) {
-    scene.light.sky = skyFrom(options.sky);
+    GivenSky given = skyFrom(options.sky);
+    scene.light.sky = std::move(given.sky);
     done.push_back("sky: " + joined(options.sky));
+    done.insert(done.end(), given.notes.begin(), given.notes.end());
+    if (given.sun) {
+      done.push_back("the sun of the image is a sun of its own: " + sunText(*given.sun) +
+                     (options.sun.empty() ? "" : "; --sun stands in its place"));
+      scene.light.suns.push_back(*given.sun);
+    }
   }
   if (!options.sun.empty()) {
     scene.light.suns = sunsFrom(options.sun);

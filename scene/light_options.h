@@ -10,7 +10,8 @@
 namespace nlg {
 
 struct LightOptions {
-  std::vector<std::string> sky;  // nothing: the scene's own; r,g,b; or those of zenith, horizon and ground; or 0
+  std::vector<std::string> sky;  // nothing: the scene's own; r,g,b; or those of zenith, horizon and ground; or 0; or the path of
+                                 // an image (sky_file.h), which degrees from +x towards +z and a factor may follow
   std::vector<std::string> sun;  // nothing: the scene's own; azimuth,elevation,r,g,b; or 0
 };
 
@@ -23,11 +24,11 @@ bool hasLight(const Scene& scene);
 Sky defaultSky();
 Sun defaultSun();
 
-// Replaces the scene's sky and suns by those of the options; then, where nothing at all shines and no option was given, adds
+// Replaces the scene's sky and suns by those of the options, where the sun of a sky's image joins the scene's own; then, where nothing at all shines and no option was given, adds
 // defaultSky and defaultSun.
 //
 // returns   what it did, a line each; nothing when the scene stays as it is
-// throws    UsageError on numbers that are none, negative or too many
+// throws    UsageError on numbers that are none, negative or too many; InputError as readSkyFile does
 std::vector<std::string> applyLight(Scene& scene, const LightOptions& options);
 
 }  // namespace nlg

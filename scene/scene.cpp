@@ -275,7 +275,13 @@ std::string sceneLightSha256(const Scene& scene) {
   }
   addLooks(scene, bytes);
   const SceneLight& light = scene.light;
-  bytes.add(light.sky);
+  bytes.add(light.sky.zenith);
+  bytes.add(light.sky.horizon);
+  bytes.add(light.sky.ground);
+  if (!light.sky.image.empty()) {
+    bytes.add(light.sky.image.width);
+    bytes.addCounted(light.sky.image.texels);
+  }
   bytes.addCounted(light.lamps);
   bytes.addCounted(light.suns);
   bytes.addCounted(light.sky_faces.positions);

@@ -10,13 +10,18 @@
 
 #include <glm/glm.hpp>
 
+#include "scene/sky_image.h"
+
 namespace nlg {
 
-// Radiance from beyond everything: a gradient from the horizon (y = 0) up to the zenith, and one colour for what lies below.
+// Radiance from beyond everything: a gradient from the horizon (y = 0) up to the zenith, and one colour for what lies below; or an
+// image. The gradient is then the one that is nearest to it, for whoever draws no image.
 struct Sky {
   glm::vec3 zenith{0.0f}, horizon{0.0f}, ground{0.0f};  // >= 0
+  SkyImage image = {};
 
   glm::vec3 radiance(const glm::vec3& direction) const {
+    if (!image.empty()) return image.radiance(direction);
     if (direction.y < 0.0f) return ground;
     return horizon + (zenith - horizon) * direction.y;
   }

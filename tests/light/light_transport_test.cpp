@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "tests/datagen/hand_built_scenes.h"
 #include "tool/error.h"
@@ -198,6 +199,100 @@ TEST(LightTransport, SkyFacesShineInFrontAndLetThroughFromBehind) {
   EXPECT_EQ(from_behind.kind, LightHit::Kind::surface);
   EXPECT_NEAR(from_behind.distance, 4.5f, 1e-5f);
   EXPECT_FALSE(rays.isBlocked({0, 1, 0}, {0, 4.5f, 0}));  // no geometry for anybody else
+}
+
+// Nothing but a speck far below: all of the sky is seen.
+Scene openAir() {
+  SceneOfFaces faces;
+  faces.addQuad({-0.01f, -50, 0.01f}, {0.01f, -50, 0.01f}, {0.01f, -50, -0.01f}, {-0.01f, -50, -0.01f});
+  return faces.finish();
+}
+
+SkyImage skyImage(const std::function<glm::vec3(const glm::vec3& direction)>& radiance) {
+  SkyImage image{256, 128, {}};
+  for (int row = 0; row < 128; ++row) {
+    for (int column = 0; column < 256; ++column)
+      image.texels.push_back(radiance(skyDirection((column + 0.5) / 256, (row + 0.5) / 128)));
+  }
+  return image;
+}
+
+TEST(LightTransport, AnImageOfOneColourIsTheSkyOfThatColour) {
+  // under a sky's face with a roof behind it, over ground that sends light on: each way by which a sky is met
+  SceneOfFaces faces;
+  faces.addQuad({-10, 0, 10}, {10, 0, 10}, {10, 0, -10}, {-10, 0, -10});
+  faces.addQuad({-10, 5, -10}, {10, 5, -10}, {10, 5, 10}, {-10, 5, 10});
+  Scene roofed = faces.finish();
+  roofed.light.sky_faces.positions = {{-10, 4, -10}, {10, 4, -10}, {10, 4, 10}, {-10, 4, 10}};
+  roofed.light.sky_faces.triangles = {{0, 1, 2}, {0, 2, 3}};
+  for (Scene scene : {ground(0.5f, 1e4f), roofed}) {
+    const glm::vec3 colour(1.0f, 2.0f, 0.5f);
+    scene.light.sky = {colour, colour, colour};
+    const Lit plain(scene);
+    scene.light.sky = skyOfImage(skyImage([&](const glm::vec3&) { return colour; }));
+    const Lit image(scene);
+    for (const glm::vec3& normal : {glm::vec3(0, 1, 0), glm::vec3(1, 0, 0), glm::vec3(0, -1, 0)}) {
+      const glm::vec3 expected = plain.at({0, 1, 0}, normal, 8192), got = image.at({0, 1, 0}, normal, 8192);
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], expected[c], 0.01f * expected[c]) << normal.x << " " << normal.y;
+    }
+  }
+}
+
+TEST(LightTransport, HalfABrightDomeGivesHalfOfPi) {
+  Scene scene = openAir();
+  scene.light.sky = skyOfImage(skyImage([](const glm::vec3& d) { return glm::vec3(d.z > 0.0f ? 2.0f : 0.0f); }));
+  const Lit lit(scene);
+  EXPECT_NEAR(lit.at({0, 0, 0}, {0, 1, 0}).r, kPi, 0.005f * kPi);
+  EXPECT_NEAR(lit.at({0, 0, 0}, {0, 0, 1}).r, 2.0f * kPi, 0.005f * kPi);
+  EXPECT_NEAR(lit.at({0, 0, 0}, {0, 0, -1}).r, 0.0f, 1e-6f);
+  EXPECT_NEAR(lit.at({0, 0, 0}, {1, 0, 0}).r, kPi, 0.005f * kPi);
+}
+
+TEST(LightTransport, IrradianceUnderASkysImageIsItsIntegral) {
+  Scene scene = openAir();
+  scene.light.sky = skyOfImage(skyImage([](const glm::vec3& d) {
+    const float bump = glm::dot(d, glm::normalize(glm::vec3(1, 2, -1))) > 0.98f ? 200.0f : 0.0f;
+    return glm::vec3(1.0f + bump, 1.0f + d.x, 1.0f + 0.5f * bump + d.y);
+  }));
+  const SkyImage& image = scene.light.sky.image;
+  const Lit lit(scene);
+  for (const glm::vec3& normal :
+       {glm::vec3(0, 1, 0), glm::normalize(glm::vec3(1, 1, 0)), glm::normalize(glm::vec3(-1, 0.2f, 1))}) {
+    glm::dvec3 sum(0.0);
+    // nine places a texel; the cosine's edge costs less than a thousandth of the whole
+    for (int row = 0; row < 3 * image.height; ++row) {
+      for (int column = 0; column < 3 * image.width; ++column) {
+        const glm::vec3 direction = skyDirection((column + 0.5) / (3.0 * image.width), (row + 0.5) / (3.0 * image.height));
+        sum += glm::dvec3(image.texels[static_cast<size_t>(row / 3) * image.width + column / 3]) *
+               (image.solidAngle(row / 3) / 9.0 * std::max(0.0f, glm::dot(direction, normal)));
+      }
+    }
+    const GatheredIrradiance got = lit.transport.gatherIrradiance({0, 0, 0}, normal, {4096, 64}, 7);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(got.irradiance[c], sum[c], 4.0 * got.deviation[c] + 0.002 * sum[c]) << normal.x << " " << normal.y;
+      EXPECT_LT(got.deviation[c], 0.01 * sum[c]);
+    }
+  }
+}
+
+// One texel of 32,768 holds nearly all light: directions at random meet it with 64 rays once in 500 places.
+TEST(LightTransport, ASpotOfASkysImageIsFoundBySamplingAtPlacesAndAtBounces) {
+  Scene scene = ground(0.5f, 1e4f);
+  const size_t texel = 40 * 256 + 100;
+  SkyImage image = skyImage([](const glm::vec3&) { return glm::vec3(0.01f); });
+  image.texels[texel] = glm::vec3(2000.0f);
+  const glm::vec3 to_spot = skyDirection(100.5 / 256, 40.5 / 128);
+  const auto of_spot = static_cast<float>(2000.0 * image.solidAngle(40) * to_spot.y);
+  scene.light.sky = skyOfImage(image);
+  const Lit lit(scene);
+  const float expected = of_spot + 0.01f * kPi;
+  for (const uint64_t seed : {1, 2, 3}) {
+    const GatheredIrradiance above = lit.transport.gatherIrradiance({0, 1, 0}, {0, 1, 0}, {64, 64}, seed);
+    EXPECT_NEAR(above.irradiance.r, expected, 0.02f * expected) << seed;
+    EXPECT_LT(above.deviation.r, 0.02f * expected);
+    const GatheredIrradiance below = lit.transport.gatherIrradiance({0, 1, 0}, {0, -1, 0}, {64, 64}, seed);
+    EXPECT_NEAR(below.irradiance.r, 0.5f * expected, 0.02f * expected) << seed;
+  }
 }
 
 TEST(LightTransport, SaysItsOwnNoise) {

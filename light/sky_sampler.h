@@ -1,0 +1,33 @@
+// Directions towards the bright parts of a sky's image, drawn by luminance times solid angle.
+#pragma once
+
+#include <vector>
+
+#include "scene/sky_image.h"
+
+namespace nlg {
+
+class SkySampler {
+ public:
+  // image   must outlive it; an empty one, or a black one, has nothing to draw
+  explicit SkySampler(const SkyImage& image);
+
+  bool empty() const { return row_sums_.empty(); }
+
+  struct Drawn {
+    glm::vec3 direction{0.0f};  // unit
+    glm::vec3 radiance{0.0f};
+  };
+  // Not of an empty one. u, v   in [0, 1); evenly spread pairs give evenly spread directions
+  Drawn draw(double u, double v) const;
+  // Of drawing a direction of that radiance, per steradian.
+  float density(const glm::vec3& radiance) const { return skyLuminance(radiance) * per_power_; }
+
+ private:
+  const SkyImage& image_;
+  std::vector<double> row_sums_;    // of luminance times solid angle, running, over all of it
+  std::vector<float> column_sums_;  // by row: the same within it
+  float per_power_ = 0.0f;
+};
+
+}  // namespace nlg
