@@ -44,8 +44,8 @@ glm::vec3 pointOf(const Scene& scene, uint32_t triangle, const glm::vec2& at) {
   return scene.positions[t.x] * (1.0f - at.x - at.y) + scene.positions[t.y] * at.x + scene.positions[t.z] * at.y;
 }
 
-constexpr int kTexelsOfPatch = 8;            // along its side
-constexpr uint64_t kMostPatches = 1u << 20;  // of images; beyond, patches are larger
+constexpr int kTexelsOfPatch = 2;            // along its side
+constexpr uint64_t kMostPatches = 1u << 18;  // of images; beyond, patches are larger
 constexpr int kSamplesOfSide = 4;            // of a patch: its mean is over so many squared
 
 // Of the side of a triangle that shines by an image: how many patches its texels ask for.
