@@ -26,6 +26,7 @@
 #include "validate/light/light_figures.h"
 #include "viewer/method_scripts.h"
 #include "viewer/page.h"
+#include "viewer/scene_looks.h"
 
 namespace nlg {
 namespace {
@@ -173,6 +174,7 @@ class ViewFolder {
     script->add("triangle_material", scene.triangle_material);
     script->add("albedo", albedo);
     script->add("emissive", emissive);
+    addLooks(scene, script);
     script->add("sky_positions", sky_positions);
     script->add("sky_shine", sky_shine);
     const Sky& sky = scene.light.sky;

@@ -1,7 +1,6 @@
 #include "datagen/probes/nearby_triangles.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace nlg {
 namespace {
@@ -23,9 +22,12 @@ Bounds triangleBounds(const Scene& scene, const glm::uvec3& triangle) {
 
 }  // namespace
 
-NearbyTriangles::NearbyTriangles(const Scene& scene) : scene_(scene), order_(scene.triangles.size()) {
+NearbyTriangles::NearbyTriangles(const Scene& scene) : scene_(scene) {
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+    const bool is_thin = !scene.triangle_material.empty() && scene.materials[scene.triangle_material[t]].veil == Veil::thin;
+    if (!is_thin) order_.push_back(t);
+  }
   if (order_.empty()) return;
-  std::iota(order_.begin(), order_.end(), 0u);
   nodes_.resize(1);
   std::vector<Range> open{{0, 0, static_cast<uint32_t>(order_.size())}};
   while (!open.empty()) {

@@ -1,4 +1,4 @@
-// Whether a box is near a scene's triangles.
+// Whether a box is near a scene's triangles; thin veils are air.
 #pragma once
 
 #include <cstdint>

@@ -3,8 +3,32 @@ import * as THREE from 'three';
 import surfaceVertex from './glsl/surface.vert.glsl';
 import depthFragment from './glsl/depth.frag.glsl';
 import skyFragment from './glsl/sky.frag.glsl';
+import { PRECISION } from './methods.js';
 
 const CARRIED_ALBEDO = 0.3; // nlg-render's balls have the same
+
+// Where each corner lies on its images, and what of a veil is seen: attributes of looks.glsl. Scenes without images have none.
+function addLooks(scene, geometry) {
+  if (!scene.images_of) return;
+  const count = scene.triangle_material.length;
+  const base = new Float32Array(12 * count), shine = new Float32Array(12 * count), veil = new Float32Array(6 * count);
+  const albedo = geometry.attributes.albedo.array;
+  const place = (places, vertex, at) => (places.length > 0 ? places[2 * vertex + at] : 0);
+  for (let t = 0; t < count; ++t) {
+    const look = scene.material_looks.subarray(5 * scene.triangle_material[t], 5 * scene.triangle_material[t] + 5);
+    for (let k = 0; k < 3; ++k) {
+      const corner = 3 * t + k, vertex = scene.triangles[corner];
+      base.set([place(scene.base_places, vertex, 0), place(scene.base_places, vertex, 1), look[0], look[1]], 4 * corner);
+      shine.set([place(scene.emissive_places, vertex, 0), place(scene.emissive_places, vertex, 1), look[2], look[3]], 4 * corner);
+      const colour = scene.vertex_colours.length > 0 ? scene.vertex_colours.subarray(4 * vertex, 4 * vertex + 4) : [1, 1, 1, 1];
+      for (let c = 0; c < 3; ++c) albedo[3 * corner + c] *= colour[c];
+      veil.set([colour[3], look[4]], 2 * corner);
+    }
+  }
+  geometry.setAttribute('base_at', new THREE.BufferAttribute(base, 4));
+  geometry.setAttribute('shine_at', new THREE.BufferAttribute(shine, 4));
+  geometry.setAttribute('veil_share', new THREE.BufferAttribute(veil, 2));
+}
 
 // Triangles with corners of their own: flat normals, and the colours of their materials.
 function levelGeometry(scene) {
@@ -27,6 +51,7 @@ function levelGeometry(scene) {
   geometry.setAttribute('normal', new THREE.BufferAttribute(normals, 3));
   geometry.setAttribute('albedo', new THREE.BufferAttribute(albedo, 3));
   geometry.setAttribute('shine', new THREE.BufferAttribute(shine, 3));
+  addLooks(scene, geometry);
   return geometry;
 }
 
@@ -35,6 +60,9 @@ function evenColours(geometry, albedo) {
   const count = plain.attributes.position.count;
   plain.setAttribute('albedo', new THREE.BufferAttribute(new Float32Array(3 * count).fill(albedo), 3));
   plain.setAttribute('shine', new THREE.BufferAttribute(new Float32Array(3 * count), 3));
+  const noVeil = new Float32Array(2 * count).fill(-1);
+  plain.setAttribute('veil_share', new THREE.BufferAttribute(noVeil, 2));
+  for (const name of ['base_at', 'shine_at']) plain.setAttribute(name, new THREE.BufferAttribute(new Float32Array(4 * count), 4));
   return plain;
 }
 
@@ -64,7 +92,8 @@ function figureParts() {
 }
 
 export class Level {
-  constructor(scene) {
+  // looks   of looksOf
+  constructor(scene, looks) {
     this.root = new THREE.Scene();
     this.root.matrixWorldAutoUpdate = false;
     this.geometry = levelGeometry(scene);
@@ -74,8 +103,9 @@ export class Level {
     // depth first: a surface that is hidden asks for no light
     const depth = new THREE.RawShaderMaterial({
       glslVersion: THREE.GLSL3,
-      vertexShader: surfaceVertex,
-      fragmentShader: depthFragment,
+      vertexShader: looks.vertex + surfaceVertex,
+      fragmentShader: PRECISION + looks.fragment + depthFragment,
+      uniforms: looks.uniforms,
       side: THREE.DoubleSide,
       colorWrite: false,
     });

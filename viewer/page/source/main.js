@@ -39,7 +39,7 @@ class Viewer {
     }
     this.picture = new Picture(this.renderer);
     this.methods = new Methods(scene);
-    this.level = new Level(scene);
+    this.level = new Level(scene, this.methods.looks);
     this.marks = new Marks(this.level.root);
     // near enough for views that were chosen millimetres before a wall
     const reach = 2 * this.level.bounds.getSize(new THREE.Vector3()).length();

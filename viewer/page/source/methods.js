@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import { load } from './data.js';
 import surfaceVertex from './glsl/surface.vert.glsl';
 import signedHeat from './glsl/signed_heat.glsl';
+import looksText from './glsl/looks.glsl';
 import surfaceFragment from './glsl/surface.frag.glsl';
 import gridReads from './glsl/grid.glsl';
 import gridLight from './glsl/grid_light.glsl';
@@ -22,6 +23,22 @@ function wordTexture(words) {
   texture.minFilter = texture.magFilter = THREE.NearestFilter;
   texture.needsUpdate = true;
   return texture;
+}
+
+// What all that is drawn of a scene reads of its images: texts before the shaders, and uniforms. A scene without any has none.
+export function looksOf(scene) {
+  if (!scene.images_of) return { vertex: '', fragment: looksText, uniforms: {} };
+  const { side, count } = scene.images_of;
+  const texels = count > 0 ? scene.images : new Uint8Array(4 * side * side).fill(255);
+  const images = new THREE.DataArrayTexture(texels, side, side, Math.max(1, count));
+  images.colorSpace = THREE.SRGBColorSpace;
+  images.wrapS = images.wrapT = THREE.RepeatWrapping;
+  images.magFilter = THREE.LinearFilter;
+  images.minFilter = THREE.LinearMipmapLinearFilter;
+  images.generateMipmaps = true;
+  images.anisotropy = 4;
+  images.needsUpdate = true;
+  return { vertex: '#define LOOKS\n', fragment: `#define LOOKS\n${looksText}`, uniforms: { images: { value: images } } };
 }
 
 // The text that says what irradianceAt is, and its uniforms.
@@ -69,12 +86,13 @@ const SHOWS = { light: '', share: '#define SHOWS_SHARE\n', leaks: '#define SHOWS
 
 // A method that lights surfaces as they are drawn.
 class RenderedMethod {
-  constructor(entry, data, lookUp) {
+  constructor(entry, data, lookUp, looks) {
     this.name = entry.name;
+    this.looks = looks;
     this.isGrid = data.kind === 'grid';
     const program = PROGRAMS[data.kind](data, lookUp);
     this.uniforms = { ...program.uniforms, offset_m: { value: 0.02 }, chosen_record: { value: 0 }, heat_full: { value: 1 } };
-    this.text = program.text + signedHeat + surfaceFragment;
+    this.text = program.text + signedHeat + looks.fragment + surfaceFragment;
   }
 
   // shown   light, share, leaks; what a method cannot show of itself is its light
@@ -82,9 +100,9 @@ class RenderedMethod {
   material(shown, side, litAt = new THREE.Vector4(0, 0, 0, 0)) {
     return new THREE.RawShaderMaterial({
       glslVersion: THREE.GLSL3,
-      vertexShader: surfaceVertex,
+      vertexShader: this.looks.vertex + surfaceVertex,
       fragmentShader: PRECISION + (this.isGrid ? SHOWS[shown] ?? '' : '') + this.text,
-      uniforms: { ...this.uniforms, litAt: { value: litAt } },
+      uniforms: { ...this.uniforms, ...this.looks.uniforms, litAt: { value: litAt } },
       side,
     });
   }
@@ -95,6 +113,7 @@ export const TRUTH = 'truth';
 export class Methods {
   constructor(scene) {
     this.scene = scene;
+    this.looks = looksOf(scene);
     this.entries = new Map(scene.methods.map((entry) => [entry.name, entry]));
     this.made = new Map();
   }
@@ -110,7 +129,7 @@ export class Methods {
   async rendered(name) {
     if (!this.made.has(name)) {
       const data = await load(`method-${name}`);
-      this.made.set(name, new RenderedMethod(this.entries.get(name), data, this.scene.look_up));
+      this.made.set(name, new RenderedMethod(this.entries.get(name), data, this.scene.look_up, this.looks));
     }
     return this.made.get(name);
   }

@@ -1,2 +1,1 @@
-precision highp float;
-void main() {}
+void main() { leaveHolesOut(); }

@@ -6,7 +6,7 @@
 // or, in its place, what shows something else of a light grid: SHOWS_SHARE shareOf(place, record), SHOWS_LEAKS leakAt(place, normal).
 in vec3 place;
 in vec3 facing;
-flat in vec3 reflected;
+in vec3 reflected;
 flat in vec3 emitted;
 uniform float offset_m;      // before the surface
 uniform vec4 litAt;          // w > 0: light is asked for at this one place, as engines do for small things
@@ -18,6 +18,7 @@ layout(location = 0) out vec4 colour;  // w = 1: radiance; 0: a colour as it is 
 vec3 shaded(vec3 normal) { return vec3(0.55 + 0.2 * normal.y + 0.1 * normal.x); }
 
 void main() {
+  leaveHolesOut();
   vec3 normal = normalize(gl_FrontFacing ? facing : -facing);
   vec3 at = litAt.w > 0.0 ? litAt.xyz : place + offset_m * normal;
 #if defined(SHOWS_SHARE)
@@ -27,6 +28,7 @@ void main() {
 #elif defined(SHOWS_LEAKS)
   colour = vec4(signedHeat(leakAt(at, normal) / heat_full) * (0.5 + 0.5 * shaded(normal)), 0.0);
 #else
-  colour = vec4(reflected * irradianceAt(at, normal) * (1.0 / 3.14159265) + (gl_FrontFacing ? emitted : vec3(0.0)), 1.0);
+  vec3 sent = reflected * imageAt(base_look).rgb * irradianceAt(at, normal) * (1.0 / 3.14159265);
+  colour = vec4(sent + (gl_FrontFacing ? emitted * imageAt(shine_look).rgb : vec3(0.0)), 1.0);
 #endif
 }

@@ -4,10 +4,16 @@ in vec3 position;
 in vec3 normal;
 in vec3 albedo;
 in vec3 shine;
+#ifdef LOOKS
+in vec4 base_at, shine_at;
+in vec2 veil_share;
+out vec4 base_look, shine_look;
+out vec2 veil;
+#endif
 uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
 out vec3 place;
 out vec3 facing;
-flat out vec3 reflected;
+out vec3 reflected;
 flat out vec3 emitted;
 
 void main() {
@@ -16,5 +22,10 @@ void main() {
   facing = mat3(modelMatrix) * normal;
   reflected = albedo;
   emitted = shine;
+#ifdef LOOKS
+  base_look = base_at;
+  shine_look = shine_at;
+  veil = veil_share;
+#endif
   gl_Position = projectionMatrix * viewMatrix * world;
 }
