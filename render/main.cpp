@@ -1,22 +1,50 @@
 // nlg-render: a view of a scene, lit by ground truth, by a light grid, and by what others use → a PNG.
 
 #include <CLI/CLI.hpp>
+#include <cstring>
 #include <iostream>
 
 #include <nlohmann/json.hpp>
 
 #include "bake/bake_options.h"
 #include "bake/policy_options.h"
+#include "render/irradiance_table.h"
 #include "render/render_run.h"
 #include "tool/tool_main.h"
 
-int main(int argc, char** argv) {
-  using namespace nlg;
+namespace nlg {
+namespace {
+
+int irradianceMain(int argc, char** argv) {
+  CLI::App app{
+      "Traces what arrives at places of a scene, and writes it as a table: irradiance by channel, in the unit of the scene's\n"
+      "light, and the standard deviation of its noise. To hold this path tracer against another renderer.",
+      "nlg-render irradiance"};
+  IrradianceRequest request;
+  BakeOptions bake;
+  OptionTable table("bake");
+  describe(bake, table);
+  table.common({"rays", "sky", "sun", "unit", "threads"});
+  app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
+  app.add_option("--places", request.places,
+                 "a table (.csv): a line x,y,z,nx,ny,nz, then such numbers of a place each: where it is, world, metres, and its "
+                 "normal")
+      ->required();
+  app.add_option("--out", request.out, "the table to write (.csv): places, r,g,b and their deviations dr,dg,db")->required();
+  app.add_option("--rays", request.rays, "rays of every place")->check(CLI::Range(8, 1 << 24))->capture_default_str();
+  return runTool(argc, argv, app, table, [&] {
+    writeIrradianceTable(request, bake);
+    std::cout << request.out << '\n';
+  });
+}
+
+int renderMain(int argc, char** argv) {
   CLI::App app{
       "Draws a view of a scene, or a horizontal cut, lit by a method: truth (path traced at every pixel), grid (a light grid's\n"
       "look-up at every pixel). Brightness is albedo x irradiance / pi + emission, times the exposure, cut off at 1, in sRGB.\n"
       "nlg-render SCENE --out view.png: ground truth, from a view that shows something.\n"
-      "nlg-render SCENE --grid GRID --panel truth,grid --out view.png: side by side, with the error.",
+      "nlg-render SCENE --grid GRID --panel truth,grid --out view.png: side by side, with the error.\n"
+      "nlg-render irradiance SCENE --places PLACES.csv --out FILE.csv: what arrives at places, in numbers.",
       "nlg-render"};
   RenderRequest request;
   BakeOptions bake;
@@ -29,4 +57,12 @@ int main(int argc, char** argv) {
     takeThetaPrecision(&bake);
     std::cout << renderScene(request, bake).dump() << '\n';
   });
+}
+
+}  // namespace
+}  // namespace nlg
+
+int main(int argc, char** argv) {
+  if (argc > 1 && std::strcmp(argv[1], "irradiance") == 0) return nlg::irradianceMain(argc - 1, argv + 1);
+  return nlg::renderMain(argc, argv);
 }

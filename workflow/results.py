@@ -4,13 +4,14 @@
     workflow/results.py collect RUN [--config CONFIG] [--no-pictures] [--add]    measured → docs/results, then write
     workflow/results.py collect-light FOLDER [--ours NAME]               what was measured of light → docs/results/light.json, then write
     workflow/results.py collect-siege FOLDER                             what the siege found → docs/results/reliability.json, then write
+    workflow/results.py collect-cycles FOLDER                            light against Cycles → docs/results/cycles.json, then write
     workflow/results.py write                                            docs/results → every text
     workflow/results.py check                                            names every text that says something else
 
 collect takes a run's result folder, out/NAME, reduces what it measured to docs/results/NAME.json, draws the plots of docs/images anew and fills the texts.
 collect-light takes what nlg-validate light wrote of scenes, FOLDER/SCENE.json (light_results.py says what else may lie there).
-collect-siege takes what tests/siege/run.py left in its --out.
-write makes docs/reference/results.md, docs/reference/light.md, docs/reference/reliability.md and weights/README.md whole, and fills the phrases that workflow/quotes.json names.
+collect-siege takes what tests/siege/run.py left in its --out, collect-cycles what workflow/cycles/compare.py left in its own.
+write makes docs/reference/results.md, docs/reference/light.md, docs/reference/reliability.md, docs/reference/cycles.md and weights/README.md whole, and fills the phrases that workflow/quotes.json names.
 What a run's folder does not have by itself, and is taken when it is there:
     nlg-bake LEVEL --threads 1 --out GRID > RUN/bakes/LEVEL.json
     bench_runtime_eval --benchmark_repetitions=7 --benchmark_out=RUN/benchmarks/runtime_eval.json --benchmark_out_format=json
@@ -23,6 +24,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 
+import cycles_page
 import light_page
 import model_card
 import reliability_page
@@ -38,9 +40,9 @@ ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
 IMAGES = ROOT / "docs" / "images"
 GENERATED = {ROOT / "docs" / "reference" / "results.md": results_page.page, ROOT / "docs" / "reference" / "light.md": light_page.page,
-             ROOT / "docs" / "reference" / "reliability.md": reliability_page.page,
+             ROOT / "docs" / "reference" / "reliability.md": reliability_page.page, ROOT / "docs" / "reference" / "cycles.md": cycles_page.page,
              ROOT / "weights" / "README.md": model_card.page}
-OF_ONE_FILE = (light_page.NAME, reliability_page.NAME)  # pages of a results file of their name; without it they are left alone
+OF_ONE_FILE = (light_page.NAME, reliability_page.NAME, cycles_page.NAME)  # pages of a results file of their name; without it they are left alone
 
 
 def expected_texts(all_results, problems):
@@ -125,6 +127,8 @@ def main():
     collecting_light.add_argument("--ours", default=light_page.OURS, help="the weights that are held against rivals (%(default)s)")
     collecting_siege = commands.add_parser("collect-siege", help="what the siege found → docs/results, then write")
     collecting_siege.add_argument("folder", type=Path, help="--out of tests/siege/run.py")
+    collecting_cycles = commands.add_parser("collect-cycles", help="light against Cycles → docs/results, then write")
+    collecting_cycles.add_argument("folder", type=Path, help="--out of workflow/cycles/compare.py")
     commands.add_parser("write", help="docs/results → every text")
     commands.add_parser("check", help="names every text that says something else")
     arguments = parser.parse_args()
@@ -134,6 +138,8 @@ def main():
         return collect_light(arguments.folder, arguments.ours)
     if arguments.command == "collect-siege":
         return write(keep(reliability_page.collect(arguments.folder)))
+    if arguments.command == "collect-cycles":
+        return write(keep(cycles_page.collect(arguments.folder)))
     if arguments.command == "write":
         return write(load_results(RESULTS))
     problems = []

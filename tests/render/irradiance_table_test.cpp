@@ -1,0 +1,73 @@
+#include "render/irradiance_table.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+const std::string kHeader = "x,y,z,nx,ny,nz\n";
+
+TEST(IrradianceTable, ReadsPlacesRelativeToTheOriginAndNormalsOfAnyLength) {
+  const std::vector<Receiver> found = receiversFromCsv("p.csv", kHeader + "1,2,3,0,0,-5\r\n-1e3,0.5,7,1,0,0", {1, 1, 1});
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].position_m, glm::dvec3(0, 1, 2));
+  EXPECT_EQ(found[0].normal, glm::vec3(0, 0, -1));
+  EXPECT_EQ(found[1].position_m, glm::dvec3(-1001, -0.5, 6));
+  EXPECT_TRUE(receiversFromCsv("p.csv", kHeader, {0, 0, 0}).empty());
+}
+
+TEST(IrradianceTable, RefusesWhatIsNoTableOfPlacesAndNamesTheLine) {
+  const struct {
+    std::string text, named;
+  } cases[] = {
+      {"", "p.csv: line 1: expected x,y,z,nx,ny,nz, got ''"},
+      {"x,y,z\n1,2,3\n", "p.csv: line 1: expected x,y,z,nx,ny,nz, got 'x,y,z'"},
+      {kHeader + "1,2,3,0,1,0\n1,2,3,0,1\n", "p.csv: line 3: expected six numbers with commas between them, got '1,2,3,0,1'"},
+      {kHeader + "1,2,3,0,1,0,4\n", "line 2: expected six numbers"},
+      {kHeader + "\n", "line 2: expected six numbers"},
+      {kHeader + "1,2,,0,1,0\n", "line 2: expected numbers from -1e7 to 1e7"},
+      {kHeader + "1,2,3 m,0,1,0\n", "line 2: expected numbers"},
+      {kHeader + "1,nan,3,0,1,0\n", "line 2: expected numbers"},
+      {kHeader + "1,2,2e7,0,1,0\n", "line 2: expected numbers"},
+      {kHeader + "1,2,3,0,0,0\n", "line 2: expected a normal that is not 0"},
+  };
+  for (const auto& c : cases) {
+    try {
+      receiversFromCsv("p.csv", c.text, {0, 0, 0});
+      ADD_FAILURE() << "not refused: " << c.text;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(c.named), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(IrradianceTable, WritesPiTimesTheRadianceOfAnEvenSkyHighAboveAScene) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("irradiance." + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const IrradianceRequest request{"house:1", (folder / "places.csv").string(), (folder / "out.csv").string(), 64};
+  writeFileAtomically(request.places, kHeader + "1.5,1000,2,0,2,0\n");
+  BakeOptions options;
+  options.scene_light.sky = {"1", "2", "0"};
+  options.scene_light.sun = {"0"};
+  writeIrradianceTable(request, options);
+  const std::string table = readFile(request.out);
+  const std::string begin = "x,y,z,nx,ny,nz,r,g,b,dr,dg,db\n1.5,1000,2,0,1,0,";
+  ASSERT_EQ(table.substr(0, begin.size()), begin);
+  double red = 0.0, green = 0.0, blue = 1.0;
+  ASSERT_EQ(std::sscanf(table.c_str() + begin.size(), "%lf,%lf,%lf", &red, &green, &blue), 3) << table;
+  // every ray meets the sky: the sum of equal shares of pi, rounded as floats are
+  EXPECT_NEAR(red, 3.14159265, 1e-5);
+  EXPECT_NEAR(green, 2 * 3.14159265, 2e-5);
+  EXPECT_EQ(blue, 0.0);
+  EXPECT_THROW(writeIrradianceTable({request.scene, request.places, request.places, 64}, options), UsageError);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace nlg

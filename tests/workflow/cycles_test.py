@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""What holds our path tracer against Cycles: its arithmetic, its page, and what it says without Blender. cycles_test.py (from anywhere)."""
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+SOURCES = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(SOURCES), str(SOURCES / "workflow"), str(SOURCES / "workflow" / "cycles")]
+import cycles_page
+import ratios
+from tool.errors import InputError
+
+
+class Ratios(unittest.TestCase):
+    def test_mean_and_its_error_are_those_of_independent_runs(self):
+        # the error is the runs' standard deviation over the root of their number
+        cases = [([2.0, 2.0], (2.0, 0.0)), ([1.0, 3.0], (2.0, 1.0)), ([0.0, 0.0, 6.0], (2.0, 2.0))]
+        for runs, (mean, error) in cases:
+            with self.subTest(runs=runs):
+                found = ratios.mean_and_error(runs)
+                self.assertAlmostEqual(found[0], mean)
+                self.assertAlmostEqual(found[1], error)
+
+    def test_the_ratio_is_of_means_and_its_error_of_both_sides_noise(self):
+        # ours, deviations, theirs, errors → ratio, error, difference, noise
+        cases = {
+            "the same": ([1, 3], [0, 0], [1, 3], [0, 0], 1, 0, 0, 0),
+            "a half more, everywhere": ([3, 4.5], [0, 0], [2, 3], [0, 0], 1.5, 0, 0.5, 0),
+            "places differ and means do not": ([2, 0], [0, 0], [1, 1], [0, 0], 1, 0, 1, 0),
+            "our noise": ([1, 1], [0.3, 0.4], [1, 1], [0, 0], 1, 0.25, 0, 0.5 / math.sqrt(2)),
+            "their noise counts as often as the ratio": ([4, 4], [0, 0], [1, 1], [0.3, 0.4], 4, 1, 3, 0.5 / math.sqrt(2)),
+            "black": ([0, 0], [0, 0], [1, 1], [0, 0], 0, 0, 1, 0),
+        }
+        for name, (ours, deviations, theirs, errors, *expected) in cases.items():
+            with self.subTest(name):
+                found = ratios.over(ours, deviations, theirs, errors)
+                for key, value in zip(("ratio", "error", "difference", "noise"), expected, strict=True):
+                    self.assertAlmostEqual(found[key], value, msg=key)
+
+    def test_what_is_black_or_of_another_number_of_places_is_refused(self):
+        for name, arguments in {"black": ([1], [0], [0], [0]), "places": ([1, 2], [0, 0], [1], [0])}.items():
+            with self.subTest(name), self.assertRaises(ValueError):
+                ratios.over(*arguments)
+
+    def test_channels_are_kept_apart(self):
+        found = ratios.compare([[2, 3, 0]], [[0, 0, 0.5]], [[[1, 1, 1]], [[1, 5, 1]]])
+        self.assertEqual([found[name]["ratio"] for name in ("red", "green", "blue")], [2, 1, 0])
+        self.assertEqual([found[name]["error"] for name in ("red", "green", "blue")], [0, 2 / 3, 0.5])
+
+
+class Page(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        for scene in cycles_page.SCENES:
+            self.write(scene, 1.01 if scene != "mask" else 0.2112)
+
+    def write(self, scene, ratio, **more):
+        channels = {name: {"ours": 1.0, "theirs": 1.0, "ratio": ratio, "error": 0.0023, "difference": 0.0311, "noise": 0.03} for name in cycles_page.CHANNELS}
+        result = {"scene": scene, "revision": "0123abc", "blender": "3.4.1", "places": 600, "runs": 4, "samples": 1024, "rays": 4096, "channels": channels, **more}
+        (self.folder / f"{scene}.result.json").write_text(json.dumps(result))
+
+    def test_says_every_ratio_and_how_many_are_near_one(self):
+        page = cycles_page.page({"cycles": cycles_page.collect(self.folder)})
+        self.assertIn("15 of 18 lie from .98 to 1.02.", page)
+        self.assertIn("| .211 ± .002 | .211 ± .002 | .211 ± .002 | .031 (.030) |", page)
+        self.assertIn("Of revision `0123abc` and Blender 3.4.1: 600 places; 4 bakes of 1,024 samples; 4,096 rays.", page)
+
+    def test_results_of_two_revisions_or_of_too_few_scenes_are_refused(self):
+        self.write("sum", 1.0, revision="other")
+        with self.assertRaisesRegex(InputError, "one revision in all results, got 0123abc, other"):
+            cycles_page.collect(self.folder)
+        (self.folder / "sum.result.json").unlink()
+        with self.assertRaisesRegex(InputError, "sum.result.json"):
+            cycles_page.collect(self.folder)
+
+
+class Command(unittest.TestCase):
+    def test_says_how_to_install_blender_where_there_is_none(self):
+        with tempfile.TemporaryDirectory() as empty:
+            done = subprocess.run([sys.executable, SOURCES / "workflow/cycles/compare.py", "--out", Path(empty) / "out", "blend"], capture_output=True, text=True, env={**os.environ, "PATH": empty})
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1)
+        self.assertIn("apt-get install --no-install-recommends blender", done.stderr)
+
+    def test_refuses_a_scene_that_it_does_not_have(self):
+        done = subprocess.run([sys.executable, SOURCES / "workflow/cycles/compare.py", "kitchen"], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr), (2, "compare.py: error: SCENE: expected one of images mask blend emission transmission sum, with or without @means, got kitchen\n"))
+
+
+if __name__ == "__main__":
+    unittest.main()

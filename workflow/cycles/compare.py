@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Holds our path tracer against Blender's Cycles, on scenes of what artists bring, as Blender's own exporter writes them.
+
+    workflow/cycles/compare.py [--out FOLDER] [--bin FOLDER] [--places N] [--samples N] [--rays N] [SCENE …]
+
+Of every scene: Blender models it, exports it and bakes irradiance at places (scenes.py), nlg-render irradiance traces the file that was exported,
+and the means are compared (ratios.py) → FOLDER/SCENE.result.json, and a line on stdout. What is there of the same settings is not made again by
+Blender. workflow/results.py collect-cycles FOLDER makes the page of it. Scenes: images mask blend emission transmission sum; SCENE@means is a
+scene whose images have been replaced by their means.
+"""
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
+from ratios import compare
+from tool.atomic_file import write_atomically
+from tool.errors import InputError, ToolError, UsageError, run
+from tool.input_file import parse_number, read_columns, read_json
+
+SCENES = ("images", "mask", "blend", "emission", "transmission", "sum")
+PLACE = ("x", "y", "z", "nx", "ny", "nz")
+
+
+def last_words(text):
+    """What a Python script inside Blender ended with, or the last line."""
+    lines = [line for line in text.splitlines() if line.strip()]
+    return next((line for line in reversed(lines) if re.match(r"\w*(Error|Exception): ", line) and not line.startswith("Error: ")), lines[-1] if lines else "nothing")
+
+
+def printed(command, what, **more):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **more)
+    if done.returncode != 0:
+        raise ToolError(f"{what} ended with {done.returncode}: {last_words(done.stdout + done.stderr)}")
+    return done.stdout
+
+
+def blender():
+    """Blender 3.4's program: another's exporter writes other files."""
+    found = shutil.which("blender")
+    if found is None:
+        raise UsageError("blender", "Blender 3.4 on the PATH (apt-get install --no-install-recommends blender python3-numpy)", "none")
+    version = printed([found, "--version"], found).partition("\n")[0]
+    if not re.match(r"Blender 3\.4\.", version):
+        raise UsageError(found, "Blender 3.4, as Debian 12 has it", version or "no version")
+    return found
+
+
+def baked(scene, folder, places, samples):
+    """What scenes.py wrote, made by it unless it is there."""
+    path = folder / f"{scene}.json"
+    wanted = {"places": places, "samples": samples}
+    if path.exists() and (folder / f"{scene}.glb").exists():
+        found = read_json(path).value
+        if {"places": len(found["places"]), "samples": found["samples"]} == wanted:
+            return found
+    script = Path(__file__).with_name("scenes.py")
+    command = [blender(), "-b", "--factory-startup", "--python-exit-code", "1", "--python", script, "--", scene, folder, places, samples]
+    # Debian's Blender takes whichever python3 the PATH has for its own
+    printed(command, f"Blender, of {scene},", env={**os.environ, "PATH": "/usr/bin:/bin"})
+    return read_json(path).value
+
+
+def traced(scene, folder, found, tools, rays):
+    """Irradiance and its deviation by place and channel, of nlg-render."""
+    places, out = folder / f"{scene}.places.csv", folder / f"{scene}.csv"
+    rows = [",".join(f"{number:.9g}" for number in place) for place in found["places"]]
+    write_atomically(places, "\n".join([",".join(PLACE), *rows, ""]).encode())
+    sky = "0" if not any(found["sky"]) else ",".join(map(str, found["sky"]))
+    sun = "0" if found["sun"] is None else ",".join(map(str, found["sun"]))
+    printed([tools / "nlg-render", "irradiance", folder / f"{scene}.glb", "--places", places, "--out", out, "--rays", rays, f"--sky={sky}", f"--sun={sun}"], f"nlg-render, of {scene},")
+    columns = (*PLACE, "r", "g", "b", "dr", "dg", "db")
+    table = [[parse_number(out, line, column, text) for column, text in zip(columns, row)] for line, row in read_columns(out, columns)]
+    return [row[6:9] for row in table], [row[9:12] for row in table]
+
+
+def measure(scene, arguments):
+    found = baked(scene, arguments.out, arguments.places, arguments.samples)
+    ours, deviations = traced(scene, arguments.out, found, arguments.bin, arguments.rays)
+    if len(ours) != len(found["places"]):
+        raise InputError(arguments.out / f"{scene}.csv", "rows", str(len(found["places"])), str(len(ours)))
+    result = {"scene": scene, "revision": printed([arguments.bin / "nlg-render", "--version"], "nlg-render").strip(), "blender": found["blender"], "places": len(ours), "runs": len(found["runs"]), "samples": found["samples"], "rays": arguments.rays,
+              "channels": compare(ours, deviations, found["runs"])}
+    write_atomically(arguments.out / f"{scene}.result.json", (json.dumps(result, indent=1) + "\n").encode())
+    print(f"{scene:13}" + "  ".join(f"{name} {c['ratio']:.4f} ± {c['error']:.4f} (places differ by {c['difference']:.4f}, noise {c['noise']:.4f})" for name, c in result["channels"].items()), flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="none: all six")
+    parser.add_argument("--out", type=Path, default=Path("out/cycles"), help="%(default)s")
+    parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help="where nlg-render is (%(default)s)")
+    parser.add_argument("--places", type=int, default=600, help="%(default)s")
+    parser.add_argument("--samples", type=int, default=1024, help="of Cycles, a place and run (%(default)s)")
+    parser.add_argument("--rays", type=int, default=4096, help="of nlg-render, a place (%(default)s)")
+    arguments = parser.parse_args()
+    for scene in arguments.scenes:
+        if scene.removesuffix("@means") not in SCENES:
+            raise UsageError("SCENE", f"one of {' '.join(SCENES)}, with or without @means", scene)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    for scene in arguments.scenes or SCENES:
+        measure(scene, arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(run("compare.py", main))
