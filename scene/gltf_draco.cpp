@@ -85,6 +85,7 @@ class DracoPrimitive {
     }
     bytes_left.take(kStoredBytes * (uint64_t{mesh.num_faces()} + mesh.num_points()), path_, place_);
     storePositions(mesh, position_id);
+    storeLooks(mesh, extension.Get("attributes"));
     storeIndices(mesh);
   }
 
@@ -151,16 +152,63 @@ class DracoPrimitive {
     if (attribute->data_type() != draco::DT_FLOAT32 || attribute->num_components() != 3)
       fail("positions of three floats", std::to_string(attribute->num_components()) + " components of Draco's type " +
                                             std::to_string(static_cast<int>(attribute->data_type())));
-    std::vector<unsigned char> bytes(mesh.num_points() * sizeof(float) * 3);
-    for (uint32_t i = 0; i < mesh.num_points(); ++i) {
-      std::array<float, 3> position;
-      const draco::AttributeValueIndex value = attribute->mapped_index(draco::PointIndex(i));
-      if (value.value() >= attribute->size() || !attribute->GetValue<float, 3>(value, &position))
-        fail("a position of every point", "none of point " + std::to_string(i));
-      std::memcpy(bytes.data() + i * sizeof position, position.data(), sizeof position);
+    store("POSITION", mesh, *attribute, TINYGLTF_COMPONENT_TYPE_FLOAT, false);
+  }
+
+  // Places on images and colours, by whatever numbers; those that the stream does not have the primitive has not, either.
+  void storeLooks(const draco::Mesh& mesh, const tinygltf::Value& ids) {
+    for (auto entry = primitive_.attributes.begin(); entry != primitive_.attributes.end();) {
+      const auto& [name, accessor_idx] = *entry;
+      const bool is_look = name.starts_with("TEXCOORD_") || name == "COLOR_0";
+      const int id = is_look ? index(ids, name.c_str()) : -1;
+      const draco::PointAttribute* attribute = id < 0 ? nullptr : mesh.GetAttributeByUniqueId(static_cast<uint32_t>(id));
+      const int type = attribute == nullptr ? -1 : componentType(attribute->data_type());
+      const bool is_known = type >= 0 && attribute->num_components() >= 2 && attribute->num_components() <= 4;
+      if (is_known) store(name, mesh, *attribute, type, isNormalized(accessor_idx));
+      entry = is_look && !is_known ? primitive_.attributes.erase(entry) : std::next(entry);
     }
-    primitive_.attributes["POSITION"] =
-        addAccessor(std::move(bytes), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, mesh.num_points());
+  }
+
+  static int componentType(draco::DataType type) {
+    switch (type) {
+      case draco::DT_INT8:
+        return TINYGLTF_COMPONENT_TYPE_BYTE;
+      case draco::DT_UINT8:
+        return TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
+      case draco::DT_INT16:
+        return TINYGLTF_COMPONENT_TYPE_SHORT;
+      case draco::DT_UINT16:
+        return TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+      case draco::DT_FLOAT32:
+        return TINYGLTF_COMPONENT_TYPE_FLOAT;
+      default:
+        return -1;
+    }
+  }
+
+  bool isNormalized(int accessor_idx) const {
+    const bool is_there = accessor_idx >= 0 && static_cast<size_t>(accessor_idx) < model_.accessors.size();
+    return is_there && model_.accessors[static_cast<size_t>(accessor_idx)].normalized;
+  }
+
+  // The attribute's own bytes, point by point, as the primitive's attribute of that name.
+  void store(const std::string& name, const draco::Mesh& mesh, const draco::PointAttribute& attribute, int component_type,
+             bool is_normalized) {
+    const auto value_bytes =
+        static_cast<size_t>(attribute.num_components()) * static_cast<size_t>(draco::DataTypeLength(attribute.data_type()));
+    std::vector<unsigned char> bytes(mesh.num_points() * value_bytes);
+    for (uint32_t i = 0; i < mesh.num_points(); ++i) {
+      const draco::AttributeValueIndex value = attribute.mapped_index(draco::PointIndex(i));
+      // unpacking does not check that
+      const bool is_there = value.value() < attribute.size() && attribute.byte_stride() == static_cast<int64_t>(value_bytes) &&
+                            static_cast<size_t>(attribute.GetBytePos(value)) + value_bytes <= attribute.buffer()->data_size();
+      if (!is_there) fail("a " + name + " of every point", "none of point " + std::to_string(i));
+      attribute.GetValue(value, bytes.data() + i * value_bytes);
+    }
+    const int types[] = {TINYGLTF_TYPE_VEC2, TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4};
+    const int accessor = addAccessor(std::move(bytes), component_type, types[attribute.num_components() - 2], mesh.num_points());
+    model_.accessors[static_cast<size_t>(accessor)].normalized = is_normalized;
+    primitive_.attributes[name] = accessor;
   }
 
   void storeIndices(const draco::Mesh& mesh) {

@@ -11,8 +11,8 @@ class Model;
 
 namespace nlg {
 
-// Gives every primitive that is packed by Draco indices and positions of its own, as plain buffers hold them; other attributes
-// are left aside. What is unpacked may be as damaged as any other file's: nothing is said of its numbers.
+// Gives every primitive that is packed by Draco indices, positions, places on images and colours of its own, as plain buffers hold
+// them; other attributes are left aside. What is unpacked may be as damaged as any other file's: nothing is said of its numbers.
 //
 // model    of plain_text (gltf_json.h), without the primitives' indices
 // throws   InputError naming mesh and primitive on a missing or wrong buffer view or attribute, a mode other than triangles, a

@@ -99,7 +99,10 @@ bool readWholeFile(Bytes* bytes, std::string*, const std::string& path, void* us
 
 bool writeNothing(std::string*, const std::string&, const Bytes&, void*) { return false; }
 
-bool ignoreImage(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
+// Keeps what a data URI holds, as it is; all other bytes lie where they will be found.
+bool keepPacked(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
+                void*) {
+  if (image->bufferView < 0 && image->uri.empty()) image->image.assign(bytes, bytes + size);
   return true;
 }
 
@@ -124,7 +127,7 @@ tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left) {
 
   const std::string folder = folderOf(path);
   tinygltf::TinyGLTF loader;
-  loader.SetImageLoader(ignoreImage, nullptr);
+  loader.SetImageLoader(keepPacked, nullptr);
   loader.SetFsCallbacks({fileExists, samePath, readWholeFile, writeNothing, &allowed});
   tinygltf::Model model;
   std::string error;

@@ -66,12 +66,27 @@ constexpr Rule kRules[] = {{"buffers", "uri", Kind::string},
                            {"materials", "baseColorFactor", Kind::numbers, 4},
                            {"materials", "emissiveFactor", Kind::numbers, 3},
                            {"materials", "doubleSided", Kind::boolean},
-                           {"materials", "emissiveStrength", Kind::number}};
+                           {"materials", "alphaMode", Kind::string},
+                           {"materials", "alphaCutoff", Kind::number},
+                           {"materials", "baseColorTexture", Kind::object},
+                           {"materials", "emissiveTexture", Kind::object},
+                           {"materials", "index", Kind::index},
+                           {"materials", "texCoord", Kind::index},
+                           {"materials", "transmissionFactor", Kind::number},
+                           {"materials", "emissiveStrength", Kind::number},
+                           {"textures", "source", Kind::index},
+                           {"textures", "sampler", Kind::index},
+                           {"samplers", "wrapS", Kind::index},
+                           {"samplers", "wrapT", Kind::index},
+                           {"images", "uri", Kind::string},
+                           {"images", "bufferView", Kind::index}};
 
-constexpr const char* kSections[] = {"buffers", "bufferViews", "accessors", "meshes", "nodes", "scenes", "materials", "images"};
+constexpr const char* kSections[] = {"buffers", "bufferViews", "accessors", "meshes",   "nodes",
+                                     "scenes",  "materials",   "textures",  "samplers", "images"};
 
 // Extensions whose members the rules hold for, too; whatever else stands in an extension is anybody's.
-constexpr std::string_view kCheckedExtensions[] = {"KHR_materials_emissive_strength", kDraco, kMeshopt};
+constexpr std::string_view kCheckedExtensions[] = {
+    "KHR_materials_emissive_strength", "KHR_materials_transmission", "EXT_texture_webp", "KHR_texture_basisu", kDraco, kMeshopt};
 
 // Extensions that a file may require: those that the reader follows, and, by the beginnings of their names, those about looks, which
 // can be missing. Any other may change where triangles are.
@@ -211,23 +226,9 @@ class JsonChecker {
 
   void checkUri(const std::string& uri, const std::string& place) {
     if (uri.starts_with("data:")) return;
-    std::string name;
-    for (size_t i = 0; i < uri.size(); ++i) {
-      if (uri[i] != '%') {
-        name += uri[i];
-        continue;
-      }
-      const std::string digits = uri.substr(i + 1, 2);
-      if (digits.size() < 2 || digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
-        fail(place, "two hexadecimal digits after %", uri);
-      name += static_cast<char>(std::stoi(digits, nullptr, 16));
-      i += 2;
-    }
-    if (name.empty()) fail(place, "a file name", "an empty uri");
-    for (const char c : name) {
-      if (static_cast<unsigned char>(c) < 32 || c == '\\' || c == ':') fail(place, "a file in the folder, or data:", uri);
-    }
-    if (name[0] == '/' || ("/" + name + "/").find("/../") != std::string::npos) fail(place, "a file in the folder or below", uri);
+    std::string expected;
+    const std::string name = fileOfUri(uri, &expected);
+    if (name.empty()) fail(place, expected, uri.empty() ? "an empty uri" : uri);
     buffer_files_.push_back(name);
   }
 
@@ -286,6 +287,31 @@ bool makePlain(Json& root) {
 }
 
 }  // namespace
+
+std::string fileOfUri(const std::string& uri, std::string* expected) {
+  const auto refuse = [&](const char* what) {
+    if (expected != nullptr) *expected = what;
+    return std::string();
+  };
+  std::string name;
+  for (size_t i = 0; i < uri.size(); ++i) {
+    if (uri[i] != '%') {
+      name += uri[i];
+      continue;
+    }
+    const std::string digits = uri.substr(i + 1, 2);
+    if (digits.size() < 2 || digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
+      return refuse("two hexadecimal digits after %");
+    name += static_cast<char>(std::stoi(digits, nullptr, 16));
+    i += 2;
+  }
+  if (name.empty()) return refuse("a file name");
+  for (const char c : name) {
+    if (static_cast<unsigned char>(c) < 32 || c == '\\' || c == ':') return refuse("a file in the folder, or data:");
+  }
+  if (name[0] == '/' || ("/" + name + "/").find("/../") != std::string::npos) return refuse("a file in the folder or below");
+  return name;
+}
 
 GltfJson readGltfJson(const std::string& path, std::string_view text, bool is_binary) {
   Json root = parse(path, text);

@@ -18,6 +18,10 @@ struct GltfJson {
   std::string plain_text;
 };
 
+// The file that a URI names, percent-decoded: relative, without "..", without a scheme. Empty where it names none such.
+// expected   what it should have been, where it names none; may be null
+std::string fileOfUri(const std::string& uri, std::string* expected = nullptr);
+
 // A buffer needs a URI, but for the first one of a .glb and for fallbacks of EXT_meshopt_compression.
 //
 // path      the file's name, for errors; text: its JSON; is_binary: from a .glb

@@ -1,6 +1,7 @@
 #include "scene/gltf_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -33,7 +34,7 @@ bool isSmallInteger(int component_type) {
          component_type == TINYGLTF_COMPONENT_TYPE_SHORT || component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
 }
 
-// One component of a position; normalized integers by glTF's formulas: the largest is 1, the smallest signed one no less than -1.
+// One component of an attribute; normalized integers by glTF's formulas: the largest is 1, the smallest signed one no less than -1.
 float componentAt(const unsigned char* bytes, int component_type, bool is_normalized) {
   if (component_type == TINYGLTF_COMPONENT_TYPE_FLOAT) {
     float value = 0.0f;
@@ -51,8 +52,8 @@ float componentAt(const unsigned char* bytes, int component_type, bool is_normal
 
 class MeshReader {
  public:
-  MeshReader(const tinygltf::Model& model, const std::string& path, SceneBudgets& budgets)
-      : model_(model), path_(path), budgets_(budgets) {
+  MeshReader(const tinygltf::Model& model, const GltfLooks& looks, const std::string& path, SceneBudgets& budgets)
+      : model_(model), looks_(looks), path_(path), budgets_(budgets) {
     const std::vector<std::string>& used = model.extensionsUsed;
     is_quantized_ = std::find(used.begin(), used.end(), "KHR_mesh_quantization") != used.end();
   }
@@ -85,6 +86,7 @@ class MeshReader {
     used.erase(std::unique(used.begin(), used.end()), used.end());
     const auto base = static_cast<uint32_t>(local.positions.size());
     for (const uint32_t idx : used) local.positions.push_back(readPosition(positions, accessor, idx));
+    readLooks(primitive, place, used, positions.count(), looks_.of_vertices[material], local);
     const auto compact = [&](uint32_t corner) {
       return base + static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), corners[corner]) - used.begin());
     };
@@ -94,6 +96,85 @@ class MeshReader {
       local.triangles.emplace_back(compact(corner.x), compact(corner.y), compact(corner.z));
       local.triangle_material.push_back(material);
     }
+  }
+
+  // What stands beside the positions of the vertices that are used.
+  void readLooks(const tinygltf::Primitive& primitive, const std::string& place, const std::vector<uint32_t>& used,
+                 uint64_t vertex_count, const GltfLooks::OfVertices& look, GltfMesh& local) {
+    bool is_placed = true;
+    if (looks_.has_base_places) is_placed = readPlaces(primitive, place, used, vertex_count, look.base, local.base_places);
+    if (looks_.has_emissive_places)
+      is_placed = readPlaces(primitive, place, used, vertex_count, look.emissive, local.emissive_places) && is_placed;
+    if (!is_placed) ++local.unplaced_count;
+    readColours(primitive, place, used, vertex_count, look, local);
+  }
+
+  // false where some are missing, or no numbers
+  bool readPlaces(const tinygltf::Primitive& primitive, const std::string& place, const std::vector<uint32_t>& used,
+                  uint64_t vertex_count, const GltfPlacing& placing, std::vector<glm::vec2>& places) {
+    const size_t first = places.size();
+    places.resize(first + used.size(), glm::vec2(0.0f));
+    if (placing.set < 0) return true;
+    bool is_placed = true;
+    const bool is_there = readAttribute(
+        primitive, place, "TEXCOORD_" + std::to_string(placing.set), 2, 2, used, vertex_count, [&](size_t i, const float* uv) {
+          const glm::dvec2 on_image = placing.from_mesh * glm::dvec3(uv[0], uv[1], 1.0);
+          const bool is_number = std::isfinite(on_image.x) && std::isfinite(on_image.y);
+          is_placed = is_placed && is_number;
+          if (is_number) places[first + i] = glm::vec2(glm::clamp(on_image, glm::dvec2(-1e9), glm::dvec2(1e9)));
+        });
+    return is_there && is_placed;
+  }
+
+  void readColours(const tinygltf::Primitive& primitive, const std::string& place, const std::vector<uint32_t>& used,
+                   uint64_t vertex_count, const GltfLooks::OfVertices& look, GltfMesh& local) {
+    std::vector<glm::vec4> colours(used.size(), glm::vec4(1.0f));
+    const bool is_there = readAttribute(primitive, place, "COLOR_0", 3, 4, used, vertex_count, [&](size_t i, const float* rgba) {
+      for (int channel = 0; channel < 4; ++channel) {
+        // what is no number stays white
+        if (std::isfinite(rgba[channel])) colours[i][channel] = std::clamp(rgba[channel], 0.0f, 1.0f);
+      }
+      if (!look.keeps_opacity) colours[i].a = 1.0f;
+      if (look.least_opacity > 0.0f) colours[i].a = colours[i].a >= look.least_opacity ? 1.0f : 0.0f;
+    });
+    if (!is_there && local.colours.empty()) return;
+    local.colours.resize(local.positions.size() - used.size(), glm::vec4(1.0f));
+    local.colours.insert(local.colours.end(), colours.begin(), colours.end());
+  }
+
+  // Calls take(i, numbers) for each vertex that is used; numbers that an element lacks are 1.
+  // returns   false where the primitive has no such attribute
+  template <class Take>
+  bool readAttribute(const tinygltf::Primitive& primitive, const std::string& primitive_place, const std::string& name,
+                     int least_components, int most_components, const std::vector<uint32_t>& used, uint64_t vertex_count,
+                     const Take& take) {
+    const auto attribute = primitive.attributes.find(name);
+    if (attribute == primitive.attributes.end()) return false;
+    const std::string place = primitive_place + ": " + name;
+    requireIndex(attribute->second, model_.accessors.size(), path_, place, "an accessor");
+    const tinygltf::Accessor& accessor = model_.accessors[static_cast<size_t>(attribute->second)];
+    const int type = accessor.componentType;
+    const int components = tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type));
+    const bool is_known = type == TINYGLTF_COMPONENT_TYPE_FLOAT || isSmallInteger(type);
+    if (!is_known || components < least_components || components > most_components)
+      fail(place,
+           "FLOAT or integers of 8 or 16 bits, VEC" + std::to_string(least_components) + " to VEC" +
+               std::to_string(most_components),
+           "component type " + std::to_string(type) + ", type " + std::to_string(accessor.type));
+    const AccessorReader elements(model_, attribute->second, path_, place, budgets_);
+    if (elements.count() < vertex_count)
+      fail(place, std::to_string(vertex_count) + " elements", std::to_string(elements.count()));
+    budgets_.accessor_elements.take(used.size(), path_, place);
+    const int component_bytes = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(type));
+    for (size_t i = 0; i < used.size(); ++i) {
+      std::array<float, 4> numbers{1.0f, 1.0f, 1.0f, 1.0f};
+      const unsigned char* bytes = elements.element(used[i]);
+      for (int k = 0; k < components; ++k)
+        numbers[static_cast<size_t>(k)] =
+            bytes == nullptr ? 0.0f : componentAt(bytes + k * component_bytes, type, accessor.normalized);
+      take(i, numbers.data());
+    }
+    return true;
   }
 
   AccessorReader positionReader(const tinygltf::Primitive& primitive, const std::string& place) {
@@ -167,6 +248,7 @@ class MeshReader {
   }
 
   const tinygltf::Model& model_;
+  const GltfLooks& looks_;
   const std::string& path_;
   SceneBudgets& budgets_;
   bool is_quantized_ = false;
@@ -175,8 +257,9 @@ class MeshReader {
 
 }  // namespace
 
-GltfMesh readGltfMesh(const tinygltf::Model& model, int mesh_idx, const std::string& path, SceneBudgets& budgets) {
-  return MeshReader(model, path, budgets).read(mesh_idx);
+GltfMesh readGltfMesh(const tinygltf::Model& model, int mesh_idx, const GltfLooks& looks, const std::string& path,
+                      SceneBudgets& budgets) {
+  return MeshReader(model, looks, path, budgets).read(mesh_idx);
 }
 
 }  // namespace nlg

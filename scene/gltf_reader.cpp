@@ -8,7 +8,10 @@
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_file.h"
 #include "scene/gltf_light.h"
+#include "scene/gltf_looks.h"
 #include "scene/gltf_mesh.h"
+#include "scene/gltf_unread.h"
+#include "scene/veils.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -19,15 +22,16 @@ constexpr double kFarthest = 1e9;  // metres from the file's origin; beyond, a d
 
 class GltfConverter {
  public:
-  GltfConverter(const std::string& path, double unit_m)
+  GltfConverter(const std::string& path, double unit_m, double dense_veil)
       : path_(path),
         unit_m_(unit_m),
+        dense_veil_(dense_veil),
         model_(loadGltfFile(path, budgets_.bytes)),
+        looks_(readGltfLooks(path_, model_, budgets_, &notes_)),
         meshes_(model_.meshes.size()),
         is_visited_(model_.nodes.size(), 0) {}
 
   GltfLevel convert() {
-    readMaterials();
     lights_ = readGltfLights(path_, model_);
     const glm::dmat4 metres_from_units{glm::dmat3(unit_m_)};
     for (const int node : rootNodes()) visitNode(node, metres_from_units, 0);
@@ -37,36 +41,6 @@ class GltfConverter {
  private:
   [[noreturn]] void fail(const std::string& place, const std::string& expected, const std::string& got) const {
     throw InputError(path_, place, expected, got);
-  }
-
-  float checkedFactor(double value, double limit, const std::string& place) const {
-    // the tolerance is for factors that an exporter computed in float
-    if (!(value >= 0.0 && value <= limit * 1.001))
-      fail(place, "a number from 0 to " + std::to_string(limit), std::to_string(value));
-    return static_cast<float>(std::min(value, limit));
-  }
-
-  void readMaterials() {
-    for (size_t i = 0; i < model_.materials.size(); ++i) {
-      const tinygltf::Material& source = model_.materials[i];
-      const std::string place = "material " + std::to_string(i);
-      const std::vector<double>& base = source.pbrMetallicRoughness.baseColorFactor;
-      const double strength = emissiveStrength(source, place);
-      Material material;
-      for (int channel = 0; channel < 3; ++channel) {
-        material.base_color[channel] = checkedFactor(base[channel], 1.0, place + ": baseColorFactor");
-        material.emissive[channel] =
-            static_cast<float>(strength * checkedFactor(source.emissiveFactor[channel], 1.0, place + ": emissiveFactor"));
-      }
-      material.double_sided = source.doubleSided;
-      scene_.materials.push_back(material);
-    }
-  }
-
-  double emissiveStrength(const tinygltf::Material& material, const std::string& place) const {
-    const auto extension = material.extensions.find("KHR_materials_emissive_strength");
-    if (extension == material.extensions.end() || !extension->second.Has("emissiveStrength")) return 1.0;
-    return checkedFactor(extension->second.Get("emissiveStrength").GetNumberAsDouble(), 1e12, place + ": emissiveStrength");
   }
 
   std::vector<int> rootNodes() const {
@@ -186,6 +160,7 @@ class GltfConverter {
       checkPosition(world, place);
       world_positions_.push_back(world);
     }
+    addLooks(mesh);
     const bool is_mirrored = glm::determinant(glm::dmat3(world_from_local)) < 0.0;
     for (glm::uvec3 triangle : mesh.triangles) {
       if (is_mirrored) std::swap(triangle.y, triangle.z);
@@ -196,30 +171,62 @@ class GltfConverter {
 
   const GltfMesh& localMesh(int mesh_idx) {
     if (!meshes_[mesh_idx]) {
-      meshes_[mesh_idx] = readGltfMesh(model_, mesh_idx, path_, budgets_);
-      const std::vector<uint32_t>& materials = meshes_[mesh_idx]->triangle_material;
-      const bool has_none = std::find(materials.begin(), materials.end(), model_.materials.size()) != materials.end();
-      // what glTF gives to a primitive without a material
-      if (has_none) scene_.materials.resize(model_.materials.size() + 1, {glm::vec3(1.0f), glm::vec3(0.0f), false});
+      meshes_[mesh_idx] = readGltfMesh(model_, mesh_idx, looks_, path_, budgets_);
+      unplaced_count_ += meshes_[mesh_idx]->unplaced_count;
     }
     return *meshes_[mesh_idx];
   }
 
+  // What stands beside the positions of a mesh.
+  void addLooks(const GltfMesh& mesh) {
+    const auto append = [](const auto& from, auto& to) { to.insert(to.end(), from.begin(), from.end()); };
+    append(mesh.base_places, scene_.base_places);
+    append(mesh.emissive_places, scene_.emissive_places);
+    if (mesh.colours.empty() && scene_.vertex_colours.empty()) return;
+    // white, where a mesh has none
+    scene_.vertex_colours.resize(world_positions_.size() - mesh.positions.size(), glm::vec4(1.0f));
+    append(mesh.colours, scene_.vertex_colours);
+    scene_.vertex_colours.resize(world_positions_.size(), glm::vec4(1.0f));
+  }
+
+  // The one of primitives without stands last, where there are any.
+  void takeMaterials() {
+    scene_.materials = std::move(looks_.materials);
+    const std::vector<uint32_t>& used = scene_.triangle_material;
+    if (std::find(used.begin(), used.end(), scene_.materials.size() - 1) == used.end()) scene_.materials.pop_back();
+  }
+
+  void noteLosses() {
+    const auto append = [&](std::vector<std::string> lines) { notes_.insert(notes_.end(), lines.begin(), lines.end()); };
+    if (unplaced_count_ > 0)
+      notes_.push_back(std::to_string(unplaced_count_) +
+                       " primitives have an image, and not all of their places on it (TEXCOORD): its corner instead");
+    append(judgeVeils(scene_, looks_.names, dense_veil_));
+    append(unreadParts(model_));
+  }
+
   GltfLevel finish() {
     scene_.id = std::filesystem::path(path_).stem().string();
+    const auto isWhite = [](const glm::vec4& colour) { return colour == glm::vec4(1.0f); };
+    if (std::all_of(scene_.vertex_colours.begin(), scene_.vertex_colours.end(), isWhite)) scene_.vertex_colours.clear();
+    scene_.images = std::move(looks_.images);
+    takeMaterials();
     finishScene(scene_, world_positions_);
     const std::vector<glm::vec3> lamp_positions = relativeTo(scene_.origin_m, lamp_positions_);
     for (size_t i = 0; i < lamp_positions.size(); ++i) scene_.light.lamps[i].position = lamp_positions[i];
     const std::vector<glm::vec3> eyes = relativeTo(scene_.origin_m, viewpoint_positions_);
     for (size_t i = 0; i < eyes.size(); ++i) scene_.viewpoints[i].position = eyes[i];
+    noteLosses();
     return {std::move(scene_), std::move(notes_)};
   }
 
   const std::string path_;
-  const double unit_m_;
+  const double unit_m_, dense_veil_;
   SceneBudgets budgets_;                                   // of the file: each mesh once
   SceneBudget triangles_left_ = SceneBudgets().triangles;  // of the scene: each instance
   const tinygltf::Model model_;
+  std::vector<std::string> notes_;
+  GltfLooks looks_;
   std::vector<std::optional<GltfMesh>> meshes_;
   std::vector<char> is_visited_;
   std::vector<glm::dvec3> world_positions_;
@@ -227,11 +234,13 @@ class GltfConverter {
   std::vector<GltfLight> lights_;
   std::vector<glm::dvec3> lamp_positions_;  // of the scene's lamps, world coordinates
   Scene scene_;
-  std::vector<std::string> notes_;
+  uint32_t unplaced_count_ = 0;  // GltfMesh's, of all meshes
 };
 
 }  // namespace
 
-GltfLevel readGltf(const std::string& path, double unit_m) { return GltfConverter(path, unit_m).convert(); }
+GltfLevel readGltf(const std::string& path, double unit_m, double dense_veil) {
+  return GltfConverter(path, unit_m, dense_veil).convert();
+}
 
 }  // namespace nlg

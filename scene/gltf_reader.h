@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scene/scene.h"
+#include "scene/veils.h"
 
 namespace nlg {
 
@@ -21,13 +22,15 @@ struct GltfLevel {
 // Primitives Triangles, strips and fans, indexed with 8, 16 or 32 bits or not at all. Points and lines are skipped.
 // Accessors  Positions in floats, or in integers of 8 and 16 bits (KHR_mesh_quantization); any stride; sparse ones too. Buffer views
 //            packed by EXT_meshopt_compression (gltf_meshopt.h), primitives by KHR_draco_mesh_compression (gltf_draco.h).
-// Materials  Base colour factor, doubleSided, emissive factor times KHR_materials_emissive_strength in cd/m². Textures and images
-//            are never opened.
+// Materials  Base colour, doubleSided, emission times KHR_materials_emissive_strength in cd/m², alpha and KHR_materials_transmission
+//            (veils.h), with their images: PNG, JPEG, WebP (image_decode.h), in the file, in buffers, or in its folder or below; and
+//            COLOR_0. An image that cannot be read is noted (gltf_looks.h).
 // Light      KHR_lights_punctual (gltf_light.h), in cd and lux; a lamp is a sphere of 5 cm radius. A file has no sky.
 // Cameras    Perspective ones become viewpoints; orthographic ones are skipped.
 //
 // path     the file; its external buffers must lie in its folder or below
 // unit_m   metres of one unit of the file, finite, above 0: 1, when it keeps to the rule. Intensities of lamps stay what they are
+// dense_veil   as judgeVeils has it
 // returns  the scene; its id is the file's stem
 // throws   InputError naming file, place ("mesh 3, primitive 0: POSITION"), expected and got, on
 //          - a missing, truncated or malformed file, a value of a wrong JSON type, numbers that are not finite
@@ -35,6 +38,6 @@ struct GltfLevel {
 //          - a buffer's URI that leaves the folder: with "..", absolute, or of a scheme other than data:
 //          - a node that is its own ancestor, nesting deeper than 256
 //          - a required extension other than these three and those of materials, textures and lights, by its name
-GltfLevel readGltf(const std::string& path, double unit_m = 1.0);
+GltfLevel readGltf(const std::string& path, double unit_m = 1.0, double dense_veil = kDenseVeil);
 
 }  // namespace nlg

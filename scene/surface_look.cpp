@@ -22,6 +22,11 @@ glm::vec4 baseAt(const Scene& scene, const Material& material, uint32_t triangle
   return base;
 }
 
+float transmissionAt(const Scene& scene, const Material& material, uint32_t triangle, float u, float v) {
+  if (!(material.transmission > 0.0f) || !material.transmission_image.isThere()) return material.transmission;
+  return material.transmission * imageAt(scene, material.transmission_image, scene.base_places, triangle, u, v).r;
+}
+
 }  // namespace
 
 const Material& materialOf(const Scene& scene, uint32_t triangle) { return scene.materials[scene.triangle_material[triangle]]; }
@@ -45,11 +50,15 @@ VeilLook veilAt(const Scene& scene, uint32_t triangle, float u, float v) {
   const Material& material = materialOf(scene, triangle);
   const glm::vec4 base = baseAt(scene, material, triangle, u, v);
   const glm::vec3 colour(base);
-  float transmission = material.transmission;
-  if (transmission > 0.0f && material.transmission_image.isThere())
-    transmission *= imageAt(scene, material.transmission_image, scene.base_places, triangle, u, v).r;
+  const float transmission = transmissionAt(scene, material, triangle, u, v);
   const float opacity = glm::clamp(base.a, 0.0f, 1.0f);
   return {glm::vec3(1.0f - opacity) + opacity * transmission * colour, opacity * (1.0f - transmission) * colour};
+}
+
+float stoppedAt(const Scene& scene, uint32_t triangle, float u, float v) {
+  const Material& material = materialOf(scene, triangle);
+  const float opacity = glm::clamp(baseAt(scene, material, triangle, u, v).a, 0.0f, 1.0f);
+  return opacity * (1.0f - transmissionAt(scene, material, triangle, u, v));
 }
 
 }  // namespace nlg

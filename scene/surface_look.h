@@ -24,5 +24,7 @@ struct VeilLook {
   glm::vec3 reflects{0.0f};  // of light that is scattered back, as a base colour
 };
 VeilLook veilAt(const Scene& scene, uint32_t triangle, float u, float v);
+// The share of light that it lets nowhere through, whatever its colour.
+float stoppedAt(const Scene& scene, uint32_t triangle, float u, float v);
 
 }  // namespace nlg

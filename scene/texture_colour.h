@@ -1,4 +1,4 @@
-// The average colour of a texture: all that a scene here needs of an image.
+// The average colour of an image: of skies, and of lights that are named by one.
 #pragma once
 
 #include <optional>
@@ -17,13 +17,9 @@ struct ImageMeans {
   glm::vec3 code{0.0f};    // of the codes themselves, over 255: what Quake III's compilers take for the colour of a light
 };
 
-// Of a JPEG by its first bytes, otherwise of a Targa (true colour or grey, plain or run-length encoded). Of a JPEG: the means over
-// blocks of 8 x 8 pixels.
-//
-// pixels        its pixels are taken from this, once for every scan that it is decoded from
+// pixels        its pixels are taken from this, as decodeImage does
 // path, place   of the image, for errors
-// returns       nothing for an image that is damaged, of another kind (a progressive JPEG among them), or larger than 8192 pixels
-//               a side
+// returns       nothing for an image that decodeImage does not decode
 // throws        InputError on more pixels, times scans, than the budget holds: as soon as that many would be decoded
 std::optional<ImageMeans> imageMeans(std::string_view bytes, SceneBudget& pixels, const std::string& path,
                                      const std::string& place);

@@ -6,13 +6,13 @@
 namespace nlg {
 namespace {
 
+double linearOf(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
+
 const std::array<float, 256>& linearOfCodes() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> linear{};
-    for (size_t code = 0; code < linear.size(); ++code) {
-      const double s = static_cast<double>(code) / 255.0;
-      linear[code] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-    }
+    for (size_t code = 0; code < linear.size(); ++code)
+      linear[code] = static_cast<float>(linearOf(static_cast<double>(code) / 255.0));
     return linear;
   }();
   return table;
@@ -61,9 +61,24 @@ glm::vec4 texelAt(const TextureImage& image, const TextureUse& use, const glm::v
 float linearFromSrgb(uint8_t code) { return linearOfCodes()[code]; }
 
 uint8_t srgbFromLinear(double linear) {
+  // where each code's share of linear light ends; a power for each of millions of texels takes longer than decoding them
+  static const std::array<double, 255> ends = [] {
+    std::array<double, 255> table{};
+    for (size_t code = 0; code < table.size(); ++code) table[code] = linearOf((static_cast<double>(code) + 0.5) / 255.0);
+    return table;
+  }();
+  static const std::array<uint8_t, 4097> first = [] {
+    std::array<uint8_t, 4097> table{};
+    for (size_t i = 0; i < table.size(); ++i) {
+      const auto end = std::upper_bound(ends.begin(), ends.end(), static_cast<double>(i) / 4096.0);
+      table[i] = static_cast<uint8_t>(end - ends.begin());
+    }
+    return table;
+  }();
   const double l = std::clamp(linear, 0.0, 1.0);
-  const double s = l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1.0 / 2.4) - 0.055;
-  return static_cast<uint8_t>(std::lround(255.0 * s));
+  size_t code = first[static_cast<size_t>(4096.0 * l)];
+  while (code < ends.size() && ends[code] <= l) ++code;
+  return static_cast<uint8_t>(code);
 }
 
 }  // namespace nlg

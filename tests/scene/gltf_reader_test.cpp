@@ -434,14 +434,15 @@ TEST_F(GltfReader, TakesTrianglesAndElementsOfTheBudget) {
   const tinygltf::Model model = loadGltfFile(path, bytes);
   EXPECT_EQ(kMaxSceneBytes - bytes.left(), parts.text().size());
   SceneBudgets budgets;
-  readGltfMesh(model, 0, path, budgets);
+  const GltfLooks looks = readGltfLooks(path, model, budgets, nullptr);
+  readGltfMesh(model, 0, looks, path, budgets);
   EXPECT_EQ(kMaxSceneTriangles - budgets.triangles.left(), 4u);
   EXPECT_EQ(kMaxAccessorElements - budgets.accessor_elements.left(), 12u);
   EXPECT_EQ(budgets.accessor_zeros.left(), kMaxAccessorZeros);
   const auto errorWith = [&](SceneBudget SceneBudgets::*which, const SceneBudget& small) {
     SceneBudgets little;
     little.*which = small;
-    return inputErrorOf([&] { readGltfMesh(model, 0, path, little); });
+    return inputErrorOf([&] { readGltfMesh(model, 0, looks, path, little); });
   };
   EXPECT_EQ(errorWith(&SceneBudgets::triangles, {"triangles", 4}), "no error");
   EXPECT_EQ(errorWith(&SceneBudgets::triangles, {"triangles", 3}),

@@ -1,12 +1,15 @@
 // Images of a few bytes, for tests that know their colours.
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
 
 #include <jpeglib.h>
+#include <png.h>
+#include <webp/encode.h>
 
 namespace nlg {
 
@@ -17,6 +20,36 @@ inline std::string targa(int kind, int width, int height, int bits, const std::s
   header[14] = static_cast<char>(height);
   header[16] = static_cast<char>(bits);
   return header + pixels;
+}
+
+// Of pixels of four bytes: red, green, blue, alpha.
+inline std::string png(int width, int height, const std::string& rgba) {
+  png_image image = {};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(width);
+  image.height = static_cast<png_uint_32>(height);
+  image.format = PNG_FORMAT_RGBA;
+  png_alloc_size_t size = 0;
+  png_image_write_to_memory(&image, nullptr, &size, 0, rgba.data(), 0, nullptr);
+  std::string bytes(size, '\0');
+  png_image_write_to_memory(&image, bytes.data(), &size, 0, rgba.data(), 0, nullptr);
+  bytes.resize(size);
+  return bytes;
+}
+
+inline std::string webp(int width, int height, const std::string& rgba) {
+  uint8_t* out = nullptr;
+  const size_t size = WebPEncodeLosslessRGBA(reinterpret_cast<const uint8_t*>(rgba.data()), width, height, 4 * width, &out);
+  std::string bytes(reinterpret_cast<char*>(out), size);
+  WebPFree(out);
+  return bytes;
+}
+
+// An image's pixels, all alike.
+inline std::string pixels(int count, const std::string& rgba) {
+  std::string all;
+  for (int i = 0; i < count; ++i) all += rgba;
+  return all;
 }
 
 enum class JpegKind { plain, progressive };

@@ -1,0 +1,85 @@
+#include "scene/gltf_unread.h"
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace nlg {
+namespace {
+
+// Extensions that are read, and those that change nothing of diffuse light: what they say of mirrors, coats and choices between looks
+// is no part of a scene. Those of image files are told of with the images.
+constexpr std::string_view kKnownExtensions[] = {"KHR_mesh_quantization",
+                                                 "EXT_meshopt_compression",
+                                                 "KHR_draco_mesh_compression",
+                                                 "KHR_lights_punctual",
+                                                 "KHR_materials_unlit",
+                                                 "KHR_materials_emissive_strength",
+                                                 "KHR_materials_transmission",
+                                                 "KHR_texture_transform",
+                                                 "KHR_materials_pbrSpecularGlossiness",
+                                                 "EXT_texture_webp",
+                                                 "KHR_texture_basisu",
+                                                 "MSFT_texture_dds",
+                                                 "EXT_texture_avif",
+                                                 "KHR_materials_variants",
+                                                 "KHR_materials_specular",
+                                                 "KHR_materials_ior",
+                                                 "KHR_materials_clearcoat",
+                                                 "KHR_materials_sheen",
+                                                 "KHR_materials_volume",
+                                                 "KHR_materials_iridescence",
+                                                 "KHR_materials_anisotropy",
+                                                 "KHR_materials_dispersion",
+                                                 "KHR_xmp",
+                                                 "KHR_xmp_json_ld"};
+
+std::string counted(size_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+}  // namespace
+
+std::vector<std::string> unreadParts(const tinygltf::Model& model) {
+  size_t morphed = 0, lines = 0, flat_cameras = 0, ranges = 0;
+  for (const tinygltf::Mesh& mesh : model.meshes) {
+    const auto& primitives = mesh.primitives;
+    morphed += std::any_of(primitives.begin(), primitives.end(), [](const auto& p) { return !p.targets.empty(); }) ? 1 : 0;
+    for (const tinygltf::Primitive& primitive : primitives)
+      lines += primitive.mode >= 0 && primitive.mode < TINYGLTF_MODE_TRIANGLES ? 1 : 0;
+  }
+  for (const tinygltf::Camera& camera : model.cameras) flat_cameras += camera.type == "orthographic" ? 1 : 0;
+  for (const tinygltf::Light& light : model.lights) ranges += light.range > 0.0 ? 1 : 0;
+
+  std::vector<std::string> notes;
+  if (!model.animations.empty())
+    notes.push_back(counted(model.animations.size(), "animation is", "animations are") +
+                    " not read: all stands as the nodes have it");
+  if (!model.skins.empty())
+    notes.push_back(counted(model.skins.size(), "skin is", "skins are") + " not read: what hangs on them is in its rest pose");
+  if (morphed > 0)
+    notes.push_back(counted(morphed, "mesh has", "meshes have") + " morph targets, which are not read: it is in its rest pose");
+  if (lines > 0) notes.push_back(counted(lines, "primitive is", "primitives are") + " of points or lines, which are not read");
+  if (flat_cameras > 0)
+    notes.push_back(counted(flat_cameras, "orthographic camera is", "orthographic cameras are") + " not read");
+  if (ranges > 0)
+    notes.push_back(counted(ranges, "lamp has", "lamps have") +
+                    " a range, which is not read: light falls off with distance alone");
+  std::set<std::string> unknown;
+  for (const std::string& name : model.extensionsUsed) {
+    const bool is_known = std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) != std::end(kKnownExtensions);
+    if (!is_known) unknown.insert(name.substr(0, 60));
+  }
+  std::string names;
+  size_t named = 0;
+  for (const std::string& name : unknown) {
+    if (++named <= 6) names += (named > 1 ? ", " : "") + name;
+  }
+  if (named > 6) names += fmt::format(" and {} more", named - 6);
+  if (named > 0) notes.push_back(fmt::format("{} not read: {}", counted(named, "extension is", "extensions are"), names));
+  return notes;
+}
+
+}  // namespace nlg

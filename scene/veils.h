@@ -1,0 +1,24 @@
+// Which of a scene's surfaces let light through, judged by what they let through on average.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace nlg {
+
+// A veil that stops this share of light, or more, is dense: a sheet to weighting functions. One that stops less is air to them.
+inline constexpr double kDenseVeil = 0.5;
+
+// Judges every material whose veil is not none: thin or dense by the mean, over its area in the scene, of what does not go through.
+// One that stops all but half a hundredth is no veil: programs write that materials blend where they do not. A veil becomes
+// double_sided.
+//
+// scene       with its images
+// names       of the materials, for the note; where one is empty or missing, its number
+// dense_veil  0 … 1.01
+// returns     one line that names the veils, or none
+std::vector<std::string> judgeVeils(Scene& scene, const std::vector<std::string>& names, double dense_veil);
+
+}  // namespace nlg
