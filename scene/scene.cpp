@@ -1,11 +1,9 @@
 #include "scene/scene.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <numeric>
 #include <type_traits>
 
+#include "scene/closed_shells.h"
 #include "tool/atomic_file.h"
 
 namespace nlg {
@@ -25,28 +23,6 @@ Bounds geometryBounds(const Scene& scene) {
 float largestSide(const Bounds& bounds) {
   const glm::vec3 size = bounds.max - bounds.min;
   return std::max({size.x, size.y, size.z});
-}
-
-uint32_t findRoot(std::vector<uint32_t>& parent, uint32_t vertex) {
-  while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
-  return vertex;
-}
-
-// For every vertex the first one with the same position, bit for bit.
-std::vector<uint32_t> weldedVertices(const std::vector<glm::vec3>& positions) {
-  const auto bits = [&](uint32_t vertex) {
-    const glm::vec3& p = positions[vertex];
-    return std::array{std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)};
-  };
-  std::vector<uint32_t> order(positions.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return bits(a) < bits(b); });
-  std::vector<uint32_t> welded(positions.size());
-  for (size_t i = 0; i < order.size(); ++i) {
-    const bool is_same = i > 0 && bits(order[i]) == bits(order[i - 1]);
-    welded[order[i]] = is_same ? welded[order[i - 1]] : order[i];
-  }
-  return welded;
 }
 
 bool isFlat(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
@@ -130,8 +106,7 @@ void addLooks(const Scene& scene, HashedBytes& bytes) {
 // Sorts triangles of one object by component, components by their first triangle, and appends an object for each.
 class ComponentSplitter {
  public:
-  explicit ComponentSplitter(Scene& scene)
-      : scene_(scene), welded_(weldedVertices(scene.positions)), parent_(welded_), first_seen_(welded_.size(), kNone) {
+  explicit ComponentSplitter(Scene& scene) : scene_(scene), finder_(weldedVertices(scene.positions)) {
     triangles_.reserve(scene.triangles.size());
     materials_.reserve(scene.triangles.size());
   }
@@ -142,20 +117,10 @@ class ComponentSplitter {
   }
 
   void split(const SceneObject& object) {
-    const uint32_t end = object.first_triangle + object.triangle_count;
-    for (uint32_t t = object.first_triangle; t < end; ++t) join(scene_.triangles[t]);
-
     // counting sort by component
-    std::vector<uint32_t> component(object.triangle_count);
-    std::vector<uint32_t> counts;
-    for (uint32_t t = object.first_triangle; t < end; ++t) {
-      const uint32_t root = findRoot(parent_, welded_[scene_.triangles[t].x]);
-      if (first_seen_[root] == kNone) {
-        first_seen_[root] = static_cast<uint32_t>(counts.size());
-        counts.push_back(0);
-      }
-      ++counts[component[t - object.first_triangle] = first_seen_[root]];
-    }
+    const auto [component, count] = finder_.components({scene_.triangles.data() + object.first_triangle, object.triangle_count});
+    std::vector<uint32_t> counts(count, 0);
+    for (const uint32_t c : component) ++counts[c];
     std::vector<uint32_t> offsets(counts.size(), 0);
     for (size_t c = 1; c < counts.size(); ++c) offsets[c] = offsets[c - 1] + counts[c - 1];
     for (size_t c = 0; c < counts.size(); ++c) {
@@ -165,7 +130,6 @@ class ComponentSplitter {
     std::vector<uint32_t> order(object.triangle_count);
     for (uint32_t i = 0; i < object.triangle_count; ++i) order[offsets[component[i]]++] = object.first_triangle + i;
     for (const uint32_t t : order) append(t);
-    for (uint32_t t = object.first_triangle; t < end; ++t) release(scene_.triangles[t]);
   }
 
   void finish() {
@@ -176,8 +140,6 @@ class ComponentSplitter {
   }
 
  private:
-  static constexpr uint32_t kNone = ~0u;
-
   void append(uint32_t triangle) {
     triangles_.push_back(scene_.triangles[triangle]);
     materials_.push_back(scene_.triangle_material[triangle]);
@@ -185,25 +147,8 @@ class ComponentSplitter {
     if (!pages.empty()) pages_.push_back(pages[triangle]);
   }
 
-  void join(const glm::uvec3& triangle) {
-    for (int corner = 1; corner < 3; ++corner) {
-      const uint32_t a = findRoot(parent_, welded_[triangle[0]]);
-      const uint32_t b = findRoot(parent_, welded_[triangle[corner]]);
-      parent_[std::max(a, b)] = std::min(a, b);
-    }
-  }
-
-  // objects that only touch each other stay apart: the next object starts with every vertex by itself
-  void release(const glm::uvec3& triangle) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const uint32_t vertex = welded_[triangle[corner]];
-      parent_[vertex] = vertex;
-      first_seen_[vertex] = kNone;
-    }
-  }
-
   Scene& scene_;
-  std::vector<uint32_t> welded_, parent_, first_seen_;
+  ShellFinder finder_;
   std::vector<glm::uvec3> triangles_;
   std::vector<uint32_t> materials_;
   std::vector<int32_t> pages_;  // of baked light

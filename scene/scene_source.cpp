@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "scene/bsp_reader.h"
+#include "scene/double_sided.h"
 #include "scene/gltf_reader.h"
 #include "scene/interiors/interiors.h"
 #include "scene/obj_reader.h"
@@ -116,6 +117,8 @@ SceneSource readObjFile(const std::string& path, const SceneReading& reading) {
 
 SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
   GltfLevel level = readGltf(path, reading.unit_m);
+  const std::string sides = giveSolidsOneSide(level.scene).note();
+  if (!sides.empty()) level.notes.push_back(sides);
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
 }
 

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "scene/closed_shells.h"
 #include "scene/mesh_builder.h"
 
 namespace nlg {
@@ -82,54 +83,16 @@ Mesh merged(const Mesh& fine, double cell_m) {
   return mesh;
 }
 
-// By triangle: the lowest vertex of its connected component.
-std::vector<uint32_t> componentsOf(const Mesh& mesh) {
-  std::vector<uint32_t> root(mesh.positions.size());
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](uint32_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
-  for (const glm::uvec3& t : mesh.triangles) {
-    for (const uint32_t other : {t.y, t.z}) {
-      const uint32_t a = find(t.x), b = find(other);
-      root[std::max(a, b)] = std::min(a, b);
-    }
-  }
-  std::vector<uint32_t> component;
-  for (const glm::uvec3& t : mesh.triangles) component.push_back(find(t.x));
-  return component;
-}
-
-// By component: whether it is closed and wound outwards.
-std::map<uint32_t, bool> outwardComponents(const Mesh& mesh, const std::vector<uint32_t>& component) {
-  std::map<std::pair<uint32_t, uint32_t>, int> surplus;  // of an edge's runs from its lower to its higher vertex
-  std::map<uint32_t, double> volume;
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const glm::uvec3& t = mesh.triangles[i];
-    for (int k = 0; k < 3; ++k) {
-      const uint32_t from = t[k], to = t[(k + 1) % 3];
-      surplus[std::minmax(from, to)] += from < to ? 1 : -1;
-    }
-    volume[component[i]] += glm::dot(mesh.positions[t.x], glm::cross(mesh.positions[t.y], mesh.positions[t.z]));
-  }
-  std::map<uint32_t, bool> is_outward;
-  for (const auto& [root, six_volumes] : volume) is_outward[root] = six_volumes > 0.0;
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const glm::uvec3& t = mesh.triangles[i];
-    for (int k = 0; k < 3; ++k) {
-      if (surplus[std::minmax(t[k], t[(k + 1) % 3])] != 0) is_outward[component[i]] = false;
-    }
-  }
-  return is_outward;
-}
-
 void giveMaterials(const Scene& source, const Mesh& mesh, FurnitureModel* model) {
-  const std::vector<uint32_t> component = componentsOf(mesh);
-  const std::map<uint32_t, bool> is_outward = outwardComponents(mesh, component);
+  std::vector<uint32_t> itself(mesh.positions.size());  // merged before: no two vertices are the same
+  std::iota(itself.begin(), itself.end(), 0u);
+  ShellFinder finder(std::move(itself));
+  const Components components = finder.components(mesh.triangles);
+  const std::vector<Shell> shells = finder.measure(mesh.positions, mesh.triangles, components);
   std::map<std::pair<uint32_t, bool>, uint32_t> copies;
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const bool is_one_sided = is_outward.at(component[i]);
+    const Shell& shell = shells[components.of_triangle[i]];
+    const bool is_one_sided = shell.open_length_m == 0.0 && shell.volume_m3 > 0.0;
     const auto [copy, is_new] =
         copies.try_emplace({mesh.triangle_material[i], is_one_sided}, static_cast<uint32_t>(model->materials.size()));
     if (is_new) {

@@ -1,0 +1,400 @@
+#include "scene/double_sided.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "scene/closed_shells.h"
+
+namespace nlg {
+namespace {
+
+constexpr double kHoleShare = 1e-3;  // of the area: what rays seldom find is closed, as cracks along the edges of cut faces are
+constexpr double kThinnest = 1e-6;   // volume over area and diagonal: below, a sheet with a front and a back
+constexpr uint32_t kPointsPerPart = 16;  // that say where a part lies
+constexpr uint32_t kMostParts = 65536;   // that may lie in others: the largest
+constexpr double kMostInside = 0.75;     // of a part's points: so much in a shell, it lies in it. Feet sink into floors
+constexpr double kTouch_m = 1e-3;        // along the line below: a point that lies on a shell is neither in it nor outside
+constexpr uint64_t kMostTests = uint64_t{1} << 33;
+constexpr size_t kNamedObjects = 3;
+
+constexpr uint32_t kNone = ~0u;
+
+bool isDoubleSided(const Material& material) { return material.double_sided && material.veil == Veil::none; }
+
+// A connected component of an object.
+struct Part {
+  uint32_t object = 0;
+  Shell shell;
+  uint32_t first = 0, count = 0;  // of its triangles in Parts::triangles
+  bool is_closed = false;
+
+  bool isOutward() const { return is_closed && shell.volume_m3 > 0.0; }
+  bool isInward() const { return is_closed && shell.volume_m3 < 0.0; }
+};
+
+bool isClosed(const Shell& shell) {
+  return shell.hole_area_m2 <= kHoleShare * shell.area_m2 &&
+         std::abs(shell.volume_m3) > kThinnest * shell.area_m2 * glm::length(shell.high - shell.low);
+}
+
+struct Parts {
+  std::vector<Part> all;
+  std::vector<uint32_t> triangles;  // of the scene, part by part, veils left out
+  std::vector<uint32_t> same_as;    // by vertex
+};
+
+Parts partsOf(const Scene& scene) {
+  Parts parts;
+  std::vector<glm::vec3> positions = scene.positions;
+  for (glm::vec3& p : positions) p += 0.0f;  // -0 is 0
+  parts.same_as = weldedVertices(positions);
+  ShellFinder finder(parts.same_as);
+  for (size_t o = 0; o < scene.objects.size(); ++o) {
+    const SceneObject& object = scene.objects[o];
+    std::vector<uint32_t> kept;
+    std::vector<glm::uvec3> triangles;
+    for (uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
+      if (scene.materials[scene.triangle_material[i]].veil != Veil::none) continue;
+      kept.push_back(i);
+      triangles.push_back(scene.triangles[i]);
+    }
+    const Components components = finder.components(triangles);
+    const size_t first_part = parts.all.size();
+    for (const Shell& shell : finder.measure(positions, triangles, components))
+      parts.all.push_back({static_cast<uint32_t>(o), shell, 0, 0, isClosed(shell)});
+    // counting sort by part
+    for (const uint32_t component : components.of_triangle) ++parts.all[first_part + component].count;
+    auto first = static_cast<uint32_t>(parts.triangles.size());
+    for (size_t i = first_part; i < parts.all.size(); ++i) {
+      parts.all[i].first = first;
+      first += parts.all[i].count;
+    }
+    parts.triangles.resize(first);
+    std::vector<uint32_t> filled(components.count, 0);
+    for (size_t i = 0; i < kept.size(); ++i) {
+      const uint32_t component = components.of_triangle[i];
+      parts.triangles[parts.all[first_part + component].first + filled[component]++] = kept[i];
+    }
+  }
+  return parts;
+}
+
+// Coordinates in which the lines that are looked along are vertical. They lean, since walls and edges of levels are upright.
+glm::dvec3 leaning(const glm::vec3& p) { return {p.x - 0.2371 * p.y, p.z - 0.1713 * p.y, p.y}; }
+
+// What may lie in a shell: a part, a lamp, a viewpoint.
+struct Thing {
+  uint32_t part = kNone;
+  uint32_t point_count = 0;
+  uint32_t container = kNone;  // the smallest shell around it
+  bool is_outside = true;      // of all shells, as far as any of its points says
+};
+
+struct Point {
+  glm::dvec3 at;  // leaning
+  uint32_t thing;
+};
+
+// Points spread evenly over a part's area.
+void addPoints(const Scene& scene, const Parts& parts, const Part& part, uint32_t thing, std::vector<Point>* points) {
+  double passed = 0.0;
+  uint32_t made = 0;
+  for (uint32_t i = 0; i < part.count && made < kPointsPerPart; ++i) {
+    const glm::uvec3& t = scene.triangles[parts.triangles[part.first + i]];
+    const glm::dvec3 a(scene.positions[t.x]), b(scene.positions[t.y]), c(scene.positions[t.z]);
+    passed += 0.5 * glm::length(glm::cross(b - a, c - a));
+    for (; made < kPointsPerPart && (made + 0.5) / kPointsPerPart * part.shell.area_m2 <= passed; ++made) {
+      // the golden ratio's two-dimensional sequence, folded onto the triangle
+      double s = std::fmod(0.5 + 0.7548776662466927 * made, 1.0), r = std::fmod(0.5 + 0.5698402909980532 * made, 1.0);
+      if (s + r > 1.0) s = 1.0 - s, r = 1.0 - r;
+      points->push_back({leaning(glm::vec3(a + s * (b - a) + r * (c - a))), thing});
+    }
+  }
+}
+
+// Points by cells of a square grid over the first two of their leaning coordinates.
+class PointGrid {
+ public:
+  explicit PointGrid(std::vector<Point> points) {
+    side_ = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(points.size()))), 1, 1024);
+    low_ = high_ = points.empty() ? glm::dvec2(0.0) : glm::dvec2(points[0].at);
+    for (const Point& point : points) {
+      low_ = glm::min(low_, glm::dvec2(point.at));
+      high_ = glm::max(high_, glm::dvec2(point.at));
+    }
+    starts_.assign(static_cast<size_t>(side_) * side_ + 1, 0);
+    for (const Point& point : points) ++starts_[cellOf(point.at) + 1];
+    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+    std::vector<uint32_t> next(starts_.begin(), starts_.end() - 1);
+    points_.resize(points.size());
+    for (const Point& point : points) points_[next[cellOf(point.at)]++] = point;
+  }
+
+  const std::vector<Point>& points() const { return points_; }
+
+  // Calls with the first and the last but one of points, for every row of cells that the box meets.
+  template <class Visit>
+  void visitRows(const glm::dvec2& low, const glm::dvec2& high, const Visit& visit) const {
+    if (high.x < low_.x || high.y < low_.y || low.x > high_.x || low.y > high_.y) return;
+    const size_t first = column(low, 0), last = column(high, 0);
+    for (size_t row = column(low, 1); row <= column(high, 1); ++row)
+      visit(starts_[row * side_ + first], starts_[row * side_ + last + 1]);
+  }
+
+ private:
+  size_t column(const glm::dvec2& p, int axis) const {
+    const double share = high_[axis] > low_[axis] ? (p[axis] - low_[axis]) / (high_[axis] - low_[axis]) : 0.0;
+    return static_cast<size_t>(std::clamp(share * side_, 0.0, side_ - 1.0));
+  }
+  size_t cellOf(const glm::dvec2& p) const { return column(p, 1) * side_ + column(p, 0); }
+
+  int side_ = 1;
+  glm::dvec2 low_, high_;
+  std::vector<uint32_t> starts_;
+  std::vector<Point> points_;
+};
+
+// One triangle of a shell against vertical lines. Neighbours ask the same question of their common edge, bit for bit, so that a line
+// passes as many faces of a closed shell upward as downward.
+class Face {
+ public:
+  Face(const Scene& scene, const Parts& parts, const glm::uvec3& triangle) {
+    for (int k = 0; k < 3; ++k) {
+      id_[k] = parts.same_as[triangle[k]];
+      at_[k] = leaning(scene.positions[triangle[k]]);
+    }
+    normal_ = glm::cross(at_[1] - at_[0], at_[2] - at_[0]);
+    low = glm::min(at_[0], glm::min(at_[1], at_[2]));
+    high = glm::max(at_[0], glm::max(at_[1], at_[2]));
+  }
+
+  // 1: the line through the point meets it on its way out of what it encloses, upward; -1: on its way in; 0: passes it.
+  int crossing(const glm::dvec3& p) const {
+    const int left = isLeft(0, 1, p) + isLeft(1, 2, p) + isLeft(2, 0, p);
+    // leaning coordinates are left-handed
+    return left == 3 ? -1 : left == 0 ? 1 : 0;
+  }
+  double heightAt(const glm::dvec3& p) const {
+    if (normal_.z == 0.0) return low.z;
+    const glm::dvec3 from = p - at_[0];
+    return std::clamp(at_[0].z - (normal_.x * from.x + normal_.y * from.y) / normal_.z, low.z, high.z);
+  }
+
+  glm::dvec3 low, high;
+
+ private:
+  bool isLeft(int from, int to, const glm::dvec3& p) const {
+    if (id_[from] > id_[to]) return !isLeft(to, from, p);
+    const glm::dvec3 &a = at_[from], &b = at_[to];
+    return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x) > 0.0;
+  }
+
+  std::array<uint32_t, 3> id_;
+  std::array<glm::dvec3, 3> at_;
+  glm::dvec3 normal_;
+};
+
+// Finds what lies in which shell.
+class Nesting {
+ public:
+  Nesting(const Scene& scene, const Parts& parts) : scene_(scene), parts_(parts), grid_(gatherPoints()) {}
+
+  const std::vector<Thing>& things() const { return things_; }
+
+  // False when that would take too long.
+  bool find() {
+    winding_.assign(grid_.points().size(), 0);
+    is_touching_.assign(grid_.points().size(), 0);
+    inside_count_.assign(things_.size(), 0);
+    touching_count_.assign(things_.size(), 0);
+    std::vector<uint32_t> closed;
+    for (uint32_t i = 0; i < parts_.all.size(); ++i) {
+      if (parts_.all[i].is_closed) closed.push_back(i);
+    }
+    // the smallest one comes last, and stays
+    std::stable_sort(closed.begin(), closed.end(), [&](uint32_t a, uint32_t b) {
+      return std::abs(parts_.all[a].shell.volume_m3) > std::abs(parts_.all[b].shell.volume_m3);
+    });
+    for (const uint32_t part : closed) {
+      if (!meet(part)) return false;
+      takeStock(part);
+    }
+    return true;
+  }
+
+ private:
+  std::vector<Point> gatherPoints() {
+    std::vector<Point> points;
+    const auto addPlace = [&](const glm::vec3& position) {
+      points.push_back({leaning(position), static_cast<uint32_t>(things_.size())});
+      things_.push_back({kNone, 1});
+    };
+    for (const Lamp& lamp : scene_.light.lamps) addPlace(lamp.position);
+    for (const Viewpoint& viewpoint : scene_.viewpoints) addPlace(viewpoint.position);
+    std::vector<uint32_t> largest(parts_.all.size());
+    std::iota(largest.begin(), largest.end(), 0u);
+    if (largest.size() > kMostParts) {
+      std::nth_element(largest.begin(), largest.begin() + kMostParts, largest.end(), [&](uint32_t a, uint32_t b) {
+        const double area_a = parts_.all[a].shell.area_m2, area_b = parts_.all[b].shell.area_m2;
+        return area_a != area_b ? area_a > area_b : a < b;
+      });
+      largest.resize(kMostParts);
+    }
+    for (const uint32_t part : largest) {
+      const size_t before = points.size();
+      addPoints(scene_, parts_, parts_.all[part], static_cast<uint32_t>(things_.size()), &points);
+      things_.push_back({part, static_cast<uint32_t>(points.size() - before)});
+    }
+    return points;
+  }
+
+  // Winds one shell around all points.
+  bool meet(uint32_t part_idx) {
+    const Part& part = parts_.all[part_idx];
+    for (uint32_t i = 0; i < part.count; ++i) {
+      const Face face(scene_, parts_, scene_.triangles[parts_.triangles[part.first + i]]);
+      grid_.visitRows(face.low, face.high, [&](uint32_t first, uint32_t end) {
+        test_count_ += end - first + 1;
+        for (uint32_t p = first; p < end; ++p) meet(face, part_idx, p);
+      });
+      if (test_count_ > kMostTests) return false;
+    }
+    return true;
+  }
+
+  void meet(const Face& face, uint32_t part_idx, uint32_t point_idx) {
+    const Point& point = grid_.points()[point_idx];
+    if (things_[point.thing].part == part_idx || point.at.z > face.high.z + kTouch_m) return;
+    const int crossing = face.crossing(point.at);
+    if (crossing == 0) return;
+    const double above = face.heightAt(point.at) - point.at.z;
+    if (above <= -kTouch_m) return;
+    if (winding_[point_idx] == 0 && !is_touching_[point_idx]) met_.push_back(point_idx);
+    if (above < kTouch_m) is_touching_[point_idx] = 1;
+    if (above > 0.0) winding_[point_idx] += crossing;
+  }
+
+  void takeStock(uint32_t part_idx) {
+    const bool is_outward = parts_.all[part_idx].isOutward();
+    std::vector<uint32_t> met_things;
+    for (const uint32_t p : met_) {
+      const uint32_t thing = grid_.points()[p].thing;
+      const int winding = std::exchange(winding_[p], 0);
+      const bool is_touching = std::exchange(is_touching_[p], 0), is_inside = is_outward ? winding > 0 : winding < 0;
+      if (!is_touching && !is_inside) continue;
+      if (inside_count_[thing] == 0 && touching_count_[thing] == 0) met_things.push_back(thing);
+      ++(is_touching ? touching_count_ : inside_count_)[thing];
+    }
+    met_.clear();
+    for (const uint32_t t : met_things) {
+      Thing& thing = things_[t];
+      thing.is_outside = false;
+      const uint32_t inside = std::exchange(inside_count_[t], 0), touching = std::exchange(touching_count_[t], 0);
+      if (inside > 0 && inside >= kMostInside * (thing.point_count - touching)) thing.container = part_idx;
+    }
+  }
+
+  const Scene& scene_;
+  const Parts& parts_;
+  std::vector<Thing> things_;
+  PointGrid grid_;
+  // by point, of the shell at hand
+  std::vector<int32_t> winding_;
+  std::vector<char> is_touching_;
+  std::vector<uint32_t> met_;
+  std::vector<uint32_t> inside_count_, touching_count_;  // by thing, of the shell at hand
+  uint64_t test_count_ = 0;
+};
+
+// By part: whether its faces bound solid.
+struct Verdict {
+  std::vector<char> is_hollow, is_solid;
+};
+
+Verdict judge(const Parts& parts, const std::vector<Thing>& things) {
+  const size_t count = parts.all.size();
+  Verdict verdict{std::vector<char>(count, 0), std::vector<char>(count, 0)};
+  std::vector<char> holds_something(count, 0);
+  std::vector<uint32_t> container(count, kNone);
+  const auto isInward = [&](const Thing& thing) { return thing.part != kNone && parts.all[thing.part].isInward(); };
+  for (const Thing& thing : things) {
+    if (thing.part != kNone) container[thing.part] = thing.container;
+    if (thing.container == kNone) continue;
+    holds_something[thing.container] = 1;
+    // an inner surface leaves walls between itself and the outer one
+    if (parts.all[thing.container].isOutward() && !isInward(thing)) verdict.is_hollow[thing.container] = 1;
+  }
+  const bool is_air_outside = std::any_of(things.begin(), things.end(), [&](const Thing& thing) {
+    return thing.is_outside && !(isInward(thing) && holds_something[thing.part]);
+  });
+  for (size_t i = 0; i < count; ++i) {
+    const bool is_loose = container[i] == kNone;
+    if (parts.all[i].isOutward()) {
+      verdict.is_solid[i] = !verdict.is_hollow[i];
+    } else if (parts.all[i].isInward()) {
+      const bool is_cavity = !is_loose && parts.all[container[i]].isOutward() && !verdict.is_hollow[container[i]];
+      verdict.is_solid[i] = is_cavity || (is_loose && holds_something[i] && !is_air_outside);
+    }
+  }
+  return verdict;
+}
+
+}  // namespace
+
+std::string DoubleSidedFaces::note() const {
+  if (face_count == 0) return {};
+  if (is_too_tangled)
+    return "its double-sided faces are no evidence of solid: more closed parts lie over each other than are looked into";
+  std::string text = fmt::format("{} of its {} double-sided faces bound solid, {} are sheets", solid_count, face_count,
+                                 face_count - solid_count);
+  if (hollow.empty()) return text;
+  const size_t named = std::min(hollow.size(), kNamedObjects);
+  text += fmt::format("; hollow, since something lies in it: {}", fmt::join(hollow.begin(), hollow.begin() + named, ", "));
+  if (named < hollow.size()) text += fmt::format(" and {} more", hollow.size() - named);
+  return text;
+}
+
+DoubleSidedFaces giveSolidsOneSide(Scene& scene) {
+  DoubleSidedFaces result;
+  for (const uint32_t material : scene.triangle_material) result.face_count += isDoubleSided(scene.materials[material]);
+  if (result.face_count == 0) return result;
+  const Parts parts = partsOf(scene);
+  Nesting nesting(scene, parts);
+  if (!nesting.find()) {
+    result.is_too_tangled = true;
+    return result;
+  }
+  const Verdict verdict = judge(parts, nesting.things());
+  std::map<uint32_t, uint32_t> one_sided;  // by material
+  for (size_t i = 0; i < parts.all.size(); ++i) {
+    const Part& part = parts.all[i];
+    uint32_t face_count = 0;
+    for (uint32_t k = part.first; k < part.first + part.count; ++k) {
+      uint32_t& material = scene.triangle_material[parts.triangles[k]];
+      if (!isDoubleSided(scene.materials[material])) continue;
+      ++face_count;
+      if (!verdict.is_solid[i]) continue;
+      const auto [copy, is_new] = one_sided.try_emplace(material, static_cast<uint32_t>(scene.materials.size()));
+      if (is_new) {
+        scene.materials.push_back(scene.materials[material]);
+        scene.materials.back().double_sided = false;
+      }
+      material = copy->second;
+    }
+    if (verdict.is_solid[i]) result.solid_count += face_count;
+    const std::string& name = scene.objects[part.object].name;
+    if (verdict.is_hollow[i] && face_count > 0 && (result.hollow.empty() || result.hollow.back() != name))
+      result.hollow.push_back(name);
+  }
+  return result;
+}
+
+}  // namespace nlg
