@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "datagen/probes/probe_placement.h"
+#include "light/open_sky.h"
 #include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/fit/theta_policy.h"
 #include "runtime_eval/support/weighting_function.h"
@@ -46,7 +47,8 @@ AirPlaceOptions airPlaceOptions(const BakeOptions& options, uint64_t cell_count)
 SceneSource loadLitScene(const std::string& request, const BakeOptions& options) {
   SceneSource source = loadScene(request, options.reading);
   if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
-  for (const std::string& done : applyLight(source.scene, options.scene_light)) source.light_notes.push_back(done);
+  const auto isOpen = [](const Scene& scene) { return openShare(scene) > kOpenShare; };
+  for (const std::string& done : applyLight(source.scene, options.scene_light, isOpen)) source.light_notes.push_back(done);
   return source;
 }
 

@@ -17,20 +17,26 @@ namespace nlg {
 
 // Stands at its node's origin and points along the node's -z; scale does not change it. `range` is left aside: light does not end.
 struct GltfLight {
-  bool is_sun = false;  // "directional"
+  bool is_left_out = false;  // too odd to shine
+  bool is_sun = false;       // "directional"
   bool is_spot = false;
   glm::vec3 strength{0.0f};  // colour times intensity: cd of a lamp, lux of a sun
   float cos_inner = -1.0f, cos_outer = -1.0f;
 };
 
-// All lights that the file declares.
-// throws   InputError naming the light on an unknown type, a colour that is no three numbers from 0 to 1, an intensity that is no
-//          number from 0 to 1e12, cone angles other than 0 <= inner < outer <= pi / 2
-std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::Model& model);
+// All lights that the file declares. Odd ones are mended where what was meant is plain: cones are brought to
+// 0 <= inner < outer <= pi / 2, and colours above 1 stay as they are. A light is left out whose type is unknown, whose colour or intensity is negative, or whose cone is empty.
+//
+// notes    receives a line for each way of being odd, with the first light that is and how many others are
+// throws   InputError naming the light on a value that is no number, a spot without cones, or a strength above 1e12
+std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::Model& model, std::vector<std::string>* notes);
 
 // Which of them a node carries; -1: none.
 // throws   InputError naming the place on an index that is not below light_count
 int lightOfNode(const std::string& path, const std::string& place, const tinygltf::Node& node, size_t light_count);
+
+// Whether a file says that Blender's exporter wrote it.
+bool isOfBlender(const tinygltf::Model& model);
 
 // A lamp of that size; its position is for the caller to set.
 inline constexpr float kGltfLampRadius_m = 0.05f;

@@ -32,7 +32,8 @@ class GltfConverter {
         is_visited_(model_.nodes.size(), 0) {}
 
   GltfLevel convert() {
-    lights_ = readGltfLights(path_, model_);
+    lights_ = readGltfLights(path_, model_, &notes_);
+    scene_.light.writer = isOfBlender(model_) ? LightWriter::blender : LightWriter::gltf;
     const glm::dmat4 metres_from_units{glm::dmat3(unit_m_)};
     for (const int node : rootNodes()) visitNode(node, metres_from_units, 0);
     return finish();
@@ -74,7 +75,7 @@ class GltfConverter {
     const glm::dmat4 world_from_local = world_from_parent * localTransform(node, place);
     if (node.mesh >= 0) addInstance(node, node_idx, world_from_local, place);
     const int light = lightOfNode(path_, place, node, lights_.size());
-    if (light >= 0) addLight(lights_[light], world_from_local, place);
+    if (light >= 0 && !lights_[light].is_left_out) addLight(lights_[light], world_from_local, place);
     if (node.camera >= 0) addCamera(node, world_from_local, place);
     for (const int child : node.children) visitNode(child, world_from_local, depth + 1);
   }
@@ -100,13 +101,19 @@ class GltfConverter {
   void addLight(const GltfLight& light, const glm::dmat4& world_from_local, const std::string& place) {
     const glm::dvec3 forward = -glm::dvec3(world_from_local[2]), position(world_from_local[3]);
     const double length = glm::length(forward);
-    if (!(length > 0.0)) fail(place + ": light", "a node with a direction", "scale 0");
+    const bool has_direction = length > 0.0;
+    if (!has_direction && (light.is_sun || light.is_spot)) {
+      notes_.push_back(place + ": a light that points nowhere, its scale is 0; left out");
+      return;
+    }
+    // which way a lamp that shines all round points is the same
+    const glm::dvec3 direction = has_direction ? forward / length : glm::dvec3(0.0, -1.0, 0.0);
     if (light.is_sun) {
-      scene_.light.suns.push_back(sunOf(light, forward / length));
+      scene_.light.suns.push_back(sunOf(light, direction));
       return;
     }
     checkPosition(position, place);
-    scene_.light.lamps.push_back(lampOf(light, forward / length));
+    scene_.light.lamps.push_back(lampOf(light, direction));
     lamp_positions_.push_back(position);
   }
 

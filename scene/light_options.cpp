@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "runtime_eval/light_grid/light_grid.h"
 #include "scene/sky_file.h"
 #include "tool/error.h"
 
@@ -109,7 +110,76 @@ std::string sunText(const Sun& sun) {
                      sun.irradiance.r, sun.irradiance.g, sun.irradiance.b);
 }
 
+constexpr double kLumensPerWatt = 683.0;  // that Blender's exporter multiplies by
+constexpr float kLeastSun = 50.0f, kLeastLamp = 500.0f;
+
+float largestOf(const glm::vec3& rgb) { return std::max({rgb.r, rgb.g, rgb.b}); }
+
 bool isBright(const glm::vec3& colour) { return colour.r > 0.0f || colour.g > 0.0f || colour.b > 0.0f; }
+
+// Emission of the triangles, the brightest.
+float brightestEmission(const Scene& scene) {
+  float brightest = 0.0f;
+  for (const uint32_t material : scene.triangle_material)
+    brightest = std::max(brightest, largestOf(scene.materials[material].emissive));
+  return brightest;
+}
+
+void scaleLampsAndSuns(SceneLight* light, float factor) {
+  for (Lamp& lamp : light->lamps) lamp.intensity *= factor;
+  for (Sun& sun : light->suns) sun.irradiance *= factor;
+}
+
+void scaleAll(Scene* scene, float factor) {
+  SceneLight& light = scene->light;
+  scaleLampsAndSuns(&light, factor);
+  for (glm::vec3* radiance : {&light.sky.zenith, &light.sky.horizon, &light.sky.ground, &light.baked.ambient})
+    *radiance *= factor;
+  for (std::vector<glm::vec3>* radiances :
+       {&light.sky.image.texels, &light.sky_faces.shine, &light.baked.texels, &light.baked.vertex_light}) {
+    for (glm::vec3& radiance : *radiances) radiance *= factor;
+  }
+  for (QuakeGrid::Cell& cell : light.quake_grid.cells) {
+    cell.ambient *= factor;
+    cell.directed *= factor;
+  }
+  for (Material& material : scene->materials) material.emissive *= factor;
+}
+
+// Before anything is baked: what engines' files may not hold. One light alone is asked for, so that a sum may be more.
+void noteTooBright(const Scene& scene, std::vector<std::string>* notes) {
+  constexpr float kOfSun = 0.631f;      // the largest coefficient of light from one direction, over its irradiance
+  constexpr float kOfRadiance = 3.55f;  // and of light from everywhere, over its radiance
+  float brightest = 0.0f;
+  for (const Sun& sun : scene.light.suns) brightest = std::max(brightest, kOfSun * largestOf(sun.irradiance));
+  // a metre away
+  for (const Lamp& lamp : scene.light.lamps) brightest = std::max(brightest, kOfSun * largestOf(lamp.intensity));
+  const Sky& sky = scene.light.sky;
+  // half of what is seen
+  brightest = std::max({brightest, 0.5f * kOfRadiance * largestOf(sky.zenith), 0.5f * kOfRadiance * largestOf(sky.horizon)});
+  if (brightest <= kMaxEngineLight) return;
+  const double factor = std::pow(10.0, std::floor(std::log10(kMaxEngineLight / brightest)));
+  notes->push_back(
+      fmt::format("light may reach {:.3g}, and files for engines hold {:.0f}: --intensity {:g} makes it fit, here or in "
+                  "nlg-export engine",
+                  brightest, kMaxEngineLight, factor));
+}
+
+const char* kBlenderExports =
+    ". If the file is of Blender: its exporter leaves lights out unless Include > Data > Punctual Lights is ticked, and never "
+    "writes "
+    "area lamps and the world";
+
+// Nothing for the unit of the file.
+std::optional<std::string> unitNote(const Scene& scene, const LightOptions& options, bool has_more) {
+  if (options.light_unit == "file") return std::nullopt;
+  if (options.light_unit == "watt") return "lamps and suns divided by 683 (--light-unit)";
+  if (options.light_unit != "auto") throw UsageError("--light-unit", "auto, file or watt", "'" + options.light_unit + "'");
+  if (!isInBlendersLumens(scene) || !has_more) return std::nullopt;
+  return "lamps and suns divided by 683: Blender's exporter multiplied them by it, and left emission as it is (--light-unit file "
+         "takes "
+         "them as they are)";
+}
 
 }  // namespace
 
@@ -117,32 +187,62 @@ void describe(LightOptions& options, OptionTable& table) {
   table.add(
       "sky", &options.sky,
       "radiance of the sky: r,g,b; or nine numbers, of zenith, horizon and ground; or FILE.hdr or FILE.exr, all around (its "
-      "middle looks along +x; FILE,DEGREES turns it towards +z, FILE,DEGREES,FACTOR makes it brighter); or 0, no sky. In the "
-      "unit of the scene's lamps and emission. None: the scene's own");
-  table.add("sun", &options.sun,
-            "a sun: its azimuth and elevation, degrees, and its irradiance r,g,b; or 0, no sun. None: the scene's own");
+      "middle looks along +x; FILE,DEGREES turns it towards +z, FILE,DEGREES,FACTOR makes it brighter); or 0, no sky. None: the "
+      "scene's own");
+  table.add(
+      "sun", &options.sun,
+      "a sun: its azimuth (from +x towards +z) and elevation, degrees, and its irradiance r,g,b; or 0, no sun. None: the scene's "
+      "own");
+  table.add("light_unit", &options.light_unit,
+            "what a glTF file's lamps and suns are in: file, as it says; watt, they are divided by 683; auto, so are those of a "
+            "file that "
+            "Blender's exporter multiplied, where a sky, a sun or emission shines beside them");
+  table.add("intensity", &options.intensity, "factor on all light of the scene", 1e-12, 1e12);
+  table.addNote(
+      "Light is linear, and all of a scene's in one unit. Sky and emission: radiance. Sun: irradiance on a plane that faces it. "
+      "Lamp: "
+      "intensity, which is irradiance a metre away. glTF: cd/m², lux, cd. Blender, its factor of 683 taken out: W/m²/sr, W/m², W "
+      "/ 4 pi. "
+      "Levels of Quake III, and the sky and the sun by default: radiance 1 shows a white surface at full brightness.");
+}
+
+bool hasLightFromOutside(const Scene& scene) {
+  const SceneLight& light = scene.light;
+  if (!light.baked.empty() || !light.sky_faces.triangles.empty()) return true;
+  if (isBright(light.sky.zenith) || isBright(light.sky.horizon) || isBright(light.sky.ground)) return true;
+  return std::any_of(light.suns.begin(), light.suns.end(), [](const Sun& sun) { return isBright(sun.irradiance); });
 }
 
 bool hasLight(const Scene& scene) {
   const SceneLight& light = scene.light;
-  if (!light.baked.empty()) return true;
-  if (isBright(light.sky.zenith) || isBright(light.sky.horizon) || isBright(light.sky.ground)) return true;
-  for (const Sun& sun : light.suns) {
-    if (isBright(sun.irradiance)) return true;
-  }
-  for (const Lamp& lamp : light.lamps) {
-    if (isBright(lamp.intensity)) return true;
-  }
+  if (std::any_of(light.lamps.begin(), light.lamps.end(), [](const Lamp& lamp) { return isBright(lamp.intensity); })) return true;
   if (std::any_of(light.sky_faces.shine.begin(), light.sky_faces.shine.end(), isBright)) return true;
-  return std::any_of(scene.triangle_material.begin(), scene.triangle_material.end(),
-                     [&](uint32_t material) { return isBright(scene.materials[material].emissive); });
+  if (isBright(light.sky.zenith) || isBright(light.sky.horizon) || isBright(light.sky.ground) || !light.baked.empty())
+    return true;
+  if (std::any_of(light.suns.begin(), light.suns.end(), [](const Sun& sun) { return isBright(sun.irradiance); })) return true;
+  return brightestEmission(scene) > 0.0f;
+}
+
+bool isInBlendersLumens(const Scene& scene) {
+  if (scene.light.writer != LightWriter::blender) return false;
+  float sun = 0.0f, lamp = 0.0f;
+  for (const Sun& one : scene.light.suns) sun = std::max(sun, largestOf(one.irradiance));
+  for (const Lamp& one : scene.light.lamps) lamp = std::max(lamp, largestOf(one.intensity));
+  return sun > 0.0f ? sun >= kLeastSun : lamp >= kLeastLamp;
 }
 
 Sky defaultSky() { return {{0.35f, 0.55f, 0.95f}, {0.80f, 0.90f, 1.00f}, {0.20f, 0.18f, 0.15f}}; }
 Sun defaultSun() { return sunAt(120.0, 50.0, {5.0f, 4.7f, 4.1f}); }
 
-std::vector<std::string> applyLight(Scene& scene, const LightOptions& options) {
+std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, const std::function<bool(const Scene&)>& isOpen) {
   std::vector<std::string> done;
+  const bool is_given = !options.sky.empty() || !options.sun.empty();
+  const bool is_dark = !hasLight(scene);
+  const bool takes_default = !is_given && (is_dark || (isOpen && !hasLightFromOutside(scene) && isOpen(scene)));
+  if (const auto note = unitNote(scene, options, is_given || takes_default || brightestEmission(scene) > 0.0f)) {
+    scaleLampsAndSuns(&scene.light, static_cast<float>(1.0 / kLumensPerWatt));
+    done.push_back(*note);
+  }
   if (!options.sky.empty()) {
     GivenSky given = skyFrom(options.sky);
     scene.light.sky = std::move(given.sky);
@@ -158,10 +258,20 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options) {
     scene.light.suns = sunsFrom(options.sun);
     done.push_back("sun: " + joined(options.sun));
   }
-  if (!done.empty() || hasLight(scene)) return done;
-  scene.light.sky = defaultSky();
-  scene.light.suns = {defaultSun()};
-  done.push_back("nothing shines in the scene: a clear sky and a sun by default (--sky, --sun)");
+  if (takes_default) {
+    scene.light.sky = defaultSky();
+    scene.light.suns = {defaultSun()};
+    done.push_back(is_dark
+                       ? std::string("nothing shines in the scene: a clear sky and a sun by default (--sky, --sun)") +
+                             (scene.light.writer == LightWriter::other ? "" : kBlenderExports)
+                       : "the scene is open, and no light comes from outside: a clear sky and a sun by default (--sky, --sun; "
+                         "--sky 0 keeps the night)");
+  }
+  if (options.intensity != 1.0) {
+    scaleAll(&scene, static_cast<float>(options.intensity));
+    done.push_back(fmt::format("all light times {:g} (--intensity)", options.intensity));
+  }
+  noteTooBright(scene, &done);
   return done;
 }
 

@@ -1,6 +1,7 @@
 // Sky and sun that a user gives to a scene, and those that one without any light gets.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ struct LightOptions {
   std::vector<std::string> sky;  // nothing: the scene's own; r,g,b; or those of zenith, horizon and ground; or 0; or the path of
                                  // an image (sky_file.h), which degrees from +x towards +z and a factor may follow
   std::vector<std::string> sun;  // nothing: the scene's own; azimuth,elevation,r,g,b; or 0
+  std::string light_unit = "auto";  // of the scene's own lamps and suns: auto, file, watt
+  double intensity = 1.0;           // of all light
 };
 
 void describe(LightOptions& options, OptionTable& table);
@@ -20,15 +23,29 @@ void describe(LightOptions& options, OptionTable& table);
 // Whether anything shines in the scene: sky, suns, lamps, emissive triangles, baked light.
 bool hasLight(const Scene& scene);
 
+// Whether light comes from outside of a scene: a sky, suns, or a level's own light, which holds them.
+bool hasLightFromOutside(const Scene& scene);
+
+// Whether lamps and suns are what Blender's exporter makes of W and W/m² unless it is told not to: 683 times as much. It wrote the
+// file, and the brightest sun has 50 lux or more (.07 W/m²) or, without suns, the brightest lamp 500 cd or more (9 W).
+bool isInBlendersLumens(const Scene& scene);
+
 // What a scene without any light gets: a clear sky by day. Radiances of about 1, for surfaces that a picture shows as they are.
 Sky defaultSky();
 Sun defaultSun();
 
-// Replaces the scene's sky and suns by those of the options, where the sun of a sky's image joins the scene's own; then, where nothing at all shines and no option was given, adds
-// defaultSky and defaultSun.
+// Gives a scene the light that the options ask for, in this order.
+// 1. Lamps and suns are divided by 683 as light_unit says; "auto" does so where isInBlendersLumens, and emission or what follows
+//    shines beside them.
+// 2. The options' sky and suns replace the scene's own. The sun of a sky's image joins the scene's.
+// 3. Without either option a scene in which nothing shines gets defaultSky and defaultSun, and so does an open one without light from
+//    outside.
+// 4. All light is multiplied by intensity.
 //
-// returns   what it did, a line each; nothing when the scene stays as it is
-// throws    UsageError on numbers that are none, negative or too many; InputError as readSkyFile does
-std::vector<std::string> applyLight(Scene& scene, const LightOptions& options);
+// isOpen    says whether a scene lies under the open sky; asked only where it matters
+// returns   what it did, a line each, and whether light is brighter than engines' files hold; nothing when the scene stays as it is
+// throws    UsageError on numbers that are none, negative or too many, and on an unknown unit; InputError as readSkyFile does
+std::vector<std::string> applyLight(Scene& scene, const LightOptions& options,
+                                    const std::function<bool(const Scene&)>& isOpen = nullptr);
 
 }  // namespace nlg

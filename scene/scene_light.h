@@ -86,7 +86,12 @@ struct QuakeGrid {
   uint64_t file_bytes = 0;  // of the lump
 };
 
+// Who wrote the file that a scene's light is of. Blender's glTF exporter multiplies lamps and suns by 683, unless it is told not to, and
+// leaves emission as it is (light_options.h).
+enum class LightWriter : uint8_t { other, gltf, blender };
+
 struct SceneLight {
+  LightWriter writer = LightWriter::other;
   Sky sky;
   std::vector<Lamp> lamps;
   std::vector<Sun> suns;

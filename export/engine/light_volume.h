@@ -16,9 +16,8 @@
 
 namespace nlg {
 
-inline constexpr double kMaxTexels = 1 << 23;       // of a box: 470 MB of float16
-inline constexpr double kDefaultSpacing = 0.5;      // of a texel, in units of the grid
-inline constexpr float kMaxEngineLight = 32768.0f;  // of a coefficient: irradiance over pi then fits float16 and RGB9E5
+inline constexpr double kMaxTexels = 1 << 23;   // of a box: 470 MB of float16
+inline constexpr double kDefaultSpacing = 0.5;  // of a texel, in units of the grid
 
 struct VolumeOptions {
   std::vector<std::string> extent_m;  // low and high corner, metres; none: the used cells and a texel on every side

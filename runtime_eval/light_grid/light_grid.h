@@ -24,8 +24,9 @@ inline constexpr size_t kMaxGridFunctions = kNoWeight;
 inline constexpr size_t kMaxGridRepresentations = 256;
 // A weight below counts as none: what it would add is not seen, and one over a sum of such could overflow.
 inline constexpr float kLeastWeight = 1e-6f;
-inline constexpr float kMaxGridTheta = 1e9f;     // of |theta|: no look-up overflows below it
-inline constexpr float kMaxGridLight = 0x1p30f;  // of |light|, likewise
+inline constexpr float kMaxGridTheta = 1e9f;        // of |theta|: no look-up overflows below it
+inline constexpr float kMaxGridLight = 0x1p30f;     // of |light|, likewise
+inline constexpr float kMaxEngineLight = 32768.0f;  // of |light| that half floats of engines hold: irradiance over pi fits, too
 
 struct LightGrid {
   ProbeTree tree;

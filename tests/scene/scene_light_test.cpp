@@ -114,6 +114,133 @@ TEST(LightOptions, SkyAndSunReplaceTheScenesOwn) {
   EXPECT_FALSE(hasLight(dark)) << "who asks for darkness gets it";
 }
 
+// A scene of Blender's with a sun of 3 W/m² and a lamp of 100 W, in its exporter's units.
+Scene sceneOfBlender() {
+  Scene scene = darkScene();
+  scene.light.writer = LightWriter::blender;
+  scene.light.suns.push_back({{0, 1, 0}, glm::vec3(3.0f * 683.0f)});
+  scene.light.lamps.push_back({glm::vec3(0.0f), glm::vec3(683.0f * 100.0f / 12.566371f), 0.05f});
+  return scene;
+}
+
+TEST(LightUnit, LampsOfBlenderAreInWattsWhereEmissionOrASkyStandsBesideThem) {
+  const auto sunOf = [](Scene scene, const LightOptions& options, size_t notes) {
+    const std::vector<std::string> done = applyLight(scene, options);
+    EXPECT_EQ(done.size(), notes) << (done.empty() ? "" : done[0]);
+    return scene.light.suns.empty() ? scene.light.lamps[0].intensity.r * 12.566371f : scene.light.suns[0].irradiance.r;
+  };
+  EXPECT_EQ(sunOf(sceneOfBlender(), {}, 0), 3.0f * 683.0f) << "alone they are as they are";
+  Scene emissive = sceneOfBlender();
+  emissive.materials[emissive.triangle_material[0]].emissive = glm::vec3(5.0f);
+  EXPECT_NEAR(sunOf(emissive, {}, 1), 3.0f, 1e-5f);
+  EXPECT_NEAR(sunOf(sceneOfBlender(), {{"1", "1", "1"}, {}}, 2), 3.0f, 1e-5f);
+  EXPECT_NEAR(sunOf(sceneOfBlender(), {{}, {"0"}}, 2), 100.0f, 1e-3f) << "the lamp beside the sun that was given";
+  EXPECT_EQ(sunOf(emissive, {{}, {}, "file"}, 0), 3.0f * 683.0f);
+  EXPECT_NEAR(sunOf(sceneOfBlender(), {{}, {}, "watt"}, 1), 3.0f, 1e-5f);
+  EXPECT_THROW(sunOf(emissive, {{}, {}, "lumen"}, 0), UsageError);
+  emissive.light.writer = LightWriter::gltf;
+  EXPECT_EQ(sunOf(emissive, {}, 0), 3.0f * 683.0f) << "of another exporter";
+}
+
+TEST(LightUnit, WhatBlendersExporterDidNotMultiplyIsLeftAsItIs) {
+  Scene scene = sceneOfBlender();
+  EXPECT_TRUE(isInBlendersLumens(scene));
+  // its other modes: watts as they are, or over 4 pi
+  scene.light.suns[0].irradiance = glm::vec3(3.0f);
+  EXPECT_FALSE(isInBlendersLumens(scene)) << "the sun says so, whatever the lamps are";
+  scene.light.suns.clear();
+  EXPECT_TRUE(isInBlendersLumens(scene));
+  scene.light.lamps[0].intensity = glm::vec3(100.0f);
+  EXPECT_FALSE(isInBlendersLumens(scene));
+  scene.light.lamps.clear();
+  EXPECT_FALSE(isInBlendersLumens(scene));
+}
+
+TEST(LightOptions, AnOpenSceneWithoutLightFromOutsideGetsDaylightUnlessASkyIsGiven) {
+  const auto isOpen = [](const Scene&) { return true; };
+  const auto isClosed = [](const Scene&) { return false; };
+  Scene lamps = darkScene();
+  lamps.light.lamps.push_back({glm::vec3(0.0f), glm::vec3(1.0f), 0.1f});
+  Scene scene = lamps;
+  EXPECT_TRUE(applyLight(scene, {}, isClosed).empty());
+  EXPECT_TRUE(applyLight(scene, {}).empty());
+  EXPECT_FALSE(hasLightFromOutside(scene));
+  const std::vector<std::string> done = applyLight(scene, {}, isOpen);
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_NE(done[0].find("open"), std::string::npos);
+  EXPECT_EQ(scene.light.sky.zenith, defaultSky().zenith);
+  EXPECT_EQ(scene.light.lamps.size(), 1u);
+  Scene night = lamps;
+  applyLight(night, {{"0"}, {}}, isOpen);
+  EXPECT_FALSE(hasLightFromOutside(night)) << "who asks for a night gets it";
+  const std::function<void(Scene&)> outsides[] = {
+      [](Scene& s) { s.light.sky.ground.g = 0.1f; },
+      [](Scene& s) {
+        s.light.suns.push_back({{0, 1, 0}, glm::vec3(1.0f)});
+      },
+      [](Scene& s) {
+        s.light.sky_faces.triangles.push_back({0, 1, 2});
+      },
+      [](Scene& s) { s.light.baked.triangle_page.resize(s.triangles.size()); },
+  };
+  for (const auto& outside : outsides) {
+    Scene lit = lamps;
+    outside(lit);
+    EXPECT_TRUE(applyLight(lit, {}, isOpen).empty());
+  }
+}
+
+TEST(LightOptions, ADarkFileIsToldHowBlenderExportsLights) {
+  const auto noteOf = [](LightWriter writer) {
+    Scene scene = darkScene();
+    scene.light.writer = writer;
+    return applyLight(scene, {}).at(0);
+  };
+  EXPECT_NE(noteOf(LightWriter::blender).find("Punctual Lights"), std::string::npos);
+  EXPECT_NE(noteOf(LightWriter::gltf).find("area lamps"), std::string::npos);
+  EXPECT_EQ(noteOf(LightWriter::other).find("Blender"), std::string::npos);
+}
+
+TEST(LightOptions, IntensityIsAFactorOnAllThatShines) {
+  Scene scene = makeProceduralScene("house", 3);
+  scene.light.lamps.push_back({glm::vec3(0.0f), glm::vec3(2.0f), 0.1f});
+  scene.light.suns = {{{0, 1, 0}, glm::vec3(3.0f)}};
+  scene.light.sky.image = {2, 1, {glm::vec3(1.0f), glm::vec3(2.0f)}};
+  scene.light.sky_faces.shine = {glm::vec3(5.0f)};
+  scene.light.baked.texels = {glm::vec3(6.0f)};
+  scene.light.baked.vertex_light = {glm::vec3(7.0f)};
+  scene.light.baked.ambient = glm::vec3(8.0f);
+  scene.light.quake_grid.cells = {{glm::vec3(9.0f), glm::vec3(10.0f), {0, 1, 0}}};
+  const Scene before = scene;
+  LightOptions options;
+  options.intensity = 0.5;
+  EXPECT_EQ(applyLight(scene, options).size(), 1u);
+  const SceneLight &light = scene.light, &old = before.light;
+  EXPECT_EQ(light.lamps[0].intensity, 0.5f * old.lamps[0].intensity);
+  EXPECT_EQ(light.suns[0].irradiance, 0.5f * old.suns[0].irradiance);
+  EXPECT_EQ(light.sky.zenith, 0.5f * old.sky.zenith);
+  EXPECT_EQ(light.sky.horizon, 0.5f * old.sky.horizon);
+  EXPECT_EQ(light.sky.ground, 0.5f * old.sky.ground);
+  EXPECT_EQ(light.sky.image.texels[1], glm::vec3(1.0f));
+  EXPECT_EQ(light.sky_faces.shine[0], glm::vec3(2.5f));
+  EXPECT_EQ(light.baked.texels[0], glm::vec3(3.0f));
+  EXPECT_EQ(light.baked.vertex_light[0], glm::vec3(3.5f));
+  EXPECT_EQ(light.baked.ambient, glm::vec3(4.0f));
+  EXPECT_EQ(light.quake_grid.cells[0].directed, glm::vec3(5.0f));
+  for (size_t m = 0; m < scene.materials.size(); ++m) EXPECT_EQ(scene.materials[m].emissive, 0.5f * before.materials[m].emissive);
+}
+
+TEST(LightOptions, SaysBeforeABakeWhatEnginesFilesWillNotHold) {
+  Scene scene = darkScene();
+  scene.light.suns = {{{0, 1, 0}, glm::vec3(68300.0f)}};
+  const std::vector<std::string> done = applyLight(scene, {});
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_NE(done[0].find("--intensity 0.1 "), std::string::npos) << done[0];
+  LightOptions options;
+  options.intensity = 0.1;
+  EXPECT_EQ(applyLight(scene, options).size(), 1u) << "what was done, and no more";
+}
+
 TEST(LightOptions, RefusesWhatIsNoLight) {
   Scene scene = darkScene();
   const std::vector<std::vector<std::string>> skies = {
