@@ -23,8 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr float kUnreadGrey = 0.5f;  // linear: stands in the place of an image that could not be read
-constexpr int kMostSets = 64;        // TEXCOORD_n
+constexpr int kMostSets = 64;  // TEXCOORD_n
 
 // What a material says of one of its images.
 struct TextureInfo {
@@ -307,9 +306,9 @@ class LooksReader {
     LoadedImages loaded = loader_.load([&](const std::string& name) { return images_.open(name); }, budgets_.pixels, path_);
     for (size_t i = 0; i < looks_.materials.size(); ++i) {
       Material& material = looks_.materials[i];
-      if (!take(loaded, &material.base_image)) material.base_color *= kUnreadGrey;
-      if (!take(loaded, &material.emissive_image)) material.emissive = glm::vec3(0.0f);
-      if (!take(loaded, &material.transmission_image)) material.transmission *= kUnreadGrey;
+      if (!loaded.take(&material.base_image)) material.base_color *= kUnreadGrey;
+      if (!loaded.take(&material.emissive_image)) material.emissive = glm::vec3(0.0f);
+      if (!loaded.take(&material.transmission_image)) material.transmission *= kUnreadGrey;
       if (averaged_.count(i) > 0 && material.transmission_image.isThere()) {
         const auto image = static_cast<size_t>(std::exchange(material.transmission_image, {}).image);
         material.transmission *= meanRed(loaded.images[image]);
@@ -319,13 +318,6 @@ class LooksReader {
     }
     looks_.images = std::move(loaded.images);
     for (std::string& note : unreadImageNotes(loaded)) notes_->push_back(std::move(note));
-  }
-
-  // False where there was to be one, and it could not be read.
-  static bool take(const LoadedImages& loaded, TextureUse* use) {
-    if (!use->isThere()) return true;
-    use->image = loaded.image_of[static_cast<size_t>(use->image)];
-    return use->isThere();
   }
 
   static float meanRed(const TextureImage& image) {

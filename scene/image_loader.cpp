@@ -141,6 +141,12 @@ TextureImage reducedImage(const DecodedImage& image, const KeptAs& kept, int mos
   return Reducer(image, kept).reduce(most_side);
 }
 
+bool LoadedImages::take(TextureUse* use) const {
+  if (!use->isThere()) return true;
+  use->image = image_of[static_cast<size_t>(use->image)];
+  return use->isThere();
+}
+
 int32_t ImageLoader::want(const std::string& name, const KeptAs& kept) {
   return wanted_.try_emplace({name, kept}, static_cast<int32_t>(wanted_.size())).first->second;
 }

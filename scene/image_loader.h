@@ -42,11 +42,16 @@ struct ImageBytes {
   std::span<const unsigned char> bytes() const { return own.empty() ? elsewhere : std::span<const unsigned char>(own); }
 };
 
+inline constexpr float kUnreadGrey = 0.5f;  // linear: stands in the place of an image that could not be read
+
 struct LoadedImages {
   std::vector<TextureImage> images;
   std::vector<int32_t> image_of;              // by the number that want() gave: which of them; -1: it could not be read
   std::map<std::string, std::string> unread;  // by name: what is wrong with it
   int most_side = kMostTexelsOfSide;          // that any was kept at; less where there are so many
+
+  // Puts the image's index in the place of its number; false where there was one, and it could not be read.
+  bool take(TextureUse* use) const;
 };
 
 class ImageLoader {

@@ -6,7 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "scene/image_loader.h"
 #include "scene/scene.h"
+#include "scene/veils.h"
 
 namespace nlg {
 
@@ -20,15 +22,18 @@ struct ObjLevel {
 //
 // Geometry   Faces; polygons are cut into triangles. One SceneObject for each object or group. Lines, points and faces of two
 //            corners are skipped. Triangles of zero area are dropped and counted.
-// Materials  Kd (linear) is the base colour, at most 1; Ke is emission, in cd/m²; d and textures are left aside. A face whose
-//            material was not found is grey, and counted.
+// Materials  Kd (linear) is the base colour, at most 1; Ke is emission, in cd/m²; d or Tr, below 1, makes a veil (veils.h). map_Kd,
+//            map_Ke and map_d are images beside them, of the kinds of image_decode.h, with -s, -o and -clamp; map_d by its own
+//            opacity if it has one, otherwise by its brightness. A face whose material was not found is grey, and counted. Of an
+//            image that cannot be read half of Kd stands in its place, and nothing shines.
 //
-// path     the file; its material libraries must lie in its folder or below, and may be missing
+// path     the file; its material libraries and their images must lie in its folder or below, and may be missing
 // unit_m   metres of one unit of the file, finite, above 0
+// dense_veil   as judgeVeils has it
 // returns  the scene; its id is the file's stem
 // throws   InputError naming file, line, expected and got, as obj_text.h says; on a library outside of the folder, positions
 //          beyond 1e9 m
-ObjLevel readObj(const std::string& path, double unit_m);
+ObjLevel readObj(const std::string& path, double unit_m, double dense_veil = kDenseVeil);
 
 // A material library that a file names.
 struct ObjLibraryFile {
@@ -39,7 +44,15 @@ struct ObjLibraryFile {
 };
 using ObjLibrary = std::function<ObjLibraryFile(const std::string& name)>;
 
+// What a file is read with besides its text.
+struct ObjFiles {
+  ObjLibrary library;
+  std::function<ImageBytes(const std::string& name)> image;  // by its name from the file's folder
+  SceneBudget* pixels;                                       // of images
+};
+
 // The same of a text in memory, as of an entry of an archive; path is its name in errors.
-ObjLevel readObjText(const std::string& path, std::string_view text, double unit_m, const ObjLibrary& library);
+ObjLevel readObjText(const std::string& path, std::string_view text, double unit_m, const ObjFiles& files,
+                     double dense_veil = kDenseVeil);
 
 }  // namespace nlg

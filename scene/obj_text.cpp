@@ -168,6 +168,13 @@ class ObjChecker {
   ObjText found_;
 };
 
+bool isOpacity(const std::vector<std::string_view>& words) {
+  if ((words[0] != "d" && words[0] != "Tr") || words.size() != 2) return false;
+  double share = -1.0;
+  const auto [end, error] = std::from_chars(words[1].data(), words[1].data() + words[1].size(), share);
+  return error == std::errc() && end == words[1].data() + words[1].size() && share >= 0.0 && share <= 1.0;
+}
+
 }  // namespace
 
 ObjText checkedObjText(const std::string& path, std::string_view text) { return ObjChecker(path).check(text); }
@@ -177,7 +184,8 @@ std::string checkedMtlText(const std::string& path, std::string_view text) {
   return lines.keep(text, [&](const std::vector<std::string_view>& words) {
     const bool is_colour = words[0] == "Kd" || words[0] == "Ke";
     if (is_colour) lines.checkNumbers(words, 3, 0.0, kBrightest, "three numbers of 0 to 1e12");
-    return is_colour || words[0] == "newmtl";
+    const bool is_image = words[0] == "map_Kd" || words[0] == "map_Ke" || words[0] == "map_d";
+    return is_colour || is_image || isOpacity(words) || words[0] == "newmtl";
   });
 }
 

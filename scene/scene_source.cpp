@@ -111,12 +111,12 @@ SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::str
 }
 
 SceneSource readObjFile(const std::string& path, const SceneReading& reading) {
-  ObjLevel level = readObj(path, reading.unit_m);
+  ObjLevel level = readObj(path, reading.unit_m, reading.veil_cover);
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
 }
 
 SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
-  GltfLevel level = readGltf(path, reading.unit_m);
+  GltfLevel level = readGltf(path, reading.unit_m, reading.veil_cover);
   const std::string sides = giveSolidsOneSide(level.scene).note();
   if (!sides.empty()) level.notes.push_back(sides);
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
@@ -127,6 +127,11 @@ SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
 void describe(SceneReading& reading, OptionTable& table) {
   table.add("unit", &reading.unit_m,
             "metres of one unit of a glTF or .obj file: 0.01 where it is in centimetres, 0.0254 in inches", 1e-6, 1e6);
+  table.add(
+      "veil_cover", &reading.veil_cover,
+      "what lets light through is a sheet to weighting functions where it stops this share of light or more, and air to them "
+      "where less; 0: always a sheet; above 1: always air",
+      0.0, 1.01);
   table.addNote(sceneBudgets());
 }
 

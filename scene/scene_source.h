@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scene/scene.h"
+#include "scene/veils.h"
 #include "tool/options.h"
 
 namespace nlg {
@@ -26,6 +27,7 @@ struct SceneSource {
 // How a scene is read from its file.
 struct SceneReading {
   double unit_m = 1.0;  // metres of one unit of a glTF file, whose unit is the metre if it keeps to the rule, or of an .obj file
+  double veil_cover = kDenseVeil;  // judgeVeils' dense_veil: veils.h
 };
 
 // Adds `unit` to a tool's table, and to its --help what a scene may take (scene_budget.h).

@@ -11,6 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kMaxCatalogueBytes = size_t{4} << 20;
+constexpr size_t kMaxImageBytes = size_t{64} << 20;
 constexpr size_t kMaxModelBytes = size_t{8} << 20;
 
 }  // namespace
@@ -46,7 +47,7 @@ const FurnitureModel* FurnitureLibrary::model(size_t idx) {
   return piece.model->triangles.empty() ? nullptr : &*piece.model;
 }
 
-FurnitureModel FurnitureLibrary::read(const Piece& piece) const {
+FurnitureModel FurnitureLibrary::read(const Piece& piece) {
   const std::string& name = piece.entry.model;
   const Pk3Archives& archive = *archives_[piece.archive_idx];
   if (extensionOf(name) != ".obj" || archive.sizeOf(name) > kMaxModelBytes) return {};
@@ -62,7 +63,19 @@ FurnitureModel FurnitureLibrary::read(const Piece& piece) const {
     }
     return file;
   };
-  return fitFurnitureModel(readObjText(archive.path() + ": " + name, text, 1.0, library).scene, piece.entry);
+  const auto image = [&](const std::string& image_name) {
+    ImageBytes bytes;
+    const std::string key = (fs::path(name).parent_path() / image_name).lexically_normal().string();
+    if (!archive.has(key)) {
+      bytes.problem = "is not there";
+    } else {
+      const std::string entry = archive.read(key, kMaxImageBytes);
+      bytes.own.assign(entry.begin(), entry.end());
+    }
+    return bytes;
+  };
+  const std::string path = archive.path() + ": " + name;
+  return fitFurnitureModel(readObjText(path, text, 1.0, {library, image, &pixels_}).scene, piece.entry);
 }
 
 }  // namespace nlg

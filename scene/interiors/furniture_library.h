@@ -41,8 +41,9 @@ class FurnitureLibrary {
   };
 
   void addArchive(const std::string& file);
-  FurnitureModel read(const Piece& piece) const;
+  FurnitureModel read(const Piece& piece);
 
+  SceneBudget pixels_ = SceneBudgets().pixels;      // of all models' images together
   SceneBudget unpacked_ = SceneBudgets().unpacked;  // of all archives together
   std::vector<std::unique_ptr<Pk3Archives>> archives_;
   std::vector<Piece> pieces_;

@@ -11,6 +11,8 @@
 
 #include "scene/closed_shells.h"
 #include "scene/mesh_builder.h"
+#include "scene/surface_look.h"
+#include "scene/surface_means.h"
 
 namespace nlg {
 namespace {
@@ -83,7 +85,29 @@ Mesh merged(const Mesh& fine, double cell_m) {
   return mesh;
 }
 
+std::vector<Material> plainMaterials(const Scene& scene) {
+  std::vector<Material> plain = scene.materials;
+  std::vector<bool> has_base, has_emissive;
+  for (const Material& material : scene.materials) {
+    has_base.push_back(material.base_image.isThere());
+    has_emissive.push_back(material.emissive_image.isThere());
+  }
+  const auto base = [&](uint32_t triangle, float u, float v) { return glm::dvec3(baseColourAt(scene, triangle, u, v)); };
+  const auto emission = [&](uint32_t triangle, float u, float v) { return glm::dvec3(emissionAt(scene, triangle, u, v)); };
+  const std::vector<glm::dvec4> colours = meansOfMaterials(scene, has_base, base);
+  const std::vector<glm::dvec4> shines = meansOfMaterials(scene, has_emissive, emission);
+  for (size_t i = 0; i < plain.size(); ++i) {
+    if (has_base[i]) plain[i].base_color = glm::vec3(colours[i]);
+    if (has_emissive[i]) plain[i].emissive = glm::vec3(shines[i]);
+    plain[i].base_image = plain[i].emissive_image = {};
+    plain[i].veil = Veil::none;
+    plain[i].opacity = 1.0f;
+  }
+  return plain;
+}
+
 void giveMaterials(const Scene& source, const Mesh& mesh, FurnitureModel* model) {
+  const std::vector<Material> materials = plainMaterials(source);
   std::vector<uint32_t> itself(mesh.positions.size());  // merged before: no two vertices are the same
   std::iota(itself.begin(), itself.end(), 0u);
   ShellFinder finder(std::move(itself));
@@ -96,7 +120,7 @@ void giveMaterials(const Scene& source, const Mesh& mesh, FurnitureModel* model)
     const auto [copy, is_new] =
         copies.try_emplace({mesh.triangle_material[i], is_one_sided}, static_cast<uint32_t>(model->materials.size()));
     if (is_new) {
-      model->materials.push_back(source.materials[mesh.triangle_material[i]]);
+      model->materials.push_back(materials[mesh.triangle_material[i]]);
       model->materials.back().double_sided = !is_one_sided;
     }
     model->triangle_material.push_back(copy->second);

@@ -11,6 +11,9 @@ namespace nlg {
 
 // The middle of the foot is the origin, y up, the front towards +z. Positions are multiples of 1/1024 m.
 //
+// Its materials are plain: a mean over the material's area stands in the place of an image, and what lets light through is whole. So
+// coarsening loses no colour.
+//
 // Which faces are evidence of solid is decided by connected component: one that is closed (each edge runs as often one way as the
 // other) and whose signed volume is above zero is wound outwards and one-sided; all others are open sheets or inside out, and get
 // a double-sided copy of their material. It is decided last, of what stands in the room: a surface that lost faces to coarsening is

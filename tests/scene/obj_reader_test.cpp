@@ -7,6 +7,8 @@
 #include <fstream>
 
 #include "scene/scene_source.h"
+#include "scene/surface_look.h"
+#include "tests/scene/hand_built_images.h"
 #include "tests/scene/input_error.h"
 #include "tests/scene/scene_triangles.h"
 #include "tests/scene/temporary_folder.h"
@@ -21,7 +23,8 @@ namespace fs = std::filesystem;
 const char* const kSquare =
     "# a comment\nmtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 2\nv 1 0 2\nv 0 1 2\nvt 0 0\nvn 0 0 1\n"
     "o square\nusemtl lamp\nf 1/1/1 2/1/1 3/1/1 4/1/1\no roof\nusemtl brick\ns off\nf -3//1 -2//1 -1//1\nl 1 2\n";
-const char* const kLooks = "newmtl lamp\nKd 0.25 0.5 0.75\nKe 8 4 0\nmap_Kd bricks.png\nNs 10\nnewmtl brick\nKd 0.5 0.25 0.125\n";
+const char* const kLooks =
+    "newmtl lamp\nKd 0.25 0.5 0.75\nKe 8 4 0\nmap_Ka bricks.png\nd 1\nNs 10\nnewmtl brick\nKd 0.5 0.25 0.125\n";
 
 class ObjReader : public testing::Test {
  protected:
@@ -108,6 +111,90 @@ TEST_F(ObjReader, CutsColoursAboveOneAndSaysSo) {
   EXPECT_EQ(level.scene.materials[level.scene.triangle_material[0]].base_color, glm::vec3(1.0f, 0.5f, 0.0f));
   ASSERT_EQ(level.notes.size(), 1u);
   EXPECT_EQ(level.notes[0], "1 materials with a Kd above 1: cut to 1");
+}
+
+// --- images and opacity
+
+// A square, its places on the image those of its corners, lower left first.
+const char* const kPlacedSquare =
+    "mtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl wall\nf 1/1 2/2 3/3 4/4\n";
+// Red beside green; the second is half there.
+const std::string kHalves("\xff\0\0\xff\0\xff\0\x80", 8);
+
+TEST_F(ObjReader, PutsImagesWhereFacesSay) {
+  write("two halves.png", png(2, 1, kHalves));
+  write("looks.mtl", "newmtl wall\nKd 1 0.5 1\nmap_Kd -s 1 2 1 -o 0 0.25 0 two halves.png \n");
+  const ObjLevel level = read(kPlacedSquare);
+  EXPECT_TRUE(level.notes.empty()) << level.notes[0];
+  for (uint32_t triangle = 0; triangle < 2; ++triangle) {
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 at = corner(level.scene, triangle, k);
+      const glm::vec2 place = level.scene.base_places[level.scene.triangles[triangle][k]];
+      EXPECT_EQ(place, glm::vec2(at.x, 1.0 - (2.0 * at.y + 0.25))) << "the file's v points up";
+    }
+  }
+  EXPECT_EQ(level.scene.materials.at(0).veil, Veil::none) << "colours' own opacity is nothing";
+  EXPECT_LT(glm::length(baseColourAt(level.scene, 0, 0.25f, 0.0f) - glm::vec3(1, 0, 0)), 1e-3f);
+  EXPECT_LT(glm::length(baseColourAt(level.scene, 0, 0.75f, 0.0f) - glm::vec3(0, 0.5, 0)), 1e-3f);
+}
+
+TEST_F(ObjReader, OpacityMakesVeils) {
+  write("colours.png", png(2, 1, kHalves));
+  write("mask.png", png(2, 1, std::string("\0\0\0\xff\xff\xff\xff\xff", 8)));
+  const struct {
+    const char* looks;
+    double stops;
+  } cases[] = {{"newmtl wall\nd 0.25\n", 0.25},
+               {"newmtl wall\nTr 0.25\n", 0.75},
+               {"newmtl wall\nKd 1 1 1\nmap_Kd colours.png\nmap_d colours.png\n", 0.75},
+               {"newmtl wall\nKd 1 1 1\nmap_Kd colours.png\nmap_d mask.png\n", 0.5},
+               {"newmtl wall\nKd 1 1 1\nmap_d mask.png\n", 0.5},
+               {"newmtl wall\nd 1\nTr 0\n", 1.0},
+               {"newmtl wall\nd -halo 0.25\nd 7\n", 1.0}};
+  for (const auto& one : cases) {
+    SCOPED_TRACE(one.looks);
+    write("looks.mtl", one.looks);
+    const ObjLevel level = read(kPlacedSquare);
+    const Material& material = level.scene.materials.at(0);
+    EXPECT_EQ(material.veil == Veil::none, one.stops == 1.0);
+    EXPECT_EQ(level.notes.size(), one.stops == 1.0 ? 0u : 1u);
+    const double stopped = 0.5 * (stoppedAt(level.scene, 0, 0.25f, 0.0f) + stoppedAt(level.scene, 0, 0.75f, 0.0f));
+    EXPECT_NEAR(stopped, one.stops, 0.003);
+  }
+}
+
+TEST_F(ObjReader, ShinesByItsImage) {
+  write("colours.png", png(2, 1, kHalves));
+  write("looks.mtl", "newmtl wall\nKe 8 8 8\nmap_Ke colours.png\n");
+  const Scene scene = read(kPlacedSquare).scene;
+  EXPECT_TRUE(scene.base_places.empty());
+  EXPECT_LT(glm::length(emissionAt(scene, 0, 0.25f, 0.0f) - glm::vec3(8, 0, 0)), 1e-2f);
+}
+
+TEST_F(ObjReader, ImagesThatCannotBeReadAreNoted) {
+  const struct {
+    const char *name, *note;
+  } cases[] = {{"missing.png", "is not there"},
+               {"C:\\textures\\a.png", "lies in another place"},
+               {"../secret.png", "is no file in the scene's folder or below"},
+               {"bad.png", "is damaged"}};
+  write("../secret.png", "secret");
+  write("bad.png", "no image at all, but long enough");
+  for (const auto& one : cases) {
+    write("looks.mtl", "newmtl wall\nKd 1 0.5 0\nmap_Kd " + std::string(one.name) + "\n");
+    const ObjLevel level = read(kPlacedSquare);
+    ASSERT_EQ(level.notes.size(), 1u);
+    EXPECT_NE(level.notes[0].find(one.note), std::string::npos) << level.notes[0];
+    EXPECT_EQ(level.scene.materials.at(0).base_color, glm::vec3(0.5f, 0.25f, 0.0f));
+  }
+}
+
+TEST_F(ObjReader, FacesWithoutPlacesLieAtTheCornerOfTheImage) {
+  write("colours.png", png(2, 1, kHalves));
+  write("looks.mtl", "newmtl wall\nKd 1 1 1\nmap_Kd colours.png\n");
+  const ObjLevel level = read("mtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nusemtl wall\nf 1 2/9 3/1\n");
+  ASSERT_EQ(level.notes.size(), 1u);
+  EXPECT_EQ(level.notes[0], "2 vertices without a place on their image (vt): its corner instead");
 }
 
 TEST_F(ObjReader, RefusesHostileFilesByNamingTheLine) {

@@ -16,7 +16,9 @@ namespace nlg {
 namespace {
 
 Scene objScene(const std::string& text) {
-  return readObjText("test.obj", text, 1.0, [](const std::string&) { return ObjLibraryFile{"", "", {}, "is not there"}; }).scene;
+  SceneBudget pixels = SceneBudgets().pixels;
+  const auto library = [](const std::string&) { return ObjLibraryFile{"", "", {}, "is not there"}; };
+  return readObjText("test.obj", text, 1.0, {library, {}, &pixels}).scene;
 }
 
 CatalogueEntry entryOf(const glm::dvec3& size_m) {
@@ -186,6 +188,29 @@ TEST_F(FurnitureLibraryTest, RefusesModelsThatAreMissingOrNoText) {
   EXPECT_NE(
       modelError({{"models/bed.obj", "mtllib bad.mtl\nv 0 0 0\n"}, {"models/bad.mtl", "newmtl a\nKd x 0 0\n"}}).find("bad.mtl"),
       std::string::npos);
+}
+
+// Half of the square shows red, half green, and one red lets half of the light through.
+TEST(FurnitureModel, ImagesBecomeTheirMeansAndVeilsWhole) {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  scene.triangles = {{0, 1, 2}, {0, 2, 3}};
+  scene.triangle_material = {0, 0};
+  scene.base_places = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+  scene.images = {{2, 1, {{255, 0, 0, 255}, {0, 255, 0, 255}}}};
+  Material material;
+  material.base_color = {1.0f, 0.5f, 1.0f};
+  material.base_image.image = 0;
+  material.veil = Veil::thin;
+  material.opacity = 0.5f;
+  scene.materials = {material};
+  const FurnitureModel model = fitFurnitureModel(scene, entryOf({1, 1, 0.1}));
+  ASSERT_EQ(model.materials.size(), 1u);
+  const Material& plain = model.materials[0];
+  EXPECT_LT(glm::length(plain.base_color - glm::vec3(0.5f, 0.25f, 0.0f)), 0.005f);
+  EXPECT_FALSE(plain.base_image.isThere());
+  EXPECT_EQ(plain.veil, Veil::none);
+  EXPECT_EQ(plain.opacity, 1.0f);
 }
 
 }  // namespace
