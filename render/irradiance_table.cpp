@@ -68,7 +68,7 @@ std::vector<Receiver> receiversFromCsv(const std::string& path, const std::strin
 void writeIrradianceTable(const IrradianceRequest& request, const BakeOptions& options) {
   refuseToReplaceInputs(request.out, {request.scene, request.places});
   requireOutputFile(request.out);
-  const std::string places = readFile(request.places, size_t{1} << 28);
+  const std::string places = readFile(request.places, size_t{1} << 26);
   const SceneSource source = loadLitScene(request.scene, options);
   tellNotes("nlg-render", source);
   const glm::dvec3& origin_m = source.scene.origin_m;
