@@ -28,7 +28,7 @@ class Ratios(unittest.TestCase):
                 self.assertAlmostEqual(found[1], error)
 
     def test_the_ratio_is_of_means_and_its_error_of_both_sides_noise(self):
-        # ours, deviations, theirs, errors → ratio, error, difference, noise
+        # ours, our errors, theirs, their errors → ratio, error, difference, noise
         cases = {
             "the same": ([1, 3], [0, 0], [1, 3], [0, 0], 1, 0, 0, 0),
             "a half more, everywhere": ([3, 4.5], [0, 0], [2, 3], [0, 0], 1.5, 0, 0.5, 0),
@@ -37,9 +37,9 @@ class Ratios(unittest.TestCase):
             "their noise counts as often as the ratio": ([4, 4], [0, 0], [1, 1], [0.3, 0.4], 4, 1, 3, 0.5 / math.sqrt(2)),
             "black": ([0, 0], [0, 0], [1, 1], [0, 0], 0, 0, 1, 0),
         }
-        for name, (ours, deviations, theirs, errors, *expected) in cases.items():
+        for name, (ours, our_errors, theirs, their_errors, *expected) in cases.items():
             with self.subTest(name):
-                found = ratios.over(ours, deviations, theirs, errors)
+                found = ratios.over(ours, our_errors, theirs, their_errors)
                 for key, value in zip(("ratio", "error", "difference", "noise"), expected, strict=True):
                     self.assertAlmostEqual(found[key], value, msg=key)
 
@@ -49,9 +49,11 @@ class Ratios(unittest.TestCase):
                 ratios.over(*arguments)
 
     def test_channels_are_kept_apart(self):
-        found = ratios.compare([[2, 3, 0]], [[0, 0, 0.5]], [[[1, 1, 1]], [[1, 5, 1]]])
-        self.assertEqual([found[name]["ratio"] for name in ("red", "green", "blue")], [2, 1, 0])
-        self.assertEqual([found[name]["error"] for name in ("red", "green", "blue")], [0, 2 / 3, 0.5])
+        # two runs of one place, each side
+        found = ratios.compare([[[2, 3, 0]], [[2, 3, 1]]], [[[1, 1, 1]], [[1, 5, 1]]])
+        self.assertEqual([found[name]["ratio"] for name in ("red", "green", "blue")], [2, 1, 0.5])
+        for name, error in {"red": 0, "green": 2 / 3, "blue": 0.5}.items():
+            self.assertAlmostEqual(found[name]["error"], error, msg=name)
 
 
 class Page(unittest.TestCase):
@@ -71,7 +73,7 @@ class Page(unittest.TestCase):
         page = cycles_page.page({"cycles": cycles_page.collect(self.folder)})
         self.assertIn("15 of 18 lie from .98 to 1.02.", page)
         self.assertIn("| .211 ± .002 | .211 ± .002 | .211 ± .002 | .031 (.030) |", page)
-        self.assertIn("Of revision `0123abc` and Blender 3.4.1: 600 places; 4 bakes of 1,024 samples; 4,096 rays.", page)
+        self.assertIn("Of revision `0123abc` and Blender 3.4.1: 600 places; 4 bakes of 1,024 samples; 4 runs of 4,096 rays.", page)
 
     def test_results_of_two_revisions_or_of_too_few_scenes_are_refused(self):
         self.write("sum", 1.0, revision="other")

@@ -69,27 +69,30 @@ def baked(scene, folder, places, samples):
 
 
 def traced(scene, folder, found, tools, rays):
-    """Irradiance and its deviation by place and channel, of nlg-render."""
-    places, out = folder / f"{scene}.places.csv", folder / f"{scene}.csv"
+    """Irradiance by run, place and channel, of nlg-render: as many runs as Cycles has, of other seeds."""
+    places = folder / f"{scene}.places.csv"
     rows = [",".join(f"{number:.9g}" for number in place) for place in found["places"]]
     write_atomically(places, "\n".join([",".join(PLACE), *rows, ""]).encode())
     sky = "0" if not any(found["sky"]) else ",".join(map(str, found["sky"]))
     sun = "0" if found["sun"] is None else ",".join(map(str, found["sun"]))
-    printed([tools / "nlg-render", "irradiance", folder / f"{scene}.glb", "--places", places, "--out", out, "--rays", rays, f"--sky={sky}", f"--sun={sun}"], f"nlg-render, of {scene},")
     columns = (*PLACE, "r", "g", "b", "dr", "dg", "db")
-    table = [[parse_number(out, line, column, text) for column, text in zip(columns, row)] for line, row in read_columns(out, columns)]
-    return [row[6:9] for row in table], [row[9:12] for row in table]
+    runs = []
+    for seed in range(1, len(found["runs"]) + 1):
+        out = folder / f"{scene}.{seed}.csv"
+        printed([tools / "nlg-render", "irradiance", folder / f"{scene}.glb", "--places", places, "--out", out, "--rays", rays, "--seed", seed, f"--sky={sky}", f"--sun={sun}"], f"nlg-render, of {scene},")
+        runs.append([[parse_number(out, line, *cell) for cell in zip(columns[6:9], row[6:9])] for line, row in read_columns(out, columns)])
+        if len(runs[-1]) != len(found["places"]):
+            raise InputError(out, "rows", str(len(found["places"])), str(len(runs[-1])))
+    return runs
 
 
 def measure(scene, arguments):
     found = baked(scene, arguments.out, arguments.places, arguments.samples)
-    ours, deviations = traced(scene, arguments.out, found, arguments.bin, arguments.rays)
-    if len(ours) != len(found["places"]):
-        raise InputError(arguments.out / f"{scene}.csv", "rows", str(len(found["places"])), str(len(ours)))
-    result = {"scene": scene, "revision": printed([arguments.bin / "nlg-render", "--version"], "nlg-render").strip(), "blender": found["blender"], "places": len(ours), "runs": len(found["runs"]), "samples": found["samples"], "rays": arguments.rays,
-              "channels": compare(ours, deviations, found["runs"])}
+    revision = printed([arguments.bin / "nlg-render", "--version"], "nlg-render").strip()
+    channels = compare(traced(scene, arguments.out, found, arguments.bin, arguments.rays), found["runs"])
+    result = {"scene": scene, "revision": revision, "blender": found["blender"], "places": len(found["places"]), "runs": len(found["runs"]), "samples": found["samples"], "rays": arguments.rays, "channels": channels}
     write_atomically(arguments.out / f"{scene}.result.json", (json.dumps(result, indent=1) + "\n").encode())
-    print(f"{scene:13}" + "  ".join(f"{name} {c['ratio']:.4f} ± {c['error']:.4f} (places differ by {c['difference']:.4f}, noise {c['noise']:.4f})" for name, c in result["channels"].items()), flush=True)
+    print(f"{scene:14}" + "  ".join(f"{name} {c['ratio']:.4f} ± {c['error']:.4f} (places differ by {c['difference']:.4f}, noise {c['noise']:.4f})" for name, c in channels.items()), flush=True)
 
 
 def main():
@@ -98,8 +101,8 @@ def main():
     parser.add_argument("--out", type=Path, default=Path("out/cycles"), help="%(default)s")
     parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help="where nlg-render is (%(default)s)")
     parser.add_argument("--places", type=int, default=600, help="%(default)s")
-    parser.add_argument("--samples", type=int, default=1024, help="of Cycles, a place and run (%(default)s)")
-    parser.add_argument("--rays", type=int, default=4096, help="of nlg-render, a place (%(default)s)")
+    parser.add_argument("--samples", type=int, default=4096, help="of Cycles, a place and run (%(default)s)")
+    parser.add_argument("--rays", type=int, default=16384, help="of nlg-render, a place and run (%(default)s)")
     arguments = parser.parse_args()
     for scene in arguments.scenes:
         if scene.removesuffix("@means") not in SCENES:

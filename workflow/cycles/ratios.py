@@ -1,4 +1,4 @@
-"""Our irradiance over another renderer's, channel by channel, with standard errors; of places whose noise is known on both sides."""
+"""Our irradiance over another renderer's, channel by channel, with standard errors; of runs that differ in their noise alone."""
 import math
 
 
@@ -8,7 +8,7 @@ def mean_and_error(runs):
     return mean, math.sqrt(sum((value - mean) ** 2 for value in runs) / (len(runs) - 1) / len(runs))
 
 
-def over(ours, deviations, theirs, errors):
+def over(ours, our_errors, theirs, their_errors):
     """One channel at all places: {"ours", "theirs"}: means; "ratio" of the means and its standard "error", places counted as given; "difference":
     root mean square over that of theirs; "noise": what of it both sides' noise makes by itself."""
     count = len(ours)
@@ -16,18 +16,20 @@ def over(ours, deviations, theirs, errors):
     if not sums[1] > 0.0:
         raise ValueError("irradiance that is above 0 is needed at some place")
     ratio = sums[0] / sums[1]
-    variance = sum(d * d for d in deviations) + ratio * ratio * sum(e * e for e in errors)
+    variance = sum(e * e for e in our_errors) + ratio * ratio * sum(e * e for e in their_errors)
     square = sum(t * t for t in theirs)
     differences = sum((o - t) ** 2 for o, t in zip(ours, theirs, strict=True))
-    noise = sum(d * d + e * e for d, e in zip(deviations, errors, strict=True))
+    noise = sum(a * a + b * b for a, b in zip(our_errors, their_errors, strict=True))
     return {"ours": sums[0] / count, "theirs": sums[1] / count, "ratio": ratio, "error": math.sqrt(variance) / sums[1],
             "difference": math.sqrt(differences / square), "noise": math.sqrt(noise / square)}
 
 
-def compare(ours, deviations, runs):
-    """By channel, "red", "green", "blue", what over() says. ours, deviations: by place and channel; runs: by run, place and channel."""
+def compare(ours, theirs):
+    """By channel, "red", "green", "blue", what over() says. ours, theirs: by run, place and channel."""
     found = {}
     for channel, name in enumerate(("red", "green", "blue")):
-        theirs = [mean_and_error([run[place][channel] for run in runs]) for place in range(len(ours))]
-        found[name] = over([o[channel] for o in ours], [d[channel] for d in deviations], [t[0] for t in theirs], [t[1] for t in theirs])
+        sides = []
+        for runs in (ours, theirs):
+            sides += zip(*(mean_and_error([run[place][channel] for run in runs]) for place in range(len(runs[0]))))
+        found[name] = over(*sides)
     return found

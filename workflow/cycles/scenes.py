@@ -50,8 +50,8 @@ class Room(Model):
         return replace(look, **{"emission" if shines else "colour": mean})
 
     def bricks(self, rows, columns, brick, mortar):
-        """Bricks of many tones, 256 x 256."""
-        y, x = np.mgrid[0:256, 0:256] / 256
+        """Bricks of many tones, 512 x 512."""
+        y, x = np.mgrid[0:512, 0:512] / 512
         row = (y * rows).astype(int)
         along = x * columns + 0.5 * (row % 2)
         tones = self.random.uniform(0.7, 1.25, (rows, columns))[row, along.astype(int) % columns]
@@ -60,17 +60,18 @@ class Room(Model):
 
     def screen(self):
         """A picture that shines: a dark blue sky above a red and a yellow field."""
-        y, x = np.mgrid[0:96, 0:160] / (96.0, 160.0)[0]
-        x = x * 96 / 160
+        y, x = np.mgrid[0:384, 0:640] / 384
+        x = x * 0.6  # of the width, 0 to 1
         sky = np.stack([0.1 + 0.2 * y, 0.2 + 0.5 * y, 0.5 + 0.4 * y], -1)
         field = np.where((x < 0.4)[..., None], (0.9, 0.15, 0.1), (0.95, 0.8, 0.2))
         return np.where((y > 0.6)[..., None], field, sky)
 
     def pickets(self):
-        """Boards of a fence, 256 x 128, cut out by alpha; two rails hold them."""
-        y, x = np.mgrid[0:128, 0:256] / (128.0, 256.0)[0]
+        """Boards of a fence, 512 x 256, cut out by alpha; two rails hold them."""
+        y, x = np.mgrid[0:256, 0:512] / 256
+        x = x / 2
         is_there = ((x * 8 % 1 < 0.55) & (y > 0.1)) | (np.abs(y - 0.35) < 0.05) | (np.abs(y - 0.8) < 0.05)
-        colour = np.broadcast_to((0.62, 0.5, 0.35), (128, 256, 3))
+        colour = np.broadcast_to((0.62, 0.5, 0.35), (256, 512, 3))
         return np.concatenate([colour, is_there[..., None]], -1)
 
     def build(self, *, textured, back=True, right=False):
