@@ -1,13 +1,16 @@
 // nlg-datagen: scenes → shards of weighting functions, and what there is to know about both.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstring>
+#include <iostream>
 #include <string>
 #include <vector>
 
 #include "datagen/generate.h"
 #include "datagen/info.h"
 #include "datagen/plan.h"
+#include "datagen/scene_info.h"
 #include "datagen/view/view.h"
 #include "scene/scene_budget.h"
 #include "tool/file_info.h"
@@ -32,6 +35,7 @@ int generateMain(int argc, char** argv) {
       "Generates the weighting functions of one scene under one jitter and writes them as one shard.\n"
       "nlg-datagen plan --scene SCENE: what a shard will take.\n"
       "nlg-datagen info FILE ...: what shards are, verified.\n"
+      "nlg-datagen info SCENE ...: what scenes hold, and what was not read.\n"
       "nlg-datagen view SHARD: pictures of one.",
       "nlg-datagen"};
   ShardRequest request;
@@ -62,8 +66,32 @@ int planMain(int argc, char** argv) {
                  [&] { printPlan(request, planShard(request, options, table), json ? PlanFormat::json : PlanFormat::text); });
 }
 
+int sceneInfoMain(int argc, char** argv) {
+  CLI::App app{"Says what scenes hold: triangles, size, materials, images, what is solid, lights, and what was not read.",
+               "nlg-datagen info"};
+  std::vector<std::string> scenes;
+  SceneReading reading;
+  bool json = false;
+  OptionTable table("datagen");
+  describe(reading, table);
+  table.common({"unit", "veil_cover"});
+  app.add_option("scenes", scenes, sceneForms())->required();
+  app.add_flag("--json", json, "one line of JSON a scene");
+  return runTool(argc, argv, app, table, [&] {
+    for (const std::string& scene : scenes) {
+      const nlohmann::ordered_json found = describeScene(scene, reading);
+      std::cout << (json ? found.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n'
+                         : sceneText(found));
+    }
+  });
+}
+
 int infoMain(int argc, char** argv) {
-  return fileInfoMain(argc, argv, {"nlg-datagen info", "shards (.h5)", "datagen", describeShard});
+  // of scenes, where the first argument is one
+  const auto is_name = [](const char* argument) { return argument[0] != '-'; };
+  char** const first = std::find_if(argv + 1, argv + argc, is_name);
+  if (first != argv + argc && !isShardRequest(*first)) return sceneInfoMain(argc, argv);
+  return fileInfoMain(argc, argv, {"nlg-datagen info", "shards (.h5); of a scene: what it holds", "datagen", describeShard});
 }
 
 int viewMain(int argc, char** argv) {
