@@ -2,10 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "export/engine/c_header.h"
@@ -44,6 +46,7 @@ struct EngineRequest {
 
 struct EngineOptions {
   VolumeOptions volume;
+  double intensity = 1.0;  // of the grid's light in the files
   int places = 20000;
 };
 
@@ -53,10 +56,11 @@ std::string formatNames() {
   return names + kGridFormats[0].name + ", or " + kGridFormats[1].name;
 }
 
-LightGrid readGrid(const std::string& path, GridMetadata* metadata) {
+LightGrid readGrid(const std::string& path, double intensity, GridMetadata* metadata) {
   LightGrid grid;
   requireRead(path, readLightGridFile(path, &grid, metadata), "a light grid");
   if (grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
+  for (float& light : grid.light) light *= static_cast<float>(intensity);
   if (grid.tree.cellCount() == 0) throw InputError(path, "tree", "a cell that is used", "none");
   return grid;
 }
@@ -73,8 +77,9 @@ LightVolume readVolume(const LightGrid& grid, const EngineRequest& request, cons
   LightVolume volume = makeLightVolume(grid, box);
   if (volume.lit == 0) throw UsageError("extent_m", "a box in which the grid has light", "none");
   if (const float largest = largestLight(volume); largest > kMaxEngineLight) {
+    const double fits = options.intensity * std::pow(10.0, std::floor(std::log10(kMaxEngineLight / largest)));
     throw InputError(request.grid, "light", "coefficients of at most " + std::to_string(static_cast<int>(kMaxEngineLight)),
-                     std::to_string(largest));
+                     fmt::format("{:g}: --intensity {:g} makes them fit", largest, fits));
   }
   return volume;
 }
@@ -120,8 +125,10 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
     throw UsageError("--format", "one with texels beside extent_m and spacing_m", request.format + ", which has none");
   if (request.out.empty()) throw UsageError("--out", "the name of a folder", "an empty text");
   GridMetadata metadata;
-  const LightGrid grid = readGrid(request.grid, &metadata);
-  nlohmann::ordered_json line = {{"scene", metadata.contains("scene") ? metadata["scene"] : ""}, {"format", request.format}};
+  const LightGrid grid = readGrid(request.grid, options.intensity, &metadata);
+  nlohmann::ordered_json line = {{"scene", metadata.contains("scene") ? metadata["scene"] : ""},
+                                 {"format", request.format},
+                                 {"intensity", options.intensity}};
   if (grid_format != nullptr) return writeGrid(grid, *grid_format, request, options, std::move(line));
 
   const LightVolume volume = readVolume(grid, request, options, *format);
@@ -130,6 +137,7 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   line.update(place);
   line["texels"] = {{"lit", volume.lit}, {"filled", volume.filled}};
   place["format"] = request.format;
+  place["intensity"] = options.intensity;
   place["provenance"] = provenance("nlg-export engine", table.toJson(), {{"grid", fileSha256(request.grid)}});
   files.push_back({kPlace, place.dump(2) + "\n"});
   line["bytes"] = bytesOf(files);
@@ -151,6 +159,8 @@ int engineMain(int argc, char** argv) {
       "extent_m", &options.volume.extent_m,
       "the box, --extent-m=x,y,z,X,Y,Z: low and high corner, metres; none: the grid's used cells and a texel on every side");
   table.add("spacing_m", &options.volume.spacing_m, "widest texel, metres; 0: half of the grid's finest spacing", 0.0, 1e6);
+  table.add("intensity", &options.intensity,
+            "factor on the grid's light; light.json says it, for whoever wants the grid's own unit back", 1e-12, 1e12);
   table.add("places", &options.places, "places at which the error is measured", 1, 100000000);
   app.add_option("--grid", request.grid, "a light grid with light (.safetensors)")->required();
   app.add_option("--format", request.format, formatNames())->required();

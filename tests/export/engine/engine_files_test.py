@@ -174,7 +174,9 @@ def check_refusals():
     refuses(INPUT_ERROR, ["missing.safetensors"], "--grid", "missing.safetensors", "--format", "three", "--out", "bad")
     for format_name in ["three", "bevy", *WITHOUT_TEXELS]:
         refuses(INPUT_ERROR, ["dark.safetensors", "without light"], "--grid", "dark.safetensors", "--format", format_name, "--out", "bad")
-    refuses(INPUT_ERROR, ["bright.safetensors", "32768"], "--grid", "bright.safetensors", "--format", "three", "--out", "bad", *BOX)
+    refuses(INPUT_ERROR, ["bright.safetensors", "32768", "--intensity"], "--grid", "bright.safetensors", "--format", "three", "--out", "bad", *BOX)
+    for intensity in ["0", "-1", "nan", "bright"]:
+        refuses(USAGE_ERROR, ["--intensity"], *good, "--intensity", intensity)
     for extent in ["0,0,0,1,-1,1", "0,0,0,1,1", "0,0,0,1,1,nan", "a,0,0,1,1,1"]:
         refuses(USAGE_ERROR, ["extent_m", "low below high"], *good, f"--extent-m={extent}")
     refuses(USAGE_ERROR, ["extent_m", "light"], *good, "--extent-m=0,0,0,1,1,1", "--spacing-m", "1")
@@ -194,6 +196,20 @@ def check_refusals():
     refuses(USAGE_ERROR, ["no input"], "--grid", "folder/light.bin", "--format", "three", "--out", "folder", *BOX)
     must(open("folder/light.bin", "rb").read() == open("grid.safetensors", "rb").read(), "an input was replaced")
     must(os.listdir("folder") == ["light.bin"], "something was written beside an input that was not replaced")
+
+
+def check_intensity():
+    result = export("--grid", "grid.safetensors", "--format", "three", "--out", "half", "--places", "2000", "--intensity", "0.5", *BOX)
+    must(result.returncode == 0 and json.loads(result.stdout)["intensity"] == 0.5, f"half as bright: {result.stderr}")
+    must(json.load(open("half/light.json"))["intensity"] == 0.5, "light.json says no intensity")
+    must(json.load(open("three/light.json"))["intensity"] == 1, "light.json says another intensity")
+    whole, half = (struct.unpack(f"<{len(data) // 2}e", data) for data in (open(f"{name}/light.bin", "rb").read() for name in ("three", "half")))
+    # a half float's own half, but for what is too small to be halved exactly
+    must(all(abs(h - 0.5 * w) <= 2**-24 for w, h in zip(whole, half)), "not half of the light")
+    refused = export("--grid", "bright.safetensors", "--format", "three", "--out", "bright", *BOX)
+    fits = re.search(r"--intensity (\S+) makes them fit", refused.stderr)
+    result = export("--grid", "bright.safetensors", "--format", "three", "--out", "bright", "--places", "2000", "--intensity", fits[1], *BOX)
+    must(result.returncode == 0, f"the intensity that fits does not: {result.stderr}")
 
 
 def check_ktx_parse():
@@ -231,6 +247,7 @@ try:
         check_ktx2()
         check_dds()
         check_godot()
+        check_intensity()
         check_refusals()
         must(TOOLS.end() == 0, "what is refused")
 finally:
