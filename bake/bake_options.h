@@ -23,7 +23,8 @@ struct BakeOptions {
   double density_growth = 0.5;
   std::vector<std::string> extent_m;
   bool align_lattice = false;
-  bool air_only = true;  // cells in solid, and probes that only they read, are left out
+  uint64_t max_probes = 1000000;  // a scene that would have more is refused: some 8 GB of memory
+  bool air_only = true;           // cells in solid, and probes that only they read, are left out
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;

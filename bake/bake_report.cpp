@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "tool/quantity.h"
+
 namespace nlg {
 namespace {
 
@@ -51,6 +53,8 @@ nlohmann::ordered_json lightJson(const LightStatistics& light) {
           {"unread_probes", light.unread_probes},
           {"solve_iterations", light.solve_iterations},
           {"mean_radiance", light.mean},
+          {"error", light.error},
+          {"worst_m", {light.worst_m.x, light.worst_m.y, light.worst_m.z}},
           {"wall_seconds", {{"cache", light.cache_wall_s}, {"measure", light.measure_wall_s}, {"solve", light.solve_wall_s}}}};
 }
 
@@ -139,6 +143,29 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
            static_cast<double>(report.file_bytes) / std::max<double>(1.0, static_cast<double>(counts.grid_probes))},
           {"peak_memory_bytes", report.peak_memory_bytes},
           {"savings", toJson(report.savings)}};
+}
+
+std::string toSummary(const BakeReport& report, const std::string& path) {
+  const BakeStatistics& s = report.statistics;
+  std::string text = fmt::format("{}: {}, {}, {}; {} of memory\n", path, countText(s.counts.grid_probes, "probe"),
+                                 bytesText(static_cast<double>(report.file_bytes)), durationText(s.load_wall_s + s.wall_s),
+                                 bytesText(static_cast<double>(report.peak_memory_bytes)));
+  text += countText(s.counts.functions, "function").append(" stored");
+  if (s.counts.functions > 0) {
+    const nlohmann::ordered_json errors = errorsJson(report, ThetaWord::stored);
+    text += fmt::format("; RMSE {:.4f} on average, {:.4f} or more of 1 in 20", errors.at("mean").get<double>(),
+                        errors.at("p95").get<double>());
+  }
+  const uint64_t failing = s.failing(ThetaWord::stored, report.policy.check());
+  if (failing > 0) text += fmt::format("; {} still {} the check", failing, failing == 1 ? "fails" : "fail");
+  if (s.left_for_time > 0) text += fmt::format("; {} left for want of time", s.left_for_time);
+  const LightStatistics& light = s.light;
+  if (!light.is_lit) return text + "\nlight: none\n";
+  return text + fmt::format(
+                    "\nlight: errs by {:.1f} % of what was measured at {} (RMS, with its noise), most at {:.1f}, {:.1f}, "
+                    "{:.1f}; mean radiance {:.3g}\n",
+                    100.0 * light.error, countText(light.places, "place"), light.worst_m.x, light.worst_m.y, light.worst_m.z,
+                    light.mean);
 }
 
 std::string toTable(const BakeReport& report) {

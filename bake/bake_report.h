@@ -1,4 +1,4 @@
-// What a bake says of itself: one line of JSON for programs, the talk's table for people.
+// What a bake says of itself: a few lines for everybody, the talk's table for who asks, one line of JSON for programs.
 #pragma once
 
 #include <string>
@@ -31,7 +31,11 @@ struct BakeReport {
 // Keys: docs/guide/bake.md.
 nlohmann::ordered_json toJson(const BakeReport& report);
 
-// A few lines of text, the talk's columns first.
+// The lines that a bake ends with, three to five.
+// path   of the light grid
+std::string toSummary(const BakeReport& report, const std::string& path);
+
+// All of it as text, the talk's columns first.
 std::string toTable(const BakeReport& report);
 
 }  // namespace nlg

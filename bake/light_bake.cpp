@@ -89,6 +89,8 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   statistics.solve_wall_s = secondsSince(start);
   statistics.unread_probes = lit.unread;
   statistics.solve_iterations = lit.iterations;
+  statistics.error = lit.error;
+  if (!scene.air.places.empty()) statistics.worst_m = scene.source.scene.origin_m + scene.air.places[lit.worst_place];
   for (const LightSh& sh : lit.light) {
     for (const glm::vec3& coefficient : sh) grid->light.insert(grid->light.end(), {coefficient.r, coefficient.g, coefficient.b});
   }

@@ -20,6 +20,8 @@ struct LightStatistics {
   double measure_wall_s = 0.0;                  // light at places
   double solve_wall_s = 0.0;                    // weights at places, and the solve
   LightForm form = LightForm::none;             // of the file: the bake itself keeps floats
+  double error = 0.0;                           // as ProbeLight has it
+  glm::dvec3 worst_m{0.0};                      // the place where it is worst, world coordinates
   double mean = 0.0;  // radiance over places and directions, the channels' mean: 0 in a scene without light
 };
 

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "bake/bake_plan.h"
 #include "bake/bake_report.h"
 #include "bake/default_weights.h"
 #include "bake/load_generators.h"
@@ -31,9 +32,9 @@ namespace nlg {
 namespace {
 
 struct Request {
-  std::string scene, out, config;
+  std::string scene, out, config, json;
   std::vector<std::string> weights;
-  bool out_is_given = false;
+  bool out_is_given = false, is_verbose = false;
 };
 
 void chooseSimd(const std::string& name) {
@@ -59,6 +60,7 @@ std::map<std::string, std::string> metadata(const BakeScene& scene, const std::v
   nlohmann::ordered_json options = table.toJson();
   // what the grid holds does not depend on the threads, but on the instructions that were chosen; the hashes say which weights
   options.erase("threads");
+  options.erase("max_probes");
   options.erase("representation");
   options["simd"] = chosenSimdTarget();
   std::map<std::string, std::string> inputs;
@@ -93,6 +95,15 @@ void warnOfNothing(const BakeScene& scene, const BakeOptions& options, const Bak
     warn("light_direct leaves nothing out: the scene keeps no lamps and no suns of its own");
 }
 
+// path   "-": stdout; empty: nowhere
+void writeJson(const std::string& path, const nlohmann::ordered_json& json) {
+  if (path == "-") {
+    std::cout << json.dump() << '\n';
+  } else if (!path.empty()) {
+    writeFileAtomically(path, json.dump() + "\n");
+  }
+}
+
 void run(Request request, BakeOptions options, const OptionTable& table) {
   if (request.weights.empty()) {
     request.weights = shippedWeights(options.representation, weightsFolders());
@@ -103,6 +114,11 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   if (request.out_is_given) {
     refuseToReplaceInputs(request.out, inputs);
     requireOutputFile(request.out);
+  }
+  if (!request.json.empty() && request.json != "-") {
+    refuseToReplaceInputs(request.json, inputs, "--json");
+    if (request.json == request.out) throw UsageError("--json", "another file than --out", request.json);
+    requireOutputFile(request.json);
   }
   takeThetaPrecision(&options);
   const GridPrecision stored{options.policy.theta_precision, lightFormFromName(options.light_form)};
@@ -115,9 +131,12 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   }
 
   const auto start = std::chrono::steady_clock::now();
-  const BakeScene scene(request.scene, options);
-  tellNotes("nlg-bake", scene.source);
-  for (const std::string& note : scene.source.light_notes) std::cerr << "light: " << note << '\n';
+  const int threads = options.threads > 0 ? options.threads : machineThreadCount();
+  SceneSource source = loadLitScene(request.scene, options);
+  tellNotes("nlg-bake", source);
+  for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
+  std::cerr << toText(planBake(source, options, threads), threads);
+  const BakeScene scene(std::move(source), options);
   const double load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.out_is_given) {
     request.out = scene.source.id + ".safetensors";
@@ -136,7 +155,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   report.weights = weights;
   std::vector<uint64_t> weights_bytes;
   for (const WeightsUsed& used : weights) weights_bytes.push_back(used.bytes);
-  report.threads = options.threads > 0 ? options.threads : machineThreadCount();
+  report.threads = threads;
   bake.statistics.light.form = stored.light;
   report.savings = savingsOf(bake, generators, options.policy, stored, weights_bytes, report.threads);
   report.statistics = std::move(bake.statistics);
@@ -147,9 +166,9 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   report.peak_memory_bytes = peakMemoryBytes();
   report.simd = chosenSimdTarget();
   warnOfNothing(scene, options, report);
-  std::cerr << toTable(report);
-  if (!request.out_is_given) std::cerr << "the light grid: " << request.out << '\n';
-  std::cout << toJson(report).dump() << '\n';
+  if (request.is_verbose) std::cerr << toTable(report);
+  std::cerr << toSummary(report, request.out);
+  writeJson(request.json, toJson(report));
 }
 
 nlohmann::ordered_json describeGrid(const std::string& path) {
@@ -183,7 +202,7 @@ int main(int argc, char** argv) {
   nlg::OptionTable table("bake");
   nlg::describe(options, table);
   table.addNote(nlg::stagesHelp({}));
-  table.common({"unit", "spacing_m", "extent_m", "sky", "sun", "light_direct", "weights", "out", "threads"});
+  table.common({"unit", "spacing_m", "extent_m", "sky", "sun", "light_direct", "weights", "out", "json", "verbose", "threads"});
   app.add_option("scene", request.scene, nlg::sceneForms())->required();
   app.add_option(
       "--weights", request.weights,
@@ -191,6 +210,9 @@ int main(int argc, char** argv) {
       "looks for in the folder $NLG_WEIGHTS, then in the installation and in the sources");
   const CLI::Option* out =
       app.add_option("--out", request.out, "the light grid to write. None: NAME.safetensors, here, by the name of the scene");
+  app.add_option("--json", request.json,
+                 "write all that the bake says of itself to a file, as one line of JSON. -: to standard output");
+  app.add_flag("--verbose", request.is_verbose, "end with all stages, errors and savings as tables, too");
   return nlg::runTool(argc, argv, app, table, [&] {
     const CLI::Option* config = app.get_option("--config");
     request.out_is_given = out->count() > 0;

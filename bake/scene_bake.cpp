@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <mutex>
 
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/parallel_for.h"
@@ -71,8 +70,6 @@ class SceneBake {
     const Clock::time_point start = Clock::now();
     std::atomic<uint64_t> left_for_time{0};
     Progress progress("functions refined", static_cast<int64_t>(order.size()));
-    std::mutex mutex;
-    int64_t done = 0;
     parallelFor(order.size(), thread_count_, [&](uint64_t i, int thread_idx) {
       if (options_.refine_seconds > 0.0 && secondsSince(start) > options_.refine_seconds) {
         ++left_for_time;
@@ -80,17 +77,18 @@ class SceneBake {
       }
       BakeThread& thread = *threads_[thread_idx];
       thread.policy.refine(functions_.read(order[i], &thread.samples), &made_[order[i]]);
-      const std::lock_guard lock(mutex);
-      progress.update(++done);
+      progress.advance();
     });
     statistics_.left_for_time = left_for_time;
   }
 
   void roundAll() {
     if (options_.policy.theta_precision == ThetaPrecision::float32) return;
+    Progress progress("functions rounded", static_cast<int64_t>(made_.size()));
     parallelFor(made_.size(), thread_count_, [&](uint64_t number, int thread_idx) {
       BakeThread& thread = *threads_[thread_idx];
       thread.policy.round(functions_.read(number, &thread.samples), &made_[number]);
+      progress.advance();
     });
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "bake/bake_plan.h"
 #include "datagen/probes/probe_placement.h"
 #include "light/open_sky.h"
 #include "runtime_eval/evaluator/projection.h"
@@ -21,12 +22,8 @@ using Clock = std::chrono::steady_clock;
 double secondsBetween(Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double>(to - from).count(); }
 
 ProbeTree placeProbes(const Scene& scene, const BakeOptions& options) {
-  ProbePlacementOptions placement;
-  placement.spacing_min_m = placement.spacing_max_m = options.spacing_m;
-  placement.density_growth = options.density_growth;
-  placement.align_lattice = options.align_lattice;
-  placement.extent = extentFromNumbers(options.extent_m);
-  return placeProbes(scene, placement, options.seed);
+  const Progress progress("probe tree");
+  return placeProbes(scene, placementOf(scene, options), options.seed);
 }
 
 // So many places at least in the whole scene: a grid of a few probes has few cells, and its light would be fitted to next to
@@ -45,6 +42,7 @@ AirPlaceOptions airPlaceOptions(const BakeOptions& options, uint64_t cell_count)
 }  // namespace
 
 SceneSource loadLitScene(const std::string& request, const BakeOptions& options) {
+  const Progress progress("reading");
   SceneSource source = loadScene(request, options.reading);
   if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
   const auto isOpen = [](const Scene& scene) { return openShare(scene) > kOpenShare; };
@@ -53,10 +51,10 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
 }
 
 BakeScene::BakeScene(const std::string& request, const BakeOptions& options)
-    : source(loadLitScene(request, options)),
-      links(makeLinkTable({})),
-      rays(source.scene),
-      full_tree(placeProbes(source.scene, options)) {
+    : BakeScene(loadLitScene(request, options), options) {}
+
+BakeScene::BakeScene(SceneSource lit, const BakeOptions& options)
+    : source(std::move(lit)), links(makeLinkTable({})), rays(source.scene), full_tree(placeProbes(source.scene, options)) {
   const Clock::time_point start = Clock::now();
   air = findAirPlaces(rays, full_tree, airPlaceOptions(options, full_tree.cellCount()),
                       options.threads > 0 ? options.threads : machineThreadCount());

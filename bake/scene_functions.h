@@ -23,6 +23,8 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
 struct BakeScene {
   // throws   UsageError on a setting that cannot be used; InputError when the scene cannot be read or has no triangle
   BakeScene(const std::string& request, const BakeOptions& options);
+  // The same of a scene that loadLitScene has read.
+  BakeScene(SceneSource lit, const BakeOptions& options);
 
   SceneSource source;
   LinkTable links;

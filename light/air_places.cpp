@@ -10,6 +10,7 @@
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
+#include "tool/progress.h"
 
 namespace nlg {
 namespace {
@@ -120,10 +121,12 @@ AirPlaces findAirPlaces(const RayScene& rays, const ProbeTree& tree, const AirPl
   std::vector<ProbeCell> cells;
   tree.forEachCell([&](const ProbeCell& cell) { cells.push_back(cell); });
   std::vector<Block> blocks((cells.size() + kBlockCells - 1) / kBlockCells);
+  Progress progress("cells searched for air", static_cast<int64_t>(cells.size()));
   parallelFor(blocks.size(), thread_count, [&](uint64_t b, int) {
     Surveyor surveyor(rays, tree, options);
     for (uint64_t i = b * kBlockCells; i < std::min<uint64_t>((b + 1) * kBlockCells, cells.size()); ++i)
       surveyor.survey(cells[i], &blocks[b]);
+    progress.advance(static_cast<int64_t>(blocks[b].cells.size()));
   });
   AirPlaces air;
   for (Block& block : blocks) {

@@ -1,7 +1,7 @@
 #include "light/probe_light.h"
 
 #include <algorithm>
-#include <atomic>
+#include <cmath>
 
 #include "light/air.h"
 #include "runtime_eval/numbers/random.h"
@@ -63,16 +63,21 @@ float meanLuminance(const std::vector<LightSh>& light) {
   return static_cast<float>(std::max(1e-12, sum / std::max<double>(1.0, static_cast<double>(light.size()))));
 }
 
+// False where nothing has weight.
+bool takeWeights(ProbeWeights weights, LightSample* sample) {
+  if (!normaliseWeights(&weights)) return false;
+  sample->count = weights.count;
+  std::copy_n(weights.probe, weights.count, sample->probe.begin());
+  std::copy_n(weights.weight, weights.count, sample->weight.begin());
+  return true;
+}
+
 std::vector<LightSample> samplesOf(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>& place_light, float mean,
                                    double dark_share) {
   std::vector<LightSample> samples;
   for (size_t i = 0; i < weights.size(); ++i) {
-    ProbeWeights normalised = weights[i];
-    if (!normaliseWeights(&normalised)) continue;
     LightSample sample;
-    sample.count = normalised.count;
-    std::copy_n(normalised.probe, normalised.count, sample.probe.begin());
-    std::copy_n(normalised.weight, normalised.count, sample.weight.begin());
+    if (!takeWeights(weights[i], &sample)) continue;
     // between absolute and relative error: an eye sees shares, but noise rules where there is no light
     sample.importance = mean / (luminanceOf(place_light[i]) + static_cast<float>(dark_share) * mean);
     sample.light = place_light[i];
@@ -127,6 +132,24 @@ ProbeLight solved(std::vector<LightSample> samples, const Means& means, float me
   return result;
 }
 
+void judge(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>& place_light, ProbeLight* lit) {
+  double sum = 0.0, light = 0.0;
+  float worst = 0.0f;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    LightSample sample;
+    if (!takeWeights(weights[i], &sample)) continue;
+    sample.light = place_light[i];
+    const float error = squaredError(sample, lit->light);
+    if (error > worst) {
+      worst = error;
+      lit->worst_place = i;
+    }
+    sum += error;
+    light += glm::dot(place_light[i][0], place_light[i][0]) / kShChannels;
+  }
+  lit->error = light > 0.0 ? std::sqrt(sum / light) : 0.0;
+}
+
 }  // namespace
 
 LightWay lightWayFromName(const std::string& name) {
@@ -148,13 +171,11 @@ std::vector<LightSh> measureLight(const LightTransport& transport, const std::ve
                                   const GatherOptions& options, uint64_t seed, int thread_count) {
   std::vector<LightSh> light(places.size());
   Progress progress("places lit", static_cast<int64_t>(places.size()));
-  std::atomic<int64_t> done{0};
-  parallelFor((places.size() + kBlockPlaces - 1) / kBlockPlaces, thread_count, [&](uint64_t block, int thread) {
+  parallelFor((places.size() + kBlockPlaces - 1) / kBlockPlaces, thread_count, [&](uint64_t block, int) {
     const uint64_t end = std::min<uint64_t>((block + 1) * kBlockPlaces, places.size());
     for (uint64_t i = block * kBlockPlaces; i < end; ++i)
       light[i] = transport.gather(places[i], options, mixSeed(seed, kPlaceStream, i)).light;
-    done += static_cast<int64_t>(kBlockPlaces);
-    if (thread == 0) progress.update(std::min<int64_t>(done, static_cast<int64_t>(places.size())));
+    progress.advance(static_cast<int64_t>(end - block * kBlockPlaces));
   });
   return light;
 }
@@ -163,6 +184,7 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
                        const std::vector<LightSh>& place_light, const WeightsAt& weights_at, const ProbeLightOptions& options,
                        int thread_count) {
   NLG_CHECK(places.size(), ==, place_light.size());
+  Progress progress("light of probes");
   std::vector<ProbeWeights> weights(places.size());
   parallelFor((places.size() + kBlockPlaces - 1) / kBlockPlaces, thread_count, [&](uint64_t block, int) {
     const uint64_t end = std::min<uint64_t>((block + 1) * kBlockPlaces, places.size());
@@ -185,6 +207,7 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
     });
   }
   result.unread = unread;
+  judge(weights, place_light, &result);
   return result;
 }
 

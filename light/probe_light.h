@@ -49,6 +49,10 @@ struct ProbeLight {
   std::vector<LightSh> light;  // by probe
   int iterations = 0;          // of the solve
   uint64_t unread = 0;         // probes that weigh nothing at every place: they hold the light of places around them
+  // How far blends are from what was measured at places, over their mean light: RMS, of irradiance over all normals; and the place
+  // where it is worst. The noise of what was measured is among it.
+  double error = 0.0;
+  size_t worst_place = 0;
 };
 
 // tree         in the scene's coordinates

@@ -8,6 +8,7 @@
 #include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
+#include "tool/progress.h"
 
 namespace nlg {
 namespace {
@@ -36,10 +37,14 @@ std::array<int, 2> acrossAxes(const glm::vec3& normal) {
 
 uint64_t blockCount(size_t count) { return (count + kBlock - 1) / kBlock; }
 
+// stage   its name for people
 template <class Work>
-void forEachInBlocks(size_t count, int thread_count, const Work& work) {
+void forEachInBlocks(const char* stage, size_t count, int thread_count, const Work& work) {
+  Progress progress(stage, static_cast<int64_t>(count));
   parallelFor(blockCount(count), thread_count, [&](uint64_t block, int) {
-    for (size_t i = block * kBlock; i < std::min<size_t>((block + 1) * kBlock, count); ++i) work(i, block);
+    const size_t end = std::min<size_t>((block + 1) * kBlock, count);
+    for (size_t i = block * kBlock; i < end; ++i) work(i, block);
+    progress.advance(static_cast<int64_t>(end - block * kBlock));
   });
 }
 
@@ -53,7 +58,7 @@ SurfaceCache::SurfaceCache(const LightTransport& transport, const std::vector<gl
   const size_t stride = std::max<size_t>(1, (places.size() + options.max_places - 1) / options.max_places);
   const size_t count = (places.size() + stride - 1) / stride;
   std::vector<std::vector<Found>> blocks(blockCount(count));
-  forEachInBlocks(count, thread_count, [&](size_t i, uint64_t block) {
+  forEachInBlocks("places that look for surfaces", count, thread_count, [&](size_t i, uint64_t block) {
     const glm::vec3 from(places[i * stride]);
     const Lattice lattice(mixSeed(options.seed, kDiscoveryStream, i));
     for (int ray = 0; ray < options.discovery_rays; ++ray) {
@@ -143,7 +148,7 @@ uint32_t SurfaceCache::indexOf(uint64_t key) const {
 void SurfaceCache::findDivided(const LightTransport& transport, int thread_count) {
   is_divided_.assign(keys_.size(), 0);
   const float lift_m = kLiftShare / cells_per_m_;
-  forEachInBlocks(keys_.size(), thread_count, [&](size_t cell, uint64_t) {
+  forEachInBlocks("cells of surface tried for walls", keys_.size(), thread_count, [&](size_t cell, uint64_t) {
     const auto lifted = [&](uint32_t p) { return points_[p].position + points_[p].normal * lift_m; };
     const uint32_t first = first_point_[cell], end = first_point_[cell + 1];
     for (uint32_t a = first; a < end; ++a) {
@@ -160,7 +165,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
   link_share_.assign(keys_.size(), 0.0f);
   std::vector<std::vector<Link>> block_links(blockCount(keys_.size()));
   std::vector<uint32_t> link_count(keys_.size(), 0);
-  forEachInBlocks(keys_.size(), thread_count, [&](size_t cell, uint64_t block) {
+  forEachInBlocks("cells of surface lit", keys_.size(), thread_count, [&](size_t cell, uint64_t block) {
     if (is_divided_[cell]) return;
     std::vector<SurfacePoint> hits;
     const uint32_t first = first_point_[cell], points = first_point_[cell + 1] - first;
@@ -191,6 +196,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
 }
 
 void SurfaceCache::exchange() {
+  const Progress progress("bounces between surfaces");
   irradiance_ = direct_;
   float change = 1.0f, most = 0.0f;
   std::vector<glm::vec3> next(irradiance_.size());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,11 @@ struct Viewpoint {
   float fov_y = 0.0f;  // radians from the lower to the upper edge; 0: no camera, only a place
 };
 
+// A box in world coordinates, metres.
+struct ExtentBox {
+  glm::dvec3 low_m{0.0}, high_m{0.0};
+};
+
 // Right-handed, y up, metres. Front faces wind counter-clockwise; a mirrored node's faces have been turned to do so.
 // Positions are relative to origin_m, which stands near the middle of the scene, so that a scene 100 km from the world's
 // origin loses no precision: world position = origin_m + position.
@@ -64,6 +70,7 @@ struct Scene {
   uint32_t dropped_triangle_count = 0;      // triangles of zero area that the source held
   SceneLight light;
   std::vector<Viewpoint> viewpoints;  // in the file's order
+  std::optional<ExtentBox> extent;    // where its author says that things move: a node nlg_extent of a glTF file
 };
 
 struct Bounds {

@@ -104,6 +104,7 @@ SceneSource readInterior(const InteriorRequest& request) {
 // Of a file that says nothing of its unit, or says it wrongly.
 SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::string& path, const SceneReading& reading) {
   SceneSource source = sourceOf(std::move(scene));
+  source.unit_m = reading.unit_m;
   source.notes = std::move(notes);
   const std::string size = sizeNote(source.scene, path, reading.unit_m);
   if (!size.empty()) source.notes.push_back(size);

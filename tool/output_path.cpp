@@ -30,12 +30,12 @@ std::error_code whyNotWritable(const std::string& folder) {
 
 }  // namespace
 
-void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs) {
-  if (out.empty()) throw UsageError("--out", "the name of a file", "an empty text");
-  if (out.ends_with('/')) throw UsageError("--out", "the name of a file", out + ", a folder");
+void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs, const char* flag) {
+  if (out.empty()) throw UsageError(flag, "the name of a file", "an empty text");
+  if (out.ends_with('/')) throw UsageError(flag, "the name of a file", out + ", a folder");
   for (const std::string& input : inputs) {
     std::error_code error;
-    if (fs::equivalent(out, input, error)) throw UsageError("--out", "a file that is no input", out);
+    if (fs::equivalent(out, input, error)) throw UsageError(flag, "a file that is no input", out);
   }
 }
 

@@ -8,8 +8,8 @@ namespace nlg {
 
 // An output that is an input would be gone for good.
 // out, inputs   paths; an input that does not exist is none
-// throws        UsageError naming --out when it is empty, ends as a folder does or is the same file as one of the inputs
-void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs);
+// throws        UsageError naming the flag when it is empty, ends as a folder does or is the same file as one of the inputs
+void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs, const char* flag = "--out");
 
 // Whether files can be written into a folder, before a long run begins: it is one that may be written to, or can be made.
 // throws        UsageError naming the flag when it is empty; OutputError with the system's reason

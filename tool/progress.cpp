@@ -8,12 +8,16 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <string_view>
+
+#include "tool/quantity.h"
 
 namespace nlg {
 namespace {
 
 constexpr std::chrono::milliseconds kPrintInterval{100};
+constexpr std::chrono::seconds kShortestLogged{1};
 
 // A line longer than the terminal would wrap, and the next one could not rewrite it.
 size_t terminalColumns() {
@@ -21,29 +25,49 @@ size_t terminalColumns() {
   return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col - 1u : 79u;
 }
 
-std::string duration(double seconds) {
-  const auto whole = static_cast<int64_t>(std::clamp(seconds, 0.0, 1e9));
-  if (whole < 60) return fmt::format("{} s", whole);
-  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
-  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
-}
-
-bool isWanted() {
-  const char* const wish = std::getenv("NLG_PROGRESS");
-  return (wish == nullptr || std::string_view(wish) != "off") && ::isatty(STDERR_FILENO) == 1;
-}
-
 }  // namespace
 
+Progress::Form Progress::wantedForm() {
+  const char* const wish = std::getenv("NLG_PROGRESS");
+  if (wish != nullptr && std::string_view(wish) == "off") return Form::none;
+  return ::isatty(STDERR_FILENO) == 1 ? Form::terminal : Form::log;
+}
+
 Progress::Progress(std::string what, int64_t total)
-    : what_(std::move(what)), total_(total), terminal_(isWanted()), start_(std::chrono::steady_clock::now()) {}
+    : what_(std::move(what)),
+      total_(total),
+      form_(wantedForm()),
+      exceptions_(std::uncaught_exceptions()),
+      start_(std::chrono::steady_clock::now()) {
+  // what cannot be counted is named while it lasts
+  if (total_ == 0 && form_ == Form::terminal) print(fmt::format("{}: {}", program_invocation_short_name, what_));
+}
 
 Progress::~Progress() {
   if (printed_) std::fputs("\r\033[K", stderr);
+  const auto took = std::chrono::steady_clock::now() - start_;
+  if (form_ != Form::log || took < kShortestLogged || std::uncaught_exceptions() > exceptions_) return;
+  const std::string line = fmt::format("{}: {}: {}\n", program_invocation_short_name, what_,
+                                       durationText(std::chrono::duration<double>(took).count()));
+  std::fputs(line.c_str(), stderr);
 }
 
 bool Progress::due() const {
-  return terminal_ && (!printed_ || std::chrono::steady_clock::now() - last_print_ >= kPrintInterval);
+  return form_ == Form::terminal && (!printed_ || std::chrono::steady_clock::now() - last_print_ >= kPrintInterval);
+}
+
+void Progress::advance(int64_t count) {
+  const int64_t done = advanced_ += count;
+  // who finds another one printing has nothing newer to say
+  const std::unique_lock lock(printing_, std::try_to_lock);
+  if (lock.owns_lock()) update(done);
+}
+
+void Progress::print(const std::string& line) {
+  std::fputs(("\r\033[K" + line.substr(0, terminalColumns())).c_str(), stderr);
+  std::fflush(stderr);
+  last_print_ = std::chrono::steady_clock::now();
+  printed_ = true;
 }
 
 void Progress::update(int64_t done, const std::string& note) {
@@ -54,14 +78,10 @@ void Progress::update(int64_t done, const std::string& note) {
   std::string line = fmt::format("{}: {}: {} of {}", program_invocation_short_name, what_, done, total_);
   if (total_ > 0) line += fmt::format(" ({:.1f} %)", 100.0 * static_cast<double>(done) / static_cast<double>(total_));
   if (rate > 0) {
-    line += fmt::format(", {:.4g}/s, {} left", rate, duration(static_cast<double>(total_ - done) / rate));
+    line += fmt::format(", {:.4g}/s, {} left", rate, durationText(static_cast<double>(total_ - done) / rate));
   }
   if (!note.empty()) line += ", " + note;
-  line.resize(std::min(line.size(), terminalColumns()));
-  std::fputs(("\r\033[K" + line).c_str(), stderr);
-  std::fflush(stderr);
-  last_print_ = now;
-  printed_ = true;
+  print(line);
 }
 
 }  // namespace nlg

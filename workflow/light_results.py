@@ -4,7 +4,7 @@ A folder of light holds
     SCENE.json            nlg-validate light, one a scene; a figure at a spacing is over the scenes that have it
 and, where they are there,
     noise/SCENE.json      nlg-validate light-noise
-    bakes/SCENE.json      nlg-bake SCENE --light solved (stdout)
+    bakes/SCENE.json      nlg-bake SCENE --light solved (--json)
     benchmarks/*.json     bench_* --benchmark_out=FILE --benchmark_out_format=json
 """
 import sys

@@ -13,7 +13,7 @@ collect-light takes what nlg-validate light wrote of scenes, FOLDER/SCENE.json (
 collect-siege takes what tests/siege/run.py left in its --out, collect-cycles what workflow/cycles/compare.py left in its own.
 write makes docs/reference/results.md, docs/reference/light.md, docs/reference/reliability.md, docs/reference/cycles.md and weights/README.md whole, and fills the phrases that workflow/quotes.json names.
 What a run's folder does not have by itself, and is taken when it is there:
-    nlg-bake LEVEL --threads 1 --out GRID > RUN/bakes/LEVEL.json
+    nlg-bake LEVEL --threads 1 --out GRID --json RUN/bakes/LEVEL.json
     bench_runtime_eval --benchmark_repetitions=7 --benchmark_out=RUN/benchmarks/runtime_eval.json --benchmark_out_format=json
 check changes nothing; exit code 6 when a text disagrees, 3 when a text quotes what no results file holds.
 """

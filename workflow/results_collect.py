@@ -4,8 +4,8 @@ Taken are, where the run's folder has them:
     evaluation/summary.json, validation/summary.json   nlg-validate, schema_version 1
     evaluation/frontier.json                           nlg-validate frontier, schema_version 1
     stability.json                                     nlg-validate stability
-    savings/SCENE.json                                 nlg-bake (stdout)
-    bakes/SCENE.json                                   nlg-bake (stdout)
+    savings/SCENE.json                                 nlg-bake (--json)
+    bakes/SCENE.json                                   nlg-bake (--json)
     look_up/SCENE.json                                 nlg-validate look-up
     benchmarks/*.json                                  bench_* --benchmark_out=FILE --benchmark_out_format=json
 """

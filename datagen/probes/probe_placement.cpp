@@ -13,6 +13,7 @@ namespace nlg {
 namespace {
 
 constexpr double kAlignedUnits = 1e-4;  // of a spacing: an extent that is longer by less is as long
+constexpr double kCertainlyMore = 2.0;  // of a limit: an estimate beyond it is no error of the estimate
 constexpr double kMaxUnits = 0x1p40;    // a position further from the scene's origin cannot be told from its neighbours
 
 std::string numberText(double value) {
@@ -32,12 +33,9 @@ void checkOptions(const ProbePlacementOptions& o) {
     throw UsageError("max_probes", "at most " + std::to_string(kMaxTreeProbes), std::to_string(o.max_probes));
 }
 
-// What the tree must cover, relative to the scene's origin.
 ExtentBox extentToCover(const Scene& scene, const ProbePlacementOptions& options, double spacing_m) {
-  if (options.extent) return {options.extent->low_m - scene.origin_m, options.extent->high_m - scene.origin_m};
-  const Bounds bounds = sceneBounds(scene);
-  ExtentBox box{bounds.min, bounds.max};
-  for (int axis = 0; axis < 3; ++axis) {
+  ExtentBox box = probeExtent(scene, options);
+  for (int axis = 0; axis < 3 && !options.extent && !scene.extent; ++axis) {
     // a scene thinner than a spacing, such as a flat sheet, has its probes on both sides
     if (box.high_m[axis] - box.low_m[axis] >= spacing_m) continue;
     box.low_m[axis] -= spacing_m;
@@ -46,38 +44,12 @@ ExtentBox extentToCover(const Scene& scene, const ProbePlacementOptions& options
   return box;
 }
 
-// A finest spacing at which the extent fits even if all of it is finest: n cells along an axis have n + 1 probes, and a shifted
-// lattice has up to 2 cells more than the extent is spacings long.
-double fittingSpacing(const glm::dvec3& side_m, double spacing_m, uint64_t max_probes) {
-  const auto fits = [&](double spacing) {
-    double probes = 1.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      // a side that is thinner than the spacing reaches over two of them, see extentToCover
-      const double units = std::max(side_m[axis] / spacing, 2.0);
-      if (units > kMaxLatticeSide - 2 * kRootSide) return false;
-      probes *= units + 3.0;
-    }
-    return probes <= static_cast<double>(max_probes);
-  };
-  while (!fits(spacing_m) && std::isfinite(spacing_m)) spacing_m *= 1.05;
-  return spacing_m;
-}
-
-[[noreturn]] void refuse(const Scene& scene, const glm::dvec3& side_m, double spacing_m, const ProbePlacementOptions& options) {
-  const double fitting = fittingSpacing(side_m, spacing_m, options.max_probes);
-  const std::string expected =
-      "at most " + std::to_string(options.max_probes) + " probes" +
-      (std::isfinite(fitting) ? ", which a finest spacing of " + numberText(1.001 * fitting) + " m keeps" : "");
-  throw UsageError(scene.id, expected,
-                   "spacing " + numberText(spacing_m) + " m over " + numberText(side_m.x) + " x " + numberText(side_m.y) + " x " +
-                       numberText(side_m.z) + " m");
-}
-
 // Judges cells by the extent, in lattice units, and by the nearest triangle.
 class Density {
  public:
-  Density(const Scene& scene, const ProbeTreeFrame& frame, const LatticePoint& first, const LatticePoint& last, double growth)
-      : nearby_(scene), frame_(frame), first_(first), last_(last), growth_(growth) {}
+  Density(const NearbyTriangles& nearby, const ProbeTreeFrame& frame, const LatticePoint& first, const LatticePoint& last,
+          double growth)
+      : nearby_(nearby), frame_(frame), first_(first), last_(last), growth_(growth) {}
 
   CellVerdict judge(const ProbeCell& cell) const {
     glm::dvec3 low;
@@ -92,11 +64,139 @@ class Density {
   }
 
  private:
-  NearbyTriangles nearby_;
+  const NearbyTriangles& nearby_;
   const ProbeTreeFrame& frame_;
   LatticePoint first_, last_;  // units that hold the extent's lowest and highest position
   double growth_;
 };
+
+// Where a tree stands: its frame, and the units that hold the extent's lowest and highest position.
+struct Lattice {
+  ProbeTreeFrame frame;
+  LatticePoint first{}, last{};
+
+  double cellCount() const {
+    double cells = 1.0;
+    for (int axis = 0; axis < 3; ++axis) cells *= last[axis] - first[axis] + 1.0;
+    return cells;
+  }
+  // Of a uniform tree, and of any other at most: n cells along an axis have n + 1 probes.
+  double probeLimit() const {
+    double probes = 1.0;
+    for (int axis = 0; axis < 3; ++axis) probes *= last[axis] - first[axis] + 2.0;
+    return probes;
+  }
+};
+
+// None where a lattice cannot be so long, or the box is not finite.
+// shift_units   of the lattice against the box's low corner
+std::optional<Lattice> latticeOver(const ExtentBox& box, double spacing_m, const glm::dvec3& shift_units, bool is_aligned) {
+  Lattice lattice;
+  ProbeTreeFrame& frame = lattice.frame;
+  frame.spacing_m = spacing_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double furthest = std::max(std::abs(box.low_m[axis]), std::abs(box.high_m[axis]));
+    const double side_m = box.high_m[axis] - box.low_m[axis];
+    if (!(furthest / spacing_m < kMaxUnits && side_m / spacing_m < kMaxLatticeSide - 2 * kRootSide)) return std::nullopt;
+    frame.first_m[axis] = box.low_m[axis] - spacing_m * shift_units[axis];
+    // the expressions of the look-up, so that they round alike
+    lattice.first[axis] = static_cast<int32_t>((box.low_m[axis] - frame.first_m[axis]) / spacing_m);
+    const double end = (box.high_m[axis] - frame.first_m[axis]) / spacing_m;
+    lattice.last[axis] = static_cast<int32_t>(end);
+    // cells are half open, but an extent of whole spacings needs none behind it; spacing_m is rounded to a float
+    if (is_aligned && lattice.last[axis] > 0 && end - lattice.last[axis] < kAlignedUnits) --lattice.last[axis];
+    frame.root_count[axis] = lattice.last[axis] / kRootSide + 1;
+  }
+  return lattice;
+}
+
+// Side of the cell that the tree has at a unit: the rule of ProbeTree::build, for the nodes around one unit alone.
+int32_t cellSideAt(const LatticePoint& unit, const Density& density) {
+  const auto low = [&](int32_t side) {
+    LatticePoint corner;
+    for (int axis = 0; axis < 3; ++axis) corner[axis] = unit[axis] & -side;
+    return corner;
+  };
+  const auto isCoarse = [&](const ProbeCell& cell) { return density.judge(cell) == CellVerdict::too_coarse; };
+  for (int32_t node_side = kRootSide; node_side > 1; node_side /= 4) {
+    if (!isCoarse({low(node_side), node_side})) return node_side;
+    const LatticePoint node = low(node_side);
+    const int32_t half = node_side / 2, quarter = node_side / 4;
+    bool all_fit = true;
+    for (int c = 0; c < 8 && all_fit; ++c)
+      all_fit = !isCoarse({{node[0] + half * (c & 1), node[1] + half * (c >> 1 & 1), node[2] + half * (c >> 2)}, half});
+    if (all_fit) return half;
+    if (quarter == 1 || !isCoarse({low(quarter), quarter})) return quarter;
+  }
+  return 1;
+}
+
+constexpr int kEstimatePlaces = 4096;
+
+// Cells by evenly spread places, each with the share of the extent that one cell there is; probes as a box of cells has.
+double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double growth) {
+  if (growth == 0.0) return lattice.probeLimit();
+  const Density density(nearby, lattice.frame, lattice.first, lattice.last, growth);
+  double share = 0.0;
+  for (int i = 0; i < kEstimatePlaces; ++i) {
+    // Roberts's sequence: any number of its first points is evenly spread
+    const glm::dvec3 at = glm::fract(0.5 + glm::dvec3(0.8191725133961645, 0.6710436067037893, 0.5497004779019703) * (i + 1.0));
+    LatticePoint unit;
+    for (int axis = 0; axis < 3; ++axis)
+      unit[axis] = lattice.first[axis] + static_cast<int32_t>(at[axis] * (lattice.last[axis] - lattice.first[axis] + 1));
+    const double side = cellSideAt(unit, density);
+    share += 1.0 / (side * side * side);
+  }
+  return lattice.probeLimit() * share / kEstimatePlaces;
+}
+
+// A finest spacing that keeps the limit: for certain where all of the extent may be finest, else by the estimate, with room for
+// its error and for other shifts of the lattice. Infinite where not even one cell does.
+double fittingSpacing(const ExtentBox& box, const NearbyTriangles& nearby, double spacing_m, double growth, uint64_t max_probes) {
+  const auto limit = static_cast<double>(max_probes);
+  // no probes fewer than three along an axis, as extents of a thin scene have them
+  if (limit < 27.0) return HUGE_VAL;
+  while (std::isfinite(spacing_m)) {
+    const std::optional<Lattice> lattice = latticeOver(box, spacing_m, glm::dvec3(0.999), false);
+    double excess = 8.0;
+    if (lattice) excess = std::min(lattice->probeLimit(), 1.3 * probesOn(*lattice, nearby, growth)) / limit;
+    if (excess <= 1.0) break;
+    // probes fall with the square of the spacing at least, and with its cube at most
+    spacing_m *= std::max(1.03, std::cbrt(excess));
+  }
+  return spacing_m;
+}
+
+[[noreturn]] void refuse(const Scene& scene, const ExtentBox& box, double spacing_m, double probes, const NearbyTriangles& nearby,
+                         const ProbePlacementOptions& options) {
+  const double fitting = fittingSpacing(box, nearby, spacing_m, options.density_growth, options.max_probes);
+  const std::string expected =
+      "at most " + std::to_string(options.max_probes) + " probes (max_probes)" +
+      (std::isfinite(fitting) ? ", which a finest spacing of " + numberText(1.001 * fitting) + " m keeps" : "");
+  const glm::dvec3 side_m = box.high_m - box.low_m;
+  throw UsageError(scene.id, expected,
+                   (probes > 0.0 ? "about " + numberText(probes) + ": " : "") + "spacing " + numberText(spacing_m) + " m over " +
+                       numberText(side_m.x) + " x " + numberText(side_m.y) + " x " + numberText(side_m.z) + " m");
+}
+
+// What a seed draws.
+struct Draw {
+  double spacing_m;
+  glm::dvec3 shift_units;
+};
+Draw drawOf(const ProbePlacementOptions& options, uint64_t seed) {
+  Random random(mixSeed(seed, 0x74726565));
+  // a float, so that every probe's spacing is exact in the data set
+  const double spacing_m =
+      static_cast<float>(options.spacing_min_m * std::pow(options.spacing_max_m / options.spacing_min_m, random.uniform()));
+  glm::dvec3 shift;
+  for (int axis = 0; axis < 3; ++axis) shift[axis] = random.uniform() * kRootSide;
+  return {spacing_m, options.align_lattice ? glm::dvec3(0.0) : shift};
+}
+
+bool hasExtent(const Scene& scene, const ProbePlacementOptions& options) {
+  return !scene.triangles.empty() || options.extent || scene.extent;
+}
 
 }  // namespace
 
@@ -119,44 +219,50 @@ std::optional<ExtentBox> extentFromNumbers(const std::vector<std::string>& numbe
   return box;
 }
 
+ExtentBox probeExtent(const Scene& scene, const ProbePlacementOptions& options) {
+  for (const std::optional<ExtentBox>& extent : {options.extent, scene.extent}) {
+    if (extent) return {extent->low_m - scene.origin_m, extent->high_m - scene.origin_m};
+  }
+  const Bounds bounds = sceneBounds(scene);
+  ExtentBox box{bounds.min, bounds.max};
+  if (options.reach) {
+    box.low_m = glm::min(box.low_m, options.reach->low_m - scene.origin_m);
+    box.high_m = glm::max(box.high_m, options.reach->high_m - scene.origin_m);
+  }
+  return box;
+}
+
+double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed) {
+  checkOptions(options);
+  if (!hasExtent(scene, options)) return 0.0;
+  const Draw draw = drawOf(options, seed);
+  const ExtentBox box = extentToCover(scene, options, draw.spacing_m);
+  const NearbyTriangles nearby(scene);
+  const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
+  if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
+  return probesOn(*lattice, nearby, options.density_growth);
+}
+
 ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed) {
   checkOptions(options);
-  Random random(mixSeed(seed, 0x74726565));
-  ProbeTreeFrame frame;
-  // a float, so that every probe's spacing is exact in the data set
-  frame.spacing_m =
-      static_cast<float>(options.spacing_min_m * std::pow(options.spacing_max_m / options.spacing_min_m, random.uniform()));
-  double shift_units[3] = {random.uniform() * kRootSide, random.uniform() * kRootSide, random.uniform() * kRootSide};
-  if (options.align_lattice) std::fill_n(shift_units, 3, 0.0);
   ProbeTree tree;
-  if (scene.triangles.empty() && !options.extent) return tree;
-
-  const ExtentBox box = extentToCover(scene, options, frame.spacing_m);
-  const glm::dvec3 side_m = box.high_m - box.low_m;
-  LatticePoint first, last;
-  double finest_cells = 1.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double furthest = std::max(std::abs(box.low_m[axis]), std::abs(box.high_m[axis]));
-    // also refuses what is not finite
-    if (!(furthest / frame.spacing_m < kMaxUnits && side_m[axis] / frame.spacing_m < kMaxLatticeSide - 2 * kRootSide))
-      refuse(scene, side_m, frame.spacing_m, options);
-    frame.first_m[axis] = box.low_m[axis] - frame.spacing_m * shift_units[axis];
-    // the expressions of the look-up, so that they round alike
-    first[axis] = static_cast<int32_t>((box.low_m[axis] - frame.first_m[axis]) / frame.spacing_m);
-    const double end = (box.high_m[axis] - frame.first_m[axis]) / frame.spacing_m;
-    last[axis] = static_cast<int32_t>(end);
-    // cells are half open, but an extent of whole spacings needs none behind it; spacing_m is rounded to a float
-    if (options.align_lattice && last[axis] > 0 && end - last[axis] < kAlignedUnits) --last[axis];
-    frame.root_count[axis] = last[axis] / kRootSide + 1;
-    finest_cells *= last[axis] - first[axis] + 1;
+  if (!hasExtent(scene, options)) return tree;
+  const Draw draw = drawOf(options, seed);
+  const ExtentBox box = extentToCover(scene, options, draw.spacing_m);
+  const NearbyTriangles nearby(scene);
+  const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
+  if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
+  // what is far too much is known without building it for minutes
+  const auto limit = static_cast<double>(options.max_probes);
+  if (lattice->probeLimit() > limit) {
+    const double probes = probesOn(*lattice, nearby, options.density_growth);
+    const bool is_certain = options.density_growth == 0.0 && lattice->cellCount() > limit;
+    if (is_certain || probes > kCertainlyMore * limit) refuse(scene, box, draw.spacing_m, probes, nearby, options);
   }
-  // a uniform tree is as many cells: known without building it
-  if (options.density_growth == 0.0 && finest_cells > static_cast<double>(options.max_probes))
-    refuse(scene, side_m, frame.spacing_m, options);
-  const Density density(scene, frame, first, last, options.density_growth);
+  const Density density(nearby, lattice->frame, lattice->first, lattice->last, options.density_growth);
   const CellJudge judge = [&](const ProbeCell& cell) { return density.judge(cell); };
-  const ProbeTreeStatus status = ProbeTree::build(frame, judge, options.max_probes, &tree);
-  if (status != ProbeTreeStatus::ok) refuse(scene, side_m, frame.spacing_m, options);
+  const ProbeTreeStatus status = ProbeTree::build(lattice->frame, judge, options.max_probes, &tree);
+  if (status != ProbeTreeStatus::ok) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
   return tree;
 }
 

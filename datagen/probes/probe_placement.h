@@ -12,24 +12,28 @@
 
 namespace nlg {
 
-// A box in world coordinates, metres.
-struct ExtentBox {
-  glm::dvec3 low_m{0.0}, high_m{0.0};
-};
-
 struct ProbePlacementOptions {
   double spacing_min_m = 0.7;  // the finest distance between probes; each jitter draws its own, uniform in the logarithm
   double spacing_max_m = 2.2;
   double density_growth = 0.5;  // a cell may be as large as this times its distance from the nearest triangle; 0: all are finest
   bool align_lattice =
       false;  // no shift: the extent's low corner is a probe, and so is its high corner where whole spacings end there
-  std::optional<ExtentBox> extent;       // where positions have probes; none: the scene's bounds
+  std::optional<ExtentBox> extent;       // where positions have probes; none: the scene's own, or its bounds
+  std::optional<ExtentBox> reach;        // what the scene's bounds are widened to hold where they are the extent
   uint64_t max_probes = kMaxTreeProbes;  // a scene and spacing that need more are refused
 };
 
 // The extent from the six numbers of a setting: low x, y, z, high x, y, z, metres, world coordinates; none when there are none.
 // throws   UsageError naming extent_m unless they are six finite numbers with low <= high
 std::optional<ExtentBox> extentFromNumbers(const std::vector<std::string>& numbers);
+
+// What the tree below covers at least, relative to the scene's origin.
+ExtentBox probeExtent(const Scene& scene, const ProbePlacementOptions& options);
+
+// How many probes the tree below will have: by a few thousand places, without building it. Within some percent, and more where
+// geometry is a speck of the extent. 0 for a scene without extent.
+// throws   UsageError as placeProbes does, but for max_probes
+double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed);
 
 // The tree over the extent, its frame relative to the scene's origin. The finest spacing, and the shift of the lattice by up to
 // one root node (none with align_lattice), are drawn from seed; the tree is a pure function of (scene, options, seed), the same on every machine.
@@ -40,7 +44,7 @@ std::optional<ExtentBox> extentFromNumbers(const std::vector<std::string>& numbe
 // triangle in its support always has the finest spacing (docs/theory/probes.md).
 //
 // throws   UsageError when an option lies outside its range, or when the tree would hold more than max_probes probes (it names a
-//          spacing that fits) or reach over more than kMaxLatticeSide spacings
+//          spacing that fits; what is far too much is refused without building it) or reach over more than kMaxLatticeSide spacings
 ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed);
 
 }  // namespace nlg

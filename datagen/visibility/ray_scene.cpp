@@ -9,6 +9,7 @@
 #include <embree3/rtcore.h>
 
 #include "tool/error.h"
+#include "tool/progress.h"
 
 namespace nlg {
 
@@ -152,6 +153,7 @@ RTCScene RayScene::Impl::newScene(const TriangleChoice& choice) const {
 }
 
 RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
+  const Progress progress("ray structures");
   impl_->positions = scene.positions;
   impl_->triangles = scene.triangles;
   impl_->double_sided.reserve(scene.triangles.size());

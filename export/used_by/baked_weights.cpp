@@ -42,7 +42,7 @@ BakedWeights ofReport(const std::string& path) {
       if (functions.get<uint64_t>() > 0) baked.used.push_back(name);
     }
   } catch (const nlohmann::json::exception& error) {
-    throw InputError(path, "report", "the line of JSON that nlg-bake prints", error.what());
+    throw InputError(path, "report", "the line of JSON that nlg-bake writes with --json", error.what());
   }
   return baked;
 }

@@ -112,7 +112,7 @@ int usedByMain(int argc, char** argv) {
   std::string bake, out;
   std::vector<std::string> weights;
   OptionTable table("export");
-  app.add_option("--bake", bake, "a light grid (.safetensors), or the line that nlg-bake prints (.json)")->required();
+  app.add_option("--bake", bake, "a light grid (.safetensors), or what nlg-bake wrote with --json (.json)")->required();
   app.add_option("--weights", weights, "weights of nlg-export (.safetensors)")->required();
   app.add_option("--out", out, "the folder to write REPRESENTATION.safetensors to")->required();
   return runTool(argc, argv, app, table, [&] { run(bake, weights, out); });

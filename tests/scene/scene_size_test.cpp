@@ -17,6 +17,8 @@ Scene sceneOfSize(const glm::vec3& size) {
   Scene scene;
   scene.positions = {{0, 0, 0}, {size.x, size.y, 0}, {0, 0, size.z}};
   scene.triangles = {{0, 1, 2}};
+  scene.materials.resize(1);
+  scene.triangle_material = {0};
   return scene;
 }
 

@@ -9,9 +9,11 @@
 #include <filesystem>
 #include <fstream>
 #include <new>
+#include <thread>
 
 #include "tool/progress.h"
 #include "tool/provenance.h"
+#include "tool/quantity.h"
 
 namespace nlg {
 namespace {
@@ -186,13 +188,42 @@ TEST(Provenance, HoldsWhatItWasGivenAndNothingElse) {
   EXPECT_EQ(provenance("t", options, {})["inputs"].dump(), "{}");
 }
 
-TEST(Progress, SaysNothingWhenStderrIsNoTerminal) {
+// What a stage of so many milliseconds leaves in a log, by the name of the program that runs it.
+std::string logOf(int milliseconds, bool is_ended_by_exception = false) {
   testing::internal::CaptureStderr();
-  {
+  try {
     Progress progress("probes", 10);
     for (int i = 0; i <= 10; ++i) progress.update(i, "note");
+    progress.advance(3);
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+    if (is_ended_by_exception) throw UsageError("--x", "a", "b");
+  } catch (const UsageError&) {
   }
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(Progress, LeavesALineInALogOfStagesThatTookASecond) {
+  EXPECT_EQ(logOf(0), "");
+  const std::string line = logOf(1010);
+  EXPECT_NE(line.find(": probes: 1."), std::string::npos) << line;
+  EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+  EXPECT_EQ(logOf(1010, true), "") << "an error is one line";
+  ASSERT_EQ(::setenv("NLG_PROGRESS", "off", 1), 0);
+  EXPECT_EQ(logOf(1010), "");
+  ::unsetenv("NLG_PROGRESS");
+}
+
+TEST(Quantity, IsInWords) {
+  EXPECT_EQ(countText(1, "function"), "1 function");
+  EXPECT_EQ(countText(0, "function"), "0 functions");
+  EXPECT_EQ(countText(1234567, "probe"), "1,234,567 probes");
+  EXPECT_EQ(bytesText(45e3), "45 kB");
+  EXPECT_EQ(bytesText(3.14e6), "3.1 MB");
+  EXPECT_EQ(bytesText(2e9), "2.0 GB");
+  EXPECT_EQ(durationText(2.34), "2.3 s");
+  EXPECT_EQ(durationText(9.97), "10 s");
+  EXPECT_EQ(durationText(185), "3 min 05 s");
+  EXPECT_EQ(durationText(7620), "2 h 07 min");
 }
 
 }  // namespace

@@ -167,7 +167,7 @@ def parse_arguments():
     parser.add_argument("--logs", required=True, nargs="+", help="training curves of nlg-train, each named after its representation")
     parser.add_argument("--frontier", help="frontier.json of nlg-validate frontier")
     parser.add_argument("--stability", help="what nlg-validate stability wrote")
-    parser.add_argument("--savings", nargs="+", help="what nlg-bake printed, with its table of savings, one a scene")
+    parser.add_argument("--savings", nargs="+", help="what nlg-bake wrote with --json, one a scene")
     parser.add_argument("--light", nargs="+", help="light.json of nlg-validate light, one a scene")
     parser.add_argument("--evaluation", action="store_true", help="the scenes are the evaluation, which published figures are of: the page says so")
     parser.add_argument("--left-out", nargs="*", default=[], help="what the run did less of than a full one, a text each: stands in the page's provenance")

@@ -1,0 +1,31 @@
+// What a bake is going to be, before anything expensive: its first line.
+#pragma once
+
+#include <string>
+
+#include "bake/bake_options.h"
+#include "datagen/probes/probe_placement.h"
+
+namespace nlg {
+
+// Where a bake places its probes: by its options, else where the scene's author says, else in the scene's bounds and what lies in
+// reach of them (floor_survey.h).
+// throws   UsageError on an extent_m that is none
+ProbePlacementOptions placementOf(const Scene& scene, const BakeOptions& options);
+
+struct BakePlan {
+  double unit_m = 0.0;       // of the file; 0: its format has its own
+  glm::dvec3 scene_m{0.0};   // sides of the scene
+  glm::dvec3 extent_m{0.0};  // sides of what has probes
+  double spacing_m = 0.0;
+  double probes = 0.0;                       // estimated, before those without air are left out
+  double memory_bytes = 0.0, seconds = 0.0;  // rough: a factor of two either way is usual
+};
+
+// Takes about a second for a million triangles.
+// throws   UsageError on a setting that cannot be used; not on too many probes
+BakePlan planBake(const SceneSource& source, const BakeOptions& options, int thread_count);
+
+std::string toText(const BakePlan& plan, int thread_count);
+
+}  // namespace nlg

@@ -1,0 +1,70 @@
+#include "bake/bake_plan.h"
+
+#include <gtest/gtest.h>
+
+#include "bake/bake_report.h"
+#include "tests/scene/built_scenes.h"
+
+namespace nlg {
+namespace {
+
+SceneSource groundOf(float side_m) {
+  SceneSource source;
+  source.id = "ground";
+  source.unit_m = 1.0;
+  source.scene = sceneOfMaterial(false);
+  addQuad(source.scene, {0, 0, 0}, {0, 0, side_m}, {side_m, 0, 0});
+  return source;
+}
+
+TEST(BakePlan, SaysSizeUnitProbesMemoryAndTimeInOneLine) {
+  const SceneSource source = groundOf(20);
+  const BakePlan plan = planBake(source, {}, 2);
+  // 20 x 2.5 x 20 spacings, on a shifted lattice: 21 or 22 probes along the sides, 4 or 5 upwards
+  EXPECT_GE(plan.probes, 21.0 * 4 * 21);
+  EXPECT_LE(plan.probes, 22.0 * 5 * 22);
+  const std::string text = toText(plan, 2);
+  EXPECT_EQ(text.find("plan: 20 x 0 x 20 m at 1 m a unit, probes in 20 x 2.5 x 20 m, 1 m apart: about "), 0u) << text;
+  EXPECT_NE(text.find(" MB, roughly "), std::string::npos) << text;
+  EXPECT_NE(text.find(" on 2 threads\n"), std::string::npos) << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+}
+
+TEST(BakePlan, TakesHalfTheTimeWithoutLightAndAgainOnTwiceTheThreads) {
+  const SceneSource source = groundOf(200);
+  BakeOptions dark;
+  dark.light = "none";
+  EXPECT_LT(planBake(source, dark, 1).seconds, planBake(source, {}, 1).seconds);
+  EXPECT_LT(planBake(source, {}, 4).seconds, 0.5 * planBake(source, {}, 1).seconds);
+}
+
+TEST(BakePlan, KeepsToTheExtentThatWasNamed) {
+  SceneSource source = groundOf(20);
+  source.scene.extent = ExtentBox{{0, 0, 0}, {4, 4, 4}};
+  EXPECT_EQ(planBake(source, {}, 1).extent_m, glm::dvec3(4));
+  BakeOptions options;
+  options.extent_m = {"0", "0", "0", "7", "7", "7"};
+  EXPECT_EQ(planBake(source, options, 1).extent_m, glm::dvec3(7));
+}
+
+TEST(BakeReport, EndsInThreeLinesWithPluralsWhereTheyBelong) {
+  BakeReport report;
+  report.statistics.counts.grid_probes = 1;
+  report.statistics.counts.functions = 0;
+  report.statistics.load_wall_s = 2.0;
+  report.file_bytes = 45000;
+  report.peak_memory_bytes = 81000000;
+  EXPECT_EQ(toSummary(report, "level.safetensors"),
+            "level.safetensors: 1 probe, 45 kB, 2.0 s; 81.0 MB of memory\n0 functions stored\nlight: none\n");
+  report.statistics.light.is_lit = true;
+  report.statistics.light.places = 7560;
+  report.statistics.light.error = 0.1234;
+  report.statistics.light.mean = 0.656;
+  report.statistics.light.worst_m = {-1.25, 2, 10};
+  const std::string text = toSummary(report, "level.safetensors");
+  EXPECT_NE(text.find("light: errs by 12.3 % of what was measured at 7,560 places"), std::string::npos) << text;
+  EXPECT_NE(text.find("most at -1.2, 2.0, 10.0; mean radiance 0.656\n"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace nlg
