@@ -108,6 +108,7 @@ class BspParser {
   void readPositions() {
     const Records vertices = records(kVertices);
     file_.positions.reserve(vertices.count);
+    file_.texture_places.reserve(vertices.count);
     file_.vertex_light.reserve(vertices.count);
     for (size_t i = 0; i < vertices.count; ++i) {
       const size_t at = vertices.offset + i * kVertices.record_bytes;
@@ -118,6 +119,10 @@ class BspParser {
           fail(kVertices, i, "coordinates within 1048576 units", std::to_string(position[axis]));
       }
       file_.positions.push_back(position);
+      // no numbers, in some levels, where no texture is shown
+      const glm::vec2 place(number(at + 12), number(at + 16));
+      const bool is_place = std::abs(place.x) <= kFarthest && std::abs(place.y) <= kFarthest;
+      file_.texture_places.push_back(is_place ? place : glm::vec2(0.0f));
       file_.vertex_light.push_back({{number(at + 20), number(at + 24)}, colour(at + 40)});
     }
   }

@@ -62,8 +62,10 @@ struct BspModel {
 struct BspFile {
   std::string entities;  // text
   std::vector<BspShader> shaders;
-  std::vector<BspModel> models;              // at least one
-  std::vector<glm::vec3> positions;          // in the game's units, z up; finite, within 2^20 of the origin
+  std::vector<BspModel> models;      // at least one
+  std::vector<glm::vec3> positions;  // in the game's units, z up; finite, within 2^20 of the origin
+  std::vector<glm::vec2>
+      texture_places;  // one for each position, as they lie on the texture: (0, 0) its upper left corner; finite
   std::vector<BspVertexLight> vertex_light;  // one for each position
   std::vector<uint32_t> indices;
   std::vector<BspFace> faces;

@@ -8,6 +8,7 @@
 namespace nlg {
 namespace {
 
+constexpr const char* kImageSuffixes[] = {".tga", ".jpg", ".png"};
 constexpr size_t kMaxTextureBytes = size_t{64} << 20;
 
 }  // namespace
@@ -27,7 +28,7 @@ const std::optional<ImageMeans>& BspLooks::entryMeans(const std::string& entry) 
 }
 
 std::optional<ImageMeans> BspLooks::image(const std::string& name) const {
-  for (const char* suffix : {".tga", ".jpg"}) {
+  for (const char* suffix : kImageSuffixes) {
     if (!archives_.has(name + suffix)) continue;
     const std::optional<ImageMeans>& means = entryMeans(name + suffix);
     if (means) return means;
@@ -41,6 +42,32 @@ std::vector<std::string> BspLooks::textureNames(const std::string& shader) const
   if (script != nullptr) names = script->textures;
   names.push_back(shaderKey(shader));
   return names;
+}
+
+std::vector<std::string> BspLooks::images(const std::string& shader) const {
+  std::vector<std::string> entries;
+  const ShaderScript* script = scriptOf(shader);
+  const bool is_cut = script != nullptr && !script->cut.texture.empty();
+  for (const std::string& name : is_cut ? std::vector{script->cut.texture} : textureNames(shader)) {
+    for (const char* suffix : kImageSuffixes) {
+      if (archives_.has(name + suffix)) entries.push_back(name + suffix);
+    }
+  }
+  return entries;
+}
+
+KeptAs BspLooks::keptAs(const std::string& shader) const {
+  const ShaderScript* script = scriptOf(shader);
+  if (script == nullptr || script->cut.texture.empty()) return {};
+  return {KeptAs::Colour::srgb, KeptAs::Opacity::cut, script->cut.least_code, {}};
+}
+
+LoadedImages BspLooks::load(const ImageLoader& images) const {
+  const auto open = [&](const std::string& entry) {
+    const std::string bytes = archives_.read(entry, kMaxTextureBytes);
+    return ImageBytes{{bytes.begin(), bytes.end()}, {}, {}};
+  };
+  return images.load(open, pixels_left_, archives_.path());
 }
 
 std::optional<glm::vec3> BspLooks::textureColour(const std::string& shader) const {

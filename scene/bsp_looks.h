@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 
 #include "scene/bsp_shader.h"
+#include "scene/image_loader.h"
 #include "scene/pk3_archive.h"
 #include "scene/scene_budget.h"
 #include "scene/scene_light.h"
@@ -26,6 +27,11 @@ class BspLooks {
   const ShaderScript* scriptOf(const std::string& shader) const;
   // The average colour of the shader's texture, linear; nothing when no image of its is in the archives, or all are damaged.
   std::optional<glm::vec3> textureColour(const std::string& shader) const;
+  // The archives' images that a face of the shader may show, the best first, and what is kept of them: of a script that cuts one out,
+  // that one.
+  std::vector<std::string> images(const std::string& shader) const;
+  KeptAs keptAs(const std::string& shader) const;
+  LoadedImages load(const ImageLoader& images) const;
   // Radiance of a face: q3map_surfacelight in the light's own colour; 0 for one that does not shine.
   glm::vec3 emission(const std::string& shader) const;
   // Radiance of a sky: what the level's compiler took it for (q3map_surfacelight, q3map_skylight), otherwise what its images look

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 
 #include "scene/bsp_entities.h"
@@ -26,7 +27,7 @@ constexpr size_t kMaxLevelBytes = size_t{256} << 20;
 // A face as triangles, counter-clockwise from its front; one entry of each for a vertex.
 struct FaceMesh {
   std::vector<glm::dvec3> positions_m;  // world coordinates
-  std::vector<glm::vec2> lightmap_places;
+  std::vector<glm::vec2> lightmap_places, texture_places;
   std::vector<glm::vec3> light;
   std::vector<glm::uvec3> triangles;
 };
@@ -97,7 +98,7 @@ class BspConverter {
   BspConverter(const std::string& path, const std::string& bytes, const BspLooks* looks)
       : path_(path), file_(parseBsp(path, bytes)), looks_(looks), uses_(file_.shaders.size()) {}
 
-  BspLevel convert(const std::string& id) {
+  BspLevel convert(const std::string& id, double dense_veil) {
     level_.scene.id = id;
     const std::vector<BspEntity> entities = readEntities(path_, file_.entities);
     const std::vector<BspPlacement> placements = readPlacements(path_, entities, file_.models.size());
@@ -106,7 +107,9 @@ class BspConverter {
       addModel(file_.models[i], i == 0 ? kLevelName : classname + " *" + std::to_string(i), placements[i].origin_units);
     }
     finishBakedLight();
+    loadImages();
     finishScene(level_.scene, world_positions_);
+    level_.notes = judgeVeils(level_.scene, material_names_, dense_veil);
     addLights(entities);
     addViewpoints(entities);
     const std::vector<SceneObject>& objects = level_.scene.objects;
@@ -157,6 +160,7 @@ class BspConverter {
     scene.triangle_material.resize(scene.triangles.size(), materialOf(face.shader));
     BakedLight& baked = scene.light.baked;
     baked.vertex_light.insert(baked.vertex_light.end(), mesh.light.begin(), mesh.light.end());
+    scene.base_places.insert(scene.base_places.end(), mesh.texture_places.begin(), mesh.texture_places.end());
     baked.vertex_place.insert(baked.vertex_place.end(), mesh.lightmap_places.begin(), mesh.lightmap_places.end());
     baked.triangle_page.resize(scene.triangles.size(), hasPage(face) ? face.lightmap : BakedLight::kByVertex);
     if (face.lightmap >= 0 && !hasPage(face)) ++faces_without_page_;
@@ -173,6 +177,7 @@ class BspConverter {
       mesh.positions_m.push_back(worldPosition(glm::dvec3(file_.positions[i]) + origin_units));
       mesh.light.push_back(lightOf(file_.vertex_light[i].colour));
       mesh.lightmap_places.push_back(placeOf(face, file_.vertex_light[i].lightmap_place));
+      mesh.texture_places.push_back(file_.texture_places[i]);
     }
     for (uint32_t i = face.first_index; i < face.first_index + face.index_count; i += 3)
       mesh.triangles.emplace_back(file_.indices[i], file_.indices[i + 2], file_.indices[i + 1]);
@@ -180,18 +185,20 @@ class BspConverter {
   }
 
   FaceMesh patchMesh(const BspFace& face, const glm::dvec3& origin_units) const {
-    std::vector<glm::dvec3> control, light, places;
+    std::vector<glm::dvec3> control, light, places, texture_places;
     for (uint32_t i = face.first_vertex; i < face.first_vertex + face.vertex_count; ++i) {
       control.push_back(glm::dvec3(file_.positions[i]) + origin_units);
       light.emplace_back(lightOf(file_.vertex_light[i].colour));
       places.emplace_back(placeOf(face, file_.vertex_light[i].lightmap_place), 0.0);
+      texture_places.emplace_back(file_.texture_places[i], 0.0);
     }
     PatchMesh patch = tessellatePatch(control, face.patch_width, face.patch_height, kPatchToleranceUnits,
-                                      {std::move(light), std::move(places)});
+                                      {std::move(light), std::move(places), std::move(texture_places)});
     FaceMesh mesh;
     for (const glm::dvec3& p : patch.positions) mesh.positions_m.push_back(worldPosition(p));
     for (const glm::dvec3& l : patch.carried[0]) mesh.light.emplace_back(l);
     for (const glm::dvec3& p : patch.carried[1]) mesh.lightmap_places.emplace_back(p);
+    for (const glm::dvec3& p : patch.carried[2]) mesh.texture_places.emplace_back(p);
     mesh.triangles = std::move(patch.triangles);
     return mesh;
   }
@@ -221,12 +228,51 @@ class BspConverter {
     Material material;
     material.double_sided = use.double_sided;
     material.emissive = use.emission;
-    const std::optional<glm::vec3> colour =
-        looks_ != nullptr ? looks_->textureColour(file_.shaders[shader_idx].name) : std::nullopt;
-    if (colour) material.base_color = *colour;
-    if (!colour) ++level_.materials_without_texture;
+    const std::string& name = file_.shaders[shader_idx].name;
+    if (looks_ != nullptr && looks_->keptAs(name).opacity != KeptAs::Opacity::none) material.veil = Veil::thin;
     level_.scene.materials.push_back(material);
+    material_names_.push_back(name);
     return *use.material_idx;
+  }
+
+  // By point where a texture is at hand; of several the first that is not damaged.
+  void loadImages() {
+    Scene& scene = level_.scene;
+    std::vector<std::vector<std::string>> entries(scene.materials.size());
+    std::vector<size_t> pending;
+    for (size_t i = 0; i < scene.materials.size(); ++i) {
+      if (looks_ != nullptr) entries[i] = looks_->images(material_names_[i]);
+      pending.push_back(i);
+    }
+    // one round, but for damaged images
+    for (size_t round = 0; !pending.empty(); ++round) {
+      ImageLoader loader;
+      std::vector<size_t> wanted;
+      for (const size_t i : pending) {
+        Material& material = scene.materials[i];
+        if (round < entries[i].size()) {
+          material.base_image.image = loader.want(entries[i][round], looks_->keptAs(material_names_[i]));
+          wanted.push_back(i);
+        } else {
+          ++level_.materials_without_texture;
+          material.veil = Veil::none;
+        }
+      }
+      pending.clear();
+      if (wanted.empty()) break;
+      LoadedImages loaded = looks_->load(loader);
+      for (const size_t i : wanted) {
+        Material& material = scene.materials[i];
+        if (!loaded.take(&material.base_image)) {
+          pending.push_back(i);
+          continue;
+        }
+        material.base_color = glm::vec3(1.0f);
+        material.base_image.image += static_cast<int32_t>(scene.images.size());
+      }
+      std::move(loaded.images.begin(), loaded.images.end(), std::back_inserter(scene.images));
+    }
+    if (scene.images.empty()) scene.base_places.clear();
   }
 
   // A level that was never lit has no lightmaps and one colour at all vertices.
@@ -313,6 +359,7 @@ class BspConverter {
   const BspLooks* looks_;
   std::vector<std::optional<ShaderUse>> uses_;  // by shader
   std::vector<glm::dvec3> world_positions_;
+  std::vector<std::string> material_names_;  // by material of the scene: its shader
   LightFaces light_faces_;
   SceneBudget triangles_left_ = SceneBudgets().level_triangles;
   uint32_t faces_without_page_ = 0;
@@ -328,10 +375,11 @@ std::string someOf(const std::vector<std::string>& names) {
 }  // namespace
 
 BspLevel readBsp(const std::string& path) {
-  return BspConverter(path, readFile(path, kMaxLevelBytes), nullptr).convert(std::filesystem::path(path).stem().string());
+  return BspConverter(path, readFile(path, kMaxLevelBytes), nullptr)
+      .convert(std::filesystem::path(path).stem().string(), kDenseVeil);
 }
 
-BspLevel readBspFromArchives(const std::string& path, const std::string& map) {
+BspLevel readBspFromArchives(const std::string& path, const std::string& map, double dense_veil) {
   const Pk3Archives archives(path);
   const std::string id = lowerCase(map);
   const std::string name = "maps/" + id + ".bsp";
@@ -342,7 +390,7 @@ BspLevel readBspFromArchives(const std::string& path, const std::string& map) {
                      "none of that name");
   }
   const BspLooks looks(archives);
-  return BspConverter(path + ":" + id, archives.read(name, kMaxLevelBytes), &looks).convert(id);
+  return BspConverter(path + ":" + id, archives.read(name, kMaxLevelBytes), &looks).convert(id, dense_veil);
 }
 
 }  // namespace nlg

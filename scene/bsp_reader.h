@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scene/scene.h"
+#include "scene/veils.h"
 
 namespace nlg {
 
@@ -14,7 +15,8 @@ struct BspLevel {
   Scene scene;  // its id is the map's name
   // faces that are no geometry, by why: "sky", "nodraw", "fog", "liquid", "clip", "translucent", "flare"
   std::map<std::string, uint32_t> dropped_faces;
-  uint32_t materials_without_texture = 0;  // have the default colour: no image of theirs is in the archives, or it is damaged
+  uint32_t materials_without_texture = 0;  // have the default colour: no image of theirs is in the archives, or all are damaged
+  std::vector<std::string> notes;          // what lets light through (veils.h)
   // what the level says of light and the scene does not hold, or holds otherwise; one line each
   std::vector<std::string> light_notes;
 };
@@ -35,11 +37,13 @@ struct BspLevel {
 BspLevel readBsp(const std::string& path);
 
 // The same for maps/MAP.bsp in the archives at path (pk3_archive.h), with their shader scripts and textures: surface parameters
-// add to the .bsp's flags, cull none makes a material double_sided, base_color is its texture's average; faces shine, and sky has
-// its light and its suns.
+// add to the .bsp's flags, cull none makes a material double_sided, its texture is its base_image; faces shine, and sky has its light
+// and its suns. A script's first stage with alphaFunc GT0 or GE128 makes a veil of what its texture cuts out (veils.h), but for faces
+// that are left out as "translucent".
 //
 // map      without regard to case
+// dense_veil   as judgeVeils has it
 // throws   InputError also on what Pk3Archives and readShaderScripts refuse, and on a map that is not there (names some that are)
-BspLevel readBspFromArchives(const std::string& path, const std::string& map);
+BspLevel readBspFromArchives(const std::string& path, const std::string& map, double dense_veil = kDenseVeil);
 
 }  // namespace nlg

@@ -106,30 +106,47 @@ void readGeneralLine(const std::string& keyword, QuakeTokens& tokens, ShaderScri
   }
 }
 
-void readStageLine(const std::string& keyword, QuakeTokens& tokens, ShaderScript& script) {
+// What the lines of one stage have said so far.
+struct Stage {
+  std::string texture;
+  int least_code = 0;
+};
+
+void readStageLine(const std::string& keyword, QuakeTokens& tokens, Stage& stage, ShaderScript& script) {
   std::string_view word;
+  if (keyword == "alphafunc" && tokens.nextOnLine(&word)) {
+    const std::string function = lowerCase(word);
+    stage.least_code = function == "gt0" ? 1 : function == "ge128" ? 128 : 0;
+  }
   if (keyword != "map" && keyword != "clampmap" && keyword != "animmap") return;
   if (keyword == "animmap" && !tokens.nextOnLine(&word)) return;  // its frequency
-  if (tokens.nextOnLine(&word)) addTexture(word, script);
+  if (!tokens.nextOnLine(&word)) return;
+  addTexture(word, script);
+  stage.texture = word[0] == '$' || word[0] == '*' ? std::string() : shaderKey(word);
 }
 
 // What stands between the braces of one shader; the first one has been read.
 ShaderScript readBody(QuakeTokens& tokens) {
   ShaderScript script;
   std::string_view word;
+  Stage stage;
   int depth = 1;
+  const auto open = [&] {
+    if (++depth == 2) stage = {};
+  };
   while (depth > 0 && tokens.next(&word)) {
     if (word == "{") {
-      ++depth;
+      open();
     } else if (word == "}") {
       --depth;
     } else {
       const std::string keyword = lowerCase(word);
       if (depth == 1) readGeneralLine(keyword, tokens, script);
-      if (depth == 2) readStageLine(keyword, tokens, script);
+      if (depth == 2) readStageLine(keyword, tokens, stage, script);
+      if (script.cut.texture.empty() && stage.least_code > 0) script.cut = {stage.texture, stage.least_code};
       // the rest of the line: braces stand on lines of their own, or end it
       while (tokens.nextOnLine(&word) && word != "{" && word != "}") continue;
-      if (word == "{") ++depth;
+      if (word == "{") open();
       if (word == "}") --depth;
     }
   }

@@ -34,10 +34,17 @@ struct ScriptLight {
   std::vector<ScriptSun> suns;       // at most 8
 };
 
+// A stage that shows only part of its texture: alphaFunc GT0 or GE128.
+struct ScriptCut {
+  std::string texture;  // empty: the script has no such stage
+  int least_code = 0;   // opacity, of 255, from which on it is shown
+};
+
 struct ShaderScript {
   uint32_t surface_flags = 0, content_flags = 0;  // bits of bsp_file.h that its surfaceparm lines set
   bool double_sided = false;                      // cull none, disable or twosided
   std::vector<std::string> textures;              // in the order of trust: qer_editorimage, then the stages' maps; no $lightmap
+  ScriptCut cut;                                  // of the first such stage
   ScriptLight light;
 };
 

@@ -49,6 +49,7 @@ SceneSource sourceOf(BspLevel level) {
   SceneSource source = sourceOf(std::move(level.scene));
   source.dropped_faces = std::move(level.dropped_faces);
   source.materials_without_texture = level.materials_without_texture;
+  source.notes = std::move(level.notes);
   source.light_notes = std::move(level.light_notes);
   return source;
 }
@@ -152,7 +153,7 @@ SceneSource loadScene(const std::string& request, const SceneReading& reading) {
   InteriorRequest interior;
   if (readInterior(request, &interior)) return readInterior(interior);
   const size_t colon = archiveColon(request);
-  if (colon != std::string::npos) return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1)));
+  if (colon != std::string::npos) return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1), reading.veil_cover));
   if (extension == ".bsp") return sourceOf(readBsp(request));
   std::error_code error;
   if (!fs::exists(request, error) && !error)

@@ -12,6 +12,9 @@
 #include "scene/bsp_looks.h"
 #include "scene/pk3_archive.h"
 #include "scene/scene_source.h"
+#include "scene/surface_look.h"
+#include "scene/surface_means.h"
+#include "tests/scene/hand_built_images.h"
 #include "tests/scene/input_error.h"
 #include "tests/scene/scene_triangles.h"
 #include "tool/atomic_file.h"
@@ -284,13 +287,61 @@ TEST_F(BspInArchives, LooksComeFromScriptsAndTextures) {
   const BspLevel level = readBspFromArchives(folder_.string(), "SMALL");
   EXPECT_EQ(level.scene.id, "small");
   ASSERT_EQ(level.scene.materials.size(), 1u);
-  EXPECT_EQ(level.scene.materials[0].base_color, glm::vec3(1, 0, 0));
+  EXPECT_EQ(baseColourAt(level.scene, 0, 0.3f, 0.3f), glm::vec3(1, 0, 0));
   EXPECT_TRUE(level.scene.materials[0].double_sided);
   EXPECT_EQ(level.materials_without_texture, 0u);
   writeZip(folder_ / "pak2.pk3", {{"scripts/test.shader", "textures/test/stone\n{\n surfaceparm trans\n}\n"}});
   const BspLevel dropped = readBspFromArchives(folder_.string(), "small");
   EXPECT_TRUE(dropped.scene.triangles.empty());
   EXPECT_EQ(dropped.dropped_faces, (std::map<std::string, uint32_t>{{"translucent", 3}}));
+}
+
+// Bilinear between the middles of four texels.
+TEST_F(BspInArchives, TexturesLieWhereTheFileSays) {
+  BspParts parts = smallLevel();
+  // the floor's corners: places (0, 0), (0, 1), (1, 1), (1, 0)
+  for (const glm::vec2& place : {glm::vec2(0, 0), {0, 1}, {1, 1}, {1, 0}}) parts.texture_places.push_back(place);
+  const std::string columns = png(2, 1, std::string("\xff\0\0\xff\0\xff\0\xff", 8));
+  writeZip(folder_ / "pak2.pk3", {{"maps/placed.bsp", parts.bytes()}, {"textures/test/stone.png", columns}});
+  writeZip(folder_ / "pak3.pk3", {{"textures/test/stone.tga", "damaged: the next one is taken"}});
+  const BspLevel level = readBspFromArchives(folder_.string(), "placed");
+  EXPECT_EQ(level.materials_without_texture, 0u);
+  const Scene& scene = level.scene;
+  ASSERT_EQ(scene.base_places.size(), scene.positions.size());
+  for (size_t i = 0; i < 4; ++i) {
+    // 100 units are 2.54 m; the file's x is the scene's
+    const glm::dvec3 world = scene.origin_m + glm::dvec3(scene.positions[i]);
+    EXPECT_NEAR(scene.base_places[i].x, world.x / 2.54, 1e-5);
+    EXPECT_NEAR(scene.base_places[i].y, -world.z / 2.54, 1e-5);
+  }
+  const std::vector<glm::dvec4> means =
+      meansOfMaterials(scene, {true}, [&](uint32_t t, float u, float v) { return glm::dvec3(baseColourAt(scene, t, u, v)); });
+  EXPECT_EQ(scene.images.size(), 1u);
+  EXPECT_NEAR(means[0].x + means[0].y, 1.0, 1e-6) << "red and green";
+}
+
+TEST_F(BspInArchives, WhatAScriptCutsOutIsAVeil) {
+  BspParts parts = smallLevel();
+  for (const glm::vec2& place : {glm::vec2(0, 0), {0, 1}, {1, 1}, {1, 0}}) parts.texture_places.push_back(place);
+  const std::string halves = png(4, 1, pixels(3, std::string("\xff\xff\xff\x7f", 4)) + "\xff\xff\xff\x80");
+  const struct {
+    const char* function;
+    Veil veil;
+  } cases[] = {{"GE128", Veil::thin}, {"GT0", Veil::none}, {"LT128", Veil::none}};
+  for (const auto& one : cases) {
+    const std::string script =
+        "textures/test/stone\n{\n qer_editorimage textures/other\n { map $lightmap }\n {\n map textures/grate.tga\n alphaFunc " +
+        std::string(one.function) + "\n }\n}\n";
+    writeZip(folder_ / "pak2.pk3",
+             {{"maps/grate.bsp", parts.bytes()}, {"textures/grate.png", halves}, {"scripts/test.shader", script}});
+    const BspLevel level = readBspFromArchives(folder_.string(), "grate");
+    EXPECT_EQ(static_cast<int>(level.scene.materials[0].veil), static_cast<int>(one.veil)) << one.function;
+    EXPECT_EQ(level.notes.size(), one.veil == Veil::none ? 0u : 1u);
+    EXPECT_EQ(level.scene.images.size(), 1u);
+  }
+  EXPECT_EQ(static_cast<int>(readBspFromArchives(folder_.string(), "grate", 0.0).scene.materials[0].veil),
+            static_cast<int>(Veil::none))
+      << "the last one cuts nothing out";
 }
 
 TEST_F(BspInArchives, ImagesThatShadersShareAreReadOnce) {

@@ -39,7 +39,8 @@ struct BspParts {
   std::vector<Shader> shaders;
   std::vector<Model> models;
   std::vector<glm::vec3> vertices;
-  std::vector<Light> lights;  // of the first vertices; those behind have none
+  std::vector<glm::vec2> texture_places;  // of the first vertices; those behind have (0, 0)
+  std::vector<Light> lights;              // of the first vertices; those behind have none
   std::vector<uint32_t> indices;
   std::vector<Face> faces;
   std::string lightmaps, light_grid;  // lumps as they are
@@ -90,7 +91,8 @@ struct BspParts {
     for (size_t i = 0; i < vertices.size(); ++i) {
       const Light light = i < lights.size() ? lights[i] : Light{};
       lumps[10].append(reinterpret_cast<const char*>(&vertices[i]), 12);
-      lumps[10] += std::string(8, '\0');
+      const glm::vec2 place = i < texture_places.size() ? texture_places[i] : glm::vec2(0.0f);
+      lumps[10].append(reinterpret_cast<const char*>(&place), 8);
       lumps[10].append(reinterpret_cast<const char*>(&light.place), 8);
       lumps[10] += std::string(12, '\0');
       lumps[10].append(reinterpret_cast<const char*>(light.colour), 4);
