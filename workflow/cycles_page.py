@@ -5,12 +5,12 @@ from results_quotes import number
 
 NAME = "cycles"
 SCENES = {
-    "images": "walls, floor and ceiling are images (PNG, JPEG), one behind a Mapping node; sky through a window",
-    "mask": "a fence, `alphaMode` MASK, before the window; sky and sun",
-    "blend": "a pane in the window, `alphaMode` BLEND, alpha .15; sky",
+    "images": "walls, floor and ceiling are images (PNG, JPEG), one behind a Mapping node; sky",
+    "mask": "a fence, `alphaMode` MASK, before the window; a sun, and sky",
+    "blend": "a pane in the window, `alphaMode` BLEND, alpha .15; a point lamp, and sky",
     "emission": "a screen on the wall shines by an image; no window",
     "transmission": "tinted glass in the window, transmission .8; sky",
-    "sum": "all of them, in two windows; sky and sun",
+    "sum": "all of them, in two windows; sun, lamp and sky",
 }
 CHANNELS = ("red", "green", "blue")
 LOW, HIGH = 0.98, 1.02
@@ -18,7 +18,7 @@ INTRODUCTION = """# Light against Cycles
 
 *Written by `workflow/results.py write` from `docs/results/cycles.json`. Change nothing here by hand.*
 
-Our path tracer against [Cycles](https://www.cycles-renderer.org/), the path tracer of Blender 3.4, on rooms of what artists bring. Blender models a room, and its own exporter writes it as glTF, with the exporter's defaults. Cycles bakes the irradiance at places in the room, `nlg-render irradiance` traces it from the exported file, and the means over the places are compared.
+Our path tracer against [Cycles](https://www.cycles-renderer.org/), the path tracer of Blender 3.4, on rooms of what artists bring. Blender models a room, and its own exporter writes it as glTF, with the exporter's defaults and Punctual Lights ticked. Cycles bakes the irradiance at places in the room, `nlg-render irradiance` traces it from the exported file, and the means over the places are compared.
 
 ```sh
 apt-get install --no-install-recommends blender python3-numpy     # Debian's, 3.4; no package of the project
@@ -34,7 +34,7 @@ SETTINGS = """
 - **Cycles** by default leaves light out: filter glossy, clamping, the light threshold, adaptive sampling and denoising are off, and all kinds of bounces are 64.
 - **Meshes that shine** are met by paths alone (`sample_as_light` off), and have one user each. What 3.4 draws on them is biased: beside a closed form, an image's light was off by 1 % in the mean, and by several at single places.
 - **Images** are large for what they show. Between texels Cycles takes means of sRGB codes, and glTF of linear light: at edges in small images it is darker.
-- **Sky and sun** are given to both by hand. The exporter drops the world, and multiplies lamps and suns by 683; emission it leaves as it is ([units](../guide/scenes.md)).
+- **Lamps and suns** come with the file, 683 times as bright as its emission, as the exporter has them by default: nlg recognises it ([units](../theory/light.md#units)). The world is not exported; its sky is given by `--sky`.
 - **Alpha** in Cycles is alpha. `alphaMode` MASK cuts at a half, so that the fence's image has only 0 and 1.
 """
 

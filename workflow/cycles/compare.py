@@ -74,12 +74,11 @@ def traced(scene, folder, found, tools, rays):
     rows = [",".join(f"{number:.9g}" for number in place) for place in found["places"]]
     write_atomically(places, "\n".join([",".join(PLACE), *rows, ""]).encode())
     sky = "0" if not any(found["sky"]) else ",".join(map(str, found["sky"]))
-    sun = "0" if found["sun"] is None else ",".join(map(str, found["sun"]))
     columns = (*PLACE, "r", "g", "b", "dr", "dg", "db")
     runs = []
     for seed in range(1, len(found["runs"]) + 1):
         out = folder / f"{scene}.{seed}.csv"
-        printed([tools / "nlg-render", "irradiance", folder / f"{scene}.glb", "--places", places, "--out", out, "--rays", rays, "--seed", seed, f"--sky={sky}", f"--sun={sun}"], f"nlg-render, of {scene},")
+        printed([tools / "nlg-render", "irradiance", folder / f"{scene}.glb", "--places", places, "--out", out, "--rays", rays, "--seed", seed, f"--sky={sky}"], f"nlg-render, of {scene},")
         runs.append([[parse_number(out, line, *cell) for cell in zip(columns[6:9], row[6:9])] for line, row in read_columns(out, columns)])
         if len(runs[-1]) != len(found["places"]):
             raise InputError(out, "rows", str(len(found["places"])), str(len(runs[-1])))

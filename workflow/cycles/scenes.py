@@ -2,8 +2,8 @@
 
     blender -b --factory-startup --python-exit-code 1 --python workflow/cycles/scenes.py -- SCENE FOLDER PLACES SAMPLES
 
-Writes FOLDER/SCENE.glb, without lamps and as the exporter's defaults are, and FOLDER/SCENE.json: places and their normals in glTF's axes, the irradiance
-there of each of RUNS bakes, and what shines beside the file's own emission. Its images lie in FOLDER/images.
+Writes FOLDER/SCENE.glb, by the exporter's defaults with Punctual Lights ticked, and FOLDER/SCENE.json: places and their normals in glTF's axes, the
+irradiance there of each of RUNS bakes, and the sky, which the exporter drops. Its images lie in FOLDER/images.
 SCENE@means is the same scene with the mean of every image as its material's factor.
 """
 import json
@@ -16,6 +16,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import bpy
 import numpy as np
+from mathutils import Vector
 from model import Look, Model, picture
 
 RUNS = 4  # bakes of other seeds: from their spread comes the noise
@@ -24,9 +25,9 @@ BACK_WINDOW, RIGHT_WINDOW = (1.2, 2.8, 0.9, 2.1), (0.9, 2.1, 0.9, 2.1)  # along 
 CRATE = (2.3, 0.5, 0.0), (3.1, 1.2, 0.8)
 RECEIVER_M = 0.002  # side of the square that light is baked on
 SKY = (0.8, 1.0, 1.3)  # radiance
-SUN = (6.0, 5.0, 3.5)  # irradiance
-SUN_AZIMUTH, SUN_ELEVATION = -70.0, 38.0  # degrees; azimuth from glTF's +x towards its +z
-SUN_RADIUS = 0.00465  # radians: scene/scene_light.h
+NO_SKY = (0.0, 0.0, 0.0)
+SUN_RADIUS = 0.00465  # radians: glTF knows none, and nlg takes this one (scene/scene_light.h)
+LAMP_RADIUS_M = 0.005  # to Cycles a lamp is a disk, not a ball: near a large one it is too dark
 
 
 def linear(codes):
@@ -127,34 +128,54 @@ class Room(Model):
         place, along = ((WIDTH + 0.1, to, sill), (0, from_ - to, 0)) if window == "right" else ((from_, DEPTH + 0.1, sill), (to - from_, 0, 0))
         self.sheet("glass", place, along, (0, 0, lintel - sill), self.material("glass", Look(colour=(0.9, 0.6, 0.35), transmission=0.8)))
 
+    def lamp(self, kind, energy, colour, place, towards=(0, 0, 0)):
+        light = bpy.data.lights.new(kind, kind)
+        light.energy, light.color = energy, colour
+        if kind == "SUN":
+            light.angle = 2 * SUN_RADIUS
+        else:
+            light.shadow_soft_size = LAMP_RADIUS_M
+        thing = bpy.data.objects.new(kind, light)
+        thing.location = place
+        thing.rotation_euler = (Vector(towards) - Vector(place)).to_track_quat("-Z", "Y").to_euler()
+        bpy.context.collection.objects.link(thing)
+
+    def sun(self):
+        self.lamp("SUN", 6.0, (1.0, 0.83, 0.58), (1.0, 9.0, 6.0), (2.0, 1.5, 0.5))
+
+    def bulb(self):
+        self.lamp("POINT", 20.0, (1.0, 0.75, 0.45), (1.0, 1.0, 2.2))
+
 
 def images(room):
     room.build(textured=True)
-    return SKY, None
+    return SKY
 
 
 def mask(room):
     room.build(textured=False)
     room.fence()
-    return SKY, SUN
+    room.sun()
+    return SKY
 
 
 def blend(room):
     room.build(textured=False)
     room.pane()
-    return SKY, None
+    room.bulb()
+    return SKY
 
 
 def emission(room):
     room.build(textured=False, back=False)
     room.shining_screen()
-    return (0.0, 0.0, 0.0), None
+    return NO_SKY
 
 
 def transmission(room):
     room.build(textured=False)
     room.tinted_glass("back")
-    return SKY, None
+    return SKY
 
 
 def all_together(room):
@@ -163,7 +184,9 @@ def all_together(room):
     room.pane()
     room.shining_screen()
     room.tinted_glass("right")
-    return SKY, SUN
+    room.sun()
+    room.bulb()
+    return SKY
 
 
 SCENES = {"images": images, "mask": mask, "blend": blend, "emission": emission, "transmission": transmission, "sum": all_together}
@@ -236,21 +259,11 @@ def set_up_cycles(samples):
     cycles.blur_glossy = cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.light_sampling_threshold = 0.0
 
 
-def shine(sky, sun):
+def shine(sky):
     world = bpy.data.worlds.new("sky")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (*sky, 1)
     bpy.context.scene.world = world
-    if sun is None:
-        return
-    lamp = bpy.data.lights.new("sun", "SUN")
-    lamp.energy, lamp.color, lamp.angle = 1.0, (1, 1, 1), 2 * SUN_RADIUS
-    lamp.use_nodes = True
-    lamp.node_tree.nodes["Emission"].inputs["Color"].default_value = (*sun, 1)
-    thing = bpy.data.objects.new("sun", lamp)
-    # a lamp shines along its -z; glTF's z is Blender's -y
-    thing.rotation_euler = (math.radians(90 - SUN_ELEVATION), 0, math.radians(90 - SUN_AZIMUTH))
-    bpy.context.collection.objects.link(thing)
 
 
 def bake(image, seed, count):
@@ -272,16 +285,15 @@ def main(scene, folder, count, samples):
     (folder / "images").mkdir(parents=True, exist_ok=True)
     name, _, twin = scene.partition("@")
     room = Room(folder / "images", not twin)
-    sky, sun = SCENES[name](room)
-    bpy.ops.export_scene.gltf(filepath=str(folder / f"{scene}.glb"))
+    sky = SCENES[name](room)
+    bpy.ops.export_scene.gltf(filepath=str(folder / f"{scene}.glb"), export_lights=True)
     room.for_cycles()
     set_up_cycles(samples)
-    shine(sky, sun)
+    shine(sky)
     found = places(np.random.default_rng(5), count)
     image = receivers(found)
     runs = [bake(image, seed, count) for seed in range(1, RUNS + 1)]
-    light = {"sky": sky, "sun": None if sun is None else [SUN_AZIMUTH, SUN_ELEVATION, *sun]}
-    result = {"blender": bpy.app.version_string, "samples": samples, **light, "places": [[*gltf_axes(p), *gltf_axes(n)] for p, n in found], "runs": runs}
+    result = {"blender": bpy.app.version_string, "samples": samples, "sky": sky, "places": [[*gltf_axes(p), *gltf_axes(n)] for p, n in found], "runs": runs}
     (folder / f"{scene}.json").write_text(json.dumps(result))
 
 
