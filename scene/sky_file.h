@@ -20,9 +20,9 @@ bool isSkyFile(const std::string& path);
 // Read a few rows at a time, whatever the file's size.
 //
 // .hdr     RGBE, plain or run-length encoded, rows from the top; EXPOSURE is left aside, as nearly all programs do
-// .exr     channels R, G and B, or Y alone, of the first part; all compressions; half, float or integers
+// .exr     channels R, G and B, or Y alone, of a file of one part; all compressions; half, float or integers
 // turn     in whole turns: by how much the image is turned from +x towards +z
-// throws   InputError on a file that is none of these, cut short, wider than kMaxSkyFileColumns, or not twice as wide as high
+// throws   InputError on a file that is none of these, with more channels than 1 MiB holds of a row, cut short, wider than kMaxSkyFileColumns, or not twice as wide as high
 SkyFile readSkyFile(const std::string& path, double turn);
 
 }  // namespace nlg

@@ -12,6 +12,7 @@ nlg_fuzz_target(pk3 RUNS 10000 OPTIONS -max_len=8192 SOURCES zip_file.cpp LINKS 
 nlg_fuzz_target(shader_script RUNS 60000 OPTIONS -max_len=2048 -dict=quake.dict LINKS fuzzed_scene)
 nlg_fuzz_target(entities RUNS 60000 OPTIONS -max_len=2048 -dict=quake.dict LINKS fuzzed_scene)
 nlg_fuzz_target(texture RUNS 60000 OPTIONS -max_len=1024 LINKS fuzzed_scene)
+nlg_fuzz_target(sky RUNS 20000 OPTIONS -max_len=4096 LINKS fuzzed_scene)
 nlg_fuzz_target(options RUNS 20000 OPTIONS -max_len=1024 -dict=yaml.dict LINKS fuzzed_options)
 nlg_fuzz_target(shard RUNS 400 OPTIONS -max_len=512 -detect_leaks=0 SOURCES hdf5_recipe.cpp LINKS fuzzed_dataset)
 nlg_fuzz_target(basis RUNS 250 OPTIONS -max_len=512 -detect_leaks=0 SOURCES hdf5_recipe.cpp LINKS fuzzed_dataset)
