@@ -8,6 +8,7 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/scene_check.h"
 #include "tests/scene/gltf_packed_parts.h"
+#include "tests/scene/hand_built_images.h"
 
 namespace nlg::fuzz {
 namespace {
@@ -47,6 +48,30 @@ Parts litSquare() {
   return parts;
 }
 
+// A square with an image for its colour, for what shines, and for what it lets through.
+Parts texturedSquare(const std::string& image) {
+  Parts parts;
+  parts.bin = kSquare + bytesOf<float>({0, 1, 1, 1, 1, 0, 0, 0}) +
+              bytesOf<uint8_t>({255, 0, 0, 255, 0, 255, 0, 9, 1, 2, 3, 4, 5, 6, 7, 8}) + image;
+  parts.views =
+      R"([{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":32},)"
+      R"({"buffer":0,"byteOffset":92,"byteLength":16},{"buffer":0,"byteOffset":108,"byteLength":)" +
+      std::to_string(image.size()) + "}]";
+  parts.accessors =
+      R"([{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"},)"
+      R"({"bufferView":2,"componentType":5126,"count":4,"type":"VEC2"},{"bufferView":3,"componentType":5121,"normalized":true,"count":4,"type":"VEC4"}])";
+  parts.primitives =
+      R"([{"attributes":{"POSITION":0,"TEXCOORD_0":2,"COLOR_0":3},"indices":1,"material":0},{"attributes":{"POSITION":0},"indices":1,"material":1}])";
+  parts.more =
+      R"(,"images":[{"bufferView":4,"mimeType":"image/png"},{"uri":"square.bin"}],"samplers":[{"wrapS":33071,"wrapT":33648}],)"
+      R"("textures":[{"source":0,"sampler":0},{"extensions":{"EXT_texture_webp":{"source":0}}},{"extensions":{"KHR_texture_basisu":{"source":1}}}],)"
+      R"("materials":[{"alphaMode":"MASK","alphaCutoff":0.4,"emissiveFactor":[1,1,1],"emissiveTexture":{"index":1},)"
+      R"("pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.9],"baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.5,0],)"
+      R"("rotation":1,"scale":[2,3],"texCoord":0}}}},"extensions":{"KHR_materials_transmission":{"transmissionFactor":0.5,"transmissionTexture":{"index":0}}}},)"
+      R"({"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.5],"baseColorTexture":{"index":2}}}])";
+  return parts;
+}
+
 // What a .gltf may name: "square.bin".
 std::unique_ptr<ScratchFile> bufferBeside() {
   auto buffer = std::make_unique<ScratchFile>("square.bin");
@@ -67,6 +92,9 @@ Seeds seeds() {
   const std::pair<const char*, Parts> files[] = {
       {"square", Parts()},
       {"lit", litSquare()},
+      {"png", texturedSquare(png(2, 2, pixels(4, "\x10\x80\xf0\x40")))},
+      {"jpg", texturedSquare(jpeg(2, 10, 20, 30))},
+      {"webp", texturedSquare(webp(2, 2, pixels(4, "\x10\x80\xf0\x40")))},
       {"meshopt", meshoptSquare()},
       {"meshopt_sequence", meshoptSquare("INDICES")},
       {"draco", dracoParts(dracoSquare(draco::MESH_EDGEBREAKER_ENCODING, draco::DT_FLOAT32, true))},

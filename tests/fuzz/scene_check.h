@@ -5,6 +5,7 @@
 #include <string>
 
 #include "scene/scene.h"
+#include "scene/surface_look.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace nlg::fuzz {
@@ -18,6 +19,28 @@ inline void checkScene(const Scene& scene) {
   for (const uint32_t material : scene.triangle_material) FUZZ_CHECK(material < scene.materials.size(), "materials");
   for (const Material& material : scene.materials)
     FUZZ_CHECK(finite(material.base_color) && finite(material.emissive), "colours");
+  const size_t vertex_count = scene.positions.size();
+  const auto isOneEach = [&](const auto& values) { return values.empty() || values.size() == vertex_count; };
+  FUZZ_CHECK(isOneEach(scene.base_places) && isOneEach(scene.emissive_places) && isOneEach(scene.vertex_colours), "vertices");
+  for (const auto* places : {&scene.base_places, &scene.emissive_places}) {
+    for (const glm::vec2& place : *places) FUZZ_CHECK(std::isfinite(place.x) && std::isfinite(place.y), "places");
+  }
+  for (const Material& material : scene.materials) {
+    const bool has_base_places = scene.base_places.size() == vertex_count;
+    FUZZ_CHECK(material.opacity >= 0.0f && material.opacity <= 1.0f, "opacity");
+    FUZZ_CHECK(material.transmission >= 0.0f && material.transmission <= 1.0f, "transmission");
+    FUZZ_CHECK(material.veil == Veil::none || material.double_sided, "a veil has two sides");
+    for (const TextureUse* use : {&material.base_image, &material.emissive_image, &material.transmission_image})
+      FUZZ_CHECK(use->image < static_cast<int>(scene.images.size()), "images");
+    FUZZ_CHECK(has_base_places || !(material.base_image.isThere() || material.transmission_image.isThere()),
+               "places on an image");
+  }
+  for (const TextureImage& image : scene.images)
+    FUZZ_CHECK(image.texels.size() == static_cast<size_t>(image.width) * static_cast<size_t>(image.height), "texels");
+  for (uint32_t i = 0; i < scene.triangles.size() && i < 64; ++i) {
+    const VeilLook look = veilAt(scene, i, 0.3f, 0.4f);
+    FUZZ_CHECK(finite(look.passes) && finite(look.reflects) && finite(emissionAt(scene, i, 0.3f, 0.4f)), "looks");
+  }
   size_t first = 0;
   for (const SceneObject& object : scene.objects) {
     FUZZ_CHECK(object.first_triangle == first && object.triangle_count > 0, object.name);
