@@ -212,7 +212,8 @@ std::string toTable(const BakeReport& report) {
     text += fmt::format("all but the bare tent: RMSE mean {:.4f}, in none of the errors above\n", s.bare_tents.meanRmse());
   }
   if (failing > 0 || s.left_for_time > 0) {
-    text += fmt::format("{} functions still fail the check, {} of all were left for want of time\n", failing, s.left_for_time);
+    text += fmt::format("{} still {} the check, {} of all were left for want of time\n", countText(failing, "function"),
+                        failing == 1 ? "fails" : "fail", s.left_for_time);
   }
   if (report.weights.size() > 1) {
     text += "representations:";

@@ -13,6 +13,7 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/progress.h"
+#include "tool/quantity.h"
 
 namespace nlg {
 namespace {
@@ -56,7 +57,7 @@ void report(Progress& progress, const FunctionCollector& collector, const Collec
   // the limit on functions may come long before the last probe
   const double share = shareDone(counts, limits);
   if (share > 0.0) progress.setTotal(static_cast<int64_t>(std::lround(static_cast<double>(counts.visited_probes) / share)));
-  progress.update(static_cast<int64_t>(counts.visited_probes), fmt::format("{} functions", counts.functions));
+  progress.update(static_cast<int64_t>(counts.visited_probes), countText(counts.functions, "function"));
 }
 
 nlohmann::ordered_json resultJson(const ShardJob& job, const FunctionCollector& collector, uint64_t file_bytes) {

@@ -15,6 +15,7 @@ Bounds boundsWithSky(const Scene& scene) {
 
 ExtentBox lightExtent(const Scene& scene, const std::vector<std::string>& extent_m) {
   if (const auto extent = extentFromNumbers(extent_m)) return {extent->low_m - scene.origin_m, extent->high_m - scene.origin_m};
+  if (scene.extent) return {scene.extent->low_m - scene.origin_m, scene.extent->high_m - scene.origin_m};
   const Bounds bounds = boundsWithSky(scene);
   return {glm::dvec3(bounds.min), glm::dvec3(bounds.max)};
 }

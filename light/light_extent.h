@@ -12,7 +12,7 @@ namespace nlg {
 // The box around all triangles, those of the sky among them.
 Bounds boundsWithSky(const Scene& scene);
 
-// The extent of a setting, world, as probe placement takes it; where it names none, the box above.
+// The extent of a setting, world, as probe placement takes it; where it names none, the scene's own or the box above.
 ExtentBox lightExtent(const Scene& scene, const std::vector<std::string>& extent_m);
 
 }  // namespace nlg

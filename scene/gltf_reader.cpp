@@ -73,11 +73,39 @@ class GltfConverter {
     is_visited_[node_idx] = 1;
     const tinygltf::Node& node = model_.nodes[node_idx];
     const glm::dmat4 world_from_local = world_from_parent * localTransform(node, place);
-    if (node.mesh >= 0) addInstance(node, node_idx, world_from_local, place);
+    if (isExtent(node)) {
+      addExtent(node, world_from_local, place);
+    } else if (node.mesh >= 0) {
+      addInstance(node, node_idx, world_from_local, place);
+    }
     const int light = lightOfNode(path_, place, node, lights_.size());
     if (light >= 0 && !lights_[light].is_left_out) addLight(lights_[light], world_from_local, place);
     if (node.camera >= 0) addCamera(node, world_from_local, place);
     for (const int child : node.children) visitNode(child, world_from_local, depth + 1);
+  }
+
+  // Blender numbers names that it has twice: nlg_extent.001.
+  static bool isExtent(const tinygltf::Node& node) {
+    const bool is_marked = node.extras.IsObject() && node.extras.Has("nlg_extent") && node.extras.Get("nlg_extent").IsBool() &&
+                           node.extras.Get("nlg_extent").Get<bool>();
+    return is_marked || node.name == "nlg_extent" || node.name.rfind("nlg_extent.", 0) == 0;
+  }
+
+  // The box around its mesh, or around the cube from -1 to 1 that an empty stands for; around all such nodes together.
+  void addExtent(const tinygltf::Node& node, const glm::dmat4& world_from_local, const std::string& place) {
+    std::vector<glm::vec3> corners = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
+                                      {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
+    if (node.mesh >= 0) {
+      requireIndex(node.mesh, model_.meshes.size(), path_, place + ": mesh", "a mesh");
+      corners = localMesh(node.mesh).positions;
+    }
+    for (const glm::vec3& corner : corners) {
+      const glm::dvec3 world(world_from_local * glm::dvec4(glm::dvec3(corner), 1.0));
+      checkPosition(world, place);
+      if (!scene_.extent) scene_.extent = ExtentBox{world, world};
+      scene_.extent->low_m = glm::min(scene_.extent->low_m, world);
+      scene_.extent->high_m = glm::max(scene_.extent->high_m, world);
+    }
   }
 
   // Perspective cameras: no view of a level is without perspective.

@@ -20,7 +20,10 @@ constexpr double kBrightest = 1e12;
 constexpr const char* kSkyForm =
     "r,g,b, or those of zenith, horizon and ground, each from 0 to 1e12; FILE.hdr or FILE.exr, which turn in degrees and factor "
     "may follow; or 0 for none";
-constexpr const char* kSunForm = "azimuth and elevation in degrees, and r,g,b from 0 to 1e12; or 0 for none";
+constexpr const char* kSunForm =
+    "azimuth,elevation,r,g,b in one word: degrees, the azimuth from +x towards +z, and irradiance from 0 to 1e12 "
+    "(40,50,3,2.8,2.5); "
+    "or 0 for none";
 
 std::vector<double> numbersOf(const std::vector<std::string>& texts, const UsageError& error) {
   std::vector<double> numbers;
@@ -189,10 +192,10 @@ void describe(LightOptions& options, OptionTable& table) {
       "radiance of the sky: r,g,b; or nine numbers, of zenith, horizon and ground; or FILE.hdr or FILE.exr, all around (its "
       "middle looks along +x; FILE,DEGREES turns it towards +z, FILE,DEGREES,FACTOR makes it brighter); or 0, no sky. None: the "
       "scene's own");
-  table.add(
-      "sun", &options.sun,
-      "a sun: its azimuth (from +x towards +z) and elevation, degrees, and its irradiance r,g,b; or 0, no sun. None: the scene's "
-      "own");
+  table.add("sun", &options.sun,
+            "a sun: azimuth,elevation,r,g,b in one word, as 40,50,3,2.8,2.5: degrees, the azimuth from +x towards +z, and "
+            "irradiance; or "
+            "0, no sun. None: the scene's own");
   table.add("light_unit", &options.light_unit,
             "what a glTF file's lamps and suns are in: file, as it says; watt, they are divided by 683; auto, so are those of a "
             "file that "

@@ -208,6 +208,10 @@ std::string sceneSha256(const Scene& scene) {
     bytes.add(object.triangle_count);
     bytes.add<char>(object.movable ? 1 : 0);
   }
+  if (scene.extent) {
+    bytes.add(scene.extent->low_m);
+    bytes.add(scene.extent->high_m);
+  }
   return bytes.hash();
 }
 

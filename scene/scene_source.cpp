@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -124,6 +125,19 @@ SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
 }
 
+// What modellers may have instead: each is a way of an export away.
+void refuseOtherFormats(const std::string& request, const std::string& extension) {
+  static const std::set<std::string> kOthers = {".fbx", ".blend", ".usd", ".usda", ".usdc", ".usdz", ".dae", ".3ds", ".max",
+                                                ".ma",  ".mb",    ".c4d", ".skp",  ".stl",  ".ply",  ".abc", ".x3d"};
+  if (kOthers.count(extension) == 0) return;
+  const char* const import = extension == ".blend" ? "open it in Blender" : "import it into Blender, or open it in what made it";
+  throw InputError(
+      request, "scene", "a .glb, .gltf, .obj or .bsp file",
+      fmt::format("a {} file: {}, and export glTF (in Blender File > Export > glTF 2.0, with Include > Data > Punctual "
+                  "Lights for its lamps)",
+                  extension, import));
+}
+
 }  // namespace
 
 void describe(SceneReading& reading, OptionTable& table) {
@@ -139,6 +153,7 @@ void describe(SceneReading& reading, OptionTable& table) {
 
 SceneSource loadScene(const std::string& request, const SceneReading& reading) {
   const std::string extension = extensionOf(request);
+  refuseOtherFormats(request, extension);
   if (extension == ".obj") return readObjFile(request, reading);
   if (extension == ".glb" || extension == ".gltf") return readGltfFile(request, reading);
   if (reading.unit_m != 1.0)
@@ -153,7 +168,8 @@ SceneSource loadScene(const std::string& request, const SceneReading& reading) {
   InteriorRequest interior;
   if (readInterior(request, &interior)) return readInterior(interior);
   const size_t colon = archiveColon(request);
-  if (colon != std::string::npos) return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1), reading.veil_cover));
+  if (colon != std::string::npos)
+    return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1), reading.veil_cover));
   if (extension == ".bsp") return sourceOf(readBsp(request));
   std::error_code error;
   if (!fs::exists(request, error) && !error)

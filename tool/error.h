@@ -88,6 +88,9 @@ class ThreadError : public ToolError {
                                                 "; ulimit -u or the container's limit on processes says how many there may be") {}
 };
 
+// What an InputError got where its path leads to nothing.
+inline constexpr const char* kNoSuchFile = "none: there is no file of this name";
+
 // A check that a tool makes of its own result and that did not hold.
 class CheckFailed : public ToolError {
  public:

@@ -34,7 +34,10 @@ size_t readAll(const std::string& path, const std::string& place, char* to, size
 InputFile::InputFile(const std::string& path, std::string place) : path_(path), place_(std::move(place)) {
   std::string fault;
   descriptor_ = openRegularFile(path, &fault);
-  if (descriptor_ < 0) throw InputError(path, place_, "a regular file", fault);
+  if (descriptor_ < 0) {
+    if (fault == std::generic_category().message(ENOENT)) throw InputError(path, place_, "a file", kNoSuchFile);
+    throw InputError(path, place_, "a regular file", fault);
+  }
   struct stat status {};
   if (::fstat(descriptor_, &status) == 0) size_ = static_cast<uint64_t>(status.st_size);
 }

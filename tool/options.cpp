@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -18,6 +17,7 @@
 
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/nearest_name.h"
 
 namespace nlg {
 namespace {
@@ -171,29 +171,10 @@ std::string flagOf(const std::string& name) {
   return flag;
 }
 
-// Levenshtein distance, one row at a time.
-size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), size_t{0});
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = std::exchange(row[0], i);
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
-
 [[noreturn]] void throwUnknownKey(const std::string& place, const std::string& key, const std::vector<std::string>& known) {
   std::string got = quoted(key);
-  const auto distance = [&](const std::string& name) { return editDistance(key.substr(0, 2 * kMaxQuotedBytes), name); };
-  const auto nearest =
-      std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
-  if (nearest != known.end() && distance(*nearest) <= std::max<size_t>(1, nearest->size() / 3)) {
+  if (const auto nearest = nearestName(key.substr(0, 2 * kMaxQuotedBytes), known))
     got += fmt::format(" (did you mean '{}'?)", *nearest);
-  }
   throw UsageError(place, fmt::format("one of [{}]", fmt::join(known, ", ")), got);
 }
 

@@ -1,5 +1,6 @@
 #include "tool/require_read.h"
 
+#include <filesystem>
 #include <iostream>
 #include <mutex>
 #include <set>
@@ -36,8 +37,13 @@ bool isOfAnotherKind(const std::string& path) {
 
 void requireRead(const std::string& path, const FileResult& result, const std::string& expected) {
   const char* status = fileStatusName(result.status);
-  if (isDamage(result.status) && !isOfAnotherKind(path)) throw DamageError(path, status, expected, result.detail);
-  if (!result.ok()) throw InputError(path, status, expected, result.detail);
+  std::error_code error;
+  if (!result.ok() && !std::filesystem::exists(path, error) && !error) throw InputError(path, "open", expected, kNoSuchFile);
+  // the library's own lines begin with the path, as an error does
+  const std::string prefix = path + ": ";
+  const std::string got = result.detail.rfind(prefix, 0) == 0 ? result.detail.substr(prefix.size()) : result.detail;
+  if (isDamage(result.status) && !isOfAnotherKind(path)) throw DamageError(path, status, expected, got);
+  if (!result.ok()) throw InputError(path, status, expected, got);
   if (!result.detail.empty()) sayUnchecked(result.detail);
 }
 

@@ -9,8 +9,10 @@
 #include <iostream>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "tool/help.h"
+#include "tool/nearest_name.h"
 #include "tool/printable.h"
 #include "tool/provenance.h"
 
@@ -81,6 +83,29 @@ void flushStandardOutput() {
   if (!std::cout) throw OutputError("standard output", "the other end refused it (disk full or pipe closed)");
 }
 
+// An option's name without its value, and what stands before a "=".
+std::string nameOf(const std::string& argument) { return argument.substr(0, argument.find('=')); }
+
+// CLI11 itself would list them the last one first.
+void refuseExtras(const CLI::App& app) {
+  const std::vector<std::string> extras = app.remaining();
+  if (extras.empty()) return;
+  if (extras[0].rfind("-", 0) != 0) {
+    const bool is_number = extras[0].find_first_not_of("0123456789.,+-e") == std::string::npos;
+    throw UsageError(
+        "command line", "options and what they take",
+        "'" + extras[0] + "'" +
+            (is_number ? ", which belongs to no option: a list of numbers is one word, with commas and no blanks" : ""));
+  }
+  std::vector<std::string> known;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  const std::optional<std::string> meant = nearestName(nameOf(extras[0]), known);
+  throw UsageError("command line", "an option of --help-all",
+                   "'" + nameOf(extras[0]) + "'" + (meant ? "; did you mean " + *meant + "?" : ""));
+}
+
 void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run) {
   std::string config;
   const CLI::Option* config_flag =
@@ -95,7 +120,9 @@ void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const
   }
   refuseOtherBytes(argc, argv);
   refuseEmptyAssignments(argc, argv);
+  app.allow_extras();
   app.parse(argc, argv);
+  refuseExtras(app);
   if (config_flag->count() > 0) table.readYaml(config);
   table.applyFlags();
   run();

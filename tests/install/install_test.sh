@@ -28,6 +28,16 @@ while read -r header; do
 done < <(grep -oE '(runtime_eval|export)/[a-z_/]+\.h' "$source/docs/guide/library.md" | sort -u)
 "$cc" -x c -std=c11 -Wall -Wextra -Wpedantic -Werror -fsyntax-only "$headers/runtime_eval/c_api/nlg.h" || fail "nlg.h is no C"
 
+# the guide's own lines compile, and positions of floats do not
+lines_of() { awk -v fence="\`\`\`$1" '$0 == fence { inside = 1; block = ""; next } inside && /^```/ { inside = 0; if (block ~ /^#include/) printf "%s", block } inside { block = block $0 "\n" }' "$source/docs/guide/library.md"; }
+lines_of cpp > "$work/guide.cpp"
+lines_of c > "$work/guide.c"
+grep -q lookUpIrradiances "$work/guide.cpp" && grep -q "double position_m" "$work/guide.c" || fail "docs/guide/library.md has no look-up"
+"$cxx" -std=c++20 -Wall -Wextra -Werror -fsyntax-only -I "$headers" "$work/guide.cpp" || fail "the C++ of docs/guide/library.md does not compile"
+"$cc" -std=c11 -Wall -Wextra -Werror -fsyntax-only -I "$headers" "$work/guide.c" || fail "the C of docs/guide/library.md does not compile"
+sed 's/double position_m/float position_m/' "$work/guide.c" > "$work/floats.c"
+! "$cc" -std=c11 -w -fsyntax-only -I "$headers" "$work/floats.c" 2> /dev/null || fail "positions of floats compile"
+
 "$cmake" -S "$source/examples" -B "$work/build" -G "$generator" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE="$configuration" \
   -DCMAKE_C_COMPILER="$cc" -DCMAKE_CXX_COMPILER="$cxx" -DCMAKE_CXX_FLAGS="$cxx_flags" > "$work/configure.log" ||
   { cat "$work/configure.log"; fail "find_package(nlg) does not work"; }

@@ -88,6 +88,41 @@ TEST_F(SceneFiles, AreToldOfTheirSizeAlike) {
   }
 }
 
+TEST_F(SceneFiles, OfOtherFormatsAreRefusedWithTheWayToOneThatIsRead) {
+  for (const std::string name : {"level.fbx", "level.blend", "level.usdz", "no_such_file.dae"}) {
+    try {
+      loadScene(write(name, "x"));
+      ADD_FAILURE() << name;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("File > Export > glTF 2.0"), std::string::npos) << error.what();
+    }
+  }
+}
+
+// A box of their author's, in units of the file: no part of the scene, wherever it stands among the nodes.
+TEST_F(SceneFiles, MayNameTheBoxInWhichThingsMove) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0},{"name":"nlg_extent","translation":[10,0,0],"scale":[5,2,3]}])";
+  parts.scenes = R"([{"nodes":[0,1]}])";
+  const auto extentOf = [&](double unit_m) { return loadScene(write("box.gltf", parts.text()), {unit_m}).scene.extent; };
+  ASSERT_TRUE(extentOf(1.0));
+  EXPECT_EQ(extentOf(1.0)->low_m, glm::dvec3(5, -2, -3));
+  EXPECT_EQ(extentOf(2.0)->high_m, glm::dvec3(30, 4, 6));
+  const size_t triangles = loadScene(write("box.gltf", parts.text())).scene.triangles.size();
+
+  // the square's own corners
+  parts.nodes = R"([{"mesh":0},{"name":"room","mesh":0,"translation":[0,0,7],"extras":{"nlg_extent":true}}])";
+  const SceneSource marked = loadScene(write("marked.gltf", parts.text()));
+  ASSERT_TRUE(marked.scene.extent);
+  EXPECT_EQ(marked.scene.triangles.size(), triangles);
+  const Bounds square = sceneBounds(marked.scene);
+  EXPECT_EQ(marked.scene.extent->low_m - marked.scene.origin_m, glm::dvec3(square.min) + glm::dvec3(0, 0, 7));
+  EXPECT_EQ(marked.scene.extent->high_m - marked.scene.origin_m, glm::dvec3(square.max) + glm::dvec3(0, 0, 7));
+
+  parts.nodes = R"([{"mesh":0},{"name":"nlg_extended","extras":{"nlg_extent":false}}])";
+  EXPECT_FALSE(extentOf(1.0));
+}
+
 TEST_F(SceneFiles, TellTheirNotesByLines) {
   SceneSource source;
   source.id = "room";

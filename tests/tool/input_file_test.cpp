@@ -89,7 +89,7 @@ TEST_F(InputFileTest, RefusesAtOnceWhatIsNoRegularFileAndSaysWhatItIs) {
 TEST_F(InputFileTest, GivesTheSystemsReason) {
   fs::create_symlink("ring", at("ring"));
   expectError(at("ring"), "Too many levels of symbolic links");
-  expectError(at("missing"), "No such file or directory");
+  EXPECT_EQ(errorOf(at("missing")), at("missing") + ": the place: expected a file, got none: there is no file of this name");
   expectError(at(std::string(300, 'x')), "File name too long");
   expectError(at("whole/inner"), "Not a directory");
 }

@@ -202,6 +202,17 @@ std::string logOf(int milliseconds, bool is_ended_by_exception = false) {
   return testing::internal::GetCapturedStderr();
 }
 
+TEST(RunTool, NamesWhatItDoesNotKnowInTheOrderOfTheCommandLine) {
+  EXPECT_EQ(runWith({"--job", "3"}).err,
+            "nlg-pca: error: command line: expected an option of --help-all, got '--job'; did you mean --jobs?\n");
+  EXPECT_EQ(runWith({"--nothing-like-it=3"}).err,
+            "nlg-pca: error: command line: expected an option of --help-all, got '--nothing-like-it'\n");
+  const Outcome numbers = runWith({"--jobs", "4", "50", "3,2.8"});
+  EXPECT_EQ(numbers.code, codeOf(ExitCode::usage_error));
+  EXPECT_NE(numbers.err.find("got '50', which belongs to no option: a list of numbers is one word"), std::string::npos)
+      << numbers.err;
+}
+
 TEST(Progress, LeavesALineInALogOfStagesThatTookASecond) {
   EXPECT_EQ(logOf(0), "");
   const std::string line = logOf(1010);
