@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
+
+#include <fmt/format.h>
 
 #include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
@@ -41,6 +44,25 @@ double meanOf(const std::vector<LightSh>& light) {
 }
 
 }  // namespace
+
+std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
+  // of radiance, of which 1 shows a white surface at full brightness: a hundredth of what the default sky and sun give to open ground
+  constexpr double kNearlyBlack = 0.01;
+  std::vector<std::string> warnings;
+  if (!statistics.is_lit) return warnings;
+  if (statistics.mean == 0.0) {
+    warnings.push_back("no light reaches any place in air");
+  } else if (statistics.mean < kNearlyBlack) {
+    warnings.push_back(
+        fmt::format("nearly black: radiance is {:.2g} on average; --sky 1,1,1 or --sky FILE.hdr gives it a sky, --sun a sun, "
+                    "--intensity makes all light brighter",
+                    statistics.mean));
+  }
+  if (statistics.largest > kMaxEngineLight)
+    warnings.push_back(fmt::format("light reaches {:.3g}, and engines' files hold {:g}: give nlg-export engine --intensity {:g}",
+                                   statistics.largest, kMaxEngineLight, intensityThatFits(statistics.largest)));
+  return warnings;
+}
 
 ProbeLightOptions probeLightOptions(const BakeOptions& options) {
   ProbeLightOptions light;
@@ -94,6 +116,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   for (const LightSh& sh : lit.light) {
     for (const glm::vec3& coefficient : sh) grid->light.insert(grid->light.end(), {coefficient.r, coefficient.g, coefficient.b});
   }
+  for (const float coefficient : grid->light) statistics.largest = std::max(statistics.largest, std::fabs(double{coefficient}));
   if (!checkLight(grid->light).ok()) throw tooBright(scene.source.id);
   return statistics;
 }

@@ -1,6 +1,9 @@
 // Lights the probes of a baked grid.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "bake/scene_functions.h"
 #include "light/probe_light.h"
 #include "runtime_eval/light_grid/light_form.h"
@@ -22,8 +25,13 @@ struct LightStatistics {
   LightForm form = LightForm::none;             // of the file: the bake itself keeps floats
   double error = 0.0;                           // as ProbeLight has it
   glm::dvec3 worst_m{0.0};                      // the place where it is worst, world coordinates
-  double mean = 0.0;  // radiance over places and directions, the channels' mean: 0 in a scene without light
+  double mean = 0.0;     // radiance over places and directions, the channels' mean: 0 in a scene without light
+  double largest = 0.0;  // |coefficient| of a probe
 };
+
+// What a bake's light may come to without an error, and is seldom what was meant: black, nearly black, or brighter than engines' files
+// hold. A line each, with what to do.
+std::vector<std::string> lightWarnings(const LightStatistics& statistics);
 
 // What the settings say of light at places and of the solve; by the default way.
 // throws   UsageError on an unknown name in them

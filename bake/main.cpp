@@ -10,8 +10,6 @@
 #include <filesystem>
 #include <iostream>
 
-#include <fmt/format.h>
-
 #include "bake/bake_plan.h"
 #include "bake/bake_report.h"
 #include "bake/default_weights.h"
@@ -70,26 +68,13 @@ std::map<std::string, std::string> metadata(const BakeScene& scene, const std::v
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
-// Radiance, of which 1 shows a white surface at full brightness: a fiftieth of what the default sky gives to a street.
-constexpr double kNearlyBlack = 0.01;
-
-std::string nearlyBlack(double mean) {
-  return fmt::format(
-      "nearly black: radiance is {:.2g} on average; --sky 1,1,1 or a file gives it a sky, --sun a sun, --intensity makes "
-      "all light brighter",
-      mean);
-}
-
 // What a bake may come to without an error, and is seldom what was meant.
 void warnOfNothing(const BakeScene& scene, const BakeOptions& options, const BakeReport& report) {
   const BakeStatistics& statistics = report.statistics;
   const auto warn = [&](const std::string& what) { std::cerr << "nlg-bake: " << report.scene << ": " << what << '\n'; };
   if (statistics.counts.functions + statistics.bare_tents.count == 0)
     warn("no probe has a weighting function; is extent_m where the scene is, and spacing_m smaller than its rooms?");
-  if (statistics.light.is_lit && statistics.light.mean == 0.0)
-    warn("no light reaches any place in air");
-  else if (statistics.light.is_lit && statistics.light.mean < kNearlyBlack)
-    warn(nearlyBlack(statistics.light.mean));
+  for (const std::string& warning : lightWarnings(statistics.light)) warn(warning);
   const SceneLight& light = scene.source.scene.light;
   if (options.light_direct != "all" && light.lamps.empty() && light.suns.empty())
     warn("light_direct leaves nothing out: the scene keeps no lamps and no suns of its own");

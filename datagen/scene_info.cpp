@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "scene/light_options.h"
 #include "scene/pk3_archive.h"
 #include "scene/scene.h"
 #include "tool/printable.h"
@@ -102,6 +103,10 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
   Json notes = Json::array();
   for (const std::string& note : source.notes) notes.push_back(note);
   for (const std::string& note : source.light_notes) notes.push_back(note);
+  if (isInBlendersLumens(scene))
+    notes.push_back(
+        "Blender's exporter multiplied lamps and suns by 683; a bake takes that back where emission or a sky stands beside them "
+        "(--light-unit)");
   for (const auto& [reason, faces] : source.dropped_faces)
     notes.push_back(fmt::format("{} faces are no geometry: {}", faces, reason));
   if (source.materials_without_texture > 0)

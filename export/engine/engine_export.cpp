@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
@@ -77,7 +76,7 @@ LightVolume readVolume(const LightGrid& grid, const EngineRequest& request, cons
   LightVolume volume = makeLightVolume(grid, box);
   if (volume.lit == 0) throw UsageError("extent_m", "a box in which the grid has light", "none");
   if (const float largest = largestLight(volume); largest > kMaxEngineLight) {
-    const double fits = options.intensity * std::pow(10.0, std::floor(std::log10(kMaxEngineLight / largest)));
+    const double fits = options.intensity * intensityThatFits(largest);
     throw InputError(request.grid, "light", "coefficients of at most " + std::to_string(static_cast<int>(kMaxEngineLight)),
                      fmt::format("{:g}: --intensity {:g} makes them fit", largest, fits));
   }

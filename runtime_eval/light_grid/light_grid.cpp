@@ -74,6 +74,8 @@ void addWeight(uint32_t probe, float weight, ProbeWeights* weights) {
 
 }  // namespace
 
+double intensityThatFits(double largest) { return std::pow(10.0, std::floor(std::log10(kMaxEngineLight / largest))); }
+
 uint32_t LightGrid::addFunction(uint8_t representation, const float* theta_D) {
   theta.insert(theta.end(), theta_D, theta_D + representations[representation].thetaCount());
   theta_begin.push_back(theta.size());

@@ -28,6 +28,9 @@ inline constexpr float kMaxGridTheta = 1e9f;        // of |theta|: no look-up ov
 inline constexpr float kMaxGridLight = 0x1p30f;     // of |light|, likewise
 inline constexpr float kMaxEngineLight = 32768.0f;  // of |light| that half floats of engines hold: irradiance over pi fits, too
 
+// The power of ten by which light is multiplied to be at most kMaxEngineLight. largest   > 0
+double intensityThatFits(double largest);
+
 struct LightGrid {
   ProbeTree tree;
   std::vector<uint32_t> probe_function;          // by probe: a function's index, kFreeSpace or kNoWeight

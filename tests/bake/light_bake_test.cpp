@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/scene/temporary_folder.h"
 #include "tool/error.h"
 #include "validate/light/noise.h"
 
@@ -63,6 +64,46 @@ TEST(LightBake, FurnaceGivesEveryProbeTheSame) {
       EXPECT_NEAR(sum / static_cast<double>(grid.tree.probeCount()), 2.0 * kPi, 0.01 * 2.0 * kPi) << way;
     }
   }
+}
+
+TEST(LightBake, SaysWhatIsBlackNearlyBlackOrTooBrightForEngines) {
+  const BakeOptions options = roomOptions("integrated");
+  BakeScene scene("two_rooms:0", options);
+  LightGrid grid = tentGrid(scene);
+  // all light is 2 times the factor
+  const auto warningOf = [&](float factor) {
+    makeFurnace(scene.source.scene);
+    for (Material& material : scene.source.scene.materials) material.emissive *= factor;
+    scene.source.scene.light.sky = {glm::vec3(2.0f * factor), glm::vec3(2.0f * factor), glm::vec3(2.0f * factor)};
+    const std::vector<std::string> warnings = lightWarnings(bakeLight(scene, options, &grid));
+    return warnings.empty() ? std::string() : warnings.back();
+  };
+  EXPECT_EQ(warningOf(1.0f), "");
+  EXPECT_EQ(warningOf(0.006f), "");
+  EXPECT_NE(warningOf(0.004f).find("nearly black"), std::string::npos);
+  EXPECT_NE(warningOf(0.0f).find("no light reaches"), std::string::npos);
+  // the first coefficient is sqrt(4 pi) times radiance: 3.54 x 2 x 10^4 is over 32,768, a tenth of it is not
+  EXPECT_NE(warningOf(1e4f).find("--intensity 0.1"), std::string::npos);
+  EXPECT_EQ(warningOf(4e3f), "");
+  EXPECT_TRUE(lightWarnings({}).empty()) << "of a grid that was not to have light";
+}
+
+TEST(LoadLitScene, OpenGroundWithASmallLampIsLitByDayARoomIsNot) {
+  const TemporaryFolder folder;
+  folder.write("lamp.mtl", "newmtl lamp\nKe 1 1 1\nnewmtl grey\nKd 0.5 0.5 0.5\n");
+  const std::string lamp = "mtllib lamp.mtl\nv 0 1 0\nv 0.1 1 0\nv 0 1.1 0\nusemtl lamp\nf 1 2 3\nusemtl grey\n";
+  const std::string ground = "v -9 0 9\nv 9 0 9\nv 9 0 -9\nv -9 0 -9\nf 4 5 6 7\n";
+  const std::string roof = "v -9 3 9\nv 9 3 9\nv 9 3 -9\nv -9 3 -9\nf 11 10 9 8\n";
+  const SceneSource open = loadLitScene(folder.write("open.obj", lamp + ground), {});
+  EXPECT_EQ(open.scene.light.sky.zenith, defaultSky().zenith);
+  ASSERT_EQ(open.light_notes.size(), 1u);
+  EXPECT_NE(open.light_notes[0].find("open"), std::string::npos);
+  const SceneSource covered = loadLitScene(folder.write("covered.obj", lamp + ground + roof), {});
+  EXPECT_FALSE(hasLightFromOutside(covered.scene));
+  EXPECT_TRUE(covered.light_notes.empty());
+  BakeOptions night;
+  night.scene_light.sky = {"0"};
+  EXPECT_FALSE(hasLightFromOutside(loadLitScene(folder / "open.obj", night).scene));
 }
 
 TEST(LightBake, NoneLeavesTheGridWithoutLight) {
