@@ -6,8 +6,9 @@
 namespace nlg {
 namespace {
 
-// Points of a material, over all of its triangles, and of one of them.
-constexpr uint64_t kMaterialPoints = 65536, kLeastPoints = 16, kMostPoints = 4096;
+// Points of a material, over all of its triangles, and of one of them. A triangle goes on where the one before it ended: one point of
+// each of many fills their image as evenly as many points of one.
+constexpr uint64_t kMaterialPoints = 65536, kMostPoints = 4096;
 
 double areaOf(const Scene& scene, uint32_t triangle) {
   const glm::uvec3& t = scene.triangles[triangle];
@@ -33,10 +34,10 @@ std::vector<glm::dvec4> meansOfMaterials(const Scene& scene, const std::vector<b
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
     const uint32_t material = scene.triangle_material[i];
     if (!is_wanted[material]) continue;
-    const uint64_t point_count = std::clamp(kMaterialPoints / triangle_count[material], kLeastPoints, kMostPoints);
+    const uint64_t point_count = std::clamp<uint64_t>(kMaterialPoints / triangle_count[material], 1, kMostPoints);
     glm::dvec3 sum(0.0);
     for (uint64_t k = 0; k < point_count; ++k) {
-      const glm::vec2 point = pointOf(k);
+      const glm::vec2 point = pointOf(i * point_count + k);
       sum += at(i, point.x, point.y);
     }
     means[material] += areaOf(scene, i) * glm::dvec4(sum / static_cast<double>(point_count), 1.0);

@@ -126,6 +126,63 @@ TEST_F(GltfTextures, PlacesAreThoseOfTheSetAndItsTransform) {
   }
 }
 
+// A square in a Draco stream, each corner with its x and y as its place and as the red and green of its colour.
+std::string placedDracoSquare() {
+  const std::array<std::array<float, 3>, 4> corners = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(2);
+  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int place = builder.AddAttribute(draco::GeometryAttribute::TEX_COORD, 2, draco::DT_FLOAT32);
+  const int colour = builder.AddAttribute(draco::GeometryAttribute::COLOR, 4, draco::DT_UINT8);
+  const uint32_t faces[2][3] = {{0, 1, 2}, {0, 2, 3}};
+  for (uint32_t f = 0; f < 2; ++f) {
+    std::array<std::array<float, 2>, 3> places;
+    std::array<std::array<uint8_t, 4>, 3> colours;
+    for (size_t k = 0; k < 3; ++k) {
+      const auto& at = corners[faces[f][k]];
+      places[k] = {at[0], at[1]};
+      colours[k] = {static_cast<uint8_t>(255 * at[0]), static_cast<uint8_t>(255 * at[1]), 51, 255};
+    }
+    const auto set = [&](int attribute, const void* a, const void* b, const void* c) {
+      builder.SetAttributeValuesForFace(attribute, draco::FaceIndex(f), a, b, c);
+    };
+    set(position, corners[faces[f][0]].data(), corners[faces[f][1]].data(), corners[faces[f][2]].data());
+    set(place, places[0].data(), places[1].data(), places[2].data());
+    set(colour, colours[0].data(), colours[1].data(), colours[2].data());
+  }
+  draco::EncoderBuffer buffer;
+  EXPECT_TRUE(draco::Encoder().EncodeMeshToBuffer(*builder.Finalize(), &buffer).ok());
+  return {buffer.data(), buffer.size()};
+}
+
+TEST_F(GltfTextures, DracoHoldsPlacesAndColours) {
+  const std::string image = png(2, 1, kHalves);
+  Parts parts = dracoParts(placedDracoSquare());
+  parts.views = replaced(parts.views, "}]",
+                         R"(},{"buffer":0,"byteOffset":)" + std::to_string(parts.bin.size()) + R"(,"byteLength":)" +
+                             std::to_string(image.size()) + "}]");
+  parts.bin += image;
+  parts.accessors = replaced(parts.accessors, R"("type":"SCALAR"})",
+                             R"("type":"SCALAR"},{"componentType":5126,"count":4,"type":"VEC2"},)"
+                             R"({"componentType":5121,"normalized":true,"count":4,"type":"VEC4"})");
+  parts.primitives = replaced(parts.primitives, R"("POSITION":0},"indices":1)",
+                              R"("POSITION":0,"TEXCOORD_0":2,"COLOR_0":3,"NORMAL":0},"indices":1,"material":0)");
+  parts.primitives = replaced(parts.primitives, R"("attributes":{"POSITION":0}}})",
+                              R"("attributes":{"POSITION":0,"TEXCOORD_0":1,"COLOR_0":2}}})");
+  parts.more +=
+      R"(,"images":[{"bufferView":1,"mimeType":"image/png"}],"textures":[{"source":0}],"materials":[)" + baseTexture() + "]";
+  const GltfLevel read = level(parts);
+  EXPECT_TRUE(read.notes.empty()) << read.notes[0];
+  const Scene& scene = read.scene;
+  ASSERT_EQ(scene.base_places.size(), scene.positions.size());
+  ASSERT_EQ(scene.vertex_colours.size(), scene.positions.size());
+  for (size_t i = 0; i < scene.positions.size(); ++i) {
+    const glm::vec2 at(glm::dvec3(scene.positions[i]) + scene.origin_m);
+    EXPECT_EQ(scene.base_places[i], at);
+    EXPECT_EQ(scene.vertex_colours[i], glm::vec4(at, 0.2f, 1.0f));
+  }
+}
+
 TEST_F(GltfTextures, SamplersWrap) {
   Parts parts = texturedSquare(replaced(baseTexture(), R"("index":0)", R"("index":1)"), png(2, 1, kHalves));
   const Material material = level(parts).scene.materials.at(0);
