@@ -15,8 +15,7 @@ constexpr double kBaseBytes = 60e6, kProbeBytes = 8e3, kTriangleBytes = 400.0;
 
 constexpr double kMarginShare = 0.05;  // of a spacing: with so much air over a roof its cells find places in it (air_places.h)
 
-std::string sidesText(const glm::dvec3& sides) { return fmt::format("{:.3g} x {:.3g} x {:.3g} m", sides.x, sides.y, sides.z); }
-
+std::string sidesText(const glm::dvec3& sides) { return fmt::format("{:.4g} x {:.4g} x {:.4g} m", sides.x, sides.y, sides.z); }
 
 }  // namespace
 
@@ -53,11 +52,9 @@ std::string toText(const BakePlan& plan, int thread_count) {
   std::string text = "plan: " + sidesText(plan.scene_m);
   if (plan.unit_m > 0.0) text += fmt::format(" at {:g} m a unit", plan.unit_m);
   if (glm::length(plan.extent_m - plan.scene_m) > 0.5 * plan.spacing_m) text += ", probes in " + sidesText(plan.extent_m);
-  // two digits: an estimate has no more
-  const auto probes = static_cast<uint64_t>(std::stod(fmt::format("{:.2g}", plan.probes)));
   return text + fmt::format(", {:g} m apart: about {} before those without air are left out; up to {}, roughly {} on {}\n",
-                            plan.spacing_m, countText(probes, "probe"), bytesText(plan.memory_bytes), durationText(plan.seconds),
-                            countText(static_cast<uint64_t>(thread_count), "thread"));
+                            plan.spacing_m, roughCountText(plan.probes, "probe"), bytesText(plan.memory_bytes),
+                            durationText(plan.seconds), countText(static_cast<uint64_t>(thread_count), "thread"));
 }
 
 }  // namespace nlg

@@ -160,12 +160,16 @@ std::string toSummary(const BakeReport& report, const std::string& path) {
   if (failing > 0) text += fmt::format("; {} still {} the check", failing, failing == 1 ? "fails" : "fail");
   if (s.left_for_time > 0) text += fmt::format("; {} left for want of time", s.left_for_time);
   const LightStatistics& light = s.light;
-  if (!light.is_lit) return text + "\nlight: none\n";
-  return text + fmt::format(
-                    "\nlight: errs by {:.1f} % of what was measured at {} (RMS, with its noise), most at {:.1f}, {:.1f}, "
-                    "{:.1f}; mean radiance {:.3g}\n",
-                    100.0 * light.error, countText(light.places, "place"), light.worst_m.x, light.worst_m.y, light.worst_m.z,
-                    light.mean);
+  if (light.is_lit) {
+    text += fmt::format(
+        "\nlight: errs by {:.1f} % of what was measured at {} (RMS, with its noise), most at {:.1f}, {:.1f}, {:.1f}; mean "
+        "radiance {:.3g}\n",
+        100.0 * light.error, countText(light.places, "place"), light.worst_m.x, light.worst_m.y, light.worst_m.z, light.mean);
+  } else {
+    text += "\nlight: none\n";
+  }
+  if (report.unread > 0) text += fmt::format("not read of the file: {}, named above\n", countText(report.unread, "kind"));
+  return text;
 }
 
 std::string toTable(const BakeReport& report) {

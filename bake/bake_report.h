@@ -18,6 +18,7 @@ struct WeightsUsed {
 
 struct BakeReport {
   std::string scene;
+  size_t unread = 0;                 // notes about what the scene's file holds and is not read: told when it was
   std::vector<WeightsUsed> weights;  // by rising number of parameters
   BakeStatistics statistics;
   std::vector<Saving> savings;
@@ -31,7 +32,7 @@ struct BakeReport {
 // Keys: docs/guide/bake.md.
 nlohmann::ordered_json toJson(const BakeReport& report);
 
-// The lines that a bake ends with, three to five.
+// The lines that a bake ends with, three or four.
 // path   of the light grid
 std::string toSummary(const BakeReport& report, const std::string& path);
 

@@ -137,6 +137,9 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
 
   BakeReport report;
   report.scene = scene.source.id;
+  const std::vector<std::string>& notes = scene.source.notes;
+  report.unread = static_cast<size_t>(std::count_if(
+      notes.begin(), notes.end(), [](const std::string& note) { return note.find("not read") != std::string::npos; }));
   report.weights = weights;
   std::vector<uint64_t> weights_bytes;
   for (const WeightsUsed& used : weights) weights_bytes.push_back(used.bytes);

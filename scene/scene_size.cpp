@@ -16,6 +16,7 @@ constexpr double kShort = 0.5, kLong = 5e3, kHigh = 150.0;  // few levels beyond
 // Rooms: a cathedral's nave is 40 m high, and none of 24 levels of OpenArena is beyond. Not every scene has any: then triangles tell,
 // of which the modeller of a level makes few that are longer.
 constexpr double kLow = 0.25, kHighRoom = 40.0, kLongEdge = 40.0;
+constexpr double kRoomShare = 0.05;
 constexpr size_t kFewestTriangles = 12;
 
 // What tells of a scene's unit, metres.
@@ -48,7 +49,9 @@ double medianEdge(const Scene& scene) {
 }
 
 Evidence evidenceOf(const Scene& scene, const glm::dvec3& size) {
-  return {size, medianCeiling(surveyFloors(scene)).value_or(0.0f), medianEdge(scene)};
+  const double ceiling = medianCeiling(surveyFloors(scene)).value_or(0.0f);
+  // gaps within a thing are no rooms: those are a good part of a level's height
+  return {size, ceiling >= kRoomShare * size.y ? ceiling : 0.0, medianEdge(scene)};
 }
 
 std::string shown(const glm::dvec3& size) { return fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x, size.y, size.z); }

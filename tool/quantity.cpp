@@ -12,6 +12,10 @@ std::string countText(uint64_t count, const std::string& noun) {
   return digits + " " + noun + (count == 1 ? "" : "s");
 }
 
+std::string roughCountText(double count, const std::string& noun) {
+  return countText(static_cast<uint64_t>(std::stod(fmt::format("{:.2g}", std::clamp(count, 0.0, 1e18)))), noun);
+}
+
 std::string bytesText(double bytes) {
   if (bytes < 1e6) return fmt::format("{:.0f} kB", 1e-3 * bytes);
   return bytes < 1e9 ? fmt::format("{:.1f} MB", 1e-6 * bytes) : fmt::format("{:.1f} GB", 1e-9 * bytes);

@@ -10,6 +10,9 @@ namespace nlg {
 // noun   one of them; its plural adds an s
 std::string countText(uint64_t count, const std::string& noun);
 
+// The same of an estimate: two digits of it.
+std::string roughCountText(double count, const std::string& noun);
+
 // "45 kB", "3.1 MB", "2.4 GB".
 std::string bytesText(double bytes);
 

@@ -8,6 +8,7 @@
 #include "datagen/probes/nearby_triangles.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
+#include "tool/quantity.h"
 
 namespace nlg {
 namespace {
@@ -175,8 +176,8 @@ double fittingSpacing(const ExtentBox& box, const NearbyTriangles& nearby, doubl
       (std::isfinite(fitting) ? ", which a finest spacing of " + numberText(1.001 * fitting) + " m keeps" : "");
   const glm::dvec3 side_m = box.high_m - box.low_m;
   throw UsageError(scene.id, expected,
-                   (probes > 0.0 ? "about " + numberText(probes) + ": " : "") + "spacing " + numberText(spacing_m) + " m over " +
-                       numberText(side_m.x) + " x " + numberText(side_m.y) + " x " + numberText(side_m.z) + " m");
+                   (probes > 0.0 ? "about " + roughCountText(probes, "probe") + ": " : "") + "spacing " + numberText(spacing_m) +
+                       " m over " + numberText(side_m.x) + " x " + numberText(side_m.y) + " x " + numberText(side_m.z) + " m");
 }
 
 // What a seed draws.

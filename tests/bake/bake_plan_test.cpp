@@ -47,7 +47,22 @@ TEST(BakePlan, KeepsToTheExtentThatWasNamed) {
   EXPECT_EQ(planBake(source, options, 1).extent_m, glm::dvec3(7));
 }
 
-TEST(BakeReport, EndsInThreeLinesWithPluralsWhereTheyBelong) {
+// A roof of 2.995 m, over cells that end at 3 m: half a centimetre of air, in which no place is found, would leave it dark.
+TEST(BakePlan, HoldsTheAirOverARoofThatEndsWithItsCells) {
+  Scene house = sceneOfMaterial(false);
+  addRoom(house, {0, 0, 0}, {6, 2.5f, 6});
+  addBox(house, {0, 2.5f, 0}, {6, 2.995f, 6});
+  BakeOptions options;
+  options.align_lattice = true;
+  const ProbePlacementOptions placement = placementOf(house, options);
+  ProbesAround around;
+  EXPECT_TRUE(placeProbes(house, placement, 1).lookUp({3, 3.02, 3}, &around));
+  ProbePlacementOptions bounds_alone = placement;
+  bounds_alone.reach.reset();
+  EXPECT_FALSE(placeProbes(house, bounds_alone, 1).lookUp({3, 3.02, 3}, &around));
+}
+
+TEST(BakeReport, EndsInThreeLinesOrFourWithPluralsWhereTheyBelong) {
   BakeReport report;
   report.statistics.counts.grid_probes = 1;
   report.statistics.counts.functions = 0;
@@ -56,6 +71,8 @@ TEST(BakeReport, EndsInThreeLinesWithPluralsWhereTheyBelong) {
   report.peak_memory_bytes = 81000000;
   EXPECT_EQ(toSummary(report, "level.safetensors"),
             "level.safetensors: 1 probe, 45 kB, 2.0 s; 81.0 MB of memory\n0 functions stored\nlight: none\n");
+  report.unread = 2;
+  EXPECT_NE(toSummary(report, "x").find("light: none\nnot read of the file: 2 kinds, named above\n"), std::string::npos);
   report.statistics.light.is_lit = true;
   report.statistics.light.places = 7560;
   report.statistics.light.error = 0.1234;

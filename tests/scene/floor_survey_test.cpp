@@ -89,6 +89,12 @@ TEST(SceneSizeByRooms, CatchesWhatIsNoHigherThanALevelMayBe) {
       << noteOf(roomOf(2.0f, 0.03f, 3));
 }
 
+TEST(SceneSizeByRooms, TakesNoGapForARoom) {
+  Scene shelf = sceneOfMaterial(false);
+  for (int i = 0; i < 100; ++i) addBox(shelf, {0, 0.02f * i, 0}, {1, 0.02f * i + 0.01f, 1});
+  EXPECT_EQ(noteOf(shelf), "") << "a stack of sheets, 2 m high";
+}
+
 TEST(SceneSizeByRooms, TellsByTrianglesWhereThereAreNone) {
   Scene scene = sceneOfMaterial(false);
   for (int i = 0; i < 4; ++i) addBox(scene, {200.0f * i, 0, 0}, {200.0f * i + 100, 90, 100});

@@ -228,6 +228,7 @@ TEST(Quantity, IsInWords) {
   EXPECT_EQ(countText(1, "function"), "1 function");
   EXPECT_EQ(countText(0, "function"), "0 functions");
   EXPECT_EQ(countText(1234567, "probe"), "1,234,567 probes");
+  EXPECT_EQ(roughCountText(1866000, "probe"), "1,900,000 probes");
   EXPECT_EQ(bytesText(45e3), "45 kB");
   EXPECT_EQ(bytesText(3.14e6), "3.1 MB");
   EXPECT_EQ(bytesText(2e9), "2.0 GB");
