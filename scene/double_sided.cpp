@@ -16,12 +16,16 @@
 namespace nlg {
 namespace {
 
-constexpr double kHoleShare = 1e-3;  // of the area: what rays seldom find is closed, as cracks along the edges of cut faces are
-constexpr double kThinnest = 1e-6;   // volume over area and diagonal: below, a sheet with a front and a back
+// Of the area: what rays seldom find is closed, as cracks along the edges of cut faces are. Up to the second, artists may have left
+// out faces that nobody sees, or cut a door.
+constexpr double kHoleShare = 1e-3, kLargeHoleShare = 0.05;
+constexpr double kThinnest = 1e-6;       // volume over area and diagonal: below, a sheet with a front and a back
 constexpr uint32_t kPointsPerPart = 16;  // that say where a part lies
 constexpr uint32_t kMostParts = 65536;   // that may lie in others: the largest
 constexpr double kMostInside = 0.75;     // of a part's points: so much in a shell, it lies in it. Feet sink into floors
 constexpr double kTouch_m = 1e-3;        // along the line below: a point that lies on a shell is neither in it nor outside
+// Of the scene's box, a shell and its box: what fills more is a room that is all there is, not a solid without a place in air.
+constexpr double kMostOfScene = 0.5, kWholeScene = 0.9;
 constexpr uint64_t kMostTests = uint64_t{1} << 33;
 constexpr size_t kNamedObjects = 3;
 
@@ -34,16 +38,15 @@ struct Part {
   uint32_t object = 0;
   Shell shell;
   uint32_t first = 0, count = 0;  // of its triangles in Parts::triangles
-  bool is_closed = false;
 
-  bool isOutward() const { return is_closed && shell.volume_m3 > 0.0; }
-  bool isInward() const { return is_closed && shell.volume_m3 < 0.0; }
+  bool hasHoles() const { return shell.hole_area_m2 > kHoleShare * shell.area_m2; }
+  bool isShell() const {
+    return shell.hole_area_m2 <= kLargeHoleShare * shell.area_m2 &&
+           std::abs(shell.volume_m3) > kThinnest * shell.area_m2 * glm::length(shell.high - shell.low);
+  }
+  bool isOutward() const { return isShell() && shell.volume_m3 > 0.0; }
+  bool isInward() const { return isShell() && shell.volume_m3 < 0.0; }
 };
-
-bool isClosed(const Shell& shell) {
-  return shell.hole_area_m2 <= kHoleShare * shell.area_m2 &&
-         std::abs(shell.volume_m3) > kThinnest * shell.area_m2 * glm::length(shell.high - shell.low);
-}
 
 struct Parts {
   std::vector<Part> all;
@@ -69,7 +72,7 @@ Parts partsOf(const Scene& scene) {
     const Components components = finder.components(triangles);
     const size_t first_part = parts.all.size();
     for (const Shell& shell : finder.measure(positions, triangles, components))
-      parts.all.push_back({static_cast<uint32_t>(o), shell, 0, 0, isClosed(shell)});
+      parts.all.push_back({static_cast<uint32_t>(o), shell});
     // counting sort by part
     for (const uint32_t component : components.of_triangle) ++parts.all[first_part + component].count;
     auto first = static_cast<uint32_t>(parts.triangles.size());
@@ -209,21 +212,23 @@ class Nesting {
 
   const std::vector<Thing>& things() const { return things_; }
 
+  // By part: whether something is within it, and not in what it encloses.
+  const std::vector<char>& hasRooms() const { return has_rooms_; }
+
   // False when that would take too long.
   bool find() {
-    winding_.assign(grid_.points().size(), 0);
-    is_touching_.assign(grid_.points().size(), 0);
-    inside_count_.assign(things_.size(), 0);
-    touching_count_.assign(things_.size(), 0);
-    std::vector<uint32_t> closed;
+    of_point_.assign(grid_.points().size(), {});
+    of_thing_.assign(things_.size(), {});
+    has_rooms_.assign(parts_.all.size(), 0);
+    std::vector<uint32_t> shells;
     for (uint32_t i = 0; i < parts_.all.size(); ++i) {
-      if (parts_.all[i].is_closed) closed.push_back(i);
+      if (parts_.all[i].isShell()) shells.push_back(i);
     }
     // the smallest one comes last, and stays
-    std::stable_sort(closed.begin(), closed.end(), [&](uint32_t a, uint32_t b) {
+    std::stable_sort(shells.begin(), shells.end(), [&](uint32_t a, uint32_t b) {
       return std::abs(parts_.all[a].shell.volume_m3) > std::abs(parts_.all[b].shell.volume_m3);
     });
-    for (const uint32_t part : closed) {
+    for (const uint32_t part : shells) {
       if (!meet(part)) return false;
       takeStock(part);
     }
@@ -272,45 +277,61 @@ class Nesting {
 
   void meet(const Face& face, uint32_t part_idx, uint32_t point_idx) {
     const Point& point = grid_.points()[point_idx];
-    if (things_[point.thing].part == part_idx || point.at.z > face.high.z + kTouch_m) return;
+    if (things_[point.thing].part == part_idx) return;
     const int crossing = face.crossing(point.at);
     if (crossing == 0) return;
+    Winding& winding = of_point_[point_idx];
+    if (!winding.is_met) met_.push_back(point_idx);
+    winding.is_met = true;
     const double above = face.heightAt(point.at) - point.at.z;
-    if (above <= -kTouch_m) return;
-    if (winding_[point_idx] == 0 && !is_touching_[point_idx]) met_.push_back(point_idx);
-    if (above < kTouch_m) is_touching_[point_idx] = 1;
-    if (above > 0.0) winding_[point_idx] += crossing;
+    if (std::abs(above) < kTouch_m) winding.is_touching = true;
+    (above > 0.0 ? winding.is_below : winding.is_above) = true;
+    (above > 0.0 ? winding.upward : winding.downward) += above > 0.0 ? crossing : -crossing;
   }
 
   void takeStock(uint32_t part_idx) {
-    const bool is_outward = parts_.all[part_idx].isOutward();
+    const int sign = parts_.all[part_idx].isOutward() ? 1 : -1;
     std::vector<uint32_t> met_things;
     for (const uint32_t p : met_) {
       const uint32_t thing = grid_.points()[p].thing;
-      const int winding = std::exchange(winding_[p], 0);
-      const bool is_touching = std::exchange(is_touching_[p], 0), is_inside = is_outward ? winding > 0 : winding < 0;
-      if (!is_touching && !is_inside) continue;
-      if (inside_count_[thing] == 0 && touching_count_[thing] == 0) met_things.push_back(thing);
-      ++(is_touching ? touching_count_ : inside_count_)[thing];
+      const Winding winding = std::exchange(of_point_[p], {});
+      // one of them may have gone through a hole
+      const bool is_inside = sign * winding.upward > 0 || sign * winding.downward > 0;
+      const bool is_between = winding.is_below && winding.is_above;
+      if (!winding.is_touching && !is_inside && !is_between) continue;
+      Tally& tally = of_thing_[thing];
+      if (tally.inside + tally.touching + tally.between == 0) met_things.push_back(thing);
+      ++(winding.is_touching ? tally.touching : is_inside ? tally.inside : tally.between);
     }
     met_.clear();
     for (const uint32_t t : met_things) {
       Thing& thing = things_[t];
-      thing.is_outside = false;
-      const uint32_t inside = std::exchange(inside_count_[t], 0), touching = std::exchange(touching_count_[t], 0);
-      if (inside > 0 && inside >= kMostInside * (thing.point_count - touching)) thing.container = part_idx;
+      const Tally tally = std::exchange(of_thing_[t], {});
+      const double most = kMostInside * (thing.point_count - tally.touching);
+      if (tally.inside + tally.touching > 0) thing.is_outside = false;
+      if (tally.inside > 0 && tally.inside >= most) thing.container = part_idx;
+      if (tally.between > 0 && tally.between >= most) has_rooms_[part_idx] = 1;
     }
   }
+
+  // Of the shell at hand: around a point, by the faces above it and by those below.
+  struct Winding {
+    int32_t upward = 0, downward = 0;
+    bool is_met = false, is_below = false, is_above = false, is_touching = false;
+  };
+  // A thing's points.
+  struct Tally {
+    uint32_t inside = 0, touching = 0, between = 0;
+  };
 
   const Scene& scene_;
   const Parts& parts_;
   std::vector<Thing> things_;
   PointGrid grid_;
-  // by point, of the shell at hand
-  std::vector<int32_t> winding_;
-  std::vector<char> is_touching_;
-  std::vector<uint32_t> met_;
-  std::vector<uint32_t> inside_count_, touching_count_;  // by thing, of the shell at hand
+  std::vector<Winding> of_point_;
+  std::vector<uint32_t> met_;  // points
+  std::vector<Tally> of_thing_;
+  std::vector<char> has_rooms_;
   uint64_t test_count_ = 0;
 };
 
@@ -319,7 +340,8 @@ struct Verdict {
   std::vector<char> is_hollow, is_solid;
 };
 
-Verdict judge(const Parts& parts, const std::vector<Thing>& things) {
+Verdict judge(const Scene& scene, const Parts& parts, const Nesting& nesting) {
+  const std::vector<Thing>& things = nesting.things();
   const size_t count = parts.all.size();
   Verdict verdict{std::vector<char>(count, 0), std::vector<char>(count, 0)};
   std::vector<char> holds_something(count, 0);
@@ -335,14 +357,22 @@ Verdict judge(const Parts& parts, const std::vector<Thing>& things) {
   const bool is_air_outside = std::any_of(things.begin(), things.end(), [&](const Thing& thing) {
     return thing.is_outside && !(isInward(thing) && holds_something[thing.part]);
   });
-  for (size_t i = 0; i < count; ++i) {
+  const Bounds bounds = sceneBounds(scene);
+  const auto boxVolume = [](const glm::dvec3& size) { return size.x * size.y * size.z; };
+  const double scene_volume = boxVolume(bounds.max - bounds.min);
+  const auto isAllThereIs = [&](const Shell& shell) {
+    return shell.volume_m3 > kMostOfScene * scene_volume && boxVolume(shell.high - shell.low) > kWholeScene * scene_volume;
+  };
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!parts.all[i].isOutward()) continue;
+    if (!holds_something[i] && isAllThereIs(parts.all[i].shell)) verdict.is_hollow[i] = 1;
+    verdict.is_solid[i] = !verdict.is_hollow[i] && (!parts.all[i].hasHoles() || nesting.hasRooms()[i]);
+  }
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!parts.all[i].isInward()) continue;
     const bool is_loose = container[i] == kNone;
-    if (parts.all[i].isOutward()) {
-      verdict.is_solid[i] = !verdict.is_hollow[i];
-    } else if (parts.all[i].isInward()) {
-      const bool is_cavity = !is_loose && parts.all[container[i]].isOutward() && !verdict.is_hollow[container[i]];
-      verdict.is_solid[i] = is_cavity || (is_loose && holds_something[i] && !is_air_outside);
-    }
+    const bool is_cavity = !is_loose && verdict.is_solid[container[i]] && parts.all[container[i]].isOutward();
+    verdict.is_solid[i] = is_cavity || (is_loose && holds_something[i] && !is_air_outside);
   }
   return verdict;
 }
@@ -357,7 +387,8 @@ std::string DoubleSidedFaces::note() const {
                                  face_count - solid_count);
   if (hollow.empty()) return text;
   const size_t named = std::min(hollow.size(), kNamedObjects);
-  text += fmt::format("; hollow, since something lies in it: {}", fmt::join(hollow.begin(), hollow.begin() + named, ", "));
+  text += fmt::format("; hollow, since something lies in it, or nothing beside it: {}",
+                      fmt::join(hollow.begin(), hollow.begin() + named, ", "));
   if (named < hollow.size()) text += fmt::format(" and {} more", hollow.size() - named);
   return text;
 }
@@ -372,7 +403,7 @@ DoubleSidedFaces giveSolidsOneSide(Scene& scene) {
     result.is_too_tangled = true;
     return result;
   }
-  const Verdict verdict = judge(parts, nesting.things());
+  const Verdict verdict = judge(scene, parts, nesting);
   std::map<uint32_t, uint32_t> one_sided;  // by material
   for (size_t i = 0; i < parts.all.size(); ++i) {
     const Part& part = parts.all[i];

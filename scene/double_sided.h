@@ -12,7 +12,7 @@ namespace nlg {
 struct DoubleSidedFaces {
   uint32_t face_count = 0;          // of double-sided materials, veils aside
   uint32_t solid_count = 0;         // of these, made one-sided
-  std::vector<std::string> hollow;  // objects with closed parts wound outward that something lies in, each once
+  std::vector<std::string> hollow;  // objects with shells wound outward that are no solids, each once
   bool is_too_tangled = false;      // more closed parts lie over each other than are looked into: all stay sheets
 
   // One sentence for the scene's user; empty where no face is of a double-sided material.
@@ -20,8 +20,8 @@ struct DoubleSidedFaces {
 };
 
 // Gives faces of double-sided materials that bound solid a one-sided copy of their material, appended to the scene's: those of
-// closed shells (closed up to a thousandth of their area) by the rule of docs/theory/visibility.md, "Double-sided materials". Veils
-// stay what they are, and close nothing. A scene without double-sided materials stays as it is.
+// shells, closed or nearly, by the rule of docs/theory/visibility.md, "Double-sided materials". Veils stay what they are, and close
+// nothing. A scene without double-sided materials stays as it is.
 DoubleSidedFaces giveSolidsOneSide(Scene& scene);
 
 }  // namespace nlg

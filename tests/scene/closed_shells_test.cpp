@@ -100,6 +100,13 @@ Quads houseWithWindow() {
   return house;
 }
 
+// Something outside: a sheet of ground, far below.
+SceneOfObjects onGround() {
+  const float y = -20;
+  return SceneOfObjects().object("ground").quads(
+      {{glm::vec3(-20, y, -20), glm::vec3(-20, y, 20), glm::vec3(20, y, 20), glm::vec3(20, y, -20)}});
+}
+
 // Names of objects that have been made solid, wholly; "name?" for one of which only a part has.
 std::vector<std::string> solidsOf(SceneOfObjects objects, DoubleSidedFaces* faces = nullptr) {
   Scene& scene = objects.scene_;
@@ -147,7 +154,7 @@ TEST(ClosedShells, AVertexOnANeighboursEdgeLeavesAnOpenEdgeAndNoHole) {
   const Shell shell = shellOf(sides);
   EXPECT_NEAR(shell.open_length_m, 4.0, 1e-12);
   EXPECT_NEAR(shell.hole_area_m2, 0.0, 1e-12);
-  EXPECT_EQ(solidsOf(SceneOfObjects().object("box").quads(sides)), Names{"box"});
+  EXPECT_EQ(solidsOf(onGround().object("box").quads(sides)), Names{"box"});
 }
 
 TEST(ClosedShells, KeepsSetsOfTrianglesApart) {
@@ -161,17 +168,17 @@ TEST(ClosedShells, KeepsSetsOfTrianglesApart) {
 
 TEST(DoubleSided, AClosedPartWoundOutwardIsSolid) {
   DoubleSidedFaces faces;
-  EXPECT_EQ(solidsOf(SceneOfObjects().object("box").quads(box({0, 0, 0}, {1, 1, 1})), &faces), Names{"box"});
-  EXPECT_EQ(faces.face_count, 12u);
+  EXPECT_EQ(solidsOf(onGround().object("box").quads(box({0, 0, 0}, {1, 1, 1})), &faces), Names{"box"});
+  EXPECT_EQ(faces.face_count, 14u);
   EXPECT_EQ(faces.solid_count, 12u);
-  EXPECT_EQ(faces.note(), "12 of its 12 double-sided faces bound solid, 0 are sheets");
+  EXPECT_EQ(faces.note(), "12 of its 14 double-sided faces bound solid, 2 are sheets");
 }
 
 TEST(DoubleSided, OpenAndFlatPartsAreSheets) {
   Quads two_faced = square(0);
   two_faced.push_back(inverted(square(0))[0]);
   for (const Quads& quads : {without(box({0, 0, 0}, {1, 1, 1}), 2), square(0), two_faced})
-    EXPECT_EQ(solidsOf(SceneOfObjects().object("sheet").quads(quads)), Names{}) << quads.size();
+    EXPECT_EQ(solidsOf(onGround().object("sheet").quads(quads)), Names{}) << quads.size();
 }
 
 TEST(DoubleSided, APlainBoxWoundInwardIsNoSolid) {
@@ -186,23 +193,23 @@ TEST(DoubleSided, PartsOfOneObjectAreJudgedByThemselves) {
 
 TEST(DoubleSided, BoxesThatTouchAreSolid) {
   const Quads left = box({0, 0, 0}, {1, 1, 1}), right = box({1, 0, 0}, {2, 1, 1});
-  EXPECT_EQ(solidsOf(SceneOfObjects().object("joined").quads(left).quads(right)), Names{"joined"});
-  EXPECT_EQ(solidsOf(SceneOfObjects().object("left").quads(left).object("right").quads(right)), (Names{"left", "right"}));
+  EXPECT_EQ(solidsOf(onGround().object("joined").quads(left).quads(right)), Names{"joined"});
+  EXPECT_EQ(solidsOf(onGround().object("left").quads(left).object("right").quads(right)), (Names{"left", "right"}));
 }
 
 TEST(DoubleSided, VeilsCloseNothing) {
-  SceneOfObjects objects;
+  SceneOfObjects objects = onGround();
   objects.object("lantern").quads(without(box({0, 0, 0}, {1, 1, 1}), 5));
   objects.triangle({0, 0, 1}, {1, 0, 1}, {1, 1, 1}, 1).triangle({0, 0, 1}, {1, 1, 1}, {0, 1, 1}, 1);
   DoubleSidedFaces faces;
   EXPECT_EQ(solidsOf(objects, &faces), Names{});
-  EXPECT_EQ(faces.face_count, 10u);
+  EXPECT_EQ(faces.face_count, 12u);
 }
 
 const Quads kRoom = box({0, 0, 0}, {5, 3, 4});
 
 TEST(DoubleSided, ARoomWoundOutwardIsHollowByWhateverLiesInIt) {
-  const auto room = [] { return SceneOfObjects().object("room").quads(kRoom); };
+  const auto room = [] { return onGround().object("room").quads(kRoom); };
   EXPECT_EQ(solidsOf(room()), Names{"room"});
   EXPECT_EQ(solidsOf(room().lamp({2, 2, 2})), Names{});
   EXPECT_EQ(solidsOf(room().camera({2, 2, 2})), Names{});
@@ -210,11 +217,50 @@ TEST(DoubleSided, ARoomWoundOutwardIsHollowByWhateverLiesInIt) {
   DoubleSidedFaces faces;
   // it stands on the floor, a centimetre deep
   EXPECT_EQ(solidsOf(room().object("chest").quads(box({1, -0.01f, 1}, {2, 1, 2})), &faces), Names{"chest"});
-  EXPECT_EQ(faces.note(), "12 of its 24 double-sided faces bound solid, 12 are sheets; hollow, since something lies in it: room");
+  EXPECT_EQ(
+      faces.note(),
+      "12 of its 26 double-sided faces bound solid, 14 are sheets; hollow, since something lies in it, or nothing beside it: "
+      "room");
+}
+
+TEST(DoubleSided, ABoxThatIsAllThereIsIsARoom) {
+  EXPECT_EQ(solidsOf(SceneOfObjects().object("room").quads(kRoom)), Names{});
+  EXPECT_EQ(solidsOf(SceneOfObjects().object("room").quads(kRoom).object("chest").quads(box({5, 0, 0}, {9, 1, 1}))),
+            (Names{"room", "chest"}));
+}
+
+TEST(DoubleSided, ShellsWithHolesAreSolidWhereSomethingStandsInTheirRooms) {
+  // the far wall with a square hole, in four parts
+  const auto holed = [](Quads box, float z) {
+    Quads quads = without(std::move(box), 5);
+    const glm::vec3 a(1, 1, z), b(1.7f, 1, z), c(1.7f, 1.7f, z), d(1, 1.7f, z), A(0, 0, z), B(5, 0, z), C(5, 3, z), D(0, 3, z);
+    for (const auto& quad : Quads{{A, B, b, a}, {B, C, c, b}, {C, D, d, c}, {D, A, a, d}}) quads.push_back(quad);
+    return quads;
+  };
+  const Shell shell = shellOf(holed(kRoom, 4));
+  EXPECT_NEAR(shell.hole_area_m2, 0.49, 1e-6);
+  EXPECT_EQ(solidsOf(onGround().object("room").quads(holed(kRoom, 4))), Names{}) << "a bare room with a window";
+  EXPECT_EQ(solidsOf(onGround().object("room").quads(holed(kRoom, 4)).lamp({2, 2, 2})), Names{});
+  EXPECT_EQ(solidsOf(onGround().object("room").quads(holed(kRoom, 4)).camera({2, 5, 2})), Names{}) << "above";
+
+  // a face of the house that nobody sees, left out in part
+  Quads small = houseWithWindow();
+  const std::array rim = small[0];
+  const glm::vec3 middle = 0.25f * (rim[0] + rim[1] + rim[2] + rim[3]);
+  small.erase(small.begin());
+  for (int k = 0; k < 4; ++k) {
+    const glm::vec3 &p = rim[k], &q = rim[(k + 1) % 4];
+    small.push_back({p, q, middle + 0.4f * (q - middle), middle + 0.4f * (p - middle)});
+  }
+  EXPECT_NEAR(shellOf(small).hole_area_m2, 0.16 * 12, 1e-5);
+  EXPECT_EQ(solidsOf(onGround().object("house").quads(small)), Names{}) << "a house that nobody lives in";
+  EXPECT_EQ(solidsOf(onGround().object("house").quads(small).lamp({2.1f, 1.5f, 2.2f})), Names{"house"});
+  EXPECT_EQ(solidsOf(onGround().object("house").quads(small).object("chest").quads(box({1, 0.2f, 1}, {2, 1, 2}))),
+            (Names{"house", "chest"}));
 }
 
 TEST(DoubleSided, WhatIsSunkIntoSolidPartlyMakesItNotHollow) {
-  const auto slab = [] { return SceneOfObjects().object("slab").quads(box({0, -1, 0}, {5, 0, 4})); };
+  const auto slab = [] { return onGround().object("slab").quads(box({0, -1, 0}, {5, 0, 4})); };
   EXPECT_EQ(solidsOf(slab().object("chest").quads(box({1, -0.1f, 1}, {2, 1, 2}))), (Names{"slab", "chest"}));
   EXPECT_EQ(solidsOf(slab().object("post").quads(box({1, -0.5f, 1}, {1.1f, 1, 1.1f}))), (Names{"slab", "post"}));
   EXPECT_EQ(
@@ -261,14 +307,14 @@ TEST(DoubleSided, ShadesWoundInwardStaySheetsInRooms) {
   objects.object("room").quads(inverted(kRoom)).object("shade").quads(inverted(box({1, 1, 1}, {1.5f, 1.5f, 1.5f})));
   objects.lamp({1.2f, 1.2f, 1.2f});
   EXPECT_EQ(solidsOf(objects), Names{"room"});
-  SceneOfObjects outward;
+  SceneOfObjects outward = onGround();
   outward.object("room").quads(kRoom).object("shade").quads(inverted(box({1, 1, 1}, {1.5f, 1.5f, 1.5f})));
   outward.lamp({1.2f, 1.2f, 1.2f}).lamp({3, 2, 3});
   EXPECT_EQ(solidsOf(outward), Names{});
 }
 
 TEST(DoubleSided, RoomsInRoomsAreHollowEach) {
-  SceneOfObjects objects;
+  SceneOfObjects objects = onGround();
   objects.object("hall").quads(kRoom).object("cabin").quads(box({1, 0, 1}, {3, 2, 3})).lamp({2, 1, 2});
   EXPECT_EQ(solidsOf(objects), Names{});
 }
@@ -284,12 +330,12 @@ TEST(DoubleSided, OneSidedMaterialsStayAsTheyAre) {
 }
 
 TEST(DoubleSided, SolidsLookAsTheyDid) {
-  SceneOfObjects objects;
+  SceneOfObjects objects = onGround();
   objects.object("box").quads(box({0, 0, 0}, {1, 1, 1}));
   objects.scene_.materials[0].base_color = {0.1f, 0.2f, 0.3f};
   objects.scene_.materials[0].emissive = glm::vec3(4.0f);
   giveSolidsOneSide(objects.scene_);
-  const Material& material = objects.scene_.materials[objects.scene_.triangle_material[0]];
+  const Material& material = objects.scene_.materials[objects.scene_.triangle_material.back()];
   EXPECT_EQ(material.base_color, glm::vec3(0.1f, 0.2f, 0.3f));
   EXPECT_EQ(material.emissive, glm::vec3(4.0f));
   EXPECT_FALSE(material.double_sided);
