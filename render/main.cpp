@@ -24,7 +24,7 @@ int irradianceMain(int argc, char** argv) {
   BakeOptions bake;
   OptionTable table("bake");
   describe(bake, table);
-  table.common({"rays", "sky", "sun", "unit", "threads"});
+  table.common({"rays", "sky", "sun", "unit", "light_unit", "threads"});
   app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
   app.add_option("--places", request.places,
                  "a table (.csv): a line x,y,z,nx,ny,nz, then such numbers of a place each: where it is, world, metres, and its "

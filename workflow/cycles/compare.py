@@ -100,8 +100,8 @@ def main():
     parser.add_argument("--out", type=Path, default=Path("out/cycles"), help="%(default)s")
     parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help="where nlg-render is (%(default)s)")
     parser.add_argument("--places", type=int, default=600, help="%(default)s")
-    parser.add_argument("--samples", type=int, default=4096, help="of Cycles, a place and run (%(default)s)")
-    parser.add_argument("--rays", type=int, default=16384, help="of nlg-render, a place and run (%(default)s)")
+    parser.add_argument("--samples", type=int, default=2048, help="of Cycles, a place and run (%(default)s)")
+    parser.add_argument("--rays", type=int, default=4096, help="of nlg-render, a place and run (%(default)s)")
     arguments = parser.parse_args()
     for scene in arguments.scenes:
         if scene.removesuffix("@means") not in SCENES:
