@@ -189,8 +189,8 @@ void describe(LightOptions& options, OptionTable& table) {
   table.add(
       "sky", &options.sky,
       "radiance of the sky: r,g,b; or nine numbers, of zenith, horizon and ground; or FILE.hdr or FILE.exr, all around (its "
-      "middle looks along +x; FILE,DEGREES turns it towards +z, FILE,DEGREES,FACTOR makes it brighter); or 0, no sky. None: the "
-      "scene's own");
+      "middle looks along +x; FILE,DEGREES turns it towards +z, FILE,DEGREES,FACTOR makes it brighter); or 0, no sky. In the "
+      "unit of the scene's own light. None: the scene's own");
   table.add("sun", &options.sun,
             "a sun: azimuth,elevation,r,g,b in one word, as 40,50,3,2.8,2.5: degrees, the azimuth from +x towards +z, and "
             "irradiance; or "
