@@ -116,7 +116,7 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
 }
 
 std::string sceneText(const Json& scene) {
-  std::string text = fmt::format("{}\n", scene["scene"].get<std::string>());
+  std::string text = printable(scene["scene"].get<std::string>()) + "\n";
   std::string title;
   const auto line = [&](const char* name, const std::string& words) {
     text += fmt::format("  {:<12}{}\n", title == name ? "" : name, words);

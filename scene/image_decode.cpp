@@ -298,6 +298,11 @@ bool PixelWork::take(uint64_t pixels) {
   return taken_ <= most_;
 }
 
+uint64_t PixelWork::taken() {
+  const std::lock_guard lock(mutex_);
+  return taken_;
+}
+
 void PixelWork::enter(uint64_t pixels) {
   std::unique_lock lock(mutex_);
   has_left_.wait(lock, [&] { return inside_ == 0 || inside_ + pixels <= kPixelsAtOnce; });

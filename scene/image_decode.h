@@ -28,7 +28,7 @@ class PixelWork {
   // Waits until an image of so many pixels has room beside those that are being decoded.
   void enter(uint64_t pixels);
   void leave(uint64_t pixels);
-  uint64_t taken() const { return taken_; }
+  uint64_t taken();
 
  private:
   std::mutex mutex_;

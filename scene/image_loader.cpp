@@ -163,7 +163,8 @@ LoadedImages ImageLoader::load(const std::function<ImageBytes(const std::string&
   while (wanted_.size() * size_t(loaded.most_side) * loaded.most_side > kMaxTexels && loaded.most_side > 1) loaded.most_side /= 2;
 
   std::vector<TextureImage> kept(wanted_.size());
-  std::mutex mutex;  // of open, and of unread
+  std::mutex mutex;  // of open, of unread and of what follows
+  std::string one_too_many;
   PixelWork work(pixels.left());
   const auto decode = [&](const std::string& name, DecodedImage* image) {
     ImageBytes file;
@@ -178,6 +179,7 @@ LoadedImages ImageLoader::load(const std::function<ImageBytes(const std::string&
     if (file.problem.empty()) return true;
     const std::lock_guard lock(mutex);
     loaded.unread[name] = file.problem;
+    if (one_too_many.empty() && work.taken() > pixels.left()) one_too_many = name;
     return false;
   };
   const auto keep = [&](uint64_t job, int) {
@@ -193,7 +195,7 @@ LoadedImages ImageLoader::load(const std::function<ImageBytes(const std::string&
   };
   const int thread_count = std::clamp(static_cast<int>(std::min<size_t>(jobs.size(), kMostThreads)), 1, machineThreadCount());
   parallelFor(jobs.size(), thread_count, keep);
-  pixels.take(work.taken(), path, "images");
+  pixels.take(work.taken(), path, one_too_many);
 
   for (TextureImage& image : kept) {
     loaded.image_of.push_back(image.texels.empty() ? -1 : static_cast<int32_t>(loaded.images.size()));
