@@ -34,6 +34,7 @@ SETTINGS = """
 - **Cycles** by default leaves light out: filter glossy, clamping, the light threshold, adaptive sampling and denoising are off, and all kinds of bounces are 64.
 - **Meshes that shine** are met by paths alone (`sample_as_light` off), and have one user each. What 3.4 draws on them is biased: beside a closed form, an image's light was off by 1 % in the mean, and by several at single places.
 - **Images** are large for what they show. Between texels Cycles takes means of sRGB codes, and glTF of linear light: at edges in small images it is darker.
+- **White**: no surface here reflects more than .9, as nlg takes whiter ones for .9 (`light/light_transport.cpp`).
 - **Lamps and suns** come with the file, 683 times as bright as its emission, as the exporter has them by default: nlg recognises it ([units](../theory/light.md#units)). The world is not exported; its sky is given by `--sky`.
 - **Alpha** in Cycles is alpha. `alphaMode` MASK cuts at a half, so that the fence's image has only 0 and 1.
 """

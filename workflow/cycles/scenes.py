@@ -25,6 +25,7 @@ BACK_WINDOW, RIGHT_WINDOW = (1.2, 2.8, 0.9, 2.1), (0.9, 2.1, 0.9, 2.1)  # along 
 CRATE = (2.3, 0.5, 0.0), (3.1, 1.2, 0.8)
 RECEIVER_M = 0.002  # side of the square that light is baked on
 SKY = (0.8, 1.0, 1.3)  # radiance
+HIGHEST_CODE = 0.94  # sRGB: below the albedo of .9 that nlg takes whiter surfaces for
 NO_SKY = (0.0, 0.0, 0.0)
 SUN_RADIUS = 0.00465  # radians: glTF knows none, and nlg takes this one (scene/scene_light.h)
 LAMP_RADIUS_M = 0.005  # to Cycles a lamp is a disk, not a ball: near a large one it is too dark
@@ -57,7 +58,7 @@ class Room(Model):
         along = x * columns + 0.5 * (row % 2)
         tones = self.random.uniform(0.7, 1.25, (rows, columns))[row, along.astype(int) % columns]
         is_mortar = (np.minimum(along % 1, 1 - along % 1) < 0.04) | (y * rows % 1 < 0.12)
-        return np.clip(np.where(is_mortar[..., None], mortar, np.asarray(brick) * tones[..., None]), 0, 1)
+        return np.clip(np.where(is_mortar[..., None], mortar, np.asarray(brick) * tones[..., None]), 0, HIGHEST_CODE)
 
     def screen(self):
         """A picture that shines: a dark blue sky above a red and a yellow field."""
