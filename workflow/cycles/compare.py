@@ -4,8 +4,8 @@
     workflow/cycles/compare.py [--out FOLDER] [--bin FOLDER] [--places N] [--samples N] [--rays N] [SCENE …]
 
 Of every scene: Blender models it, exports it and bakes irradiance at places (scenes.py), nlg-render irradiance traces the file that was exported,
-and the means are compared (ratios.py) → FOLDER/SCENE.result.json, and a line on stdout. What is there of the same settings is not made again by
-Blender. workflow/results.py collect-cycles FOLDER makes the page of it. Scenes: images mask blend emission transmission sum; SCENE@means is a
+and the means are compared (ratios.py) → FOLDER/SCENE.result.json, and a line on stdout. What is there of the same settings and scripts is not made
+again by Blender. workflow/results.py collect-cycles FOLDER makes the page of it. Scenes: images mask blend emission transmission sum; SCENE@means is a
 scene whose images have been replaced by their means.
 """
 import argparse
@@ -57,12 +57,12 @@ def baked(scene, folder, places, samples):
     """What scenes.py wrote, made by it unless it is there."""
     path = folder / f"{scene}.json"
     wanted = {"places": places, "samples": samples}
-    if path.exists() and (folder / f"{scene}.glb").exists():
+    scripts = [Path(__file__).with_name(name) for name in ("scenes.py", "model.py")]
+    if path.exists() and (folder / f"{scene}.glb").exists() and path.stat().st_mtime > max(script.stat().st_mtime for script in scripts):
         found = read_json(path).value
         if {"places": len(found["places"]), "samples": found["samples"]} == wanted:
             return found
-    script = Path(__file__).with_name("scenes.py")
-    command = [blender(), "-b", "--factory-startup", "--python-exit-code", "1", "--python", script, "--", scene, folder, places, samples]
+    command = [blender(), "-b", "--factory-startup", "--python-exit-code", "1", "--python", scripts[0], "--", scene, folder, places, samples]
     # Debian's Blender takes whichever python3 the PATH has for its own
     printed(command, f"Blender, of {scene},", env={**os.environ, "PATH": "/usr/bin:/bin"})
     return read_json(path).value

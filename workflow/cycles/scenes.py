@@ -49,6 +49,8 @@ class Room(Model):
             image = picture(name, pixels, self.folder, form)
             return replace(look, **{"emission_image" if shines else "image": image})
         mean = tuple(float(c) for c in linear(pixels[..., :3]).mean((0, 1)))
+        if look.is_cut:
+            look = replace(look, is_cut=False, alpha=float(pixels[..., 3].mean()))
         return replace(look, **{"emission" if shines else "colour": mean})
 
     def bricks(self, rows, columns, brick, mortar):
