@@ -31,7 +31,7 @@ void describe(BakeOptions& o, OptionTable& table) {
             "where there are probes: --extent-m=x,y,z,X,Y,Z, low and high corner, metres, world coordinates. None: the box that "
             "the file names nlg_extent, or the scene's bounds with headroom and lamps");
   table.add("max_probes", &o.max_probes,
-            "refuse a scene that would have more probes before those without air are left out: a million take some 8 GB");
+            "refuse a scene that would have more probes before those without air are left out: a million take some 6 GB");
   table.add("align_lattice", &o.align_lattice,
             "do not shift the probes: one lies at the low corner of extent_m, and one at the high corner, whole spacings away");
   table.add("air_only", &o.air_only, "leave out cells that hold no air, and probes that only such cells read");

@@ -23,7 +23,7 @@ struct BakeOptions {
   double density_growth = 0.5;
   std::vector<std::string> extent_m;
   bool align_lattice = false;
-  uint64_t max_probes = 1000000;  // a scene that would have more is refused: some 8 GB of memory
+  uint64_t max_probes = 1000000;  // a scene that would have more is refused: some 6 GB of memory
   bool air_only = true;           // cells in solid, and probes that only they read, are left out
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;

@@ -1,6 +1,7 @@
 #include "bake/bake_plan.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "scene/floor_survey.h"
 #include "tool/quantity.h"
@@ -8,10 +9,11 @@
 namespace nlg {
 namespace {
 
-// Of seven scenes from 64 to 113,000 probes, on two cores of a server of 2023: from .6 to 1.6 times what came of it.
+// Of six scenes from 64 to 113,000 probes, on two cores of a server: they took .6 to 1.6 times as long as this says, and .7 to 1.6
+// times the memory.
 constexpr double kFunctionSeconds = 0.6e-3;  // of a thread, for a probe: air, function, theta
 constexpr double kLightSeconds = 1.2e-6;     // for a ray of a place, bounces between surfaces included
-constexpr double kBaseBytes = 60e6, kProbeBytes = 8e3, kTriangleBytes = 400.0;
+constexpr double kBaseBytes = 75e6, kProbeBytes = 6e3, kTriangleBytes = 400.0;
 
 constexpr double kMarginShare = 0.05;  // of a spacing: with so much air over a roof its cells find places in it (air_places.h)
 
@@ -42,6 +44,7 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, int thr
   plan.spacing_m = options.spacing_m;
   plan.probes = estimateProbes(scene, placement, options.seed);
   plan.memory_bytes = kBaseBytes + kProbeBytes * plan.probes + kTriangleBytes * static_cast<double>(scene.triangles.size());
+  plan.machine_bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   double seconds = kFunctionSeconds;
   if (options.light != "none") seconds += kLightSeconds * options.light_rays * options.light_places;
   plan.seconds = 0.5 + seconds * plan.probes / thread_count;
@@ -52,8 +55,10 @@ std::string toText(const BakePlan& plan, int thread_count) {
   std::string text = "plan: " + sidesText(plan.scene_m);
   if (plan.unit_m > 0.0) text += fmt::format(" at {:g} m a unit", plan.unit_m);
   if (glm::length(plan.extent_m - plan.scene_m) > 0.5 * plan.spacing_m) text += ", probes in " + sidesText(plan.extent_m);
-  return text + fmt::format(", {:g} m apart: about {} before those without air are left out; up to {}, roughly {} on {}\n",
-                            plan.spacing_m, roughCountText(plan.probes, "probe"), bytesText(plan.memory_bytes),
+  const std::string machine =
+      plan.memory_bytes > plan.machine_bytes ? " (more than the " + bytesText(plan.machine_bytes) + " of this machine)" : "";
+  return text + fmt::format(", {:g} m apart: about {} before those without air are left out; up to {}{}, roughly {} on {}\n",
+                            plan.spacing_m, roughCountText(plan.probes, "probe"), bytesText(plan.memory_bytes), machine,
                             durationText(plan.seconds), countText(static_cast<uint64_t>(thread_count), "thread"));
 }
 

@@ -161,10 +161,11 @@ std::string toSummary(const BakeReport& report, const std::string& path) {
   if (s.left_for_time > 0) text += fmt::format("; {} left for want of time", s.left_for_time);
   const LightStatistics& light = s.light;
   if (light.is_lit) {
+    const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
     text += fmt::format(
         "\nlight: errs by {:.1f} % of what was measured at {} (RMS, with its noise), most at {:.1f}, {:.1f}, {:.1f}; mean "
         "radiance {:.3g}\n",
-        100.0 * light.error, countText(light.places, "place"), light.worst_m.x, light.worst_m.y, light.worst_m.z, light.mean);
+        100.0 * light.error, countText(light.places, "place"), worst.x, worst.y, worst.z, light.mean);
   } else {
     text += "\nlight: none\n";
   }

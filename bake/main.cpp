@@ -190,8 +190,7 @@ int main(int argc, char** argv) {
   nlg::OptionTable table("bake");
   nlg::describe(options, table);
   table.addNote(nlg::stagesHelp({}));
-  table.common({"unit", "spacing_m", "extent_m", "sky", "sun", "light_unit", "intensity", "light_direct", "weights", "out",
-                "json", "verbose", "threads"});
+  table.common({"unit", "spacing_m", "extent_m", "sky", "sun", "light_unit", "intensity", "light_direct", "out"});
   app.add_option("scene", request.scene, nlg::sceneForms())->required();
   app.add_option(
       "--weights", request.weights,

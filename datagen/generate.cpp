@@ -34,7 +34,8 @@ std::string spaceText(const std::string& out, const FunctionCollector& collector
   const auto so_far = static_cast<double>(writer.byteCount()), rows = static_cast<double>(collector.spooledBytes());
   std::error_code error;
   const auto space = std::filesystem::space(std::filesystem::absolute(out).parent_path(), error);
-  std::string text = fmt::format("{} functions were done, {:.1f} % of the shard", writer.functionCount(), 100.0 * share);
+  std::string text = fmt::format("{} {} done, {:.1f} % of the shard", countText(writer.functionCount(), "function"),
+                                 writer.functionCount() == 1 ? "was" : "were", 100.0 * share);
   if (share > 0.0 && so_far > 0.0) {
     text += fmt::format("; it needs about {} and {} more while it is made", megabytes(so_far / share), megabytes(rows / share));
   } else {

@@ -30,7 +30,15 @@ TEST(BakePlan, SaysSizeUnitProbesMemoryAndTimeInOneLine) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
 }
 
-TEST(BakePlan, TakesHalfTheTimeWithoutLightAndAgainOnTwiceTheThreads) {
+TEST(BakePlan, SaysWhereTheMachineHasTooLittleMemory) {
+  BakePlan plan = planBake(groundOf(20), {}, 2);
+  EXPECT_GT(plan.machine_bytes, 1e8);
+  EXPECT_EQ(toText(plan, 2).find("of this machine"), std::string::npos);
+  plan.machine_bytes = 50e6;
+  EXPECT_NE(toText(plan, 2).find(" MB (more than the 50.0 MB of this machine), roughly "), std::string::npos) << toText(plan, 2);
+}
+
+TEST(BakePlan, TakesLessTimeWithoutLightAndOnMoreThreads) {
   const SceneSource source = groundOf(200);
   BakeOptions dark;
   dark.light = "none";
@@ -80,7 +88,7 @@ TEST(BakeReport, EndsInThreeLinesOrFourWithPluralsWhereTheyBelong) {
   report.statistics.light.worst_m = {-1.25, 2, 10};
   const std::string text = toSummary(report, "level.safetensors");
   EXPECT_NE(text.find("light: errs by 12.3 % of what was measured at 7,560 places"), std::string::npos) << text;
-  EXPECT_NE(text.find("most at -1.2, 2.0, 10.0; mean radiance 0.656\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("most at -1.3, 2.0, 10.0; mean radiance 0.656\n"), std::string::npos) << text;
 }
 
 }  // namespace
