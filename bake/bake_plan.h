@@ -24,7 +24,7 @@ struct BakePlan {
 };
 
 // Takes about a second for a million triangles.
-// throws   UsageError on a setting that cannot be used; not on too many probes
+// throws   UsageError on a setting that cannot be used, and on far too many probes
 BakePlan planBake(const SceneSource& source, const BakeOptions& options, int thread_count);
 
 std::string toText(const BakePlan& plan, int thread_count);

@@ -172,12 +172,22 @@ double fittingSpacing(const ExtentBox& box, const NearbyTriangles& nearby, doubl
                          const ProbePlacementOptions& options) {
   const double fitting = fittingSpacing(box, nearby, spacing_m, options.density_growth, options.max_probes);
   const std::string expected =
-      "at most " + std::to_string(options.max_probes) + " probes (max_probes)" +
+      "at most " + std::to_string(options.max_probes) + " probes" + (options.max_probes < kMaxTreeProbes ? " (max_probes)" : "") +
       (std::isfinite(fitting) ? ", which a finest spacing of " + numberText(1.001 * fitting) + " m keeps" : "");
   const glm::dvec3 side_m = box.high_m - box.low_m;
   throw UsageError(scene.id, expected,
                    (probes > 0.0 ? "about " + roughCountText(probes, "probe") + ": " : "") + "spacing " + numberText(spacing_m) +
                        " m over " + numberText(side_m.x) + " x " + numberText(side_m.y) + " x " + numberText(side_m.z) + " m");
+}
+
+// The estimate, where it is not far beyond the limit; a uniform tree's is no estimate.
+double acceptedEstimate(const Scene& scene, const ExtentBox& box, const Lattice& lattice, const NearbyTriangles& nearby,
+                        const ProbePlacementOptions& options) {
+  const auto limit = static_cast<double>(options.max_probes);
+  const double probes = probesOn(lattice, nearby, options.density_growth);
+  const bool is_certain = options.density_growth == 0.0 && lattice.cellCount() > limit;
+  if (is_certain || probes > kCertainlyMore * limit) refuse(scene, box, lattice.frame.spacing_m, probes, nearby, options);
+  return probes;
 }
 
 // What a seed draws.
@@ -241,7 +251,7 @@ double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, 
   const NearbyTriangles nearby(scene);
   const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
   if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
-  return probesOn(*lattice, nearby, options.density_growth);
+  return acceptedEstimate(scene, box, *lattice, nearby, options);
 }
 
 ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed) {
@@ -254,12 +264,7 @@ ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, 
   const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
   if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
   // what is far too much is known without building it for minutes
-  const auto limit = static_cast<double>(options.max_probes);
-  if (lattice->probeLimit() > limit) {
-    const double probes = probesOn(*lattice, nearby, options.density_growth);
-    const bool is_certain = options.density_growth == 0.0 && lattice->cellCount() > limit;
-    if (is_certain || probes > kCertainlyMore * limit) refuse(scene, box, draw.spacing_m, probes, nearby, options);
-  }
+  if (lattice->probeLimit() > static_cast<double>(options.max_probes)) acceptedEstimate(scene, box, *lattice, nearby, options);
   const Density density(nearby, lattice->frame, lattice->first, lattice->last, options.density_growth);
   const CellJudge judge = [&](const ProbeCell& cell) { return density.judge(cell); };
   const ProbeTreeStatus status = ProbeTree::build(lattice->frame, judge, options.max_probes, &tree);

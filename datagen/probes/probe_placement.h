@@ -32,7 +32,7 @@ ExtentBox probeExtent(const Scene& scene, const ProbePlacementOptions& options);
 
 // How many probes the tree below will have: by a few thousand places, without building it. Within some percent, and more where
 // geometry is a speck of the extent. 0 for a scene without extent.
-// throws   UsageError as placeProbes does, but for max_probes
+// throws   UsageError as placeProbes does; of max_probes, when it is far beyond them
 double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed);
 
 // The tree over the extent, its frame relative to the scene's origin. The finest spacing, and the shift of the lattice by up to

@@ -366,6 +366,7 @@ TEST(ProbePlacement, RefusesByTheEstimateWhatIsFarTooMuch) {
   const std::string error = errorOf(boxScene(glm::vec3(-30), glm::vec3(30)), options);
   EXPECT_NE(error.find("at most 20000 probes (max_probes), which a finest spacing of "), std::string::npos) << error;
   EXPECT_NE(error.find("got about "), std::string::npos) << error;
+  EXPECT_THROW(estimateProbes(boxScene(glm::vec3(-30), glm::vec3(30)), options, 1), UsageError);
   options.max_probes = 1;
   EXPECT_NE(errorOf(boxScene(glm::vec3(-30), glm::vec3(30)), options).find("at most 1 probes (max_probes), got"),
             std::string::npos)
