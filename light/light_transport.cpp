@@ -175,7 +175,7 @@ struct LightTransport::Impl {
         share = light / total;
         if ((at -= light) < 0.0f) break;
       }
-      if (lampLight(*chosen, from, random.uniform(), random.uniform(), &arriving))
+      if (chosen != nullptr && lampLight(*chosen, from, random.uniform(), random.uniform(), &arriving))
         sum += arriving.flux * (std::max(0.0f, glm::dot(arriving.direction, normal)) / share);
     }
     const auto density = [&](const glm::vec3& direction) { return std::max(0.0f, glm::dot(direction, normal)) / kPi; };

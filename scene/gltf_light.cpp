@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include <fmt/format.h>
 #include <tiny_gltf.h>
 
 #include "tool/error.h"
@@ -25,8 +26,8 @@ class Oddities {
     std::vector<std::string> notes;
     for (const auto& [how, lights] : lights_) {
       const size_t others = lights.size() - 1;
-      const std::string more = others == 0 ? "" : others == 1 ? " and another one" : " and " + std::to_string(others) + " others";
-      notes.push_back(lights[0] + more + ": " + how);
+      const std::string more = others == 0 ? "" : others == 1 ? " and another one" : fmt::format(" and {} others", others);
+      notes.push_back(fmt::format("{}{}: {}", lights[0], more, how));
     }
     return notes;
   }
@@ -113,7 +114,7 @@ class LightParser {
 
 // "light 3", with its name where it has one.
 std::string lightPlace(size_t idx, const tinygltf::Value& light) {
-  const std::string place = "light " + std::to_string(idx);
+  std::string place = "light " + std::to_string(idx);
   if (!light.IsObject() || !light.Has("name") || !light.Get("name").IsString()) return place;
   return place + " (" + light.Get("name").Get<std::string>().substr(0, 60) + ")";
 }

@@ -290,7 +290,7 @@ std::vector<const char*> exrChannels(const std::string& path, const Imf::Header&
   const bool is_grey = channels.findChannel("Y") != nullptr && channels.findChannel("R") == nullptr;
   if (is_grey && channels.findChannel("RY") != nullptr)
     throw InputError(path, "channels", "R, G and B, or Y alone", "Y with differences");
-  const std::vector<const char*> names = is_grey ? std::vector<const char*>{"Y"} : std::vector<const char*>{"R", "G", "B"};
+  std::vector<const char*> names = is_grey ? std::vector<const char*>{"Y"} : std::vector<const char*>{"R", "G", "B"};
   for (const char* name : names) {
     const Imf::Channel* channel = channels.findChannel(name);
     if (channel == nullptr || channel->xSampling != 1 || channel->ySampling != 1)

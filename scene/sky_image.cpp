@@ -74,7 +74,8 @@ std::optional<Sun> takeSun(SkyImage* image) {
   const auto brighter = [](const glm::vec3& a, const glm::vec3& b) { return skyLuminance(a) < skyLuminance(b); };
   const auto brightest = std::max_element(image->texels.begin(), image->texels.end(), brighter) - image->texels.begin();
   const auto directionOf = [&](size_t texel) {
-    return glm::dvec3(skyDirection((texel % image->width + 0.5) / image->width, (texel / image->width + 0.5) / image->height));
+    const size_t row = texel / image->width, column = texel % image->width;
+    return glm::dvec3(skyDirection((column + 0.5) / image->width, (row + 0.5) / image->height));
   };
   const glm::dvec3 middle = directionOf(brightest);
   glm::dvec3 around(0.0);
