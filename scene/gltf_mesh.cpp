@@ -41,7 +41,8 @@ float componentAt(const unsigned char* bytes, int component_type, bool is_normal
     std::memcpy(&value, bytes, sizeof value);
     return value;
   }
-  const int byte_count = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(component_type));
+  const bool is_byte = component_type == TINYGLTF_COMPONENT_TYPE_BYTE || component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
+  const int byte_count = is_byte ? 1 : 2;
   const bool is_signed = component_type == TINYGLTF_COMPONENT_TYPE_BYTE || component_type == TINYGLTF_COMPONENT_TYPE_SHORT;
   const int range = 1 << (8 * byte_count);
   int value = static_cast<int>(readUnsigned(bytes, byte_count));

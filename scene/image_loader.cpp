@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <mutex>
 #include <utility>
@@ -111,7 +112,7 @@ class Reducer {
       const glm::vec4 colour = covered.a > 0.0f ? covered / covered.a : whole / whole.a;
       const float opacity = has_opacity ? covered.a / whole.a : 1.0f;
       result->texels.push_back({srgbFromLinear(colour.r), srgbFromLinear(colour.g), srgbFromLinear(colour.b),
-                                static_cast<uint8_t>(255.0f * opacity + 0.5f)});
+                                static_cast<uint8_t>(std::lround(255.0f * opacity))});
     }
     texels->clear();
   }
@@ -130,7 +131,7 @@ void takeOpacity(const TextureImage& from, TextureImage* image) {
       const glm::vec2 place((static_cast<float>(x) + 0.5f) / static_cast<float>(image->width),
                             (static_cast<float>(y) + 0.5f) / static_cast<float>(image->height));
       const float opacity = texelAt(from, use, place).a;
-      image->texels[static_cast<size_t>(y) * image->width + x][3] = static_cast<uint8_t>(255.0f * opacity + 0.5f);
+      image->texels[static_cast<size_t>(y) * image->width + x][3] = static_cast<uint8_t>(std::lround(255.0f * opacity));
     }
   }
 }

@@ -18,7 +18,7 @@ std::optional<ImageMeans> imageMeans(std::string_view bytes, SceneBudget& pixels
     linear += glm::dvec3(linearFromSrgb(pixel[0]), linearFromSrgb(pixel[1]), linearFromSrgb(pixel[2]));
     codes += glm::dvec3(pixel[0], pixel[1], pixel[2]);
   }
-  const double count = static_cast<double>(image.pixels.size() / 4);
+  const double count = static_cast<double>(image.pixels.size()) / 4.0;
   return ImageMeans{glm::vec3(linear / count), glm::vec3(codes / (255.0 * count))};
 }
 

@@ -56,7 +56,7 @@ TEST_F(Pk3ArchivesTest, LaterArchivesHideEarlierOnesWithoutRegardToCase) {
 }
 
 TEST_F(Pk3ArchivesTest, RefusesPathsWithoutArchives) {
-  expectError("No such file", errorOf(folder_ / "missing.pk3"));
+  expectError("no file of this name", errorOf(folder_ / "missing.pk3"));
   expectError(".pk3 files, got none", errorOf(folder_.string()));
   expectError("a device", errorOf("/dev/null"));
   ASSERT_EQ(::mkfifo((folder_ / "pipe.pk3").c_str(), 0600), 0);
