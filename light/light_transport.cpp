@@ -17,11 +17,10 @@ namespace nlg {
 namespace {
 
 constexpr float kPi = 3.14159265f;
-constexpr float kHighestAlbedo = 0.9f;  // files without textures say 1 where they mean white paint: light would never end
-constexpr int kSetCount = 8;            // of directions, whose means say how sure the whole is
-constexpr int kSurePathVertices = 3;    // no roulette before
-constexpr float kSurvival = 0.95f;      // at most
-constexpr int kLampSamples = 16;        // of one lamp at a place, at least
+constexpr int kSetCount = 8;          // of directions, whose means say how sure the whole is
+constexpr int kSurePathVertices = 3;  // no roulette before
+constexpr float kSurvival = 0.95f;    // at most
+constexpr int kLampSamples = 16;      // of one lamp at a place, at least
 constexpr uint64_t kPathStream = 0x70617468, kLampStream = 0x6c616d70, kSunStream = 0x73756e, kSkyStream = 0x736b79;
 
 float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
@@ -48,7 +47,7 @@ struct LightTransport::Impl {
   float nudge_m = 1e-4f;  // off a surface, so that the next ray does not meet it again
 
   Impl(const Scene& s, const RayScene& r) : scene(s), rays(r), emitters(s), sky(s.light.sky.image) {
-    for (const Material& material : scene.materials) factor_albedo.push_back(albedoOf(material.base_color));
+    for (const Material& material : scene.materials) factor_albedo.push_back(albedoOf(material, material.base_color));
     float furthest = 0.0f;
     for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
     nudge_m = std::max(2e-5f, furthest * 0x1p-20f);
@@ -60,10 +59,11 @@ struct LightTransport::Impl {
   glm::vec3 crossOf(uint32_t t) const { return glm::cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0)); }
 
   glm::vec3 albedo(const LightHit& hit) const {
-    const uint32_t material = scene.triangle_material[hit.triangle];
-    if (scene.materials[material].veil != Veil::none) return albedoOf(veilAt(scene, hit.triangle, hit.u, hit.v).reflects);
-    if (!scene.materials[material].base_image.isThere() && scene.vertex_colours.empty()) return factor_albedo[material];
-    return albedoOf(baseColourAt(scene, hit.triangle, hit.u, hit.v));
+    const uint32_t idx = scene.triangle_material[hit.triangle];
+    const Material& material = scene.materials[idx];
+    if (material.veil != Veil::none) return albedoOf(material, veilAt(scene, hit.triangle, hit.u, hit.v).reflects);
+    if (!material.base_image.isThere() && scene.vertex_colours.empty()) return factor_albedo[idx];
+    return albedoOf(material, baseColourAt(scene, hit.triangle, hit.u, hit.v));
   }
 
   glm::vec3 emission(const LightHit& hit) const {
@@ -206,7 +206,7 @@ struct LightTransport::Impl {
       if (veil.kind == LightHit::Kind::nothing) return false;
       addShine(veil);
       const VeilLook look = veilAt(scene, veil.triangle, veil.u, veil.v);
-      const glm::vec3 reflects = albedoOf(look.reflects);
+      const glm::vec3 reflects = albedoOf(materialOf(scene, veil.triangle), look.reflects);
       const float back = luminance(reflects), all = back + luminance(look.passes);
       if (static_cast<float>(random.uniform()) * all < back || !(all > 0.0f)) {
         *throughput *= all > 0.0f ? all / back : 0.0f;
@@ -422,10 +422,6 @@ glm::vec3 LightTransport::reflected(const SurfacePoint& point, uint64_t seed) co
   const glm::vec3 direction = cosineDirection(point.normal, random.uniform(), random.uniform());
   const float density = std::max(1e-6f, glm::dot(direction, point.normal) / kPi);
   return point.reflectance * (direct + impl_->radiance(from, direction, {}, density, random));
-}
-
-glm::vec3 LightTransport::albedoOf(const glm::vec3& base_colour) {
-  return glm::clamp(base_colour, glm::vec3(0.0f), glm::vec3(kHighestAlbedo));
 }
 
 glm::vec3 LightTransport::albedo(const LightHit& hit) const { return impl_->albedo(hit); }

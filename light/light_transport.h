@@ -96,8 +96,6 @@ class LightTransport {
   float nudge() const;
   // The share of light that a surface sends back at a point, by channel; of a veil's point, too.
   glm::vec3 albedo(const LightHit& hit) const;
-  // What light takes for a base colour: no more than nine tenths, since files say 1 where they mean white paint.
-  static glm::vec3 albedoOf(const glm::vec3& base_colour);
   // Radiance that it sends by itself towards the side that the ray came from.
   glm::vec3 emission(const LightHit& hit) const;
   const Scene& scene() const;

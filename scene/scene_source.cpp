@@ -18,6 +18,7 @@
 #include "scene/procedural.h"
 #include "scene/scene_budget.h"
 #include "scene/scene_size.h"
+#include "scene/surface_look.h"
 #include "tool/error.h"
 #include "tool/printable.h"
 
@@ -103,6 +104,20 @@ SceneSource readInterior(const InteriorRequest& request) {
   return source;
 }
 
+// Of materials whose light is less than their file says; empty without any.
+std::string whiteNote(const Scene& scene) {
+  std::set<uint32_t> white;
+  for (const uint32_t m : scene.triangle_material) {
+    const Material& material = scene.materials[m];
+    const glm::vec3& base = material.base_color;
+    if (!material.base_image.isThere() && std::max({base.r, base.g, base.b}) > kWhitestFactor + 1e-6f) white.insert(m);
+  }
+  if (white.empty()) return "";
+  return fmt::format("{} brighter than {:g} of white: light takes {:g}",
+                     white.size() == 1 ? "1 material is" : fmt::format("{} materials are", white.size()), kWhitestFactor,
+                     kWhitestFactor);
+}
+
 // Of a file that says nothing of its unit, or says it wrongly.
 SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::string& path, const SceneReading& reading) {
   SceneSource source = sourceOf(std::move(scene));
@@ -110,6 +125,8 @@ SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::str
   source.notes = std::move(notes);
   const std::string size = sizeNote(source.scene, path, reading.unit_m);
   if (!size.empty()) source.notes.push_back(size);
+  const std::string white = whiteNote(source.scene);
+  if (!white.empty()) source.notes.push_back(white);
   return source;
 }
 

@@ -31,6 +31,10 @@ float transmissionAt(const Scene& scene, const Material& material, uint32_t tria
 
 const Material& materialOf(const Scene& scene, uint32_t triangle) { return scene.materials[scene.triangle_material[triangle]]; }
 
+glm::vec3 albedoOf(const Material& material, const glm::vec3& base_colour) {
+  return glm::clamp(base_colour, glm::vec3(0.0f), glm::vec3(material.base_image.isThere() ? kWhitestTexel : kWhitestFactor));
+}
+
 glm::vec3 baseColourAt(const Scene& scene, uint32_t triangle, float u, float v) {
   return glm::vec3(baseAt(scene, materialOf(scene, triangle), triangle, u, v));
 }

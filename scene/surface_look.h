@@ -13,6 +13,11 @@ namespace nlg {
 
 const Material& materialOf(const Scene& scene, uint32_t triangle);
 
+// Of light that comes to a surface no more than this is sent back, by channel: files without images say 1 where they mean white
+// paint, and light would never end. Images show what is there.
+inline constexpr float kWhitestFactor = 0.9f, kWhitestTexel = 0.98f;
+glm::vec3 albedoOf(const Material& material, const glm::vec3& base_colour);
+
 // Linear; of a material without images and vertex colours exactly its factor.
 glm::vec3 baseColourAt(const Scene& scene, uint32_t triangle, float u, float v);
 // Radiance of the side that shines; of a veil, as much of it as its opacity.

@@ -17,6 +17,7 @@
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/numbers/rgb9e5.h"
+#include "scene/surface_look.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/output_path.h"
@@ -159,7 +160,7 @@ class ViewFolder {
     for (const glm::vec3& position : scene.positions) append(&positions, position);
     for (const glm::uvec3& t : scene.triangles) triangles.insert(triangles.end(), {t.x, t.y, t.z});
     for (const Material& material : scene.materials) {
-      append(&albedo, LightTransport::albedoOf(material.base_color));
+      append(&albedo, albedoOf(material, material.base_color));
       append(&emissive, material.emissive);
     }
     const SkyFaces& faces = scene.light.sky_faces;
