@@ -90,7 +90,7 @@ std::string nameOf(const std::string& argument) { return argument.substr(0, argu
 void refuseExtras(const CLI::App& app) {
   const std::vector<std::string> extras = app.remaining();
   if (extras.empty()) return;
-  if (extras[0].rfind("-", 0) != 0) {
+  if (extras[0].find('-') != 0) {
     const bool is_number = extras[0].find_first_not_of("0123456789.,+-e") == std::string::npos;
     throw UsageError(
         "command line", "options and what they take",
