@@ -54,6 +54,8 @@ nlohmann::ordered_json lightJson(const LightStatistics& light) {
           {"solve_iterations", light.solve_iterations},
           {"mean_radiance", light.mean},
           {"error", light.error},
+          {"median_error", light.median_error},
+          {"p95_error", light.p95_error},
           {"worst_m", {light.worst_m.x, light.worst_m.y, light.worst_m.z}},
           {"wall_seconds", {{"cache", light.cache_wall_s}, {"measure", light.measure_wall_s}, {"solve", light.solve_wall_s}}}};
 }
@@ -163,9 +165,10 @@ std::string toSummary(const BakeReport& report, const std::string& path) {
   if (light.is_lit) {
     const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
     text += fmt::format(
-        "\nlight: errs by {:.1f} % of what was measured at {} (RMS, with its noise), most at {:.1f}, {:.1f}, {:.1f}; mean "
-        "radiance {:.3g}\n",
-        100.0 * light.error, countText(light.places, "place"), worst.x, worst.y, worst.z, light.mean);
+        "\nlight: half of {} err by less than {:.1f} % of what was measured there, 1 in 20 by more than {:.0f} %, noise "
+        "included, most at {:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
+        countText(light.places, "place"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x, worst.y, worst.z,
+        light.mean);
   } else {
     text += "\nlight: none\n";
   }

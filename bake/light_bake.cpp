@@ -7,10 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "light/air.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
+#include "tool/quantity.h"
 
 namespace nlg {
 namespace {
@@ -51,12 +53,18 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
   std::vector<std::string> warnings;
   if (!statistics.is_lit) return warnings;
   if (statistics.mean == 0.0) {
-    warnings.push_back("no light reaches any place in air");
+    warnings.push_back("no light reaches any place in air: what shines is switched off, or walled in");
   } else if (statistics.mean < kNearlyBlack) {
     warnings.push_back(
         fmt::format("nearly black: radiance is {:.2g} on average; --sky 1,1,1 or --sky FILE.hdr gives it a sky, --sun a sun, "
-                    "--intensity makes all light brighter",
+                    "--intensity makes all light brighter; a closed room needs a lamp, or something that shines",
                     statistics.mean));
+  }
+  if (!statistics.buried_lamps_m.empty()) {
+    const glm::dvec3& at = statistics.buried_lamps_m.front();
+    warnings.push_back(fmt::format(
+        "{} in solid, the first at {:.2f}, {:.2f}, {:.2f}: their light is lost; faces around them may look the wrong way",
+        countText(statistics.buried_lamps_m.size(), "lamp"), at.x, at.y, at.z));
   }
   if (statistics.largest > kMaxEngineLight)
     warnings.push_back(fmt::format("light reaches {:.3g}, and engines' files hold {:g}: give nlg-export engine --intensity {:g}",
@@ -104,6 +112,10 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
       measureLight(transport, scene.air.places, light_options.place, light_options.seed, threads);
   statistics.measure_wall_s = secondsSince(start);
   statistics.mean = meanOf(place_light);
+  for (const Lamp& lamp : scene.source.scene.light.lamps) {
+    const glm::dvec3 at(lamp.position);
+    if (!isInAir(scene.rays, at)) statistics.buried_lamps_m.push_back(scene.source.scene.origin_m + at);
+  }
 
   start = Clock::now();
   const ProbeLight lit = lightProbes(transport, scene.tree, scene.air.places, place_light,
@@ -112,6 +124,8 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   statistics.unread_probes = lit.unread;
   statistics.solve_iterations = lit.iterations;
   statistics.error = lit.error;
+  statistics.median_error = lit.median_error;
+  statistics.p95_error = lit.p95_error;
   if (!scene.air.places.empty()) statistics.worst_m = scene.source.scene.origin_m + scene.air.places[lit.worst_place];
   for (const LightSh& sh : lit.light) {
     for (const glm::vec3& coefficient : sh) grid->light.insert(grid->light.end(), {coefficient.r, coefficient.g, coefficient.b});

@@ -18,13 +18,14 @@ struct LightStatistics {
   uint64_t places = 0, rays_per_place = 0;
   uint64_t unread_probes = 0;  // that weigh nothing at any place
   int solve_iterations = 0;
-  uint64_t cache_cells = 0, cache_divided = 0;  // of surface; those that walls divide are not used
-  double cache_wall_s = 0.0;                    // bounces between surfaces
-  double measure_wall_s = 0.0;                  // light at places
-  double solve_wall_s = 0.0;                    // weights at places, and the solve
-  LightForm form = LightForm::none;             // of the file: the bake itself keeps floats
-  double error = 0.0;                           // as ProbeLight has it
-  glm::dvec3 worst_m{0.0};                      // the place where it is worst, world coordinates
+  uint64_t cache_cells = 0, cache_divided = 0;              // of surface; those that walls divide are not used
+  double cache_wall_s = 0.0;                                // bounces between surfaces
+  double measure_wall_s = 0.0;                              // light at places
+  double solve_wall_s = 0.0;                                // weights at places, and the solve
+  LightForm form = LightForm::none;                         // of the file: the bake itself keeps floats
+  double error = 0.0, median_error = 0.0, p95_error = 0.0;  // as ProbeLight has them
+  std::vector<glm::dvec3> buried_lamps_m;                   // in solid: nothing is lit by them; world coordinates
+  glm::dvec3 worst_m{0.0};                                  // the place where it is worst, world coordinates
   double mean = 0.0;     // radiance over places and directions, the channels' mean: 0 in a scene without light
   double largest = 0.0;  // |coefficient| of a probe
 };

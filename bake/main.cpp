@@ -92,7 +92,6 @@ void writeJson(const std::string& path, const nlohmann::ordered_json& json) {
 void run(Request request, BakeOptions options, const OptionTable& table) {
   if (request.weights.empty()) {
     request.weights = shippedWeights(options.representation, weightsFolders());
-    for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
   }
   std::vector<std::string> inputs = request.weights;
   inputs.insert(inputs.end(), {request.scene, request.config});
@@ -118,9 +117,10 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   const auto start = std::chrono::steady_clock::now();
   const int threads = options.threads > 0 ? options.threads : machineThreadCount();
   SceneSource source = loadLitScene(request.scene, options);
+  std::cerr << toText(planBake(source, options, threads), threads);
+  for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
   tellNotes("nlg-bake", source);
   for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
-  std::cerr << toText(planBake(source, options, threads), threads);
   const BakeScene scene(std::move(source), options);
   const double load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.out_is_given) {

@@ -91,7 +91,7 @@ int infoMain(int argc, char** argv) {
   const auto is_name = [](const char* argument) { return argument[0] != '-'; };
   char** const first = std::find_if(argv + 1, argv + argc, is_name);
   if (first != argv + argc && !isShardRequest(*first)) return sceneInfoMain(argc, argv);
-  return fileInfoMain(argc, argv, {"nlg-datagen info", "shards (.h5); of a scene: what it holds", "datagen", describeShard});
+  return fileInfoMain(argc, argv, {"nlg-datagen info", "shards (.h5)", "datagen", describeShard});
 }
 
 int viewMain(int argc, char** argv) {

@@ -1,5 +1,7 @@
 #include "datagen/scene_info.h"
 
+#include <set>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -63,7 +65,7 @@ bool isShardRequest(const std::string& request) {
   if (extension == ".h5") return true;
   constexpr std::array<std::string_view, 4> kScenes = {".glb", ".gltf", ".obj", ".bsp"};
   std::error_code error;
-  return std::find(kScenes.begin(), kScenes.end(), extension) == kScenes.end() &&
+  return std::find(kScenes.begin(), kScenes.end(), extension) == kScenes.end() && !isOtherFormat(extension) &&
          std::filesystem::is_regular_file(request, error);
 }
 
@@ -73,9 +75,13 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
   const Bounds bounds = sceneBounds(scene);
   uint64_t texels = 0;
   for (const TextureImage& image : scene.images) texels += image.texels.size();
-  const auto count = [&](const auto& holds) { return std::count_if(scene.materials.begin(), scene.materials.end(), holds); };
+  // those of triangles: of a material that bounds solid here and not there a copy stands beside it
+  std::vector<Material> used;
+  for (const uint32_t m : std::set<uint32_t>(scene.triangle_material.begin(), scene.triangle_material.end()))
+    used.push_back(scene.materials[m]);
+  const auto count = [&](const auto& holds) { return std::count_if(used.begin(), used.end(), holds); };
   std::vector<glm::vec3> shining;
-  for (const Material& material : scene.materials) {
+  for (const Material& material : used) {
     if (material.emissive != glm::vec3(0.0f)) shining.push_back(material.emissive);
   }
   Json json = {{"scene", request},
@@ -86,7 +92,7 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
                {"middle_m", rounded(scene.origin_m + 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max)))},
                {"unit_m", reading.unit_m},
                {"surfaces", surfaceShares(scene)},
-               {"materials", scene.materials.size()},
+               {"materials", used.size()},
                {"materials_with_image", count([](const Material& m) { return m.base_image.isThere(); })},
                {"images", scene.images.size()},
                {"image_bytes", 4 * texels},
@@ -153,8 +159,8 @@ std::string sceneText(const Json& scene) {
                                 scene["vertex_colours"].get<bool>() ? "; vertices have colours" : ""));
   line("images", fmt::format("{}, kept in {:.1f} MB", number("images"), number("image_bytes") / 1e6));
   if (number("materials_that_shine") > 0.0)
-    line("light",
-         fmt::format("{} of the materials shine, {}", number("materials_that_shine"), range("shine_cd_per_m2", "cd/m²")));
+    line("light", fmt::format("{} of the materials {}, {}", number("materials_that_shine"),
+                              number("materials_that_shine") == 1.0 ? "shines" : "shine", range("shine_cd_per_m2", "cd/m²")));
   if (number("lamps") > 0.0) line("light", fmt::format("{}, {}", counted("lamps", "lamp"), range("lamps_cd", "cd")));
   if (!scene["suns_lux"].empty()) line("light", "sun, " + range("suns_lux", "lux"));
   if (scene["sky"].get<bool>()) line("light", "sky");

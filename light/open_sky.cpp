@@ -11,7 +11,8 @@ namespace nlg {
 namespace {
 
 constexpr int kPoints = 512, kRays = 16;  // of each point: the share is known to a few hundredths
-constexpr int kMostLayers = 32;           // below a place: of more it is not the lowest
+constexpr int kLampRays = 64;
+constexpr int kMostLayers = 32;  // below a place: of more it is not the lowest
 constexpr uint64_t kSeed = 0x6f70656e;
 
 // All whose front faces up, by running sum of area in plan.
@@ -45,12 +46,27 @@ bool isLowest(const RayScene& rays, glm::vec3 place, float lift_m) {
   return false;
 }
 
+// Whether a lamp is under the sky, or there is none to ask.
+bool lampsAllow(const Scene& scene, const RayScene& rays) {
+  const auto seesSky = [&](const Lamp& lamp) {
+    const Lattice directions(kSeed);
+    for (int ray = 0; ray < kLampRays; ++ray) {
+      const auto [u, v] = directions.point(ray, kLampRays);
+      if (rays.lightHit(lamp.position, cosineDirection({0.0f, 1.0f, 0.0f}, u, v)).kind == LightHit::Kind::nothing) return true;
+    }
+    return false;
+  };
+  const std::vector<Lamp>& lamps = scene.light.lamps;
+  return lamps.empty() || std::any_of(lamps.begin(), lamps.end(), seesSky);
+}
+
 }  // namespace
 
 double openShare(const Scene& scene) {
   const UpwardTriangles upward(scene);
   if (upward.triangles.empty()) return 0.0;
   const RayScene rays(scene);
+  if (!lampsAllow(scene, rays)) return 0.0;
   float furthest = 0.0f;
   for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
   const float lift_m = std::max(1e-4f, furthest * 0x1p-18f);

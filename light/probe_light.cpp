@@ -132,9 +132,15 @@ ProbeLight solved(std::vector<LightSample> samples, const Means& means, float me
   return result;
 }
 
+constexpr double kDarkestShare = 0.05;  // of the mean: an error in darker places is seen against so much
+
 void judge(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>& place_light, ProbeLight* lit) {
   double sum = 0.0, light = 0.0;
   float worst = 0.0f;
+  const auto ownOf = [&](size_t i) { return std::sqrt(glm::dot(place_light[i][0], place_light[i][0]) / kShChannels); };
+  double mean = 0.0;
+  for (size_t i = 0; i < place_light.size(); ++i) mean += ownOf(i) / static_cast<double>(place_light.size());
+  std::vector<double> shares;
   for (size_t i = 0; i < weights.size(); ++i) {
     LightSample sample;
     if (!takeWeights(weights[i], &sample)) continue;
@@ -144,10 +150,16 @@ void judge(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>&
       worst = error;
       lit->worst_place = i;
     }
+    const double own = ownOf(i) + kDarkestShare * mean;
+    if (own > 0.0) shares.push_back(std::sqrt(error) / own);
     sum += error;
     light += glm::dot(place_light[i][0], place_light[i][0]) / kShChannels;
   }
   lit->error = light > 0.0 ? std::sqrt(sum / light) : 0.0;
+  if (shares.empty()) return;
+  std::sort(shares.begin(), shares.end());
+  lit->median_error = shares[shares.size() / 2];
+  lit->p95_error = shares[shares.size() * 19 / 20];
 }
 
 }  // namespace

@@ -132,6 +132,12 @@ class JsonChecker {
 
   std::vector<std::string> check() {
     require(Kind::object, root_, "root");
+    // of glTF 1.0 nothing else fits
+    if (root_.contains("asset") && root_["asset"].is_object() && root_["asset"].contains("version")) {
+      const Json& version = root_["asset"]["version"];
+      if (version.is_string() && !version.get<std::string>().starts_with("2"))
+        fail("asset.version", "2.0", version.get<std::string>());
+    }
     checkRequiredExtensions();
     if (root_.contains("scene")) require(Kind::index, root_["scene"], "scene");
     for (const char* section : kSections) {

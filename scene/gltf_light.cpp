@@ -87,13 +87,14 @@ class LightParser {
       colour[channel] = static_cast<float>(value.Get(channel).GetNumberAsDouble());
     }
     // intensity times colour says what is meant all the same; a little above 1 is an exporter's rounding
-    if (std::max({colour.r, colour.g, colour.b}) > 1.001f) note("a colour above 1; taken as it is");
+    const bool is_positive = std::min({colour.r, colour.g, colour.b}) >= 0.0f;
+    if (is_positive && std::max({colour.r, colour.g, colour.b}) > 1.001f) note("a colour above 1; taken as it is");
     return colour;
   }
 
   void readCone(GltfLight* light) const {
-    if (!value_.Has("spot") || !value_.Get("spot").IsObject()) fail(": spot", "an object", "none");
-    const tinygltf::Value& spot = value_.Get("spot");
+    // both angles have defaults, and an empty object is none to tinygltf
+    const tinygltf::Value spot = value_.Has("spot") ? value_.Get("spot") : tinygltf::Value();
     double inner = number(spot, "innerConeAngle", 0.0), outer = number(spot, "outerConeAngle", 0.5 * kRightAngle);
     if (outer > kRightAngle * 1.001) note("a spot's outer cone beyond a right angle; taken as one");
     outer = std::min(outer, kRightAngle);

@@ -40,6 +40,34 @@ std::string counted(size_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
+// Images of base colour, emission and transmission.
+std::set<int> imagesOfLight(const tinygltf::Model& model) {
+  std::set<int> textures, images;
+  const auto addOf = [&](const tinygltf::ExtensionMap& extensions, const char* extension, const char* key) {
+    const auto found = extensions.find(extension);
+    if (found == extensions.end() || !found->second.Has(key) || !found->second.Get(key).Has("index")) return;
+    textures.insert(found->second.Get(key).Get("index").GetNumberAsInt());
+  };
+  for (const tinygltf::Material& material : model.materials) {
+    textures.insert(material.pbrMetallicRoughness.baseColorTexture.index);
+    textures.insert(material.emissiveTexture.index);
+    addOf(material.extensions, "KHR_materials_transmission", "transmissionTexture");
+    addOf(material.extensions, "KHR_materials_pbrSpecularGlossiness", "diffuseTexture");
+  }
+  for (const int texture : textures) {
+    if (texture < 0 || static_cast<size_t>(texture) >= model.textures.size()) continue;
+    const tinygltf::Texture& used = model.textures[static_cast<size_t>(texture)];
+    images.insert(used.source);
+    for (const char* extension : {"EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds", "EXT_texture_avif"}) {
+      const auto found = used.extensions.find(extension);
+      if (found != used.extensions.end() && found->second.Has("source"))
+        images.insert(found->second.Get("source").GetNumberAsInt());
+    }
+  }
+  std::erase_if(images, [&](int image) { return image < 0 || static_cast<size_t>(image) >= model.images.size(); });
+  return images;
+}
+
 }  // namespace
 
 std::vector<std::string> unreadParts(const tinygltf::Model& model) {
@@ -67,6 +95,10 @@ std::vector<std::string> unreadParts(const tinygltf::Model& model) {
   if (ranges > 0)
     notes.push_back(counted(ranges, "lamp has", "lamps have") +
                     " a range, which is not read: light falls off with distance alone");
+  const std::set<int> looked_at = imagesOfLight(model);
+  const size_t others = model.images.size() - looked_at.size();
+  if (others > 0)
+    notes.push_back(counted(others, "image is", "images are") + " not read: light needs none of roughness, normals and the like");
   std::set<std::string> unknown;
   for (const std::string& name : model.extensionsUsed) {
     const bool is_known = std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) != std::end(kKnownExtensions);

@@ -17,7 +17,7 @@ inline constexpr uint64_t kMaxSceneBytes =
 inline constexpr uint64_t kMaxUnpackedBytes = uint64_t{1} << 30;  // that archives (.pk3, .sh3f) unpack to
 inline constexpr uint64_t kMaxImagePixels = uint64_t{1} << 31;    // of textures, times the scans of each
 inline constexpr uint64_t kMaxTexels = uint64_t{1} << 26;  // kept of all images: beyond it each is kept smaller, none is refused
-inline constexpr uint64_t kLeastScanPixels = 4096;                // as which a smaller scan counts: beginning one takes time, too
+inline constexpr uint64_t kLeastScanPixels = 4096;         // as which a smaller scan counts: beginning one takes time, too
 inline constexpr uint64_t kMaxAccessorElements = uint64_t{1} << 27;  // that the primitives of glTF read: corners, sparse values
 inline constexpr uint64_t kMaxAccessorZeros = uint64_t{1} << 20;     // of these, in accessors without a buffer view
 

@@ -123,10 +123,10 @@ SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::str
   SceneSource source = sourceOf(std::move(scene));
   source.unit_m = reading.unit_m;
   source.notes = std::move(notes);
-  const std::string size = sizeNote(source.scene, path, reading.unit_m);
-  if (!size.empty()) source.notes.push_back(size);
   const std::string white = whiteNote(source.scene);
   if (!white.empty()) source.notes.push_back(white);
+  const std::string size = sizeNote(source.scene, path, reading.unit_m);
+  if (!size.empty()) source.notes.push_back(size);
   return source;
 }
 
@@ -144,9 +144,7 @@ SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
 
 // What modellers may have instead: each is a way of an export away.
 void refuseOtherFormats(const std::string& request, const std::string& extension) {
-  static const std::set<std::string> kOthers = {".fbx", ".blend", ".usd", ".usda", ".usdc", ".usdz", ".dae", ".3ds", ".max",
-                                                ".ma",  ".mb",    ".c4d", ".skp",  ".stl",  ".ply",  ".abc", ".x3d"};
-  if (kOthers.count(extension) == 0) return;
+  if (!isOtherFormat(extension)) return;
   const char* const import = extension == ".blend" ? "open it in Blender" : "import it into Blender, or open it in what made it";
   throw InputError(
       request, "scene", "a .glb, .gltf, .obj or .bsp file",
@@ -156,6 +154,12 @@ void refuseOtherFormats(const std::string& request, const std::string& extension
 }
 
 }  // namespace
+
+bool isOtherFormat(const std::string& extension) {
+  static const std::set<std::string> kOthers = {".fbx", ".blend", ".usd", ".usda", ".usdc", ".usdz", ".dae", ".3ds", ".max",
+                                                ".ma",  ".mb",    ".c4d", ".skp",  ".stl",  ".ply",  ".abc", ".x3d"};
+  return kOthers.count(extension) > 0;
+}
 
 void describe(SceneReading& reading, OptionTable& table) {
   table.add("unit", &reading.unit_m,

@@ -42,6 +42,9 @@ void describe(SceneReading& reading, OptionTable& table);
 //           one whose longest side is under 10 cm or over 100 km; whatever the reader throws
 SceneSource loadScene(const std::string& request, const SceneReading& reading = {});
 
+// Whether an ending (".fbx") is of a format that nothing here reads, and an export away.
+bool isOtherFormat(const std::string& extension);
+
 // What `request` may be, in one sentence for --help.
 std::string sceneForms();
 

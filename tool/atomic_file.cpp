@@ -10,16 +10,12 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <system_error>
-
-#include <fmt/format.h>
 
 #include "runtime_eval/weights_file/sha256.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
-#include "tool/printable.h"
 
 namespace nlg {
 namespace {
@@ -78,8 +74,7 @@ std::string folderOf(const std::string& path) {
 
 void makeFolder(const std::string& path) {
   std::error_code error;
-  if (std::filesystem::create_directories(folderOf(path), error))
-    std::cerr << fmt::format("{}: made the folder {}\n", program_invocation_short_name, printable(folderOf(path)));
+  std::filesystem::create_directories(folderOf(path), error);
   if (error) throw OutputError(path, "folder " + folderOf(path) + ": " + reasonOf(error.value()));
 }
 

@@ -4,8 +4,12 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <iostream>
+
+#include <fmt/format.h>
 
 #include "tool/error.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {
@@ -53,6 +57,9 @@ void requireOutputFile(const std::string& out) {
     error = whyNotWritable(path.has_parent_path() ? path.parent_path().string() : ".");
   }
   if (error) throw OutputError(out, error.message());
+  if (path.has_parent_path() && !fs::exists(path.parent_path(), error))
+    std::cerr << fmt::format("{}: the folder {} is not there yet, and will be made\n", program_invocation_short_name,
+                             printable(path.parent_path().string()));
 }
 
 }  // namespace nlg

@@ -15,7 +15,8 @@ void refuseToReplaceInputs(const std::string& out, const std::vector<std::string
 // throws        UsageError naming the flag when it is empty; OutputError with the system's reason
 void requireOutputFolder(const std::string& out, const char* flag = "--out");
 
-// Whether a file can be written, before a long run begins: it is no folder, and the folder that it lies in is as above.
+// Whether a file can be written, before a long run begins: it is no folder, and the folder that it lies in is as above. Says on
+// stderr when that one is still to be made.
 // throws        OutputError with the system's reason
 void requireOutputFile(const std::string& out);
 

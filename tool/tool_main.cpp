@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
@@ -88,7 +89,9 @@ std::string nameOf(const std::string& argument) { return argument.substr(0, argu
 
 // CLI11 itself would list them the last one first.
 void refuseExtras(const CLI::App& app) {
-  const std::vector<std::string> extras = app.remaining();
+  std::vector<std::string> extras = app.remaining();
+  // it keeps the mark behind which everything is a name
+  extras.erase(std::remove(extras.begin(), extras.end(), "--"), extras.end());
   if (extras.empty()) return;
   if (extras[0].find('-') != 0) {
     const bool is_number = extras[0].find_first_not_of("0123456789.,+-e") == std::string::npos;

@@ -216,7 +216,7 @@ void nlg_irradiances(const nlg_light_grid* grid, const double* positions_m, cons
 
 /* Positions of floats would compile in C with no more than a warning, and be read as doubles: here they are an error. */
 #if !defined(__cplusplus) && defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
-#define NLG_DOUBLES(positions) _Generic((positions), double*: (positions), const double*: (positions))
+#define NLG_DOUBLES(positions) _Generic((positions), double* : (positions), const double* : (positions))
 #define nlg_irradiance(grid, position_m, normal, rgb) nlg_irradiance(grid, NLG_DOUBLES(position_m), normal, rgb)
 #define nlg_irradiances(grid, positions_m, normals, count, rgb, status, scratch) \
   nlg_irradiances(grid, NLG_DOUBLES(positions_m), normals, count, rgb, status, scratch)

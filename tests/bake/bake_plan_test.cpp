@@ -83,11 +83,14 @@ TEST(BakeReport, EndsInThreeLinesOrFourWithPluralsWhereTheyBelong) {
   EXPECT_NE(toSummary(report, "x").find("light: none\nnot read of the file: 2 kinds, named above\n"), std::string::npos);
   report.statistics.light.is_lit = true;
   report.statistics.light.places = 7560;
-  report.statistics.light.error = 0.1234;
+  report.statistics.light.median_error = 0.0321;
+  report.statistics.light.p95_error = 0.1234;
   report.statistics.light.mean = 0.656;
   report.statistics.light.worst_m = {-1.25, 2, 10};
   const std::string text = toSummary(report, "level.safetensors");
-  EXPECT_NE(text.find("light: errs by 12.3 % of what was measured at 7,560 places"), std::string::npos) << text;
+  EXPECT_NE(text.find("light: half of 7,560 places err by less than 3.2 % of what was measured there, 1 in 20 by more than 12 %"),
+            std::string::npos)
+      << text;
   EXPECT_NE(text.find("most at -1.3, 2.0, 10.0; mean radiance 0.656\n"), std::string::npos) << text;
 }
 

@@ -7,6 +7,7 @@ import os
 import sys
 
 sys.dont_write_bytecode = True
+os.environ["NLG_PROGRESS"] = "off"  # a stage of more than a second is a line of its own
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from good_files import CALLS, call
 from tools import CHECK_FAILED, INPUT_ERROR, OUTPUT_ERROR, USAGE_ERROR, Tools, run_checks, write

@@ -169,7 +169,7 @@ TEST_F(ShardFile, RefusesAnotherPattern) {
 }
 
 TEST_F(ShardFile, RefusesAMissingFile) {
-  EXPECT_NE(refusal().find("No such file"), std::string::npos);
+  EXPECT_NE(refusal().find(kNoSuchFile), std::string::npos);
   EXPECT_THROW(readShardHeader(path_, 0), InputError);
 }
 
