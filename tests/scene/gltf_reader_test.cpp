@@ -447,7 +447,7 @@ TEST_F(GltfReader, RefusesBuffersThatAreNoRegularFiles) {
                                                                    {".", "a directory"},
                                                                    {"ring.bin", "Too many levels of symbolic links"},
                                                                    {long_name, "File name too long"},
-                                                                   {"missing.bin", "No such file or directory"}}) {
+                                                                   {"missing.bin", kNoSuchFile}}) {
     const std::string error = errorOf(Parts().json(uri));
     EXPECT_NE(error.find("hostile.gltf: buffer \"" + uri.substr(0, 80)), std::string::npos) << error;
     EXPECT_NE(error.find("got " + got), std::string::npos) << error;
