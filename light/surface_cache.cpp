@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <map>
 
 #include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
@@ -164,6 +165,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
   direct_.assign(keys_.size(), glm::vec3(0.0f));
   link_share_.assign(keys_.size(), 0.0f);
   std::vector<std::vector<Link>> block_links(blockCount(keys_.size()));
+  std::vector<std::map<std::array<float, 3>, uint32_t>> block_reflectances(block_links.size());
   std::vector<uint32_t> link_count(keys_.size(), 0);
   forEachInBlocks("cells of surface lit", keys_.size(), thread_count, [&](size_t cell, uint64_t block) {
     if (is_divided_[cell]) return;
@@ -182,7 +184,10 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
         if (!hits[i].isSurface()) continue;
         const uint32_t other = cellAt(hits[i].position, hits[i].normal);
         if (other != kNone) {
-          block_links[block].push_back({other, hits[i].reflectance});
+          const glm::vec3& r = hits[i].reflectance;
+          std::map<std::array<float, 3>, uint32_t>& known = block_reflectances[block];
+          const auto [at, is_new] = known.try_emplace({r.r, r.g, r.b}, static_cast<uint32_t>(known.size()));
+          block_links[block].push_back({other, at->second});
           ++link_count[cell];
         } else {
           direct_[cell] += transport.reflected(hits[i], mixSeed(seed, kPathStream, i)) * ray_share;
@@ -190,7 +195,14 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
       }
     }
   });
-  for (const std::vector<Link>& links : block_links) links_.insert(links_.end(), links.begin(), links.end());
+  for (size_t block = 0; block < block_links.size(); ++block) {
+    const auto first = static_cast<uint32_t>(reflectances_.size());
+    reflectances_.resize(first + block_reflectances[block].size());
+    for (const auto& [r, at] : block_reflectances[block]) reflectances_[first + at] = {r[0], r[1], r[2]};
+    for (const Link& link : block_links[block]) links_.push_back({link.cell, first + link.reflectance});
+    block_links[block] = {};
+    block_reflectances[block] = {};
+  }
   first_link_.assign(1, 0);
   for (const uint32_t count : link_count) first_link_.push_back(first_link_.back() + count);
 }
@@ -205,7 +217,7 @@ void SurfaceCache::exchange() {
     for (size_t cell = 0; cell < irradiance_.size(); ++cell) {
       glm::vec3 sum(0.0f);
       for (uint32_t l = first_link_[cell]; l < first_link_[cell + 1]; ++l)
-        sum += links_[l].reflectance * irradiance_[links_[l].cell];
+        sum += reflectances_[links_[l].reflectance] * irradiance_[links_[l].cell];
       next[cell] = direct_[cell] + sum * link_share_[cell];
       change = std::max(change, largest(glm::abs(next[cell] - irradiance_[cell])));
       most = std::max(most, largest(next[cell]));
@@ -213,6 +225,7 @@ void SurfaceCache::exchange() {
     irradiance_.swap(next);
   }
   links_ = {};
+  reflectances_ = {};
   points_ = {};
 }
 

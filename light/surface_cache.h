@@ -41,8 +41,8 @@ class SurfaceCache {
     SurfacePoint point;
   };
   struct Link {
-    uint32_t cell;          // that a ray ended in
-    glm::vec3 reflectance;  // of the point where it did
+    uint32_t cell;         // that a ray ended in
+    uint32_t reflectance;  // of the point where it did: into reflectances_, since most scenes have few
   };
 
   uint64_t keyOf(const glm::vec3& point, const glm::vec3& normal) const;
@@ -67,6 +67,7 @@ class SurfaceCache {
   std::vector<glm::vec3> direct_;            // by cell: irradiance of lamps, suns, sky, emitters, and of what is no cell
   std::vector<uint32_t> first_link_;         // by cell, into links_; one more at the end
   std::vector<Link> links_;
+  std::vector<glm::vec3> reflectances_;
   std::vector<float> link_share_;      // by cell: what a link's radiance times albedo adds to irradiance
   std::vector<glm::vec3> irradiance_;  // by cell
   std::vector<uint32_t> table_;        // open addressing: cells by hash of their keys
