@@ -9,10 +9,10 @@
 namespace nlg {
 namespace {
 
-// Of six scenes from 64 to 113,000 probes, on two cores of a server: they took .6 to 1.6 times as long as this says, and .7 to 1.6
-// times the memory.
-constexpr double kFunctionSeconds = 0.6e-3;  // of a thread, for a probe: air, function, theta
-constexpr double kLightSeconds = 1.2e-6;     // for a ray of a place, bounces between surfaces included
+// Of nine scenes from 210 to 110,000 probes, on two idle cores of a server: they took .4 to 1.7 times as long as this says, and .5 to
+// 1.8 times the memory. Levels of which much is solid take least.
+constexpr double kFunctionSeconds = 0.33e-3;  // of a thread, for a probe: air, function, theta
+constexpr double kLightSeconds = 0.65e-6;     // for a ray of a place, bounces between surfaces included
 constexpr double kBaseBytes = 75e6, kProbeBytes = 6e3, kTriangleBytes = 400.0;
 
 constexpr double kMarginShare = 0.05;  // of a spacing: with so much air over a roof its cells find places in it (air_places.h)
@@ -47,7 +47,7 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, int thr
   plan.machine_bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   double seconds = kFunctionSeconds;
   if (options.light != "none") seconds += kLightSeconds * options.light_rays * options.light_places;
-  plan.seconds = 0.5 + seconds * plan.probes / thread_count;
+  plan.seconds = 0.2 + seconds * plan.probes / thread_count;
   return plan;
 }
 
@@ -57,7 +57,7 @@ std::string toText(const BakePlan& plan, int thread_count) {
   if (glm::length(plan.extent_m - plan.scene_m) > 0.5 * plan.spacing_m) text += ", probes in " + sidesText(plan.extent_m);
   const std::string machine =
       plan.memory_bytes > plan.machine_bytes ? " (more than the " + bytesText(plan.machine_bytes) + " of this machine)" : "";
-  return text + fmt::format(", {:g} m apart: about {} before those without air are left out; up to {}{}, roughly {} on {}\n",
+  return text + fmt::format(", {:g} m apart: about {} before those without air are left out; about {}{}, roughly {} on {}\n",
                             plan.spacing_m, roughCountText(plan.probes, "probe"), bytesText(plan.memory_bytes), machine,
                             durationText(plan.seconds), countText(static_cast<uint64_t>(thread_count), "thread"));
 }
