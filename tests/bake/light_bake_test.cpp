@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "light/air.h"
 #include "tests/scene/temporary_folder.h"
 #include "tool/error.h"
 #include "validate/light/noise.h"
@@ -86,6 +87,17 @@ TEST(LightBake, SaysWhatIsBlackNearlyBlackOrTooBrightForEngines) {
   EXPECT_NE(warningOf(1e4f).find("--intensity 0.1"), std::string::npos);
   EXPECT_EQ(warningOf(4e3f), "");
   EXPECT_TRUE(lightWarnings({}).empty()) << "of a grid that was not to have light";
+  Lamp in_air, in_solid;
+  in_air.position = glm::vec3(scene.air.places[0]);
+  const Bounds bounds = sceneBounds(scene.source.scene);
+  for (int x = 0; x < 1000; ++x) {
+    const glm::vec3 place = bounds.min + (bounds.max - bounds.min) * glm::vec3(x / 1000.0f, 0.5f, 0.5f);
+    if (!isInAir(scene.rays, glm::dvec3(place))) in_solid.position = place;
+  }
+  scene.source.scene.light.lamps = {in_air, in_solid};
+  const LightStatistics buried = bakeLight(scene, options, &grid);
+  EXPECT_EQ(buried.buried_lamps_m.size(), 1u);
+  EXPECT_NE(lightWarnings(buried).at(0).find("1 lamp in solid"), std::string::npos) << lightWarnings(buried)[0];
 }
 
 TEST(LoadLitScene, OpenGroundWithASmallLampIsLitByDayARoomIsNot) {

@@ -37,5 +37,20 @@ TEST(OpenShare, ALandIsOpenAndAHouseIsNot) {
   EXPECT_LT(openShare(makeBuiltInScene("two_rooms", 1)), kOpenShare);
 }
 
+// A box whose faces look outward: only its roof faces up. Artists make rooms of such boxes, and the lamp says that one is meant.
+TEST(OpenShare, IsNothingWhereAllLampsAreIndoors) {
+  SceneOfFaces faces;
+  faces.addBox({-2, 0, -2}, {2, 3, 2});
+  Scene scene = faces.finish();
+  EXPECT_GT(openShare(scene), kOpenShare);
+  Lamp lamp;
+  lamp.position = {0, 2, 0};
+  scene.light.lamps.push_back(lamp);
+  EXPECT_EQ(openShare(scene), 0.0);
+  lamp.position = {4, 2, 0};
+  scene.light.lamps.push_back(lamp);
+  EXPECT_GT(openShare(scene), kOpenShare);
+}
+
 }  // namespace
 }  // namespace nlg

@@ -382,6 +382,11 @@ TEST_F(GltfReader, MendsOddLightsAndNamesEachKindOnce) {
     EXPECT_GT(spot.cos_inner, spot.cos_outer);
     EXPECT_LT(spot.cos_inner, spot.cos_outer + 1e-3f);
   }
+  // both angles have defaults
+  const GltfLevel plain =
+      readGltf(write("odd.gltf", lightsOnNodes(replaced(kLights, R"("innerConeAngle":0.25,"outerConeAngle":0.5)", "")).text()));
+  EXPECT_EQ(plain.scene.light.lamps[1].cos_inner, 1.0f);
+  EXPECT_NEAR(plain.scene.light.lamps[1].cos_outer, std::sqrt(0.5f), 1e-6f);
   EXPECT_EQ(spotOf(R"("innerConeAngle":-0.1,"outerConeAngle":0.5)", "inner cone").cos_inner, 1.0f);
   EXPECT_NEAR(spotOf(R"("innerConeAngle":0.1,"outerConeAngle":2)", "right angle").cos_outer, 0.0f, 1e-6f);
 
