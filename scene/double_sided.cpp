@@ -338,17 +338,22 @@ class Nesting {
 // By part: whether its faces bound solid.
 struct Verdict {
   std::vector<char> is_hollow, is_solid;
+  std::vector<char> is_room;  // wound outward, and seen from within alone: its faces look inward once they are turned
 };
 
 Verdict judge(const Scene& scene, const Parts& parts, const Nesting& nesting) {
   const std::vector<Thing>& things = nesting.things();
   const size_t count = parts.all.size();
-  Verdict verdict{std::vector<char>(count, 0), std::vector<char>(count, 0)};
+  Verdict verdict{std::vector<char>(count, 0), std::vector<char>(count, 0), std::vector<char>(count, 0)};
+  std::vector<char> is_part_outside(count, 0);
+  size_t outside_count = 0;
   std::vector<char> holds_something(count, 0);
   std::vector<uint32_t> container(count, kNone);
   const auto isInward = [&](const Thing& thing) { return thing.part != kNone && parts.all[thing.part].isInward(); };
   for (const Thing& thing : things) {
     if (thing.part != kNone) container[thing.part] = thing.container;
+    if (thing.part != kNone) is_part_outside[thing.part] = thing.is_outside;
+    outside_count += thing.is_outside;
     if (thing.container == kNone) continue;
     holds_something[thing.container] = 1;
     // an inner surface leaves walls between itself and the outer one
@@ -365,7 +370,9 @@ Verdict judge(const Scene& scene, const Parts& parts, const Nesting& nesting) {
   };
   for (uint32_t i = 0; i < count; ++i) {
     if (!parts.all[i].isOutward()) continue;
-    if (!holds_something[i] && isAllThereIs(parts.all[i].shell)) verdict.is_hollow[i] = 1;
+    const bool is_alone = outside_count == static_cast<size_t>(is_part_outside[i]);
+    if (!holds_something[i] && is_alone && isAllThereIs(parts.all[i].shell)) verdict.is_hollow[i] = 1;
+    verdict.is_room[i] = verdict.is_hollow[i] && is_alone;
     verdict.is_solid[i] = !verdict.is_hollow[i] && (!parts.all[i].hasHoles() || nesting.hasRooms()[i]);
   }
   for (uint32_t i = 0; i < count; ++i) {
@@ -385,11 +392,14 @@ std::string DoubleSidedFaces::note() const {
     return "its double-sided faces are no evidence of solid: more closed parts lie over each other than are looked into";
   std::string text = fmt::format("{} of its {} double-sided faces bound solid, {} are sheets", solid_count, face_count,
                                  face_count - solid_count);
-  if (hollow.empty()) return text;
-  const size_t named = std::min(hollow.size(), kNamedObjects);
-  text += fmt::format("; hollow, since something lies in it, or nothing beside it: {}",
-                      fmt::join(hollow.begin(), hollow.begin() + named, ", "));
-  if (named < hollow.size()) text += fmt::format(" and {} more", hollow.size() - named);
+  const auto addNames = [&](const char* words, const std::vector<std::string>& objects) {
+    if (objects.empty()) return;
+    const size_t named = std::min(objects.size(), kNamedObjects);
+    text += fmt::format("; {}: {}", words, fmt::join(objects.begin(), objects.begin() + named, ", "));
+    if (named < objects.size()) text += fmt::format(" and {} more", objects.size() - named);
+  };
+  addNames("hollow, since something lies in it", hollow);
+  addNames("a room seen from within, so that its faces were turned inward", turned);
   return text;
 }
 
@@ -412,7 +422,8 @@ DoubleSidedFaces giveSolidsOneSide(Scene& scene) {
       uint32_t& material = scene.triangle_material[parts.triangles[k]];
       if (!isDoubleSided(scene.materials[material])) continue;
       ++face_count;
-      if (!verdict.is_solid[i]) continue;
+      if (verdict.is_room[i]) std::swap(scene.triangles[parts.triangles[k]].y, scene.triangles[parts.triangles[k]].z);
+      if (!verdict.is_solid[i] && !verdict.is_room[i]) continue;
       const auto [copy, is_new] = one_sided.try_emplace(material, static_cast<uint32_t>(scene.materials.size()));
       if (is_new) {
         scene.materials.push_back(scene.materials[material]);
@@ -420,10 +431,10 @@ DoubleSidedFaces giveSolidsOneSide(Scene& scene) {
       }
       material = copy->second;
     }
-    if (verdict.is_solid[i]) result.solid_count += face_count;
+    if (verdict.is_solid[i] || verdict.is_room[i]) result.solid_count += face_count;
     const std::string& name = scene.objects[part.object].name;
-    if (verdict.is_hollow[i] && face_count > 0 && (result.hollow.empty() || result.hollow.back() != name))
-      result.hollow.push_back(name);
+    std::vector<std::string>& told = verdict.is_room[i] ? result.turned : result.hollow;
+    if (verdict.is_hollow[i] && face_count > 0 && (told.empty() || told.back() != name)) told.push_back(name);
   }
   return result;
 }

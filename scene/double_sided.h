@@ -13,6 +13,7 @@ struct DoubleSidedFaces {
   uint32_t face_count = 0;          // of double-sided materials, veils aside
   uint32_t solid_count = 0;         // of these, made one-sided
   std::vector<std::string> hollow;  // objects with shells wound outward that are no solids, each once
+  std::vector<std::string> turned;  // the same whose faces look inward now: rooms with all else in them
   bool is_too_tangled = false;      // more closed parts lie over each other than are looked into: all stay sheets
 
   // One sentence for the scene's user; empty where no face is of a double-sided material.

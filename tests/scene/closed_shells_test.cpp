@@ -217,14 +217,31 @@ TEST(DoubleSided, ARoomWoundOutwardIsHollowByWhateverLiesInIt) {
   DoubleSidedFaces faces;
   // it stands on the floor, a centimetre deep
   EXPECT_EQ(solidsOf(room().object("chest").quads(box({1, -0.01f, 1}, {2, 1, 2})), &faces), Names{"chest"});
-  EXPECT_EQ(
-      faces.note(),
-      "12 of its 26 double-sided faces bound solid, 14 are sheets; hollow, since something lies in it, or nothing beside it: "
-      "room");
+  EXPECT_EQ(faces.note(), "12 of its 26 double-sided faces bound solid, 14 are sheets; hollow, since something lies in it: room");
+}
+
+TEST(DoubleSided, ARoomWoundOutwardAroundAllElseIsTheOneWoundInward) {
+  DoubleSidedFaces faces;
+  EXPECT_EQ(solidsOf(SceneOfObjects().object("room").quads(kRoom).lamp({2, 2, 2}), &faces), Names{"room"});
+  EXPECT_EQ(faces.note(),
+            "12 of its 12 double-sided faces bound solid, 0 are sheets; a room seen from within, so that its faces were turned "
+            "inward: room");
+  Scene outward = SceneOfObjects().object("room").quads(kRoom).lamp({2, 2, 2}).scene_;
+  giveSolidsOneSide(outward);
+  // six times the volume that the faces enclose: minus that of 5 x 3 x 4
+  double volume = 0.0;
+  for (const glm::uvec3& t : outward.triangles)
+    volume += glm::dot(glm::dvec3(outward.positions[t.x]),
+                       glm::cross(glm::dvec3(outward.positions[t.y]), glm::dvec3(outward.positions[t.z])));
+  EXPECT_NEAR(volume, -6.0 * 60.0, 1e-3);
 }
 
 TEST(DoubleSided, ABoxThatIsAllThereIsIsARoom) {
-  EXPECT_EQ(solidsOf(SceneOfObjects().object("room").quads(kRoom)), Names{});
+  DoubleSidedFaces faces;
+  EXPECT_EQ(solidsOf(SceneOfObjects().object("room").quads(kRoom), &faces), Names{"room"});
+  EXPECT_EQ(faces.turned, Names{"room"});
+  solidsOf(SceneOfObjects().object("cube").quads(kRoom).lamp({9, 2, 2}), &faces);
+  EXPECT_EQ(faces.turned, Names{}) << "a lamp beside it";
   EXPECT_EQ(solidsOf(SceneOfObjects().object("room").quads(kRoom).object("chest").quads(box({5, 0, 0}, {9, 1, 1}))),
             (Names{"room", "chest"}));
 }
@@ -288,7 +305,7 @@ TEST(DoubleSided, OuterAndInnerShellAreWallsWithTheRoomInUse) {
   EXPECT_EQ(solidsOf(furnished()), (Names{"house", "chest"}));
   // a sky all around, whichever way it looks
   const Quads sky = box({-50, -50, -50}, {50, 50, 50});
-  EXPECT_EQ(solidsOf(furnished().object("sky").quads(sky)), (Names{"house", "chest"}));
+  EXPECT_EQ(solidsOf(furnished().object("sky").quads(sky)), (Names{"house", "chest", "sky"}));
   EXPECT_EQ(solidsOf(furnished().object("sky").quads(inverted(sky))), (Names{"house", "chest", "sky"}));
 }
 
