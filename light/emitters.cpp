@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "runtime_eval/numbers/random.h"
+#include "scene/luminance.h"
 #include "scene/surface_look.h"
 
 namespace nlg {
@@ -16,8 +17,6 @@ glm::vec3 crossOf(const Scene& scene, uint32_t triangle) {
   const glm::uvec3& t = scene.triangles[triangle];
   return glm::cross(scene.positions[t.y] - scene.positions[t.x], scene.positions[t.z] - scene.positions[t.x]);
 }
-
-float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
 
 // Corners of one of side² parts of a triangle, as weights of its second and third corner.
 std::array<glm::vec2, 3> cornersOfPart(int side, int part) {

@@ -10,6 +10,7 @@
 #include "light/sky_sampler.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
+#include "scene/luminance.h"
 #include "scene/surface_look.h"
 #include "tool/error.h"
 
@@ -22,8 +23,6 @@ constexpr int kSurePathVertices = 3;  // no roulette before
 constexpr float kSurvival = 0.95f;    // at most
 constexpr int kLampSamples = 16;      // of one lamp at a place, at least
 constexpr uint64_t kPathStream = 0x70617468, kLampStream = 0x6c616d70, kSunStream = 0x73756e, kSkyStream = 0x736b79;
-
-float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
 
 // What of a spot's intensity goes this way.
 float spotShare(const Lamp& lamp, const glm::vec3& from_lamp) {

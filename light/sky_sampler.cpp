@@ -26,7 +26,7 @@ SkySampler::SkySampler(const SkyImage& image) : image_(image) {
   for (int row = 0; row < image.height; ++row) {
     double sum = 0.0;
     for (int column = 0; column < image.width; ++column) {
-      sum += skyLuminance(image.texels[static_cast<size_t>(row) * image.width + column]);
+      sum += luminance(image.texels[static_cast<size_t>(row) * image.width + column]);
       column_sums_.push_back(static_cast<float>(sum));
     }
     float* first = &column_sums_[static_cast<size_t>(row) * image.width];

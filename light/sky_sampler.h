@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "scene/luminance.h"
 #include "scene/sky_image.h"
 
 namespace nlg {
@@ -21,7 +22,7 @@ class SkySampler {
   // Not of an empty one. u, v   in [0, 1); evenly spread pairs give evenly spread directions
   Drawn draw(double u, double v) const;
   // Of drawing a direction of that radiance, per steradian.
-  float density(const glm::vec3& radiance) const { return skyLuminance(radiance) * per_power_; }
+  float density(const glm::vec3& radiance) const { return luminance(radiance) * per_power_; }
 
  private:
   const SkyImage& image_;

@@ -287,9 +287,9 @@ class LooksReader {
 
   // Of several kinds the one that is read.
   int sourceOf(const tinygltf::Texture& texture, int idx) const {
-    if (const tinygltf::Value* webp = extensionOf(texture.extensions, "EXT_texture_webp")) return indexIn(*webp, "source", -1);
+    if (const tinygltf::Value* webp = extensionOf(texture.extensions, kImageExtensions[0])) return indexIn(*webp, "source", -1);
     if (texture.source >= 0) return texture.source;
-    for (const char* name : {"KHR_texture_basisu", "MSFT_texture_dds", "EXT_texture_avif"}) {
+    for (const char* name : kImageExtensions) {
       const tinygltf::Value* other = extensionOf(texture.extensions, name);
       if (other != nullptr) return indexIn(*other, "source", -1);
     }

@@ -1,6 +1,7 @@
 // What the surfaces of a glTF file look like: its materials, with the images that they use.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,10 @@ struct GltfPlacing {
   glm::dmat3x2 from_mesh{1.0, 0.0, 0.0, 1.0, 0.0, 0.0};  // of (u, v, 1)
   bool operator==(const GltfPlacing&) const = default;
 };
+
+// Extensions of a texture that name an image of another kind than PNG and JPEG: the first is read, and goes before the plain one.
+inline constexpr std::array<const char*, 4> kImageExtensions = {"EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds",
+                                                                "EXT_texture_avif"};
 
 struct GltfLooks {
   // What a mesh is to know of a material.

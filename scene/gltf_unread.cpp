@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/gltf_looks.h"
+
 namespace nlg {
 namespace {
 
@@ -20,10 +22,6 @@ constexpr std::string_view kKnownExtensions[] = {"KHR_mesh_quantization",
                                                  "KHR_materials_transmission",
                                                  "KHR_texture_transform",
                                                  "KHR_materials_pbrSpecularGlossiness",
-                                                 "EXT_texture_webp",
-                                                 "KHR_texture_basisu",
-                                                 "MSFT_texture_dds",
-                                                 "EXT_texture_avif",
                                                  "KHR_materials_variants",
                                                  "KHR_materials_specular",
                                                  "KHR_materials_ior",
@@ -58,7 +56,7 @@ std::set<int> imagesOfLight(const tinygltf::Model& model) {
     if (texture < 0 || static_cast<size_t>(texture) >= model.textures.size()) continue;
     const tinygltf::Texture& used = model.textures[static_cast<size_t>(texture)];
     images.insert(used.source);
-    for (const char* extension : {"EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds", "EXT_texture_avif"}) {
+    for (const char* extension : kImageExtensions) {
       const auto found = used.extensions.find(extension);
       if (found != used.extensions.end() && found->second.Has("source"))
         images.insert(found->second.Get("source").GetNumberAsInt());
@@ -101,7 +99,8 @@ std::vector<std::string> unreadParts(const tinygltf::Model& model) {
     notes.push_back(counted(others, "image is", "images are") + " not read: light needs none of roughness, normals and the like");
   std::set<std::string> unknown;
   for (const std::string& name : model.extensionsUsed) {
-    const bool is_known = std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) != std::end(kKnownExtensions);
+    const bool is_known = std::count(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) > 0 ||
+                          std::count(kImageExtensions.begin(), kImageExtensions.end(), name) > 0;
     if (!is_known) unknown.insert(name.substr(0, 60));
   }
   std::string names;

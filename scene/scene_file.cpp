@@ -3,9 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <filesystem>
-#include <system_error>
 
 #include "runtime_eval/regular_file/regular_file.h"
 #include "tool/error.h"
@@ -39,10 +37,7 @@ std::string fileBeside(const std::string& scene_path, const std::string& name, c
   if (root_end != root.end()) throw InputError(scene_path, place, "a file in the folder or below", "a link out of it");
   std::string fault;
   const int opened = openRegularFile(folder + "/" + name, &fault);
-  if (opened < 0) {
-    const bool is_missing = fault == std::generic_category().message(ENOENT);
-    throw InputError(scene_path, place, is_missing ? "a file" : "a regular file", is_missing ? kNoSuchFile : fault);
-  }
+  if (opened < 0) throw notOpened(scene_path, place, fault);
   ::close(opened);
   return folder + "/" + name;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "scene/luminance.h"
 #include "scene/scene_light.h"
 
 namespace nlg {
@@ -71,7 +72,7 @@ Sky skyOfImage(SkyImage image) {
 }
 
 std::optional<Sun> takeSun(SkyImage* image) {
-  const auto brighter = [](const glm::vec3& a, const glm::vec3& b) { return skyLuminance(a) < skyLuminance(b); };
+  const auto brighter = [](const glm::vec3& a, const glm::vec3& b) { return luminance(a) < luminance(b); };
   const auto brightest = std::max_element(image->texels.begin(), image->texels.end(), brighter) - image->texels.begin();
   const auto directionOf = [&](size_t texel) {
     const size_t row = texel / image->width, column = texel % image->width;
@@ -84,7 +85,7 @@ std::optional<Sun> takeSun(SkyImage* image) {
   for (size_t texel = 0; texel < image->texels.size(); ++texel) {
     const double solid_angle = image->solidAngle(static_cast<int>(texel / image->width));
     const double cosine = glm::dot(directionOf(texel), middle);
-    all += solid_angle * skyLuminance(image->texels[texel]);
+    all += solid_angle * luminance(image->texels[texel]);
     if (cosine >= std::cos(kSunPatch)) {
       patch.push_back(texel);
     } else if (cosine >= std::cos(kSunRing)) {
@@ -100,22 +101,22 @@ std::optional<Sun> takeSun(SkyImage* image) {
     const glm::dvec3 excess(glm::max(glm::vec3(0.0f), image->texels[texel] - surrounding));
     const double solid_angle = image->solidAngle(static_cast<int>(texel / image->width));
     flux += solid_angle * excess;
-    to_sun += solid_angle * skyLuminance(glm::vec3(excess)) * directionOf(texel);
+    to_sun += solid_angle * luminance(glm::vec3(excess)) * directionOf(texel);
   }
-  if (!(skyLuminance(glm::vec3(flux)) >= kSunShare * all) || all == 0.0) return std::nullopt;
+  if (!(luminance(glm::vec3(flux)) >= kSunShare * all) || all == 0.0) return std::nullopt;
   const glm::dvec3 centre = glm::normalize(to_sun);
   double spread = 0.0;
   for (const size_t texel : patch) {
     const glm::vec3 excess = glm::max(glm::vec3(0.0f), image->texels[texel] - surrounding);
     const glm::dvec3 off = directionOf(texel) - centre;
-    spread += image->solidAngle(static_cast<int>(texel / image->width)) * skyLuminance(excess) * glm::dot(off, off);
+    spread += image->solidAngle(static_cast<int>(texel / image->width)) * luminance(excess) * glm::dot(off, off);
     image->texels[texel] = glm::min(image->texels[texel], surrounding);
   }
   Sun sun;
   sun.to_sun = glm::vec3(centre);
   sun.irradiance = glm::vec3(flux);
   // the mean square of distances from a disc's middle is half of its radius squared
-  const double radius = std::sqrt(2.0 * spread / skyLuminance(glm::vec3(flux)));
+  const double radius = std::sqrt(2.0 * spread / luminance(glm::vec3(flux)));
   sun.angular_radius = static_cast<float>(std::clamp(radius, kLeastSunRadius, kSunPatch));
   return sun;
 }

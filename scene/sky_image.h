@@ -36,9 +36,6 @@ struct Sky;
 // A sky of that image, with the gradient that is nearest to it.
 Sky skyOfImage(SkyImage image);
 
-// The luminance of a linear colour.
-inline float skyLuminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
-
 // The sun of an image: what stands out of a patch of 2.5 degrees around the brightest texel, when that is a twentieth or more of
 // all light of the image. The patch is left as bright as what surrounds it.
 // returns   nothing, and the image stays, where no patch is so bright

@@ -31,13 +31,15 @@ size_t readAll(const std::string& path, const std::string& place, char* to, size
 
 }  // namespace
 
+InputError notOpened(const std::string& path, const std::string& place, const std::string& fault) {
+  const bool is_missing = fault == std::generic_category().message(ENOENT);
+  return {path, place, is_missing ? "a file" : "a regular file", is_missing ? kNoSuchFile : fault};
+}
+
 InputFile::InputFile(const std::string& path, std::string place) : path_(path), place_(std::move(place)) {
   std::string fault;
   descriptor_ = openRegularFile(path, &fault);
-  if (descriptor_ < 0) {
-    if (fault == std::generic_category().message(ENOENT)) throw InputError(path, place_, "a file", kNoSuchFile);
-    throw InputError(path, place_, "a regular file", fault);
-  }
+  if (descriptor_ < 0) throw notOpened(path, place_, fault);
   struct stat status {};
   if (::fstat(descriptor_, &status) == 0) size_ = static_cast<uint64_t>(status.st_size);
 }

@@ -7,6 +7,11 @@
 
 namespace nlg {
 
+class InputError;
+// Why a file could not be opened: in plain words where there is none of that name.
+// path, place   that the error names; fault: of openRegularFile
+InputError notOpened(const std::string& path, const std::string& place, const std::string& fault);
+
 // Open from beginning to end of its life. Regular files only: regular_file.h says why.
 class InputFile {
  public:

@@ -7,6 +7,7 @@
 #include "light/air.h"
 #include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
+#include "scene/luminance.h"
 
 namespace nlg {
 namespace {
@@ -60,8 +61,6 @@ class SurfacePoints {
   const Scene& scene_;
   std::vector<double> area_sums_;
 };
-
-float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
 
 // What a scene is lit by from inside: lamps, and the brightest of its faces.
 class Sources {
