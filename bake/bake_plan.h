@@ -20,7 +20,7 @@ struct BakePlan {
   double spacing_m = 0.0;
   double probes = 0.0;                       // estimated, before those without air are left out
   double machine_bytes = 0.0;                // of memory that this machine has
-  double memory_bytes = 0.0, seconds = 0.0;  // rough: a factor of two either way is usual
+  double memory_bytes = 0.0, seconds = 0.0;  // rough: within a factor of two and a half
 };
 
 // Takes about a second for a million triangles.

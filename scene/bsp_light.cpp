@@ -91,9 +91,9 @@ class EntityLightReader {
     // a negative light takes light away: no lamp does
     if (!(strength > 0.0)) return;
     const auto target = targets_.find(textOf(entity, "target"));
-    const std::optional<glm::dvec3> aim = target == targets_.end() ? std::nullopt : target->second;
+    const glm::dvec3* const aim = target != targets_.end() && target->second ? &*target->second : nullptr;
     if (numberOf(entity, "_sun", 0.0) == 1.0) {
-      addSun(entity, strength, aim ? *origin - *aim : glm::dvec3(0.0, 0.0, 1.0));
+      addSun(entity, strength, aim != nullptr ? *origin - *aim : glm::dvec3(0.0, 0.0, 1.0));
       return;
     }
     Lamp lamp;
@@ -103,7 +103,7 @@ class EntityLightReader {
     const double codes_at_a_unit = is_linear ? linearStrength(strength) : strength * kPointScale;
     lights_.linear_lamps += is_linear;
     lamp.intensity = colourOf(entity) * static_cast<float>(irradianceOf(codes_at_a_unit) * kBspMetresPerUnit * kBspMetresPerUnit);
-    if (aim) aimLamp(entity, *aim - *origin, &lamp);
+    if (aim != nullptr) aimLamp(entity, *aim - *origin, &lamp);
     lights_.lamps.push_back(lamp);
     lights_.lamp_units.push_back(*origin);
   }

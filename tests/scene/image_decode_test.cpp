@@ -74,7 +74,9 @@ TEST(ImageDecode, PngAndWebpGivePixelsAsTheyAre) {
     ASSERT_EQ(image.pixels.size(), 16u);
     for (size_t at = 0; at < 16; ++at) {
       // WebP leaves the colour of what is not there open
-      if (at < 8 || at > 10) EXPECT_EQ(image.pixels[at], static_cast<uint8_t>(kFour[at])) << at;
+      if (at < 8 || at > 10) {
+        EXPECT_EQ(image.pixels[at], static_cast<uint8_t>(kFour[at])) << at;
+      }
     }
   }
 }
