@@ -33,6 +33,12 @@ Scene makeProceduralScene(const std::string& family, uint64_t seed);
 //   cornell:0     the box of that name, 2 x 2 x 2 m inside, open towards +z: red and green walls, two blocks, a lamp above
 //   two_rooms:0   two closed rooms of 4 x 2.5 x 4 m with a wall of 10 cm between, a lamp in the left (x < 0) one
 //   two_rooms:1   the same with a door between them
+//   daylight:0    one closed room of 5 x 3 x 4 m, walls of 20 cm, one window of 1.2 x 1.2 m; outside ground, a sky, and a sun that
+//                 falls in
+//   daylight:SEED rooms beside daylight, SEED below 26, another kind each: several windows; a door ajar; a cellar; a lamp behind a
+//                 wall of a room without light; walls of 5 cm and of 60 cm; walls of sheets around hollows; a street beside a hall;
+//                 a skylight; a corridor around a corner; a furnished room with a spot beside a wall; deep reveals; a grille.
+//                 Even seeds are for work. Odd ones are kept for the end: nobody looks at their figures before
 const std::vector<std::string>& builtInScenes();
 // throws   UsageError on a name or seed that is not above
 Scene makeBuiltInScene(const std::string& name, uint64_t seed);

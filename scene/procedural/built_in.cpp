@@ -1,4 +1,6 @@
-// Scenes to look at light with: a Cornell box, and two rooms of which one is lit.
+// Scenes to look at light with: a Cornell box, two rooms of which one is lit, rooms beside daylight.
+#include "scene/procedural/built_in.h"
+
 #include <array>
 
 #include "scene/brush_grid.h"
@@ -13,21 +15,6 @@ namespace {
 constexpr double kShell_m = 0.1;  // walls, floors and ceilings
 
 uint32_t addPaint(MeshBuilder& mesh, const glm::vec3& colour) { return mesh.addMaterial({colour, glm::vec3(0.0f), false}); }
-
-// A panel 2 cm thick under a ceiling at y = 0 of the placement, which shines downward.
-void addPanel(MeshBuilder& mesh, const glm::dvec3& middle, const glm::dvec2& half, uint32_t housing, uint32_t lamp) {
-  BrushGrid panel;
-  panel.fill(middle + glm::dvec3(-half.x, -0.02, -half.y), middle + glm::dvec3(half.x, 0.0, half.y),
-             BrushMaterials(housing, housing, lamp));
-  panel.emitObject(mesh, "lamp", Mobility::movable);
-}
-
-// A camera in world coordinates.
-void addCamera(Scene& scene, const std::string& name, const glm::dvec3& eye, const glm::dvec3& look, double fov_degrees) {
-  const glm::dvec3 forward = glm::normalize(look - eye), right = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 1.0, 0.0)));
-  scene.viewpoints.push_back({name, glm::vec3(eye - scene.origin_m), glm::vec3(forward), glm::vec3(glm::cross(right, forward)),
-                              static_cast<float>(glm::radians(fov_degrees))});
-}
 
 // Room inside 2 x 2 x 2 m around (0, 1, 0), open towards +z. Colours as measured at Cornell (their averages over red, green and
 // blue as renderers use them), the lamp's as well.
@@ -83,9 +70,23 @@ struct BuiltIn {
   uint64_t seed_count;
   Scene (*make)(uint64_t);
 };
-constexpr std::array<BuiltIn, 2> kBuiltIn = {{{"cornell", 1, makeCornell}, {"two_rooms", 2, makeTwoRooms}}};
+constexpr std::array<BuiltIn, 3> kBuiltIn = {
+    {{"cornell", 1, makeCornell}, {"two_rooms", 2, makeTwoRooms}, {"daylight", kDaylightSeeds, makeDaylight}}};
 
 }  // namespace
+
+void addPanel(MeshBuilder& mesh, const glm::dvec3& middle, const glm::dvec2& half, uint32_t housing, uint32_t lamp) {
+  BrushGrid panel;
+  panel.fill(middle + glm::dvec3(-half.x, -0.02, -half.y), middle + glm::dvec3(half.x, 0.0, half.y),
+             BrushMaterials(housing, housing, lamp));
+  panel.emitObject(mesh, "lamp", Mobility::movable);
+}
+
+void addCamera(Scene& scene, const std::string& name, const glm::dvec3& eye, const glm::dvec3& look, double fov_degrees) {
+  const glm::dvec3 forward = glm::normalize(look - eye), right = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 1.0, 0.0)));
+  scene.viewpoints.push_back({name, glm::vec3(eye - scene.origin_m), glm::vec3(forward), glm::vec3(glm::cross(right, forward)),
+                              static_cast<float>(glm::radians(fov_degrees))});
+}
 
 const std::vector<std::string>& builtInScenes() {
   static const std::vector<std::string> names = namesOf(kBuiltIn);
@@ -101,7 +102,7 @@ Scene makeBuiltInScene(const std::string& name, uint64_t seed) {
     made.id = name + "-" + std::to_string(seed);
     return made;
   }
-  throw UsageError("scene", "cornell or two_rooms", name);
+  throw UsageError("scene", "cornell, two_rooms or daylight", name);
 }
 
 }  // namespace nlg

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "runtime_eval/numbers/random.h"
+#include "scene/procedural/built_in.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -35,6 +36,16 @@ void forEachScene(Check check) {
       SCOPED_TRACE(scene.id);
       check(scene);
     }
+  }
+}
+
+// The same for the rooms beside daylight, which are no family to train on.
+template <class Check>
+void forEachDaylight(Check check) {
+  for (uint64_t seed = 0; seed < kDaylightSeeds; ++seed) {
+    const Scene scene = makeBuiltInScene("daylight", seed);
+    SCOPED_TRACE(scene.id);
+    check(scene);
   }
 }
 
@@ -87,12 +98,14 @@ TEST(ProceduralScene, RefusesAnUnknownFamilyByNamingTheKnownOnes) {
 }
 
 TEST(ProceduralScene, HasFinitePositionsAndIndicesInRange) {
-  forEachScene([](const Scene& scene) {
+  const auto check = [](const Scene& scene) {
     ASSERT_EQ(scene.triangles.size(), scene.triangle_material.size());
     for (const glm::vec3& p : scene.positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
     for (const glm::uvec3& t : scene.triangles) ASSERT_LT(std::max({t.x, t.y, t.z}), scene.positions.size());
     for (const uint32_t material : scene.triangle_material) ASSERT_LT(material, scene.materials.size());
-  });
+  };
+  forEachScene(check);
+  forEachDaylight(check);
 }
 
 TEST(ProceduralScene, CoversAllTrianglesWithObjectsInOrder) {
@@ -112,7 +125,7 @@ TEST(ProceduralScene, CoversAllTrianglesWithObjectsInOrder) {
 }
 
 TEST(ProceduralScene, HasNoDegenerateTriangles) {
-  forEachScene([](const Scene& scene) {
+  const auto check = [](const Scene& scene) {
     for (size_t i = 0; i < scene.triangles.size(); ++i) {
       const glm::uvec3& t = scene.triangles[i];
       const glm::dvec3 a(scene.positions[t.x]);
@@ -120,13 +133,17 @@ TEST(ProceduralScene, HasNoDegenerateTriangles) {
       // positions are multiples of 2^-10 m, so twice an area is zero or at least 2^-20 m2
       ASSERT_GE(glm::length(normal), 0x1p-20) << "triangle " << i;
     }
-  });
+  };
+  forEachScene(check);
+  forEachDaylight(check);
 }
 
 TEST(ProceduralScene, HasClosedObjects) {
-  forEachScene([](const Scene& scene) {
+  const auto check = [](const Scene& scene) {
     for (const SceneObject& object : scene.objects) EXPECT_EQ(openEdgeCount(scene, object), 0u) << object.name;
-  });
+  };
+  forEachScene(check);
+  forEachDaylight(check);
 }
 
 // A cave's shell looks into its air: the only object whose volume is negative.
@@ -143,6 +160,28 @@ TEST(ProceduralScene, FacesOutwards) {
   });
 }
 
+TEST(DaylightScene, FacesOutwardsAndDiffersBySeed) {
+  std::set<uint64_t> hashes;
+  forEachDaylight([&](const Scene& scene) {
+    for (const SceneObject& object : scene.objects) EXPECT_GT(signedVolume(scene, object), 0.0) << object.name;
+    EXPECT_TRUE(hashes.insert(hashOf(scene)).second);
+    EXPECT_EQ(scene.viewpoints.size(), 2u);
+  });
+  EXPECT_THROW(makeBuiltInScene("daylight", kDaylightSeeds), UsageError);
+}
+
+// The first one holds nothing but its ground and its house, whose volume says how large the room is and that the walls are solid:
+// 5.4 x 3.4 x 4.4 m less 5 x 3 x 4 m, less the window in its wall. Every side is rounded to 1/256 m, each wall's by .8 mm of 20 cm.
+TEST(DaylightScene, TheFirstIsOneRoomWithWallsOf20cmAndAWindow) {
+  const Scene scene = makeBuiltInScene("daylight", 0);
+  ASSERT_EQ(scene.objects.size(), 2u);
+  EXPECT_EQ(scene.objects[1].name, "house");
+  const double expected = 5.4 * 3.4 * 4.4 - 5.0 * 3.0 * 4.0 - 1.2 * 1.2 * 0.2;
+  EXPECT_NEAR(signedVolume(scene, scene.objects[1]), expected, 0.01 * expected);
+  EXPECT_EQ(scene.light.suns.size(), 1u);
+  EXPECT_TRUE(scene.light.lamps.empty());
+}
+
 TEST(ProceduralScene, HasTheSizeOfALevel) {
   forEachScene([](const Scene& scene) {
     const Bounds bounds = sceneBounds(scene);
@@ -157,7 +196,7 @@ TEST(ProceduralScene, HasTheSizeOfALevel) {
 }
 
 TEST(ProceduralScene, HasPlausibleMaterials) {
-  forEachScene([](const Scene& scene) {
+  const auto check = [](const Scene& scene) {
     for (const Material& material : scene.materials) {
       for (int channel = 0; channel < 3; ++channel) {
         EXPECT_GT(material.base_color[channel], 0.0f);
@@ -165,7 +204,9 @@ TEST(ProceduralScene, HasPlausibleMaterials) {
         EXPECT_GE(material.emissive[channel], 0.0f);
       }
     }
-  });
+  };
+  forEachScene(check);
+  forEachDaylight(check);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ struct Request {
   std::string scene, out;
   std::vector<double> spacings_m;
   std::vector<std::string> weights;  // each a bake: one file, or several with commas between them, of which the bake chooses
-  int air_places = 2000, surface_places = 1600, walks = 40;
+  int air_places = 2000, surface_places = 1600, walks = 40, edge_places = 400;
   LightPlaceOptions places;  // these numbers from those above
   GatherOptions truth{1024, 64}, probe{1024, 64};
   bool grids_only = false;  // no rivals: a fraction of the time
@@ -259,6 +259,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   request.places.air = static_cast<uint64_t>(request.air_places);
   request.places.surface = static_cast<uint64_t>(request.surface_places);
   request.places.walks = static_cast<uint64_t>(request.walks);
+  request.places.edges = static_cast<uint64_t>(request.edge_places);
   request.places.seed = mixSeed(options.seed, kPlaceStream);
   request.places.step_m = *std::min_element(request.spacings_m.begin(), request.spacings_m.end()) / 16.0;
 
@@ -268,6 +269,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   used["spacings_m"] = request.spacings_m;
   used["air_places"] = request.places.air;
   used["surface_places"] = request.places.surface;
+  used["edge_places"] = request.places.edges;
   used["source_distance_m"] = request.places.source_distance_m;
   used["truth_rays"] = request.truth.rays;
   used["probe_rays"] = request.probe.rays;
@@ -319,6 +321,8 @@ int lightMain(int argc, char** argv) {
   table.add("surface_places", &request.surface_places, "places 2 to 50 cm before surfaces, a quarter of them in each class", 8,
             10000000);
   table.add("walks", &request.walks, "straight walks in air", 1, 100000);
+  table.add("edge_places", &request.edge_places, "places under a roof within 10 cm of an edge, and as many of corners", 0,
+            10000000);
   table.add("truth_rays", &request.truth.rays, "rays of ground truth at a place", 8, 1 << 24);
   table.add("probe_rays", &request.probe.rays, "rays of every probe", 8, 1 << 24);
   table.add("look_up_seconds", &request.look_up_seconds, "how long each method's look-ups are timed, seconds. 0: not at all", 0.0,

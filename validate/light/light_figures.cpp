@@ -18,9 +18,10 @@ double squares(const glm::vec3& rgb) { return (double{rgb.r} * rgb.r + double{rg
 double absolutes(const glm::vec3& rgb) { return double{std::fabs(rgb.r)} + std::fabs(rgb.g) + std::fabs(rgb.b); }
 double quotient(double a, double b) { return b > 0.0 ? a / b : 0.0; }
 
-// Steps of walks measure changes, places nearer than 5 cm are figures of their own.
+// Steps of walks measure changes; places nearer than 5 cm and those at edges are figures of their own.
 bool isCounted(const LightPlace& place) {
-  return place.group == PlaceGroup::air || (place.group != PlaceGroup::walk && place.surface_class >= kFirstFarClass);
+  const bool is_before = place.group == PlaceGroup::surface || place.group == PlaceGroup::turned;
+  return place.group == PlaceGroup::air || (is_before && place.surface_class >= kFirstFarClass);
 }
 
 constexpr double kBlackShare = 0.01;  // of the mean, for all channels together
@@ -86,6 +87,22 @@ DarkFigures darkFigures(const LightPlaces& places, const LightTruth& truth, cons
   for (double* sum : {&dark.truth, &dark.excess, &dark.added})
     *sum = quotient(*sum, static_cast<double>(dark.places) * truth.mean);
   return dark;
+}
+
+EdgeFigures edgeFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers,
+                        PlaceGroup group) {
+  std::vector<double> ratios;
+  double light = 0.0, answered = 0.0;
+  for (size_t i = 0; i < places.places.size(); ++i) {
+    if (places.places[i].group != group) continue;
+    const double expected = channelMean(truth.at[i].irradiance), answer = channelMean(answers[i].irradiance);
+    light += expected;
+    answered += answer;
+    ratios.push_back(quotient(answer, std::max(expected, kEdgeBlackShare * truth.mean)));
+  }
+  const Quantiles q = quantiles(ratios);
+  return {q.count, quotient(light, static_cast<double>(q.count) * truth.mean), quotient(answered - light, light), q.median,
+          q.p95};
 }
 
 WalkFigures walkFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
@@ -166,6 +183,8 @@ LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, co
     figures.turned_class[c] = turned_class[c].figures();
   }
   figures.dark = darkFigures(places, truth, answers);
+  figures.edge = edgeFigures(places, truth, answers, PlaceGroup::edge);
+  figures.corner = edgeFigures(places, truth, answers, PlaceGroup::corner);
   figures.jumps = walkFigures(places, truth, answers);
   figures.worst = worstPlaces(places, truth, answers);
   return figures;

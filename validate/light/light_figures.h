@@ -10,8 +10,9 @@
 
 namespace nlg {
 
-inline constexpr double kDarkShare = 0.05;    // of the level's mean irradiance: below it a place is dark
-inline constexpr double kExposedMean = 0.18;  // what a display shows the level's mean irradiance as: middle grey
+inline constexpr double kDarkShare = 0.05;        // of the level's mean irradiance: below it a place is dark
+inline constexpr double kEdgeBlackShare = 0.001;  // of it: less light is black to an eye that is used to the dark
+inline constexpr double kExposedMean = 0.18;      // what a display shows the level's mean irradiance as: middle grey
 inline constexpr size_t kWorstPlaceCount = 10;
 
 // Irradiance at all places, and what it says of the level. "Mean" is that of the channels.
@@ -43,6 +44,14 @@ struct DarkFigures {
   double added = 0.0;   // mean of what answers are brighter than truth by, where they are
 };
 
+// Of places beside edges, or in corners.
+struct EdgeFigures {
+  uint64_t places = 0;
+  double truth = 0.0;                          // mean, over the level's mean
+  double excess = 0.0;                         // the answers' mean over truth's, less 1: pooled over places
+  double ratio_median = 0.0, ratio_p95 = 0.0;  // answer over truth where it stands; truth is taken for kEdgeBlackShare at least
+};
+
 // Between neighbouring steps of walks: how much more the answer changes than truth does, 0 where it changes less. Over truth's root
 // mean square in air, of all channels.
 struct WalkFigures {
@@ -59,6 +68,7 @@ struct LightFigures {
   GroupFigures air, surface, turned;  // surface and turned: from 5 to 50 cm
   std::array<GroupFigures, kSurfaceClassCount> surface_class, turned_class;
   DarkFigures dark;
+  EdgeFigures edge, corner;
   WalkFigures jumps;
   std::vector<WorstPlace> worst;  // walks not among them
 };

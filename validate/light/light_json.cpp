@@ -28,8 +28,15 @@ Json byDistanceJson(const GroupFigures& all, const std::array<GroupFigures, kSur
 }
 
 const char* groupName(PlaceGroup group) {
-  constexpr std::array<const char*, 4> kNames = {"air", "surface", "turned", "walk"};
+  constexpr std::array<const char*, 6> kNames = {"air", "surface", "turned", "walk", "edge", "corner"};
   return kNames[static_cast<size_t>(group)];
+}
+
+Json edgeJson(const EdgeFigures& f) {
+  return {{"places", f.places},
+          {"truth", f.truth},
+          {"excess", f.excess},
+          {"ratio", {{"median", f.ratio_median}, {"p95", f.ratio_p95}}}};
 }
 
 Json worstJson(const LightFigures& figures, const LightPlaces& places, const LightTruth& truth,
@@ -63,6 +70,8 @@ Json truthJson(const LightPlaces& places, const LightTruth& truth, bool is_baked
             {"source_distance_m", places.source_distance_m},
             {"surface", surface},
             {"walks", places.walk_count},
+            {"edges", places.edge_count},
+            {"corners", places.corner_count},
             {"dark", truth.dark}}}};
 }
 
@@ -76,6 +85,8 @@ Json methodJson(const LightMethod& method, const LightFigures& figures, const Li
                   {"truth", figures.dark.truth},
                   {"excess", figures.dark.excess},
                   {"added", figures.dark.added}};
+  json["edge"] = edgeJson(figures.edge);
+  json["corner"] = edgeJson(figures.corner);
   json["jumps"] = {{"steps", figures.jumps.steps},
                    {"mean", figures.jumps.mean},
                    {"p99", figures.jumps.p99},

@@ -12,7 +12,9 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kAirStream = 1, kSurfaceStream = 2, kTurnStream = 3, kWalkStream = 4;  // of the seed
+constexpr uint64_t kAirStream = 1, kSurfaceStream = 2, kTurnStream = 3, kWalkStream = 4, kEdgeStream = 5;  // of the seed
+constexpr float kReachM = 1000.0f;     // of rays that look for walls, roofs and the sun
+constexpr float kAcrossCosine = 0.5f;  // surfaces whose normals are at least 60 degrees apart stand across each other
 
 glm::vec3 anyDirection(Random& random) {
   const double u = random.uniform(), v = random.uniform();
@@ -102,7 +104,12 @@ double sourceDistance(const ExtentBox& extent, const LightPlaceOptions& options)
 class Drawing {
  public:
   Drawing(const Scene& scene, const RayScene& rays, const ExtentBox& extent, const LightPlaceOptions& options)
-      : rays_(rays), extent_(extent), options_(options), surfaces_(scene), sources_(scene, sourceDistance(extent, options)) {
+      : scene_(scene),
+        rays_(rays),
+        extent_(extent),
+        options_(options),
+        surfaces_(scene),
+        sources_(scene, sourceDistance(extent, options)) {
     result_.source_distance_m = sourceDistance(extent, options);
   }
 
@@ -111,6 +118,7 @@ class Drawing {
     drawBeforeSurfaces();
     turn();
     drawWalks();
+    drawEdges();
     return std::move(result_);
   }
 
@@ -193,6 +201,84 @@ class Drawing {
     }
   }
 
+  // Places beside edges, drawn along rays: off a surface, along its plane to the next one, and for corners along both to a third.
+  void drawEdges() {
+    if (surfaces_.empty()) return;
+    Random random(mixSeed(options_.seed, kEdgeStream));
+    std::vector<LightPlace> corners;
+    for (uint64_t draw = 0; draw < options_.draws; ++draw) {
+      if (result_.edge_count >= options_.edges && result_.corner_count >= options_.edges) break;
+      LightPlace place;
+      glm::dvec3 point;
+      surfaces_.draw(random, &point, &place.normal);
+      place.position_m = point + kEdgeOffM * glm::dvec3(place.normal);
+      place.group = PlaceGroup::edge;
+      glm::vec3 second(0.0f);
+      if (!stepBeforeNext(random, anyAlong(random, place.normal), {place.normal}, &place.position_m, &second)) continue;
+      if (result_.edge_count < options_.edges && standsAtEdge(place)) {
+        ++result_.edge_count;
+        result_.places.push_back(place);
+      }
+      const glm::vec3 along = glm::normalize(glm::cross(place.normal, second));
+      place.group = PlaceGroup::corner;
+      glm::vec3 third(0.0f);
+      if (result_.corner_count >= options_.edges ||
+          !stepBeforeNext(random, random.chance(0.5) ? along : -along, {place.normal, second}, &place.position_m, &third) ||
+          !isBefore(place.position_m, second, kEdgeHighM) || !standsAtEdge(place))
+        continue;
+      ++result_.corner_count;
+      corners.push_back(place);
+    }
+    result_.places.insert(result_.places.end(), corners.begin(), corners.end());
+  }
+
+  // Any direction along a surface's plane.
+  static glm::vec3 anyAlong(Random& random, const glm::vec3& normal) {
+    glm::vec3 along = anyDirection(random);
+    along -= glm::dot(along, normal) * normal;
+    const float length = glm::length(along);
+    return length > 0.0f ? along / length : glm::vec3(0.0f);
+  }
+
+  // Moves a place along a direction to 1 to 10 cm before the surface that stands there, across all of the others.
+  bool stepBeforeNext(Random& random, const glm::vec3& direction, std::initializer_list<glm::vec3> others, glm::dvec3* position_m,
+                      glm::vec3* normal) const {
+    const double distance = random.uniform(kEdgeLowM, kEdgeHighM);
+    const LightHit hit = rays_.lightHit(glm::vec3(*position_m), kReachM * direction);
+    if (hit.kind != LightHit::Kind::surface) return false;
+    for (const glm::vec3& other : others) {
+      if (std::fabs(glm::dot(hit.normal, other)) > kAcrossCosine) return false;
+    }
+    const double slope = -glm::dot(direction, hit.normal);
+    const double way = double{hit.distance} * kReachM - distance / std::max(slope, 1e-3);
+    if (way < 0.0) return false;
+    *position_m += way * glm::dvec3(direction);
+    *normal = hit.normal;
+    return true;
+  }
+
+  // Whether the next surface against a normal's direction has that normal, and is that near.
+  bool isBefore(const glm::dvec3& position_m, const glm::vec3& normal, double distance_m) const {
+    const LightHit hit = rays_.lightHit(glm::vec3(position_m), -normal);
+    return hit.kind == LightHit::Kind::surface && hit.distance <= distance_m + 1e-3 && glm::dot(hit.normal, normal) > 0.99f;
+  }
+
+  bool standsAtEdge(const LightPlace& place) const {
+    const glm::vec3 at(place.position_m);
+    return isInside(extent_, place.position_m) && isBefore(place.position_m, place.normal, kEdgeOffM) &&
+           rays_.lightHit(at, {0.0f, kReachM, 0.0f}).kind == LightHit::Kind::surface && !isInSunlight(place) &&
+           isInAir(rays_, place.position_m) && !sources_.isNear(place.position_m);
+  }
+
+  bool isInSunlight(const LightPlace& place) const {
+    const std::vector<Sun>& suns = scene_.light.suns;
+    return std::any_of(suns.begin(), suns.end(), [&](const Sun& sun) {
+      const glm::vec3 at(place.position_m);
+      return glm::dot(sun.to_sun, place.normal) > 0.0f && !rays_.isLightBlocked(at, at + kReachM * sun.to_sun);
+    });
+  }
+
+  const Scene& scene_;
   const RayScene& rays_;
   const ExtentBox extent_;
   const LightPlaceOptions& options_;

@@ -22,7 +22,10 @@ enum class PlaceGroup : uint8_t {
   surface,  // before a surface, with its normal
   turned,   // those from 5 cm on, with any normal
   walk,     // steps of straight walks, one normal a walk
+  edge,     // under a roof, 2 cm before a surface with its normal and 1 to 10 cm from another that stands across it
+  corner,   // the same, and 1 to 10 cm from a third that stands across both
 };
+inline constexpr double kEdgeOffM = 0.02, kEdgeLowM = 0.01, kEdgeHighM = 0.1;
 
 struct LightPlace {
   glm::dvec3 position_m{0.0};  // relative to the scene's origin
@@ -39,6 +42,7 @@ struct LightPlaceOptions {
   int walk_steps = 64;        // at most: a walk ends where a surface stands in its way
   int least_walk_steps = 16;  // shorter ones are drawn anew
   double step_m = 1.0 / 16.0;
+  uint64_t edges = 400;  // and as many corners. Where a sun shines on the place itself there is none: its patches have sharp rims
   uint64_t draws = 400000;  // of a place, at most, over all: scenes with little air get fewer places
   // Places nearer than this to a lamp or a face that shines are left out (and counted): light falls off there within less than any
   // probes are apart, and squares of errors would tell of those places alone. Shares of the scene's diagonal bound it.
@@ -50,12 +54,12 @@ inline constexpr double kSourceDiagonalShare = 0.04;  // of the scene's diagonal
 inline constexpr float kSourceShare = 0.05;           // of the brightest face's radiance: what shines less is no source
 
 struct LightPlaces {
-  std::vector<LightPlace> places;  // air, surface, turned, walks
+  std::vector<LightPlace> places;  // air, surface, turned, walks, edges, corners
   uint64_t drawn = 0, in_air = 0;  // of the draws in the volume
   uint64_t near_source = 0;        // draws in air that were left out for it
   double source_distance_m = 0.0;  // as it was bounded
   std::array<uint64_t, kSurfaceClassCount> surface_count{};
-  uint64_t walk_count = 0;
+  uint64_t walk_count = 0, edge_count = 0, corner_count = 0;
 
   // How often a place of this class counts in sums over distances from 5 to 50 cm: they add up to 1 over each of the groups
   // surface and turned.

@@ -98,6 +98,28 @@ TEST(LightFigures, SayWhatTheirFormulasSay) {
   EXPECT_NEAR(f.worst.front().error, 1.0 / truth.rms, 1e-6);
 }
 
+TEST(LightFigures, OfEdgesPoolOverPlacesAndAreRelativeWhereTheyStand) {
+  LightPlaces places;
+  LightTruth truth;
+  std::vector<LightAnswer> answers;
+  places.places.resize(3);
+  for (LightPlace& place : places.places) place.group = PlaceGroup::edge;
+  truth.mean = 10.0;
+  truth.rms = 10.0;
+  truth.at = {{glm::vec3(1.0f), {}}, {glm::vec3(4.0f), {}}, {glm::vec3(0.0f), {}}};
+  for (const float light : {3.0f, 2.0f, 0.1f}) answers.push_back({glm::vec3(light), Reach::lit});
+  const LightFigures f = lightFigures(places, truth, answers);
+  EXPECT_EQ(f.edge.places, 3u);
+  EXPECT_EQ(f.corner.places, 0u);
+  EXPECT_NEAR(f.edge.truth, 5.0 / 3 / 10.0, 1e-6);
+  EXPECT_NEAR(f.edge.excess, (5.1 - 5.0) / 5.0, 1e-6);
+  // 3, .5, and .1 over a thousandth of the mean; the 95th percentile lies nine tenths of the way from the second to the third
+  EXPECT_NEAR(f.edge.ratio_median, 3.0, 1e-6);
+  EXPECT_NEAR(f.edge.ratio_p95, 3.0 + 0.9 * (10.0 - 3.0), 1e-5);
+  EXPECT_EQ(f.dark.places, 0u) << "edges are figures of their own";
+  EXPECT_TRUE(f.worst.empty());
+}
+
 TEST(LightFigures, CountOnlyJumpsThatTruthDoesNotMake) {
   LightPlaces places;
   LightTruth truth;

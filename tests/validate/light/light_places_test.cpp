@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "light/air.h"
+#include "scene/procedural.h"
 #include "tests/validate/light/lit_scenes.h"
 
 namespace nlg {
@@ -66,6 +67,49 @@ TEST_F(LightPlacesTest, WeighDistancesByTheirShare) {
   EXPECT_NEAR(turned, 1.0, 1e-12);
   EXPECT_EQ(places.surfaceWeight(0), 0.0) << "nearer than 5 cm is a figure of its own";
   EXPECT_NEAR(places.surfaceWeight(3) / places.surfaceWeight(1), 6.0, 1e-9) << "30 cm against 5 cm";
+}
+
+// The rooms stand along the axes from y = 0 to 3, z = 0 to 3, with walls at x = kWallLow and kWallHigh.
+double fromNextWall(const glm::dvec3& at, int axis) {
+  double low = 0.0, high = 3.0;
+  if (axis == 0) low = at.x < 0.4 ? kWallLow - 3.0 : kWallHigh, high = low + 3.0;
+  return std::min(at[axis] - low, high - at[axis]);
+}
+
+TEST_F(LightPlacesTest, OfEdgesStandBeforeOneWallAndBesideOneMoreOfCornersTwoMore) {
+  const LightPlaces places = lit_->places();
+  EXPECT_EQ(places.edge_count, 400u);
+  EXPECT_EQ(places.corner_count, 400u);
+  for (const LightPlace& place : places.places) {
+    if (place.group != PlaceGroup::edge && place.group != PlaceGroup::corner) continue;
+    int beside = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double distance = fromNextWall(place.position_m, axis);
+      if (std::fabs(place.normal[axis]) > 0.5f) {
+        EXPECT_NEAR(distance, kEdgeOffM, 1e-5);
+      } else {
+        EXPECT_GT(distance, kEdgeLowM - 1e-5);
+        beside += distance < kEdgeHighM + 1e-5;
+      }
+    }
+    EXPECT_GE(beside, place.group == PlaceGroup::corner ? 2 : 1);
+  }
+}
+
+// Outside there is no roof: what is under one is the room of 5 x 3 x 4 m and the window in its wall to z = 4.2.
+TEST(LightPlaces, OfEdgesAreUnderARoofAndNotInTheSun) {
+  const Scene scene = makeBuiltInScene("daylight", 0);
+  const RayScene rays(scene);
+  const glm::vec3 to_sun = scene.light.suns.front().to_sun;
+  const LightPlaces places = drawLightPlaces(scene, rays, lightExtent(scene, {}), {});
+  EXPECT_EQ(places.edge_count, 400u);
+  EXPECT_EQ(places.corner_count, 400u);
+  for (const LightPlace& place : places.places) {
+    if (place.group != PlaceGroup::edge && place.group != PlaceGroup::corner) continue;
+    const glm::vec3 at(place.position_m);
+    EXPECT_TRUE(glm::all(glm::greaterThan(at, glm::vec3(0.0f))) && glm::all(glm::lessThan(at, glm::vec3(5.0f, 3.0f, 4.2f))));
+    EXPECT_TRUE(glm::dot(to_sun, place.normal) <= 0.0f || rays.isLightBlocked(at, at + 100.0f * to_sun));
+  }
 }
 
 TEST_F(LightPlacesTest, AreTheSameForTheSameSeed) {
