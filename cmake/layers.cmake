@@ -46,8 +46,9 @@ set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_
 set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
 set(NLG_MAY_LINK_nlg-render    nlg::render nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
 set(NLG_MAY_LINK_nlg-view      nlg::viewer nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
-set(NLG_MAY_LINK_light_bakes   nlg::bake nlg::statistics nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-validate  nlg::render nlg::view nlg::light_methods nlg::light_figures nlg::look_up nlg::light_bakes nlg::bake nlg::stability nlg::errors nlg::frontier nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool nlg::light nlg::scene)
+set(NLG_MAY_LINK_views         nlg::render nlg::view nlg::light_figures nlg::light nlg::visibility nlg::probes nlg::scene nlg::weights_file nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_light_bakes   nlg::bake nlg::policy_options nlg::light_methods nlg::light nlg::statistics nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-validate  nlg::views nlg::render nlg::view nlg::light_methods nlg::light_figures nlg::look_up nlg::light_bakes nlg::bake nlg::stability nlg::errors nlg::frontier nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool nlg::light nlg::scene)
 
 function(nlg_check_links name)
   if(NOT DEFINED NLG_MAY_LINK_${name})

@@ -10,46 +10,21 @@ namespace {
 
 constexpr float kPi = 3.14159265f;
 
-// Lights one row of pixels; returns how many of its receivers are unlit and how many there are.
-struct RowCount {
-  uint64_t receivers = 0, unlit = 0;
-};
-
-RowCount lightRow(const Sights& sights, const Lighting& lighting, size_t row, LitPicture* picture) {
-  const size_t per_row = static_cast<size_t>(sights.width) * sights.samples_per_pixel;
-  const Sight* samples = &sights.samples[row * per_row];
+// Lights one row of pixels.
+void lightRow(const Sights& sights, const Lighting& lighting, size_t row, std::vector<ReceivedLight>* received) {
+  const size_t per_row = static_cast<size_t>(sights.width) * sights.samples_per_pixel, first = row * per_row;
   // all of a row at once: a lighting that looks up many places together may do so
   std::vector<Receiver> receivers;
-  for (size_t i = 0; i < per_row; ++i) {
-    if (samples[i].kind == Sight::Kind::receiver) receivers.push_back(samples[i].receiver);
+  for (size_t i = first; i < first + per_row; ++i) {
+    if (sights.samples[i].kind == Sight::Kind::receiver) receivers.push_back(sights.samples[i].receiver);
   }
-  std::vector<ReceivedLight> received(receivers.size());
-  if (!receivers.empty()) lighting.light_at(receivers, received.data());
-  const ReceivedLight* next = received.data();
-  for (int x = 0; x < sights.width; ++x) {
-    const size_t pixel = row * sights.width + x;
-    glm::vec3 radiance(0.0f), irradiance(0.0f), variance(0.0f);
-    int count = 0, solid = 0;
-    for (int s = 0; s < sights.samples_per_pixel; ++s) {
-      const Sight& sight = *samples++;
-      radiance += sight.shine;
-      solid += sight.kind == Sight::Kind::solid;
-      if (sight.kind != Sight::Kind::receiver) continue;
-      radiance += sight.albedo * next->irradiance / kPi;
-      irradiance += next->irradiance;
-      variance += next->deviation * next->deviation;
-      ++next, ++count;
-    }
-    const auto of_samples = 1.0f / static_cast<float>(sights.samples_per_pixel);
-    const auto of_receivers = 1.0f / static_cast<float>(std::max(1, count));
-    picture->radiance[pixel] = radiance * of_samples;
-    picture->irradiance[pixel] = irradiance * of_receivers;
-    picture->deviation[pixel] = glm::sqrt(variance) * of_receivers;
-    picture->receiver_share[pixel] = static_cast<float>(count) * of_samples;
-    picture->in_solid[pixel] = solid == sights.samples_per_pixel;
+  if (receivers.empty()) return;
+  std::vector<ReceivedLight> lit(receivers.size());
+  lighting.light_at(receivers, lit.data());
+  const ReceivedLight* next = lit.data();
+  for (size_t i = first; i < first + per_row; ++i) {
+    if (sights.samples[i].kind == Sight::Kind::receiver) (*received)[i] = *next++;
   }
-  return {received.size(),
-          static_cast<uint64_t>(std::count_if(received.begin(), received.end(), [](const auto& a) { return !a.is_lit; }))};
 }
 
 // The mean of what value(pixel) gives for all channels, over the pixels that have receivers; 0 without any.
@@ -70,23 +45,47 @@ double meanOf(const LitPicture& picture, const Value& value) {
 
 double luminanceOf(const glm::vec3& rgb) { return 0.2126 * rgb.r + 0.7152 * rgb.g + 0.0722 * rgb.b; }
 
-LitPicture lightPicture(const Sights& sights, const Lighting& lighting, int thread_count) {
+std::vector<ReceivedLight> lightSamples(const Sights& sights, const Lighting& lighting, int thread_count) {
+  std::vector<ReceivedLight> received(sights.samples.size());
+  parallelFor(sights.height, thread_count, [&](uint64_t row, int) { lightRow(sights, lighting, row, &received); });
+  return received;
+}
+
+LitPicture pictureOf(const Sights& sights, const std::string& method, const std::vector<ReceivedLight>& received) {
   LitPicture picture;
-  picture.method = lighting.name;
+  picture.method = method;
   picture.width = sights.width;
   picture.height = sights.height;
-  const size_t pixels = static_cast<size_t>(sights.width) * sights.height;
-  picture.radiance.resize(pixels);
-  picture.irradiance.resize(pixels);
-  picture.deviation.resize(pixels);
-  picture.receiver_share.resize(pixels);
-  picture.in_solid.resize(pixels);
-  std::vector<RowCount> counts(sights.height);
-  parallelFor(sights.height, thread_count, [&](uint64_t row, int) { counts[row] = lightRow(sights, lighting, row, &picture); });
-  RowCount all;
-  for (const RowCount& count : counts) all.receivers += count.receivers, all.unlit += count.unlit;
-  if (all.receivers > 0) picture.unlit_share = static_cast<double>(all.unlit) / static_cast<double>(all.receivers);
+  uint64_t receivers = 0, unlit = 0;
+  for (size_t first = 0; first < sights.samples.size(); first += sights.samples_per_pixel) {
+    glm::vec3 radiance(0.0f), irradiance(0.0f), variance(0.0f);
+    int count = 0, solid = 0;
+    for (size_t i = first; i < first + sights.samples_per_pixel; ++i) {
+      const Sight& sight = sights.samples[i];
+      radiance += sight.shine;
+      solid += sight.kind == Sight::Kind::solid;
+      if (sight.kind != Sight::Kind::receiver) continue;
+      radiance += sight.albedo * received[i].irradiance / kPi;
+      irradiance += received[i].irradiance;
+      variance += received[i].deviation * received[i].deviation;
+      unlit += !received[i].is_lit;
+      ++count;
+    }
+    receivers += count;
+    const auto of_samples = 1.0f / static_cast<float>(sights.samples_per_pixel);
+    const auto of_receivers = 1.0f / static_cast<float>(std::max(1, count));
+    picture.radiance.push_back(radiance * of_samples);
+    picture.irradiance.push_back(irradiance * of_receivers);
+    picture.deviation.push_back(glm::sqrt(variance) * of_receivers);
+    picture.receiver_share.push_back(static_cast<float>(count) * of_samples);
+    picture.in_solid.push_back(solid == sights.samples_per_pixel);
+  }
+  if (receivers > 0) picture.unlit_share = static_cast<double>(unlit) / static_cast<double>(receivers);
   return picture;
+}
+
+LitPicture lightPicture(const Sights& sights, const Lighting& lighting, int thread_count) {
+  return pictureOf(sights, lighting.name, lightSamples(sights, lighting, thread_count));
 }
 
 double irradianceRms(const LitPicture& picture) {

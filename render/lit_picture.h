@@ -21,7 +21,13 @@ struct LitPicture {
   double unlit_share = 0.0;           // of all receivers: where the method knows no light
 };
 
-// The same bits for any number of threads.
+// What arrives at every sample's receiver; samples without one are as they were made. The same bits for any number of threads.
+std::vector<ReceivedLight> lightSamples(const Sights& sights, const Lighting& lighting, int thread_count);
+
+// received   by sample
+LitPicture pictureOf(const Sights& sights, const std::string& method, const std::vector<ReceivedLight>& received);
+
+// Both.
 LitPicture lightPicture(const Sights& sights, const Lighting& lighting, int thread_count);
 
 // Over pixels that have receivers, all channels, of irradiance. In shares of the root mean square of truth's; 0 where truth is 0.

@@ -13,7 +13,8 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kViewStream = 0x76696577;
-constexpr int kPlaceDraws = 2000, kPlaceCount = 64, kTurnCount = 12;
+constexpr int kPlaceDraws = 2000, kTurnCount = 12;
+constexpr size_t kPlaceCount = 64;
 constexpr int kColumns = 12, kRows = 7;  // rays of a view that is judged
 constexpr double kDownwards = -0.12;     // of the view's direction: floors are lit, skies are not looked at
 constexpr double kWorst = -1e9;
@@ -48,30 +49,36 @@ double judge(const LightTransport& transport, const Camera& camera, double aspec
 
 }  // namespace
 
-Camera chooseView(const LightTransport& transport, double fov_y, double aspect, uint64_t seed) {
+Camera bestView(const LightTransport& transport, const std::vector<glm::dvec3>& eyes_m, double fov_y, double aspect) {
   const Bounds bounds = sceneBounds(transport.scene());
-  const glm::dvec3 low(bounds.min), side(bounds.max - bounds.min);
   // nearer than this nothing is told apart: a fiftieth of the scene, or what an eye keeps from a wall
-  const double near_m = std::min(0.3, 0.02 * glm::length(side));
-  Random random(mixSeed(seed, kViewStream));
+  const double near_m = std::min(0.3, 0.02 * glm::length(glm::dvec3(bounds.max - bounds.min)));
   Camera best;
   double best_score = 2.0 * kWorst;
-  int places = 0;
-  for (int draw = 0; draw < kPlaceDraws && places < kPlaceCount; ++draw) {
-    const double u = random.uniform(), v = random.uniform(), w = random.uniform();
-    const glm::dvec3 place = low + side * glm::dvec3(u, v, w);
-    if (!isInAir(transport.rays(), place)) continue;
-    ++places;
+  for (const glm::dvec3& eye_m : eyes_m) {
     for (int turn = 0; turn < kTurnCount; ++turn) {
       const double angle = 2.0 * 3.14159265358979 * (turn + 0.5) / kTurnCount;
-      const Camera camera = cameraAlong(place, {std::sin(angle), kDownwards, std::cos(angle)}, fov_y);
+      const Camera camera = cameraAlong(eye_m, {std::sin(angle), kDownwards, std::cos(angle)}, fov_y);
       const double score = judge(transport, camera, aspect, near_m);
       if (score > best_score) best_score = score, best = camera;
     }
   }
-  if (places == 0)
-    throw InputError(transport.scene().id, "view", "a place in air to look from", "none found; --eye and --look name one");
   return best;
+}
+
+Camera chooseView(const LightTransport& transport, double fov_y, double aspect, uint64_t seed) {
+  const Bounds bounds = sceneBounds(transport.scene());
+  const glm::dvec3 low(bounds.min), side(bounds.max - bounds.min);
+  Random random(mixSeed(seed, kViewStream));
+  std::vector<glm::dvec3> places;
+  for (int draw = 0; draw < kPlaceDraws && places.size() < kPlaceCount; ++draw) {
+    const double u = random.uniform(), v = random.uniform(), w = random.uniform();
+    const glm::dvec3 place = low + side * glm::dvec3(u, v, w);
+    if (isInAir(transport.rays(), place)) places.push_back(place);
+  }
+  if (places.empty())
+    throw InputError(transport.scene().id, "view", "a place in air to look from", "none found; --eye and --look name one");
+  return bestView(transport, places, fov_y, aspect);
 }
 
 }  // namespace nlg

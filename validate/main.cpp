@@ -12,6 +12,7 @@
 #include "validate/light/noise_command.h"
 #include "validate/look_up/look_up_command.h"
 #include "validate/stability/stability_command.h"
+#include "validate/views/views_command.h"
 
 namespace nlg {
 namespace {
@@ -23,6 +24,7 @@ int validateMain(int argc, char** argv) {
       "nlg-validate frontier: error against run time, of generators, their settings and every fit.\n"
       "nlg-validate look-up SCENE: what a viewer sees of a level's light grid, at random places in its air.\n"
       "nlg-validate light SCENE: what every method makes of a scene's light, against ground truth.\n"
+      "nlg-validate views SCENE: pictures of a scene by every method, against ground truth.\n"
       "nlg-validate light-closure SCENE: whether a level's light explains its lightmaps.\n"
       "nlg-validate light-noise SCENE: how noisy baked light is, and how fast it is baked.",
       "nlg-validate"};
@@ -46,8 +48,8 @@ struct Command {
   int (*run)(int argc, char** argv);
 };
 constexpr Command kCommands[] = {
-    {"stability", stabilityMain}, {"frontier", frontierMain},          {"look-up", lookUpMain},
-    {"light", lightMain},         {"light-closure", lightClosureMain}, {"light-noise", lightNoiseMain}};
+    {"stability", stabilityMain},        {"frontier", frontierMain},      {"look-up", lookUpMain}, {"light", lightMain},
+    {"light-closure", lightClosureMain}, {"light-noise", lightNoiseMain}, {"views", viewsMain}};
 
 }  // namespace
 }  // namespace nlg

@@ -7,7 +7,6 @@
 #include "light/methods/grid_weighting.h"
 #include "light/methods/target_functions.h"
 #include "light/methods/tetrahedra.h"
-#include "light/methods/trilinear.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
@@ -17,7 +16,7 @@ namespace {
 
 constexpr uint64_t kProbeStream = 0x70726f6265, kSolveStream = 0x736f6c7665, kDdgiStream = 0x64646769, kApvStream = 0x617076;
 
-const std::string kDdgiAsShipped = "DDGI as shipped";
+const std::string kDdgiAsShipped = "DDGI as shipped", kRelocated = ", relocated";
 
 using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -117,27 +116,40 @@ void MethodSet::addBlends(Blends blends) {
 }
 
 void MethodSet::addTrilinear() {
-  const auto trilinear = [&](TrilinearKind kind) { return std::make_unique<Trilinear>(kind, probes_, scene_.transport.rays()); };
-  addBlends({"trilinear", trilinear(TrilinearKind::all), probes_.count(), bytesOf(probes_.count(), 0), 0.0, &probes_.light});
+  for (const TrilinearKind kind : {TrilinearKind::all, TrilinearKind::valid, TrilinearKind::visible})
+    addTrilinear(kind, kGatheredAndSolved);
+}
+
+void MethodSet::addTrilinear(TrilinearKind kind, const std::vector<LightWay>& ways) {
+  auto weighting = std::make_unique<Trilinear>(kind, probes_, scene_.transport.rays());
+  if (kind == TrilinearKind::all) {
+    addBlends({"trilinear", std::move(weighting), probes_.count(), bytesOf(probes_.count(), 0), 0.0, &probes_.light, ways});
+    return;
+  }
   // a bit each says which probes are in air
   const MethodBytes bytes = bytesOf(probes_.air_count, (probes_.count() + 7) / 8);
-  addBlends({"valid trilinear", trilinear(TrilinearKind::valid), probes_.air_count, bytes, 0.0, nullptr});
-  addBlends({"exact visibility", trilinear(TrilinearKind::visible), probes_.air_count, bytes, 0.0, nullptr});
+  const char* name = kind == TrilinearKind::valid ? "valid trilinear" : "exact visibility";
+  addBlends({name, std::move(weighting), probes_.air_count, bytes, 0.0, nullptr, ways});
 }
 
 void MethodSet::addApv() {
-  apv_ = std::make_unique<ApvProbes>(
-      bakeApvProbes(probes_, scene_.transport, {options_.probe, options_.thread_count, mixSeed(options_.seed, kApvStream)}));
-  // light of the lower form has order 1 alone
+  addApv(kGatheredAndSolved);
+  // light of the lower form has order 1 alone; light that is solved for has order 2
   std::vector<LightSh> linear = apv_->light;
   for (LightSh& light : linear) std::fill(light.begin() + 4, light.end(), glm::vec3(0.0f));
-  const auto add = [&](const std::string& name, size_t probe_bytes, const std::vector<LightSh>& light,
+  addApv("APV, order 1", kApvBytesL1, linear, {LightWay::point});
+}
+
+void MethodSet::addApv(const std::vector<LightWay>& ways) {
+  apv_ = std::make_unique<ApvProbes>(
+      bakeApvProbes(probes_, scene_.transport, {options_.probe, options_.thread_count, mixSeed(options_.seed, kApvStream)}));
+  addApv("APV", kApvBytesL2, apv_->light, ways);
+}
+
+void MethodSet::addApv(const std::string& name, size_t probe_bytes, const std::vector<LightSh>& light,
                        const std::vector<LightWay>& ways) {
-    const MethodBytes bytes = {probes_.count() * (probe_bytes - 1), probes_.count(), tree_bytes_};
-    addBlends({name, std::make_unique<Apv>(probes_, *apv_), probes_.count(), bytes, apv_->bake_s, &light, ways});
-  };
-  add("APV", kApvBytesL2, apv_->light, kGatheredAndSolved);
-  add("APV, order 1", kApvBytesL1, linear, {LightWay::point});  // light that is solved for has order 2
+  const MethodBytes bytes = {probes_.count() * (probe_bytes - 1), probes_.count(), tree_bytes_};
+  addBlends({name, std::make_unique<Apv>(probes_, *apv_), probes_.count(), bytes, apv_->bake_s, &light, ways});
 }
 
 void MethodSet::addDdgi(const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t probe_bytes) {
@@ -165,9 +177,13 @@ void MethodSet::addShippedDdgi() {
   addDdgi(kDdgiAsShipped, *shipped_ddgi_, DdgiVisibility::depth, kDdgiShippedBytes);
 }
 
+void MethodSet::addRelocatedDdgi() {
+  addDdgi(kDdgiAsShipped + kRelocated, maps_.emplace_back(asShipped(makeDdgi(true))), DdgiVisibility::depth, kDdgiShippedBytes);
+}
+
 void MethodSet::addDdgi() {
   for (const bool relocates : {false, true}) {
-    const std::string suffix = relocates ? ", relocated" : "";
+    const std::string suffix = relocates ? kRelocated : "";
     const DdgiMaps& maps = makeDdgi(relocates);
     addDdgi("DDGI float" + suffix, maps, DdgiVisibility::depth, kDdgiFloatBytes);
     addDdgi(kDdgiAsShipped + suffix, maps_.emplace_back(asShipped(maps)), DdgiVisibility::depth, kDdgiShippedBytes);
@@ -213,7 +229,8 @@ void MethodSet::addQuakeGrid() {
   methods_.push_back(std::move(method));
 }
 
-void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion) {
+void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion,
+                                   const std::vector<LightWay>& ways) {
   std::vector<glm::dvec3> all = places;
   all.insert(all.end(), scene_.air.places.begin(), scene_.air.places.end());
   const Clock::time_point start = Clock::now();
@@ -222,7 +239,7 @@ void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const 
   const double seconds = secondsSince(start);
   // 8,192 samples in 8 bits each
   addBlends({"target functions", std::move(functions), probes_.count(),
-             bytesOf(probes_.count(), probes_.count() * kSupportPointCount), seconds, nullptr});
+             bytesOf(probes_.count(), probes_.count() * kSupportPointCount), seconds, nullptr, ways});
 }
 
 void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, const std::vector<LightWay>& ways) {

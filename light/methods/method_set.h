@@ -13,6 +13,7 @@
 #include "light/methods/light_method.h"
 #include "light/methods/probe_set.h"
 #include "light/methods/quake_grid_method.h"
+#include "light/methods/trilinear.h"
 #include "light/probe_light.h"
 #include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/light_grid.h"
@@ -51,17 +52,21 @@ class MethodSet {
   const QuakeGridLight* quakeGrid() const { return quake_grid_.get(); }
   double measure_s() const { return measure_s_; }  // light at places in air, for whoever solves
 
-  void addTrilinear();
+  void addTrilinear();  // of every kind
+  void addTrilinear(TrilinearKind kind, const std::vector<LightWay>& ways);
   void addApv();
+  void addApv(const std::vector<LightWay>& ways);  // of order 2 alone
   void addDdgi();
-  // Of these one alone: as shipped, not relocated.
+  // Of these one alone: as shipped, not relocated; and as shipped, relocated.
   void addShippedDdgi();
+  void addRelocatedDdgi();
   // Nothing where too few probes stand in air.
   void addTetrahedra();
   // Nothing where the scene has none.
   void addQuakeGrid();
   // places   where the methods will be asked
-  void addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion);
+  void addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion,
+                          const std::vector<LightWay>& ways = kGatheredAndSolved);
   // grid   baked without light, in the world's coordinates
   void addGrid(const std::string& name, LightGrid grid, double bake_s, const std::vector<LightWay>& ways = kGatheredAndSolved);
 
@@ -80,6 +85,7 @@ class MethodSet {
   // What of harmonics, weights and tree a method has that stores all of them as our grid does.
   MethodBytes bytesOf(size_t probes, size_t weight_bytes) const;
   void addBlends(Blends blends);
+  void addApv(const std::string& name, size_t probe_bytes, const std::vector<LightSh>& light, const std::vector<LightWay>& ways);
   const DdgiMaps& makeDdgi(bool relocates);
   void addDdgi(const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t probe_bytes);
 

@@ -1,7 +1,6 @@
 #include "validate/light/light_command.h"
 
 #include <CLI/CLI.hpp>
-#include <cctype>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -9,7 +8,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bake/load_generators.h"
 #include "bake/scene_bake.h"
 #include "datagen/view/png_file.h"
 #include "light/light_extent.h"
@@ -24,6 +22,7 @@
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "validate/errors/held_out.h"
+#include "validate/light/asked_bakes.h"
 #include "validate/light/light_json.h"
 #include "validate/light/word_grids.h"
 
@@ -33,7 +32,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kPlaceStream = 0x706c6163, kTruthStream = 0x7472757468, kFloorStream = 0x666c6f6f72,
-                   kMethodStream = 0x6d6574686f64, kPictureStream = 0x70696374;
+                   kPictureStream = 0x70696374;
 
 struct Request {
   std::string scene, out;
@@ -48,39 +47,6 @@ struct Request {
   std::string pictures;  // the folder for pictures of worst places; empty: none are drawn
   int picture_rays = 64;
 };
-
-std::vector<std::string> splitAtCommas(const std::string& text) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
-  return parts;
-}
-
-// A bake's generators by its name: "tent_mlp", "pf3 or pf5".
-using GeneratorSets = std::vector<std::pair<std::string, std::vector<Generator>>>;
-
-GeneratorSets loadSets(const std::vector<std::string>& weights, std::map<std::string, std::string>* hashes) {
-  GeneratorSets sets;
-  for (const std::string& listed : weights) {
-    auto [generators, paths] = loadGenerators(splitAtCommas(listed));
-    std::string name;
-    for (size_t g = 0; g < generators.size(); ++g) {
-      const std::string representation(representationName(generators[g].representation()));
-      name += (g > 0 ? " or " : "") + representation;
-      (*hashes)["weights of " + representation] = fileSha256(paths[g]);
-    }
-    sets.emplace_back(name, std::move(generators));
-  }
-  return sets;
-}
-
-// "pf3 or pf5" as a part of a file's name: pf3-or-pf5.
-std::string fileWord(std::string text) {
-  for (char& sign : text) {
-    if (!std::isalnum(static_cast<unsigned char>(sign)) && sign != '_') sign = '-';
-  }
-  return text;
-}
 
 enum class Draws { nothing, pictures };
 
@@ -127,15 +93,8 @@ class LightMeasurement {
   // scene   as it is at this spacing
   Json spacingFigures(const BakeScene& scene, const BakeOptions& options, const GeneratorSets& sets,
                       const FinestOnly& finest) const {
-    MethodSetOptions method_options;
-    method_options.probe = request_.probe;
-    method_options.solve = probeLightOptions(options);
-    method_options.form = lightFormFromName(options.light_form);
-    method_options.theta = options.policy.theta_precision;
-    method_options.thread_count = threads_;
-    method_options.seed = mixSeed(options.seed, kMethodStream);
     const LightTransport transport(scene.source.scene, scene.rays);
-    MethodSet methods({transport, scene.links, scene.tree, scene.air}, method_options);
+    MethodSet methods({transport, scene.links, scene.tree, scene.air}, methodSetOptions(options, request_.probe, threads_));
     if (!request_.grids_only) {
       methods.addTrilinear();
       methods.addTetrahedra();
@@ -248,9 +207,7 @@ class LightMeasurement {
 void measureLight(Request request, BakeOptions options, const OptionTable& table) {
   takeThetaPrecision(&options);
   std::vector<std::string> inputs = {request.scene};
-  for (const std::string& listed : request.weights) {
-    for (const std::string& path : splitAtCommas(listed)) inputs.push_back(path);
-  }
+  for (const std::string& path : weightsPaths(request.weights)) inputs.push_back(path);
   refuseToReplaceInputs(request.out, inputs);
   if (!request.pictures.empty()) requireOutputFolder(request.pictures);
   std::map<std::string, std::string> hashes;

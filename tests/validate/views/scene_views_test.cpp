@@ -1,0 +1,161 @@
+#include "validate/views/scene_views.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "light/air.h"
+#include "tests/validate/light/lit_scenes.h"
+#include "validate/views/view_surfaces.h"
+
+namespace nlg {
+namespace {
+
+struct Seen {
+  explicit Seen(Scene made) : scene(std::move(made)), rays(scene), transport(scene, rays) {}
+  // small scenes: few places tell their rooms
+  SceneViews views(SceneViewOptions options = {}) const {
+    options.places_in_air = 400;
+    return findViews(transport, lightExtent(scene, {}), options);
+  }
+
+  Scene scene;
+  RayScene rays;
+  LightTransport transport;
+};
+
+TEST(SceneViews, StandInAirInEveryRoom) {
+  const Seen seen(brightAndDarkRoom());
+  const SceneViews found = seen.views();
+  std::set<bool> sides;
+  for (const SceneView& view : found.views) {
+    EXPECT_TRUE(isInAir(seen.rays, view.camera.eye_m));
+    // both rooms are 3 m high, and half of that is less than an eye's 1.6 m
+    EXPECT_NEAR(view.camera.eye_m.y, 1.5, 1e-3);
+    sides.insert(view.camera.eye_m.x < kWallLow);
+    ASSERT_EQ(view.figure.size(), 3u) << "rooms of 3 m by 3 m have a place that a view shows whole";
+    for (const Ball& ball : view.figure) {
+      EXPECT_TRUE(isInAir(seen.rays, ball.centre_m));
+      EXPECT_EQ(ball.centre_m.x < kWallLow, view.camera.eye_m.x < kWallLow) << "the figure stands in the room that is looked at";
+    }
+  }
+  EXPECT_EQ(sides.size(), 2u);
+  EXPECT_EQ(found.rooms_left_out, 0u);
+}
+
+TEST(SceneViews, LookFromHeadHeightWhereCeilingsAreHigh) {
+  SceneOfFaces faces;
+  faces.addRoom({-3, 0, -3}, {3, 5, 3}, 0.2f);
+  const Seen seen(faces.finish());
+  for (const SceneView& view : seen.views().views) EXPECT_NEAR(view.camera.eye_m.y, kEyeHeightM, 1e-3);
+}
+
+// A table of 1 x 1 m is no floor: a stride around any place on it goes beyond its edge.
+TEST(SceneViews, StandOnFloorsAndNotOnTables) {
+  SceneOfFaces faces;
+  faces.addRoom({-2, 0, -2}, {2, 4, 2}, 0.2f);
+  faces.addBox({-0.5f, 0, -0.5f}, {0.5f, 0.8f, 0.5f});
+  const Seen seen(faces.finish());
+  SceneViewOptions options;
+  options.views_per_room = 6;
+  for (const SceneView& view : seen.views(options).views) EXPECT_NEAR(view.camera.eye_m.y, kEyeHeightM, 1e-3);
+}
+
+TEST(SceneViews, AreTheSameForAnyThreadsAndFewerWhereFewerAreAskedFor) {
+  const Seen seen(brightAndDarkRoom());
+  SceneViewOptions options;
+  options.views_per_room = 3;
+  const SceneViews a = seen.views(options);
+  options.thread_count = 3;
+  const SceneViews b = seen.views(options);
+  ASSERT_EQ(a.views.size(), b.views.size());
+  for (size_t v = 0; v < a.views.size(); ++v) {
+    EXPECT_EQ(a.views[v].camera.eye_m, b.views[v].camera.eye_m);
+    EXPECT_EQ(a.views[v].camera.forward, b.views[v].camera.forward);
+  }
+  options.seed = 2;
+  EXPECT_NE(seen.views(options).views.front().camera.eye_m, a.views.front().camera.eye_m);
+  options.most_views = 1;
+  const SceneViews one = seen.views(options);
+  EXPECT_EQ(one.views.size(), 1u);
+  EXPECT_EQ(one.rooms_left_out, one.rooms - 1);
+}
+
+TEST(ViewSurfaces, AreTheSameForAnyThreads) {
+  const Seen seen(brightAndDarkRoom());
+  const SceneView view = seen.views().views.front();
+  const ViewSurfaces one = surfacesOf(seen.transport, view, 48, 27, 1), three = surfacesOf(seen.transport, view, 48, 27, 3);
+  EXPECT_EQ(one.classes, three.classes);
+  ASSERT_EQ(one.sights.samples.size(), three.sights.samples.size());
+  for (size_t i = 0; i < one.sights.samples.size(); ++i)
+    EXPECT_EQ(one.sights.samples[i].receiver.position_m, three.sights.samples[i].receiver.position_m);
+}
+
+// In an empty box edges are known: where a wall, floor or ceiling that the receiver does not lie on is within 10 cm.
+TEST(ViewSurfaces, KnowEdgesAndWhatIsNear) {
+  const glm::dvec3 low(-2, 0, -2), high(2, 3, 2);
+  SceneOfFaces faces;
+  faces.addRoom(glm::vec3(low), glm::vec3(high), 0.2f);
+  const Seen seen(faces.finish());
+  const SceneView view{0, cameraAlong({-1.5, 1.5, -1.5}, {1, -0.3, 1}, 1.2), {}};
+  const ViewSurfaces surfaces = surfacesOf(seen.transport, view, 96, 54, 2);
+  int edges = 0;
+  for (size_t i = 0; i < surfaces.classes.size(); ++i) {
+    const Receiver& receiver = surfaces.sights.samples[i].receiver;
+    double away = INFINITY;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::abs(receiver.normal[axis]) > 0.5f) continue;
+      away = std::min({away, receiver.position_m[axis] - low[axis], high[axis] - receiver.position_m[axis]});
+    }
+    // sixteen rays meet a wall at an angle of at most a sixteenth of a half turn
+    const double seldom = std::cos(3.14159265 / 16);
+    for (const auto& [of_class, reach_m] : {std::pair(ViewClass::edge, kEdgeM), {ViewClass::near, kNearM}}) {
+      if (away < seldom * reach_m) {
+        EXPECT_TRUE(surfaces.isOf(i, of_class)) << away;
+      } else if (away > reach_m) {
+        EXPECT_FALSE(surfaces.isOf(i, of_class)) << away;
+      }
+    }
+    EXPECT_FALSE(surfaces.isOf(i, ViewClass::shadow)) << "there is no sun";
+    edges += surfaces.isOf(i, ViewClass::edge);
+  }
+  EXPECT_GT(edges, 50);
+}
+
+// A sun straight above a roof: what lies under it is in shadow.
+TEST(ViewSurfaces, TellSunFromShadow) {
+  SceneOfFaces faces;
+  faces.addBox({-20, -1, -20}, {20, 0, 20});
+  faces.addBox({-2, 3, -2}, {2, 3.2f, 2});
+  Scene scene = faces.finish();
+  Sun sun;
+  sun.irradiance = glm::vec3(3.0f);
+  scene.light.suns.push_back(sun);
+  const Seen seen(scene);
+  SceneView view{0, cameraAlong({-6, 2, 0}, {1, -0.3, 0}, 1.2), {}};
+  view.figure = {{{-4, 1, 0}, 0.3}, {{1, 1, 1}, 0.3}};
+  const ViewSurfaces surfaces = surfacesOf(seen.transport, view, 96, 54, 1);
+  int sunny = 0, shadowed = 0, on_figure = 0;
+  for (size_t i = 0; i < surfaces.classes.size(); ++i) {
+    const Sight& sight = surfaces.sights.samples[i];
+    if (sight.kind != Sight::Kind::receiver) {
+      EXPECT_EQ(surfaces.classes[i], 0);
+      continue;
+    }
+    EXPECT_NE(surfaces.isOf(i, ViewClass::sun), surfaces.isOf(i, ViewClass::shadow));
+    on_figure += surfaces.isOf(i, ViewClass::figure);
+    if (sight.receiver.normal.y < 0.9f) continue;
+    const glm::dvec3& at = sight.receiver.position_m;
+    const bool is_under = at.y < 3.0 && std::abs(at.x) < 2.0 && std::abs(at.z) < 2.0;
+    EXPECT_EQ(surfaces.isOf(i, ViewClass::shadow), is_under) << at.x << ' ' << at.y << ' ' << at.z;
+    ++(is_under ? shadowed : sunny);
+  }
+  EXPECT_GT(sunny, 100);
+  EXPECT_GT(shadowed, 20);
+  EXPECT_GT(on_figure, 20);
+}
+
+}  // namespace
+}  // namespace nlg

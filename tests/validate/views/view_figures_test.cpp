@@ -1,0 +1,233 @@
+#include "validate/views/view_figures.h"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "tests/validate/light/lit_scenes.h"
+#include "tool/atomic_file.h"
+#include "validate/views/view_truth.h"
+
+namespace nlg {
+namespace {
+
+// A floor seen from straight above, 4 x 2 m at 4 cm a pixel, of one grey.
+ViewSurfaces floorFromAbove() {
+  ViewSurfaces surfaces;
+  surfaces.sights.width = 100;
+  surfaces.sights.height = 50;
+  for (int y = 0; y < 50; ++y) {
+    for (int x = 0; x < 100; ++x) {
+      Sight sight;
+      sight.kind = Sight::Kind::receiver;
+      sight.receiver = {{0.04 * x, 0.0, 0.04 * y}, {0.0f, 1.0f, 0.0f}};
+      sight.albedo = glm::vec3(0.5f);
+      surfaces.sights.samples.push_back(sight);
+      // all, and edges in the left half
+      surfaces.classes.push_back(x < 50 ? 0b11 : 0b1);
+    }
+  }
+  return surfaces;
+}
+
+std::vector<ReceivedLight> evenLight(size_t count, float irradiance, float deviation = 0.0f) {
+  return std::vector<ReceivedLight>(count, {glm::vec3(irradiance), glm::vec3(deviation), true});
+}
+
+std::vector<ReceivedLight> scaled(std::vector<ReceivedLight> light, float factor) {
+  for (ReceivedLight& at : light) at.irradiance *= factor;
+  return light;
+}
+
+const ViewFigures& of(const ViewFiguresByClass& figures, ViewClass of_class) { return figures[static_cast<size_t>(of_class)]; }
+
+TEST(ViewFigures, AreZeroOfTruthItself) {
+  const ViewSurfaces surfaces = floorFromAbove();
+  std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f);
+  // any light, from bright to black
+  for (size_t i = 0; i < light.size(); ++i) light[i].irradiance *= static_cast<float>(i % 7) * static_cast<float>(i % 11);
+  const ViewTruth truth = truthOf(surfaces, light, 1);
+  for (const ViewFigures& f : viewFigures(surfaces, truth, light)) {
+    for (const double figure : {f.colour, f.rmse, f.relative, f.excess, f.off_first.brighter, f.off_first.darker,
+                                f.off_last.brighter, f.off_last.darker, f.ringing, f.unlit})
+      EXPECT_EQ(figure, 0.0);
+  }
+}
+
+TEST(ViewFigures, OfTwiceTheLightAreWhatTheySay) {
+  const ViewSurfaces surfaces = floorFromAbove();
+  const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 3.0f);
+  const ViewTruth truth = truthOf(surfaces, light, 1);
+  const ViewFigures twice = of(viewFigures(surfaces, truth, scaled(light, 2.0f)), ViewClass::all);
+  EXPECT_EQ(twice.receivers, surfaces.classes.size());
+  EXPECT_EQ(twice.off_first.brighter, 1.0);
+  EXPECT_EQ(twice.off_first.darker, 0.0);
+  EXPECT_EQ(twice.off_last.brighter, 0.0) << "twice is not more than twice";
+  EXPECT_NEAR(twice.relative, 0.5, 1e-6);
+  EXPECT_NEAR(twice.rmse, 1.0, 1e-6);
+  EXPECT_NEAR(twice.excess, 1.0, 1e-6);
+  // .18 and .36 of white: L* 49.50 and 66.52
+  EXPECT_NEAR(twice.colour, 66.52 - 49.50, 0.05);
+  const ViewFigures third = of(viewFigures(surfaces, truth, scaled(light, 1.0f / 3.0f)), ViewClass::all);
+  EXPECT_EQ(third.off_last.darker, 1.0);
+  EXPECT_EQ(third.off_last.brighter, 0.0);
+  EXPECT_EQ(third.ringing, 1.0);
+}
+
+TEST(ViewFigures, TakeNoisyTruthForOffOnlyBeyondItsNoise) {
+  const ViewSurfaces surfaces = floorFromAbove();
+  const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f, 0.2f);
+  const ViewTruth truth = truthOf(surfaces, light, 1);
+  EXPECT_NEAR(truth.noise, 0.2, 1e-6);
+  // truth may be 1.6, and 1.5 times that is 2.4
+  EXPECT_EQ(of(viewFigures(surfaces, truth, scaled(light, 2.3f)), ViewClass::all).off_first.brighter, 0.0);
+  EXPECT_EQ(of(viewFigures(surfaces, truth, scaled(light, 2.5f)), ViewClass::all).off_first.brighter, 1.0);
+}
+
+// Half of the floor is lit by a thousandth of the other's light: whatever is wrong with it there, nobody sees it.
+TEST(ViewFigures, DoNotLookIntoTheBlack) {
+  const ViewSurfaces surfaces = floorFromAbove();
+  std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f), answer = light;
+  for (size_t i = 0; i < light.size(); i += 3) {
+    light[i].irradiance = glm::vec3(0.001f);
+    answer[i].irradiance = glm::vec3(0.009f);
+  }
+  const ViewTruth truth = truthOf(surfaces, light, 1);
+  EXPECT_EQ(of(viewFigures(surfaces, truth, answer), ViewClass::all).off_first.brighter, 0.0);
+  for (size_t i = 0; i < light.size(); i += 3) answer[i].irradiance = glm::vec3(0.011f);
+  EXPECT_NEAR(of(viewFigures(surfaces, truth, answer), ViewClass::all).off_first.brighter, 1.0 / 3.0, 1e-3);
+}
+
+TEST(ViewFigures, FindRingsWhereTheyAreAndNowhereElse) {
+  const ViewSurfaces surfaces = floorFromAbove();
+  // truth: bright, and dark on a strip of 8 cm at x = 2 m
+  std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f);
+  for (size_t i = 0; i < light.size(); ++i) {
+    if (i % 100 == 50 || i % 100 == 51) light[i].irradiance = glm::vec3(0.3f);
+  }
+  const ViewTruth truth = truthOf(surfaces, light, 3);
+  // the answer: dark at x = .4 m, where truth is bright all around, and at 2.2 m, which is 16 cm from the strip
+  std::vector<ReceivedLight> answer = light;
+  for (size_t i = 0; i < light.size(); ++i) {
+    if (i % 100 == 10 || i % 100 == 55) answer[i].irradiance = glm::vec3(0.5f);
+  }
+  const ViewFiguresByClass figures = viewFigures(surfaces, truth, answer);
+  EXPECT_NEAR(of(figures, ViewClass::all).ringing, 0.01, 1e-9);
+  EXPECT_NEAR(of(figures, ViewClass::edge).ringing, 0.02, 1e-9) << "all of it in the left half, which is the class";
+  // a third darker is no ring yet
+  for (size_t i = 0; i < light.size(); ++i) {
+    if (i % 100 == 10) answer[i].irradiance = glm::vec3(0.67f);
+  }
+  EXPECT_EQ(of(viewFigures(surfaces, truth, answer), ViewClass::all).ringing, 0.0);
+}
+
+TEST(ViewFigures, OfSeveralViewsCountEachViewAndEachReceiverOfAClass) {
+  std::vector<ViewFiguresByClass> views(2);
+  views[0][0].receivers = 1000, views[0][0].colour = 2.0;
+  views[1][0].receivers = 500, views[1][0].colour = 4.0;
+  const auto edge = static_cast<size_t>(ViewClass::edge);
+  views[0][edge].receivers = 10, views[0][edge].off_last.brighter = 1.0;
+  views[1][edge].receivers = 30;
+  const ViewFiguresByClass mean = meanFigures(views);
+  EXPECT_EQ(mean[0].colour, 3.0);
+  EXPECT_EQ(mean[0].receivers, 1500u);
+  EXPECT_EQ(mean[edge].off_last.brighter, 0.25);
+  EXPECT_EQ(mean[static_cast<size_t>(ViewClass::sun)].receivers, 0u);
+}
+
+class ViewTruthFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = testing::TempDir() + "view_truth_" + std::to_string(getpid());
+    std::filesystem::create_directories(folder_);
+    options_.gather.rays = 8;
+    options_.scene_sha256 = "a scene";
+    sights_ = surfacesOf(lit_.transport, {0, cameraAlong({-1, 1, 1.5}, {1, 0, 0}, 1.2), {}}, 16, 9, 1).sights;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  TracedView truth() const { return viewTruth(lit_.transport, sights_, options_, path()); }
+  std::string path() const { return folder_ + "/view.truth.safetensors"; }
+
+  const LitScene lit_{furnace()};
+  ViewTruthOptions options_;
+  Sights sights_;
+  std::string folder_;
+};
+
+TEST_F(ViewTruthFile, HoldsWhatWasTraced) {
+  const TracedView traced = truth(), read = truth();
+  EXPECT_FALSE(traced.was_read);
+  EXPECT_TRUE(read.was_read);
+  EXPECT_EQ(traced.rounds, read.rounds);
+  ASSERT_EQ(traced.at.size(), read.at.size());
+  for (size_t i = 0; i < traced.at.size(); ++i) {
+    EXPECT_EQ(traced.at[i].irradiance, read.at[i].irradiance);
+    EXPECT_EQ(traced.at[i].deviation, read.at[i].deviation);
+  }
+}
+
+TEST_F(ViewTruthFile, IsMadeAnewWhereAnythingThatDecidesItIsOther) {
+  const auto isOther = [&](const auto& change) {
+    truth();
+    const ViewTruthOptions kept = options_;
+    const Sights sights = sights_;
+    change();
+    const bool was_read = truth().was_read;
+    options_ = kept;
+    sights_ = sights;
+    return !was_read;
+  };
+  EXPECT_FALSE(isOther([] {}));
+  EXPECT_TRUE(isOther([&] { options_.scene_sha256 = "another scene"; }));
+  EXPECT_TRUE(isOther([&] { options_.gather.rays = 16; }));
+  EXPECT_TRUE(isOther([&] { options_.gather.direct = DirectLight::no_suns; }));
+  EXPECT_TRUE(isOther([&] { options_.noise = 0.1; }));
+  EXPECT_TRUE(isOther([&] { options_.seed = 2; }));
+  EXPECT_TRUE(isOther([&] { sights_.samples[3].receiver.position_m.x += 1e-9; }));
+}
+
+TEST_F(ViewTruthFile, IsMadeAnewWhereItIsDamaged) {
+  const TracedView traced = truth();
+  std::string bytes = readFile(path());
+  bytes[bytes.size() - 7] ^= 1;
+  writeFileAtomically(path(), bytes);
+  const TracedView again = truth();
+  EXPECT_FALSE(again.was_read);
+  for (size_t i = 0; i < traced.at.size(); ++i) EXPECT_EQ(traced.at[i].irradiance, again.at[i].irradiance);
+  EXPECT_TRUE(truth().was_read);
+}
+
+double meanDeviation(const TracedView& view) {
+  double sum = 0.0;
+  for (const ReceivedLight& at : view.at) sum += luminanceOf(at.deviation);
+  return sum / static_cast<double>(view.at.size());
+}
+
+// A room with a lamp: bounces of eight paths are far off.
+TEST(ViewTruth, TakesMoreRoundsWhereItIsNoisy) {
+  SceneOfFaces faces;
+  faces.addRoom({-2, 0, -2}, {2, 3, 2}, 0.2f);
+  Scene scene = faces.finish();
+  scene.light.lamps.push_back({});
+  scene.light.lamps.back().position = {1, 2, 1};
+  scene.light.lamps.back().intensity = glm::vec3(3.0f);
+  const RayScene rays(scene);
+  const LightTransport transport(scene, rays);
+  const Sights sights = surfacesOf(transport, {0, cameraAlong({-1, 1.5, -1}, {1, 0, 1}, 1.2), {}}, 16, 9, 1).sights;
+  ViewTruthOptions options;
+  options.gather.rays = 8;
+  options.noise = 1e3;
+  const TracedView one = viewTruth(transport, sights, options, "");
+  EXPECT_EQ(one.rounds, 1);
+  options.noise = 1e-9;
+  const TracedView most = viewTruth(transport, sights, options, "");
+  EXPECT_EQ(most.rounds, kMostTruthRounds);
+  // a quarter is expected, of estimates by eight sets each that 144 pixels average
+  EXPECT_LT(meanDeviation(most), 0.5 * meanDeviation(one));
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,114 @@
+#!/usr/bin/python3
+"""nlg-validate views on a corner of a house: its result keeps the contract of docs/reference/formats.md.
+
+    views_test.py BIN_FOLDER WEIGHTS_FOLDER
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import matplotlib.image
+
+BIN, WEIGHTS = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
+WIDTH, HEIGHT = 48, 27
+HOUSE = ["house:1", "--extent-m", "0,0,0,5,5,3", "--weights", os.path.join(WEIGHTS, "tent_mlp4.safetensors"), "--most-views", "2",
+         "--width", str(WIDTH), "--height", str(HEIGHT), "--truth-rays", "16", "--probe-rays", "64"]
+SHARES = ("brighter", "darker")
+
+
+def views(*arguments):
+    return subprocess.run([os.path.join(BIN, "nlg-validate"), "views", *arguments], capture_output=True, text=True)
+
+
+class Views(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.out = cls.path("house.json")
+        cls.run_ = views(*HOUSE, "--spacing-m", "2", "--threads", "1", "--pictures", cls.path("pictures"), "--truth", cls.path("truth"), "--out", cls.out)
+        assert cls.run_.returncode == 0, cls.run_.stderr
+        with open(cls.out) as file:
+            cls.result = json.load(file)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder.name, name)
+
+    def test_says_where_it_comes_from(self):
+        self.assertEqual(self.result["schema_version"], 1)
+        self.assertEqual((self.result["scene"], self.result["spacing_m"]), ("house_1", 2.0))
+        self.assertEqual(set(self.result["provenance"]["inputs"]), {"weights of tent_mlp4"})
+        self.assertEqual(len(self.result["views"]), 2)
+
+    def test_has_the_grid_its_yardsticks_and_rivals(self):
+        names = [(method["weights"], method["light"]) for method in self.result["methods"]]
+        self.assertEqual(names, [("tent_mlp4", "solved"), ("target functions", "solved"), ("exact visibility", "solved"), ("trilinear", "point"),
+                                 ("valid trilinear", "point"), ("APV", "point"), ("DDGI as shipped", "own"), ("DDGI as shipped, relocated", "own")])
+        for view in self.result["views"]:
+            self.assertEqual([(method["weights"], method["light"]) for method in view["methods"]], names)
+
+    def test_has_figures_of_every_class_that_is_seen(self):
+        for method in self.result["methods"]:
+            self.assertIn("edge", method)
+            for of_class in method.keys() - {"weights", "light"}:
+                figures = method[of_class]
+                self.assertGreater(figures["receivers"], 0)
+                for share in [figures[off][way] for off in ("off_1.5", "off_2") for way in SHARES] + [figures["ringing"], figures["unlit"]]:
+                    self.assertTrue(0 <= share <= 1, figures)
+                for way in SHARES:
+                    self.assertLessEqual(figures["off_2"][way], figures["off_1.5"][way])
+            parts = [view_method["all"] for view in self.result["views"] for view_method in view["methods"] if view_method["weights"] == method["weights"]]
+            self.assertAlmostEqual(method["all"]["hyab"], sum(part["hyab"] for part in parts) / len(parts), places=9)
+
+    def test_prints_what_one_looks_at_first(self):
+        lines = self.run_.stdout.splitlines()
+        self.assertEqual(lines[0].split()[:3], ["scene", "method", "HyAB"])
+        self.assertEqual(len(lines), 1 + len(self.result["methods"]) + 1)
+        self.assertEqual(lines[-1], self.out)
+
+    def test_draws_truth_and_methods_of_every_view(self):
+        for view in self.result["views"]:
+            image = matplotlib.image.imread(self.path(view["picture"]))
+            # four pictures at twice their size
+            self.assertGreaterEqual(image.shape[1], 4 * 2 * WIDTH)
+        sheet = matplotlib.image.imread(self.path(self.result["sheet"]))
+        self.assertGreaterEqual(sheet.shape[0], len(self.result["views"]) * HEIGHT)
+
+    def test_gives_the_same_bytes_on_any_number_of_threads_and_with_truth_kept(self):
+        for arguments in (["--truth", self.path("truth")], ["--truth", self.path("another")]):
+            again = self.path("again.json")
+            run = views(*HOUSE, "--spacing-m", "2", "--threads", "3", "--pictures", self.path("pictures"), *arguments, "--out", again)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            with open(self.out) as a, open(again) as b:
+                self.assertEqual(a.read(), b.read())
+            self.assertNotIn("traced anew", run.stderr)
+
+    def test_looks_from_the_same_places_at_any_spacing(self):
+        coarse = self.path("coarse.json")
+        run = views(*HOUSE, "--spacing-m", "3", "--grids-only", "--truth", self.path("truth"), "--out", coarse)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertNotIn("traced anew", run.stderr)
+        with open(coarse) as file:
+            result = json.load(file)
+        self.assertEqual([view["eye_m"] for view in result["views"]], [view["eye_m"] for view in self.result["views"]])
+        self.assertEqual([method["weights"] for method in result["methods"]], ["tent_mlp4", "target functions", "exact visibility"])
+        self.assertNotIn("sheet", result)
+
+    def test_refuses_what_cannot_be_measured(self):
+        self.assertEqual(views(*HOUSE).returncode, USAGE_ERROR)
+        self.assertEqual(views(*HOUSE, "--light", "none", "--out", self.path("dark.json")).returncode, USAGE_ERROR)
+        self.assertEqual(views("none.glb", "--out", self.path("none.json")).returncode, INPUT_ERROR)
+        self.assertEqual(views(*HOUSE, "--pictures", self.out, "--out", self.path("none.json")).returncode, OUTPUT_ERROR)
+        self.assertFalse(os.path.exists(self.path("none.json")))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,235 @@
+#include "validate/views/scene_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "light/air.h"
+#include "render/view_choice.h"
+#include "runtime_eval/numbers/random.h"
+#include "validate/light/light_places.h"
+#include "validate/light/rooms.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kPlaceStream = 0x7669657773;
+constexpr double kPi = 3.14159265358979;
+constexpr float kWalkableSlope = 0.7f;                   // of the floor's normal: 45 degrees, as games have it
+constexpr double kLeastHeadroomM = 0.5;                  // below it nobody looks out
+constexpr double kElbowRoomM = 0.25;                     // around an eye
+constexpr double kStrideM = 0.6, kStepM = 0.3;           // around a place to stand: no table, no ledge
+constexpr int kTurns = 8;                                // around the vertical
+constexpr size_t kSpotsPerRoom = 64, kEyesPerView = 10;  // that are judged
+constexpr double kFigureNearM = 1.5, kFigureFarM = 8.0;  // from the eye
+constexpr Ball kFigure[] = {{{0.0, 0.3, 0.0}, 0.3}, {{0.0, 1.0, 0.0}, 0.35}, {{0.0, 1.6, 0.0}, 0.2}};  // over its foot
+constexpr double kFigureHeightM = 1.85;
+
+glm::dvec3 around(int turn) {
+  const double angle = 2.0 * kPi * turn / kTurns;
+  return {std::cos(angle), 0.0, std::sin(angle)};
+}
+
+// Where a player can stand.
+struct Spot {
+  glm::dvec3 floor_m{0.0}, eye_m{0.0};
+  double headroom_m = 0.0;
+  bool is_wide = false;   // a stride around it the floor goes on
+  bool has_roof = false;  // above it
+};
+
+class Spots {
+ public:
+  explicit Spots(const LightTransport& transport) : transport_(transport), rays_(transport.rays()) {}
+
+  // Straight below a place in air.
+  std::optional<Spot> below(const glm::dvec3& place_m) const {
+    const LightHit floor = rays_.lightHit(glm::vec3(place_m), {0.0f, -1.0f, 0.0f});
+    if (!isFloor(floor)) return std::nullopt;
+    Spot spot;
+    spot.floor_m = place_m - glm::dvec3(0.0, floor.distance, 0.0);
+    const glm::dvec3 off_floor = spot.floor_m + glm::dvec3(0.0, transport_.nudge(), 0.0);
+    const LightHit ceiling = rays_.lightHit(glm::vec3(off_floor), {0.0f, 1.0f, 0.0f});
+    spot.headroom_m =
+        ceiling.kind == LightHit::Kind::nothing ? std::numeric_limits<double>::infinity() : double{ceiling.distance};
+    spot.has_roof = ceiling.kind == LightHit::Kind::surface;
+    if (spot.headroom_m < kLeastHeadroomM) return std::nullopt;
+    spot.eye_m = spot.floor_m + glm::dvec3(0.0, std::min(kEyeHeightM, 0.5 * spot.headroom_m), 0.0);
+    if (!isInAir(rays_, spot.eye_m)) return std::nullopt;
+    for (int turn = 0; turn < kTurns; ++turn) {
+      if (isBlocked(spot.eye_m, spot.eye_m + kElbowRoomM * around(turn))) return std::nullopt;
+    }
+    spot.is_wide = isWide(spot);
+    return spot;
+  }
+
+  bool isBlocked(const glm::dvec3& from, const glm::dvec3& to) const { return rays_.isBlocked(glm::vec3(from), glm::vec3(to)); }
+
+ private:
+  bool isFloor(const LightHit& hit) const {
+    if (hit.kind != LightHit::Kind::surface || hit.normal.y < kWalkableSlope) return false;
+    const Scene& scene = transport_.scene();
+    return hit.is_front || scene.materials[scene.triangle_material[hit.triangle]].double_sided;
+  }
+
+  bool isWide(const Spot& spot) const {
+    int free = 0;
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const glm::dvec3 beside = spot.eye_m + kStrideM * around(turn);
+      if (isBlocked(spot.eye_m, beside)) continue;
+      ++free;
+      const LightHit hit = rays_.lightHit(glm::vec3(beside), {0.0f, -1.0f, 0.0f});
+      if (!isFloor(hit) || std::abs(beside.y - hit.distance - spot.floor_m.y) > kStepM) return false;
+    }
+    return free >= kTurns / 2;
+  }
+
+  const LightTransport& transport_;
+  const RayScene& rays_;
+};
+
+// Those with a wide floor; of a room that has none, all.
+std::vector<Spot> spotsOf(const SeenRoom& room, const std::vector<glm::dvec3>& places_m, const Spots& spots) {
+  std::vector<Spot> wide, all;
+  for (const uint32_t place : room.places) {
+    const std::optional<Spot> spot = spots.below(places_m[place]);
+    if (!spot) continue;
+    (spot->is_wide ? wide : all).push_back(*spot);
+    if (wide.size() == kSpotsPerRoom) break;
+  }
+  return wide.empty() ? all : wide;
+}
+
+bool isUnderRoof(const std::vector<Spot>& spots) {
+  const auto roofed = std::count_if(spots.begin(), spots.end(), [](const Spot& spot) { return spot.has_roof; });
+  return 2 * static_cast<size_t>(roofed) > spots.size();
+}
+
+// Groups of spots, far from one another: the first lies around the room's middle, each of the others where most is left.
+std::vector<std::vector<Spot>> apart(const std::vector<Spot>& spots, const glm::dvec3& middle_m, size_t count) {
+  const auto distanceTo = [&](const Spot& spot, const glm::dvec3& place) { return glm::distance(spot.eye_m, place); };
+  std::vector<glm::dvec3> seeds = {std::min_element(spots.begin(), spots.end(), [&](const Spot& a, const Spot& b) {
+                                     return distanceTo(a, middle_m) < distanceTo(b, middle_m);
+                                   })->eye_m};
+  const auto nearest = [&](const Spot& spot) {
+    return std::min_element(seeds.begin(), seeds.end(),
+                            [&](const glm::dvec3& a, const glm::dvec3& b) { return distanceTo(spot, a) < distanceTo(spot, b); });
+  };
+  while (seeds.size() < std::min(count, spots.size())) {
+    const auto furthest = std::max_element(spots.begin(), spots.end(), [&](const Spot& a, const Spot& b) {
+      return distanceTo(a, *nearest(a)) < distanceTo(b, *nearest(b));
+    });
+    seeds.push_back(furthest->eye_m);
+  }
+  std::vector<std::vector<Spot>> groups(seeds.size());
+  for (const Spot& spot : spots) groups[nearest(spot) - seeds.begin()].push_back(spot);
+  return groups;
+}
+
+// Whether a figure can stand there, and is seen from head to foot.
+bool fits(const Spot& spot, const Camera& camera, double aspect, const Spots& spots, const RayScene& rays) {
+  constexpr double kTouching = 0.95;  // of a radius: the lowest ball lies on the floor
+  const double away = glm::distance(spot.eye_m, camera.eye_m);
+  if (spot.headroom_m < kFigureHeightM || away < kFigureNearM || away > kFigureFarM) return false;
+  for (const Ball& ball : kFigure) {
+    const glm::dvec3 centre = spot.floor_m + ball.centre_m;
+    const std::optional<glm::dvec2> at = camera.seenAt(centre, aspect);
+    if (!at || at->x < 0.1 || at->x > 0.9 || at->y < 0.02 || at->y > 0.98) return false;
+    if (spots.isBlocked(camera.eye_m, centre) || !isInAir(rays, centre)) return false;
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 side(0.0);
+      side[axis] = kTouching * ball.radius_m;
+      if (spots.isBlocked(centre - side, centre + side)) return false;
+    }
+  }
+  return true;
+}
+
+// Where the view shows it, as near to the room's middle as may be.
+std::vector<Ball> figureIn(const Camera& camera, double aspect, const SeenRoom& room, std::vector<Spot> candidates,
+                           const Spots& spots, const RayScene& rays) {
+  // of small rooms few spots are known: some straight before the eye
+  for (const double away_m : {2.0, 2.5, 3.0, 4.0}) {
+    for (const double aside : {0.0, -0.3, 0.3}) {
+      const glm::vec3 along = camera.direction(0.5 + aside, 0.5, aspect);
+      const glm::dvec3 place = camera.eye_m + away_m * glm::normalize(glm::dvec3(along.x, 0.0, along.z));
+      if (spots.isBlocked(camera.eye_m, place)) continue;
+      if (const std::optional<Spot> spot = spots.below(place)) candidates.push_back(*spot);
+    }
+  }
+  const Spot* best = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Spot& spot : candidates) {
+    const double away = glm::distance(spot.eye_m, room.middle_m);
+    if (away < least && fits(spot, camera, aspect, spots, rays)) least = away, best = &spot;
+  }
+  std::vector<Ball> figure;
+  if (best == nullptr) return figure;
+  for (const Ball& ball : kFigure) figure.push_back({best->floor_m + ball.centre_m, ball.radius_m});
+  return figure;
+}
+
+std::vector<glm::dvec3> placesInAir(const LightTransport& transport, const ExtentBox& extent, const SceneViewOptions& options) {
+  LightPlaceOptions place_options;
+  place_options.air = options.places_in_air;
+  place_options.surface = place_options.walks = place_options.edges = 0;
+  place_options.source_distance_m = 0.0;
+  place_options.seed = mixSeed(options.seed, kPlaceStream);
+  std::vector<glm::dvec3> places;
+  for (const LightPlace& place : drawLightPlaces(transport.scene(), transport.rays(), extent, place_options).places)
+    places.push_back(place.position_m);
+  return places;
+}
+
+}  // namespace
+
+SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, const SceneViewOptions& options) {
+  const RayScene& rays = transport.rays();
+  const std::vector<glm::dvec3> places = placesInAir(transport, extent, options);
+  RoomOptions room_options;
+  room_options.threads = options.thread_count;
+  const std::vector<SeenRoom> rooms = findRooms(rays, places, room_options);
+  SceneViews found;
+  found.rooms = static_cast<uint32_t>(rooms.size());
+  const Spots spots(transport);
+  const double aspect = static_cast<double>(options.width) / options.height;
+
+  std::vector<std::pair<uint32_t, std::vector<Spot>>> standing;  // rooms with a floor
+  for (uint32_t r = 0; r < rooms.size(); ++r) {
+    std::vector<Spot> of_room = spotsOf(rooms[r], places, spots);
+    if (!of_room.empty()) standing.emplace_back(r, std::move(of_room));
+  }
+  found.rooms_without_floor = found.rooms - static_cast<uint32_t>(standing.size());
+  const auto most = static_cast<size_t>(options.most_views);
+  found.rooms_left_out = static_cast<uint32_t>(standing.size() - std::min(standing.size(), most));
+  standing.resize(std::min(standing.size(), most));
+  // every room has one before any has another
+  std::vector<size_t> counts(standing.size(), 1);
+  size_t left = most - standing.size();
+  for (int round = 1; round < options.views_per_room; ++round) {
+    for (size_t& count : counts) {
+      if (left > 0) ++count, --left;
+    }
+  }
+  size_t largest = 0;
+  for (size_t s = 0; s < standing.size() && largest < kLargestRooms; ++s) {
+    if (left > 0 && isUnderRoof(standing[s].second)) ++counts[s], --left, ++largest;
+  }
+
+  for (size_t s = 0; s < standing.size(); ++s) {
+    const auto& [number, of_room] = standing[s];
+    for (const std::vector<Spot>& group : apart(of_room, rooms[number].middle_m, counts[s])) {
+      std::vector<glm::dvec3> eyes;
+      for (size_t i = 0; i < std::min(kEyesPerView, group.size()); ++i) eyes.push_back(group[i].eye_m);
+      SceneView view;
+      view.room = number;
+      view.camera = bestView(transport, eyes, options.fov_y, aspect);
+      view.figure = figureIn(view.camera, aspect, rooms[number], of_room, spots, rays);
+      found.views.push_back(std::move(view));
+    }
+  }
+  return found;
+}
+
+}  // namespace nlg

@@ -1,0 +1,203 @@
+#include "validate/views/view_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "render/tone.h"
+#include "runtime_eval/numbers/random.h"
+#include "tool/parallel_for.h"
+#include "validate/light/colour_difference.h"
+
+namespace nlg {
+namespace {
+
+constexpr float kPi = 3.14159265f;
+
+double squareSum(const glm::vec3& rgb) {
+  const glm::dvec3 wide(rgb);
+  return glm::dot(wide, wide);
+}
+
+double over(double a, double b) { return b > 0.0 ? a / b : 0.0; }
+
+glm::vec3 shownColour(const Sight& sight, const glm::vec3& irradiance, double exposure) {
+  return labOf(static_cast<float>(exposure) * (sight.albedo * irradiance / kPi + sight.shine));
+}
+
+// Samples by the cube of side kRingM that their receivers lie in.
+class Neighbours {
+ public:
+  explicit Neighbours(const Sights& sights) : sights_(sights) {
+    for (uint32_t i = 0; i < sights.samples.size(); ++i) {
+      if (sights.samples[i].kind == Sight::Kind::receiver) cubes_[keyOf(cubeOf(i))].push_back(i);
+    }
+  }
+
+  // The least of the values of samples around one, itself among them.
+  float leastAround(uint32_t sample, const std::vector<float>& values) const {
+    const Receiver& receiver = sights_.samples[sample].receiver;
+    const glm::i64vec3 centre = cubeOf(sample);
+    float least = values[sample];
+    for (int i = 0; i < 27; ++i) {
+      const auto found = cubes_.find(keyOf(centre + glm::i64vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
+      if (found == cubes_.end()) continue;
+      for (const uint32_t other : found->second) {
+        const Receiver& there = sights_.samples[other].receiver;
+        if (values[other] < least && glm::dot(there.normal, receiver.normal) > kRingNormal &&
+            glm::distance(there.position_m, receiver.position_m) <= kRingM)
+          least = values[other];
+      }
+    }
+    return least;
+  }
+
+ private:
+  glm::i64vec3 cubeOf(uint32_t sample) const {
+    return glm::i64vec3(glm::floor(sights_.samples[sample].receiver.position_m / kRingM));
+  }
+  static uint64_t keyOf(const glm::i64vec3& cube) {
+    return mixSeed(static_cast<uint64_t>(cube.x), static_cast<uint64_t>(cube.y), static_cast<uint64_t>(cube.z));
+  }
+
+  const Sights& sights_;
+  std::unordered_map<uint64_t, std::vector<uint32_t>> cubes_;
+};
+
+class ClassSum {
+ public:
+  // light   luminances
+  void add(double light, double answer, double deviation, double black) {
+    ++figures_.receivers;
+    truth_ += light;
+    answer_ += answer;
+    const double larger = std::max(light, answer);
+    if (!(larger > black)) return;
+    figures_.relative += (answer - light) * (answer - light) / (larger * larger);
+    const double most = light + kSureDeviations * deviation, least = light - kSureDeviations * deviation;
+    figures_.off_first.brighter += answer > kFirstFactor * most;
+    figures_.off_first.darker += kFirstFactor * answer < least;
+    figures_.off_last.brighter += answer > kLastFactor * most;
+    figures_.off_last.darker += kLastFactor * answer < least;
+  }
+  void addColour(double difference) { figures_.colour += difference; }
+  void addSquares(double difference, double truth) {
+    error_squares_ += difference;
+    truth_squares_ += truth;
+  }
+  void addRing() { figures_.ringing += 1.0; }
+  void addUnlit() { figures_.unlit += 1.0; }
+
+  ViewFigures finish() const {
+    ViewFigures f = figures_;
+    const auto count = static_cast<double>(std::max<uint64_t>(1, f.receivers));
+    for (double* share :
+         {&f.colour, &f.off_first.brighter, &f.off_first.darker, &f.off_last.brighter, &f.off_last.darker, &f.ringing, &f.unlit})
+      *share /= count;
+    f.relative = std::sqrt(f.relative / count);
+    f.rmse = std::sqrt(over(error_squares_, truth_squares_));
+    f.excess = over(answer_ - truth_, truth_);
+    return f;
+  }
+
+ private:
+  ViewFigures figures_;
+  double truth_ = 0.0, answer_ = 0.0, error_squares_ = 0.0, truth_squares_ = 0.0;
+};
+
+}  // namespace
+
+ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> received, int thread_count) {
+  const Sights& sights = surfaces.sights;
+  ViewTruth truth;
+  truth.at = std::move(received);
+  truth.exposure = automaticExposure(pictureOf(sights, "truth", truth.at));
+  std::vector<float> light(truth.at.size(), 0.0f);
+  std::vector<double> lit;
+  double squares = 0.0, variance = 0.0, colour = 0.0;
+  uint64_t receivers = 0;
+  for (size_t i = 0; i < truth.at.size(); ++i) {
+    const Sight& sight = sights.samples[i];
+    if (sight.kind != Sight::Kind::receiver) continue;
+    const ReceivedLight& at = truth.at[i];
+    ++receivers;
+    light[i] = static_cast<float>(luminanceOf(at.irradiance));
+    if (light[i] > 0.0f) lit.push_back(light[i]);
+    squares += squareSum(at.irradiance);
+    variance += squareSum(at.deviation);
+    colour +=
+        hyAb(shownColour(sight, at.irradiance, truth.exposure), shownColour(sight, at.irradiance + at.deviation, truth.exposure));
+  }
+  if (!lit.empty()) {
+    const auto middle = lit.begin() + static_cast<ptrdiff_t>(lit.size() / 2);
+    std::nth_element(lit.begin(), middle, lit.end());
+    truth.median = *middle;
+  }
+  truth.noise = std::sqrt(over(variance, squares));
+  truth.colour_noise = colour / static_cast<double>(std::max<uint64_t>(1, receivers));
+  const Neighbours neighbours(sights);
+  truth.least_nearby.resize(light.size(), 0.0f);
+  parallelFor(sights.height, thread_count, [&](uint64_t row, int) {
+    for (uint64_t i = row * sights.width; i < (row + 1) * sights.width; ++i) {
+      if (sights.samples[i].kind == Sight::Kind::receiver)
+        truth.least_nearby[i] = neighbours.leastAround(static_cast<uint32_t>(i), light);
+    }
+  });
+  return truth;
+}
+
+ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& truth, const std::vector<ReceivedLight>& answers) {
+  std::array<ClassSum, kViewClassCount> sums;
+  const double black = kBlackOfMedian * truth.median;
+  for (size_t i = 0; i < answers.size(); ++i) {
+    const Sight& sight = surfaces.sights.samples[i];
+    if (sight.kind != Sight::Kind::receiver) continue;
+    const glm::vec3 &right = truth.at[i].irradiance, &given = answers[i].irradiance;
+    const double light = luminanceOf(right), answer = luminanceOf(given);
+    // at most: channels whose noise goes up and down together
+    const double deviation = luminanceOf(truth.at[i].deviation);
+    const double colour = hyAb(shownColour(sight, right, truth.exposure), shownColour(sight, given, truth.exposure));
+    const bool is_ring = truth.least_nearby[i] > black && answer < kRingDarker * truth.least_nearby[i] &&
+                         light - answer > kSureDeviations * deviation;
+    for (size_t c = 0; c < kViewClassCount; ++c) {
+      if (!surfaces.isOf(i, static_cast<ViewClass>(c))) continue;
+      sums[c].add(light, answer, deviation, black);
+      sums[c].addColour(colour);
+      sums[c].addSquares(squareSum(given - right), squareSum(right));
+      if (is_ring) sums[c].addRing();
+      if (!answers[i].is_lit) sums[c].addUnlit();
+    }
+  }
+  ViewFiguresByClass figures;
+  for (size_t c = 0; c < kViewClassCount; ++c) figures[c] = sums[c].finish();
+  return figures;
+}
+
+ViewFiguresByClass meanFigures(const std::vector<ViewFiguresByClass>& views) {
+  ViewFiguresByClass mean;
+  for (size_t c = 0; c < kViewClassCount; ++c) {
+    const bool by_receivers = static_cast<ViewClass>(c) != ViewClass::all;
+    double weights = 0.0;
+    for (const ViewFiguresByClass& view : views) {
+      const ViewFigures& f = view[c];
+      const double weight = by_receivers ? static_cast<double>(f.receivers) : f.receivers > 0 ? 1.0 : 0.0;
+      weights += weight;
+      mean[c].receivers += f.receivers;
+      for (double ViewFigures::*member : {&ViewFigures::colour, &ViewFigures::rmse, &ViewFigures::relative, &ViewFigures::excess,
+                                          &ViewFigures::ringing, &ViewFigures::unlit})
+        mean[c].*member += weight * f.*member;
+      for (OffShares ViewFigures::*member : {&ViewFigures::off_first, &ViewFigures::off_last}) {
+        (mean[c].*member).brighter += weight * (f.*member).brighter;
+        (mean[c].*member).darker += weight * (f.*member).darker;
+      }
+    }
+    if (!(weights > 0.0)) continue;
+    for (double* figure :
+         {&mean[c].colour, &mean[c].rmse, &mean[c].relative, &mean[c].excess, &mean[c].ringing, &mean[c].unlit,
+          &mean[c].off_first.brighter, &mean[c].off_first.darker, &mean[c].off_last.brighter, &mean[c].off_last.darker})
+      *figure /= weights;
+  }
+  return mean;
+}
+
+}  // namespace nlg

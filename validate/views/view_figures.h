@@ -1,0 +1,61 @@
+// How far the picture that a method gives of a view is from truth, at its receivers.
+//
+// The eye adapts: a view is exposed by its own truth, so that a dark room counts as much as a terrace. The exposure is
+// render/tone.h's: the median luminance is shown as middle grey, .18. Colours are compared as a display shows them, by HyAB in
+// CIE L*a*b* (validate/light/colour_difference.h). That is not FLIP, of which HyAB is the colour part alone: FLIP's filters say what
+// is seen from afar in a picture of a known size, and a player's is none.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "render/lit_picture.h"
+#include "validate/views/view_surfaces.h"
+
+namespace nlg {
+
+inline constexpr double kLastFactor = 2.0, kFirstFactor = 1.5;  // of light that is off
+inline constexpr double kSureDeviations = 3.0;                  // of truth's noise: what differs by less is not off
+// Of the view's median irradiance: where neither truth nor answer has more, all is black to an eye. A surface of the view's median
+// colour is shown as .0018 there, L* 1.6, and less than 2.3 is not seen.
+inline constexpr double kBlackOfMedian = 0.01;
+inline constexpr double kRingM = 0.2;             // around a receiver
+inline constexpr double kRingDarker = 2.0 / 3.0;  // of the least truth there: a ring is darker
+inline constexpr float kRingNormal = 0.9f;        // cosine between normals of surfaces that are held against each other
+
+struct ViewTruth {
+  std::vector<ReceivedLight> at;    // by sample
+  std::vector<float> least_nearby;  // luminance: the least truth within kRingM, of like normals; by sample
+  double exposure = 1.0;
+  double median = 0.0;        // of the luminance of irradiance, of receivers that are not black
+  double noise = 0.0;         // root mean square of its standard deviation, over that of truth
+  double colour_noise = 0.0;  // HyAB between truth and truth plus one standard deviation, the mean
+};
+
+ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> truth, int thread_count);
+
+struct OffShares {
+  double brighter = 0.0, darker = 0.0;
+};
+
+// Of the receivers of one class. Light is the luminance of irradiance.
+struct ViewFigures {
+  uint64_t receivers = 0;
+  double colour = 0.0;    // mean HyAB
+  double rmse = 0.0;      // of all channels, over truth's root mean square in the class
+  double relative = 0.0;  // root mean square of |answer - truth| over the larger of both: a factor of two is .5 either way
+  double excess = 0.0;    // the answers' mean less truth's, over truth's mean
+  OffShares off_first, off_last;  // shares off by more than kFirstFactor and kLastFactor, truth's noise allowed for
+  double ringing = 0.0;           // share that is darker than a ring may be
+  double unlit = 0.0;             // share where the method knows no light
+};
+using ViewFiguresByClass = std::array<ViewFigures, kViewClassCount>;
+
+// answers   by sample
+ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& truth, const std::vector<ReceivedLight>& answers);
+
+// Of several views: means that count every view alike; of classes, by the class's receivers.
+ViewFiguresByClass meanFigures(const std::vector<ViewFiguresByClass>& views);
+
+}  // namespace nlg

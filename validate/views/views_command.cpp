@@ -1,0 +1,272 @@
+#include "validate/views/views_command.h"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bake/scene_bake.h"
+#include "datagen/view/png_file.h"
+#include "light/light_extent.h"
+#include "light/methods/method_set.h"
+#include "runtime_eval/numbers/random.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+#include "tool/output_path.h"
+#include "tool/parallel_for.h"
+#include "tool/progress.h"
+#include "tool/provenance.h"
+#include "tool/tool_main.h"
+#include "validate/light/asked_bakes.h"
+#include "validate/views/view_pictures.h"
+#include "validate/views/view_truth.h"
+#include "validate/views/views_json.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr uint64_t kViewStream = 0x7669657773, kTruthStream = 0x7472757468;
+
+struct Request {
+  std::string scene, out;
+  std::vector<std::string> weights;
+  SceneViewOptions views;
+  int truth_rays = 256, probe_rays = 1024;
+  double truth_noise = 0.05;
+  bool grids_only = false;
+  std::string truth;     // the folder for truths; empty: beside the result
+  std::string pictures;  // the folder for pictures; empty: none are drawn
+  int picture_scale = 2;
+};
+
+// A view and what is known of it before any method is asked.
+struct ReadyView {
+  ViewSurfaces surfaces;
+  ViewTruth truth;
+  int truth_rays = 0;  // of every pixel
+};
+
+class ViewsMeasurement {
+ public:
+  ViewsMeasurement(const Request& request, const BakeOptions& options, const BakeScene& scene)
+      : request_(request),
+        options_(options),
+        scene_(scene),
+        threads_(options.threads > 0 ? options.threads : machineThreadCount()),
+        transport_(scene.source.scene, scene.rays),
+        views_(findViews(transport_, lightExtent(scene.source.scene, options.extent_m), request.views)) {
+    if (views_.views.empty()) throw InputError(request.scene, "air", "places where somebody can stand", "none");
+    ViewTruthOptions truth;
+    truth.gather.rays = request.truth_rays;
+    truth.noise = request.truth_noise;
+    truth.gather.direct = directLightFromName(options.light_direct);
+    truth.seed = mixSeed(options.seed, kTruthStream);
+    truth.thread_count = threads_;
+    truth.scene_sha256 = sceneLightSha256(scene.source.scene);
+    Progress progress("views", static_cast<int64_t>(views_.views.size()));
+    for (size_t v = 0; v < views_.views.size(); ++v) {
+      ReadyView& ready = ready_.emplace_back();
+      ready.surfaces = surfacesOf(transport_, views_.views[v], request.views.width, request.views.height, threads_);
+      const std::string path = (std::filesystem::path(request.truth) / (viewName(v) + ".truth.safetensors")).string();
+      TracedView traced = viewTruth(transport_, ready.surfaces.sights, truth, path);
+      ready.truth_rays = traced.rounds * request.truth_rays;
+      ready.truth = truthOf(ready.surfaces, std::move(traced.at), threads_);
+      progress.update(static_cast<int64_t>(v) + 1);
+    }
+  }
+
+  Json measure(const GeneratorSets& sets) {
+    for (const auto& [name, generators] : sets) measureGrid(name, generators);
+    MethodSet methods({transport_, scene_.links, scene_.tree, scene_.air},
+                      methodSetOptions(options_, {request_.probe_rays, 64}, threads_));
+    methods.addTargetFunctions(receivers(), options_.diffusion, {LightWay::solved});
+    methods.addTrilinear(TrilinearKind::visible, {LightWay::solved});
+    if (!request_.grids_only) {
+      methods.addTrilinear(TrilinearKind::all, {LightWay::point});
+      methods.addTrilinear(TrilinearKind::valid, {LightWay::point});
+      methods.addApv({LightWay::point});
+      methods.addShippedDdgi();
+      methods.addRelocatedDdgi();
+    }
+    for (const LightMethod& method : methods.methods())
+      measureLighting(method.weights, method.light, measuredLighting(method.weights, method));
+    return results();
+  }
+
+  std::string table() const { return viewsTable(scene_.source.id, measured_); }
+
+ private:
+  std::string viewName(size_t view) const { return fmt::format("{}_{:02}", fileWord(scene_.source.id), view + 1); }
+
+  // As the bake leaves it in its file.
+  void measureGrid(const std::string& name, const std::vector<Generator>& generators) {
+    LightGrid grid = bakeScene(scene_, generators, options_, temporaryFolder()).grid;
+    const FileResult result = roundLight(lightFormFromName(options_.light_form), &grid.light);
+    if (!result.ok()) throw InputError(request_.scene, "light", "probes whose light the form can hold", result.detail);
+    measureLighting(name, options_.light, gridLighting(grid, scene_.source.scene.origin_m));
+  }
+
+  void measureLighting(const std::string& weights, const std::string& light, const Lighting& lighting) {
+    MeasuredViews& measured = measured_.emplace_back(MeasuredViews{weights, light, {}});
+    for (size_t v = 0; v < ready_.size(); ++v) {
+      const std::vector<ReceivedLight> answers = lightSamples(ready_[v].surfaces.sights, lighting, threads_);
+      measured.views.push_back(viewFigures(ready_[v].surfaces, ready_[v].truth, answers));
+      if (!request_.pictures.empty())
+        pictures_[v].push_back({pictureOf(ready_[v].surfaces.sights, weights, answers), measured.views.back()[0]});
+    }
+  }
+
+  std::vector<glm::dvec3> receivers() const {
+    std::vector<glm::dvec3> places;
+    for (const ReadyView& view : ready_) {
+      for (const Sight& sight : view.surfaces.sights.samples) {
+        if (sight.kind == Sight::Kind::receiver) places.push_back(sight.receiver.position_m);
+      }
+    }
+    // all of a ball's receivers stand at its centre
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    return places;
+  }
+
+  // Truth, the first grid, and of what else was measured what a reader knows best.
+  std::vector<ShownMethod> shown(size_t view) {
+    std::vector<ShownMethod> row = {{pictureOf(ready_[view].surfaces.sights, "truth", ready_[view].truth.at), {}}};
+    std::vector<std::string> wanted = {"DDGI as shipped", "trilinear"};
+    if (request_.grids_only) wanted = {"exact visibility", "target functions"};
+    if (!request_.weights.empty()) wanted.insert(wanted.begin(), measured_.front().weights);
+    for (const std::string& name : wanted) {
+      for (ShownMethod& method : pictures_[view]) {
+        if (method.picture.method == name) row.push_back(method);
+      }
+    }
+    return row;
+  }
+
+  std::string drawn(const std::string& name, const Image& image) const {
+    const std::filesystem::path path = std::filesystem::path(request_.pictures) / (name + ".png");
+    writePng(path.string(), image, {{"Software", std::string("nlg-validate views ") + sourceRevision()}});
+    return std::filesystem::proximate(path, std::filesystem::absolute(request_.out).parent_path()).generic_string();
+  }
+
+  Json results() {
+    Json json = {
+        {"rooms", {{"count", views_.rooms}, {"without_floor", views_.rooms_without_floor}, {"left_out", views_.rooms_left_out}}},
+        {"methods", methodsJson(measured_)},
+        {"views", Json::array()}};
+    std::vector<Image> rows;
+    for (size_t v = 0; v < ready_.size(); ++v) {
+      Json view = viewJson(views_.views[v], ready_[v].truth, measured_, v, scene_.source.scene.origin_m);
+      view["truth"]["rays"] = ready_[v].truth_rays;
+      if (!request_.pictures.empty()) {
+        const std::vector<ShownMethod> row = shown(v);
+        const double exposure = ready_[v].truth.exposure;
+        const std::string heading = fmt::format("{}, room {}", viewName(v), views_.views[v].room + 1);
+        view["picture"] = drawn(viewName(v), viewRow(row, exposure, heading, request_.picture_scale));
+        rows.push_back(viewRow(row, exposure, heading, 1));
+      }
+      json["views"].push_back(std::move(view));
+    }
+    if (!rows.empty()) {
+      const std::string heading = fmt::format("{}, probes {:g} m apart", scene_.source.id, options_.spacing_m);
+      json["sheet"] = drawn(fileWord(scene_.source.id), contactSheet(rows, heading));
+    }
+    return json;
+  }
+
+  const Request& request_;
+  const BakeOptions& options_;
+  const BakeScene& scene_;
+  const int threads_;
+  LightTransport transport_;
+  SceneViews views_;
+  std::vector<ReadyView> ready_;                         // by view
+  std::vector<MeasuredViews> measured_;                  // by method
+  std::map<size_t, std::vector<ShownMethod>> pictures_;  // by view, all methods
+};
+
+void measureViews(Request request, BakeOptions options, const OptionTable& table) {
+  takeThetaPrecision(&options);
+  std::vector<std::string> inputs = weightsPaths(request.weights);
+  inputs.push_back(request.scene);
+  refuseToReplaceInputs(request.out, inputs);
+  if (options.light == "none") throw UsageError("--light", "solved, integrated or point: a view needs light", "none");
+  if (!request.pictures.empty()) requireOutputFolder(request.pictures, "--pictures");
+  if (request.truth.empty()) request.truth = std::filesystem::absolute(request.out).parent_path().string();
+  requireOutputFolder(request.truth, "--truth");
+  std::map<std::string, std::string> hashes;
+  const GeneratorSets sets = loadSets(request.weights, &hashes);
+  request.views.seed = mixSeed(options.seed, kViewStream);
+  request.views.thread_count = options.threads > 0 ? options.threads : machineThreadCount();
+
+  Json used = table.toJson();
+  used.erase("threads");
+  used.erase("representation");
+  used.update({{"width", request.views.width},
+               {"height", request.views.height},
+               {"views_per_room", request.views.views_per_room},
+               {"most_views", request.views.most_views},
+               {"truth_rays", request.truth_rays},
+               {"truth_noise", request.truth_noise},
+               {"probe_rays", request.probe_rays},
+               {"grids_only", request.grids_only}});
+  const BakeScene scene(request.scene, options);
+  tellNotes("nlg-validate", scene.source);
+  if (!scene.source.sha256.empty()) hashes["scene"] = scene.source.sha256;
+  ViewsMeasurement measurement(request, options, scene);
+  Json json = {{"schema_version", 1},
+               {"provenance", provenance("nlg-validate views", used, hashes)},
+               {"scene", scene.source.id},
+               {"spacing_m", options.spacing_m}};
+  json.update(measurement.measure(sets));
+  writeFileAtomically(request.out, json.dump(1) + "\n");
+  std::cout << measurement.table() << request.out << '\n';
+}
+
+}  // namespace
+
+int viewsMain(int argc, char** argv) {
+  CLI::App app{
+      "Draws views of a scene, where players stand, as truth and every method light them, and says how much of each picture is\n"
+      "off: the grid with each of the given weights as the bake leaves it, target functions, exact visibility, trilinear "
+      "blends,\n"
+      "APV, DDGI. Settings of the bake: section bake of the configuration.",
+      "nlg-validate views"};
+  Request request;
+  BakeOptions options;
+  OptionTable table("bake");
+  describe(options, table);
+  table.common({"weights", "spacing_m", "grids_only", "pictures", "truth", "most_views", "truth_rays", "threads"});
+  app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
+  app.add_option("--out", request.out, "the result (.json)")->required();
+  app.add_option("--weights", request.weights,
+                 "exported generators, each a bake of its own. Several with commas between them: a bake that chooses");
+  app.add_flag("--grids-only", request.grids_only, "leave out rivals; exact visibility and target functions stay");
+  app.add_option("--pictures", request.pictures,
+                 "a folder for pictures: of each view a row of truth and methods, and all rows on a sheet. None: no pictures");
+  app.add_option("--truth", request.truth,
+                 "a folder in which truth is kept, so that another run of these views does not trace it again. None: beside the "
+                 "result");
+  const auto whole = [&](const char* flag, int* value, const char* help, int least, int most) {
+    app.add_option(flag, *value, help)->check(CLI::Range(least, most))->capture_default_str();
+  };
+  whole("--views-per-room", &request.views.views_per_room, "views of every room; the three largest under a roof have one more", 1,
+        100);
+  whole("--most-views", &request.views.most_views, "views in all, largest rooms first", 1, 1000);
+  whole("--width", &request.views.width, "pixels of a view", 8, 4096);
+  whole("--height", &request.views.height, "pixels of a view", 8, 4096);
+  whole("--truth-rays", &request.truth_rays, "rays of ground truth at a pixel, to begin with", 8, 1 << 20);
+  app.add_option(
+         "--truth-noise", request.truth_noise,
+         "views whose truth is noisier get up to sixteen times the rays: standard deviation over light, the median of pixels")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->capture_default_str();
+  whole("--probe-rays", &request.probe_rays, "rays of every probe of rivals", 8, 1 << 24);
+  whole("--picture-scale", &request.picture_scale, "pixels of a row's pictures are so many pixels wide; a sheet's are one", 1, 8);
+  return runTool(argc, argv, app, table, [&] { measureViews(request, options, table); });
+}
+
+}  // namespace nlg

@@ -1,0 +1,66 @@
+#include "validate/views/views_json.h"
+
+#include <fmt/format.h>
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+Json offJson(const OffShares& off) { return {{"brighter", off.brighter}, {"darker", off.darker}}; }
+
+Json figuresJson(const ViewFigures& f) {
+  return {{"receivers", f.receivers},     {"hyab", f.colour},     {"rmse", f.rmse},
+          {"relative", f.relative},       {"excess", f.excess},   {"off_1.5", offJson(f.off_first)},
+          {"off_2", offJson(f.off_last)}, {"ringing", f.ringing}, {"unlit", f.unlit}};
+}
+
+Json byClassJson(const std::string& weights, const std::string& light, const ViewFiguresByClass& figures) {
+  Json json = {{"weights", weights}, {"light", light}};
+  for (size_t c = 0; c < kViewClassCount; ++c) {
+    if (figures[c].receivers > 0) json[kViewClassNames[c]] = figuresJson(figures[c]);
+  }
+  return json;
+}
+
+}  // namespace
+
+Json viewJson(const SceneView& view, const ViewTruth& truth, const std::vector<MeasuredViews>& methods, size_t number,
+              const glm::dvec3& origin_m) {
+  const glm::dvec3 eye = origin_m + view.camera.eye_m;
+  Json json = {{"room", view.room},
+               {"eye_m", vectorJson(eye)},
+               {"look_m", vectorJson(eye + glm::dvec3(view.camera.forward))},
+               {"fov_degrees", view.camera.fov_y * 180.0 / 3.14159265358979},
+               {"figure_m", view.figure.empty() ? Json() : vectorJson(origin_m + view.figure.front().centre_m)},
+               {"exposure", truth.exposure},
+               {"truth", {{"median", truth.median}, {"noise", truth.noise}, {"hyab_noise", truth.colour_noise}}},
+               {"methods", Json::array()}};
+  for (const MeasuredViews& method : methods)
+    json["methods"].push_back(byClassJson(method.weights, method.light, method.views[number]));
+  return json;
+}
+
+Json methodsJson(const std::vector<MeasuredViews>& methods) {
+  Json json = Json::array();
+  for (const MeasuredViews& method : methods)
+    json.push_back(byClassJson(method.weights, method.light, meanFigures(method.views)));
+  return json;
+}
+
+std::string viewsTable(const std::string& scene, const std::vector<MeasuredViews>& methods) {
+  const auto off = [](const ViewFigures& f) { return 100.0 * (f.off_last.brighter + f.off_last.darker); };
+  std::string table = fmt::format("{:<18} {:<32} {:>6} {:>8} {:>12} {:>10}\n", "scene", "method", "HyAB", "> 2x, %",
+                                  "edges > 2x, %", "ringing, %");
+  for (const MeasuredViews& method : methods) {
+    const ViewFiguresByClass mean = meanFigures(method.views);
+    const ViewFigures &all = mean[static_cast<size_t>(ViewClass::all)], &edge = mean[static_cast<size_t>(ViewClass::edge)];
+    table += fmt::format("{:<18} {:<32} {:>6.2f} {:>8.2f} {:>13.2f} {:>10.3f}\n", scene, method.weights + ", " + method.light,
+                         all.colour, off(all), off(edge), 100.0 * all.ringing);
+  }
+  return table;
+}
+
+}  // namespace nlg
