@@ -5,7 +5,7 @@ from results_quotes import number, percent
 NAME = "light"
 OURS = "tent_mlp4"  # what nlg-bake takes without being told
 GROUPS = ("air", "surface", "turned")
-KIND_TITLES = {"all": "All scenes", "levels": "Levels that hold their own light", "furnished": "Furnished and thin-walled scenes", "boxes": "Test boxes"}
+KIND_TITLES = {"all": "All scenes", "levels": "Levels that hold their own light", "furnished": "Furnished and thin-walled scenes", "daylight": "Rooms beside daylight", "boxes": "Test boxes"}
 LIGHT_ORDER = ("point", "own", "solved")
 BOX_BYTES = {8: 1000, 729: 60000}  # by probes
 SHOWN_SPACING = "1m"
@@ -132,6 +132,45 @@ def methods_section(kind, found):
     return f"\n## {KIND_TITLES[kind]}, probes {spacing_text(SHOWN_SPACING)} apart\nMeans over {scenes} scene{'s' if scenes != 1 else ''}; ratios are geometric means.\n" + table(HEAD, rows)
 
 
+SEEN_HEAD = ["method", "light", "ΔE", "off by 1.5 ×", "by 2 ×", "within 10 cm of edges: by 2 ×", "excess", "in shadow: by 2 ×", "figures: ΔE", "by 2 ×", "rings"]
+SEEN_INTRODUCTION = """
+## What the eye sees
+Views of every room, from where a player stands, drawn by truth and by every method pixel by pixel. Each view is exposed by its own truth, so that a dark room counts as much as a terrace. ΔE is the mean HyAB distance in CIE L\\*a\\*b\\* of what is shown: 2.3 is just seen. *Off* is the share of pixels that are brighter or darker than truth by more than the factor. *Excess* is the mean light beyond truth's, over truth's. A *figure* is three balls in the middle of a room. *Rings* are pixels darker by a third than every truth within 20 cm. How it is measured: [formats](formats.md#viewsjson).
+"""
+
+
+def seen_row(entry):
+    of = lambda name, key, write: write(entry[name][key]) if name in entry else ""
+    delta = lambda value: number(value, 1)
+    return [entry["name"], entry["light"], of("all", "hyab", delta), of("all", "off_1_5", percent), of("all", "off_2", percent), of("edge", "off_2", percent), of("edge", "excess", lambda value: number(value, 2)),
+            of("shadow", "off_2", percent), of("figure", "hyab", delta), of("figure", "off_2", percent), of("all", "ringing", percent)]
+
+
+def seen_targets(found, ours):
+    """What pictures are held to."""
+    rows = []
+    daylight = found["methods"].get("daylight", {})
+    off = {name: entry["all"]["off_2"] for name, entry in daylight.items()}
+    mine, exact, ddgi = (min((value for name, value in off.items() if name.startswith(start)), default=None) for start in (f"{ours}_solved", "exact_visibility", "DDGI"))
+    if None not in (mine, exact, ddgi):
+        rows.append(["rooms beside daylight, pixels off by 2 ×: ours; exact visibility; DDGI", "≤ 1 %; no more than the second; a fifth of the third", "; ".join(map(percent, (mine, exact, ddgi))),
+                     reached(mine <= .01 and mine <= exact and 5 * mine <= ddgi)])
+    for key, title, limit in (("levels", "levels", .6), ("rooms", "furnished scenes and rooms beside daylight", .5)):
+        if key in found["hyab_over_best_rival"]:
+            ratio = found["hyab_over_best_rival"][key]
+            rows.append([f"{title}: ΔE over that of the best rival, {ratio['rival']}", f"≤ {number(limit, 1)}", estimate(ratio, 2), reached(ratio["value"] <= limit)])
+    rows.append(["rings, the scene that has most", "≤ .1 %", percent(found["ringing_largest"]), reached(found["ringing_largest"] <= .001)])
+    return table(["", "target", "measured", "reached"], rows)
+
+
+def seen_section(results):
+    found = results["views"]
+    text = SEEN_INTRODUCTION + seen_targets(found, results["ours"])
+    for kind, methods in found["methods"].items():
+        text += f"\n### {KIND_TITLES[kind]}, as seen\n{max(entry['scenes'] for entry in methods.values())} scenes, probes {spacing_text(SHOWN_SPACING)} apart.\n" + table(SEEN_HEAD, [seen_row(entry) for entry in methods.values()])
+    return text
+
+
 def scenes_section(scenes):
     rows = [[entry["name"], KIND_TITLES[entry["kind"]].lower(), f"{entry['truth']['places']['dark']:,}", percent(entry["truth"]["noise"]), *(number(entry["floor"][group], 3) for group in GROUPS)] for entry in scenes.values()]
     first = next(iter(scenes.values()))["truth"]["places"]
@@ -143,5 +182,6 @@ def scenes_section(scenes):
 def page(all_results):
     results = all_results[NAME]
     text = INTRODUCTION + f"\nMade by `{results['command']}` of revision {', '.join(f'`{revision}`' for revision in results['revisions'])}.\n" + targets_section(results)
-    text += "".join(methods_section(kind, found[SHOWN_SPACING]) for kind, found in results["methods"].items() if kind in ("levels", "furnished") and SHOWN_SPACING in found)
+    text += seen_section(results) if "views" in results else ""
+    text += "".join(methods_section(kind, found[SHOWN_SPACING]) for kind, found in results["methods"].items() if kind in ("levels", "furnished", "daylight") and SHOWN_SPACING in found)
     return text + scenes_section(results["scenes"])

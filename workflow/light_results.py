@@ -3,6 +3,7 @@
 A folder of light holds
     SCENE.json            nlg-validate light, one a scene; a figure at a spacing is over the scenes that have it
 and, where they are there,
+    views/SCENE.json      nlg-validate views
     noise/SCENE.json      nlg-validate light-noise
     bakes/SCENE.json      nlg-bake SCENE --light solved (--json)
     benchmarks/*.json     bench_* --benchmark_out=FILE --benchmark_out_format=json
@@ -20,6 +21,7 @@ import packages
 packages.need("results.py", "numpy")
 
 import light_figures as figures
+import view_results
 from light_figures import GROUPS, SCENE_KINDS
 
 TODAY = ("point", 1.0)  # light gathered at probes 1 m apart: whose error is to be had for fewer bytes
@@ -213,6 +215,8 @@ def collect(folder, ours=OURS):
         of_kind = [point for point in points if point.kind == kind]
         if of_kind:
             out["methods"][kind] = methods(of_kind)
+    if found := sorted((folder / "views").glob("*.json")):
+        out["views"] = view_results.collect(found, kinds, ours, RIVALS)
     for section, read in (("noise", noise), ("bakes", bake)):
         if found := sorted((folder / section).glob("*.json")):
             out[section] = {slug(path.stem): held_to(read, path) for path in found}

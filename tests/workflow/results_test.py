@@ -105,6 +105,15 @@ def light_method(weights, light, rmse, size, **more):
             "bytes": {"total": size, "per_probe": size / 8}, "probes": 8, "times": {"weights_s": 1.0, "light_s": 0.5}, "worst": [], **more}
 
 
+def views(scene, **hyab):
+    """hyab: method → its mean HyAB; shares of pixels follow from it."""
+    of_class = lambda value: {"receivers": 100, "hyab": value, "rmse": 0.1, "relative": 0.1, "excess": 0.2, "ringing": 0.0005, "unlit": 0.0,
+                              "off_1.5": {"brighter": value / 50, "darker": 0.0}, "off_2": {"brighter": value / 200, "darker": value / 200}}
+    lights = {"tent_mlp4": "solved", "exact visibility": "solved", "DDGI as shipped": "own", "APV": "point"}
+    return {"schema_version": 1, "scene": scene, "provenance": {"revision": "0123abc"}, "views": [{}, {}],
+            "methods": [{"weights": name, "light": lights[name], "all": of_class(value), "edge": of_class(2 * value)} for name, value in hyab.items()]}
+
+
 def light(scene, rival, ours):
     """Of a level: DDGI's error, and that of ours; a validity mask is half as wrong again as DDGI."""
     methods = [light_method("valid trilinear", "point", 1.5 * rival, 400), light_method("exact visibility", "point", ours, 400), light_method("DDGI as shipped", "own", rival, 10000),
@@ -293,6 +302,28 @@ class Results(unittest.TestCase):
             cells = (cells or line.count("|")) if line.startswith("|") else 0
             self.assertEqual(line.count("|"), cells, line)
             self.assertNotIn("None", line)
+
+    def test_what_the_eye_sees_is_summed_up_by_kind_of_scene(self):
+        self.write_light()
+        for scene, ours in (("daylight_2", 1.0), ("daylight_4", 3.0), ("kaos2", 4.0)):
+            self.write(f"out/light/views/{scene}.json", views(scene, **{"tent_mlp4": ours, "exact visibility": 4.0, "DDGI as shipped": 8.0, "APV": 16.0}))
+        expected = {
+            "light@views.methods.daylight.tent_mlp4_solved.all.off_2:%": "2 %",  # brighter and darker, the mean over scenes
+            "light@views.methods.daylight.tent_mlp4_solved.edge.hyab:.1": "4.0",
+            "light@views.hyab_over_best_rival.rooms:.2": ".22",  # geometric mean of 1/8 and 3/8, over DDGI, the better of the rivals
+            "light@views.hyab_over_best_rival.levels:.2": ".50",
+        }
+        self.quote(expected)
+        result = self.collect_light()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        texts = [line.split(" is ")[1] for line in (self.root / "README.md").read_text().splitlines()]
+        self.assertEqual(dict(zip(expected, texts)), expected)
+        page = (self.root / "docs/reference/light.md").read_text()
+        row = next(line for line in page.splitlines() if line.startswith("| rooms beside daylight, pixels off by 2 ×"))
+        self.assertIn("| 2 %; 4 %; 8 % | no |", row)
+        self.assertIn("### Levels that hold their own light, as seen", page)
+        self.write("out/light/views/daylight_2.json", views("daylight_2", **{"APV": 1.0}))
+        self.assertIn("a method tent_mlp4", self.collect_light().stderr)
 
     def test_light_that_cannot_be_used_is_refused(self):
         self.write_light()

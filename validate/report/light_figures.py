@@ -20,8 +20,9 @@ FIGURES = ("smape", "colour", "dark", "jump_mean", "jump_largest", "unlit", "out
 RESAMPLES, SEED = 4000, 1
 NOT_STORED = "target functions"  # whose bytes nobody would keep
 TEST_BOXES = ("cornell", "two_rooms")
+DAYLIGHT = "daylight"
 FLOOR, TARGET = "harmonics at the place", "target φ"  # steps before the words
-SCENE_KINDS = {"levels": "levels that hold their own light", "furnished": "furnished and thin-walled scenes", "boxes": "test boxes"}
+SCENE_KINDS = {"levels": "levels that hold their own light", "furnished": "furnished and thin-walled scenes", "daylight": "rooms beside daylight", "boxes": "test boxes"}
 
 
 @dataclass
@@ -74,6 +75,8 @@ class Step:
 
 
 def scene_kind(name, holds_light):
+    if name.startswith(DAYLIGHT):
+        return "daylight"
     return "boxes" if name.startswith(TEST_BOXES) else "levels" if holds_light else "furnished"
 
 

@@ -1,0 +1,78 @@
+"""What a player sees (nlg-validate views), summed up over scenes: the section `views` of docs/results/light.json. Read by light_results.py.
+
+Every scene counts alike, and of it every view. Of a class that a scene's views do not have, it has no say.
+"""
+import numpy as np
+
+from results_collect import fail, held_to, read_json, revision, slug, take
+
+import light_figures as figures
+
+CLASSES = ("all", "edge", "near", "shadow", "sun", "figure")
+FIGURES = ("hyab", "relative", "excess", "off_1_5", "off_2", "off_2_brighter", "ringing", "unlit")
+DDGIS = ("DDGI as shipped", "DDGI as shipped, relocated")
+
+
+def class_figures(found, place):
+    kept = take(found, ["hyab", "relative", "excess", "ringing", "unlit"], place)
+    for key, name in (("off_1.5", "off_1_5"), ("off_2", "off_2")):
+        off = take(take(found, [key], place)[key], ["brighter", "darker"], f"{place}.{key}")
+        kept[name] = off["brighter"] + off["darker"]
+    return {**kept, "off_2_brighter": found["off_2"]["brighter"]}
+
+
+def read_scene(path, kinds):
+    document = read_json(path)
+    scene = take(document, ["scene"], path)["scene"]
+    by_method = {}
+    for method in take(document, ["methods"], path)["methods"]:
+        of_classes = {name: class_figures(method[name], f"{path}: {method['weights']}.{name}") for name in CLASSES if name in method}
+        by_method[(method["weights"], method["light"])] = of_classes
+    return {"scene": scene, "kind": kinds.get(scene) or figures.scene_kind(scene, False), "views": len(take(document, ["views"], path)["views"]),
+            "revision": revision(document, path), "methods": by_method}
+
+
+def method_entry(name, light, scenes):
+    """scenes: class → figures, one a scene."""
+    entry = {"name": name, "light": light, "scenes": len(scenes)}
+    for of_class in CLASSES:
+        found = [scene[of_class] for scene in scenes if of_class in scene]
+        if found:
+            entry[of_class] = {key: float(np.mean([some[key] for some in found])) for key in FIGURES}
+    return entry
+
+
+def methods(scenes):
+    names = list(dict.fromkeys(method for scene in scenes for method in scene["methods"]))
+    return {slug(" ".join(method)): method_entry(*method, [scene["methods"][method] for scene in scenes if method in scene["methods"]]) for method in names}
+
+
+def over_best_rival(scenes, ours, rivals):
+    """Ours over the rival whose pictures differ least, by the geometric mean over scenes of the ratios of mean HyAB."""
+    found = []
+    for rival in dict.fromkeys(method for scene in scenes for method in scene["methods"] if method[0] in rivals and method[1] != "solved"):
+        pairs = [(scene["methods"][ours]["all"]["hyab"], scene["methods"][rival]["all"]["hyab"]) for scene in scenes if rival in scene["methods"]]
+        if len(pairs) == len(scenes):
+            found.append((figures.figure([mine / theirs for mine, theirs in pairs], figures.geometric_mean), rival[0]))
+    if not found:
+        return None
+    best, rival = max(found, key=lambda some: some[0]["mean"])
+    low, high = best["interval"] or (None, None)
+    return {"value": best["mean"], "low": low, "high": high, "rival": rival}
+
+
+def collect(files, kinds, ours, rivals):
+    """files: one a scene; kinds: scene → kind, of scenes whose light was measured at places, too."""
+    scenes = [held_to(lambda path: read_scene(path, kinds), path) for path in files]
+    for scene, path in zip(scenes, files):
+        if (ours, "solved") not in scene["methods"]:
+            fail(path, f"a method {ours} with solved light", ", ".join(sorted({name for name, _ in scene["methods"]})))
+    of_kind = {kind: [scene for scene in scenes if scene["kind"] == kind] for kind in figures.SCENE_KINDS}
+    rooms = of_kind["furnished"] + of_kind["daylight"]
+    ratios = {name: over_best_rival(some, (ours, "solved"), rivals) for name, some in (("levels", of_kind["levels"]), ("rooms", rooms)) if some}
+    return {"revisions": sorted({scene["revision"] for scene in scenes}),
+            "scenes": {slug(scene["scene"]): {"name": scene["scene"], "kind": scene["kind"], "views": scene["views"],
+                                              "ours": scene["methods"][(ours, "solved")]["all"]} for scene in scenes},
+            "hyab_over_best_rival": {name: ratio for name, ratio in ratios.items() if ratio},
+            "ringing_largest": max(scene["methods"][(ours, "solved")]["all"]["ringing"] for scene in scenes),
+            "methods": {kind: methods(some) for kind, some in of_kind.items() if some}}
