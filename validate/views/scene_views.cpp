@@ -132,10 +132,12 @@ bool fits(const Spot& spot, const Camera& camera, double aspect, const Spots& sp
   constexpr double kTouching = 0.95;  // of a radius: the lowest ball lies on the floor
   const double away = glm::distance(spot.eye_m, camera.eye_m);
   if (spot.headroom_m < kFigureHeightM || away < kFigureNearM || away > kFigureFarM) return false;
+  for (const double height_m : {0.0, kFigureHeightM}) {
+    const std::optional<glm::dvec2> at = camera.seenAt(spot.floor_m + glm::dvec3(0.0, height_m, 0.0), aspect);
+    if (!at || at->x < 0.1 || at->x > 0.9 || at->y < 0.0 || at->y > 1.0) return false;
+  }
   for (const Ball& ball : kFigure) {
     const glm::dvec3 centre = spot.floor_m + ball.centre_m;
-    const std::optional<glm::dvec2> at = camera.seenAt(centre, aspect);
-    if (!at || at->x < 0.1 || at->x > 0.9 || at->y < 0.02 || at->y > 0.98) return false;
     if (spots.isBlocked(camera.eye_m, centre) || !isInAir(rays, centre)) return false;
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 side(0.0);
@@ -150,7 +152,7 @@ bool fits(const Spot& spot, const Camera& camera, double aspect, const Spots& sp
 std::vector<Ball> figureIn(const Camera& camera, double aspect, const SeenRoom& room, std::vector<Spot> candidates,
                            const Spots& spots, const RayScene& rays) {
   // of small rooms few spots are known: some straight before the eye
-  for (const double away_m : {2.0, 2.5, 3.0, 4.0}) {
+  for (const double away_m : {2.2, 2.6, 3.0, 4.0}) {
     for (const double aside : {0.0, -0.3, 0.3}) {
       const glm::vec3 along = camera.direction(0.5 + aside, 0.5, aspect);
       const glm::dvec3 place = camera.eye_m + away_m * glm::normalize(glm::dvec3(along.x, 0.0, along.z));

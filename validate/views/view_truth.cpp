@@ -18,9 +18,9 @@ namespace {
 constexpr const char* kKey = "truth_of";
 
 std::string keyOf(const Sights& sights, const ViewTruthOptions& options) {
-  std::string text = fmt::format("truth {} of {}, noise {}, {} rays, {} bounces, light {}, seed {}\n", kTruthVersion,
-                                 options.scene_sha256, options.noise, options.gather.rays, options.gather.max_bounces,
-                                 static_cast<int>(options.gather.direct), options.seed);
+  std::string text = fmt::format("truth {} of {}, noise {} by {} rounds, {} rays, {} bounces, light {}, seed {}\n", kTruthVersion,
+                                 options.scene_sha256, options.noise, kMostTruthRounds, options.gather.rays,
+                                 options.gather.max_bounces, static_cast<int>(options.gather.direct), options.seed);
   const auto append = [&](const auto& v) { text.append(reinterpret_cast<const char*>(&v), sizeof v); };
   for (const Sight& sight : sights.samples) {
     append(sight.kind);

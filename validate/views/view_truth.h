@@ -16,7 +16,7 @@ namespace nlg {
 
 inline constexpr int kTruthVersion = 1;  // to be raised when the path tracer gives other numbers for the same scene
 
-inline constexpr int kMostTruthRounds = 16;
+inline constexpr int kMostTruthRounds = 8;
 
 struct ViewTruthOptions {
   GatherOptions gather;  // of a round

@@ -261,7 +261,7 @@ int viewsMain(int argc, char** argv) {
   whole("--truth-rays", &request.truth_rays, "rays of ground truth at a pixel, to begin with", 8, 1 << 20);
   app.add_option(
          "--truth-noise", request.truth_noise,
-         "views whose truth is noisier get up to sixteen times the rays: standard deviation over light, the median of pixels")
+         "views whose truth is noisier get up to eight times the rays: standard deviation over light, the median of pixels")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
   whole("--probe-rays", &request.probe_rays, "rays of every probe of rivals", 8, 1 << 24);

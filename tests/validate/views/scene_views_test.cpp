@@ -37,6 +37,9 @@ TEST(SceneViews, StandInAirInEveryRoom) {
     sides.insert(view.camera.eye_m.x < kWallLow);
     ASSERT_EQ(view.figure.size(), 3u) << "rooms of 3 m by 3 m have a place that a view shows whole";
     for (const Ball& ball : view.figure) {
+      const auto at = view.camera.seenAt(ball.centre_m, 192.0 / 108.0);
+      ASSERT_TRUE(at);
+      EXPECT_TRUE(at->x > 0.0 && at->x < 1.0 && at->y > 0.0 && at->y < 1.0) << at->x << ' ' << at->y;
       EXPECT_TRUE(isInAir(seen.rays, ball.centre_m));
       EXPECT_EQ(ball.centre_m.x < kWallLow, view.camera.eye_m.x < kWallLow) << "the figure stands in the room that is looked at";
     }

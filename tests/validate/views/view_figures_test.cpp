@@ -225,7 +225,7 @@ TEST(ViewTruth, TakesMoreRoundsWhereItIsNoisy) {
   options.noise = 1e-9;
   const TracedView most = viewTruth(transport, sights, options, "");
   EXPECT_EQ(most.rounds, kMostTruthRounds);
-  // a quarter is expected, of estimates by eight sets each that 144 pixels average
+  // 1 / sqrt(8) is expected, of estimates by eight sets each that 144 pixels average
   EXPECT_LT(meanDeviation(most), 0.5 * meanDeviation(one));
 }
 
