@@ -219,14 +219,18 @@ class ViewFolder {
     LightPlaceOptions options;
     options.air = options.surface = static_cast<uint64_t>(request_.places) / 2;
     options.walks = 1;
+    options.edges = 0;
     options.seed = mixSeed(options_.seed, kPlaceStream);
-    GatherOptions rays;
-    rays.rays = kPlaceRays;
-    rays.direct = directLightFromName(options_.light_direct);
+    TruthOptions truth;
+    truth.gather.rays = kPlaceRays;
+    truth.gather.direct = directLightFromName(options_.light_direct);
+    truth.around_m = 0.0;
+    truth.seed = mixSeed(options_.seed, kTruthStream);
+    truth.threads = scene_.threads();
     const LightTransport& transport = scene_.transport();
     Measured measured;
     measured.places = drawLightPlaces(scene_.scene(), transport.rays(), lightExtent(scene_.scene(), options_.extent_m), options);
-    measured.truth = lightTruth(measured.places, transport, rays, mixSeed(options_.seed, kTruthStream), scene_.threads());
+    measured.truth = lightTruth(measured.places, transport, truth);
     return measured;
   }
 

@@ -68,6 +68,7 @@ def by_spacing_section(found):
     rows = [ratios("levels, over the best rival", "levels", (.7, .5, .5)), ratios("levels, over the best rival with solved light", "levels_solved", None),
             ratios("furnished and thin-walled scenes, over the best rival", "furnished", (.7, .6, .6)), ratios("the same, over the best rival with solved light", "furnished_solved", None),
             ratios("at a tenth of DDGI's bytes, over DDGI this far apart", "tenth_of_ddgi", (.5, .5, .5)),
+            *([ratios("all scenes by room, over the best rival", "by_room", None), ratios("the same, over the best rival with solved light", "by_room_solved", None)] if found.get("by_room") else []),
             ["excess light in the dark: ours; valid trilinear; exact visibility", "a fifth of the first, no more than the second", *map(dark, spacings)]]
     text = ("\n### By spacing of the probes\nErrors are *air; surface; turned*, each over that of the rival that does best over the scenes. Rivals: a validity mask (*valid trilinear*), APV, and DDGI as "
             "RTXGI ships it, with and without relocation. **Bold** reaches the target.\n")
@@ -171,6 +172,18 @@ def seen_section(results):
     return text
 
 
+BY_ROOM_HEAD = ["weights", "light", "by room: air", "surface", "turned", "edges", "corners", "beside light"]
+BY_ROOM = ("air_by_room", "surface_by_room", "turned_by_room", "edge", "corner", "beside_light")
+
+
+def by_room_section(found):
+    """Empty of results without these figures."""
+    rows = [[entry["name"], light, *(number(entry[light][key], 3) for key in BY_ROOM)] for entry in found.values() for light in LIGHT_ORDER if light in entry and all(key in entry[light] for key in BY_ROOM)]
+    text = ("\nBy room: errors over the light that stands at the place, every room alike. Then what answers have beyond truth: within 10 cm of edges and corners, over truth there; beside light, "
+            "over what is around.\n")
+    return text + table(BY_ROOM_HEAD, rows) if rows else ""
+
+
 def scenes_section(scenes):
     rows = [[entry["name"], KIND_TITLES[entry["kind"]].lower(), f"{entry['truth']['places']['dark']:,}", percent(entry["truth"]["noise"]), *(number(entry["floor"][group], 3) for group in GROUPS)] for entry in scenes.values()]
     first = next(iter(scenes.values()))["truth"]["places"]
@@ -183,5 +196,6 @@ def page(all_results):
     results = all_results[NAME]
     text = INTRODUCTION + f"\nMade by `{results['command']}` of revision {', '.join(f'`{revision}`' for revision in results['revisions'])}.\n" + targets_section(results)
     text += seen_section(results) if "views" in results else ""
-    text += "".join(methods_section(kind, found[SHOWN_SPACING]) for kind, found in results["methods"].items() if kind in ("levels", "furnished", "daylight") and SHOWN_SPACING in found)
+    text += "".join(methods_section(kind, found[SHOWN_SPACING]) + by_room_section(found[SHOWN_SPACING]) for kind, found in results["methods"].items()
+                    if kind in ("levels", "furnished", "daylight") and SHOWN_SPACING in found)
     return text + scenes_section(results["scenes"])

@@ -50,7 +50,7 @@ def method_entry(found):
         if "ratio" in found[group]:
             entry[group]["ratio"] = estimate(found[group]["ratio"])
     entry["dark"] = estimate(found["dark"])
-    for key in ("colour", "jump_mean", "jump_largest", "unlit", "outside", "seconds", "per_probe", "look_ups_per_s"):
+    for key in ("colour", "jump_mean", "jump_largest", "unlit", "outside", "seconds", "per_probe", "look_ups_per_s", *figures.BY_ROOM.values(), *figures.LEAKS):
         if key in found:
             entry[key] = found[key]["mean"]
     return {**entry, "bytes": found["bytes"]}
@@ -70,7 +70,11 @@ def is_ours(point, ours):
     return point.method[0] == ours
 
 
-def to_best_rival(points, ours, rivals, solved):
+def by_room(point, group):
+    return point.leaks.get(figures.BY_ROOM[group], 0.0)  # 0: no error to hold against another
+
+
+def to_best_rival(points, ours, rivals, solved, error=lambda point, group: point.rmse[group]):
     """Ours over the rival that does best over the scenes, both at one spacing: by spacing and group. None where there is none."""
     out = {}
     for spacing_m in figures.spacings_of(points):
@@ -81,7 +85,7 @@ def to_best_rival(points, ours, rivals, solved):
             found = []
             for method in figures.methods_of(of_spacing):
                 if method[0] in rivals and (method[1] == "solved") == solved:
-                    ratios = figures.ratios_to(mine, {point.scene: point for point in figures.of_method(of_spacing, method)}, group)
+                    ratios = figures.ratios_to(mine, {point.scene: point for point in figures.of_method(of_spacing, method)}, group, error)
                     if ratios and len(ratios) == len(mine):
                         found.append({**estimate(figures.figure(ratios, figures.geometric_mean)), "rival": f"{method[0]} ({method[1]})"})
             if found:
@@ -171,6 +175,7 @@ def targets(points, ours):
             "furnished": to_best_rival(of_kind["furnished"], ours, RIVALS, solved=False),
             "levels_solved": to_best_rival(of_kind["levels"], ours, SOLVED_RIVALS, solved=True),
             "furnished_solved": to_best_rival(of_kind["furnished"], ours, SOLVED_RIVALS, solved=True),
+            "by_room": to_best_rival(points, ours, RIVALS, solved=False, error=by_room), "by_room_solved": to_best_rival(points, ours, SOLVED_RIVALS, solved=True, error=by_room),
             "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours), "dark": dark(points, ours), "unlit_largest": largest("unlit"),
             "outside_largest": largest("outside"), "per_probe": {key: reduce([point.per_probe for point in mine]) for key, reduce in (("least", min), ("most", max))},
             "level_bytes": level_bytes(points, ours), "bytes_below_rivals": bytes_below_rivals(points, ours)}

@@ -93,6 +93,7 @@ class Light(unittest.TestCase):
     def test_figures_are_shares_and_bytes_add_up(self):
         for method in self.methods():
             for group in ("air", "surface", "turned"):
+                self.assertEqual(method[group]["balanced"]["rooms"] > 0, method[group]["balanced"]["rmse"] > 0.0)
                 for figures in [method[group], *method[group].get("by_distance", [])]:
                     self.assertGreaterEqual(figures["rmse"], 0.0)
                     for value in (figures["smape"], figures["unlit"], figures["outside"], figures["fallback"]):
@@ -106,7 +107,8 @@ class Light(unittest.TestCase):
     def test_places_are_the_same_at_every_spacing(self):
         fine, coarse = (spacing["methods"][0] for spacing in self.result["spacings"])
         self.assertEqual(fine["air"]["places"], coarse["air"]["places"])
-        self.assertEqual(fine["dark"]["truth"], coarse["dark"]["truth"])
+        for group in ("dark", "beside_light", "edge", "corner"):
+            self.assertEqual((fine[group]["places"], fine[group]["truth"]), (coarse[group]["places"], coarse[group]["truth"]))
         self.assertEqual(fine["jumps"]["steps"], coarse["jumps"]["steps"])
 
     def test_threads_change_nothing_but_times(self):

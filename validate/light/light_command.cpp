@@ -48,6 +48,15 @@ struct Request {
   int picture_rays = 64;
 };
 
+double finestSpacing(const Request& request) { return *std::min_element(request.spacings_m.begin(), request.spacings_m.end()); }
+
+LightPlaces placesInRooms(const BakeScene& scene, const std::vector<std::string>& extent_m, const LightPlaceOptions& options,
+                          int threads) {
+  LightPlaces places = drawLightPlaces(scene.source.scene, scene.rays, lightExtent(scene.source.scene, extent_m), options);
+  partIntoRooms(&places, scene.rays, threads);
+  return places;
+}
+
 enum class Draws { nothing, pictures };
 
 // What is measured at one spacing alone, the finest.
@@ -63,9 +72,9 @@ class LightMeasurement {
         options_(options),
         threads_(options.threads > 0 ? options.threads : machineThreadCount()),
         transport_(scene.source.scene, scene.rays),
-        places_(
-            drawLightPlaces(scene.source.scene, scene.rays, lightExtent(scene.source.scene, options.extent_m), request.places)),
-        truth_(lightTruth(places_, transport_, request.truth, mixSeed(options.seed, kTruthStream), threads_)),
+        places_(placesInRooms(scene, options.extent_m, request.places, threads_)),
+        truth_(lightTruth(places_, transport_,
+                          {request.truth, finestSpacing(request), mixSeed(options.seed, kTruthStream), threads_})),
         origin_m_(scene.source.scene.origin_m),
         scene_id_(scene.source.id) {}
 
@@ -218,7 +227,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   request.places.walks = static_cast<uint64_t>(request.walks);
   request.places.edges = static_cast<uint64_t>(request.edge_places);
   request.places.seed = mixSeed(options.seed, kPlaceStream);
-  request.places.step_m = *std::min_element(request.spacings_m.begin(), request.spacings_m.end()) / 16.0;
+  request.places.step_m = finestSpacing(request) / 16.0;
 
   Json used = table.toJson();
   used.erase("threads");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "light/air.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 #include "validate/errors/statistics.h"
@@ -11,7 +12,7 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kTruthStream = 0x7472757468, kWalkStream = 0x77616c6b;
+constexpr uint64_t kTruthStream = 0x7472757468, kWalkStream = 0x77616c6b, kAroundStream = 0x61726f756e64;
 
 double channelMean(const glm::vec3& rgb) { return (double{rgb.r} + rgb.g + rgb.b) / 3.0; }
 double squares(const glm::vec3& rgb) { return (double{rgb.r} * rgb.r + double{rgb.g} * rgb.g + double{rgb.b} * rgb.b) / 3.0; }
@@ -23,8 +24,6 @@ bool isCounted(const LightPlace& place) {
   const bool is_before = place.group == PlaceGroup::surface || place.group == PlaceGroup::turned;
   return place.group == PlaceGroup::air || (is_before && place.surface_class >= kFirstFarClass);
 }
-
-constexpr double kBlackShare = 0.01;  // of the mean, for all channels together
 
 class GroupSum {
  public:
@@ -73,25 +72,80 @@ class GroupSum {
   std::vector<std::pair<double, double>> colours_;
 };
 
-DarkFigures darkFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
+// Sums by room. Places in no room have none.
+class RoomSums {
+ public:
+  explicit RoomSums(const LightPlaces& places) : count_(places.room_count), weight_(places.room_count), sum_(places.room_count) {}
+
+  void add(const LightPlace& place, double value, double weight) {
+    if (place.room >= count_.size()) return;
+    ++count_[place.room];
+    weight_[place.room] += weight;
+    sum_[place.room] += weight * value;
+  }
+  bool says(uint32_t room) const { return room < count_.size() && count_[room] >= kLeastOfRoom; }
+  double mean(uint32_t room) const { return quotient(sum_[room], weight_[room]); }
+
+  // The mean of a figure over rooms with places enough, and how many these are.
+  template <class Figure>
+  void average(Figure figure, uint64_t* rooms, double* mean) const {
+    double sum = 0.0;
+    for (uint32_t room = 0; room < count_.size(); ++room) {
+      if (!says(room)) continue;
+      ++*rooms;
+      sum += figure(room);
+    }
+    *mean = quotient(sum, static_cast<double>(*rooms));
+  }
+
+ private:
+  std::vector<uint64_t> count_;
+  std::vector<double> weight_, sum_;
+};
+
+// weight   of a place in the group; 0: not in it
+template <class Weight>
+void balance(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers, Weight weight,
+             GroupFigures* figures) {
+  RoomSums light(places), errors(places);
+  for (size_t i = 0; i < places.places.size(); ++i) {
+    const LightPlace& place = places.places[i];
+    if (weight(place) > 0.0) light.add(place, channelMean(truth.at[i].irradiance), weight(place));
+  }
+  for (size_t i = 0; i < places.places.size(); ++i) {
+    const LightPlace& place = places.places[i];
+    if (!(weight(place) > 0.0) || !light.says(place.room)) continue;
+    const double own = std::max(channelMean(truth.at[i].irradiance), light.mean(place.room));
+    const double scale = std::max(own, kBlackShare * truth.mean);
+    errors.add(place, quotient(squares(answers[i].irradiance - truth.at[i].irradiance), scale * scale), weight(place));
+  }
+  errors.average([&](uint32_t room) { return std::sqrt(errors.mean(room)); }, &figures->rooms, &figures->balanced);
+}
+
+// scale   of each place: dark is what is below kDarkShare of it
+template <class Scale>
+DarkFigures darkFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers,
+                        Scale scale) {
   DarkFigures dark;
+  double scales = 0.0;
   for (size_t i = 0; i < places.places.size(); ++i) {
     const double light = channelMean(truth.at[i].irradiance);
-    if (!isCounted(places.places[i]) || light >= kDarkShare * truth.mean) continue;
+    if (!isCounted(places.places[i]) || light >= kDarkShare * scale(i)) continue;
     const double answer = channelMean(answers[i].irradiance);
     ++dark.places;
+    scales += scale(i);
     dark.truth += light;
     dark.excess += answer - light;
     dark.added += std::max(0.0, answer - light);
   }
-  for (double* sum : {&dark.truth, &dark.excess, &dark.added})
-    *sum = quotient(*sum, static_cast<double>(dark.places) * truth.mean);
+  for (double* sum : {&dark.truth, &dark.excess, &dark.added}) *sum = quotient(*sum, scales);
   return dark;
 }
 
 EdgeFigures edgeFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers,
                         PlaceGroup group) {
   std::vector<double> ratios;
+  RoomSums lights(places), added(places);
   double light = 0.0, answered = 0.0;
   for (size_t i = 0; i < places.places.size(); ++i) {
     if (places.places[i].group != group) continue;
@@ -99,10 +153,21 @@ EdgeFigures edgeFigures(const LightPlaces& places, const LightTruth& truth, cons
     light += expected;
     answered += answer;
     ratios.push_back(quotient(answer, std::max(expected, kEdgeBlackShare * truth.mean)));
+    lights.add(places.places[i], expected, 1.0);
+    added.add(places.places[i], answer - expected, 1.0);
   }
+  EdgeFigures figures;
   const Quantiles q = quantiles(ratios);
-  return {q.count, quotient(light, static_cast<double>(q.count) * truth.mean), quotient(answered - light, light), q.median,
-          q.p95};
+  figures.places = q.count;
+  figures.truth = quotient(light, static_cast<double>(q.count) * truth.mean);
+  figures.excess = quotient(answered - light, light);
+  figures.ratio_median = q.median;
+  figures.ratio_p95 = q.p95;
+  const auto of_room = [&](uint32_t room) {
+    return quotient(added.mean(room), std::max(lights.mean(room), kEdgeBlackShare * truth.mean));
+  };
+  lights.average(of_room, &figures.rooms, &figures.balanced);
+  return figures;
 }
 
 WalkFigures walkFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
@@ -132,18 +197,48 @@ std::vector<WorstPlace> worstPlaces(const LightPlaces& places, const LightTruth&
   return all;
 }
 
+// Over all normals: light of second order has the mean of its irradiance over the six ends of the axes.
+double meanIrradiance(const LightSh& light) {
+  double sum = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::vec3 normal(0.0f);
+    normal[axis] = 1.0f;
+    sum += channelMean(irradiance(light, normal)) + channelMean(irradiance(light, -normal));
+  }
+  return sum / 6.0;
+}
+
+double brightestAround(const glm::dvec3& position_m, const LightTransport& transport, const TruthOptions& options,
+                       uint64_t seed) {
+  constexpr int kTries = 4 * kAroundPlaces, kRays = 64;
+  GatherOptions gather = options.gather;
+  gather.rays = std::min(gather.rays, kRays);
+  Random random(seed);
+  double brightest = 0.0;
+  for (int t = 0, found = 0; t < kTries && found < kAroundPlaces; ++t) {
+    glm::dvec3 at = position_m;
+    for (int axis = 0; axis < 3; ++axis) at[axis] += random.uniform(-options.around_m, options.around_m);
+    if (!isInAir(transport.rays(), at)) continue;
+    ++found;
+    brightest = std::max(brightest, meanIrradiance(transport.gather(at, gather, mixSeed(seed, t)).light));
+  }
+  return brightest;
+}
+
 }  // namespace
 
-LightTruth lightTruth(const LightPlaces& places, const LightTransport& transport, const GatherOptions& options, uint64_t seed,
-                      int thread_count) {
+LightTruth lightTruth(const LightPlaces& places, const LightTransport& transport, const TruthOptions& options) {
   LightTruth truth;
   truth.at.resize(places.places.size());
-  parallelFor(places.places.size(), thread_count, [&](uint64_t i, int) {
+  truth.around.resize(places.places.size());
+  parallelFor(places.places.size(), options.threads, [&](uint64_t i, int) {
     const LightPlace& place = places.places[i];
     // the same rays at all steps of a walk: what changes between steps is light, not noise
     const uint64_t place_seed =
-        place.group == PlaceGroup::walk ? mixSeed(seed, kWalkStream, place.walk) : mixSeed(seed, kTruthStream, i);
-    truth.at[i] = transport.gatherIrradiance(place.position_m, place.normal, options, place_seed);
+        place.group == PlaceGroup::walk ? mixSeed(options.seed, kWalkStream, place.walk) : mixSeed(options.seed, kTruthStream, i);
+    truth.at[i] = transport.gatherIrradiance(place.position_m, place.normal, options.gather, place_seed);
+    if (isCounted(place) && options.around_m > 0.0)
+      truth.around[i] = brightestAround(place.position_m, transport, options, mixSeed(place_seed, kAroundStream));
   });
   double count = 0.0, noise = 0.0, light = 0.0;
   for (size_t i = 0; i < truth.at.size(); ++i) {
@@ -182,7 +277,17 @@ LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, co
     figures.surface_class[c] = surface_class[c].figures();
     figures.turned_class[c] = turned_class[c].figures();
   }
-  figures.dark = darkFigures(places, truth, answers);
+  const auto of_air = [](const LightPlace& p) { return p.group == PlaceGroup::air ? 1.0 : 0.0; };
+  balance(places, truth, answers, of_air, &figures.air);
+  for (const auto& [group, of_group] :
+       {std::pair(PlaceGroup::surface, &figures.surface), {PlaceGroup::turned, &figures.turned}}) {
+    const auto weight = [&places, g = group](const LightPlace& p) {
+      return p.group == g ? places.surfaceWeight(p.surface_class) : 0.0;
+    };
+    balance(places, truth, answers, weight, of_group);
+  }
+  figures.dark = darkFigures(places, truth, answers, [&](size_t) { return truth.mean; });
+  figures.beside_light = darkFigures(places, truth, answers, [&](size_t i) { return truth.around[i]; });
   figures.edge = edgeFigures(places, truth, answers, PlaceGroup::edge);
   figures.corner = edgeFigures(places, truth, answers, PlaceGroup::corner);
   figures.jumps = walkFigures(places, truth, answers);

@@ -10,9 +10,12 @@
 
 namespace nlg {
 
-inline constexpr double kDarkShare = 0.05;        // of the level's mean irradiance: below it a place is dark
-inline constexpr double kEdgeBlackShare = 0.001;  // of it: less light is black to an eye that is used to the dark
+inline constexpr double kDarkShare = 0.05;   // of the level's mean irradiance, or of what is around: below it a place is dark
+inline constexpr double kBlackShare = 0.01;  // of the level's mean: less light is black to an eye, and no share of it an error
+inline constexpr double kEdgeBlackShare = 0.001;  // likewise, to an eye that is used to the dark
 inline constexpr double kExposedMean = 0.18;      // what a display shows the level's mean irradiance as: middle grey
+inline constexpr int kAroundPlaces = 8;           // in air, drawn around a place
+inline constexpr uint64_t kLeastOfRoom = 8;       // places of a group: a room with fewer says nothing of it
 inline constexpr size_t kWorstPlaceCount = 10;
 
 // Irradiance at all places, and what it says of the level. "Mean" is that of the channels.
@@ -22,10 +25,19 @@ struct LightTruth {
   double rms = 0.0;                    // over places in air and channels
   double noise = 0.0;                  // truth's own standard deviation over rms: root mean square over places in air
   uint64_t dark = 0;                   // places, but for walks and those nearer than 5 cm
+  // The brightest of kAroundPlaces places in air within around_m of each: irradiance, its mean over all normals. 0 for walks, edges
+  // and corners, and those nearer than 5 cm.
+  std::vector<double> around;
 };
 
-LightTruth lightTruth(const LightPlaces& places, const LightTransport& transport, const GatherOptions& options, uint64_t seed,
-                      int thread_count);
+struct TruthOptions {
+  GatherOptions gather;
+  double around_m = 1.0;  // how far a look-up reaches: the finest spacing. 0: nothing is looked for around places
+  uint64_t seed = 1;
+  int threads = 1;  // the same truth for any number
+};
+
+LightTruth lightTruth(const LightPlaces& places, const LightTransport& transport, const TruthOptions& options);
 
 // Over a group of places, each counting by its weight.
 struct GroupFigures {
@@ -35,11 +47,16 @@ struct GroupFigures {
   double colour_mean = 0.0;  // HyAB, of a white surface at an exposure that shows the level's mean as middle grey
   double colour_p95 = 0.0;
   double unlit = 0.0, outside = 0.0, fallback = 0.0;  // shares
+  // By room: the root mean square of error over the light where it stands, which is truth there or the room's mean, whichever is more,
+  // and kBlackShare of the level's mean at least. Then the mean over rooms.
+  uint64_t rooms = 0;
+  double balanced = 0.0;
 };
 
+// Of places where truth is below kDarkShare of a scale: the level's mean, or what is around. All over that scale's mean.
 struct DarkFigures {
   uint64_t places = 0;
-  double truth = 0.0;   // mean over dark places, over the level's mean
+  double truth = 0.0;   // mean over dark places
   double excess = 0.0;  // the answer's mean less truth's: what leaks
   double added = 0.0;   // mean of what answers are brighter than truth by, where they are
 };
@@ -50,6 +67,8 @@ struct EdgeFigures {
   double truth = 0.0;                          // mean, over the level's mean
   double excess = 0.0;                         // the answers' mean over truth's, less 1: pooled over places
   double ratio_median = 0.0, ratio_p95 = 0.0;  // answer over truth where it stands; truth is taken for kEdgeBlackShare at least
+  uint64_t rooms = 0;
+  double balanced = 0.0;  // the mean over rooms of their own excess, truth's mean taken for kEdgeBlackShare at least
 };
 
 // Between neighbouring steps of walks: how much more the answer changes than truth does, 0 where it changes less. Over truth's root
@@ -67,7 +86,7 @@ struct WorstPlace {
 struct LightFigures {
   GroupFigures air, surface, turned;  // surface and turned: from 5 to 50 cm
   std::array<GroupFigures, kSurfaceClassCount> surface_class, turned_class;
-  DarkFigures dark;
+  DarkFigures dark, beside_light;  // by the level's mean; by what is around
   EdgeFigures edge, corner;
   WalkFigures jumps;
   std::vector<WorstPlace> worst;  // walks not among them

@@ -16,8 +16,19 @@ Json groupJson(const GroupFigures& f) {
           {"fallback", f.fallback}};
 }
 
+// With the figure by room, which groups have and classes of distance have not.
+Json balancedJson(const GroupFigures& f) {
+  Json json = groupJson(f);
+  json["balanced"] = {{"rooms", f.rooms}, {"rmse", f.balanced}};
+  return json;
+}
+
+Json darkJson(const DarkFigures& f) {
+  return {{"places", f.places}, {"truth", f.truth}, {"excess", f.excess}, {"added", f.added}};
+}
+
 Json byDistanceJson(const GroupFigures& all, const std::array<GroupFigures, kSurfaceClassCount>& classes, int first_class) {
-  Json json = groupJson(all);
+  Json json = balancedJson(all);
   json["by_distance"] = Json::array();
   for (int c = first_class; c < kSurfaceClassCount; ++c) {
     Json of_class = {{"from_m", kSurfaceBordersM[c]}, {"to_m", kSurfaceBordersM[c + 1]}};
@@ -36,7 +47,8 @@ Json edgeJson(const EdgeFigures& f) {
   return {{"places", f.places},
           {"truth", f.truth},
           {"excess", f.excess},
-          {"ratio", {{"median", f.ratio_median}, {"p95", f.ratio_p95}}}};
+          {"ratio", {{"median", f.ratio_median}, {"p95", f.ratio_p95}}},
+          {"balanced", {{"rooms", f.rooms}, {"excess", f.balanced}}}};
 }
 
 Json worstJson(const LightFigures& figures, const LightPlaces& places, const LightTruth& truth,
@@ -69,6 +81,7 @@ Json truthJson(const LightPlaces& places, const LightTruth& truth, bool is_baked
             {"near_source", places.near_source},
             {"source_distance_m", places.source_distance_m},
             {"surface", surface},
+            {"rooms", places.room_count},
             {"walks", places.walk_count},
             {"edges", places.edge_count},
             {"corners", places.corner_count},
@@ -78,13 +91,11 @@ Json truthJson(const LightPlaces& places, const LightTruth& truth, bool is_baked
 Json methodJson(const LightMethod& method, const LightFigures& figures, const LightPlaces& places, const LightTruth& truth,
                 const std::vector<LightAnswer>& answers, const glm::dvec3& origin_m) {
   Json json = {{"weights", method.weights}, {"light", method.light}};
-  json["air"] = groupJson(figures.air);
+  json["air"] = balancedJson(figures.air);
   json["surface"] = byDistanceJson(figures.surface, figures.surface_class, 0);
   json["turned"] = byDistanceJson(figures.turned, figures.turned_class, kFirstFarClass);
-  json["dark"] = {{"places", figures.dark.places},
-                  {"truth", figures.dark.truth},
-                  {"excess", figures.dark.excess},
-                  {"added", figures.dark.added}};
+  json["dark"] = darkJson(figures.dark);
+  json["beside_light"] = darkJson(figures.beside_light);
   json["edge"] = edgeJson(figures.edge);
   json["corner"] = edgeJson(figures.corner);
   json["jumps"] = {{"steps", figures.jumps.steps},

@@ -8,6 +8,7 @@
 #include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/luminance.h"
+#include "validate/light/rooms.h"
 
 namespace nlg {
 namespace {
@@ -298,6 +299,23 @@ double LightPlaces::surfaceWeight(uint8_t surface_class) const {
   }
   const double width = kSurfaceBordersM[surface_class + 1] - kSurfaceBordersM[surface_class];
   return width / covered / static_cast<double>(surface_count[surface_class]);
+}
+
+void partIntoRooms(LightPlaces* places, const RayScene& rays, int threads) {
+  std::vector<LightPlace*> parted;
+  std::vector<glm::dvec3> positions;  // those in air first
+  for (LightPlace& place : places->places) {
+    if (place.group == PlaceGroup::walk) continue;
+    parted.push_back(&place);
+    positions.push_back(place.position_m);
+  }
+  RoomOptions options;
+  options.most_places = std::min<size_t>(options.most_places, places->in_air);
+  options.threads = threads;
+  const std::vector<SeenRoom> rooms = findRooms(rays, positions, options);
+  const std::vector<uint32_t> room = roomOfPlaces(rooms, positions.size());
+  for (size_t i = 0; i < parted.size(); ++i) parted[i]->room = room[i];
+  places->room_count = static_cast<uint32_t>(rooms.size());
 }
 
 LightPlaces drawLightPlaces(const Scene& scene, const RayScene& rays, const ExtentBox& extent, const LightPlaceOptions& options) {

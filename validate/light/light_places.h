@@ -32,6 +32,7 @@ struct LightPlace {
   glm::vec3 normal{0.0f, 1.0f, 0.0f};
   PlaceGroup group = PlaceGroup::air;
   uint8_t surface_class = 0;  // of surface and turned
+  uint32_t room = 0;          // number of its room, LightPlaces::room_count for none; none of walks
   uint32_t walk = 0;          // number of the walk; its steps follow one another in the list
 };
 
@@ -60,6 +61,7 @@ struct LightPlaces {
   double source_distance_m = 0.0;  // as it was bounded
   std::array<uint64_t, kSurfaceClassCount> surface_count{};
   uint64_t walk_count = 0, edge_count = 0, corner_count = 0;
+  uint32_t room_count = 0;  // 0: they are not parted into rooms
 
   // How often a place of this class counts in sums over distances from 5 to 50 cm: they add up to 1 over each of the groups
   // surface and turned.
@@ -69,5 +71,8 @@ struct LightPlaces {
 // All places are in air (light/air.h) and in the extent; between a place and the surface that it stands before there is
 // nothing, nor between two steps of a walk. The same seed gives the same places.
 LightPlaces drawLightPlaces(const Scene& scene, const RayScene& rays, const ExtentBox& extent, const LightPlaceOptions& options);
+
+// Numbers the rooms of all places but walks', by the sight of those in air (validate/light/rooms.h).
+void partIntoRooms(LightPlaces* places, const RayScene& rays, int threads);
 
 }  // namespace nlg

@@ -20,6 +20,8 @@ FIGURES = ("smape", "colour", "dark", "jump_mean", "jump_largest", "unlit", "out
 RESAMPLES, SEED = 4000, 1
 NOT_STORED = "target functions"  # whose bytes nobody would keep
 TEST_BOXES = ("cornell", "two_rooms")
+BY_ROOM = {group: f"{group}_by_room" for group in GROUPS}
+LEAKS = ("edge", "corner", "beside_light")  # excess; these and the ones by room: not in results of before 25 November 2026
 DAYLIGHT = "daylight"
 FLOOR, TARGET = "harmonics at the place", "target φ"  # steps before the words
 SCENE_KINDS = {"levels": "levels that hold their own light", "furnished": "furnished and thin-walled scenes", "daylight": "rooms beside daylight", "boxes": "test boxes"}
@@ -58,6 +60,7 @@ class Point:
     per_probe: float
     seconds: float  # of the bake: weights and light
     look_ups_per_s: float = math.nan  # NaN: not measured
+    leaks: dict = field(default_factory=dict)  # errors by room and what leaks, by BY_ROOM and LEAKS
     by_distance: list = field(default_factory=list)  # (from_m, to_m, RMSE) before surfaces
     worst: list = field(default_factory=list)
 
@@ -89,6 +92,14 @@ def read_worst(node, scene):
     return Worst(scene, node["group"].text(), *(read_vector(node[key]) for key in ("position_m", "normal", "truth", "answer")), node["error"].number(), picture)
 
 
+def read_leaks(node):
+    """Errors by room, and where light leaks; empty of a result that has none of them."""
+    if "beside_light" not in node:
+        return {}
+    by_room = {key: node[group]["balanced"]["rmse"].number() for group, key in BY_ROOM.items()}
+    return {**by_room, **{key: node[key]["excess"].number(low=-math.inf) for key in LEAKS}}
+
+
 def read_method(node, scene, kind, spacing_m):
     air, jumps, times, size = node["air"], node["jumps"], node["times"], node["bytes"]
     distances = [(some["from_m"].number(), some["to_m"].number(), some["rmse"].number()) for some in node["surface"]["by_distance"].items()]
@@ -97,7 +108,7 @@ def read_method(node, scene, kind, spacing_m):
                  air["smape"].number(0.0, 1.0), air["colour"]["mean"].number(), node["dark"]["excess"].number(low=-math.inf), jumps["mean"].number(),
                  jumps["largest"].number(), air["unlit"].number(0.0, 1.0), air["outside"].number(0.0, 1.0), size["total"].count(), node["probes"].count(),
                  size["per_probe"].number(), times["weights_s"].number() + times["light_s"].number(),
-                 times["look_ups_per_s"].number() if "look_ups_per_s" in times else math.nan, distances, worst)
+                 times["look_ups_per_s"].number() if "look_ups_per_s" in times else math.nan, read_leaks(node), distances, worst)
 
 
 def read_points(path):
@@ -171,10 +182,10 @@ def geometric_mean(values, axis=None):
     return np.exp(np.mean(np.log(values), axis=axis))
 
 
-def ratios_to(points, references, group):
+def ratios_to(points, references, group, error=lambda point, group: point.rmse[group]):
     """RMSE over the reference's, scene by scene, where both have one; references: scene → point."""
-    return [point.rmse[group] / references[point.scene].rmse[group] for point in points
-            if point.scene in references and references[point.scene].rmse[group] > 0.0 and point.rmse[group] > 0.0]
+    found = [(error(point, group), error(references[point.scene], group)) for point in points if point.scene in references]
+    return [ours / theirs for ours, theirs in found if ours > 0.0 and theirs > 0.0]
 
 
 def method_figures(points, references):
@@ -188,6 +199,9 @@ def method_figures(points, references):
             figures[group]["ratio"] = figure(ratios, geometric_mean)
     for name in FIGURES:
         figures[name] = figure([getattr(point, name) for point in points])
+    for name in (*BY_ROOM.values(), *LEAKS):
+        if all(name in point.leaks for point in points):
+            figures[name] = figure([point.leaks[name] for point in points])
     look_ups = [point.look_ups_per_s for point in points if point.look_ups_per_s > 0.0]
     if look_ups:
         figures["look_ups_per_s"] = figure(look_ups, geometric_mean)

@@ -19,8 +19,9 @@ std::vector<LightAnswer> answersOf(const LightMethod& method, const LightPlaces&
 }
 
 FiguresByMethod measureAll(const LitScene& lit) {
-  const LightPlaces places = lit.places();
-  const LightTruth truth = lightTruth(places, lit.transport, {256, 64}, 1, 1);
+  LightPlaces places = lit.places();
+  partIntoRooms(&places, lit.rays, 1);
+  const LightTruth truth = lightTruth(places, lit.transport, {{256, 64}});
   MethodSet methods = lit.methods();
   methods.addTrilinear();
   methods.addTetrahedra();
@@ -47,6 +48,10 @@ TEST(LightFigures, AreZeroInAFurnace) {
     EXPECT_LT(f.air.colour_p95, 1.0) << name;
     EXPECT_LT(f.jumps.largest, 0.02) << name;
     EXPECT_EQ(f.dark.places, 0u) << name;
+    EXPECT_EQ(f.beside_light.places, 0u) << name;
+    EXPECT_LT(f.air.balanced, 0.02) << name;
+    EXPECT_NEAR(f.edge.excess, 0.0, 0.02) << name;
+    EXPECT_NEAR(f.corner.excess, 0.0, 0.02) << name;
     EXPECT_EQ(f.air.unlit, 0.0) << name;
     EXPECT_EQ(f.air.outside, 0.0) << name;
     EXPECT_EQ(f.worst.size(), kWorstPlaceCount) << name;
@@ -62,6 +67,14 @@ TEST(LightFigures, FindTheLightThatTrilinearBlendsLeak) {
   // of a dark room 3 m long the first .6 m lie in cells with the bright room's probes: a sixth of the light at the least, there
   EXPECT_GT(trilinear.dark.excess, 0.03);
   EXPECT_EQ(exact.dark.excess, 0.0);
+  // places within a metre of the wall have lit ones around them
+  EXPECT_GT(trilinear.beside_light.places, 20u);
+  EXPECT_GT(trilinear.beside_light.excess, 0.03);
+  EXPECT_EQ(exact.beside_light.excess, 0.0);
+  // the bright room loses as much as the dark one gains; by room the dark one has a thousandth of the level's light to be held against
+  EXPECT_GT(trilinear.edge.balanced, 1.0);
+  EXPECT_NEAR(exact.edge.balanced, 0.0, 0.02);
+  EXPECT_EQ(trilinear.air.rooms, 2u);
   EXPECT_EQ(figures.at("target functions, point").dark.excess, 0.0);
   EXPECT_LT(figures.at("DDGI float, own").dark.excess, trilinear.dark.excess);
   EXPECT_GT(trilinear.air.rmse, exact.air.rmse);
@@ -70,7 +83,7 @@ TEST(LightFigures, FindTheLightThatTrilinearBlendsLeak) {
 TEST(LightFigures, KnowOfNothingBetterThanHarmonicsAtThePlace) {
   const LitScene lit(brightAndDarkRoom());
   const LightPlaces places = lit.places();
-  const LightTruth truth = lightTruth(places, lit.transport, {256, 64}, 1, 1);
+  const LightTruth truth = lightTruth(places, lit.transport, {{256, 64}});
   std::vector<LightAnswer> answers;
   for (const LightPlace& place : places.places)
     answers.push_back({irradiance(lit.transport.gather(place.position_m, {256, 64}, 2).light, place.normal), Reach::lit});
@@ -84,6 +97,7 @@ TEST(LightFigures, SayWhatTheirFormulasSay) {
   // two places in air, one of them dark
   places.places.resize(2);
   truth.at = {{glm::vec3(10.0f), {}}, {glm::vec3(0.1f), {}}};
+  truth.around = {30.0, 5.0};  // the second is a fiftieth of what is around it
   truth.mean = 5.05;
   truth.rms = std::sqrt((100.0 + 0.01) / 2);
   const std::vector<LightAnswer> answers = {{glm::vec3(9.0f), Reach::lit}, {glm::vec3(0.6f), Reach::fallback}};
@@ -94,8 +108,38 @@ TEST(LightFigures, SayWhatTheirFormulasSay) {
   EXPECT_EQ(f.dark.places, 1u);
   EXPECT_NEAR(f.dark.truth, 0.1 / 5.05, 1e-6);
   EXPECT_NEAR(f.dark.excess, 0.5 / 5.05, 1e-6);
+  EXPECT_EQ(f.beside_light.places, 1u);
+  EXPECT_NEAR(f.beside_light.truth, 0.1 / 5.0, 1e-6);
+  EXPECT_NEAR(f.beside_light.excess, 0.5 / 5.0, 1e-6);
   EXPECT_EQ(f.worst.front().place, 0u);
   EXPECT_NEAR(f.worst.front().error, 1.0 / truth.rms, 1e-6);
+}
+
+// Two rooms with eight places each, which are off by a tenth and by the whole of what light there is, and one with too few to count.
+TEST(LightFigures, CountRoomsAlikeByTheLightThatStandsInThem) {
+  LightPlaces places;
+  LightTruth truth;
+  std::vector<LightAnswer> answers;
+  places.room_count = 3;
+  const auto add = [&](uint32_t room, float light, float answer) {
+    places.places.push_back({});
+    places.places.back().room = room;
+    truth.at.push_back({glm::vec3(light), {}});
+    answers.push_back({glm::vec3(answer), Reach::lit});
+  };
+  for (int i = 0; i < 8; ++i) {
+    add(0, 10.0f, 9.0f);
+    // the mean of this room is 1: the light that stands at a place is that, or its own where it is more
+    add(1, i % 2 ? 0.5f : 1.5f, i % 2 ? 1.5f : 3.0f);
+  }
+  add(2, 1.0f, 100.0f);
+  add(3, 1.0f, 100.0f);  // in no room
+  truth.around.assign(truth.at.size(), 0.0);
+  truth.mean = 5.0;
+  truth.rms = 7.0;
+  const LightFigures f = lightFigures(places, truth, answers);
+  EXPECT_EQ(f.air.rooms, 2u);
+  EXPECT_NEAR(f.air.balanced, (0.1 + 1.0) / 2, 1e-6);
 }
 
 TEST(LightFigures, OfEdgesPoolOverPlacesAndAreRelativeWhereTheyStand) {
@@ -106,6 +150,7 @@ TEST(LightFigures, OfEdgesPoolOverPlacesAndAreRelativeWhereTheyStand) {
   for (LightPlace& place : places.places) place.group = PlaceGroup::edge;
   truth.mean = 10.0;
   truth.rms = 10.0;
+  truth.around.assign(3, 0.0);
   truth.at = {{glm::vec3(1.0f), {}}, {glm::vec3(4.0f), {}}, {glm::vec3(0.0f), {}}};
   for (const float light : {3.0f, 2.0f, 0.1f}) answers.push_back({glm::vec3(light), Reach::lit});
   const LightFigures f = lightFigures(places, truth, answers);
@@ -117,6 +162,7 @@ TEST(LightFigures, OfEdgesPoolOverPlacesAndAreRelativeWhereTheyStand) {
   EXPECT_NEAR(f.edge.ratio_median, 3.0, 1e-6);
   EXPECT_NEAR(f.edge.ratio_p95, 3.0 + 0.9 * (10.0 - 3.0), 1e-5);
   EXPECT_EQ(f.dark.places, 0u) << "edges are figures of their own";
+  EXPECT_EQ(f.edge.rooms, 0u);
   EXPECT_TRUE(f.worst.empty());
 }
 
@@ -130,6 +176,7 @@ TEST(LightFigures, CountOnlyJumpsThatTruthDoesNotMake) {
     places.places.push_back(step);
   }
   for (const float light : {1.0f, 2.0f, 2.0f, 9.0f, 9.0f, 9.0f}) truth.at.push_back({glm::vec3(light), {}});
+  truth.around.assign(6, 0.0);
   truth.rms = 2.0;
   std::vector<LightAnswer> answers;
   for (const float light : {1.0f, 1.5f, 2.0f, 5.0f, 5.0f, 6.0f}) answers.push_back({glm::vec3(light), Reach::lit});

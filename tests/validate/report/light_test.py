@@ -12,10 +12,10 @@ INPUT_ERROR = 3  # tool/error.h
 
 
 def method(weights, light, rmse, size):
-    figures = {"rmse": rmse, "smape": 0.1, "colour": {"mean": 2.0, "p95": 4.0}, "unlit": 0.0, "outside": 0.0}
+    figures = {"rmse": rmse, "smape": 0.1, "colour": {"mean": 2.0, "p95": 4.0}, "unlit": 0.0, "outside": 0.0, "balanced": {"rooms": 3, "rmse": 2 * rmse}}
     surface = {**figures, "by_distance": [{"from_m": 0.02, "to_m": 0.05, "rmse": rmse}]}
     worst = {"group": "air", "position_m": [0, 1, 2], "normal": [0, 0, 1], "truth": [1, 1, 1], "answer": [1, 2, 1], "error": 0.6}
-    return {"weights": weights, "light": light, "air": figures, "surface": surface, "turned": figures, "dark": {"excess": -0.01},
+    return {"weights": weights, "light": light, "air": figures, "surface": surface, "turned": figures, "dark": {"excess": -0.01}, "beside_light": {"excess": 0.02}, "edge": {"excess": 0.3}, "corner": {"excess": 0.4},
             "jumps": {"mean": 0.01, "largest": 0.1}, "bytes": {"total": size, "per_probe": size / 20}, "probes": 20, "worst": [worst],
             "times": {"weights_s": 1.0, "light_s": 0.5}}
 
@@ -61,6 +61,18 @@ class LightSummary(unittest.TestCase):
         self.assertAlmostEqual(ours["air"]["median"], 0.1)  # of .2, .1, .05
         self.assertAlmostEqual(ours["seconds"]["mean"], 1.5)
         self.assertNotIn("look_ups_per_s", ours)
+        self.assertAlmostEqual(ours["air_by_room"]["mean"], 0.7 / 3)
+        for key, mean in (("beside_light", 0.02), ("edge", 0.3), ("corner", 0.4)):
+            self.assertAlmostEqual(ours[key]["mean"], mean)
+
+    def test_results_of_before_there_were_rooms_are_read_too(self):
+        old = scene("a", 0.4, 0.2)
+        for spacing in old["spacings"]:
+            for found in spacing["methods"]:
+                del found["beside_light"]
+        ours = self.summary(old)["spacings"][0]["methods"][1]
+        self.assertNotIn("air_by_room", ours)
+        self.assertAlmostEqual(ours["air"]["mean"], 0.2)
 
     def test_few_scenes_have_no_interval(self):
         ours = self.summary(scene("a", 0.4, 0.2), scene("b", 0.1, 0.1))["spacings"][0]["methods"][1]

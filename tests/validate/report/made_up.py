@@ -188,10 +188,10 @@ def png(width, height, grey):
 def light(scene, harder):
     """Three methods at two spacings; solved light is best before surfaces. The two harder scenes have pictures of our worst places."""
     def method(weights, light, rmse, per_probe, probes):
-        some = {"rmse": rmse, "smape": .1, "colour": {"mean": 2.0, "p95": 4.0}, "unlit": .001, "outside": 0.0}
+        some = {"rmse": rmse, "smape": .1, "colour": {"mean": 2.0, "p95": 4.0}, "unlit": .001, "outside": 0.0, "balanced": {"rooms": 4, "rmse": 2 * rmse}}
         surface = {**some, "by_distance": [{"from_m": low, "to_m": high, "rmse": rmse * (1 + low)} for low, high in ((.02, .05), (.05, .1), (.1, .2), (.2, .5))]}
         worst = [{"group": ("air", "surface", "turned")[i % 3], "position_m": [i, 1.5, -2], "normal": [0, 0, 1], "truth": [.5, .4, .3], "answer": [.9, .4, .3], "error": rmse * (10 - i)} for i in range(10)]
-        return {"weights": weights, "light": light, "air": some, "surface": surface, "turned": {**some, "rmse": 1.2 * rmse}, "dark": {"excess": rmse / 10 - .01}, "jumps": {"mean": .003, "largest": .1},
+        return {"weights": weights, "light": light, "air": some, "surface": surface, "turned": {**some, "rmse": 1.2 * rmse}, "dark": {"excess": rmse / 10 - .01}, **{key: {"excess": rmse} for key in ("edge", "corner", "beside_light")}, "jumps": {"mean": .003, "largest": .1},
                 "bytes": {"total": per_probe * probes, "per_probe": float(per_probe)}, "probes": probes, "worst": worst, "times": {"weights_s": .4 * (weights == "tent_mlp"), "light_s": .02, "look_ups_per_s": 1e6}}
 
     methods = lambda far, probes: [method("valid trilinear", "point", .2 * harder * far, 33, probes), method("DDGI as shipped", "own", .18 * harder * far, 1288, probes),
