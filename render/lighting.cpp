@@ -23,7 +23,7 @@ PositionM worldPosition(const Receiver& receiver, const glm::dvec3& origin_m) {
 }
 
 bool isLit(LightStatus status, const glm::vec3& irradiance) {
-  return status == LightStatus::lit || status == LightStatus::by_tents || irradiance != glm::vec3(0.0f);
+  return status == LightStatus::lit || status == LightStatus::faint || irradiance != glm::vec3(0.0f);
 }
 
 }  // namespace

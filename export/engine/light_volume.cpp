@@ -105,6 +105,15 @@ size_t fillTexels(const std::array<uint32_t, 3>& count, std::vector<Texel>* texe
   return filled;
 }
 
+// Whether the texel's light is whole: what fades out is better filled.
+bool isKnown(const LightGrid& grid, const LightBox& box, size_t texel, LightStatus status) {
+  if (status != LightStatus::outside) return status == LightStatus::lit;
+  const size_t row = box.texel_count[0], slice = row * box.texel_count[1];
+  ProbeWeights shares;
+  lookUpShares(grid, box.texelCentre(texel % row, texel % slice / row, texel / slice), &shares);
+  return shares.count > 0 && shares.certainty == 1.0f;
+}
+
 }  // namespace
 
 LightBox volumeBox(const LightGrid& grid, const VolumeOptions& options) {
@@ -139,11 +148,7 @@ LightVolume makeLightVolume(const LightGrid& grid, const LightBox& box) {
   LightVolume volume{box, std::move(resampled.light)};
   std::vector<Texel> texels(resampled.status.size(), Texel::dark);
   for (size_t i = 0; i < texels.size(); ++i) {
-    const float* light = &volume.light[i * kShFloats];
-    const LightStatus status = resampled.status[i];
-    if (status == LightStatus::unlit ||
-        (status == LightStatus::outside && std::count(light, light + kShFloats, 0.0f) == kShFloats))
-      continue;
+    if (!isKnown(grid, box, i, resampled.status[i])) continue;
     texels[i] = Texel::has_light;
     ++volume.lit;
   }

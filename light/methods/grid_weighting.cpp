@@ -10,12 +10,10 @@ ProbeBlend GridWeighting::blendAt(const glm::dvec3& position_m, const glm::vec3&
   const LightStatus status = lookUpShares(grid_, {world.x, world.y, world.z}, &shares);
   ProbeBlend blend;
   for (int i = 0; i < shares.count; ++i) blend.add(shares.probe[i], shares.weight[i]);
-  blend.finish(Reach::lit);
-  if (status != LightStatus::lit) {
-    blend.reach = status == LightStatus::by_tents ? Reach::fallback
-                  : status == LightStatus::unlit  ? Reach::unlit
-                                                  : Reach::outside;
-  }
+  blend.reach = status == LightStatus::lit     ? Reach::lit
+                : status == LightStatus::faint ? Reach::fallback
+                : status == LightStatus::unlit ? Reach::unlit
+                                               : Reach::outside;
   return blend;
 }
 

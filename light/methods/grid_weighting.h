@@ -1,4 +1,4 @@
-// The shares that our own light grid's look-up gives (irradiance.h), fallbacks included.
+// The shares that our own light grid's look-up gives (irradiance.h).
 #pragma once
 
 #include "light/methods/light_method.h"

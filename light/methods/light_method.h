@@ -18,7 +18,7 @@ namespace nlg {
 
 enum class Reach : uint8_t {
   lit,
-  fallback,  // lit by what the method takes where its own weights say nothing
+  fallback,  // lit by what the method takes where its own weights say nothing, or by what is left of weights that nearly do
   unlit,     // no probe counts: black
   outside,   // of what the method covers: black, or what stands nearest
 };
@@ -26,7 +26,7 @@ enum class Reach : uint8_t {
 // The shares of probes at a place.
 struct ProbeBlend {
   std::array<uint32_t, 8> probe{};
-  std::array<float, 8> weight{};  // of the first `count`, > 0; they sum to 1
+  std::array<float, 8> weight{};  // of the first `count`, > 0; they sum to 1, or less where reach is fallback or outside
   int count = 0;                  // 0 … 8; > 0 where reach is lit or fallback, and perhaps outside
   Reach reach = Reach::unlit;
 

@@ -38,7 +38,7 @@ NLG_SAME(NLG_SIMD_UNAVAILABLE, simd_unavailable);
 NLG_SAME(NLG_DIGEST_MISMATCH, digest_mismatch);
 #undef NLG_SAME
 static_assert(NLG_LIT == static_cast<int>(nlg::LightStatus::lit));
-static_assert(NLG_BY_TENTS == static_cast<int>(nlg::LightStatus::by_tents));
+static_assert(NLG_FAINT == static_cast<int>(nlg::LightStatus::faint));
 static_assert(NLG_UNLIT == static_cast<int>(nlg::LightStatus::unlit));
 static_assert(NLG_OUTSIDE == static_cast<int>(nlg::LightStatus::outside));
 // lists go through the border as they are

@@ -53,13 +53,25 @@ float evaluateFieldPoint(int resolution, const LocalPoint& point, const float* t
   return std::clamp(a, 0.0f, 1.0f) / (1.0f + std::exp(-b));
 }
 
+// Without the tent as a factor.
+float evaluateOutput(const Representation& representation, const LocalPoint& point, const float* theta) {
+  if (representation.isField()) return evaluateFieldPoint(representation.resolution, point, theta);
+  return withNetworkShape(representation,
+                          [&]<NetworkShape kShape>() { return evaluateNetwork<kShape>(representation.slope, point, theta); });
+}
+
 }  // namespace
 
 float evaluatePoint(const Representation& representation, const LocalPoint& point, const float* theta) {
-  if (representation.isField()) return evaluateFieldPoint(representation.resolution, point, theta);
-  const float output = withNetworkShape(
-      representation, [&]<NetworkShape kShape>() { return evaluateNetwork<kShape>(representation.slope, point, theta); });
+  const float output = evaluateOutput(representation, point, theta);
   return representation.tentFactor() ? output * tent(point) : output;
+}
+
+float evaluateTentShare(const Representation& representation, const LocalPoint& point, const float* theta) {
+  const float output = evaluateOutput(representation, point, theta);
+  const float whole = representation.tentFactor() ? 1.0f : tent(point);
+  if (!(output > 0.0f)) return 0.0f;
+  return output < whole ? output / whole : 1.0f;
 }
 
 }  // namespace nlg

@@ -48,15 +48,10 @@ struct NetworkShape {
   constexpr int thetaCount() const { return b3() + 1; }
 };
 
-// What is taken off every weight that a look-up has from a fitted function (light_grid.h): what a fit leaves where its target is 0.
-// Light comes through walls by such residues, since weights are normalised. Chosen by their effect on lit scenes: docs/theory/probes.md.
-inline constexpr float kDefaultResidue = 0.002f;
-
 struct NetworkKind {
   const char* name;
   NetworkShape shape;
   bool tent_factor;
-  float residue = kDefaultResidue;
 };
 
 // All networks, in the order of RepresentationKind.
@@ -71,7 +66,6 @@ inline constexpr int kNetworkCount = static_cast<int>(std::size(kNetworks));
 struct FieldKind {
   const char* name;
   int resolution;
-  float residue = kDefaultResidue;
 };
 
 // All product fields.
@@ -94,14 +88,6 @@ struct Representation {
   constexpr bool tentFactor() const { return !isField() && network().tent_factor; }
   // D: how many numbers theta has.
   constexpr int thetaCount() const { return isField() ? 2 * resolution * resolution * resolution : network().shape.thetaCount(); }
-  // What a look-up takes off its weights; 0 for a field that is none of kFields.
-  constexpr float residue() const {
-    if (!isField()) return network().residue;
-    for (const FieldKind& field : kFields) {
-      if (field.resolution == resolution) return field.residue;
-    }
-    return 0.0f;
-  }
   // Of a network, never of a field.
   constexpr const NetworkKind& network() const { return kNetworks[static_cast<int>(kind)]; }
   constexpr const NetworkShape& shape() const { return network().shape; }

@@ -7,9 +7,8 @@ namespace {
 
 LightStatus sharesAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* shares) {
   weightsAround(grid, around, shares);
-  if (normaliseWeights(shares)) return LightStatus::lit;
-  tentsAround(grid, around, shares);
-  return normaliseWeights(shares) ? LightStatus::by_tents : LightStatus::unlit;
+  if (!normaliseWeights(shares)) return LightStatus::unlit;
+  return shares->certainty < 1.0f ? LightStatus::faint : LightStatus::lit;
 }
 
 }  // namespace
@@ -18,8 +17,8 @@ const char* lightStatusName(LightStatus status) {
   switch (status) {
     case LightStatus::lit:
       return "lit";
-    case LightStatus::by_tents:
-      return "by_tents";
+    case LightStatus::faint:
+      return "faint";
     case LightStatus::unlit:
       return "unlit";
     case LightStatus::outside:

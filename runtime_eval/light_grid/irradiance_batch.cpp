@@ -81,9 +81,8 @@ struct LookUpScratch::Buffers {
   size_t position_count, run_count, item_count;
   std::array<uint32_t, kChunkSize> order;  // position of the block
   alignas(64) float from_low[4 * kPadded];
-  alignas(64) float weight[8][kPadded];   // by corner: values of functions first, shares in the end
-  alignas(64) float residue[8][kPadded];  // what weights lose
-  alignas(64) float share_sum[kPadded];   // 0: no function has weight
+  alignas(64) float weight[8][kPadded];  // by corner: shares of the tent first, those of the blend in the end
+  alignas(64) float share_sum[kPadded];  // of the blend: the certainty; 0: no function has weight
   std::array<CellRun, kChunkSize> runs;
   std::array<RunItem, 8 * kChunkSize> items, spare_items;
   const RunItem* sorted_items;
@@ -91,7 +90,7 @@ struct LookUpScratch::Buffers {
   // of a stage
   size_t segment_count, staged_count;
   std::array<StageSegment, kStageSize / kMaxLanes> segments;
-  alignas(64) float stage[4 * (kStageSize + kMaxLanes)];  // local x, y, z and the cell's side over the probe's spacing
+  alignas(64) float stage[4 * (kStageSize + kMaxLanes)];  // local x, y, z, 0
   alignas(64) float value[kStageSize + kMaxLanes];
   PointSet field_points;  // of a segment, for product fields
 
@@ -155,32 +154,21 @@ HWY_INLINE void fillRun(FloatTag d, const Run& run, float value, float* of_corne
     storeFirst(d, values, of_corner + run.first + i, std::min(hn::Lanes(d), run.count - i));
 }
 
-// What most corners of a chunk lose: residues are written one by one only where they differ.
-float usualResidue(const LightGrid& grid, const Buffers& b) {
-  const bool are_items_most = 2 * b.item_count > 8 * b.run_count;
-  return are_items_most ? grid.representations[0].residue() : 0.0f;
-}
-
-// All corners as those in free space are, whose value is 1, which the tent bounds; then those that have no weight.
-void fillWithoutFunction(float usual_residue, Buffers& b) {
+// All corners as those in free space are, which have all of their tent; then those that have no weight.
+void fillWithoutFunction(Buffers& b) {
   const FloatTag d;
-  const Floats value = hn::Set(d, 1.0f), residue = hn::Set(d, usual_residue);
+  const Floats one = hn::Set(d, 1.0f);
   for (size_t c = 0; c < 8; ++c) {
-    for (size_t i = 0; i < b.position_count; i += hn::Lanes(d)) {
-      hn::Store(value, d, &b.weight[c][i]);
-      hn::Store(residue, d, &b.residue[c][i]);
-    }
+    for (size_t i = 0; i < b.position_count; i += hn::Lanes(d)) hn::Store(one, d, &b.weight[c][i]);
   }
   for (size_t r = 0; r < b.run_count; ++r) {
     const CellRun& run = b.runs[r];
     for (uint32_t left = run.dark_corners; left != 0; left &= left - 1) fillRun(d, run, 0.0f, b.weight[std::countr_zero(left)]);
-    if (usual_residue == 0.0f) continue;
-    for (uint32_t left = run.free_corners; left != 0; left &= left - 1) fillRun(d, run, 0.0f, b.residue[std::countr_zero(left)]);
   }
 }
 
 // What brings a position in its cell into a probe's support: (turn * from_low + shift) * sign * the cell's side over the probe's
-// spacing; of the fourth number that ratio itself.
+// spacing; the fourth number is 0.
 struct CornerMap {
   alignas(16) float turn[4], shift[4], sign[4];
 };
@@ -196,8 +184,7 @@ constexpr std::array<CornerMap, 8> kCornerMaps = [] {
       maps[corner].turn[axis] = maps[corner].sign[axis] = is_high ? -1.0f : 1.0f;
       maps[corner].shift[axis] = is_high ? 1.0f : 0.0f;
     }
-    maps[corner].turn[3] = 0.0f;
-    maps[corner].shift[3] = maps[corner].sign[3] = 1.0f;
+    maps[corner].turn[3] = maps[corner].shift[3] = maps[corner].sign[3] = 0.0f;
   }
   return maps;
 }();
@@ -223,30 +210,19 @@ HWY_INLINE void stageItem(const RunItem& item, size_t to, Buffers& b) {
 
 // A vector of the stage.
 struct StageLanes {
-  Floats x, y, z, side;  // local coordinates; the cell's side over the probe's spacing
+  Floats x, y, z;  // local coordinates
 };
 
 HWY_INLINE StageLanes loadStage(FloatTag d, const Buffers& b, size_t place) {
   StageLanes at;
-  hn::LoadInterleaved4(d, b.stage + 4 * place, at.x, at.y, at.z, at.side);
+  Floats unused;
+  hn::LoadInterleaved4(d, b.stage + 4 * place, at.x, at.y, at.z, unused);
   return at;
 }
 
 HWY_INLINE Floats tentAt(FloatTag d, const StageLanes& at) {
   const Floats one = hn::Set(d, 1.0f);
   return hn::Mul(hn::Mul(hn::Sub(one, hn::Abs(at.x)), hn::Sub(one, hn::Abs(at.y))), hn::Sub(one, hn::Abs(at.z)));
-}
-
-// The value times the cell's tent over the tent of the probe's own support.
-HWY_INLINE Floats timesTentRatio(FloatTag d, const StageLanes& at, Floats value) {
-  const Floats one = hn::Set(d, 1.0f);
-  const auto is_own = hn::Eq(at.side, one);
-  if (HWY_LIKELY(hn::AllTrue(d, is_own))) return value;
-  const Floats per_side = hn::Div(one, at.side);  // exact, a power of two
-  Floats ratio = one;
-  for (const Floats local : {hn::Abs(at.x), hn::Abs(at.y), hn::Abs(at.z)})
-    ratio = hn::Mul(ratio, hn::Div(hn::NegMulAdd(local, per_side, one), hn::Sub(one, local)));
-  return hn::IfThenElse(is_own, value, hn::Mul(value, ratio));
 }
 
 template <NetworkShape kShape>
@@ -261,8 +237,8 @@ void evaluateNetworks(const Representation& representation, const StageSegment& 
     Floats output;
     forwardNetwork<kShape, 1>(d, theta, slope, &at.x, &at.y, &at.z, hidden, &output);
     output = outputValue<kShape.output>(d, output).value;
-    if (tent_factor) output = hn::Mul(output, tentAt(d, at));
-    hn::Store(timesTentRatio(d, at, output), d, b.value + i);
+    if (!tent_factor) output = hn::Div(output, tentAt(d, at));
+    hn::Store(output, d, b.value + i);
   }
 }
 
@@ -281,7 +257,7 @@ void evaluateFields(const Representation& representation, const StageSegment& se
   float* value = b.value + segment.first;
   evaluateField(representation.resolution, points, theta, value);
   for (size_t i = 0; i < count; i += hn::Lanes(d))
-    hn::Store(timesTentRatio(d, loadStage(d, b, segment.first + i), hn::Load(d, value + i)), d, value + i);
+    hn::Store(hn::Div(hn::Load(d, value + i), tentAt(d, loadStage(d, b, segment.first + i))), d, value + i);
 }
 
 const Representation& representationOf(const LightGrid& grid, uint32_t function) {
@@ -299,23 +275,21 @@ void evaluateSegment(const LightGrid& grid, const StageSegment& segment, Buffers
 }
 
 // Values of a segment to where they belong.
-void takeFromStage(const LightGrid& grid, const StageSegment& segment, float usual_residue, Buffers& b) {
+void takeFromStage(const StageSegment& segment, Buffers& b) {
   const FloatTag d;
-  const float residue = representationOf(grid, segment.function).residue();
   const float* value = b.value + segment.first;
   for (size_t k = segment.first_item; k < segment.end_item; ++k) {
     const RunItem& item = b.sorted_items[k];
     float* weight = &b.weight[item.corner][item.first];
     for (size_t i = 0; i < item.count; i += hn::Lanes(d))
       storeFirst(d, hn::LoadU(d, value + i), weight + i, std::min(hn::Lanes(d), item.count - i));
-    if (residue != usual_residue) fillRun(d, item, residue, b.residue[item.corner]);
     value += item.count;
   }
 }
 
-void finishStage(const LightGrid& grid, float usual_residue, Buffers& b) {
+void finishStage(const LightGrid& grid, Buffers& b) {
   for (size_t s = 0; s < b.segment_count; ++s) evaluateSegment(grid, b.segments[s], b);
-  for (size_t s = 0; s < b.segment_count; ++s) takeFromStage(grid, b.segments[s], usual_residue, b);
+  for (size_t s = 0; s < b.segment_count; ++s) takeFromStage(b.segments[s], b);
   b.segment_count = b.staged_count = 0;
 }
 
@@ -326,14 +300,14 @@ void prefetchTheta(const LightGrid& grid, uint32_t function) {
 }
 
 // All items: a stage full at a time, one segment a function.
-void addFunctions(const LightGrid& grid, float usual_residue, Buffers& b) {
+void addFunctions(const LightGrid& grid, Buffers& b) {
   b.segment_count = b.staged_count = 0;
   for (uint32_t k = 0; k < b.item_count; ++k) {
     const RunItem& item = b.sorted_items[k];
     bool goes_on = b.segment_count > 0 && b.segments[b.segment_count - 1].function == item.function;
     if (!goes_on) b.staged_count = padded(b.staged_count, kMaxLanes);
     if (b.staged_count + item.count > kStageSize) {
-      finishStage(grid, usual_residue, b);
+      finishStage(grid, b);
       goes_on = false;
     }
     const auto first = static_cast<uint32_t>(b.staged_count);
@@ -346,13 +320,15 @@ void addFunctions(const LightGrid& grid, float usual_residue, Buffers& b) {
     b.segments[b.segment_count - 1].end_item = k + 1;
     b.segments[b.segment_count - 1].end = static_cast<uint32_t>(b.staged_count);
   }
-  finishStage(grid, usual_residue, b);
+  finishStage(grid, b);
 }
 
-// Bounds values by the cell's tents, takes residues off and divides by the sum; share_sum becomes 0 where nothing is left.
+// Bounds shares of tents, takes the residue off, multiplies by the cell's tents, and divides by what makes the sum the certainty.
+// Weights lack the factor 1 / (1 - residue), which all have.
 void normalise(Buffers& b) {
   const FloatTag d;
-  const Floats half = hn::Set(d, 0.5f), least = hn::Set(d, kLeastWeight), zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+  const Floats residue = hn::Set(d, kResidue), least = hn::Set(d, kLeastWeight * (1.0f - kResidue)), zero = hn::Zero(d),
+               one = hn::Set(d, 1.0f);
   for (size_t i = 0; i < b.position_count; i += hn::Lanes(d)) {
     Floats x, y, z, unused;
     hn::LoadInterleaved4(d, b.from_low + 4 * i, x, y, z, unused);
@@ -361,25 +337,23 @@ void normalise(Buffers& b) {
                  to_z[2] = {low_z, hn::Sub(one, low_z)};
     const Floats to_xy[4] = {hn::Mul(to_x[0], to_y[0]), hn::Mul(to_x[1], to_y[0]), hn::Mul(to_x[0], to_y[1]),
                              hn::Mul(to_x[1], to_y[1])};
-    Floats weight[8], largest = zero, sum = zero;
+    Floats weight[8], sum = zero, believed = zero;
 #pragma GCC unroll 8
     for (int c = 0; c < 8; ++c) {
-      const Floats value = hn::Load(d, &b.weight[c][i]), tent = hn::Mul(to_xy[c % 4], to_z[c / 4]);
+      const Floats value = hn::Load(d, &b.weight[c][i]);
       // what is no number is no weight either
-      weight[c] = hn::IfThenElse(hn::Gt(value, zero), hn::Min(value, tent), zero);
-      largest = hn::Max(largest, weight[c]);
-    }
-    const Floats most = hn::Mul(half, largest);
-#pragma GCC unroll 8
-    for (int c = 0; c < 8; ++c) {
-      weight[c] = hn::Sub(weight[c], hn::Min(hn::Load(d, &b.residue[c][i]), most));
+      const Floats above = hn::Sub(hn::IfThenElseZero(hn::Gt(value, zero), hn::Min(value, one)), residue);
+      weight[c] = hn::Mul(above, hn::Mul(to_xy[c % 4], to_z[c / 4]));
       weight[c] = hn::IfThenElseZero(hn::Ge(weight[c], least), weight[c]);
       sum = hn::Add(sum, weight[c]);
+      believed = hn::MulAdd(weight[c], above, believed);
     }
-    hn::Store(sum, d, &b.share_sum[i]);
     const Floats divisor = hn::IfThenElse(hn::Gt(sum, zero), sum, one);
+    const Floats certainty = hn::Min(one, hn::Div(believed, hn::Mul(residue, divisor)));
+    hn::Store(certainty, d, &b.share_sum[i]);
+    const Floats scale = hn::Div(certainty, divisor);
 #pragma GCC unroll 8
-    for (int c = 0; c < 8; ++c) hn::Store(hn::Div(weight[c], divisor), d, &b.weight[c][i]);
+    for (int c = 0; c < 8; ++c) hn::Store(hn::Mul(weight[c], scale), d, &b.weight[c][i]);
   }
 }
 
@@ -509,7 +483,7 @@ void lightRun(const LightGrid& grid, const Buffers& b, const CellRun& run, const
       continue;
     }
     const LightLanes light = blend(d, lights, b, i);
-    slice.status[to] = LightStatus::lit;
+    slice.status[to] = b.share_sum[i] < 1.0f ? LightStatus::faint : LightStatus::lit;
     if (slice.normals_3 != nullptr) {
       storeIrradiance(d, light, slice.normals_3 + kShChannels * to, slice.result + kShChannels * to);
     } else {
@@ -520,9 +494,8 @@ void lightRun(const LightGrid& grid, const Buffers& b, const CellRun& run, const
 
 // Positions, runs and items are there.
 void lightChunk(const LightGrid& grid, const BatchSlice& slice, Buffers& b) {
-  const float usual_residue = usualResidue(grid, b);
-  fillWithoutFunction(usual_residue, b);
-  addFunctions(grid, usual_residue, b);
+  fillWithoutFunction(b);
+  addFunctions(grid, b);
   normalise(b);
   for (size_t r = 0; r < b.run_count; ++r) {
     if (r + kRunsAhead < b.run_count) prefetchLight(grid, b.runs[r + kRunsAhead].corners);

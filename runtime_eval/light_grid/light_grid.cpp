@@ -60,10 +60,11 @@ FileResult checkValues(const char* name, const std::vector<float>& values, float
   return {};
 }
 
-// A corner's function clamped to its tent; 0 where theta gives no number.
-float boundedPhi(const LightGrid& grid, const ProbeAround& corner, uint32_t function, const Representation& representation) {
-  const float phi = evaluatePoint(representation, corner.local, grid.functionTheta(function));
-  return phi > 0.0f ? std::min(phi, tent(corner.local)) : 0.0f;
+// v, of a probe that has any weight.
+float tentShare(const LightGrid& grid, const ProbeAround& corner, uint32_t function) {
+  if (function == kFreeSpace) return 1.0f;
+  return evaluateTentShare(grid.representations[grid.function_representation[function]], corner.local,
+                           grid.functionTheta(function));
 }
 
 void addWeight(uint32_t probe, float weight, ProbeWeights* weights) {
@@ -105,26 +106,24 @@ FileResult checkLightGrid(const LightGrid& grid) {
 FileResult checkLight(const std::vector<float>& light) { return checkValues("light", light, kMaxGridLight); }
 
 void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {
-  float weight[8] = {}, residue[8] = {}, largest = 0.0f;
-  for (size_t c = 0; c < 8; ++c) {
-    const ProbeAround& corner = around.corners[c];
+  weights->count = 0;
+  float sum = 0.0f, believed = 0.0f;
+  for (const ProbeAround& corner : around.corners) {
     const uint32_t function = grid.probe_function[corner.probe];
     if (function == kNoWeight) continue;
-    if (function == kFreeSpace) {
-      weight[c] = tent(corner.local) * corner.tent_ratio;
-    } else {
-      const Representation& representation = grid.representations[grid.function_representation[function]];
-      weight[c] = boundedPhi(grid, corner, function, representation) * corner.tent_ratio;
-      residue[c] = representation.residue();
-    }
-    largest = std::max(largest, weight[c]);
+    const float above = tentShare(grid, corner, function) - kResidue;
+    const int before = weights->count;
+    addWeight(corner.probe, tent(corner.local) * corner.tent_ratio * (above / (1.0f - kResidue)), weights);
+    if (weights->count == before) continue;
+    sum += weights->weight[before];
+    believed += weights->weight[before] * above;
   }
-  weights->count = 0;
-  for (size_t c = 0; c < 8; ++c) addWeight(around.corners[c].probe, weight[c] - std::min(residue[c], 0.5f * largest), weights);
+  weights->certainty = sum > 0.0f ? std::min(1.0f, believed / (kResidue * sum)) : 0.0f;
 }
 
 void tentsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {
   weights->count = 0;
+  weights->certainty = 1.0f;
   for (const ProbeAround& corner : around.corners) {
     if (grid.probe_function[corner.probe] == kNoWeight) continue;
     addWeight(corner.probe, tent(corner.local) * corner.tent_ratio, weights);
@@ -149,7 +148,8 @@ bool normaliseWeights(ProbeWeights* weights) {
   if (weights->count == 0) return false;
   float sum = 0.0f;
   for (int i = 0; i < weights->count; ++i) sum += weights->weight[i];
-  for (int i = 0; i < weights->count; ++i) weights->weight[i] /= sum;
+  const float scale = weights->certainty / sum;
+  for (int i = 0; i < weights->count; ++i) weights->weight[i] *= scale;
   return true;
 }
 

@@ -24,6 +24,8 @@ inline constexpr size_t kMaxGridFunctions = kNoWeight;
 inline constexpr size_t kMaxGridRepresentations = 256;
 // A weight below counts as none: what it would add is not seen, and one over a sum of such could overflow.
 inline constexpr float kLeastWeight = 1e-6f;
+// Of a probe's tent: what a fit may leave where its target is 0, behind walls, and a look-up takes off (docs/theory/probes.md).
+inline constexpr float kResidue = 0.05f;
 inline constexpr float kMaxGridTheta = 1e9f;        // of |theta|: no look-up overflows below it
 inline constexpr float kMaxGridLight = 0x1p30f;     // of |light|, likewise
 inline constexpr float kMaxEngineLight = 32768.0f;  // of |light| that half floats of engines hold: irradiance over pi fits, too
@@ -64,14 +66,17 @@ struct ProbeWeights {
   uint32_t probe[8] = {};
   float weight[8] = {};  // of the first `count`: in [kLeastWeight, 1]; not normalised, in free space they sum to 1
   int count = 0;         // 0 … 8
+  // In [0, 1], what normalised weights add up to: 1 but where all probes have hardly more than the residue of their tents, so that
+  // none can be believed. It fades to 0 there.
+  float certainty = 1.0f;
 };
 
-// The weights of the 8 probes around a position: phi(local), clamped to [0, tent(local)], times tent_ratio, less the residue of the
-// fit (docs/theory/probes.md). The tent as upper bound has every function, of any representation, fade to 0 at the border of its
-// support. Of fitted functions Representation::residue() is taken off, but never more than half of the largest
-// weight here, so that no place loses all its light by it, and all stays continuous; bare tents are exact and keep theirs. Left
-// out are probes whose weight is below kLeastWeight, and those that have none anywhere (kNoWeight). Takes no memory, cannot fail;
-// any number of threads may look up in one grid.
+// The weights of the 8 probes around a position (docs/theory/probes.md). Of v, the function's share of its tent, phi(local) /
+// tent(local) clamped to [0, 1], all up to kResidue counts as nothing, and the rest is stretched to [0, 1]; times the tent and its
+// tent_ratio it is the weight. Bare tents have v = 1 and keep all of it, and every function, of any representation, fades to 0 at
+// the border of its support. Left out are probes whose weight is below kLeastWeight, and those that have none anywhere
+// (kNoWeight). The certainty is the weighted mean of what v has above kResidue, over kResidue: 1 where that is 2 kResidue and more.
+// Takes no memory, cannot fail; any number of threads may look up in one grid.
 //
 // returns   false, *weights unchanged, where ProbeTree::lookUp is: outside. True with a count of 0 where no probe has weight: in
 //           solid, and at few places in air (lookUpTents is for those)
@@ -87,7 +92,7 @@ bool lookUpTents(const LightGrid& grid, const PositionM& position_m, ProbeWeight
 void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights);
 void tentsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights);
 
-// Divides the weights by their sum: the shares that a blend of the probes takes.
+// Makes the weights add up to the certainty: the shares that a blend of the probes takes.
 // returns   false, *weights unchanged, when the count is 0
 bool normaliseWeights(ProbeWeights* weights);
 

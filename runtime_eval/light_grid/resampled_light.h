@@ -25,7 +25,7 @@ struct LightBox {
 // x is the fastest index, z the slowest.
 struct ResampledLight {
   std::vector<float> light;         // kShFloats a texel: radiance as spherical harmonics; 0 where there is none
-  std::vector<LightStatus> status;  // by texel: who shows it fills what is unlit or outside as it likes
+  std::vector<LightStatus> status;  // by texel: who shows it fills what is faint, unlit or outside as it likes
 };
 
 // lookUpLight at the centre of every texel, by vectors. Allocates the result, 109 bytes a texel.

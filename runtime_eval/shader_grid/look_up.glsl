@@ -9,9 +9,9 @@
 // and defines what the grid holds, as ShaderGrid::defines lists it: what is not there is not compiled. NLG_NEAR looks for the
 // nearest cell where a position lies in none, as lookUpIrradiance does; without it such positions are dark.
 
-const int NLG_LIT = 0, NLG_BY_TENTS = 1, NLG_UNLIT = 2, NLG_OUTSIDE = 3;  // LightStatus
+const int NLG_LIT = 0, NLG_FAINT = 1, NLG_UNLIT = 2, NLG_OUTSIDE = 3;  // LightStatus
 const int NLG_CLASSES = 4;                                                 // uvec4 of the head: the first class of probes
-const float NLG_LEAST_WEIGHT = 1e-6f;                                       // kLeastWeight
+const float NLG_LEAST_WEIGHT = 1e-6f, NLG_RESIDUE = 0.05f;                   // kLeastWeight, kResidue
 
 struct NlgLight {
   vec3 irradiance;
@@ -21,13 +21,15 @@ struct NlgLight {
 // Radiance as spherical harmonics (spherical_harmonics.h): what a compute pass writes into textures.
 struct NlgRadiance {
   vec3 sh[9];
+  float certainty;  // ProbeWeights
   int status;
 };
 
 // What the probes around a position take of the blend.
 struct NlgShares {
   int record[8];   // of a probe: uvec4 of its light
-  float share[8];  // they add up to 1; all are 0 where there is no light
+  float share[8];  // they add up to the certainty
+  float certainty; // ProbeWeights
   int status;
 };
 
@@ -44,7 +46,6 @@ struct NlgCorner {
   int record;      // uvec4 of the probe's light; its theta follows
   int kind;        // of its class: NLG_KIND_… and flags
   float slope;     // of its LeakyReLU
-  float residue;   // what is taken off its weights
   float step;      // of numbers in bytes
   int resolution;  // of its field
   vec3 local;      // the position in its support, [-1, 1]
@@ -144,7 +145,6 @@ NlgCorner nlgCornerOf(NlgCell cell, int c) {
   corner.record = int(records.y) + (probe - int(records.x)) * int(records.z);
   corner.kind = int(records.w);
   corner.slope = uintBitsToFloat(numbers.x);
-  corner.residue = uintBitsToFloat(numbers.y);
   corner.step = uintBitsToFloat(numbers.z);
   corner.resolution = int(numbers.w);
   return corner;
@@ -275,11 +275,11 @@ float nlgField(NlgCorner of) {
 }
 #endif
 
-// The weighting function in the tent's bounds, before the residue.
-float nlgWeight(NlgCorner corner) {
+// What the weighting function gives of its tent, before the residue.
+float nlgTentShare(NlgCorner corner) {
   int kind = corner.kind & 7;
   if (kind == NLG_KIND_NONE) return 0.0f;
-  if (kind == NLG_KIND_TENT) return corner.tent * corner.ratio;
+  if (kind == NLG_KIND_TENT) return 1.0f;
   float phi = 0.0f;
 #ifdef NLG_NETWORK_4
   if (kind == NLG_KIND_NETWORK_4) phi = nlgNetwork4(corner);
@@ -294,8 +294,8 @@ float nlgWeight(NlgCorner corner) {
   if (kind == NLG_KIND_FIELD) phi = nlgField(corner);
 #endif
   if ((corner.kind & NLG_FLAG_SIGMOID) != 0) phi = 1.0f / (1.0f + exp(-phi));
-  if ((corner.kind & NLG_FLAG_TENT) != 0) phi *= corner.tent;
-  return phi > 0.0f ? min(phi, corner.tent) * corner.ratio : 0.0f;
+  float most = (corner.kind & NLG_FLAG_TENT) != 0 ? 1.0f : corner.tent;
+  return phi > 0.0f ? (phi < most ? phi / most : 1.0f) : 0.0f;
 }
 
 // ---- light
@@ -346,6 +346,7 @@ vec3 nlgProbeIrradiance(int record, NlgBasis basis) {
 NlgShares nlgSharesAt(vec3 position_m) {
   NlgShares shares;
   shares.status = NLG_LIT;
+  shares.certainty = 0.0f;
   for (int c = 0; c < 8; ++c) {
     shares.record[c] = 0;
     shares.share[c] = 0.0f;
@@ -361,35 +362,23 @@ NlgShares nlgSharesAt(vec3 position_m) {
     if (!cell.found) return shares;
   }
 
-  float residue[8], tents[8];
-  float largest = 0.0f;
+  // weights lack the factor 1 / (1 - residue), which all have
+  float sum = 0.0f, believed = 0.0f;
   for (int c = 0; c < 8; ++c) {
     NlgCorner corner = nlgCornerOf(cell, c);
+    float above = nlgTentShare(corner) - NLG_RESIDUE, weight = above * corner.tent * corner.ratio;
     shares.record[c] = corner.record;
-    shares.share[c] = nlgWeight(corner);
-    residue[c] = corner.residue;
-    tents[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : corner.tent * corner.ratio;
-    largest = max(largest, shares.share[c]);
-  }
-  float sum = 0.0f;
-  for (int c = 0; c < 8; ++c) {
-    shares.share[c] -= min(residue[c], 0.5f * largest);
-    if (!(shares.share[c] >= NLG_LEAST_WEIGHT)) shares.share[c] = 0.0f;
+    shares.share[c] = weight >= NLG_LEAST_WEIGHT * (1.0f - NLG_RESIDUE) ? weight : 0.0f;
     sum += shares.share[c];
+    believed += shares.share[c] * above;
   }
   if (sum == 0.0f) {
-    // no function has weight here: bare tents, which nothing stops at walls
-    if (shares.status == NLG_LIT) shares.status = NLG_BY_TENTS;
-    for (int c = 0; c < 8; ++c) {
-      shares.share[c] = tents[c] >= NLG_LEAST_WEIGHT ? tents[c] : 0.0f;
-      sum += shares.share[c];
-    }
-  }
-  if (sum == 0.0f) {
-    if (shares.status == NLG_BY_TENTS) shares.status = NLG_UNLIT;
+    if (shares.status == NLG_LIT) shares.status = NLG_UNLIT;
     return shares;
   }
-  for (int c = 0; c < 8; ++c) shares.share[c] /= sum;
+  shares.certainty = min(1.0f, believed / (NLG_RESIDUE * sum));
+  if (shares.status == NLG_LIT && shares.certainty < 1.0f) shares.status = NLG_FAINT;
+  for (int c = 0; c < 8; ++c) shares.share[c] *= shares.certainty / sum;
   return shares;
 }
 
@@ -426,6 +415,7 @@ NlgRadiance nlgRadiance(vec3 position_m) {
     radiance.sh[0] += share * light.mean;
     for (int i = 0; i < 8; ++i) radiance.sh[i + 1] += share * light.step * light.steps[i];
   }
+  radiance.certainty = shares.certainty;
   radiance.status = shares.status;
   return radiance;
 }

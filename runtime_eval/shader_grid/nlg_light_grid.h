@@ -23,9 +23,11 @@ typedef struct {
 } NlgGrid;
 
 /* The numbers are those of nlg_light_status in nlg.h; one program may include both headers. */
-typedef enum { NLG_GRID_LIT, NLG_GRID_BY_TENTS, NLG_GRID_UNLIT, NLG_GRID_OUTSIDE } NlgGridStatus;
+typedef enum { NLG_GRID_LIT, NLG_GRID_FAINT, NLG_GRID_UNLIT, NLG_GRID_OUTSIDE } NlgGridStatus;
 
 enum { NLG_KIND_NONE, NLG_KIND_TENT, NLG_KIND_NETWORK_4, NLG_KIND_NETWORK_44, NLG_KIND_NETWORK_88, NLG_KIND_FIELD };
+/* of a probe's tent: what a fit may leave behind walls */
+#define NLG_RESIDUE 0.05f
 enum { NLG_FLAG_TENT = 8, NLG_FLAG_SIGMOID = 16, NLG_FLAG_HALVES = 32 };
 
 typedef struct {
@@ -36,7 +38,7 @@ typedef struct {
 /* A probe around the position. */
 typedef struct {
   uint32_t record, kind, resolution; /* word of its light, its theta follows; kind and flags; nodes along an edge of a field */
-  float slope, residue, step, local[3], tent, ratio;
+  float slope, step, local[3], tent, ratio;
 } NlgCorner;
 
 /* Every read is here: 0 beyond the grid's end. */
@@ -150,7 +152,6 @@ static inline NlgCorner nlgCornerOf(const NlgGrid* grid, const NlgCell* cell, ui
   corner.record = 4 * (nlgWord(grid, head + 1) + (probe - nlgWord(grid, head)) * nlgWord(grid, head + 2));
   corner.kind = nlgWord(grid, head + 3);
   corner.slope = nlgFloat(grid, head + 4);
-  corner.residue = nlgFloat(grid, head + 5);
   corner.step = nlgFloat(grid, head + 6);
   corner.resolution = nlgWord(grid, head + 7);
   return corner;
@@ -204,18 +205,18 @@ static inline float nlgField(const NlgGrid* grid, const NlgCorner* of) {
   return nlgBetween(a, 0.0f, 1.0f) / (1.0f + expf(-b));
 }
 
-/* The weighting function in the tent's bounds, before the residue. */
-static inline float nlgWeight(const NlgGrid* grid, const NlgCorner* of) {
+/* What the weighting function gives of its tent, before the residue. */
+static inline float nlgTentShare(const NlgGrid* grid, const NlgCorner* of) {
   const uint32_t kind = of->kind & 7;
+  const float most = (of->kind & NLG_FLAG_TENT) != 0 ? 1.0f : of->tent;
   float phi = 0.0f;
-  if (kind == NLG_KIND_TENT) return of->tent * of->ratio;
+  if (kind == NLG_KIND_TENT) return 1.0f;
   if (kind == NLG_KIND_NETWORK_4) phi = nlgNetwork(grid, of, 4, 0);
   if (kind == NLG_KIND_NETWORK_44) phi = nlgNetwork(grid, of, 4, 4);
   if (kind == NLG_KIND_NETWORK_88) phi = nlgNetwork(grid, of, 8, 8);
   if (kind == NLG_KIND_FIELD) phi = nlgField(grid, of);
   if ((of->kind & NLG_FLAG_SIGMOID) != 0) phi = 1.0f / (1.0f + expf(-phi));
-  if ((of->kind & NLG_FLAG_TENT) != 0) phi *= of->tent;
-  return phi > 0.0f ? (phi < of->tent ? phi : of->tent) * of->ratio : 0.0f;
+  return phi > 0.0f ? (phi < most ? phi / most : 1.0f) : 0.0f;
 }
 
 /* position_m, normal   three numbers each
@@ -232,7 +233,7 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
                           0.24770796f * (3.0f * z * z - 1.0f),
                           0.85808553f * x * z,
                           0.42904276f * (x * x - y * y)};
-  float units[3], weight[8], tents[8], residue[8], largest = 0.0f, sum = 0.0f, scale;
+  float units[3], weight[8], sum = 0.0f, believed = 0.0f, certainty, scale;
   uint32_t record[8], c, i;
   NlgGridStatus status = NLG_GRID_LIT;
   NlgCell cell = {0, 0, 0, {0.0f, 0.0f, 0.0f}};
@@ -247,23 +248,18 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
   }
   for (c = 0; c < 8; ++c) {
     const NlgCorner corner = nlgCornerOf(grid, &cell, c);
+    const float above = nlgTentShare(grid, &corner) - NLG_RESIDUE;
     record[c] = corner.record;
-    residue[c] = corner.residue;
-    weight[c] = nlgWeight(grid, &corner);
-    tents[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : corner.tent * corner.ratio;
-    if (weight[c] > largest) largest = weight[c];
-  }
-  for (c = 0; c < 8; ++c) {
-    weight[c] -= residue[c] < 0.5f * largest ? residue[c] : 0.5f * largest;
-    if (!(weight[c] >= 1e-6f)) weight[c] = 0.0f;
+    weight[c] = above * corner.tent * corner.ratio;
+    if (!(weight[c] >= 1e-6f * (1.0f - NLG_RESIDUE))) weight[c] = 0.0f;
     sum += weight[c];
+    believed += weight[c] * above;
   }
-  if (sum == 0.0f) { /* no function has weight here: bare tents, which nothing stops at walls */
-    if (status == NLG_GRID_LIT) status = NLG_GRID_BY_TENTS;
-    for (c = 0; c < 8; ++c) sum += weight[c] = tents[c] >= 1e-6f ? tents[c] : 0.0f;
-  }
-  if (sum == 0.0f) return status == NLG_GRID_BY_TENTS ? NLG_GRID_UNLIT : status;
-  scale = nlgFloat(grid, 12) / sum;
+  if (sum == 0.0f) return status == NLG_GRID_LIT ? NLG_GRID_UNLIT : status;
+  /* where no weight can be believed light fades to 0 */
+  certainty = believed < NLG_RESIDUE * sum ? believed / (NLG_RESIDUE * sum) : 1.0f;
+  if (status == NLG_GRID_LIT && certainty < 1.0f) status = NLG_GRID_FAINT;
+  scale = nlgFloat(grid, 12) * certainty / sum;
   for (c = 0; c < 8; ++c) {
     /* Y00 of red, green, blue and the largest of all others; then 24 steps: red, green, blue of each coefficient in turn */
     const float step = nlgHalf(grid, record[c], 3) / 127.0f;

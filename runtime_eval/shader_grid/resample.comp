@@ -3,8 +3,8 @@
 // Light of a box, resampled into one 3-D texture: what resampleLight (resampled_light.h) does, a texel an invocation.
 //
 // The texture is RGBA16F and holds seven slabs one behind the other along z, each as large as the box. Slab s has numbers 4 s …
-// 4 s + 3 of a texel: nine coefficients of radiance, red, green and blue of each, then 1 where there is light and 0 where there is
-// none. Where there is none all 28 are 0, so that a filtered sum over the filtered last number is the light of the lit texels
+// 4 s + 3 of a texel: nine coefficients of radiance, red, green and blue of each, then their certainty: 1 where there is light, 0
+// where there is none. Radiance fades with it, so that a filtered sum over the filtered last number is the light of the lit texels
 // alone. Numbers are over the grid's scale, uintBitsToFloat(nlgHeader(3).x), which brings every light into the range of halves.
 // resampled.glsl reads it.
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
@@ -31,9 +31,7 @@ void main() {
     vec3 number = radiance.sh[k] * per_scale;
     numbers[3 * k] = number.x, numbers[3 * k + 1] = number.y, numbers[3 * k + 2] = number.z;
   }
-  // outside, the nearest cell may lend its light
-  bool is_lit = radiance.status < NLG_UNLIT || any(greaterThan(radiance.sh[0], vec3(0.0f)));
-  numbers[27] = is_lit ? 1.0f : 0.0f;
+  numbers[27] = radiance.certainty;
   for (int slab = 0; slab < 7; ++slab) {
     ivec3 place = ivec3(texel) + ivec3(0, 0, slab * int(box.texel_count.z));
     imageStore(light, place, vec4(numbers[4 * slab], numbers[4 * slab + 1], numbers[4 * slab + 2], numbers[4 * slab + 3]));

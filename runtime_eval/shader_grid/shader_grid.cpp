@@ -324,12 +324,12 @@ class Packer {
     write(3, {bitsOf(scale_), static_cast<uint32_t>(classes_.size()), 0, 0});
     for (size_t k = 0; k < classes_.size(); ++k) {
       const ProbeClass& of = classes_[k];
-      const bool has_function = (of.kind & 7) > kTent, is_network = has_function && !of.representation.isField();
+      const bool is_network = (of.kind & 7) > kTent && !of.representation.isField();
       write(kClassHeader + kHeadersAClass * k, {of.first_probe, static_cast<uint32_t>(of.first_record / kWordsAFour),
                                                 static_cast<uint32_t>(of.stride / kWordsAFour), of.kind});
       write(kClassHeader + kHeadersAClass * k + 1,
-            {bitsOf(of.representation.slope), bitsOf(has_function ? of.representation.residue() : 0.0f),
-             bitsOf(is_network ? stepOf(of.representation.shape()) : 0.0f), static_cast<uint32_t>(of.representation.resolution)});
+            {bitsOf(of.representation.slope), 0, bitsOf(is_network ? stepOf(of.representation.shape()) : 0.0f),
+             static_cast<uint32_t>(of.representation.resolution)});
     }
   }
 

@@ -20,7 +20,7 @@
 //     2             blocks along x, y, z; first word of the slots       int
 //     3             scale of light (float), classes; the first 8 bytes of the SHA-256 of all words, these two taken as zeros
 //     4 + 2 k       of class k: first probe, first record, its stride (the last two in units of 16 bytes), kind and flags
-//     5 + 2 k       slope, residue, step of bytes (float); nodes along an edge of a product field
+//     5 + 2 k       slope, 0, step of bytes (float); nodes along an edge of a product field
 //
 // A block: first slot in bits 0 … 26, log2 of its brick's cells along an edge in 27, 28, log2 of a cell's side above; 0xffffffff
 // without a cell. A slot: the probe in bits 0 … 26, log2 of its spacing (units) in 27 … 29; bit 31: the cell above is used.

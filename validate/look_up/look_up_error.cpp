@@ -14,9 +14,12 @@ namespace {
 
 // Half the sum of |differences|, the share of nobody's light included.
 double difference(const Blend& a, const Blend& b) {
-  double sum = a.is_lit != b.is_lit ? 1.0 : 0.0;
-  for (int c = 0; c < kCornerCount; ++c) sum += std::abs(a.share[c] - b.share[c]);
-  return 0.5 * sum;
+  double sum = 0.0, nobody = 0.0;
+  for (int c = 0; c < kCornerCount; ++c) {
+    sum += std::abs(a.share[c] - b.share[c]);
+    nobody += a.share[c] - b.share[c];
+  }
+  return 0.5 * (sum + std::abs(nobody));
 }
 
 double squaredDifference(const Blend& a, const Blend& b) {
@@ -79,8 +82,7 @@ struct Totals {
 
 // Of two look-ups that may read other cells: by probe.
 double differenceByProbe(ProbeWeights a, ProbeWeights b) {
-  const bool a_is_lit = normaliseWeights(&a), b_is_lit = normaliseWeights(&b);
-  double sum = a_is_lit != b_is_lit ? 1.0 : 0.0;
+  double sum = std::abs((normaliseWeights(&a) ? double{a.certainty} : 0.0) - (normaliseWeights(&b) ? double{b.certainty} : 0.0));
   for (int i = 0; i < a.count; ++i) {
     const uint32_t* found = std::find(b.probe, b.probe + b.count, a.probe[i]);
     const bool in_both = found != b.probe + b.count;

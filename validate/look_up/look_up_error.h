@@ -1,7 +1,7 @@
 // How far the shares that a look-up blends are from those that target φ gives, at places in air.
 //
-// A share is a weight over the sum of the 8. Where one of two blends has no weight at all, nothing lights the place. That counts as
-// a share of its own, so that all light lost is an error of 1.
+// A share is a weight over the sum of the 8, times the blend's certainty. What shares lack of 1 lights nothing, and counts as a
+// share of its own, so that all light lost is an error of 1.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace nlg {
 
-// Shares of the 8 corners; all 0 where no probe has weight.
+// Shares of the 8 corners, which add up to 1 or less; all 0 where no probe has weight.
 struct Blend {
   std::array<double, kCornerCount> share{};
   bool is_lit = false;

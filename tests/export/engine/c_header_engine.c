@@ -3,7 +3,7 @@
 #include "runtime_eval/shader_grid/nlg_light_grid.h"
 
 /* a status of one is a status of the other */
-typedef char same_numbers[(int)NLG_GRID_LIT == (int)NLG_LIT && (int)NLG_GRID_BY_TENTS == (int)NLG_BY_TENTS &&
+typedef char same_numbers[(int)NLG_GRID_LIT == (int)NLG_LIT && (int)NLG_GRID_FAINT == (int)NLG_FAINT &&
                                   (int)NLG_GRID_UNLIT == (int)NLG_UNLIT && (int)NLG_GRID_OUTSIDE == (int)NLG_OUTSIDE
                               ? 1
                               : -1];

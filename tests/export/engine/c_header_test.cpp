@@ -70,7 +70,7 @@ TEST_P(CHeaderPrecision, SaysWhatTheLookUpSays) {
     // as the shader's test has it
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb[c], exact[c], 1e-3f * std::max(1.0f, exact[c])) << i;
   }
-  for (const LightStatus status : {LightStatus::lit, LightStatus::by_tents, LightStatus::outside})
+  for (const LightStatus status : {LightStatus::lit, LightStatus::faint, LightStatus::outside})
     EXPECT_GT(count[static_cast<size_t>(status)], 20) << lightStatusName(status);
 }
 

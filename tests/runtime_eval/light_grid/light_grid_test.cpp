@@ -7,6 +7,7 @@
 #include <latch>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <thread>
 
 #include "runtime_eval/evaluator/evaluate_point.h"
@@ -21,39 +22,26 @@ namespace {
 constexpr uint64_t kGridCount = 6;
 
 struct Expected {
-  double weight = 0.0, bound = 0.0;  // bound: what float may lose
+  double weight = 0.0, above = 0.0, bound = 0.0;  // above: what v has above the residue; bound: what float may lose of the weight
 };
 
-// Of one corner before the residue is taken off, by the header's words in double; *residue is what it would lose.
-Expected expectedPhi(const LightGrid& grid, const ProbeAround& corner, double* residue) {
+// Of one corner, by the header's words in double.
+Expected expectedWeight(const LightGrid& grid, const ProbeAround& corner) {
   const uint32_t function = grid.probe_function[corner.probe];
-  *residue = 0.0;
   if (function == kNoWeight) return {};
-  if (function == kFreeSpace) return {double{tent(corner.local)} * corner.tent_ratio, 6 * kFloatRounding};
-  const Representation& representation = grid.representations[grid.function_representation[function]];
-  const Theta theta = thetaOf(grid, function);
-  const double phi = evaluateReference(representation, corner.local, toDouble(theta).data());
-  *residue = double{representation.residue()};
-  // clamping moves two values no further apart
-  return {std::clamp(phi, 0.0, double{tent(corner.local)}) * corner.tent_ratio,
-          (errorBound(representation, corner.local, theta) + kFloatRounding) * corner.tent_ratio};
-}
-
-std::array<Expected, 8> expectedWeights(const LightGrid& grid, const ProbesAround& around) {
-  std::array<Expected, 8> expected;
-  std::array<double, 8> residue;
-  double largest = 0.0, largest_bound = 0.0;
-  for (size_t c = 0; c < 8; ++c) {
-    expected[c] = expectedPhi(grid, around.corners[c], &residue[c]);
-    largest = std::max(largest, expected[c].weight);
-    largest_bound = std::max(largest_bound, expected[c].bound);
+  const double bare = double{tent(corner.local)}, residue = double{kResidue};
+  // 3 roundings of the tent, one each of the share, what it loses, what that is divided by, the quotient and two products
+  double v = 1.0, bound = 9 * kFloatRounding;
+  if (function != kFreeSpace) {
+    const Representation& representation = grid.representations[grid.function_representation[function]];
+    const Theta theta = thetaOf(grid, function);
+    const double phi = evaluateReference(representation, corner.local, toDouble(theta).data());
+    v = phi <= 0.0 ? 0.0 : phi < bare ? phi / bare : 1.0;
+    // clamping moves two values no further apart
+    bound += errorBound(representation, corner.local, theta);
   }
-  for (size_t c = 0; c < 8; ++c) {
-    const double taken = std::min(residue[c], 0.5 * largest);
-    expected[c].weight = std::max(0.0, expected[c].weight - taken);
-    if (taken > 0.0) expected[c].bound += 0.5 * largest_bound + 2 * kFloatRounding;
-  }
-  return expected;
+  const double above = std::max(0.0, v - residue);
+  return {bare * corner.tent_ratio * above / (1.0 - residue), above, bound * corner.tent_ratio / (1.0 - residue)};
 }
 
 float weightOf(const ProbeWeights& weights, uint32_t probe) {
@@ -101,7 +89,7 @@ TEST(EvaluatePoint, EqualsTheReference) {
 }
 
 TEST(LightGrid, LooksUpTheWeightsOfItsDefinition) {
-  int64_t found = 0, counted = 0;
+  int64_t found = 0, counted = 0, faint = 0;
   forManyPositions([](LightGrid&) {},
                    [&](const LightGrid& grid, const PositionM& position_m) {
                      ProbesAround around;
@@ -111,14 +99,22 @@ TEST(LightGrid, LooksUpTheWeightsOfItsDefinition) {
                      if (!inside) return;
                      ++found;
                      int next = 0;
-                     const std::array<Expected, 8> expected = expectedWeights(grid, around);
-                     for (size_t c = 0; c < 8; ++c) {
-                       const uint32_t probe = around.corners[c].probe;
+                     double sum = 0.0, believed = 0.0, bound = 0.0;
+                     for (const ProbeAround& corner : around.corners) {
+                       const Expected expected = expectedWeight(grid, corner);
                        // what is too small to count is left out
-                       const double left_out = expected[c].weight - expected[c].bound < kLeastWeight ? kLeastWeight : 0.0;
-                       ASSERT_NEAR(weightOf(weights, probe), expected[c].weight, expected[c].bound + left_out)
-                           << "probe " << probe;
-                       if (next < weights.count && weights.probe[next] == probe) ++next;
+                       const double left_out = expected.weight - expected.bound < kLeastWeight ? kLeastWeight : 0.0;
+                       ASSERT_NEAR(weightOf(weights, corner.probe), expected.weight, expected.bound + left_out)
+                           << "probe " << corner.probe;
+                       if (next < weights.count && weights.probe[next] == corner.probe) ++next;
+                       sum += expected.weight;
+                       believed += expected.weight * expected.above;
+                       bound += expected.bound + left_out;
+                     }
+                     // a weight is off by its bound, and what its v is off by, times the weight, is no more: thrice, numerator and sum
+                     if (sum > bound) {
+                       ASSERT_NEAR(weights.certainty, std::min(1.0, believed / (kResidue * sum)), 3 * bound / (kResidue * sum));
+                       faint += weights.certainty < 1.0f;
                      }
                      ASSERT_EQ(next, weights.count) << "every probe is a corner, in the order of corners";
                      for (int i = 0; i < weights.count; ++i)
@@ -127,6 +123,7 @@ TEST(LightGrid, LooksUpTheWeightsOfItsDefinition) {
                    });
   EXPECT_GT(found, 1000);
   EXPECT_GT(counted, found);
+  EXPECT_GT(faint, 0);
 }
 
 TEST(LightGrid, AddsUpToOneInFreeSpace) {
@@ -159,12 +156,12 @@ TEST(LightGrid, GivesNoWeightToProbesWithout) {
   EXPECT_GT(found, 100);
 }
 
-// A grid whose probes all have one function: the same value everywhere.
-LightGrid constantGrid(float value) {
+// A grid whose probes all have one function: the same share of the tent everywhere.
+LightGrid constantGrid(float share) {
   LightGrid grid = randomGrid(smallTree(), 1);
   Theta theta(ThetaLayout::count);
-  theta[ThetaLayout::b3] = value;
-  const uint32_t function = grid.addFunction(0, theta.data());  // mlp
+  theta[ThetaLayout::b3] = share;
+  const uint32_t function = grid.addFunction(1, theta.data());  // tent_mlp
   std::fill(grid.probe_function.begin(), grid.probe_function.end(), function);
   return grid;
 }
@@ -188,58 +185,54 @@ TEST(LightGrid, GivesNoFunctionMoreThanItsTent) {
     ProbeWeights weights, expected;
     if (!lookUpWeights(above, at, &weights)) continue;
     ASSERT_TRUE(lookUpWeights(free, at, &expected));
-    for (int k = 0; k < expected.count; ++k) {
-      const float weight = weightOf(weights, expected.probe[k]), bare = expected.weight[k];
-      ASSERT_LE(weight, bare);
-      // what is less than the least weight after that is left out
-      ASSERT_GE(weight, bare - above.representations[0].residue() - kLeastWeight);
+    ASSERT_TRUE(sameWeights(weights, expected));
+    ++found;
+  }
+  EXPECT_GT(found, 100);
+}
+
+// Everywhere inside: the share of its tent that every probe has left, and what is known of light then.
+void expectEverywhere(const LightGrid& grid, double left, double certainty) {
+  Random random(1);
+  int found = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const PositionM at = randomPosition(grid.tree.frame(), random);
+    ProbeWeights weights, tents;
+    if (!lookUpWeights(grid, at, &weights)) continue;
+    ASSERT_TRUE(lookUpTents(grid, at, &tents));
+    // v within 2 roundings of numbers up to 1; what is taken off it grows a rounding by 1 / kResidue in the certainty
+    for (int k = 0; k < tents.count; ++k)
+      ASSERT_NEAR(weightOf(weights, tents.probe[k]), left * tents.weight[k], 8 * kFloatRounding + kLeastWeight);
+    ASSERT_NEAR(weights.certainty, certainty, 12 * kFloatRounding / kResidue);
+    if (normaliseWeights(&weights)) {
+      ASSERT_NEAR(std::accumulate(weights.weight, weights.weight + weights.count, 0.0), weights.certainty, 10 * kFloatRounding);
     }
     ++found;
   }
   EXPECT_GT(found, 100);
 }
 
-TEST(LightGrid, TakesTheResidueOffFittedFunctionsAlone) {
-  // every second probe says .0015 everywhere, less than what a fit leaves behind walls
-  LightGrid grid = constantGrid(0.0015f);
+TEST(LightGrid, TakesTheResidueForNothing) { expectEverywhere(constantGrid(0.9f * kResidue), 0.0, 0.0); }
+
+TEST(LightGrid, FadesBetweenOneResidueAndTwo) {
+  expectEverywhere(constantGrid(1.5f * kResidue), 0.5 * kResidue / (1.0 - kResidue), 0.5);
+  expectEverywhere(constantGrid(2.5f * kResidue), 1.5 * kResidue / (1.0 - kResidue), 1.0);
+}
+
+TEST(LightGrid, LeavesBareTentsWholeBesideResidues) {
+  LightGrid grid = constantGrid(0.9f * kResidue);
   for (size_t probe = 0; probe < grid.tree.probeCount(); probe += 2) grid.probe_function[probe] = kFreeSpace;
   Random random(1);
   int found = 0;
   for (int i = 0; i < 1000; ++i) {
     const PositionM at = randomPosition(grid.tree.frame(), random);
     ProbeWeights weights, tents;
-    ProbesAround around;
-    if (!grid.tree.lookUp(at, &around)) continue;
-    lookUpWeights(grid, at, &weights);
+    if (!lookUpWeights(grid, at, &weights)) continue;
     lookUpTents(grid, at, &tents);
-    float largest_free = 0.0f;
-    for (int k = 0; k < tents.count; ++k) {
-      if (tents.probe[k] % 2 == 0) largest_free = std::max(largest_free, tents.weight[k]);
-    }
-    if (largest_free < 0.004f) continue;
     for (int k = 0; k < tents.count; ++k)
       ASSERT_EQ(weightOf(weights, tents.probe[k]), tents.probe[k] % 2 == 0 ? tents.weight[k] : 0.0f);
-    ++found;
-  }
-  EXPECT_GT(found, 100);
-}
-
-TEST(LightGrid, KeepsHalfOfTheLargestWeightWhereAllAreResidues) {
-  const LightGrid grid = constantGrid(0.0015f);
-  Random random(1);
-  int found = 0;
-  for (int i = 0; i < 1000; ++i) {
-    const PositionM at = randomPosition(grid.tree.frame(), random);
-    ProbesAround around;
-    ProbeWeights weights;
-    if (!grid.tree.lookUp(at, &around)) continue;
-    lookUpWeights(grid, at, &weights);
-    float largest = 0.0f;
-    for (const ProbeAround& corner : around.corners) {
-      const float phi = std::min(0.0015f, tent(corner.local)) * corner.tent_ratio;
-      largest = std::max(largest, phi);
-    }
-    ASSERT_FLOAT_EQ(*std::max_element(weights.weight, weights.weight + weights.count), 0.5f * largest);
+    if (weights.count == 0) continue;
+    ASSERT_EQ(weights.certainty, 1.0f);
     ++found;
   }
   EXPECT_GT(found, 100);
@@ -267,20 +260,20 @@ double largestStep(const LightGrid& grid, const PositionM& from, const PositionM
 }
 
 TEST(LightGrid, TakesTheResidueOffWithoutAJump) {
-  // functions that run through 0 to 6 residues, so that along a line some reach the residue, the largest twice of it, and 0
+  // shares that run through 0 to 6 residues, so that along a line some reach the residue, and all are less than twice of it
   LightGrid grid = constantGrid(0.0f);
   std::vector<uint32_t> functions;
   for (uint64_t seed = 0; seed < 8; ++seed) {
     Random random(seed);
     Theta theta(ThetaLayout::count);
     // one unit of each layer: bias + slope along x, y and z
-    for (int axis = 0; axis < 3; ++axis) theta[ThetaLayout::w1 + axis] = static_cast<float>(random.uniform(-0.012, 0.012));
-    theta[ThetaLayout::b1] = static_cast<float>(random.uniform(0.0, 0.006));
+    for (int axis = 0; axis < 3; ++axis) theta[ThetaLayout::w1 + axis] = static_cast<float>(random.uniform(-6.0, 6.0)) * kResidue;
+    theta[ThetaLayout::b1] = static_cast<float>(random.uniform(0.0, 3.0)) * kResidue;
     theta[ThetaLayout::w2] = theta[ThetaLayout::w3] = 1.0f;
-    functions.push_back(grid.addFunction(0, theta.data()));
+    functions.push_back(grid.addFunction(1, theta.data()));
   }
   for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) grid.probe_function[probe] = functions[probe % 8];
-  int lines = 0;
+  int lines = 0, fades = 0;
   std::vector<ProbeCell> cells;
   grid.tree.forEachCell([&](const ProbeCell& cell) { cells.push_back(cell); });
   for (size_t i = 0; i < cells.size(); i += 7) {
@@ -291,12 +284,14 @@ TEST(LightGrid, TakesTheResidueOffWithoutAJump) {
     };
     const double coarse = largestStep(grid, at(0.2, 0.3, 0.3), at(0.8, 0.6, 0.7), 2000),
                  fine = largestStep(grid, at(0.2, 0.3, 0.3), at(0.8, 0.6, 0.7), 32000);
-    // a slope shrinks with the step, a jump does not; but for weights left out below kLeastWeight of sums of .0005 and more, and
-    // roundings of weights near .0005
-    ASSERT_LE(fine, coarse / 8 + 1e-6 / 5e-4) << "cell " << i;
+    // a slope shrinks with the step, a jump does not. Where the last weight fades out the certainty is at most its v over the residue,
+    // and a weight below kLeastWeight under a tent of .008 and more has no more than kLeastWeight / .008 of that
+    ASSERT_LE(fine, coarse / 8 + kLeastWeight / 0.008 / kResidue) << "cell " << i;
     ++lines;
+    fades += coarse > 0.0;
   }
   EXPECT_GT(lines, 20);
+  EXPECT_GT(fades, 10);
 }
 
 TEST(LightGrid, FadesOutWhereAPositionLeavesAProbesCells) {
@@ -325,7 +320,7 @@ TEST(LightGrid, FadesOutWhereAPositionLeavesAProbesCells) {
   EXPECT_GT(near_a_face, 1000);
 }
 
-TEST(LightGrid, NormalisesToASumOfOneAndKeepsRatios) {
+TEST(LightGrid, NormalisesToTheCertaintyAndKeepsRatios) {
   int64_t normalised = 0;
   forManyPositions([](LightGrid&) {},
                    [&](const LightGrid& grid, const PositionM& position_m) {
@@ -338,13 +333,13 @@ TEST(LightGrid, NormalisesToASumOfOneAndKeepsRatios) {
                      for (int i = 0; i < weights.count; ++i) {
                        sum += double{weights.weight[i]};
                        ASSERT_EQ(weights.probe[i], before.probe[i]);
-                       // one rounding of each quotient
+                       // one rounding of each product
                        ASSERT_NEAR(weights.weight[i] * before.weight[0], weights.weight[0] * before.weight[i],
                                    4 * kFloatRounding);
                      }
                      if (weights.count == 0) return;
-                     // 7 roundings of the sum, one of each of 8 quotients that add up to 1
-                     ASSERT_NEAR(sum, 1.0, 9 * kFloatRounding);
+                     // 7 roundings of the sum, one of the quotient, one of each of 8 products that add up to 1
+                     ASSERT_NEAR(sum, weights.certainty, 10 * kFloatRounding);
                      ++normalised;
                    });
   EXPECT_GT(normalised, 1000);

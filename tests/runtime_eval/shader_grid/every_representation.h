@@ -33,11 +33,13 @@ inline LightGrid everyRepresentation(ThetaPrecision precision, uint64_t seed) {
       for (size_t probe = function; probe < grid.probe_function.size(); probe += 31) grid.probe_function[probe] = function;
     }
   }
-  // a region of a function that is 0 everywhere, which bare tents light, and one that nothing lights
-  const uint32_t nothing = grid.addFunction(0, Theta(static_cast<size_t>(grid.representations[0].thetaCount())).data());
+  // a region of a function that is hardly more than the residue everywhere, and one that nothing lights
+  Theta theta(ThetaLayout::count);
+  theta[ThetaLayout::b3] = 1.5f * kResidue;
+  const uint32_t faint = grid.addFunction(1, theta.data());  // tent_mlp
   for (size_t probe = 0; probe < grid.probe_function.size(); ++probe) {
     const auto lattice = grid.tree.probeLattice(probe);
-    if (lattice[0] >= 96) grid.probe_function[probe] = nothing;
+    if (lattice[0] >= 96) grid.probe_function[probe] = faint;
     if (lattice[1] >= 48) grid.probe_function[probe] = kNoWeight;
   }
   for (size_t f = 0; f < grid.functionCount(); ++f) {

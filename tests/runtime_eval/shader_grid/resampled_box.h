@@ -25,7 +25,7 @@ inline LightBox boxOf(const ProbeTreeFrame& frame) {
   return box;
 }
 
-// kTexelNumbers a texel, x the fastest: radiance, then 1 where there is light and 0 where there is none.
+// kTexelNumbers a texel, x the fastest: radiance, then its certainty.
 inline std::vector<float> texelNumbers(const LightGrid& grid, const LightBox& box) {
   LookUpScratch scratch;
   const ResampledLight resampled = resampleLight(grid, box, &scratch);
@@ -33,9 +33,10 @@ inline std::vector<float> texelNumbers(const LightGrid& grid, const LightBox& bo
   for (size_t texel = 0; texel < box.texelCount(); ++texel) {
     const float* light = &resampled.light[kShFloats * texel];
     numbers.insert(numbers.end(), light, light + kShFloats);
-    const LightStatus status = resampled.status[texel];
-    const bool is_near = status == LightStatus::outside && *std::max_element(light, light + kShChannels) > 0.0f;
-    numbers.push_back(status == LightStatus::lit || status == LightStatus::by_tents || is_near ? 1.0f : 0.0f);
+    const size_t x = texel % box.texel_count[0], row = texel / box.texel_count[0];
+    ProbeWeights shares;
+    lookUpShares(grid, box.texelCentre(x, row % box.texel_count[1], row / box.texel_count[1]), &shares);
+    numbers.push_back(shares.count > 0 ? shares.certainty : 0.0f);
   }
   return numbers;
 }

@@ -45,7 +45,7 @@ TEST_P(ShaderGridPrecision, SaysWhatTheLookUpSays) {
     ++count[static_cast<size_t>(status)];
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(shaded.irradiance[c], rgb[c], 1e-3f * std::max(1.0f, rgb[c])) << i;
   }
-  for (const LightStatus status : {LightStatus::lit, LightStatus::by_tents, LightStatus::unlit, LightStatus::outside})
+  for (const LightStatus status : {LightStatus::lit, LightStatus::faint, LightStatus::unlit, LightStatus::outside})
     EXPECT_GT(count[static_cast<size_t>(status)], 20) << lightStatusName(status);
 }
 

@@ -154,8 +154,8 @@ TEST_F(LookUpTest, TargetsAreTentsUpToTheWall) {
 
 TEST_F(LookUpTest, FindsNothingWrongWithAPerfectGrid) {
   const LightGrid grid = perfectGrid();
-  // the look-up takes the residue off the weights of four probes, whose sum is a half or more on this side of the wall
-  const double bound = 4 * grid.representations[0].residue() / 0.5;
+  // what a probe has of its tent is nothing or all of it, of which the residue takes nothing
+  const double bound = kShareBound;
   const LookUpFiguresByDistance figures = measure(lookUpOf(grid, glm::dvec3(0)));
   const auto expectPerfect = [bound](const LookUpFigures& f) {
     EXPECT_GE(f.places, 1000u);
