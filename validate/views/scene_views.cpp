@@ -41,7 +41,13 @@ struct Spot {
 
 class Spots {
  public:
-  explicit Spots(const LightTransport& transport) : transport_(transport), rays_(transport.rays()) {}
+  Spots(const LightTransport& transport, const ExtentBox& extent)
+      : transport_(transport), rays_(transport.rays()), extent_(extent) {}
+
+  // What a bake lights: nobody asks for light beyond, on a roof or past the edge of the ground.
+  bool isInExtent(const glm::dvec3& place_m) const {
+    return glm::all(glm::greaterThanEqual(place_m, extent_.low_m)) && glm::all(glm::lessThanEqual(place_m, extent_.high_m));
+  }
 
   // Straight below a place in air.
   std::optional<Spot> below(const glm::dvec3& place_m) const {
@@ -56,7 +62,7 @@ class Spots {
     spot.has_roof = ceiling.kind == LightHit::Kind::surface;
     if (spot.headroom_m < kLeastHeadroomM) return std::nullopt;
     spot.eye_m = spot.floor_m + glm::dvec3(0.0, std::min(kEyeHeightM, 0.5 * spot.headroom_m), 0.0);
-    if (!isInAir(rays_, spot.eye_m)) return std::nullopt;
+    if (!isInExtent(spot.eye_m) || !isInAir(rays_, spot.eye_m)) return std::nullopt;
     for (int turn = 0; turn < kTurns; ++turn) {
       if (isBlocked(spot.eye_m, spot.eye_m + kElbowRoomM * around(turn))) return std::nullopt;
     }
@@ -87,6 +93,7 @@ class Spots {
 
   const LightTransport& transport_;
   const RayScene& rays_;
+  const ExtentBox extent_;
 };
 
 // Those with a wide floor; of a room that has none, all.
@@ -138,7 +145,7 @@ bool fits(const Spot& spot, const Camera& camera, double aspect, const Spots& sp
   }
   for (const Ball& ball : kFigure) {
     const glm::dvec3 centre = spot.floor_m + ball.centre_m;
-    if (spots.isBlocked(camera.eye_m, centre) || !isInAir(rays, centre)) return false;
+    if (spots.isBlocked(camera.eye_m, centre) || !spots.isInExtent(centre) || !isInAir(rays, centre)) return false;
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 side(0.0);
       side[axis] = kTouching * ball.radius_m;
@@ -194,7 +201,7 @@ SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, c
   const std::vector<SeenRoom> rooms = findRooms(rays, places, room_options);
   SceneViews found;
   found.rooms = static_cast<uint32_t>(rooms.size());
-  const Spots spots(transport);
+  const Spots spots(transport, extent);
   const double aspect = static_cast<double>(options.width) / options.height;
 
   std::vector<std::pair<uint32_t, std::vector<Spot>>> standing;  // rooms with a floor

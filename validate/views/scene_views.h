@@ -41,7 +41,7 @@ struct SceneViews {
   uint32_t rooms_left_out = 0;       // by most_views
 };
 
-// All eyes and centres of balls are in air. The same for the same scene, extent and options on any number of threads.
+// All eyes and centres of balls are in air and in the extent. The same for the same scene, extent and options on any number of threads.
 // extent   where places are drawn, relative to the scene's origin
 SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, const SceneViewOptions& options);
 

@@ -163,10 +163,9 @@ class ViewsMeasurement {
       view["truth"]["rays"] = ready_[v].truth_rays;
       if (!request_.pictures.empty()) {
         const std::vector<ShownMethod> row = shown(v);
-        const double exposure = ready_[v].truth.exposure;
-        const std::string heading = fmt::format("{}, room {}", viewName(v), views_.views[v].room + 1);
-        view["picture"] = drawn(viewName(v), viewRow(row, exposure, heading, request_.picture_scale));
-        rows.push_back(viewRow(row, exposure, heading, 1));
+        const std::string caption = fmt::format("view {}, room {}", v + 1, views_.views[v].room + 1);
+        view["picture"] = drawn(viewName(v), viewRow(row, ready_[v].truth.exposure, caption, request_.picture_scale));
+        rows.push_back(viewRow(row, ready_[v].truth.exposure, caption, 1));
       }
       json["views"].push_back(std::move(view));
     }

@@ -55,6 +55,23 @@ TEST(SceneViews, LookFromHeadHeightWhereCeilingsAreHigh) {
   for (const SceneView& view : seen.views().views) EXPECT_NEAR(view.camera.eye_m.y, kEyeHeightM, 1e-3);
 }
 
+// On the roof one stands above all that the scene has: nobody lights that.
+TEST(SceneViews, StayInTheExtent) {
+  SceneOfFaces faces;
+  faces.addBox({-8, -1, -8}, {8, 0, 8});
+  faces.addRoom({-2, 0, -2}, {2, 3, 2}, 0.2f);
+  const Seen seen(faces.finish());
+  const ExtentBox extent = lightExtent(seen.scene, {});
+  SceneViewOptions options;
+  options.views_per_room = 3;
+  const SceneViews found = seen.views(options);
+  EXPECT_GT(found.views.size(), 3u);
+  for (const SceneView& view : found.views) {
+    EXPECT_LE(view.camera.eye_m.y, extent.high_m.y);
+    for (const Ball& ball : view.figure) EXPECT_LE(ball.centre_m.y, extent.high_m.y);
+  }
+}
+
 // A table of 1 x 1 m is no floor: a stride around any place on it goes beyond its edge.
 TEST(SceneViews, StandOnFloorsAndNotOnTables) {
   SceneOfFaces faces;
