@@ -30,7 +30,7 @@ set(NLG_MAY_LINK_generator     nlg::training_data nlg::basis nlg::dataset nlg::r
 set(NLG_MAY_LINK_statistics    "")
 set(NLG_MAY_LINK_errors        nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_frontier      nlg::errors nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
-set(NLG_MAY_LINK_look_up       nlg::statistics nlg::light_methods nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_look_up       nlg::statistics nlg::light nlg::light_methods nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_light_figures nlg::statistics nlg::light_methods nlg::light nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_stability     nlg::errors nlg::policy_options nlg::shard_job nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_policy_options nlg::runtime_eval nlg::tool)

@@ -28,7 +28,7 @@ class LookUp(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.out = os.path.join(cls.folder.name, "house.json")
-        run = look_up(*HOUSE, *weights("pf3", "tent_mlp4"), "--threads", "1", "--out", cls.out)
+        run = look_up(*HOUSE, *weights("pf3", "tent_mlp4"), "--specks", "20000", "--threads", "1", "--out", cls.out)
         assert run.returncode == 0, run.stderr
         with open(cls.out) as file:
             cls.result = json.load(file)
@@ -53,6 +53,14 @@ class LookUp(unittest.TestCase):
         self.assertAlmostEqual(places["in_solid"] + places["disputed"] + places["in_air"], 1.0)
         self.assertEqual(sum(by["places"] for by in places["by_distance"]), self.result["tent"]["all"]["places"])
 
+    def test_specks_are_searched_in_places_enough_and_listed(self):
+        for found in self.result["representations"].values():
+            specks = found["specks"]
+            self.assertGreaterEqual(specks["looked_up"], 19000)  # 20,000 in air, give or take four standard deviations of the air's share
+            self.assertEqual(len(specks["first"]), min(10, specks["count"]))
+            for speck in specks["first"]:
+                self.assertLess(speck["share"], 0.1)
+
     def test_figures_are_shares(self):
         for name, f in self.figures():
             for value in (f["unlit"], f["rmse"], f["wrong"]["mean"], f["wrong"]["p99"], f["wrong_to_seen"], f["leak"]["mean"], f["leak"]["p99"]):
@@ -72,7 +80,7 @@ class LookUp(unittest.TestCase):
 
     def test_threads_change_no_byte(self):
         again = os.path.join(self.folder.name, "again.json")
-        run = look_up(*HOUSE, *weights("pf3", "tent_mlp4"), "--threads", "3", "--out", again)
+        run = look_up(*HOUSE, *weights("pf3", "tent_mlp4"), "--specks", "20000", "--threads", "3", "--out", again)
         self.assertEqual(run.returncode, 0, run.stderr)
         with open(self.out, "rb") as one, open(again, "rb") as other:
             self.assertEqual(one.read(), other.read())

@@ -14,18 +14,20 @@
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "validate/look_up/look_up_error.h"
+#include "validate/look_up/specks.h"
 
 namespace nlg {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr uint64_t kPlaceStream = 0x706c6163, kJumpStream = 0x6a756d70;  // of the seed
+constexpr uint64_t kPlaceStream = 0x706c6163, kJumpStream = 0x6a756d70, kSpeckStream = 0x737065636b;  // of the seed
 
 struct Request {
   std::string scene, out;
   std::vector<std::string> weights;
   PlaceOptions places;
+  uint64_t specks = 0;  // places in air that are searched for them
 };
 
 Json figuresJson(const LookUpFigures& f) {
@@ -45,6 +47,15 @@ Json byDistanceJson(const LookUpFiguresByDistance& figures) {
 
 Json jumpsJson(const JumpFigures& f) {
   return {{"segments", f.segments}, {"hanging", f.hanging}, {"mean", f.mean}, {"p99", f.p99}, {"largest", f.largest}};
+}
+
+Json specksJson(const Specks& specks, const glm::dvec3& origin_m) {
+  Json json = {{"looked_up", specks.looked_up}, {"count", specks.count}, {"first", Json::array()}};
+  for (const Speck& speck : specks.first) {
+    const glm::dvec3 at = origin_m + speck.position_m;
+    json["first"].push_back({{"position_m", {at.x, at.y, at.z}}, {"share", speck.largest_share}, {"seen_by", speck.seen_by}});
+  }
+  return json;
 }
 
 double share(uint64_t count, uint64_t of) { return of > 0 ? static_cast<double>(count) / static_cast<double>(of) : 0.0; }
@@ -89,6 +100,18 @@ class LookUpMeasurement {
                            options.threads > 0 ? options.threads : machineThreadCount())) {}
 
   const Places& places() const { return places_; }
+
+  // As many draws as have this many places in air among them.
+  Specks specks(const LightGrid& grid, uint64_t in_air) const {
+    SpeckOptions specks;
+    const double air_share = share(places_.in_air, places_.drawn);
+    specks.places = air_share > 0.0 ? static_cast<uint64_t>(static_cast<double>(in_air) / air_share) : 0;
+    specks.seed = mixSeed(options_.seed, kSpeckStream);
+    specks.threads = options_.threads > 0 ? options_.threads : machineThreadCount();
+    const Scene& scene = scene_.source.scene;
+    return findSpecks(grid, scene_.tree, scene.origin_m, scene_.rays, drawnExtent(scene, options_), specks);
+  }
+
   LookUpFiguresByDistance target() const { return figuresOf(targetBlends(truth_), places_, truth_); }
 
   Json measure(const LookUp& look_up) const {
@@ -121,6 +144,7 @@ void measureLookUps(Request request, BakeOptions options, const OptionTable& tab
   used.erase("threads");
   used.erase("representation");
   used["places"] = request.places.places;
+  used["specks"] = request.specks;
   std::map<std::string, std::string> hashes;
   if (!scene.source.sha256.empty()) hashes["scene"] = scene.source.sha256;
   for (size_t i = 0; i < generators.size(); ++i)
@@ -143,6 +167,7 @@ void measureLookUps(Request request, BakeOptions options, const OptionTable& tab
     const BorderFigures border = measureBorder(bake.grid);
     figures["border"] = {
         {"functions", border.functions}, {"mean", border.mean}, {"p99", border.p99}, {"largest", border.largest}};
+    if (request.specks > 0) figures["specks"] = specksJson(measurement.specks(bake.grid, request.specks), origin_m);
     json["representations"][representationName(generator.representation())] = figures;
   }
   writeFileAtomically(request.out, json.dump(1) + "\n");
@@ -167,6 +192,11 @@ int lookUpMain(int argc, char** argv) {
   app.add_option("--out", request.out, "the result (.json)")->required();
   app.add_option("--places", request.places.places, "places in air, a quarter of them in each class of distance to a surface")
       ->check(CLI::Range(4, 10000000))
+      ->capture_default_str();
+  app.add_option("--specks", request.specks,
+                 "places in air that are searched for specks: lit, though no probe that sees them has a tenth of its tent there. "
+                 "0: none are searched")
+      ->check(CLI::Range(0, 1000000000))
       ->capture_default_str();
   return runTool(argc, argv, app, table, [&] { measureLookUps(request, options, table); });
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "tests/datagen/hand_built_scenes.h"
+#include "validate/look_up/specks.h"
 
 namespace nlg {
 namespace {
@@ -170,6 +171,41 @@ TEST_F(LookUpTest, FindsNothingWrongWithAPerfectGrid) {
   };
   expectPerfect(figures.all);
   for (const LookUpFigures& f : figures.by_class) expectPerfect(f);
+}
+
+// Between the columns at x = 0 and the wall only those see a place. Where their functions say .06 of the tent, a look-up takes the
+// light of those behind the wall, which say all of theirs.
+TEST_F(LookUpTest, SpecksAreLitByWhatNoProbeThatSeesThemSays) {
+  LightGrid grid = perfectGrid();
+  Theta faint(grid.representations[0].thetaCount());
+  faint[grid.representations[0].shape().b3()] = std::log(0.06f / 0.94f);  // of a sigmoid
+  grid.addFunction(0, faint.data());
+  for (size_t probe = 0; probe < grid.probe_function.size(); ++probe) {
+    if (grid.tree.probePosition(probe)[0] == 0.0) grid.probe_function[probe] = 2;
+    if (grid.tree.probePosition(probe)[0] == 1.0) grid.probe_function[probe] = kFreeSpace;
+  }
+  const ExtentBox extent = {glm::dvec3(-1.5, -3.0, -3.0), glm::dvec3(1.5, 3.0, 3.0)};
+  SpeckOptions options;
+  options.places = 20000;
+  options.threads = 2;
+  const Specks found = findSpecks(grid, level_->tree, {}, level_->rays, extent, options);
+  EXPECT_EQ(found.looked_up, options.places);
+  // of the extent's 3 m along x these are .49; five standard deviations of the share are less than .02
+  EXPECT_NEAR(static_cast<double>(found.count) / 20000.0, 0.49 / 3.0, 0.02);
+  EXPECT_EQ(found.first.size(), options.most_listed);
+  for (const Speck& speck : found.first) {
+    // before x = 0 a quarter of the distance is tent of one of the next column's probes, who say all of it
+    EXPECT_GT(speck.position_m.x, -4.0 * kSpeckLeastTent);
+    EXPECT_LT(speck.position_m.x, kWallX);
+    EXPECT_LT(speck.largest_share, 0.1f);
+    EXPECT_GE(speck.seen_by, 1);
+  }
+  SpeckOptions one_thread = options;
+  one_thread.threads = 1;
+  EXPECT_EQ(findSpecks(grid, level_->tree, {}, level_->rays, extent, one_thread).count, found.count);
+
+  EXPECT_EQ(findSpecks(perfectGrid(), level_->tree, {}, level_->rays, extent, options).count, 0u);
+  EXPECT_EQ(findSpecks(gridOf(kFreeSpace), level_->tree, {}, level_->rays, extent, options).count, 0u) << "a leak, but no speck";
 }
 
 TEST_F(LookUpTest, MeasuresExactlyWhatBareTentsLeak) {
