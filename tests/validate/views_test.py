@@ -71,7 +71,7 @@ class Views(unittest.TestCase):
     def test_prints_what_one_looks_at_first(self):
         lines = self.run_.stdout.splitlines()
         self.assertEqual(lines[0].split()[:3], ["scene", "method", "HyAB"])
-        self.assertEqual(len(lines), 1 + len(self.result["methods"]) + 1)
+        self.assertEqual(len(lines), 1 + len(self.result["methods"]) + 1 + 1)  # a head, the noise of truth, the result
         self.assertEqual(lines[-1], self.out)
 
     def test_draws_truth_and_methods_of_every_view(self):

@@ -97,9 +97,15 @@ class ViewsMeasurement {
     return results();
   }
 
-  std::string table() const { return viewsTable(scene_.source.id, measured_); }
+  std::string table() const { return viewsTable(scene_.source.id, measured_, meanOf(&ViewTruth::colour_noise)); }
 
  private:
+  double meanOf(double ViewTruth::*noise) const {
+    double sum = 0.0;
+    for (const ReadyView& view : ready_) sum += view.truth.*noise;
+    return sum / static_cast<double>(ready_.size());
+  }
+
   std::string viewName(size_t view) const { return fmt::format("{}_{:02}", fileWord(scene_.source.id), view + 1); }
 
   // As the bake leaves it in its file.
@@ -155,6 +161,7 @@ class ViewsMeasurement {
   Json results() {
     Json json = {
         {"rooms", {{"count", views_.rooms}, {"without_floor", views_.rooms_without_floor}, {"left_out", views_.rooms_left_out}}},
+        {"truth", {{"noise", meanOf(&ViewTruth::noise)}, {"hyab_noise", meanOf(&ViewTruth::colour_noise)}}},
         {"methods", methodsJson(measured_)},
         {"views", Json::array()}};
     std::vector<Image> rows;

@@ -50,7 +50,7 @@ Json methodsJson(const std::vector<MeasuredViews>& methods) {
   return json;
 }
 
-std::string viewsTable(const std::string& scene, const std::vector<MeasuredViews>& methods) {
+std::string viewsTable(const std::string& scene, const std::vector<MeasuredViews>& methods, double colour_noise) {
   const auto off = [](const ViewFigures& f) { return 100.0 * (f.off_last.brighter + f.off_last.darker); };
   std::string table = fmt::format("{:<18} {:<32} {:>6} {:>8} {:>12} {:>10}\n", "scene", "method", "HyAB", "> 2x, %",
                                   "edges > 2x, %", "ringing, %");
@@ -60,7 +60,7 @@ std::string viewsTable(const std::string& scene, const std::vector<MeasuredViews
     table += fmt::format("{:<18} {:<32} {:>6.2f} {:>8.2f} {:>13.2f} {:>10.3f}\n", scene, method.weights + ", " + method.light,
                          all.colour, off(all), off(edge), 100.0 * all.ringing);
   }
-  return table;
+  return table + fmt::format("{:<18} {:<32} {:>6.2f}\n", scene, "(noise of truth)", colour_noise);
 }
 
 }  // namespace nlg

@@ -26,6 +26,7 @@ nlohmann::ordered_json viewJson(const SceneView& view, const ViewTruth& truth, c
 nlohmann::ordered_json methodsJson(const std::vector<MeasuredViews>& methods);
 
 // Lines for a terminal: what of the means one looks at first.
-std::string viewsTable(const std::string& scene, const std::vector<MeasuredViews>& methods);
+// colour_noise   of truth, the mean over views: no method can be seen to be nearer
+std::string viewsTable(const std::string& scene, const std::vector<MeasuredViews>& methods, double colour_noise);
 
 }  // namespace nlg
