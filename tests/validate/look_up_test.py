@@ -59,7 +59,7 @@ class LookUp(unittest.TestCase):
             self.assertGreaterEqual(specks["looked_up"], 19000)  # 20,000 in air, give or take four standard deviations of the air's share
             self.assertEqual(len(specks["first"]), min(10, specks["count"]))
             for speck in specks["first"]:
-                self.assertLess(speck["share"], 0.1)
+                self.assertLess(speck["share"], 0.05)
 
     def test_figures_are_shares(self):
         for name, f in self.figures():

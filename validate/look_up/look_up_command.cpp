@@ -193,9 +193,10 @@ int lookUpMain(int argc, char** argv) {
   app.add_option("--places", request.places.places, "places in air, a quarter of them in each class of distance to a surface")
       ->check(CLI::Range(4, 10000000))
       ->capture_default_str();
-  app.add_option("--specks", request.specks,
-                 "places in air that are searched for specks: lit, though no probe that sees them has a tenth of its tent there. "
-                 "0: none are searched")
+  app.add_option(
+         "--specks", request.specks,
+         "places in air that are searched for specks: lit, though no probe that sees them has a twentieth of its tent there. "
+         "0: none are searched")
       ->check(CLI::Range(0, 1000000000))
       ->capture_default_str();
   return runTool(argc, argv, app, table, [&] { measureLookUps(request, options, table); });

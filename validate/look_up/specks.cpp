@@ -25,10 +25,9 @@ class SpeckSearch {
     float of_seen = 0.0f, of_any = 0.0f;
     int seen_by = 0;
     for (int i = 0; i < tents.count; ++i) {
-      if (tents.weight[i] < kSpeckLeastTent) continue;
       const float share = shareOf(weights, tents.probe[i]) / tents.weight[i];
       of_any = std::max(of_any, share);
-      if (!sees(tents.probe[i], at)) continue;
+      if ((share < kSpeckShare && tents.weight[i] < kSpeckLeastTent) || !sees(tents.probe[i], at)) continue;
       if (share >= kSpeckShare) return true;
       ++seen_by;
       of_seen = std::max(of_seen, share);

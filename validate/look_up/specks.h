@@ -13,8 +13,10 @@
 
 namespace nlg {
 
-inline constexpr float kSpeckShare = 0.1f;        // of its tent: a probe that has less of it says nothing of a place
-inline constexpr float kSpeckLeastTent = 0.001f;  // a probe whose own tent is less has no say, seen or not
+// Of its tent, less the residue that a look-up takes off: a probe that has less says nothing of a place. It is what the residue leaves
+// of a tenth, from where on light is certain.
+inline constexpr float kSpeckShare = 0.05f;
+inline constexpr float kSpeckLeastTent = 0.001f;  // a probe that sees a place need not say anything where its own tent is less
 
 struct Speck {
   glm::dvec3 position_m{0.0};  // relative to the scene's origin

@@ -197,7 +197,7 @@ TEST_F(LookUpTest, SpecksAreLitByWhatNoProbeThatSeesThemSays) {
     // before x = 0 a quarter of the distance is tent of one of the next column's probes, who say all of it
     EXPECT_GT(speck.position_m.x, -4.0 * kSpeckLeastTent);
     EXPECT_LT(speck.position_m.x, kWallX);
-    EXPECT_LT(speck.largest_share, 0.1f);
+    EXPECT_LT(speck.largest_share, kSpeckShare);
     EXPECT_GE(speck.seen_by, 1);
   }
   SpeckOptions one_thread = options;
