@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "light/air.h"
+#include "light/light_transport.h"
 #include "scene/procedural.h"
 #include "tests/validate/light/lit_scenes.h"
 
@@ -109,6 +110,31 @@ TEST(LightPlaces, OfEdgesAreUnderARoofAndNotInTheSun) {
     const glm::vec3 at(place.position_m);
     EXPECT_TRUE(glm::all(glm::greaterThan(at, glm::vec3(0.0f))) && glm::all(glm::lessThan(at, glm::vec3(5.0f, 3.0f, 4.2f))));
     EXPECT_TRUE(glm::dot(to_sun, place.normal) <= 0.0f || rays.isLightBlocked(at, at + 100.0f * to_sun));
+  }
+}
+
+// The mean of radiance. A door's gap is a thousandth of all directions, so that rays are many.
+double lightAt(const LightTransport& transport, const glm::dvec3& position_m) {
+  return transport.gather(position_m, {32768, 64}, 1).light[0].g;
+}
+
+// What a wall parts: a place beside daylight or a lamp, one behind, and how much of the first one's light the second may have.
+TEST(DaylightScenes, HaveLightWhereTheirPlansSayAndLittleOrNoneBehind) {
+  const struct {
+    uint64_t seed;
+    glm::dvec3 bright, dim;
+    double least, most;  // of the dim one's light over the bright one's
+  } kParted[] = {{0, {2.5, 1.5, 6.0}, {2.5, 1.5, 1.0}, 1e-4, 0.1},  {4, {2.0, 1.5, 2.0}, {1.0, 1.5, -2.0}, 1e-6, 0.1},
+                 {6, {2.5, 1.5, 2.0}, {2.5, -1.5, 2.0}, 0.0, 0.0},  {8, {2.0, 1.5, 2.0}, {5.5, 1.5, 2.0}, 0.0, 0.0},
+                 {14, {4.0, 1.5, 7.7}, {2.0, 1.5, 3.0}, 1e-6, 0.1}, {18, {0.8, 1.5, 5.0}, {7.0, 1.5, 0.8}, 1e-6, 0.1}};
+  for (const auto& parted : kParted) {
+    const Scene scene = makeBuiltInScene("daylight", parted.seed);
+    const RayScene rays(scene);
+    const LightTransport transport(scene, rays);
+    const double bright = lightAt(transport, parted.bright), dim = lightAt(transport, parted.dim);
+    EXPECT_GT(bright, 0.0) << parted.seed;
+    EXPECT_GE(dim, parted.least * bright) << parted.seed;
+    EXPECT_LE(dim, parted.most * bright) << parted.seed;
   }
 }
 
