@@ -67,11 +67,11 @@ float evaluatePoint(const Representation& representation, const LocalPoint& poin
   return representation.tentFactor() ? output * tent(point) : output;
 }
 
-float evaluateTentShare(const Representation& representation, const LocalPoint& point, const float* theta) {
-  const float output = evaluateOutput(representation, point, theta);
-  const float whole = representation.tentFactor() ? 1.0f : tent(point);
-  if (!(output > 0.0f)) return 0.0f;
-  return output < whole ? output / whole : 1.0f;
+float evaluateTentShare(const Representation& representation, const LocalPoint& point, float tent, const float* theta) {
+  float share = evaluateOutput(representation, point, theta);
+  if (!representation.tentFactor()) share /= tent;
+  // as the comparison is written, NaN has none
+  return share > 0.0f ? std::min(share, 1.0f) : 0.0f;
 }
 
 }  // namespace nlg

@@ -11,7 +11,8 @@ namespace nlg {
 // theta   D floats
 float evaluatePoint(const Representation& representation, const LocalPoint& point, const float* theta);
 
-// phi over the tent at the point, clamped to [0, 1]; 0 where theta gives no number.
-float evaluateTentShare(const Representation& representation, const LocalPoint& point, const float* theta);
+// phi over the tent, clamped to [0, 1]; 0 where theta gives no number.
+// tent   at the point
+float evaluateTentShare(const Representation& representation, const LocalPoint& point, float tent, const float* theta);
 
 }  // namespace nlg

@@ -60,13 +60,6 @@ FileResult checkValues(const char* name, const std::vector<float>& values, float
   return {};
 }
 
-// v, of a probe that has any weight.
-float tentShare(const LightGrid& grid, const ProbeAround& corner, uint32_t function) {
-  if (function == kFreeSpace) return 1.0f;
-  return evaluateTentShare(grid.representations[grid.function_representation[function]], corner.local,
-                           grid.functionTheta(function));
-}
-
 void addWeight(uint32_t probe, float weight, ProbeWeights* weights) {
   if (!(weight >= kLeastWeight)) return;
   weights->probe[weights->count] = probe;
@@ -106,17 +99,25 @@ FileResult checkLightGrid(const LightGrid& grid) {
 FileResult checkLight(const std::vector<float>& light) { return checkValues("light", light, kMaxGridLight); }
 
 void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {
+  constexpr float kStretch = 1.0f / (1.0f - kResidue);
+  static_assert((1.0f - kResidue) * kStretch == 1.0f, "bare tents would not keep all");
   weights->count = 0;
   float sum = 0.0f, believed = 0.0f;
   for (const ProbeAround& corner : around.corners) {
     const uint32_t function = grid.probe_function[corner.probe];
     if (function == kNoWeight) continue;
-    const float above = tentShare(grid, corner, function) - kResidue;
-    const int before = weights->count;
-    addWeight(corner.probe, tent(corner.local) * corner.tent_ratio * (above / (1.0f - kResidue)), weights);
-    if (weights->count == before) continue;
-    sum += weights->weight[before];
-    believed += weights->weight[before] * above;
+    const float bare = tent(corner.local);
+    float share = 1.0f;
+    if (function != kFreeSpace) {
+      const Representation& representation = grid.representations[grid.function_representation[function]];
+      share = evaluateTentShare(representation, corner.local, bare, grid.functionTheta(function));
+    }
+    const float above = share - kResidue;
+    const float weight = bare * corner.tent_ratio * (above * kStretch);
+    if (!(weight >= kLeastWeight)) continue;
+    addWeight(corner.probe, weight, weights);
+    sum += weight;
+    believed += weight * above;
   }
   weights->certainty = sum > 0.0f ? std::min(1.0f, believed / (kResidue * sum)) : 0.0f;
 }
