@@ -66,6 +66,10 @@ std::string lightText(const BakeStatistics& s) {
   std::string text =
       fmt::format("air: {} of {} cells hold none and were left out, with {} of {} probes; {:.2f} s by the clock\n",
                   s.air.airless_cells, s.air.cells, s.air.probes - s.counts.grid_probes, s.air.probes, s.air.wall_s);
+  if (s.air.in_cavities + s.function_times.cavity_probes > 0) {
+    text += fmt::format("cavities: {} of {} places tried and {} of {} probes lie in closed hollows, and count as in solid\n",
+                        s.air.in_cavities, s.air.drawn, s.function_times.cavity_probes, s.counts.grid_probes);
+  }
   const LightStatistics& light = s.light;
   if (!light.is_lit) return text + "light: none\n";
   text += fmt::format(
@@ -109,6 +113,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"bare_tent_rmse_mean", s.bare_tents.meanRmse()},
           {"in_solid", counts.in_solid},
           {"solid_functions", counts.solid_functions},
+          {"cavity_probes", s.function_times.cavity_probes},
           {"empty", counts.empty},
           {"duplicates", counts.duplicates},
           {"functions", counts.functions},
@@ -116,6 +121,8 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
            {{"cells", s.air.cells},
             {"airless_cells", s.air.airless_cells},
             {"probes_before", s.air.probes},
+            {"places_drawn", s.air.drawn},
+            {"places_in_cavities", s.air.in_cavities},
             {"wall_s", s.air.wall_s}}},
           {"light", lightJson(s.light)},
           {"representations", chosen},

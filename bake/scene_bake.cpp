@@ -96,6 +96,8 @@ class SceneBake {
     statistics_.air.cells = scene_.air.cells.size();
     statistics_.air.airless_cells = scene_.full_tree.cellCount() - scene_.tree.cellCount();
     statistics_.air.probes = scene_.full_tree.probeCount();
+    statistics_.air.drawn = scene_.air.drawn;
+    statistics_.air.in_cavities = scene_.air.in_cavities;
     statistics_.air.wall_s = scene_.air_wall_s;
     statistics_.counts = functions_.counts();
     statistics_.function_times = functions_.times();

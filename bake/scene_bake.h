@@ -16,8 +16,9 @@ namespace nlg {
 // What a tree had before cells without air were left out.
 struct AirStatistics {
   uint64_t cells = 0, airless_cells = 0;
-  uint64_t probes = 0;  // before
-  double wall_s = 0.0;  // to find the air
+  uint64_t probes = 0;                  // before
+  uint64_t drawn = 0, in_cavities = 0;  // places, and those of them that are no air because they lie in cavities (cavity.h)
+  double wall_s = 0.0;                  // to find the air
 };
 
 // The talk's columns and what else a bake can say of itself. Seconds by the clock, those of stages summed over threads.

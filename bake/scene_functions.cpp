@@ -100,6 +100,7 @@ FunctionTimes SceneFunctions::times() const {
     times.bare_tent_s += thread->times.bare_tent_s;
     times.in_solid_s += thread->times.in_solid_s;
     times.triangles += thread->times.triangles;
+    times.cavity_probes += thread->times.cavity_probes;
     times.link_tests += thread->builder.visibility().packetTestCount();
   }
   times.duplicates_s = collector_.seconds();
@@ -113,6 +114,7 @@ ProbeOutcome SceneFunctions::seeAndGenerate(const glm::dvec3& position, float sp
   const ProbeOutcome seen = state.builder.see(position, spacing_m, InSolid::by_eye);
   const Clock::time_point after = Clock::now();
   times.visibility_s += secondsBetween(start, after);
+  times.cavity_probes += state.builder.isInCavity();
   if (seen == ProbeOutcome::in_solid) times.in_solid_s += secondsBetween(start, after);
   if (seen != ProbeOutcome::function) return seen;
   times.triangles += state.builder.visibility().triangles().size();

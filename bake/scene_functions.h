@@ -41,6 +41,7 @@ struct FunctionTimes {
   double in_solid_s = 0.0;  // of visibility_s: of probes in solid that turned out to have no eye
   // Of probes that have a function: triangles in their supports; pairs of 16 links and a triangle that were tested.
   uint64_t triangles = 0, link_tests = 0;
+  uint64_t cavity_probes = 0;  // probes in cavities: those with an eye and those without
 };
 
 class SceneFunctions {

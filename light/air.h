@@ -6,11 +6,11 @@
 
 namespace nlg {
 
-// Whether a place is neither in solid nor disputed by the rays of solid_vote.h, sky faces among the surfaces: what lies behind the
-// sky is not air. Open ground around a model is. Any number of threads may ask at once.
+// Whether a place is neither in solid nor disputed by the rays of solid_vote.h, sky faces among the surfaces, nor in a cavity
+// (cavity.h): what lies behind the sky is not air. Open ground around a model is. Any number of threads may ask at once.
 // position_m   relative to the scene's origin
 bool isInAir(const RayScene& rays, const glm::dvec3& position_m);
-// The same by a vote that has been made, with sky.
+// The first half of that, by a vote that has been made with sky: cavities are not asked about.
 bool isAir(const RayScene& rays, const SolidVote& vote);
 
 }  // namespace nlg

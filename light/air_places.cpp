@@ -5,6 +5,7 @@
 #include <iterator>
 #include <memory>
 
+#include "datagen/visibility/cavity.h"
 #include "light/air.h"
 #include "runtime_eval/light_grid/morton.h"
 #include "runtime_eval/numbers/random.h"
@@ -33,6 +34,7 @@ class CellSurvey {
   void begin() {
     air_.clear();
     solid_.clear();
+    closed_.clear();
   }
 
   bool isInAir(const glm::dvec3& place) {
@@ -42,14 +44,16 @@ class CellSurvey {
     const auto sees = [&](const glm::dvec3& other) { return !rays_.isLightBlocked(here, glm::vec3(other)); };
     if (std::any_of(air_.rbegin(), air_.rend(), isSeenFrom)) return remember(air_, place, true);
     if (std::any_of(solid_.rbegin(), solid_.rend(), sees)) return remember(solid_, place, false);
+    if (std::any_of(closed_.rbegin(), closed_.rend(), sees)) return rememberClosed(place);
     ++votes_;
     const SolidVote vote = solidVoteWithSky(rays_, place);
-    if (isAir(rays_, vote)) return remember(air_, place, true);
+    if (isAir(rays_, vote)) return isInCavity(rays_, place) ? rememberClosed(place) : remember(air_, place, true);
     // a place with a doubt says nothing of those that it sees: what closed the solid there may be no geometry
     return vote.front == 0 && vote.unanimous() ? remember(solid_, place, false) : false;
   }
 
   uint64_t votes() const { return votes_; }
+  uint64_t inCavities() const { return in_cavities_; }
 
  private:
   static constexpr size_t kRemembered = 4;
@@ -58,17 +62,21 @@ class CellSurvey {
     if (known.size() < kRemembered) known.push_back(place);
     return verdict;
   }
+  bool rememberClosed(const glm::dvec3& place) {
+    ++in_cavities_;
+    return remember(closed_, place, false);
+  }
 
   const RayScene& rays_;
-  std::vector<glm::dvec3> air_, solid_;
-  uint64_t votes_ = 0;
+  std::vector<glm::dvec3> air_, solid_, closed_;
+  uint64_t votes_ = 0, in_cavities_ = 0;
 };
 
 // A run of cells, surveyed by one thread.
 struct Block {
   std::vector<AirPlaces::Cell> cells;
   std::vector<glm::dvec3> places;
-  uint64_t drawn = 0, votes = 0;
+  uint64_t drawn = 0, votes = 0, in_cavities = 0;
 };
 
 class Surveyor {
@@ -104,6 +112,7 @@ class Surveyor {
     result.air_share = static_cast<double>(in_air) / drawn;
     block->drawn += static_cast<uint64_t>(drawn);
     block->votes = survey_.votes();
+    block->in_cavities = survey_.inCavities();
     block->cells.push_back(result);
   }
 
@@ -137,6 +146,7 @@ AirPlaces findAirPlaces(const RayScene& rays, const ProbeTree& tree, const AirPl
     air.places.insert(air.places.end(), block.places.begin(), block.places.end());
     air.drawn += block.drawn;
     air.votes += block.votes;
+    air.in_cavities += block.in_cavities;
   }
   return air;
 }

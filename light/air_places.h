@@ -28,10 +28,11 @@ struct AirPlaces {
   std::vector<Cell> cells;         // all cells of the tree, in its order
   std::vector<glm::dvec3> places;  // relative to the scene's origin, in the order of cells
   uint64_t drawn = 0, votes = 0;   // places drawn, and those of them that rays had to vote about
+  uint64_t in_cavities = 0;        // of those drawn: cavity.h
 };
 
 // Draws evenly spread places in every cell. A place is in air where isInAir says so (air.h); what sees a place that is known
-// to be in air, or in solid, is what that place is.
+// to be in air, in solid or in a cavity, is what that place is.
 //
 // tree   in the scene's coordinates
 // The same places for any number of threads.

@@ -70,6 +70,7 @@ struct Scene {
   uint32_t dropped_triangle_count = 0;      // triangles of zero area that the source held
   SceneLight light;
   std::vector<Viewpoint> viewpoints;  // in the file's order
+  double cavity_m = 0.0;              // hollows closed off from all air as wide as this are no air; 0: there are none (cavity.h)
   std::optional<ExtentBox> extent;    // where its author says that things move: a node nlg_extent of a glTF file
 };
 

@@ -153,26 +153,7 @@ void refuseOtherFormats(const std::string& request, const std::string& extension
                   extension, import));
 }
 
-}  // namespace
-
-bool isOtherFormat(const std::string& extension) {
-  static const std::set<std::string> kOthers = {".fbx", ".blend", ".usd", ".usda", ".usdc", ".usdz", ".dae", ".3ds", ".max",
-                                                ".ma",  ".mb",    ".c4d", ".skp",  ".stl",  ".ply",  ".abc", ".x3d"};
-  return kOthers.count(extension) > 0;
-}
-
-void describe(SceneReading& reading, OptionTable& table) {
-  table.add("unit", &reading.unit_m,
-            "metres of one unit of a glTF or .obj file: 0.01 where it is in centimetres, 0.0254 in inches", 1e-6, 1e6);
-  table.add(
-      "veil_cover", &reading.veil_cover,
-      "what lets light through is a sheet to weighting functions where it stops this share of light or more, and air to them "
-      "where less; 0: always a sheet; above 1: always air",
-      0.0, 1.01);
-  table.addNote(sceneBudgets());
-}
-
-SceneSource loadScene(const std::string& request, const SceneReading& reading) {
+SceneSource readScene(const std::string& request, const SceneReading& reading) {
   const std::string extension = extensionOf(request);
   refuseOtherFormats(request, extension);
   if (extension == ".obj") return readObjFile(request, reading);
@@ -196,6 +177,39 @@ SceneSource loadScene(const std::string& request, const SceneReading& reading) {
   if (!fs::exists(request, error) && !error)
     throw InputError(request, "scene", sceneForms(), "a name that is none of these, and of no file");
   return readGltfFile(request, reading);
+}
+
+}  // namespace
+
+bool isOtherFormat(const std::string& extension) {
+  static const std::set<std::string> kOthers = {".fbx", ".blend", ".usd", ".usda", ".usdc", ".usdz", ".dae", ".3ds", ".max",
+                                                ".ma",  ".mb",    ".c4d", ".skp",  ".stl",  ".ply",  ".abc", ".x3d"};
+  return kOthers.count(extension) > 0;
+}
+
+void describe(SceneReading& reading, OptionTable& table) {
+  table.add("unit", &reading.unit_m,
+            "metres of one unit of a glTF or .obj file: 0.01 where it is in centimetres, 0.0254 in inches", 1e-6, 1e6);
+  table.add(
+      "veil_cover", &reading.veil_cover,
+      "what lets light through is a sheet to weighting functions where it stops this share of light or more, and air to them "
+      "where less; 0: always a sheet; above 1: always air",
+      0.0, 1.01);
+  table.add(
+      "cavity_m", &reading.cavity_m,
+      "hollows that are closed off from all air as wide as this, metres, are no air: walls of two sheets, boxes. A quarter of "
+      "the scene's shortest side at most. 0: all air counts",
+      0.0, 1e3);
+  table.addNote(sceneBudgets());
+}
+
+SceneSource loadScene(const std::string& request, const SceneReading& reading) {
+  SceneSource source = readScene(request, reading);
+  const Bounds bounds = sceneBounds(source.scene);
+  const glm::dvec3 sides_m = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
+  source.scene.cavity_m =
+      std::min({reading.cavity_m, kCavityShare * sides_m.x, kCavityShare * sides_m.y, kCavityShare * sides_m.z});
+  return source;
 }
 
 std::string sceneForms() {

@@ -25,10 +25,14 @@ struct SceneSource {
   std::vector<std::string> notes;        // whatever else its user should know: obj_reader.h, scene_size.h
 };
 
+// A room may be no wider than four cavities: else a small scene, or one in the wrong unit, would be nothing but a cavity.
+inline constexpr double kCavityShare = 0.25;
+
 // How a scene is read from its file.
 struct SceneReading {
   double unit_m = 1.0;  // metres of one unit of a glTF file, whose unit is the metre if it keeps to the rule, or of an .obj file
   double veil_cover = kDenseVeil;  // judgeVeils' dense_veil: veils.h
+  double cavity_m = 0.5;           // Scene::cavity_m, of which a small scene takes less: kCavityShare of its shortest side
 };
 
 // Adds `unit` to a tool's table, and to its --help what a scene may take (scene_budget.h).

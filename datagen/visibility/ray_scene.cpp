@@ -8,6 +8,7 @@
 
 #include <embree3/rtcore.h>
 
+#include "datagen/visibility/triangle_distance.h"
 #include "tool/error.h"
 #include "tool/progress.h"
 
@@ -42,6 +43,7 @@ struct RayScene::Impl {
   RTCScene light_scene = nullptr;       // of opaque ones, and sky faces as geometry 1; null without sky faces
   RTCScene veil_scene = nullptr;        // null without veils
   std::vector<glm::vec3> sky_normals;   // by sky face, not normalised
+  double cavity_m = 0.0;
 
   // What a ray meets within a short stretch, all of it.
   struct FacingCollector {
@@ -83,6 +85,26 @@ bool collectTriangle(RTCPointQueryFunctionArguments* arguments) {
   const TriangleCollector& collector = *static_cast<TriangleCollector*>(arguments->userPtr);
   collector.triangles->push_back(collector.surfaces[arguments->primID]);
   return false;
+}
+
+struct ClosenessTest {
+  const TriangleChoice& surfaces;
+  const std::vector<glm::vec3>& positions;
+  const std::vector<glm::uvec3>& triangles;
+  float radius;
+  bool is_closer = false;
+};
+
+bool findCloser(RTCPointQueryFunctionArguments* arguments) {
+  ClosenessTest& test = *static_cast<ClosenessTest*>(arguments->userPtr);
+  const RTCPointQuery& at = *arguments->query;
+  const glm::uvec3& corners = test.triangles[test.surfaces[arguments->primID]];
+  const float distance =
+      distanceToTriangle({at.x, at.y, at.z}, test.positions[corners.x], test.positions[corners.y], test.positions[corners.z]);
+  if (!(distance < test.radius)) return false;
+  test.is_closer = true;
+  arguments->query->radius = 0.0f;  // nothing more to find out
+  return true;
 }
 
 bool findSky(RTCPointQueryFunctionArguments* arguments) {
@@ -155,6 +177,7 @@ RTCScene RayScene::Impl::newScene(const TriangleChoice& choice) const {
 RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   const Progress progress("ray structures");
   impl_->positions = scene.positions;
+  impl_->cavity_m = scene.cavity_m;
   impl_->triangles = scene.triangles;
   impl_->double_sided.reserve(scene.triangles.size());
   std::array<std::vector<uint32_t>, 3> of_kind;  // none, thin, dense
@@ -328,6 +351,17 @@ bool RayScene::isSkyNearCube(const glm::vec3& center, float half_side) const {
   bool is_near = false;
   rtcPointQuery(impl_->light_scene, &point, &context, findSky, &is_near);
   return is_near;
+}
+
+double RayScene::cavityWidth() const { return impl_->cavity_m; }
+
+bool RayScene::isFree(const glm::vec3& center, float radius) const {
+  RTCPointQuery point = {center.x, center.y, center.z, 0.0f, radius};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  ClosenessTest test{impl_->opaque, impl_->positions, impl_->triangles, radius};
+  rtcPointQuery(impl_->opaqueScene(), &point, &context, findCloser, &test);
+  return !test.is_closer;
 }
 
 void RayScene::trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const {

@@ -77,6 +77,11 @@ class RayScene {
   // Whether a sky face touches the axis-aligned cube around center, or perhaps only comes near.
   bool isSkyNearCube(const glm::vec3& center, float half_side) const;
 
+  // The scene's cavity_m: how wide air is that somebody can be in. 0: all is.
+  double cavityWidth() const;
+  // Whether no surface that stops light is closer to a place than this.
+  bool isFree(const glm::vec3& center, float radius) const;
+
   // Every triangle that touches the axis-aligned cube around center, rising, and perhaps some that only come near.
   void trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const;
 

@@ -8,10 +8,11 @@ namespace nlg {
 // How rays from a place judged it.
 struct SolidVote {
   int front = 0, back = 0;
-  int nothing = 0;  // rays that met no face
+  int nothing = 0;         // rays that met no face
+  bool in_cavity = false;  // no solid by its rays, but where nobody can be: cavity.h, for who asks it
   // solid from two fifths of backs on: on real and procedural levels shares of backs lie below a tenth or above two fifths,
   // seldom between, and exactly a half is common inside a slab that rests on another one (docs/theory/visibility.md)
-  bool solid() const { return back > 0 && 5 * back >= 2 * (front + back); }
+  bool solid() const { return in_cavity || (back > 0 && 5 * back >= 2 * (front + back)); }
   // a share of backs in that gap: open, flipped or self-intersecting geometry
   bool disputed() const { return 10 * back > front + back && !solid(); }
   // at least half of one place's 14 rays met a one-sided face, all of them the same side

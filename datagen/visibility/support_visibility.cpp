@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "datagen/visibility/cavity.h"
+
 namespace nlg {
 SupportVisibility::SupportVisibility(const RayScene& scene, const LinkTable& links)
     : scene_(scene),
@@ -20,6 +22,12 @@ void SupportVisibility::beginProbe(const glm::dvec3& position_m, float spacing_m
 }
 
 SolidVote SupportVisibility::voteAt(const glm::dvec3& position_m) const {
+  SolidVote vote = raysAt(position_m);
+  vote.in_cavity = !vote.solid() && isInCavity(scene_, position_m);
+  return vote;
+}
+
+SolidVote SupportVisibility::raysAt(const glm::dvec3& position_m) const {
   ray_count_ += kSolidVoteRays;
   const SolidVote vote = solidVote(scene_, position_m);
   if (!vote.solid() || !scene_.hasSkyFaces()) return vote;
@@ -85,10 +93,11 @@ SolidVote SupportVisibility::groupVote(const std::vector<uint32_t>& members) con
   SolidVote total;
   const size_t stride = std::max<size_t>(1, members.size() / 3);
   for (size_t i = 0; i < members.size() && !total.unanimous(); i += stride) {
-    const SolidVote one = voteAt(pointPosition(members[i]));
+    const SolidVote one = raysAt(pointPosition(members[i]));
     total.front += one.front;
     total.back += one.back;
   }
+  total.in_cavity = !total.solid() && isInCavity(scene_, pointPosition(members.front()));
   return total;
 }
 

@@ -24,7 +24,8 @@ class SupportVisibility {
   // Both must outlive this object. One object serves many probes, one after another.
   SupportVisibility(const RayScene& scene, const LinkTable& links);
 
-  // The rays of one place, of a probe for instance that has not been begun: most of those in solid need no more than this.
+  // The rays of one place, of a probe for instance that has not been begun: most of those in solid need no more than this. What lies in
+  // a cavity (cavity.h) is solid, here and in all that follows.
   // position_m   relative to the scene's origin
   SolidVote voteAt(const glm::dvec3& position_m) const;
 
@@ -67,6 +68,7 @@ class SupportVisibility {
  private:
   enum class State : uint8_t { unknown, valid, solid };
 
+  SolidVote raysAt(const glm::dvec3& position_m) const;
   glm::dvec3 pointPosition(uint32_t point) const;  // relative to the scene's origin
   bool reachesValid(uint32_t point) const;
   void flood(State carried, std::vector<uint32_t>* members);

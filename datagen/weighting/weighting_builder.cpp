@@ -40,6 +40,7 @@ ProbeOutcome WeightingBuilder::build(const glm::dvec3& position_m, float spacing
 ProbeOutcome WeightingBuilder::see(const glm::dvec3& position_m, float spacing_m, InSolid in_solid) {
   const SolidVote probe_vote = visibility_.voteAt(position_m);
   in_solid_ = probe_vote.solid();
+  in_cavity_ = probe_vote.in_cavity;
   if (in_solid_ && in_solid == InSolid::left_out) return ProbeOutcome::in_solid;
   visibility_.beginProbe(position_m, spacing_m);
   if (in_solid_) {

@@ -60,6 +60,9 @@ class WeightingBuilder {
   bool sees(const LocalPoint& place) const { return visibility_.isOpen(visibility_.eye(), place); }
   float valueAt(const LocalPoint& place, const GeneratedFunction& function) const;
 
+  // Whether that probe's own place lies in a cavity (cavity.h).
+  bool isInCavity() const { return in_cavity_; }
+
   const SupportVisibility& visibility() const { return visibility_; }
 
  private:
@@ -71,7 +74,7 @@ class WeightingBuilder {
   DiffusionOptions options_;
   SupportVisibility visibility_;
   SolidEye solid_eye_;
-  bool open_shell_ = false, in_solid_ = false;
+  bool open_shell_ = false, in_solid_ = false, in_cavity_ = false;
   std::vector<float> tent_;        // by point
   std::vector<float> gaussian_;    // by entry of LinkTable::nearest
   std::vector<uint8_t> lit_;       // 0: nothing received; otherwise 1 + the pass that lit it

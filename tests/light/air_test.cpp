@@ -4,6 +4,7 @@
 
 #include "datagen/visibility/solid_vote.h"
 #include "tests/datagen/hand_built_scenes.h"
+#include "tests/scene/windowed_room.h"
 
 namespace nlg {
 namespace {
@@ -36,6 +37,15 @@ TEST(Air, IsInARoomAndNotInItsWalls) {
   EXPECT_TRUE(isInAir(rays, {1.99, 1.5, -0.4}));
   EXPECT_FALSE(isInAir(rays, {2.1, 1.5, -0.4}));
   EXPECT_TRUE(isInAir(rays, {2.3, 1.5, -0.4})) << "outside a house is air";
+}
+
+TEST(Air, IsNotInTheHollowsOfAWall) {
+  Scene scene = windowedRoom(true);
+  const glm::dvec3 in_wall(1.3, 1.5, kRoomHigh.z + 0.1), in_room(1.3, 1.5, kRoomHigh.z - 0.1);
+  EXPECT_FALSE(isInAir(RayScene(scene), in_wall));
+  EXPECT_TRUE(isInAir(RayScene(scene), in_room));
+  scene.cavity_m = 0.0;
+  EXPECT_TRUE(isInAir(RayScene(scene), in_wall)) << "all air counts";
 }
 
 TEST(Air, EndsBehindTheSky) {

@@ -32,6 +32,17 @@ std::string errorOf(const glm::vec3& size) {
   }
 }
 
+TEST(SceneSize, BoundsWhatCountsAsACavity) {
+  EXPECT_EQ(loadScene("house:3").scene.cavity_m, 0.5);
+  EXPECT_EQ(loadScene("house:3", {1.0, kDenseVeil, 0.2}).scene.cavity_m, 0.2);
+  EXPECT_EQ(loadScene("house:3", {1.0, kDenseVeil, 0.0}).scene.cavity_m, 0.0);
+  const SceneSource box = loadScene("cornell", {1.0, kDenseVeil, 100.0});
+  const Bounds bounds = sceneBounds(box.scene);
+  const glm::vec3 sides = bounds.max - bounds.min;
+  EXPECT_FLOAT_EQ(static_cast<float>(box.scene.cavity_m), 0.25f * std::min({sides.x, sides.y, sides.z}))
+      << "a room is wider than four cavities";
+}
+
 TEST(SceneSize, SaysNothingOfLevels) {
   EXPECT_EQ(noteOf({5, 3, 8}), "") << "a room";
   EXPECT_EQ(noteOf({1, 0, 0.5f}), "") << "a table's top";

@@ -48,7 +48,4 @@ struct Places {
 Places drawPlaces(const ExtentBox& extent, const RayScene& rays, const SupportVisibility& visibility, const ProbeTree& tree,
                   const PlaceOptions& options);
 
-// The distance from a point to a triangle: a, b, c its corners, of which none need differ.
-float distanceToTriangle(const glm::vec3& point, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
-
 }  // namespace nlg
