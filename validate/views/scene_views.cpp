@@ -17,6 +17,7 @@ namespace {
 constexpr uint64_t kPlaceStream = 0x7669657773;
 constexpr double kPi = 3.14159265358979;
 constexpr float kWalkableSlope = 0.7f;                   // of the floor's normal: 45 degrees, as games have it
+constexpr double kUprightM = 1.8;                        // below it nobody stands upright
 constexpr double kLeastHeadroomM = 0.5;                  // below it nobody looks out
 constexpr double kElbowRoomM = 0.25;                     // around an eye
 constexpr double kStrideM = 0.6, kStepM = 0.3;           // around a place to stand: no table, no ledge
@@ -66,6 +67,7 @@ class Spots {
     for (int turn = 0; turn < kTurns; ++turn) {
       if (isBlocked(spot.eye_m, spot.eye_m + kElbowRoomM * around(turn))) return std::nullopt;
     }
+    if (spot.headroom_m < kUprightM && !isLowAround(spot)) return std::nullopt;
     spot.is_wide = isWide(spot);
     return spot;
   }
@@ -77,6 +79,16 @@ class Spots {
     if (hit.kind != LightHit::Kind::surface || hit.normal.y < kWalkableSlope) return false;
     const Scene& scene = transport_.scene();
     return hit.is_front || scene.materials[scene.triangle_material[hit.triangle]].double_sided;
+  }
+
+  // Whether the ceiling is low for a stride around: below a table nobody stands, in a low room one crouches.
+  bool isLowAround(const Spot& spot) const {
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const glm::dvec3 beside = spot.eye_m + kStrideM * around(turn);
+      if (isBlocked(spot.eye_m, beside)) continue;
+      if (!isBlocked(beside, {beside.x, spot.floor_m.y + kUprightM, beside.z})) return false;
+    }
+    return true;
   }
 
   bool isWide(const Spot& spot) const {

@@ -55,6 +55,22 @@ TEST(SceneViews, LookFromHeadHeightWhereCeilingsAreHigh) {
   for (const SceneView& view : seen.views().views) EXPECT_NEAR(view.camera.eye_m.y, kEyeHeightM, 1e-3);
 }
 
+// A table of 1.6 x 1 m on legs, and a cellar that is as low as it: below the one nobody stands, in the other one crouches.
+TEST(SceneViews, StandNotBelowTablesButInLowRooms) {
+  SceneOfFaces faces;
+  faces.addRoom({-2, 0, -2}, {2, 3, 2}, 0.2f);
+  faces.addBox({-0.8f, 0.75f, -0.5f}, {0.8f, 0.8f, 0.5f});
+  SceneViewOptions options;
+  options.views_per_room = 8;
+  // each of its rooms is 3 m high, and half of that is less than an eye's 1.6 m
+  for (const SceneView& view : Seen(faces.finish()).views(options).views) EXPECT_NEAR(view.camera.eye_m.y, 1.5, 1e-3);
+  SceneOfFaces cellar;
+  cellar.addRoom({-2, 0, -2}, {2, 0.75f, 2}, 0.2f);
+  const SceneViews found = Seen(cellar.finish()).views(options);
+  EXPECT_FALSE(found.views.empty());
+  for (const SceneView& view : found.views) EXPECT_NEAR(view.camera.eye_m.y, 0.375, 1e-3);
+}
+
 // On the roof one stands above all that the scene has: nobody lights that.
 TEST(SceneViews, StayInTheExtent) {
   SceneOfFaces faces;
