@@ -29,7 +29,7 @@ struct NlgRadiance {
 struct NlgShares {
   int record[8];   // of a probe: uvec4 of its light
   float share[8];  // they add up to the certainty
-  float certainty; // ProbeWeights
+  float certainty;  // ProbeWeights
   int status;
 };
 
