@@ -19,8 +19,9 @@
 namespace nlg {
 struct CheckSums {
   double square = 0.0;                    // of the residuals at valid points
+  double dark_square = 0.0;               // of values at dark points
   double leak = 0.0;                      // of |value| at valid points whose phi is 0
-  int32_t valid = 0, zero = 0, over = 0;  // valid points; of these those whose phi is 0; of these those above tau_leak
+  int32_t valid = 0, zero = 0, over = 0;  // valid points; of these those whose phi is 0; of these those that leak
 };
 }  // namespace nlg
 #endif
@@ -31,16 +32,18 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Sums over all support points; float inside an octant, double over octants.
-void compareVectors(const float* HWY_RESTRICT values, const StoredFunction& stored, float tau_leak, CheckSums& sums) {
+void compareVectors(const float* HWY_RESTRICT values, const float* HWY_RESTRICT tent, const StoredFunction& stored,
+                    float tau_leak, CheckSums& sums) {
   const hn::CappedTag<float, 16> d;
   const hn::RebindToSigned<decltype(d)> di;
   const hn::Rebind<uint8_t, decltype(d)> d8;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const auto lane_bit = hn::Shl(hn::Set(di, 1), hn::Iota(di, 0));
-  const auto zero = hn::Zero(d), limit = hn::Set(d, tau_leak), scale = hn::Set(d, 1.0f / 255.0f);
+  const auto zero = hn::Zero(d), scale = hn::Set(d, 1.0f / 255.0f);
+  const auto share = hn::Set(d, tau_leak), rim = hn::Set(d, kRimTent);
   const auto one = hn::Set(di, 1), none = hn::Zero(di);
   for (int begin = 0; begin < kSupportPointCount; begin += kOctantPointCount) {
-    auto square = zero, leak = zero;
+    auto square = zero, dark_square = zero, leak = zero;
     auto valid_count = none, zero_count = none, over_count = none;
     for (int i = begin; i < begin + kOctantPointCount; i += lanes) {
       // the bits of these points: lanes divides 8 or is 8 or 16
@@ -51,14 +54,17 @@ void compareVectors(const float* HWY_RESTRICT values, const StoredFunction& stor
       const auto value = hn::Load(d, values + i);
       const auto residual = hn::IfThenElseZero(valid, hn::NegMulAdd(phi, scale, value));
       square = hn::MulAdd(residual, residual, square);
+      const auto tents = hn::Load(d, tent + i), limit = hn::MulAdd(share, tents, rim);
       const auto dark = hn::And(valid, hn::Eq(phi, zero));
       const auto magnitude = hn::IfThenElseZero(dark, hn::Abs(value));
+      dark_square = hn::MulAdd(hn::IfThenElseZero(hn::Gt(tents, rim), magnitude), magnitude, dark_square);
       leak = hn::Add(leak, magnitude);
       valid_count = hn::Add(valid_count, hn::IfThenElseZero(hn::RebindMask(di, valid), one));
       zero_count = hn::Add(zero_count, hn::IfThenElseZero(hn::RebindMask(di, dark), one));
       over_count = hn::Add(over_count, hn::IfThenElseZero(hn::RebindMask(di, hn::Gt(magnitude, limit)), one));
     }
     sums.square += hn::GetLane(hn::SumOfLanes(d, square));
+    sums.dark_square += hn::GetLane(hn::SumOfLanes(d, dark_square));
     sums.leak += hn::GetLane(hn::SumOfLanes(d, leak));
     sums.valid += hn::GetLane(hn::SumOfLanes(di, valid_count));
     sums.zero += hn::GetLane(hn::SumOfLanes(di, zero_count));
@@ -82,6 +88,11 @@ const PointSet& patternPoints() {
 }  // namespace
 
 HWY_EXPORT(compareVectors);
+
+double FunctionCheck::weighedRmse(const CheckOptions& options) const {
+  if (!std::isfinite(rmse)) return rmse;
+  return std::sqrt(rmse * rmse + (options.dark_weight - 1.0) * dark_square);
+}
 
 double FunctionCheck::trouble(const CheckOptions& options) const {
   if (!std::isfinite(rmse)) return std::numeric_limits<double>::infinity();
@@ -119,17 +130,20 @@ FunctionCheck FunctionChecker::checkBareTent(const StoredFunction& stored, const
 
 FunctionCheck FunctionChecker::compare(const float* values, const StoredFunction& stored, const CheckOptions& options) const {
   CheckSums sums;
-  HWY_DYNAMIC_DISPATCH(compareVectors)(values, stored, static_cast<float>(options.tau_leak), sums);
+  HWY_DYNAMIC_DISPATCH(compareVectors)(values, tent_.data(), stored, static_cast<float>(options.tau_leak), sums);
   FunctionCheck result;
   result.valid_count = sums.valid;
   result.zero_count = sums.zero;
-  if (sums.valid > 0) result.rmse = std::sqrt(sums.square / sums.valid);
+  if (sums.valid > 0) {
+    result.rmse = std::sqrt(sums.square / sums.valid);
+    result.dark_square = sums.dark_square / sums.valid;
+  }
   if (sums.zero > 0) {
     result.leak_mean = sums.leak / sums.zero;
     result.leak_share = static_cast<double>(sums.over) / sums.zero;
   }
   // finite theta may have values that are none: an error that is no number is the largest there is
-  for (double* error : {&result.rmse, &result.leak_mean}) {
+  for (double* error : {&result.rmse, &result.dark_square, &result.leak_mean}) {
     if (std::isnan(*error)) *error = std::numeric_limits<double>::infinity();
   }
   return result;

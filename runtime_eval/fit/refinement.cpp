@@ -1,7 +1,6 @@
 #include "runtime_eval/fit/refinement.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "runtime_eval/fit/direct.h"
 
@@ -14,19 +13,11 @@ constexpr int kRandomStarts = 3;         // tried beside theta0 where a network 
 
 }  // namespace
 
-void weighLeaks(double weight, WeightingFunction* function) {
-  const float factor = static_cast<float>(std::sqrt(weight));
-  for (size_t i = 0; i < function->phi.size(); ++i) {
-    if (function->phi[i] == 0.0f) function->mask[i] *= factor;
-  }
-}
-
 RefinementResult Refiner::refine(const Representation& representation, const StoredFunction& stored, const Theta& start,
                                  const Theta& theta0, const CheckOptions& check, const RefinementOptions& options) {
   RefinementResult result{start, checker_.check(representation, stored, start.data(), check)};
   if (result.check.passes(check)) return result;
-  WeightingFunction function = decodeFunction(stored, pointOrder(representation));
-  weighLeaks(options.refine_leak_weight, &function);
+  const WeightingFunction function = decodeFunction(stored, pointOrder(representation), check.dark_weight);
   const auto consider = [&](const FitResult& fit) {
     const FunctionCheck found = checker_.check(representation, stored, fit.theta.data(), check);
     result.steps += fit.steps;

@@ -2,9 +2,8 @@
 //
 // Rounds of Adam (product fields: Levenberg–Marquardt), each longer than the one before, until the check passes: most functions
 // pass after the first. What still fails is tried from theta0 too, a network from random starts and a field from coarse to fine as
-// well: before the last round, which goes on from the best of them, or at the end where a round ended on its own. Points where phi
-// is 0 weigh more, which brings leaks under the threshold at no cost in RMSE. Why Adam and not Levenberg–Marquardt:
-// docs/lab/measurements.md; why these numbers: docs/lab/training.md.
+// well: before the last round, which goes on from the best of them, or at the end where a round ended on its own. Why Adam and not
+// Levenberg–Marquardt: docs/lab/measurements.md; why these numbers: docs/lab/training.md.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +14,6 @@
 #include "runtime_eval/fit/levenberg_marquardt.h"
 
 namespace nlg {
-
-// Where phi is stored as 0, a squared residual counts `weight` times from now on: what refinement fits to.
-void weighLeaks(double weight, WeightingFunction* function);
 
 struct RefinementResult {
   Theta theta;

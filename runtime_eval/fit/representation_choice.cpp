@@ -7,12 +7,12 @@ namespace nlg {
 namespace {
 
 // An error that is not finite is never flat, and is no reason against a smaller representation.
-bool isFlat(const std::vector<FunctionCheck>& checks, size_t index, const ChoiceOptions& options) {
-  const double rmse = checks[index].rmse;
+bool isFlat(const std::vector<FunctionCheck>& checks, size_t index, const CheckOptions& check, const ChoiceOptions& options) {
+  const double rmse = checks[index].weighedRmse(check);
   if (!std::isfinite(rmse)) return false;
   if (rmse <= options.choice_enough_rmse) return true;
   return std::all_of(checks.begin() + static_cast<ptrdiff_t>(index) + 1, checks.end(), [&](const FunctionCheck& larger) {
-    return !std::isfinite(larger.rmse) || rmse <= options.choice_flat_ratio * larger.rmse;
+    return !std::isfinite(larger.rmse) || rmse <= options.choice_flat_ratio * larger.weighedRmse(check);
   });
 }
 
@@ -23,7 +23,7 @@ int chooseRepresentation(const std::vector<FunctionCheck>& checks, const CheckOp
   for (size_t i = 0; i < checks.size(); ++i) {
     const bool passes = checks[i].passes(check);
     if (passes) last_passing = static_cast<int>(i);
-    if (!isFlat(checks, i, options)) continue;
+    if (!isFlat(checks, i, check, options)) continue;
     if (passes) return static_cast<int>(i);
     if (first_flat < 0) first_flat = static_cast<int>(i);
   }
@@ -32,7 +32,7 @@ int chooseRepresentation(const std::vector<FunctionCheck>& checks, const CheckOp
 }
 
 bool isSmallestEnough(const FunctionCheck& smallest, const CheckOptions& check, const ChoiceOptions& options) {
-  return smallest.rmse <= options.choice_enough_rmse && smallest.passes(check);
+  return smallest.weighedRmse(check) <= options.choice_enough_rmse && smallest.passes(check);
 }
 
 }  // namespace nlg

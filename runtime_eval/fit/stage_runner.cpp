@@ -33,7 +33,7 @@ std::unique_ptr<StageRun> makeStage(const StagePlan& plan, const Generator& gene
 StageRunner::StageRunner(const Generator& generator, const PolicyOptions& options, ThetaStage last)
     : options_(options),
       plan_(stagesOf(stageFacts(generator), options)),
-      batch_(generator),
+      batch_(generator, options.dark_weight),
       members_(kBatchCount),
       kept_(static_cast<size_t>(kBatchCount) * generator.representation().thetaCount()),
       kept_ended_(kBatchCount),

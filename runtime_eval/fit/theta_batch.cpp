@@ -25,9 +25,10 @@ bool canBeStored(const Representation& representation, const float* theta) {
 
 }  // namespace
 
-ThetaBatch::ThetaBatch(const Generator& generator)
+ThetaBatch::ThetaBatch(const Generator& generator, double dark_weight)
     : generator_(&generator),
       theta_count_(static_cast<size_t>(generator.representation().thetaCount())),
+      dark_weight_(dark_weight),
       scratch_(generator),
       phi_(static_cast<size_t>(kBatchCount) * kSupportPointCount),
       mean_square_(kBatchCount) {
@@ -50,13 +51,8 @@ void ThetaBatch::generate(const StoredFunction* functions, int count, float* the
 
 const WeightingFunction& ThetaBatch::function(int i) {
   if (function_idx_ == i) return function_;
-  const PointOrder& order = pointOrder(representation());
-  valid_count_ = 0;
-  for (int b = 0; b < order.batchCount(); ++b) {
-    const int begin = order.batch_begin[b];
-    function_.valid_count[b] = decodeBatch(order, b, functions_[i], 0, &function_.phi[begin], &function_.mask[begin]);
-    valid_count_ += function_.valid_count[b];
-  }
+  decodeFunction(functions_[i], pointOrder(representation()), dark_weight_, &function_);
+  valid_count_ = function_.validCount();
   function_idx_ = i;
   return function_;
 }

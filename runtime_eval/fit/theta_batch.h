@@ -11,8 +11,9 @@ namespace nlg {
 // One of these a thread and generator. It allocates nothing, once it is made.
 class ThetaBatch {
  public:
-  // generator   must outlive it
-  explicit ThetaBatch(const Generator& generator);
+  // generator     must outlive it
+  // dark_weight   of the functions that it hands out (weighting_function.h), and so of every mean square
+  ThetaBatch(const Generator& generator, double dark_weight);
 
   // Takes functions up, with the network's theta of each, which nobody has measured yet.
   // functions, theta   at most kBatchCount of them; count x D, overwritten. Both must last until the next call
@@ -24,10 +25,10 @@ class ThetaBatch {
   size_t thetaCount() const { return theta_count_; }
   const float* theta(int i) const { return theta_ + static_cast<size_t>(i) * theta_count_; }
 
-  // Function i in the order of the representation; kept until another one is asked for.
+  // Function i in the order of the representation, its dark points weighed; kept until another one is asked for.
   const WeightingFunction& function(int i);
-  // Mean square of residuals over the valid points of the function asked for last; infinite where theta is not finite or there is
-  // no such point.
+  // Mean square of weighed residuals over the valid points of the function asked for last; infinite where theta is not finite or
+  // there is no such point.
   double meanSquareOf(const float* theta) const;
   int validCount() const { return valid_count_; }
 
@@ -45,6 +46,7 @@ class ThetaBatch {
 
   const Generator* generator_;
   size_t theta_count_;
+  double dark_weight_;
   GeneratorScratch scratch_;
   const StoredFunction* functions_ = nullptr;
   int count_ = 0;

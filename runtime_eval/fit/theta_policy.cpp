@@ -150,8 +150,7 @@ void ThetaPolicy::round(const StoredFunction& function, MadeTheta* made) {
   const Representation& representation = generators_[made->generator]->representation();
   ThetaRecord& record = made->record;
   const auto roundPresent = [&] {
-    const double leak_weight = record.refined ? options_.refine_leak_weight : 1.0;
-    return rounding_.round(representation, function, {made->theta, made->check()}, options_.check(), leak_weight);
+    return rounding_.round(representation, function, {made->theta, made->check()}, options_.check());
   };
   const bool passed = made->check().passes(options_.check());
   const bool may_refit = passed && last_ >= ThetaStage::refinement && options_.refine_rounds > 0;
@@ -188,8 +187,9 @@ Theta ThetaPolicy::startOfLarger(const StoredFunction& function, size_t g, const
   if (!larger.isField() || !smaller.isField()) return own;
   Theta finer(larger.thetaCount());
   resampleField(smaller.resolution, present.theta.data(), larger.resolution, finer.data());
+  const FunctionCheck of_finer = checker_.check(larger, function, finer.data(), options_.check());
   const bool finer_is_better =
-      checker_.check(larger, function, finer.data(), options_.check()).rmse < record.at(ThetaWord::stored).rmse;
+      of_finer.weighedRmse(options_.check()) < record.at(ThetaWord::stored).weighedRmse(options_.check());
   return finer_is_better ? finer : own;
 }
 

@@ -5,7 +5,6 @@
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/compensated_rounding.h"
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/fit/refinement.h"
 
 namespace nlg {
 namespace {
@@ -39,10 +38,10 @@ ThetaRounding::ThetaRounding(ThetaPrecision precision) {
 ThetaRounding::~ThetaRounding() = default;
 
 RoundedTheta ThetaRounding::round(const Representation& representation, const StoredFunction& function,
-                                  const RoundedTheta& present, const CheckOptions& check, double leak_weight) {
+                                  const RoundedTheta& present, const CheckOptions& check) {
   // product fields stay in float16
   if (compensated_ == nullptr || representation.isField()) return roundToHalves(representation, function, present.theta, check);
-  return roundToBytes(representation, function, present, check, leak_weight);
+  return roundToBytes(representation, function, present, check);
 }
 
 RoundedTheta ThetaRounding::roundToHalves(const Representation& representation, const StoredFunction& function,
@@ -55,9 +54,11 @@ RoundedTheta ThetaRounding::roundToHalves(const Representation& representation, 
 
 // The last layer makes up for what the hidden ones lose. But where a fit weighed leaks, the one that it left may leak less.
 RoundedTheta ThetaRounding::roundToBytes(const Representation& network, const StoredFunction& function,
-                                         const RoundedTheta& present, const CheckOptions& check, double leak_weight) {
+                                         const RoundedTheta& present, const CheckOptions& check) {
   // where a theta passes, its RMSE alone is what counts
-  const auto badness = [&](const FunctionCheck& of) { return of.passes(check) ? of.rmse / check.tau_rmse : of.trouble(check); };
+  const auto badness = [&](const FunctionCheck& of) {
+    return of.passes(check) ? of.weighedRmse(check) / check.tau_rmse : of.trouble(check);
+  };
   const double before = badness(present.check),
                enough = std::max(kRoundingExcess * before, before + kRoundingAdds / check.tau_rmse);
   RoundedTheta best;
@@ -68,7 +69,7 @@ RoundedTheta ThetaRounding::roundToBytes(const Representation& network, const St
     if (best.theta.empty() || badness(found) < badness(best.check)) best = {std::move(theta), found};
   };
   const Theta start = limited(present.theta);  // scaled units of larger numbers would leave the range of floats
-  const WeightingFunction values = decodeFunction(function, pointOrder(network));
+  const WeightingFunction values = decodeFunction(function, pointOrder(network), check.dark_weight);
   const auto offerSolvedAndNot = [&](Theta theta) {
     Theta solved = theta;
     if (solveLastLayer(network, values, solved.data())) offer(std::move(solved));
@@ -80,11 +81,9 @@ RoundedTheta ThetaRounding::roundToBytes(const Representation& network, const St
     offerSolvedAndNot(std::move(theta));
   }
   if (isDone()) return best;
-  WeightingFunction fitted = values;
-  weighLeaks(leak_weight, &fitted);
   for (const Compensation& compensation : kCompensations) {
     Theta theta = start;
-    if (isDone() || !compensated_->round(network, fitted, compensation, theta.data())) continue;
+    if (isDone() || !compensated_->round(network, values, compensation, theta.data())) continue;
     offerSolvedAndNot(std::move(theta));
   }
   return best;

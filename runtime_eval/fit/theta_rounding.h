@@ -22,16 +22,15 @@ class ThetaRounding {
   ~ThetaRounding();
 
   // A number beyond float16 becomes the largest that it has.
-  // present       a theta with what the check found of it
-  // leak_weight   by which the fit that made it weighed leaks (refinement.h); 1 where none did
+  // present   a theta with what the check found of it
   RoundedTheta round(const Representation& representation, const StoredFunction& function, const RoundedTheta& present,
-                     const CheckOptions& check, double leak_weight);
+                     const CheckOptions& check);
 
  private:
   RoundedTheta roundToHalves(const Representation& field, const StoredFunction& function, const Theta& theta,
                              const CheckOptions& check);
   RoundedTheta roundToBytes(const Representation& network, const StoredFunction& function, const RoundedTheta& present,
-                            const CheckOptions& check, double leak_weight);
+                            const CheckOptions& check);
 
   std::unique_ptr<CompensatedRounding> compensated_;  // for int8 alone
   FunctionChecker checker_;

@@ -1,5 +1,7 @@
 #include "runtime_eval/support/weighting_function.h"
 
+#include <cmath>
+
 namespace nlg {
 namespace {
 
@@ -45,15 +47,24 @@ int WeightingFunction::validCount() const {
   return total;
 }
 
-WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order) {
+WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order, double dark_weight) {
   WeightingFunction function;
-  function.phi.resize(order.placeCount());
-  function.mask.resize(order.placeCount());
+  decodeFunction(stored, order, dark_weight, &function);
+  return function;
+}
+
+void decodeFunction(const StoredFunction& stored, const PointOrder& order, double dark_weight, WeightingFunction* function) {
+  function->phi.resize(order.placeCount());
+  function->mask.resize(order.placeCount());
+  function->valid_count.resize(order.batchCount());
   for (int b = 0; b < order.batchCount(); ++b) {
     const int begin = order.batch_begin[b];
-    function.valid_count.push_back(decodeBatch(order, b, stored, 0, &function.phi[begin], &function.mask[begin]));
+    function->valid_count[b] = decodeBatch(order, b, stored, 0, &function->phi[begin], &function->mask[begin]);
   }
-  return function;
+  const float dark = static_cast<float>(std::sqrt(dark_weight));
+  for (int place = 0; place < order.placeCount(); ++place) {
+    if (function->phi[place] == 0.0f && order.points.tent[place] > kRimTent) function->mask[place] *= dark;
+  }
 }
 
 WeightingFunction functionFromSamples(const std::vector<float>& phi, const std::vector<bool>& valid, const PointOrder& order) {

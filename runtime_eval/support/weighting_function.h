@@ -22,15 +22,24 @@ StoredFunction storedFunction(const Functions& functions, size_t index) {
 // returns     how many points of the batch are valid
 int decodeBatch(const PointOrder& order, int batch, const StoredFunction& stored, int mirror, float* phi, float* mask);
 
+// A tent up to here is stored as 0: at the rim of the support a function is 0 wherever the probe sees.
+inline constexpr float kRimTent = 0.5f / 255.0f;
+
 struct WeightingFunction {
-  AlignedFloats phi;             // by place of the order, [0, 1]
-  AlignedFloats mask;            // by place, 1 at valid points, 0 at others and where there is no point
+  AlignedFloats phi;   // by place of the order, [0, 1]
+  AlignedFloats mask;  // by place, 0 where no point is valid, elsewhere 1 or what weighs it: residuals are multiplied by it
   std::vector<int> valid_count;  // by batch
   int validCount() const;
 };
 
 // All batches of a stored function.
-WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order = stratumOrder());
+// dark_weight   at dark points, where phi is stored as 0 and the tent is not, a squared residual counts so many times: there the
+//               mask is its root
+WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order = stratumOrder(),
+                                 double dark_weight = 1.0);
+
+// The same into memory that has held a function of this order before, or none: the former allocates nothing.
+void decodeFunction(const StoredFunction& stored, const PointOrder& order, double dark_weight, WeightingFunction* function);
 
 // Any samples, by index into the support pattern: phi in [0, 1], valid false where a point is left out.
 WeightingFunction functionFromSamples(const std::vector<float>& phi, const std::vector<bool>& valid, const PointOrder& order);

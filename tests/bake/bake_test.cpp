@@ -229,8 +229,8 @@ TEST_F(SceneBakeTest, CorrectionsLowerErrorsOfAllThatTheyAreAskedFor) {
     EXPECT_EQ(changed(corrected), count);
     EXPECT_LT(failing(corrected, ThetaWord::fitted, options), failing(plain, ThetaWord::fitted, options));
     for (size_t f = 0; f < count; ++f) {
-      EXPECT_LT(corrected.statistics.records[f].at(ThetaWord::stored).rmse,
-                plain.statistics.records[f].at(ThetaWord::stored).rmse)
+      EXPECT_LT(corrected.statistics.records[f].at(ThetaWord::stored).weighedRmse(options.policy.check()),
+                plain.statistics.records[f].at(ThetaWord::stored).weighedRmse(options.policy.check()))
           << "function " << f;
     }
   }
@@ -248,7 +248,7 @@ TEST_F(SceneBakeTest, CorrectsWhatFailsTheCheckOrIsAboveGoodRmse) {
   const double median = errors[errors.size() / 2];
   // once nothing fails the check but for its error, once nothing fails it at all
   for (const double tau_rmse : {median, 1e3}) {
-    options.policy.check() = {tau_rmse, 1e3, 1.0};
+    options.policy.check() = {tau_rmse, 1e3, 1.0, 1.0};
     options.policy.good_rmse = tau_rmse == median ? 1e3 : median;
     const Bake some = bake("house:3", only(correctedData()), options);
     uint64_t above = 0;

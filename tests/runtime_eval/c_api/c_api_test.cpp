@@ -316,8 +316,8 @@ TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
     o.bare_tent_rmse = 0.0021, o.good_rmse = 0.0011, o.retry_rmse = 0.0051;
     o.lm_iterations = 4, o.lm_theta0_iterations = 5;
     o.adam_rmse = 0.0031, o.adam_steps = 60;
-    o.tau_rmse = 0.021, o.tau_leak = 0.11, o.leak_share = 0.012;
-    o.refine_rounds = 1, o.refine_first_steps = 70, o.refine_growth = 8, o.refine_leak_weight = 9.0;
+    o.tau_rmse = 0.021, o.tau_leak = 0.11, o.leak_share = 0.012, o.dark_weight = 9.0;
+    o.refine_rounds = 1, o.refine_first_steps = 70, o.refine_growth = 8;
   };
   nlg_policy_options options = nlg_default_policy();
   PolicyOptions same;

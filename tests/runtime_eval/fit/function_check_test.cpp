@@ -24,9 +24,12 @@ FunctionCheck expectedCheck(const Representation& representation, const StoredSa
     if (sample.phi[p] != 0) continue;
     ++check.zero_count;
     leak_sum += std::fabs(value);
-    over += std::fabs(value) > options.tau_leak;
+    const double tent_here = tent(supportPattern().points[p]);
+    if (tent_here > 0.5 / 255.0) check.dark_square += value * value;
+    over += std::fabs(value) > options.tau_leak * tent_here + 0.5 / 255.0;
   }
   check.rmse = std::sqrt(square_sum / check.valid_count);
+  check.dark_square /= check.valid_count;
   check.leak_mean = leak_sum / check.zero_count;
   check.leak_share = static_cast<double>(over) / check.zero_count;
   return check;
@@ -47,6 +50,7 @@ TEST(FunctionCheck, EqualsItsDefinitionOnEveryTarget) {
         EXPECT_EQ(got.zero_count, expected.zero_count) << name;
         // values of a few units, each off by some hundred roundings; sums of 1024 floats
         EXPECT_NEAR(got.rmse, expected.rmse, 2e-4 * expected.rmse) << name << ", seed " << seed;
+        EXPECT_NEAR(got.dark_square, expected.dark_square, 4e-4 * expected.dark_square) << name << ", seed " << seed;
         EXPECT_NEAR(got.leak_mean, expected.leak_mean, 2e-4 * expected.leak_mean) << name << ", seed " << seed;
         // a value within rounding of tau may fall on either side
         EXPECT_NEAR(got.leak_share, expected.leak_share, 2.5 / expected.zero_count) << name << ", seed " << seed;
@@ -60,9 +64,46 @@ TEST(FunctionCheck, HasTheErrorThatFitsMinimise) {
     const StoredSample sample = wallSample(5);
     const Theta theta = randomTheta(representation, 5);
     FunctionChecker checker;
-    const double fitted = functionRmse(representation, decodeFunction(sample.view()), theta.data());
-    EXPECT_NEAR(checker.check(representation, sample.view(), theta.data(), {}).rmse, fitted, 1e-5 * fitted);
+    for (const double dark_weight : {1.0, 64.0}) {
+      CheckOptions options;
+      options.dark_weight = dark_weight;
+      const double fitted =
+          functionRmse(representation, decodeFunction(sample.view(), pointOrder(representation), dark_weight), theta.data());
+      const FunctionCheck check = checker.check(representation, sample.view(), theta.data(), options);
+      EXPECT_NEAR(check.weighedRmse(options), fitted, 1e-5 * fitted) << dark_weight;
+      if (dark_weight == 1.0) {
+        EXPECT_EQ(check.weighedRmse(options), check.rmse);
+      } else {
+        EXPECT_GT(check.weighedRmse(options), check.rmse);
+      }
+    }
   }
+}
+
+// A slab behind a wall far from the probe: what it lets through is nothing to the RMSE, and all the light that is there.
+TEST(FunctionCheck, SeesALeakAtFewPointsOfLowTent) {
+  Theta bare(ThetaLayout::count, 0.0f);
+  bare[ThetaLayout::b3] = 1.0f;
+  FunctionChecker checker;
+  const CheckOptions options;
+  StoredSample sample;
+  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{255});
+  int dark = 0;
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    const LocalPoint& point = supportPattern().points[p];
+    sample.phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(point)));
+    if (point[0] > 0.85f && point[1] > 0.5f && sample.phi[p] > 0) sample.phi[p] = 0, ++dark;
+  }
+  ASSERT_GT(dark, 20);
+  ASSERT_LT(dark, 200);
+  const FunctionCheck of_theta = checker.check(Representation::tentMlp(), sample.view(), bare.data(), options);
+  EXPECT_LT(of_theta.rmse, options.tau_rmse / 4);
+  EXPECT_FALSE(of_theta.passes(options));
+  EXPECT_FALSE(checker.checkBareTent(sample.view(), options).passes(options));
+  // a share that the check allows
+  Theta tenth = bare;
+  tenth[ThetaLayout::b3] = 0.09f;
+  EXPECT_EQ(checker.check(Representation::tentMlp(), sample.view(), tenth.data(), options).leak_share, 0.0);
 }
 
 TEST(FunctionCheck, PassesAPerfectThetaAndFailsLeaksAlone) {

@@ -55,6 +55,27 @@ TEST(Refiner, BringsMostWallsUnderTheThreshold) {
   EXPECT_GE(passed, 6);
 }
 
+// The tent, and nothing in a corner of the support behind a wall: less than 200 of 8192 points.
+TEST(Refiner, ClosesALeakAtFewPointsThatThePlainFitLeaves) {
+  StoredSample sample;
+  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{255});
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    const LocalPoint& point = supportPattern().points[p];
+    sample.phi[p] = point[0] > 0.75f && point[1] > 0.5f ? 0 : static_cast<uint8_t>(std::lround(255.0f * tent(point)));
+  }
+  const Representation representation = Representation::tentMlp();
+  FunctionChecker checker;
+  const CheckOptions check;
+  Theta start = randomTheta(representation, 3);
+  const WeightingFunction plain = decodeFunction(sample.view());
+  start = fitAdam(representation, plain, start, randomStartAdam(100)).theta;
+  const FunctionCheck before = checker.check(representation, sample.view(), start.data(), check);
+  ASSERT_LT(before.rmse, check.tau_rmse);
+  ASSERT_FALSE(before.passes(check));
+  const RefinementResult result = Refiner().refine(representation, sample.view(), start, {}, check, {});
+  EXPECT_TRUE(result.check.passes(check)) << result.check.leak_share;
+}
+
 TEST(Refiner, GoesOnFromRandomStartsWhenTheStartIsBroken) {
   Refiner refiner;
   const StoredSample sample = wallSample(9);

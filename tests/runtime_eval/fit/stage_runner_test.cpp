@@ -36,7 +36,7 @@ struct Improved {
 PolicyOptions optionsOf(const StageOptions& stages, double tau_rmse) {
   PolicyOptions options;
   static_cast<StageOptions&>(options) = stages;
-  options.check() = {tau_rmse, 1e9, 1.0};  // leaks do not count
+  options.check() = {tau_rmse, 1e9, 1.0, 1.0};  // leaks do not count, nor dark points more than others
   return options;
 }
 

@@ -52,6 +52,20 @@ std::vector<ThetaStage> namesOf(const std::vector<StagePlan>& plan) {
   return names;
 }
 
+TEST(TakesBareTent, SaysNoWhereTheTentLeaksIntoFewPointsBehindAWall) {
+  StoredSample sample = tentSample();
+  FunctionChecker checker;
+  const PolicyOptions options;
+  EXPECT_TRUE(takesBareTent(checker.checkBareTent(sample.view(), options.check()), options));
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    const LocalPoint& point = supportPattern().points[p];
+    if (point[0] > 0.9f && point[1] > 0.7f) sample.phi[p] = 0;
+  }
+  const FunctionCheck leaking = checker.checkBareTent(sample.view(), options.check());
+  ASSERT_LE(leaking.rmse, options.bare_tent_rmse) << "its error is small enough";
+  EXPECT_FALSE(takesBareTent(leaking, options));
+}
+
 TEST(StagesOf, IsTheListThatEachKindOfRepresentationGoesThrough) {
   using enum ThetaStage;
   PolicyOptions options;
@@ -146,7 +160,9 @@ TEST(ThetaPolicy, RecordsWhatItsThetaIs) {
     EXPECT_EQ(std::memcmp(made[i].theta.data(), &trace.fitted[n * D], D * sizeof(float)), 0) << "function " << i;
     EXPECT_EQ(record.refined, !record.at(ThetaWord::stored).passes(options.check()) || record.ended == ThetaStage::refinement)
         << "function " << i;
-    EXPECT_LE(record.at(ThetaWord::corrected).rmse, record.at(ThetaWord::network).rmse * (1 + 1e-6)) << "function " << i;
+    EXPECT_LE(record.at(ThetaWord::corrected).weighedRmse(options.check()),
+              record.at(ThetaWord::network).weighedRmse(options.check()) * (1 + 1e-6))
+        << "function " << i;
     const bool fitted = isFit(record.ended);
     EXPECT_LE(fitted, record.took_fit) << "function " << i;
     // a stage that ended it took time
@@ -192,7 +208,7 @@ TEST(ThetaPolicy, EndsAfterTheStageThatItIsTold) {
     policy.bake(functions.views.data(), static_cast<int>(made.size()), made.data());
     double sum = 0.0;
     for (const MadeTheta& one : made) {
-      sum += one.check().rmse;
+      sum += one.check().weighedRmse(options.check());
       if (one.isBareTent()) continue;
       EXPECT_LE(one.record.ended, plan.stage);
       for (int s = static_cast<int>(plan.stage) + 1; s <= static_cast<int>(ThetaStage::larger); ++s) {
@@ -268,10 +284,11 @@ TEST(ThetaPolicy, FitsOnWhereRoundingAloneMakesAFunctionFail) {
   for (const StoredFunction& function : functions.views) {
     PolicyOptions options = shortOptions();
     options.refine_first_steps = 600;
+    options.dark_weight = 1.0;  // the check asks for an RMSE alone
     MadeTheta made;
     ThetaPolicy({&generator}, options).make(&function, 1, &made);
     options.theta_precision = ThetaPrecision::int8;
-    options.check() = {made.check().rmse * 1.00001, 2.0, 1.0};
+    options.check() = {made.check().rmse * 1.00001, 2.0, 1.0, 1.0};
     MadeTheta fitted_on = made, as_it_was = made;
     ThetaPolicy({&generator}, options).round(function, &fitted_on);
     options.refine_rounds = 0;

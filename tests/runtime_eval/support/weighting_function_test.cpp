@@ -50,6 +50,30 @@ TEST(DecodeFunction, JoinsItsStrata) {
   EXPECT_EQ(function.validCount(), total);
 }
 
+TEST(DecodeFunction, WeighsDarkPointsAndNotTheRimOfTheTent) {
+  for (const Representation& representation : {Representation::tentMlp(), Representation::productField(5)}) {
+    const PointOrder& order = pointOrder(representation);
+    const StoredSample sample = wallSample(5);
+    const WeightingFunction plain = decodeFunction(sample.view(), order), weighed = decodeFunction(sample.view(), order, 16.0);
+    EXPECT_EQ(weighed.phi, plain.phi);
+    EXPECT_EQ(weighed.valid_count, plain.valid_count);
+    int dark = 0, rim = 0;
+    for (int place = 0; place < order.placeCount(); ++place) {
+      const int p = order.pattern_index[place];
+      if (p < 0 || !sample.valid(p)) {
+        EXPECT_EQ(weighed.mask[place], 0.0f) << place;
+        continue;
+      }
+      const bool is_dark = sample.phi[p] == 0, is_rim = std::lround(255.0f * tent(supportPattern().points[p])) == 0;
+      EXPECT_EQ(weighed.mask[place], is_dark && !is_rim ? 4.0f : 1.0f) << place;
+      dark += is_dark && !is_rim;
+      rim += is_dark && is_rim;
+    }
+    EXPECT_GT(dark, 0);
+    EXPECT_GT(rim, 0);
+  }
+}
+
 TEST(DecodeBatch, MirroringTwiceIsNothing) {
   const StoredSample sample = wallSample(4);
   const WeightingFunction function = decodeFunction(sample.view());
