@@ -16,10 +16,13 @@ namespace nlg {
 // eighth of them.
 class Lattice {
  public:
-  explicit Lattice(uint64_t seed) {
+  // index   lattices of one seed whose indices follow one another fill each other's gaps: Roberts's sequence shifts them
+  explicit Lattice(uint64_t seed, uint64_t index = 0) {
     Random random(seed);
-    shift_u_ = random.uniform();
-    shift_v_ = random.uniform();
+    const double u = random.uniform() + static_cast<double>(index) * 0.7548776662466927;
+    const double v = random.uniform() + static_cast<double>(index) * 0.5698402909980532;
+    shift_u_ = u - std::floor(u);
+    shift_v_ = v - std::floor(v);
   }
   // i < count
   std::pair<double, double> point(int i, int count) const {

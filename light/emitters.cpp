@@ -211,10 +211,13 @@ EmitterPoint Emitters::Draws::draw(double u, Random& random) const {
     return std::min<size_t>(static_cast<size_t>(std::upper_bound(first, first + count, at) - first), count - 1);
   };
   const size_t count = emitters_.clusters_.size();
-  const size_t chosen = indexIn(sums_.data(), count, static_cast<float>(u) * sums_[count - 1]);
+  const float reached = static_cast<float>(u) * sums_[count - 1];
+  const size_t chosen = indexIn(sums_.data(), count, reached);
   const Cluster& cluster = emitters_.clusters_[chosen];
-  const size_t index =
-      indexIn(&emitters_.sums_[cluster.first], cluster.count, static_cast<float>(random.uniform()) * cluster.power);
+  // where u lies within the cluster's part is as evenly spread as u itself
+  const float before = chosen > 0 ? sums_[chosen - 1] : 0.0f;
+  const float within = std::clamp((reached - before) / std::max(sums_[chosen] - before, 1e-30f), 0.0f, 1.0f);
+  const size_t index = indexIn(&emitters_.sums_[cluster.first], cluster.count, within * cluster.power);
   const auto chosen_patch = static_cast<uint32_t>(cluster.first + index);
   const Patch& patch = emitters_.patches_[chosen_patch];
   auto a = static_cast<float>(random.uniform()), b = static_cast<float>(random.uniform());

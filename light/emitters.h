@@ -37,7 +37,7 @@ class Emitters {
   class Draws {
    public:
     Draws(const Emitters& emitters, const glm::vec3& from);
-    // Not without emitters. u   in [0, 1), of the cluster: evenly spread ones draw evenly among neighbours
+    // Not without emitters. u   in [0, 1), of the cluster and its patch: evenly spread ones draw evenly among neighbours
     EmitterPoint draw(double u, Random& random) const;
     // Of a point of this triangle, as draw would give it; 0 where it does not shine.
     float areaDensity(uint32_t triangle, float u, float v) const;

@@ -38,11 +38,13 @@ glm::vec3 quotient(const glm::dvec3& a, const glm::dvec3& b) {
 
 class Solver {
  public:
-  Solver(const std::vector<LightSample>& samples, const Vector& prior, const std::vector<float>& pull)
-      : samples_(samples), prior_(prior), pull_(pull), diagonal_(pull) {
+  Solver(const std::vector<LightSample>& samples, const Vector& prior, const std::vector<float>& pull,
+         const std::array<float, 3>& order_pull)
+      : samples_(samples), prior_(prior), pull_(pull), curvature_(pull.size(), 0.0f) {
+    for (int k = 0; k < kShCount; ++k) order_pull_[k] = order_pull[k == 0 ? 0 : k < 4 ? 1 : 2];
     for (const LightSample& sample : samples_) {
       for (int j = 0; j < sample.count; ++j)
-        diagonal_[sample.probe[j]] += sample.importance * sample.weight[j] * sample.weight[j];
+        curvature_[sample.probe[j]] += sample.importance * sample.weight[j] * sample.weight[j];
     }
   }
 
@@ -81,7 +83,7 @@ class Solver {
   Vector residualAt(const Vector& light) const {
     Vector residual(light.size());
     for (size_t p = 0; p < light.size(); ++p) {
-      for (int k = 0; k < kShCount; ++k) residual[p][k] = pull_[p] * (prior_[p][k] - light[p][k]);
+      for (int k = 0; k < kShCount; ++k) residual[p][k] = pull_[p] * order_pull_[k] * (prior_[p][k] - light[p][k]);
     }
     for (const LightSample& sample : samples_) {
       const LightSh blended = blendOf(sample, light);
@@ -96,7 +98,7 @@ class Solver {
   Vector apply(const Vector& light) const {
     Vector image(light.size());
     for (size_t p = 0; p < light.size(); ++p) {
-      for (int k = 0; k < kShCount; ++k) image[p][k] = pull_[p] * light[p][k];
+      for (int k = 0; k < kShCount; ++k) image[p][k] = pull_[p] * order_pull_[k] * light[p][k];
     }
     for (const LightSample& sample : samples_) {
       const LightSh blended = blendOf(sample, light);
@@ -111,7 +113,7 @@ class Solver {
   Vector preconditioned(const Vector& residual) const {
     Vector result = residual;
     for (size_t p = 0; p < result.size(); ++p) {
-      for (glm::vec3& value : result[p]) value /= diagonal_[p];
+      for (int k = 0; k < kShCount; ++k) result[p][k] /= curvature_[p] + pull_[p] * order_pull_[k];
     }
     return result;
   }
@@ -119,7 +121,8 @@ class Solver {
   const std::vector<LightSample>& samples_;
   const Vector& prior_;
   const std::vector<float>& pull_;
-  std::vector<float> diagonal_;
+  std::array<float, kShCount> order_pull_{};  // by coefficient
+  std::vector<float> curvature_;              // of the samples, by probe
 };
 
 }  // namespace
@@ -136,7 +139,7 @@ LightSolution solveLight(const std::vector<LightSample>& samples, const std::vec
                          const std::vector<float>& pull, const std::vector<LightSh>& start, const LightSolveOptions& options) {
   NLG_CHECK(prior.size(), ==, pull.size());
   NLG_CHECK(prior.size(), ==, start.size());
-  return Solver(samples, prior, pull).solve(start, options);
+  return Solver(samples, prior, pull, options.order_pull).solve(start, options);
 }
 
 }  // namespace nlg

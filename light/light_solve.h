@@ -4,7 +4,7 @@
 // function instead; here the linear half of that minimisation is solved, with the functions as they are. Minimised is
 //
 //   sum over samples   importance * | sum over probes of weight * L(probe) - light |²
-// + sum over probes    pull * | L(probe) - prior(probe) |²
+// + sum over probes    pull * | L(probe) - prior(probe) |²      (pull times its order's, for coefficients of each order)
 //
 // for each coefficient and channel by itself. The prior holds probes that few samples read, and keeps all of them from taking
 // values that only the sums need. Conjugate gradients with a diagonal preconditioner; all 27 right-hand sides at once.
@@ -33,7 +33,8 @@ LightSh blendOf(const LightSample& sample, const std::vector<LightSh>& light);
 
 struct LightSolveOptions {
   int max_iterations = 100;
-  double tolerance = 1e-4;  // of the residual against the first one: ends the iterations
+  double tolerance = 1e-4;                               // of the residual against the first one: ends the iterations
+  std::array<float, 3> order_pull = {1.0f, 1.0f, 1.0f};  // > 0: how much harder the prior pulls at coefficients of order 0, 1, 2
 };
 
 struct LightSolution {

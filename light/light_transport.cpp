@@ -278,17 +278,17 @@ struct LightTransport::Impl {
   // directions takes: the sum over all directions of radiance times solid angle is the mean over sets.
   // direction_of   of ray i of a set: the direction; density: of a direction, per steradian
   template <class DirectionOf, class Density, class Add>
-  void gather(const glm::vec3& from, const GatherOptions& options, uint64_t seed, const DirectionOf& direction_of,
+  void gather(const glm::vec3& from, const GatherOptions& options, uint64_t seed, uint64_t index, const DirectionOf& direction_of,
               const Density& density, const Add& add, std::vector<SurfacePoint>* hits = nullptr) const {
     const int rays_per_set = std::max(1, options.rays / kSetCount);
     const int count = rays_per_set * kSetCount;
     const auto share = 1.0f / static_cast<float>(rays_per_set);
     const Emitters::Draws draws(emitters, from);
-    const Lattice sky_lattice(mixSeed(seed, kSkyStream));
+    const Lattice sky_lattice(mixSeed(seed, kSkyStream), index);
     if (hits != nullptr) hits->assign(static_cast<size_t>(count), {});
     Arriving arriving;
     for (int i = 0; i < count; ++i) {
-      Random random(mixSeed(seed, kPathStream, i));
+      Random random(mixSeed(seed, kPathStream, i, index));
       const int set = i % kSetCount;
       const glm::vec3 direction = direction_of(i, count);
       const float direction_density = density(direction);
@@ -303,7 +303,7 @@ struct LightTransport::Impl {
       if (skyLight(from, u, v, density, &arriving)) add(set, arriving.direction, arriving.flux * share);
     }
     const auto sampleAll = [&](int samples, uint64_t stream, const auto& light) {
-      const Lattice lattice(mixSeed(seed, stream));
+      const Lattice lattice(mixSeed(seed, stream), index);
       for (int i = 0; i < samples; ++i) {
         const auto [u, v] = lattice.point(i, samples);
         if (light(u, v)) add(i % kSetCount, arriving.direction, arriving.flux * (static_cast<float>(kSetCount) / samples));
@@ -329,10 +329,11 @@ struct LightTransport::Impl {
   }
 
   template <class Add>
-  void gatherFromAllSides(const glm::vec3& from, const GatherOptions& options, uint64_t seed, const Add& add) const {
-    const Lattice lattice(seed);
+  void gatherFromAllSides(const glm::vec3& from, const GatherOptions& options, uint64_t seed, uint64_t index,
+                          const Add& add) const {
+    const Lattice lattice(seed, index);
     gather(
-        from, options, seed,
+        from, options, seed, index,
         [&](int i, int count) {
           const auto [u, v] = lattice.point(i, count);
           return sphereDirection(u, v);
@@ -365,15 +366,16 @@ bool LightTransport::isBaked() const { return impl_->isBaked(); }
 std::vector<ArrivingLight> LightTransport::arriving(const glm::dvec3& position_m, const GatherOptions& options,
                                                     uint64_t seed) const {
   std::vector<ArrivingLight> result;
-  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, [&](int, const glm::vec3& direction, const glm::vec3& flux) {
+  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, 0, [&](int, const glm::vec3& direction, const glm::vec3& flux) {
     result.push_back({direction, flux / static_cast<float>(kSetCount)});
   });
   return result;
 }
 
-GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed) const {
+GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed,
+                                     uint64_t index) const {
   std::array<LightSh, kSetCount> sets{};
-  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed,
+  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, index,
                             [&](int set, const glm::vec3& direction, const glm::vec3& flux) {
                               const std::array<float, kShCount> basis = shBasis(direction.x, direction.y, direction.z);
                               for (int k = 0; k < kShCount; ++k) sets[set][k] += flux * basis[k];
@@ -394,7 +396,7 @@ GatheredIrradiance LightTransport::gatherIrradiance(const glm::dvec3& position_m
   std::array<glm::vec3, kSetCount> sets{};
   const Lattice lattice(seed);
   impl_->gather(
-      glm::vec3(position_m), options, seed,
+      glm::vec3(position_m), options, seed, 0,
       [&](int i, int count) {
         const auto [u, v] = lattice.point(i, count);
         return cosineDirection(normal, u, v);

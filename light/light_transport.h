@@ -76,7 +76,9 @@ class LightTransport {
 
   // What arrives at a place from all sides.
   // position_m   relative to the scene's origin, in air
-  GatheredLight gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed) const;
+  // index        of the place among those of one seed: what follow one another send rays into each other's gaps, so that their
+  //              mean is less noisy than that of places with seeds of their own
+  GatheredLight gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed, uint64_t index = 0) const;
 
   // The same, direction by direction: for whoever stores light in a form of its own.
   std::vector<ArrivingLight> arriving(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed) const;

@@ -28,7 +28,7 @@ struct ProbeLightOptions {
   LightWay way = LightWay::solved;
   GatherOptions place{64, 64};   // of every place in air
   GatherOptions probe{512, 64};  // of every probe, for `point`
-  double pull = 0.3;             // of the prior, in shares of what places say of a probe
+  double pull = 0.1;             // of the prior, in shares of the weight that places read a probe by
   double dark_share = 0.5;       // of the level's mean light: added to a place's own where its error is taken as a share
   double outlier = 1.0;          // of the level's mean light, > 0: errors far beyond it count no more than at it (Cauchy)
   uint64_t seed = 1;
@@ -41,7 +41,7 @@ using WeightsAt = std::function<void(const glm::dvec3& position_m, ProbeWeights*
 // must outlive it.
 WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m);
 
-// Light at places, each by a seed of its own.
+// Light at places. Places that follow one another should be neighbours: their rays go into each other's gaps.
 std::vector<LightSh> measureLight(const LightTransport& transport, const std::vector<glm::dvec3>& places,
                                   const GatherOptions& options, uint64_t seed, int thread_count);
 

@@ -54,6 +54,21 @@ TEST(LightSolve, KeepsThePriorWhereNothingReads) {
   EXPECT_EQ(solveLight({}, prior, {1.0f, 1.0f}, prior).light, prior);
 }
 
+TEST(LightSolve, HoldsEachOrderByItsOwnPull) {
+  LightSample sample;
+  sample.count = 1;
+  sample.weight[0] = 1.0f;
+  sample.light = uniformLight(3.0f);
+  LightSolveOptions options;
+  options.order_pull = {1.0f, 2.0f, 5.0f};
+  const std::vector<LightSh> prior = {uniformLight(0.0f)};
+  const LightSh light = solveLight({sample}, prior, {1.0f}, prior, options).light[0];
+  // 1 (L - 3)² + pull L² is least at 3 / (1 + pull)
+  EXPECT_NEAR(light[0].r, 1.5f, 1e-5f);
+  for (int k = 1; k < 4; ++k) EXPECT_NEAR(light[k].g, 1.0f, 1e-5f) << "coefficient " << k;
+  for (int k = 4; k < kShCount; ++k) EXPECT_NEAR(light[k].b, 0.5f, 1e-5f) << "coefficient " << k;
+}
+
 TEST(LightSolve, FindsTheLightThatMadeTheSamples) {
   Random random(7);
   std::vector<LightSh> truth;

@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <map>
+
 #include "datagen/probes/probe_placement.h"
 #include "light/air_places.h"
+#include "runtime_eval/numbers/random.h"
 #include "tests/datagen/hand_built_scenes.h"
 
 namespace nlg {
@@ -74,6 +78,72 @@ TEST(ProbeLight, IsNotRuledByOnePlaceBesideALamp) {
   const float squares = largest(1e6), cauchy = largest(1.0);
   EXPECT_GT(squares, 1.1f);
   EXPECT_LT(cauchy - 1.0f, 0.2f * (squares - 1.0f));
+}
+
+// Every other place reads its probes by a ten-thousandth of their weights and has ten times the light: those weights' sum is below a
+// thousandth of what counts as sure, and the square of that is the say that such places have.
+TEST(ProbeLight, IsNotRuledByPlacesThatHardlyReadAnything) {
+  const TentRoom room;
+  const std::vector<glm::dvec3>& places = room.air.places;
+  std::vector<LightSh> place_light(places.size(), uniformLight(1.0f));
+  std::map<std::array<double, 3>, bool> is_stray;
+  for (size_t i = 1; i < places.size(); i += 2) {
+    place_light[i] = uniformLight(10.0f);
+    is_stray[{places[i].x, places[i].y, places[i].z}] = true;
+  }
+  const WeightsAt tents = room.tents();
+  const WeightsAt strays = [&](const glm::dvec3& p, ProbeWeights* weights) {
+    tents(p, weights);
+    if (is_stray.count({p.x, p.y, p.z}) == 0) return;
+    for (int j = 0; j < weights->count; ++j) weights->weight[j] *= 1e-4f;
+  };
+  const ProbeLight lit = lightProbes(room.transport, room.tree, places, place_light, strays, {}, 2);
+  // of the mean that a probe is held at, strays and the tent's share of 1e-4 have as many thousandths of its weight at most
+  for (const LightSh& light : lit.light) EXPECT_NEAR(light[0].g, 1.0f, 0.01f);
+}
+
+// Light of 1 everywhere, measured with noise. Order 2 is held three times as hard.
+TEST(ProbeLight, IsLessNoisyThanThePlacesThatItIsMadeOf) {
+  const TentRoom room;
+  Random random(3);
+  std::vector<LightSh> place_light;
+  double noise_of_places = 0.0;
+  for (size_t i = 0; i < room.air.places.size(); ++i) {
+    LightSh light = uniformLight(1.0f);
+    for (glm::vec3& value : light) value += glm::vec3(static_cast<float>(random.uniform(-0.2, 0.2)));
+    noise_of_places += 0.04 / 3.0 / static_cast<double>(room.air.places.size());
+    place_light.push_back(light);
+  }
+  const std::vector<LightSh> light = room.solved(place_light, {}).light;
+  double mean_order = 0.0, second_order = 0.0;
+  for (const LightSh& of_probe : light) {
+    mean_order += std::pow(of_probe[0].g - 1.0, 2.0) / static_cast<double>(light.size());
+    for (int k = 4; k < kShCount; ++k) second_order += std::pow(of_probe[k].g, 2.0) / 5.0 / static_cast<double>(light.size());
+  }
+  // with twelve places a cell least squares have .43 of a place's variance far from walls, and up to eight times that in corners,
+  // where a probe has an eighth of the places; the pull takes from both
+  EXPECT_LT(mean_order, noise_of_places);
+  EXPECT_LT(second_order, 0.75 * mean_order);
+}
+
+// A lamp of 40 cm in the middle of a wall, and light of 1 elsewhere: beside it no place may become darker than that by a third.
+TEST(ProbeLight, HasNoDarkRingAroundALamp) {
+  const TentRoom room;
+  std::vector<LightSh> place_light;
+  for (const glm::dvec3& place : room.air.places) {
+    const glm::dvec3 way = place - glm::dvec3(2.5, 0.0, 0.0);
+    place_light.push_back(uniformLight(static_cast<float>(1.0 + 3.0 * 0.16 / (0.16 + glm::dot(way, way)))));
+  }
+  const std::vector<LightSh> light = room.solved(place_light, {}).light;
+  const WeightsAt tents = room.tents();
+  for (const glm::dvec3& place : room.air.places) {
+    ProbeWeights weights;
+    tents(place, &weights);
+    ASSERT_TRUE(normaliseWeights(&weights));
+    float answer = 0.0f;
+    for (int j = 0; j < weights.count; ++j) answer += weights.weight[j] * light[weights.probe[j]][0].g;
+    EXPECT_GT(answer, 2.0f / 3.0f) << place.x << ' ' << place.y << ' ' << place.z;
+  }
 }
 
 TEST(ProbeLight, IsTheSameForAnyNumberOfThreads) {
