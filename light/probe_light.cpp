@@ -71,6 +71,8 @@ float meanLuminance(const std::vector<LightSh>& light) {
 // False where nothing has weight. The sample's importance is 1 where the weights' sum is no accident, less below.
 bool takeWeights(ProbeWeights weights, LightSample* sample) {
   const float sure = std::min(1.0f, std::accumulate(weights.weight, weights.weight + weights.count, 0.0f) / kSureSum);
+  // where answers fade the probes must not shine for it
+  weights.certainty = 1.0f;
   if (!normaliseWeights(&weights)) return false;
   sample->importance = sure * sure;
   sample->count = weights.count;
