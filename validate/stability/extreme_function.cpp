@@ -18,15 +18,15 @@ constexpr double kConstantFactor = 1.01;
 // Sums of another kernel: the same theta may differ in the last digits.
 constexpr double kOtherKernel = 1.0 + 1e-6;
 
-// The lowest RMSE of c, of c tent(x) where the representation has the tent, over all constants c that it can output.
-double constantRmse(const Representation& representation, const StoredFunction& stored) {
+// The lowest weighed RMSE of c, of c tent(x) where the representation has the tent, over all constants c that it can output.
+double constantRmse(const Representation& representation, const StoredFunction& stored, double dark_weight) {
   const bool is_limited = representation.isField() || representation.shape().output == OutputFunction::sigmoid;
   double shape_shape = 0.0, shape_phi = 0.0, phi_phi = 0.0;
   int count = 0;
   for (int p = 0; p < kSupportPointCount; ++p) {
     if ((stored.validity[p / 8] >> (p % 8) & 1) == 0) continue;
-    const double shape = representation.tentFactor() ? double{tent(pointAt(p))} : 1.0, phi = stored.phi[p] / 255.0;
-    shape_shape += shape * shape;
+    const double bare = tent(pointAt(p)), shape = representation.tentFactor() ? bare : 1.0, phi = stored.phi[p] / 255.0;
+    shape_shape += (phi == 0.0 && bare > kRimTent ? dark_weight : 1.0) * shape * shape;
     shape_phi += shape * phi;
     phi_phi += phi * phi;
     ++count;
@@ -36,13 +36,13 @@ double constantRmse(const Representation& representation, const StoredFunction& 
   return std::sqrt(std::max(0.0, phi_phi - 2.0 * c * shape_phi + c * c * shape_shape) / count);
 }
 
-// The lowest error of long fits, of the brief suite of shorter ones.
-double bestKnownRmse(const StabilityInputs& inputs, const Generator& generator, const StoredFunction& stored,
-                     const Theta& theta) {
+// The lowest weighed RMSE of long fits, of the brief suite of shorter ones.
+double bestKnownRmse(const StabilityInputs& inputs, const Generator& generator, const StoredFunction& stored, const Theta& theta,
+                     double dark_weight) {
   DirectOptions options;
   if (inputs.isBrief()) options.adam_steps = 8000, options.restarts = 1;
   NormalEquationsKernel kernel;
-  const WeightingFunction function = decodeFunction(stored, pointOrder(generator.representation()));
+  const WeightingFunction function = decodeFunction(stored, pointOrder(generator.representation()), dark_weight);
   return fitLong(generator, function, theta, options, &kernel).at(LongFit::best_known).rmse;
 }
 
@@ -80,35 +80,38 @@ void WorstBake::add(const StabilityInputs& inputs, const NamedGenerator& named, 
   policy.bake(&stored, 1, &made);
   policy.make(&stored, 1, &unrefined);
   const FunctionCheck &network = made.record.at(ThetaWord::network), &last = made.check(), &before = unrefined.check();
-  const double corrected_rmse = made.record.at(ThetaWord::corrected).rmse;
+  const FunctionCheck& corrected = made.record.at(ThetaWord::corrected);
+  // what fits minimise, and what decides between two theta
+  const auto error = [&](const FunctionCheck& of) { return of.weighedRmse(check); };
 
   ++bake_count_;
   failing_count_ += !last.passes(check);
   is_finite_ = is_finite_ && std::isfinite(last.rmse) && allFinite(made.theta);
   // a correction must not raise the error, nothing after it the trouble
-  never_worse_ = never_worse_ && !(corrected_rmse > network.rmse * kOtherKernel);
+  never_worse_ = never_worse_ && !(error(corrected) > error(network) * kOtherKernel);
   if (!made.isBareTent()) {
-    never_worse_ = never_worse_ && !(before.rmse > corrected_rmse * kOtherKernel) &&
+    never_worse_ = never_worse_ && !(error(before) > error(corrected) * kOtherKernel) &&
                    !(last.trouble(check) > before.trouble(check)) && (last.passes(check) || !network.passes(check));
   }
   network_rmse_ = std::max(network_rmse_, network.rmse);
-  corrected_rmse_ = std::max(corrected_rmse_, corrected_rmse);
+  corrected_rmse_ = std::max(corrected_rmse_, corrected.rmse);
   stored_rmse_ = std::max(stored_rmse_, last.rmse);
 
-  double most = check.tau_rmse;
+  // the RMSE against tau, which is of it; the weighed one against what a fit of it can do
+  double reached = last.rmse, most = check.tau_rmse;
   std::string from = "tau";
   const auto mayBe = [&](double rmse, const char* why) {
-    if (rmse > most) most = rmse, from = why;
+    if (error(last) / rmse < reached / most) reached = error(last), most = rmse, from = why;
   };
   if (bound == ErrorBound::constant) {
-    mayBe(kConstantFactor * constantRmse(named.generator.representation(), stored), "a constant");
+    mayBe(kConstantFactor * constantRmse(named.generator.representation(), stored, check.dark_weight), "a constant");
   } else if (last.rmse > most && !made.isBareTent()) {  // what is good enough asks for no long fits
-    mayBe(kBestKnownFactor * bestKnownRmse(inputs, named.generator, stored, made.theta), "the best known");
+    mayBe(kBestKnownFactor * bestKnownRmse(inputs, named.generator, stored, made.theta, check.dark_weight), "the best known");
   }
   // in this order, so that an error that is no number counts as the worst
-  if (last.rmse / most <= most_of_bound_) return;
-  most_of_bound_ = last.rmse / most;
-  nearest_ = fmt::format("nearest to its bound: {:.4f} of {:.4f} by {}, {}", last.rmse, most, from, named.name);
+  if (reached / most <= most_of_bound_) return;
+  most_of_bound_ = reached / most;
+  nearest_ = fmt::format("nearest to its bound: {:.4f} of {:.4f} by {}, {}", reached, most, from, named.name);
 }
 
 void WorstBake::report(StabilityFigures* figures) const {

@@ -26,7 +26,8 @@ SampledFunction sampleFunction(
 // seed   the direction of the wall
 SampledFunction functionBesideWall(uint64_t seed, double distance);
 
-// What the stored error of a function may be, beside the threshold tau.
+// What the stored error of a function may be, beside the threshold tau of its RMSE: in weighed RMSE (FunctionCheck), which fits
+// minimise.
 enum class ErrorBound {
   // of functions that levels have: 1.5 times the best that is known of the function in this representation. Above tau and that, the
   // bake has missed what the representation can do
