@@ -45,6 +45,13 @@ double meanOf(const LitPicture& picture, const Value& value) {
 
 double luminanceOf(const glm::vec3& rgb) { return 0.2126 * rgb.r + 0.7152 * rgb.g + 0.0722 * rgb.b; }
 
+double medianOf(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 std::vector<ReceivedLight> lightSamples(const Sights& sights, const Lighting& lighting, int thread_count) {
   std::vector<ReceivedLight> received(sights.samples.size());
   parallelFor(sights.height, thread_count, [&](uint64_t row, int) { lightRow(sights, lighting, row, &received); });

@@ -43,4 +43,7 @@ double irradianceRms(const LitPicture& picture);
 
 double luminanceOf(const glm::vec3& rgb);
 
+// Of an even number of values the upper one; 0 of none.
+double medianOf(std::vector<double> values);
+
 }  // namespace nlg

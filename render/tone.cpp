@@ -45,10 +45,7 @@ double automaticExposure(const LitPicture& picture) {
     const double luminance = luminanceOf(picture.radiance[i]);
     if (picture.receiver_share[i] > 0.0f && luminance > 0.0) luminances.push_back(luminance);
   }
-  if (luminances.empty()) return 1.0;
-  const auto middle = luminances.begin() + static_cast<ptrdiff_t>(luminances.size() / 2);
-  std::nth_element(luminances.begin(), middle, luminances.end());
-  return kMiddleGrey / *middle;
+  return luminances.empty() ? 1.0 : kMiddleGrey / medianOf(std::move(luminances));
 }
 
 Image toneMapped(const LitPicture& picture, double exposure) {

@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <chrono>
-#include <numeric>
 
 #include "light/directions.h"
 #include "light/methods/grid_weighting.h"
@@ -34,7 +33,6 @@ WeightsAt weightsAt(const Weighting& weighting) {
   return [&weighting](const glm::dvec3& position_m, ProbeWeights* weights) {
     const ProbeBlend blend = weighting.blendAt(position_m, normalOfPlace(position_m));
     weights->count = blend.count;
-    weights->certainty = std::min(1.0f, std::accumulate(blend.weight.begin(), blend.weight.begin() + blend.count, 0.0f));
     std::copy(blend.probe.begin(), blend.probe.end(), weights->probe);
     std::copy(blend.weight.begin(), blend.weight.end(), weights->weight);
   };

@@ -52,10 +52,10 @@ RoundedTheta ThetaRounding::roundToHalves(const Representation& representation, 
   return rounded;
 }
 
-// The last layer makes up for what the hidden ones lose. But where a fit weighed leaks, the one that it left may leak less.
+// The last layer makes up for what the hidden ones lose. But the check counts leaks: there the one that was left may do better.
 RoundedTheta ThetaRounding::roundToBytes(const Representation& network, const StoredFunction& function,
                                          const RoundedTheta& present, const CheckOptions& check) {
-  // where a theta passes, its RMSE alone is what counts
+  // where a theta passes, its weighed RMSE alone is what counts
   const auto badness = [&](const FunctionCheck& of) {
     return of.passes(check) ? of.weighedRmse(check) / check.tau_rmse : of.trouble(check);
   };

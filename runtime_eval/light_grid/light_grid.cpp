@@ -60,10 +60,12 @@ FileResult checkValues(const char* name, const std::vector<float>& values, float
   return {};
 }
 
-void addWeight(uint32_t probe, float weight, ProbeWeights* weights) {
-  if (!(weight >= kLeastWeight)) return;
+// False where the weight counts as none.
+bool addWeight(uint32_t probe, float weight, ProbeWeights* weights) {
+  if (!(weight >= kLeastWeight)) return false;
   weights->probe[weights->count] = probe;
   weights->weight[weights->count++] = weight;
+  return true;
 }
 
 }  // namespace
@@ -114,8 +116,7 @@ void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeigh
     }
     const float above = share - kResidue;
     const float weight = bare * corner.tent_ratio * (above * kStretch);
-    if (!(weight >= kLeastWeight)) continue;
-    addWeight(corner.probe, weight, weights);
+    if (!addWeight(corner.probe, weight, weights)) continue;
     sum += weight;
     believed += weight * above;
   }

@@ -64,6 +64,20 @@ class Neighbours {
   std::unordered_map<uint64_t, std::vector<uint32_t>> cubes_;
 };
 
+// All figures but the count.
+std::array<double*, 10> numbersOf(ViewFigures* f) {
+  return {&f->colour,
+          &f->rmse,
+          &f->relative,
+          &f->excess,
+          &f->off_first.brighter,
+          &f->off_first.darker,
+          &f->off_last.brighter,
+          &f->off_last.darker,
+          &f->ringing,
+          &f->unlit};
+}
+
 class ClassSum {
  public:
   // light   luminances
@@ -128,11 +142,7 @@ ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> recei
     colour +=
         hyAb(shownColour(sight, at.irradiance, truth.exposure), shownColour(sight, at.irradiance + at.deviation, truth.exposure));
   }
-  if (!lit.empty()) {
-    const auto middle = lit.begin() + static_cast<ptrdiff_t>(lit.size() / 2);
-    std::nth_element(lit.begin(), middle, lit.end());
-    truth.median = *middle;
-  }
+  truth.median = medianOf(std::move(lit));
   truth.noise = std::sqrt(over(variance, squares));
   truth.colour_noise = colour / static_cast<double>(std::max<uint64_t>(1, receivers));
   const Neighbours neighbours(sights);
@@ -178,24 +188,16 @@ ViewFiguresByClass meanFigures(const std::vector<ViewFiguresByClass>& views) {
   for (size_t c = 0; c < kViewClassCount; ++c) {
     const bool by_receivers = static_cast<ViewClass>(c) != ViewClass::all;
     double weights = 0.0;
+    const auto sums = numbersOf(&mean[c]);
     for (const ViewFiguresByClass& view : views) {
-      const ViewFigures& f = view[c];
+      ViewFigures f = view[c];
       const double weight = by_receivers ? static_cast<double>(f.receivers) : f.receivers > 0 ? 1.0 : 0.0;
       weights += weight;
       mean[c].receivers += f.receivers;
-      for (double ViewFigures::*member : {&ViewFigures::colour, &ViewFigures::rmse, &ViewFigures::relative, &ViewFigures::excess,
-                                          &ViewFigures::ringing, &ViewFigures::unlit})
-        mean[c].*member += weight * f.*member;
-      for (OffShares ViewFigures::*member : {&ViewFigures::off_first, &ViewFigures::off_last}) {
-        (mean[c].*member).brighter += weight * (f.*member).brighter;
-        (mean[c].*member).darker += weight * (f.*member).darker;
-      }
+      const auto numbers = numbersOf(&f);
+      for (size_t n = 0; n < sums.size(); ++n) *sums[n] += weight * *numbers[n];
     }
-    if (!(weights > 0.0)) continue;
-    for (double* figure :
-         {&mean[c].colour, &mean[c].rmse, &mean[c].relative, &mean[c].excess, &mean[c].ringing, &mean[c].unlit,
-          &mean[c].off_first.brighter, &mean[c].off_first.darker, &mean[c].off_last.brighter, &mean[c].off_last.darker})
-      *figure /= weights;
+    for (double* sum : sums) *sum = over(*sum, weights);
   }
   return mean;
 }

@@ -87,10 +87,7 @@ double noiseOf(const std::vector<ReceivedLight>& truth) {
     const double light = luminanceOf(at.irradiance);
     if (light > 0.0) noise.push_back(luminanceOf(at.deviation) / light);
   }
-  if (noise.empty()) return 0.0;
-  const auto middle = noise.begin() + static_cast<ptrdiff_t>(noise.size() / 2);
-  std::nth_element(noise.begin(), middle, noise.end());
-  return *middle;
+  return medianOf(std::move(noise));
 }
 
 TracedView traced(const LightTransport& transport, const Sights& sights, const ViewTruthOptions& options) {
