@@ -22,16 +22,6 @@ constexpr uint64_t kLightStream = 0x6c69676874;
 using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// A quarter of the probes' spacing: bounces that a grid cannot tell apart anyway; finer in scenes that are small beside it.
-SurfaceCacheOptions cacheOptions(const BakeScene& scene, const BakeOptions& options) {
-  const Bounds bounds = sceneBounds(scene.source.scene);
-  SurfaceCacheOptions cache;
-  cache.cell_m =
-      std::max(1e-6f, std::min(0.25f * static_cast<float>(options.spacing_m), glm::length(bounds.max - bounds.min) / 48.0f));
-  cache.seed = options.seed;
-  return cache;
-}
-
 // Options and files may ask for more than a file can hold.
 InputError tooBright(const std::string& scene) {
   return {scene, "light", "lamps, suns, sky and emission that bring no probe beyond 1e9",
@@ -74,6 +64,7 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
 
 ProbeLightOptions probeLightOptions(const BakeOptions& options) {
   ProbeLightOptions light;
+  light.caches_surfaces = options.light_cache;
   light.place.rays = options.light_rays;
   light.probe.rays = options.light_probe_rays;
   light.place.direct = light.probe.direct = directLightFromName(options.light_direct);
@@ -99,8 +90,9 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
 
   Clock::time_point start = Clock::now();
   std::unique_ptr<SurfaceCache> cache;
-  if (options.light_cache && !transport.isBaked()) {
-    cache = std::make_unique<SurfaceCache>(transport, scene.air.places, cacheOptions(scene, options), threads);
+  if (light_options.caches_surfaces)
+    cache = makeSurfaceCache(transport, scene.air.places, options.spacing_m, light_options.seed, threads);
+  if (cache != nullptr) {
     statistics.cache_cells = cache->cellCount();
     statistics.cache_divided = cache->dividedCount();
     statistics.cache_wall_s = secondsSince(start);

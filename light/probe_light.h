@@ -28,6 +28,7 @@ struct ProbeLightOptions {
   LightWay way = LightWay::solved;
   GatherOptions place{64, 64};   // of every place in air
   GatherOptions probe{512, 64};  // of every probe, for `point`
+  bool caches_surfaces = true;   // makeSurfaceCache's ends both of their paths
   double pull = 0.1;             // of the prior, in shares of the weight that places read a probe by
   double dark_share = 0.5;       // of the level's mean light: added to a place's own where its error is taken as a share
   double outlier = 1.0;          // of the level's mean light, > 0: errors far beyond it count no more than at it (Cauchy)

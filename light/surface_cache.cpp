@@ -243,4 +243,14 @@ const glm::vec3* SurfaceCache::irradiance(const glm::vec3& point, const glm::vec
   return cell == kNone ? nullptr : &irradiance_[cell];
 }
 
+std::unique_ptr<SurfaceCache> makeSurfaceCache(const LightTransport& transport, const std::vector<glm::dvec3>& places,
+                                               double spacing_m, uint64_t seed, int thread_count) {
+  if (transport.isBaked()) return nullptr;
+  const Bounds bounds = sceneBounds(transport.scene());
+  SurfaceCacheOptions options;
+  options.cell_m = std::max(1e-6f, std::min(0.25f * static_cast<float>(spacing_m), glm::length(bounds.max - bounds.min) / 48.0f));
+  options.seed = seed;
+  return std::make_unique<SurfaceCache>(transport, places, options, thread_count);
+}
+
 }  // namespace nlg

@@ -2,11 +2,12 @@
 //
 // A cell is what of the surfaces lies in one cube of a lattice and faces one of six ways. Each cell measures direct light and
 // notes where its rays end; what cells send each other is then iterated to its end, without rays. Cells that a wall divides (a
-// floor that runs under it) are not used: paths that meet them go on. For the bake alone: ground truth never reads it.
+// floor that runs under it) are not used: paths that meet them go on. For what probes are solved from: ground truth never reads it.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "light/light_transport.h"
@@ -74,5 +75,11 @@ class SurfaceCache {
   size_t divided_count_ = 0;
   int iterations_ = 0;
 };
+
+// As every bake has it, and whoever is held against one: cells of a quarter of the probes' spacing, bounces that probes cannot tell
+// apart anyway; finer in scenes that are small beside it.
+// returns   null of a scene with baked light, whose rays end at their first hit
+std::unique_ptr<SurfaceCache> makeSurfaceCache(const LightTransport& transport, const std::vector<glm::dvec3>& places,
+                                               double spacing_m, uint64_t seed, int thread_count);
 
 }  // namespace nlg

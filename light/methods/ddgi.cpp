@@ -20,7 +20,7 @@ constexpr float kGamma = 5.0f, kDepthExponent = 50.0f;
 constexpr float kBackfaceDepth = 0.2f;     // of the distance to a back face, so that probes in solid are hardly seen
 constexpr float kDepthReach = 1.5f;        // of a cell's diagonal
 constexpr float kMaxBackfaceShare = 0.1f;  // else nothing is blended into the probe
-constexpr float kLeastVisibility = 0.05f, kLeastWeight = 1e-6f, kCrushedBelow = 0.2f, kLeastAxisWeight = 1e-3f;
+constexpr float kLeastVisibility = 0.05f, kLeastProbeWeight = 1e-6f, kCrushedBelow = 0.2f, kLeastAxisWeight = 1e-3f;
 // relocation
 constexpr int kRelocationRays = 32, kRelocationRounds = 64;
 constexpr float kRelocationBackfaceShare = 0.25f, kLeastFrontDistance = 1.0f / 3.0f;  // of the spacing: .1 m at .3 m
@@ -177,7 +177,7 @@ float Ddgi::probeWeight(const DdgiProbe& probe, const glm::dvec3& position_m, co
       visibility_ == DdgiVisibility::exact && rays_.isBlocked(glm::vec3(position_m), glm::vec3(probe.position_m));
   const float seen = visibility_ == DdgiVisibility::depth ? chebyshev(probe, biased_m) : is_blocked ? 0.0f : 1.0f;
   weight *= std::max(kLeastVisibility, seen);
-  weight = std::max(kLeastWeight, weight);
+  weight = std::max(kLeastProbeWeight, weight);
   if (weight < kCrushedBelow) weight *= weight * weight / (kCrushedBelow * kCrushedBelow);
   return weight;
 }

@@ -17,4 +17,10 @@ ProbeBlend GridWeighting::blendAt(const glm::dvec3& position_m, const glm::vec3&
   return blend;
 }
 
+ProbeWeights GridWeighting::weightsAt(const glm::dvec3& position_m, const glm::vec3&) const {
+  ProbeWeights weights;
+  weights_of_grid_(position_m, &weights);
+  return weights;
+}
+
 }  // namespace nlg

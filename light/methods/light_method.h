@@ -13,6 +13,7 @@
 #include <glm/glm.hpp>
 
 #include "light/light_transport.h"
+#include "runtime_eval/light_grid/light_grid.h"
 
 namespace nlg {
 
@@ -28,6 +29,7 @@ struct ProbeBlend {
   std::array<uint32_t, 8> probe{};
   std::array<float, 8> weight{};  // of the first `count`, > 0; they sum to 1, or less where reach is fallback or outside
   int count = 0;                  // 0 … 8; > 0 where reach is lit or fallback, and perhaps outside
+  float sum = 1.0f;               // of the weights that finish divided by it
   Reach reach = Reach::unlit;
 
   // Weights of 0 and below are left out.
@@ -47,6 +49,9 @@ class Weighting {
   // normal       unit; many methods do not look at it
   // Any number of threads may ask at once.
   virtual ProbeBlend blendAt(const glm::dvec3& position_m, const glm::vec3& normal) const = 0;
+  // The same before they are normalised, in shares of a tent: what light is solved with, which trusts a place the less the less
+  // weight there is.
+  virtual ProbeWeights weightsAt(const glm::dvec3& position_m, const glm::vec3& normal) const;
 };
 
 struct LightAnswer {

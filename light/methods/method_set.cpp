@@ -7,6 +7,7 @@
 #include "light/methods/grid_weighting.h"
 #include "light/methods/target_functions.h"
 #include "light/methods/tetrahedra.h"
+#include "light/surface_cache.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
@@ -14,7 +15,7 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kProbeStream = 0x70726f6265, kSolveStream = 0x736f6c7665, kDdgiStream = 0x64646769, kApvStream = 0x617076;
+constexpr uint64_t kProbeStream = 0x70726f6265, kNormalStream = 0x736f6c7665, kDdgiStream = 0x64646769, kApvStream = 0x617076;
 
 const std::string kDdgiAsShipped = "DDGI as shipped", kRelocated = ", relocated";
 
@@ -24,17 +25,14 @@ double secondsSince(Clock::time_point start) { return std::chrono::duration<doub
 // Weights that look at the normal are solved for with any one: the same for the same place.
 glm::vec3 normalOfPlace(const glm::dvec3& place) {
   Random random(mixSeed(std::bit_cast<uint64_t>(place.x), std::bit_cast<uint64_t>(place.y), std::bit_cast<uint64_t>(place.z),
-                        kSolveStream));
+                        kNormalStream));
   const double u = random.uniform(), v = random.uniform();
   return sphereDirection(u, v);
 }
 
 WeightsAt weightsAt(const Weighting& weighting) {
   return [&weighting](const glm::dvec3& position_m, ProbeWeights* weights) {
-    const ProbeBlend blend = weighting.blendAt(position_m, normalOfPlace(position_m));
-    weights->count = blend.count;
-    std::copy(blend.probe.begin(), blend.probe.end(), weights->probe);
-    std::copy(blend.weight.begin(), blend.weight.end(), weights->weight);
+    *weights = weighting.weightsAt(position_m, normalOfPlace(position_m));
   };
 }
 
@@ -69,8 +67,14 @@ MethodSet::MethodSet(const MethodScene& scene, const MethodSetOptions& options)
           makeProbeSet(scene.tree, scene.transport, {options.probe, options.thread_count, mixSeed(options.seed, kProbeStream)})),
       tree_bytes_(treeBytes(scene.tree)) {
   const Clock::time_point start = Clock::now();
-  place_light_ = measureLight(scene.transport, scene.air.places, options.solve.place, mixSeed(options.seed, kSolveStream),
-                              options.thread_count);
+  GatherOptions place = options.solve.place;
+  std::unique_ptr<SurfaceCache> cache;
+  if (options.solve.caches_surfaces) {
+    const double spacing_m = scene.tree.frame().spacing_m;
+    cache = makeSurfaceCache(scene.transport, scene.air.places, spacing_m, options.solve.seed, options.thread_count);
+    place.cache = cache.get();
+  }
+  place_light_ = measureLight(scene.transport, scene.air.places, place, options.solve.seed, options.thread_count);
   measure_s_ = secondsSince(start);
 }
 

@@ -22,7 +22,7 @@ namespace nlg {
 
 struct MethodSetOptions {
   GatherOptions probe;                          // of every probe
-  ProbeLightOptions solve;                      // of places in air
+  ProbeLightOptions solve;                      // of places in air, as a bake measures and solves with the same seed
   LightForm form = LightForm::sh2_8bit;         // in which every method keeps harmonics
   ThetaPrecision theta = ThetaPrecision::int8;  // in which grids are counted: that of their bakes
   int thread_count = 1;

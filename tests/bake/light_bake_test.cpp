@@ -3,9 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "light/air.h"
+#include "light/methods/method_set.h"
 #include "tests/scene/temporary_folder.h"
 #include "tool/error.h"
+#include "validate/light/asked_bakes.h"
 #include "validate/light/noise.h"
 
 namespace nlg {
@@ -145,6 +149,36 @@ TEST(LightNoise, FallsWithRays) {
   // a sixteenth of the variance, but for what a lattice gains beyond that
   EXPECT_LT(fine.noise_median, 0.5 * coarse.noise_median);
   EXPECT_GT(coarse.noise_median, 0.0);
+}
+
+// Of a grid in which two probes of three have no weight, so that many places have next to none: what is measured of methods is the
+// light that a bake leaves in its file, to the last bit.
+TEST(LightBake, IsWhatMethodsOfTheSameWeightsAreSolvedFor) {
+  const BakeOptions options = roomOptions("solved");
+  const BakeScene scene("two_rooms:0", options);
+  LightGrid grid = tentGrid(scene);
+  for (size_t probe = 0; probe < grid.probe_function.size(); ++probe) {
+    if (probe % 3 != 0) grid.probe_function[probe] = kNoWeight;
+  }
+  const WeightsAt weights_at = weightsOf(grid, scene.source.scene.origin_m);
+  int unsure = 0;
+  for (const glm::dvec3& place : scene.air.places) {
+    ProbeWeights weights;
+    weights_at(place, &weights);
+    unsure += weights.count > 0 && std::accumulate(weights.weight, weights.weight + weights.count, 0.0f) < 0.1f;
+  }
+  EXPECT_GT(unsure, 100);
+
+  LightGrid baked = grid;
+  bakeLight(scene, options, &baked);
+  ASSERT_TRUE(roundLight(lightFormFromName(options.light_form), &baked.light).ok());
+  const LightTransport transport(scene.source.scene, scene.rays);
+  MethodSet methods({transport, scene.links, scene.tree, scene.air}, methodSetOptions(options, {64, 64}, 1));
+  methods.addGrid("grid", std::move(grid), 0.0, {LightWay::solved});
+  const std::vector<LightSh>& measured = *methods.methods().back().probe_light;
+  ASSERT_EQ(measured.size() * kShFloats, baked.light.size());
+  for (size_t i = 0; i < baked.light.size(); ++i)
+    EXPECT_EQ(measured[i / kShFloats][i % kShFloats / kShChannels][static_cast<int>(i % kShChannels)], baked.light[i]) << i;
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 #include "light/directions.h"
 #include "light/methods/apv.h"
 #include "light/methods/quake_grid_method.h"
+#include "light/methods/target_functions.h"
 #include "light/methods/tetrahedra.h"
+#include "light/methods/true_weights.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/validate/light/lit_scenes.h"
 
@@ -164,6 +166,32 @@ TEST(QuakeGridLight, FindsTheScalesOfItsTwoParts) {
   light.fit(positions, normals, irradiance);
   EXPECT_GT(light.ambientScale(), 0.0f);
   EXPECT_EQ(light.directedScale(), 0.0f);
+}
+
+// What a place's probes weigh in all is lost in shares, and decides how much a solve trusts the place.
+TEST_F(RivalsTest, TargetFunctionsHandOverWhatTheirWeightsAddUpTo) {
+  std::vector<glm::dvec3> places;
+  for (const LightPlace& place : lit_->places().places) places.push_back(place.position_m);
+  const TargetFunctions functions(places, *probes_, lit_->rays, lit_->links, {}, 1);
+  const std::vector<TrueWeights> truth = trueWeights(places, lit_->tree, lit_->rays, lit_->links, {}, 1);
+  int below_one = 0;
+  for (size_t i = 0; i < places.size(); ++i) {
+    const ProbeWeights weights = functions.weightsAt(places[i], {0, 1, 0});
+    const ProbeBlend blend = functions.blendAt(places[i], {0, 1, 0});
+    ASSERT_EQ(weights.count, blend.count);
+    double sum = 0.0;
+    for (int j = 0; j < weights.count; ++j) {
+      sum += blend.weight[j];
+      const auto corner = std::find(truth[i].probe.begin(), truth[i].probe.end(), weights.probe[j]) - truth[i].probe.begin();
+      ASSERT_LT(corner, kCornerCount);
+      // a division and a product of single precision
+      EXPECT_NEAR(weights.weight[j], truth[i].target[corner], 3e-7 * truth[i].target[corner]);
+    }
+    if (weights.count == 0) continue;
+    EXPECT_NEAR(sum, 1.0, 1e-6);
+    below_one += blend.sum < 0.9f;
+  }
+  EXPECT_GT(below_one, 10) << "beside the wall half of the probes are not seen";
 }
 
 }  // namespace
