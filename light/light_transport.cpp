@@ -8,6 +8,7 @@
 #include "light/directions.h"
 #include "light/emitters.h"
 #include "light/sky_sampler.h"
+#include "light/sunlight.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/luminance.h"
@@ -131,14 +132,9 @@ struct LightTransport::Impl {
   }
 
   // Whether a ray that met this goes on to the sky.
-  bool isOpen(const LightHit& hit) const {
-    return hit.kind == LightHit::Kind::nothing ||
-           (hit.kind == LightHit::Kind::sky && !scene.light.sky_faces.shines(hit.triangle));
-  }
-
   // Whether nothing but veils stands between a place and the sky: flux loses what these stop.
   bool comesFromSky(const glm::vec3& from, Arriving* arriving) const {
-    const bool is_open = isOpen(rays.lightHit(from, arriving->direction));
+    const bool is_open = isOpenSky(scene, rays.lightHit(from, arriving->direction));
     if (is_open) arriving->flux *= passing(from, arriving->direction, INFINITY);
     return is_open;
   }
@@ -431,10 +427,6 @@ glm::vec3 LightTransport::reflected(const SurfacePoint& point, uint64_t seed) co
 
 glm::vec3 LightTransport::albedo(const LightHit& hit) const { return impl_->albedo(hit); }
 glm::vec3 LightTransport::emission(const LightHit& hit) const { return impl_->emission(hit); }
-
-bool LightTransport::seesSun(const glm::dvec3& position_m, size_t sun) const {
-  return impl_->isOpen(impl_->rays.lightHit(glm::vec3(position_m), impl_->scene.light.suns[sun].to_sun));
-}
 
 float LightTransport::nudge() const { return impl_->nudge_m; }
 

@@ -94,10 +94,6 @@ class LightTransport {
   // Radiance that a surface point sends back, its own shine not among it: one path.
   glm::vec3 reflected(const SurfacePoint& point, uint64_t seed) const;
 
-  // Whether the middle of a sun is seen from a place; veils do not count.
-  // sun   index into the scene's
-  bool seesSun(const glm::dvec3& position_m, size_t sun) const;
-
   // How far off a surface rays begin, metres, so that they do not meet it again.
   float nudge() const;
   // The share of light that a surface sends back at a point, by channel; of a veil's point, too.

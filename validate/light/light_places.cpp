@@ -6,6 +6,7 @@
 #include "datagen/probes/nearby_triangles.h"
 #include "light/air.h"
 #include "light/directions.h"
+#include "light/sunlight.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/luminance.h"
 #include "validate/light/rooms.h"
@@ -14,7 +15,7 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kAirStream = 1, kSurfaceStream = 2, kTurnStream = 3, kWalkStream = 4, kEdgeStream = 5;  // of the seed
-constexpr float kReachM = 1000.0f;     // of rays that look for walls, roofs and the sun
+constexpr float kReachM = 1000.0f;     // of rays that look for walls and roofs
 constexpr float kAcrossCosine = 0.5f;  // surfaces whose normals are at least 60 degrees apart stand across each other
 
 glm::vec3 anyDirection(Random& random) {
@@ -267,16 +268,9 @@ class Drawing {
   bool standsAtEdge(const LightPlace& place) const {
     const glm::vec3 at(place.position_m);
     return isInside(extent_, place.position_m) && isBefore(place.position_m, place.normal, kEdgeOffM) &&
-           rays_.lightHit(at, {0.0f, kReachM, 0.0f}).kind == LightHit::Kind::surface && !isInSunlight(place) &&
-           isInAir(rays_, place.position_m) && !sources_.isNear(place.position_m);
-  }
-
-  bool isInSunlight(const LightPlace& place) const {
-    const std::vector<Sun>& suns = scene_.light.suns;
-    return std::any_of(suns.begin(), suns.end(), [&](const Sun& sun) {
-      const glm::vec3 at(place.position_m);
-      return glm::dot(sun.to_sun, place.normal) > 0.0f && !rays_.isLightBlocked(at, at + kReachM * sun.to_sun);
-    });
+           rays_.lightHit(at, {0.0f, kReachM, 0.0f}).kind == LightHit::Kind::surface &&
+           !isInSunlight(scene_, rays_, place.position_m, place.normal) && isInAir(rays_, place.position_m) &&
+           !sources_.isNear(place.position_m);
   }
 
   const Scene& scene_;

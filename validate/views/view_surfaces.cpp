@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "light/directions.h"
+#include "light/sunlight.h"
 #include "tool/parallel_for.h"
 
 namespace nlg {
@@ -38,11 +39,9 @@ uint8_t classesOf(const LightTransport& transport, const Receiver& receiver, boo
         meetsWithin(rays, receiver, receiver.normal, kNearM))
       classes |= bitOf(ViewClass::near);
   }
-  const std::vector<Sun>& suns = transport.scene().light.suns;
-  if (suns.empty()) return classes;
-  bool is_sunlit = false;
-  for (size_t s = 0; s < suns.size() && !is_sunlit; ++s)
-    is_sunlit = glm::dot(suns[s].to_sun, receiver.normal) > 0.0f && transport.seesSun(receiver.position_m, s);
+  const Scene& scene = transport.scene();
+  if (scene.light.suns.empty()) return classes;
+  const bool is_sunlit = isInSunlight(scene, rays, receiver.position_m, receiver.normal);
   return classes | bitOf(is_sunlit ? ViewClass::sun : ViewClass::shadow);
 }
 
