@@ -1,6 +1,7 @@
 #include "validate/views/scene_views.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -17,11 +18,12 @@ namespace {
 constexpr uint64_t kPlaceStream = 0x7669657773;
 constexpr double kPi = 3.14159265358979;
 constexpr float kWalkableSlope = 0.7f;                   // of the floor's normal: 45 degrees, as games have it
-constexpr double kUprightM = 1.8;                        // below it nobody stands upright
+constexpr double kUprightM = kEyeHeightM + kOverEyesM;   // below it nobody stands upright
 constexpr double kLeastHeadroomM = 0.5;                  // below it nobody looks out
 constexpr double kElbowRoomM = 0.25;                     // around an eye
 constexpr double kStrideM = 0.6, kStepM = 0.3;           // around a place to stand: no table, no ledge
 constexpr int kTurns = 8;                                // around the vertical
+constexpr uint64_t kDrawnPerPlace = 8;                   // places in air that rooms are made of are chosen among
 constexpr size_t kSpotsPerRoom = 64, kEyesPerView = 10;  // that are judged
 constexpr double kFigureNearM = 1.5, kFigureFarM = 8.0;  // from the eye
 constexpr Ball kFigure[] = {{{0.0, 0.3, 0.0}, 0.3}, {{0.0, 1.0, 0.0}, 0.35}, {{0.0, 1.6, 0.0}, 0.2}};  // over its foot
@@ -62,7 +64,7 @@ class Spots {
         ceiling.kind == LightHit::Kind::nothing ? std::numeric_limits<double>::infinity() : double{ceiling.distance};
     spot.has_roof = ceiling.kind == LightHit::Kind::surface;
     if (spot.headroom_m < kLeastHeadroomM) return std::nullopt;
-    spot.eye_m = spot.floor_m + glm::dvec3(0.0, std::min(kEyeHeightM, 0.5 * spot.headroom_m), 0.0);
+    spot.eye_m = spot.floor_m + glm::dvec3(0.0, std::min(kEyeHeightM, spot.headroom_m - kOverEyesM), 0.0);
     if (!isInExtent(spot.eye_m) || !isInAir(rays_, spot.eye_m)) return std::nullopt;
     for (int turn = 0; turn < kTurns; ++turn) {
       if (isBlocked(spot.eye_m, spot.eye_m + kElbowRoomM * around(turn))) return std::nullopt;
@@ -108,21 +110,45 @@ class Spots {
   const ExtentBox extent_;
 };
 
-// Those with a wide floor; of a room that has none, all.
-std::vector<Spot> spotsOf(const SeenRoom& room, const std::vector<glm::dvec3>& places_m, const Spots& spots) {
-  std::vector<Spot> wide, all;
-  for (const uint32_t place : room.places) {
+// A room with a floor.
+struct Standing {
+  uint32_t room = 0;
+  bool has_roof = false;
+  std::vector<Spot> spots;
+};
+
+// Those with a wide floor; of a room that has none, all. A room that lies mostly under a roof has none before its windows.
+Standing standingIn(const std::vector<SeenRoom>& rooms, uint32_t room, const std::vector<glm::dvec3>& places_m,
+                    const Spots& spots) {
+  std::array<std::vector<Spot>, 2> wide, all;  // without and with a roof
+  for (const uint32_t place : rooms[room].places) {
     const std::optional<Spot> spot = spots.below(places_m[place]);
     if (!spot) continue;
-    (spot->is_wide ? wide : all).push_back(*spot);
-    if (wide.size() == kSpotsPerRoom) break;
+    all[spot->has_roof].push_back(*spot);
+    if (spot->is_wide) wide[spot->has_roof].push_back(*spot);
   }
-  return wide.empty() ? all : wide;
+  Standing standing{room, all[1].size() > all[0].size(), {}};
+  const bool roof = standing.has_roof;
+  standing.spots = std::move(wide[roof].empty() ? all[roof] : wide[roof]);
+  if (standing.spots.size() > kSpotsPerRoom) standing.spots.resize(kSpotsPerRoom);
+  return standing;
 }
 
-bool isUnderRoof(const std::vector<Spot>& spots) {
-  const auto roofed = std::count_if(spots.begin(), spots.end(), [](const Spot& spot) { return spot.has_roof; });
-  return 2 * static_cast<size_t>(roofed) > spots.size();
+bool hasRoof(const Standing& standing) { return standing.has_roof; }
+
+// In turn, so that no room has another view before each has one: rooms under a roof, of which the largest get one more, then the
+// others, which stand behind them.
+std::vector<size_t> viewCounts(const std::vector<Standing>& standing, const SceneViewOptions& options) {
+  std::vector<size_t> counts(standing.size(), 0);
+  auto left = static_cast<size_t>(options.most_views);
+  const auto giveEach = [&](size_t begin, size_t end) {
+    for (size_t s = begin; s < end && left > 0; ++s, --left) ++counts[s];
+  };
+  const auto roofed = static_cast<size_t>(std::count_if(standing.begin(), standing.end(), hasRoof));
+  for (int round = 0; round < options.views_per_room; ++round) giveEach(0, roofed);
+  giveEach(0, std::min(roofed, kLargestRooms));
+  for (int round = 0; round < options.views_per_room; ++round) giveEach(roofed, standing.size());
+  return counts;
 }
 
 // Groups of spots, far from one another: the first lies around the room's middle, each of the others where most is left.
@@ -191,15 +217,22 @@ std::vector<Ball> figureIn(const Camera& camera, double aspect, const SeenRoom& 
   return figure;
 }
 
+// Half of them or more lie under a roof where there are so many: in the open a house's rooms would be a handful of places each.
 std::vector<glm::dvec3> placesInAir(const LightTransport& transport, const ExtentBox& extent, const SceneViewOptions& options) {
   LightPlaceOptions place_options;
-  place_options.air = options.places_in_air;
+  place_options.air = kDrawnPerPlace * options.places_in_air;
   place_options.surface = place_options.walks = place_options.edges = 0;
   place_options.source_distance_m = 0.0;
   place_options.seed = mixSeed(options.seed, kPlaceStream);
-  std::vector<glm::dvec3> places;
-  for (const LightPlace& place : drawLightPlaces(transport.scene(), transport.rays(), extent, place_options).places)
-    places.push_back(place.position_m);
+  std::vector<glm::dvec3> places, open;
+  for (const LightPlace& place : drawLightPlaces(transport.scene(), transport.rays(), extent, place_options).places) {
+    const LightHit above = transport.rays().lightHit(glm::vec3(place.position_m), {0.0f, 1.0f, 0.0f});
+    (above.kind == LightHit::Kind::surface ? places : open).push_back(place.position_m);
+  }
+  const size_t count = std::min<size_t>(options.places_in_air, places.size() + open.size());
+  const size_t open_count = std::min(open.size(), std::max(count / 2, count - std::min(count, places.size())));
+  places.resize(count - open_count);
+  places.insert(places.end(), open.begin(), open.begin() + static_cast<ptrdiff_t>(open_count));
   return places;
 }
 
@@ -216,35 +249,25 @@ SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, c
   const Spots spots(transport, extent);
   const double aspect = static_cast<double>(options.width) / options.height;
 
-  std::vector<std::pair<uint32_t, std::vector<Spot>>> standing;  // rooms with a floor
+  std::vector<Standing> standing;
   for (uint32_t r = 0; r < rooms.size(); ++r) {
-    std::vector<Spot> of_room = spotsOf(rooms[r], places, spots);
-    if (!of_room.empty()) standing.emplace_back(r, std::move(of_room));
+    standing.push_back(standingIn(rooms, r, places, spots));
+    if (standing.back().spots.empty()) standing.pop_back();
   }
+  std::stable_partition(standing.begin(), standing.end(), hasRoof);
   found.rooms_without_floor = found.rooms - static_cast<uint32_t>(standing.size());
-  const auto most = static_cast<size_t>(options.most_views);
-  found.rooms_left_out = static_cast<uint32_t>(standing.size() - std::min(standing.size(), most));
-  standing.resize(std::min(standing.size(), most));
-  // every room has one before any has another
-  std::vector<size_t> counts(standing.size(), 1);
-  size_t left = most - standing.size();
-  for (int round = 1; round < options.views_per_room; ++round) {
-    for (size_t& count : counts) {
-      if (left > 0) ++count, --left;
-    }
-  }
-  size_t largest = 0;
-  for (size_t s = 0; s < standing.size() && largest < kLargestRooms; ++s) {
-    if (left > 0 && isUnderRoof(standing[s].second)) ++counts[s], --left, ++largest;
-  }
+  const std::vector<size_t> counts = viewCounts(standing, options);
+  found.rooms_left_out = static_cast<uint32_t>(std::count(counts.begin(), counts.end(), 0));
 
   for (size_t s = 0; s < standing.size(); ++s) {
-    const auto& [number, of_room] = standing[s];
+    if (counts[s] == 0) continue;
+    const auto& [number, has_roof, of_room] = standing[s];
     for (const std::vector<Spot>& group : apart(of_room, rooms[number].middle_m, counts[s])) {
       std::vector<glm::dvec3> eyes;
       for (size_t i = 0; i < std::min(kEyesPerView, group.size()); ++i) eyes.push_back(group[i].eye_m);
       SceneView view;
-      view.room = number;
+      view.room = static_cast<uint32_t>(s);
+      view.has_roof = has_roof;
       view.camera = bestView(transport, eyes, options.fov_y, aspect);
       view.figure = figureIn(view.camera, aspect, rooms[number], of_room, spots, rays);
       found.views.push_back(std::move(view));

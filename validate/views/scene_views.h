@@ -1,8 +1,9 @@
 // From where a scene is looked at when methods are held against truth: the same views for all methods, spacings and settings of a bake.
 //
-// Eyes are where a player's are: 1.6 m above a floor that one can stand on, or half way up to the ceiling where that is lower; every
-// room (validate/light/rooms.h) has a view or more. Each looks where there is much to see (render/view_choice.h). In most views
-// stands a figure, three balls one above another, near the middle of the room: what moves through it is lit like these.
+// Eyes are where a player's are: 1.6 m above a floor that one can stand on, or 20 cm below the ceiling where that is lower; every
+// room (validate/light/rooms.h) has a view or more, those under a roof before outdoors. Each looks where there is much to see
+// (render/view_choice.h). In most views stands a figure, three balls one above another, near the middle of the room: what moves
+// through it is lit like these.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +15,13 @@
 
 namespace nlg {
 
-inline constexpr double kEyeHeightM = 1.6;
+inline constexpr double kEyeHeightM = 1.6, kOverEyesM = 0.2;
 
 struct SceneViewOptions {
   int width = 192, height = 108;  // pixels: their quotient decides where there is much to see
   double fov_y = 1.05;            // radians
   int views_per_room = 1;
-  int most_views = 12;            // largest rooms first
+  int most_views = 12;            // rooms under a roof first, of these and of the others the largest
   uint64_t places_in_air = 2000;  // of which rooms are made
   uint64_t seed = 1;
   int thread_count = 1;
@@ -29,9 +30,10 @@ struct SceneViewOptions {
 inline constexpr size_t kLargestRooms = 3;  // under a roof, that get a view more than the others
 
 struct SceneView {
-  uint32_t room = 0;  // its number by size: the largest is 0
+  uint32_t room = 0;  // its number: those under a roof come first, of these and of the others the largest
   Camera camera;
   std::vector<Ball> figure;  // from its foot to its head; none where the view shows no free place for it
+  bool has_roof = false;
 };
 
 struct SceneViews {

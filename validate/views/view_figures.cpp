@@ -8,6 +8,7 @@
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 #include "validate/light/colour_difference.h"
+#include "validate/views/view_truth.h"
 
 namespace nlg {
 namespace {
@@ -125,6 +126,7 @@ ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> recei
   const Sights& sights = surfaces.sights;
   ViewTruth truth;
   truth.at = std::move(received);
+  truth.median_noise = medianNoise(truth.at);
   truth.exposure = automaticExposure(pictureOf(sights, "truth", truth.at));
   std::vector<float> light(truth.at.size(), 0.0f);
   std::vector<double> lit;

@@ -30,6 +30,7 @@ struct ViewTruth {
   double exposure = 1.0;
   double median = 0.0;        // of the luminance of irradiance, of receivers that are not black
   double noise = 0.0;         // root mean square of its standard deviation, over that of truth
+  double median_noise = 0.0;  // medianNoise, which --truth-noise bounds
   double colour_noise = 0.0;  // HyAB between truth and truth plus one standard deviation, the mean
 };
 

@@ -26,11 +26,12 @@ std::string captionOf(const ViewFigures& f) {
 
 }  // namespace
 
-Image viewRow(const std::vector<ShownMethod>& methods, double exposure, const std::string& truth_caption, int scale) {
+Image viewRow(const std::vector<ShownMethod>& methods, double exposure, const std::vector<std::string>& truth_caption,
+              int scale) {
   std::vector<PanelColumn> columns;
   for (size_t m = 0; m < methods.size(); ++m) {
-    const std::string caption = m == 0 ? truth_caption : captionOf(methods[m].figures);
-    columns.push_back({methods[m].picture.method, {caption}, enlarged(toneMapped(methods[m].picture, exposure), scale), {}});
+    const std::vector<std::string> caption = m == 0 ? truth_caption : std::vector{captionOf(methods[m].figures)};
+    columns.push_back({methods[m].picture.method, caption, enlarged(toneMapped(methods[m].picture, exposure), scale), {}});
   }
   return drawPanel(columns, {});
 }

@@ -17,8 +17,8 @@ struct ShownMethod {
 
 // Each pixel of the pictures becomes a square of scale x scale.
 // methods         truth first
-// truth_caption   what is written below truth
-Image viewRow(const std::vector<ShownMethod>& methods, double exposure, const std::string& truth_caption, int scale);
+// truth_caption   lines below truth
+Image viewRow(const std::vector<ShownMethod>& methods, double exposure, const std::vector<std::string>& truth_caption, int scale);
 
 // Rows below one another.
 Image contactSheet(const std::vector<Image>& rows, const std::string& heading);

@@ -80,23 +80,13 @@ void writeTruth(const std::string& path, const std::string& key, const TracedVie
   writeFileAtomically(path, bytes);
 }
 
-// Median of what is not black; 0 where all is.
-double noiseOf(const std::vector<ReceivedLight>& truth) {
-  std::vector<double> noise;
-  for (const ReceivedLight& at : truth) {
-    const double light = luminanceOf(at.irradiance);
-    if (light > 0.0) noise.push_back(luminanceOf(at.deviation) / light);
-  }
-  return medianOf(std::move(noise));
-}
-
 TracedView traced(const LightTransport& transport, const Sights& sights, const ViewTruthOptions& options) {
   const auto round = [&](int number) {
     return lightSamples(sights, truthLighting(transport, options.gather, mixSeed(options.seed, number)), options.thread_count);
   };
   TracedView view;
   view.at = round(0);
-  const double over = noiseOf(view.at) / options.noise;
+  const double over = medianNoise(view.at) / options.noise;
   view.rounds = static_cast<int>(std::clamp(std::ceil(over * over), 1.0, double{kMostTruthRounds}));
   for (ReceivedLight& at : view.at) at.deviation *= at.deviation;
   for (int number = 1; number < view.rounds; ++number) {
@@ -115,6 +105,15 @@ TracedView traced(const LightTransport& transport, const Sights& sights, const V
 }
 
 }  // namespace
+
+double medianNoise(const std::vector<ReceivedLight>& truth) {
+  std::vector<double> noise;
+  for (const ReceivedLight& at : truth) {
+    const double light = luminanceOf(at.irradiance);
+    if (light > 0.0) noise.push_back(luminanceOf(at.deviation) / light);
+  }
+  return medianOf(std::move(noise));
+}
 
 TracedView viewTruth(const LightTransport& transport, const Sights& sights, const ViewTruthOptions& options,
                      const std::string& path) {

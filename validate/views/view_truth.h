@@ -20,8 +20,7 @@ inline constexpr int kMostTruthRounds = 8;
 
 struct ViewTruthOptions {
   GatherOptions gather;  // of a round
-  // After the first round as many follow as bring the noise down to this, kMostTruthRounds in all at most. Noise is the median over
-  // receivers that are not black of the standard deviation over the light itself. No round is judged by what it is to be: what is
+  // After the first round as many follow as bring medianNoise down to this, kMostTruthRounds in all at most. No round is judged by what it is to be: what is
   // stopped where it looks sure is too dark where light comes seldom.
   double noise = 0.05;
   uint64_t seed = 1;
@@ -34,6 +33,9 @@ struct TracedView {
   int rounds = 0;
   bool was_read = false;  // from its file
 };
+
+// The median over receivers that are not black of the standard deviation over the light itself; 0 where all are.
+double medianNoise(const std::vector<ReceivedLight>& truth);
 
 // path     of the view's file, read if it is of this view, else written; empty: none
 // throws   OutputError; a file that is there and cannot be used is said on stderr, and replaced

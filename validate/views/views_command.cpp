@@ -152,6 +152,13 @@ class ViewsMeasurement {
     return row;
   }
 
+  std::vector<std::string> captionOf(size_t view) const {
+    const ViewTruth& truth = ready_[view].truth;
+    return {
+        fmt::format("view {}, room {}{}", view + 1, views_.views[view].room + 1, views_.views[view].has_roof ? "" : ", no roof"),
+        fmt::format("noise {:.1f} %, HyAB {:.1f}", 100.0 * truth.median_noise, truth.colour_noise)};
+  }
+
   std::string drawn(const std::string& name, const Image& image) const {
     const std::filesystem::path path = std::filesystem::path(request_.pictures) / (name + ".png");
     writePng(path.string(), image, {{"Software", std::string("nlg-validate views ") + sourceRevision()}});
@@ -161,7 +168,10 @@ class ViewsMeasurement {
   Json results() {
     Json json = {
         {"rooms", {{"count", views_.rooms}, {"without_floor", views_.rooms_without_floor}, {"left_out", views_.rooms_left_out}}},
-        {"truth", {{"noise", meanOf(&ViewTruth::noise)}, {"hyab_noise", meanOf(&ViewTruth::colour_noise)}}},
+        {"truth",
+         {{"noise", meanOf(&ViewTruth::noise)},
+          {"noise_median", meanOf(&ViewTruth::median_noise)},
+          {"hyab_noise", meanOf(&ViewTruth::colour_noise)}}},
         {"methods", methodsJson(measured_)},
         {"views", Json::array()}};
     std::vector<Image> rows;
@@ -170,7 +180,7 @@ class ViewsMeasurement {
       view["truth"]["rays"] = ready_[v].truth_rays;
       if (!request_.pictures.empty()) {
         const std::vector<ShownMethod> row = shown(v);
-        const std::string caption = fmt::format("view {}, room {}", v + 1, views_.views[v].room + 1);
+        const std::vector<std::string> caption = captionOf(v);
         view["picture"] = drawn(viewName(v), viewRow(row, ready_[v].truth.exposure, caption, request_.picture_scale));
         rows.push_back(viewRow(row, ready_[v].truth.exposure, caption, 1));
       }
@@ -261,7 +271,8 @@ int viewsMain(int argc, char** argv) {
   };
   whole("--views-per-room", &request.views.views_per_room, "views of every room; the three largest under a roof have one more", 1,
         100);
-  whole("--most-views", &request.views.most_views, "views in all, largest rooms first", 1, 1000);
+  whole("--most-views", &request.views.most_views,
+        "views in all. Rooms under a roof come before outdoors, of these and of the others the largest", 1, 1000);
   whole("--width", &request.views.width, "pixels of a view", 8, 4096);
   whole("--height", &request.views.height, "pixels of a view", 8, 4096);
   whole("--truth-rays", &request.truth_rays, "rays of ground truth at a pixel, to begin with", 8, 1 << 20);

@@ -31,12 +31,17 @@ Json viewJson(const SceneView& view, const ViewTruth& truth, const std::vector<M
               const glm::dvec3& origin_m) {
   const glm::dvec3 eye = origin_m + view.camera.eye_m;
   Json json = {{"room", view.room},
+               {"has_roof", view.has_roof},
                {"eye_m", vectorJson(eye)},
                {"look_m", vectorJson(eye + glm::dvec3(view.camera.forward))},
                {"fov_degrees", view.camera.fov_y * 180.0 / 3.14159265358979},
                {"figure_m", view.figure.empty() ? Json() : vectorJson(origin_m + view.figure.front().centre_m)},
                {"exposure", truth.exposure},
-               {"truth", {{"median", truth.median}, {"noise", truth.noise}, {"hyab_noise", truth.colour_noise}}},
+               {"truth",
+                {{"median", truth.median},
+                 {"noise", truth.noise},
+                 {"noise_median", truth.median_noise},
+                 {"hyab_noise", truth.colour_noise}}},
                {"methods", Json::array()}};
   for (const MeasuredViews& method : methods)
     json["methods"].push_back(byClassJson(method.weights, method.light, method.views[number]));

@@ -32,8 +32,8 @@ TEST(SceneViews, StandInAirInEveryRoom) {
   std::set<bool> sides;
   for (const SceneView& view : found.views) {
     EXPECT_TRUE(isInAir(seen.rays, view.camera.eye_m));
-    // both rooms are 3 m high, and half of that is less than an eye's 1.6 m
-    EXPECT_NEAR(view.camera.eye_m.y, 1.5, 1e-3);
+    EXPECT_NEAR(view.camera.eye_m.y, kEyeHeightM, 1e-3);
+    EXPECT_TRUE(view.has_roof);
     sides.insert(view.camera.eye_m.x < kWallLow);
     ASSERT_EQ(view.figure.size(), 3u) << "rooms of 3 m by 3 m have a place that a view shows whole";
     for (const Ball& ball : view.figure) {
@@ -48,11 +48,48 @@ TEST(SceneViews, StandInAirInEveryRoom) {
   EXPECT_EQ(found.rooms_left_out, 0u);
 }
 
-TEST(SceneViews, LookFromHeadHeightWhereCeilingsAreHigh) {
+TEST(SceneViews, LookFromHeadHeightWhereverOneStandsUpright) {
+  for (const float ceiling_m : {1.9f, 2.5f, 5.0f}) {
+    SceneOfFaces faces;
+    faces.addRoom({-3, 0, -3}, {3, ceiling_m, 3}, 0.2f);
+    const SceneViews found = Seen(faces.finish()).views();
+    EXPECT_FALSE(found.views.empty()) << ceiling_m;
+    for (const SceneView& view : found.views) EXPECT_NEAR(view.camera.eye_m.y, kEyeHeightM, 1e-3);
+  }
+}
+
+// A closet of 1 by 1 m and a room of 4 by 4 m, both 2.5 m high, on ground that is ten times as large. The room has a window of half
+// a wall, so that places outside see what those inside see.
+TEST(SceneViews, ShowRoomsAndClosetsBeforeOutdoorsAndStandNotBeforeTheirWindows) {
   SceneOfFaces faces;
-  faces.addRoom({-3, 0, -3}, {3, 5, 3}, 0.2f);
+  faces.addBox({-10, -0.5f, -10}, {10, 0, 10});
+  faces.addBox({-2.2f, 2.5f, -2.2f}, {3.4f, 2.7f, 2.2f});  // the roof
+  faces.addBox({-2.2f, 0, -2.2f}, {3.4f, 2.5f, -2});
+  faces.addBox({-2.2f, 0, 2}, {3.4f, 2.5f, 2.2f});
+  faces.addBox({2, 0, -2}, {2.2f, 2.5f, 2});
+  faces.addBox({3.2f, 0, -2}, {3.4f, 2.5f, 2});
+  faces.addBox({2.2f, 0, -2}, {3.2f, 2.5f, -0.5f});
+  faces.addBox({2.2f, 0, 0.5f}, {3.2f, 2.5f, 2});
+  faces.addBox({-2.2f, 0, -2}, {-2, 0.9f, 2});
+  faces.addBox({-2.2f, 0.9f, -2}, {-2, 2.5f, -1});
+  faces.addBox({-2.2f, 0.9f, 1}, {-2, 2.5f, 2});
   const Seen seen(faces.finish());
-  for (const SceneView& view : seen.views().views) EXPECT_NEAR(view.camera.eye_m.y, kEyeHeightM, 1e-3);
+  SceneViewOptions options;
+  const SceneViews found = findViews(seen.transport, lightExtent(seen.scene, {}), options);
+  int roofed = 0, in_closet = 0;
+  for (size_t v = 0; v < found.views.size(); ++v) {
+    const glm::dvec3& eye = found.views[v].camera.eye_m;
+    EXPECT_NEAR(eye.y, kEyeHeightM, 1e-3);
+    const bool is_inside = eye.x > -2.2 && eye.x < 3.2 && std::abs(eye.z) < 2.0;
+    EXPECT_EQ(found.views[v].has_roof, is_inside) << eye.x << ' ' << eye.z;
+    EXPECT_TRUE(v == 0 || found.views[v - 1].has_roof || !found.views[v].has_roof) << "outdoors comes last";
+    roofed += is_inside;
+    in_closet += is_inside && eye.x > 2.2;
+  }
+  EXPECT_GE(in_closet, 1);
+  EXPECT_GE(roofed - in_closet, 1);
+  options.most_views = roofed;
+  for (const SceneView& view : findViews(seen.transport, lightExtent(seen.scene, {}), options).views) EXPECT_TRUE(view.has_roof);
 }
 
 // A table of 1.6 x 1 m on legs, and a cellar that is as low as it: below the one nobody stands, in the other one crouches.
@@ -62,13 +99,12 @@ TEST(SceneViews, StandNotBelowTablesButInLowRooms) {
   faces.addBox({-0.8f, 0.75f, -0.5f}, {0.8f, 0.8f, 0.5f});
   SceneViewOptions options;
   options.views_per_room = 8;
-  // each of its rooms is 3 m high, and half of that is less than an eye's 1.6 m
-  for (const SceneView& view : Seen(faces.finish()).views(options).views) EXPECT_NEAR(view.camera.eye_m.y, 1.5, 1e-3);
+  for (const SceneView& view : Seen(faces.finish()).views(options).views) EXPECT_NEAR(view.camera.eye_m.y, kEyeHeightM, 1e-3);
   SceneOfFaces cellar;
   cellar.addRoom({-2, 0, -2}, {2, 0.75f, 2}, 0.2f);
   const SceneViews found = Seen(cellar.finish()).views(options);
   EXPECT_FALSE(found.views.empty());
-  for (const SceneView& view : found.views) EXPECT_NEAR(view.camera.eye_m.y, 0.375, 1e-3);
+  for (const SceneView& view : found.views) EXPECT_NEAR(view.camera.eye_m.y, 0.75 - kOverEyesM, 1e-3);
 }
 
 // On the roof one stands above all that the scene has: nobody lights that.
