@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "light/sunlight.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tool/error.h"
 
@@ -199,6 +200,24 @@ TEST(LightTransport, SkyFacesShineInFrontAndLetThroughFromBehind) {
   EXPECT_EQ(from_behind.kind, LightHit::Kind::surface);
   EXPECT_NEAR(from_behind.distance, 4.5f, 1e-5f);
   EXPECT_FALSE(rays.isBlocked({0, 1, 0}, {0, 4.5f, 0}));  // no geometry for anybody else
+}
+
+// A sun straight above: the level's own roof ends in a face of sky, or in one of lava.
+TEST(Sunlight, FallsThroughFacesOfSkyAndNotThroughThoseThatShineThemselves) {
+  SceneOfFaces faces;
+  faces.addQuad({-10, 0, 10}, {10, 0, 10}, {10, 0, -10}, {-10, 0, -10});
+  faces.addQuad({-10, 5, -10}, {10, 5, -10}, {10, 5, 10}, {-10, 5, 10});
+  Scene scene = faces.finish();
+  scene.light.suns.push_back({});
+  scene.light.suns.back().to_sun = {0, 1, 0};
+  scene.light.sky_faces.positions = {{-10, 4, -10}, {10, 4, -10}, {10, 4, 10}, {-10, 4, 10}};
+  scene.light.sky_faces.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const RayScene rays(scene);
+  EXPECT_TRUE(isInSunlight(scene, rays, {0, 1, 0}, {0, 1, 0}));
+  EXPECT_FALSE(isInSunlight(scene, rays, {0, 1, 0}, {0, -1, 0})) << "the sun stands behind its plane";
+  EXPECT_FALSE(isInSunlight(scene, rays, {0, 4.5, 0}, {0, 1, 0})) << "a roof stands above";
+  scene.light.sky_faces.shine = {glm::vec3(1.0f), glm::vec3(1.0f)};
+  EXPECT_FALSE(isInSunlight(scene, rays, {0, 1, 0}, {0, 1, 0}));
 }
 
 // Nothing but a speck far below: all of the sky is seen.

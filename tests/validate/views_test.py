@@ -47,6 +47,8 @@ class Views(unittest.TestCase):
         self.assertEqual((self.result["scene"], self.result["spacing_m"]), ("house_1", 2.0))
         self.assertEqual(set(self.result["provenance"]["inputs"]), {"weights of tent_mlp4"})
         self.assertEqual(len(self.result["views"]), 2)
+        self.assertEqual(self.result["truth"]["views"], sum(view["truth"]["is_known"] for view in self.result["views"]))
+        self.assertTrue(all(view["has_roof"] for view in self.result["views"]))
 
     def test_has_the_grid_its_yardsticks_and_rivals(self):
         names = [(method["weights"], method["light"]) for method in self.result["methods"]]

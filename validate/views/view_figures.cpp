@@ -79,6 +79,14 @@ std::array<double*, 10> numbersOf(ViewFigures* f) {
           &f->unlit};
 }
 
+// A view darker than what the eye adapts to is exposed as if that light were everywhere.
+double exposureOf(const Sights& sights, const ViewTruth& truth) {
+  if (truth.adapted <= truth.median) return automaticExposure(pictureOf(sights, "truth", truth.at));
+  std::vector<ReceivedLight> even(truth.at.size());
+  for (ReceivedLight& at : even) at.irradiance = glm::vec3(static_cast<float>(truth.adapted));
+  return automaticExposure(pictureOf(sights, "even light", even));
+}
+
 class ClassSum {
  public:
   // light   luminances
@@ -122,14 +130,24 @@ class ClassSum {
 
 }  // namespace
 
-ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> received, int thread_count) {
+double medianLight(const Sights& sights, const std::vector<ReceivedLight>& truth) {
+  std::vector<double> lit;
+  for (size_t i = 0; i < truth.size(); ++i) {
+    const double light = luminanceOf(truth[i].irradiance);
+    if (sights.samples[i].kind == Sight::Kind::receiver && light > 0.0) lit.push_back(light);
+  }
+  return medianOf(std::move(lit));
+}
+
+ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> received, double brightest, int thread_count) {
   const Sights& sights = surfaces.sights;
   ViewTruth truth;
   truth.at = std::move(received);
   truth.median_noise = medianNoise(truth.at);
-  truth.exposure = automaticExposure(pictureOf(sights, "truth", truth.at));
+  truth.median = medianLight(sights, truth.at);
+  truth.adapted = std::max(truth.median, kLeastLight * brightest);
+  truth.exposure = exposureOf(sights, truth);
   std::vector<float> light(truth.at.size(), 0.0f);
-  std::vector<double> lit;
   double squares = 0.0, variance = 0.0, colour = 0.0;
   uint64_t receivers = 0;
   for (size_t i = 0; i < truth.at.size(); ++i) {
@@ -138,13 +156,11 @@ ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> recei
     const ReceivedLight& at = truth.at[i];
     ++receivers;
     light[i] = static_cast<float>(luminanceOf(at.irradiance));
-    if (light[i] > 0.0f) lit.push_back(light[i]);
     squares += squareSum(at.irradiance);
     variance += squareSum(at.deviation);
     colour +=
         hyAb(shownColour(sight, at.irradiance, truth.exposure), shownColour(sight, at.irradiance + at.deviation, truth.exposure));
   }
-  truth.median = medianOf(std::move(lit));
   truth.noise = std::sqrt(over(variance, squares));
   truth.colour_noise = colour / static_cast<double>(std::max<uint64_t>(1, receivers));
   const Neighbours neighbours(sights);
@@ -160,7 +176,7 @@ ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> recei
 
 ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& truth, const std::vector<ReceivedLight>& answers) {
   std::array<ClassSum, kViewClassCount> sums;
-  const double black = kBlackOfMedian * truth.median;
+  const double black = kBlackOfMedian * truth.adapted;
   for (size_t i = 0; i < answers.size(); ++i) {
     const Sight& sight = surfaces.sights.samples[i];
     if (sight.kind != Sight::Kind::receiver) continue;

@@ -1,9 +1,9 @@
 // How far the picture that a method gives of a view is from truth, at its receivers.
 //
 // The eye adapts: a view is exposed by its own truth, so that a dark room counts as much as a terrace. The exposure is
-// render/tone.h's: the median luminance is shown as middle grey, .18. Colours are compared as a display shows them, by HyAB in
-// CIE L*a*b* (validate/light/colour_difference.h). That is not FLIP, of which HyAB is the colour part alone: FLIP's filters say what
-// is seen from afar in a picture of a known size, and a player's is none.
+// render/tone.h's: the median luminance is shown as middle grey, .18; but no eye adapts to less than kLeastLight. Colours are
+// compared as a display shows them, by HyAB in CIE L*a*b* (validate/light/colour_difference.h). That is not FLIP, of which HyAB is the
+// colour part alone: FLIP's filters say what is seen from afar in a picture of a known size, and a player's is none.
 #pragma once
 
 #include <array>
@@ -17,9 +17,14 @@ namespace nlg {
 
 inline constexpr double kLastFactor = 2.0, kFirstFactor = 1.5;  // of light that is off
 inline constexpr double kSureDeviations = 3.0;                  // of truth's noise: what differs by less is not off
-// Of the view's median irradiance: where neither truth nor answer has more, all is black to an eye. A surface of the view's median
-// colour is shown as .0018 there, L* 1.6, and less than 2.3 is not seen.
+// Of the irradiance that the eye has adapted to: where neither truth nor answer has more, all is black to it. A surface of the view's
+// median colour is shown as .0018 there, L* 1.6, and less than 2.3 is not seen.
 inline constexpr double kBlackOfMedian = 0.01;
+// Of the median irradiance of the scene's brightest view: a view that has less is shown darker than middle grey, and one without any
+// light stays black.
+inline constexpr double kLeastLight = 1e-3;
+// Of medianNoise: with more, kSureDeviations of it are as much as light off by kLastFactor, at half of the receivers.
+inline constexpr double kMostNoise = (kLastFactor - 1.0) / kSureDeviations;
 inline constexpr double kRingM = 0.2;             // around a receiver
 inline constexpr double kRingDarker = 2.0 / 3.0;  // of the least truth there: a ring is darker
 inline constexpr float kRingNormal = 0.9f;        // cosine between normals of surfaces that are held against each other
@@ -28,13 +33,20 @@ struct ViewTruth {
   std::vector<ReceivedLight> at;    // by sample
   std::vector<float> least_nearby;  // luminance: the least truth within kRingM, of like normals; by sample
   double exposure = 1.0;
-  double median = 0.0;        // of the luminance of irradiance, of receivers that are not black
+  double median = 0.0;        // medianLight
+  double adapted = 0.0;       // the median, or the least that an eye adapts to
   double noise = 0.0;         // root mean square of its standard deviation, over that of truth
   double median_noise = 0.0;  // medianNoise, which --truth-noise bounds
   double colour_noise = 0.0;  // HyAB between truth and truth plus one standard deviation, the mean
+
+  bool isKnown() const { return median_noise <= kMostNoise; }  // well enough to hold answers against
 };
 
-ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> truth, int thread_count);
+// Median luminance of the irradiance of receivers that are not black; 0 where all are.
+double medianLight(const Sights& sights, const std::vector<ReceivedLight>& truth);
+
+// brightest   medianLight of the scene's brightest view
+ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> truth, double brightest, int thread_count);
 
 struct OffShares {
   double brighter = 0.0, darker = 0.0;

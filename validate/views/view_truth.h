@@ -20,8 +20,8 @@ inline constexpr int kMostTruthRounds = 8;
 
 struct ViewTruthOptions {
   GatherOptions gather;  // of a round
-  // After the first round as many follow as bring medianNoise down to this, kMostTruthRounds in all at most. No round is judged by what it is to be: what is
-  // stopped where it looks sure is too dark where light comes seldom.
+  // After the first round as many follow as bring medianNoise down to this, kMostTruthRounds in all at most. No round is judged by
+  // what it is to be: what is stopped where it looks sure is too dark where light comes seldom.
   double noise = 0.05;
   uint64_t seed = 1;
   int thread_count = 1;

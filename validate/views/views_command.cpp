@@ -68,15 +68,24 @@ class ViewsMeasurement {
     truth.thread_count = threads_;
     truth.scene_sha256 = sceneLightSha256(scene.source.scene);
     Progress progress("views", static_cast<int64_t>(views_.views.size()));
+    std::vector<TracedView> traced;
+    double brightest = 0.0;
     for (size_t v = 0; v < views_.views.size(); ++v) {
       ReadyView& ready = ready_.emplace_back();
       ready.surfaces = surfacesOf(transport_, views_.views[v], request.views.width, request.views.height, threads_);
       const std::string path = (std::filesystem::path(request.truth) / (viewName(v) + ".truth.safetensors")).string();
-      TracedView traced = viewTruth(transport_, ready.surfaces.sights, truth, path);
-      ready.truth_rays = traced.rounds * request.truth_rays;
-      ready.truth = truthOf(ready.surfaces, std::move(traced.at), threads_);
+      traced.push_back(viewTruth(transport_, ready.surfaces.sights, truth, path));
+      ready.truth_rays = traced.back().rounds * request.truth_rays;
+      brightest = std::max(brightest, medianLight(ready.surfaces.sights, traced.back().at));
       progress.update(static_cast<int64_t>(v) + 1);
     }
+    for (size_t v = 0; v < ready_.size(); ++v) {
+      ready_[v].truth = truthOf(ready_[v].surfaces, std::move(traced[v].at), brightest, threads_);
+      known_views_ += ready_[v].truth.isKnown();
+    }
+    if (known_views_ == 0)
+      throw InputError(request.scene, "truth", fmt::format("a view whose noise is at most {:.2f}; more --truth-rays", kMostNoise),
+                       fmt::format("none of {}", ready_.size()));
   }
 
   Json measure(const GeneratorSets& sets) {
@@ -97,13 +106,31 @@ class ViewsMeasurement {
     return results();
   }
 
-  std::string table() const { return viewsTable(scene_.source.id, measured_, meanOf(&ViewTruth::colour_noise)); }
+  std::string table() const {
+    std::string text = viewsTable(scene_.source.id, ofKnown(), meanOf(&ViewTruth::colour_noise));
+    if (known_views_ < ready_.size())
+      text +=
+          fmt::format("{} of {} views are not counted: their truth is not known\n", ready_.size() - known_views_, ready_.size());
+    return text;
+  }
 
  private:
   double meanOf(double ViewTruth::*noise) const {
     double sum = 0.0;
-    for (const ReadyView& view : ready_) sum += view.truth.*noise;
-    return sum / static_cast<double>(ready_.size());
+    for (const ReadyView& view : ready_) sum += view.truth.isKnown() ? view.truth.*noise : 0.0;
+    return sum / static_cast<double>(known_views_);
+  }
+
+  // Of views whose truth is known, what means are made of.
+  std::vector<MeasuredViews> ofKnown() const {
+    std::vector<MeasuredViews> methods;
+    for (const MeasuredViews& method : measured_) {
+      MeasuredViews& known = methods.emplace_back(MeasuredViews{method.weights, method.light, {}});
+      for (size_t v = 0; v < ready_.size(); ++v) {
+        if (ready_[v].truth.isKnown()) known.views.push_back(method.views[v]);
+      }
+    }
+    return methods;
   }
 
   std::string viewName(size_t view) const { return fmt::format("{}_{:02}", fileWord(scene_.source.id), view + 1); }
@@ -156,7 +183,8 @@ class ViewsMeasurement {
     const ViewTruth& truth = ready_[view].truth;
     return {
         fmt::format("view {}, room {}{}", view + 1, views_.views[view].room + 1, views_.views[view].has_roof ? "" : ", no roof"),
-        fmt::format("noise {:.1f} %, HyAB {:.1f}", 100.0 * truth.median_noise, truth.colour_noise)};
+        fmt::format("noise {:.1f} %, ", 100.0 * truth.median_noise) +
+            (truth.isKnown() ? fmt::format("HyAB {:.1f}", truth.colour_noise) : "not counted")};
   }
 
   std::string drawn(const std::string& name, const Image& image) const {
@@ -169,10 +197,11 @@ class ViewsMeasurement {
     Json json = {
         {"rooms", {{"count", views_.rooms}, {"without_floor", views_.rooms_without_floor}, {"left_out", views_.rooms_left_out}}},
         {"truth",
-         {{"noise", meanOf(&ViewTruth::noise)},
+         {{"views", known_views_},
+          {"noise", meanOf(&ViewTruth::noise)},
           {"noise_median", meanOf(&ViewTruth::median_noise)},
           {"hyab_noise", meanOf(&ViewTruth::colour_noise)}}},
-        {"methods", methodsJson(measured_)},
+        {"methods", methodsJson(ofKnown())},
         {"views", Json::array()}};
     std::vector<Image> rows;
     for (size_t v = 0; v < ready_.size(); ++v) {
@@ -200,6 +229,7 @@ class ViewsMeasurement {
   LightTransport transport_;
   SceneViews views_;
   std::vector<ReadyView> ready_;                         // by view
+  size_t known_views_ = 0;                               // whose truth is known
   std::vector<MeasuredViews> measured_;                  // by method
   std::map<size_t, std::vector<ShownMethod>> pictures_;  // by view, all methods
 };

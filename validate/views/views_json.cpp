@@ -41,7 +41,8 @@ Json viewJson(const SceneView& view, const ViewTruth& truth, const std::vector<M
                 {{"median", truth.median},
                  {"noise", truth.noise},
                  {"noise_median", truth.median_noise},
-                 {"hyab_noise", truth.colour_noise}}},
+                 {"hyab_noise", truth.colour_noise},
+                 {"is_known", truth.isKnown()}}},
                {"methods", Json::array()}};
   for (const MeasuredViews& method : methods)
     json["methods"].push_back(byClassJson(method.weights, method.light, method.views[number]));

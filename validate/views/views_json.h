@@ -11,10 +11,10 @@
 
 namespace nlg {
 
-// What a method made of all views.
+// What a method made of views.
 struct MeasuredViews {
-  std::string weights, light;             // as LightMethod has them
-  std::vector<ViewFiguresByClass> views;  // by view
+  std::string weights, light;  // as LightMethod has them
+  std::vector<ViewFiguresByClass> views;
 };
 
 // view       by number, from 0

@@ -48,7 +48,7 @@ TEST(ViewFigures, AreZeroOfTruthItself) {
   std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f);
   // any light, from bright to black
   for (size_t i = 0; i < light.size(); ++i) light[i].irradiance *= static_cast<float>(i % 7) * static_cast<float>(i % 11);
-  const ViewTruth truth = truthOf(surfaces, light, 1);
+  const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
   for (const ViewFigures& f : viewFigures(surfaces, truth, light)) {
     for (const double figure : {f.colour, f.rmse, f.relative, f.excess, f.off_first.brighter, f.off_first.darker,
                                 f.off_last.brighter, f.off_last.darker, f.ringing, f.unlit})
@@ -59,7 +59,7 @@ TEST(ViewFigures, AreZeroOfTruthItself) {
 TEST(ViewFigures, OfTwiceTheLightAreWhatTheySay) {
   const ViewSurfaces surfaces = floorFromAbove();
   const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 3.0f);
-  const ViewTruth truth = truthOf(surfaces, light, 1);
+  const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
   const ViewFigures twice = of(viewFigures(surfaces, truth, scaled(light, 2.0f)), ViewClass::all);
   EXPECT_EQ(twice.receivers, surfaces.classes.size());
   EXPECT_EQ(twice.off_first.brighter, 1.0);
@@ -79,7 +79,7 @@ TEST(ViewFigures, OfTwiceTheLightAreWhatTheySay) {
 TEST(ViewFigures, TakeNoisyTruthForOffOnlyBeyondItsNoise) {
   const ViewSurfaces surfaces = floorFromAbove();
   const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f, 0.2f);
-  const ViewTruth truth = truthOf(surfaces, light, 1);
+  const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
   EXPECT_NEAR(truth.noise, 0.2, 1e-6);
   // truth may be 1.6, and 1.5 times that is 2.4
   EXPECT_EQ(of(viewFigures(surfaces, truth, scaled(light, 2.3f)), ViewClass::all).off_first.brighter, 0.0);
@@ -94,10 +94,43 @@ TEST(ViewFigures, DoNotLookIntoTheBlack) {
     light[i].irradiance = glm::vec3(0.001f);
     answer[i].irradiance = glm::vec3(0.009f);
   }
-  const ViewTruth truth = truthOf(surfaces, light, 1);
+  const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
   EXPECT_EQ(of(viewFigures(surfaces, truth, answer), ViewClass::all).off_first.brighter, 0.0);
   for (size_t i = 0; i < light.size(); i += 3) answer[i].irradiance = glm::vec3(0.011f);
   EXPECT_NEAR(of(viewFigures(surfaces, truth, answer), ViewClass::all).off_first.brighter, 1.0 / 3.0, 1e-3);
+}
+
+// Of a scene whose brightest view has 10: the eye adapts to .01 here, and a hundredth of that is black.
+TEST(ViewFigures, OfAViewWithoutLightAreOfWhatTheDarkestEyeWouldSee) {
+  const ViewSurfaces surfaces = floorFromAbove();
+  const std::vector<ReceivedLight> dark = evenLight(surfaces.classes.size(), 0.0f);
+  const ViewTruth truth = truthOf(surfaces, dark, 10.0, 1);
+  EXPECT_EQ(truth.median, 0.0);
+  EXPECT_TRUE(truth.isKnown());
+  const auto leaking = [&](float light) {
+    return of(viewFigures(surfaces, truth, evenLight(surfaces.classes.size(), light)), ViewClass::all);
+  };
+  EXPECT_EQ(leaking(0.9e-4f).off_last.brighter, 0.0);
+  EXPECT_EQ(leaking(1.1e-4f).off_last.brighter, 1.0);
+  // shown as middle grey, L* 49.50
+  EXPECT_NEAR(leaking(0.01f).colour, 49.50, 0.05);
+  // nothing changes where there is more
+  const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 0.02f);
+  EXPECT_EQ(truthOf(surfaces, light, 10.0, 1).exposure, truthOf(surfaces, light, 0.0, 1).exposure);
+}
+
+// At 1/3 three deviations are as much as the light, and twice of it is not told from it.
+TEST(ViewFigures, AreOfNoUseWhereTruthIsNotKnown) {
+  const ViewSurfaces surfaces = floorFromAbove();
+  const auto isKnown = [&](float deviation) {
+    const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f, deviation);
+    const ViewTruth truth = truthOf(surfaces, light, 1.0, 1);
+    EXPECT_EQ(of(viewFigures(surfaces, truth, scaled(light, 4.0f)), ViewClass::all).off_last.brighter,
+              truth.isKnown() ? 1.0 : 0.0);
+    return truth.isKnown();
+  };
+  EXPECT_TRUE(isKnown(0.33f));
+  EXPECT_FALSE(isKnown(0.34f));
 }
 
 TEST(ViewFigures, FindRingsWhereTheyAreAndNowhereElse) {
@@ -107,7 +140,7 @@ TEST(ViewFigures, FindRingsWhereTheyAreAndNowhereElse) {
   for (size_t i = 0; i < light.size(); ++i) {
     if (i % 100 == 50 || i % 100 == 51) light[i].irradiance = glm::vec3(0.3f);
   }
-  const ViewTruth truth = truthOf(surfaces, light, 3);
+  const ViewTruth truth = truthOf(surfaces, light, 0.0, 3);
   // the answer: dark at x = .4 m, where truth is bright all around, and at 2.2 m, which is 16 cm from the strip
   std::vector<ReceivedLight> answer = light;
   for (size_t i = 0; i < light.size(); ++i) {
