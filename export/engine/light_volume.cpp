@@ -105,7 +105,7 @@ size_t fillTexels(const std::array<uint32_t, 3>& count, std::vector<Texel>* texe
   return filled;
 }
 
-// Whether the texel's light is whole: what fades out is better filled.
+// Whether the texel's light is sure: what is faint is better filled.
 bool isKnown(const LightGrid& grid, const LightBox& box, size_t texel, LightStatus status) {
   if (status != LightStatus::outside) return status == LightStatus::lit;
   const size_t row = box.texel_count[0], slice = row * box.texel_count[1];

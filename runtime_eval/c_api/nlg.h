@@ -185,8 +185,8 @@ int nlg_light_grid_has_light(const nlg_light_grid* grid);
 /* Where light at a position comes from: runtime_eval/light_grid/irradiance.h has the words. Values stay what they are. */
 typedef enum nlg_light_status NLG_OF_INT {
   NLG_LIT = 0,    /* by weighting functions */
-  NLG_FAINT = 1,  /* no weight can be believed wholly: light fades to 0 */
-  NLG_UNLIT = 2,  /* no probe around has light to give: 0 */
+  NLG_FAINT = 1,  /* no weight can be believed wholly: the darkest probes around give what is missing */
+  NLG_UNLIT = 2,  /* no probe around has a function, or the grid no light: 0 */
   NLG_OUTSIDE = 3 /* in no cell, or not finite: light of the nearest used cell within one unit, 0 where there is none */
 } nlg_light_status;
 

@@ -1,14 +1,56 @@
 #include "runtime_eval/light_grid/irradiance.h"
 
 #include <algorithm>
+#include <array>
 
 namespace nlg {
 namespace {
 
+// Of a probe's light over all directions, in any unit.
+float luminanceOf(const float* light_9x3) {
+  return std::max(0.0f, 0.2126f * light_9x3[0] + 0.7152f * light_9x3[1] + 0.0722f * light_9x3[2]);
+}
+
+// What the certainty lacks of 1 goes to the tents of probes that have functions, over the square of the light that they hold. No
+// tent is left out for being small: a dark probe's counts ten thousand times.
+// shares   that add up to the certainty, in the order of corners, as they are afterwards
+void addDarkest(const LightGrid& grid, const ProbesAround& around, ProbeWeights* shares) {
+  constexpr float kNoLight = 1e-20f;  // keeps quotients finite where there is none
+  std::array<float, 8> weight{}, luminance{};
+  float tents = 0.0f, light = 0.0f;
+  for (size_t c = 0; c < 8; ++c) {
+    const ProbeAround& corner = around.corners[c];
+    if (grid.probe_function[corner.probe] == kNoWeight) continue;
+    weight[c] = tent(corner.local) * corner.tent_ratio;
+    luminance[c] = luminanceOf(grid.probeLight(corner.probe));
+    tents += weight[c];
+    light += weight[c] * luminance[c];
+  }
+  if (!(tents > 0.0f)) return;
+  const float mean = light / tents + kNoLight;
+  float sum = 0.0f;
+  for (size_t c = 0; c < 8; ++c) {
+    const float darker = mean / (luminance[c] + kDarkestFloor * mean);
+    sum += weight[c] *= darker * darker;
+  }
+  const float scale = (1.0f - shares->certainty) / sum;
+  const ProbeWeights sure = *shares;
+  shares->count = 0;
+  for (int c = 0, next = 0; c < 8; ++c) {
+    float share = scale * weight[c];
+    if (next < sure.count && sure.probe[next] == around.corners[c].probe) share += sure.weight[next++];
+    if (!(share > 0.0f)) continue;
+    shares->probe[shares->count] = around.corners[c].probe;
+    shares->weight[shares->count++] = share;
+  }
+}
+
 LightStatus sharesAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* shares) {
   weightsAround(grid, around, shares);
-  if (!normaliseWeights(shares)) return LightStatus::unlit;
-  return shares->certainty < 1.0f ? LightStatus::faint : LightStatus::lit;
+  normaliseWeights(shares);
+  if (shares->certainty == 1.0f) return LightStatus::lit;
+  if (!grid.light.empty()) addDarkest(grid, around, shares);
+  return shares->count > 0 ? LightStatus::faint : LightStatus::unlit;
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 // Light at a position, out of a light grid: the blend of the probes around it.
 //
-// The shares of the blend are normalised weights of light_grid.h. Where none of them can be believed, light fades to 0, and the status
-// says so: in solid, and at the few places in air that no probe around knows. In no cell at all, the nearest used cell within one
-// unit of the tree lends its light: a position that a rounding or a collision put behind the border is not dark. Takes no memory,
-// cannot fail; any number of threads may look up in one grid.
+// The shares of the blend are normalised weights of light_grid.h. Where none of them can be believed, in solid and at the few places
+// in air that no probe around knows, the probes around that hold the least light give it, and the status says so
+// (docs/theory/probes.md). In no cell at all, the nearest used cell within one unit of the tree lends its light: a position that a
+// rounding or a collision put behind the border is not dark. Takes no memory, cannot fail; any number of threads may look up in one
+// grid.
 #pragma once
 
 #include <cmath>
@@ -18,15 +19,16 @@ namespace nlg {
 
 enum class LightStatus : uint8_t {
   lit,      // by weighting functions
-  faint,    // no weight can be believed wholly: light fades to 0 with ProbeWeights::certainty
-  unlit,    // no probe around has light to give; the result is 0
+  faint,    // no weight can be believed wholly: what ProbeWeights::certainty lacks is of the darkest probes around
+  unlit,    // no probe around has a function, or the grid no light; the result is 0
   outside,  // in no cell, or not finite; light of the nearest used cell within one unit, 0 where there is none
 };
 
 // "lit", "faint", "unlit", "outside"
 const char* lightStatusName(LightStatus status);
 
-// The shares that the probes around take of the blend, which add up to their certainty; a count of 0 where light is 0.
+// The shares that the probes around take of the blend: they add up to 1, or to their certainty in a grid without light. A count of
+// 0 where there are none.
 LightStatus lookUpShares(const LightGrid& grid, const PositionM& position_m, ProbeWeights* shares);
 
 // Radiance that arrives, as spherical harmonics (spherical_harmonics.h): the blend of the probes' light.

@@ -82,7 +82,7 @@ struct LookUpScratch::Buffers {
   std::array<uint32_t, kChunkSize> order;  // position of the block
   alignas(64) float from_low[4 * kPadded];
   alignas(64) float weight[8][kPadded];  // by corner: shares of the tent first, those of the blend in the end
-  alignas(64) float share_sum[kPadded];  // of the blend: the certainty; 0: no function has weight
+  alignas(64) float certainty[kPadded];  // of the blend
   std::array<CellRun, kChunkSize> runs;
   std::array<RunItem, 8 * kChunkSize> items, spare_items;
   const RunItem* sorted_items;
@@ -323,7 +323,7 @@ void addFunctions(const LightGrid& grid, Buffers& b) {
   finishStage(grid, b);
 }
 
-// Bounds shares of tents, takes the residue off, multiplies by the cell's tents, and divides by what makes the sum the certainty.
+// Bounds shares of tents, takes the residue off, multiplies by the cell's tents, and divides by the sum.
 // Weights lack the factor 1 / (1 - residue), which all have.
 void normalise(Buffers& b) {
   const FloatTag d;
@@ -350,8 +350,8 @@ void normalise(Buffers& b) {
     }
     const Floats divisor = hn::IfThenElse(hn::Gt(sum, zero), sum, one);
     const Floats certainty = hn::Min(one, hn::Div(believed, hn::Mul(residue, divisor)));
-    hn::Store(certainty, d, &b.share_sum[i]);
-    const Floats scale = hn::Div(certainty, divisor);
+    hn::Store(certainty, d, &b.certainty[i]);
+    const Floats scale = hn::Div(one, divisor);
 #pragma GCC unroll 8
     for (int c = 0; c < 8; ++c) hn::Store(hn::Mul(weight[c], scale), d, &b.weight[c][i]);
   }
@@ -478,12 +478,12 @@ void lightRun(const LightGrid& grid, const Buffers& b, const CellRun& run, const
   for (size_t i = run.first; i < run.first + run.count; ++i) {
     const size_t to = b.order[i];
     const bool is_direction = slice.normals_3 == nullptr || isDirection(slice.normals_3 + kShChannels * to);
-    if (b.share_sum[i] == 0.0f || !is_direction) {
+    if (b.certainty[i] < 1.0f || !is_direction) {
       lookUpOne(grid, slice, to);
       continue;
     }
     const LightLanes light = blend(d, lights, b, i);
-    slice.status[to] = b.share_sum[i] < 1.0f ? LightStatus::faint : LightStatus::lit;
+    slice.status[to] = LightStatus::lit;
     if (slice.normals_3 != nullptr) {
       storeIrradiance(d, light, slice.normals_3 + kShChannels * to, slice.result + kShChannels * to);
     } else {

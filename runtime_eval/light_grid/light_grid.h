@@ -26,6 +26,8 @@ inline constexpr size_t kMaxGridRepresentations = 256;
 inline constexpr float kLeastWeight = 1e-6f;
 // Of a probe's tent: what a fit may leave where its target is 0, behind walls, and a look-up takes off (docs/theory/probes.md).
 inline constexpr float kResidue = 0.05f;
+// Of the light around a place: what is added to a probe's own where those with the least light count most (docs/theory/probes.md).
+inline constexpr float kDarkestFloor = 0.01f;
 inline constexpr float kMaxGridTheta = 1e9f;        // of |theta|: no look-up overflows below it
 inline constexpr float kMaxGridLight = 0x1p30f;     // of |light|, likewise
 inline constexpr float kMaxEngineLight = 32768.0f;  // of |light| that half floats of engines hold: irradiance over pi fits, too
@@ -67,7 +69,7 @@ struct ProbeWeights {
   float weight[8] = {};  // of the first `count`: in [kLeastWeight, 1]; not normalised, in free space they sum to 1
   int count = 0;         // 0 … 8
   // In [0, 1], what normalised weights add up to: 1 but where all probes have hardly more than the residue of their tents, so that
-  // none can be believed. It fades to 0 there.
+  // none can be believed. It fades to 0 there, and irradiance.h says what takes the rest.
   float certainty = 1.0f;
 };
 

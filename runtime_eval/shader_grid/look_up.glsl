@@ -9,9 +9,9 @@
 // and defines what the grid holds, as ShaderGrid::defines lists it: what is not there is not compiled. NLG_NEAR looks for the
 // nearest cell where a position lies in none, as lookUpIrradiance does; without it such positions are dark.
 
-const int NLG_LIT = 0, NLG_FAINT = 1, NLG_UNLIT = 2, NLG_OUTSIDE = 3;  // LightStatus
-const int NLG_CLASSES = 4;                                                 // uvec4 of the head: the first class of probes
-const float NLG_LEAST_WEIGHT = 1e-6f, NLG_RESIDUE = 0.05f;                   // kLeastWeight, kResidue
+const int NLG_LIT = 0, NLG_FAINT = 1, NLG_UNLIT = 2, NLG_OUTSIDE = 3;               // LightStatus
+const int NLG_CLASSES = 4;                                                          // uvec4 of the head: the first class of probes
+const float NLG_LEAST_WEIGHT = 1e-6f, NLG_RESIDUE = 0.05f, NLG_DARKEST_FLOOR = 0.01f;  // kLeastWeight, kResidue, kDarkestFloor
 
 struct NlgLight {
   vec3 irradiance;
@@ -27,8 +27,8 @@ struct NlgRadiance {
 
 // What the probes around a position take of the blend.
 struct NlgShares {
-  int record[8];   // of a probe: uvec4 of its light
-  float share[8];  // they add up to the certainty
+  int record[8];    // of a probe: uvec4 of its light
+  float share[8];   // they add up to 1, or are all 0
   float certainty;  // ProbeWeights
   int status;
 };
@@ -342,6 +342,13 @@ vec3 nlgProbeIrradiance(int record, NlgBasis basis) {
   return basis.mean * light.mean + light.step * sum;
 }
 
+// Of a probe's light over all directions, over the grid's scale.
+float nlgLuminanceOf(int record) {
+  uvec4 a = nlgFour(record);
+  vec4 mean = nlgHalves(a.x, a.y);
+  return max(0.0f, 0.2126f * mean.x + 0.7152f * mean.y + 0.0722f * mean.z);
+}
+
 // position_m   in the frame of the level
 NlgShares nlgSharesAt(vec3 position_m) {
   NlgShares shares;
@@ -363,22 +370,38 @@ NlgShares nlgSharesAt(vec3 position_m) {
   }
 
   // weights lack the factor 1 / (1 - residue), which all have
-  float sum = 0.0f, believed = 0.0f;
+  float sum = 0.0f, believed = 0.0f, tents[8];
   for (int c = 0; c < 8; ++c) {
     NlgCorner corner = nlgCornerOf(cell, c);
+    tents[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : corner.tent * corner.ratio;
     float above = nlgTentShare(corner) - NLG_RESIDUE, weight = above * corner.tent * corner.ratio;
     shares.record[c] = corner.record;
     shares.share[c] = weight >= NLG_LEAST_WEIGHT * (1.0f - NLG_RESIDUE) ? weight : 0.0f;
     sum += shares.share[c];
     believed += shares.share[c] * above;
   }
-  if (sum == 0.0f) {
-    if (shares.status == NLG_LIT) shares.status = NLG_UNLIT;
-    return shares;
+  if (sum > 0.0f) {
+    shares.certainty = min(1.0f, believed / (NLG_RESIDUE * sum));
+    for (int c = 0; c < 8; ++c) shares.share[c] *= shares.certainty / sum;
   }
-  shares.certainty = min(1.0f, believed / (NLG_RESIDUE * sum));
-  if (shares.status == NLG_LIT && shares.certainty < 1.0f) shares.status = NLG_FAINT;
-  for (int c = 0; c < 8; ++c) shares.share[c] *= shares.certainty / sum;
+  if (shares.certainty == 1.0f) return shares;
+
+  // what the certainty lacks: tents over the square of the light that their probes hold
+  float luminance[8], tent_sum = 0.0f, light = 0.0f;
+  for (int c = 0; c < 8; ++c) {
+    luminance[c] = tents[c] > 0.0f ? nlgLuminanceOf(shares.record[c]) : 0.0f;
+    tent_sum += tents[c];
+    light += tents[c] * luminance[c];
+  }
+  if (shares.status == NLG_LIT) shares.status = tent_sum > 0.0f ? NLG_FAINT : NLG_UNLIT;
+  if (!(tent_sum > 0.0f)) return shares;
+  float mean = light / tent_sum + 1e-20f, dark_sum = 0.0f;
+  for (int c = 0; c < 8; ++c) {
+    float darker = mean / (luminance[c] + NLG_DARKEST_FLOOR * mean);
+    tents[c] *= darker * darker;
+    dark_sum += tents[c];
+  }
+  for (int c = 0; c < 8; ++c) shares.share[c] += (1.0f - shares.certainty) / dark_sum * tents[c];
   return shares;
 }
 

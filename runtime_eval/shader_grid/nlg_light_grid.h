@@ -28,6 +28,8 @@ typedef enum { NLG_GRID_LIT, NLG_GRID_FAINT, NLG_GRID_UNLIT, NLG_GRID_OUTSIDE } 
 enum { NLG_KIND_NONE, NLG_KIND_TENT, NLG_KIND_NETWORK_4, NLG_KIND_NETWORK_44, NLG_KIND_NETWORK_88, NLG_KIND_FIELD };
 /* of a probe's tent: what a fit may leave behind walls */
 #define NLG_RESIDUE 0.05f
+/* of the light around a place: added to a probe's own where those with the least count most */
+#define NLG_DARKEST_FLOOR 0.01f
 enum { NLG_FLAG_TENT = 8, NLG_FLAG_SIGMOID = 16, NLG_FLAG_HALVES = 32 };
 
 typedef struct {
@@ -219,6 +221,36 @@ static inline float nlgTentShare(const NlgGrid* grid, const NlgCorner* of) {
   return phi > 0.0f ? (phi < most ? phi / most : 1.0f) : 0.0f;
 }
 
+/* Of a probe's light over all directions, over the grid's scale. record: its word */
+static inline float nlgLuminance(const NlgGrid* grid, uint32_t record) {
+  const float luminance =
+      0.2126f * nlgHalf(grid, record, 0) + 0.7152f * nlgHalf(grid, record, 1) + 0.0722f * nlgHalf(grid, record, 2);
+  return luminance > 0.0f ? luminance : 0.0f;
+}
+
+/* What the weights lack of 1 goes to tents, over the square of the light that their probes hold.
+   tent    by corner, 0 of probes without a function; overwritten
+   weight  by corner, they add up to the certainty; to 1 afterwards
+   returns 0, with the weights as they were, where no probe around has a function */
+static inline int nlgAddDarkest(const NlgGrid* grid, const uint32_t* record, float certainty, float* tent, float* weight) {
+  float luminance[8], tents = 0.0f, light = 0.0f, mean, sum = 0.0f;
+  int c;
+  for (c = 0; c < 8; ++c) {
+    luminance[c] = tent[c] > 0.0f ? nlgLuminance(grid, record[c]) : 0.0f;
+    tents += tent[c];
+    light += tent[c] * luminance[c];
+  }
+  if (!(tents > 0.0f)) return 0;
+  mean = light / tents + 1e-20f;
+  for (c = 0; c < 8; ++c) {
+    const float darker = mean / (luminance[c] + NLG_DARKEST_FLOOR * mean);
+    tent[c] *= darker * darker;
+    sum += tent[c];
+  }
+  for (c = 0; c < 8; ++c) weight[c] += (1.0f - certainty) / sum * tent[c];
+  return 1;
+}
+
 /* position_m, normal   three numbers each
    rgb                  three numbers, overwritten; 0 where the status is NLG_GRID_UNLIT, and where NLG_GRID_OUTSIDE has no cell near */
 static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* position_m, const float* normal, float* rgb) {
@@ -233,7 +265,7 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
                           0.24770796f * (3.0f * z * z - 1.0f),
                           0.85808553f * x * z,
                           0.42904276f * (x * x - y * y)};
-  float units[3], weight[8], sum = 0.0f, believed = 0.0f, certainty, scale;
+  float units[3], tent[8], weight[8], sum = 0.0f, believed = 0.0f, certainty = 0.0f;
   uint32_t record[8], c, i;
   NlgGridStatus status = NLG_GRID_LIT;
   NlgCell cell = {0, 0, 0, {0.0f, 0.0f, 0.0f}};
@@ -250,16 +282,21 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
     const NlgCorner corner = nlgCornerOf(grid, &cell, c);
     const float above = nlgTentShare(grid, &corner) - NLG_RESIDUE;
     record[c] = corner.record;
+    tent[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : corner.tent * corner.ratio;
     weight[c] = above * corner.tent * corner.ratio;
     if (!(weight[c] >= 1e-6f * (1.0f - NLG_RESIDUE))) weight[c] = 0.0f;
     sum += weight[c];
     believed += weight[c] * above;
   }
-  if (sum == 0.0f) return status == NLG_GRID_LIT ? NLG_GRID_UNLIT : status;
-  /* where no weight can be believed light fades to 0 */
-  certainty = believed < NLG_RESIDUE * sum ? believed / (NLG_RESIDUE * sum) : 1.0f;
-  if (status == NLG_GRID_LIT && certainty < 1.0f) status = NLG_GRID_FAINT;
-  scale = nlgFloat(grid, 12) * certainty / sum;
+  if (sum > 0.0f) {
+    certainty = believed < NLG_RESIDUE * sum ? believed / (NLG_RESIDUE * sum) : 1.0f;
+    for (c = 0; c < 8; ++c) weight[c] *= certainty / sum;
+  }
+  if (certainty < 1.0f) {
+    const int has_function = nlgAddDarkest(grid, record, certainty, tent, weight);
+    if (status == NLG_GRID_LIT) status = has_function ? NLG_GRID_FAINT : NLG_GRID_UNLIT;
+    if (!has_function) return status;
+  }
   for (c = 0; c < 8; ++c) {
     /* Y00 of red, green, blue and the largest of all others; then 24 steps: red, green, blue of each coefficient in turn */
     const float step = nlgHalf(grid, record[c], 3) / 127.0f;
@@ -267,7 +304,7 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
     for (i = 0; i < 27; ++i)
       rgb[i % 3] += weight[c] * basis[i / 3] * (i < 3 ? nlgHalf(grid, record[c], i) : step * nlgByte(grid, record[c] + 2, i - 3));
   }
-  for (i = 0; i < 3; ++i) rgb[i] = rgb[i] > 0.0f ? rgb[i] * scale : 0.0f;
+  for (i = 0; i < 3; ++i) rgb[i] = rgb[i] > 0.0f ? rgb[i] * nlgFloat(grid, 12) : 0.0f;
   return status;
 }
 

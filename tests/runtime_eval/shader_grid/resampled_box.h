@@ -25,18 +25,20 @@ inline LightBox boxOf(const ProbeTreeFrame& frame) {
   return box;
 }
 
-// kTexelNumbers a texel, x the fastest: radiance, then its certainty.
+// kTexelNumbers a texel, x the fastest: radiance times its say, then that say.
 inline std::vector<float> texelNumbers(const LightGrid& grid, const LightBox& box) {
   LookUpScratch scratch;
   const ResampledLight resampled = resampleLight(grid, box, &scratch);
   std::vector<float> numbers;
   for (size_t texel = 0; texel < box.texelCount(); ++texel) {
-    const float* light = &resampled.light[kShFloats * texel];
-    numbers.insert(numbers.end(), light, light + kShFloats);
     const size_t x = texel % box.texel_count[0], row = texel / box.texel_count[0];
     ProbeWeights shares;
     lookUpShares(grid, box.texelCentre(x, row % box.texel_count[1], row / box.texel_count[1]), &shares);
-    numbers.push_back(shares.count > 0 ? shares.certainty : 0.0f);
+    const float* light = &resampled.light[kShFloats * texel];
+    const bool has_light = std::any_of(light, light + kShChannels, [](float value) { return value != 0.0f; });
+    const float say = has_light ? std::max(shares.certainty, 1.0f / 256.0f) : 0.0f;
+    for (int i = 0; i < kShFloats; ++i) numbers.push_back(say * light[i]);
+    numbers.push_back(say);
   }
   return numbers;
 }

@@ -4,7 +4,7 @@
 //     places.bin    8 floats a place: position, 0, normal, 0
 //     lights.bin    4 floats a place: irradiance by lookUpIrradiance, status
 //     box.bin       the uniform block of resample.comp
-//     texels.bin    28 floats a texel, by resampleLight: 27 of radiance, then its certainty
+//     texels.bin    28 floats a texel, by resampleLight: 27 of radiance times the texel's say, then that say
 //
 //     shader_cases FOLDER PLACE_COUNT
 

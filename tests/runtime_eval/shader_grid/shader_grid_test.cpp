@@ -109,8 +109,9 @@ TEST(ShaderGrid, ReadsNoMoreThanEightRecords) {
       ProbesAround around;
       if (!grid.tree.lookUp(at, &around)) continue;
       glsl::reads = 0;
-      shade(asFloats(at), randomNormal(random));
-      EXPECT_LE(glsl::reads, most);
+      const glsl::NlgLight light = shade(asFloats(at), randomNormal(random));
+      // of faint light each record's first four once more
+      EXPECT_LE(glsl::reads, light.status == static_cast<int>(LightStatus::faint) ? most + 8 * 16 : most);
     }
   }
 }

@@ -161,16 +161,16 @@ function halfAt(halves, i) {
 
 // numberAt(x, y, z, k)   number k of a texel, over the scale but for the last
 function compareTexels(numberAt, count, scale) {
-  const expected = floatsOf('texels.bin'), result = {texels: expected.length / 28, other_certainty: 0, above: 0, lit: 0};
+  const expected = floatsOf('texels.bin'), result = {texels: expected.length / 28, other_say: 0, above: 0, lit: 0};
   let at = 0;
   for (let z = 0; z < count[2]; ++z) {
     for (let y = 0; y < count[1]; ++y) {
       for (let x = 0; x < count[0]; ++x, at += 28) {
-        // certainties of 0 and 1 are exact; between them shares of tents are off by 1e-5 as light is, over a residue of .05, and a half is
+        // a say of 0 or 1 is exact; between them shares of tents are off by 1e-5 as light is, over a residue of .05, and a half is
         // rounded either way
-        const certainty = expected[at + 27], most = certainty === 0 || certainty === 1 ? 0 : 2e-4 + certainty / 1024;
-        if (!(Math.abs(numberAt(x, y, z, 27) - certainty) <= most)) ++result.other_certainty;
-        result.lit += certainty === 1;
+        const say = expected[at + 27], most = say === 0 || say === 1 ? 0 : 2e-4 + say / 1024;
+        if (!(Math.abs(numberAt(x, y, z, 27) - say) <= most)) ++result.other_say;
+        result.lit += say === 1;
         for (let k = 0; k < 27; ++k) {
           const value = expected[at + k], off = Math.abs(numberAt(x, y, z, k) * scale - value);
           // and a half that was rounded either way

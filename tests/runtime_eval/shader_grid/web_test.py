@@ -69,7 +69,7 @@ def failures_of(name, answer):
         result.append(f"{name}: {light['places']} places, {light['lit']} of them lit; expected {PLACES}, most of them lit")
     texels = answer.get("resampled")
     if texels:
-        result += [f"{name}: {texels[key]} of {texels['texels']} texels: {key}" for key in ("other_certainty", "above") if texels[key]]
+        result += [f"{name}: {texels[key]} of {texels['texels']} texels: {key}" for key in ("other_say", "above") if texels[key]]
         if texels["lit"] < 1000:
             result.append(f"{name}: {texels['lit']} of {texels['texels']} texels lit, expected more")
     return result
