@@ -1,4 +1,4 @@
-// The shares that our own light grid's look-up gives (irradiance.h), and the weights that a bake solves with.
+// What our own light grid's look-up gives (irradiance.h): shares, the weights that a bake solves with, and light.
 #pragma once
 
 #include "light/methods/light_method.h"
@@ -20,5 +20,8 @@ class GridWeighting : public Weighting {
   const glm::dvec3 origin_m_;
   const WeightsAt weights_of_grid_;
 };
+
+// Of a grid that holds light: where its weights know nothing, that light decides who answers. The grid must outlive it.
+std::function<LightAnswer(const glm::dvec3&, const glm::vec3&)> lookedUpLight(const LightGrid& grid, const glm::dvec3& origin_m);
 
 }  // namespace nlg

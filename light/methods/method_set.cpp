@@ -43,13 +43,19 @@ size_t treeBytes(const ProbeTree& tree) {
   return lightGridBytes(grid, {ThetaPrecision::float16, LightForm::none}).tree;
 }
 
-// What a form leaves of light.
-std::vector<LightSh> rounded(LightForm form, const std::vector<LightSh>& light) {
+// As a light grid holds it.
+std::vector<float> floatsOf(const std::vector<LightSh>& light) {
   std::vector<float> floats;
   floats.reserve(light.size() * kShFloats);
   for (const LightSh& sh : light) {
     for (const glm::vec3& coefficient : sh) floats.insert(floats.end(), {coefficient.r, coefficient.g, coefficient.b});
   }
+  return floats;
+}
+
+// What a form leaves of light.
+std::vector<LightSh> rounded(LightForm form, const std::vector<LightSh>& light) {
+  std::vector<float> floats = floatsOf(light);
   const FileResult result = roundLight(form, &floats);
   if (!result.ok()) throw InputError("the scene", "light", "probes whose light the form can hold", result.detail);
   std::vector<LightSh> kept(light.size());
@@ -251,8 +257,15 @@ void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, 
   const LightGridBytes bytes = lightGridBytes(kept, {options_.theta, LightForm::none});
   size_t with_weight = 0;
   for (const uint32_t function : kept.probe_function) with_weight += function != kNoWeight;
-  addBlends({name, std::make_unique<GridWeighting>(kept, scene_.transport.scene().origin_m), with_weight,
+  const size_t first = methods_.size();
+  const glm::dvec3& origin_m = scene_.transport.scene().origin_m;
+  addBlends({name, std::make_unique<GridWeighting>(kept, origin_m), with_weight,
              bytesOf(with_weight, bytes.theta + bytes.functions + bytes.probe_function), bake_s, nullptr, ways});
+  for (size_t m = first; m < methods_.size(); ++m) {
+    LightGrid& lit = grids_.emplace_back(kept);
+    lit.light = floatsOf(*methods_[m].probe_light);
+    methods_[m].irradiance_at = lookedUpLight(lit, origin_m);
+  }
 }
 
 }  // namespace nlg

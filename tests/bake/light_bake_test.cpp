@@ -7,6 +7,8 @@
 
 #include "light/air.h"
 #include "light/methods/method_set.h"
+#include "runtime_eval/light_grid/irradiance.h"
+#include "runtime_eval/numbers/random.h"
 #include "tests/scene/temporary_folder.h"
 #include "tool/error.h"
 #include "validate/light/asked_bakes.h"
@@ -151,14 +153,20 @@ TEST(LightNoise, FallsWithRays) {
   EXPECT_GT(coarse.noise_median, 0.0);
 }
 
-// Of a grid in which two probes of three have no weight, so that many places have next to none: what is measured of methods is the
-// light that a bake leaves in its file, to the last bit.
+// Of a grid in which three probes of four have no weight, or none that is believed, so that many places have next to none: what is
+// measured of methods is the light that a bake leaves in its file, to the last bit, and what they answer is its look-up.
 TEST(LightBake, IsWhatMethodsOfTheSameWeightsAreSolvedFor) {
   const BakeOptions options = roomOptions("solved");
   const BakeScene scene("two_rooms:0", options);
   LightGrid grid = tentGrid(scene);
-  for (size_t probe = 0; probe < grid.probe_function.size(); ++probe) {
-    if (probe % 3 != 0) grid.probe_function[probe] = kNoWeight;
+  grid.representations = {Representation::tentMlp()};
+  Theta theta(grid.representations[0].thetaCount());
+  theta.back() = 0.5f * kResidue;  // of the tent, everywhere
+  const uint32_t faint = grid.addFunction(0, theta.data());
+  Random random(1);
+  for (uint32_t& function : grid.probe_function) {
+    const uint32_t drawn = random.below(4);
+    function = drawn == 0 ? kFreeSpace : drawn == 1 ? kNoWeight : faint;
   }
   const WeightsAt weights_at = weightsOf(grid, scene.source.scene.origin_m);
   int unsure = 0;
@@ -179,6 +187,19 @@ TEST(LightBake, IsWhatMethodsOfTheSameWeightsAreSolvedFor) {
   ASSERT_EQ(measured.size() * kShFloats, baked.light.size());
   for (size_t i = 0; i < baked.light.size(); ++i)
     EXPECT_EQ(measured[i / kShFloats][i % kShFloats / kShChannels][static_cast<int>(i % kShChannels)], baked.light[i]) << i;
+
+  int lit_by_darkest = 0;
+  for (const glm::dvec3& place : scene.air.places) {
+    const glm::dvec3 world = scene.source.scene.origin_m + place;
+    const float up[3] = {0, 1, 0};
+    float rgb[3];
+    const LightStatus status = lookUpIrradiance(baked, {world.x, world.y, world.z}, up, rgb);
+    const LightAnswer answer = methods.methods().back().irradiance_at(place, {0.0f, 1.0f, 0.0f});
+    for (int c = 0; c < 3; ++c) ASSERT_EQ(answer.irradiance[c], rgb[c]);
+    ASSERT_EQ(answer.reach == Reach::fallback, status == LightStatus::faint);
+    lit_by_darkest += status == LightStatus::faint && rgb[0] > 0.0f;
+  }
+  EXPECT_GT(lit_by_darkest, 10);
 }
 
 }  // namespace
