@@ -56,9 +56,9 @@ void describe(BakeOptions& o, OptionTable& table) {
             "light solved: how strongly a probe is held at its integrated light, as a share of the weight that places read it by",
             0.0, 1e3);
   table.add("light_dark_share", &o.light_dark_share,
-            "light solved: errors count relative to a place's light plus this share of the level's mean light", 1e-6, 1e6);
+            "light solved: errors count as shares of a place's light plus this share of the level's mean light", 1e-6, 1e6);
   table.add("light_outlier", &o.light_outlier,
-            "light solved: errors far beyond this share of the level's mean light, as beside lamps, lose their say", 1e-3, 1e9);
+            "light solved: errors far beyond this many times a place's light, as beside lamps, lose their say", 1e-3, 1e9);
   describe(o.diffusion, table);
   table.group("Weighting functions");
   table.add("duplicate_rms", &o.duplicate_rms,

@@ -38,7 +38,7 @@ struct BakeOptions {
   int light_probe_rays = 512;        // of every probe, when light is "point"
   bool light_cache = true;           // bounces are kept on surfaces, where they are traced
   double light_pull = 0.1;
-  double light_dark_share = 0.5;
+  double light_dark_share = 0.03;
   double light_outlier = 1.0;
   double refine_seconds = 0.0;                           // 0: as long as it takes
   std::string theta_precision = kDefaultThetaPrecision;  // becomes the policy's by takeThetaPrecision

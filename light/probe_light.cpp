@@ -15,8 +15,10 @@ namespace {
 
 constexpr uint64_t kPlaceStream = 0x706c6163, kProbeStream = 0x70726f62;
 constexpr uint64_t kBlockPlaces = 64;
-// Rounds of the solve: each takes the say from places that the one before could not serve.
-constexpr int kRounds = 3;
+// Rounds of the solve: each weighs places anew by the answer of the one before.
+constexpr int kRounds = 5;
+// Light that a round blends at a place is believed within this factor of what was measured there: more than the noise of most places.
+constexpr float kMostNoise = 3.0f;
 // Of the tent in the mean that a probe begins with: too little to count where its function has weight anywhere.
 constexpr float kTentShare = 1e-4f;
 // Of the weights at a place: below it they are hardly more than strays, and count by the square of their sum.
@@ -81,14 +83,11 @@ bool takeWeights(ProbeWeights weights, LightSample* sample) {
   return true;
 }
 
-std::vector<LightSample> samplesOf(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>& place_light, float mean,
-                                   double dark_share) {
+std::vector<LightSample> samplesOf(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>& place_light) {
   std::vector<LightSample> samples;
   for (size_t i = 0; i < weights.size(); ++i) {
     LightSample sample;
     if (!takeWeights(weights[i], &sample)) continue;
-    // between absolute and relative error: an eye sees shares, but noise rules where there is no light
-    sample.importance *= mean / (luminanceOf(place_light[i]) + static_cast<float>(dark_share) * mean);
     sample.light = place_light[i];
     samples.push_back(sample);
   }
@@ -123,17 +122,27 @@ float squaredError(const LightSample& sample, const std::vector<LightSh>& light)
   return sum / kShChannels;
 }
 
+// An eye sees shares: the unit of an error is the light where it stands. What was measured there has noise, and as the unit it
+// would favour the places that noise made dark; so the unit is what the last answer gives, as far as measurement bears it out.
+float unitOf(const LightSample& sample, const std::vector<LightSh>& light, float least) {
+  const float measured = luminanceOf(sample.light);
+  return std::clamp(luminanceOf(blendOf(sample, light)), measured / kMostNoise, measured * kMostNoise) + least;
+}
+
 // Beside a lamp light changes within less than probes are apart. Squares of the errors there would rule all that those probes
-// hold, so that their loss is Cauchy's, s² log(1 + importance error² / s²), by iteratively reweighted least squares.
+// hold, so that their loss is Cauchy's, s² log(1 + error² / s²) with s in units of the place, by iteratively reweighted least
+// squares.
 ProbeLight solved(std::vector<LightSample> samples, const Means& means, float mean, const ProbeLightOptions& options) {
   std::vector<float> importance(samples.size());
   std::transform(samples.begin(), samples.end(), importance.begin(), [](const LightSample& sample) { return sample.importance; });
-  const auto outlier = static_cast<float>(options.outlier * mean);
+  const auto least = static_cast<float>(options.dark_share * mean), outlier = static_cast<float>(options.outlier);
   ProbeLight result{means.light, 0, 0};
   for (int round = 0; round < kRounds; ++round) {
-    for (size_t i = 0; i < samples.size() && round > 0; ++i)
-      samples[i].importance =
-          importance[i] / (1.0f + importance[i] * squaredError(samples[i], result.light) / (outlier * outlier));
+    for (size_t i = 0; i < samples.size(); ++i) {
+      const float unit = unitOf(samples[i], result.light, least), s = outlier * unit;
+      samples[i].importance = importance[i] * mean * mean / (unit * unit);
+      samples[i].importance /= 1.0f + squaredError(samples[i], result.light) / (s * s);
+    }
     LightSolveOptions solve;
     solve.order_pull = kOrderPull;
     LightSolution solution =
@@ -219,7 +228,7 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
   ProbeLight result;
   if (options.way == LightWay::solved) {
     const float mean = meanLuminance(place_light);
-    result = solved(samplesOf(weights, place_light, mean, options.dark_share), means, mean, options);
+    result = solved(samplesOf(weights, place_light), means, mean, options);
   } else {
     result.light = std::move(means.light);
   }

@@ -30,8 +30,8 @@ struct ProbeLightOptions {
   GatherOptions probe{512, 64};  // of every probe, for `point`
   bool caches_surfaces = true;   // makeSurfaceCache's ends both of their paths
   double pull = 0.1;             // of the prior, in shares of the weight that places read a probe by
-  double dark_share = 0.5;       // of the level's mean light: added to a place's own where its error is taken as a share
-  double outlier = 1.0;          // of the level's mean light, > 0: errors far beyond it count no more than at it (Cauchy)
+  double dark_share = 0.03;  // > 0, of the level's mean light: added to a place's own where its error is taken as a share of it
+  double outlier = 1.0;      // > 0, of that light of the place: errors far beyond it count no more than at it (Cauchy)
   uint64_t seed = 1;
 };
 

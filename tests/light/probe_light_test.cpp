@@ -66,7 +66,7 @@ TEST(ProbeLight, IsTheLightOfPlacesWhereAllHaveTheSame) {
 TEST(ProbeLight, IsNotRuledByOnePlaceBesideALamp) {
   const TentRoom room;
   std::vector<LightSh> place_light(room.air.places.size(), uniformLight(1.0f));
-  place_light[place_light.size() / 2] = uniformLight(200.0f);
+  place_light[place_light.size() / 2] = uniformLight(5.0f);
   const auto largest = [&](double outlier) {
     ProbeLightOptions options;
     options.outlier = outlier;
@@ -100,6 +100,49 @@ TEST(ProbeLight, IsNotRuledByPlacesThatHardlyReadAnything) {
   const ProbeLight lit = lightProbes(room.transport, room.tree, places, place_light, strays, {}, 2);
   // of the mean that a probe is held at, strays and the tent's share of 1e-4 have as many thousandths of its weight at most
   for (const LightSh& light : lit.light) EXPECT_NEAR(light[0].g, 1.0f, 0.01f);
+}
+
+// Light of 1 in the mean, with half of the places' noise at .6 below it and half above: what probes hold must not lean to the side
+// that an error in shares makes more of. In shares of what was measured the places below have 16 times the say of those above.
+TEST(ProbeLight, IsNotDarkerForNoise) {
+  const TentRoom room;
+  std::vector<LightSh> place_light;
+  Random random(5);
+  for (size_t i = 0; i < room.air.places.size(); ++i) place_light.push_back(uniformLight(random.uniform() < 0.5 ? 0.4f : 1.6f));
+  double mean = 0.0, measured = 0.0;
+  const std::vector<LightSh> light = room.solved(place_light, {}).light;
+  for (const LightSh& of_probe : light) mean += of_probe[0].g / static_cast<double>(light.size());
+  for (const LightSh& of_place : place_light) measured += of_place[0].g / static_cast<double>(place_light.size());
+  EXPECT_NEAR(mean, measured, 0.1);
+}
+
+// One half of the room has a tenth of the other's light. A metre and more from the border the dark half is off by less than half as
+// much where errors are taken in shares of the light there as where they are taken against the level's mean.
+TEST(ProbeLight, SeesErrorsInSharesOfTheLightThere) {
+  const TentRoom room;
+  const float dark = 0.1f;
+  std::vector<LightSh> place_light;
+  for (const glm::dvec3& place : room.air.places) place_light.push_back(uniformLight(place.x < 0.0 ? dark : 1.0f));
+  const WeightsAt tents = room.tents();
+  const auto worst = [&](double dark_share) {
+    ProbeLightOptions options;
+    options.dark_share = dark_share;
+    const std::vector<LightSh> light = room.solved(place_light, options).light;
+    double largest = 0.0;
+    for (const glm::dvec3& place : room.air.places) {
+      if (place.x > -1.0) continue;
+      ProbeWeights weights;
+      tents(place, &weights);
+      double blend = 0.0, sum = 0.0;
+      for (int j = 0; j < weights.count; ++j) {
+        blend += weights.weight[j] * light[weights.probe[j]][0].g;
+        sum += weights.weight[j];
+      }
+      largest = std::max(largest, std::abs(blend / sum / dark - 1.0));
+    }
+    return largest;
+  };
+  EXPECT_LT(worst(ProbeLightOptions{}.dark_share), 0.5 * worst(1e3));
 }
 
 // Light of 1 everywhere, measured with noise. Order 2 is held three times as hard.
