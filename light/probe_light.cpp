@@ -35,7 +35,7 @@ void add(LightSh* sum, float weight, const LightSh& light) {
   for (int k = 0; k < kShCount; ++k) (*sum)[k] += weight * light[k];
 }
 
-// Light under weights that were never normalised: every probe's own mean.
+// Light under weights: every probe's own mean.
 struct Means {
   std::vector<LightSh> light;
   std::vector<float> weight;
@@ -70,13 +70,27 @@ float meanLuminance(const std::vector<LightSh>& light) {
   return static_cast<float>(std::max(1e-12, sum / std::max<double>(1.0, static_cast<double>(light.size()))));
 }
 
-// False where nothing has weight. The sample's importance is 1 where the weights' sum is no accident, less below.
-bool takeWeights(ProbeWeights weights, LightSample* sample) {
+// The say of a place: 1 where the weights' sum is no accident, less below.
+float sayOf(const ProbeWeights& weights) {
   const float sure = std::min(1.0f, std::accumulate(weights.weight, weights.weight + weights.count, 0.0f) / kSureSum);
+  return sure * sure;
+}
+
+// Weights that add up to their place's say.
+std::vector<ProbeWeights> sharesOf(std::vector<ProbeWeights> weights) {
+  for (ProbeWeights& of_place : weights) {
+    of_place.certainty = sayOf(of_place);
+    normaliseWeights(&of_place);
+  }
+  return weights;
+}
+
+// False where nothing has weight.
+bool takeWeights(ProbeWeights weights, LightSample* sample) {
+  sample->importance = sayOf(weights);
   // where answers fade the probes must not shine for it
   weights.certainty = 1.0f;
   if (!normaliseWeights(&weights)) return false;
-  sample->importance = sure * sure;
   sample->count = weights.count;
   std::copy_n(weights.probe, weights.count, sample->probe.begin());
   std::copy_n(weights.weight, weights.count, sample->weight.begin());
@@ -223,7 +237,8 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
     const uint64_t end = std::min<uint64_t>((block + 1) * kBlockPlaces, places.size());
     for (uint64_t i = block * kBlockPlaces; i < end; ++i) weights_at(places[i], &weights[i]);
   });
-  Means means(tree, places, weights, place_light);
+  // the talk's integral is over the function; what a solve leans on is read at places by shares, which beside walls are far more
+  Means means(tree, places, options.way == LightWay::solved ? sharesOf(weights) : weights, place_light);
   const auto unread = static_cast<uint64_t>(std::count(means.is_read.begin(), means.is_read.end(), 0));
   ProbeLight result;
   if (options.way == LightWay::solved) {
