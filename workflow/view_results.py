@@ -74,5 +74,6 @@ def collect(files, kinds, ours, rivals):
             "scenes": {slug(scene["scene"]): {"name": scene["scene"], "kind": scene["kind"], "views": scene["views"],
                                               "ours": scene["methods"][(ours, "solved")]["all"]} for scene in scenes},
             "hyab_over_best_rival": {name: ratio for name, ratio in ratios.items() if ratio},
-            "ringing_largest": max(scene["methods"][(ours, "solved")]["all"]["ringing"] for scene in scenes),
+            "ringing_largest": {name: max(scene["methods"][(ours, "solved")][name]["ringing"] for scene in scenes if name in scene["methods"][(ours, "solved")])
+                                for name in ("all", "shadow") if any(name in scene["methods"][(ours, "solved")] for scene in scenes)},
             "methods": {kind: methods(some) for kind, some in of_kind.items() if some}}
