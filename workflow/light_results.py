@@ -188,7 +188,7 @@ def bake(path):
 
 
 def noise(path):
-    return take(read_json(path), ["scene", "light", "spacing_m", "runs", "probes", "noise", "probes_per_s"], path)
+    return take(read_json(path), ["scene", "light", "spacing_m", "runs", "noise", "answers", "probes_per_s"], path)
 
 
 def read_scene(path):

@@ -147,10 +147,14 @@ TEST(LightNoise, FallsWithRays) {
   const BakeScene scene("two_rooms:0", few);
   const NoiseFigures coarse = measureNoise(scene, few, tentGrid(scene), 4);
   const NoiseFigures fine = measureNoise(scene, many, tentGrid(scene), 4);
-  EXPECT_GT(coarse.probes, 0u);
+  EXPECT_GT(coarse.probes.count, 0u);
+  EXPECT_EQ(coarse.answers.count, scene.air.places.size());
   // a sixteenth of the variance, but for what a lattice gains beyond that
-  EXPECT_LT(fine.noise_median, 0.5 * coarse.noise_median);
-  EXPECT_GT(coarse.noise_median, 0.0);
+  EXPECT_LT(fine.probes.median, 0.5 * coarse.probes.median);
+  EXPECT_LT(fine.answers.median, 0.5 * coarse.answers.median);
+  EXPECT_GT(coarse.answers.median, 0.0);
+  // what a blend adds up errs the other way in the next probe
+  EXPECT_LT(coarse.answers.median, coarse.probes.median);
 }
 
 // Of a grid in which three probes of four have no weight, or none that is believed, so that many places have next to none: what is

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/light_grid/irradiance.h"
 #include "runtime_eval/light_grid/spherical_harmonics.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
@@ -13,30 +14,41 @@ namespace {
 
 constexpr uint64_t kRunStream = 0x72756e;
 
-// Of one probe over runs: deviation over root mean square, and whether it has any light at all.
-double noiseOf(const std::vector<std::vector<float>>& runs, size_t probe, bool* has_light) {
-  double variance = 0.0, squares = 0.0;
+// runs      of equal length, kShFloats floats a thing
+// is_asked  by thing
+Noise noiseOf(const std::vector<std::vector<float>>& runs, const std::vector<bool>& is_asked) {
+  std::vector<double> noise;
   const auto count = static_cast<double>(runs.size());
-  for (int k = 0; k < kShFloats; ++k) {
-    double sum = 0.0, sum_squares = 0.0;
-    for (const std::vector<float>& run : runs) {
-      const double value = run[probe * kShFloats + k];
-      sum += value;
-      sum_squares += value * value;
+  for (size_t thing = 0; thing < is_asked.size(); ++thing) {
+    double variance = 0.0, squares = 0.0;
+    for (size_t k = thing * kShFloats; k < (thing + 1) * kShFloats; ++k) {
+      double sum = 0.0, sum_squares = 0.0;
+      for (const std::vector<float>& run : runs) {
+        const double value = run[k];
+        sum += value;
+        sum_squares += value * value;
+      }
+      variance += std::max(0.0, sum_squares - sum * sum / count) / (count - 1.0);
+      squares += sum_squares / count;
     }
-    variance += std::max(0.0, sum_squares - sum * sum / count) / (count - 1.0);
-    squares += sum_squares / count;
+    if (is_asked[thing] && squares > 0.0) noise.push_back(std::sqrt(variance / squares));
   }
-  *has_light = squares > 0.0;
-  return *has_light ? std::sqrt(variance / squares) : 0.0;
+  if (noise.empty()) return {};
+  return {noise.size(), quantile(noise, 0.5), quantile(noise, 0.95)};
 }
 
 }  // namespace
 
 NoiseFigures measureNoise(const BakeScene& scene, const BakeOptions& options, LightGrid grid, int runs) {
   NLG_CHECK(runs, >=, 2);
-  std::vector<std::vector<float>> light;
+  std::vector<PositionM> places;
+  for (const glm::dvec3& place : scene.air.places) {
+    const glm::dvec3 world = place + scene.source.scene.origin_m;
+    places.push_back({world.x, world.y, world.z});
+  }
+  std::vector<std::vector<float>> light, answers;
   std::vector<double> seconds, shares;
+  LookUpScratch scratch;
   for (int run = 0; run < runs; ++run) {
     BakeOptions of_run = options;
     of_run.threads = 1;
@@ -46,18 +58,15 @@ NoiseFigures measureNoise(const BakeScene& scene, const BakeOptions& options, Li
     seconds.push_back(total_s);
     shares.push_back(1.0 - statistics.solve_wall_s / total_s);
     light.push_back(grid.light);
+    std::vector<LightStatus> status(places.size());
+    std::vector<float>& of_places = answers.emplace_back(places.size() * kShFloats);
+    lookUpLights(grid, places.data(), places.size(), of_places.data(), status.data(), &scratch);
   }
-  std::vector<double> noise;
-  for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) {
-    bool has_light = false;
-    const double of_probe = noiseOf(light, probe, &has_light);
-    if (has_light && grid.probe_function[probe] != kNoWeight) noise.push_back(of_probe);
-  }
+  std::vector<bool> has_function;
+  for (const uint32_t function : grid.probe_function) has_function.push_back(function != kNoWeight);
   NoiseFigures figures;
-  figures.probes = noise.size();
-  if (noise.empty()) return figures;
-  figures.noise_median = quantile(noise, 0.5);
-  figures.noise_p95 = quantile(noise, 0.95);
+  figures.probes = noiseOf(light, has_function);
+  figures.answers = noiseOf(answers, std::vector<bool>(places.size(), true));
   figures.probes_per_s = static_cast<double>(grid.tree.probeCount()) / quantile(seconds, 0.5);
   figures.measure_share = quantile(shares, 0.5);
   return figures;

@@ -7,10 +7,15 @@
 
 namespace nlg {
 
+// Of coefficients of light: their standard deviation over their root mean square, of each thing that has any light.
+struct Noise {
+  uint64_t count = 0;
+  double median = 0.0, p95 = 0.0;
+};
+
 struct NoiseFigures {
-  uint64_t probes = 0;        // that some place reads
-  double noise_median = 0.0;  // of a probe's coefficients: their standard deviation over their root mean square
-  double noise_p95 = 0.0;
+  Noise probes;                // that have a function
+  Noise answers;               // of the look-up at the places in air that light was measured at: what is seen of it
   double probes_per_s = 0.0;   // on one core: the median of the runs
   double measure_share = 0.0;  // of that time: rays; the rest finds weights and solves
 };

@@ -23,6 +23,8 @@ struct Request {
   int runs = 4;
 };
 
+Json noiseJson(const Noise& noise) { return {{"count", noise.count}, {"median", noise.median}, {"p95", noise.p95}}; }
+
 void measure(const Request& request, BakeOptions options, const OptionTable& table) {
   takeThetaPrecision(&options);
   refuseToReplaceInputs(request.out, {request.scene, request.weights});
@@ -41,8 +43,8 @@ void measure(const Request& request, BakeOptions options, const OptionTable& tab
                      {"light", options.light},
                      {"spacing_m", options.spacing_m},
                      {"runs", request.runs},
-                     {"probes", figures.probes},
-                     {"noise", {{"median", figures.noise_median}, {"p95", figures.noise_p95}}},
+                     {"noise", noiseJson(figures.probes)},
+                     {"answers", noiseJson(figures.answers)},
                      {"probes_per_s", figures.probes_per_s},
                      {"measure_share", figures.measure_share}};
   writeFileAtomically(request.out, json.dump(1) + "\n");
