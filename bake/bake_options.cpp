@@ -53,7 +53,8 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add("light_cache", &o.light_cache,
             "keep what arrives at surfaces, so that each bounce is traced once for all probes. Off: every path by itself");
   table.add("light_pull", &o.light_pull,
-            "light solved: how strongly a probe is held at its integrated light, as a share of the weight that places read it by",
+            "light solved: how strongly a probe is held at the mean of light under its shares of blends, as a share of the "
+            "weight that places read it by",
             0.0, 1e3);
   table.add("light_dark_share", &o.light_dark_share,
             "light solved: errors count as shares of a place's light plus this share of the level's mean light", 1e-6, 1e6);

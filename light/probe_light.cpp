@@ -26,9 +26,10 @@ constexpr float kSureSum = 0.1f;
 // Pull of the orders of harmonics, over that of the mean: what sharpens irradiance least carries five ninths of the noise.
 constexpr std::array<float, 3> kOrderPull = {1.0f, 1.0f, 3.0f};
 
-float luminanceOf(const LightSh& light) {
-  const glm::vec3& mean = light[0];
-  return std::max(0.0f, 0.2126f * mean.r + 0.7152f * mean.g + 0.0722f * mean.b);
+// Over all directions: in the norm of squaredError, so that lamps of any colour count alike.
+float lightOf(const LightSh& light) {
+  const glm::vec3 mean = glm::max(light[0], glm::vec3(0.0f));
+  return std::sqrt(glm::dot(mean, mean) / kShChannels);
 }
 
 void add(LightSh* sum, float weight, const LightSh& light) {
@@ -64,9 +65,9 @@ struct Means {
   }
 };
 
-float meanLuminance(const std::vector<LightSh>& light) {
+float meanLight(const std::vector<LightSh>& light) {
   double sum = 0.0;
-  for (const LightSh& sh : light) sum += luminanceOf(sh);
+  for (const LightSh& sh : light) sum += lightOf(sh);
   return static_cast<float>(std::max(1e-12, sum / std::max<double>(1.0, static_cast<double>(light.size()))));
 }
 
@@ -139,8 +140,8 @@ float squaredError(const LightSample& sample, const std::vector<LightSh>& light)
 // An eye sees shares: the unit of an error is the light where it stands. What was measured there has noise, and as the unit it
 // would favour the places that noise made dark; so the unit is what the last answer gives, as far as measurement bears it out.
 float unitOf(const LightSample& sample, const std::vector<LightSh>& light, float least) {
-  const float measured = luminanceOf(sample.light);
-  return std::clamp(luminanceOf(blendOf(sample, light)), measured / kMostNoise, measured * kMostNoise) + least;
+  const float measured = lightOf(sample.light);
+  return std::clamp(lightOf(blendOf(sample, light)), measured / kMostNoise, measured * kMostNoise) + least;
 }
 
 // Beside a lamp light changes within less than probes are apart. Squares of the errors there would rule all that those probes
@@ -172,9 +173,7 @@ constexpr double kDarkestShare = 0.05;  // of the mean: an error in darker place
 void judge(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>& place_light, ProbeLight* lit) {
   double sum = 0.0, light = 0.0;
   float worst = 0.0f;
-  const auto ownOf = [&](size_t i) { return std::sqrt(glm::dot(place_light[i][0], place_light[i][0]) / kShChannels); };
-  double mean = 0.0;
-  for (size_t i = 0; i < place_light.size(); ++i) mean += ownOf(i) / static_cast<double>(place_light.size());
+  const double mean = meanLight(place_light);
   std::vector<double> shares;
   for (size_t i = 0; i < weights.size(); ++i) {
     LightSample sample;
@@ -185,7 +184,7 @@ void judge(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>&
       worst = error;
       lit->worst_place = i;
     }
-    const double own = ownOf(i) + kDarkestShare * mean;
+    const double own = lightOf(place_light[i]) + kDarkestShare * mean;
     if (own > 0.0) shares.push_back(std::sqrt(error) / own);
     sum += error;
     light += glm::dot(place_light[i][0], place_light[i][0]) / kShChannels;
@@ -242,7 +241,7 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
   const auto unread = static_cast<uint64_t>(std::count(means.is_read.begin(), means.is_read.end(), 0));
   ProbeLight result;
   if (options.way == LightWay::solved) {
-    const float mean = meanLuminance(place_light);
+    const float mean = meanLight(place_light);
     result = solved(samplesOf(weights, place_light), means, mean, options);
   } else {
     result.light = std::move(means.light);

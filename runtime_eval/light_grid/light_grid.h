@@ -81,7 +81,7 @@ struct ProbeWeights {
 // Takes no memory, cannot fail; any number of threads may look up in one grid.
 //
 // returns   false, *weights unchanged, where ProbeTree::lookUp is: outside. True with a count of 0 where no probe has weight: in
-//           solid, and at few places in air (lookUpTents is for those)
+//           solid, and at few places in air (irradiance.h says what lights those)
 bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights);
 
 // The weights of bare tents, whatever the functions say, of the probes that have any (all but kNoWeight): what a caller may take

@@ -218,6 +218,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   std::vector<std::string> inputs = {request.scene};
   for (const std::string& path : weightsPaths(request.weights)) inputs.push_back(path);
   refuseToReplaceInputs(request.out, inputs);
+  requireOutputFile(request.out);
   if (!request.pictures.empty()) requireOutputFolder(request.pictures);
   std::map<std::string, std::string> hashes;
   const GeneratorSets sets = loadSets(request.weights, &hashes);

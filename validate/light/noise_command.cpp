@@ -28,6 +28,7 @@ Json noiseJson(const Noise& noise) { return {{"count", noise.count}, {"median", 
 void measure(const Request& request, BakeOptions options, const OptionTable& table) {
   takeThetaPrecision(&options);
   refuseToReplaceInputs(request.out, {request.scene, request.weights});
+  requireOutputFile(request.out);
   const std::vector<Generator> generators = loadGenerators({request.weights}).generators;
   const BakeScene scene(request.scene, options);
   tellNotes("nlg-validate", scene.source);

@@ -133,6 +133,7 @@ void measureLookUps(Request request, BakeOptions options, const OptionTable& tab
   std::vector<std::string> inputs = request.weights;
   inputs.push_back(request.scene);
   refuseToReplaceInputs(request.out, inputs);
+  requireOutputFile(request.out);
   const auto [generators, paths] = loadGenerators(request.weights);
   const BakeScene scene(request.scene, options);
   tellNotes("nlg-validate", scene.source);

@@ -163,6 +163,7 @@ void run(const StabilityRequest& request, const OptionTable& options) {
   std::vector<std::string> inputs = request.weights;
   inputs.push_back(request.training);
   refuseToReplaceInputs(request.out, inputs);
+  requireOutputFile(request.out);
   const StabilityTable table = runAll(request);
   const Json json = {{"schema_version", 1}, {"provenance", originOf(request, options)}, {"cases", table.cases}};
   writeFileAtomically(request.out, json.dump(1) + "\n");

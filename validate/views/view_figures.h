@@ -16,15 +16,15 @@
 namespace nlg {
 
 inline constexpr double kLastFactor = 2.0, kFirstFactor = 1.5;  // of light that is off
-inline constexpr double kSureDeviations = 3.0;                  // of truth's noise: what differs by less is not off
+inline constexpr double kSureDeviations = 1.0;                  // of truth's noise: what differs by less is not off
 // Of the irradiance that the eye has adapted to: where neither truth nor answer has more, all is black to it. A surface of the view's
 // median colour is shown as .0018 there, L* 1.6, and less than 2.3 is not seen.
 inline constexpr double kBlackOfMedian = 0.01;
 // Of the median irradiance of the scene's brightest view: a view that has less is shown darker than middle grey, and one without any
 // light stays black.
 inline constexpr double kLeastLight = 1e-3;
-// Of medianNoise: with more, kSureDeviations of it are as much as light off by kLastFactor, at half of the receivers.
-inline constexpr double kMostNoise = (kLastFactor - 1.0) / kSureDeviations;
+// Of medianNoise: with more, three standard deviations are as much as light off by kLastFactor, at half of the receivers.
+inline constexpr double kMostNoise = (kLastFactor - 1.0) / 3.0;
 inline constexpr double kRingM = 0.2;             // around a receiver
 inline constexpr double kRingDarker = 2.0 / 3.0;  // of the least truth there: a ring is darker
 inline constexpr float kRingNormal = 0.9f;        // cosine between normals of surfaces that are held against each other
