@@ -118,22 +118,36 @@ SolidEye::SolidEye() : inner_(EyeRing::inner), outer_(EyeRing::outer) {
   for (const LocalPoint& point : supportPattern().points) tent_.push_back(static_cast<uint64_t>(0x1p32 * double{tent(point)}));
 }
 
-// Candidates that see most of the others, best first; of those that see the same ones only that nearest to the probe, by its tent.
-std::vector<uint32_t> SolidEye::promising(const Candidates& candidates, const SupportVisibility& visibility) const {
-  struct Promise {
-    uint64_t seen, own;
-    int candidate;
-  };
+// The square of the share, by tents, of pairs in a set that see each other.
+double SolidEye::onenessOf(const Candidates& candidates, Set set) const {
+  // in units of 2^-16 the products of 64 by 64 tents add up exactly
+  const auto tentOf = [&](int candidate) { return tent_[candidates.points[candidate]] >> 16; };
+  uint64_t all = 0, mutual = 0;
+  forEachMember(set, [&](int a) {
+    uint64_t seen = 0;
+    forEachMember(set & candidates.visible[a], [&](int b) { seen += tentOf(b); });
+    all += tentOf(a);
+    mutual += tentOf(a) * seen;
+  });
+  const double share = all > 0 ? static_cast<double>(mutual) / static_cast<double>(all * all) : 0.0;
+  return share * share;
+}
+
+// Candidates that see most of the others as one, best first; of those that see the same ones only that nearest to the probe, by its
+// tent.
+std::vector<SolidEye::Promise> SolidEye::promising(const Candidates& candidates, const SupportVisibility& visibility) const {
   const Set air = candidates.inAir(visibility);
   std::vector<Promise> promises;
   forEachMember(air, [&](int candidate) {
+    const Set set = candidates.visible[candidate] & air;
     uint64_t seen = 0;
-    forEachMember(candidates.visible[candidate] & air, [&](int other) { seen += tent_[candidates.points[other]]; });
-    promises.push_back({seen, tent_[candidates.points[candidate]], candidate});
+    forEachMember(set, [&](int other) { seen += tent_[candidates.points[other]]; });
+    const double oneness = onenessOf(candidates, set);
+    promises.push_back({oneness * static_cast<double>(seen), oneness, tent_[candidates.points[candidate]], candidate});
   });
   std::stable_sort(promises.begin(), promises.end(),
                    [](const Promise& a, const Promise& b) { return a.seen != b.seen ? a.seen > b.seen : a.own > b.own; });
-  std::vector<uint32_t> eyes;
+  std::vector<Promise> eyes;
   std::vector<Set> seen_sets;
   for (const Promise& promise : promises) {
     const Set sees = candidates.visible[promise.candidate];
@@ -141,7 +155,7 @@ std::vector<uint32_t> SolidEye::promising(const Candidates& candidates, const Su
     // no wall tells what lies behind the sky from what lies before it
     if (visibility.isBehindSky(candidates.points[promise.candidate])) continue;
     seen_sets.push_back(sees);
-    eyes.push_back(candidates.points[promise.candidate]);
+    eyes.push_back(promise);
     if (eyes.size() == kTracedEyes) break;
   }
   return eyes;
@@ -156,13 +170,13 @@ uint64_t SolidEye::seenTents(const SupportVisibility& visibility) const {
 std::optional<LocalPoint> SolidEye::open(SupportVisibility* visibility) {
   if (visibility->supportIsEmpty()) return std::nullopt;
   std::optional<LocalPoint> best;
-  uint64_t most = 0;
+  double most = 0.0;
   for (Candidates* ring : {&inner_, &outer_}) {
     ring->findVisible(*visibility, &scratch_);
-    for (const uint32_t point : promising(*ring, *visibility)) {
-      const LocalPoint& eye = supportPattern().points[point];
+    for (const Promise& promise : promising(*ring, *visibility)) {
+      const LocalPoint& eye = supportPattern().points[ring->points[promise.candidate]];
       visibility->traceRays(eye);
-      const uint64_t seen = seenTents(*visibility);
+      const double seen = promise.oneness * static_cast<double>(seenTents(*visibility));
       if (best && seen <= most) continue;
       best = eye;
       most = seen;

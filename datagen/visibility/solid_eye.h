@@ -1,7 +1,8 @@
 // The eye of a probe in solid: the place of its support from which is judged what the probe sees.
 //
 // From inside a wall nothing can be seen. Instead of the probe's own place a place in air is taken, of a fixed set of candidates
-// the one that sees most of the support, by the tent: the probe then lights one side of a wall, the one that matters more to it.
+// the one that sees most of the support, by the tent, as far as what it sees is one: the probe then lights one side of a wall, the
+// one that matters more to it. From a window or a doorway most is seen, and two rooms would have the mean of their light.
 // After the talk's probes in geometry, by geometry alone (docs/theory/probes.md).
 #pragma once
 
@@ -46,7 +47,13 @@ class SolidEye {
     std::vector<uint16_t> blocked;
   };
 
-  std::vector<uint32_t> promising(const Candidates& candidates, const SupportVisibility& visibility) const;
+  struct Promise {
+    double seen, oneness;  // tents that it sees of other candidates, times oneness; that is in (0, 1]
+    uint64_t own;          // its tent
+    int candidate;
+  };
+  double onenessOf(const Candidates& candidates, Set set) const;
+  std::vector<Promise> promising(const Candidates& candidates, const SupportVisibility& visibility) const;
   uint64_t seenTents(const SupportVisibility& visibility) const;
 
   std::vector<uint64_t> tent_;  // by support point, in units of 2^-32: sums do not depend on their order
