@@ -144,6 +144,28 @@ float unitOf(const LightSample& sample, const std::vector<LightSh>& light, float
   return std::clamp(lightOf(blendOf(sample, light)), measured / kMostNoise, measured * kMostNoise) + least;
 }
 
+// What a probe is held at: the mean of light under its shares, where a probe has any. By the plain mean a hundredth of a share of a
+// sunlit place outweighs all that a cellar has.
+// say   by sample
+std::vector<LightSh> priorOf(const std::vector<LightSample>& samples, const std::vector<float>& say,
+                             std::vector<LightSh> without_any) {
+  std::vector<LightSh> sum(without_any.size());
+  std::vector<float> weight(without_any.size(), 0.0f);
+  for (size_t i = 0; i < samples.size(); ++i) {
+    for (int j = 0; j < samples[i].count; ++j) {
+      add(&sum[samples[i].probe[j]], say[i] * samples[i].weight[j], samples[i].light);
+      weight[samples[i].probe[j]] += say[i] * samples[i].weight[j];
+    }
+  }
+  constexpr float kLeast = 1e-9f;
+  for (size_t p = 0; p < sum.size(); ++p) {
+    if (weight[p] < kLeast) continue;
+    for (glm::vec3& value : sum[p]) value /= weight[p];
+    without_any[p] = sum[p];
+  }
+  return without_any;
+}
+
 // Beside a lamp light changes within less than probes are apart. Squares of the errors there would rule all that those probes
 // hold, so that their loss is Cauchy's, s² log(1 + error² / s²) with s in units of the place, by iteratively reweighted least
 // squares.
@@ -152,16 +174,18 @@ ProbeLight solved(std::vector<LightSample> samples, const Means& means, float me
   std::transform(samples.begin(), samples.end(), importance.begin(), [](const LightSample& sample) { return sample.importance; });
   const auto least = static_cast<float>(options.dark_share * mean), outlier = static_cast<float>(options.outlier);
   ProbeLight result{means.light, 0, 0};
+  std::vector<float> say(samples.size());
   for (int round = 0; round < kRounds; ++round) {
     for (size_t i = 0; i < samples.size(); ++i) {
       const float unit = unitOf(samples[i], result.light, least), s = outlier * unit;
-      samples[i].importance = importance[i] * mean * mean / (unit * unit);
+      say[i] = importance[i] * mean / unit;
+      samples[i].importance = say[i] * mean / unit;
       samples[i].importance /= 1.0f + squaredError(samples[i], result.light) / (s * s);
     }
     LightSolveOptions solve;
     solve.order_pull = kOrderPull;
-    LightSolution solution =
-        solveLight(samples, means.light, pullOf(samples, means.light.size(), options.pull), result.light, solve);
+    LightSolution solution = solveLight(samples, priorOf(samples, say, means.light),
+                                        pullOf(samples, means.light.size(), options.pull), result.light, solve);
     result.light = std::move(solution.light);
     result.iterations += solution.iterations;
   }
