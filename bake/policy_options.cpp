@@ -31,9 +31,8 @@ std::string stagesHelp(const PolicyOptions& options) {
   for (const char* name : kRepresentationNames) {
     Representation representation;
     findRepresentation(name, &representation);
-    const bool linear = !representation.isField() && representation.shape().output == OutputFunction::linear;
     text += std::string("  ") + name + '\n';
-    for (const StagePlan& plan : stagesOf({representation, linear, 0.0}, options)) text += "    " + describe(plan) + '\n';
+    for (const StagePlan& plan : stagesOf({representation, representation.hasLinearOutput(), 0.0}, options)) text += "    " + describe(plan) + '\n';
   }
   return text;
 }

@@ -16,6 +16,7 @@
 #include "tool/parallel_for.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
+#include "train/generator/code_ordering.h"
 #include "train/generator/lost_pages.h"
 #include "train/generator/run_folder.h"
 #include "train/generator/torch_threads.h"
@@ -179,6 +180,7 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   }
   const BasisData used = usedBasis(options, basis.basis);
   options.shape.coefficient_count = used.coefficientCount();
+  options.shape.code_count = representation.code_count;
   const TrainingData training = readTrainingData(request, basis, used);
   const TrainingData held_out(readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount), basis.basis.data,
                               used);
@@ -202,6 +204,9 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   requireSameRun(processes, identity);
   const TrainReport report = train(options, representation, training, held_out, &state, save, processes);
   if (processes.rank() != 0) return;
+  if (representation.isCode()) {
+    orderCodes(training, used, {.tent_rmse = options.bare_tent_rmse, .threads = options.threads}, &state.average);
+  }
   writeFileAtomically(request.log, state.log_csv);
   writeCheckpoint(request.out, identity, state);
   printReport(request, training, state, report);

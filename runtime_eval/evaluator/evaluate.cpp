@@ -52,11 +52,18 @@ void evaluate(const Representation& representation, const PointSet& points, cons
     evaluateField(representation.resolution, points, theta, values);
     return;
   }
+  if (representation.isCode()) {
+    alignas(64) float logits[kMaxBrickStride];
+    roundedLogits(*representation.dictionary, theta, logits);
+    evaluateLogits(representation.resolution, points, logits, values);
+    return;
+  }
   HWY_DYNAMIC_DISPATCH(evaluateVectors)(representation, points, theta, values);
 }
 
 double evaluateReference(const Representation& representation, const LocalPoint& point, const double* theta) {
   if (representation.isField()) return evaluateFieldReference(representation.resolution, point, theta);
+  if (representation.isCode()) return evaluateCodeReference(*representation.dictionary, point, theta);
   return evaluateNetworkReference(representation.network(), representation.slope, point, theta);
 }
 

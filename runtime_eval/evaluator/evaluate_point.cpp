@@ -55,6 +55,7 @@ float evaluateFieldPoint(int resolution, const LocalPoint& point, const float* t
 
 // Without the tent as a factor.
 float evaluateOutput(const Representation& representation, const LocalPoint& point, const float* theta) {
+  if (representation.isCode()) return evaluateCode(*representation.dictionary, point, theta);
   if (representation.isField()) return evaluateFieldPoint(representation.resolution, point, theta);
   return withNetworkShape(representation,
                           [&]<NetworkShape kShape>() { return evaluateNetwork<kShape>(representation.slope, point, theta); });

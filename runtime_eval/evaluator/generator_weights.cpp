@@ -129,6 +129,46 @@ std::vector<GeneratorLayer> readLayers(TensorReader& reader, int input_count, in
   return layers;
 }
 
+// Whole numbers that a byte holds.
+std::vector<int8_t> readBytes(TensorReader& reader, const std::string& name, const std::vector<uint64_t>& shape) {
+  std::vector<int8_t> bytes;
+  for (const float value : reader.tensor(name, shape)) {
+    if (value != std::floor(value) || std::fabs(value) > 127.0f) {
+      reader.fail(FileStatus::value_out_of_range, name + ": expected whole numbers from -127 to 127");
+      return {};
+    }
+    bytes.push_back(static_cast<int8_t>(value));
+  }
+  return bytes;
+}
+
+void readDictionary(TensorReader& reader, Representation* code) {
+  const uint64_t K = static_cast<uint64_t>(code->code_count);
+  DictionaryData data;
+  data.code_count = code->code_count;
+  data.resolution = reader.integer("dictionary_resolution", 3, kMaxBrickResolution);
+  const uint64_t r = static_cast<uint64_t>(data.resolution);
+  data.nodes = readBytes(reader, "dictionary.nodes", {K + 1, r, r, r});
+  data.exponents = readBytes(reader, "dictionary.exponents", {K + 1});
+  data.deviations = reader.tensor("dictionary.deviations", {K});
+  if (!reader.ok()) return;
+  const std::string wrong = whatIsWrong(data);
+  if (wrong.empty()) {
+    *code = Representation::code(std::make_shared<Dictionary>(std::move(data)));
+  } else {
+    reader.fail(FileStatus::value_out_of_range, "dictionary: " + wrong);
+  }
+}
+
+void writeDictionary(const DictionaryData& data, WeightsFile* file) {
+  const auto floats = [](const std::vector<int8_t>& bytes) { return std::vector<float>(bytes.begin(), bytes.end()); };
+  const uint64_t K = static_cast<uint64_t>(data.code_count), r = static_cast<uint64_t>(data.resolution);
+  file->metadata["dictionary_resolution"] = std::to_string(data.resolution);
+  file->tensors["dictionary.nodes"] = {{K + 1, r, r, r}, floats(data.nodes), WeightsDtype::float16};
+  file->tensors["dictionary.exponents"] = {{K + 1}, floats(data.exponents)};
+  file->tensors["dictionary.deviations"] = {{K}, data.deviations};
+}
+
 void writeLayers(const std::vector<GeneratorLayer>& layers, WeightsFile* file) {
   file->metadata["layer_count"] = std::to_string(layers.size());
   file->metadata["width"] = std::to_string(layers.front().output_count);
@@ -157,14 +197,14 @@ FileResult generatorFromWeights(const WeightsFile& file, GeneratorData* data) {
   if (!findRepresentation(representation, &data->representation)) {
     reader.fail(FileStatus::value_out_of_range, "metadata representation: unknown " + shown(representation));
   }
+  if (reader.ok() && data->representation.isCode()) readDictionary(reader, &data->representation);
   data->representation.slope = static_cast<float>(reader.number("representation_slope", 1e-6, 0.999));
   data->slope = static_cast<float>(reader.number("generator_slope", 1e-6, 0.999));
   readBasis(reader, &data->basis);
   const int theta_count = data->representation.thetaCount();
   if (reader.ok()) data->layers = readLayers(reader, data->basis.coefficientCount(), theta_count);
   data->exact_last_layer = reader.integer("exact_last_layer", 0, 1) == 1;
-  const bool is_linear = !data->representation.isField() && data->representation.shape().output == OutputFunction::linear;
-  if (data->exact_last_layer && !is_linear) {
+  if (data->exact_last_layer && !data->representation.hasLinearOutput()) {
     reader.fail(FileStatus::value_out_of_range, "metadata exact_last_layer: the representation's output is not linear");
   }
   const std::vector<uint64_t> theta_shape = {static_cast<uint64_t>(data->representation.thetaCount())};
@@ -194,6 +234,7 @@ WeightsFile weightsFromGenerator(const GeneratorData& data) {
   file.tensors["basis.components"] = {{count, octant}, data.basis.components};
   file.tensors["basis.deviation"] = {{count}, data.basis.deviation};
   writeLayers(data.layers, &file);
+  if (data.representation.isCode()) writeDictionary(data.representation.dictionary->data(), &file);
   const std::vector<uint64_t> theta_shape = {data.theta0.size()};
   file.tensors["theta0"] = {theta_shape, data.theta0};
   file.tensors["output_scale"] = {theta_shape, data.output_scale};

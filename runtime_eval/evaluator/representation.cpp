@@ -1,15 +1,24 @@
 #include "runtime_eval/evaluator/representation.h"
 
+#include <utility>
+
 namespace nlg {
 
+Representation Representation::code(SharedDictionary dictionary) {
+  return {RepresentationKind::code, 0.01f, dictionary->resolution(), dictionary->codeCount(), std::move(dictionary)};
+}
+
 const PointOrder& pointOrder(const Representation& representation) {
-  return representation.isField() ? cellOrder(representation.resolution) : stratumOrder();
+  return representation.isNetwork() ? stratumOrder() : cellOrder(representation.resolution);
 }
 
 const char* representationName(const Representation& representation) {
-  if (!representation.isField()) return kNetworks[static_cast<int>(representation.kind)].name;
+  if (representation.isNetwork()) return representation.network().name;
+  for (const CodeKind& code : kCodes) {
+    if (representation.isCode() && code.count == representation.code_count) return code.name;
+  }
   for (const FieldKind& field : kFields) {
-    if (field.resolution == representation.resolution) return field.name;
+    if (representation.isField() && field.resolution == representation.resolution) return field.name;
   }
   return "unknown";
 }
@@ -25,12 +34,18 @@ std::string representationNames() {
 bool findRepresentation(std::string_view name, Representation* representation) {
   for (int i = 0; i < kNetworkCount; ++i) {
     if (name != kNetworks[i].name) continue;
-    *representation = {static_cast<RepresentationKind>(i)};
+    *representation = {};
+    representation->kind = static_cast<RepresentationKind>(i);
     return true;
   }
   for (const FieldKind& field : kFields) {
     if (name != field.name) continue;
     *representation = Representation::productField(field.resolution);
+    return true;
+  }
+  for (const CodeKind& code : kCodes) {
+    if (name != code.name) continue;
+    *representation = {RepresentationKind::code, 0.01f, kMaxBrickResolution, code.count, nullptr};
     return true;
   }
   return false;

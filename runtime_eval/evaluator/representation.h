@@ -5,12 +5,14 @@
 //     tent_mlp44   phi(x) ≈ tent(x) * sigmoid(net(x))      3 → 4 → 4 → 1       41
 //     tent_mlp4    phi(x) ≈ tent(x) * sigmoid(net(x))      3 → 4 → 1           21
 //     pf r         phi(x) ≈ clamp(A(x), 0, 1) * sigmoid(B(x))      product field, r = 3, 5, 7, 9
+//     code K       phi(x) ≈ tent(x) * sigmoid(L(x))                a code, K = 16, 32, 48, 64, 128
 //
 // net is a tiny network with one or two hidden layers; LeakyReLU stands after each of them. theta of widths m, n:
 //     W1 m x 3 | b1 m | W2 n x m | b2 n | w3 n | b3 1        (row-major, one row an output)
 //     W1 m x 3 | b1 m | w3 m | b3 1                          (one hidden layer: n = 0)
 // A and B are trilinear in r³ nodes that cover [-1, 1]³. theta, 2 r³ floats: the pair (A, B) of every node, x fastest, as a
-// texture of two channels holds them.
+// texture of two channels holds them. L is a sum of K logits that all functions share, in a dictionary; theta are the factors of its terms
+// (dictionary.h).
 //
 // Another network is one line of kNetworks: all kernels of the bake are templates over its shape. Shaders name theirs
 // (runtime_eval/shader_grid).
@@ -24,6 +26,7 @@
 #include <utility>
 #include <vector>
 
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/support/point_order.h"
 
 namespace nlg {
@@ -72,25 +75,42 @@ struct FieldKind {
 inline constexpr FieldKind kFields[] = {{"pf3", 3}, {"pf5", 5}, {"pf7", 7}, {"pf9", 9}};
 inline constexpr int kFieldResolutions[] = {3, 5, 7, 9};
 
+struct CodeKind {
+  const char* name;
+  int count;
+};
+
+// All codes.
+inline constexpr CodeKind kCodes[] = {{"code16", 16}, {"code32", 32}, {"code48", 48}, {"code64", 64}, {"code128", 128}};
+
 // Networks by their place in kNetworks.
-enum class RepresentationKind : uint8_t { mlp, tent_mlp, tent_mlp44, tent_mlp4, product_field = 255 };
+enum class RepresentationKind : uint8_t { mlp, tent_mlp, tent_mlp44, tent_mlp4, code = 254, product_field = 255 };
 
 struct Representation {
   RepresentationKind kind = RepresentationKind::mlp;
   float slope = 0.01f;  // networks: LeakyReLU, x for x > 0, slope * x below; 0 < slope < 1; travels in the weights file
-  int resolution = 0;   // product fields: nodes along an axis
+  int resolution = 0;   // product fields, and bricks of codes: nodes along an axis
+  int code_count = 0;   // codes: K
+  // Codes: what theta is a code of. Null where only the name is known, and then nothing can be evaluated.
+  SharedDictionary dictionary;
 
-  static constexpr Representation mlp(float slope = 0.01f) { return {RepresentationKind::mlp, slope, 0}; }
-  static constexpr Representation tentMlp(float slope = 0.01f) { return {RepresentationKind::tent_mlp, slope, 0}; }
-  static constexpr Representation productField(int resolution) { return {RepresentationKind::product_field, 0.01f, resolution}; }
+  static Representation mlp(float slope = 0.01f) { return {RepresentationKind::mlp, slope, 0, 0, nullptr}; }
+  static Representation tentMlp(float slope = 0.01f) { return {RepresentationKind::tent_mlp, slope, 0, 0, nullptr}; }
+  static Representation productField(int resolution) { return {RepresentationKind::product_field, 0.01f, resolution, 0, nullptr}; }
+  static Representation code(SharedDictionary dictionary);
 
-  constexpr bool isField() const { return kind == RepresentationKind::product_field; }
-  constexpr bool tentFactor() const { return !isField() && network().tent_factor; }
+  bool isField() const { return kind == RepresentationKind::product_field; }
+  bool isCode() const { return kind == RepresentationKind::code; }
+  bool isNetwork() const { return !isField() && !isCode(); }
+  bool tentFactor() const { return isCode() || (isNetwork() && network().tent_factor); }
   // D: how many numbers theta has.
-  constexpr int thetaCount() const { return isField() ? 2 * resolution * resolution * resolution : network().shape.thetaCount(); }
-  // Of a network, never of a field.
-  constexpr const NetworkKind& network() const { return kNetworks[static_cast<int>(kind)]; }
-  constexpr const NetworkShape& shape() const { return network().shape; }
+  int thetaCount() const {
+    return isField() ? 2 * resolution * resolution * resolution : isCode() ? code_count : network().shape.thetaCount();
+  }
+  // Of networks alone.
+  const NetworkKind& network() const { return kNetworks[static_cast<int>(kind)]; }
+  const NetworkShape& shape() const { return network().shape; }
+  bool hasLinearOutput() const { return isNetwork() && shape().output == OutputFunction::linear; }
 };
 
 inline constexpr int kMaxThetaCount = 2 * 9 * 9 * 9;
@@ -134,23 +154,24 @@ enum class ThetaPrecision : uint8_t { float32, float16, int8 };  // theta_form.h
 
 // The names of all representations, in the order of the report.
 inline constexpr auto kRepresentationNames = [] {
-  std::array<const char*, std::size(kNetworks) + std::size(kFields)> names{};
+  std::array<const char*, std::size(kNetworks) + std::size(kFields) + std::size(kCodes)> names{};
   size_t count = 0;
   for (const NetworkKind& network : kNetworks) names[count++] = network.name;
   for (const FieldKind& field : kFields) names[count++] = field.name;
+  for (const CodeKind& code : kCodes) names[count++] = code.name;
   return names;
 }();
 
-// The order in which a representation's kernels read the support points: strata for networks, cells for product fields.
+// The order in which a representation's kernels read the support points: strata for networks, cells for product fields and codes.
 const PointOrder& pointOrder(const Representation& representation);
 
 // One of kRepresentationNames.
 const char* representationName(const Representation& representation);
 
-// "mlp, tent_mlp, … or pf9", for messages.
+// "mlp, tent_mlp, … or code128", for messages.
 std::string representationNames();
 
-// The representation of a name, with the default slope; false when there is none of that name.
+// The representation of a name, with the default slope and without a dictionary; false when there is none of that name.
 bool findRepresentation(std::string_view name, Representation* representation);
 
 }  // namespace nlg

@@ -40,6 +40,7 @@ ThetaForm thetaForm(const Representation& representation, ThetaPrecision precisi
   const int D = representation.thetaCount();
   if (precision == ThetaPrecision::float32) return {.floats = D};
   if (precision == ThetaPrecision::float16 || representation.isField()) return {.halves = D};
+  if (representation.isCode()) return {.steps = D};
   const int hidden = representation.shape().w3();
   return {.halves = D - hidden, .steps = hidden};
 }
@@ -73,7 +74,11 @@ bool roundTheta(const Representation& representation, ThetaPrecision precision, 
   const int D = representation.thetaCount();
   float rounded[kMaxThetaCount];
   std::copy_n(theta, D, rounded);
-  if (form.steps > 0) roundHiddenLayers(representation, rounded);
+  if (representation.isCode() && form.steps > 0) {
+    for (int k = 0; k < D; ++k) rounded[k] = std::clamp<float>(std::nearbyint(rounded[k]), -kMostCodeSteps, kMostCodeSteps);
+  } else if (form.steps > 0) {
+    roundHiddenLayers(representation, rounded);
+  }
   for (int d = form.steps; d < D && form.halves > 0; ++d) {
     Half half;
     if (!halfFromFloat(rounded[d], &half)) return false;
@@ -83,16 +88,21 @@ bool roundTheta(const Representation& representation, ThetaPrecision precision, 
   return true;
 }
 
+int codeLength(int count, const float* z) {
+  while (count > 0 && z[count - 1] == 0.0f) --count;
+  return (count + kCodeGroup - 1) / kCodeGroup * kCodeGroup;
+}
+
 void packTheta(const Representation& representation, const float* theta, PackedTheta* packed) {
   const ThetaForm form = thetaForm(representation, ThetaPrecision::int8);
-  const float step = form.steps > 0 ? stepOf(representation.shape()) : 1.0f;
+  const float step = representation.isNetwork() ? stepOf(representation.shape()) : 1.0f;
   for (int d = 0; d < form.steps; ++d) packed->steps.push_back(static_cast<int8_t>(theta[d] / step));
   for (int d = form.steps; d < representation.thetaCount(); ++d) halfFromFloat(theta[d], &packed->halves.emplace_back());
 }
 
 void unpackTheta(const Representation& representation, const int8_t* steps, const Half* halves, float* theta) {
   const ThetaForm form = thetaForm(representation, ThetaPrecision::int8);
-  const float step = form.steps > 0 ? stepOf(representation.shape()) : 1.0f;
+  const float step = representation.isNetwork() ? stepOf(representation.shape()) : 1.0f;
   for (int d = 0; d < form.steps; ++d) theta[d] = step * static_cast<float>(steps[d]);
   for (int n = 0; n < form.halves; ++n) theta[form.steps + n] = floatFromHalf(halves[n]);
 }

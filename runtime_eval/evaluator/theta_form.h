@@ -4,7 +4,8 @@
 // `tent_mlp`, 26 for `tent_mlp4`. No scale is stored. LeakyReLU is homogeneous: a hidden unit whose weights and bias are
 // multiplied by a > 0, while all that read it divide by a, leaves the network what it is. So every unit is scaled until the
 // largest of its numbers is 127 steps or a few less, and a step is one number for all (stepOf). What rounding does to the hidden layers, an
-// exact last layer makes up for (fit/last_layer.h); figures: docs/lab/training.md. Product fields stay in float16.
+// exact last layer makes up for (fit/last_layer.h); figures: docs/lab/training.md. Product fields stay in float16. A code keeps a
+// byte a number, of as many groups of 8 as it needs: what lies behind is 0.
 #pragma once
 
 #include <cstddef>
@@ -47,6 +48,10 @@ void roundHiddenLayers(const Representation& network, float* theta, UnitSteps mo
 // theta     D finite floats
 // returns   false, theta unchanged, when a number is beyond float16
 bool roundTheta(const Representation& representation, ThetaPrecision precision, float* theta);
+
+// Numbers of a code that are stored: whole groups of kCodeGroup, up to the last that is not 0.
+inline constexpr int kCodeGroup = 8;
+int codeLength(int count, const float* z);
 
 // Many theta in int8, one behind another: the steps and the halves of each.
 struct PackedTheta {

@@ -59,7 +59,7 @@ class AdamRun {
   }
 
  private:
-  bool runsInEigenbasis() const { return options_.eigenbasis && !representation_.isField(); }
+  bool runsInEigenbasis() const { return options_.eigenbasis && representation_.isNetwork(); }
 
   void step(int number) {
     const AdamWorkspace::Minibatch batch = next();
@@ -125,10 +125,14 @@ double functionRmse(const Representation& representation, const WeightingFunctio
   return std::sqrt(sum / valid_count);
 }
 
+// Of numbers that are counted in steps.
+constexpr double kCodeRate = 1.0;
+
 AdamOptions refinementAdam(const Representation& representation, int steps) {
   AdamOptions options;
   options.steps = steps;
-  options.learning_rate = representation.isField() ? 0.1 : representation.tentFactor() ? 0.04 : 0.02;
+  options.learning_rate =
+      representation.isCode() ? kCodeRate : representation.isField() ? 0.1 : representation.tentFactor() ? 0.04 : 0.02;
   return options;
 }
 
@@ -183,9 +187,17 @@ Theta randomFieldTheta(int count, uint64_t seed) {
   return theta;
 }
 
+Theta randomCode(const Dictionary& dictionary, uint64_t seed) {
+  Random random(mixSeed(seed, 0x636f6465));
+  Theta theta;
+  for (int k = 0; k < dictionary.codeCount(); ++k) theta.push_back(static_cast<float>(dictionary.deviations()[k] * random.normal()));
+  return theta;
+}
+
 }  // namespace
 
 Theta randomTheta(const Representation& representation, uint64_t seed) {
+  if (representation.isCode()) return randomCode(*representation.dictionary, seed);
   return representation.isField() ? randomFieldTheta(representation.thetaCount(), seed)
                                   : randomNetworkTheta(representation.shape(), seed);
 }

@@ -52,6 +52,7 @@ FitResult fitAdam(const Representation& representation, const WeightingFunction&
                   const AdamOptions& options);
 
 // A random start. Networks: He-normal layers, biases spread over the support. Product fields: A in [.2, .8], B around 0.
+// Codes: as their dictionary's deviations say.
 Theta randomTheta(const Representation& representation, uint64_t seed);
 
 }  // namespace nlg

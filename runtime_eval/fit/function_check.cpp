@@ -109,9 +109,15 @@ FunctionChecker::FunctionChecker()
 
 FunctionCheck FunctionChecker::check(const Representation& representation, const StoredFunction& stored, const float* theta,
                                      const CheckOptions& options) {
-  if (representation.isField()) {
+  if (!representation.isNetwork()) {
     const PointOrder& order = pointOrder(representation);
-    evaluateFieldCells(order, theta, cell_values_.data());
+    if (representation.isCode()) {
+      alignas(64) float logits[kMaxBrickStride];
+      roundedLogits(*representation.dictionary, theta, logits);
+      evaluateLogitCells(order, logits, cell_values_.data());
+    } else {
+      evaluateFieldCells(order, theta, cell_values_.data());
+    }
     for (int place = 0; place < order.placeCount(); ++place) {
       if (order.pattern_index[place] >= 0) values_[order.pattern_index[place]] = cell_values_[place];
     }

@@ -154,7 +154,7 @@ class LevenbergMarquardt {
 LevenbergMarquardtOptions refinementLevenbergMarquardt(const Representation& representation, int iterations) {
   LevenbergMarquardtOptions options;
   options.iterations = iterations;
-  options.damping = representation.isField() ? 0.01 : 0.1;
+  options.damping = representation.isNetwork() ? 0.1 : 0.01;
   return options;
 }
 
@@ -162,6 +162,11 @@ FitResult iterateLevenbergMarquardt(const Representation& representation, const 
                                     const LevenbergMarquardtOptions& options, NormalEquationsKernel* kernel,
                                     LevenbergMarquardtWorkspace* workspace, float* theta) {
   const FlushSubnormals flush;
+  if (representation.isCode()) {
+    const CodeFitOptions code{
+        .iterations = options.iterations, .damping = options.damping, .progress_tolerance = options.progress_tolerance};
+    return workspace->code_.iterate(representation, function, code, representation.code_count, theta);
+  }
   return LevenbergMarquardt(representation, function, options, kernel, workspace).run(theta);
 }
 

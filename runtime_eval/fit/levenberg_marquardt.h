@@ -1,6 +1,7 @@
 // Levenberg–Marquardt (Marquardt 1963, Nielsen's damping 1999) on all support points.
 #pragma once
 
+#include "runtime_eval/fit/code_fit.h"
 #include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/fit/normal_equations.h"
 
@@ -21,10 +22,13 @@ LevenbergMarquardtOptions refinementLevenbergMarquardt(const Representation& rep
 class LevenbergMarquardtWorkspace {
  private:
   friend class LevenbergMarquardt;
+  friend FitResult iterateLevenbergMarquardt(const Representation&, const WeightingFunction&, const LevenbergMarquardtOptions&,
+                                             NormalEquationsKernel*, LevenbergMarquardtWorkspace*, float*);
   NormalEquations equations_;
   SymmetricBand damped_, last_layer_;
   std::vector<double> step_, product_;
   Theta trial_;
+  CodeFit code_;
 };
 
 // Iterates in place.

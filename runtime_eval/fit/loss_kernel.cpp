@@ -1,21 +1,24 @@
 #include "runtime_eval/fit/loss_kernel.h"
 
+#include "runtime_eval/fit/code_loss.h"
 #include "runtime_eval/fit/field_loss.h"
 #include "runtime_eval/fit/network_loss.h"
 
 namespace nlg {
 
-// A field has one minibatch, all of its places: there first is 0 and count all.
+// Fields and codes have one minibatch, all of their places: there first is 0 and count all.
 double lossAndGradient(const Representation& representation, int first, int count, const float* phi, const float* mask,
                        const float* theta, float* gradient) {
   const PointOrder& order = pointOrder(representation);
   if (representation.isField()) return fieldLossAndGradient(order, phi, mask, theta, gradient);
+  if (representation.isCode()) return codeLossAndGradient(*representation.dictionary, phi, mask, theta, gradient);
   return networkLossAndGradient(representation, order.points, first, count, phi, mask, theta, gradient);
 }
 
 double loss(const Representation& representation, int first, int count, const float* phi, const float* mask, const float* theta) {
   const PointOrder& order = pointOrder(representation);
   if (representation.isField()) return fieldLoss(order, phi, mask, theta);
+  if (representation.isCode()) return codeLoss(*representation.dictionary, phi, mask, theta);
   return networkLoss(representation, order.points, first, count, phi, mask, theta);
 }
 

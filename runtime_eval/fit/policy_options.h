@@ -20,6 +20,12 @@ struct StageOptions {
 #include "runtime_eval/fit/policy_options.def"
 };
 
+// How codes are fitted and how long they are (code_fit.h, code_rounding.h).
+struct CodeOptions {
+#define NLG_CODE_OPTION NLG_FIELD
+#include "runtime_eval/fit/policy_options.def"
+};
+
 // What a theta takes that fails the check (refinement.h).
 struct RefinementOptions {
 #define NLG_REFINEMENT_OPTION NLG_FIELD
@@ -37,7 +43,7 @@ struct ChoiceOptions {
 
 #undef NLG_FIELD
 
-struct PolicyOptions : StageOptions, CheckOptions, RefinementOptions, ChoiceOptions {
+struct PolicyOptions : StageOptions, CodeOptions, CheckOptions, RefinementOptions, ChoiceOptions {
   ThetaPrecision theta_precision = ThetaPrecision::float32;
 
   const CheckOptions& check() const { return *this; }

@@ -31,7 +31,7 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
   // what is stuck in a poor minimum gets round it from elsewhere; a field from coarse to fine
   const auto tryOtherStarts = [&](int steps) {
     if (!theta0.empty()) tryFrom(theta0, steps);
-    for (uint64_t seed = 1; seed <= kRandomStarts && !representation.isField(); ++seed) {
+    for (uint64_t seed = 1; seed <= kRandomStarts && representation.isNetwork(); ++seed) {
       tryFrom(randomTheta(representation, seed), steps);
     }
     if (representation.isField() && fails()) consider(fitNested(representation, function, kNestedIterations, &kernel_));
@@ -55,8 +55,8 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
 }
 
 FitResult Refiner::fitOn(const Representation& representation, const WeightingFunction& function, const Theta& start, int steps) {
-  // a field's normal equations are a band: there a step of Levenberg–Marquardt costs little more than one of Adam
-  if (representation.isField()) {
+  // a field's normal equations are a band, a code's are few: there a step of Levenberg–Marquardt costs little more than one of Adam
+  if (!representation.isNetwork()) {
     return fitLevenbergMarquardt(representation, function, start,
                                  refinementLevenbergMarquardt(representation, std::max(1, steps / 32)), &kernel_);
   }

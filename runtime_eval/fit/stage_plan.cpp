@@ -86,6 +86,8 @@ std::vector<StagePlan> stagesOf(const StageFacts& facts, const PolicyOptions& op
   if (facts.representation.isField()) {
     addFit(ThetaStage::lm, Who::wrong, options.good_rmse, options.lm_iterations);
     addFit(ThetaStage::lm_theta0, Who::above, std::max(options.retry_rmse, least_rmse), options.lm_theta0_iterations);
+  } else if (facts.representation.isCode()) {
+    addFit(ThetaStage::lm, Who::wrong, options.good_rmse, options.code_iterations);
   } else {
     addFit(ThetaStage::adam, Who::above, std::max(options.adam_rmse, least_rmse), options.adam_steps);
   }

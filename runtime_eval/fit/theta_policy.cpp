@@ -24,7 +24,7 @@ bool takesBareTent(const FunctionCheck& tent, const PolicyOptions& options) {
 }
 
 ThetaPolicy::ThetaPolicy(std::vector<const Generator*> generators, const PolicyOptions& options, ThetaStage last)
-    : generators_(std::move(generators)), options_(options), last_(last), rounding_(options.theta_precision) {
+    : generators_(std::move(generators)), options_(options), last_(last), rounding_(options) {
   for (const Generator* generator : generators_) runners_.push_back(std::make_unique<StageRunner>(*generator, options, last));
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "runtime_eval/evaluator/theta_form.h"
+#include "runtime_eval/fit/code_rounding.h"
 #include "runtime_eval/fit/compensated_rounding.h"
 #include "runtime_eval/fit/last_layer.h"
 
@@ -31,8 +32,10 @@ void roundLimited(const Representation& representation, ThetaPrecision precision
 
 }  // namespace
 
-ThetaRounding::ThetaRounding(ThetaPrecision precision) {
-  if (precision == ThetaPrecision::int8) compensated_ = std::make_unique<CompensatedRounding>();
+ThetaRounding::ThetaRounding(const PolicyOptions& options) {
+  if (options.theta_precision != ThetaPrecision::int8) return;
+  compensated_ = std::make_unique<CompensatedRounding>();
+  code_ = std::make_unique<CodeRounding>(options);
 }
 
 ThetaRounding::~ThetaRounding() = default;
@@ -41,6 +44,7 @@ RoundedTheta ThetaRounding::round(const Representation& representation, const St
                                   const RoundedTheta& present, const CheckOptions& check) {
   // product fields stay in float16
   if (compensated_ == nullptr || representation.isField()) return roundToHalves(representation, function, present.theta, check);
+  if (representation.isCode()) return code_->round(representation, function, present, check);
   return roundToBytes(representation, function, present, check);
 }
 

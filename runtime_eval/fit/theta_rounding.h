@@ -7,6 +7,7 @@
 
 namespace nlg {
 
+class CodeRounding;
 class CompensatedRounding;
 
 struct RoundedTheta {
@@ -17,8 +18,8 @@ struct RoundedTheta {
 // One of these a thread: for int8 it holds half a megabyte.
 class ThetaRounding {
  public:
-  // precision   float16 or int8
-  explicit ThetaRounding(ThetaPrecision precision);
+  // theta_precision   float16 or int8
+  explicit ThetaRounding(const PolicyOptions& options);
   ~ThetaRounding();
 
   // A number beyond float16 becomes the largest that it has.
@@ -32,7 +33,8 @@ class ThetaRounding {
   RoundedTheta roundToBytes(const Representation& network, const StoredFunction& function, const RoundedTheta& present,
                             const CheckOptions& check);
 
-  std::unique_ptr<CompensatedRounding> compensated_;  // for int8 alone
+  std::unique_ptr<CompensatedRounding> compensated_;  // these two for int8 alone
+  std::unique_ptr<CodeRounding> code_;
   FunctionChecker checker_;
 };
 

@@ -1,6 +1,8 @@
 #include "train/generator/generator_network.h"
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "runtime_eval/numbers/random.h"
 
@@ -21,6 +23,58 @@ std::vector<float> toVector(const torch::Tensor& tensor) {
   return {flat.data_ptr<float>(), flat.data_ptr<float>() + flat.numel()};
 }
 
+// The codes of an untrained dictionary, whose unit is not a step yet.
+constexpr float kStartDeviation = 10.0f;
+// Of the generator's learning rate: a dictionary that moves as fast spoils what the generator has learned of it.
+constexpr double kDictionaryRate = 0.2;
+// What logits are where nothing is known of a function: most points are seen.
+constexpr float kStartLogit = 1.5f;
+
+// Random waves, from long to short.
+torch::Tensor startDictionary(const GeneratorShape& shape, uint64_t seed) {
+  const int r = shape.dictionary_resolution, K = shape.code_count;
+  torch::Tensor start = torch::empty({int64_t{r} * r * r, K + 1});
+  float* nodes = start.data_ptr<float>();
+  for (int k = 0; k < K; ++k) {
+    Random random(mixSeed(seed, 5, k));
+    const double frequency = 0.5 + 4.5 * k / std::max(1, K - 1);
+    const double wave[3] = {frequency * random.normal(), frequency * random.normal(), frequency * random.normal()};
+    const double phase = random.uniform(0.0, 2.0 * M_PI);
+    for (int n = 0; n < r * r * r; ++n) {
+      const int along[3] = {n % r, n / r % r, n / (r * r)};
+      double angle = phase;
+      for (int axis = 0; axis < 3; ++axis) angle += wave[axis] * (2.0 * along[axis] / (r - 1) - 1.0);
+      nodes[n * (K + 1) + k] = static_cast<float>(2.0 / std::sqrt(K) * std::cos(angle));
+    }
+  }
+  for (int n = 0; n < r * r * r; ++n) nodes[n * (K + 1) + K] = kStartLogit;
+  return start;
+}
+
+// Bytes times the power of two by which the largest number of each row fits. Numbers that were rounded before stay, bit for bit.
+// nodes   r³ x (K + 1)
+DictionaryData roundedDictionary(const GeneratorShape& shape, const std::vector<float>& nodes, const std::vector<float>& deviations) {
+  constexpr int kSpread = 7;  // exponents further below the largest of the b_k would make sums inexact
+  const int r = shape.dictionary_resolution, K = shape.code_count, node_count = r * r * r;
+  std::vector<int> exponents;
+  for (int k = 0; k <= K; ++k) {
+    float largest = 1e-6f;
+    for (int n = 0; n < node_count; ++n) largest = std::max(largest, std::fabs(nodes[n * (K + 1) + k]));
+    exponents.push_back(static_cast<int>(std::ceil(std::log2(largest / 127.0f))));
+  }
+  const int most = *std::max_element(exponents.begin(), exponents.end() - 1);
+  DictionaryData data{r, K, {}, {}, deviations};
+  for (int k = 0; k <= K; ++k) {
+    const int exponent = std::max(exponents[k], most - kSpread);
+    data.exponents.push_back(static_cast<int8_t>(exponent));
+    for (int n = 0; n < node_count; ++n) {
+      const float steps = std::nearbyint(std::ldexp(nodes[n * (K + 1) + k], -exponent));
+      data.nodes.push_back(static_cast<int8_t>(std::clamp(steps, -127.0f, 127.0f)));
+    }
+  }
+  return data;
+}
+
 }  // namespace
 
 GeneratorNetworkImpl::GeneratorNetworkImpl(const GeneratorShape& shape, const Theta& theta0, uint64_t seed) : shape_(shape) {
@@ -39,6 +93,44 @@ GeneratorNetworkImpl::GeneratorNetworkImpl(const GeneratorShape& shape, const Th
   torch::Tensor start = torch::empty({static_cast<int64_t>(theta0.size())});
   std::copy(theta0.begin(), theta0.end(), start.data_ptr<float>());
   theta0_ = register_buffer("theta0", start);
+  if (shape.code_count == 0) return;
+  dictionary_ = register_parameter("dictionary", startDictionary(shape, seed));
+  deviations_ = register_buffer("deviations", torch::full({shape.code_count}, kStartDeviation));
+  const auto all = named_parameters();
+  while (all[dictionary_parameter_].key() != "dictionary") ++dictionary_parameter_;
+}
+
+torch::Tensor GeneratorNetworkImpl::dictionaryAt(const PointSet& points, int first, int count) {
+  const int r = shape_.dictionary_resolution;
+  torch::Tensor nodes = torch::empty({int64_t{count} * 8}, torch::kLong), shares = torch::empty({int64_t{count} * 8, 1});
+  int64_t* node = nodes.data_ptr<int64_t>();
+  float* share = shares.data_ptr<float>();
+  for (int i = first; i < first + count; ++i) {
+    const float point[3] = {points.x[i], points.y[i], points.z[i]};
+    int low[3];
+    float part[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const float along = (point[axis] + 1.0f) * 0.5f * static_cast<float>(r - 1);
+      low[axis] = std::clamp(static_cast<int>(along), 0, r - 2);
+      part[axis] = along - static_cast<float>(low[axis]);
+    }
+    for (int corner = 0; corner < 8; ++corner) {
+      int64_t index = 0;
+      float weight = 1.0f;
+      for (int axis = 2; axis >= 0; --axis) {
+        const int high = corner >> axis & 1;
+        index = index * r + low[axis] + high;
+        weight *= high ? part[axis] : 1.0f - part[axis];
+      }
+      *node++ = index;
+      *share++ = weight;
+    }
+  }
+  return (dictionary_.index_select(0, nodes) * shares).view({count, 8, dictionary_.size(1)}).sum(1);
+}
+
+double GeneratorNetworkImpl::rateFactor(size_t parameter) const {
+  return shape_.code_count > 0 && parameter == dictionary_parameter_ ? kDictionaryRate : 1.0;
 }
 
 torch::Tensor GeneratorNetworkImpl::forward(torch::Tensor coefficients) {
@@ -60,6 +152,10 @@ GeneratorData GeneratorNetworkImpl::toData(const Representation& representation,
                            toVector(layer->weight), toVector(layer->bias)});
   }
   data.exact_last_layer = solvesLastLayer(representation);
+  if (representation.isCode()) {
+    data.representation =
+        Representation::code(std::make_shared<Dictionary>(roundedDictionary(shape_, toVector(dictionary_), toVector(deviations_))));
+  }
   data.theta0 = toVector(theta0_);
   data.output_scale.assign(data.theta0.size(), static_cast<float>(shape_.output_scale));
   return data;

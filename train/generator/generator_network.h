@@ -17,6 +17,8 @@ struct GeneratorShape {
   double slope = 0.01;           // LeakyReLU
   double output_scale = 0.05;    // theta = theta0 + output_scale * last layer: keeps Adam's first steps small in theta
   bool exact_last_layer = true;  // networks with a linear output: the last layer is solved after the generator
+  int code_count = 0;            // K of codes, whose dictionary is trained with the generator; 0: theta is no code
+  int dictionary_resolution = 9;  // of codes: nodes along an axis
 };
 
 // The formulas of GeneratorData (runtime_eval/evaluator/generator.h), differentiable. The last layer starts at zero: the
@@ -30,16 +32,28 @@ class GeneratorNetworkImpl : public torch::nn::Module {
 
   const GeneratorShape& shape() const { return shape_; }
   bool solvesLastLayer(const Representation& representation) const {
-    return shape_.exact_last_layer && !representation.isField() && representation.shape().output == OutputFunction::linear;
+    return shape_.exact_last_layer && representation.hasLinearOutput();
   }
 
-  // Its present numbers for the evaluator.
+  // Codes: c and b_k at some points, count x (K + 1), c last; differentiable.
+  torch::Tensor dictionaryAt(const PointSet& points, int first, int count);
+  // r³ x (K + 1), c last; the nodes x fastest.
+  torch::Tensor& dictionary() { return dictionary_; }
+  // K, in the unit of codes: what a fit's prior knows of them.
+  torch::Tensor& deviations() { return deviations_; }
+  torch::nn::Linear& lastLayer() { return layers_.back(); }
+
+  // Of the learning rate, by the place of a parameter among parameters().
+  double rateFactor(size_t parameter) const;
+
+  // Its present numbers for the evaluator. Of codes, the dictionary is rounded to what a file holds.
   GeneratorData toData(const Representation& representation, const BasisData& basis) const;
 
  private:
   GeneratorShape shape_;
   std::vector<torch::nn::Linear> layers_;
-  torch::Tensor theta0_;
+  torch::Tensor theta0_, dictionary_, deviations_;
+  size_t dictionary_parameter_ = 0;  // its place among parameters()
 };
 TORCH_MODULE(GeneratorNetwork);
 

@@ -122,7 +122,9 @@ void takeStep(const GeneratorStep& step, const BatchGradient& gradient, int thre
     const size_t i = block.parameter;
     float *numbers = of_network.begin(i) + block.first, *averages = of_average.begin(i) + block.first;
     float *mean = moments.mean[i].data_ptr<float>() + block.first, *square = moments.square[i].data_ptr<float>() + block.first;
-    adamUpdate(adam, block.count, gradient.ofParameter(i) + block.first, mean, square, numbers);
+    AdamStep own = adam;
+    own.learning_rate *= network->rateFactor(i);
+    adamUpdate(own, block.count, gradient.ofParameter(i) + block.first, mean, square, numbers);
     for (int64_t k = 0; k < block.count; ++k) averages[k] += share * (numbers[k] - averages[k]);
   });
   of_network.putBack();

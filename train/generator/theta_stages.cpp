@@ -1,5 +1,7 @@
 #include "train/generator/theta_stages.h"
 
+#include "train/generator/dictionary_loss.h"
+
 #include "tool/parallel_for.h"
 
 namespace nlg {
@@ -8,6 +10,7 @@ ThetaStages runStages(GeneratorNetwork& network, const Representation& represent
                       const std::vector<Sample>& samples) {
   const torch::Device device = network->parameters().front().device();
   torch::Tensor theta = network->forward(coefficientBatch(data, samples).to(device)).cpu();
+  if (representation.isCode()) return {{codeMeanSquares(network, theta, data, samples, -1, {})}};
   const SampleTargets targets(representation, data, samples);
   ThetaStages stages;
   const auto measure = [&] { stages.mean_squares.push_back(differentiable(measureTheta(theta, targets), theta)); };

@@ -8,6 +8,7 @@
 #include "runtime_eval/fit/direct.h"
 #include "tool/error.h"
 #include "tool/progress.h"
+#include "train/generator/dictionary_loss.h"
 #include "train/generator/function_loss.h"
 #include "train/generator/loss_guard.h"
 
@@ -51,9 +52,23 @@ void requireFinite(double value, int64_t step, const char* quantity) {
 // such theta in a million would otherwise decide a whole step.
 constexpr double kLargestLoss = 1.0;
 
+// Of the sigmoid's slope where a point is shut, at the start; it falls to 0 at kLeakEnd of the steps.
+constexpr double kStartLeak = 0.25, kLeakEnd = 0.8;
+
+// Loss of each sample's code, at one batch of points for all of them.
+torch::Tensor codeLosses(const TrainOptions& options, const TrainingData& data, const std::vector<Sample>& samples,
+                         TrainingState& state) {
+  const torch::Tensor z = state.network->forward(coefficientBatch(data, samples));
+  const double phase = static_cast<double>(state.step) / options.steps;
+  const DictionaryLossOptions loss{kStartLeak * std::max(0.0, 1.0 - phase / kLeakEnd), options.dark_weight};
+  const torch::Tensor mean_squares = codeMeanSquares(state.network, z, data, samples, samples.front().batch, loss);
+  return (mean_squares + 1e-6).pow(options.error_power).clamp_max(kLargestLoss);
+}
+
 // Loss of each sample: the mean over the stages of its theta.
 torch::Tensor stepLosses(const TrainOptions& options, const Representation& representation, const TrainingData& data,
                          const std::vector<Sample>& samples, TrainingState& state) {
+  if (representation.isCode()) return codeLosses(options, data, samples, state);
   const ThetaStages stages = runStages(state.network, representation, data, samples);
   return (torch::stack(stages.mean_squares) + 1e-6).pow(options.error_power).clamp_max(kLargestLoss).mean(0);
 }
@@ -104,7 +119,8 @@ std::string logLine(const TrainOptions& options, const TrainingState& state, dou
 SampleOrder sampleOrder(const TrainOptions& options, const Representation& representation, const TrainingData& training) {
   std::vector<uint32_t> with_theta;
   if (options.theta_share > 0) with_theta = training.functionsAbove(options.bare_tent_rmse);
-  const int batch_count = pointOrder(representation).batchCount();
+  // codes are fitted cell by cell, but trained on strata
+  const int batch_count = representation.isCode() ? kStratumCount : pointOrder(representation).batchCount();
   return SampleOrder(training.functionCount(), std::move(with_theta),
                      {.batch = options.batch,
                       .point_batch_count = batch_count,
@@ -132,6 +148,7 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("bare_tent_rmse", &o.bare_tent_rmse, "a function that the bare tent gives with no larger an RMSE takes no theta", 0.0,
             1.0);
   table.add("divergence_ratio", &o.divergence_ratio, "a loss over so many running medians takes training back", 1.0, 1e9);
+  table.add("dark_weight", &o.dark_weight, "codes: weight of squared residuals where the function is 0 and the tent is not", 1.0, 1e6);
   table.group("Networks");
   table.add("representation_slope", &o.representation_slope, "LeakyReLU slope of the tiny network", 1e-6, 0.9);
   table.add("width", &o.shape.width, "width of the generator's hidden layers", 1, 8192);
@@ -140,6 +157,7 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("output_scale", &o.shape.output_scale, "factor of the last layer's output", 1e-6, 1e3);
   table.add("exact_last_layer", &o.shape.exact_last_layer,
             "networks with a linear output: solve the last layer after the generator");
+  table.add("dictionary_resolution", &o.shape.dictionary_resolution, "codes: nodes of the dictionary along an axis: 3, 5, 7 or 9", 3, 9);
   table.group("Run");
   table.add("start_candidates", &o.start.candidates, "random starts tried for theta0", 1, 1000000);
   table.add("checkpoint_steps", &o.checkpoint_steps, "steps between checkpoints", 1, 100000000);
@@ -162,6 +180,8 @@ double oneCycleRate(const TrainOptions& options, int64_t step) {
 }
 
 Theta fitTheta0(const Representation& representation, const BasisFile& basis, const StartOptions& options) {
+  // the dictionary's c, which is trained, is where codes begin
+  if (representation.isCode()) return Theta(representation.thetaCount());
   NormalEquationsKernel kernel;
   // `mlp` has to make the tent itself, and most functions are nearly that; the others have it for nothing
   if (representation.kind == RepresentationKind::mlp) return fitStart(representation, tentFunction(), options, &kernel).theta;

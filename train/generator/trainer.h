@@ -34,6 +34,7 @@ struct TrainOptions {
   // as often as the set has them in what is left, so that theta stays sane there.
   double theta_share = 0.95;
   double bare_tent_rmse = 0.002;       // a function that the bare tent gives so well takes no theta: the policy's own setting
+  double dark_weight = 1.0;            // codes: of squared residuals at dark points
   double divergence_ratio = 10;        // a loss over so many times the running median takes training back (loss_guard.h)
   double representation_slope = 0.01;  // LeakyReLU of the tiny network
   GeneratorShape shape;
@@ -53,7 +54,7 @@ BasisData usedBasis(const TrainOptions& options, const Basis& basis);
 // Learning rate of a step before any rollback: linear from 1/25 of the peak over the warm-up, then a cosine down to 1/10000.
 double oneCycleRate(const TrainOptions& options, int64_t step);
 
-// theta0 for a training set: fitted to the bare tent for `mlp`, to the mean function of the set for the others
+// theta0 for a training set: fitted to the bare tent for `mlp`, 0 for codes, fitted to the mean function of the set for the others
 // (docs/lab/measurements.md).
 Theta fitTheta0(const Representation& representation, const BasisFile& basis, const StartOptions& options);
 

@@ -20,7 +20,7 @@ constexpr double kOtherKernel = 1.0 + 1e-6;
 
 // The lowest weighed RMSE of c, of c tent(x) where the representation has the tent, over all constants c that it can output.
 double constantRmse(const Representation& representation, const StoredFunction& stored, double dark_weight) {
-  const bool is_limited = representation.isField() || representation.shape().output == OutputFunction::sigmoid;
+  const bool is_limited = !representation.isNetwork() || representation.shape().output == OutputFunction::sigmoid;
   double shape_shape = 0.0, shape_phi = 0.0, phi_phi = 0.0;
   int count = 0;
   for (int p = 0; p < kSupportPointCount; ++p) {

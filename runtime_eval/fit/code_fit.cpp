@@ -1,0 +1,354 @@
+#include "runtime_eval/fit/code_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/numbers/finite.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "runtime_eval/fit/code_fit.cpp"
+#include <hwy/foreach_target.h>
+// after foreach_target.h
+#include "runtime_eval/evaluator/brick-inl.h"
+
+#ifndef NLG_CODE_FIT_ONCE
+#define NLG_CODE_FIT_ONCE
+namespace nlg {
+
+// Points whose rows are made and multiplied together: their rows stay in the level-1 cache.
+constexpr int kRowsAtOnce = 64;
+
+// A point is active where it is wrong by more than kWrong, or where the sigmoid's slope is above kMoving; and its row is not all but 0.
+constexpr float kWrong = 0.01f, kMoving = 0.02f, kLeastSlope = 1e-3f;
+
+struct PassInput {
+  const PointOrder& order;
+  const float *phi, *mask, *logits;
+  float dark_root, kappa;
+};
+struct PassOutput {
+  int* place;
+  float *slope, *residual;
+  int active_count;
+  double cost;
+};
+
+}  // namespace nlg
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace nlg {
+namespace HWY_NAMESPACE {
+
+void passVectors(const PassInput& in, PassOutput& out) {
+  const FloatTag d;
+  const hn::RebindToSigned<FloatTag> di;
+  const PointOrder& order = in.order;
+  const int lanes = static_cast<int>(hn::Lanes(d)), cell_count = static_cast<int>(order.cell_begin.size()) - 1;
+  const Floats scale = hn::Set(d, static_cast<float>(order.resolution - 1)), one = hn::Set(d, 1.0f);
+  const Floats dark_root = hn::Set(d, in.dark_root), kappa = hn::Set(d, in.kappa);
+  const Floats wrong = hn::Set(d, kWrong), moving = hn::Set(d, kMoving), least = hn::Set(d, kLeastSlope);
+  BrickPolynomials polynomials;
+  brickPolynomials(order.resolution, in.logits, polynomials);
+  double cost = 0.0;
+  size_t active = 0;
+  for (int c = 0; c < cell_count; ++c) {
+    const Cell cell = cellAt(order.resolution, c);
+    Floats square_sum = hn::Zero(d);
+    for (int place = order.cell_begin[c]; place < order.cell_begin[c + 1]; place += lanes) {
+      const Floats logit = cellLogit(d, polynomials, c, cellPosition(d, order, cell, scale, place));
+      const Sigmoid s = sigmoid(d, logit);
+      Floats weight = hn::Load(d, in.mask + place);
+      weight = hn::IfThenElse(hn::Gt(weight, one), dark_root, weight);
+      const Floats tents = hn::Load(d, &order.points.tent[place]);
+      const Floats residual = hn::Mul(weight, hn::MulSub(s.value, tents, hn::Load(d, in.phi + place)));
+      square_sum = hn::MulAdd(residual, residual, square_sum);
+      const Floats slope = hn::Mul(s.value, s.complement);
+      const auto is_wrong = hn::Gt(hn::Abs(residual), wrong);
+      const auto counts = hn::Or(is_wrong, hn::Gt(hn::Mul(slope, weight), moving));
+      const Floats taken = hn::Mul(hn::Mul(hn::IfThenElse(is_wrong, hn::Max(slope, kappa), slope), tents), weight);
+      const auto is_active = hn::And(counts, hn::Gt(taken, least));
+      if (hn::AllFalse(d, is_active)) continue;
+      hn::CompressStore(hn::Iota(di, place), hn::RebindMask(di, is_active), di, out.place + active);
+      hn::CompressStore(taken, is_active, d, out.slope + active);
+      active += hn::CompressStore(residual, is_active, d, out.residual + active);
+    }
+    cost += hn::GetLane(hn::SumOfLanes(d, square_sum));
+  }
+  out.cost = cost;
+  out.active_count = static_cast<int>(active);
+}
+
+// Adds J^T J of some rows to the upper triangle of a matrix, in blocks of 8 rows by a vector.
+// rows   row_count x count, a multiple of 8
+void addRowProducts(const float* HWY_RESTRICT rows, int row_count, int count, float* HWY_RESTRICT matrix) {
+  const hn::CappedTag<float, 8> d8;
+  const FloatTag d;
+  const auto addBlocks = [&](auto tag, int block) {
+    for (int a = 0; a < count; a += 8) {
+      for (int c = a / block * block; c < count; c += block) {
+        hn::Vec<decltype(tag)> sum[8];
+#pragma GCC unroll 8
+        for (int u = 0; u < 8; ++u) sum[u] = hn::Zero(tag);
+        for (int i = 0; i < row_count; ++i) {
+          const float* row = rows + static_cast<ptrdiff_t>(i) * count;
+          const auto columns = hn::LoadU(tag, row + c);
+#pragma GCC unroll 8
+          for (int u = 0; u < 8; ++u) sum[u] = hn::MulAdd(hn::Set(tag, row[a + u]), columns, sum[u]);
+        }
+#pragma GCC unroll 8
+        for (int u = 0; u < 8; ++u) {
+          float* to = matrix + static_cast<ptrdiff_t>(a + u) * count + c;
+          hn::StoreU(hn::Add(hn::LoadU(tag, to), sum[u]), tag, to);
+        }
+      }
+    }
+  };
+  // a count that is no multiple of the widest vector takes narrower ones
+  if (count % static_cast<int>(hn::Lanes(d)) == 0) {
+    addBlocks(d, static_cast<int>(hn::Lanes(d)));
+  } else {
+    addBlocks(d8, static_cast<int>(hn::Lanes(d8)));
+  }
+}
+
+// The rows of active points, times their slopes: J. And J^T r.
+void makeRows(const float* HWY_RESTRICT at_places, size_t stride, const int* place, const float* slope, const float* residual,
+              int row_count, int count, float* HWY_RESTRICT rows, float* HWY_RESTRICT gradient) {
+  const hn::CappedTag<float, 8> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int i = 0; i < row_count; ++i) {
+    const float* from = at_places + static_cast<size_t>(place[i]) * stride;
+    float* row = rows + static_cast<ptrdiff_t>(i) * count;
+    const auto factor = hn::Set(d, slope[i]), wrong = hn::Set(d, residual[i]);
+    for (int k = 0; k < count; k += lanes) {
+      const auto value = hn::Mul(factor, hn::LoadU(d, from + k));
+      hn::StoreU(value, d, row + k);
+      hn::StoreU(hn::MulAdd(wrong, value, hn::LoadU(d, gradient + k)), d, gradient + k);
+    }
+  }
+}
+
+// Cholesky in place on the upper triangle; false where a pivot is none.
+bool factorUpper(int count, float* HWY_RESTRICT matrix) {
+  const hn::CappedTag<float, 8> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int i = 0; i < count; ++i) {
+    float* pivot_row = matrix + static_cast<ptrdiff_t>(i) * count;
+    if (!(pivot_row[i] > 0.0f) || !std::isfinite(pivot_row[i])) return false;
+    const float inverse = 1.0f / std::sqrt(pivot_row[i]);
+    // whole vectors: numbers left of the diagonal are never read
+    const int first = i / lanes * lanes;
+    for (int k = first; k < count; k += lanes) hn::StoreU(hn::Mul(hn::LoadU(d, pivot_row + k), hn::Set(d, inverse)), d, pivot_row + k);
+    for (int j = i + 1; j < count; ++j) {
+      const auto factor = hn::Set(d, pivot_row[j]);
+      float* row = matrix + static_cast<ptrdiff_t>(j) * count;
+      for (int k = j / lanes * lanes; k < count; k += lanes)
+        hn::StoreU(hn::NegMulAdd(factor, hn::LoadU(d, pivot_row + k), hn::LoadU(d, row + k)), d, row + k);
+    }
+  }
+  return true;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace nlg
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace nlg {
+namespace {
+
+HWY_EXPORT(passVectors);
+HWY_EXPORT(addRowProducts);
+HWY_EXPORT(makeRows);
+HWY_EXPORT(factorUpper);
+
+// By step: the least slope of a point that is wrong.
+constexpr float kKappas[] = {0.02f, 0.01f, 0.005f, 0.0f};
+constexpr int kRampSteps = 3;  // until all is at its full weight
+// Marquardt's damping after a step that lowers what is minimised, and after one that does not.
+constexpr double kLessDamping = 0.25, kMoreDamping = 8.0, kLeastDamping = 1e-7, kMostDamping = 1e6;
+constexpr float kLeastDiagonal = 1e-3f;  // of the largest entry: numbers that change nothing are damped as if they did so much
+constexpr int kSlowSteps = 2;
+
+float kappaOf(const CodeFitOptions& options, int step) { return options.is_ramped ? kKappas[std::min(step, kRampSteps)] : 0.0f; }
+
+// The root of the weight of dark points at a step, of what it is in the end.
+float darkRoot(const CodeFitOptions& options, int step, float full) {
+  if (!options.is_ramped || step >= kRampSteps || full <= 1.0f) return full;
+  return std::pow(full, static_cast<float>(step) / kRampSteps);
+}
+
+float largestMask(const WeightingFunction& function) {
+  return function.mask.empty() ? 1.0f : *std::max_element(function.mask.begin(), function.mask.end());
+}
+
+}  // namespace
+
+void CodeFit::prepare(const Representation& representation) {
+  if (dictionary_ == representation.dictionary) return;
+  dictionary_ = representation.dictionary;
+  order_ = &cellOrder(dictionary_->resolution());
+  const auto K = static_cast<size_t>(dictionary_->codeCount()), places = static_cast<size_t>(order_->placeCount()) + kPointGroup;
+  logits_.assign(dictionary_->nodeStride(), 0.0f);
+  for (AlignedFloats* square : {&matrix_, &factor_}) square->assign(K * K, 0.0f);
+  gradient_.assign(K, 0.0f);
+  rows_.assign(kRowsAtOnce * K, 0.0f);
+  trial_.assign(K, 0.0f);
+  start_.assign(K, 0.0f);
+  for (Pass* pass : {&best_, &other_}) {
+    pass->place.assign(places, 0);
+    pass->slope.assign(places, 0.0f);
+    pass->residual.assign(places, 0.0f);
+  }
+}
+
+void CodeFit::runPass(const WeightingFunction& function, int count, const float* z, float dark_root, float kappa, Pass* pass) {
+  expandCode(*dictionary_, z, count, logits_.data());
+  const PassInput in{*order_, function.phi.data(), function.mask.data(), logits_.data(), dark_root, kappa};
+  PassOutput out{pass->place.data(), pass->slope.data(), pass->residual.data(), 0, 0.0};
+  HWY_DYNAMIC_DISPATCH(passVectors)(in, out);
+  pass->active_count = out.active_count;
+  pass->cost = out.cost;
+}
+
+double CodeFit::priorCost(const CodeFitOptions& options, int count, const float* z) const {
+  double sum = 0.0;
+  for (int k = 0; k < count; ++k) {
+    const double over = z[k] / dictionary_->deviations()[k];
+    sum += over * over;
+  }
+  return options.prior * sum;
+}
+
+void CodeFit::addEquations(const Pass& pass, int count, float kappa) {
+  const Dictionary::FitTables& tables = dictionary_->fitTables();
+  const auto K = static_cast<size_t>(dictionary_->codeCount());
+  std::fill_n(matrix_.begin(), count * count, 0.0f);
+  std::fill_n(gradient_.begin(), count, 0.0f);
+  for (int first = 0; first < pass.active_count; first += kRowsAtOnce) {
+    const int row_count = std::min(kRowsAtOnce, pass.active_count - first);
+    HWY_DYNAMIC_DISPATCH(makeRows)
+    (tables.at_places.data(), K, &pass.place[first], &pass.slope[first], &pass.residual[first], row_count, count, rows_.data(),
+     gradient_.data());
+    HWY_DYNAMIC_DISPATCH(addRowProducts)(rows_.data(), row_count, count, matrix_.data());
+  }
+  if (kappa == 0.0f) return;
+  for (int i = 0; i < count; ++i) {
+    for (int k = i; k < count; ++k) matrix_[i * count + k] += kappa * kappa * tables.tent_squares[i * K + k];
+  }
+}
+
+bool CodeFit::solveStep(const CodeFitOptions& options, int count, double damping, const float* z, float* trial) {
+  std::copy_n(matrix_.begin(), count * count, factor_.begin());
+  float largest = 0.0f;
+  for (int i = 0; i < count; ++i) largest = std::max(largest, matrix_[i * count + i]);
+  for (int i = 0; i < count; ++i) {
+    const float deviation = dictionary_->deviations()[i];
+    const auto prior = static_cast<float>(options.prior) / (deviation * deviation);
+    factor_[i * count + i] += static_cast<float>(damping) * std::max(matrix_[i * count + i], kLeastDiagonal * largest) + prior;
+    trial[i] = -(gradient_[i] + prior * z[i]);
+  }
+  if (!HWY_DYNAMIC_DISPATCH(factorUpper)(count, factor_.data())) return false;
+  // U^T U step = - gradient
+  for (int i = 0; i < count; ++i) {
+    const float* row = &factor_[i * count];
+    const float value = trial[i] /= row[i];
+    for (int k = i + 1; k < count; ++k) trial[k] -= row[k] * value;
+  }
+  for (int i = count - 1; i >= 0; --i) {
+    const float* row = &factor_[i * count];
+    float sum = trial[i];
+    for (int k = i + 1; k < count; ++k) sum -= row[k] * trial[k];
+    trial[i] = sum / row[i];
+  }
+  for (int i = 0; i < count; ++i) trial[i] += z[i];
+  return allFinite({trial, static_cast<size_t>(count)});
+}
+
+FitResult CodeFit::iterate(const Representation& representation, const WeightingFunction& function, const CodeFitOptions& options,
+                           int count, float* z) {
+  prepare(representation);
+  const auto K = static_cast<size_t>(dictionary_->codeCount());
+  FitResult result;
+  const int valid_count = function.validCount();
+  const auto squareOf = [&](const float* of) {
+    return loss(representation, 0, static_cast<int>(function.phi.size()), function.phi.data(), function.mask.data(), of);
+  };
+  if (valid_count == 0) {
+    result.stop = FitStop::no_points;
+    return result;
+  }
+  std::fill(z + count, z + K, 0.0f);
+  const double start_square = squareOf(z);
+  std::copy_n(z, K, start_.begin());
+  result.rmse = std::sqrt(start_square / valid_count);
+  if (!std::isfinite(start_square) || !allFinite({z, K})) {
+    result.stop = FitStop::not_finite;
+    return result;
+  }
+  std::fill(trial_.begin(), trial_.end(), 0.0f);
+  const float full_root = largestMask(function);
+  double damping = options.damping;
+  bool is_current = false;  // the equations are of z, at this step's weights
+  int slow_steps = 0;
+  for (int step = 0; step < options.iterations; ++step) {
+    const float root = darkRoot(options, step, full_root), kappa = kappaOf(options, step);
+    const bool changes = step <= kRampSteps && options.is_ramped;
+    if (step == 0 || changes) {
+      runPass(function, count, z, root, kappa, &best_);
+      best_.cost += priorCost(options, count, z);
+      is_current = false;
+    }
+    if (!is_current) addEquations(best_, count, kappa);
+    is_current = true;
+    ++result.steps;
+    bool is_better = false;
+    if (solveStep(options, count, damping, z, trial_.data())) {
+      runPass(function, count, trial_.data(), root, kappaOf(options, step + 1), &other_);
+      other_.cost += priorCost(options, count, trial_.data());
+      is_better = other_.cost < best_.cost;
+    }
+    if (!is_better) {
+      damping *= kMoreDamping;
+      result.stop = FitStop::damping;
+      if (damping > kMostDamping) break;
+      continue;
+    }
+    damping = std::max(kLeastDamping, damping * kLessDamping);
+    slow_steps = other_.cost > (1.0 - options.progress_tolerance) * best_.cost ? slow_steps + 1 : 0;
+    std::swap(best_, other_);
+    std::copy_n(trial_.begin(), count, z);
+    is_current = false;
+    result.stop = FitStop::progress;
+    if (slow_steps >= kSlowSteps && step >= kRampSteps) break;
+    result.stop = FitStop::budget;
+  }
+  const double end_square = squareOf(z);
+  if (!(end_square <= start_square)) {
+    std::copy_n(start_.begin(), K, z);
+    return result;
+  }
+  result.rmse = std::sqrt(end_square / valid_count);
+  return result;
+}
+
+void CodeFit::equationsAt(const Representation& representation, const WeightingFunction& function, const CodeFitOptions& options,
+                          const float* z, CodeEquations* equations) {
+  prepare(representation);
+  const int K = dictionary_->codeCount();
+  runPass(function, K, z, largestMask(function), 0.0f, &other_);
+  addEquations(other_, K, 0.0f);
+  equations->count = K;
+  equations->matrix.resize(matrix_.size());
+  for (int i = 0; i < K; ++i) {
+    const float deviation = dictionary_->deviations()[i];
+    for (int k = i; k < K; ++k) equations->matrix[i * K + k] = equations->matrix[k * K + i] = matrix_[i * K + k];
+    equations->matrix[i * K + i] += static_cast<float>(options.prior) / (deviation * deviation);
+  }
+}
+
+}  // namespace nlg
+#endif  // HWY_ONCE

@@ -1,0 +1,73 @@
+// Levenberg–Marquardt on codes: for a given dictionary a code's logits are linear in it, so that a step is exact but for the sigmoid.
+//
+// What is minimised is the sum of squared weighed residuals and a prior that pulls every number towards 0, the mean code. The logits are
+// not rounded meanwhile (dictionary.h); what rounding makes of a code is measured when the fit has ended.
+//
+// Three things make few steps do (docs/theory/math.md §10):
+// - Only *active* points have a row in the normal equations: those that are wrong or that the sigmoid still moves, 500 to 1,500 of 8192.
+// - Where the sigmoid has shut a point that is wrong, its slope is taken as kappa at least, which falls to 0 over the first steps.
+// - The weight of dark points rises to what the function's mask says over the first steps.
+#pragma once
+
+#include <vector>
+
+#include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/fit/fit_result.h"
+#include "runtime_eval/simd/aligned.h"
+
+namespace nlg {
+
+struct CodeFitOptions {
+  int iterations = 12;
+  double damping = 0.01;              // at the start, relative to the diagonal of the equations
+  double prior = 1e-3;               // of the square of a number over its deviation, beside the sum over points
+  double progress_tolerance = 1e-3;   // ends when two accepted steps in a row lower what is minimised by less than this share
+  bool is_ramped = true;              // kappa falls, and the weight of dark points rises, over the first steps
+};
+
+// The normal equations of a code where a fit has ended.
+struct CodeEquations {
+  int count = 0;         // K
+  AlignedFloats matrix;  // K x K, symmetric, both triangles: J^T J and the prior
+};
+
+// One of these a thread: it keeps its workspace.
+class CodeFit {
+ public:
+  // Steps in place.
+  // function   in the order of the representation, a code
+  // count      numbers of the code that are fitted, a multiple of 8: those behind are set to 0
+  // z          K floats; becomes the better of where the steps end and what it was
+  // returns    rmse (of rounded logits), steps and stop of the fit, without its theta
+  FitResult iterate(const Representation& representation, const WeightingFunction& function, const CodeFitOptions& options,
+                    int count, float* z);
+
+  // Of all K numbers, at full weights and without kappa.
+  void equationsAt(const Representation& representation, const WeightingFunction& function, const CodeFitOptions& options,
+                   const float* z, CodeEquations* equations);
+
+ private:
+  // What one pass over all points leaves: what is minimised, and a row of the equations for every active point.
+  struct Pass {
+    double cost = 0.0;
+    std::vector<int> place;
+    AlignedFloats slope, residual;
+    int active_count = 0;
+  };
+
+  void prepare(const Representation& representation);
+  // At z: the pass without its prior's share of the cost.
+  void runPass(const WeightingFunction& function, int count, const float* z, float dark_root, float kappa, Pass* pass);
+  double priorCost(const CodeFitOptions& options, int count, const float* z) const;
+  // J^T J and J^T r of a pass, and kappa's share of it.
+  void addEquations(const Pass& pass, int count, float kappa);
+  bool solveStep(const CodeFitOptions& options, int count, double damping, const float* z, float* trial);
+
+  SharedDictionary dictionary_;  // that all below is made for
+  const PointOrder* order_ = nullptr;
+  AlignedFloats logits_, matrix_, factor_, gradient_, rows_;
+  std::vector<float> trial_, start_;
+  Pass best_, other_;
+};
+
+}  // namespace nlg
