@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "runtime_eval/fit/loss_kernel.h"
@@ -32,7 +33,7 @@ struct PassOutput {
   int* place;
   float *slope, *residual;
   int active_count;
-  double cost;
+  double lit_square, dark_square;
 };
 
 }  // namespace nlg
@@ -52,32 +53,37 @@ void passVectors(const PassInput& in, PassOutput& out) {
   const Floats wrong = hn::Set(d, kWrong), moving = hn::Set(d, kMoving), least = hn::Set(d, kLeastSlope);
   BrickPolynomials polynomials;
   brickPolynomials(order.resolution, in.logits, polynomials);
-  double cost = 0.0;
+  double lit_total = 0.0, dark_total = 0.0;
   size_t active = 0;
   for (int c = 0; c < cell_count; ++c) {
     const Cell cell = cellAt(order.resolution, c);
-    Floats square_sum = hn::Zero(d);
+    Floats lit_square = hn::Zero(d), dark_square = hn::Zero(d);
     for (int place = order.cell_begin[c]; place < order.cell_begin[c + 1]; place += lanes) {
       const Floats logit = cellLogit(d, polynomials, c, cellPosition(d, order, cell, scale, place));
       const Sigmoid s = sigmoid(d, logit);
-      Floats weight = hn::Load(d, in.mask + place);
-      weight = hn::IfThenElse(hn::Gt(weight, one), dark_root, weight);
-      const Floats tents = hn::Load(d, &order.points.tent[place]);
-      const Floats residual = hn::Mul(weight, hn::MulSub(s.value, tents, hn::Load(d, in.phi + place)));
-      square_sum = hn::MulAdd(residual, residual, square_sum);
+      const Floats mask = hn::Load(d, in.mask + place), tents = hn::Load(d, &order.points.tent[place]);
+      const auto is_dark = hn::Gt(mask, one);
+      const Floats bare = hn::MulSub(s.value, tents, hn::Load(d, in.phi + place));
+      lit_square = hn::MulAdd(hn::IfThenZeroElse(is_dark, hn::Mul(mask, bare)), bare, lit_square);
+      dark_square = hn::MulAdd(hn::IfThenElseZero(is_dark, bare), bare, dark_square);
+      const Floats weight = hn::IfThenElse(is_dark, dark_root, mask), residual = hn::Mul(weight, bare);
       const Floats slope = hn::Mul(s.value, s.complement);
       const auto is_wrong = hn::Gt(hn::Abs(residual), wrong);
       const auto counts = hn::Or(is_wrong, hn::Gt(hn::Mul(slope, weight), moving));
       const Floats taken = hn::Mul(hn::Mul(hn::IfThenElse(is_wrong, hn::Max(slope, kappa), slope), tents), weight);
       const auto is_active = hn::And(counts, hn::Gt(taken, least));
       if (hn::AllFalse(d, is_active)) continue;
-      hn::CompressStore(hn::Iota(di, place), hn::RebindMask(di, is_active), di, out.place + active);
-      hn::CompressStore(taken, is_active, d, out.slope + active);
-      active += hn::CompressStore(residual, is_active, d, out.residual + active);
+      // whole vectors: CompressStore takes a hundred cycles on some machines
+      hn::StoreU(hn::Compress(hn::Iota(di, place), hn::RebindMask(di, is_active)), di, out.place + active);
+      hn::StoreU(hn::Compress(taken, is_active), d, out.slope + active);
+      hn::StoreU(hn::Compress(residual, is_active), d, out.residual + active);
+      active += hn::CountTrue(d, is_active);
     }
-    cost += hn::GetLane(hn::SumOfLanes(d, square_sum));
+    lit_total += hn::GetLane(hn::SumOfLanes(d, lit_square));
+    dark_total += hn::GetLane(hn::SumOfLanes(d, dark_square));
   }
-  out.cost = cost;
+  out.lit_square = lit_total;
+  out.dark_square = dark_total;
   out.active_count = static_cast<int>(active);
 }
 
@@ -181,10 +187,6 @@ float darkRoot(const CodeFitOptions& options, int step, float full) {
   return std::pow(full, static_cast<float>(step) / kRampSteps);
 }
 
-float largestMask(const WeightingFunction& function) {
-  return function.mask.empty() ? 1.0f : *std::max_element(function.mask.begin(), function.mask.end());
-}
-
 }  // namespace
 
 void CodeFit::prepare(const Representation& representation) {
@@ -208,10 +210,13 @@ void CodeFit::prepare(const Representation& representation) {
 void CodeFit::runPass(const WeightingFunction& function, int count, const float* z, float dark_root, float kappa, Pass* pass) {
   expandCode(*dictionary_, z, count, logits_.data());
   const PassInput in{*order_, function.phi.data(), function.mask.data(), logits_.data(), dark_root, kappa};
-  PassOutput out{pass->place.data(), pass->slope.data(), pass->residual.data(), 0, 0.0};
+  PassOutput out{pass->place.data(), pass->slope.data(), pass->residual.data(), 0, 0.0, 0.0};
   HWY_DYNAMIC_DISPATCH(passVectors)(in, out);
   pass->active_count = out.active_count;
-  pass->cost = out.cost;
+  pass->lit_square = out.lit_square;
+  pass->dark_square = out.dark_square;
+  pass->dark_root = dark_root;
+  pass->kappa = kappa;
 }
 
 double CodeFit::priorCost(const CodeFitOptions& options, int count, const float* z) const {
@@ -274,43 +279,45 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
   const auto K = static_cast<size_t>(dictionary_->codeCount());
   FitResult result;
   const int valid_count = function.validCount();
-  const auto squareOf = [&](const float* of) {
-    return loss(representation, 0, static_cast<int>(function.phi.size()), function.phi.data(), function.mask.data(), of);
-  };
   if (valid_count == 0) {
     result.stop = FitStop::no_points;
     return result;
   }
   std::fill(z + count, z + K, 0.0f);
-  const double start_square = squareOf(z);
   std::copy_n(z, K, start_.begin());
-  result.rmse = std::sqrt(start_square / valid_count);
-  if (!std::isfinite(start_square) || !allFinite({z, K})) {
+  std::fill(trial_.begin(), trial_.end(), 0.0f);
+  const float full_root = function.dark_root;
+  const auto squareOf = [&](const Pass& pass, float root) { return pass.lit_square + double{root} * root * pass.dark_square; };
+  const auto rootAt = [&](int step) { return darkRoot(options, step, full_root); };
+  runPass(function, count, z, rootAt(0), kappaOf(options, 0), &best_);
+  const double first_square = squareOf(best_, full_root);
+  if (!allFinite({z, K}) || !std::isfinite(first_square)) {
     result.stop = FitStop::not_finite;
+    result.rmse = std::numeric_limits<double>::infinity();
     return result;
   }
-  std::fill(trial_.begin(), trial_.end(), 0.0f);
-  const float full_root = largestMask(function);
-  double damping = options.damping;
-  bool is_current = false;  // the equations are of z, at this step's weights
+  double damping = options.damping, prior = priorCost(options, count, z);
+  bool is_current = false;  // the equations are of best_
   int slow_steps = 0;
   for (int step = 0; step < options.iterations; ++step) {
-    const float root = darkRoot(options, step, full_root), kappa = kappaOf(options, step);
-    const bool changes = step <= kRampSteps && options.is_ramped;
-    if (step == 0 || changes) {
+    const float root = rootAt(step), kappa = kappaOf(options, step);
+    // a step that was no better left rows of other weights
+    if (best_.dark_root != root || best_.kappa != kappa) {
       runPass(function, count, z, root, kappa, &best_);
-      best_.cost += priorCost(options, count, z);
       is_current = false;
     }
     if (!is_current) addEquations(best_, count, kappa);
     is_current = true;
     ++result.steps;
     bool is_better = false;
+    double trial_prior = 0.0;
     if (solveStep(options, count, damping, z, trial_.data())) {
-      runPass(function, count, trial_.data(), root, kappaOf(options, step + 1), &other_);
-      other_.cost += priorCost(options, count, trial_.data());
-      is_better = other_.cost < best_.cost;
+      // rows as the next step wants them
+      runPass(function, count, trial_.data(), rootAt(step + 1), kappaOf(options, step + 1), &other_);
+      trial_prior = priorCost(options, count, trial_.data());
     }
+    const double before = squareOf(best_, root) + prior, after = squareOf(other_, root) + trial_prior;
+    is_better = trial_prior > 0.0 && after < before;
     if (!is_better) {
       damping *= kMoreDamping;
       result.stop = FitStop::damping;
@@ -318,20 +325,28 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
       continue;
     }
     damping = std::max(kLeastDamping, damping * kLessDamping);
-    slow_steps = other_.cost > (1.0 - options.progress_tolerance) * best_.cost ? slow_steps + 1 : 0;
+    slow_steps = after > (1.0 - options.progress_tolerance) * before ? slow_steps + 1 : 0;
     std::swap(best_, other_);
     std::copy_n(trial_.begin(), count, z);
+    prior = trial_prior;
     is_current = false;
     result.stop = FitStop::progress;
     if (slow_steps >= kSlowSteps && step >= kRampSteps) break;
     result.stop = FitStop::budget;
   }
-  const double end_square = squareOf(z);
-  if (!(end_square <= start_square)) {
-    std::copy_n(start_.begin(), K, z);
-    return result;
+  const auto roundedSquare = [&](const float* of) {
+    return loss(representation, 0, static_cast<int>(function.phi.size()), function.phi.data(), function.mask.data(), of);
+  };
+  double square = roundedSquare(z);
+  // what rounding adds is far less than half
+  if (!(square < 0.5 * first_square)) {
+    const double start_square = roundedSquare(start_.data());
+    if (!(square <= start_square)) {
+      std::copy_n(start_.begin(), K, z);
+      square = start_square;
+    }
   }
-  result.rmse = std::sqrt(end_square / valid_count);
+  result.rmse = std::sqrt(square / valid_count);
   return result;
 }
 
@@ -339,7 +354,7 @@ void CodeFit::equationsAt(const Representation& representation, const WeightingF
                           const float* z, CodeEquations* equations) {
   prepare(representation);
   const int K = dictionary_->codeCount();
-  runPass(function, K, z, largestMask(function), 0.0f, &other_);
+  runPass(function, K, z, function.dark_root, 0.0f, &other_);
   addEquations(other_, K, 0.0f);
   equations->count = K;
   equations->matrix.resize(matrix_.size());

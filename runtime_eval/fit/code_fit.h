@@ -47,16 +47,17 @@ class CodeFit {
                    const float* z, CodeEquations* equations);
 
  private:
-  // What one pass over all points leaves: what is minimised, and a row of the equations for every active point.
+  // What one pass over all points leaves: sums of squared residuals, of dark points without their weight, and a row of the equations for
+  // every active point, at some weight of dark points and some kappa.
   struct Pass {
-    double cost = 0.0;
+    double lit_square = 0.0, dark_square = 0.0;
+    float dark_root = 1.0f, kappa = 0.0f;
     std::vector<int> place;
     AlignedFloats slope, residual;
     int active_count = 0;
   };
 
   void prepare(const Representation& representation);
-  // At z: the pass without its prior's share of the cost.
   void runPass(const WeightingFunction& function, int count, const float* z, float dark_root, float kappa, Pass* pass);
   double priorCost(const CodeFitOptions& options, int count, const float* z) const;
   // J^T J and J^T r of a pass, and kappa's share of it.

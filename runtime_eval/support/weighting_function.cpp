@@ -61,7 +61,7 @@ void decodeFunction(const StoredFunction& stored, const PointOrder& order, doubl
     const int begin = order.batch_begin[b];
     function->valid_count[b] = decodeBatch(order, b, stored, 0, &function->phi[begin], &function->mask[begin]);
   }
-  const float dark = static_cast<float>(std::sqrt(dark_weight));
+  const float dark = function->dark_root = static_cast<float>(std::sqrt(dark_weight));
   for (int place = 0; place < order.placeCount(); ++place) {
     if (function->phi[place] == 0.0f && order.points.tent[place] > kRimTent) function->mask[place] *= dark;
   }
@@ -93,6 +93,7 @@ WeightingFunction reordered(const WeightingFunction& function, const PointOrder&
   }
   WeightingFunction result = functionFromSamples(phi, std::vector<bool>(mask.begin(), mask.end()), to);
   // the mask may weigh points, not only leave them out
+  result.dark_root = function.dark_root;
   for (int place = 0; place < to.placeCount(); ++place) {
     const int pattern = to.pattern_index[place];
     if (pattern >= 0) result.mask[place] = mask[pattern];

@@ -29,6 +29,7 @@ struct WeightingFunction {
   AlignedFloats phi;   // by place of the order, [0, 1]
   AlignedFloats mask;  // by place, 0 where no point is valid, elsewhere 1 or what weighs it: residuals are multiplied by it
   std::vector<int> valid_count;  // by batch
+  float dark_root = 1.0f;        // the mask at dark points
   int validCount() const;
 };
 
