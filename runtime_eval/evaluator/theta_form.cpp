@@ -93,6 +93,13 @@ int codeLength(int count, const float* z) {
   return (count + kCodeGroup - 1) / kCodeGroup * kCodeGroup;
 }
 
+size_t storedThetaBytes(const Representation& representation, ThetaPrecision precision, const float* theta) {
+  if (!representation.isCode() || precision != ThetaPrecision::int8) return thetaForm(representation, precision).bytes();
+  Theta rounded(theta, theta + representation.thetaCount());
+  roundTheta(representation, precision, rounded.data());
+  return static_cast<size_t>(codeLength(representation.thetaCount(), rounded.data())) * sizeof(int8_t) + sizeof(uint8_t);
+}
+
 void packTheta(const Representation& representation, const float* theta, PackedTheta* packed) {
   const ThetaForm form = thetaForm(representation, ThetaPrecision::int8);
   const float step = representation.isNetwork() ? stepOf(representation.shape()) : 1.0f;

@@ -53,6 +53,9 @@ bool roundTheta(const Representation& representation, ThetaPrecision precision, 
 inline constexpr int kCodeGroup = 8;
 int codeLength(int count, const float* z);
 
+// Bytes of one theta in a file: of a code in int8 its length, and the byte that says how many groups that is.
+size_t storedThetaBytes(const Representation& representation, ThetaPrecision precision, const float* theta);
+
 // Many theta in int8, one behind another: the steps and the halves of each.
 struct PackedTheta {
   std::vector<int8_t> steps;

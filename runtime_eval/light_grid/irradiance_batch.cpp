@@ -3,15 +3,16 @@
 // Neighbours in the list that share a cell make a run, and a block's runs are brought into the order of their cells: whatever the
 // list was, what follows one another then stands in one place of the level. Positions in that order are cut into chunks whose
 // weights, runs and items stay in the level-2 cache. A run has 8 items, one a corner, and a chunk's items are sorted by their
-// function: each theta is read once a chunk and runs on vectors of positions, gathered on a stage. Then weights become shares for
-// a vector of positions at once, and the 27 numbers of light are blended for one position after another, since 8 probes are what
-// neighbours need not share.
+// function: each theta is read once a chunk and runs on vectors of positions, gathered on a stage. Codes need no sorting: what their
+// look-up reads is two words of a brick, and lanes may read different ones. Then weights become shares for a vector of positions at
+// once, and the 27 numbers of light are blended for one position after another, since 8 probes are what neighbours need not share.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
 #include <utility>
 
+#include "runtime_eval/evaluator/brick_quads.h"
 #include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/light_grid/irradiance.h"
 #include "runtime_eval/simd/aligned.h"
@@ -49,11 +50,11 @@ static_assert(kMaxRun <= UINT16_MAX);
 // Positions of a chunk in one cell, side by side.
 struct CellRun {
   uint32_t first, count, first_slot;
-  uint8_t free_corners, dark_corners;  // bits: probes in free space, probes without weight
+  uint8_t free_corners, dark_corners, code_corners;  // bits: probes in free space, without weight, with a code
   CellCorners corners;
 };
 
-// One corner of one run that has a function: what is sorted, by function. All that its evaluation needs of the run.
+// One corner of one run that has a function, but no code: what is sorted, by function. All that its evaluation needs of the run.
 struct RunItem {
   uint32_t function;
   uint16_t first;  // position of the chunk
@@ -67,6 +68,21 @@ struct StageSegment {
   uint32_t function;
   uint32_t first_item, end_item;
   uint32_t first, end;  // places; first is a multiple of kMaxLanes
+};
+
+// One corner of one run that has a code, on the stage.
+struct StagedBrick {
+  const uint32_t* quads;
+  float step;
+  uint32_t first, count;  // places
+  float* weight;          // where its values belong
+};
+
+// Where the positions of a run lie in bricks of one resolution, of probes of one spacing: along each axis, of probes at the cell's low
+// side and at its high side. Nodes are multiplied by what a step along their axis is in words of a brick.
+struct BrickPlaces {
+  int resolution, spacing_log2;
+  alignas(64) float node[6][kMaxRun + kMaxLanes], share[6][kMaxRun + kMaxLanes];
 };
 
 struct LookUpScratch::Buffers {
@@ -94,9 +110,22 @@ struct LookUpScratch::Buffers {
   alignas(64) float value[kStageSize + kMaxLanes];
   PointSet field_points;  // of a segment, for product fields
 
+  // of a stage with codes, all of one resolution
+  BrickPlaces brick_places;  // of one run
+  size_t brick_count;
+  int brick_resolution;
+  std::array<StagedBrick, kStageSize> bricks;
+  alignas(64) uint32_t quad[kStageSize + kMaxLanes];        // words from the first of the brick
+  alignas(64) uint32_t cell[2 * (kStageSize + kMaxLanes)];  // both words
+  alignas(64) float share[3][kStageSize + kMaxLanes];
+  alignas(64) float step[kStageSize + kMaxLanes];
+
   Buffers() {
     std::fill_n(from_low, std::size(from_low), 0.0f);
     std::fill_n(stage, std::size(stage), 0.0f);
+    std::fill_n(cell, std::size(cell), 0u);
+    std::fill_n(step, std::size(step), 0.0f);
+    for (auto& along : share) std::fill_n(along, std::size(along), 0.0f);
     for (AlignedFloats* list : {&field_points.x, &field_points.y, &field_points.z}) list->assign(kStageSize, 0.0f);
   }
 };
@@ -323,6 +352,106 @@ void addFunctions(const LightGrid& grid, Buffers& b) {
   finishStage(grid, b);
 }
 
+void placeRun(const CellRun& run, int resolution, int spacing_log2, const Buffers& b, BrickPlaces& places) {
+  const FloatTag d;
+  places.resolution = resolution;
+  places.spacing_log2 = spacing_log2;
+  const float middle = 0.5f * static_cast<float>(resolution - 1);
+  const Floats half = hn::Set(d, middle), nodes_a_side = hn::Set(d, middle * kCellPerSpacing[spacing_log2]),
+               one = hn::Set(d, 1.0f), last = hn::Set(d, static_cast<float>(resolution - 2));
+  const Floats words[3] = {one, hn::Set(d, static_cast<float>(resolution)),
+                           hn::Set(d, static_cast<float>(resolution * (resolution - 1)))};
+  for (size_t i = 0; i < run.count; i += hn::Lanes(d)) {
+    Floats from_low[3], unused;
+    hn::LoadInterleaved4(d, b.from_low + 4 * (run.first + i), from_low[0], from_low[1], from_low[2], unused);
+#pragma GCC unroll 6
+    for (int k = 0; k < 6; ++k) {
+      const int axis = k / 2;
+      const Floats at = k % 2 == 0 ? hn::MulAdd(nodes_a_side, from_low[axis], half)
+                                   : hn::NegMulAdd(nodes_a_side, hn::Sub(one, from_low[axis]), half);
+      const Floats node = hn::Min(hn::Floor(at), last);
+      hn::Store(hn::Mul(node, words[axis]), d, &places.node[k][i]);
+      hn::Store(hn::Sub(at, node), d, &places.share[k][i]);
+    }
+  }
+}
+
+// A node of a word of quads: byte kByte.
+template <int kByte>
+HWY_INLINE Floats nodeOf(FloatTag d, hn::Vec<hn::RebindToUnsigned<FloatTag>> quads) {
+  const hn::RebindToSigned<FloatTag> di;
+  return hn::ConvertTo(d, hn::ShiftRight<24>(hn::ShiftLeft<24 - 8 * kByte>(hn::BitCast(di, quads))));
+}
+
+HWY_INLINE Floats between(Floats low, Floats high, Floats share) { return hn::MulAdd(share, hn::Sub(high, low), low); }
+
+// What is on the stage: reads the cells, one after another, since a gather is no faster; evaluates; takes values to where they belong.
+void finishBricks(Buffers& b) {
+  const FloatTag d;
+  const hn::RebindToUnsigned<FloatTag> du;
+  const size_t lanes = hn::Lanes(d);
+  for (size_t k = 0; k < b.brick_count; ++k) {
+    const StagedBrick& brick = b.bricks[k];
+    const Floats step = hn::Set(d, brick.step);
+    for (size_t i = 0; i < brick.count; i += lanes) hn::StoreU(step, d, b.step + brick.first + i);
+    for (size_t i = brick.first; i < brick.first + brick.count; ++i)
+      std::memcpy(b.cell + 2 * i, brick.quads + b.quad[i], 2 * sizeof(uint32_t));
+  }
+  for (size_t i = 0; i < b.staged_count; i += lanes) {
+    const Floats x = hn::Load(d, b.share[0] + i), y = hn::Load(d, b.share[1] + i), z = hn::Load(d, b.share[2] + i);
+    hn::Vec<decltype(du)> low, high;
+    hn::LoadInterleaved2(du, b.cell + 2 * i, low, high);
+    const Floats near =
+        between(between(nodeOf<0>(d, low), nodeOf<0>(d, high), x), between(nodeOf<1>(d, low), nodeOf<1>(d, high), x), y);
+    const Floats far =
+        between(between(nodeOf<2>(d, low), nodeOf<2>(d, high), x), between(nodeOf<3>(d, low), nodeOf<3>(d, high), x), y);
+    hn::Store(sigmoid(d, hn::Mul(hn::Load(d, b.step + i), between(near, far, z))).value, d, b.value + i);
+  }
+  for (size_t k = 0; k < b.brick_count; ++k) {
+    const StagedBrick& brick = b.bricks[k];
+    for (size_t i = 0; i < brick.count; i += lanes)
+      storeFirst(d, hn::LoadU(d, b.value + brick.first + i), brick.weight + i, std::min(lanes, brick.count - i));
+  }
+  b.brick_count = b.staged_count = 0;
+}
+
+// A corner of a run, from the next place on. Up to a vector more is written.
+void stageBrick(const LightGrid& grid, const CellRun& run, size_t corner, Buffers& b) {
+  const FloatTag d;
+  const hn::RebindToSigned<FloatTag> di;
+  const uint32_t function = grid.probe_function[run.corners.probe[corner]];
+  const int resolution = representationOf(grid, function).resolution, spacing_log2 = run.corners.spacing_log2[corner];
+  BrickPlaces& places = b.brick_places;
+  if (resolution != b.brick_resolution || b.staged_count + run.count > kStageSize) finishBricks(b);
+  b.brick_resolution = resolution;
+  if (resolution != places.resolution || spacing_log2 != places.spacing_log2) placeRun(run, resolution, spacing_log2, b, places);
+  const size_t x = corner & 1, y = 2 + (corner >> 1 & 1), z = 4 + (corner >> 2), to = b.staged_count;
+  for (size_t i = 0; i < run.count; i += hn::Lanes(d)) {
+    const Floats word =
+        hn::Add(hn::Add(hn::Load(d, &places.node[x][i]), hn::Load(d, &places.node[y][i])), hn::Load(d, &places.node[z][i]));
+    hn::StoreU(hn::BitCast(hn::RebindToUnsigned<FloatTag>(), hn::ConvertTo(di, word)), hn::RebindToUnsigned<FloatTag>(),
+               b.quad + to + i);
+    hn::StoreU(hn::Load(d, &places.share[x][i]), d, b.share[0] + to + i);
+    hn::StoreU(hn::Load(d, &places.share[y][i]), d, b.share[1] + to + i);
+    hn::StoreU(hn::Load(d, &places.share[z][i]), d, b.share[2] + to + i);
+  }
+  b.bricks[b.brick_count++] = {grid.functionQuads(function), grid.function_brick[function].step, static_cast<uint32_t>(to),
+                               run.count, &b.weight[corner][run.first]};
+  b.staged_count += run.count;
+}
+
+void addCodes(const LightGrid& grid, Buffers& b) {
+  b.brick_count = b.staged_count = 0;
+  b.brick_resolution = 0;
+  for (size_t r = 0; r < b.run_count; ++r) {
+    const CellRun& run = b.runs[r];
+    b.brick_places.resolution = 0;
+    for (uint32_t left = run.code_corners; left != 0; left &= left - 1)
+      stageBrick(grid, run, static_cast<size_t>(std::countr_zero(left)), b);
+  }
+  finishBricks(b);
+}
+
 // Bounds shares of tents, takes the residue off, multiplies by the cell's tents, and divides by the sum.
 // Weights lack the factor 1 / (1 - residue), which all have.
 void normalise(Buffers& b) {
@@ -496,6 +625,7 @@ void lightRun(const LightGrid& grid, const Buffers& b, const CellRun& run, const
 void lightChunk(const LightGrid& grid, const BatchSlice& slice, Buffers& b) {
   fillWithoutFunction(b);
   addFunctions(grid, b);
+  addCodes(grid, b);
   normalise(b);
   for (size_t r = 0; r < b.run_count; ++r) {
     if (r + kRunsAhead < b.run_count) prefetchLight(grid, b.runs[r + kRunsAhead].corners);
@@ -564,6 +694,9 @@ void addItems(const LightGrid& grid, CellRun& run, LookUpScratch::Buffers& b) {
       run.free_corners |= static_cast<uint8_t>(1 << c);
     } else if (function == kNoWeight) {
       run.dark_corners |= static_cast<uint8_t>(1 << c);
+    } else if (grid.representations[grid.function_representation[function]].isCode()) {
+      run.code_corners |= static_cast<uint8_t>(1 << c);
+      hwy::Prefetch(&grid.function_brick[function]);
     } else {
       b.items[b.item_count++] = {function, static_cast<uint16_t>(run.first), static_cast<uint8_t>(run.count),
                                  static_cast<uint8_t>(c), run.corners.spacing_log2[c]};
@@ -589,7 +722,7 @@ size_t fillChunk(const LightGrid& grid, const BatchSlice& slice, size_t next, Lo
                          b.runs[b.run_count - 1].count + from.count <= kMaxRun;
     if (!goes_on) {
       const CellPlace place{from.first_slot, from.edge, from.cell_log2, {}};
-      b.runs[b.run_count++] = {static_cast<uint32_t>(b.position_count), 0, from.first_slot, 0, 0, grid.tree.cornersOf(place)};
+      b.runs[b.run_count++] = {static_cast<uint32_t>(b.position_count), 0, from.first_slot, 0, 0, 0, grid.tree.cornersOf(place)};
     }
     b.runs[b.run_count - 1].count += from.count;
     for (uint32_t i = from.first; i < from.first + from.count; ++i, ++b.position_count) {

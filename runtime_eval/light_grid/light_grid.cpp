@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "runtime_eval/evaluator/brick_quads.h"
 #include "runtime_eval/evaluator/evaluate_point.h"
 
 namespace nlg {
@@ -25,8 +26,22 @@ FileResult checkRepresentations(const LightGrid& grid) {
     Representation known;
     if (!findRepresentation(representationName(representation), &known))
       return refuse(FileStatus::value_out_of_range, place + ": expected " + representationNames());
-    if (!representation.isField() && !(representation.slope > 0.0f && representation.slope < 1.0f))
+    if (representation.isNetwork() && !(representation.slope > 0.0f && representation.slope < 1.0f))
       return refuse(FileStatus::value_out_of_range, place + ": slope lies outside (0, 1)");
+  }
+  return {};
+}
+
+FileResult checkDictionaries(const LightGrid& grid) {
+  for (size_t i = 0; i < grid.representations.size(); ++i) {
+    const Representation& representation = grid.representations[i];
+    if (!representation.isCode()) continue;
+    const std::string place = "representation " + std::to_string(i);
+    if (representation.dictionary == nullptr)
+      return refuse(FileStatus::value_out_of_range, place + ": a code without a dictionary");
+    if (representation.dictionary->codeCount() != representation.code_count ||
+        representation.dictionary->resolution() != representation.resolution)
+      return refuse(FileStatus::value_out_of_range, place + ": a dictionary of other codes");
   }
   return {};
 }
@@ -48,6 +63,40 @@ FileResult checkFunctions(const LightGrid& grid) {
   if (grid.theta.size() != begin)
     return refuse(FileStatus::tensor_unexpected, sized("theta", grid.theta.size(), "what its functions need", begin));
   return {};
+}
+
+FileResult checkBricks(const LightGrid& grid) {
+  const size_t count = grid.functionCount();
+  if (grid.function_brick.size() != count)
+    return refuse(FileStatus::tensor_unexpected, sized("function_brick", grid.function_brick.size(), "functions", count));
+  uint64_t begin = 0;
+  for (size_t function = 0; function < count; ++function) {
+    const Representation& representation = grid.representations[grid.function_representation[function]];
+    const FunctionBrick& brick = grid.function_brick[function];
+    const bool has_brick = brick.step > 0.0f && std::isfinite(brick.step) && brick.begin == begin;
+    if (has_brick != representation.isCode()) {
+      return refuse(FileStatus::value_out_of_range,
+                    "function " + std::to_string(function) + ": its brick; makeBricks makes bricks");
+    }
+    if (has_brick) begin += quadCount(representation.resolution);
+  }
+  if (grid.quads.size() != begin)
+    return refuse(FileStatus::tensor_unexpected, sized("quads", grid.quads.size(), "what its codes need", begin));
+  return {};
+}
+
+// Adds the brick of the next function.
+void addBrick(const Representation& representation, const float* theta, LightGrid* grid) {
+  FunctionBrick& brick = grid->function_brick.emplace_back();
+  if (!representation.isCode() || representation.dictionary == nullptr) return;
+  for (int k = 0; k < representation.code_count; ++k) {
+    if (!(std::abs(theta[k]) <= kMaxGridTheta)) return;
+  }
+  int8_t nodes[kMaxBrickNodes];
+  brick.begin = grid->quads.size();
+  brick.step = packBrick(*representation.dictionary, theta, nodes);
+  grid->quads.resize(brick.begin + quadCount(representation.resolution));
+  packQuads(representation.resolution, nodes, &grid->quads[brick.begin]);
 }
 
 FileResult checkValues(const char* name, const std::vector<float>& values, float most) {
@@ -76,15 +125,33 @@ uint32_t LightGrid::addFunction(uint8_t representation, const float* theta_D) {
   theta.insert(theta.end(), theta_D, theta_D + representations[representation].thetaCount());
   theta_begin.push_back(theta.size());
   function_representation.push_back(representation);
+  addBrick(representations[representation], theta_D, this);
   return static_cast<uint32_t>(functionCount() - 1);
 }
 
+void LightGrid::makeBricks() {
+  function_brick.clear();
+  quads.clear();
+  size_t size = 0;
+  for (const uint8_t r : function_representation)
+    size += representations[r].isCode() ? quadCount(representations[r].resolution) : 0;
+  quads.reserve(size);
+  function_brick.reserve(functionCount());
+  for (size_t f = 0; f < functionCount(); ++f) addBrick(representations[function_representation[f]], functionTheta(f), this);
+}
+
 FileResult checkLightGrid(const LightGrid& grid) {
+  FileResult result = checkWithoutBricks(grid);
+  return result.ok() ? checkBricks(grid) : result;
+}
+
+FileResult checkWithoutBricks(const LightGrid& grid) {
   const size_t probes = grid.tree.probeCount();
   if (grid.probe_function.size() != probes)
     return refuse(FileStatus::tensor_unexpected, sized("probe_function", grid.probe_function.size(), "probes", probes));
   FileResult result = checkRepresentations(grid);
   if (result.ok()) result = checkFunctions(grid);
+  if (result.ok()) result = checkDictionaries(grid);
   if (!result.ok()) return result;
   for (size_t probe = 0; probe < probes; ++probe) {
     const uint32_t function = grid.probe_function[probe];
@@ -112,7 +179,9 @@ void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeigh
     float share = 1.0f;
     if (function != kFreeSpace) {
       const Representation& representation = grid.representations[grid.function_representation[function]];
-      share = evaluateTentShare(representation, corner.local, bare, grid.functionTheta(function));
+      share = representation.isCode() ? evaluateQuads(representation.resolution, corner.local, grid.function_brick[function].step,
+                                                      grid.functionQuads(function))
+                                      : evaluateTentShare(representation, corner.local, bare, grid.functionTheta(function));
     }
     const float above = share - kResidue;
     const float weight = bare * corner.tent_ratio * (above * kStretch);

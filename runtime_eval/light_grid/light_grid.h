@@ -35,6 +35,12 @@ inline constexpr float kMaxEngineLight = 32768.0f;  // of |light| that half floa
 // The power of ten by which light is multiplied to be at most kMaxEngineLight. largest   > 0
 double intensityThatFits(double largest);
 
+// Where look-ups find the brick of a function that is a code: the code itself they never read.
+struct FunctionBrick {
+  uint64_t begin = 0;  // into LightGrid::quads
+  float step = 0.0f;   // 0 of functions that are no codes
+};
+
 struct LightGrid {
   ProbeTree tree;
   std::vector<uint32_t> probe_function;          // by probe: a function's index, kFreeSpace or kNoWeight
@@ -42,6 +48,9 @@ struct LightGrid {
   std::vector<uint8_t> function_representation;  // by function: index into representations
   std::vector<uint64_t> theta_begin{0};          // by function, into theta; functionCount() + 1 numbers, the last is theta's size
   std::vector<float> theta;                      // D floats a function, one after another
+  // Made of theta, by addFunction or makeBricks: whoever changes the theta of a code afterwards makes them anew.
+  std::vector<FunctionBrick> function_brick;  // by function
+  std::vector<uint32_t> quads;                // bricks (brick_quads.h), one after another in the order of functions
   std::vector<float> light;  // by probe: kShFloats each, radiance (spherical_harmonics.h); empty: the grid holds no light
 
   // kShFloats floats. probe   < probeCount(); of grids with light
@@ -53,13 +62,19 @@ struct LightGrid {
   // representation   index into representations
   // theta_D          D floats of that representation
   uint32_t addFunction(uint8_t representation, const float* theta_D);
+  // quadCount words. function   of a code
+  const uint32_t* functionQuads(size_t function) const { return &quads[function_brick[function].begin]; }
+  // All bricks anew, of functions as they are. A code whose theta checkLightGrid refuses, or whose dictionary is not known, has none.
+  void makeBricks();
 };
 
-// Whether all parts belong together: sizes, indices, known representations with slopes in (0, 1), |theta| <= kMaxGridTheta,
-// |light| <= kMaxGridLight.
+// Whether all parts belong together: sizes, indices, known representations with slopes in (0, 1) or a dictionary, |theta| <=
+// kMaxGridTheta, |light| <= kMaxGridLight; a brick for every code, which is taken to be that of its theta.
 // The look-up is for grids that pass; what light_grid_file.h read has passed.
 // returns   ok; or tensor_unexpected (a size), value_out_of_range, value_not_finite, and in one line what is wrong
 FileResult checkLightGrid(const LightGrid& grid);
+// The same of a grid whose bricks are still to be made.
+FileResult checkWithoutBricks(const LightGrid& grid);
 // Of some light alone: |light| <= kMaxGridLight.
 FileResult checkLight(const std::vector<float>& light);
 

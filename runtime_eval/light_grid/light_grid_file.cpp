@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <iterator>
+#include <memory>
 #include <system_error>
 #include <utility>
 
@@ -16,7 +17,8 @@ namespace {
 
 constexpr const char* kKind = "nlg-light-grid";
 constexpr const char* kVersion = "1";
-constexpr std::string_view kRepresentationPrefix = "representation.", kSlopePrefix = "slope.";
+constexpr std::string_view kRepresentationPrefix = "representation.", kSlopePrefix = "slope.", kDictionaryPrefix = "dictionary.";
+constexpr const char *kNodesSuffix = ".nodes", *kExponentsSuffix = ".exponents";
 
 std::string numbered(std::string_view prefix, size_t index) { return std::string(prefix) + std::to_string(index); }
 
@@ -53,12 +55,41 @@ FileResult addOwnMetadata(const LightGrid& grid, LightForm light, GridMetadata* 
   for (size_t i = 0; i < grid.representations.size(); ++i) {
     const Representation& representation = grid.representations[i];
     (*metadata)[numbered(kRepresentationPrefix, i)] = representationName(representation);
-    if (!representation.isField()) (*metadata)[numbered(kSlopePrefix, i)] = slopeText(representation.slope);
+    if (representation.isNetwork()) (*metadata)[numbered(kSlopePrefix, i)] = slopeText(representation.slope);
   }
   return {};
 }
 
-FileResult stepsOf(const LightGrid& grid, PackedTheta* packed) {
+// Numbers of the longest code that each representation's functions have, once they are rounded.
+std::vector<int> longestCodes(const LightGrid& grid, ThetaPrecision precision) {
+  std::vector<int> longest(grid.representations.size(), 0);
+  for (size_t function = 0; function < grid.functionCount(); ++function) {
+    const uint8_t r = grid.function_representation[function];
+    const Representation& representation = grid.representations[r];
+    if (!representation.isCode()) continue;
+    Theta theta(grid.functionTheta(function), grid.functionTheta(function) + representation.thetaCount());
+    roundTheta(representation, precision, theta.data());
+    longest[r] = std::max(longest[r], codeLength(representation.thetaCount(), theta.data()));
+  }
+  return longest;
+}
+
+// A dictionary as a file has it: rows of the longest code, then c.
+struct StoredDictionary {
+  std::vector<int8_t> nodes, exponents;
+};
+
+StoredDictionary storedDictionary(const DictionaryData& data, int longest) {
+  const auto nodes = data.nodes.size() / data.exponents.size();
+  StoredDictionary stored{{data.nodes.begin(), data.nodes.begin() + static_cast<ptrdiff_t>(nodes) * longest},
+                          {data.exponents.begin(), data.exponents.begin() + longest}};
+  stored.nodes.insert(stored.nodes.end(), data.nodes.end() - static_cast<ptrdiff_t>(nodes), data.nodes.end());
+  stored.exponents.push_back(data.exponents.back());
+  return stored;
+}
+
+// The nearest numbers in bytes; of codes without the zeros that they end on.
+FileResult stepsOf(const LightGrid& grid, PackedTheta* packed, std::vector<uint8_t>* code_groups) {
   Theta theta;
   for (size_t function = 0; function < grid.functionCount(); ++function) {
     const Representation& representation = grid.representations[grid.function_representation[function]];
@@ -68,6 +99,10 @@ FileResult stepsOf(const LightGrid& grid, PackedTheta* packed) {
                     "function " + std::to_string(function) + ": its last layer is beyond float16 when the others are in int8");
     }
     packTheta(representation, theta.data(), packed);
+    if (!representation.isCode()) continue;
+    const int length = codeLength(representation.thetaCount(), theta.data());
+    packed->steps.resize(packed->steps.size() - static_cast<size_t>(representation.thetaCount() - length));
+    code_groups->push_back(static_cast<uint8_t>(length / kCodeGroup));
   }
   return {};
 }
@@ -112,16 +147,18 @@ void takeFirst(FileResult* result, FileResult next) {
   if (result->ok()) *result = std::move(next);
 }
 
+FileResult refuseCount(const std::string& tensor, size_t expected, size_t got) {
+  return refuse(FileStatus::tensor_unexpected,
+                tensor + ": expected " + std::to_string(expected) + " values, got " + std::to_string(got));
+}
+
 // A tensor of exactly kCount numbers.
 template <size_t kCount, class T>
 FileResult readNumbers(const TensorFileReader& reader, const std::string& name, T* numbers) {
   std::vector<T> values;
   FileResult result = reader.read(name, &values);
   if (!result.ok()) return result;
-  if (values.size() != kCount) {
-    return refuse(FileStatus::tensor_unexpected,
-                  name + ": expected " + std::to_string(kCount) + " values, got " + std::to_string(values.size()));
-  }
+  if (values.size() != kCount) return refuseCount(name, kCount, values.size());
   std::copy(values.begin(), values.end(), numbers);
   return {};
 }
@@ -195,7 +232,7 @@ FileResult takeRepresentations(GridMetadata* metadata, std::vector<Representatio
     if (!result.ok()) return result;
     if (!findRepresentation(text, &representation))
       return refuseText(FileStatus::value_out_of_range, key, representationNames(), text);
-    if (!representation.isField()) {
+    if (representation.isNetwork()) {
       result = takeText(metadata, slope_key, &text);
       if (!result.ok()) return result;
       if (!parseNumber(text, &representation.slope))
@@ -225,36 +262,58 @@ FileResult readProbeFunctions(const TensorFileReader& reader, bool is_short, std
 // After the functions' representations.
 FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   PackedTheta packed;
+  std::vector<uint8_t> code_groups;
   FileResult result = reader.read("theta.steps", &packed.steps);
   takeFirst(&result, reader.read("theta.halves", &packed.halves));
+  if (!reader.dtypeOf("theta.groups").empty()) takeFirst(&result, reader.read("theta.groups", &code_groups));
   if (!result.ok()) return result;
-  size_t step_count = 0, half_count = 0;
-  const auto known = [&](uint8_t representation) { return representation < grid->representations.size(); };
-  for (const uint8_t representation : grid->function_representation) {
-    if (!known(representation)) continue;
-    const ThetaForm form = thetaForm(grid->representations[representation], ThetaPrecision::int8);
-    step_count += form.steps, half_count += form.halves;
+  // functions whose representation does not exist are for checkLightGrid to name
+  const auto representationOf = [&](uint8_t r) { return r < grid->representations.size() ? &grid->representations[r] : nullptr; };
+  size_t code_count = 0;
+  for (const uint8_t r : grid->function_representation)
+    code_count += representationOf(r) != nullptr && representationOf(r)->isCode();
+  if (code_groups.size() != code_count) return refuseCount("theta.groups", code_count, code_groups.size());
+  size_t step_count = 0, half_count = 0, theta_count = 0, code = 0;
+  std::vector<int> steps_of_function;
+  for (const uint8_t r : grid->function_representation) {
+    const Representation* of = representationOf(r);
+    if (of == nullptr) continue;
+    const ThetaForm form = thetaForm(*of, ThetaPrecision::int8);
+    const int steps = of->isCode() ? kCodeGroup * code_groups[code++] : form.steps;
+    if (steps > form.steps) {
+      return refuse(FileStatus::value_out_of_range, "theta.groups: value " + std::to_string(code - 1) + ": expected at most " +
+                                                        std::to_string(form.steps / kCodeGroup));
+    }
+    steps_of_function.push_back(steps);
+    step_count += steps, half_count += form.halves, theta_count += of->thetaCount();
   }
-  if (packed.steps.size() != step_count || packed.halves.size() != half_count) {
-    return refuse(FileStatus::tensor_unexpected,
-                  "theta.steps, theta.halves: expected " + std::to_string(step_count) + " and " + std::to_string(half_count) +
-                      " values, got " + std::to_string(packed.steps.size()) + " and " + std::to_string(packed.halves.size()));
-  }
+  if (packed.steps.size() != step_count) return refuseCount("theta.steps", step_count, packed.steps.size());
+  if (packed.halves.size() != half_count) return refuseCount("theta.halves", half_count, packed.halves.size());
   const auto beyond = std::find(packed.steps.begin(), packed.steps.end(), int8_t{-128});
   if (beyond != packed.steps.end()) {
     return refuse(FileStatus::value_out_of_range,
                   "theta.steps: value " + std::to_string(beyond - packed.steps.begin()) + ": expected -127 to 127");
   }
-  grid->theta.resize(step_count + half_count);
+  grid->theta.resize(theta_count);
   const int8_t* steps = packed.steps.data();
   const Half* halves = packed.halves.data();
   float* theta = grid->theta.data();
-  for (const uint8_t representation : grid->function_representation) {
-    if (!known(representation)) continue;  // for checkLightGrid to name
-    const Representation& of = grid->representations[representation];
-    const ThetaForm form = thetaForm(of, ThetaPrecision::int8);
-    unpackTheta(of, steps, halves, theta);
-    steps += form.steps, halves += form.halves, theta += of.thetaCount();
+  size_t function = 0;
+  for (const uint8_t r : grid->function_representation) {
+    const Representation* of = representationOf(r);
+    if (of == nullptr) continue;
+    const int count = steps_of_function[function++];
+    if (of->isCode()) {
+      int8_t whole[kMaxCodeCount] = {};
+      std::copy_n(steps, count, whole);
+      unpackTheta(*of, whole, halves, theta);
+      if (codeLength(of->thetaCount(), theta) != count) {
+        return refuse(FileStatus::value_out_of_range, "theta.groups: expected no group of zeros at the end of a code");
+      }
+    } else {
+      unpackTheta(*of, steps, halves, theta);
+    }
+    steps += count, halves += thetaForm(*of, ThetaPrecision::int8).halves, theta += of->thetaCount();
   }
   return {};
 }
@@ -276,6 +335,50 @@ FileResult readFunctions(const TensorFileReader& reader, LightGrid* grid) {
   grid->theta.resize(halves.size());
   std::transform(halves.begin(), halves.end(), grid->theta.begin(), floatFromHalf);
   return {};
+}
+
+// Of one representation that is a code. After theta: a file holds as many rows as the longest code needs.
+FileResult readDictionary(const TensorFileReader& reader, const std::string& name, int longest, Representation* code) {
+  StoredDictionary stored;
+  FileResult result = reader.read(name + kNodesSuffix, &stored.nodes);
+  takeFirst(&result, reader.read(name + kExponentsSuffix, &stored.exponents));
+  if (!result.ok()) return result;
+  const auto rows = static_cast<size_t>(longest) + 1;
+  if (stored.exponents.size() != rows) return refuseCount(name + kExponentsSuffix, rows, stored.exponents.size());
+  DictionaryData data;
+  data.code_count = code->code_count;
+  const auto nodesOf = [](int r) { return static_cast<size_t>(r) * r * r; };
+  while (data.resolution < kMaxBrickResolution && rows * nodesOf(data.resolution) < stored.nodes.size()) ++data.resolution;
+  const size_t nodes = nodesOf(data.resolution);
+  if (stored.nodes.size() != rows * nodes) return refuseCount(name + kNodesSuffix, rows * nodes, stored.nodes.size());
+  const auto last = stored.nodes.end() - static_cast<ptrdiff_t>(nodes);
+  data.nodes.assign(stored.nodes.begin(), last);
+  data.nodes.resize(nodes * static_cast<size_t>(data.code_count), 0);
+  data.nodes.insert(data.nodes.end(), last, stored.nodes.end());
+  data.exponents.assign(stored.exponents.begin(), stored.exponents.end() - 1);
+  data.exponents.resize(static_cast<size_t>(data.code_count) + 1, stored.exponents.back());
+  data.deviations.assign(static_cast<size_t>(data.code_count), 1.0f);
+  const std::string fault = whatIsWrong(data);
+  if (!fault.empty()) return refuse(FileStatus::value_out_of_range, name + ": " + fault);
+  *code = Representation::code(std::make_shared<const Dictionary>(std::move(data)));
+  return {};
+}
+
+FileResult readDictionaries(const TensorFileReader& reader, LightGrid* grid) {
+  std::vector<int> longest(grid->representations.size(), 0);
+  for (size_t function = 0; function < grid->functionCount(); ++function) {
+    const uint8_t r = grid->function_representation[function];
+    // what does not fit together is for checkLightGrid to name
+    if (r >= longest.size() || grid->theta_begin[function + 1] > grid->theta.size()) return {};
+    const Representation& of = grid->representations[r];
+    if (of.isCode()) longest[r] = std::max(longest[r], codeLength(of.code_count, grid->functionTheta(function)));
+  }
+  FileResult result;
+  for (size_t r = 0; r < longest.size() && result.ok(); ++r) {
+    if (grid->representations[r].isCode())
+      result = readDictionary(reader, numbered(kDictionaryPrefix, r), longest[r], &grid->representations[r]);
+  }
+  return result;
 }
 
 FileResult takeLightForm(GridMetadata* metadata, LightForm* form) {
@@ -317,9 +420,12 @@ FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadat
     if (isOwnKey(key)) return refuse(FileStatus::value_out_of_range, "metadata " + key + ": expected no such key");
   }
   result = readFunctions(reader, grid);
+  if (result.ok()) result = readDictionaries(reader, grid);
   if (result.ok()) result = readTree(reader, grid);
   if (result.ok()) result = readLight(reader, form, grid);
-  return result.ok() ? checkLightGrid(*grid) : result;
+  if (result.ok()) result = checkWithoutBricks(*grid);
+  if (result.ok()) grid->makeBricks();
+  return result;
 }
 
 // Nothing half-read reaches the caller.
@@ -351,9 +457,12 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
   const std::vector<float> light_scale{light.scale};
   std::vector<Half> halves;
   PackedTheta packed;
+  std::vector<uint8_t> code_groups;
   if (result.ok() && precision.theta == ThetaPrecision::float16) result = halvesOf(grid, &halves);
-  if (result.ok() && in_steps) result = stepsOf(grid, &packed);
+  if (result.ok() && in_steps) result = stepsOf(grid, &packed, &code_groups);
   if (!result.ok()) return result;
+  std::vector<StoredDictionary> dictionaries(grid.representations.size());
+  const std::vector<int> longest = longestCodes(grid, precision.theta);
 
   const ProbeTreeData tree = probeTreeData(grid.tree);
   const PackedNodes nodes = packNodes(tree);
@@ -379,10 +488,17 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
   if (in_steps) {
     writer.add("theta.steps", packed.steps);
     writer.add("theta.halves", packed.halves);
+    if (!code_groups.empty()) writer.add("theta.groups", code_groups);
   } else if (precision.theta == ThetaPrecision::float16) {
     writer.add("theta", halves);
   } else {
     writer.add("theta", grid.theta);
+  }
+  for (size_t r = 0; r < grid.representations.size(); ++r) {
+    if (!grid.representations[r].isCode()) continue;
+    dictionaries[r] = storedDictionary(grid.representations[r].dictionary->data(), longest[r]);
+    writer.add(numbered(kDictionaryPrefix, r) + kNodesSuffix, dictionaries[r].nodes);
+    writer.add(numbered(kDictionaryPrefix, r) + kExponentsSuffix, dictionaries[r].exponents);
   }
   if (form != LightForm::none) {
     writer.add("light.scale", light_scale);
@@ -410,11 +526,20 @@ LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precis
   const LightForm form = formOf(grid, precision);
   const PackedNodes nodes = packNodes(probeTreeData(grid.tree));
   size_t theta_bytes = 0;
-  for (const uint8_t representation : grid.function_representation)
-    theta_bytes += thetaForm(grid.representations[representation], precision.theta).bytes();
+  for (size_t f = 0; f < grid.functionCount(); ++f)
+    theta_bytes +=
+        storedThetaBytes(grid.representations[grid.function_representation[f]], precision.theta, grid.functionTheta(f));
+  size_t dictionary_bytes = 0;
+  const std::vector<int> longest = longestCodes(grid, precision.theta);
+  for (size_t r = 0; r < grid.representations.size(); ++r) {
+    if (!grid.representations[r].isCode()) continue;
+    const StoredDictionary stored = storedDictionary(grid.representations[r].dictionary->data(), longest[r]);
+    dictionary_bytes += stored.nodes.size() + stored.exponents.size();
+  }
   constexpr size_t kFrameBytes = sizeof(PositionM) + sizeof(double) + 3 * sizeof(int32_t);
   return {.light = form == LightForm::none ? 0 : sizeof(float) + countWithWeight(grid) * lightFormBytes(form),
           .theta = theta_bytes,
+          .dictionaries = dictionary_bytes,
           .functions = grid.function_representation.size() * sizeof(uint8_t),
           .probe_function =
               grid.probe_function.size() * (grid.functionCount() <= kMaxShortFunctions ? sizeof(uint16_t) : sizeof(uint32_t)),

@@ -27,7 +27,8 @@ struct GridPrecision {
 // The bytes of a file; the same grid, precision and texts give the same bytes.
 // float16 rounds every number of theta to the nearest half, ties to even; theta_form.h says what int8 makes of theta, and
 // light_form.h what a form makes of light: the errors that this adds are the caller's to measure. Light of probes that have no
-// weight anywhere (kNoWeight) is not written: no look-up reads it, and a reader finds 0 there.
+// weight anywhere (kNoWeight) is not written: no look-up reads it, and a reader finds 0 there. Nor are the terms of a dictionary behind
+// the longest code, which a reader finds 0, and what fits alone need of it: a reader finds deviations of 1.
 //
 // grid      one that checkLightGrid accepts; others are refused with its result
 // returns   ok; also refused, all but the last two value_out_of_range: with float16 a |theta| > 65504 (names function and value),
@@ -47,10 +48,11 @@ FileResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata*
 struct LightGridBytes {
   size_t light = 0;
   size_t theta = 0;
+  size_t dictionaries = 0;    // that codes share
   size_t functions = 0;       // which representation each has
   size_t probe_function = 0;  // which function each probe has
   size_t tree = 0;            // where probes stand
-  size_t total() const { return light + theta + functions + probe_function + tree; }
+  size_t total() const { return light + theta + dictionaries + functions + probe_function + tree; }
 };
 LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precision);
 

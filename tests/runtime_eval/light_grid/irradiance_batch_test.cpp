@@ -116,6 +116,32 @@ TEST(IrradianceBatch, EqualsSingleLookUpsOnEveryTarget) {
   EXPECT_GT(lit, 4000);
 }
 
+TEST(IrradianceBatch, EqualsSingleLookUpsWhereManyPositionsShareCodes) {
+  // whole stages of one cell's bricks, of one resolution and of two in turn
+  LookUpScratch scratch;
+  int64_t lit = 0;
+  forEachTarget([&] {
+    for (const uint32_t resolutions : {1u, 2u}) {
+      LightGrid grid = litGrid(smallTree(), 5);
+      Random random(5);
+      // representations 6 and 7 are codes, and functions go round all 8
+      for (uint32_t& function : grid.probe_function) function = 6 + random.below(resolutions) + 8 * random.below(2);
+      Batch batch;
+      const PositionM first = grid.tree.frame().first_m;
+      for (int i = 0; i < 6000; ++i) {
+        const double side = i < 4000 ? 0.5 : 8.0;  // metres: cells of one unit, then of 16
+        batch.add({first[0] + 2.5 + side * random.uniform(), first[1] + 2.5 + side * random.uniform(),
+                   first[2] + 2.5 + 0.5 * random.uniform()},
+                  randomDirection(random).data());
+      }
+      batch.run(grid, &scratch);
+      expectNear(grid, batch, &lit);
+      if (testing::Test::HasFatalFailure()) return;
+    }
+  });
+  EXPECT_GT(lit, 1000);
+}
+
 TEST(IrradianceBatch, TakesListsOfAnyLength) {
   const LightGrid grid = litGrid(smallTree(), 1);
   LookUpScratch scratch;

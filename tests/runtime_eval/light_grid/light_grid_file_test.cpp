@@ -54,6 +54,9 @@ void expectSameGrid(const LightGrid& a, const LightGrid& b) {
   EXPECT_EQ(a.theta_begin, b.theta_begin);
   EXPECT_EQ(a.theta, b.theta);
   EXPECT_EQ(a.light, b.light);
+  EXPECT_EQ(a.quads, b.quads);
+  ASSERT_EQ(a.function_brick.size(), b.function_brick.size());
+  for (size_t i = 0; i < a.function_brick.size(); ++i) EXPECT_EQ(a.function_brick[i].step, b.function_brick[i].step);
   ASSERT_EQ(a.representations.size(), b.representations.size());
   for (size_t i = 0; i < a.representations.size(); ++i) {
     EXPECT_STREQ(representationName(a.representations[i]), representationName(b.representations[i]));
@@ -159,6 +162,111 @@ TEST(LightGridFile, HoldsHiddenLayersInSteps) {
   expectSameGrid(read, grid);
   // what was read is written as the same bytes
   EXPECT_EQ(bytesOf(read, {ThetaPrecision::int8}, metadata), bytes);
+}
+
+// Functions of codes alone, of these lengths.
+LightGrid gridOfCodes(const Representation& code, const std::vector<int>& lengths) {
+  LightGrid grid = freeGrid();
+  grid.representations = {code};
+  Random random(3);
+  for (size_t i = 0; i < lengths.size(); ++i)
+    grid.probe_function[i] = grid.addFunction(0, sampleCode(*code.dictionary, lengths[i], random).data());
+  return grid;
+}
+
+TEST(LightGridFile, HoldsOfCodesAndTheirDictionaryWhatIsNeeded) {
+  const Representation code = Representation::code(sampleDictionary(9, 64, 4));
+  const DictionaryData& whole = code.dictionary->data();
+  const std::vector<int> lengths = {8, 0, 24, 16, 40};
+  const LightGrid grid = gridOfCodes(code, lengths);
+  const std::string bytes = bytesOf(grid, {ThetaPrecision::int8});
+  std::map<std::string, Place> places = placesIn(bytes);
+  EXPECT_EQ(places["theta.steps"].count, 88u);
+  EXPECT_EQ(bytes.substr(places["theta.groups"].begin, places["theta.groups"].count), (std::string{1, 0, 3, 2, 5}));
+  EXPECT_EQ(places["dictionary.0.nodes"].count, 41 * 729u);
+  EXPECT_EQ(places["dictionary.0.exponents"].count, 41u);
+  LightGrid read;
+  ASSERT_TRUE(parse(bytes, &read).ok());
+  EXPECT_EQ(read.theta, grid.theta);
+  EXPECT_EQ(read.quads, grid.quads);
+  EXPECT_STREQ(representationName(read.representations[0]), "code64");
+  const DictionaryData& kept = read.representations[0].dictionary->data();
+  EXPECT_EQ(kept.code_count, 64);
+  EXPECT_TRUE(std::equal(kept.nodes.begin(), kept.nodes.begin() + 40 * 729, whole.nodes.begin()));
+  EXPECT_TRUE(std::all_of(kept.nodes.begin() + 40 * 729, kept.nodes.end() - 729, [](int8_t node) { return node == 0; }));
+  EXPECT_TRUE(std::equal(kept.nodes.end() - 729, kept.nodes.end(), whole.nodes.end() - 729));
+  EXPECT_EQ(bytesOf(read, {ThetaPrecision::int8}), bytes);
+}
+
+TEST(LightGridFile, HoldsAllNumbersOfACodeInFloats) {
+  for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::float16}) {
+    const LightGrid grid = gridOfCodes(Representation::code(sampleDictionary(5, 32, 4)), {32, 8});
+    const std::string bytes = bytesOf(grid, {precision});
+    EXPECT_EQ(placesIn(bytes)["theta"].count, 64 * (precision == ThetaPrecision::float32 ? 4u : 2u));
+    LightGrid read;
+    ASSERT_TRUE(parse(bytes, &read).ok());
+    EXPECT_EQ(read.quads, grid.quads);
+    EXPECT_EQ(bytesOf(read, {precision}), bytes);
+  }
+}
+
+TEST(LightGridFile, HoldsADictionaryThatNoFunctionUses) {
+  const LightGrid grid = gridOfCodes(Representation::code(sampleDictionary(3, 16, 4)), {});
+  for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::int8}) {
+    const std::string bytes = bytesOf(grid, {precision});
+    EXPECT_EQ(placesIn(bytes)["dictionary.0.nodes"].count, 27u);
+    LightGrid read;
+    ASSERT_TRUE(parse(bytes, &read).ok());
+    EXPECT_EQ(bytesOf(read, {precision}), bytes);
+  }
+}
+
+TEST(LightGridFile, RefusesCodesAndDictionariesThatNoFileHas) {
+  const Representation code = Representation::code(sampleDictionary(5, 16, 4));
+  const std::string bytes = bytesOf(gridOfCodes(code, {16, 8}), {ThetaPrecision::int8});
+  const auto refused = [&](const char* what, FileStatus status, const char* detail, const std::string& spoilt) {
+    LightGrid grid;
+    const FileResult result = parse(stamped(spoilt), &grid);
+    EXPECT_EQ(result.status, status) << what << ": " << result.detail;
+    EXPECT_EQ(result.detail.substr(0, std::strlen(detail)), detail) << what;
+  };
+  const auto with = [&](const char* tensor, size_t index, auto value) {
+    std::string spoilt = bytes;
+    put(spoilt, tensor, index, value);
+    return spoilt;
+  };
+  refused("more groups than the code has", FileStatus::value_out_of_range, "theta.groups: value 0: expected at most 2",
+          with("theta.groups", 0, uint8_t{3}));
+  refused("a group too few", FileStatus::tensor_unexpected, "theta.steps: expected 16 values, got 24",
+          with("theta.groups", 0, uint8_t{1}));
+  std::string spoilt = with("theta.groups", 0, uint8_t{1});
+  put(spoilt, "theta.groups", 1, uint8_t{2});
+  LightGrid moved;  // the steps of one code taken for another's: whole all the same
+  EXPECT_TRUE(parse(stamped(spoilt), &moved).ok());
+  spoilt = bytes;
+  for (size_t i = 16; i < 24; ++i) put(spoilt, "theta.steps", i, int8_t{0});
+  refused("a group of zeros", FileStatus::value_out_of_range, "theta.groups: expected no group of zeros", spoilt);
+  refused("a step of -128", FileStatus::value_out_of_range, "theta.steps: value 5", with("theta.steps", 5, int8_t{-128}));
+  refused("an exponent out of range", FileStatus::value_out_of_range, "dictionary.0: exponents",
+          with("dictionary.0.exponents", 3, int8_t{99}));
+  refused("sums that are not exact", FileStatus::value_out_of_range, "dictionary.0: exponents",
+          with("dictionary.0.exponents", 3, int8_t{20}));
+  spoilt = bytesOf(gridOfCodes(code, {16, 8}), {ThetaPrecision::float32});
+  for (size_t i = 8; i < 16; ++i) put(spoilt, "theta", i, 0.0f);
+  refused("rows that no code needs", FileStatus::tensor_unexpected, "dictionary.0.exponents: expected 9 values, got 17", spoilt);
+  const auto renamed = [&](const std::string& from, const std::string& to) {
+    std::string other = bytes;
+    return other.replace(other.find(from), from.size(), to);
+  };
+  refused("no nodes", FileStatus::tensor_missing, "", renamed("dictionary.0.nodes", "dictionary.0.knots"));
+  refused("no exponents", FileStatus::tensor_missing, "", renamed("dictionary.0.exponents", "dictionary.1.exponents"));
+  refused("no groups", FileStatus::tensor_unexpected, "theta.groups: expected 2 values, got 0",
+          renamed("theta.groups", "theta.graups"));
+  refused("no such code", FileStatus::value_out_of_range, "metadata representation.0", renamed("code16", "code17"));
+  refused("theta of another code", FileStatus::tensor_unexpected, "theta has 32 entries", [&] {
+    auto b = bytesOf(gridOfCodes(code, {16, 8}), {ThetaPrecision::float32});
+    return b.replace(b.find("code16"), 6, "code32");
+  }());
 }
 
 TEST(LightGridFile, RefusesStepsThatNoFileHas) {
@@ -277,7 +385,12 @@ TEST(LightGridFile, AccountsForItsBytes) {
   for (const GridPrecision& precision : kPrecisions) {
     const LightGridBytes counted = lightGridBytes(grid, precision);
     std::map<std::string, Place> places = placesIn(bytesOf(grid, precision));
-    EXPECT_EQ(counted.theta, places["theta"].count + places["theta.steps"].count + places["theta.halves"].count);
+    EXPECT_EQ(counted.theta,
+              places["theta"].count + places["theta.steps"].count + places["theta.halves"].count + places["theta.groups"].count);
+    size_t dictionaries = 0;
+    for (const auto& [name, place] : places) dictionaries += name.substr(0, 11) == "dictionary." ? place.count : 0;
+    EXPECT_EQ(counted.dictionaries, dictionaries);
+    EXPECT_GT(dictionaries, 0u);
     EXPECT_EQ(counted.light, places["light.scale"].count + places["light.halves"].count + places["light.steps"].count);
     EXPECT_EQ(counted.functions, places["function.representation"].count);
     EXPECT_EQ(counted.probe_function, places["probe.function"].count);
@@ -359,10 +472,10 @@ TEST(LightGridFile, NamesHostileNumbers) {
       {"whole cells below the roots", kRange, "probe tree: node 2: expected a cell_count",
        [=](std::string& b) { put(b, "node.kind", 2, uint8_t{16}); }},
       {"fewer cells than probes", kRange, "probe tree: probes", [=](std::string& b) { put(b, "node.kind", 2, uint8_t{2}); }},
-      {"no such function", kRange, "probe 3: function 12 of 12",
-       [=](std::string& b) { put(b, "probe.function", 3, uint16_t{12}); }},
+      {"no such function", kRange, "probe 3: function 16 of 16",
+       [=](std::string& b) { put(b, "probe.function", 3, uint16_t{16}); }},
       {"no such representation", kRange, "function 4: representation does not exist",
-       [=](std::string& b) { put(b, "function.representation", 4, uint8_t{6}); }},
+       [=](std::string& b) { put(b, "function.representation", 4, uint8_t{8}); }},
       {"another representation", FileStatus::tensor_unexpected, "theta has",
        [=](std::string& b) { put(b, "function.representation", 4, uint8_t{5}); }},
       {"theta NaN", FileStatus::value_not_finite, "theta: value 9", [=](std::string& b) { put(b, "theta", 9, std::nanf("")); }},
@@ -411,9 +524,9 @@ TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
       {R"("light":"sh2_8bit")", R"("lighd":"sh2_8bit")", FileStatus::tensor_missing},
       {R"("light.steps":{)", R"("light.stops":{)", FileStatus::tensor_missing},
       {R"("pattern_hash":")", R"("pattern_hash":"\)", FileStatus::header_malformed},
-      {R"("representation_count":"6")", R"("representation_count":"7")", FileStatus::tensor_missing},
-      {R"("representation_count":"6")", R"("representation_count":"5")", FileStatus::value_out_of_range},
-      {R"("representation_count":"6")", R"("representation_count":"x")", FileStatus::value_out_of_range},
+      {R"("representation_count":"8")", R"("representation_count":"9")", FileStatus::tensor_missing},
+      {R"("representation_count":"8")", R"("representation_count":"7")", FileStatus::value_out_of_range},
+      {R"("representation_count":"8")", R"("representation_count":"x")", FileStatus::value_out_of_range},
       {R"("representation.2":"pf3")", R"("representation.2":"pf4")", FileStatus::value_out_of_range},
       {R"("slope.1":"0.3")", R"("slope.1":"0.x")", FileStatus::value_out_of_range},
       {R"("slope.1":"0.3")", R"("slope.1":"3.3")", FileStatus::value_out_of_range},

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <thread>
 
+#include "runtime_eval/evaluator/brick_quads.h"
 #include "runtime_eval/evaluator/evaluate_point.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/light_grid/look_up_bounds.h"
@@ -75,7 +76,7 @@ void forManyPositions(const Prepare& prepare, const Check& check) {
 TEST(EvaluatePoint, EqualsTheReference) {
   for (const Representation& representation : kGridRepresentations) {
     for (uint64_t seed = 0; seed < 20; ++seed) {
-      const Theta theta = randomTheta(representation, seed);
+      const Theta theta = randomGridTheta(representation, seed);
       std::vector<LocalPoint> points = testPoints(50);
       for (const float x : {-1.0f, 0.0f, 1.0f}) points.push_back({x, -x, 1.0f});
       for (const LocalPoint& point : points) {
@@ -90,37 +91,40 @@ TEST(EvaluatePoint, EqualsTheReference) {
 
 TEST(LightGrid, LooksUpTheWeightsOfItsDefinition) {
   int64_t found = 0, counted = 0, faint = 0;
-  forManyPositions([](LightGrid&) {},
-                   [&](const LightGrid& grid, const PositionM& position_m) {
-                     ProbesAround around;
-                     ProbeWeights weights;
-                     const bool inside = lookUpWeights(grid, position_m, &weights);
-                     ASSERT_EQ(inside, grid.tree.lookUp(position_m, &around));
-                     if (!inside) return;
-                     ++found;
-                     int next = 0;
-                     double sum = 0.0, believed = 0.0, bound = 0.0;
-                     for (const ProbeAround& corner : around.corners) {
-                       const Expected expected = expectedWeight(grid, corner);
-                       // what is too small to count is left out
-                       const double left_out = expected.weight - expected.bound < kLeastWeight ? kLeastWeight : 0.0;
-                       ASSERT_NEAR(weightOf(weights, corner.probe), expected.weight, expected.bound + left_out)
-                           << "probe " << corner.probe;
-                       if (next < weights.count && weights.probe[next] == corner.probe) ++next;
-                       sum += expected.weight;
-                       believed += expected.weight * expected.above;
-                       bound += expected.bound + left_out;
-                     }
-                     // a weight is off by its bound, and what its v is off by, times the weight, is no more: thrice, numerator and sum
-                     if (sum > bound) {
-                       ASSERT_NEAR(weights.certainty, std::min(1.0, believed / (kResidue * sum)), 3 * bound / (kResidue * sum));
-                       faint += weights.certainty < 1.0f;
-                     }
-                     ASSERT_EQ(next, weights.count) << "every probe is a corner, in the order of corners";
-                     for (int i = 0; i < weights.count; ++i)
-                       ASSERT_TRUE(weights.weight[i] >= kLeastWeight && weights.weight[i] <= 1.0f);
-                     counted += weights.count;
-                   });
+  // in a part of the grid a function that is hardly more than the residue
+  const auto makeFaint = [](LightGrid& grid) {
+    std::fill_n(&grid.theta[grid.theta_begin[1]], ThetaLayout::count, 0.0f);
+    grid.theta[grid.theta_begin[1] + ThetaLayout::b3] = 1.5f * kResidue;
+    std::fill_n(grid.probe_function.begin(), grid.probe_function.size() / 4, 1u);
+  };
+  forManyPositions(makeFaint, [&](const LightGrid& grid, const PositionM& position_m) {
+    ProbesAround around;
+    ProbeWeights weights;
+    const bool inside = lookUpWeights(grid, position_m, &weights);
+    ASSERT_EQ(inside, grid.tree.lookUp(position_m, &around));
+    if (!inside) return;
+    ++found;
+    int next = 0;
+    double sum = 0.0, believed = 0.0, bound = 0.0;
+    for (const ProbeAround& corner : around.corners) {
+      const Expected expected = expectedWeight(grid, corner);
+      // what is too small to count is left out
+      const double left_out = expected.weight - expected.bound < kLeastWeight ? kLeastWeight : 0.0;
+      ASSERT_NEAR(weightOf(weights, corner.probe), expected.weight, expected.bound + left_out) << "probe " << corner.probe;
+      if (next < weights.count && weights.probe[next] == corner.probe) ++next;
+      sum += expected.weight;
+      believed += expected.weight * expected.above;
+      bound += expected.bound + left_out;
+    }
+    // a weight is off by its bound, and what its v is off by, times the weight, is no more: thrice, numerator and sum
+    if (sum > bound) {
+      ASSERT_NEAR(weights.certainty, std::min(1.0, believed / (kResidue * sum)), 3 * bound / (kResidue * sum));
+      faint += weights.certainty < 1.0f;
+    }
+    ASSERT_EQ(next, weights.count) << "every probe is a corner, in the order of corners";
+    for (int i = 0; i < weights.count; ++i) ASSERT_TRUE(weights.weight[i] >= kLeastWeight && weights.weight[i] <= 1.0f);
+    counted += weights.count;
+  });
   EXPECT_GT(found, 1000);
   EXPECT_GT(counted, found);
   EXPECT_GT(faint, 0);
@@ -385,6 +389,7 @@ TEST(LightGrid, StaysInRangeUpToTheLargestTheta) {
   for (float& value : grid.theta) value = value < 0 ? -kMaxGridTheta : kMaxGridTheta;
   for (size_t function = 0; function < 2; ++function)
     std::fill_n(grid.theta.begin() + static_cast<int64_t>(grid.theta_begin[function]), ThetaLayout::count, kMaxGridTheta);
+  grid.makeBricks();
   ASSERT_TRUE(checkLightGrid(grid).ok());
   Random random(2);
   float largest = 0.0f;
@@ -397,6 +402,62 @@ TEST(LightGrid, StaysInRangeUpToTheLargestTheta) {
     }
   }
   EXPECT_GT(largest, 0.5f);
+}
+
+TEST(LightGrid, HoldsTheBrickOfEveryCode) {
+  const LightGrid grid = randomGrid(smallTree(), 1);
+  size_t quads = 0;
+  int codes = 0;
+  for (size_t f = 0; f < grid.functionCount(); ++f) {
+    const Representation& representation = grid.representations[grid.function_representation[f]];
+    if (!representation.isCode()) {
+      EXPECT_EQ(grid.function_brick[f].step, 0.0f);
+      continue;
+    }
+    ++codes;
+    const int r = representation.resolution;
+    int8_t brick[kMaxBrickNodes];
+    const float step = packBrick(*representation.dictionary, grid.functionTheta(f), brick);
+    EXPECT_EQ(grid.function_brick[f].step, step);
+    EXPECT_EQ(grid.function_brick[f].begin, quads);
+    quads += quadCount(r);
+    for (const LocalPoint& point : testPoints(200)) {
+      // the same operations on the same numbers, fused or not
+      EXPECT_NEAR(evaluateQuads(r, point, step, grid.functionQuads(f)), evaluateBrick(r, point, step, brick),
+                  8 * kFloatRounding * kMostLogitSteps * step);
+    }
+  }
+  EXPECT_EQ(codes, 4);
+  EXPECT_EQ(grid.quads.size(), quads);
+}
+
+TEST(LightGrid, MakesBricksAnewAsTheyWereMade) {
+  const LightGrid grid = randomGrid(smallTree(), 2);
+  LightGrid other = grid;
+  for (float& value : other.theta) value += 1.0f;
+  other.makeBricks();
+  EXPECT_NE(other.quads, grid.quads);
+  other.theta = grid.theta;
+  other.makeBricks();
+  EXPECT_EQ(other.quads, grid.quads);
+}
+
+TEST(LightGrid, TakesCodesThatItsCheckRefuses) {
+  LightGrid grid = randomGrid(smallTree(), 3);
+  Theta broken(64, 0.0f);
+  for (const float value : {std::nanf(""), HUGE_VALF, 2e9f}) {
+    broken[5] = value;
+    LightGrid other = grid;
+    other.addFunction(6, broken.data());
+    EXPECT_EQ(other.quads, grid.quads);
+    EXPECT_FALSE(checkLightGrid(other).ok());
+  }
+  // a representation of which only the name is known
+  Representation named;
+  ASSERT_TRUE(findRepresentation("code64", &named));
+  grid.representations.push_back(named);
+  grid.addFunction(8, broken.data());
+  EXPECT_NE(checkLightGrid(grid).detail.find("dictionary"), std::string::npos);
 }
 
 TEST(LightGrid, AllocatesNothingInALookUp) {
@@ -475,9 +536,9 @@ struct WrongGrid {
 TEST(LightGridCheck, NamesWhatDoesNotBelongTogether) {
   const WrongGrid cases[] = {
       {"a probe too few", FileStatus::tensor_unexpected, [](LightGrid& g) { g.probe_function.pop_back(); }},
-      {"no such function", FileStatus::value_out_of_range, [](LightGrid& g) { g.probe_function[7] = 12; }},
+      {"no such function", FileStatus::value_out_of_range, [](LightGrid& g) { g.probe_function[7] = 16; }},
       {"just below kNoWeight", FileStatus::value_out_of_range, [](LightGrid& g) { g.probe_function[7] = kNoWeight - 1; }},
-      {"no such representation", FileStatus::value_out_of_range, [](LightGrid& g) { g.function_representation[3] = 6; }},
+      {"no such representation", FileStatus::value_out_of_range, [](LightGrid& g) { g.function_representation[3] = 8; }},
       {"another representation", FileStatus::value_out_of_range, [](LightGrid& g) { g.function_representation[3] = 4; }},
       {"a function too few", FileStatus::tensor_unexpected, [](LightGrid& g) { g.function_representation.pop_back(); }},
       {"theta too short", FileStatus::tensor_unexpected, [](LightGrid& g) { g.theta.pop_back(); }},
@@ -494,6 +555,17 @@ TEST(LightGridCheck, NamesWhatDoesNotBelongTogether) {
       {"slope 1", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations[0].slope = 1.0f; }},
       {"slope NaN", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations[1].slope = std::nanf(""); }},
       {"pf4", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations[3].resolution = 4; }},
+      {"code40", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations[6].code_count = 40; }},
+      {"no dictionary", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations[6].dictionary = nullptr; }},
+      {"a dictionary of other codes", FileStatus::value_out_of_range,
+       [](LightGrid& g) { g.representations[6].dictionary = g.representations[7].dictionary; }},
+      {"bricks of another resolution", FileStatus::value_out_of_range,
+       [](LightGrid& g) { g.representations[6].dictionary = sampleDictionary(7, 64, 1), g.representations[6].resolution = 7; }},
+      {"a brick too few", FileStatus::tensor_unexpected, [](LightGrid& g) { g.function_brick.pop_back(); }},
+      {"a brick where none is", FileStatus::value_out_of_range, [](LightGrid& g) { g.function_brick[6].begin += 1; }},
+      {"a brick without a step", FileStatus::value_out_of_range, [](LightGrid& g) { g.function_brick[7].step = 0.0f; }},
+      {"half a brick", FileStatus::tensor_unexpected, [](LightGrid& g) { g.quads.pop_back(); }},
+      {"no bricks", FileStatus::tensor_unexpected, [](LightGrid& g) { g.function_brick.clear(), g.quads.clear(); }},
       {"many representations", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations.resize(257); }},
   };
   ASSERT_TRUE(checkLightGrid(LightGrid{}).ok());

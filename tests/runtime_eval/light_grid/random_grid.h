@@ -6,16 +6,31 @@
 #include <cmath>
 #include <utility>
 
+#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/light_grid/light_grid.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
 #include "tests/runtime_eval/light_grid/random_tree.h"
+#include "tests/runtime_eval/sample_dictionary.h"
 
 namespace nlg {
 
-inline const Representation kGridRepresentations[] = {Representation::mlp(0.013f),     Representation::tentMlp(0.3f),
-                                                      Representation::productField(3), Representation::productField(5),
-                                                      Representation::productField(7), Representation::productField(9)};
+inline const Representation kGridRepresentations[] = {Representation::mlp(0.013f),
+                                                      Representation::tentMlp(0.3f),
+                                                      Representation::productField(3),
+                                                      Representation::productField(5),
+                                                      Representation::productField(7),
+                                                      Representation::productField(9),
+                                                      Representation::code(sampleDictionary(9, 64, 1)),
+                                                      Representation::code(sampleDictionary(5, 16, 2))};
+
+// What a grid may hold of a representation: codes of any length, in whole numbers as they are stored.
+inline Theta randomGridTheta(const Representation& representation, uint64_t seed) {
+  if (!representation.isCode()) return randomTheta(representation, seed);
+  Random random(seed);
+  const auto groups = static_cast<int>(random.below(static_cast<uint32_t>(representation.code_count / kCodeGroup) + 1));
+  return sampleCode(*representation.dictionary, kCodeGroup * groups, random);
+}
 
 // One root with a brick at every level around one corner, and cells of 16, 4 and 1 units: some 300 probes.
 inline ProbeTree smallTree() {
@@ -49,7 +64,7 @@ inline LightGrid randomGrid(ProbeTree tree, uint64_t seed) {
   for (const Representation& representation : kGridRepresentations) grid.representations.push_back(representation);
   for (size_t i = 0; i < 2 * grid.representations.size(); ++i) {
     const auto representation = static_cast<uint8_t>(i % grid.representations.size());
-    grid.addFunction(representation, randomTheta(grid.representations[representation], mixSeed(seed, i)).data());
+    grid.addFunction(representation, randomGridTheta(grid.representations[representation], mixSeed(seed, i)).data());
   }
   const auto functions = static_cast<uint32_t>(grid.functionCount());
   for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) {
