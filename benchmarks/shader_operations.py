@@ -18,7 +18,8 @@ GRIDS = {"bare tents alone": ["NLG_CLASS_COUNT=2"],
          "`tent_mlp4`": ["NLG_CLASS_COUNT=3", "NLG_NETWORK_4"],
          "`tent_mlp44`": ["NLG_CLASS_COUNT=3", "NLG_NETWORK_44"],
          "`tent_mlp`, `mlp`": ["NLG_CLASS_COUNT=3", "NLG_NETWORK_88"],
-         "product fields": ["NLG_CLASS_COUNT=3", "NLG_FIELD"]}
+         "product fields": ["NLG_CLASS_COUNT=3", "NLG_FIELD"],
+         "codes": ["NLG_CLASS_COUNT=3", "NLG_BRICK"]}
 # the head is a uniform: the same for all pixels
 HEAD = """#version 450
 #extension GL_EXT_control_flow_attributes : require

@@ -11,7 +11,7 @@ else()
 endif()
 
 # one shader for all grids
-set(NLG_EVERY_GRID NLG_NETWORK_4 NLG_NETWORK_44 NLG_NETWORK_88 NLG_FIELD NLG_HALVES "NLG_CLASS_COUNT=int(nlgHeader(3).y)")
+set(NLG_EVERY_GRID NLG_NETWORK_4 NLG_NETWORK_44 NLG_NETWORK_88 NLG_FIELD NLG_BRICK NLG_HALVES "NLG_CLASS_COUNT=int(nlgHeader(3).y)")
 
 #   nlg_spirv(OUT SOURCE DEFINE…)    OUT.spv of GLSL that includes look_up.glsl or resampled.glsl
 function(nlg_spirv out source)

@@ -47,14 +47,15 @@ struct NlgCorner {
   int kind;        // of its class: NLG_KIND_… and flags
   float slope;     // of its LeakyReLU
   float step;      // of numbers in bytes
-  int resolution;  // of its field
+  int resolution;  // of its field or brick
+  int bricks;      // word of the first brick of its class
   vec3 local;      // the position in its support, [-1, 1]
   float tent;      // of its support there
   float ratio;     // the cell's tent over that of the support
 };
 
 const int NLG_KIND_NONE = 0, NLG_KIND_TENT = 1, NLG_KIND_NETWORK_4 = 2, NLG_KIND_NETWORK_44 = 3, NLG_KIND_NETWORK_88 = 4,
-          NLG_KIND_FIELD = 5;
+          NLG_KIND_FIELD = 5, NLG_KIND_BRICK = 6;
 const int NLG_FLAG_TENT = 8, NLG_FLAG_SIGMOID = 16, NLG_FLAG_HALVES = 32;  // beside the kind: its low three bits
 
 vec4 nlgBytes(uint word) {
@@ -146,6 +147,7 @@ NlgCorner nlgCornerOf(NlgCell cell, int c) {
   corner.kind = int(records.w);
   corner.slope = uintBitsToFloat(numbers.x);
   corner.step = uintBitsToFloat(numbers.z);
+  corner.bricks = int(numbers.y);
   corner.resolution = int(numbers.w);
   return corner;
 }
@@ -275,6 +277,24 @@ float nlgField(NlgCorner of) {
 }
 #endif
 
+#ifdef NLG_BRICK
+// Trilinear in r³ nodes. A word holds the four nodes of a cell's low or high side along x, in steps.
+float nlgBrick(NlgCorner of) {
+  int r = of.resolution;
+  vec3 position = clamp((of.local + vec3(1.0f)) * 0.5f, vec3(0.0f), vec3(1.0f)) * float(r - 1);
+  ivec3 node = min(ivec3(position), ivec3(r - 2));
+  vec3 share = position - vec3(node);
+  uint name = nlgWord(4 * (of.record + 2));
+  int word = of.bricks + (int(name & 0x1ffffffu) * (r - 1) + node.z) * (r - 1) * r + node.y * r + node.x;
+  vec4 low = nlgBytes(nlgWord(word)), high = nlgBytes(nlgWord(word + 1));
+  vec4 along_x = low + share.x * (high - low);
+  vec2 near = vec2(along_x.x, along_x.z), far = vec2(along_x.y, along_x.w);
+  vec2 along_y = near + share.y * (far - near);
+  float step = uintBitsToFloat(((name >> 25) + 123u) << 23);
+  return step * (along_y.x + share.z * (along_y.y - along_y.x));
+}
+#endif
+
 // What the weighting function gives of its tent, before the residue.
 float nlgTentShare(NlgCorner corner) {
   int kind = corner.kind & 7;
@@ -292,6 +312,9 @@ float nlgTentShare(NlgCorner corner) {
 #endif
 #ifdef NLG_FIELD
   if (kind == NLG_KIND_FIELD) phi = nlgField(corner);
+#endif
+#ifdef NLG_BRICK
+  if (kind == NLG_KIND_BRICK) phi = nlgBrick(corner);
 #endif
   if ((corner.kind & NLG_FLAG_SIGMOID) != 0) phi = 1.0f / (1.0f + exp(-phi));
   float most = (corner.kind & NLG_FLAG_TENT) != 0 ? 1.0f : corner.tent;

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "runtime_eval/evaluator/brick_quads.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
@@ -17,7 +18,7 @@ namespace nlg {
 namespace {
 
 // look_up.glsl's
-enum Kind : uint32_t { kNone, kTent, kNetwork4, kNetwork44, kNetwork88, kField };
+enum Kind : uint32_t { kNone, kTent, kNetwork4, kNetwork44, kNetwork88, kField, kBrick };
 constexpr uint32_t kTentFlag = 8, kSigmoidFlag = 16, kHalvesFlag = 32;
 constexpr int kClassHeader = 4, kHeadersAClass = 2;
 constexpr size_t kDigestWord = 14, kDigestWords = 2;
@@ -25,6 +26,8 @@ constexpr uint32_t kNoBlock = 0xffffffffu, kIndexMask = (1u << 27) - 1, kUsed = 
 constexpr int kBlockLog2 = 2, kBlockSide = 1 << kBlockLog2;
 constexpr size_t kLightWords = 8, kWordsAFour = 4;
 constexpr uint64_t kMostWords = 1ull << 29;
+constexpr int kBrickBits = 25;  // of a record's word, for the brick's number
+constexpr uint32_t kNoBrick = 0xffffffffu;
 
 FileResult refuse(std::string detail) { return {FileStatus::value_out_of_range, std::move(detail)}; }
 
@@ -34,9 +37,9 @@ uint32_t bitsOf(float value) { return std::bit_cast<uint32_t>(value); }
 
 uint32_t pairOf(Half low, Half high) { return low.bits | uint32_t{high.bits} << 16; }
 
-// Words of a record that look_up.glsl reads: of a field eight nodes, of networks whole fours.
+// Words that look_up.glsl reads of a probe: of a field eight nodes, of a brick its name and a cell, of networks whole fours.
 size_t readOf(const Representation& representation, size_t theta_words) {
-  return kLightWords + (representation.isField() ? 8 : toFours(theta_words));
+  return kLightWords + (representation.isField() ? 8 : representation.isCode() ? 3 : toFours(theta_words));
 }
 
 // Probes whose records look alike.
@@ -46,22 +49,25 @@ struct ProbeClass {
   uint32_t first_probe = 0;
   size_t stride = 0;  // words
   size_t first_record = 0;
+  size_t first_brick = 0;                 // word
+  std::vector<uint32_t> brick_functions;  // whose bricks there are
 };
 
 Kind kindOf(const Representation& representation) {
   if (representation.isField()) return kField;
+  if (representation.isCode()) return kBrick;
   const NetworkShape& shape = representation.shape();
   return shape.second == 0 ? kNetwork4 : shape.first == 4 ? kNetwork44 : kNetwork88;
 }
 
 const char* defineOf(uint32_t kind) {
-  constexpr const char* kDefines[] = {"", "", "NLG_NETWORK_4", "NLG_NETWORK_44", "NLG_NETWORK_88", "NLG_FIELD"};
+  constexpr const char* kDefines[] = {"", "", "NLG_NETWORK_4", "NLG_NETWORK_44", "NLG_NETWORK_88", "NLG_FIELD", "NLG_BRICK"};
   return kDefines[kind & 7];
 }
 
 // Whether shaders have code for a network of this shape.
 bool isKnown(const Representation& representation) {
-  if (representation.isField()) return true;
+  if (!representation.isNetwork()) return true;
   const NetworkShape& shape = representation.shape();
   return (shape.first == 4 && (shape.second == 0 || shape.second == 4)) || (shape.first == 8 && shape.second == 8);
 }
@@ -85,7 +91,7 @@ struct NetworkOrder {
 
 bool isInBytes(const Representation& representation, const float* theta) {
   std::vector<float> rounded(theta, theta + representation.thetaCount());
-  return !representation.isField() && roundTheta(representation, ThetaPrecision::int8, rounded.data()) &&
+  return representation.isNetwork() && roundTheta(representation, ThetaPrecision::int8, rounded.data()) &&
          std::equal(rounded.begin(), rounded.end(), theta);
 }
 
@@ -135,6 +141,9 @@ class Packer {
       size_t theta_words = 0;
       if (representation.isField()) {
         theta_words = static_cast<size_t>(representation.thetaCount()) / 2;
+      } else if (representation.isCode()) {
+        of.kind |= kTentFlag | kSigmoidFlag;
+        theta_words = 1;
       } else {
         const NetworkShape& shape = representation.shape();
         if (representation.tentFactor()) of.kind |= kTentFlag;
@@ -146,8 +155,9 @@ class Packer {
       of.stride = toFours(kLightWords + theta_words);
       largest_read_ = std::max(largest_read_, readOf(representation, theta_words));
     }
-    classes_.push_back({kTent, {}, 0, kLightWords, 0});
-    classes_.push_back({kNone, {}, 0, 0, 0});
+    classes_.emplace_back().kind = kTent;
+    classes_.back().stride = kLightWords;
+    classes_.emplace_back().kind = kNone;
     class_of_probe_.reserve(grid_.probe_function.size());
     for (const uint32_t f : grid_.probe_function) {
       class_of_probe_.push_back(static_cast<uint16_t>(f == kFreeSpace ? classes_.size() - 2
@@ -254,6 +264,13 @@ class Packer {
       classes_[k].first_record = end;
       end += classes_[k].stride * (next - classes_[k].first_probe);
     }
+    numberBricks();
+    for (ProbeClass& of : classes_) {
+      const size_t bricks = of.brick_functions.size();
+      if (bricks >> kBrickBits != 0) return refuse(std::to_string(bricks) + " bricks; shaders name 2^25");
+      of.first_brick = bricks > 0 ? end : 0;
+      end += toFours(bricks * quadCount(of.representation.resolution));
+    }
     if (end > kMostWords) return refuse(std::to_string(end) + " words; shaders count 2^29");
     words_.resize(end, 0);
     result->probe_record.assign(number_.size(), 0);
@@ -267,11 +284,37 @@ class Packer {
       result->light_bytes += kLightWords * sizeof(uint32_t);
       const uint32_t function = grid_.probe_function[probe];
       if (function >= kNoWeight) continue;
-      if (!addTheta(of, grid_.functionTheta(function), record + kLightWords))
+      if (of.representation.isCode()) {
+        record[kLightWords] = nameOf(function);
+      } else if (!addTheta(of, grid_.functionTheta(function), record + kLightWords)) {
         return refuse("function " + std::to_string(function) + ": a number beyond float16");
+      }
       result->theta_bytes += (of.stride - kLightWords) * sizeof(uint32_t);
     }
+    for (const ProbeClass& of : classes_) {
+      const size_t quads = of.representation.isCode() ? quadCount(of.representation.resolution) : 0;
+      uint32_t* to = words_.data() + of.first_brick;
+      for (const uint32_t function : of.brick_functions) to = std::copy_n(grid_.functionQuads(function), quads, to);
+      result->theta_bytes += of.brick_functions.size() * quads * sizeof(uint32_t);
+    }
     return {};
+  }
+
+  // Of each class in the order of its probes: those that are read together stand together.
+  void numberBricks() {
+    brick_number_.assign(grid_.functionCount(), kNoBrick);
+    for (size_t probe = 0; probe < grid_.probe_function.size(); ++probe) {
+      const uint32_t function = grid_.probe_function[probe];
+      ProbeClass& of = classes_[class_of_probe_[probe]];
+      if (function >= kNoWeight || !of.representation.isCode() || brick_number_[function] != kNoBrick) continue;
+      brick_number_[function] = static_cast<uint32_t>(of.brick_functions.size());
+      of.brick_functions.push_back(function);
+    }
+  }
+
+  uint32_t nameOf(uint32_t function) const {
+    const int exponent = std::ilogb(grid_.function_brick[function].step) - kLeastStepExponent;
+    return brick_number_[function] | static_cast<uint32_t>(exponent) << kBrickBits;
   }
 
   static void addLight(const PackedLight& light, size_t probe, uint32_t* words) {
@@ -324,12 +367,12 @@ class Packer {
     write(3, {bitsOf(scale_), static_cast<uint32_t>(classes_.size()), 0, 0});
     for (size_t k = 0; k < classes_.size(); ++k) {
       const ProbeClass& of = classes_[k];
-      const bool is_network = (of.kind & 7) > kTent && !of.representation.isField();
+      const bool is_network = (of.kind & 7) > kTent && of.representation.isNetwork();
       write(kClassHeader + kHeadersAClass * k, {of.first_probe, static_cast<uint32_t>(of.first_record / kWordsAFour),
                                                 static_cast<uint32_t>(of.stride / kWordsAFour), of.kind});
       write(kClassHeader + kHeadersAClass * k + 1,
-            {bitsOf(of.representation.slope), 0, bitsOf(is_network ? stepOf(of.representation.shape()) : 0.0f),
-             static_cast<uint32_t>(of.representation.resolution)});
+            {bitsOf(of.representation.slope), static_cast<uint32_t>(of.first_brick),
+             bitsOf(is_network ? stepOf(of.representation.shape()) : 0.0f), static_cast<uint32_t>(of.representation.resolution)});
     }
   }
 
@@ -355,7 +398,8 @@ class Packer {
   const LightGrid& grid_;
   std::vector<ProbeClass> classes_;
   std::vector<uint16_t> class_of_probe_;
-  std::vector<uint32_t> number_;  // by probe
+  std::vector<uint32_t> number_;        // by probe
+  std::vector<uint32_t> brick_number_;  // by function, within its class
   std::vector<uint32_t> words_;
   std::array<int32_t, 3> first_block_{}, block_count_{};
   size_t first_block_word_ = 0, first_slot_word_ = 0;

@@ -45,6 +45,7 @@ inline LightGrid everyRepresentation(ThetaPrecision precision, uint64_t seed) {
   for (size_t f = 0; f < grid.functionCount(); ++f) {
     EXPECT_TRUE(roundTheta(grid.representations[grid.function_representation[f]], precision, &grid.theta[grid.theta_begin[f]]));
   }
+  grid.makeBricks();
   grid.light = randomLight(grid.tree.probeCount(), seed);
   EXPECT_TRUE(roundLight(LightForm::sh2_8bit, &grid.light).ok());
   return grid;

@@ -35,6 +35,7 @@ inline int classCount() { return static_cast<int>(nlgHeader(3).y); }
 #define NLG_NETWORK_44
 #define NLG_NETWORK_88
 #define NLG_FIELD
+#define NLG_BRICK
 #define NLG_HALVES
 #define NLG_NEAR
 #define NLG_CLASS_COUNT classCount()

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <limits>
 
+#include "runtime_eval/evaluator/brick_quads.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/irradiance.h"
 #include "runtime_eval/numbers/random.h"
+#include "tests/runtime_eval/sample_functions.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tests/runtime_eval/shader_grid/glsl_as_cpp.h"
 
@@ -30,7 +32,7 @@ TEST_P(ShaderGridPrecision, SaysWhatTheLookUpSays) {
   const LightGrid grid = everyRepresentation(GetParam(), 3);
   ShaderGrid packed;
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
-  for (const char* define : {"NLG_NETWORK_4", "NLG_NETWORK_44", "NLG_NETWORK_88", "NLG_FIELD"})
+  for (const char* define : {"NLG_NETWORK_4", "NLG_NETWORK_44", "NLG_NETWORK_88", "NLG_FIELD", "NLG_BRICK"})
     EXPECT_EQ(std::count(packed.defines.begin(), packed.defines.end(), define), 1) << define;
   glsl::shader_grid = &packed;
   Random random(5);
@@ -114,6 +116,95 @@ TEST(ShaderGrid, ReadsNoMoreThanEightRecords) {
       EXPECT_LE(glsl::reads, light.status == static_cast<int>(LightStatus::faint) ? most + 8 * 16 : most);
     }
   }
+}
+
+TEST(ShaderGrid, ReadsTwoWordsOfABrick) {
+  const Representation code = Representation::code(sampleDictionary(9, 64, 1));
+  LightGrid grid = freeGrid();
+  grid.representations = {code};
+  Random random(7);
+  for (uint32_t& function : grid.probe_function) function = grid.addFunction(0, sampleCode(*code.dictionary, 64, random).data());
+  ShaderGrid packed;
+  ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  EXPECT_EQ(packed.largest_read, 32 + 4 + 8u);
+  glsl::shader_grid = &packed;
+  const int most = 4 + 4 + 8 * 4 + 8 * static_cast<int>(packed.largest_read);
+  EXPECT_EQ(most, 392);
+  int largest = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const PositionM at = randomPosition(grid.tree.frame(), random);
+    ProbesAround around;
+    if (!grid.tree.lookUp(at, &around)) continue;
+    glsl::reads = 0;
+    const glsl::NlgLight light = shade(asFloats(at), randomNormal(random));
+    // of faint light each record's first four once more
+    ASSERT_LE(glsl::reads, light.status == static_cast<int>(LightStatus::faint) ? most + 8 * 16 : most);
+    if (light.status == static_cast<int>(LightStatus::lit)) largest = std::max(largest, glsl::reads);
+  }
+  EXPECT_EQ(largest, most);
+}
+
+TEST(ShaderGrid, HoldsABrickOnceForAllProbesThatShareIt) {
+  const Representation code = Representation::code(sampleDictionary(5, 16, 1));
+  LightGrid grid = freeGrid();
+  grid.representations = {code};
+  Random random(7);
+  // a function that no probe has comes first
+  for (int i = 0; i < 4; ++i) grid.addFunction(0, sampleCode(*code.dictionary, 16, random).data());
+  ShaderGrid packed;
+  ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  EXPECT_EQ(packed.theta_bytes, 0u);
+  for (size_t probe = 0; probe < 30; ++probe) grid.probe_function[probe] = 3 - static_cast<uint32_t>(probe) % 3;
+  ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_BRICK", "NLG_CLASS_COUNT 3"}));
+  const size_t quads = quadCount(5);
+  EXPECT_EQ(packed.theta_bytes, 30 * 16 + 3 * quads * sizeof(uint32_t));
+  // the class's second header names the first brick, a record its own; in the order of probes
+  const uint32_t first_brick = packed.words[4 * 5 + 1];
+  for (uint32_t probe = 0; probe < 30; ++probe) {
+    const uint32_t name = packed.words[4 * packed.probe_record[probe] + 8], function = grid.probe_function[probe];
+    ASSERT_EQ(name & 0x1ffffff, probe % 3);
+    ASSERT_EQ(std::ldexp(1.0f, static_cast<int>(name >> 25) - 4), grid.function_brick[function].step);
+    ASSERT_TRUE(std::equal(grid.functionQuads(function), grid.functionQuads(function) + quads,
+                           &packed.words[first_brick + quads * (name & 0x1ffffff)]));
+  }
+}
+
+TEST(ShaderGrid, ShowsBricksOfEveryStep) {
+  const Representation code = Representation::code(sampleDictionary(7, 16, 1));
+  LightGrid grid = freeGrid();
+  grid.representations = {code};
+  Random random(8);
+  for (uint32_t& function : grid.probe_function) {
+    Theta theta = sampleCode(*code.dictionary, 16, random);
+    const auto scale = static_cast<float>(std::pow(10.0, random.uniform(-1.0, 4.0)));
+    for (float& z : theta) z *= scale;
+    function = grid.addFunction(0, theta.data());
+  }
+  ShaderGrid packed;
+  ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  glsl::shader_grid = &packed;
+  float least = HUGE_VALF, most = 0.0f;
+  for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) {
+    const uint32_t function = grid.probe_function[probe];
+    const float step = grid.function_brick[function].step;
+    least = std::min(least, step), most = std::max(most, step);
+    glsl::NlgCorner corner{};
+    corner.record = static_cast<int>(packed.probe_record[probe]);
+    corner.kind = static_cast<int>(glsl::nlgHeader(4).w);
+    corner.bricks = static_cast<int>(glsl::nlgHeader(5).y);
+    corner.resolution = static_cast<int>(glsl::nlgHeader(5).w);
+    for (int i = 0; i < 20; ++i) {
+      const LocalPoint at = {static_cast<float>(random.uniform(-1.0, 1.0)), static_cast<float>(random.uniform(-1.0, 1.0)),
+                             static_cast<float>(random.uniform(-1.0, 1.0))};
+      corner.local = {at[0], at[1], at[2]};
+      // the same operations, fused or not: 7 interpolations of a number of at most 127 steps under a slope of 1/4, and the sigmoid
+      const float bound = static_cast<float>(kFloatRounding) * (2 * 7 * 127 * step / 4 + 8);
+      ASSERT_NEAR(glsl::nlgTentShare(corner), evaluateQuads(7, at, step, grid.functionQuads(function)), bound) << step;
+    }
+  }
+  EXPECT_EQ(least, std::ldexp(1.0f, kLeastStepExponent));
+  EXPECT_GT(most, 1e2f);
 }
 
 TEST(ShaderGrid, NamesWhatItIsToBeCompiledFor) {
