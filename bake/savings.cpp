@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "datagen/visibility/link_table.h"
 #include "runtime_eval/evaluator/theta_form.h"
@@ -23,11 +24,6 @@ std::optional<double> times(uint64_t count, const std::optional<double>& unit) {
 
 std::optional<double> sum(const std::optional<double>& a, const std::optional<double>& b) {
   return a && b ? std::optional(*a + *b) : std::nullopt;
-}
-
-// What a function takes in the file: theta, and which representation it is of.
-int64_t functionBytes(const Representation& representation, ThetaPrecision precision) {
-  return static_cast<int64_t>(thetaForm(representation, precision).bytes()) + 1;
 }
 
 // What one of each kind took in this bake. Seconds of the processor.
@@ -81,8 +77,24 @@ class SavingsCount {
     savings_.push_back({what, count, of, seconds, bytes, std::move(note)});
   }
 
+  // What a function takes in the file: theta, and which representation it is of.
   int64_t bytesOf(size_t function) const {
-    return functionBytes(grid_.representations[grid_.function_representation[function]], stored_.theta);
+    const Representation& representation = grid_.representations[grid_.function_representation[function]];
+    return static_cast<int64_t>(storedThetaBytes(representation, stored_.theta, grid_.functionTheta(function))) + 1;
+  }
+
+  // What a function of a representation would take: a code as much as the mean of those that this bake has, if it has any.
+  double bytesOf(const Representation& representation) const {
+    double sum = 0.0;
+    size_t count = 0;
+    for (size_t f = 0; f < grid_.functionCount() && representation.isCode(); ++f) {
+      const Representation& own = grid_.representations[grid_.function_representation[f]];
+      if (!own.isCode() || own.code_count != representation.code_count) continue;
+      sum += static_cast<double>(bytesOf(f));
+      ++count;
+    }
+    return count > 0 ? sum / static_cast<double>(count)
+                     : static_cast<double>(thetaForm(representation, stored_.theta).bytes() + 1);
   }
 
   void addAir() {
@@ -105,8 +117,10 @@ class SavingsCount {
   void addProbes() {
     const uint64_t probes = counts_.grid_probes, tents = statistics_.bare_tents.count;
     const FunctionTimes& spent = statistics_.function_times;
-    const int64_t theta_bytes = functionBytes(generators_.front().representation(), stored_.theta);
-    const auto thetas = [&](uint64_t count) { return static_cast<int64_t>(count) * theta_bytes; };
+    const double theta_bytes = bytesOf(generators_.front().representation());
+    const auto thetas = [&](uint64_t count) {
+      return static_cast<int64_t>(std::lround(static_cast<double>(count) * theta_bytes));
+    };
     add("probes in free space", counts_.free_space, probes, times(counts_.free_space, unit_.function_s), 0,
         "no function: the bare tent, exactly. Their visibility is not counted: where no triangle is near it is next to nothing");
     const std::optional<double> whole = sum(sum(unit_.visibility_s, unit_.function_s), unit_.theta_s);
@@ -145,9 +159,9 @@ class SavingsCount {
       add("functions that the smallest representation already fits", functions - larger, functions, {}, {},
           fmt::format("only the generator of {} ran for them", representationName(generators_.front().representation())));
       const Representation& largest = generators_.back().representation();
-      int64_t bytes = 0;
-      for (size_t f = 0; f < grid_.functionCount(); ++f) bytes += functionBytes(largest, stored_.theta) - bytesOf(f);
-      add("theta of the largest representation", functions - chosen.back(), functions, {}, bytes,
+      double bytes = static_cast<double>(grid_.functionCount()) * bytesOf(largest);
+      for (size_t f = 0; f < grid_.functionCount(); ++f) bytes -= static_cast<double>(bytesOf(f));
+      add("theta of the largest representation", functions - chosen.back(), functions, {}, std::lround(bytes),
           fmt::format("against {} alone, for every function", representationName(largest)));
     }
     std::vector<std::string> names;

@@ -15,6 +15,7 @@
 #include "runtime_eval/light_grid/irradiance.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
+#include "tests/runtime_eval/sample_dictionary.h"
 
 namespace nlg {
 namespace {
@@ -125,6 +126,8 @@ void registerRepresentation(const char* name, const NamedWay& way, bool is_walk)
   benchmark::RegisterBenchmark(caseName(way, name, is_walk).c_str(), [=](benchmark::State& state) {
     Representation representation;
     findRepresentation(name, &representation);
+    if (representation.isCode())
+      representation = Representation::code(sampleDictionary(kMaxBrickResolution, representation.code_count, 1));
     lookUp(state, gridOf(representation), is_walk ? walk() : scattered(), way.way);
   });
 }
@@ -146,7 +149,7 @@ const bool kRegistered = [] {
   const char* level = std::getenv("NLG_GRID");
   for (const bool is_walk : {true, false}) {
     for (const NamedWay& way : kWays) {
-      for (const char* name : {"tent_mlp", "tent_mlp4", "mlp", "pf5"}) registerRepresentation(name, way, is_walk);
+      for (const char* name : {"tent_mlp", "tent_mlp4", "mlp", "pf5", "code64"}) registerRepresentation(name, way, is_walk);
       if (level != nullptr) registerLevel(level, way, is_walk);
     }
   }

@@ -22,6 +22,7 @@
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/shader_grid/shader_grid.h"
+#include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/shader_grid/compute_device.h"
 #include "tests/runtime_eval/shader_grid/places.h"
 #include "tests/runtime_eval/shader_grid/resampled_box.h"
@@ -40,18 +41,21 @@ struct Variant {
 };
 
 std::vector<Variant> variants() {
-  const Representation small{RepresentationKind::tent_mlp4}, large = Representation::tentMlp(),
-                                                             field = Representation::productField(5);
+  const Representation small{RepresentationKind::tent_mlp4},
+      large = Representation::tentMlp(), field = Representation::productField(5),
+      fine = Representation::code(sampleDictionary(9, 64, 1)), coarse = Representation::code(sampleDictionary(5, 64, 1));
   return {{"`tent_mlp4`, int8", "tent_mlp4", small, ThetaPrecision::int8},
           {"`tent_mlp4`, float16", "tent_mlp4_halves", small, ThetaPrecision::float16},
           {"`tent_mlp`, int8", "tent_mlp", large, ThetaPrecision::int8},
           {"`tent_mlp`, float16", "tent_mlp_halves", large, ThetaPrecision::float16},
-          {"product fields of 5³ nodes", "field", field, ThetaPrecision::float16}};
+          {"product fields of 5³ nodes", "field", field, ThetaPrecision::float16},
+          {"codes, bricks of 9³ nodes", "brick", fine, ThetaPrecision::int8},
+          {"codes, bricks of 5³ nodes", "brick", coarse, ThetaPrecision::int8}};
 }
 
 Theta madeUpTheta(const Variant& variant, uint64_t seed) {
   Theta theta = randomTheta(variant.representation, seed);
-  if (!variant.representation.isField()) {
+  if (variant.representation.isNetwork()) {
     const NetworkShape& shape = variant.representation.shape();
     std::fill(&theta[static_cast<size_t>(shape.w3())], &theta[static_cast<size_t>(shape.b3())], 0.0f);
     theta[static_cast<size_t>(shape.b3())] = 1.0f;

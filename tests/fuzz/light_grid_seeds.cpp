@@ -4,6 +4,7 @@
 
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/runtime_eval/sample_dictionary.h"
 
 namespace nlg::fuzz {
 namespace {
@@ -21,10 +22,17 @@ CellJudge aroundOnePoint(int32_t finest) {
 LightGrid smallGrid(int32_t finest) {
   LightGrid grid;
   ProbeTree::build({{0.0, 1.0, 2.0}, 0.5, {1, 1, 1}}, aroundOnePoint(finest), kMaxTreeProbes, &grid.tree);
-  grid.representations = {Representation::mlp(), Representation::productField(3)};
+  grid.representations = {Representation::mlp(), Representation::productField(3),
+                          Representation::code(sampleDictionary(3, 16, 1))};
   const std::vector<float> theta(kMaxThetaCount, 0.25f);
-  const uint32_t choices[] = {grid.addFunction(0, theta.data()), grid.addFunction(1, theta.data()), kFreeSpace, kNoWeight};
-  for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) grid.probe_function.push_back(choices[probe % 4]);
+  Random random(1);
+  const uint32_t choices[] = {grid.addFunction(0, theta.data()),
+                              grid.addFunction(1, theta.data()),
+                              grid.addFunction(2, sampleCode(*grid.representations[2].dictionary, 16, random).data()),
+                              grid.addFunction(2, sampleCode(*grid.representations[2].dictionary, 8, random).data()),
+                              kFreeSpace,
+                              kNoWeight};
+  for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) grid.probe_function.push_back(choices[probe % 6]);
   for (size_t i = 0; i < grid.tree.probeCount() * kShFloats; ++i) grid.light.push_back(0.01f * static_cast<float>(i % 101));
   return grid;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "runtime_eval/evaluator/brick_quads.h"
 #include "runtime_eval/evaluator/evaluate_point.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
@@ -192,8 +193,13 @@ BorderFigures measureBorder(const LightGrid& grid) {
   std::vector<double> values;
   for (size_t function = 0; function < grid.functionCount(); ++function) {
     const Representation& representation = grid.representations[grid.function_representation[function]];
-    for (const LocalPoint& point : points)
-      values.push_back(std::clamp(double{evaluatePoint(representation, point, grid.functionTheta(function))}, 0.0, 1.0));
+    for (const LocalPoint& point : points) {
+      const double phi = representation.isCode()
+                             ? tent(point) * evaluateQuads(representation.resolution, point, grid.function_brick[function].step,
+                                                           grid.functionQuads(function))
+                             : evaluatePoint(representation, point, grid.functionTheta(function));
+      values.push_back(std::clamp(phi, 0.0, 1.0));
+    }
   }
   const Quantiles q = quantiles(std::move(values));
   return {grid.functionCount(), q.mean, q.p99, q.worst};
