@@ -48,7 +48,6 @@ struct NlgCorner {
   float slope;     // of its LeakyReLU
   float step;      // of numbers in bytes
   int resolution;  // of its field or brick
-  int bricks;      // word of the first brick of its class
   vec3 local;      // the position in its support, [-1, 1]
   float tent;      // of its support there
   float ratio;     // the cell's tent over that of the support
@@ -147,7 +146,6 @@ NlgCorner nlgCornerOf(NlgCell cell, int c) {
   corner.kind = int(records.w);
   corner.slope = uintBitsToFloat(numbers.x);
   corner.step = uintBitsToFloat(numbers.z);
-  corner.bricks = int(numbers.y);
   corner.resolution = int(numbers.w);
   return corner;
 }
@@ -278,20 +276,19 @@ float nlgField(NlgCorner of) {
 #endif
 
 #ifdef NLG_BRICK
-// Trilinear in r³ nodes. A word holds the four nodes of a cell's low or high side along x, in steps.
+// sigmoid(L), L trilinear in r³ nodes. A word holds the four nodes of a cell's low or high side along x, in steps.
 float nlgBrick(NlgCorner of) {
   int r = of.resolution;
-  vec3 position = clamp((of.local + vec3(1.0f)) * 0.5f, vec3(0.0f), vec3(1.0f)) * float(r - 1);
+  float middle = 0.5f * float(r - 1);
+  vec3 position = of.local * middle + vec3(middle);
   ivec3 node = min(ivec3(position), ivec3(r - 2));
   vec3 share = position - vec3(node);
   uint name = nlgWord(4 * (of.record + 2));
-  int word = of.bricks + (int(name & 0x1ffffffu) * (r - 1) + node.z) * (r - 1) * r + node.y * r + node.x;
-  vec4 low = nlgBytes(nlgWord(word)), high = nlgBytes(nlgWord(word + 1));
-  vec4 along_x = low + share.x * (high - low);
-  vec2 near = vec2(along_x.x, along_x.z), far = vec2(along_x.y, along_x.w);
-  vec2 along_y = near + share.y * (far - near);
-  float step = uintBitsToFloat(((name >> 25) + 123u) << 23);
-  return step * (along_y.x + share.z * (along_y.y - along_y.x));
+  int word = 4 * int(name & 0x7ffffffu) + (node.z * (r - 1) + node.y) * r + node.x;
+  vec4 along_x = mix(nlgBytes(nlgWord(word)), nlgBytes(nlgWord(word + 1)), share.x);
+  vec2 along_y = mix(vec2(along_x.x, along_x.z), vec2(along_x.y, along_x.w), share.y);
+  float step = uintBitsToFloat(((name >> 27) + 123u) << 23);  // 2^e
+  return 1.0f / (1.0f + exp(-step * mix(along_y.x, along_y.y, share.z)));
 }
 #endif
 
@@ -300,6 +297,10 @@ float nlgTentShare(NlgCorner corner) {
   int kind = corner.kind & 7;
   if (kind == NLG_KIND_NONE) return 0.0f;
   if (kind == NLG_KIND_TENT) return 1.0f;
+#ifdef NLG_BRICK
+  if (kind == NLG_KIND_BRICK) return nlgBrick(corner);
+#endif
+#if defined(NLG_NETWORK_4) || defined(NLG_NETWORK_44) || defined(NLG_NETWORK_88) || defined(NLG_FIELD)
   float phi = 0.0f;
 #ifdef NLG_NETWORK_4
   if (kind == NLG_KIND_NETWORK_4) phi = nlgNetwork4(corner);
@@ -313,12 +314,12 @@ float nlgTentShare(NlgCorner corner) {
 #ifdef NLG_FIELD
   if (kind == NLG_KIND_FIELD) phi = nlgField(corner);
 #endif
-#ifdef NLG_BRICK
-  if (kind == NLG_KIND_BRICK) phi = nlgBrick(corner);
-#endif
   if ((corner.kind & NLG_FLAG_SIGMOID) != 0) phi = 1.0f / (1.0f + exp(-phi));
   float most = (corner.kind & NLG_FLAG_TENT) != 0 ? 1.0f : corner.tent;
   return phi > 0.0f ? (phi < most ? phi / most : 1.0f) : 0.0f;
+#else
+  return 0.0f;
+#endif
 }
 
 // ---- light

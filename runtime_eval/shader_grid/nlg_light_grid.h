@@ -25,7 +25,15 @@ typedef struct {
 /* The numbers are those of nlg_light_status in nlg.h; one program may include both headers. */
 typedef enum { NLG_GRID_LIT, NLG_GRID_FAINT, NLG_GRID_UNLIT, NLG_GRID_OUTSIDE } NlgGridStatus;
 
-enum { NLG_KIND_NONE, NLG_KIND_TENT, NLG_KIND_NETWORK_4, NLG_KIND_NETWORK_44, NLG_KIND_NETWORK_88, NLG_KIND_FIELD, NLG_KIND_BRICK };
+enum {
+  NLG_KIND_NONE,
+  NLG_KIND_TENT,
+  NLG_KIND_NETWORK_4,
+  NLG_KIND_NETWORK_44,
+  NLG_KIND_NETWORK_88,
+  NLG_KIND_FIELD,
+  NLG_KIND_BRICK
+};
 /* of a probe's tent: what a fit may leave behind walls */
 #define NLG_RESIDUE 0.05f
 /* of the light around a place: added to a probe's own where those with the least count most */
@@ -39,8 +47,8 @@ typedef struct {
 
 /* A probe around the position. */
 typedef struct {
-  uint32_t record, kind, resolution; /* word of its light, its theta follows; kind and flags; nodes along an edge of a field or brick */
-  uint32_t bricks;                   /* word of the first brick of its class */
+  uint32_t record, kind,
+      resolution; /* word of its light, its theta follows; kind and flags; nodes along an edge of a field or brick */
   float slope, step, local[3], tent, ratio;
 } NlgCorner;
 
@@ -156,7 +164,6 @@ static inline NlgCorner nlgCornerOf(const NlgGrid* grid, const NlgCell* cell, ui
   corner.kind = nlgWord(grid, head + 3);
   corner.slope = nlgFloat(grid, head + 4);
   corner.step = nlgFloat(grid, head + 6);
-  corner.bricks = nlgWord(grid, head + 5);
   corner.resolution = nlgWord(grid, head + 7);
   return corner;
 }
@@ -209,7 +216,7 @@ static inline float nlgField(const NlgGrid* grid, const NlgCorner* of) {
   return nlgBetween(a, 0.0f, 1.0f) / (1.0f + expf(-b));
 }
 
-/* Trilinear in r^3 nodes. A word holds the four nodes of a cell's low or high side along x, in steps. */
+/* sigmoid(L), L trilinear in r^3 nodes. A word holds the four nodes of a cell's low or high side along x, in steps. */
 static inline float nlgBrick(const NlgGrid* grid, const NlgCorner* of) {
   const uint32_t r = of->resolution, name = nlgWord(grid, of->record + 8);
   uint32_t node[3], word, i;
@@ -221,10 +228,10 @@ static inline float nlgBrick(const NlgGrid* grid, const NlgCorner* of) {
     node[axis] = (uint32_t)at < r - 2 ? (uint32_t)at : r - 2;
     share[axis] = at - (float)node[axis];
   }
-  word = of->bricks + ((name & 0x1ffffff) * (r - 1) + node[2]) * (r - 1) * r + node[1] * r + node[0];
+  word = 4 * (name & 0x7ffffff) + (node[2] * (r - 1) + node[1]) * r + node[0];
   for (i = 0; i < 4; ++i) along[i] = nlgByte(grid, word, i) + share[0] * (nlgByte(grid, word + 1, i) - nlgByte(grid, word, i));
   for (i = 0; i < 4; i += 2) along[i] += share[1] * (along[i + 1] - along[i]);
-  return ldexpf(along[0] + share[2] * (along[2] - along[0]), (int)(name >> 25) - 4);
+  return 1.0f / (1.0f + expf(-ldexpf(along[0] + share[2] * (along[2] - along[0]), (int)(name >> 27) - 4)));
 }
 
 /* What the weighting function gives of its tent, before the residue. */
@@ -233,11 +240,11 @@ static inline float nlgTentShare(const NlgGrid* grid, const NlgCorner* of) {
   const float most = (of->kind & NLG_FLAG_TENT) != 0 ? 1.0f : of->tent;
   float phi = 0.0f;
   if (kind == NLG_KIND_TENT) return 1.0f;
+  if (kind == NLG_KIND_BRICK) return nlgBrick(grid, of);
   if (kind == NLG_KIND_NETWORK_4) phi = nlgNetwork(grid, of, 4, 0);
   if (kind == NLG_KIND_NETWORK_44) phi = nlgNetwork(grid, of, 4, 4);
   if (kind == NLG_KIND_NETWORK_88) phi = nlgNetwork(grid, of, 8, 8);
   if (kind == NLG_KIND_FIELD) phi = nlgField(grid, of);
-  if (kind == NLG_KIND_BRICK) phi = nlgBrick(grid, of);
   if ((of->kind & NLG_FLAG_SIGMOID) != 0) phi = 1.0f / (1.0f + expf(-phi));
   return phi > 0.0f ? (phi < most ? phi / most : 1.0f) : 0.0f;
 }

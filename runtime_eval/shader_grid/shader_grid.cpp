@@ -26,8 +26,10 @@ constexpr uint32_t kNoBlock = 0xffffffffu, kIndexMask = (1u << 27) - 1, kUsed = 
 constexpr int kBlockLog2 = 2, kBlockSide = 1 << kBlockLog2;
 constexpr size_t kLightWords = 8, kWordsAFour = 4;
 constexpr uint64_t kMostWords = 1ull << 29;
-constexpr int kBrickBits = 25;  // of a record's word, for the brick's number
+constexpr int kBrickBits = 27, kMostExponent = 31 + kLeastStepExponent;  // of a record's word that names a brick; of a step
 constexpr uint32_t kNoBrick = 0xffffffffu;
+static_assert(quadCount(3) % 4 == 0 && quadCount(5) % 4 == 0 && quadCount(7) % 4 == 0 && quadCount(9) % 4 == 0,
+              "bricks begin at words that records name");
 
 FileResult refuse(std::string detail) { return {FileStatus::value_out_of_range, std::move(detail)}; }
 
@@ -49,8 +51,6 @@ struct ProbeClass {
   uint32_t first_probe = 0;
   size_t stride = 0;  // words
   size_t first_record = 0;
-  size_t first_brick = 0;                 // word
-  std::vector<uint32_t> brick_functions;  // whose bricks there are
 };
 
 Kind kindOf(const Representation& representation) {
@@ -142,7 +142,6 @@ class Packer {
       if (representation.isField()) {
         theta_words = static_cast<size_t>(representation.thetaCount()) / 2;
       } else if (representation.isCode()) {
-        of.kind |= kTentFlag | kSigmoidFlag;
         theta_words = 1;
       } else {
         const NetworkShape& shape = representation.shape();
@@ -264,13 +263,7 @@ class Packer {
       classes_[k].first_record = end;
       end += classes_[k].stride * (next - classes_[k].first_probe);
     }
-    numberBricks();
-    for (ProbeClass& of : classes_) {
-      const size_t bricks = of.brick_functions.size();
-      if (bricks >> kBrickBits != 0) return refuse(std::to_string(bricks) + " bricks; shaders name 2^25");
-      of.first_brick = bricks > 0 ? end : 0;
-      end += toFours(bricks * quadCount(of.representation.resolution));
-    }
+    placeBricks(&end);
     if (end > kMostWords) return refuse(std::to_string(end) + " words; shaders count 2^29");
     words_.resize(end, 0);
     result->probe_record.assign(number_.size(), 0);
@@ -285,36 +278,33 @@ class Packer {
       const uint32_t function = grid_.probe_function[probe];
       if (function >= kNoWeight) continue;
       if (of.representation.isCode()) {
-        record[kLightWords] = nameOf(function);
+        const int exponent = std::ilogb(grid_.function_brick[function].step);
+        if (exponent > kMostExponent) return refuse("function " + std::to_string(function) + ": logits beyond what shaders take");
+        record[kLightWords] = brick_four_[function] | static_cast<uint32_t>(exponent - kLeastStepExponent) << kBrickBits;
       } else if (!addTheta(of, grid_.functionTheta(function), record + kLightWords)) {
         return refuse("function " + std::to_string(function) + ": a number beyond float16");
       }
       result->theta_bytes += (of.stride - kLightWords) * sizeof(uint32_t);
     }
-    for (const ProbeClass& of : classes_) {
-      const size_t quads = of.representation.isCode() ? quadCount(of.representation.resolution) : 0;
-      uint32_t* to = words_.data() + of.first_brick;
-      for (const uint32_t function : of.brick_functions) to = std::copy_n(grid_.functionQuads(function), quads, to);
-      result->theta_bytes += of.brick_functions.size() * quads * sizeof(uint32_t);
+    for (size_t function = 0; function < brick_four_.size(); ++function) {
+      if (brick_four_[function] == kNoBrick) continue;
+      const size_t quads = quadCount(grid_.representations[grid_.function_representation[function]].resolution);
+      std::copy_n(grid_.functionQuads(function), quads, &words_[brick_four_[function] * kWordsAFour]);
+      result->theta_bytes += quads * sizeof(uint32_t);
     }
     return {};
   }
 
-  // Of each class in the order of its probes: those that are read together stand together.
-  void numberBricks() {
-    brick_number_.assign(grid_.functionCount(), kNoBrick);
-    for (size_t probe = 0; probe < grid_.probe_function.size(); ++probe) {
-      const uint32_t function = grid_.probe_function[probe];
-      ProbeClass& of = classes_[class_of_probe_[probe]];
-      if (function >= kNoWeight || !of.representation.isCode() || brick_number_[function] != kNoBrick) continue;
-      brick_number_[function] = static_cast<uint32_t>(of.brick_functions.size());
-      of.brick_functions.push_back(function);
+  // In the order of probes: those that are read together stand together. end   of all words, before and after
+  void placeBricks(size_t* end) {
+    brick_four_.assign(grid_.functionCount(), kNoBrick);
+    for (const uint32_t function : grid_.probe_function) {
+      if (function >= kNoWeight || brick_four_[function] != kNoBrick) continue;
+      const Representation& representation = grid_.representations[grid_.function_representation[function]];
+      if (!representation.isCode()) continue;
+      brick_four_[function] = static_cast<uint32_t>(*end / kWordsAFour);
+      *end += quadCount(representation.resolution);
     }
-  }
-
-  uint32_t nameOf(uint32_t function) const {
-    const int exponent = std::ilogb(grid_.function_brick[function].step) - kLeastStepExponent;
-    return brick_number_[function] | static_cast<uint32_t>(exponent) << kBrickBits;
   }
 
   static void addLight(const PackedLight& light, size_t probe, uint32_t* words) {
@@ -371,8 +361,8 @@ class Packer {
       write(kClassHeader + kHeadersAClass * k, {of.first_probe, static_cast<uint32_t>(of.first_record / kWordsAFour),
                                                 static_cast<uint32_t>(of.stride / kWordsAFour), of.kind});
       write(kClassHeader + kHeadersAClass * k + 1,
-            {bitsOf(of.representation.slope), static_cast<uint32_t>(of.first_brick),
-             bitsOf(is_network ? stepOf(of.representation.shape()) : 0.0f), static_cast<uint32_t>(of.representation.resolution)});
+            {bitsOf(of.representation.slope), 0, bitsOf(is_network ? stepOf(of.representation.shape()) : 0.0f),
+             static_cast<uint32_t>(of.representation.resolution)});
     }
   }
 
@@ -398,8 +388,8 @@ class Packer {
   const LightGrid& grid_;
   std::vector<ProbeClass> classes_;
   std::vector<uint16_t> class_of_probe_;
-  std::vector<uint32_t> number_;        // by probe
-  std::vector<uint32_t> brick_number_;  // by function, within its class
+  std::vector<uint32_t> number_;      // by probe
+  std::vector<uint32_t> brick_four_;  // by function: where its brick begins; kNoBrick of those that no probe has
   std::vector<uint32_t> words_;
   std::array<int32_t, 3> first_block_{}, block_count_{};
   size_t first_block_word_ = 0, first_slot_word_ = 0;

@@ -13,9 +13,9 @@
 // multiply-adds of vectors: hidden layers in bytes where theta was rounded to int8, otherwise in float16, the last layer in
 // float16. Nodes of product fields are pairs of float16. Records begin at multiples of 16 bytes; what a record leaves is 0.
 //
-// A code is not there, but its brick, once for all probes that share the function: behind the records, those of a class one after
-// another, in the words of brick_quads.h, of which a look-up reads two that lie side by side. The record's word: the brick's number in
-// its class in bits 0 … 24, above it e + 4, where a step is 2^e logits. Bricks stand in the order of the probes that have them.
+// A code is not there, but its brick, once for all probes that share the function: behind the records, in the order of the probes that
+// have them, in the words of brick_quads.h, of which a look-up reads two that lie side by side. The record's word: a quarter of the
+// brick's first word in bits 0 … 26, above it e + 4, where a step is 2^e logits.
 //
 // The head, 16 bytes each:
 //
@@ -24,7 +24,7 @@
 //     2             blocks along x, y, z; first word of the slots       int
 //     3             scale of light (float), classes; the first 8 bytes of the SHA-256 of all words, these two taken as zeros
 //     4 + 2 k       of class k: first probe, first record, its stride (the last two in units of 16 bytes), kind and flags
-//     5 + 2 k       slope (float), first word of its bricks (0 without), step of bytes (float); nodes along an edge of a product field or brick
+//     5 + 2 k       slope, 0, step of bytes (float); nodes along an edge of a product field or brick
 //
 // A block: first slot in bits 0 … 26, log2 of its brick's cells along an edge in 27, 28, log2 of a cell's side above; 0xffffffff
 // without a cell. A slot: the probe in bits 0 … 26, log2 of its spacing (units) in 27 … 29; bit 31: the cell above is used.
@@ -54,7 +54,7 @@ struct ShaderGrid {
 //
 // grid      one that checkLightGrid accepts
 // returns   ok; or value_out_of_range and what is wrong: a grid without light, a theta beyond float16, more than 2^27 slots,
-//           2^29 words, 2^25 bricks of a class or kMaxShaderBlocks blocks. *shader_grid is empty then
+//           2^29 words or kMaxShaderBlocks blocks, a brick with steps of more than 2^27 logits. *shader_grid is empty then
 FileResult packShaderGrid(const LightGrid& grid, ShaderGrid* shader_grid);
 
 inline constexpr uint64_t kMaxShaderBlocks = 1ull << 26;  // of 4 bytes each: a level a kilometre long at 0.25 m has 6e7

@@ -159,14 +159,14 @@ TEST(ShaderGrid, HoldsABrickOnceForAllProbesThatShareIt) {
   EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_BRICK", "NLG_CLASS_COUNT 3"}));
   const size_t quads = quadCount(5);
   EXPECT_EQ(packed.theta_bytes, 30 * 16 + 3 * quads * sizeof(uint32_t));
-  // the class's second header names the first brick, a record its own; in the order of probes
-  const uint32_t first_brick = packed.words[4 * 5 + 1];
+  // one behind another in the order of probes, behind all records
+  const size_t first = packed.words.size() - 3 * quads;
   for (uint32_t probe = 0; probe < 30; ++probe) {
     const uint32_t name = packed.words[4 * packed.probe_record[probe] + 8], function = grid.probe_function[probe];
-    ASSERT_EQ(name & 0x1ffffff, probe % 3);
-    ASSERT_EQ(std::ldexp(1.0f, static_cast<int>(name >> 25) - 4), grid.function_brick[function].step);
-    ASSERT_TRUE(std::equal(grid.functionQuads(function), grid.functionQuads(function) + quads,
-                           &packed.words[first_brick + quads * (name & 0x1ffffff)]));
+    ASSERT_EQ(4 * (name & 0x7ffffff), first + quads * (probe % 3));
+    ASSERT_EQ(std::ldexp(1.0f, static_cast<int>(name >> 27) - 4), grid.function_brick[function].step);
+    ASSERT_TRUE(
+        std::equal(grid.functionQuads(function), grid.functionQuads(function) + quads, &packed.words[4 * (name & 0x7ffffff)]));
   }
 }
 
@@ -192,14 +192,14 @@ TEST(ShaderGrid, ShowsBricksOfEveryStep) {
     glsl::NlgCorner corner{};
     corner.record = static_cast<int>(packed.probe_record[probe]);
     corner.kind = static_cast<int>(glsl::nlgHeader(4).w);
-    corner.bricks = static_cast<int>(glsl::nlgHeader(5).y);
     corner.resolution = static_cast<int>(glsl::nlgHeader(5).w);
     for (int i = 0; i < 20; ++i) {
       const LocalPoint at = {static_cast<float>(random.uniform(-1.0, 1.0)), static_cast<float>(random.uniform(-1.0, 1.0)),
                              static_cast<float>(random.uniform(-1.0, 1.0))};
       corner.local = {at[0], at[1], at[2]};
-      // the same operations, fused or not: 7 interpolations of a number of at most 127 steps under a slope of 1/4, and the sigmoid
-      const float bound = static_cast<float>(kFloatRounding) * (2 * 7 * 127 * step / 4 + 8);
+      // positions up to 6 with 3 roundings along each axis, where a cell holds 254 steps at most; 7 interpolations of 3 roundings each;
+      // on both sides, under a slope of 1/4, and the sigmoid
+      const float bound = static_cast<float>(kFloatRounding) * (2 * (3 * 3 * 6 * 254 + 7 * 3 * 127) * step / 4 + 8);
       ASSERT_NEAR(glsl::nlgTentShare(corner), evaluateQuads(7, at, step, grid.functionQuads(function)), bound) << step;
     }
   }
@@ -235,6 +235,18 @@ TEST(ShaderGrid, RefusesWhatShadersCannotShow) {
   grid.probe_function[0] = grid.addFunction(0, theta.data());
   const FileResult beyond = packShaderGrid(grid, &packed);
   EXPECT_NE(beyond.detail.find("float16"), std::string::npos) << beyond.detail;
+  EXPECT_TRUE(packed.words.empty());
+  const Representation code = Representation::code(sampleDictionary(3, 8, 1));
+  grid.representations.push_back(code);
+  grid.probe_function[0] = grid.addFunction(1, Theta(8, kMaxGridTheta).data());
+  grid.probe_function[1] = grid.addFunction(1, Theta(8, 100.0f).data());
+  EXPECT_TRUE(packShaderGrid(grid, &packed).ok());
+  DictionaryData steep = code.dictionary->data();
+  for (int8_t& exponent : steep.exponents) exponent += 24;
+  grid.representations[1] = Representation::code(std::make_shared<const Dictionary>(std::move(steep)));
+  grid.makeBricks();
+  const FileResult logits = packShaderGrid(grid, &packed);
+  EXPECT_NE(logits.detail.find("logits beyond"), std::string::npos) << logits.detail;
   EXPECT_TRUE(packed.words.empty());
 }
 
