@@ -50,6 +50,8 @@ TrainOptions storedOptions(const std::string& path, const std::string& options_j
     options.shape.slope = json.at("generator_slope").get<double>();
     options.shape.output_scale = json.at("output_scale").get<double>();
     options.shape.exact_last_layer = json.at("exact_last_layer").get<bool>();
+    // checkpoints from before there were codes have none
+    options.shape.dictionary_resolution = json.value("dictionary_resolution", options.shape.dictionary_resolution);
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path, "options", "the options of a training run", error.what());
   }

@@ -3,8 +3,8 @@
 //     phi(x) ≈ tent(x) * sigmoid(L(x)),   L trilinear in r³ nodes that cover [-1, 1]³,   L_n = c_n + sum over k of z_k b_kn
 //
 // The nodes L_n are a *brick*. A brick holds bytes: whole steps of 2^e from -127 to 127, e the least from -4 on for which the largest
-// |L_n| of the code fits. That rounding is part of the formula, whoever evaluates it. c and b are small integers times a power of two for
-// each k, and a stored code is integers too. Their sums are then exact in float, so that every machine, shader and language has the same
+// |L_n| of the code fits. That rounding is part of the formula, whoever evaluates it. c and b are bytes times a power of two for each k, and
+// a stored code is bytes times one more: every product is exact in float. Summed up in the order of k, every machine and language has the same
 // brick. The b_k are ordered: a code may end early, and what it lacks is 0.
 //
 // A dictionary is learned with its generator (train/generator), once for all probes.
@@ -30,7 +30,7 @@ constexpr size_t brickStride(size_t node_count) { return (node_count + 15) / 16 
 inline constexpr size_t kMaxBrickStride = brickStride(kMaxBrickNodes);
 inline constexpr int kLeastStepExponent = -4;  // of a brick: a 16th of a logit
 inline constexpr int kMostLogitSteps = 127;
-inline constexpr int kMostCodeSteps = 127;  // |z| of a stored code
+inline constexpr int kMostCodeSteps = 127;  // of a stored code (theta_form.h)
 
 // The numbers of a dictionary as files hold them.
 struct DictionaryData {
@@ -43,7 +43,7 @@ struct DictionaryData {
   bool operator==(const DictionaryData&) const = default;
 };
 
-// An empty text, or what is wrong: sizes, ranges, deviations, or exponents so far apart that sums would not be exact.
+// An empty text, or what is wrong: sizes, ranges, deviations.
 std::string whatIsWrong(const DictionaryData& data);
 
 class Dictionary {
@@ -80,7 +80,7 @@ class Dictionary {
 
 using SharedDictionary = std::shared_ptr<const Dictionary>;
 
-// Logits of a code at the nodes, not rounded. Exact where z is integers.
+// Logits of a code at the nodes, not rounded: c, then one product after another in the order of k.
 // z        count floats: those behind are taken as 0
 // logits   dictionary.nodeStride() floats, the last of them 0
 void expandCode(const Dictionary& dictionary, const float* z, int count, float* logits);

@@ -75,7 +75,9 @@ bool roundTheta(const Representation& representation, ThetaPrecision precision, 
   float rounded[kMaxThetaCount];
   std::copy_n(theta, D, rounded);
   if (representation.isCode() && form.steps > 0) {
-    for (int k = 0; k < D; ++k) rounded[k] = std::clamp<float>(std::nearbyint(rounded[k]), -kMostCodeSteps, kMostCodeSteps);
+    const float step = std::ldexp(1.0f, codeExponent(D, rounded));
+    for (int k = 0; k < D; ++k)
+      rounded[k] = step * std::clamp<float>(std::nearbyint(rounded[k] / step), -kMostCodeSteps, kMostCodeSteps);
   } else if (form.steps > 0) {
     roundHiddenLayers(representation, rounded);
   }
@@ -98,6 +100,14 @@ size_t storedThetaBytes(const Representation& representation, ThetaPrecision pre
   Theta rounded(theta, theta + representation.thetaCount());
   roundTheta(representation, precision, rounded.data());
   return static_cast<size_t>(codeLength(representation.thetaCount(), rounded.data())) * sizeof(int8_t) + sizeof(uint8_t);
+}
+
+int codeExponent(int count, const float* z) {
+  float largest = 0.0f;
+  for (int k = 0; k < count; ++k) largest = std::max(largest, std::fabs(z[k]));
+  int exponent = 0;
+  while (exponent < kMostCodeExponent && largest > std::ldexp(static_cast<float>(kMostCodeSteps), exponent)) ++exponent;
+  return exponent;
 }
 
 void packTheta(const Representation& representation, const float* theta, PackedTheta* packed) {

@@ -5,7 +5,8 @@
 // multiplied by a > 0, while all that read it divide by a, leaves the network what it is. So every unit is scaled until the
 // largest of its numbers is 127 steps or a few less, and a step is one number for all (stepOf). What rounding does to the hidden layers, an
 // exact last layer makes up for (fit/last_layer.h); figures: docs/lab/training.md. Product fields stay in float16. A code keeps a
-// byte a number, of as many groups of 8 as it needs: what lies behind is 0.
+// byte a number, of as many groups of 8 as it needs: what lies behind is 0. Its bytes are steps of 2^e, the least for which its largest number
+// fits; groups and e are one more byte.
 #pragma once
 
 #include <cstddef>
@@ -53,7 +54,11 @@ bool roundTheta(const Representation& representation, ThetaPrecision precision, 
 inline constexpr int kCodeGroup = 8;
 int codeLength(int count, const float* z);
 
-// Bytes of one theta in a file: of a code in int8 its length, and the byte that says how many groups that is.
+// e, from 0 to kMostCodeExponent; beyond, numbers do not fit.
+inline constexpr int kMostCodeExponent = 7;
+int codeExponent(int count, const float* z);
+
+// Bytes of one theta in a file: of a code in int8 its length, and the byte that says its groups and e.
 size_t storedThetaBytes(const Representation& representation, ThetaPrecision precision, const float* theta);
 
 // Many theta in int8, one behind another: the steps and the halves of each.

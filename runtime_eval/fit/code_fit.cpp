@@ -24,6 +24,8 @@ constexpr int kRowsAtOnce = 64;
 // A point is active where it is wrong by more than kWrong, or where the sigmoid's slope is above kMoving; and its row is not all but 0.
 constexpr float kWrong = 0.01f, kMoving = 0.02f, kLeastSlope = 1e-3f;
 
+constexpr int kCellsASum = 64;
+
 struct PassInput {
   const PointOrder& order;
   const float *phi, *mask, *logits;
@@ -55,9 +57,9 @@ void passVectors(const PassInput& in, PassOutput& out) {
   brickPolynomials(order.resolution, in.logits, polynomials);
   double lit_total = 0.0, dark_total = 0.0;
   size_t active = 0;
+  Floats lit_square = hn::Zero(d), dark_square = hn::Zero(d);
   for (int c = 0; c < cell_count; ++c) {
     const Cell cell = cellAt(order.resolution, c);
-    Floats lit_square = hn::Zero(d), dark_square = hn::Zero(d);
     for (int place = order.cell_begin[c]; place < order.cell_begin[c + 1]; place += lanes) {
       const Floats logit = cellLogit(d, polynomials, c, cellPosition(d, order, cell, scale, place));
       const Sigmoid s = sigmoid(d, logit);
@@ -79,9 +81,14 @@ void passVectors(const PassInput& in, PassOutput& out) {
       hn::StoreU(hn::Compress(residual, is_active), d, out.residual + active);
       active += hn::CountTrue(d, is_active);
     }
+    // floats over some cells, double over all
+    if (c % kCellsASum != kCellsASum - 1) continue;
     lit_total += hn::GetLane(hn::SumOfLanes(d, lit_square));
     dark_total += hn::GetLane(hn::SumOfLanes(d, dark_square));
+    lit_square = dark_square = hn::Zero(d);
   }
+  lit_total += hn::GetLane(hn::SumOfLanes(d, lit_square));
+  dark_total += hn::GetLane(hn::SumOfLanes(d, dark_square));
   out.lit_square = lit_total;
   out.dark_square = dark_total;
   out.active_count = static_cast<int>(active);
@@ -138,16 +145,16 @@ void makeRows(const float* HWY_RESTRICT at_places, size_t stride, const int* pla
 }
 
 // Cholesky in place on the upper triangle; false where a pivot is none.
-bool factorUpper(int count, float* HWY_RESTRICT matrix) {
-  const hn::CappedTag<float, 8> d;
+template <class Tag>
+bool factorWith(Tag d, int count, float* HWY_RESTRICT matrix) {
   const int lanes = static_cast<int>(hn::Lanes(d));
   for (int i = 0; i < count; ++i) {
     float* pivot_row = matrix + static_cast<ptrdiff_t>(i) * count;
     if (!(pivot_row[i] > 0.0f) || !std::isfinite(pivot_row[i])) return false;
-    const float inverse = 1.0f / std::sqrt(pivot_row[i]);
+    const auto inverse = hn::Set(d, 1.0f / std::sqrt(pivot_row[i]));
     // whole vectors: numbers left of the diagonal are never read
-    const int first = i / lanes * lanes;
-    for (int k = first; k < count; k += lanes) hn::StoreU(hn::Mul(hn::LoadU(d, pivot_row + k), hn::Set(d, inverse)), d, pivot_row + k);
+    for (int k = i / lanes * lanes; k < count; k += lanes)
+      hn::StoreU(hn::Mul(hn::LoadU(d, pivot_row + k), inverse), d, pivot_row + k);
     for (int j = i + 1; j < count; ++j) {
       const auto factor = hn::Set(d, pivot_row[j]);
       float* row = matrix + static_cast<ptrdiff_t>(j) * count;
@@ -156,6 +163,12 @@ bool factorUpper(int count, float* HWY_RESTRICT matrix) {
     }
   }
   return true;
+}
+
+bool factorUpper(int count, float* HWY_RESTRICT matrix) {
+  const FloatTag d;
+  return count % static_cast<int>(hn::Lanes(d)) == 0 ? factorWith(d, count, matrix)
+                                                     : factorWith(hn::CappedTag<float, 8>(), count, matrix);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -349,6 +362,8 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
   result.rmse = std::sqrt(square / valid_count);
   return result;
 }
+
+bool CodeEquations::factor() { return HWY_DYNAMIC_DISPATCH(factorUpper)(count, matrix.data()); }
 
 void CodeFit::equationsAt(const Representation& representation, const WeightingFunction& function, const CodeFitOptions& options,
                           const float* z, CodeEquations* equations) {

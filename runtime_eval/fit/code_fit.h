@@ -19,7 +19,7 @@ namespace nlg {
 
 struct CodeFitOptions {
   int iterations = 12;
-  double damping = 0.01;              // at the start, relative to the diagonal of the equations
+  double damping = 0.1;              // at the start, relative to the diagonal of the equations
   double prior = 1e-3;               // of the square of a number over its deviation, beside the sum over points
   double progress_tolerance = 1e-3;   // ends when two accepted steps in a row lower what is minimised by less than this share
   bool is_ramped = true;              // kappa falls, and the weight of dark points rises, over the first steps
@@ -29,6 +29,9 @@ struct CodeFitOptions {
 struct CodeEquations {
   int count = 0;         // K
   AlignedFloats matrix;  // K x K, symmetric, both triangles: J^T J and the prior
+
+  // The matrix becomes U, upper triangular, U^T U what it was; the numbers below the diagonal are any. False where it has none.
+  bool factor();
 };
 
 // One of these a thread: it keeps its workspace.

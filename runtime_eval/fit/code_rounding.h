@@ -35,7 +35,6 @@ class CodeRounding {
   FunctionChecker checker_;
   WeightingFunction function_;
   CodeEquations equations_;
-  std::vector<double> upper_;
 };
 
 }  // namespace nlg

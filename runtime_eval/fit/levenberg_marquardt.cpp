@@ -154,7 +154,7 @@ class LevenbergMarquardt {
 LevenbergMarquardtOptions refinementLevenbergMarquardt(const Representation& representation, int iterations) {
   LevenbergMarquardtOptions options;
   options.iterations = iterations;
-  options.damping = representation.isNetwork() ? 0.1 : 0.01;
+  options.damping = representation.isField() ? 0.01 : 0.1;
   return options;
 }
 

@@ -18,8 +18,9 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
 constexpr int kIterations = 12;
-// Beyond the furthest fit of the training set: other scenes have other functions.
-constexpr double kRangeMargin = 1.25;
+// Of the fits that say how far codes spread: loose enough that they show what functions want, and not what the prior allows.
+constexpr double kLoosePrior = 1e-5;
+constexpr double kWithin = 0.99;  // of the codes, by number, lie within bytes
 constexpr double kRidge = 1e-6;  // of the mean diagonal entry of the equations
 
 // What the fits have come to.
@@ -40,10 +41,18 @@ torch::Tensor predictedCodes(const TrainingData& training, const std::vector<Sam
   return torch::cat(parts).contiguous();
 }
 
-FittedCodes fitAll(const TrainingData& training, const std::vector<Sample>& samples, const Representation& code, torch::Tensor& codes,
-                   const CodeOrderingOptions& options) {
+Representation codeOf(GeneratorNetwork& network, const BasisData& basis) {
+  Representation code;
+  code.kind = RepresentationKind::code;
+  code.code_count = network->shape().code_count;
+  return network->toData(code, basis).representation;
+}
+
+FittedCodes fitAll(const TrainingData& training, const std::vector<Sample>& samples, const Representation& code, double prior,
+                   const CodeOrderingOptions& options, GeneratorNetwork& network) {
   const int K = code.code_count;
-  const int64_t count = codes.size(0);
+  torch::Tensor codes = predictedCodes(training, samples, network);
+  const CodeFitOptions fit_options{.iterations = kIterations, .prior = prior};
   struct Worker {
     CodeFit fit;
     CodeEquations equations;
@@ -56,15 +65,15 @@ FittedCodes fitAll(const TrainingData& training, const std::vector<Sample>& samp
     float* z = codes.data_ptr<float>() + static_cast<int64_t>(i) * K;
     const WeightingFunction function =
         decodeFunction(training.function(samples[i].function), pointOrder(code), options.dark_weight);
-    worker.fit.iterate(code, function, {.iterations = kIterations}, K, z);
-    worker.fit.equationsAt(code, function, {}, z, &worker.equations);
+    worker.fit.iterate(code, function, fit_options, K, z);
+    worker.fit.equationsAt(code, function, fit_options, z, &worker.equations);
     worker.sum += Eigen::Map<const Eigen::MatrixXf>(worker.equations.matrix.data(), K, K).cast<double>();
   });
   FittedCodes fitted;
   using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  fitted.codes = Eigen::Map<const RowMajor>(codes.data_ptr<float>(), count, K).cast<double>();
+  fitted.codes = Eigen::Map<const RowMajor>(codes.data_ptr<float>(), codes.size(0), K).cast<double>();
   fitted.equations = Matrix::Zero(K, K);
-  for (const Worker& worker : workers) fitted.equations += worker.sum / static_cast<double>(count);
+  for (const Worker& worker : workers) fitted.equations += worker.sum / static_cast<double>(samples.size());
   return fitted;
 }
 
@@ -76,6 +85,34 @@ torch::Tensor toTensor(const Matrix& matrix) {
   return tensor;
 }
 
+// The numbers become forward (z - centre), and the dictionary what leaves every function as it was.
+void changeNumbers(const Matrix& forward, const Vector& centre, GeneratorNetwork& network) {
+  const int64_t K = forward.rows();
+  const double scale = network->shape().output_scale;
+  torch::nn::Linear& last = network->lastLayer();
+  const torch::Tensor turn = toTensor(forward), middle = toTensor(centre).view({K}), theta0 = network->named_buffers()["theta0"];
+  last->bias.copy_(torch::mv(turn, last->bias + (theta0 - middle) / scale));
+  last->weight.copy_(torch::mm(turn, last->weight));
+  theta0.zero_();
+  torch::Tensor& dictionary = network->dictionary();
+  const torch::Tensor nodes = dictionary.slice(1, 0, K).clone();
+  dictionary.select(1, K).add_(torch::mv(nodes, middle));
+  dictionary.slice(1, 0, K).copy_(torch::mm(nodes, toTensor(forward.inverse())));
+}
+
+// A 127th of how far all but a few codes go in each number. Those few are stored in coarser steps (theta_form.h).
+Vector unitsOf(const Matrix& codes) {
+  Vector units(codes.cols());
+  std::vector<double> magnitudes(static_cast<size_t>(codes.rows()));
+  const auto within = static_cast<ptrdiff_t>(kWithin * static_cast<double>(magnitudes.size() - 1));
+  for (int64_t k = 0; k < codes.cols(); ++k) {
+    for (int64_t i = 0; i < codes.rows(); ++i) magnitudes[static_cast<size_t>(i)] = std::fabs(codes(i, k));
+    std::nth_element(magnitudes.begin(), magnitudes.begin() + within, magnitudes.end());
+    units[k] = std::max(1e-6, magnitudes[static_cast<size_t>(within)] / kMostCodeSteps);
+  }
+  return units;
+}
+
 }  // namespace
 
 void orderCodes(const TrainingData& training, const BasisData& basis, const CodeOrderingOptions& options, GeneratorNetwork* network) {
@@ -84,45 +121,34 @@ void orderCodes(const TrainingData& training, const BasisData& basis, const Code
   const size_t count = std::min<size_t>(functions.size(), static_cast<size_t>(options.functions));
   std::vector<Sample> samples;
   for (size_t i = 0; i < count; ++i) samples.push_back({.function = functions[i * functions.size() / count]});
-  torch::Tensor codes = predictedCodes(training, samples, *network);
   const torch::NoGradGuard guard;
-  (*network)->deviations().copy_(codes.std(0, false).clamp_min(1e-3));
-  Representation code;
-  code.kind = RepresentationKind::code;
-  code.code_count = (*network)->shape().code_count;
-  code = (*network)->toData(code, basis).representation;
-  const FittedCodes fitted = fitAll(training, samples, code, codes, options);
+  (*network)->deviations().copy_(predictedCodes(training, samples, *network).std(0, false).clamp_min(1e-3));
+  const FittedCodes loose = fitAll(training, samples, codeOf(*network, basis), kLoosePrior, options, *network);
 
-  const int K = code.code_count;
-  const Vector mean = fitted.codes.colwise().mean();
-  const Matrix centred = fitted.codes.rowwise() - mean.transpose();
+  const int64_t K = loose.codes.cols();
+  const Vector mean = loose.codes.colwise().mean();
+  const Matrix centred = loose.codes.rowwise() - mean.transpose();
   const Matrix covariance = centred.transpose() * centred / static_cast<double>(count);
-  const double ridge = kRidge * fitted.equations.trace() / K;
-  const Matrix lower = Eigen::LLT<Matrix>(fitted.equations + ridge * Matrix::Identity(K, K)).matrixL();
+  const double ridge = kRidge * loose.equations.trace() / static_cast<double>(K);
+  const Matrix lower = Eigen::LLT<Matrix>(loose.equations + ridge * Matrix::Identity(K, K)).matrixL();
   const Eigen::SelfAdjointEigenSolver<Matrix> components(lower.transpose() * covariance * lower);
   // largest first
-  const Matrix axes = components.eigenvectors().rowwise().reverse();
-  Matrix forward = axes.transpose() * lower.transpose();
+  const Matrix forward = components.eigenvectors().rowwise().reverse().transpose() * lower.transpose();
   const Matrix ordered = centred * forward.transpose();
-  Vector unit(K), deviation(K);
-  for (int k = 0; k < K; ++k) {
-    unit[k] = std::max(1e-6, kRangeMargin * ordered.col(k).cwiseAbs().maxCoeff() / kMostCodeSteps);
-    deviation[k] = std::max(1e-3, std::sqrt(ordered.col(k).squaredNorm() / static_cast<double>(count)) / unit[k]);
-  }
-  const Matrix to_codes = unit.cwiseInverse().asDiagonal() * forward;
-  const Matrix from_codes = forward.inverse() * unit.asDiagonal();
+  Vector unit = unitsOf(ordered);
+  changeNumbers(unit.cwiseInverse().asDiagonal() * forward, mean, *network);
+  const auto setDeviations = [&] {
+    const Vector square = ordered.colwise().squaredNorm().transpose() / static_cast<double>(count);
+    (*network)->deviations().copy_(toTensor(square.cwiseSqrt().cwiseQuotient(unit).cwiseMax(1e-3)).view({K}));
+  };
+  setDeviations();
 
-  const double scale = (*network)->shape().output_scale;
-  torch::nn::Linear& last = (*network)->lastLayer();
-  const torch::Tensor turn = toTensor(to_codes), centre = toTensor(mean).view({K}), theta0 = (*network)->named_buffers()["theta0"];
-  last->bias.copy_(torch::mv(turn, last->bias + (theta0 - centre) / scale));
-  last->weight.copy_(torch::mm(turn, last->weight));
-  theta0.zero_();
-  torch::Tensor& dictionary = (*network)->dictionary();
-  const torch::Tensor nodes = dictionary.slice(1, 0, K).clone();
-  dictionary.select(1, K).add_(torch::mv(nodes, centre));
-  dictionary.slice(1, 0, K).copy_(torch::mm(nodes, toTensor(from_codes)));
-  (*network)->deviations().copy_(toTensor(deviation).view({K}));
+  // how far codes go in fits as bakes have them
+  const FittedCodes held = fitAll(training, samples, codeOf(*network, basis), CodeFitOptions().prior, options, *network);
+  const Vector narrower = unitsOf(held.codes);
+  changeNumbers(narrower.cwiseInverse().asDiagonal().toDenseMatrix(), Vector::Zero(K), *network);
+  unit = unit.cwiseProduct(narrower);
+  setDeviations();
 }
 
 }  // namespace nlg

@@ -54,23 +54,14 @@ torch::Tensor startDictionary(const GeneratorShape& shape, uint64_t seed) {
 // Bytes times the power of two by which the largest number of each row fits. Numbers that were rounded before stay, bit for bit.
 // nodes   r³ x (K + 1)
 DictionaryData roundedDictionary(const GeneratorShape& shape, const std::vector<float>& nodes, const std::vector<float>& deviations) {
-  constexpr int kSpread = 7;  // exponents further below the largest of the b_k would make sums inexact
   const int r = shape.dictionary_resolution, K = shape.code_count, node_count = r * r * r;
-  std::vector<int> exponents;
-  for (int k = 0; k <= K; ++k) {
-    float largest = 1e-6f;
-    for (int n = 0; n < node_count; ++n) largest = std::max(largest, std::fabs(nodes[n * (K + 1) + k]));
-    exponents.push_back(static_cast<int>(std::ceil(std::log2(largest / 127.0f))));
-  }
-  const int most = *std::max_element(exponents.begin(), exponents.end() - 1);
   DictionaryData data{r, K, {}, {}, deviations};
   for (int k = 0; k <= K; ++k) {
-    const int exponent = std::max(exponents[k], most - kSpread);
+    float largest = 1e-4f;
+    for (int n = 0; n < node_count; ++n) largest = std::max(largest, std::fabs(nodes[n * (K + 1) + k]));
+    const int exponent = static_cast<int>(std::ceil(std::log2(largest / 127.0f)));
     data.exponents.push_back(static_cast<int8_t>(exponent));
-    for (int n = 0; n < node_count; ++n) {
-      const float steps = std::nearbyint(std::ldexp(nodes[n * (K + 1) + k], -exponent));
-      data.nodes.push_back(static_cast<int8_t>(std::clamp(steps, -127.0f, 127.0f)));
-    }
+    for (int n = 0; n < node_count; ++n) data.nodes.push_back(static_cast<int8_t>(std::nearbyint(std::ldexp(nodes[n * (K + 1) + k], -exponent))));
   }
   return data;
 }
