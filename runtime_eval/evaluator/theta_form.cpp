@@ -111,10 +111,17 @@ int codeExponent(int count, const float* z) {
 }
 
 void packTheta(const Representation& representation, const float* theta, PackedTheta* packed) {
-  const ThetaForm form = thetaForm(representation, ThetaPrecision::int8);
-  const float step = representation.isNetwork() ? stepOf(representation.shape()) : 1.0f;
+  ThetaForm form = thetaForm(representation, ThetaPrecision::int8);
+  float step = representation.isNetwork() ? stepOf(representation.shape()) : 1.0f;
+  if (representation.isCode()) {
+    const int exponent = codeExponent(form.steps, theta);
+    form.steps = codeLength(form.steps, theta);
+    step = std::ldexp(1.0f, exponent);
+    packed->groups.push_back(static_cast<uint8_t>(form.steps / kCodeGroup + kCodeExponentUnit * exponent));
+  }
   for (int d = 0; d < form.steps; ++d) packed->steps.push_back(static_cast<int8_t>(theta[d] / step));
-  for (int d = form.steps; d < representation.thetaCount(); ++d) halfFromFloat(theta[d], &packed->halves.emplace_back());
+  const float* halves = theta + form.steps;
+  for (int n = 0; n < form.halves; ++n) halfFromFloat(halves[n], &packed->halves.emplace_back());
 }
 
 void unpackTheta(const Representation& representation, const int8_t* steps, const Half* halves, float* theta) {
@@ -122,6 +129,14 @@ void unpackTheta(const Representation& representation, const int8_t* steps, cons
   const float step = representation.isNetwork() ? stepOf(representation.shape()) : 1.0f;
   for (int d = 0; d < form.steps; ++d) theta[d] = step * static_cast<float>(steps[d]);
   for (int n = 0; n < form.halves; ++n) theta[form.steps + n] = floatFromHalf(halves[n]);
+}
+
+bool unpackCode(int count, uint8_t groups, const int8_t* steps, float* theta) {
+  const int length = groups % kCodeExponentUnit * kCodeGroup, exponent = groups / kCodeExponentUnit;
+  if (length > count) return false;
+  const float step = std::ldexp(1.0f, exponent);
+  for (int k = 0; k < count; ++k) theta[k] = k < length ? step * static_cast<float>(steps[k]) : 0.0f;
+  return codeLength(count, theta) == length && codeExponent(count, theta) == exponent;
 }
 
 }  // namespace nlg

@@ -61,15 +61,20 @@ int codeExponent(int count, const float* z);
 // Bytes of one theta in a file: of a code in int8 its length, and the byte that says its groups and e.
 size_t storedThetaBytes(const Representation& representation, ThetaPrecision precision, const float* theta);
 
-// Many theta in int8, one behind another: the steps and the halves of each.
+// Many theta in int8, one behind another: the steps and the halves of each, and of codes groups + 32 e.
 struct PackedTheta {
   std::vector<int8_t> steps;
   std::vector<Half> halves;
+  std::vector<uint8_t> groups;
 };
+inline constexpr int kCodeExponentUnit = 32;
 
 // Adds one. theta   rounded to int8 by roundTheta
 void packTheta(const Representation& representation, const float* theta, PackedTheta* packed);
-// The inverse, exactly: D floats from the steps and halves of one.
+// The inverse, exactly: D floats from the steps and halves of one that is no code.
 void unpackTheta(const Representation& representation, const int8_t* steps, const Half* halves, float* theta);
+// Of a code: K floats.
+// returns   false where packTheta would have given other groups or another e
+bool unpackCode(int count, uint8_t groups, const int8_t* steps, float* theta);
 
 }  // namespace nlg

@@ -89,7 +89,7 @@ StoredDictionary storedDictionary(const DictionaryData& data, int longest) {
 }
 
 // The nearest numbers in bytes; of codes without the zeros that they end on.
-FileResult stepsOf(const LightGrid& grid, PackedTheta* packed, std::vector<uint8_t>* code_groups) {
+FileResult stepsOf(const LightGrid& grid, PackedTheta* packed) {
   Theta theta;
   for (size_t function = 0; function < grid.functionCount(); ++function) {
     const Representation& representation = grid.representations[grid.function_representation[function]];
@@ -99,10 +99,6 @@ FileResult stepsOf(const LightGrid& grid, PackedTheta* packed, std::vector<uint8
                     "function " + std::to_string(function) + ": its last layer is beyond float16 when the others are in int8");
     }
     packTheta(representation, theta.data(), packed);
-    if (!representation.isCode()) continue;
-    const int length = codeLength(representation.thetaCount(), theta.data());
-    packed->steps.resize(packed->steps.size() - static_cast<size_t>(representation.thetaCount() - length));
-    code_groups->push_back(static_cast<uint8_t>(length / kCodeGroup));
   }
   return {};
 }
@@ -262,24 +258,23 @@ FileResult readProbeFunctions(const TensorFileReader& reader, bool is_short, std
 // After the functions' representations.
 FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   PackedTheta packed;
-  std::vector<uint8_t> code_groups;
   FileResult result = reader.read("theta.steps", &packed.steps);
   takeFirst(&result, reader.read("theta.halves", &packed.halves));
-  if (!reader.dtypeOf("theta.groups").empty()) takeFirst(&result, reader.read("theta.groups", &code_groups));
+  if (!reader.dtypeOf("theta.groups").empty()) takeFirst(&result, reader.read("theta.groups", &packed.groups));
   if (!result.ok()) return result;
   // functions whose representation does not exist are for checkLightGrid to name
   const auto representationOf = [&](uint8_t r) { return r < grid->representations.size() ? &grid->representations[r] : nullptr; };
   size_t code_count = 0;
   for (const uint8_t r : grid->function_representation)
     code_count += representationOf(r) != nullptr && representationOf(r)->isCode();
-  if (code_groups.size() != code_count) return refuseCount("theta.groups", code_count, code_groups.size());
+  if (packed.groups.size() != code_count) return refuseCount("theta.groups", code_count, packed.groups.size());
   size_t step_count = 0, half_count = 0, theta_count = 0, code = 0;
   std::vector<int> steps_of_function;
   for (const uint8_t r : grid->function_representation) {
     const Representation* of = representationOf(r);
     if (of == nullptr) continue;
     const ThetaForm form = thetaForm(*of, ThetaPrecision::int8);
-    const int steps = of->isCode() ? kCodeGroup * code_groups[code++] : form.steps;
+    const int steps = of->isCode() ? kCodeGroup * (packed.groups[code++] % kCodeExponentUnit) : form.steps;
     if (steps > form.steps) {
       return refuse(FileStatus::value_out_of_range, "theta.groups: value " + std::to_string(code - 1) + ": expected at most " +
                                                         std::to_string(form.steps / kCodeGroup));
@@ -299,16 +294,15 @@ FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   const Half* halves = packed.halves.data();
   float* theta = grid->theta.data();
   size_t function = 0;
+  code = 0;
   for (const uint8_t r : grid->function_representation) {
     const Representation* of = representationOf(r);
     if (of == nullptr) continue;
     const int count = steps_of_function[function++];
     if (of->isCode()) {
-      int8_t whole[kMaxCodeCount] = {};
-      std::copy_n(steps, count, whole);
-      unpackTheta(*of, whole, halves, theta);
-      if (codeLength(of->thetaCount(), theta) != count) {
-        return refuse(FileStatus::value_out_of_range, "theta.groups: expected no group of zeros at the end of a code");
+      if (!unpackCode(of->thetaCount(), packed.groups[code++], steps, theta)) {
+        return refuse(FileStatus::value_out_of_range,
+                      "theta.groups: expected no group of zeros at the end of a code, and no coarser steps than it needs");
       }
     } else {
       unpackTheta(*of, steps, halves, theta);
@@ -457,9 +451,8 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
   const std::vector<float> light_scale{light.scale};
   std::vector<Half> halves;
   PackedTheta packed;
-  std::vector<uint8_t> code_groups;
   if (result.ok() && precision.theta == ThetaPrecision::float16) result = halvesOf(grid, &halves);
-  if (result.ok() && in_steps) result = stepsOf(grid, &packed, &code_groups);
+  if (result.ok() && in_steps) result = stepsOf(grid, &packed);
   if (!result.ok()) return result;
   std::vector<StoredDictionary> dictionaries(grid.representations.size());
   const std::vector<int> longest = longestCodes(grid, precision.theta);
@@ -488,7 +481,7 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
   if (in_steps) {
     writer.add("theta.steps", packed.steps);
     writer.add("theta.halves", packed.halves);
-    if (!code_groups.empty()) writer.add("theta.groups", code_groups);
+    if (!packed.groups.empty()) writer.add("theta.groups", packed.groups);
   } else if (precision.theta == ThetaPrecision::float16) {
     writer.add("theta", halves);
   } else {
