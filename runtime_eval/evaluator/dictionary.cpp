@@ -1,6 +1,7 @@
 #include "runtime_eval/evaluator/dictionary.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -40,18 +41,13 @@ void expandVectors(const Dictionary& dictionary, const float* HWY_RESTRICT z, in
 
 float largestVectors(size_t count, const float* HWY_RESTRICT logits) {
   const FloatTag d;
-  Floats largest = hn::Zero(d);
-  for (size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const Floats magnitude = hn::Abs(hn::LoadU(d, logits + i));
-    // NaN is not below anything, and stays
-    largest = hn::IfThenElse(hn::Le(magnitude, largest), largest, magnitude);
-  }
-  alignas(64) float lanes[16];
-  hn::Store(largest, d, lanes);
-  for (size_t i = 1; i < hn::Lanes(d); ++i) {
-    if (!(lanes[i] <= lanes[0])) lanes[0] = lanes[i];
-  }
-  return lanes[0];
+  const hn::RebindToSigned<FloatTag> di;
+  // as integers magnitudes are in the same order, and what is no number is above them all
+  auto largest = hn::Zero(di);
+  for (size_t i = 0; i < count; i += hn::Lanes(d)) largest = hn::Max(largest, hn::BitCast(di, hn::Abs(hn::LoadU(d, logits + i))));
+  alignas(64) int32_t lanes[16];
+  hn::Store(largest, di, lanes);
+  return std::bit_cast<float>(*std::max_element(lanes, lanes + hn::Lanes(di)));
 }
 
 void roundVectors(size_t count, float step, float* HWY_RESTRICT logits) {

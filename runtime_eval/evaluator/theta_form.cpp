@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/numbers/finite.h"
+
 namespace nlg {
 namespace {
 
@@ -75,6 +77,7 @@ bool roundTheta(const Representation& representation, ThetaPrecision precision, 
   float rounded[kMaxThetaCount];
   std::copy_n(theta, D, rounded);
   if (representation.isCode() && form.steps > 0) {
+    if (!allFinite({theta, static_cast<size_t>(D)})) return false;
     const float step = std::ldexp(1.0f, codeExponent(D, rounded));
     for (int k = 0; k < D; ++k)
       rounded[k] = step * std::clamp<float>(std::nearbyint(rounded[k] / step), -kMostCodeSteps, kMostCodeSteps);

@@ -47,7 +47,7 @@ void roundHiddenLayers(const Representation& network, float* theta, UnitSteps mo
 
 // The numbers that a file in this precision gives back, in place: nearest, ties to even.
 // theta     D finite floats
-// returns   false, theta unchanged, when a number is beyond float16
+// returns   false, theta unchanged, when a number is beyond float16, or of a code not finite
 bool roundTheta(const Representation& representation, ThetaPrecision precision, float* theta);
 
 // Numbers of a code that are stored: whole groups of kCodeGroup, up to the last that is not 0.

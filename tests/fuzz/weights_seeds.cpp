@@ -18,9 +18,17 @@ std::vector<GeneratorLayer> smallLayers(int input_count, int output_count, int l
   return layers;
 }
 
+// The smallest of a code: nodes of 0.
+SharedDictionary smallDictionary(int code_count) {
+  const auto K = static_cast<size_t>(code_count);
+  return std::make_shared<const Dictionary>(DictionaryData{3, code_count, std::vector<int8_t>((K + 1) * 27), std::vector<int8_t>(K + 1),
+                                                           std::vector<float>(K, 1.0f)});
+}
+
 GeneratorData smallGenerator(const char* representation, int component_count, int layer_count, int width) {
   GeneratorData data;
   findRepresentation(representation, &data.representation);
+  if (data.representation.isCode()) data.representation = Representation::code(smallDictionary(data.representation.code_count));
   // every class has its turn, so that one of them may be empty
   for (int k = 0; k < component_count; ++k) ++data.basis.class_count[k % kParityClassCount];
   data.basis.mean.resize(size_t{kParityClassCount} * kOctantPointCount);

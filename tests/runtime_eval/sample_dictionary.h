@@ -52,6 +52,17 @@ inline SharedDictionary sampleDictionary(int resolution, int code_count, uint64_
   return std::make_shared<const Dictionary>(std::move(data));
 }
 
+// Every representation that has a name; codes of a dictionary of 9³ nodes.
+inline std::vector<Representation> sampleRepresentations() {
+  std::vector<Representation> all;
+  for (const char* name : kRepresentationNames) {
+    Representation& one = all.emplace_back();
+    EXPECT_TRUE(findRepresentation(name, &one)) << name;
+    if (one.isCode()) one = Representation::code(sampleDictionary(9, one.code_count, 1));
+  }
+  return all;
+}
+
 // The numbers of a stored code: whole, of which those from `length` on are 0, and the last before it is not.
 inline Theta sampleCode(const Dictionary& dictionary, int length, Random& random) {
   Theta z(static_cast<size_t>(dictionary.codeCount()), 0.0f);

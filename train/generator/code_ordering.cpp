@@ -22,6 +22,8 @@ constexpr int kIterations = 12;
 constexpr double kLoosePrior = 1e-5;
 constexpr double kWithin = 0.99;  // of the codes, by number, lie within bytes
 constexpr double kRidge = 1e-6;  // of the mean diagonal entry of the equations
+// Equations are summed in so many parts, each by one thread and in its order: the sum is the same on any number of threads.
+constexpr size_t kSumParts = 32;
 
 // What the fits have come to.
 struct FittedCodes {
@@ -56,24 +58,25 @@ FittedCodes fitAll(const TrainingData& training, const std::vector<Sample>& samp
   struct Worker {
     CodeFit fit;
     CodeEquations equations;
-    Matrix sum;
   };
   std::vector<Worker> workers(static_cast<size_t>(options.threads));
-  for (Worker& worker : workers) worker.sum = Matrix::Zero(K, K);
-  parallelFor(samples.size(), options.threads, [&](uint64_t i, int thread) {
+  std::vector<Matrix> sums(kSumParts, Matrix::Zero(K, K));
+  parallelFor(kSumParts, options.threads, [&](uint64_t part, int thread) {
     Worker& worker = workers[static_cast<size_t>(thread)];
-    float* z = codes.data_ptr<float>() + static_cast<int64_t>(i) * K;
-    const WeightingFunction function =
-        decodeFunction(training.function(samples[i].function), pointOrder(code), options.dark_weight);
-    worker.fit.iterate(code, function, fit_options, K, z);
-    worker.fit.equationsAt(code, function, fit_options, z, &worker.equations);
-    worker.sum += Eigen::Map<const Eigen::MatrixXf>(worker.equations.matrix.data(), K, K).cast<double>();
+    for (size_t i = part * samples.size() / kSumParts; i < (part + 1) * samples.size() / kSumParts; ++i) {
+      float* z = codes.data_ptr<float>() + static_cast<int64_t>(i) * K;
+      const WeightingFunction function =
+          decodeFunction(training.function(samples[i].function), pointOrder(code), options.dark_weight);
+      worker.fit.iterate(code, function, fit_options, K, z);
+      worker.fit.equationsAt(code, function, fit_options, z, &worker.equations);
+      sums[part] += Eigen::Map<const Eigen::MatrixXf>(worker.equations.matrix.data(), K, K).cast<double>();
+    }
   });
   FittedCodes fitted;
   using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   fitted.codes = Eigen::Map<const RowMajor>(codes.data_ptr<float>(), codes.size(0), K).cast<double>();
   fitted.equations = Matrix::Zero(K, K);
-  for (const Worker& worker : workers) fitted.equations += worker.sum / static_cast<double>(samples.size());
+  for (const Matrix& sum : sums) fitted.equations += sum / static_cast<double>(samples.size());
   return fitted;
 }
 

@@ -17,7 +17,8 @@ struct CodeOrderingOptions {
   int threads = 1;
 };
 
-// Changes the last layer, the dictionary and the deviations of a network of codes; what it predicts stays, but for rounding.
+// Changes the last layer, the dictionary and the deviations of a network of codes; what it predicts stays, but for rounding. The same input
+// gives the same bytes on any number of threads.
 // throws   InputError where the training set has no function to fit
 void orderCodes(const TrainingData& training, const BasisData& basis, const CodeOrderingOptions& options, GeneratorNetwork* network);
 

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/runtime_eval/each_target.h"
+#include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 namespace nlg {
@@ -49,7 +50,8 @@ const RaggedCase kRaggedCases[] = {{48, 4, 1},
                                    {16, 3, 257},
                                    {48, 3, 1, Representation::productField(5)},
                                    {25, 3, 9, Representation::productField(5)},
-                                   {16, 2, 97, Representation::productField(5)}};
+                                   {16, 2, 97, Representation::productField(5)},
+                                   {25, 3, 9, Representation::code(sampleDictionary(5, 64, 1))}};
 
 std::string describe(const RaggedCase& c) {
   return std::string(representationName(c.representation)) + ", width " + std::to_string(c.width) + ", layers " +
@@ -238,6 +240,94 @@ TEST(GeneratorWeights, RoundTrip) {
       EXPECT_EQ(read.layers[l].bias, data.layers[l].bias) << "layer " << l;
     }
   }
+}
+
+WeightsFile weightsOfACode() {
+  return weightsFromGenerator(sampleGenerator(Representation::code(sampleDictionary(5, 32, 1)), 24, 3, 1));
+}
+
+TEST(GeneratorWeights, RoundTripWithTheirDictionary) {
+  for (const CodeKind& kind : kCodes) {
+    for (const int resolution : {3, 5, 7, 9}) {
+      const GeneratorData data = sampleGenerator(Representation::code(sampleDictionary(resolution, kind.count, 2)), 24, 2, 3);
+      Generator generator;
+      const FileResult result = Generator::parse(serializeWeights(weightsFromGenerator(data)), &generator);
+      ASSERT_TRUE(result.ok()) << result.detail;
+      const Representation& read = generator.representation();
+      EXPECT_STREQ(representationName(read), kind.name);
+      EXPECT_EQ(read.resolution, resolution);
+      ASSERT_NE(read.dictionary, nullptr);
+      EXPECT_EQ(read.dictionary->data(), data.representation.dictionary->data()) << kind.name << ", " << resolution;
+      EXPECT_FALSE(generator.exactLastLayer());
+    }
+  }
+}
+
+TEST(GeneratorWeights, RefuseEveryMissingOrWrongPartOfADictionary) {
+  const WeightsFile whole = weightsOfACode();
+  ASSERT_EQ(statusOf(whole), FileStatus::ok);
+  for (const auto& [key, ignored] : whole.metadata) {
+    WeightsFile file = whole;
+    file.metadata.erase(key);
+    EXPECT_EQ(statusOf(file), FileStatus::tensor_missing) << "metadata " << key;
+  }
+  for (const auto& [name, ignored] : whole.tensors) {
+    WeightsFile file = whole;
+    file.tensors.erase(name);
+    EXPECT_EQ(statusOf(file), FileStatus::tensor_missing) << "tensor " << name;
+    file = whole;
+    WeightsTensor& tensor = file.tensors[name];
+    tensor.values.insert(tensor.values.end(), tensor.values.size() / tensor.shape[0], 0.0f);
+    ++tensor.shape[0];
+    EXPECT_EQ(statusOf(file), FileStatus::tensor_unexpected) << name << " with a row more";
+    file = whole;
+    file.tensors[name] = {{0}, {}};
+    EXPECT_EQ(statusOf(file), FileStatus::tensor_unexpected) << name << " empty";
+    for (const float value : {NAN, INFINITY, -INFINITY}) {
+      file = whole;
+      file.tensors[name].values.back() = value;
+      EXPECT_EQ(statusOf(file), FileStatus::value_not_finite) << name << ": " << value;
+    }
+  }
+}
+
+TEST(GeneratorWeights, RefuseDictionariesOutOfRange) {
+  const auto statusWith = [](const auto& change) {
+    WeightsFile file = weightsOfACode();
+    change(file);
+    return statusOf(file);
+  };
+  for (const char* text : {"", "0", "1", "2", "11", "5.5", "-5", "1e9", "5 ", "nan"}) {
+    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.metadata["dictionary_resolution"] = text; }), FileStatus::value_out_of_range) << text;
+  }
+  // not of these nodes
+  for (const char* text : {"4", "6", "9"}) {
+    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.metadata["dictionary_resolution"] = text; }), FileStatus::tensor_unexpected) << text;
+  }
+  // 4³ nodes, all there
+  EXPECT_EQ(statusWith([](WeightsFile& f) {
+              f.metadata["dictionary_resolution"] = "4";
+              f.tensors["dictionary.nodes"] = {{33, 4, 4, 4}, std::vector<float>(33 * 64), WeightsDtype::float16};
+            }),
+            FileStatus::value_out_of_range);
+  EXPECT_EQ(statusWith([](WeightsFile& f) { f.metadata["representation"] = "code64"; }), FileStatus::tensor_unexpected);
+  // nodes and exponents are whole numbers of a byte
+  for (const char* name : {"dictionary.nodes", "dictionary.exponents"}) {
+    for (const float value : {0.5f, -0.25f, 128.0f, -128.0f, 1e9f, 1e30f}) {
+      EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors[name].values[7] = value; }), FileStatus::value_out_of_range) << name << ": " << value;
+    }
+  }
+  // so far apart that sums are not exact, or beyond float
+  for (const float exponent : {24.0f, -24.0f, 25.0f, 127.0f, -127.0f}) {
+    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors["dictionary.exponents"].values[3] = exponent; }), FileStatus::value_out_of_range)
+        << exponent;
+  }
+  for (const float deviation : {0.0f, -1.0f, 1e-30f, 1e30f}) {
+    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors["dictionary.deviations"].values[3] = deviation; }), FileStatus::value_out_of_range)
+        << deviation;
+  }
+  // a code has no last layer that could be solved
+  EXPECT_EQ(statusWith([](WeightsFile& f) { f.metadata["exact_last_layer"] = "1"; }), FileStatus::value_out_of_range);
 }
 
 TEST(GeneratorWeights, AreTakenUnchanged) {

@@ -6,6 +6,7 @@
 
 #include "runtime_eval/evaluator/evaluate_point.h"
 #include "runtime_eval/numbers/random.h"
+#include "tests/runtime_eval/sample_dictionary.h"
 
 namespace nlg {
 namespace {
@@ -17,17 +18,8 @@ Theta randomThetaOf(const Representation& representation, double size, uint64_t 
   return theta;
 }
 
-std::vector<Representation> allRepresentations() {
-  std::vector<Representation> all;
-  for (const char* name : kRepresentationNames) {
-    Representation representation;
-    if (findRepresentation(name, &representation)) all.push_back(representation);
-  }
-  return all;
-}
-
 TEST(ThetaForm, HoldsAllNumbersInTheBytesThatItSays) {
-  for (const Representation& representation : allRepresentations()) {
+  for (const Representation& representation : sampleRepresentations()) {
     for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::float16, ThetaPrecision::int8}) {
       const ThetaForm form = thetaForm(representation, precision);
       EXPECT_EQ(form.floats + form.halves + form.steps, representation.thetaCount());
@@ -36,13 +28,14 @@ TEST(ThetaForm, HoldsAllNumbersInTheBytesThatItSays) {
   EXPECT_EQ(thetaForm(Representation::tentMlp(), ThetaPrecision::int8).bytes(), 104u + 9 * 2);
   EXPECT_EQ(thetaForm({RepresentationKind::tent_mlp4}, ThetaPrecision::int8).bytes(), 16u + 5 * 2);
   EXPECT_EQ(thetaForm(Representation::productField(3), ThetaPrecision::int8).bytes(), 54u * 2);
+  EXPECT_EQ(thetaForm(Representation::code(sampleDictionary(3, 16, 1)), ThetaPrecision::int8).bytes(), 16u);
 }
 
 // Every unit is multiplied and divided by the same number: without rounding the network would be what it was. Rounding moves each
 // number of a unit by at most 1/254 of its largest.
 TEST(RoundHiddenLayers, LeavesTheNetworkWhatItIsButForHalfAStep) {
-  for (const Representation& representation : allRepresentations()) {
-    if (representation.isField()) continue;
+  for (const Representation& representation : sampleRepresentations()) {
+    if (!representation.isNetwork()) continue;
     const NetworkShape& shape = representation.shape();
     const Theta theta = randomThetaOf(representation, 1.0, 7);
     Theta rounded = theta;
@@ -69,8 +62,8 @@ TEST(RoundHiddenLayers, LeavesTheNetworkWhatItIsButForHalfAStep) {
 
 // Numbers that are whole steps already are not moved, whatever their unit's scale: the network is the same to rounding of floats.
 TEST(RoundHiddenLayers, ScalesUnitsWithoutChangingTheNetwork) {
-  for (const Representation& representation : allRepresentations()) {
-    if (representation.isField()) continue;
+  for (const Representation& representation : sampleRepresentations()) {
+    if (!representation.isNetwork()) continue;
     Theta theta = randomThetaOf(representation, 1.0, 3);
     roundHiddenLayers(representation, theta.data());
     const NetworkShape& shape = representation.shape();
@@ -104,7 +97,7 @@ TEST(RoundHiddenLayers, LeavesUnitsOfNothingAndRoundsSmallestNumbersToNothing) {
 }
 
 TEST(RoundTheta, IsWhatAFileGivesBack) {
-  for (const Representation& representation : allRepresentations()) {
+  for (const Representation& representation : sampleRepresentations()) {
     PackedTheta packed;
     std::vector<Theta> rounded;
     for (uint64_t seed = 0; seed < 5; ++seed) {
@@ -129,6 +122,43 @@ TEST(RoundTheta, RefusesWhatFloat16CannotHoldAndLeavesIt) {
     const Theta before = theta;
     EXPECT_FALSE(roundTheta(Representation::tentMlp(), precision, theta.data())) << thetaPrecisionName(precision);
     EXPECT_EQ(theta, before);
+  }
+}
+
+TEST(RoundTheta, RoundsACodeToWholeNumbersOfAByte) {
+  const Representation code = Representation::code(sampleDictionary(3, 16, 1));
+  Theta theta = randomThetaOf(code, 40.0, 3);
+  theta[0] = 1e6f;
+  theta[1] = -127.6f;
+  theta[2] = -0.4f;
+  const Theta before = theta;
+  ASSERT_TRUE(roundTheta(code, ThetaPrecision::int8, theta.data()));
+  EXPECT_EQ(theta[0], 127.0f);
+  EXPECT_EQ(theta[1], -127.0f);
+  for (size_t k = 2; k < theta.size(); ++k) EXPECT_EQ(theta[k], std::nearbyint(before[k])) << k;
+}
+
+TEST(RoundTheta, RefusesACodeThatIsNotFiniteAndLeavesIt) {
+  const Representation code = Representation::code(sampleDictionary(3, 16, 1));
+  for (const ThetaPrecision precision : {ThetaPrecision::float16, ThetaPrecision::int8}) {
+    for (const float bad : {NAN, INFINITY, -INFINITY}) {
+      Theta theta(16, 0.4f);
+      theta[9] = bad;
+      EXPECT_FALSE(roundTheta(code, precision, theta.data())) << thetaPrecisionName(precision) << ", " << bad;
+      EXPECT_EQ(theta[0], 0.4f);
+    }
+  }
+}
+
+TEST(CodeLength, IsOfWholeGroupsUpToTheLastNumberThatIsNot0) {
+  Theta z(64, 0.0f);
+  EXPECT_EQ(codeLength(64, z.data()), 0);
+  for (int last = 0; last < 64; ++last) {
+    z[last] = -1.0f;
+    EXPECT_EQ(codeLength(64, z.data()), (last / 8 + 1) * 8) << last;
+    // a 0 before it is no end
+    if (last > 0) z[last - 1] = 0.0f;
+    EXPECT_EQ(codeLength(64, z.data()), (last / 8 + 1) * 8) << last;
   }
 }
 

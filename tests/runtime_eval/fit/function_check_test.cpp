@@ -4,6 +4,7 @@
 
 #include "runtime_eval/fit/fit_result.h"
 #include "tests/runtime_eval/each_target.h"
+#include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {
@@ -36,9 +37,8 @@ FunctionCheck expectedCheck(const Representation& representation, const StoredSa
 }
 
 TEST(FunctionCheck, EqualsItsDefinitionOnEveryTarget) {
-  for (const char* name : kRepresentationNames) {
-    Representation representation;
-    ASSERT_TRUE(findRepresentation(name, &representation));
+  for (const Representation& representation : sampleRepresentations()) {
+    const char* name = representationName(representation);
     for (uint64_t seed = 1; seed < 4; ++seed) {
       const StoredSample sample = seed == 3 ? noiseSample(seed) : wallSample(seed);
       const Theta theta = randomTheta(representation, seed);

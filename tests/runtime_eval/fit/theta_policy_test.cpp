@@ -6,6 +6,7 @@
 
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/numbers/finite.h"
+#include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 namespace nlg {
@@ -32,7 +33,7 @@ struct Functions {
 
 Generator solvedGenerator(const Representation& representation, uint64_t seed = 1) {
   GeneratorData data = sampleGenerator(representation, 48, 3, seed);
-  data.exact_last_layer = !representation.isField() && representation.shape().output == OutputFunction::linear;
+  data.exact_last_layer = representation.hasLinearOutput();
   return Generator(data);
 }
 
@@ -74,16 +75,19 @@ TEST(StagesOf, IsTheListThatEachKindOfRepresentationGoesThrough) {
             (std::vector{network, adam, refinement}));
   EXPECT_EQ(namesOf(stagesOf({Representation::productField(5), false}, options)),
             (std::vector{network, lm, lm_theta0, refinement}));
-  options.lm_iterations = options.lm_theta0_iterations = options.adam_steps = options.refine_rounds = 0;
+  EXPECT_EQ(namesOf(stagesOf({Representation::code(sampleDictionary(3, 16, 1)), false}, options)),
+            (std::vector{network, lm, refinement}));
+  options.lm_iterations = options.lm_theta0_iterations = options.adam_steps = options.refine_rounds = options.code_iterations = 0;
   EXPECT_EQ(namesOf(stagesOf({Representation::productField(3), false}, options)), std::vector{network});
   EXPECT_EQ(namesOf(stagesOf({Representation::mlp(), false}, options)), std::vector{network});
+  EXPECT_EQ(namesOf(stagesOf({Representation::code(sampleDictionary(3, 16, 1)), false}, options)), std::vector{network});
 }
 
 TEST(StagesOf, IsInTheOrderOfTheWords) {
   for (const char* name : kRepresentationNames) {
     Representation representation;
     ASSERT_TRUE(findRepresentation(name, &representation));
-    const std::vector<StagePlan> plan = stagesOf({representation, !representation.isField()}, {});
+    const std::vector<StagePlan> plan = stagesOf({representation, representation.isNetwork()}, {});
     for (size_t i = 1; i < plan.size(); ++i) {
       EXPECT_LT(plan[i - 1].stage, plan[i].stage) << name;
       EXPECT_LE(wordOf(plan[i - 1].stage), wordOf(plan[i].stage)) << name;
@@ -110,7 +114,8 @@ TEST(ThetaPolicy, GivesAFunctionTheSameThetaWhateverStandsBesideIt) {
   const Functions functions(2 * kBatchCount + 7);
   const auto count = static_cast<int>(functions.views.size());
   for (const Representation& representation :
-       {Representation::tentMlp(), Representation{RepresentationKind::tent_mlp4}, Representation::productField(3)}) {
+       {Representation::tentMlp(), Representation{RepresentationKind::tent_mlp4}, Representation::productField(3),
+        Representation::code(sampleDictionary(5, 32, 1))}) {
     const Generator generator = solvedGenerator(representation);
     ThetaPolicy policy({&generator}, shortOptions());
     std::vector<MadeTheta> together(count);

@@ -1,0 +1,324 @@
+#include "runtime_eval/evaluator/dictionary.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/evaluator/evaluate_point.h"
+#include "tests/runtime_eval/each_target.h"
+#include "tests/runtime_eval/sample_dictionary.h"
+#include "tests/runtime_eval/sample_fields.h"
+
+namespace nlg {
+namespace {
+
+constexpr int kResolutions[] = {3, 5, 7, 9};
+
+// A code at the ends of a byte in places, and whole numbers between them.
+Theta wideCode(int count, uint64_t seed) {
+  Random random(seed);
+  Theta z;
+  for (int k = 0; k < count; ++k) {
+    const int whole = k % 5 == 0 ? kMostCodeSteps : static_cast<int>(random.below(2 * kMostCodeSteps + 1)) - kMostCodeSteps;
+    z.push_back(static_cast<float>(random.below(2) == 0 ? whole : -whole));
+  }
+  return z;
+}
+
+// The logit at a node of the first numbers of a code in whole units of 2^-40: nothing is rounded.
+int64_t exactLogit(const DictionaryData& data, const Theta& z, int length, int node) {
+  const int nodes = data.resolution * data.resolution * data.resolution;
+  const auto term = [&](int row) {
+    return static_cast<int64_t>(data.nodes[static_cast<size_t>(row * nodes + node)]) << (data.exponents[static_cast<size_t>(row)] + 40);
+  };
+  int64_t sum = term(data.code_count);
+  for (int k = 0; k < length; ++k) sum += static_cast<int64_t>(z[static_cast<size_t>(k)]) * term(k);
+  return sum;
+}
+
+double largestOf(const AlignedFloats& values) {
+  double largest = 0.0;
+  for (const float value : values) largest = std::max(largest, std::fabs(static_cast<double>(value)));
+  return largest;
+}
+
+// How far float arithmetic may take tent sigmoid(L) from the formula: as fieldError of sample_fields.h has it for B.
+double brickError(int resolution, double largest) {
+  const double inside = (3 + 6) * 8 * largest, anywhere = 3 * (2.0 * (resolution - 1)) * 2 * largest + 9 * 2 * largest;
+  return kFloatRounding * std::max(inside, anywhere) / 4 + 10 * kFloatRounding;
+}
+
+struct Case {
+  SharedDictionary dictionary;
+  Theta z;
+  AlignedFloats logits;  // rounded
+  double bound = 0.0;
+};
+
+Case makeCase(int resolution, int count, uint64_t seed) {
+  Case made{sampleDictionary(resolution, count, seed), wideCode(count, seed + 1), {}};
+  made.logits.resize(made.dictionary->nodeStride());
+  roundedLogits(*made.dictionary, made.z.data(), made.logits.data());
+  made.bound = brickError(resolution, largestOf(made.logits));
+  return made;
+}
+
+TEST(DictionaryData, IsRefusedWithTheReason) {
+  const DictionaryData good = sampleDictionaryData(3, 16, 1);
+  EXPECT_EQ(whatIsWrong(good), "");
+  const auto reason = [&](const auto& change) {
+    DictionaryData data = good;
+    change(data);
+    return whatIsWrong(data);
+  };
+  using Data = DictionaryData;
+  for (const int resolution : {-1, 0, 1, 2, 4, 8, 11, 1 << 30}) {
+    EXPECT_NE(reason([&](Data& d) { d.resolution = resolution; }).find("resolution"), std::string::npos) << resolution;
+  }
+  // one that does not fit the numbers that are there
+  EXPECT_NE(reason([](Data& d) { d.resolution = 5; }), "");
+  for (const int count : {-8, 0, 4, 12, 136, 1 << 30}) {
+    EXPECT_NE(reason([&](Data& d) { d.code_count = count; }).find("codes"), std::string::npos) << count;
+  }
+  EXPECT_NE(reason([](Data& d) { d.code_count = 8; }), "");
+  EXPECT_NE(reason([](Data& d) { d.nodes.pop_back(); }), "");
+  EXPECT_NE(reason([](Data& d) { d.exponents.push_back(0); }), "");
+  EXPECT_NE(reason([](Data& d) { d.deviations.pop_back(); }), "");
+  for (const int exponent : {-128, -25, 25, 127}) {
+    EXPECT_NE(reason([&](Data& d) { d.exponents[3] = static_cast<int8_t>(exponent); }), "") << exponent;
+  }
+  for (const float deviation : {0.0f, -1.0f, 1e-7f, 1e7f, NAN, INFINITY}) {
+    EXPECT_NE(reason([&](Data& d) { d.deviations[7] = deviation; }).find("deviations"), std::string::npos) << deviation;
+  }
+  for (const int count : {8, 16, 32, 48, 64, 128}) {
+    for (const int resolution : kResolutions) EXPECT_EQ(whatIsWrong(sampleDictionaryData(resolution, count, 2)), "");
+  }
+}
+
+// 16 rows of ±127 times numbers up to 127: the sum of magnitudes is 127² 2^spread, of 2^24 that a float counts.
+TEST(DictionaryData, IsRefusedJustWhereSumsWouldNotBeExact) {
+  DictionaryData data = sampleDictionaryData(3, 16, 1);
+  std::fill(data.exponents.begin(), data.exponents.end(), int8_t{-10});
+  std::fill(data.nodes.begin(), data.nodes.end(), int8_t{127});
+  // c, one unit of the rows: 15 * 127² * 1 + 127² * 2^10 + 127 = 16,758,158 < 2^24 = 16,777,216
+  data.exponents[0] = 0;
+  EXPECT_EQ(whatIsWrong(data), "");
+  // … and 2 * 127² more is above it
+  data.exponents[1] = data.exponents[2] = -9;
+  EXPECT_NE(whatIsWrong(data).find("exact"), std::string::npos);
+}
+
+TEST(ExpandCode, IsExactForWholeNumbersOnEveryTarget) {
+  for (const int resolution : kResolutions) {
+    for (const int count : {8, 16, 48, 128}) {
+      const SharedDictionary dictionary = sampleDictionary(resolution, count, 3);
+      const Theta z = wideCode(count, 4);
+      forEachTarget([&] {
+        for (const int length : {0, 1, count / 2, count - 1, count}) {
+          AlignedFloats logits(dictionary->nodeStride(), NAN);
+          expandCode(*dictionary, z.data(), length, logits.data());
+          for (int n = 0; n < dictionary->nodeCount(); ++n) {
+            ASSERT_EQ(logits[n], std::ldexp(static_cast<double>(exactLogit(dictionary->data(), z, length, n)), -40))
+                << resolution << "³, " << length << " of " << count << ", node " << n;
+          }
+          for (size_t n = dictionary->nodeCount(); n < logits.size(); ++n) ASSERT_EQ(logits[n], 0.0f) << "behind, " << n;
+        }
+      });
+    }
+  }
+}
+
+TEST(StepOfLogits, IsTheLeastPowerOfTwoThatHoldsTheLargest) {
+  const auto stepOf = [](float largest) {
+    AlignedFloats logits(32, 0.0f);
+    logits[21] = -largest;
+    return stepOfLogits(logits.size(), logits.data());
+  };
+  forEachTarget([&] {
+    EXPECT_EQ(stepOf(0.0f), 0x1p-4f);
+    EXPECT_EQ(stepOf(127 * 0x1p-4f), 0x1p-4f);
+    EXPECT_EQ(stepOf(std::nextafter(127 * 0x1p-4f, 100.0f)), 0x1p-3f);
+    EXPECT_EQ(stepOf(127.0f), 1.0f);
+    EXPECT_EQ(stepOf(127.5f), 2.0f);
+    EXPECT_EQ(stepOf(1e30f), std::ldexp(1.0f, 93));  // 127 * 2^92 = 6.3e29
+    EXPECT_FALSE(std::isfinite(stepOf(INFINITY)));
+    EXPECT_FALSE(std::isfinite(stepOf(NAN)));
+    // wherever it stands, and whatever stands behind it
+    for (size_t at = 0; at < 48; ++at) {
+      AlignedFloats logits(48, 1.0f);
+      logits[at] = NAN;
+      EXPECT_FALSE(std::isfinite(stepOfLogits(logits.size(), logits.data()))) << at;
+    }
+  });
+}
+
+TEST(PackBrick, HoldsTheRoundedLogitsInSteps) {
+  for (const int resolution : kResolutions) {
+    for (const int count : {8, 64, 128}) {
+      const Case made = makeCase(resolution, count, 5);
+      const int nodes = made.dictionary->nodeCount();
+      forEachTarget([&] {
+        std::vector<int8_t> brick(static_cast<size_t>(nodes), 99);
+        const float step = packBrick(*made.dictionary, made.z.data(), brick.data());
+        AlignedFloats rounded(made.dictionary->nodeStride());
+        roundedLogits(*made.dictionary, made.z.data(), rounded.data());
+        int most = 0;
+        for (int n = 0; n < nodes; ++n) {
+          const double exact = std::ldexp(static_cast<double>(exactLogit(made.dictionary->data(), made.z, count, n)), -40);
+          ASSERT_EQ(brick[n], std::nearbyint(exact / step)) << "node " << n;
+          ASSERT_EQ(rounded[n], step * brick[n]) << "node " << n;
+          most = std::max(most, std::abs(int{brick[n]}));
+        }
+        // of half the step they would not fit
+        EXPECT_LE(most, kMostLogitSteps);
+        EXPECT_TRUE(step == 0x1p-4f || most > kMostLogitSteps / 2 - 1) << step << ", " << most;
+      });
+    }
+  }
+}
+
+TEST(Brick, GivesTheSameBitsAsItsCode) {
+  for (const int resolution : kResolutions) {
+    const Case made = makeCase(resolution, 32, 6);
+    std::vector<int8_t> brick(static_cast<size_t>(made.dictionary->nodeCount()));
+    const float step = packBrick(*made.dictionary, made.z.data(), brick.data());
+    for (const LocalPoint& point : testPoints(300)) {
+      // a step is a power of two: whether it is a factor of the nodes or of their blend changes no bit
+      ASSERT_EQ(evaluateBrick(resolution, point, step, brick.data()), evaluateCode(*made.dictionary, point, made.z.data()));
+    }
+  }
+}
+
+TEST(Code, EqualsTheReferenceInEveryCellOnEveryTarget) {
+  for (const int resolution : kResolutions) {
+    const PointOrder& order = cellOrder(resolution);
+    const Case made = makeCase(resolution, 48, 7);
+    const std::vector<double> exact = toDouble(made.z);
+    std::vector<double> expected;
+    for (int place = 0; place < order.placeCount(); place += 7) {
+      expected.push_back(evaluateCodeReference(*made.dictionary, placePosition(order, place), exact.data()));
+    }
+    forEachTarget([&] {
+      AlignedFloats values(order.placeCount());
+      evaluateLogitCells(order, made.logits.data(), values.data());
+      for (int place = 0; place < order.placeCount(); place += 7) {
+        ASSERT_NEAR(values[place], expected[static_cast<size_t>(place / 7)], made.bound) << resolution << "³, place " << place;
+      }
+    });
+  }
+}
+
+TEST(Code, EqualsTheReferenceAtAnyPointsOnEveryTarget) {
+  for (const int resolution : kResolutions) {
+    const Case made = makeCase(resolution, 16, 8);
+    const Representation code = Representation::code(made.dictionary);
+    const std::vector<double> exact = toDouble(made.z);
+    for (const int count : {1, 15, 16, 17, 129}) {
+      std::vector<LocalPoint> list = testPoints(count);
+      list.push_back({1.0f, -1.0f, 1.0f});
+      list.push_back({0.0f, 0.0f, 0.0f});
+      const PointSet points = makePointSet(list);
+      forEachTarget([&] {
+        AlignedFloats values(points.padded_count + 16, 7.0f);
+        evaluate(code, points, made.z.data(), values.data());
+        for (size_t i = 0; i < list.size(); ++i) {
+          const double expected = evaluateReference(code, list[i], exact.data());
+          ASSERT_NEAR(values[i], expected, made.bound) << resolution << "³, point " << i << " of " << count;
+          ASSERT_NEAR(evaluatePoint(code, list[i], made.z.data()), expected, made.bound) << resolution << "³, point " << i;
+        }
+        for (int i = 0; i < 16; ++i) ASSERT_EQ(values[points.padded_count + i], 7.0f) << "written behind the points";
+      });
+    }
+  }
+}
+
+TEST(Code, TakesTheNodesLogitsAtNodesAndTheBordersOutside) {
+  for (const int resolution : kResolutions) {
+    const Case made = makeCase(resolution, 8, 9);
+    const auto along = [&](int i) { return static_cast<float>(2.0 * i / (resolution - 1) - 1.0); };
+    for (int n = 0; n < made.dictionary->nodeCount(); ++n) {
+      const LocalPoint node = {along(n % resolution), along(n / resolution % resolution), along(n / (resolution * resolution))};
+      const double sigmoid = 1.0 / (1.0 + std::exp(-static_cast<double>(made.logits[n])));
+      ASSERT_NEAR(evaluateCode(*made.dictionary, node, made.z.data()), sigmoid, made.bound) << resolution << "³, node " << n;
+    }
+    const auto at = [&](const LocalPoint& point) { return evaluateCode(*made.dictionary, point, made.z.data()); };
+    EXPECT_EQ(at({-1.5f, 0.25f, 0.5f}), at({-1.0f, 0.25f, 0.5f}));
+    EXPECT_EQ(at({7.0f, -3.0f, 0.125f}), at({1.0f, -1.0f, 0.125f}));
+    EXPECT_EQ(at({1e30f, -1e30f, INFINITY}), at({1.0f, -1.0f, 1.0f}));
+    EXPECT_EQ(at({1e30f, -INFINITY, 0.0f}), at({1.0f, -1.0f, 0.0f}));
+  }
+}
+
+// Logits of any size are in range; a place that is no number reads nothing outside the brick.
+TEST(Code, StaysBetween0AndTheTentWhateverTheCode) {
+  const SharedDictionary dictionary = sampleDictionary(9, 16, 10);
+  const Representation code = Representation::code(dictionary);
+  const PointSet points = makePointSet(testPoints(257));
+  forEachTarget([&] {
+    for (const float size : {0.0f, 1e-42f, 1e3f, -1e3f, 1e30f, -1e30f}) {
+      const Theta z(16, size);
+      AlignedFloats values(points.padded_count);
+      evaluate(code, points, z.data(), values.data());
+      for (int i = 0; i < points.count; ++i) {
+        ASSERT_GE(values[i], 0.0f) << size;
+        ASSERT_LE(values[i], points.tent[i] * (1 + 4 * kFloatRounding)) << size;
+      }
+    }
+  });
+  const Theta z(16, 20.0f);
+  for (const float bad : {NAN, INFINITY, -INFINITY}) {
+    std::vector<int8_t> brick(9 * 9 * 9);
+    const float step = packBrick(*dictionary, z.data(), brick.data());
+    for (int axis = 0; axis < 3; ++axis) {
+      LocalPoint point = {0.1f, 0.2f, 0.3f};
+      point[static_cast<size_t>(axis)] = bad;
+      const float value = evaluateBrick(9, point, step, brick.data());
+      EXPECT_TRUE(std::isnan(bad) ? std::isnan(value) : value >= 0.0f && value <= 1.0f) << bad;
+    }
+  }
+}
+
+TEST(FitTables, HoldTheRowsAtTheSupportPointsAndTheirTentSquares) {
+  for (const int resolution : kResolutions) {
+    const SharedDictionary dictionary = sampleDictionary(resolution, 16, 11);
+    const PointOrder& order = cellOrder(resolution);
+    const Dictionary::FitTables& tables = dictionary->fitTables();
+    double largest_row = 0.0;
+    for (int k = 0; k < 16; ++k) {
+      for (int n = 0; n < dictionary->nodeCount(); ++n) largest_row = std::max<double>(largest_row, std::fabs(dictionary->row(k)[n]));
+    }
+    std::vector<double> squares(16 * 16, 0.0);
+    for (int place = 0; place < order.placeCount(); ++place) {
+      const LocalPoint at = placePosition(order, place);
+      double row[16] = {};
+      for (int n = 0; order.pattern_index[place] >= 0 && n < dictionary->nodeCount(); ++n) {
+        const int node[3] = {n % resolution, n / resolution % resolution, n / (resolution * resolution)};
+        double weight = 1.0;
+        for (int axis = 0; axis < 3; ++axis) {
+          weight *= std::max(0.0, 1.0 - std::fabs((static_cast<double>(at[axis]) + 1.0) * 0.5 * (resolution - 1) - node[axis]));
+        }
+        for (int k = 0; weight > 0.0 && k < 16; ++k) row[k] += weight * dictionary->row(k)[n];
+      }
+      for (int k = 0; k < 16; ++k) {
+        // weights of three shares, each off by the rounding of a coordinate up to r - 1; sums of eight
+        ASSERT_NEAR(tables.at_places[static_cast<size_t>(place * 16 + k)], row[k], 3 * (resolution + 16) * kFloatRounding * largest_row)
+            << resolution << "³, place " << place << ", " << k;
+      }
+      const double tent = order.points.tent[place];
+      for (int i = 0; i < 16; ++i) {
+        for (int k = 0; k < 16; ++k) squares[i * 16 + k] += tent * tent * row[i] * row[k];
+      }
+    }
+    for (int i = 0; i < 16; ++i) {
+      for (int k = 0; k < 16; ++k) {
+        // a sum of 8192 floats at worst, each a rounding of what has been summed
+        const double bound = 8192 * kFloatRounding * std::sqrt(squares[i * 17] * squares[k * 17]);
+        EXPECT_NEAR(tables.tent_squares[static_cast<size_t>(i * 16 + k)], squares[i * 16 + k], bound) << i << ", " << k;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace nlg
