@@ -30,6 +30,7 @@ struct PassInput {
   const PointOrder& order;
   const float *phi, *mask, *logits;
   float dark_root, kappa;
+  float moving, least_slope;  // kMoving and kLeastSlope, or what leaves no point out
 };
 struct PassOutput {
   int* place;
@@ -52,7 +53,7 @@ void passVectors(const PassInput& in, PassOutput& out) {
   const int lanes = static_cast<int>(hn::Lanes(d)), cell_count = static_cast<int>(order.cell_begin.size()) - 1;
   const Floats scale = hn::Set(d, static_cast<float>(order.resolution - 1)), one = hn::Set(d, 1.0f);
   const Floats dark_root = hn::Set(d, in.dark_root), kappa = hn::Set(d, in.kappa);
-  const Floats wrong = hn::Set(d, kWrong), moving = hn::Set(d, kMoving), least = hn::Set(d, kLeastSlope);
+  const Floats wrong = hn::Set(d, kWrong), moving = hn::Set(d, in.moving), least = hn::Set(d, in.least_slope);
   BrickPolynomials polynomials;
   brickPolynomials(order.resolution, in.logits, polynomials);
   double lit_total = 0.0, dark_total = 0.0;
@@ -222,7 +223,14 @@ void CodeFit::prepare(const Representation& representation) {
 
 void CodeFit::runPass(const WeightingFunction& function, int count, const float* z, float dark_root, float kappa, Pass* pass) {
   expandCode(*dictionary_, z, count, logits_.data());
-  const PassInput in{*order_, function.phi.data(), function.mask.data(), logits_.data(), dark_root, kappa};
+  const PassInput in{*order_,
+                     function.phi.data(),
+                     function.mask.data(),
+                     logits_.data(),
+                     dark_root,
+                     kappa,
+                     all_points_ ? -1.0f : kMoving,
+                     all_points_ ? 0.0f : kLeastSlope};
   PassOutput out{pass->place.data(), pass->slope.data(), pass->residual.data(), 0, 0.0, 0.0};
   HWY_DYNAMIC_DISPATCH(passVectors)(in, out);
   pass->active_count = out.active_count;
@@ -289,6 +297,7 @@ bool CodeFit::solveStep(const CodeFitOptions& options, int count, double damping
 FitResult CodeFit::iterate(const Representation& representation, const WeightingFunction& function, const CodeFitOptions& options,
                            int count, float* z) {
   prepare(representation);
+  all_points_ = options.all_points;
   const auto K = static_cast<size_t>(dictionary_->codeCount());
   FitResult result;
   const int valid_count = function.validCount();
@@ -322,20 +331,19 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
     if (!is_current) addEquations(best_, count, kappa);
     is_current = true;
     ++result.steps;
-    bool is_better = false;
     double trial_prior = 0.0;
-    if (solveStep(options, count, damping, z, trial_.data())) {
+    const bool is_solved = solveStep(options, count, damping, z, trial_.data());
+    if (is_solved) {
       // rows as the next step wants them
       runPass(function, count, trial_.data(), rootAt(step + 1), kappaOf(options, step + 1), &other_);
       trial_prior = priorCost(options, count, trial_.data());
     }
     const double before = squareOf(best_, root) + prior, after = squareOf(other_, root) + trial_prior;
-    is_better = trial_prior > 0.0 && after < before;
-    if (!is_better) {
+    if (!is_solved || !(after < before)) {
       damping *= kMoreDamping;
+      if (damping <= kMostDamping) continue;
       result.stop = FitStop::damping;
-      if (damping > kMostDamping) break;
-      continue;
+      break;
     }
     damping = std::max(kLeastDamping, damping * kLessDamping);
     slow_steps = after > (1.0 - options.progress_tolerance) * before ? slow_steps + 1 : 0;
@@ -343,9 +351,9 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
     std::copy_n(trial_.begin(), count, z);
     prior = trial_prior;
     is_current = false;
+    if (slow_steps < kSlowSteps || step < kRampSteps) continue;
     result.stop = FitStop::progress;
-    if (slow_steps >= kSlowSteps && step >= kRampSteps) break;
-    result.stop = FitStop::budget;
+    break;
   }
   const auto roundedSquare = [&](const float* of) {
     return loss(representation, 0, static_cast<int>(function.phi.size()), function.phi.data(), function.mask.data(), of);
@@ -368,6 +376,7 @@ bool CodeEquations::factor() { return HWY_DYNAMIC_DISPATCH(factorUpper)(count, m
 void CodeFit::equationsAt(const Representation& representation, const WeightingFunction& function, const CodeFitOptions& options,
                           const float* z, CodeEquations* equations) {
   prepare(representation);
+  all_points_ = options.all_points;
   const int K = dictionary_->codeCount();
   runPass(function, K, z, function.dark_root, 0.0f, &other_);
   addEquations(other_, K, 0.0f);

@@ -23,6 +23,9 @@ struct CodeFitOptions {
   double prior = 1e-3;               // of the square of a number over its deviation, beside the sum over points
   double progress_tolerance = 1e-3;   // ends when two accepted steps in a row lower what is minimised by less than this share
   bool is_ramped = true;              // kappa falls, and the weight of dark points rises, over the first steps
+  // No point is left out of the equations: a step costs several times as much. Where such a fit ends is a minimum, whatever its start and
+  // its way; one of active points stops near it, where they no longer lead down.
+  bool all_points = false;
 };
 
 // The normal equations of a code where a fit has ended.
@@ -69,6 +72,7 @@ class CodeFit {
 
   SharedDictionary dictionary_;  // that all below is made for
   const PointOrder* order_ = nullptr;
+  bool all_points_ = false;  // CodeFitOptions::all_points of the present call
   AlignedFloats logits_, matrix_, factor_, gradient_, rows_;
   std::vector<float> trial_, start_;
   Pass best_, other_;

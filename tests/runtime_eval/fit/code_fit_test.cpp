@@ -276,6 +276,43 @@ TEST(CodeFit, EndsAtOneCodeFromTenStarts) {
   }
 }
 
+// Where a fit of all points ends its gradient is none but for rounding, by finite differences of what it minimises.
+TEST(CodeFit, OfAllPointsEndsWhereNothingLeadsDown) {
+  const Representation code = sampleCodeOf(5, 16, 33);
+  for (uint64_t seed = 1; seed < 4; ++seed) {
+    const WeightingFunction function = functionOf(code, wallSample(seed), kDarkWeight);
+    const CodeFitOptions options{.iterations = 500, .progress_tolerance = 1e-12, .all_points = true};
+    const FitResult end = fitted(code, function, Theta(16, 0.0f), options);
+    const PointOrder& order = pointOrder(code);
+    const CodeAtPlaces at = atPlaces(*code.dictionary, order, toDouble(end.theta));
+    for (int k = 0; k < 16; ++k) {
+      const double deviation = code.dictionary->deviations()[k];
+      double slope = 2.0 * options.prior * end.theta[k] / (deviation * deviation), magnitude = std::fabs(slope);
+      for (int place = 0; place < order.placeCount(); ++place) {
+        const double sigmoid = 1.0 / (1.0 + std::exp(-at.logits[place])), tent = order.points.tent[place], weight = function.mask[place];
+        const double by_z = 2.0 * weight * weight * (tent * sigmoid - function.phi[place]) * tent * sigmoid * (1.0 - sigmoid) * at.rows[place][k];
+        slope += by_z;
+        magnitude += std::fabs(by_z);
+      }
+      // a float sum of the cost hides what changes it by less than its rounding: the last steps are of the root of that
+      EXPECT_LT(std::fabs(slope), 2e-3 * magnitude) << "seed " << seed << ", number " << k;
+    }
+  }
+}
+
+TEST(CodeFit, SaysWhyItEnded) {
+  const Representation code = sampleCodeOf(5, 16, 34);
+  const WeightingFunction function = functionOf(code, wallSample(35));
+  EXPECT_EQ(fitted(code, function, Theta(16, 0.0f), {.iterations = 3}).stop, FitStop::budget);
+  EXPECT_EQ(fitted(code, function, Theta(16, 0.0f), {.iterations = 300}).stop, FitStop::progress);
+  const FitResult end = fitted(code, function, Theta(16, 0.0f), {.iterations = 1000, .progress_tolerance = 0.0, .all_points = true});
+  EXPECT_EQ(end.stop, FitStop::damping);
+  // … without a prior too
+  CodeFitOptions free;
+  free.prior = 0.0;
+  EXPECT_LT(fitted(code, function, Theta(16, 0.0f), free).rmse, 0.5 * functionRmse(code, function, Theta(16, 0.0f).data()));
+}
+
 TEST(CodeFit, OfAPrefixIsThatOfADictionaryOfItsNumbers) {
   const DictionaryData whole = sampleDictionaryData(5, 48, 17);
   const Representation code = Representation::code(std::make_shared<const Dictionary>(whole));
