@@ -317,8 +317,7 @@ TEST(GeneratorWeights, RefuseDictionariesOutOfRange) {
       EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors[name].values[7] = value; }), FileStatus::value_out_of_range) << name << ": " << value;
     }
   }
-  // so far apart that sums are not exact, or beyond float
-  for (const float exponent : {24.0f, -24.0f, 25.0f, 127.0f, -127.0f}) {
+  for (const float exponent : {25.0f, -25.0f, 127.0f, -127.0f}) {
     EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors["dictionary.exponents"].values[3] = exponent; }), FileStatus::value_out_of_range)
         << exponent;
   }

@@ -100,19 +100,49 @@ TEST(RoundTheta, IsWhatAFileGivesBack) {
   for (const Representation& representation : sampleRepresentations()) {
     PackedTheta packed;
     std::vector<Theta> rounded;
+    size_t bytes = 0;
     for (uint64_t seed = 0; seed < 5; ++seed) {
-      rounded.push_back(randomThetaOf(representation, 0.3 * static_cast<double>(seed + 1), seed));
+      // codes of every length and of several steps
+      rounded.push_back(randomThetaOf(representation, (representation.isCode() ? 60.0 : 0.3) * static_cast<double>(seed + 1), seed));
+      if (representation.isCode()) std::fill(rounded.back().begin() + static_cast<ptrdiff_t>(3 * seed), rounded.back().end(), 0.0f);
       ASSERT_TRUE(roundTheta(representation, ThetaPrecision::int8, rounded.back().data()));
       packTheta(representation, rounded.back().data(), &packed);
+      bytes += storedThetaBytes(representation, ThetaPrecision::int8, rounded.back().data());
     }
+    ASSERT_EQ(packed.steps.size() + 2 * packed.halves.size() + packed.groups.size(), bytes);
     const ThetaForm form = thetaForm(representation, ThetaPrecision::int8);
-    ASSERT_EQ(packed.steps.size() + 2 * packed.halves.size(), rounded.size() * form.bytes());
+    size_t step = 0;
     for (size_t n = 0; n < rounded.size(); ++n) {
       Theta read(representation.thetaCount());
-      unpackTheta(representation, packed.steps.data() + n * form.steps, packed.halves.data() + n * form.halves, read.data());
+      if (representation.isCode()) {
+        ASSERT_TRUE(unpackCode(representation.code_count, packed.groups[n], packed.steps.data() + step, read.data()));
+        step += static_cast<size_t>(codeLength(representation.code_count, rounded[n].data()));
+      } else {
+        unpackTheta(representation, packed.steps.data() + n * form.steps, packed.halves.data() + n * form.halves, read.data());
+      }
       EXPECT_EQ(read, rounded[n]) << representationName(representation) << ", " << n;
     }
   }
+}
+
+// A file says each code in one way alone: what is longer, or of a larger step, than it has to be is of another writer.
+TEST(UnpackCode, RefusesWhatNoFileHolds) {
+  std::vector<int8_t> steps(16, 0);
+  Theta read(16);
+  steps[0] = 127;
+  EXPECT_TRUE(unpackCode(16, 1, steps.data(), read.data()));
+  EXPECT_TRUE(unpackCode(16, 1 + 7 * kCodeExponentUnit, steps.data(), read.data()));
+  EXPECT_EQ(read[0], 127.0f * 128.0f);
+  EXPECT_FALSE(unpackCode(16, 0, steps.data(), read.data()) && read[0] != 0.0f);
+  EXPECT_FALSE(unpackCode(16, 2, steps.data(), read.data())) << "a group of zeros at the end";
+  EXPECT_FALSE(unpackCode(16, 3, steps.data(), read.data())) << "more groups than the code has numbers";
+  EXPECT_FALSE(unpackCode(16, 31, steps.data(), read.data()));
+  steps[0] = 63;
+  EXPECT_FALSE(unpackCode(16, 1 + kCodeExponentUnit, steps.data(), read.data())) << "half the step would do";
+  EXPECT_FALSE(unpackCode(16, kCodeExponentUnit, steps.data(), read.data())) << "a step of nothing";
+  steps[0] = 0, steps[15] = -1;
+  EXPECT_TRUE(unpackCode(16, 2, steps.data(), read.data()));
+  EXPECT_FALSE(unpackCode(16, 1, steps.data(), read.data()));
 }
 
 TEST(RoundTheta, RefusesWhatFloat16CannotHoldAndLeavesIt) {
@@ -125,17 +155,25 @@ TEST(RoundTheta, RefusesWhatFloat16CannotHoldAndLeavesIt) {
   }
 }
 
-TEST(RoundTheta, RoundsACodeToWholeNumbersOfAByte) {
+TEST(RoundTheta, RoundsACodeToBytesOfTheLeastStepThatHoldsIt) {
   const Representation code = Representation::code(sampleDictionary(3, 16, 1));
-  Theta theta = randomThetaOf(code, 40.0, 3);
-  theta[0] = 1e6f;
-  theta[1] = -127.6f;
-  theta[2] = -0.4f;
-  const Theta before = theta;
-  ASSERT_TRUE(roundTheta(code, ThetaPrecision::int8, theta.data()));
-  EXPECT_EQ(theta[0], 127.0f);
-  EXPECT_EQ(theta[1], -127.0f);
-  for (size_t k = 2; k < theta.size(); ++k) EXPECT_EQ(theta[k], std::nearbyint(before[k])) << k;
+  for (const auto& [largest, step] :
+       {std::pair{127.0f, 1.0f}, {127.4f, 2.0f}, {254.0f, 2.0f}, {255.0f, 4.0f}, {-3000.0f, 32.0f}, {16256.0f, 128.0f}, {1e6f, 128.0f}}) {
+    Theta theta = randomThetaOf(code, 20.0, 3);
+    theta[3] = largest;
+    const Theta before = theta;
+    ASSERT_TRUE(roundTheta(code, ThetaPrecision::int8, theta.data()));
+    EXPECT_EQ(theta[3], std::clamp(step * std::nearbyint(largest / step), -127.0f * step, 127.0f * step)) << largest;
+    for (size_t k = 0; k < theta.size(); ++k) {
+      if (k != 3) {
+        EXPECT_EQ(theta[k], step * std::nearbyint(before[k] / step)) << largest << ", " << k;
+      }
+    }
+    const Theta once = theta;
+    ASSERT_TRUE(roundTheta(code, ThetaPrecision::int8, theta.data()));
+    EXPECT_EQ(theta, once) << largest;
+    EXPECT_EQ(std::ldexp(1.0f, codeExponent(16, theta.data())), step) << largest;
+  }
 }
 
 TEST(RoundTheta, RefusesACodeThatIsNotFiniteAndLeavesIt) {
