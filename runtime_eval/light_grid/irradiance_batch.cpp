@@ -3,8 +3,8 @@
 // Neighbours in the list that share a cell make a run, and a block's runs are brought into the order of their cells: whatever the
 // list was, what follows one another then stands in one place of the level. Positions in that order are cut into chunks whose
 // weights, runs and items stay in the level-2 cache. A run has 8 items, one a corner, and a chunk's items are sorted by their
-// function: each theta is read once a chunk and runs on vectors of positions, gathered on a stage. Codes need no sorting: what their
-// look-up reads is two words of a brick, and lanes may read different ones. Then weights become shares for a vector of positions at
+// function: each theta is read once a chunk and runs on vectors of positions, gathered on a stage. Codes need neither sorting nor a stage:
+// what their look-up reads is two words of a brick, and lanes may read different ones. Then weights become shares for a vector of positions at
 // once, and the 27 numbers of light are blended for one position after another, since 8 probes are what neighbours need not share.
 #include <algorithm>
 #include <array>
@@ -70,19 +70,34 @@ struct StageSegment {
   uint32_t first, end;  // places; first is a multiple of kMaxLanes
 };
 
-// One corner of one run that has a code, on the stage.
-struct StagedBrick {
-  const uint32_t* quads;
-  float step;
-  uint32_t first, count;  // places
-  float* weight;          // where its values belong
+// Where positions lie in bricks of one resolution, of probes of one spacing: along each axis, of probes at the cell's low side and at its
+// high side. Nodes are multiplied by what a step along their axis is in words of a brick; those along x have kWordShift added.
+constexpr size_t kTileSize = kMaxRun;
+constexpr size_t kTilePadded = kTileSize + kMaxLanes;
+constexpr float kWordShift = 0x1p23f;  // a sum of nodes has its word in its low bits
+struct BrickPlaces {
+  alignas(64) float node[6][kTilePadded], share[6][kTilePadded];
 };
 
-// Where the positions of a run lie in bricks of one resolution, of probes of one spacing: along each axis, of probes at the cell's low
-// side and at its high side. Nodes are multiplied by what a step along their axis is in words of a brick.
-struct BrickPlaces {
-  int resolution, spacing_log2;
-  alignas(64) float node[6][kMaxRun + kMaxLanes], share[6][kMaxRun + kMaxLanes];
+// The brick of one corner of one run.
+struct TileBrick {
+  const uint32_t* quads;
+  uint16_t place, count;  // corner * kTilePadded + position of the tile; positions
+};
+static_assert(8 * kTilePadded <= UINT16_MAX);
+
+// Runs of a chunk whose codes are evaluated together.
+struct CodeTile {
+  BrickPlaces places;
+  // by corner and position
+  alignas(64) uint32_t word[8 * kTilePadded];      // from the first of the brick
+  alignas(64) uint32_t cell[2 * 8 * kTilePadded];  // the two words there
+  alignas(64) float step[8 * kTilePadded];         // 0 where no brick is
+  size_t brick_count;
+  std::array<TileBrick, 8 * kTileSize> bricks;
+  // of one corner of one run that is unlike the others
+  BrickPlaces odd_places;
+  alignas(64) uint32_t odd_word[kTilePadded], odd_cell[2 * kTilePadded];
 };
 
 struct LookUpScratch::Buffers {
@@ -110,22 +125,13 @@ struct LookUpScratch::Buffers {
   alignas(64) float value[kStageSize + kMaxLanes];
   PointSet field_points;  // of a segment, for product fields
 
-  // of a stage with codes, all of one resolution
-  BrickPlaces brick_places;  // of one run
-  size_t brick_count;
-  int brick_resolution;
-  std::array<StagedBrick, kStageSize> bricks;
-  alignas(64) uint32_t quad[kStageSize + kMaxLanes];        // words from the first of the brick
-  alignas(64) uint32_t cell[2 * (kStageSize + kMaxLanes)];  // both words
-  alignas(64) float share[3][kStageSize + kMaxLanes];
-  alignas(64) float step[kStageSize + kMaxLanes];
+  CodeTile tile;
 
   Buffers() {
     std::fill_n(from_low, std::size(from_low), 0.0f);
     std::fill_n(stage, std::size(stage), 0.0f);
-    std::fill_n(cell, std::size(cell), 0u);
-    std::fill_n(step, std::size(step), 0.0f);
-    for (auto& along : share) std::fill_n(along, std::size(along), 0.0f);
+    std::fill_n(tile.cell, std::size(tile.cell), 0u);
+    std::fill_n(tile.odd_cell, std::size(tile.odd_cell), 0u);
     for (AlignedFloats* list : {&field_points.x, &field_points.y, &field_points.z}) list->assign(kStageSize, 0.0f);
   }
 };
@@ -352,28 +358,47 @@ void addFunctions(const LightGrid& grid, Buffers& b) {
   finishStage(grid, b);
 }
 
-void placeRun(const CellRun& run, int resolution, int spacing_log2, const Buffers& b, BrickPlaces& places) {
+// Of positions of the chunk.
+void placeInBricks(size_t first, size_t count, int resolution, int spacing_log2, const Buffers& b, BrickPlaces& places) {
   const FloatTag d;
-  places.resolution = resolution;
-  places.spacing_log2 = spacing_log2;
   const float middle = 0.5f * static_cast<float>(resolution - 1);
   const Floats half = hn::Set(d, middle), nodes_a_side = hn::Set(d, middle * kCellPerSpacing[spacing_log2]),
-               one = hn::Set(d, 1.0f), last = hn::Set(d, static_cast<float>(resolution - 2));
+               one = hn::Set(d, 1.0f), last = hn::Set(d, static_cast<float>(resolution - 2)), zero = hn::Zero(d),
+               shift = hn::Set(d, kWordShift);
   const Floats words[3] = {one, hn::Set(d, static_cast<float>(resolution)),
                            hn::Set(d, static_cast<float>(resolution * (resolution - 1)))};
-  for (size_t i = 0; i < run.count; i += hn::Lanes(d)) {
+  for (size_t i = 0; i < count; i += hn::Lanes(d)) {
     Floats from_low[3], unused;
-    hn::LoadInterleaved4(d, b.from_low + 4 * (run.first + i), from_low[0], from_low[1], from_low[2], unused);
+    hn::LoadInterleaved4(d, b.from_low + 4 * (first + i), from_low[0], from_low[1], from_low[2], unused);
 #pragma GCC unroll 6
     for (int k = 0; k < 6; ++k) {
       const int axis = k / 2;
       const Floats at = k % 2 == 0 ? hn::MulAdd(nodes_a_side, from_low[axis], half)
                                    : hn::NegMulAdd(nodes_a_side, hn::Sub(one, from_low[axis]), half);
       const Floats node = hn::Min(hn::Floor(at), last);
-      hn::Store(hn::Mul(node, words[axis]), d, &places.node[k][i]);
+      hn::Store(hn::MulAdd(node, words[axis], axis == 0 ? shift : zero), d, &places.node[k][i]);
       hn::Store(hn::Sub(at, node), d, &places.share[k][i]);
     }
   }
+}
+
+// Of a corner along each axis: whose of the six places is its own.
+struct CornerPlace {
+  size_t x, y, z;
+  explicit CornerPlace(size_t corner) : x(corner & 1), y(2 + (corner >> 1 & 1)), z(4 + (corner >> 2)) {}
+};
+
+HWY_INLINE void storeWords(FloatTag d, const BrickPlaces& places, const CornerPlace& at, size_t i, uint32_t* word) {
+  const hn::RebindToUnsigned<FloatTag> du;
+  const Floats sum = hn::Add(hn::Add(hn::Load(d, &places.node[at.x][i]), hn::Load(d, &places.node[at.y][i])),
+                             hn::Load(d, &places.node[at.z][i]));
+  hn::Store(hn::Sub(hn::BitCast(du, sum), hn::BitCast(du, hn::Set(d, kWordShift))), du, word + i);
+}
+
+// Cells one after another: a gather is no faster.
+HWY_INLINE void readCells(const uint32_t* HWY_RESTRICT quads, const uint32_t* HWY_RESTRICT word, size_t count,
+                          uint32_t* HWY_RESTRICT cell) {
+  for (size_t i = 0; i < count; ++i) std::memcpy(cell + 2 * i, quads + word[i], 2 * sizeof(uint32_t));
 }
 
 // A node of a word of quads: byte kByte.
@@ -385,71 +410,118 @@ HWY_INLINE Floats nodeOf(FloatTag d, hn::Vec<hn::RebindToUnsigned<FloatTag>> qua
 
 HWY_INLINE Floats between(Floats low, Floats high, Floats share) { return hn::MulAdd(share, hn::Sub(high, low), low); }
 
-// What is on the stage: reads the cells, one after another, since a gather is no faster; evaluates; takes values to where they belong.
-void finishBricks(Buffers& b) {
-  const FloatTag d;
+// A vector of shares of tents, out of cells.
+HWY_INLINE Floats cellShares(FloatTag d, const uint32_t* cell, const BrickPlaces& places, const CornerPlace& at, size_t i,
+                             Floats step) {
   const hn::RebindToUnsigned<FloatTag> du;
-  const size_t lanes = hn::Lanes(d);
-  for (size_t k = 0; k < b.brick_count; ++k) {
-    const StagedBrick& brick = b.bricks[k];
-    const Floats step = hn::Set(d, brick.step);
-    for (size_t i = 0; i < brick.count; i += lanes) hn::StoreU(step, d, b.step + brick.first + i);
-    for (size_t i = brick.first; i < brick.first + brick.count; ++i)
-      std::memcpy(b.cell + 2 * i, brick.quads + b.quad[i], 2 * sizeof(uint32_t));
-  }
-  for (size_t i = 0; i < b.staged_count; i += lanes) {
-    const Floats x = hn::Load(d, b.share[0] + i), y = hn::Load(d, b.share[1] + i), z = hn::Load(d, b.share[2] + i);
-    hn::Vec<decltype(du)> low, high;
-    hn::LoadInterleaved2(du, b.cell + 2 * i, low, high);
-    const Floats near =
-        between(between(nodeOf<0>(d, low), nodeOf<0>(d, high), x), between(nodeOf<1>(d, low), nodeOf<1>(d, high), x), y);
-    const Floats far =
-        between(between(nodeOf<2>(d, low), nodeOf<2>(d, high), x), between(nodeOf<3>(d, low), nodeOf<3>(d, high), x), y);
-    hn::Store(sigmoid(d, hn::Mul(hn::Load(d, b.step + i), between(near, far, z))).value, d, b.value + i);
-  }
-  for (size_t k = 0; k < b.brick_count; ++k) {
-    const StagedBrick& brick = b.bricks[k];
-    for (size_t i = 0; i < brick.count; i += lanes)
-      storeFirst(d, hn::LoadU(d, b.value + brick.first + i), brick.weight + i, std::min(lanes, brick.count - i));
-  }
-  b.brick_count = b.staged_count = 0;
+  const Floats x = hn::Load(d, &places.share[at.x][i]), y = hn::Load(d, &places.share[at.y][i]),
+               z = hn::Load(d, &places.share[at.z][i]);
+  hn::Vec<decltype(du)> low, high;
+  hn::LoadInterleaved2(du, cell + 2 * i, low, high);
+  const Floats near =
+      between(between(nodeOf<0>(d, low), nodeOf<0>(d, high), x), between(nodeOf<1>(d, low), nodeOf<1>(d, high), x), y);
+  const Floats far =
+      between(between(nodeOf<2>(d, low), nodeOf<2>(d, high), x), between(nodeOf<3>(d, low), nodeOf<3>(d, high), x), y);
+  return sigmoid(d, hn::Mul(step, between(near, far, z))).value;
 }
 
-// A corner of a run, from the next place on. Up to a vector more is written.
-void stageBrick(const LightGrid& grid, const CellRun& run, size_t corner, Buffers& b) {
+// A corner whose brick or spacing is not that of the tile.
+void addOddCorner(const CellRun& run, size_t corner, const FunctionBrick& brick, const uint32_t* quads, Buffers& b) {
   const FloatTag d;
-  const hn::RebindToSigned<FloatTag> di;
-  const uint32_t function = grid.probe_function[run.corners.probe[corner]];
-  const int resolution = representationOf(grid, function).resolution, spacing_log2 = run.corners.spacing_log2[corner];
-  BrickPlaces& places = b.brick_places;
-  if (resolution != b.brick_resolution || b.staged_count + run.count > kStageSize) finishBricks(b);
-  b.brick_resolution = resolution;
-  if (resolution != places.resolution || spacing_log2 != places.spacing_log2) placeRun(run, resolution, spacing_log2, b, places);
-  const size_t x = corner & 1, y = 2 + (corner >> 1 & 1), z = 4 + (corner >> 2), to = b.staged_count;
-  for (size_t i = 0; i < run.count; i += hn::Lanes(d)) {
-    const Floats word =
-        hn::Add(hn::Add(hn::Load(d, &places.node[x][i]), hn::Load(d, &places.node[y][i])), hn::Load(d, &places.node[z][i]));
-    hn::StoreU(hn::BitCast(hn::RebindToUnsigned<FloatTag>(), hn::ConvertTo(di, word)), hn::RebindToUnsigned<FloatTag>(),
-               b.quad + to + i);
-    hn::StoreU(hn::Load(d, &places.share[x][i]), d, b.share[0] + to + i);
-    hn::StoreU(hn::Load(d, &places.share[y][i]), d, b.share[1] + to + i);
-    hn::StoreU(hn::Load(d, &places.share[z][i]), d, b.share[2] + to + i);
+  const CornerPlace at(corner);
+  BrickPlaces& places = b.tile.odd_places;
+  placeInBricks(run.first, run.count, brick.resolution, run.corners.spacing_log2[corner], b, places);
+  for (size_t i = 0; i < run.count; i += hn::Lanes(d)) storeWords(d, places, at, i, b.tile.odd_word);
+  readCells(quads, b.tile.odd_word, run.count, b.tile.odd_cell);
+  const Floats step = hn::Set(d, brick.step);
+  for (size_t i = 0; i < run.count; i += hn::Lanes(d))
+    storeFirst(d, cellShares(d, b.tile.odd_cell, places, at, i, step), &b.weight[corner][run.first + i],
+               std::min(hn::Lanes(d), run.count - i));
+}
+
+// Which bricks a tile reads, and their steps; what is read of them comes nearer meanwhile.
+void findBricks(const LightGrid& grid, size_t first_run, size_t end_run, int resolution, Buffers& b) {
+  const FloatTag d;
+  CodeTile& tile = b.tile;
+  const uint32_t first_position = b.runs[first_run].first;
+  size_t brick_count = 0;
+  for (size_t r = first_run; r < end_run; ++r) {
+    const CellRun& run = b.runs[r];
+    const size_t first = run.first - first_position, count = run.count;
+    for (size_t corner = 0; corner < 8; ++corner) {
+      const size_t place = corner * kTilePadded + first;
+      Floats step = hn::Zero(d);
+      if (run.code_corners >> corner & 1) {
+        const FunctionBrick& brick = grid.function_brick[grid.probe_function[run.corners.probe[corner]]];
+        const uint32_t* quads = grid.quads.data() + brick.begin;
+        if (brick.resolution == resolution && run.corners.spacing_log2[corner] == 0) {
+          hwy::Prefetch(quads + tile.word[place]);
+          tile.bricks[brick_count++] = {quads, static_cast<uint16_t>(place), static_cast<uint16_t>(count)};
+          step = hn::Set(d, brick.step);
+        } else {
+          addOddCorner(run, corner, brick, quads, b);
+        }
+      }
+      // what is too much, the next run or the end of the tile overwrites
+      for (size_t i = 0; i < count; i += hn::Lanes(d)) hn::StoreU(step, d, tile.step + place + i);
+    }
   }
-  b.bricks[b.brick_count++] = {grid.functionQuads(function), grid.function_brick[function].step, static_cast<uint32_t>(to),
-                               run.count, &b.weight[corner][run.first]};
-  b.staged_count += run.count;
+  tile.brick_count = brick_count;
+}
+
+// Whole runs, of at most kTileSize positions.
+void addTile(const LightGrid& grid, size_t first_run, size_t end_run, int resolution, Buffers& b) {
+  const FloatTag d;
+  const size_t lanes = hn::Lanes(d), first = b.runs[first_run].first,
+               count = b.runs[end_run - 1].first + b.runs[end_run - 1].count - first;
+  CodeTile& tile = b.tile;
+  placeInBricks(first, count, resolution, 0, b, tile.places);
+  for (size_t corner = 0; corner < 8; ++corner) {
+    const CornerPlace at(corner);
+    for (size_t i = 0; i < count; i += lanes) storeWords(d, tile.places, at, i, tile.word + corner * kTilePadded);
+  }
+  findBricks(grid, first_run, end_run, resolution, b);
+  for (size_t k = 0; k < tile.brick_count; ++k) {
+    const TileBrick brick = tile.bricks[k];
+    if (brick.count == 1) {
+      std::memcpy(tile.cell + 2 * size_t{brick.place}, brick.quads + tile.word[brick.place], 2 * sizeof(uint32_t));
+    } else {
+      readCells(brick.quads, tile.word + brick.place, brick.count, tile.cell + 2 * size_t{brick.place});
+    }
+  }
+  for (size_t corner = 0; corner < 8; ++corner) {
+    const CornerPlace at(corner);
+    const uint32_t* cell = tile.cell + 2 * corner * kTilePadded;
+    float *steps = tile.step + corner * kTilePadded, *weight = b.weight[corner] + first;
+    hn::StoreU(hn::Zero(d), d, steps + count);
+    for (size_t i = 0; i < count; i += lanes) {
+      // what has no brick keeps what it has, also behind the last position
+      const Floats step = hn::Load(d, steps + i), shares = cellShares(d, cell, tile.places, at, i, step);
+      hn::StoreU(hn::IfThenElse(hn::Gt(step, hn::Zero(d)), shares, hn::LoadU(d, weight + i)), d, weight + i);
+    }
+  }
+}
+
+// The resolution that most bricks have, where there are codes at all; 0 where there are none.
+int codeResolution(const LightGrid& grid) {
+  for (const Representation& representation : grid.representations) {
+    if (representation.isCode()) return representation.resolution;
+  }
+  return 0;
 }
 
 void addCodes(const LightGrid& grid, Buffers& b) {
-  b.brick_count = b.staged_count = 0;
-  b.brick_resolution = 0;
-  for (size_t r = 0; r < b.run_count; ++r) {
-    const CellRun& run = b.runs[r];
-    b.brick_places.resolution = 0;
-    for (uint32_t left = run.code_corners; left != 0; left &= left - 1)
-      stageBrick(grid, run, static_cast<size_t>(std::countr_zero(left)), b);
+  const int resolution = codeResolution(grid);
+  if (resolution == 0) return;
+  for (size_t first = 0, end = 0; first < b.run_count; first = end) {
+    uint32_t code_corners = 0;
+    size_t count = 0;
+    for (; end < b.run_count && count + b.runs[end].count <= kTileSize; ++end) {
+      count += b.runs[end].count;
+      code_corners |= b.runs[end].code_corners;
+    }
+    if (code_corners != 0) addTile(grid, first, end, resolution, b);
   }
-  finishBricks(b);
 }
 
 // Bounds shares of tents, takes the residue off, multiplies by the cell's tents, and divides by the sum.

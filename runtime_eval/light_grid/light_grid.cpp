@@ -73,7 +73,8 @@ FileResult checkBricks(const LightGrid& grid) {
   for (size_t function = 0; function < count; ++function) {
     const Representation& representation = grid.representations[grid.function_representation[function]];
     const FunctionBrick& brick = grid.function_brick[function];
-    const bool has_brick = brick.step > 0.0f && std::isfinite(brick.step) && brick.begin == begin;
+    const bool has_brick =
+        brick.step > 0.0f && std::isfinite(brick.step) && brick.begin == begin && brick.resolution == representation.resolution;
     if (has_brick != representation.isCode()) {
       return refuse(FileStatus::value_out_of_range,
                     "function " + std::to_string(function) + ": its brick; makeBricks makes bricks");
@@ -94,6 +95,7 @@ void addBrick(const Representation& representation, const float* theta, LightGri
   }
   int8_t nodes[kMaxBrickNodes];
   brick.begin = grid->quads.size();
+  brick.resolution = representation.resolution;
   brick.step = packBrick(*representation.dictionary, theta, nodes);
   grid->quads.resize(brick.begin + quadCount(representation.resolution));
   packQuads(representation.resolution, nodes, &grid->quads[brick.begin]);

@@ -39,6 +39,7 @@ double intensityThatFits(double largest);
 struct FunctionBrick {
   uint64_t begin = 0;  // into LightGrid::quads
   float step = 0.0f;   // 0 of functions that are no codes
+  int resolution = 0;  // of its representation
 };
 
 struct LightGrid {
