@@ -136,7 +136,9 @@ AdamOptions refinementAdam(const Representation& representation, int steps) {
   return options;
 }
 
-AdamOptions randomStartAdam(int steps) {
+AdamOptions randomStartAdam(const Representation& representation, int steps) {
+  // one start of a code is as good as another
+  if (representation.isCode()) return refinementAdam(representation, steps);
   AdamOptions options;
   options.steps = steps;
   options.learning_rate = 0.03;

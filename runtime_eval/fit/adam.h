@@ -25,7 +25,7 @@ struct AdamOptions {
 // Learning rates that measured best for a start near the solution (docs/lab/training.md).
 AdamOptions refinementAdam(const Representation& representation, int steps);
 // … and for a random start.
-AdamOptions randomStartAdam(int steps);
+AdamOptions randomStartAdam(const Representation& representation, int steps);
 
 // What steps keep between each other; from one function to the next of the same representation it allocates nothing.
 class AdamWorkspace {

@@ -15,7 +15,7 @@ int directAdamSteps(const Representation& representation, const DirectOptions& o
 
 DirectResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,
                        const DirectOptions& options, NormalEquationsKernel* kernel) {
-  const LevenbergMarquardtOptions polish = refinementLevenbergMarquardt(representation, options.levenberg_iterations);
+  const LevenbergMarquardtOptions polish = longLevenbergMarquardt(representation, options.levenberg_iterations);
   const int adam_steps = directAdamSteps(representation, options);
   DirectResult result;
   const auto consider = [&](const FitResult& candidate) {
@@ -33,9 +33,10 @@ DirectResult fitDirect(const Representation& representation, const WeightingFunc
   result.best_by_restarts.push_back(result.best.rmse);
   for (int restart = 0; restart < options.restarts; ++restart) {
     const Theta start = randomTheta(representation, mixSeed(options.seed, restart));
-    const FitResult fit = fitAdam(representation, function, start, randomStartAdam(adam_steps));
+    const FitResult fit = fitAdam(representation, function, start, randomStartAdam(representation, adam_steps));
     if (restart == 0) result.adam_from_random = fit;
     consider(polished(fit));
+    if (representation.isCode()) consider(fitLevenbergMarquardt(representation, function, start, polish, kernel));
     result.best_by_restarts.push_back(result.best.rmse);
   }
   return result;
@@ -85,7 +86,7 @@ FitResult fitStart(const Representation& representation, const WeightingFunction
   std::vector<FitResult> fits;
   for (int i = 0; i < options.candidates; ++i) {
     const Theta start = randomTheta(representation, mixSeed(options.seed, i));
-    fits.push_back(fitAdam(representation, function, start, randomStartAdam(options.candidate_steps)));
+    fits.push_back(fitAdam(representation, function, start, randomStartAdam(representation, options.candidate_steps)));
   }
   const auto by_rmse = [](const FitResult& a, const FitResult& b) { return a.rmse < b.rmse; };
   std::sort(fits.begin(), fits.end(), by_rmse);

@@ -28,7 +28,8 @@ struct DirectResult {
 // Adam's steps of every start: a field's step reads all points, so that it takes fewer of them for the same work.
 int directAdamSteps(const Representation& representation, const DirectOptions& options);
 
-// Best of: Adam from theta0, then LM; LM from theta0; Adam from each random start, then LM; for product fields also fitNested.
+// Best of: Adam from theta0, then LM; LM from theta0; Adam from each random start, then LM; for product fields also fitNested, for codes LM
+// from each random start. LM is longLevenbergMarquardt.
 DirectResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,
                        const DirectOptions& options, NormalEquationsKernel* kernel);
 

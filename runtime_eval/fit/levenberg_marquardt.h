@@ -13,10 +13,15 @@ struct LevenbergMarquardtOptions {
   int hessian_points = 2000;         // networks: valid points that J^T J is summed over, other ones in every iteration
   double gradient_tolerance = 1e-9;  // ends when max |J^T r| / valid points falls below
   double progress_tolerance = 1e-6;  // ends when three accepted iterations in a row lower the loss by less than this share
+  double code_prior = CodeFitOptions().prior;            // codes (code_fit.h)
+  bool code_all_points = CodeFitOptions().all_points;  // the same
 };
 
 // Damping that measured best for a start near the solution (docs/lab/measurements.md).
 LevenbergMarquardtOptions refinementLevenbergMarquardt(const Representation& representation, int iterations);
+
+// … of a fit that is a yardstick and may take its time: of codes it takes all points, and a prior so weak that it costs nothing.
+LevenbergMarquardtOptions longLevenbergMarquardt(const Representation& representation, int iterations);
 
 // What iterations keep between each other; from one function to the next of the same representation it allocates nothing.
 class LevenbergMarquardtWorkspace {

@@ -37,7 +37,7 @@ FunctionFits fitLong(const Generator& generator, const WeightingFunction& functi
                      const DirectOptions& options, NormalEquationsKernel* kernel) {
   const Representation& representation = generator.representation();
   const Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
-  const LevenbergMarquardtOptions polish = refinementLevenbergMarquardt(representation, options.levenberg_iterations);
+  const LevenbergMarquardtOptions polish = longLevenbergMarquardt(representation, options.levenberg_iterations);
   DirectResult direct;
   FitResult best = timedFit([&] {
     direct = fitDirect(representation, function, theta0, options, kernel);

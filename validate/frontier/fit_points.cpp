@@ -43,7 +43,7 @@ struct Fits {
   FitResult fit(const WeightingFunction& function, const Theta& from, int steps, bool is_gated, bool is_fresh) const {
     if (method == Method::adam) {
       return fitAdam(representation(), function, from,
-                     start == Start::random && is_fresh ? randomStartAdam(steps) : refinementAdam(representation(), steps));
+                     start == Start::random && is_fresh ? randomStartAdam(representation(), steps) : refinementAdam(representation(), steps));
     }
     LevenbergMarquardtOptions lm = refinementLevenbergMarquardt(representation(), steps);
     if (is_gated) lm.progress_tolerance = kGatedProgress;
@@ -150,7 +150,7 @@ FittedFunctions fitGated(const Fits& fits, const std::vector<double>& thresholds
 
 // Budgets of Adam as fitDirect gives them to a representation.
 std::vector<int> adamSteps(const Representation& representation, std::vector<int> steps) {
-  if (!representation.isField()) return steps;
+  if (representation.isNetwork()) return steps;
   for (int& count : steps) count = std::max(1, count / 32);
   steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
   return steps;
@@ -217,6 +217,10 @@ std::vector<PlotRun> directFits(const std::shared_ptr<const Generator>& generato
   addDirect({generator, Method::lm, Start::theta0, budgets.direct_lm, options}, loose_rmse, runs);
   addDirect({generator, Method::adam, Start::theta0, adam, options}, loose_rmse, runs);
   addDirect({generator, Method::adam, Start::random, adam, options, seed}, loose_rmse, runs);
+  // a code's fit is as good as convex: what another start costs it is to be seen
+  if (generator->representation().isCode()) {
+    addDirect({generator, Method::lm, Start::random, budgets.direct_lm, options, seed}, loose_rmse, runs);
+  }
   return runs;
 }
 

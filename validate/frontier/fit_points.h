@@ -7,20 +7,20 @@ namespace nlg {
 
 // Steps, each list rising.
 struct FitBudgets {
-  // of Adam, product fields take a 32nd: each of their steps reads all points
+  // of Adam, product fields and codes take a 32nd: each of their steps reads all points
   std::vector<int> lm, adam;                // from the corrected theta
-  std::vector<int> direct_lm, direct_adam;  // from theta0; Adam from a random start as well
+  std::vector<int> direct_lm, direct_adam;  // from theta0; Adam from a random start as well, and LM of a code
 };
 
 // Families lm_from_corrected and adam_from_corrected, whose time holds all that comes before the fit.
 std::vector<PlotRun> fitsOfCorrected(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
                                      const FitBudgets& budgets);
 
-// The rivals of a generator. Families lm_from_theta0, adam_from_theta0 and adam_from_random fit every function, each budget from
-// the start. Beside each stand two families under the policy's own gate. They run in rounds of the same budgets, each round from
-// where the one before ended. A function is fitted on only while it fails the check or its RMSE is above a threshold. In the families
-// …_gated the threshold is good_rmse; in …_gated_loosely it is the one above which the policy takes its last fit before the
-// refinement, where that is larger.
+// The rivals of a generator. Families lm_from_theta0, adam_from_theta0 and adam_from_random fit every function, each budget from the
+// start; of codes, whose theta0 is the mean code, lm_from_random does too. Beside each stand two families under the policy's own gate. They
+// run in rounds of the same budgets, each round from where the one before ended. A function is fitted on only while it fails the check or
+// its RMSE is above a threshold. In the families …_gated the threshold is good_rmse; in …_gated_loosely it is the one above which the policy
+// takes its last fit before the refinement, where that is larger.
 // seed   of the random starts; every function has one of its own, the same for all budgets
 std::vector<PlotRun> directFits(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
                                 const FitBudgets& budgets, uint64_t seed);

@@ -16,9 +16,19 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
-std::vector<Representation> allRepresentations() {
+// Networks and product fields by their names. Codes are nothing without a dictionary: those of the weights.
+std::vector<Representation> allRepresentations(const StabilityInputs& inputs, StabilityFigures* figures) {
   std::vector<Representation> all;
-  for (const char* name : kRepresentationNames) findRepresentation(name, &all.emplace_back());
+  for (const char* name : kRepresentationNames) {
+    Representation representation;
+    findRepresentation(name, &representation);
+    if (!representation.isCode()) all.push_back(representation);
+  }
+  const size_t without_codes = all.size();
+  for (const NamedGenerator& named : inputs.generators) {
+    if (named.generator.representation().isCode()) all.push_back(named.generator.representation());
+  }
+  if (all.size() == without_codes) figures->remark("codes are left out: no weights of any are given");
   return all;
 }
 
@@ -42,23 +52,24 @@ struct Start {
 
 std::vector<Start> startsOf(const Representation& representation) {
   const bool is_field = representation.isField();
-  const bool has_sigmoid = !is_field && representation.shape().output == OutputFunction::sigmoid;
+  const bool is_network = representation.isNetwork();
+  const bool has_sigmoid = representation.isCode() || (is_network && representation.shape().output == OutputFunction::sigmoid);
   const auto filled = [&](double value) { return Theta(representation.thetaCount(), static_cast<float>(value)); };
   const auto with = [&](int place, double value) {
     Theta theta = randomTheta(representation, 8);
     theta[place] = static_cast<float>(value);
     return theta;
   };
-  std::vector<Start> starts = {{"zero", filled(0.0), false, !is_field},
+  std::vector<Start> starts = {{"zero", filled(0.0), false, is_network},
                                {"+1e3", filled(1e3), is_field || has_sigmoid},
                                {"-1e3", filled(-1e3), is_field || has_sigmoid},
-                               {"+1e-42", filled(1e-42), false, !is_field},
-                               {"-1e-42", filled(-1e-42), is_field, !is_field},
+                               {"+1e-42", filled(1e-42), false, is_network},
+                               {"-1e-42", filled(-1e-42), is_field, is_network},
                                {"one 1e30", with(0, 1e30), has_sigmoid},
                                {"NaN", filled(kNaN)},
                                {"one NaN", with(0, kNaN)},
                                {"one Inf", with(0, kInfinity)}};
-  if (has_sigmoid) {
+  if (is_network && has_sigmoid) {
     for (const float bias : {-90.0f, 90.0f})
       starts.push_back({fmt::format("last bias {}", bias), with(representation.shape().b3(), bias), true});
   }
@@ -101,7 +112,7 @@ void measureStarts(const StabilityInputs& inputs, StabilityFigures* figures) {
   Refiner refiner;
   int left = 0, stuck = 0, refused = 0, refined = 0;
   double worst_refined = 0.0;
-  for (const Representation& representation : allRepresentations()) {
+  for (const Representation& representation : allRepresentations(inputs, figures)) {
     const WeightingFunction function = decodeFunction(wall.view(), pointOrder(representation));
     for (const Start& start : startsOf(representation)) {
       const double before = functionRmse(representation, function, start.theta.data());
@@ -142,13 +153,14 @@ void measureRates(const StabilityInputs& inputs, StabilityFigures* figures) {
   options.steps = inputs.isBrief() ? 100 : 1000;
   const SampledFunction wall = functionBesideWall(10, 0.3);
   double least = kInfinity;
-  for (const Representation& representation : allRepresentations()) {
+  for (const Representation& representation : allRepresentations(inputs, figures)) {
     const WeightingFunction function = decodeFunction(wall.view(), pointOrder(representation));
     const Theta start = randomTheta(representation, 9);
     const double before = functionRmse(representation, function, start.data());
     double best = before;
     for (int decade = -5; decade <= 2; ++decade) {
-      options.learning_rate = std::pow(10.0, decade);
+      // codes count in steps
+      options.learning_rate = (representation.isCode() ? 100.0 : 1.0) * std::pow(10.0, decade);
       const FitResult fit = fitAdam(representation, function, start, options);
       const std::string what = fmt::format("{} at 1e{}", representationName(representation), decade);
       judge(what, representation, function, start, fit, options.steps, figures);
@@ -244,7 +256,7 @@ std::vector<StabilityCase> fitCases() {
        StabilityDepth::brief, false, measureStarts},
       {"optimisers", "Adam at learning rates from 1e-5 to 1e2",
        "whatever the rate, theta is finite, no worse than the start, and no more steps are taken than asked for; rates from "
-       "1e-4 to 1e-2 lower the error, and the best rate halves it",
+       "1e-4 to 1e-2 lower the error, and the best rate halves it; codes, which count in steps, take a hundred times the rates",
        StabilityDepth::brief, false, measureRates},
   };
 }

@@ -75,12 +75,14 @@ struct StabilityCase {
   StabilityDepth depth = StabilityDepth::brief;
   bool needs_generators = false;
   std::function<void(const StabilityInputs&, StabilityFigures*)> measure;
+  bool needs_codes = false;  // a code among the generators
 };
 
 // The cases in the table's order.
 std::vector<StabilityCase> sampledFunctionCases();
 std::vector<StabilityCase> wallCases();
 std::vector<StabilityCase> fitCases();
+std::vector<StabilityCase> codeCases();
 std::vector<StabilityCase> pcaCases();
 std::vector<StabilityCase> coefficientCases();
 std::vector<StabilityCase> sceneCases();

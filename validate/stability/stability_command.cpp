@@ -64,7 +64,7 @@ struct StabilityTable {
 
 std::vector<StabilityCase> allCases() {
   std::vector<StabilityCase> all;
-  for (const auto& cases : {sampledFunctionCases(), wallCases(), fitCases(), pcaCases(), coefficientCases(), sceneCases()}) {
+  for (const auto& cases : {sampledFunctionCases(), wallCases(), fitCases(), codeCases(), pcaCases(), coefficientCases(), sceneCases()}) {
     all.insert(all.end(), cases.begin(), cases.end());
   }
   return all;
@@ -89,6 +89,10 @@ StabilityInputs readInputs(const StabilityRequest& request) {
 // Why a case is not run; empty when it is.
 std::string reasonToSkip(const StabilityCase& stability_case, const StabilityInputs& inputs) {
   if (stability_case.needs_generators && inputs.generators.empty()) return "it needs --weights";
+  const auto isCode = [](const NamedGenerator& named) { return named.generator.representation().isCode(); };
+  if (stability_case.needs_codes && std::none_of(inputs.generators.begin(), inputs.generators.end(), isCode)) {
+    return "it needs --weights of a code";
+  }
   if (stability_case.depth <= inputs.depth) return "";
   return stability_case.depth == StabilityDepth::lengthy ? "it needs --long" : "left out by --short";
 }

@@ -133,13 +133,16 @@ TEST(UnpackCode, RefusesWhatNoFileHolds) {
   EXPECT_TRUE(unpackCode(16, 1, steps.data(), read.data()));
   EXPECT_TRUE(unpackCode(16, 1 + 7 * kCodeExponentUnit, steps.data(), read.data()));
   EXPECT_EQ(read[0], 127.0f * 128.0f);
-  EXPECT_FALSE(unpackCode(16, 0, steps.data(), read.data()) && read[0] != 0.0f);
+  EXPECT_TRUE(unpackCode(16, 0, steps.data(), read.data()));
+  EXPECT_EQ(read, Theta(16, 0.0f));
   EXPECT_FALSE(unpackCode(16, 2, steps.data(), read.data())) << "a group of zeros at the end";
   EXPECT_FALSE(unpackCode(16, 3, steps.data(), read.data())) << "more groups than the code has numbers";
   EXPECT_FALSE(unpackCode(16, 31, steps.data(), read.data()));
   steps[0] = 63;
   EXPECT_FALSE(unpackCode(16, 1 + kCodeExponentUnit, steps.data(), read.data())) << "half the step would do";
   EXPECT_FALSE(unpackCode(16, kCodeExponentUnit, steps.data(), read.data())) << "a step of nothing";
+  steps[0] = -128;
+  EXPECT_FALSE(unpackCode(16, 1, steps.data(), read.data())) << "no number of a code";
   steps[0] = 0, steps[15] = -1;
   EXPECT_TRUE(unpackCode(16, 2, steps.data(), read.data()));
   EXPECT_FALSE(unpackCode(16, 1, steps.data(), read.data()));

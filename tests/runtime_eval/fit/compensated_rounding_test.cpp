@@ -17,7 +17,7 @@ const Representation kRounded[] = {Representation::mlp(),
                                    {RepresentationKind::tent_mlp4, 0.01f}};
 
 Theta fittedTheta(const Representation& representation, const WeightingFunction& function, uint64_t seed) {
-  return fitAdam(representation, function, randomTheta(representation, seed), randomStartAdam(600)).theta;
+  return fitAdam(representation, function, randomTheta(representation, seed), randomStartAdam(representation, 600)).theta;
 }
 
 // Each number stands within half a step of where it is best given the ones before it, all that follow being free: solved here for

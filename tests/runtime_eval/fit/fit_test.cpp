@@ -35,7 +35,7 @@ struct Fitter {
 const Fitter kFitters[] = {{"Adam", [](const Representation& r, const WeightingFunction& f,
                                        const Theta& t) { return fitAdam(r, f, t, refinementAdam(r, 40)); }},
                            {"Adam, random start", [](const Representation& r, const WeightingFunction& f,
-                                                     const Theta& t) { return fitAdam(r, f, t, randomStartAdam(40)); }},
+                                                     const Theta& t) { return fitAdam(r, f, t, randomStartAdam(r, 40)); }},
                            {"LM", [](const Representation& r, const WeightingFunction& f, const Theta& t) {
                               NormalEquationsKernel kernel;
                               return fitLevenbergMarquardt(r, f, t, {.iterations = 6}, &kernel);
@@ -286,7 +286,7 @@ TEST(FitDirect, IsTheBestOfItsCandidates) {
     const FitResult from_theta0 = adam(theta0, refinementAdam(tent_mlp, options.adam_steps));
     std::vector<FitResult> candidates = {levenberg(theta0), levenberg(from_theta0.theta)};
     for (int restart = 0; restart < options.restarts; ++restart) {
-      const FitResult fit = adam(randomTheta(tent_mlp, mixSeed(options.seed, restart)), randomStartAdam(options.adam_steps));
+      const FitResult fit = adam(randomTheta(tent_mlp, mixSeed(options.seed, restart)), randomStartAdam(tent_mlp, options.adam_steps));
       if (restart == 0) {
         EXPECT_EQ(result.adam_from_random.theta, fit.theta) << "seed " << seed;
       }
@@ -326,7 +326,7 @@ TEST(FitStart, IsTheBestShortRandomFitOrBetter) {
   FitResult shortest;
   for (int i = 0; i < fitted_on.candidates; ++i) {
     const Theta start = randomTheta({}, mixSeed(fitted_on.seed, static_cast<uint64_t>(i)));
-    const FitResult fit = fitAdam({}, function, start, randomStartAdam(fitted_on.candidate_steps));
+    const FitResult fit = fitAdam({}, function, start, randomStartAdam({}, fitted_on.candidate_steps));
     if (i == 0 || fit.rmse < shortest.rmse) shortest = fit;
   }
   EXPECT_EQ(fitStart({}, function, short_only, &kernel).theta, shortest.theta);

@@ -68,7 +68,7 @@ TEST(Refiner, ClosesALeakAtFewPointsThatThePlainFitLeaves) {
   const CheckOptions check;
   Theta start = randomTheta(representation, 3);
   const WeightingFunction plain = decodeFunction(sample.view());
-  start = fitAdam(representation, plain, start, randomStartAdam(100)).theta;
+  start = fitAdam(representation, plain, start, randomStartAdam(representation, 100)).theta;
   const FunctionCheck before = checker.check(representation, sample.view(), start.data(), check);
   ASSERT_LT(before.rmse, check.tau_rmse);
   ASSERT_FALSE(before.passes(check));

@@ -59,43 +59,83 @@ TEST(OrderCodes, LeavesWhatIsPredictedAsItWas) {
   EXPECT_LT((was - is).abs().max().item<double>(), 1e-3 * was.abs().max().item<double>());
 }
 
-// A unit of each number stands for a change of its own. In the metric of the mean equations numbers do not mix.
+// r³ x K and r³: the nodes of the b_k, and c, as a file has them.
+std::pair<Eigen::MatrixXd, Eigen::VectorXd> nodesOf(const Representation& code) {
+  const Dictionary& dictionary = *code.dictionary;
+  Eigen::MatrixXd nodes(dictionary.nodeCount(), kCodeCount);
+  Eigen::VectorXd c(dictionary.nodeCount());
+  for (int n = 0; n < dictionary.nodeCount(); ++n) {
+    for (int k = 0; k < kCodeCount; ++k) nodes(n, k) = dictionary.row(k)[n];
+    c(n) = dictionary.row(kCodeCount)[n];
+  }
+  return {nodes, c};
+}
+
+// The fits that the order is made from, as codes of the ordered dictionary: the same logits in other numbers. There the mean of the codes
+// is 0, that of the equations is the identity up to units, and what matters most comes first.
 TEST(OrderCodes, MakesTheMeanEquationsTheIdentityUpToUnits) {
+  GeneratorNetwork network = codeNetwork(kResolution, 1);
+  torch::Tensor codes = codesOf(network);
+  {
+    const torch::NoGradGuard guard;
+    network->deviations().copy_(codes.std(0, false));
+  }
+  const Representation before = representationOf(network);
+  CodeFit fit;
+  for (int n = 0; n < kFunctions; ++n) {
+    const WeightingFunction function = decodeFunction(data().function(n), pointOrder(before), CodeOrderingOptions{}.dark_weight);
+    fit.iterate(before, function, {.iterations = 12, .prior = 1e-5}, kCodeCount, codes.data_ptr<float>() + n * kCodeCount);
+  }
+  orderCodes(data(), codeBasis(), allFunctions(), &network);
+  const Representation after = representationOf(network);
+  const auto [old_nodes, old_c] = nodesOf(before);
+  const auto [nodes, c] = nodesOf(after);
+  const auto solver = nodes.colPivHouseholderQr();
+
+  Eigen::MatrixXd equations = Eigen::MatrixXd::Zero(kCodeCount, kCodeCount);
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(kCodeCount), square = mean;
+  CodeEquations one;
+  CodeFitOptions without_prior;
+  without_prior.prior = 0.0;
+  for (int n = 0; n < kFunctions; ++n) {
+    const Eigen::VectorXd old = Eigen::Map<const Eigen::VectorXf>(codes.data_ptr<float>() + n * kCodeCount, kCodeCount).cast<double>();
+    const Eigen::VectorXd z = solver.solve(old_nodes * old + old_c - c);
+    const Eigen::VectorXf as_floats = z.cast<float>();
+    const WeightingFunction function = decodeFunction(data().function(n), pointOrder(after), CodeOrderingOptions{}.dark_weight);
+    fit.equationsAt(after, function, without_prior, as_floats.data(), &one);
+    equations += Eigen::Map<const Eigen::MatrixXf>(one.matrix.data(), kCodeCount, kCodeCount).cast<double>() / kFunctions;
+    mean += z / kFunctions;
+    square += z.cwiseAbs2() / kFunctions;
+  }
+  const Eigen::VectorXd unit = equations.diagonal().cwiseSqrt(), deviation = square.cwiseSqrt();
+  // nodes are off by half a 127th of their row's largest in both dictionaries: a hundredth or two of what numbers do
+  constexpr double kOfBytes = 0.05;
+  for (int i = 0; i < kCodeCount; ++i) {
+    for (int k = 0; k < i; ++k) EXPECT_LT(std::fabs(equations(i, k)), kOfBytes * unit(i) * unit(k)) << i << ", " << k;
+    EXPECT_LT(std::fabs(mean(i)), kOfBytes * deviation(i)) << i;
+    EXPECT_NEAR(network->deviations()[i].item<double>(), deviation(i), kOfBytes * deviation(i)) << i;
+    if (i > 0) {
+      EXPECT_LT(unit(i) * deviation(i), (1.0 + kOfBytes) * unit(i - 1) * deviation(i - 1)) << i;
+    }
+  }
+  EXPECT_LT(unit(kCodeCount - 1) * deviation(kCodeCount - 1), 0.5 * unit(0) * deviation(0));
+}
+
+// 99 of 100 numbers of fits as bakes have them: of 80 functions all but one, and another where the dictionary's new bytes move it.
+TEST(OrderCodes, GivesUnitsInWhichAByteHoldsAllButAFewNumbers) {
   GeneratorNetwork network = orderedNetwork();
   const Representation code = representationOf(network);
   torch::Tensor codes = codesOf(network);
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kCodeCount, kCodeCount), square = sum;
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(kCodeCount), furthest = mean;
   CodeFit fit;
-  CodeEquations equations;
   for (int n = 0; n < kFunctions; ++n) {
-    float* z = codes.data_ptr<float>() + n * kCodeCount;
     const WeightingFunction function = decodeFunction(data().function(n), pointOrder(code), CodeOrderingOptions{}.dark_weight);
-    fit.iterate(code, function, {.iterations = 12}, kCodeCount, z);
-    fit.equationsAt(code, function, {}, z, &equations);
-    sum += Eigen::Map<const Eigen::MatrixXf>(equations.matrix.data(), kCodeCount, kCodeCount).cast<double>() / kFunctions;
-    const Eigen::VectorXd one = Eigen::Map<const Eigen::VectorXf>(z, kCodeCount).cast<double>();
-    mean += one / kFunctions;
-    square += one * one.transpose() / kFunctions;
-    furthest = furthest.cwiseMax(one.cwiseAbs());
+    fit.iterate(code, function, {.iterations = 12}, kCodeCount, codes.data_ptr<float>() + n * kCodeCount);
   }
-  const Eigen::VectorXd scale = sum.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd normal = scale.asDiagonal() * sum * scale.asDiagonal();
-  const Eigen::VectorXd variance = square.diagonal().cwiseQuotient(scale.cwiseAbs2());
-  for (int i = 0; i < kCodeCount; ++i) {
-    for (int k = 0; k < i; ++k) EXPECT_NEAR(normal(i, k), 0.0, 0.1) << i << ", " << k;
-    // the mean code is 0, what a byte holds reaches as far as fits go
-    const double deviation = std::sqrt(square(i, i));
-    EXPECT_LT(std::fabs(mean(i)), 0.2 * deviation) << i;
-    EXPECT_LT(furthest(i), 127.0) << i;
-    EXPECT_GT(furthest(i), 60.0) << i;
-    EXPECT_NEAR(network->deviations()[i].item<double>(), deviation, 0.2 * deviation) << i;
-    // what is left out of a code's end costs least
-    if (i > 0) {
-      EXPECT_LT(variance(i), 1.2 * variance(i - 1)) << i;
-    }
+  for (int k = 0; k < kCodeCount; ++k) {
+    const torch::Tensor magnitudes = codes.select(1, k).abs();
+    EXPECT_LE((magnitudes > 127.5).sum().item<int>(), 4) << k;
+    EXPECT_GT(magnitudes.max().item<float>(), 80.0f) << k;
   }
-  EXPECT_LT(variance(kCodeCount - 1), 0.2 * variance(0));
 }
 
 TEST(OrderCodes, GivesTheSameBytesOnAnyNumberOfThreads) {
@@ -144,20 +184,6 @@ TEST(GeneratorNetwork, RoundsItsDictionaryToWhatAFileHoldsWhateverItsNumbers) {
       for (int n = 0; n < first.nodeCount(); ++n) ASSERT_EQ(first.row(k)[n], second.row(k)[n]) << spread << ": " << k << ", " << n;
     }
   }
-}
-
-TEST(GeneratorNetwork, RoundsADictionaryOfManyLargeRowsSoThatSumsAreExact) {
-  GeneratorShape shape = codeShape(3);
-  shape.code_count = 128;
-  GeneratorNetwork network(shape, Theta(128, 0.0f), 6);
-  {
-    // all rows but one alike: of seven exponents below them sums would be beyond 2^24
-    const torch::NoGradGuard guard;
-    network->dictionary().select(1, 5).mul_(1.0 / 128);
-  }
-  Representation code;
-  ASSERT_TRUE(findRepresentation("code128", &code));
-  EXPECT_EQ(whatIsWrong(network->toData(code, codeBasis()).representation.dictionary->data()), "");
 }
 
 }  // namespace
