@@ -13,7 +13,7 @@ struct LevenbergMarquardtOptions {
   int hessian_points = 2000;         // networks: valid points that J^T J is summed over, other ones in every iteration
   double gradient_tolerance = 1e-9;  // ends when max |J^T r| / valid points falls below
   double progress_tolerance = 1e-6;  // ends when three accepted iterations in a row lower the loss by less than this share
-  double code_prior = CodeFitOptions().prior;            // codes (code_fit.h)
+  double code_prior = CodeFitOptions().prior;          // codes (code_fit.h)
   bool code_all_points = CodeFitOptions().all_points;  // the same
 };
 

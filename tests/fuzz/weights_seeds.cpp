@@ -21,8 +21,8 @@ std::vector<GeneratorLayer> smallLayers(int input_count, int output_count, int l
 // The smallest of a code: nodes of 0.
 SharedDictionary smallDictionary(int code_count) {
   const auto K = static_cast<size_t>(code_count);
-  return std::make_shared<const Dictionary>(DictionaryData{3, code_count, std::vector<int8_t>((K + 1) * 27), std::vector<int8_t>(K + 1),
-                                                           std::vector<float>(K, 1.0f)});
+  return std::make_shared<const Dictionary>(
+      DictionaryData{3, code_count, std::vector<int8_t>((K + 1) * 27), std::vector<int8_t>(K + 1), std::vector<float>(K, 1.0f)});
 }
 
 GeneratorData smallGenerator(const char* representation, int component_count, int layer_count, int width) {

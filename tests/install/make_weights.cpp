@@ -1,11 +1,16 @@
 // Writes a weights file of random numbers: make_weights PATH REPRESENTATION. It loads, and nothing it yields needs no refinement.
 #include <fstream>
 
+#include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 int main(int argc, char** argv) {
   nlg::Representation representation;
   if (argc != 3 || !nlg::findRepresentation(argv[2], &representation)) return 2;
+  if (representation.isCode()) {
+    const int count = representation.code_count;
+    representation = nlg::Representation::code(std::make_shared<const nlg::Dictionary>(nlg::sampleDictionaryData(9, count, 1)));
+  }
   std::ofstream stream(argv[1], std::ios::binary);
   stream << nlg::serializeWeights(nlg::weightsFromGenerator(nlg::sampleGenerator(representation, 24, 3, 1)));
   return stream.flush() ? 0 : 1;

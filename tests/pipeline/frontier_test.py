@@ -17,7 +17,8 @@ TOOLS = Tools(sys.argv[1])
 expect = TOOLS.check
 MAKE_WEIGHTS, MAKE_NARROW_SHARD = (os.path.abspath(path) for path in sys.argv[2:4])
 TINY = ["--functions", "7", "--repeats", "2", "--corrected-lm-steps", "1,2", "--corrected-adam-steps", "2", "--direct-lm-steps", "2,3", "--direct-adam-steps", "64"]
-GOOD = ["--weights", "tent_mlp.safetensors", "pf3.safetensors", "pf5.safetensors", "--held-out", "one.h5", "two.h5", *TINY]
+GOOD = ["--weights", "tent_mlp.safetensors", "pf3.safetensors", "pf5.safetensors", "code16.safetensors", "--held-out", "one.h5", "two.h5", *TINY]
+NAMES = ["tent_mlp", "pf3", "pf5", "code16"]
 POPULATIONS = ["all", "theta", "hard"]
 WORDS = ["network", "corrected", "fitted", "stored"]
 
@@ -70,7 +71,7 @@ def check_point(point, keys, result):
 
 def check_speeds(result, key, population, keys):
     """Of every representation all four words, each with the figures of its point, and a ratio or a reason."""
-    expect(set(result[key]) == {"tent_mlp", "pf3", "pf5"}, f"{key}: {set(result[key])}")
+    expect(set(result[key]) == set(NAMES), f"{key}: {set(result[key])}")
     for name, words in result[key].items():
         expect(list(words) == WORDS, f"{key}, {name}: {list(words)}")
         for word, speed in words.items():
@@ -86,9 +87,10 @@ def check_speeds(result, key, population, keys):
 def check_families(points):
     fits = {"lm_from_corrected": 2, "adam_from_corrected": 1, "lm_from_theta0": 2, "adam_from_theta0": 1, "adam_from_random": 1}
     count = {**fits, **{family + "_gated": number for family, number in fits.items() if "corrected" not in family}}
-    for name in ["tent_mlp", "pf3", "pf5"]:
+    of_codes = {"lm_from_random": 2, "lm_from_random_gated": 2}
+    for name in NAMES:
         own = [point for point in points if point["representation"] == name]
-        for family, wanted in count.items():
+        for family, wanted in {**count, **(of_codes if name == "code16" else {})}.items():
             found = [point["budget"] for point in own if point["family"] == family]
             expect(len(found) == wanted, f"{name}, {family}: budgets {found}")
         stages = [point for point in own if point["family"] == "stages"]
@@ -142,7 +144,7 @@ def check_bad_input(tools):
 def make_inputs(tools):
     for name, scene, flags in [("one", "house:1", "--held-out"), ("two", "house:2", "--held-out"), ("training", "house:3", "")]:
         tools.must(f"nlg-datagen --scene {scene} --max-functions 8 --test-points 64 {flags} --out {name}.h5")
-    for name in ("tent_mlp", "pf3", "pf5"):
+    for name in NAMES:
         tools.must([MAKE_WEIGHTS, f"{name}.safetensors", name])
     tools.must([MAKE_NARROW_SHARD, "narrow.h5"])
 

@@ -43,7 +43,8 @@ struct Fits {
   FitResult fit(const WeightingFunction& function, const Theta& from, int steps, bool is_gated, bool is_fresh) const {
     if (method == Method::adam) {
       return fitAdam(representation(), function, from,
-                     start == Start::random && is_fresh ? randomStartAdam(representation(), steps) : refinementAdam(representation(), steps));
+                     start == Start::random && is_fresh ? randomStartAdam(representation(), steps)
+                                                        : refinementAdam(representation(), steps));
     }
     LevenbergMarquardtOptions lm = refinementLevenbergMarquardt(representation(), steps);
     if (is_gated) lm.progress_tolerance = kGatedProgress;

@@ -36,7 +36,8 @@ std::vector<NamedFunction> wallFunctions(int count) {
   std::vector<NamedFunction> functions;
   for (int i = 0; i < count; ++i) {
     const double distance = 0.05 + 0.7 * i / std::max(1, count - 1);
-    functions.push_back({fmt::format("wall {} at {:.2f}", 20 + i, distance), functionBesideWall(static_cast<uint64_t>(20 + i), distance)});
+    functions.push_back(
+        {fmt::format("wall {} at {:.2f}", 20 + i, distance), functionBesideWall(static_cast<uint64_t>(20 + i), distance)});
   }
   return functions;
 }
@@ -50,7 +51,8 @@ std::vector<NamedFunction> stiffFunctions() {
   functions.push_back({"all points in one corner", sampleFunction(bare, [](int p) {
                          return *std::min_element(pointAt(p).begin(), pointAt(p).end()) > 0.6f;
                        })});
-  functions.push_back({"every second point dark", sampleFunction([&](int p) { return mixSeed(5, static_cast<uint64_t>(p)) & 1 ? bare(p) : 0.0; })});
+  functions.push_back({"every second point dark",
+                       sampleFunction([&](int p) { return mixSeed(5, static_cast<uint64_t>(p)) & 1 ? bare(p) : 0.0; })});
   return functions;
 }
 
@@ -98,7 +100,8 @@ struct OneCode {
   }
 };
 
-OneCode fitFromStarts(const NamedGenerator& named, const StoredFunction& stored, const std::string& what, StabilityFigures* figures) {
+OneCode fitFromStarts(const NamedGenerator& named, const StoredFunction& stored, const std::string& what,
+                      StabilityFigures* figures) {
   const Representation& code = named.generator.representation();
   const WeightingFunction function = decodeFunction(stored, pointOrder(code), CheckOptions().dark_weight);
   CodeFit fit;
@@ -109,9 +112,11 @@ OneCode fitFromStarts(const NamedGenerator& named, const StoredFunction& stored,
     if (start > 1) z = randomTheta(code, static_cast<uint64_t>(start));
     for (float& number : z) number *= start < kNearStarts ? 1.0f : kFarOut;
     const double before = functionRmse(code, function, z.data());
-    const FitResult end = fit.iterate(code, function, {.iterations = kIterations, .progress_tolerance = kProgress, .all_points = true},
-                                      code.code_count, z.data());
-    figures->require(allFinite(z) && std::isfinite(end.rmse) && end.rmse <= before, fmt::format("{} from start {} got worse", what, start));
+    const FitResult end =
+        fit.iterate(code, function, {.iterations = kIterations, .progress_tolerance = kProgress, .all_points = true},
+                    code.code_count, z.data());
+    figures->require(allFinite(z) && std::isfinite(end.rmse) && end.rmse <= before,
+                     fmt::format("{} from start {} got worse", what, start));
     result.ends.push_back({std::move(z), end.rmse});
   }
   return result;
@@ -135,8 +140,8 @@ void measureOneCode(const StabilityInputs& inputs, StabilityFigures* figures) {
       worst_network = std::max(worst_network, fits.ends[1].rmse / least);
       worst_of_all = std::max(worst_of_all, most / least);
       if (fits.together(kStarts) < kStarts) {
-        figures->remark(fmt::format("exception: {}, {} of {} starts at one code, errors {:.4f} to {:.4f}", what, fits.together(kStarts),
-                                    kStarts, least, most));
+        figures->remark(fmt::format("exception: {}, {} of {} starts at one code, errors {:.4f} to {:.4f}", what,
+                                    fits.together(kStarts), kStarts, least, most));
       }
     }
   }
@@ -232,15 +237,18 @@ void measureConditions(const StabilityInputs& inputs, StabilityFigures* figures)
 std::vector<StabilityCase> codeCases() {
   return {
       {"optimisers", "codes from ten starts",
-       "from zero, the network's code, six random codes and two far ones no fit of all points ends worse than it began; from zero and from "
-       "the network it ends at most at 1.5 times the least error that any start reaches; functions that do not end at one code to half a "
+       "from zero, the network's code, six random codes and two far ones no fit of all points ends worse than it began; from "
+       "zero and from "
+       "the network it ends at most at 1.5 times the least error that any start reaches; functions that do not end at one code "
+       "to half a "
        "byte's step are named",
        StabilityDepth::brief, true, measureOneCode, true},
       {"optimisers", "codes, fits as bakes have them",
-       "a bake's fit from the network's code ends at most at 1.5 times the error of a minimum", StabilityDepth::brief, true, measureBakedFits,
-       true},
+       "a bake's fit from the network's code ends at most at 1.5 times the error of a minimum", StabilityDepth::brief, true,
+       measureBakedFits, true},
       {"optimisers", "codes, condition of their equations",
-       "of walls, of functions that are dark or lit everywhere, of one valid point, of points in one corner and of noise the equations with "
+       "of walls, of functions that are dark or lit everywhere, of one valid point, of points in one corner and of noise the "
+       "equations with "
        "their prior are solvable in float, and no fit ends worse than it began",
        StabilityDepth::brief, true, measureConditions, true},
   };

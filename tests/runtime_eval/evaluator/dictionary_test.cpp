@@ -31,7 +31,8 @@ Theta wideCode(int count, uint64_t seed) {
 float logitInOrder(const DictionaryData& data, const Theta& z, int length, int node) {
   const int nodes = data.resolution * data.resolution * data.resolution;
   const auto numberOf = [&](int row) {
-    return std::ldexp(static_cast<double>(data.nodes[static_cast<size_t>(row * nodes + node)]), data.exponents[static_cast<size_t>(row)]);
+    return std::ldexp(static_cast<double>(data.nodes[static_cast<size_t>(row * nodes + node)]),
+                      data.exponents[static_cast<size_t>(row)]);
   };
   auto sum = static_cast<float>(numberOf(data.code_count));
   for (int k = 0; k < length; ++k) sum = static_cast<float>(double{sum} + double{z[static_cast<size_t>(k)]} * numberOf(k));
@@ -282,7 +283,8 @@ TEST(FitTables, HoldTheRowsAtTheSupportPointsAndTheirTentSquares) {
     const Dictionary::FitTables& tables = dictionary->fitTables();
     double largest_row = 0.0;
     for (int k = 0; k < 16; ++k) {
-      for (int n = 0; n < dictionary->nodeCount(); ++n) largest_row = std::max<double>(largest_row, std::fabs(dictionary->row(k)[n]));
+      for (int n = 0; n < dictionary->nodeCount(); ++n)
+        largest_row = std::max<double>(largest_row, std::fabs(dictionary->row(k)[n]));
     }
     std::vector<double> squares(16 * 16, 0.0);
     for (int place = 0; place < order.placeCount(); ++place) {
@@ -298,7 +300,8 @@ TEST(FitTables, HoldTheRowsAtTheSupportPointsAndTheirTentSquares) {
       }
       for (int k = 0; k < 16; ++k) {
         // weights of three shares, each off by the rounding of a coordinate up to r - 1; sums of eight
-        ASSERT_NEAR(tables.at_places[static_cast<size_t>(place * 16 + k)], row[k], 3 * (resolution + 16) * kFloatRounding * largest_row)
+        ASSERT_NEAR(tables.at_places[static_cast<size_t>(place * 16 + k)], row[k],
+                    3 * (resolution + 16) * kFloatRounding * largest_row)
             << resolution << "³, place " << place << ", " << k;
       }
       const double tent = order.points.tent[place];

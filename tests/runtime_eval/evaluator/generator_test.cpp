@@ -298,11 +298,13 @@ TEST(GeneratorWeights, RefuseDictionariesOutOfRange) {
     return statusOf(file);
   };
   for (const char* text : {"", "0", "1", "2", "11", "5.5", "-5", "1e9", "5 ", "nan"}) {
-    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.metadata["dictionary_resolution"] = text; }), FileStatus::value_out_of_range) << text;
+    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.metadata["dictionary_resolution"] = text; }), FileStatus::value_out_of_range)
+        << text;
   }
   // not of these nodes
   for (const char* text : {"4", "6", "9"}) {
-    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.metadata["dictionary_resolution"] = text; }), FileStatus::tensor_unexpected) << text;
+    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.metadata["dictionary_resolution"] = text; }), FileStatus::tensor_unexpected)
+        << text;
   }
   // 4³ nodes, all there
   EXPECT_EQ(statusWith([](WeightsFile& f) {
@@ -314,15 +316,18 @@ TEST(GeneratorWeights, RefuseDictionariesOutOfRange) {
   // nodes and exponents are whole numbers of a byte
   for (const char* name : {"dictionary.nodes", "dictionary.exponents"}) {
     for (const float value : {0.5f, -0.25f, 128.0f, -128.0f, 1e9f, 1e30f}) {
-      EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors[name].values[7] = value; }), FileStatus::value_out_of_range) << name << ": " << value;
+      EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors[name].values[7] = value; }), FileStatus::value_out_of_range)
+          << name << ": " << value;
     }
   }
   for (const float exponent : {25.0f, -25.0f, 127.0f, -127.0f}) {
-    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors["dictionary.exponents"].values[3] = exponent; }), FileStatus::value_out_of_range)
+    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors["dictionary.exponents"].values[3] = exponent; }),
+              FileStatus::value_out_of_range)
         << exponent;
   }
   for (const float deviation : {0.0f, -1.0f, 1e-30f, 1e30f}) {
-    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors["dictionary.deviations"].values[3] = deviation; }), FileStatus::value_out_of_range)
+    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors["dictionary.deviations"].values[3] = deviation; }),
+              FileStatus::value_out_of_range)
         << deviation;
   }
   // a code has no last layer that could be solved

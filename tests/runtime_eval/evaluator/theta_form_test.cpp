@@ -103,8 +103,10 @@ TEST(RoundTheta, IsWhatAFileGivesBack) {
     size_t bytes = 0;
     for (uint64_t seed = 0; seed < 5; ++seed) {
       // codes of every length and of several steps
-      rounded.push_back(randomThetaOf(representation, (representation.isCode() ? 60.0 : 0.3) * static_cast<double>(seed + 1), seed));
-      if (representation.isCode()) std::fill(rounded.back().begin() + static_cast<ptrdiff_t>(3 * seed), rounded.back().end(), 0.0f);
+      rounded.push_back(
+          randomThetaOf(representation, (representation.isCode() ? 60.0 : 0.3) * static_cast<double>(seed + 1), seed));
+      if (representation.isCode())
+        std::fill(rounded.back().begin() + static_cast<ptrdiff_t>(3 * seed), rounded.back().end(), 0.0f);
       ASSERT_TRUE(roundTheta(representation, ThetaPrecision::int8, rounded.back().data()));
       packTheta(representation, rounded.back().data(), &packed);
       bytes += storedThetaBytes(representation, ThetaPrecision::int8, rounded.back().data());
@@ -160,8 +162,13 @@ TEST(RoundTheta, RefusesWhatFloat16CannotHoldAndLeavesIt) {
 
 TEST(RoundTheta, RoundsACodeToBytesOfTheLeastStepThatHoldsIt) {
   const Representation code = Representation::code(sampleDictionary(3, 16, 1));
-  for (const auto& [largest, step] :
-       {std::pair{127.0f, 1.0f}, {127.4f, 2.0f}, {254.0f, 2.0f}, {255.0f, 4.0f}, {-3000.0f, 32.0f}, {16256.0f, 128.0f}, {1e6f, 128.0f}}) {
+  for (const auto& [largest, step] : {std::pair{127.0f, 1.0f},
+                                      {127.4f, 2.0f},
+                                      {254.0f, 2.0f},
+                                      {255.0f, 4.0f},
+                                      {-3000.0f, 32.0f},
+                                      {16256.0f, 128.0f},
+                                      {1e6f, 128.0f}}) {
     Theta theta = randomThetaOf(code, 20.0, 3);
     theta[3] = largest;
     const Theta before = theta;

@@ -70,7 +70,8 @@ TEST(CodeLoss, EqualsTheFormulasInDoubleOnEveryTarget) {
         float by_z[16];
         // values are off by some 100 roundings of logits of up to 32; a sum of a cell has at most 1024 more
         const double relative = 4096 * kFloatRounding;
-        EXPECT_NEAR(codeLossAndGradient(*dictionary, function.phi.data(), function.mask.data(), z.data(), by_z), sum, relative * sum);
+        EXPECT_NEAR(codeLossAndGradient(*dictionary, function.phi.data(), function.mask.data(), z.data(), by_z), sum,
+                    relative * sum);
         EXPECT_NEAR(codeLoss(*dictionary, function.phi.data(), function.mask.data(), z.data()), sum, relative * sum);
         for (int k = 0; k < 16; ++k) EXPECT_NEAR(by_z[k], gradient[k], relative * magnitude[k]) << k;
       });
@@ -136,8 +137,10 @@ TEST(CodeEquations, AreThoseOfFiniteDifferencesButForPointsThatTheSigmoidHasShut
       missing += whole[i * (kCount + 1)] - bare.matrix[i * (kCount + 1)];
       for (int k = 0; k < kCount; ++k) {
         EXPECT_EQ(equations.matrix[i * kCount + k], equations.matrix[k * kCount + i]) << i << ", " << k;
-        const double prior = i == k ? CodeFitOptions{}.prior / (double{dictionary.deviations()[k]} * dictionary.deviations()[k]) : 0.0;
-        EXPECT_NEAR(equations.matrix[i * kCount + k], bare.matrix[i * kCount + k] + prior, 1e-6 * whole[i * (kCount + 1)]) << i << ", " << k;
+        const double prior =
+            i == k ? CodeFitOptions{}.prior / (double{dictionary.deviations()[k]} * dictionary.deviations()[k]) : 0.0;
+        EXPECT_NEAR(equations.matrix[i * kCount + k], bare.matrix[i * kCount + k] + prior, 1e-6 * whole[i * (kCount + 1)])
+            << i << ", " << k;
         EXPECT_NEAR(bare.matrix[i * kCount + k], whole[i * kCount + k], left_out + 1e-4 * trace) << i << ", " << k;
       }
     }
@@ -157,7 +160,8 @@ TEST(CodeFit, NeverEndsAboveItsStart) {
         for (const float size : {0.0f, 1.0f, 30.0f, 1e4f, 1e-42f}) {
           Theta start = randomTheta(code, seed);
           for (float& number : start) number *= size;
-          for (const CodeFitOptions& options : {CodeFitOptions{}, CodeFitOptions{.iterations = 2}, CodeFitOptions{.is_ramped = false}}) {
+          for (const CodeFitOptions& options :
+               {CodeFitOptions{}, CodeFitOptions{.iterations = 2}, CodeFitOptions{.is_ramped = false}}) {
             const std::string what = "seed " + std::to_string(seed) + ", size " + std::to_string(size) + ", dark " +
                                      std::to_string(dark_weight) + (options.is_ramped ? "" : ", not ramped");
             const FitResult result = fitted(code, function, start, options);
@@ -239,7 +243,8 @@ TEST(CodeFit, FindsWhatItsOwnDictionaryMade) {
   const Representation code = sampleCodeOf(9, 32, 15);
   const WeightingFunction bare = tentFunction(pointOrder(code));
   double tent_square = 0.0;
-  for (size_t i = 0; i < bare.phi.size(); ++i) tent_square += double{bare.mask[i]} * bare.phi[i] * bare.phi[i] / kSupportPointCount;
+  for (size_t i = 0; i < bare.phi.size(); ++i)
+    tent_square += double{bare.mask[i]} * bare.phi[i] * bare.phi[i] / kSupportPointCount;
   for (uint64_t seed = 1; seed < 9; ++seed) {
     Random random(seed);
     const Theta made = sampleCode(*code.dictionary, 32, random);
@@ -250,7 +255,8 @@ TEST(CodeFit, FindsWhatItsOwnDictionaryMade) {
     double over = 0.0;
     for (int k = 0; k < 32; ++k) over += std::pow(made[k] / code.dictionary->deviations()[k], 2);
     const double bytes = functionRmse(code, function, made.data()), rounding = step / 2 / 4;
-    const double bound = std::sqrt(bytes * bytes + 2 * rounding * rounding * tent_square + CodeFitOptions{}.prior * over / kSupportPointCount);
+    const double bound =
+        std::sqrt(bytes * bytes + 2 * rounding * rounding * tent_square + CodeFitOptions{}.prior * over / kSupportPointCount);
     for (const Theta& start : {Theta(32, 0.0f), randomTheta(code, seed + 50)}) {
       EXPECT_LT(fitted(code, function, start, {.iterations = 40, .progress_tolerance = 1e-6}).rmse, bound) << "seed " << seed;
     }
@@ -271,7 +277,8 @@ TEST(CodeFit, EndsAtOneCodeFromTenStarts) {
       // the last of them far out
       for (float& number : from) number *= start > 7 ? 3.0f : 1.0f;
       const Theta end = fitted(code, function, from, options).theta;
-      for (int k = 0; k < 16; ++k) EXPECT_NEAR(end[k], first[k], 0.5) << "seed " << seed << ", start " << start << ", number " << k;
+      for (int k = 0; k < 16; ++k)
+        EXPECT_NEAR(end[k], first[k], 0.5) << "seed " << seed << ", start " << start << ", number " << k;
     }
   }
 }
@@ -289,8 +296,10 @@ TEST(CodeFit, OfAllPointsEndsWhereNothingLeadsDown) {
       const double deviation = code.dictionary->deviations()[k];
       double slope = 2.0 * options.prior * end.theta[k] / (deviation * deviation), magnitude = std::fabs(slope);
       for (int place = 0; place < order.placeCount(); ++place) {
-        const double sigmoid = 1.0 / (1.0 + std::exp(-at.logits[place])), tent = order.points.tent[place], weight = function.mask[place];
-        const double by_z = 2.0 * weight * weight * (tent * sigmoid - function.phi[place]) * tent * sigmoid * (1.0 - sigmoid) * at.rows[place][k];
+        const double sigmoid = 1.0 / (1.0 + std::exp(-at.logits[place])), tent = order.points.tent[place],
+                     weight = function.mask[place];
+        const double by_z =
+            2.0 * weight * weight * (tent * sigmoid - function.phi[place]) * tent * sigmoid * (1.0 - sigmoid) * at.rows[place][k];
         slope += by_z;
         magnitude += std::fabs(by_z);
       }
@@ -305,7 +314,8 @@ TEST(CodeFit, SaysWhyItEnded) {
   const WeightingFunction function = functionOf(code, wallSample(35));
   EXPECT_EQ(fitted(code, function, Theta(16, 0.0f), {.iterations = 3}).stop, FitStop::budget);
   EXPECT_EQ(fitted(code, function, Theta(16, 0.0f), {.iterations = 300}).stop, FitStop::progress);
-  const FitResult end = fitted(code, function, Theta(16, 0.0f), {.iterations = 1000, .progress_tolerance = 0.0, .all_points = true});
+  const FitResult end =
+      fitted(code, function, Theta(16, 0.0f), {.iterations = 1000, .progress_tolerance = 0.0, .all_points = true});
   EXPECT_EQ(end.stop, FitStop::damping);
   // … without a prior too
   CodeFitOptions free;

@@ -286,7 +286,8 @@ TEST(FitDirect, IsTheBestOfItsCandidates) {
     const FitResult from_theta0 = adam(theta0, refinementAdam(tent_mlp, options.adam_steps));
     std::vector<FitResult> candidates = {levenberg(theta0), levenberg(from_theta0.theta)};
     for (int restart = 0; restart < options.restarts; ++restart) {
-      const FitResult fit = adam(randomTheta(tent_mlp, mixSeed(options.seed, restart)), randomStartAdam(tent_mlp, options.adam_steps));
+      const FitResult fit =
+          adam(randomTheta(tent_mlp, mixSeed(options.seed, restart)), randomStartAdam(tent_mlp, options.adam_steps));
       if (restart == 0) {
         EXPECT_EQ(result.adam_from_random.theta, fit.theta) << "seed " << seed;
       }

@@ -58,7 +58,8 @@ TEST(CodeMeanSquares, AreThoseOfTheFormulas) {
       for (int64_t row = 0; row < 4; ++row) {
         const double wanted = expected(network, z, row, batch, dark_weight);
         // sums of up to 8192 floats, each product of a few roundings
-        EXPECT_NEAR(got[row].item<double>(), wanted, 1e-4 * wanted) << "row " << row << ", batch " << batch << ", dark " << dark_weight;
+        EXPECT_NEAR(got[row].item<double>(), wanted, 1e-4 * wanted)
+            << "row " << row << ", batch " << batch << ", dark " << dark_weight;
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "runtime_eval/evaluator/theta_form.h"
+#include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/error.h"
 #include "validate/frontier/fit_points.h"
@@ -361,6 +362,29 @@ TEST(FitPoints, GiveProductFieldsAThirtySecondOfDirectAdamSteps) {
     if (point.family == "adam_from_random") budgets.push_back(*point.budget);
   }
   EXPECT_EQ(budgets, (std::vector<int>{1, 2, 10}));
+}
+
+// Of a code Levenberg–Marquardt runs from random starts too: what a start is worth is to be seen.
+TEST(FitPoints, OfACodeStartFromItsMeanAndAtRandom) {
+  const auto generator = sampleShared(Representation::code(sampleDictionary(5, 16, 1)));
+  const std::vector<PlotRun> direct = directFits(generator, {}, {{}, {}, {1, 16}, {320}}, 1);
+  std::map<std::string, std::vector<int>> budgets;
+  for (const PlotPoint& point : pointsOf(direct)) {
+    if (point.family.find("_gated") == std::string::npos) budgets[point.family].push_back(*point.budget);
+  }
+  const std::map<std::string, std::vector<int>> expected = {
+      {"lm_from_theta0", {1, 16}}, {"lm_from_random", {1, 16}}, {"adam_from_theta0", {10}}, {"adam_from_random", {10}}};
+  EXPECT_EQ(budgets, expected);
+  const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2}).front();
+  for (const char* family : {"lm_from_theta0", "lm_from_random"}) {
+    const std::vector<FittedFunction> first = runPoint(direct, block, family, 1), last = runPoint(direct, block, family, 16);
+    for (size_t i = 0; i < first.size(); ++i) {
+      const Representation& code = first[i].representation;
+      const WeightingFunction function = decodeFunction(block.stored[i], pointOrder(code));
+      EXPECT_LE(functionRmse(code, function, last[i].theta.data()), functionRmse(code, function, first[i].theta.data()))
+          << family << ", " << i;
+    }
+  }
 }
 
 TEST(ChoicePoint, IsThePolicyOverSeveralGenerators) {
