@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
   if (argc != 3 || !nlg::findRepresentation(argv[2], &representation)) return 2;
   if (representation.isCode()) {
     const int count = representation.code_count;
-    representation = nlg::Representation::code(std::make_shared<const nlg::Dictionary>(nlg::sampleDictionaryData(9, count, 1)));
+    representation = nlg::Representation::code(nlg::sampleDictionary(9, count, 1));
   }
   std::ofstream stream(argv[1], std::ios::binary);
   stream << nlg::serializeWeights(nlg::weightsFromGenerator(nlg::sampleGenerator(representation, 24, 3, 1)));

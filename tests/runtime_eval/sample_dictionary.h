@@ -57,7 +57,7 @@ inline std::vector<Representation> sampleRepresentations() {
   std::vector<Representation> all;
   for (const char* name : kRepresentationNames) {
     Representation& one = all.emplace_back();
-    EXPECT_TRUE(findRepresentation(name, &one)) << name;
+    if (!findRepresentation(name, &one)) throw std::logic_error(name);
     if (one.isCode()) one = Representation::code(sampleDictionary(9, one.code_count, 1));
   }
   return all;
