@@ -41,6 +41,7 @@ These are trained generators, one a representation: a way to store a weighting f
 | `tent_mlp44` | the tent times the sigmoid of a network of 3 → 4 → 4 → 1 units |
 | `tent_mlp4` | the tent times the sigmoid of a network of 3 → 4 → 1 units |
 | `pf3` … `pf9` | a product field: two grids of 3³ … 9³ nodes, interpolated; one is clamped, the other goes through a sigmoid, and they are multiplied |
+| `code16` … `code128` | the tent times the sigmoid of a sum of so many logits: all functions share them, and θ says how much of each. A function stores as many as it needs |
 
 Each comes from a run of the pipeline. `ship_weights.sh` puts it here with its card:
 

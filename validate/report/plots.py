@@ -24,7 +24,8 @@ NAMES = {"tent": "bare tent", "network": "network", "corrected": "corrected", "f
 POPULATION_NAMES = {"theta": "functions that take a θ", "hard": "hard functions", "all": "all distinct functions"}
 REPRESENTATIONS = {"mlp": ("#1d232a", "s"), "tent_mlp": ("#0b4f9c", "o"), "tent_mlp44": ("#118a7e", "^"),
                    "tent_mlp4": ("#7a3fb0", "v"), "pf3": ("#c08a00", "<"), "pf5": ("#d95f0e", ">"), "pf7": ("#b3173c", "p"),
-                   "pf9": ("#6b2d0f", "h")}
+                   "pf9": ("#6b2d0f", "h"), "code16": ("#7fbf7b", "D"), "code32": ("#4d9b4b", "D"), "code48": ("#2f7d32", "D"),
+                   "code64": ("#1b5e20", "D"), "code128": ("#0b3d10", "D")}
 OTHER_REPRESENTATION = (MUTED, "o")
 PANEL = (4.7, 3.15)  # inches; scaled to its column by the page
 
