@@ -108,8 +108,10 @@ def sizes_section(cards, entries):
     for card in cards:
         entry = entries.get(card["name"])
         sizes = [f"{size:,}" for size in entry["theta_bytes"].values()] if entry else ["", "", ""]
+        if entry and "stored_bytes_mean" in entry and card["name"].startswith("code"):
+            sizes[-1] = f"{entry['stored_bytes_mean']:.0f} on average"
         rows.append([f"`{card['name']}`", f"{card['numbers']:,}", *sizes, microseconds(entry["evaluate_us"]) if entry and "evaluate_us" in entry else "", f"{card['bytes'] / 1000:,.0f} kB", card["dtype"]])
-    return ("\n## Sizes\nBytes are those of one θ. int8 keeps the last layers of networks, and whole product fields, in float16.\n"
+    return ("\n## Sizes\nBytes are those of one θ. int8 keeps the last layers of networks, and whole product fields, in float16; a code takes as many numbers as its function needs.\n"
             + table(["", "numbers", "bytes in float32", "in float16", "in int8", "µs for one θ at 8,192 points", "file", "matrices in"], rows))
 
 

@@ -94,7 +94,7 @@ def sample(source, place):
 
 def representation(source, place):
     out = take(source, ["parameters", "theta_bytes", "weights_bytes", "weights_sha256", "stages"], place)
-    out.update({key: source[key] for key in ("evaluate_us", "convergence") if key in source})
+    out.update({key: source[key] for key in ("evaluate_us", "convergence", "stored_bytes_mean") if key in source})
     out.update({word: by_population(source[word], f"{place}.{word}") for word in STAGES})
     if "sample" in source:
         out["sample"] = sample(source["sample"], f"{place}.sample")

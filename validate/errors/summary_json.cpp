@@ -127,10 +127,23 @@ Json thetaBytesJson(const Representation& representation) {
   return json;
 }
 
+// Mean over the functions that take a theta: codes are as long as each function needs.
+static double meanStoredBytes(const ValidatedGenerator& validated) {
+  double sum = 0.0;
+  int64_t count = 0;
+  for (const MadeTheta& made : validated.policy.made) {
+    if (made.isBareTent()) continue;
+    sum += static_cast<double>(storedThetaBytes(validated.generator.representation(), ThetaPrecision::int8, made.theta.data()));
+    ++count;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
 Json representationJson(const ValidatedGenerator& validated, const FigureContext& context) {
   const Representation& representation = validated.generator.representation();
   Json json = {{"parameters", representation.thetaCount()},
                {"theta_bytes", thetaBytesJson(representation)},
+               {"stored_bytes_mean", meanStoredBytes(validated)},
                {"weights_bytes", std::filesystem::file_size(validated.path)},
                {"weights_sha256", fileSha256(validated.path)},
                {"evaluate_us", measureEvaluation(representation)},
