@@ -198,6 +198,23 @@ TEST(LightGridFile, HoldsOfCodesAndTheirDictionaryWhatIsNeeded) {
   EXPECT_EQ(bytesOf(read, {ThetaPrecision::int8}), bytes);
 }
 
+TEST(LightGridFile, HoldsCodesBeyondAByteInCoarserSteps) {
+  const Representation code = Representation::code(sampleDictionary(5, 16, 4));
+  LightGrid grid = gridOfCodes(code, {16, 8});
+  for (float& z : grid.theta) z *= 5.0f;
+  grid.makeBricks();
+  const std::string bytes = bytesOf(grid, {ThetaPrecision::int8});
+  LightGrid read;
+  ASSERT_TRUE(parse(bytes, &read).ok());
+  for (size_t f = 0; f < 2; ++f) ASSERT_TRUE(roundTheta(code, ThetaPrecision::int8, &grid.theta[grid.theta_begin[f]]));
+  grid.makeBricks();
+  EXPECT_EQ(read.theta, grid.theta);
+  EXPECT_EQ(read.quads, grid.quads);
+  const Place groups = placesIn(bytes)["theta.groups"];
+  EXPECT_GT(static_cast<uint8_t>(bytes[groups.begin]), kCodeExponentUnit);
+  EXPECT_EQ(bytesOf(read, {ThetaPrecision::int8}), bytes);
+}
+
 TEST(LightGridFile, HoldsAllNumbersOfACodeInFloats) {
   for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::float16}) {
     const LightGrid grid = gridOfCodes(Representation::code(sampleDictionary(5, 32, 4)), {32, 8});
@@ -249,8 +266,10 @@ TEST(LightGridFile, RefusesCodesAndDictionariesThatNoFileHas) {
   refused("a step of -128", FileStatus::value_out_of_range, "theta.steps: value 5", with("theta.steps", 5, int8_t{-128}));
   refused("an exponent out of range", FileStatus::value_out_of_range, "dictionary.0: exponents",
           with("dictionary.0.exponents", 3, int8_t{99}));
-  refused("sums that are not exact", FileStatus::value_out_of_range, "dictionary.0: exponents",
-          with("dictionary.0.exponents", 3, int8_t{20}));
+  spoilt = with("theta.groups", 0, static_cast<uint8_t>(2 + kCodeExponentUnit));
+  for (size_t k = 0; k < 16; ++k) put(spoilt, "theta.steps", k, int8_t{1});
+  refused("coarser steps than the code needs", FileStatus::value_out_of_range, "theta.groups: expected no group of zeros",
+          spoilt);
   spoilt = bytesOf(gridOfCodes(code, {16, 8}), {ThetaPrecision::float32});
   for (size_t i = 8; i < 16; ++i) put(spoilt, "theta", i, 0.0f);
   refused("rows that no code needs", FileStatus::tensor_unexpected, "dictionary.0.exponents: expected 9 values, got 17", spoilt);
