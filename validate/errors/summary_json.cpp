@@ -67,6 +67,18 @@ Json convergenceJson(const Convergence& convergence) {
           {"best_known_rmse_mean", convergence.best_known_rmse_mean}};
 }
 
+// Mean over the functions that take a theta: codes are as long as each function needs.
+double meanStoredBytes(const ValidatedGenerator& validated) {
+  double sum = 0.0;
+  int64_t count = 0;
+  for (const MadeTheta& made : validated.policy.made) {
+    if (made.isBareTent()) continue;
+    sum += static_cast<double>(storedThetaBytes(validated.generator.representation(), ThetaPrecision::int8, made.theta.data()));
+    ++count;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
 }  // namespace
 
 Json tauJson(const ValidateOptions& options) {
@@ -125,18 +137,6 @@ Json thetaBytesJson(const Representation& representation) {
     json[thetaPrecisionName(precision)] = thetaForm(representation, precision).bytes();
   }
   return json;
-}
-
-// Mean over the functions that take a theta: codes are as long as each function needs.
-static double meanStoredBytes(const ValidatedGenerator& validated) {
-  double sum = 0.0;
-  int64_t count = 0;
-  for (const MadeTheta& made : validated.policy.made) {
-    if (made.isBareTent()) continue;
-    sum += static_cast<double>(storedThetaBytes(validated.generator.representation(), ThetaPrecision::int8, made.theta.data()));
-    ++count;
-  }
-  return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
 Json representationJson(const ValidatedGenerator& validated, const FigureContext& context) {
