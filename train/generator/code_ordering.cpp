@@ -125,6 +125,7 @@ void orderCodes(const TrainingData& training, const BasisData& basis, const Code
   std::vector<Sample> samples;
   for (size_t i = 0; i < count; ++i) samples.push_back({.function = functions[i * functions.size() / count]});
   const torch::NoGradGuard guard;
+  (*network)->to(torch::kCPU);
   (*network)->deviations().copy_(predictedCodes(training, samples, *network).std(0, false).clamp_min(1e-3));
   const FittedCodes loose = fitAll(training, samples, codeOf(*network, basis), kLoosePrior, options, *network);
 

@@ -117,7 +117,7 @@ torch::Tensor GeneratorNetworkImpl::dictionaryAt(const PointSet& points, int fir
       *share++ = weight;
     }
   }
-  return (dictionary_.index_select(0, nodes) * shares).view({count, 8, dictionary_.size(1)}).sum(1);
+  return (dictionary_.cpu().index_select(0, nodes) * shares).view({count, 8, dictionary_.size(1)}).sum(1);
 }
 
 double GeneratorNetworkImpl::rateFactor(size_t parameter) const {

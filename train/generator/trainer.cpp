@@ -58,7 +58,8 @@ constexpr double kStartLeak = 0.25, kLeakEnd = 0.8;
 // Loss of each sample's code, at one batch of points for all of them.
 torch::Tensor codeLosses(const TrainOptions& options, const TrainingData& data, const std::vector<Sample>& samples,
                          TrainingState& state) {
-  const torch::Tensor z = state.network->forward(coefficientBatch(data, samples));
+  const torch::Device device = state.network->parameters().front().device();
+  const torch::Tensor z = state.network->forward(coefficientBatch(data, samples).to(device)).cpu();
   const double phase = static_cast<double>(state.step) / options.steps;
   const DictionaryLossOptions loss{kStartLeak * std::max(0.0, 1.0 - phase / kLeakEnd), options.dark_weight};
   const torch::Tensor mean_squares = codeMeanSquares(state.network, z, data, samples, samples.front().batch, loss);
