@@ -50,6 +50,8 @@ def check_short_form():
             check(case["figures"] and all(math.isfinite(value) for value in case["figures"].values()), f"{name}: figures {case['figures']}")
         else:
             check(not case["holds"] and not case["fails_check"] and case["note"].startswith("not run: "), f"{name} was not run and does not say so")
+    codes = {case["name"]: case["note"] for case in cases if case["name"].startswith("codes")}
+    check(codes and all(note == "not run: it needs --weights of a code" for note in codes.values()), f"codes without weights of any: {codes}")
     for group in GROUPS[:-1]:
         check(any(case["ran"] for case in cases if case["group"] == group), f"nothing of {group} ran")
     check(not any(case["ran"] for case in cases if case["group"] == "training"), "training cases ran without their file")
@@ -79,6 +81,7 @@ def check_refusals():
     check(stability("--only", "nothing", "--out", "x.json").returncode == USAGE_ERROR, "an unknown group is taken")
     check(stability("--short", "--long", "--out", "x.json").returncode == USAGE_ERROR, "--short with --long is taken")
     check(stability("--weights", "nowhere", "--out", "x.json").returncode == INPUT_ERROR, "weights that are not there are taken")
+    check(stability("--held-out", "nowhere", "--out", "x.json").returncode == INPUT_ERROR, "held-out shards that are not there are taken")
     with open("broken.json", "w") as file:
         file.write('{"cases":[{}]}')
     check(stability("--only", "training", "--training", "broken.json", "--out", "x.json").returncode == INPUT_ERROR, "a broken training file is taken")

@@ -10,6 +10,7 @@
 #include "runtime_eval/fit/code_fit.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/random.h"
+#include "validate/errors/populations.h"
 #include "validate/stability/extreme_function.h"
 
 namespace nlg {
@@ -122,36 +123,68 @@ OneCode fitFromStarts(const NamedGenerator& named, const StoredFunction& stored,
   return result;
 }
 
+// What ten starts come to, over many functions.
+class OneCodeCount {
+ public:
+  void add(const OneCode& fits, const std::string& what) {
+    const double least = fits.leastRmse();
+    ++functions_;
+    one_of_ten_ += fits.together(kStarts) == kStarts;
+    one_of_near_ += fits.together(kNearStarts) == kNearStarts;
+    zero_as_network_ += furthest(fits.ends[0].z, fits.ends[1].z) <= kRounding;
+    double most = 0.0;
+    for (const End& end : fits.ends) most = std::max(most, end.rmse);
+    worst_zero_ = std::max(worst_zero_, fits.ends[0].rmse / least);
+    worst_network_ = std::max(worst_network_, fits.ends[1].rmse / least);
+    worst_of_all_ = std::max(worst_of_all_, most / least);
+    if (fits.together(kStarts) < kStarts) {
+      exceptions_.push_back(fmt::format("{}: {} of {} starts at one code, errors {:.4f} to {:.4f}", what, fits.together(kStarts),
+                                        kStarts, least, most));
+    }
+  }
+
+  void report(StabilityFigures* figures) const {
+    figures->show("functions", functions_);
+    figures->show("functions_of_one_code_from_ten_starts", one_of_ten_);
+    figures->show("functions_of_one_code_without_far_starts", one_of_near_);
+    figures->show("functions_of_one_code_from_zero_and_the_network", zero_as_network_);
+    figures->atMost("error_from_zero_over_the_least", worst_zero_, kBestKnownFactor);
+    figures->atMost("error_from_the_network_over_the_least", worst_network_, kBestKnownFactor);
+    figures->show("error_from_any_start_over_the_least", worst_of_all_);
+    for (const std::string& exception : exceptions_) figures->remark("exception: " + exception);
+  }
+
+ private:
+  int functions_ = 0, one_of_ten_ = 0, one_of_near_ = 0, zero_as_network_ = 0;
+  double worst_zero_ = 1.0, worst_network_ = 1.0, worst_of_all_ = 1.0;
+  std::vector<std::string> exceptions_;
+};
+
 void measureOneCode(const StabilityInputs& inputs, StabilityFigures* figures) {
-  int functions = 0, one_of_ten = 0, one_of_near = 0, zero_as_network = 0;
-  double worst_zero = 1.0, worst_network = 1.0, worst_of_all = 1.0;
+  OneCodeCount count;
   for (const NamedGenerator* named : codesOf(inputs)) {
     for (const NamedFunction& function : wallFunctions(inputs.isBrief() ? 2 : 12)) {
       const std::string what = named->name + ", " + function.name;
-      const OneCode fits = fitFromStarts(*named, function.sampled.view(), what, figures);
-      const double least = fits.leastRmse();
-      ++functions;
-      one_of_ten += fits.together(kStarts) == kStarts;
-      one_of_near += fits.together(kNearStarts) == kNearStarts;
-      zero_as_network += furthest(fits.ends[0].z, fits.ends[1].z) <= kRounding;
-      double most = 0.0;
-      for (const End& end : fits.ends) most = std::max(most, end.rmse);
-      worst_zero = std::max(worst_zero, fits.ends[0].rmse / least);
-      worst_network = std::max(worst_network, fits.ends[1].rmse / least);
-      worst_of_all = std::max(worst_of_all, most / least);
-      if (fits.together(kStarts) < kStarts) {
-        figures->remark(fmt::format("exception: {}, {} of {} starts at one code, errors {:.4f} to {:.4f}", what,
-                                    fits.together(kStarts), kStarts, least, most));
-      }
+      count.add(fitFromStarts(*named, function.sampled.view(), what, figures), what);
     }
   }
-  figures->show("functions", functions);
-  figures->show("functions_of_one_code_from_ten_starts", one_of_ten);
-  figures->show("functions_of_one_code_without_far_starts", one_of_near);
-  figures->show("functions_of_one_code_from_zero_and_the_network", zero_as_network);
-  figures->atMost("error_from_zero_over_the_least", worst_zero, kBestKnownFactor);
-  figures->atMost("error_from_the_network_over_the_least", worst_network, kBestKnownFactor);
-  figures->show("error_from_any_start_over_the_least", worst_of_all);
+  count.report(figures);
+}
+
+void measureHeldOut(const StabilityInputs& inputs, StabilityFigures* figures) {
+  ValidateOptions sample;
+  sample.direct_functions = inputs.isBrief() ? 2 : 48;
+  const FunctionSet& set = *inputs.held_out;
+  const std::vector<uint64_t> functions = Populations(set, sample).sample();
+  OneCodeCount count;
+  for (const NamedGenerator* named : codesOf(inputs)) {
+    for (const uint64_t function : functions) {
+      const std::string what =
+          fmt::format("{}, function {} of {}", named->name, function, set.scene_ids[set.scene_idx[function]]);
+      count.add(fitFromStarts(*named, storedFunction(set, function), what, figures), what);
+    }
+  }
+  count.report(figures);
 }
 
 // Fits as bakes have them: few steps, of active points.
@@ -243,6 +276,9 @@ std::vector<StabilityCase> codeCases() {
        "to half a "
        "byte's step are named",
        StabilityDepth::brief, true, measureOneCode, true},
+      {"optimisers", "codes of held-out functions from ten starts",
+       "the same of functions of held-out levels, evenly over their scenes", StabilityDepth::brief, true, measureHeldOut, true,
+       true},
       {"optimisers", "codes, fits as bakes have them",
        "a bake's fit from the network's code ends at most at 1.5 times the error of a minimum", StabilityDepth::brief, true,
        measureBakedFits, true},

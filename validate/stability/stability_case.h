@@ -5,11 +5,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "datagen/dataset/function_set.h"
 #include "runtime_eval/evaluator/generator.h"
 
 namespace nlg {
@@ -31,6 +33,7 @@ struct NamedGenerator {
 struct StabilityInputs {
   StabilityDepth depth = StabilityDepth::full;
   std::vector<NamedGenerator> generators;
+  std::optional<FunctionSet> held_out;  // of the levels that figures are of
 
   bool isBrief() const { return depth == StabilityDepth::brief; }
 };
@@ -76,6 +79,7 @@ struct StabilityCase {
   bool needs_generators = false;
   std::function<void(const StabilityInputs&, StabilityFigures*)> measure;
   bool needs_codes = false;  // a code among the generators
+  bool needs_held_out = false;
 };
 
 // The cases in the table's order.

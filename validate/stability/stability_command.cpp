@@ -16,6 +16,7 @@
 #include "tool/provenance.h"
 #include "tool/require_read.h"
 #include "tool/tool_main.h"
+#include "validate/errors/held_out.h"
 #include "validate/stability/stability_case.h"
 
 namespace nlg {
@@ -26,9 +27,10 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<const char*, 6> kGroups = {"functions", "optimisers", "pca", "generator", "scenes", "training"};
 
 struct StabilityRequest {
-  std::vector<std::string> weights;  // exported generators; without any the cases that need them are not run
-  std::string training;              // what training_cases.py wrote; empty: the training cases are not run
-  std::string only;                  // one group; empty: all
+  std::vector<std::string> weights;   // exported generators; without any the cases that need them are not run
+  std::vector<std::string> held_out;  // shards; without any the case that takes their functions is not run
+  std::string training;               // what training_cases.py wrote; empty: the training cases are not run
+  std::string only;                   // one group; empty: all
   std::string out;
   StabilityDepth depth = StabilityDepth::full;
 };
@@ -64,7 +66,8 @@ struct StabilityTable {
 
 std::vector<StabilityCase> allCases() {
   std::vector<StabilityCase> all;
-  for (const auto& cases : {sampledFunctionCases(), wallCases(), fitCases(), codeCases(), pcaCases(), coefficientCases(), sceneCases()}) {
+  for (const auto& cases :
+       {sampledFunctionCases(), wallCases(), fitCases(), codeCases(), pcaCases(), coefficientCases(), sceneCases()}) {
     all.insert(all.end(), cases.begin(), cases.end());
   }
   return all;
@@ -83,6 +86,7 @@ StabilityInputs readInputs(const StabilityRequest& request) {
     const std::string name = representationName(data.representation);
     inputs.generators.push_back({name, std::move(generators[i]), std::move(data)});
   }
+  if (!request.held_out.empty()) inputs.held_out = readHeldOut(request.held_out);
   return inputs;
 }
 
@@ -93,6 +97,7 @@ std::string reasonToSkip(const StabilityCase& stability_case, const StabilityInp
   if (stability_case.needs_codes && std::none_of(inputs.generators.begin(), inputs.generators.end(), isCode)) {
     return "it needs --weights of a code";
   }
+  if (stability_case.needs_held_out && !inputs.held_out) return "it needs --held-out";
   if (stability_case.depth <= inputs.depth) return "";
   return stability_case.depth == StabilityDepth::lengthy ? "it needs --long" : "left out by --short";
 }
@@ -155,6 +160,7 @@ StabilityTable runAll(const StabilityRequest& request) {
 
 Json originOf(const StabilityRequest& request, const OptionTable& options) {
   std::map<std::string, std::string> inputs;
+  for (size_t i = 0; i < request.held_out.size(); ++i) inputs["held_out_" + std::to_string(i)] = fileSha256(request.held_out[i]);
   for (size_t i = 0; i < request.weights.size(); ++i) inputs["weights_" + std::to_string(i)] = fileSha256(request.weights[i]);
   if (!request.training.empty()) inputs["training"] = fileSha256(request.training);
   Json given = options.toJson();
@@ -165,6 +171,7 @@ Json originOf(const StabilityRequest& request, const OptionTable& options) {
 
 void run(const StabilityRequest& request, const OptionTable& options) {
   std::vector<std::string> inputs = request.weights;
+  inputs.insert(inputs.end(), request.held_out.begin(), request.held_out.end());
   inputs.push_back(request.training);
   refuseToReplaceInputs(request.out, inputs);
   requireOutputFile(request.out);
@@ -189,6 +196,8 @@ int stabilityMain(int argc, char** argv) {
   OptionTable table("stability");  // it has no options of a configuration
   app.add_option("--out", request.out, "the table to write (.json)")->required();
   app.add_option("--weights", request.weights, "exported generators; without any the cases that need them are not run");
+  app.add_option("--held-out", request.held_out,
+                 "shards of held-out scenes: codes are fitted to their functions from ten starts");
   app.add_option("--training", request.training, "what training_cases.py wrote: the training cases");
   app.add_option("--only", request.only, fmt::format("one group: {}", fmt::join(kGroups, ", ")));
   CLI::Option* short_flag = app.add_flag("--short", is_short, "some seconds: fewer cases, smaller ones");
