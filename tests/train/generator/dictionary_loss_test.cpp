@@ -5,6 +5,7 @@
 
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/code_network.h"
+#include "train/generator/trainer.h"
 
 namespace nlg {
 namespace {
@@ -133,6 +134,32 @@ TEST(DictionaryAt, IsTheTrilinearBlendOfTheNodes) {
     EXPECT_NEAR((table[i][kCodeCount] + table[i][3]).item<double>(), logitAt(network, one, 0, at), 1e-5) << i;
     one[0][3] = 0.0;
   }
+}
+
+// The dictionary is learned with the generator: on functions that training has not seen both together err less.
+TEST(TrainingOfCodes, LearnsADictionaryAndItsCodes) {
+  const TrainingData training(sampleSet(150, 1), codeBasis(), codeBasis()),
+      held_out(sampleSet(40, 5000), codeBasis(), codeBasis());
+  TrainOptions options;
+  options.steps = 400;
+  options.batch = 32;
+  options.learning_rate = 3e-3;
+  options.average_decay = 0.98;
+  options.shape = codeShape(5);
+  options.shape.output_scale = 1.0;  // codes count in steps
+  Representation code;
+  ASSERT_TRUE(findRepresentation("code16", &code));
+  TrainingState state = makeState(options, Theta(kCodeCount, 0.0f));
+  const torch::Tensor dictionary = state.network->dictionary().detach().clone();
+  const HeldOutError before = heldOutError(state.average, code, held_out, 40);
+  train(options, code, training, held_out, &state, [] {});
+  const HeldOutError after = heldOutError(state.average, code, held_out, 40);
+  EXPECT_LT(after.network, 0.7 * before.network);
+  EXPECT_FALSE(torch::equal(state.average->dictionary(), dictionary));
+  // from the same seed the same numbers
+  TrainingState again = makeState(options, Theta(kCodeCount, 0.0f));
+  train(options, code, training, held_out, &again, [] {});
+  EXPECT_TRUE(torch::equal(again.average->dictionary(), state.average->dictionary()));
 }
 
 }  // namespace
