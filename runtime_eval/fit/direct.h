@@ -10,7 +10,7 @@
 namespace nlg {
 
 struct DirectOptions {
-  int adam_steps = 32000;         // from theta0, and from every random start; product fields: a 32nd of it
+  int adam_steps = 32000;         // from theta0, and from every random start; product fields and codes: a 32nd of it
   int levenberg_iterations = 40;  // from theta0, and after every Adam
   int restarts = 2;               // random starts
   uint64_t seed = 1;
