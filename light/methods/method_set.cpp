@@ -260,7 +260,8 @@ void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, 
   const size_t first = methods_.size();
   const glm::dvec3& origin_m = scene_.transport.scene().origin_m;
   addBlends({name, std::make_unique<GridWeighting>(kept, origin_m), with_weight,
-             bytesOf(with_weight, bytes.theta + bytes.dictionaries + bytes.functions + bytes.probe_function), bake_s, nullptr, ways});
+             bytesOf(with_weight, bytes.theta + bytes.dictionaries + bytes.functions + bytes.probe_function), bake_s, nullptr,
+             ways});
   for (size_t m = first; m < methods_.size(); ++m) {
     LightGrid& lit = grids_.emplace_back(kept);
     lit.light = floatsOf(*methods_[m].probe_light);

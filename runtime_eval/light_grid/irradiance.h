@@ -49,7 +49,7 @@ inline bool isDirection(const float* normal_3) {
   return std::abs(normal_3[0]) <= kMaxNormal && std::abs(normal_3[1]) <= kMaxNormal && std::abs(normal_3[2]) <= kMaxNormal;
 }
 
-// Working memory of lookUpIrradiances, 1.2 MB: for any grid, for one thread at a time.
+// Working memory of lookUpIrradiances, 1.3 MB: for any grid, for one thread at a time.
 class LookUpScratch {
  public:
   LookUpScratch();

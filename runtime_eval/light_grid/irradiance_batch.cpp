@@ -93,14 +93,16 @@ struct CodeTile {
   alignas(64) uint32_t word[8 * kTilePadded];      // from the first of the brick
   alignas(64) uint32_t cell[2 * 8 * kTilePadded];  // the two words there
   alignas(64) float step[8 * kTilePadded];         // 0 where no brick is
-  size_t brick_count;
-  std::array<TileBrick, 8 * kTileSize> bricks;
   // of one corner of one run that is unlike the others
   BrickPlaces odd_places;
   alignas(64) uint32_t odd_word[kTilePadded], odd_cell[2 * kTilePadded];
+  std::array<TileBrick, 8 * kTileSize> bricks;
+  size_t brick_count;
 };
 
 struct LookUpScratch::Buffers {
+  CodeTile tile;
+
   // of a block, in the order of the list
   std::array<CellPlace, kPlacesAtOnce> places;
   alignas(64) float block_from_low[4 * kBlockSize];  // x, y, z, 0
@@ -124,8 +126,6 @@ struct LookUpScratch::Buffers {
   alignas(64) float stage[4 * (kStageSize + kMaxLanes)];  // local x, y, z, 0
   alignas(64) float value[kStageSize + kMaxLanes];
   PointSet field_points;  // of a segment, for product fields
-
-  CodeTile tile;
 
   Buffers() {
     std::fill_n(from_low, std::size(from_low), 0.0f);

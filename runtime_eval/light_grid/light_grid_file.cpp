@@ -250,7 +250,7 @@ uint32_t longFunction(uint16_t function) { return function == 0xffff ? kFreeSpac
 FileResult readProbeFunctions(const TensorFileReader& reader, bool is_short, std::vector<uint32_t>* probe_function) {
   if (!is_short) return reader.read("probe.function", probe_function);
   std::vector<uint16_t> functions;
-  const FileResult result = reader.read("probe.function", &functions);
+  FileResult result = reader.read("probe.function", &functions);
   std::transform(functions.begin(), functions.end(), std::back_inserter(*probe_function), longFunction);
   return result;
 }
@@ -377,7 +377,7 @@ FileResult readDictionaries(const TensorFileReader& reader, LightGrid* grid) {
 
 FileResult takeLightForm(GridMetadata* metadata, LightForm* form) {
   std::string text;
-  const FileResult result = takeText(metadata, "light", &text);
+  FileResult result = takeText(metadata, "light", &text);
   if (!result.ok() || findLightForm(text, form)) return result;
   return refuseText(FileStatus::value_out_of_range, "light", "none, sh2_float16, sh2_8bit, zh3_float16 or sh1_float16", text);
 }
