@@ -32,7 +32,8 @@ std::string stagesHelp(const PolicyOptions& options) {
     Representation representation;
     findRepresentation(name, &representation);
     text += std::string("  ") + name + '\n';
-    for (const StagePlan& plan : stagesOf({representation, representation.hasLinearOutput(), 0.0}, options)) text += "    " + describe(plan) + '\n';
+    for (const StagePlan& plan : stagesOf({representation, representation.hasLinearOutput(), 0.0}, options))
+      text += "    " + describe(plan) + '\n';
   }
   return text;
 }

@@ -76,7 +76,8 @@ void evaluatePointLogits(int resolution, const PointSet& points, const float* HW
   const FloatTag d;
   const hn::RebindToSigned<FloatTag> di;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const Floats half = hn::Set(d, 0.5f * static_cast<float>(resolution - 1)), most = hn::Set(d, static_cast<float>(resolution - 1));
+  const Floats half = hn::Set(d, 0.5f * static_cast<float>(resolution - 1)),
+               most = hn::Set(d, static_cast<float>(resolution - 1));
   const auto last = hn::Set(di, resolution - 2);
   // limited as an integer too: a position that is no number must not lead outside the brick
   const auto along = [&](const float* from, Floats* share) {
@@ -171,7 +172,8 @@ Dictionary::Dictionary(DictionaryData data) : data_(std::move(data)) {
   node_stride_ = brickStride(nodes);
   rows_.assign(static_cast<size_t>(codeCount() + 1) * node_stride_, 0.0f);
   for (int k = 0; k <= codeCount(); ++k) {
-    for (size_t n = 0; n < nodes; ++n) rows_[k * node_stride_ + n] = std::ldexp(static_cast<float>(data_.nodes[k * nodes + n]), data_.exponents[k]);
+    for (size_t n = 0; n < nodes; ++n)
+      rows_[k * node_stride_ + n] = std::ldexp(static_cast<float>(data_.nodes[k * nodes + n]), data_.exponents[k]);
   }
 }
 

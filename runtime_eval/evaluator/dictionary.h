@@ -65,7 +65,8 @@ class Dictionary {
 
   // What fits need, made when it is first asked for.
   struct FitTables {
-    AlignedFloats at_places;     // b at the support points: by place of cellOrder(resolution()), K floats each, 0 at places without one
+    AlignedFloats
+        at_places;  // b at the support points: by place of cellOrder(resolution()), K floats each, 0 at places without one
     AlignedFloats tent_squares;  // K x K: sum over the support points of tent² b b^T
   };
   const FitTables& fitTables() const;

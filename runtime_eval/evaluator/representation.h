@@ -96,7 +96,9 @@ struct Representation {
 
   static Representation mlp(float slope = 0.01f) { return {RepresentationKind::mlp, slope, 0, 0, nullptr}; }
   static Representation tentMlp(float slope = 0.01f) { return {RepresentationKind::tent_mlp, slope, 0, 0, nullptr}; }
-  static Representation productField(int resolution) { return {RepresentationKind::product_field, 0.01f, resolution, 0, nullptr}; }
+  static Representation productField(int resolution) {
+    return {RepresentationKind::product_field, 0.01f, resolution, 0, nullptr};
+  }
   static Representation code(SharedDictionary dictionary);
 
   bool isField() const { return kind == RepresentationKind::product_field; }

@@ -131,8 +131,10 @@ constexpr double kCodeRate = 1.0;
 AdamOptions refinementAdam(const Representation& representation, int steps) {
   AdamOptions options;
   options.steps = steps;
-  options.learning_rate =
-      representation.isCode() ? kCodeRate : representation.isField() ? 0.1 : representation.tentFactor() ? 0.04 : 0.02;
+  options.learning_rate = representation.isCode()       ? kCodeRate
+                          : representation.isField()    ? 0.1
+                          : representation.tentFactor() ? 0.04
+                                                        : 0.02;
   return options;
 }
 
@@ -192,7 +194,8 @@ Theta randomFieldTheta(int count, uint64_t seed) {
 Theta randomCode(const Dictionary& dictionary, uint64_t seed) {
   Random random(mixSeed(seed, 0x636f6465));
   Theta theta;
-  for (int k = 0; k < dictionary.codeCount(); ++k) theta.push_back(static_cast<float>(dictionary.deviations()[k] * random.normal()));
+  for (int k = 0; k < dictionary.codeCount(); ++k)
+    theta.push_back(static_cast<float>(dictionary.deviations()[k] * random.normal()));
   return theta;
 }
 

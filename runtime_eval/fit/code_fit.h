@@ -21,8 +21,8 @@ struct CodeFitOptions {
   int iterations = 12;
   double damping = 0.1;              // at the start, relative to the diagonal of the equations
   double prior = 1e-3;               // of the square of a number over its deviation, beside the sum over points
-  double progress_tolerance = 1e-3;   // ends when two accepted steps in a row lower what is minimised by less than this share
-  bool is_ramped = true;              // kappa falls, and the weight of dark points rises, over the first steps
+  double progress_tolerance = 1e-3;  // ends when two accepted steps in a row lower what is minimised by less than this share
+  bool is_ramped = true;             // kappa falls, and the weight of dark points rises, over the first steps
   // No point is left out of the equations: a step costs several times as much. Where such a fit ends is a minimum, whatever its start and
   // its way; one of active points stops near it, where they no longer lead down.
   bool all_points = false;

@@ -6,10 +6,6 @@
 #include "runtime_eval/evaluator/theta_form.h"
 
 namespace nlg {
-namespace {
-
-
-}  // namespace
 
 bool CodeRounding::factorAt(const Representation& representation, const float* z) {
   fit_.equationsAt(representation, function_, {}, z, &equations_);
@@ -33,8 +29,8 @@ Theta CodeRounding::rounded(const float* z, int length) const {
   return theta;
 }
 
-RoundedTheta CodeRounding::round(const Representation& representation, const StoredFunction& function, const RoundedTheta& present,
-                                 const CheckOptions& check) {
+RoundedTheta CodeRounding::round(const Representation& representation, const StoredFunction& function,
+                                 const RoundedTheta& present, const CheckOptions& check) {
   const int K = representation.code_count;
   decodeFunction(function, pointOrder(representation), check.dark_weight, &function_);
   const auto inSteps = [&](Theta theta) {
@@ -43,7 +39,8 @@ RoundedTheta CodeRounding::round(const Representation& representation, const Sto
     return RoundedTheta{std::move(theta), found};
   };
   if (!factorAt(representation, present.theta.data())) return inSteps(present.theta);
-  const double before = present.check.weighedRmse(check), allowed = std::max(options_.code_enough_rmse, options_.code_flat_ratio * before);
+  const double before = present.check.weighedRmse(check),
+               allowed = std::max(options_.code_enough_rmse, options_.code_flat_ratio * before);
   const bool must_pass = present.check.passes(check);
   const auto suffices = [&](const FunctionCheck& found) {
     return found.weighedRmse(check) <= allowed && (!must_pass || found.passes(check));

@@ -21,7 +21,7 @@ constexpr int kIterations = 12;
 // Of the fits that say how far codes spread: loose enough that they show what functions want, and not what the prior allows.
 constexpr double kLoosePrior = 1e-5;
 constexpr double kWithin = 0.99;  // of the codes, by number, lie within bytes
-constexpr double kRidge = 1e-6;  // of the mean diagonal entry of the equations
+constexpr double kRidge = 1e-6;   // of the mean diagonal entry of the equations
 // Equations are summed in so many parts, each by one thread and in its order: the sum is the same on any number of threads.
 constexpr size_t kSumParts = 32;
 
@@ -37,8 +37,8 @@ torch::Tensor predictedCodes(const TrainingData& training, const std::vector<Sam
   std::vector<torch::Tensor> parts;
   for (size_t first = 0; first < samples.size(); first += kBatchCount) {
     const auto begin = samples.begin() + static_cast<ptrdiff_t>(first);
-    parts.push_back(network->forward(
-        coefficientBatch(training, {begin, begin + static_cast<ptrdiff_t>(std::min<size_t>(kBatchCount, samples.size() - first))})));
+    parts.push_back(network->forward(coefficientBatch(
+        training, {begin, begin + static_cast<ptrdiff_t>(std::min<size_t>(kBatchCount, samples.size() - first))})));
   }
   return torch::cat(parts).contiguous();
 }
@@ -83,7 +83,8 @@ FittedCodes fitAll(const TrainingData& training, const std::vector<Sample>& samp
 torch::Tensor toTensor(const Matrix& matrix) {
   torch::Tensor tensor = torch::empty({matrix.rows(), matrix.cols()});
   for (int64_t i = 0; i < matrix.rows(); ++i) {
-    for (int64_t k = 0; k < matrix.cols(); ++k) tensor.data_ptr<float>()[i * matrix.cols() + k] = static_cast<float>(matrix(i, k));
+    for (int64_t k = 0; k < matrix.cols(); ++k)
+      tensor.data_ptr<float>()[i * matrix.cols() + k] = static_cast<float>(matrix(i, k));
   }
   return tensor;
 }
@@ -118,7 +119,8 @@ Vector unitsOf(const Matrix& codes) {
 
 }  // namespace
 
-void orderCodes(const TrainingData& training, const BasisData& basis, const CodeOrderingOptions& options, GeneratorNetwork* network) {
+void orderCodes(const TrainingData& training, const BasisData& basis, const CodeOrderingOptions& options,
+                GeneratorNetwork* network) {
   const std::vector<uint32_t> functions = training.functionsAbove(options.tent_rmse);
   if (functions.empty()) throw InputError("training set", "functions", "at least one that takes a theta", "none");
   const size_t count = std::min<size_t>(functions.size(), static_cast<size_t>(options.functions));

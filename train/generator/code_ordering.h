@@ -11,15 +11,16 @@
 namespace nlg {
 
 struct CodeOrderingOptions {
-  int functions = 4096;          // of the training set, at equal distances, that are fitted
-  double tent_rmse = 0.002;      // of those whose bare tent has a larger RMSE
-  double dark_weight = 64.0;     // of the fits (weighting_function.h)
+  int functions = 4096;       // of the training set, at equal distances, that are fitted
+  double tent_rmse = 0.002;   // of those whose bare tent has a larger RMSE
+  double dark_weight = 64.0;  // of the fits (weighting_function.h)
   int threads = 1;
 };
 
 // Changes the last layer, the dictionary and the deviations of a network of codes; what it predicts stays, but for rounding. The same input
 // gives the same bytes on any number of threads.
 // throws   InputError where the training set has no function to fit
-void orderCodes(const TrainingData& training, const BasisData& basis, const CodeOrderingOptions& options, GeneratorNetwork* network);
+void orderCodes(const TrainingData& training, const BasisData& basis, const CodeOrderingOptions& options,
+                GeneratorNetwork* network);
 
 }  // namespace nlg

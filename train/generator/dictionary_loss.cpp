@@ -25,7 +25,8 @@ struct Targets {
   torch::Tensor phi, mask, valid_counts;
 };
 
-Targets targetsOf(const TrainingData& data, const std::vector<Sample>& samples, int first_batch, int batch_count, double dark_weight) {
+Targets targetsOf(const TrainingData& data, const std::vector<Sample>& samples, int first_batch, int batch_count,
+                  double dark_weight) {
   const PointOrder& order = stratumOrder();
   const int first = order.batch_begin[first_batch], count = order.batch_begin[first_batch + batch_count] - first;
   const auto B = static_cast<int64_t>(samples.size());

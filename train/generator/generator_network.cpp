@@ -53,7 +53,8 @@ torch::Tensor startDictionary(const GeneratorShape& shape, uint64_t seed) {
 
 // Bytes times the power of two by which the largest number of each row fits. Numbers that were rounded before stay, bit for bit.
 // nodes   r³ x (K + 1)
-DictionaryData roundedDictionary(const GeneratorShape& shape, const std::vector<float>& nodes, const std::vector<float>& deviations) {
+DictionaryData roundedDictionary(const GeneratorShape& shape, const std::vector<float>& nodes,
+                                 const std::vector<float>& deviations) {
   const int r = shape.dictionary_resolution, K = shape.code_count, node_count = r * r * r;
   DictionaryData data{r, K, {}, {}, deviations};
   for (int k = 0; k <= K; ++k) {
@@ -61,7 +62,8 @@ DictionaryData roundedDictionary(const GeneratorShape& shape, const std::vector<
     for (int n = 0; n < node_count; ++n) largest = std::max(largest, std::fabs(nodes[n * (K + 1) + k]));
     const int exponent = static_cast<int>(std::ceil(std::log2(largest / 127.0f)));
     data.exponents.push_back(static_cast<int8_t>(exponent));
-    for (int n = 0; n < node_count; ++n) data.nodes.push_back(static_cast<int8_t>(std::nearbyint(std::ldexp(nodes[n * (K + 1) + k], -exponent))));
+    for (int n = 0; n < node_count; ++n)
+      data.nodes.push_back(static_cast<int8_t>(std::nearbyint(std::ldexp(nodes[n * (K + 1) + k], -exponent))));
   }
   return data;
 }
@@ -144,8 +146,8 @@ GeneratorData GeneratorNetworkImpl::toData(const Representation& representation,
   }
   data.exact_last_layer = solvesLastLayer(representation);
   if (representation.isCode()) {
-    data.representation =
-        Representation::code(std::make_shared<Dictionary>(roundedDictionary(shape_, toVector(dictionary_), toVector(deviations_))));
+    data.representation = Representation::code(
+        std::make_shared<Dictionary>(roundedDictionary(shape_, toVector(dictionary_), toVector(deviations_))));
   }
   data.theta0 = toVector(theta0_);
   data.output_scale.assign(data.theta0.size(), static_cast<float>(shape_.output_scale));

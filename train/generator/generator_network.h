@@ -13,11 +13,11 @@ namespace nlg {
 struct GeneratorShape {
   int coefficient_count = 512;
   int width = 512;
-  int layer_count = 6;           // the last one yields theta
-  double slope = 0.01;           // LeakyReLU
-  double output_scale = 0.05;    // theta = theta0 + output_scale * last layer: keeps Adam's first steps small in theta
-  bool exact_last_layer = true;  // networks with a linear output: the last layer is solved after the generator
-  int code_count = 0;            // K of codes, whose dictionary is trained with the generator; 0: theta is no code
+  int layer_count = 6;            // the last one yields theta
+  double slope = 0.01;            // LeakyReLU
+  double output_scale = 0.05;     // theta = theta0 + output_scale * last layer: keeps Adam's first steps small in theta
+  bool exact_last_layer = true;   // networks with a linear output: the last layer is solved after the generator
+  int code_count = 0;             // K of codes, whose dictionary is trained with the generator; 0: theta is no code
   int dictionary_resolution = 9;  // of codes: nodes along an axis
 };
 

@@ -149,7 +149,8 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("bare_tent_rmse", &o.bare_tent_rmse, "a function that the bare tent gives with no larger an RMSE takes no theta", 0.0,
             1.0);
   table.add("divergence_ratio", &o.divergence_ratio, "a loss over so many running medians takes training back", 1.0, 1e9);
-  table.add("dark_weight", &o.dark_weight, "codes: weight of squared residuals where the function is 0 and the tent is not", 1.0, 1e6);
+  table.add("dark_weight", &o.dark_weight, "codes: weight of squared residuals where the function is 0 and the tent is not", 1.0,
+            1e6);
   table.group("Networks");
   table.add("representation_slope", &o.representation_slope, "LeakyReLU slope of the tiny network", 1e-6, 0.9);
   table.add("width", &o.shape.width, "width of the generator's hidden layers", 1, 8192);
@@ -158,7 +159,8 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("output_scale", &o.shape.output_scale, "factor of the last layer's output", 1e-6, 1e3);
   table.add("exact_last_layer", &o.shape.exact_last_layer,
             "networks with a linear output: solve the last layer after the generator");
-  table.add("dictionary_resolution", &o.shape.dictionary_resolution, "codes: nodes of the dictionary along an axis: 3, 5, 7 or 9", 3, 9);
+  table.add("dictionary_resolution", &o.shape.dictionary_resolution, "codes: nodes of the dictionary along an axis: 3, 5, 7 or 9",
+            3, 9);
   table.group("Run");
   table.add("start_candidates", &o.start.candidates, "random starts tried for theta0", 1, 1000000);
   table.add("checkpoint_steps", &o.checkpoint_steps, "steps between checkpoints", 1, 100000000);

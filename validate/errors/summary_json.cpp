@@ -141,12 +141,9 @@ Json thetaBytesJson(const Representation& representation) {
 
 Json representationJson(const ValidatedGenerator& validated, const FigureContext& context) {
   const Representation& representation = validated.generator.representation();
-  Json json = {{"parameters", representation.thetaCount()},
-               {"theta_bytes", thetaBytesJson(representation)},
-               {"stored_bytes_mean", meanStoredBytes(validated)},
-               {"weights_bytes", std::filesystem::file_size(validated.path)},
-               {"weights_sha256", fileSha256(validated.path)},
-               {"evaluate_us", measureEvaluation(representation)},
+  Json json = {{"parameters", representation.thetaCount()},       {"theta_bytes", thetaBytesJson(representation)},
+               {"stored_bytes_mean", meanStoredBytes(validated)}, {"weights_bytes", std::filesystem::file_size(validated.path)},
+               {"weights_sha256", fileSha256(validated.path)},    {"evaluate_us", measureEvaluation(representation)},
                {"stages", stagesJson(validated.policy.plan)}};
   for (const MeasuredWord& word : validated.policy.words) json[word.name] = figuresByPopulation(word, Scope::set, context);
   json["sample"] = sampleJson(validated.policy, validated.fits, context);

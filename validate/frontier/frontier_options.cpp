@@ -41,7 +41,8 @@ void describe(FrontierOptions& o, OptionTable& table) {
   table.add("corrected_lm_steps", &o.lm_steps, "LM steps from the corrected theta");
   table.add("corrected_adam_steps", &o.adam_steps, "Adam steps from the corrected theta; product fields and codes: a 32nd");
   table.add("direct_lm_steps", &o.direct_lm_steps, "LM steps from theta0");
-  table.add("direct_adam_steps", &o.direct_adam_steps, "Adam steps from theta0 and from random starts; product fields and codes: a 32nd");
+  table.add("direct_adam_steps", &o.direct_adam_steps,
+            "Adam steps from theta0 and from random starts; product fields and codes: a 32nd");
   table.add("front_time_tolerance", &o.front.time, "front: times that differ by a smaller share are equal", 0.0, 10.0);
   table.add("front_error_tolerance", &o.front.error, "front: errors that differ by a smaller share are equal", 0.0, 10.0);
   table.add("bootstrap_draws", &o.bootstrap_draws, "speed at equal error: draws of scenes behind its interval", 1, 1000000);

@@ -134,7 +134,8 @@ TEST(Representation, IsFoundByItsNameAlone) {
     EXPECT_STREQ(representationName(representation), name);
     EXPECT_EQ(representation.slope, Representation{}.slope) << name;
   }
-  for (const char* name : {"", "MLP", "mlp ", "tent", "pf4", "pf", "tent_mlpx", "tent_mlp44_", "code", "code8", "code064", "code64 "})
+  for (const char* name :
+       {"", "MLP", "mlp ", "tent", "pf4", "pf", "tent_mlpx", "tent_mlp44_", "code", "code8", "code064", "code64 "})
     EXPECT_FALSE(findRepresentation(name, &representation)) << name;
 }
 
