@@ -22,6 +22,7 @@ set(NLG_PUBLIC_HEADERS
   support/point_order.h
   support/stored_function.h
   support/weighting_function.h
+  evaluator/dictionary.h
   evaluator/representation.h
   evaluator/evaluate.h
   evaluator/matrix_product.h
@@ -35,6 +36,7 @@ set(NLG_PUBLIC_HEADERS
   fit/adam.h
   fit/adam_update.h
   fit/soap_update.h
+  fit/code_fit.h
   fit/levenberg_marquardt.h
   fit/direct.h
   fit/policy_options.def
