@@ -132,15 +132,19 @@ def errors_section(names, evaluation):
 
 def training_section(cards):
     """What the cards have in common once, and a table of what differs."""
+    # "308 scenes, 820 shards" differ where the scenes themselves, which fill lines, do not
+    cards = [{**card, **dict(zip(("shards", "scenes"), card["scenes"].split(": ", 1)))} for card in cards]
     shared = lambda key: len({json.dumps(card[key]) for card in cards}) == 1
     keys = list(dict.fromkeys(key for card in cards for key in card["options"]))
-    common = [key for key in keys if len({json.dumps(card["options"].get(key)) for card in cards}) == 1]
-    text = "\n## How they were trained\n"
-    for key, title in (("configuration", "Configuration"), ("functions", "Distinct functions"), ("training_set", "Training set"), ("scenes", "Scenes")):
-        text += f"- {title}: {cards[0][key]:,}\n" if shared(key) and key == "functions" else f"- {title}: {cards[0][key]}\n" if shared(key) else ""
-    text += "- Options of all: " + ", ".join(f"{key} {cards[0]['options'][key]}" for key in common) + "\n"
-    rest = [key for key in ("configuration", "functions", "training_set", "scenes") if not shared(key)]
-    rows = [[f"`{card['name']}`", *(card[key] for key in rest), *(card["options"].get(key, "") for key in keys if key not in common), card["minutes"], f"{card['samples_per_s']:,}", f"`{card['revision']}`",
+    # options come and go: those of a card that has one are compared
+    values = {key: [card["options"][key] for card in cards if key in card["options"]] for key in keys}
+    common = [key for key in keys if len({json.dumps(value) for value in values[key]}) == 1 and len(values[key]) > 1]
+    titles = {"configuration": "Configuration", "functions": "Distinct functions", "training_set": "Training set", "shards": "Data", "scenes": "Scenes"}
+    shown = lambda value: f"{value:,}" if isinstance(value, int) else str(value)
+    text = "\n## How they were trained\n" + "".join(f"- {title}: {shown(cards[0][key])}\n" for key, title in titles.items() if shared(key))
+    text += "- Options of all that have them: " + ", ".join(f"{key} {values[key][0]}" for key in common) + "\n"
+    rest = [key for key in titles if not shared(key)]
+    rows = [[f"`{card['name']}`", *(shown(card[key]) for key in rest), *(card["options"].get(key, "") for key in keys if key not in common), card["minutes"], f"{card['samples_per_s']:,}", f"`{card['revision']}`",
              f"{card['parity_theta']:.1e}", f"{card['rounding_rmse']:+.1e}"] for card in cards]
     text += table(["", *(key.replace("_", " ") for key in rest), *(key for key in keys if key not in common), "minutes", "samples/s", "revision", "parity", "rounding"], rows)
     return text + (f"\n*Parity*: the largest difference between θ of libtorch and of the evaluator, over {cards[0]['parity_functions']:,} functions. "
