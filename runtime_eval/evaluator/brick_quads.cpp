@@ -1,7 +1,8 @@
 #include "runtime_eval/evaluator/brick_quads.h"
 
-#include <algorithm>
 #include <cmath>
+
+#include "runtime_eval/evaluator/node_place.h"
 
 namespace nlg {
 
@@ -20,23 +21,16 @@ void packQuads(int resolution, const int8_t* brick, uint32_t* quads) {
 
 float evaluateQuads(int resolution, const LocalPoint& point, float step, const uint32_t* quads) {
   const int r = resolution;
-  int node[3];
-  float share[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    const float position = std::clamp((point[axis] + 1.0f) * 0.5f, 0.0f, 1.0f) * static_cast<float>(r - 1);
-    // what is no number lies in the first cell
-    node[axis] = position > 0.0f ? std::min(static_cast<int>(position), r - 2) : 0;
-    share[axis] = position - static_cast<float>(node[axis]);
-  }
+  const NodePlace place = placeAmongNodes(r, point);
   const auto between = [](float near, float far, float at) { return near + at * (far - near); };
-  const uint32_t* low = quads + node[0] + r * (node[1] + (r - 1) * node[2]);
+  const uint32_t* low = quads + place.node[0] + r * (place.node[1] + (r - 1) * place.node[2]);
   float along_x[4];
   for (int i = 0; i < 4; ++i) {
     const auto nodeOf = [&](uint32_t word) { return static_cast<float>(static_cast<int8_t>(word >> 8 * i)); };
-    along_x[i] = between(nodeOf(low[0]), nodeOf(low[1]), share[0]);
+    along_x[i] = between(nodeOf(low[0]), nodeOf(low[1]), place.share[0]);
   }
-  const float near = between(along_x[0], along_x[1], share[1]), far = between(along_x[2], along_x[3], share[1]);
-  return 1.0f / (1.0f + std::exp(-step * between(near, far, share[2])));
+  const float near = between(along_x[0], along_x[1], place.share[1]), far = between(along_x[2], along_x[3], place.share[1]);
+  return 1.0f / (1.0f + std::exp(-step * between(near, far, place.share[2])));
 }
 
 }  // namespace nlg

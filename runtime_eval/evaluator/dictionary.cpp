@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "runtime_eval/evaluator/node_place.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/evaluator/dictionary.cpp"
 #include <hwy/foreach_target.h>
@@ -119,27 +121,13 @@ HWY_EXPORT(evaluatePointLogits);
 
 constexpr int kMostExponent = 24;  // of either sign
 
-// The cell that holds a point, and where in it the point lies.
-struct BrickPlace {
-  int low;  // node at the cell's low corner
-  float share[3];
-};
-
-BrickPlace placeIn(int resolution, const LocalPoint& point) {
-  BrickPlace place{};
-  for (int axis = 2; axis >= 0; --axis) {
-    const float position = std::clamp((point[axis] + 1.0f) * 0.5f, 0.0f, 1.0f) * static_cast<float>(resolution - 1);
-    // what is no number lies in the first cell
-    const int node = position > 0.0f ? std::min(static_cast<int>(position), resolution - 2) : 0;
-    place.low = place.low * resolution + node;
-    place.share[axis] = position - static_cast<float>(node);
-  }
-  return place;
+int lowNode(int resolution, const NodePlace& place) {
+  return place.node[0] + resolution * (place.node[1] + resolution * place.node[2]);
 }
 
 // sigmoid(L) in the cell whose low corner is `low`.
 template <class Node>
-float sigmoidOf(const BrickPlace& place, float step, const Node* low, int to_y, int to_z) {
+float sigmoidOf(const NodePlace& place, float step, const Node* low, int to_y, int to_z) {
   const auto between = [](float near, float far, float share) { return near + share * (far - near); };
   const auto row = [&](int offset) {
     return between(static_cast<float>(low[offset]), static_cast<float>(low[offset + 1]), place.share[0]);
@@ -187,11 +175,11 @@ const Dictionary::FitTables& Dictionary::fitTables() const {
     for (int p = 0; p < order.placeCount(); ++p) {
       if (order.pattern_index[p] < 0) continue;
       float* values = &fit_tables_.at_places[static_cast<size_t>(p) * K];
-      const BrickPlace place = placeIn(r, {order.points.x[p], order.points.y[p], order.points.z[p]});
+      const NodePlace place = placeAmongNodes(r, {order.points.x[p], order.points.y[p], order.points.z[p]});
       for (int corner = 0; corner < 8; ++corner) {
         float weight = 1.0f;
         for (int axis = 0; axis < 3; ++axis) weight *= corner >> axis & 1 ? place.share[axis] : 1.0f - place.share[axis];
-        const int node = place.low + (corner & 1) + r * ((corner >> 1 & 1) + r * (corner >> 2));
+        const int node = lowNode(r, place) + (corner & 1) + r * ((corner >> 1 & 1) + r * (corner >> 2));
         for (size_t k = 0; k < K; ++k) values[k] += weight * rows_[k * node_stride_ + static_cast<size_t>(node)];
       }
       const float tent_square = order.points.tent[p] * order.points.tent[p];
@@ -230,16 +218,16 @@ float packBrick(const Dictionary& dictionary, const float* z, int8_t* brick) {
 }
 
 float evaluateBrick(int resolution, const LocalPoint& point, float step, const int8_t* brick) {
-  const BrickPlace place = placeIn(resolution, point);
-  return sigmoidOf(place, step, brick + place.low, resolution, resolution * resolution);
+  const NodePlace place = placeAmongNodes(resolution, point);
+  return sigmoidOf(place, step, brick + lowNode(resolution, place), resolution, resolution * resolution);
 }
 
 float evaluateCode(const Dictionary& dictionary, const LocalPoint& point, const float* z) {
   alignas(64) float logits[kMaxBrickStride];
   roundedLogits(dictionary, z, logits);
   const int r = dictionary.resolution();
-  const BrickPlace place = placeIn(r, point);
-  return sigmoidOf(place, 1.0f, logits + place.low, r, r * r);
+  const NodePlace place = placeAmongNodes(r, point);
+  return sigmoidOf(place, 1.0f, logits + lowNode(r, place), r, r * r);
 }
 
 double evaluateCodeReference(const Dictionary& dictionary, const LocalPoint& point, const double* z) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/evaluator/node_place.h"
+
 namespace nlg {
 namespace {
 
@@ -35,13 +37,7 @@ float evaluateNetwork(float slope, const LocalPoint& point, const float* theta) 
 
 // theta holds pairs (A, B); x is the fastest axis of the nodes
 float evaluateFieldPoint(int resolution, const LocalPoint& point, const float* theta) {
-  int node[3];
-  float share[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    const float position = std::clamp((point[axis] + 1.0f) * 0.5f, 0.0f, 1.0f) * static_cast<float>(resolution - 1);
-    node[axis] = std::min(static_cast<int>(position), resolution - 2);
-    share[axis] = position - static_cast<float>(node[axis]);
-  }
+  const auto [node, share] = placeAmongNodes(resolution, point);
   const float* low = theta + 2 * ((node[2] * resolution + node[1]) * resolution + node[0]);
   float a = 0.0f, b = 0.0f;
   for (int zy = 0; zy < 4; ++zy) {

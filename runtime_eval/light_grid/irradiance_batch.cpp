@@ -502,7 +502,7 @@ void addTile(const LightGrid& grid, size_t first_run, size_t end_run, int resolu
   }
 }
 
-// The resolution that most bricks have, where there are codes at all; 0 where there are none.
+// Of the first codes, to which tiles are made: bricks of another resolution are odd corners. 0 where there are none.
 int codeResolution(const LightGrid& grid) {
   for (const Representation& representation : grid.representations) {
     if (representation.isCode()) return representation.resolution;

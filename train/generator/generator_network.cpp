@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "runtime_eval/evaluator/node_place.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {
@@ -99,14 +100,7 @@ torch::Tensor GeneratorNetworkImpl::dictionaryAt(const PointSet& points, int fir
   int64_t* node = nodes.data_ptr<int64_t>();
   float* share = shares.data_ptr<float>();
   for (int i = first; i < first + count; ++i) {
-    const float point[3] = {points.x[i], points.y[i], points.z[i]};
-    int low[3];
-    float part[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      const float along = (point[axis] + 1.0f) * 0.5f * static_cast<float>(r - 1);
-      low[axis] = std::clamp(static_cast<int>(along), 0, r - 2);
-      part[axis] = along - static_cast<float>(low[axis]);
-    }
+    const auto [low, part] = placeAmongNodes(r, {points.x[i], points.y[i], points.z[i]});
     for (int corner = 0; corner < 8; ++corner) {
       int64_t index = 0;
       float weight = 1.0f;
