@@ -6,13 +6,6 @@
 
 namespace nlg {
 
-LightForm lightFormFromName(const std::string& name) {
-  LightForm form = LightForm::none;
-  if (!findLightForm(name, &form) || form == LightForm::none)
-    throw UsageError("light_form", "sh2_8bit, sh2_float16, zh3_float16 or sh1_float16", "'" + name + "'");
-  return form;
-}
-
 void takeThetaPrecision(BakeOptions* options) {
   options->policy.theta_precision = thetaPrecisionFromName(options->theta_precision);
 }
@@ -38,7 +31,7 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.group("Scene");
   describe(o.reading, table);
   describe(o.scene_light, table);
-  table.group("Light");
+  table.group(kLightGroup);
   table.add("light", &o.light,
             "how probes are lit: solved (least squares over places in air), integrated (by the weighting functions), point (at "
             "the probe) or none (the grid holds weighting functions alone)");
@@ -76,8 +69,10 @@ void describe(BakeOptions& o, OptionTable& table) {
       0.0, 1e9);
   table.group("Light grid's file");
   table.add("theta_precision", &o.theta_precision, "how the file holds theta: float32, float16 or int8");
-  table.add("light_form", &o.light_form,
-            "how the file holds light: sh2_8bit (32 bytes a probe), sh2_float16 (54), zh3_float16 (30) or sh1_float16 (24)");
+  table.add("light_error", &o.light_error,
+            "what the file's form of light may add to a probe's error, as a share of its light: the fewest bytes a probe that "
+            "keep it are taken",
+            kLeastLightError, kMostLightError);
   table.group("Machine");
   table.add("simd", &o.simd, "vector instructions to use: sse4, avx2, avx512, … None: the best");
   table.add("threads", &o.threads, "threads. 0: as many as the machine runs at once. The light grid does not depend on them", 0,

@@ -8,7 +8,7 @@
 #include "bake/policy_options.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/fit/theta_policy.h"
-#include "runtime_eval/light_grid/light_form.h"
+#include "runtime_eval/light_grid/packed_light.h"
 #include "scene/light_options.h"
 #include "scene/scene_source.h"
 #include "tool/options.h"
@@ -42,15 +42,14 @@ struct BakeOptions {
   double light_outlier = 1.0;
   double refine_seconds = 0.0;                           // 0: as long as it takes
   std::string theta_precision = kDefaultThetaPrecision;  // becomes the policy's by takeThetaPrecision
-  std::string light_form = "sh2_8bit";                   // of light in the file (light_form.h)
+  double light_error = kLightError;                      // that the file's form of light may add (packed_light.h)
   std::string simd;                                      // empty: the best
   int threads = 0;                                       // 0: as many as the machine runs at once
   uint64_t seed = 1;
 };
 
-// The form of a name.
-// throws   UsageError on a name of none, "none" among them
-LightForm lightFormFromName(const std::string& name);
+// Of the options that say how probes are lit.
+inline constexpr const char* kLightGroup = "Light";
 
 // The policy rounds as theta_precision says: whatever bakes with options that were read calls this first.
 // throws   UsageError on a name of none

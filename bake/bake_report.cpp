@@ -45,7 +45,9 @@ constexpr ThetaWord kWords[] = {ThetaWord::network, ThetaWord::corrected, ThetaW
 nlohmann::ordered_json lightJson(const LightStatistics& light) {
   if (!light.is_lit) return nullptr;
   return {{"gathered", light.is_gathered},
-          {"form", lightFormName(light.form)},
+          {"bytes", light.file_bytes},
+          {"packing_error", light.packing.error},
+          {"packing_worst", light.packing.worst},
           {"places", light.places},
           {"rays_per_place", light.rays_per_place},
           {"cache_cells", light.cache_cells},
@@ -77,6 +79,26 @@ std::string lightText(const BakeStatistics& s) {
       light.places, light.rays_per_place, light.is_gathered ? "gathered from the level's own light" : "traced",
       light.cache_wall_s, light.measure_wall_s, light.solve_wall_s, light.solve_iterations);
   return text + fmt::format("; mean radiance {:.4g}\n", light.mean);
+}
+
+std::string firstLine(const std::string& path, uint64_t probes, uint64_t file_bytes, double wall_s, uint64_t memory_bytes) {
+  return fmt::format("{}: {}, {}, {}; {} of memory\n", path, countText(probes, "probe"),
+                     bytesText(static_cast<double>(file_bytes)), durationText(wall_s),
+                     bytesText(static_cast<double>(memory_bytes)));
+}
+
+std::string lightSummary(const LightStatistics& light) {
+  if (!light.is_lit) return "light: none\n";
+  const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
+  return fmt::format(
+      "light: half of {} err by less than {:.1f} % of what was measured there, 1 in 20 by more than {:.0f} %, noise "
+      "included, most at {:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
+      countText(light.places, "place"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x, worst.y, worst.z,
+      light.mean);
+}
+
+std::string unreadSummary(size_t unread) {
+  return unread > 0 ? fmt::format("not read of the file: {}, named above\n", countText(unread, "kind")) : std::string();
 }
 
 }  // namespace
@@ -156,9 +178,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
 
 std::string toSummary(const BakeReport& report, const std::string& path) {
   const BakeStatistics& s = report.statistics;
-  std::string text = fmt::format("{}: {}, {}, {}; {} of memory\n", path, countText(s.counts.grid_probes, "probe"),
-                                 bytesText(static_cast<double>(report.file_bytes)), durationText(s.load_wall_s + s.wall_s),
-                                 bytesText(static_cast<double>(report.peak_memory_bytes)));
+  std::string text = firstLine(path, s.counts.grid_probes, report.file_bytes, s.load_wall_s + s.wall_s, report.peak_memory_bytes);
   text += countText(s.counts.functions, "function").append(" stored");
   if (s.counts.functions > 0) {
     const nlohmann::ordered_json errors = errorsJson(report, ThetaWord::stored);
@@ -168,19 +188,22 @@ std::string toSummary(const BakeReport& report, const std::string& path) {
   const uint64_t failing = s.failing(ThetaWord::stored, report.policy.check());
   if (failing > 0) text += fmt::format("; {} still {} the check", failing, failing == 1 ? "fails" : "fail");
   if (s.left_for_time > 0) text += fmt::format("; {} left for want of time", s.left_for_time);
-  const LightStatistics& light = s.light;
-  if (light.is_lit) {
-    const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
-    text += fmt::format(
-        "\nlight: half of {} err by less than {:.1f} % of what was measured there, 1 in 20 by more than {:.0f} %, noise "
-        "included, most at {:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
-        countText(light.places, "place"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x, worst.y, worst.z,
-        light.mean);
-  } else {
-    text += "\nlight: none\n";
-  }
-  if (report.unread > 0) text += fmt::format("not read of the file: {}, named above\n", countText(report.unread, "kind"));
-  return text;
+  return text + '\n' + lightSummary(s.light) + unreadSummary(report.unread);
+}
+
+nlohmann::ordered_json toJson(const RelightReport& report) {
+  return {{"scene", report.scene},
+          {"relit", report.grid},
+          {"probes", report.probes},
+          {"light", lightJson(report.light)},
+          {"wall_seconds", {{"all", report.wall_s}}},
+          {"bytes", report.file_bytes},
+          {"peak_memory_bytes", report.peak_memory_bytes}};
+}
+
+std::string toSummary(const RelightReport& report, const std::string& path) {
+  return firstLine(path, report.probes, report.file_bytes, report.wall_s, report.peak_memory_bytes) +
+         fmt::format("functions as in {}\n", report.grid) + lightSummary(report.light) + unreadSummary(report.unread);
 }
 
 std::string toTable(const BakeReport& report) {

@@ -29,6 +29,17 @@ struct BakeReport {
   std::string simd;
 };
 
+// The same of a bake that made light alone.
+struct RelightReport {
+  std::string scene, grid;  // the path of the grid that had the functions
+  uint64_t probes = 0, file_bytes = 0, peak_memory_bytes = 0;
+  double wall_s = 0.0;
+  size_t unread = 0;
+  LightStatistics light;
+};
+nlohmann::ordered_json toJson(const RelightReport& report);
+std::string toSummary(const RelightReport& report, const std::string& path);
+
 // Keys: docs/guide/bake.md.
 nlohmann::ordered_json toJson(const BakeReport& report);
 

@@ -50,6 +50,10 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
                     "--intensity makes all light brighter; a closed room needs a lamp, or something that shines",
                     statistics.mean));
   }
+  if (statistics.packing.too_dark > 0) {
+    warnings.push_back(
+        fmt::format("{} below 1e-12 of the brightest: dark in the file", countText(statistics.packing.too_dark, "probe")));
+  }
   if (!statistics.buried_lamps_m.empty()) {
     const glm::dvec3& at = statistics.buried_lamps_m.front();
     warnings.push_back(fmt::format(
@@ -123,6 +127,9 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
     for (const glm::vec3& coefficient : sh) grid->light.insert(grid->light.end(), {coefficient.r, coefficient.g, coefficient.b});
   }
   for (const float coefficient : grid->light) statistics.largest = std::max(statistics.largest, std::fabs(double{coefficient}));
+  if (!checkLight(grid->light).ok()) throw tooBright(scene.source.id);
+  statistics.packing = roundGridLight(options.light_error, grid);
+  statistics.file_bytes = packedLightBytes(grid->packed_light);
   if (!checkLight(grid->light).ok()) throw tooBright(scene.source.id);
   return statistics;
 }

@@ -6,7 +6,6 @@
 
 #include "bake/scene_functions.h"
 #include "light/probe_light.h"
-#include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/light_grid.h"
 
 namespace nlg {
@@ -22,7 +21,8 @@ struct LightStatistics {
   double cache_wall_s = 0.0;                                // bounces between surfaces
   double measure_wall_s = 0.0;                              // light at places
   double solve_wall_s = 0.0;                                // weights at places, and the solve
-  LightForm form = LightForm::none;                         // of the file: the bake itself keeps floats
+  LightPacking packing;                                     // what the file's form of it adds
+  uint64_t file_bytes = 0;                                  // of light
   double error = 0.0, median_error = 0.0, p95_error = 0.0;  // as ProbeLight has them
   std::vector<glm::dvec3> buried_lamps_m;                   // in solid: nothing is lit by them; world coordinates
   glm::dvec3 worst_m{0.0};                                  // the place where it is worst, world coordinates
@@ -38,7 +38,7 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics);
 // throws   UsageError on an unknown name in them
 ProbeLightOptions probeLightOptions(const BakeOptions& options);
 
-// Fills grid->light by options.light; leaves it empty for "none".
+// Fills grid->light by options.light, as the file will hold it; leaves it empty for "none".
 //
 // grid   of this scene and its tree, moved to the world's coordinates
 // throws   UsageError on an unknown way; InputError when light is beyond kMaxGridLight

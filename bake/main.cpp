@@ -11,10 +11,12 @@
 #include <iostream>
 
 #include "bake/bake_plan.h"
+#include "bake/bake_provenance.h"
 #include "bake/bake_report.h"
 #include "bake/default_weights.h"
 #include "bake/load_generators.h"
 #include "bake/policy_options.h"
+#include "bake/relight.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/simd/simd_target.h"
 #include "tool/atomic_file.h"
@@ -22,8 +24,6 @@
 #include "tool/file_info.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
-#include "tool/provenance.h"
-#include "tool/require_read.h"
 #include "tool/tool_main.h"
 
 namespace nlg {
@@ -31,6 +31,8 @@ namespace {
 
 struct Request {
   std::string scene, out, config, json;
+  std::string relit;    // a grid whose light is made anew; empty: everything is
+  std::string checked;  // a grid that is only asked whether it is what would be baked
   std::vector<std::string> weights;
   bool out_is_given = false, is_verbose = false;
 };
@@ -53,31 +55,22 @@ uint64_t peakMemoryBytes() {
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-std::map<std::string, std::string> metadata(const BakeScene& scene, const std::vector<WeightsUsed>& weights,
-                                            const OptionTable& table) {
-  nlohmann::ordered_json options = table.toJson();
-  // what the grid holds does not depend on the threads, but on the instructions that were chosen; the hashes say which weights
-  options.erase("threads");
-  options.erase("max_probes");
-  options.erase("representation");
-  options["simd"] = chosenSimdTarget();
-  std::map<std::string, std::string> inputs;
-  if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
-  inputs["light of the scene"] = sceneLightSha256(scene.source.scene);
-  for (const WeightsUsed& used : weights) inputs["weights of " + used.representation] = used.sha256;
-  return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
+// What a bake may come to without an error, and is seldom what was meant.
+void warn(const BakeScene& scene, const std::string& what) {
+  std::cerr << "nlg-bake: " << scene.source.id << ": " << what << '\n';
 }
 
-// What a bake may come to without an error, and is seldom what was meant.
-void warnOfNothing(const BakeScene& scene, const BakeOptions& options, const BakeReport& report) {
-  const BakeStatistics& statistics = report.statistics;
-  const auto warn = [&](const std::string& what) { std::cerr << "nlg-bake: " << report.scene << ": " << what << '\n'; };
-  if (statistics.counts.functions + statistics.bare_tents.count == 0)
-    warn("no probe has a weighting function; is extent_m where the scene is, and spacing_m smaller than its rooms?");
-  for (const std::string& warning : lightWarnings(statistics.light)) warn(warning);
+void warnOfDarkness(const BakeScene& scene, const BakeOptions& options, const LightStatistics& statistics) {
+  for (const std::string& warning : lightWarnings(statistics)) warn(scene, warning);
   const SceneLight& light = scene.source.scene.light;
   if (options.light_direct != "all" && light.lamps.empty() && light.suns.empty())
-    warn("light_direct leaves nothing out: the scene keeps no lamps and no suns of its own");
+    warn(scene, "light_direct leaves nothing out: the scene keeps no lamps and no suns of its own");
+}
+
+void warnOfNothing(const BakeScene& scene, const BakeOptions& options, const BakeStatistics& statistics) {
+  if (statistics.counts.functions + statistics.bare_tents.count == 0)
+    warn(scene, "no probe has a weighting function; is extent_m where the scene is, and spacing_m smaller than its rooms?");
+  warnOfDarkness(scene, options, statistics.light);
 }
 
 // path   "-": stdout; empty: nowhere
@@ -89,12 +82,8 @@ void writeJson(const std::string& path, const nlohmann::ordered_json& json) {
   }
 }
 
-void run(Request request, BakeOptions options, const OptionTable& table) {
-  if (request.weights.empty()) {
-    request.weights = shippedWeights(options.representation, weightsFolders());
-  }
-  std::vector<std::string> inputs = request.weights;
-  inputs.insert(inputs.end(), {request.scene, request.config});
+// Before anything is read: a bake takes minutes.
+void checkOutputs(const Request& request, const std::vector<std::string>& inputs) {
   if (request.out_is_given) {
     refuseToReplaceInputs(request.out, inputs);
     requireOutputFile(request.out);
@@ -104,9 +93,85 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
     if (request.json == request.out) throw UsageError("--json", "another file than --out", request.json);
     requireOutputFile(request.json);
   }
-  takeThetaPrecision(&options);
-  const GridPrecision stored{options.policy.theta_precision, lightFormFromName(options.light_form)};
-  chooseSimd(options.simd);
+}
+
+void chooseOut(const BakeScene& scene, const std::vector<std::string>& inputs, Request* request) {
+  if (request->out_is_given) return;
+  request->out = scene.source.id + ".safetensors";
+  refuseToReplaceInputs(request->out, inputs);
+  requireOutputFile(request->out);
+}
+
+BakeScene readScene(const Request& request, const BakeOptions& options, int threads) {
+  SceneSource source = loadLitScene(request.scene, options);
+  std::cerr << toText(planBake(source, options, threads), threads);
+  for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
+  tellNotes("nlg-bake", source);
+  for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
+  return {std::move(source), options};
+}
+
+std::string fileBytes(const LightGrid& grid, const BakeOptions& options, const GridMetadata& metadata) {
+  std::string bytes;
+  const FileResult result = serializeLightGrid(grid, {options.policy.theta_precision, options.light_error}, metadata, &bytes);
+  if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": no number that the file can hold");
+  return bytes;
+}
+
+size_t unreadKinds(const SceneSource& source) {
+  return static_cast<size_t>(std::count_if(source.notes.begin(), source.notes.end(),
+                                           [](const std::string& note) { return note.find("not read") != std::string::npos; }));
+}
+
+// Whether a grid is what this command line would bake.
+void runCheck(Request request, const BakeOptions& options, const OptionTable& table) {
+  const BakedGrid baked = readBakedGrid(request.checked);
+  if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders());
+  std::map<std::string, std::string> weights;
+  const auto [generators, weight_files] = loadGenerators(request.weights);
+  for (size_t g = 0; g < generators.size(); ++g)
+    weights[kWeightsRole + std::string(representationName(generators[g].representation()))] = fileSha256(weight_files[g]);
+  const std::vector<std::string> changes =
+      changesSince(request.checked, baked, loadLitScene(request.scene, options), table, weights);
+  if (changes.empty()) {
+    std::cout << request.checked << ": fresh\n";
+    return;
+  }
+  for (const std::string& change : changes) std::cout << request.checked << ": " << change << '\n';
+  throw ToolError(ExitCode::check_failed, request.checked + ": stale, a bake would make another grid");
+}
+
+// Light alone, for a grid whose functions stay.
+void runRelight(Request request, const BakeOptions& options, const OptionTable& table) {
+  const std::vector<std::string> inputs = {request.scene, request.config, request.relit};
+  checkOutputs(request, inputs);
+  if (!request.weights.empty())
+    throw UsageError("--relight", "no --weights: functions stay what they are", request.weights.front());
+  if (options.light == "none") throw UsageError("--relight", "light to be made", "--light none");
+  const auto start = std::chrono::steady_clock::now();
+  BakedGrid baked = readBakedGrid(request.relit);
+  const BakeScene scene = readScene(request, options, options.threads > 0 ? options.threads : machineThreadCount());
+  chooseOut(scene, inputs, &request);
+  requireFunctionsOf(scene, table, request.relit, baked);
+  const LightStatistics light = relight(scene, options, table, &baked);
+  const std::string bytes = fileBytes(baked.grid, options, baked.metadata);
+  writeFileAtomically(request.out, bytes);
+  warnOfDarkness(scene, options, light);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  RelightReport report{scene.source.id,   request.relit, baked.grid.tree.probeCount(), bytes.size(),
+                       peakMemoryBytes(), seconds,       unreadKinds(scene.source),    light};
+  std::cerr << toSummary(report, request.out);
+  writeJson(request.json, toJson(report));
+}
+
+void run(Request request, BakeOptions options, const OptionTable& table) {
+  if (request.weights.empty()) {
+    request.weights = shippedWeights(options.representation, weightsFolders());
+  }
+  std::vector<std::string> inputs = request.weights;
+  inputs.insert(inputs.end(), {request.scene, request.config});
+  checkOutputs(request, inputs);
+  const GridPrecision stored{options.policy.theta_precision, options.light_error};
   const auto [generators, weight_files] = loadGenerators(request.weights);
   std::vector<WeightsUsed> weights;
   for (size_t g = 0; g < generators.size(); ++g) {
@@ -116,35 +181,23 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
 
   const auto start = std::chrono::steady_clock::now();
   const int threads = options.threads > 0 ? options.threads : machineThreadCount();
-  SceneSource source = loadLitScene(request.scene, options);
-  std::cerr << toText(planBake(source, options, threads), threads);
-  for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
-  tellNotes("nlg-bake", source);
-  for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
-  const BakeScene scene(std::move(source), options);
+  const BakeScene scene = readScene(request, options, threads);
   const double load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!request.out_is_given) {
-    request.out = scene.source.id + ".safetensors";
-    refuseToReplaceInputs(request.out, inputs);
-    requireOutputFile(request.out);
-  }
+  chooseOut(scene, inputs, &request);
   Bake bake = bakeScene(scene, generators, options, temporaryFolder());
 
-  std::string bytes;
-  const FileResult result = serializeLightGrid(bake.grid, stored, metadata(scene, weights, table), &bytes);
-  if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": no number that the file can hold");
+  std::map<std::string, std::string> weights_sha256;
+  for (const WeightsUsed& used : weights) weights_sha256[kWeightsRole + used.representation] = used.sha256;
+  const std::string bytes = fileBytes(bake.grid, options, bakeMetadata(scene.source, table, weights_sha256));
   writeFileAtomically(request.out, bytes);
 
   BakeReport report;
   report.scene = scene.source.id;
-  const std::vector<std::string>& notes = scene.source.notes;
-  report.unread = static_cast<size_t>(std::count_if(
-      notes.begin(), notes.end(), [](const std::string& note) { return note.find("not read") != std::string::npos; }));
+  report.unread = unreadKinds(scene.source);
   report.weights = weights;
   std::vector<uint64_t> weights_bytes;
   for (const WeightsUsed& used : weights) weights_bytes.push_back(used.bytes);
   report.threads = threads;
-  bake.statistics.light.form = stored.light;
   report.savings = savingsOf(bake, generators, options.policy, stored, weights_bytes, report.threads);
   report.statistics = std::move(bake.statistics);
   report.statistics.load_wall_s = load_s;
@@ -153,16 +206,14 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   report.theta_bytes = lightGridBytes(bake.grid, stored).theta;
   report.peak_memory_bytes = peakMemoryBytes();
   report.simd = chosenSimdTarget();
-  warnOfNothing(scene, options, report);
+  warnOfNothing(scene, options, report.statistics);
   if (request.is_verbose) std::cerr << toTable(report);
   std::cerr << toSummary(report, request.out);
   writeJson(request.json, toJson(report));
 }
 
 nlohmann::ordered_json describeGrid(const std::string& path) {
-  LightGrid grid;
-  GridMetadata metadata;
-  requireRead(path, readLightGridFile(path, &grid, &metadata), "a light grid");
+  auto [grid, metadata] = readBakedGrid(path);
   nlohmann::ordered_json json = {{"scene", metadata["scene"]},        {"probes", grid.tree.probeCount()},
                                  {"cells", grid.tree.cellCount()},    {"spacing_m", grid.tree.frame().spacing_m},
                                  {"functions", grid.functionCount()}, {"has_light", !grid.light.empty()}};
@@ -182,6 +233,8 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Bakes one scene into a light grid: places probes, finds the weighting function of each, and lights them.\n"
       "nlg-bake SCENE: with the weights that ship with the project.\n"
+      "nlg-bake SCENE --relight GRID: other light for a grid that was baked before.\n"
+      "nlg-bake SCENE --check GRID: whether a grid is still what it would be.\n"
       "nlg-bake info GRID ...: what light grids are, verified.\n"
       "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own; the scene first, because --weights takes several files.",
       "nlg-bake"};
@@ -198,6 +251,15 @@ int main(int argc, char** argv) {
       "looks for in the folder $NLG_WEIGHTS, then in the installation and in the sources");
   const CLI::Option* out =
       app.add_option("--out", request.out, "the light grid to write. None: NAME.safetensors, here, by the name of the scene");
+  app.add_option("--relight", request.relit,
+                 "a light grid of this scene, baked with these settings: its probes and functions stay, and light alone is made "
+                 "anew, of what the scene is lit by now")
+      ->check(CLI::ExistingFile);
+  app.add_option(
+         "--check", request.checked,
+         "bake nothing: say whether a grid is what this command would bake, or what has changed since it was. Exit code 6 "
+         "where it is not, for build systems")
+      ->check(CLI::ExistingFile);
   app.add_option("--json", request.json,
                  "write all that the bake says of itself to a file, as one line of JSON. -: to standard output");
   app.add_flag("--verbose", request.is_verbose, "end with all stages, errors and savings as tables, too");
@@ -205,6 +267,14 @@ int main(int argc, char** argv) {
     const CLI::Option* config = app.get_option("--config");
     request.out_is_given = out->count() > 0;
     if (config->count() > 0) request.config = config->as<std::string>();
-    nlg::run(request, options, table);
+    nlg::takeThetaPrecision(&options);
+    nlg::chooseSimd(options.simd);
+    if (!request.checked.empty()) {
+      nlg::runCheck(request, options, table);
+    } else if (!request.relit.empty()) {
+      nlg::runRelight(request, options, table);
+    } else {
+      nlg::run(request, options, table);
+    }
   });
 }

@@ -8,7 +8,6 @@
 
 #include "datagen/visibility/link_table.h"
 #include "runtime_eval/evaluator/theta_form.h"
-#include "runtime_eval/light_grid/light_form.h"
 
 namespace nlg {
 namespace {
@@ -206,9 +205,9 @@ class SavingsCount {
       add("bounces traced once for all probes", light.cache_cells - light.cache_divided, light.cache_cells, {}, 0,
           "light_cache: paths end at these cells of surface; walls divide the others");
     const auto full = static_cast<int64_t>(sizeof(float)) * kShFloats;
-    add("bits and coefficients of light beyond the file's form", counts_.grid_probes, counts_.grid_probes, {},
-        static_cast<int64_t>(counts_.grid_probes) * (full - static_cast<int64_t>(lightFormBytes(stored_.light))),
-        fmt::format("light_form: {}, against 27 floats a probe", lightFormName(stored_.light)));
+    add("bits and coefficients of light beyond the level's own axes", counts_.grid_probes, counts_.grid_probes, {},
+        static_cast<int64_t>(counts_.grid_probes) * full - static_cast<int64_t>(light.file_bytes),
+        fmt::format("light_error: adds {:.3f} of a probe's light; against 27 floats a probe", light.packing.error));
   }
 
   const LightGrid& grid_;

@@ -20,6 +20,10 @@ GRIDS = {"bare tents alone": ["NLG_CLASS_COUNT=2"],
          "`tent_mlp`, `mlp`": ["NLG_CLASS_COUNT=3", "NLG_NETWORK_88"],
          "product fields": ["NLG_CLASS_COUNT=3", "NLG_FIELD"],
          "codes": ["NLG_CLASS_COUNT=3", "NLG_BRICK"]}
+# of kaos2: 22 numbers of 3 to 8 bits
+WIDTHS = [[8, 8, 7], [8, 8, 6, 6, 4], [6, 6, 6, 6, 6, 2], [6, 6, 5, 3, 3, 3, 3, 3]]
+FIELDS = [word | (9 * (word == 0) + sum(widths[:i])) << 3 | width << 8 for word, widths in enumerate(WIDTHS) for i, width in enumerate(widths)]
+LIGHT = [f"NLG_LIGHT_AXES={len(FIELDS)}", "NLG_LIGHT_WORDS=4", "NLG_LIGHT_FIELDS=uint[](" + ",".join(f"{field}u" for field in FIELDS) + ")"]
 # the head is a uniform: the same for all pixels
 HEAD = """#version 450
 #extension GL_EXT_control_flow_attributes : require
@@ -28,7 +32,7 @@ layout(std430, binding = 0) readonly buffer Words { uint words[]; };
 layout(std430, binding = 0) readonly buffer Fours { uvec4 fours[]; };
 layout(std430, binding = 1) readonly buffer Places { vec4 places[]; };
 layout(std430, binding = 2) writeonly buffer Lights { vec4 lights[]; };
-layout(std140, binding = 3) uniform Head { uvec4 head[16]; };
+layout(std140, binding = 3) uniform Head { uvec4 head[256]; };
 uvec4 nlgHeader(int i) { return head[i]; }
 uvec4 nlgFour(int i) { return fours[i]; }
 uint nlgWord(int i) { return words[i]; }
@@ -52,7 +56,7 @@ void main() {
   }
 }"""
 PASSES = ["--merge-return", "--inline-entry-points-exhaustive", "--eliminate-dead-functions", "--scalar-replacement=0", "--ssa-rewrite", "--ccp",
-          "--loop-unroll", "--scalar-replacement=0", "--ssa-rewrite", "--ccp", "--simplify-instructions", "--redundancy-elimination",
+          *["--loop-unroll", "--merge-blocks", "--scalar-replacement=0", "--ssa-rewrite", "--ccp", "--simplify-instructions"] * 3, "--simplify-instructions", "--redundancy-elimination",
           "--eliminate-dead-branches", "--merge-blocks", "--eliminate-dead-code-aggressive"]
 FREE = {"OpLabel", "OpBranch", "OpBranchConditional", "OpSelectionMerge", "OpFunction", "OpFunctionEnd", "OpReturn", "OpAccessChain",
         "OpCompositeConstruct", "OpCompositeExtract", "OpCompositeInsert", "OpVectorShuffle", "OpPhi", "OpBitcast", "OpVariable", "OpUndef",
@@ -69,7 +73,7 @@ def disassembly(folder, main, defines):
     source, module = os.path.join(folder, "shader.comp"), os.path.join(folder, "shader.spv")
     with open(source, "w", encoding="utf-8") as file:
         file.write(HEAD + look_up + main)
-    run("glslangValidator", "--quiet", "-V", "--target-env", "vulkan1.1", *["-D" + define for define in defines], "-o", module, source)
+    run("glslangValidator", "--quiet", "-V", "--target-env", "vulkan1.1", *["-D" + define for define in defines + LIGHT], "-o", module, source)
     run("spirv-opt", *PASSES, module, "-o", module)
     text = run("spirv-dis", module)
     if "OpLoopMerge" in text:

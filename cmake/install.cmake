@@ -54,7 +54,7 @@ set(NLG_PUBLIC_HEADERS
   light_grid/probe_tree.h
   light_grid/light_grid.h
   light_grid/spherical_harmonics.h
-  light_grid/light_form.h
+  light_grid/packed_light.h
   light_grid/irradiance.h
   light_grid/resampled_light.h
   light_grid/light_grid_file.h

@@ -9,7 +9,7 @@
 import { DataTexture, NearestFilter, RGBAIntegerFormat, UnsignedIntType, Vector3 } from 'three';
 
 const TEXELS_A_ROW = 2048; // what every WebGL 2 offers
-const CLASS_COUNT_WORD = 13, CLASSES = 4; // of grid.bin's head (shader_grid.h)
+const CLASS_COUNT_WORD = 13, AXIS_COUNT_WORD = 16, CLASSES = 5, HEADS_A_CLASS = 2, HEADS_AN_AXIS = 7; // of grid.bin's head (shader_grid.h)
 const INCLUDED = '#include <lights_fragment_begin>';
 
 const gridOfMaterial = new WeakMap();
@@ -69,8 +69,8 @@ export class NeuralLightGrid {
   // lookUp   the text of look_up.glsl
   constructor(words, lookUp) {
     const classCount = words[CLASS_COUNT_WORD];
-    if (!lookUp.includes(`#define NLG_CLASS_COUNT ${classCount}\n`)) throw new Error('grid.bin and look_up.glsl are not of one grid');
-    const headCount = CLASSES + 2 * classCount;
+    if (!lookUp.includes(`#define NLG_CLASS_COUNT ${classCount}\n`) || !lookUp.includes(`#define NLG_LIGHT_AXES ${words[AXIS_COUNT_WORD]}\n`)) throw new Error('grid.bin and look_up.glsl are not of one grid');
+    const headCount = CLASSES + HEADS_A_CLASS * classCount + HEADS_AN_AXIS * words[AXIS_COUNT_WORD];
     this.#text = readsOf(headCount) + lookUp;
     this.#uniforms = {
       nlg_words: { value: wordTexture(words) },

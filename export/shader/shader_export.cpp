@@ -18,10 +18,11 @@
 namespace nlg {
 namespace {
 
+constexpr size_t kWord = sizeof(uint32_t), kCorners = 8;
+
 namespace fs = std::filesystem;
 
 constexpr const char* kFiles[] = {"grid.bin", "look_up.glsl", "resample.comp", "resampled.glsl"};
-constexpr size_t kWord = sizeof(uint32_t), kLightBytes = 32, kCorners = 8;
 
 void run(const std::string& grid_path, const std::string& folder) {
   requireOutputFolder(folder);
@@ -73,7 +74,7 @@ PixelReads pixelReads(const ShaderGrid& grid) {
   PixelReads reads;
   // the low corner's slot says whether the cell is used, and is read again as a corner
   reads.cell = kWord * (1 + 1 + kCorners);
-  reads.tents = reads.cell + kCorners * kLightBytes;
+  reads.tents = reads.cell + kCorners * grid.light_read;
   reads.functions = reads.cell + kCorners * grid.largest_read;
   return reads;
 }

@@ -40,7 +40,7 @@ size_t treeBytes(const ProbeTree& tree) {
   LightGrid grid;
   grid.tree = tree;
   grid.probe_function.assign(tree.probeCount(), kNoWeight);
-  return lightGridBytes(grid, {ThetaPrecision::float16, LightForm::none}).tree;
+  return lightGridBytes(grid, {ThetaPrecision::float16, {}}).tree;
 }
 
 // As a light grid holds it.
@@ -53,14 +53,18 @@ std::vector<float> floatsOf(const std::vector<LightSh>& light) {
   return floats;
 }
 
-// What a form leaves of light.
-std::vector<LightSh> rounded(LightForm form, const std::vector<LightSh>& light) {
-  std::vector<float> floats = floatsOf(light);
-  const FileResult result = roundLight(form, &floats);
-  if (!result.ok()) throw InputError("the scene", "light", "probes whose light the form can hold", result.detail);
+// What a file keeps of light, and in how many bytes.
+// probe_function   of a light grid's probes: those without weight have no light. Of other methods all have the same
+std::vector<LightSh> packedAndBack(double error, const std::vector<LightSh>& light, std::vector<uint32_t> probe_function,
+                                   size_t* bytes) {
+  LightGrid grid;
+  grid.probe_function = std::move(probe_function);
+  grid.light = floatsOf(light);
+  roundGridLight(error, &grid);
+  *bytes = packedLightBytes(grid.packed_light);
   std::vector<LightSh> kept(light.size());
-  for (size_t i = 0; i < floats.size(); ++i)
-    kept[i / kShFloats][i % kShFloats / kShChannels][static_cast<int>(i % kShChannels)] = floats[i];
+  for (size_t i = 0; i < grid.light.size(); ++i)
+    kept[i / kShFloats][i % kShFloats / kShChannels][static_cast<int>(i % kShChannels)] = grid.light[i];
   return kept;
 }
 
@@ -88,9 +92,7 @@ const Weighting& MethodSet::own(std::unique_ptr<Weighting> weighting) { return *
 
 const std::vector<LightSh>& MethodSet::own(std::vector<LightSh> light) { return lights_.emplace_back(std::move(light)); }
 
-MethodBytes MethodSet::bytesOf(size_t probes, size_t weight_bytes) const {
-  return {probes * lightFormBytes(options_.form), weight_bytes, tree_bytes_};
-}
+MethodBytes MethodSet::bytesOf(size_t weight_bytes) const { return {0, weight_bytes, tree_bytes_}; }
 
 void MethodSet::addBlends(Blends blends) {
   const Weighting& weighting = own(std::move(blends.weighting));
@@ -118,7 +120,13 @@ void MethodSet::addBlends(Blends blends) {
       }
     }
     method.light_s = secondsSince(start) + (way == LightWay::point ? probes_.gather_s : measure_s_);
-    const std::vector<LightSh>& kept = own(rounded(options_.form, light));
+    // whoever counts bytes of harmonics for itself has 8 bits or more for each
+    const bool has_own_bytes = blends.bytes.light > 0;
+    size_t light_bytes = 0;
+    const std::vector<LightSh>& kept = own(packedAndBack(
+        has_own_bytes ? kLeastLightError : options_.light_error, light,
+        blends.probe_function.empty() ? std::vector<uint32_t>(light.size(), kFreeSpace) : blends.probe_function, &light_bytes));
+    if (!has_own_bytes) method.bytes.light = light_bytes;
     method.probe_light = &kept;
     method.irradiance_at = blendedLight(weighting, kept);
     methods_.push_back(std::move(method));
@@ -133,11 +141,11 @@ void MethodSet::addTrilinear() {
 void MethodSet::addTrilinear(TrilinearKind kind, const std::vector<LightWay>& ways) {
   auto weighting = std::make_unique<Trilinear>(kind, probes_, scene_.transport.rays());
   if (kind == TrilinearKind::all) {
-    addBlends({"trilinear", std::move(weighting), probes_.count(), bytesOf(probes_.count(), 0), 0.0, &probes_.light, ways});
+    addBlends({"trilinear", std::move(weighting), probes_.count(), bytesOf(0), 0.0, &probes_.light, ways});
     return;
   }
   // a bit each says which probes are in air
-  const MethodBytes bytes = bytesOf(probes_.air_count, (probes_.count() + 7) / 8);
+  const MethodBytes bytes = bytesOf((probes_.count() + 7) / 8);
   const char* name = kind == TrilinearKind::valid ? "valid trilinear" : "exact visibility";
   addBlends({name, std::move(weighting), probes_.air_count, bytes, 0.0, nullptr, ways});
 }
@@ -201,7 +209,7 @@ void MethodSet::addDdgi() {
     addDdgi("DDGI, exact visibility", maps, DdgiVisibility::exact, kDdgiFloatBytes);
     // its weights with light in harmonics, so that light and weights are told apart
     addBlends({"DDGI's weights", std::make_unique<Ddgi>(probes_, maps, scene_.transport.rays(), DdgiVisibility::depth),
-               probes_.count(), bytesOf(probes_.count(), probes_.count() * kDdgiShippedDepthBytes), maps.bake_s, nullptr});
+               probes_.count(), bytesOf(probes_.count() * kDdgiShippedDepthBytes), maps.bake_s, nullptr});
   }
 }
 
@@ -211,7 +219,7 @@ void MethodSet::addTetrahedra() {
   if (tetrahedra == nullptr) return;
   const double seconds = secondsSince(start);
   // an engine goes on from the tetrahedron of the frame before: it needs no tree
-  MethodBytes bytes = bytesOf(probes_.air_count, tetrahedra->byteCount());
+  MethodBytes bytes = bytesOf(tetrahedra->byteCount());
   bytes.tree = 0;
   addBlends({"tetrahedra", std::move(tetrahedra), probes_.air_count, bytes, seconds, nullptr});
 }
@@ -248,20 +256,20 @@ void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const 
       std::make_unique<TargetFunctions>(all, probes_, scene_.transport.rays(), scene_.links, diffusion, options_.thread_count);
   const double seconds = secondsSince(start);
   // 8,192 samples in 8 bits each
-  addBlends({"target functions", std::move(functions), probes_.count(),
-             bytesOf(probes_.count(), probes_.count() * kSupportPointCount), seconds, nullptr, ways});
+  addBlends({"target functions", std::move(functions), probes_.count(), bytesOf(probes_.count() * kSupportPointCount), seconds,
+             nullptr, ways});
 }
 
 void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, const std::vector<LightWay>& ways) {
   const LightGrid& kept = grids_.emplace_back(std::move(grid));
-  const LightGridBytes bytes = lightGridBytes(kept, {options_.theta, LightForm::none});
+  const LightGridBytes bytes = lightGridBytes(kept, {options_.theta, {}});
   size_t with_weight = 0;
   for (const uint32_t function : kept.probe_function) with_weight += function != kNoWeight;
   const size_t first = methods_.size();
   const glm::dvec3& origin_m = scene_.transport.scene().origin_m;
   addBlends({name, std::make_unique<GridWeighting>(kept, origin_m), with_weight,
-             bytesOf(with_weight, bytes.theta + bytes.dictionaries + bytes.functions + bytes.probe_function), bake_s, nullptr,
-             ways});
+             bytesOf(bytes.theta + bytes.dictionaries + bytes.functions + bytes.probe_function), bake_s, nullptr, ways,
+             kept.probe_function});
   for (size_t m = first; m < methods_.size(); ++m) {
     LightGrid& lit = grids_.emplace_back(kept);
     lit.light = floatsOf(*methods_[m].probe_light);

@@ -15,7 +15,6 @@
 #include "light/methods/quake_grid_method.h"
 #include "light/methods/trilinear.h"
 #include "light/probe_light.h"
-#include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/light_grid.h"
 
 namespace nlg {
@@ -23,7 +22,7 @@ namespace nlg {
 struct MethodSetOptions {
   GatherOptions probe;                          // of every probe
   ProbeLightOptions solve;                      // of places in air, as a bake measures and solves with the same seed
-  LightForm form = LightForm::sh2_8bit;         // in which every method keeps harmonics
+  double light_error = kLightError;             // with which every method keeps harmonics (packed_light.h)
   ThetaPrecision theta = ThetaPrecision::int8;  // in which grids are counted: that of their bakes
   int thread_count = 1;
   uint64_t seed = 1;
@@ -79,11 +78,12 @@ class MethodSet {
     double weights_s = 0.0;
     const std::vector<LightSh>* point_light = nullptr;  // by probe, where the method has its own way to gather it
     std::vector<LightWay> ways = kGatheredAndSolved;    // a method each
+    std::vector<uint32_t> probe_function{};             // of a light grid's probes
   };
   const Weighting& own(std::unique_ptr<Weighting> weighting);
   const std::vector<LightSh>& own(std::vector<LightSh> light);
-  // What of harmonics, weights and tree a method has that stores all of them as our grid does.
-  MethodBytes bytesOf(size_t probes, size_t weight_bytes) const;
+  // What of weights and tree a method has that stores harmonics as our grid does; addBlends counts those.
+  MethodBytes bytesOf(size_t weight_bytes) const;
   void addBlends(Blends blends);
   void addApv(const std::string& name, size_t probe_bytes, const std::vector<LightSh>& light, const std::vector<LightWay>& ways);
   const DdgiMaps& makeDdgi(bool relocates);

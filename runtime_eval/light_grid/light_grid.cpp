@@ -167,6 +167,39 @@ FileResult checkWithoutBricks(const LightGrid& grid) {
   return result.ok() ? checkLight(grid.light) : result;
 }
 
+LightPacking roundGridLight(double max_error, LightGrid* grid) {
+  std::vector<float> light;
+  for (size_t probe = 0; probe < grid->probe_function.size(); ++probe) {
+    if (grid->probe_function[probe] != kNoWeight)
+      light.insert(light.end(), grid->probeLight(probe), grid->probeLight(probe) + kShFloats);
+  }
+  const LightPacking packing = packLight(light, max_error, &grid->packed_light);
+  unpackGridLight(grid->packed_light, grid->probe_function, &grid->light);
+  return packing;
+}
+
+bool holdsPackedLight(const LightGrid& grid) {
+  std::vector<float> light;
+  return unpackGridLight(grid.packed_light, grid.probe_function, &light).ok() && light == grid.light;
+}
+
+FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, std::vector<float>* light) {
+  const auto with_weight =
+      probe_function.size() - static_cast<size_t>(std::count(probe_function.begin(), probe_function.end(), kNoWeight));
+  std::vector<float> of_weighted;
+  light->clear();
+  FileResult result = unpackLight(packed, with_weight, &of_weighted);
+  if (!result.ok()) return result;
+  light->resize(probe_function.size() * kShFloats);
+  auto next = of_weighted.begin();
+  for (size_t probe = 0; probe < probe_function.size(); ++probe) {
+    if (probe_function[probe] == kNoWeight) continue;
+    std::copy_n(next, kShFloats, light->begin() + static_cast<ptrdiff_t>(probe * kShFloats));
+    next += kShFloats;
+  }
+  return {};
+}
+
 FileResult checkLight(const std::vector<float>& light) { return checkValues("light", light, kMaxGridLight); }
 
 void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/light_grid/probe_tree.h"
 #include "runtime_eval/light_grid/spherical_harmonics.h"
 #include "runtime_eval/weights_file/file_result.h"
@@ -53,6 +54,7 @@ struct LightGrid {
   std::vector<FunctionBrick> function_brick;  // by function
   std::vector<uint32_t> quads;                // bricks (brick_quads.h), one after another in the order of functions
   std::vector<float> light;  // by probe: kShFloats each, radiance (spherical_harmonics.h); empty: the grid holds no light
+  PackedLight packed_light;  // of the probes with weight, in their order; see holdsPackedLight
 
   // kShFloats floats. probe   < probeCount(); of grids with light
   const float* probeLight(size_t probe) const { return &light[probe * kShFloats]; }
@@ -78,6 +80,14 @@ FileResult checkLightGrid(const LightGrid& grid);
 FileResult checkWithoutBricks(const LightGrid& grid);
 // Of some light alone: |light| <= kMaxGridLight.
 FileResult checkLight(const std::vector<float>& light);
+
+// Light becomes what a file holds of it: packed_light, with an error that packed_light.h speaks of, and 0 at probes without weight.
+LightPacking roundGridLight(double max_error, LightGrid* grid);
+// Whether `light` is what packed_light says: files and shaders take that then, and pack anew otherwise.
+bool holdsPackedLight(const LightGrid& grid);
+// As packed_light has it, by probe: 0 without weight.
+// returns   as unpackLight
+FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, std::vector<float>* light);
 
 // The probes that count at a position, in the order of ProbesAround's corners.
 struct ProbeWeights {

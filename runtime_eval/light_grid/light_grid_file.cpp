@@ -17,6 +17,8 @@ namespace {
 
 constexpr const char* kKind = "nlg-light-grid";
 constexpr const char* kVersion = "1";
+constexpr const char* kPackedLight = "axes";
+constexpr const char* kNoLight = "none";
 constexpr std::string_view kRepresentationPrefix = "representation.", kSlopePrefix = "slope.", kDictionaryPrefix = "dictionary.";
 constexpr const char *kNodesSuffix = ".nodes", *kExponentsSuffix = ".exponents";
 
@@ -43,14 +45,14 @@ bool isOwnKey(std::string_view key) {
 }
 
 // The file's own keys beside the caller's.
-FileResult addOwnMetadata(const LightGrid& grid, LightForm light, GridMetadata* metadata) {
+FileResult addOwnMetadata(const LightGrid& grid, bool has_light, GridMetadata* metadata) {
   for (const auto& [key, text] : *metadata) {
     if (isOwnKey(key)) return refuse(FileStatus::value_out_of_range, "metadata " + key + ": a key of the file's own");
   }
   (*metadata)["kind"] = kKind;
   (*metadata)["version"] = kVersion;
   (*metadata)["pattern_hash"] = patternHash();
-  (*metadata)["light"] = lightFormName(light);
+  (*metadata)["light"] = has_light ? kPackedLight : kNoLight;
   (*metadata)["representation_count"] = std::to_string(grid.representations.size());
   for (size_t i = 0; i < grid.representations.size(); ++i) {
     const Representation& representation = grid.representations[i];
@@ -116,27 +118,23 @@ FileResult halvesOf(const LightGrid& grid, std::vector<Half>* halves) {
   return {};
 }
 
-// Of probes whose light some look-up reads: those with weight, in their order.
-size_t countWithWeight(const LightGrid& grid) {
-  return grid.probe_function.size() -
-         static_cast<size_t>(std::count(grid.probe_function.begin(), grid.probe_function.end(), kNoWeight));
+bool hasLight(const LightGrid& grid, const GridPrecision& precision) {
+  return !grid.light.empty() && precision.light_error.has_value();
 }
 
-LightForm formOf(const LightGrid& grid, const GridPrecision& precision) {
-  return grid.light.empty() ? LightForm::none : precision.light;
-}
-
-FileResult packedLight(const LightGrid& grid, LightForm form, PackedLight* packed) {
-  std::vector<float> light;
-  for (size_t probe = 0; probe < grid.probe_function.size() && form != LightForm::none; ++probe) {
-    if (grid.probe_function[probe] != kNoWeight)
-      light.insert(light.end(), grid.probeLight(probe), grid.probeLight(probe) + kShFloats);
+// Of a grid with light.
+FileResult packedLight(const LightGrid& grid, const GridPrecision& precision, PackedLight* packed) {
+  if (holdsPackedLight(grid)) {
+    *packed = grid.packed_light;
+    return {};
   }
-  FileResult result = packLight(form, light, packed);
-  // a form may make more of the largest numbers than a reader takes
-  if (result.ok()) result = unpackLight(form, *packed, light.size() / kShFloats, &light);
-  if (result.ok()) result = checkLight(light);
-  return result;
+  LightGrid rounded;
+  rounded.probe_function = grid.probe_function;
+  rounded.light = grid.light;
+  roundGridLight(*precision.light_error, &rounded);
+  *packed = std::move(rounded.packed_light);
+  // rounding may make more of the largest numbers than a reader takes
+  return checkLight(rounded.light);
 }
 
 void takeFirst(FileResult* result, FileResult next) {
@@ -239,20 +237,67 @@ FileResult takeRepresentations(GridMetadata* metadata, std::vector<Representatio
   return {};
 }
 
-// Functions of probes in two bytes: for grids of at most kMaxShortFunctions.
-constexpr size_t kMaxShortFunctions = 0xfffe;
+// What a probe has, in two bits. Most have a bare tent, and functions are numbered in the order of the probes that have them first.
+enum ProbeKind : uint32_t { kTentProbe, kNoWeightProbe, kNextFunction, kNamedFunction };
+constexpr size_t kProbesAByte = 4;
+constexpr size_t kMaxShortFunctions = 0x10000;  // that two bytes name
 
-uint16_t shortFunction(uint32_t function) {
-  return function == kFreeSpace ? 0xffff : function == kNoWeight ? 0xfffe : static_cast<uint16_t>(function);
+struct StoredProbes {
+  std::vector<uint8_t> kinds;
+  std::vector<uint32_t> names;  // of those that are not the next
+};
+
+StoredProbes storedProbes(const std::vector<uint32_t>& probe_function) {
+  StoredProbes stored;
+  stored.kinds.resize((probe_function.size() + kProbesAByte - 1) / kProbesAByte);
+  uint32_t next = 0;
+  for (size_t probe = 0; probe < probe_function.size(); ++probe) {
+    const uint32_t function = probe_function[probe];
+    const ProbeKind kind = function == kFreeSpace  ? kTentProbe
+                           : function == kNoWeight ? kNoWeightProbe
+                           : function == next      ? kNextFunction
+                                                   : kNamedFunction;
+    next += kind == kNextFunction;
+    if (kind == kNamedFunction) stored.names.push_back(function);
+    stored.kinds[probe / kProbesAByte] |= static_cast<uint8_t>(kind << 2 * (probe % kProbesAByte));
+  }
+  return stored;
 }
-uint32_t longFunction(uint16_t function) { return function == 0xffff ? kFreeSpace : function == 0xfffe ? kNoWeight : function; }
+
+template <class T>
+FileResult readNames(const TensorFileReader& reader, std::vector<uint32_t>* names) {
+  std::vector<T> stored;
+  FileResult result = reader.read("probe.function", &stored);
+  names->assign(stored.begin(), stored.end());
+  return result;
+}
 
 FileResult readProbeFunctions(const TensorFileReader& reader, bool is_short, std::vector<uint32_t>* probe_function) {
-  if (!is_short) return reader.read("probe.function", probe_function);
-  std::vector<uint16_t> functions;
-  FileResult result = reader.read("probe.function", &functions);
-  std::transform(functions.begin(), functions.end(), std::back_inserter(*probe_function), longFunction);
-  return result;
+  uint32_t count = 0;
+  StoredProbes stored;
+  FileResult result = readNumbers<1>(reader, "probe.count", &count);
+  takeFirst(&result, reader.read("probe.kind", &stored.kinds));
+  takeFirst(&result, is_short ? readNames<uint16_t>(reader, &stored.names) : readNames<uint32_t>(reader, &stored.names));
+  if (!result.ok()) return result;
+  const size_t bytes = (size_t{count} + kProbesAByte - 1) / kProbesAByte;
+  if (stored.kinds.size() != bytes) return refuseCount("probe.kind", bytes, stored.kinds.size());
+  uint32_t next = 0;
+  size_t named = 0;
+  for (size_t probe = 0; probe < count; ++probe) {
+    const uint32_t kind = stored.kinds[probe / kProbesAByte] >> 2 * (probe % kProbesAByte) & 3;
+    const bool is_named = kind == kNamedFunction;
+    if (is_named && named == stored.names.size())
+      return refuse(FileStatus::tensor_unexpected, "probe.function: too few values for probe.kind");
+    // a function's number; that it exists is checked with the grid
+    if (is_named && stored.names[named] >= kNoWeight)
+      return refuse(FileStatus::value_out_of_range, "probe.function: value " + std::to_string(named));
+    probe_function->push_back(kind == kTentProbe       ? kFreeSpace
+                              : kind == kNoWeightProbe ? kNoWeight
+                              : is_named               ? stored.names[named++]
+                                                       : next++);
+  }
+  if (named != stored.names.size()) return refuseCount("probe.function", named, stored.names.size());
+  return {};
 }
 
 // After the functions' representations.
@@ -375,39 +420,51 @@ FileResult readDictionaries(const TensorFileReader& reader, LightGrid* grid) {
   return result;
 }
 
-FileResult takeLightForm(GridMetadata* metadata, LightForm* form) {
+FileResult takeHasLight(GridMetadata* metadata, bool* has_light) {
   std::string text;
   FileResult result = takeText(metadata, "light", &text);
-  if (!result.ok() || findLightForm(text, form)) return result;
-  return refuseText(FileStatus::value_out_of_range, "light", "none, sh2_float16, sh2_8bit, zh3_float16 or sh1_float16", text);
+  if (!result.ok()) return result;
+  *has_light = text == kPackedLight;
+  if (*has_light || text == kNoLight) return {};
+  return refuseText(FileStatus::value_out_of_range, "light", "none or axes (grids of earlier versions are to be baked again)",
+                    text);
 }
 
 // After the functions of probes, which say whose light there is.
-FileResult readLight(const TensorFileReader& reader, LightForm form, LightGrid* grid) {
-  if (form == LightForm::none) return {};
-  PackedLight packed;
-  std::vector<float> light;
-  FileResult result = readNumbers<1>(reader, "light.scale", &packed.scale);
-  takeFirst(&result, reader.read("light.halves", &packed.halves));
-  if (form == LightForm::sh2_8bit) takeFirst(&result, reader.read("light.steps", &packed.steps));
-  if (result.ok()) result = unpackLight(form, packed, countWithWeight(*grid), &light);
+FileResult readLight(const TensorFileReader& reader, LightGrid* grid) {
+  PackedLight& packed = grid->packed_light;
+  std::vector<uint8_t> bits, records;
+  std::vector<int32_t> offsets;
+  std::vector<Half> axes;
+  FileResult result = readNumbers<1>(reader, "light.unit", &packed.unit);
+  takeFirst(&result, reader.read("light.bits", &bits));
+  takeFirst(&result, reader.read("light.offsets", &offsets));
+  takeFirst(&result, reader.read("light.axes", &axes));
+  takeFirst(&result, reader.read("light.records", &records));
+  if (result.ok() && bits.size() != offsets.size() + 1) result = refuseCount("light.bits", offsets.size() + 1, bits.size());
+  if (result.ok() && axes.size() != offsets.size() * kShFloats)
+    result = refuseCount("light.axes", offsets.size() * kShFloats, axes.size());
   if (!result.ok()) return result;
-  grid->light.resize(grid->probe_function.size() * kShFloats);
-  auto next = light.begin();
-  for (size_t probe = 0; probe < grid->probe_function.size(); ++probe) {
-    if (grid->probe_function[probe] == kNoWeight) continue;
-    std::copy_n(next, kShFloats, grid->light.begin() + static_cast<ptrdiff_t>(probe * kShFloats));
-    next += kShFloats;
+  packed.scale_bits = bits[0];
+  for (size_t k = 0; k < offsets.size(); ++k) {
+    LightAxis& axis = packed.axes.emplace_back();
+    axis.bits = bits[k + 1];
+    axis.offset = offsets[k];
+    std::copy_n(axes.begin() + static_cast<ptrdiff_t>(k * kShFloats), kShFloats, axis.direction.begin());
   }
-  return {};
+  const std::vector<uint32_t>& functions = grid->probe_function;
+  const auto with_weight = functions.size() - static_cast<size_t>(std::count(functions.begin(), functions.end(), kNoWeight));
+  result = decodeRecords(records, with_weight, &packed);
+  if (!result.ok()) return result;
+  return unpackGridLight(packed, grid->probe_function, &grid->light);
 }
 
 FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
   *metadata = reader.metadata();
-  LightForm form = LightForm::none;
+  bool has_light = false;
   FileResult result = takeIdentity(metadata);
   if (result.ok() && !reader.hasDigest()) result = refuse(FileStatus::digest_mismatch, kDigestMissing);
-  if (result.ok()) result = takeLightForm(metadata, &form);
+  if (result.ok()) result = takeHasLight(metadata, &has_light);
   if (result.ok()) result = takeRepresentations(metadata, &grid->representations);
   if (!result.ok()) return result;
   for (const auto& [key, text] : *metadata) {
@@ -416,7 +473,7 @@ FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadat
   result = readFunctions(reader, grid);
   if (result.ok()) result = readDictionaries(reader, grid);
   if (result.ok()) result = readTree(reader, grid);
-  if (result.ok()) result = readLight(reader, form, grid);
+  if (result.ok() && has_light) result = readLight(reader, grid);
   if (result.ok()) result = checkWithoutBricks(*grid);
   if (result.ok()) grid->makeBricks();
   return result;
@@ -443,12 +500,21 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
   bytes->clear();
   FileResult result = checkLightGrid(grid);
   GridMetadata texts = metadata;
-  const LightForm form = formOf(grid, precision);
+  const bool has_light = hasLight(grid, precision);
   const bool in_steps = precision.theta == ThetaPrecision::int8;
-  takeFirst(&result, addOwnMetadata(grid, form, &texts));
+  takeFirst(&result, addOwnMetadata(grid, has_light, &texts));
   PackedLight light;
-  if (result.ok()) result = packedLight(grid, form, &light);
-  const std::vector<float> light_scale{light.scale};
+  if (result.ok() && has_light) result = packedLight(grid, precision, &light);
+  const std::vector<float> light_unit{light.unit};
+  std::vector<uint8_t> light_bits{static_cast<uint8_t>(light.scale_bits)};
+  std::vector<int32_t> light_offsets;
+  std::vector<Half> light_axes;
+  for (const LightAxis& axis : light.axes) {
+    light_bits.push_back(static_cast<uint8_t>(axis.bits));
+    light_offsets.push_back(axis.offset);
+    light_axes.insert(light_axes.end(), axis.direction.begin(), axis.direction.end());
+  }
+  const std::vector<uint8_t> light_records = codedRecords(light);
   std::vector<Half> halves;
   PackedTheta packed;
   if (result.ok() && precision.theta == ThetaPrecision::float16) result = halvesOf(grid, &halves);
@@ -461,21 +527,22 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
   const PackedNodes nodes = packNodes(tree);
   const std::vector<double> first_m(tree.frame.first_m.begin(), tree.frame.first_m.end()), spacing_m{tree.frame.spacing_m};
   const std::vector<int32_t> root_count(tree.frame.root_count.begin(), tree.frame.root_count.end());
+  const StoredProbes probes = storedProbes(grid.probe_function);
+  const std::vector<uint32_t> probe_count{static_cast<uint32_t>(grid.probe_function.size())};
   const bool is_short = grid.functionCount() <= kMaxShortFunctions;
-  std::vector<uint16_t> short_functions;
-  if (is_short) {
-    std::transform(grid.probe_function.begin(), grid.probe_function.end(), std::back_inserter(short_functions), shortFunction);
-  }
+  const std::vector<uint16_t> short_names(is_short ? probes.names.begin() : probes.names.end(), probes.names.end());
   TensorFileWriter writer;
   writer.add("frame.first_m", first_m);
   writer.add("frame.spacing_m", spacing_m);
   writer.add("frame.root_count", root_count);
   writer.add("node.kind", nodes.kind);
   writer.add("node.bits", nodes.bits);
+  writer.add("probe.count", probe_count);
+  writer.add("probe.kind", probes.kinds);
   if (is_short) {
-    writer.add("probe.function", short_functions);
+    writer.add("probe.function", short_names);
   } else {
-    writer.add("probe.function", grid.probe_function);
+    writer.add("probe.function", probes.names);
   }
   writer.add("function.representation", grid.function_representation);
   if (in_steps) {
@@ -493,11 +560,13 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
     writer.add(numbered(kDictionaryPrefix, r) + kNodesSuffix, dictionaries[r].nodes);
     writer.add(numbered(kDictionaryPrefix, r) + kExponentsSuffix, dictionaries[r].exponents);
   }
-  if (form != LightForm::none) {
-    writer.add("light.scale", light_scale);
-    writer.add("light.halves", light.halves);
+  if (has_light) {
+    writer.add("light.unit", light_unit);
+    writer.add("light.bits", light_bits);
+    writer.add("light.offsets", light_offsets);
+    writer.add("light.axes", light_axes);
+    writer.add("light.records", light_records);
   }
-  if (form == LightForm::sh2_8bit) writer.add("light.steps", light.steps);
   return writer.serialize(texts, bytes);
 }
 
@@ -516,7 +585,8 @@ FileResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata*
 }
 
 LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precision) {
-  const LightForm form = formOf(grid, precision);
+  PackedLight light;
+  if (hasLight(grid, precision)) packedLight(grid, precision, &light);
   const PackedNodes nodes = packNodes(probeTreeData(grid.tree));
   size_t theta_bytes = 0;
   for (size_t f = 0; f < grid.functionCount(); ++f)
@@ -529,14 +599,16 @@ LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precis
     const StoredDictionary stored = storedDictionary(grid.representations[r].dictionary->data(), longest[r]);
     dictionary_bytes += stored.nodes.size() + stored.exponents.size();
   }
+  const StoredProbes probes = storedProbes(grid.probe_function);
   constexpr size_t kFrameBytes = sizeof(PositionM) + sizeof(double) + 3 * sizeof(int32_t);
-  return {.light = form == LightForm::none ? 0 : sizeof(float) + countWithWeight(grid) * lightFormBytes(form),
-          .theta = theta_bytes,
-          .dictionaries = dictionary_bytes,
-          .functions = grid.function_representation.size() * sizeof(uint8_t),
-          .probe_function =
-              grid.probe_function.size() * (grid.functionCount() <= kMaxShortFunctions ? sizeof(uint16_t) : sizeof(uint32_t)),
-          .tree = kFrameBytes + nodes.kind.size() + nodes.bits.size()};
+  return {
+      .light = hasLight(grid, precision) ? packedLightBytes(light) : 0,
+      .theta = theta_bytes,
+      .dictionaries = dictionary_bytes,
+      .functions = grid.function_representation.size() * sizeof(uint8_t),
+      .probe_function = sizeof(uint32_t) + probes.kinds.size() +
+                        probes.names.size() * (grid.functionCount() <= kMaxShortFunctions ? sizeof(uint16_t) : sizeof(uint32_t)),
+      .tree = kFrameBytes + nodes.kind.size() + nodes.bits.size()};
 }
 
 }  // namespace nlg

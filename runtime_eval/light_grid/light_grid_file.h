@@ -5,10 +5,10 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 
-#include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/light_grid.h"
 #include "runtime_eval/weights_file/file_result.h"
 
@@ -21,19 +21,20 @@ using GridMetadata = std::map<std::string, std::string>;
 // What numbers become in a file.
 struct GridPrecision {
   ThetaPrecision theta = ThetaPrecision::float16;
-  LightForm light = LightForm::sh2_8bit;  // none leaves light out; of a grid without light nothing is written, whatever the form
+  // Of light that is not packed yet (holdsPackedLight): the error that packing may leave. None leaves light out.
+  std::optional<double> light_error = kLightError;
 };
 
 // The bytes of a file; the same grid, precision and texts give the same bytes.
-// float16 rounds every number of theta to the nearest half, ties to even; theta_form.h says what int8 makes of theta, and
-// light_form.h what a form makes of light: the errors that this adds are the caller's to measure. Light of probes that have no
+// float16 rounds every number of theta to the nearest half, ties to even; theta_form.h says what int8 makes of theta: the errors that
+// this adds are the caller's to measure. Light of probes that have no
 // weight anywhere (kNoWeight) is not written: no look-up reads it, and a reader finds 0 there. Nor are the terms of a dictionary behind
 // the longest code, which a reader finds 0, and what fits alone need of it: a reader finds deviations of 1.
 //
 // grid      one that checkLightGrid accepts; others are refused with its result
 // returns   ok; also refused, all but the last two value_out_of_range: with float16 a |theta| > 65504 (names function and value),
-//           with int8 a last layer that comes to lie beyond float16 (names the function), light that packLight refuses or a form
-//           takes beyond kMaxGridLight, a key of the file's own, texts that are no UTF-8 (header_malformed) or too long
+//           with int8 a last layer that comes to lie beyond float16 (names the function), light that
+//           packing takes beyond kMaxGridLight, a key of the file's own, texts that are no UTF-8 (header_malformed) or too long
 //           (header_too_large). *bytes is empty then.
 FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precision, const GridMetadata& metadata,
                               std::string* bytes);

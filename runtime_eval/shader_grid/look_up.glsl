@@ -9,8 +9,15 @@
 // and defines what the grid holds, as ShaderGrid::defines lists it: what is not there is not compiled. NLG_NEAR looks for the
 // nearest cell where a position lies in none, as lookUpIrradiance does; without it such positions are dark.
 
+#ifndef NLG_LIGHT_AXES  // for any grid
+#define NLG_LIGHT_AXES int(nlgHeader(4).x)
+#define NLG_LIGHT_WORDS int(nlgHeader(4).z)
+#endif
+#define NLG_LIGHT_FOURS ((NLG_LIGHT_WORDS + 3) / 4)  // uvec4 of a record before its theta
+
 const int NLG_LIT = 0, NLG_FAINT = 1, NLG_UNLIT = 2, NLG_OUTSIDE = 3;               // LightStatus
-const int NLG_CLASSES = 4;                                                          // uvec4 of the head: the first class of probes
+const int NLG_CLASSES = 5;                                                          // uvec4 of the head: the first class of probes
+const int NLG_HEADS_A_CLASS = 2, NLG_HEADS_AN_AXIS = 7;                             // uvec4
 const float NLG_LEAST_WEIGHT = 1e-6f, NLG_RESIDUE = 0.05f, NLG_DARKEST_FLOOR = 0.01f;  // kLeastWeight, kResidue, kDarkestFloor
 
 struct NlgLight {
@@ -155,7 +162,7 @@ NlgCorner nlgCornerOf(NlgCell cell, int c) {
 #ifdef NLG_HALVES
 // Four numbers of theta in float16, by their place among all fours.
 vec4 nlgHalfFour(NlgCorner of, int place) {
-  uvec4 words = nlgFour(of.record + 2 + (place >> 1));
+  uvec4 words = nlgFour(of.record + NLG_LIGHT_FOURS + (place >> 1));
   return (place & 1) == 0 ? nlgHalves(words.x, words.y) : nlgHalves(words.z, words.w);
 }
 bool nlgInHalves(NlgCorner of) { return (of.kind & NLG_FLAG_HALVES) != 0; }
@@ -173,7 +180,8 @@ float nlgNetwork4(NlgCorner of) {
   } else
 #endif
   {
-    uvec4 a = nlgFour(of.record + 2), b = nlgFour(of.record + 3);
+    int theta = of.record + NLG_LIGHT_FOURS;
+    uvec4 a = nlgFour(theta), b = nlgFour(theta + 1);
     x = of.step * nlgBytes(a.x), y = of.step * nlgBytes(a.y), z = of.step * nlgBytes(a.z), bias = of.step * nlgBytes(a.w);
     last = nlgHalves(b.x, b.y), last_bias = unpackHalf2x16(b.z).x;
   }
@@ -195,7 +203,8 @@ float nlgNetwork44(NlgCorner of) {
   } else
 #endif
   {
-    uvec4 a = nlgFour(of.record + 2), b = nlgFour(of.record + 3), c = nlgFour(of.record + 4);
+    int theta = of.record + NLG_LIGHT_FOURS;
+    uvec4 a = nlgFour(theta), b = nlgFour(theta + 1), c = nlgFour(theta + 2);
     x = of.step * nlgBytes(a.x), y = of.step * nlgBytes(a.y), z = of.step * nlgBytes(a.z), bias = of.step * nlgBytes(a.w);
     columns[0] = of.step * nlgBytes(b.x), columns[1] = of.step * nlgBytes(b.y);
     columns[2] = of.step * nlgBytes(b.z), columns[3] = of.step * nlgBytes(b.w);
@@ -212,7 +221,7 @@ float nlgNetwork44(NlgCorner of) {
 float nlgNetwork88(NlgCorner of) {
   vec4 x[2], y[2], z[2], bias[2], low, high, last_low, last_high;
   float last_bias;
-  int theta = of.record + 2;
+  int theta = of.record + NLG_LIGHT_FOURS;
 #ifdef NLG_HALVES
   bool halves = nlgInHalves(of);
   if (halves) {
@@ -268,7 +277,7 @@ float nlgField(NlgCorner of) {
     ivec3 high = ivec3(c & 1, c >> 1 & 1, c >> 2);
     ivec3 corner = node + high;
     vec3 part = mix(vec3(1.0f) - share, share, vec3(high));
-    int word = 4 * (of.record + 2) + (corner.z * r + corner.y) * r + corner.x;
+    int word = 4 * (of.record + NLG_LIGHT_FOURS) + (corner.z * r + corner.y) * r + corner.x;
     sum += part.x * part.y * part.z * unpackHalf2x16(nlgWord(word));
   }
   return clamp(sum.x, 0.0f, 1.0f) / (1.0f + exp(-sum.y));
@@ -283,7 +292,7 @@ float nlgBrick(NlgCorner of) {
   vec3 position = of.local * middle + vec3(middle);
   ivec3 node = min(ivec3(position), ivec3(r - 2));
   vec3 share = position - vec3(node);
-  uint name = nlgWord(4 * (of.record + 2));
+  uint name = nlgWord(4 * of.record + NLG_LIGHT_WORDS);
   int word = 4 * int(name & 0x7ffffffu) + (node.z * (r - 1) + node.y) * r + node.x;
   vec4 along_x = mix(nlgBytes(nlgWord(word)), nlgBytes(nlgWord(word + 1)), share.x);
   vec2 along_y = mix(vec2(along_x.x, along_x.z), vec2(along_x.y, along_x.w), share.y);
@@ -338,39 +347,63 @@ NlgBasis nlgBasisOf(vec3 n) {
   return basis;
 }
 
-// What a probe holds, over the grid's scale: a coefficient of orders 1 and 2 is so many steps.
-struct NlgProbeLight {
-  vec3 mean;  // Y00
-  float step;
-  vec3 steps[8];
+// What a probe holds: a scale and a number for each axis of the level's light (packed_light.h).
+struct NlgRecord {
+  uint words[8];
+  float scale;  // 0 where nothing is lit
 };
-NlgProbeLight nlgLightOf(int record) {
-  uvec4 a = nlgFour(record), b = nlgFour(record + 1);
-  vec4 mean = nlgHalves(a.x, a.y);  // and the largest of all other coefficients
-  vec4 s0 = nlgBytes(a.z), s1 = nlgBytes(a.w), s2 = nlgBytes(b.x), s3 = nlgBytes(b.y), s4 = nlgBytes(b.z), s5 = nlgBytes(b.w);
-  NlgProbeLight light;
-  light.mean = vec3(mean.x, mean.y, mean.z);
-  light.step = mean.w / 127.0f;
-  light.steps[0] = vec3(s0.x, s0.y, s0.z), light.steps[1] = vec3(s0.w, s1.x, s1.y), light.steps[2] = vec3(s1.z, s1.w, s2.x);
-  light.steps[3] = vec3(s2.y, s2.z, s2.w), light.steps[4] = vec3(s3.x, s3.y, s3.z), light.steps[5] = vec3(s3.w, s4.x, s4.y);
-  light.steps[6] = vec3(s4.z, s4.w, s5.x), light.steps[7] = vec3(s5.y, s5.z, s5.w);
-  return light;
+NlgRecord nlgRecordOf(int record) {
+  NlgRecord result;
+  for (int four = 0; four < NLG_LIGHT_FOURS; ++four) {
+    uvec4 words = nlgFour(record + four);
+    for (int i = 0; i < 4; ++i) result.words[4 * four + i] = words[i];
+  }
+  uint scale = result.words[0] & ((1u << nlgHeader(4).y) - 1u);
+  result.scale = scale == 0u ? 0.0f : exp2(float(scale) / 16.0f);
+  return result;
 }
+// The head of an axis: its coefficients, and where its number stands.
+int nlgAxis(int k) { return NLG_CLASSES + NLG_HEADS_A_CLASS * NLG_CLASS_COUNT + NLG_HEADS_AN_AXIS * k; }
+#ifdef NLG_LIGHT_FIELDS  // constants, so that no instruction looks for them
+const uint NLG_FIELDS[NLG_LIGHT_AXES] = NLG_LIGHT_FIELDS;
+uint nlgFieldOf(int k) { return NLG_FIELDS[k]; }
+#else
+uint nlgFieldOf(int k) { return nlgHeader(nlgAxis(k) + 6).w; }
+#endif
+float nlgNumber(NlgRecord record, uint field) {
+  return float(record.words[int(field & 7u)] >> (field >> 3 & 31u) & ((1u << (field >> 8 & 15u)) - 1u));
+}
+float nlgOffset(uint field) { return float(int(field) >> 16); }
 
-// Irradiance by one probe, over the grid's scale.
-vec3 nlgProbeIrradiance(int record, NlgBasis basis) {
-  NlgProbeLight light = nlgLightOf(record);
-  vec3 sum = basis.low.x * light.steps[0] + basis.low.y * light.steps[1] + basis.low.z * light.steps[2] +
-             basis.low.w * light.steps[3] + basis.high.x * light.steps[4] + basis.high.y * light.steps[5] +
-             basis.high.z * light.steps[6] + basis.high.w * light.steps[7];
-  return basis.mean * light.mean + light.step * sum;
+// How much there is of each axis, by shares of probes, over the grid's scale.
+struct NlgAlong {
+  float axis[27];
+};
+NlgAlong nlgAlongAxes(NlgShares shares) {
+  NlgAlong along;
+  for (int k = 0; k < NLG_LIGHT_AXES; ++k) along.axis[k] = 0.0f;
+  float scales = 0.0f;
+  for (int c = 0; c < 8; ++c) {
+    if (shares.share[c] > 0.0f) {
+      NlgRecord record = nlgRecordOf(shares.record[c]);
+      float scale = shares.share[c] * record.scale;
+      scales += scale;
+      for (int k = 0; k < NLG_LIGHT_AXES; ++k) along.axis[k] += scale * nlgNumber(record, nlgFieldOf(k));
+    }
+  }
+  for (int k = 0; k < NLG_LIGHT_AXES; ++k) along.axis[k] += scales * nlgOffset(nlgFieldOf(k));
+  return along;
 }
 
 // Of a probe's light over all directions, over the grid's scale.
 float nlgLuminanceOf(int record) {
-  uvec4 a = nlgFour(record);
-  vec4 mean = nlgHalves(a.x, a.y);
-  return max(0.0f, 0.2126f * mean.x + 0.7152f * mean.y + 0.0722f * mean.z);
+  NlgRecord light = nlgRecordOf(record);
+  float sum = 0.0f;
+  for (int k = 0; k < NLG_LIGHT_AXES; ++k) {
+    vec4 mean = uintBitsToFloat(nlgHeader(nlgAxis(k) + 6));
+    sum += (nlgNumber(light, nlgFieldOf(k)) + nlgOffset(nlgFieldOf(k))) * (0.2126f * mean.x + 0.7152f * mean.y + 0.0722f * mean.z);
+  }
+  return max(0.0f, light.scale * sum);
 }
 
 // position_m   in the frame of the level
@@ -432,9 +465,16 @@ NlgShares nlgSharesAt(vec3 position_m) {
 // normal   length 1
 vec3 nlgBlendedIrradiance(NlgShares shares, vec3 normal) {
   NlgBasis basis = nlgBasisOf(normal);
+  NlgAlong along = nlgAlongAxes(shares);
   vec3 irradiance = vec3(0.0f);
-  for (int c = 0; c < 8; ++c) {
-    if (shares.share[c] > 0.0f) irradiance += shares.share[c] * nlgProbeIrradiance(shares.record[c], basis);
+  for (int k = 0; k < NLG_LIGHT_AXES; ++k) {
+    vec3 of_axis;
+    for (int channel = 0; channel < 3; ++channel) {
+      int head = nlgAxis(k) + 2 * channel;
+      of_axis[channel] = dot(basis.low, uintBitsToFloat(nlgHeader(head))) + dot(basis.high, uintBitsToFloat(nlgHeader(head + 1)));
+    }
+    vec4 mean = uintBitsToFloat(nlgHeader(nlgAxis(k) + 6));
+    irradiance += along.axis[k] * (of_axis + basis.mean * vec3(mean.x, mean.y, mean.z));
   }
   return max(irradiance * uintBitsToFloat(nlgHeader(3).x), vec3(0.0f));
 }
@@ -454,13 +494,19 @@ NlgRadiance nlgRadiance(vec3 position_m) {
   NlgShares shares = nlgSharesAt(position_m);
   NlgRadiance radiance;
   for (int i = 0; i < 9; ++i) radiance.sh[i] = vec3(0.0f);
-  float scale = uintBitsToFloat(nlgHeader(3).x);
-  for (int c = 0; c < 8; ++c) {
-    if (!(shares.share[c] > 0.0f)) continue;
-    NlgProbeLight light = nlgLightOf(shares.record[c]);
-    float share = shares.share[c] * scale;
-    radiance.sh[0] += share * light.mean;
-    for (int i = 0; i < 8; ++i) radiance.sh[i + 1] += share * light.step * light.steps[i];
+  NlgAlong along = nlgAlongAxes(shares);
+  for (int k = 0; k < NLG_LIGHT_AXES; ++k) along.axis[k] *= uintBitsToFloat(nlgHeader(3).x);
+  for (int k = 0; k < NLG_LIGHT_AXES; ++k) {
+    vec4 mean = uintBitsToFloat(nlgHeader(nlgAxis(k) + 6));
+    radiance.sh[0] += along.axis[k] * vec3(mean.x, mean.y, mean.z);
+    for (int channel = 0; channel < 3; ++channel) {
+      int head = nlgAxis(k) + 2 * channel;
+      vec4 low = uintBitsToFloat(nlgHeader(head)), high = uintBitsToFloat(nlgHeader(head + 1));
+      for (int i = 0; i < 4; ++i) {
+        radiance.sh[i + 1][channel] += along.axis[k] * low[i];
+        radiance.sh[i + 5][channel] += along.axis[k] * high[i];
+      }
+    }
   }
   radiance.certainty = shares.certainty;
   radiance.status = shares.status;

@@ -47,8 +47,8 @@ typedef struct {
 
 /* A probe around the position. */
 typedef struct {
-  uint32_t record, kind,
-      resolution; /* word of its light, its theta follows; kind and flags; nodes along an edge of a field or brick */
+  uint32_t record, theta, kind,
+      resolution; /* words of its light and theta; kind and flags; nodes along an edge of a field or brick */
   float slope, step, local[3], tent, ratio;
 } NlgCorner;
 
@@ -79,6 +79,10 @@ static inline float nlgByte(const NlgGrid* grid, uint32_t word, uint32_t i) {
   const int byte = (int)(nlgWord(grid, word + i / 4) >> 8 * (i % 4) & 0xff);
   return (float)(byte < 128 ? byte : byte - 256);
 }
+/* axes of light, bits of a record's scale, words of a record */
+static inline uint32_t nlgLightAxes(const NlgGrid* grid) { return nlgWord(grid, 16) < 27 ? nlgWord(grid, 16) : 27; }
+static inline uint32_t nlgScaleBits(const NlgGrid* grid) { return nlgWord(grid, 17) & 31; }
+static inline uint32_t nlgLightWords(const NlgGrid* grid) { return nlgWord(grid, 18); }
 static inline float nlgBetween(float value, float low, float high) { return value < low ? low : value > high ? high : value; }
 
 /* unit: of the lattice, >= 0; units: the position, in the closed cube of that unit. 0: in no used cell. */
@@ -147,7 +151,7 @@ static inline NlgCorner nlgCornerOf(const NlgGrid* grid, const NlgCell* cell, ui
   /* in shares of the probe's own spacing, which may be that of a larger cell */
   const float per_spacing = ldexpf(1.0f, (int)cell->side_log2 - (int)(slot >> 27 & 7));
   NlgCorner corner;
-  uint32_t head = 16, next;
+  uint32_t head = 20, next;
   int axis;
   corner.tent = corner.ratio = 1.0f;
   for (axis = 0; axis < 3; ++axis) {
@@ -158,10 +162,11 @@ static inline NlgCorner nlgCornerOf(const NlgGrid* grid, const NlgCell* cell, ui
   }
   /* probes are numbered class by class */
   for (next = 1; next < class_count && next < 258; ++next) {
-    if (probe >= nlgWord(grid, 16 + 8 * next)) head = 16 + 8 * next;
+    if (probe >= nlgWord(grid, 20 + 8 * next)) head = 20 + 8 * next;
   }
   corner.record = 4 * (nlgWord(grid, head + 1) + (probe - nlgWord(grid, head)) * nlgWord(grid, head + 2));
   corner.kind = nlgWord(grid, head + 3);
+  corner.theta = corner.record + ((corner.kind & 7) == NLG_KIND_BRICK ? nlgLightWords(grid) : (nlgLightWords(grid) + 3) / 4 * 4);
   corner.slope = nlgFloat(grid, head + 4);
   corner.step = nlgFloat(grid, head + 6);
   corner.resolution = nlgWord(grid, head + 7);
@@ -171,7 +176,7 @@ static inline NlgCorner nlgCornerOf(const NlgGrid* grid, const NlgCell* cell, ui
 /* 3 -> first -> second -> 1, without a second layer where second is 0. */
 static inline float nlgNetwork(const NlgGrid* grid, const NlgCorner* of, uint32_t first, uint32_t second) {
   const int halves = (of->kind & NLG_FLAG_HALVES) != 0;
-  const uint32_t theta = of->record + 8, hidden = 4 * first + (first + 1) * second, units = second > 0 ? second : first;
+  const uint32_t theta = of->theta, hidden = 4 * first + (first + 1) * second, units = second > 0 ? second : first;
   const uint32_t last = theta + (halves ? hidden / 2 : hidden / 4);
   float inputs[8], outputs[8], sum;
   uint32_t input_count = 3, output_count = first, place = 0, layer, i, o;
@@ -208,7 +213,7 @@ static inline float nlgField(const NlgGrid* grid, const NlgCorner* of) {
   }
   for (c = 0; c < 8; ++c) {
     const uint32_t x = c & 1, y = c >> 1 & 1, z = c >> 2,
-                   word = of->record + 8 + ((node[2] + z) * r + node[1] + y) * r + node[0] + x;
+                   word = of->theta + ((node[2] + z) * r + node[1] + y) * r + node[0] + x;
     const float part = (x ? share[0] : 1.0f - share[0]) * (y ? share[1] : 1.0f - share[1]) * (z ? share[2] : 1.0f - share[2]);
     a += part * nlgHalf(grid, word, 0);
     b += part * nlgHalf(grid, word, 1);
@@ -218,7 +223,7 @@ static inline float nlgField(const NlgGrid* grid, const NlgCorner* of) {
 
 /* sigmoid(L), L trilinear in r^3 nodes. A word holds the four nodes of a cell's low or high side along x, in steps. */
 static inline float nlgBrick(const NlgGrid* grid, const NlgCorner* of) {
-  const uint32_t r = of->resolution, name = nlgWord(grid, of->record + 8);
+  const uint32_t r = of->resolution, name = nlgWord(grid, of->theta);
   uint32_t node[3], word, i;
   float share[3], along[4];
   int axis;
@@ -249,11 +254,31 @@ static inline float nlgTentShare(const NlgGrid* grid, const NlgCorner* of) {
   return phi > 0.0f ? (phi < most ? phi / most : 1.0f) : 0.0f;
 }
 
+/* What a probe's light over the grid's scale is multiplied by: 0 where nothing is lit. record: its word */
+static inline float nlgScale(const NlgGrid* grid, uint32_t record) {
+  const uint32_t scale = nlgWord(grid, record) & ((1u << nlgScaleBits(grid)) - 1);
+  return scale == 0 ? 0.0f : exp2f((float)scale / 16.0f);
+}
+
+/* How much a probe has of an axis of light, before its scale. axis: the word of its head */
+static inline float nlgAlong(const NlgGrid* grid, uint32_t record, uint32_t axis) {
+  const uint32_t field = nlgWord(grid, axis + 27);
+  const uint32_t number = nlgWord(grid, record + (field & 7)) >> (field >> 3 & 31) & ((1u << (field >> 8 & 15)) - 1);
+  const int offset = (int)(field >> 16 & 0xffff);
+  return (float)number + (float)(offset < 32768 ? offset : offset - 65536);
+}
+static inline uint32_t nlgAxis(const NlgGrid* grid, uint32_t k) { return 20 + 8 * nlgWord(grid, 13) + 28 * k; }
+
 /* Of a probe's light over all directions, over the grid's scale. record: its word */
 static inline float nlgLuminance(const NlgGrid* grid, uint32_t record) {
-  const float luminance =
-      0.2126f * nlgHalf(grid, record, 0) + 0.7152f * nlgHalf(grid, record, 1) + 0.0722f * nlgHalf(grid, record, 2);
-  return luminance > 0.0f ? luminance : 0.0f;
+  float luminance = 0.0f;
+  uint32_t k;
+  for (k = 0; k < nlgLightAxes(grid); ++k) {
+    const uint32_t axis = nlgAxis(grid, k);
+    luminance += nlgAlong(grid, record, axis) * (0.2126f * nlgFloat(grid, axis + 24) + 0.7152f * nlgFloat(grid, axis + 25) +
+                                                 0.0722f * nlgFloat(grid, axis + 26));
+  }
+  return luminance > 0.0f ? nlgScale(grid, record) * luminance : 0.0f;
 }
 
 /* What the weights lack of 1 goes to tents, over the square of the light that their probes hold.
@@ -325,12 +350,14 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
     if (status == NLG_GRID_LIT) status = has_function ? NLG_GRID_FAINT : NLG_GRID_UNLIT;
     if (!has_function) return status;
   }
-  for (c = 0; c < 8; ++c) {
-    /* Y00 of red, green, blue and the largest of all others; then 24 steps: red, green, blue of each coefficient in turn */
-    const float step = nlgHalf(grid, record[c], 3) / 127.0f;
-    if (weight[c] == 0.0f) continue;
-    for (i = 0; i < 27; ++i)
-      rgb[i % 3] += weight[c] * basis[i / 3] * (i < 3 ? nlgHalf(grid, record[c], i) : step * nlgByte(grid, record[c] + 2, i - 3));
+  for (i = 0; i < nlgLightAxes(grid); ++i) {
+    const uint32_t axis = nlgAxis(grid, i);
+    float along = 0.0f;
+    for (c = 0; c < 8; ++c) {
+      if (weight[c] != 0.0f) along += weight[c] * nlgScale(grid, record[c]) * nlgAlong(grid, record[c], axis);
+    }
+    /* coefficients 1 to 8 of red, of green, of blue; then their coefficients 0 */
+    for (c = 0; c < 27; ++c) rgb[c < 24 ? c / 8 : c - 24] += along * basis[c < 24 ? c % 8 + 1 : 0] * nlgFloat(grid, axis + c);
   }
   for (i = 0; i < 3; ++i) rgb[i] = rgb[i] > 0.0f ? rgb[i] * nlgFloat(grid, 12) : 0.0f;
   return status;

@@ -9,7 +9,6 @@
 
 #include "runtime_eval/evaluator/brick_quads.h"
 #include "runtime_eval/evaluator/theta_form.h"
-#include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
 #include "runtime_eval/numbers/half.h"
 #include "runtime_eval/weights_file/sha256.h"
@@ -20,11 +19,11 @@ namespace {
 // look_up.glsl's
 enum Kind : uint32_t { kNone, kTent, kNetwork4, kNetwork44, kNetwork88, kField, kBrick };
 constexpr uint32_t kTentFlag = 8, kSigmoidFlag = 16, kHalvesFlag = 32;
-constexpr int kClassHeader = 4, kHeadersAClass = 2;
+constexpr int kClassHeader = 5, kHeadersAClass = 2, kHeadersAnAxis = 7;
 constexpr size_t kDigestWord = 14, kDigestWords = 2;
 constexpr uint32_t kNoBlock = 0xffffffffu, kIndexMask = (1u << 27) - 1, kUsed = 1u << 31;
 constexpr int kBlockLog2 = 2, kBlockSide = 1 << kBlockLog2;
-constexpr size_t kLightWords = 8, kWordsAFour = 4;
+constexpr size_t kWordsAFour = 4;
 constexpr uint64_t kMostWords = 1ull << 29;
 constexpr int kBrickBits = 27, kMostExponent = 31 + kLeastStepExponent;  // of a record's word that names a brick; of a step
 constexpr uint32_t kNoBrick = 0xffffffffu;
@@ -39,9 +38,9 @@ uint32_t bitsOf(float value) { return std::bit_cast<uint32_t>(value); }
 
 uint32_t pairOf(Half low, Half high) { return low.bits | uint32_t{high.bits} << 16; }
 
-// Words that look_up.glsl reads of a probe: of a field eight nodes, of a brick its name and a cell, of networks whole fours.
+// Words that look_up.glsl reads of a probe's function: of a field eight nodes, of a brick its name and a cell, of networks whole fours.
 size_t readOf(const Representation& representation, size_t theta_words) {
-  return kLightWords + (representation.isField() ? 8 : representation.isCode() ? 3 : toFours(theta_words));
+  return representation.isField() ? 8 : representation.isCode() ? 3 : toFours(theta_words);
 }
 
 // Probes whose records look alike.
@@ -101,17 +100,19 @@ class Packer {
 
   FileResult pack(ShaderGrid* result) {
     if (grid_.light.empty()) return refuse("a grid without light; shaders have nothing to show of it");
+    packLightOfProbes();
     findClasses();
     for (const ProbeClass& of : classes_) {
       if (!isKnown(of.representation)) return refuse(std::string("no shader for ") + representationName(of.representation));
     }
     numberProbes();
-    result->header_count = kClassHeader + kHeadersAClass * static_cast<int>(classes_.size());
+    result->header_count = lightHeader() + kHeadersAnAxis * static_cast<int>(light_.axes.size());
     words_.resize(static_cast<size_t>(result->header_count) * kWordsAFour);
     FileResult packed = addTree(result);
     if (packed.ok()) packed = addRecords(result);
     if (!packed.ok()) return packed;
     writeHeader();
+    writeLightHeader();
     writeDigest();
     defines(result);
     result->words = std::move(words_);
@@ -119,6 +120,29 @@ class Packer {
   }
 
  private:
+  void packLightOfProbes() {
+    if (holdsPackedLight(grid_)) {
+      light_ = grid_.packed_light;
+    } else {
+      LightGrid rounded;
+      rounded.probe_function = grid_.probe_function;
+      rounded.light = grid_.light;
+      roundGridLight(kLightError, &rounded);
+      light_ = std::move(rounded.packed_light);
+    }
+    light_words_ = std::max<size_t>(1, static_cast<size_t>(lightWords(light_)));
+    describeFields();
+    float largest = 0.0f;
+    for (const float coefficient : grid_.light) largest = std::max(largest, std::abs(coefficient));
+    constexpr int kLargestExponent = 9;  // of what stands over the scale
+    if (largest > 0.0f) scale_ = std::ldexp(1.0f, std::ilogb(largest) - kLargestExponent);
+  }
+
+  int lightHeader() const { return kClassHeader + kHeadersAClass * static_cast<int>(classes_.size()); }
+
+  // Where theta begins in the records of a class. Words
+  size_t thetaWord(const ProbeClass& of) const { return of.representation.isCode() ? light_words_ : toFours(light_words_); }
+
   // A class a representation and form of theta that some probe has, then bare tents, then probes without weight.
   void findClasses() {
     std::vector<bool> in_bytes(grid_.representations.size(), true);
@@ -151,11 +175,11 @@ class Packer {
         const auto hidden = static_cast<size_t>(shape.w3());
         theta_words = (in_bytes[r] ? hidden / 4 : hidden / 2) + static_cast<size_t>(shape.last()) / 2 + 1;
       }
-      of.stride = toFours(kLightWords + theta_words);
+      of.stride = toFours(thetaWord(of) + theta_words);
       largest_read_ = std::max(largest_read_, readOf(representation, theta_words));
     }
     classes_.emplace_back().kind = kTent;
-    classes_.back().stride = kLightWords;
+    classes_.back().stride = toFours(light_words_);
     classes_.emplace_back().kind = kNone;
     class_of_probe_.reserve(grid_.probe_function.size());
     for (const uint32_t f : grid_.probe_function) {
@@ -212,7 +236,8 @@ class Packer {
         for (int32_t x = 0; x < roots[0]; ++x) addNode(tree, lists, root++, {x * kRootSide, y * kRootSide, z * kRootSide});
       }
     }
-    result->largest_read = largest_read_ * sizeof(uint32_t);
+    result->light_read = toFours(light_words_) * sizeof(uint32_t);
+    result->largest_read = (toFours(light_words_) + largest_read_) * sizeof(uint32_t);
     result->tree_bytes = (words_.size() - first_block_word_) * sizeof(uint32_t);
     return {};
   }
@@ -253,10 +278,6 @@ class Packer {
   }
 
   FileResult addRecords(ShaderGrid* result) {
-    PackedLight light;
-    FileResult packed = packLight(LightForm::sh2_8bit, grid_.light, &light);
-    if (!packed.ok()) return packed;
-    scale_ = light.scale;
     size_t end = words_.size();
     for (size_t k = 0; k < classes_.size(); ++k) {
       const size_t next = k + 1 < classes_.size() ? classes_[k + 1].first_probe : number_.size();
@@ -267,24 +288,27 @@ class Packer {
     if (end > kMostWords) return refuse(std::to_string(end) + " words; shaders count 2^29");
     words_.resize(end, 0);
     result->probe_record.assign(number_.size(), 0);
+    const auto stored_words = static_cast<size_t>(lightWords(light_));
+    const uint32_t* light = light_.records.data();
     for (size_t probe = 0; probe < number_.size(); ++probe) {
       const ProbeClass& of = classes_[class_of_probe_[probe]];
       if (of.stride == 0) continue;
       const size_t place = of.first_record + of.stride * (number_[probe] - of.first_probe);
       result->probe_record[probe] = static_cast<uint32_t>(place / kWordsAFour);
       uint32_t* record = &words_[place];
-      addLight(light, probe, record);
-      result->light_bytes += kLightWords * sizeof(uint32_t);
+      std::copy_n(light, stored_words, record);
+      light += stored_words;
+      result->light_bytes += light_words_ * sizeof(uint32_t);
       const uint32_t function = grid_.probe_function[probe];
       if (function >= kNoWeight) continue;
       if (of.representation.isCode()) {
         const int exponent = std::ilogb(grid_.function_brick[function].step);
         if (exponent > kMostExponent) return refuse("function " + std::to_string(function) + ": logits beyond what shaders take");
-        record[kLightWords] = brick_four_[function] | static_cast<uint32_t>(exponent - kLeastStepExponent) << kBrickBits;
-      } else if (!addTheta(of, grid_.functionTheta(function), record + kLightWords)) {
+        record[light_words_] = brick_four_[function] | static_cast<uint32_t>(exponent - kLeastStepExponent) << kBrickBits;
+      } else if (!addTheta(of, grid_.functionTheta(function), record + thetaWord(of))) {
         return refuse("function " + std::to_string(function) + ": a number beyond float16");
       }
-      result->theta_bytes += (of.stride - kLightWords) * sizeof(uint32_t);
+      result->theta_bytes += (of.stride - light_words_) * sizeof(uint32_t);
     }
     for (size_t function = 0; function < brick_four_.size(); ++function) {
       if (brick_four_[function] == kNoBrick) continue;
@@ -305,13 +329,6 @@ class Packer {
       brick_four_[function] = static_cast<uint32_t>(*end / kWordsAFour);
       *end += quadCount(representation.resolution);
     }
-  }
-
-  static void addLight(const PackedLight& light, size_t probe, uint32_t* words) {
-    const Half* halves = &light.halves[4 * probe];
-    words[0] = pairOf(halves[0], halves[1]), words[1] = pairOf(halves[2], halves[3]);
-    for (size_t i = 0; i < 24; ++i)
-      words[2 + i / 4] |= uint32_t{static_cast<uint8_t>(light.steps[24 * probe + i])} << 8 * (i % 4);
   }
 
   // false: a number is beyond float16
@@ -355,6 +372,8 @@ class Packer {
     write(1, blocks(first_block_, first_block_word_));
     write(2, blocks(block_count_, first_slot_word_));
     write(3, {bitsOf(scale_), static_cast<uint32_t>(classes_.size()), 0, 0});
+    write(4, {static_cast<uint32_t>(light_.axes.size()), static_cast<uint32_t>(light_.scale_bits),
+              static_cast<uint32_t>(light_words_), 0});
     for (size_t k = 0; k < classes_.size(); ++k) {
       const ProbeClass& of = classes_[k];
       const bool is_network = (of.kind & 7) > kTent && of.representation.isNetwork();
@@ -363,6 +382,28 @@ class Packer {
       write(kClassHeader + kHeadersAClass * k + 1,
             {bitsOf(of.representation.slope), 0, bitsOf(is_network ? stepOf(of.representation.shape()) : 0.0f),
              static_cast<uint32_t>(of.representation.resolution)});
+    }
+  }
+
+  void writeLightHeader() {
+    for (size_t k = 0; k < light_.axes.size(); ++k) {
+      const LightAxis& axis = light_.axes[k];
+      uint32_t* words = &words_[(static_cast<size_t>(lightHeader()) + kHeadersAnAxis * k) * kWordsAFour];
+      for (size_t i = 0; i < kShFloats; ++i) {
+        const size_t coefficient = i / kShChannels, channel = i % kShChannels;
+        const size_t place = coefficient == 0 ? 24 + channel : 8 * channel + coefficient - 1;
+        words[place] = bitsOf(light_.unit / scale_ * floatFromHalf(axis.direction[i]));
+      }
+      words[27] = light_fields_[k];
+    }
+  }
+
+  void describeFields() {
+    const std::vector<LightField> fields = lightFields(light_);
+    for (size_t k = 0; k < light_.axes.size(); ++k) {
+      const LightField& field = fields[k + 1];
+      light_fields_.push_back(static_cast<uint32_t>(field.word) | static_cast<uint32_t>(field.shift) << 3 |
+                              static_cast<uint32_t>(field.bits) << 8 | static_cast<uint32_t>(light_.axes[k].offset) << 16);
     }
   }
 
@@ -383,6 +424,11 @@ class Packer {
     if (std::any_of(classes_.begin(), classes_.end(), [](const ProbeClass& of) { return (of.kind & kHalvesFlag) != 0; }))
       result->defines.push_back("NLG_HALVES");
     result->defines.push_back("NLG_CLASS_COUNT " + std::to_string(classes_.size()));
+    result->defines.push_back("NLG_LIGHT_AXES " + std::to_string(light_.axes.size()));
+    result->defines.push_back("NLG_LIGHT_WORDS " + std::to_string(light_words_));
+    std::string fields;
+    for (const uint32_t field : light_fields_) fields += (fields.empty() ? "" : ", ") + std::to_string(field) + 'u';
+    if (!fields.empty()) result->defines.push_back("NLG_LIGHT_FIELDS uint[](" + fields + ')');
   }
 
   const LightGrid& grid_;
@@ -393,8 +439,11 @@ class Packer {
   std::vector<uint32_t> words_;
   std::array<int32_t, 3> first_block_{}, block_count_{};
   size_t first_block_word_ = 0, first_slot_word_ = 0;
-  float scale_ = 1.0f;
-  size_t largest_read_ = kLightWords;  // words
+  PackedLight light_;
+  std::vector<uint32_t> light_fields_;  // by axis: where its number stands, as shaders read it
+  float scale_ = 1.0f;                  // over which the light of all probes fits float16
+  size_t light_words_ = 1;              // of a record; one where nothing is lit
+  size_t largest_read_ = 0;             // words of a function
 };
 
 }  // namespace

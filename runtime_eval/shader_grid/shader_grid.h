@@ -5,9 +5,9 @@
 // representation, those of bare tents, those without weight. A class has records of one stride, so that a probe's number alone
 // says where its record is and whether it has a network at all:
 //
-//     words 0 … 7    light: Y00 of red, green and blue and the largest of all other coefficients as float16, then 24 bytes, steps
-//                    of a 127th of that largest; all times one scale for the grid
-//     words 8 …      theta, of classes with functions; of codes one word, which names a brick and its step
+//     words 0 …      light: a record of packed_light.h, 1 to 8 words
+//     then           theta, of classes with functions, from the next 16 bytes on; of codes one word, the next one, which names a
+//                    brick and its step
 //
 // theta of networks stands in fours of numbers, layer by layer, a column of each layer's matrix after the other, so that a layer is
 // multiply-adds of vectors: hidden layers in bytes where theta was rounded to int8, otherwise in float16, the last layer in
@@ -23,8 +23,12 @@
 //     1             first block x, y, z; first word of the blocks       int
 //     2             blocks along x, y, z; first word of the slots       int
 //     3             scale of light (float), classes; the first 8 bytes of the SHA-256 of all words, these two taken as zeros
-//     4 + 2 k       of class k: first probe, first record, its stride (the last two in units of 16 bytes), kind and flags
-//     5 + 2 k       slope, 0, step of bytes (float); nodes along an edge of a product field or brick
+//     4             axes of light, bits of a record's scale, words of a record of light, 0
+//     5 + 2 k       of class k: first probe, first record, its stride (the last two in units of 16 bytes), kind and flags
+//     6 + 2 k       slope, 0, step of bytes (float); nodes along an edge of a product field or brick
+//
+// and behind all classes 7 of each axis of light, floats times the light's unit over the grid's scale, a power of two: red's coefficients 1 to 4, 5 to 8, those of green,
+// those of blue, then the three coefficients 0 and, an int, where the axis's number stands: its word, shift << 3, bits << 8, offset << 16.
 //
 // A block: first slot in bits 0 … 26, log2 of its brick's cells along an edge in 27, 28, log2 of a cell's side above; 0xffffffff
 // without a cell. A slot: the probe in bits 0 … 26, log2 of its spacing (units) in 27 … 29; bit 31: the cell above is used.
@@ -46,11 +50,12 @@ struct ShaderGrid {
   size_t tree_bytes = 0, light_bytes = 0, theta_bytes = 0;
   std::vector<uint32_t>
       probe_record;         // by probe: the uvec4 of its light, as look_up.glsl's NlgShares names it; 0 of those without
-  size_t largest_read = 0;  // bytes that a pixel reads at most of one probe: light, and what it reads of the largest function
+  size_t light_read = 0;    // bytes that a pixel reads of a probe's light
+  size_t largest_read = 0;  // bytes that it reads at most of one probe: light, and what it reads of the largest function
 };
 
-// What theta and light become here beside the grid: nothing, for a grid read from a file with theta in int8 and light in sh2_8bit.
-// Other theta are rounded to float16, but for codes, whose bricks are the grid's own; other light to sh2_8bit.
+// What theta and light become here beside the grid: nothing, for a grid read from a file with theta in int8.
+// Other theta are rounded to float16, but for codes, whose bricks are the grid's own; light that is not packed yet is packed with kLightError.
 //
 // grid      one that checkLightGrid accepts
 // returns   ok; or value_out_of_range and what is wrong: a grid without light, a theta beyond float16, more than 2^27 slots,

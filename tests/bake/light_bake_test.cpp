@@ -52,6 +52,7 @@ TEST(LightBake, FurnaceGivesEveryProbeTheSame) {
     for (const bool cached : {true, false}) {
       BakeOptions options = roomOptions(way);
       options.light_cache = cached;
+      options.light_error = kLeastLightError;
       BakeScene scene("two_rooms:0", options);
       makeFurnace(scene.source.scene);
       LightGrid grid = tentGrid(scene);
@@ -183,7 +184,6 @@ TEST(LightBake, IsWhatMethodsOfTheSameWeightsAreSolvedFor) {
 
   LightGrid baked = grid;
   bakeLight(scene, options, &baked);
-  ASSERT_TRUE(roundLight(lightFormFromName(options.light_form), &baked.light).ok());
   const LightTransport transport(scene.source.scene, scene.rays);
   MethodSet methods({transport, scene.links, scene.tree, scene.air}, methodSetOptions(options, {64, 64}, 1));
   methods.addGrid("grid", std::move(grid), 0.0, {LightWay::solved});

@@ -149,12 +149,12 @@ TEST(Savings, HaveALineForWhatThisBakeCouldLeaveOutAlone) {
   options.light = "none";
   const Bake dark = bakeHouse(one, options);
   const std::vector<Saving> unlit = savingsOf(dark, one, options);
-  for (const char* what : {"bounces traced once for all probes", "bits and coefficients of light beyond the file's form",
+  for (const char* what : {"bounces traced once for all probes", "bits and coefficients of light beyond the level's own axes",
                            "bits of theta beyond its stored form", "theta of the largest representation"}) {
     EXPECT_EQ(find(unlit, what), nullptr) << what;
   }
   const std::vector<Saving> rounded =
-      savingsOf(dark, one, options.policy, {ThetaPrecision::float16, LightForm::sh2_8bit}, {1000}, options.threads);
+      savingsOf(dark, one, options.policy, {ThetaPrecision::float16}, {1000}, options.threads);
   EXPECT_EQ(lineOf(rounded, "bits of theta beyond its stored form").bytes, static_cast<int64_t>(2 * dark.grid.theta.size()));
 }
 

@@ -44,13 +44,12 @@ Seeds seeds() {
   for (const int32_t finest : {32, 8, 2}) {
     const LightGrid grid = smallGrid(finest);
     const std::string name = std::to_string(finest);
-    for (const LightForm form : kLightForms) {
-      const ThetaPrecision precision = form == LightForm::none       ? ThetaPrecision::float32
-                                       : form == LightForm::sh2_8bit ? ThetaPrecision::int8
-                                                                     : ThetaPrecision::float16;
+    const GridPrecision precisions[] = {
+        {ThetaPrecision::float32, std::nullopt}, {ThetaPrecision::int8, 0.02}, {ThetaPrecision::float16, 0.2}};
+    for (const GridPrecision& precision : precisions) {
       std::string bytes;
-      FUZZ_CHECK(serializeLightGrid(grid, {precision, form}, {{"scene", "house"}}, &bytes).ok(), name);
-      seeds.emplace_back(name + "_" + lightFormName(form), bytes);
+      FUZZ_CHECK(serializeLightGrid(grid, precision, {{"scene", "house"}}, &bytes).ok(), name);
+      seeds.emplace_back(name + "_" + std::to_string(static_cast<int>(precision.theta)), bytes);
     }
   }
   return seeds;

@@ -49,7 +49,7 @@ MethodSetOptions methodSetOptions(const BakeOptions& options, const GatherOption
   MethodSetOptions method_options;
   method_options.probe = probe;
   method_options.solve = probeLightOptions(options);
-  method_options.form = lightFormFromName(options.light_form);
+  method_options.light_error = options.light_error;
   method_options.theta = options.policy.theta_precision;
   method_options.thread_count = thread_count;
   method_options.seed = mixSeed(options.seed, kMethodStream);

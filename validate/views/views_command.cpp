@@ -138,9 +138,7 @@ class ViewsMeasurement {
 
   // As the bake leaves it in its file.
   void measureGrid(const std::string& name, const std::vector<Generator>& generators) {
-    LightGrid grid = bakeScene(scene_, generators, options_, temporaryFolder()).grid;
-    const FileResult result = roundLight(lightFormFromName(options_.light_form), &grid.light);
-    if (!result.ok()) throw InputError(request_.scene, "light", "probes whose light the form can hold", result.detail);
+    const LightGrid grid = bakeScene(scene_, generators, options_, temporaryFolder()).grid;
     measureLighting(name, options_.light, gridLighting(grid, scene_.source.scene.origin_m));
   }
 

@@ -17,10 +17,11 @@
 namespace nlg {
 namespace {
 
-constexpr GridPrecision kPrecisions[] = {
-    {ThetaPrecision::float32, LightForm::sh2_float16}, {ThetaPrecision::float16, LightForm::none},
-    {ThetaPrecision::int8, LightForm::none},           {ThetaPrecision::float16, LightForm::sh2_8bit},
-    {ThetaPrecision::float16, LightForm::zh3_float16}, {ThetaPrecision::float16, LightForm::sh1_float16}};
+constexpr GridPrecision kPrecisions[] = {{ThetaPrecision::float32, 0.005},
+                                         {ThetaPrecision::float16, std::nullopt},
+                                         {ThetaPrecision::int8, std::nullopt},
+                                         {ThetaPrecision::float16, 0.02},
+                                         {ThetaPrecision::int8, 0.3}};
 
 const GridMetadata kMetadata = {{"scene", "house_3"}, {"options", R"({"tau": 0.02, "note": "é"})"}, {"weights_sha256", "00ff"}};
 
@@ -102,11 +103,22 @@ TEST(LightGridFile, ReadsBackWhatWasWritten) {
 TEST(LightGridFile, HoldsFunctionsOfProbesInAsFewBytesAsTheirNumberNeeds) {
   LightGrid grid = randomGrid(smallTree(), 1);
   const std::vector<float> theta(ThetaLayout::count, 0.5f);
-  for (const size_t count : {size_t{0xfffe}, size_t{0xffff}}) {
+  for (const size_t count : {size_t{0x10000}, size_t{0x10001}}) {
     while (grid.functionCount() < count) grid.addFunction(0, theta.data());
     grid.probe_function[5] = static_cast<uint32_t>(count - 1);
     const std::string bytes = bytesOf(grid, {});
-    EXPECT_EQ(placesIn(bytes)["probe.function"].count, grid.tree.probeCount() * (count == 0xfffe ? 2 : 4));
+    // named are all but the first probes of functions 0, 1, 2, …
+    size_t named = 0;
+    uint32_t next = 0;
+    for (const uint32_t function : grid.probe_function) {
+      if (function >= kNoWeight) continue;
+      named += function != next;
+      next += function == next;
+    }
+    ASSERT_GT(next, 0u);
+    std::map<std::string, Place> places = placesIn(bytes);
+    EXPECT_EQ(places["probe.function"].count, named * (count == 0x10000 ? 2 : 4));
+    EXPECT_EQ(places["probe.kind"].count, (grid.tree.probeCount() + 3) / 4);
     LightGrid read;
     ASSERT_TRUE(parse(bytes, &read).ok());
     EXPECT_TRUE(read.probe_function == grid.probe_function);
@@ -124,9 +136,9 @@ TEST(LightGridFile, TakesLittleBesideThetaAndLight) {
   const LightGrid grid = litGrid(std::move(tree), 1);
   const LightGridBytes bytes = lightGridBytes(grid, {});
   const size_t probes = grid.tree.probeCount();
-  // 2 bytes say which function a probe has; a node of 64 cells takes 1 byte, or 9
-  EXPECT_LE(bytes.tree + bytes.probe_function, 3 * probes);
-  EXPECT_LE(bytes.light, 32 * probes + sizeof(float));
+  // 2 bytes and a quarter say which function a probe has; a node of 64 cells takes 1 byte, or 9
+  EXPECT_LE(bytes.tree + bytes.probe_function, 3.25 * static_cast<double>(probes));
+  EXPECT_LE(bytes.light, 32 * probes + 27 * 59 + 5);
 }
 
 TEST(LightGridFile, ReadsBackAnEmptyGrid) {
@@ -306,50 +318,54 @@ TEST(LightGridFile, RefusesStepsThatNoFileHas) {
   EXPECT_EQ(parse(stamped(bytes), &grid).status, FileStatus::tensor_unexpected);
 }
 
-TEST(LightGridFile, HoldsTheLightOfProbesWithWeightInEachForm) {
+TEST(LightGridFile, HoldsTheLightOfProbesWithWeight) {
   const LightGrid grid = litGrid(smallTree(), 3);
-  std::vector<float> with_weight;
-  for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) {
-    if (grid.probe_function[probe] != kNoWeight)
-      with_weight.insert(with_weight.end(), grid.probeLight(probe), grid.probeLight(probe) + kShFloats);
-  }
-  ASSERT_LT(with_weight.size(), grid.light.size());
   for (const GridPrecision& precision : kPrecisions) {
     LightGrid read;
     ASSERT_TRUE(parse(bytesOf(grid, precision), &read).ok());
-    if (precision.light == LightForm::none) {
+    if (!precision.light_error) {
       EXPECT_TRUE(read.light.empty());
       continue;
     }
-    std::vector<float> rounded = with_weight;
-    ASSERT_TRUE(roundLight(precision.light, &rounded).ok());
-    size_t next = 0;
+    LightGrid rounded = grid;
+    EXPECT_LE(roundGridLight(*precision.light_error, &rounded).error, *precision.light_error);
+    EXPECT_EQ(read.light, rounded.light);
+    size_t dark = 0;
     for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe) {
-      for (int i = 0; i < kShFloats; ++i) {
-        const float expected = grid.probe_function[probe] == kNoWeight ? 0.0f : rounded[next++];
-        ASSERT_EQ(read.probeLight(probe)[i], expected) << lightFormName(precision.light) << ", probe " << probe;
-      }
+      if (grid.probe_function[probe] != kNoWeight) continue;
+      ++dark;
+      for (int i = 0; i < kShFloats; ++i) ASSERT_EQ(read.probeLight(probe)[i], 0.0f) << "probe " << probe;
     }
-    EXPECT_EQ(next, rounded.size());
+    EXPECT_GT(dark, 0u);
   }
+}
+
+// Light that was packed is written as it is; light that was changed since is packed anew.
+TEST(LightGridFile, WritesThePackedLightThatTheGridHolds) {
+  LightGrid grid = litGrid(smallTree(), 3);
+  roundGridLight(0.3, &grid);
+  ASSERT_TRUE(holdsPackedLight(grid));
+  LightGrid read;
+  ASSERT_TRUE(parse(bytesOf(grid, {ThetaPrecision::float32, 0.005}), &read).ok());
+  EXPECT_EQ(read.light, grid.light);
+  EXPECT_TRUE(holdsPackedLight(read));
+  const size_t probe = static_cast<size_t>(
+      std::find_if(grid.probe_function.begin(), grid.probe_function.end(), [](uint32_t f) { return f != kNoWeight; }) -
+      grid.probe_function.begin());
+  for (int i = 0; i < kShFloats; ++i) grid.light[probe * kShFloats + static_cast<size_t>(i)] *= 100.0f;
+  EXPECT_FALSE(holdsPackedLight(grid));
+  ASSERT_TRUE(parse(bytesOf(grid, {ThetaPrecision::float32, 0.005}), &read).ok());
+  EXPECT_NEAR(read.probeLight(probe)[0], grid.probeLight(probe)[0], 0.05f * std::abs(grid.probeLight(probe)[0]));
 }
 
 TEST(LightGridFile, RefusesToWriteLightThatNoReaderTakes) {
   LightGrid grid = litGrid(smallTree(), 3);
   std::fill(grid.probe_function.begin(), grid.probe_function.end(), kFreeSpace);
-  for (int i = 0; i < kShFloats; ++i) grid.light[static_cast<size_t>(i)] = kMaxGridLight;
   std::string bytes;
-  EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::sh2_float16}, {}, &bytes).ok());
-  EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::sh2_8bit}, {}, &bytes).ok());
-  // main direction (5, 5, 1), and order 2 all along it: together they are more there than any one of them
-  const float order_1_and_2[8] = {1.0f, 0.2f, 1.0f, 1.0f, 1.0f, -1.0f, 1.0f, 0.0f};
-  for (size_t i = kShChannels; i < kShFloats; ++i) grid.light[i] = kMaxGridLight * order_1_and_2[i / kShChannels - 1];
-  EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::sh2_8bit}, {}, &bytes).ok());
-  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::zh3_float16}, {}, &bytes).status,
-            FileStatus::value_out_of_range);
+  grid.light[0] = 0.9f * kMaxGridLight;
+  EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32, 0.005}, {}, &bytes).ok());
   grid.light[1] = 1.01f * kMaxGridLight;
-  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32, LightForm::sh2_float16}, {}, &bytes).status,
-            FileStatus::value_out_of_range);
+  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32, 0.005}, {}, &bytes).status, FileStatus::value_out_of_range);
   EXPECT_TRUE(bytes.empty());
 }
 
@@ -382,11 +398,11 @@ TEST(LightGridFile, RefusesToWriteWhatItWouldNotRead) {
 TEST(LightGridFile, IsTheSameBytesForTheSameGrid) {
   for (const GridPrecision& precision : kPrecisions) {
     const std::string bytes = bytesOf(litGrid(smallTree(), 5), precision);
-    EXPECT_TRUE(bytes == bytesOf(litGrid(smallTree(), 5), precision)) << lightFormName(precision.light);
+    EXPECT_TRUE(bytes == bytesOf(litGrid(smallTree(), 5), precision)) << thetaPrecisionName(precision.theta);
     // … and of the grid that was read from them
     LightGrid read;
     ASSERT_TRUE(parse(bytes, &read).ok());
-    EXPECT_TRUE(bytes == bytesOf(read, precision)) << lightFormName(precision.light);
+    EXPECT_TRUE(bytes == bytesOf(read, precision)) << thetaPrecisionName(precision.theta);
   }
 }
 
@@ -410,9 +426,10 @@ TEST(LightGridFile, AccountsForItsBytes) {
     for (const auto& [name, place] : places) dictionaries += name.substr(0, 11) == "dictionary." ? place.count : 0;
     EXPECT_EQ(counted.dictionaries, dictionaries);
     EXPECT_GT(dictionaries, 0u);
-    EXPECT_EQ(counted.light, places["light.scale"].count + places["light.halves"].count + places["light.steps"].count);
+    EXPECT_EQ(counted.light, places["light.unit"].count + places["light.bits"].count + places["light.offsets"].count +
+                                 places["light.axes"].count + places["light.records"].count);
     EXPECT_EQ(counted.functions, places["function.representation"].count);
-    EXPECT_EQ(counted.probe_function, places["probe.function"].count);
+    EXPECT_EQ(counted.probe_function, places["probe.function"].count + places["probe.kind"].count + places["probe.count"].count);
     size_t all = 0;
     for (const auto& [name, place] : places) all += name.substr(0, 8) == "padding." ? 0 : place.count;
     EXPECT_EQ(counted.total(), all);
@@ -491,25 +508,27 @@ TEST(LightGridFile, NamesHostileNumbers) {
       {"whole cells below the roots", kRange, "probe tree: node 2: expected a cell_count",
        [=](std::string& b) { put(b, "node.kind", 2, uint8_t{16}); }},
       {"fewer cells than probes", kRange, "probe tree: probes", [=](std::string& b) { put(b, "node.kind", 2, uint8_t{2}); }},
-      {"no such function", kRange, "probe 3: function 16 of 16",
-       [=](std::string& b) { put(b, "probe.function", 3, uint16_t{16}); }},
+      {"no such function", kRange, "probe ", [=](std::string& b) { put(b, "probe.function", 3, uint16_t{16}); }},
+      {"a probe more than there are kinds", FileStatus::tensor_unexpected, "probe.kind",
+       [=](std::string& b) { put(b, "probe.count", 0, uint32_t{1u << 20}); }},
+      {"more named functions", FileStatus::tensor_unexpected, "probe.function",
+       [=](std::string& b) { put(b, "probe.kind", 0, uint8_t{0xff}), put(b, "probe.kind", 1, uint8_t{0xff}); }},
+      {"fewer named functions", FileStatus::tensor_unexpected, "probe.function",
+       [=](std::string& b) { put(b, "probe.kind", 0, uint8_t{0}), put(b, "probe.kind", 1, uint8_t{0}); }},
       {"no such representation", kRange, "function 4: representation does not exist",
        [=](std::string& b) { put(b, "function.representation", 4, uint8_t{8}); }},
       {"another representation", FileStatus::tensor_unexpected, "theta has",
        [=](std::string& b) { put(b, "function.representation", 4, uint8_t{5}); }},
       {"theta NaN", FileStatus::value_not_finite, "theta: value 9", [=](std::string& b) { put(b, "theta", 9, std::nanf("")); }},
-      {"light NaN", FileStatus::value_not_finite, "light.halves: value 9",
-       [=](std::string& b) { put(b, "light.halves", 9, uint16_t{0x7e00}); }},
-      {"a scale that is no power of two", kRange, "light.scale", [=](std::string& b) { put(b, "light.scale", 0, 3.0f); }},
-      {"a negative scale", kRange, "light.scale", [=](std::string& b) { put(b, "light.scale", 0, -1.0f); }},
-      {"a scale NaN", kRange, "light.scale", [=](std::string& b) { put(b, "light.scale", 0, std::nanf("")); }},
-      {"a tiny scale", kRange, "light.scale", [=](std::string& b) { put(b, "light.scale", 0, 1e-40f); }},
-      {"light beyond its bound", kRange, "light: value",
-       [=](std::string& b) {
-         put(b, "light.scale", 0, 4194304.0f);
-         put(b, "light.halves", 0, uint16_t{0x7bff});
-       }},
-      {"a step of -128", kRange, "light.steps: value 7", [=](std::string& b) { put(b, "light.steps", 7, int8_t{-128}); }},
+      {"an axis NaN", FileStatus::value_not_finite, "light.axes: value 9",
+       [=](std::string& b) { put(b, "light.axes", 9, uint16_t{0x7e00}); }},
+      {"no unit", kRange, "light.unit", [=](std::string& b) { put(b, "light.unit", 0, 0.0f); }},
+      {"a negative unit", kRange, "light.unit", [=](std::string& b) { put(b, "light.unit", 0, -1.0f); }},
+      {"a unit NaN", kRange, "light.unit", [=](std::string& b) { put(b, "light.unit", 0, std::nanf("")); }},
+      {"light beyond what look-ups take", kRange, "light: value", [=](std::string& b) { put(b, "light.unit", 0, 1e30f); }},
+      {"a scale of 12 bits", kRange, "light.bits: value 0", [=](std::string& b) { put(b, "light.bits", 0, uint8_t{12}); }},
+      {"an axis of 13 bits", kRange, "light.bits: value 2", [=](std::string& b) { put(b, "light.bits", 2, uint8_t{13}); }},
+      {"an axis far off", kRange, "light.offsets: value 1", [=](std::string& b) { put(b, "light.offsets", 1, int32_t{4097}); }},
       {"theta 2e9", kRange, "theta: value 9", [=](std::string& b) { put(b, "theta", 9, 2e9f); }},
   };
   const std::string bytes = bytesOf(litGrid(smallTree(), 1), {ThetaPrecision::float32});
@@ -539,9 +558,9 @@ TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
       {R"("kind":"nlg-light-grid")", R"("kind":"nlg-light-grod")", FileStatus::value_out_of_range},
       {R"("kind":)", R"("kin_":)", FileStatus::tensor_missing},
       {R"("version":"1")", R"("version":"2")", FileStatus::version_unknown},
-      {R"("light":"sh2_8bit")", R"("light":"sh3_8bit")", FileStatus::value_out_of_range},
-      {R"("light":"sh2_8bit")", R"("lighd":"sh2_8bit")", FileStatus::tensor_missing},
-      {R"("light.steps":{)", R"("light.stops":{)", FileStatus::tensor_missing},
+      {R"("light":"axes")", R"("light":"axle")", FileStatus::value_out_of_range},
+      {R"("light":"axes")", R"("lighd":"axes")", FileStatus::tensor_missing},
+      {R"("light.bits":{)", R"("light.bats":{)", FileStatus::tensor_missing},
       {R"("pattern_hash":")", R"("pattern_hash":"\)", FileStatus::header_malformed},
       {R"("representation_count":"8")", R"("representation_count":"9")", FileStatus::tensor_missing},
       {R"("representation_count":"8")", R"("representation_count":"7")", FileStatus::value_out_of_range},

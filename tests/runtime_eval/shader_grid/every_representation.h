@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "runtime_eval/evaluator/theta_form.h"
-#include "runtime_eval/light_grid/light_form.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/shader_grid/places.h"
@@ -47,7 +46,7 @@ inline LightGrid everyRepresentation(ThetaPrecision precision, uint64_t seed) {
   }
   grid.makeBricks();
   grid.light = randomLight(grid.tree.probeCount(), seed);
-  EXPECT_TRUE(roundLight(LightForm::sh2_8bit, &grid.light).ok());
+  roundGridLight(kLightError, &grid);
   return grid;
 }
 

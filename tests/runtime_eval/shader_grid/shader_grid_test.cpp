@@ -88,6 +88,20 @@ TEST(ShaderGrid, IsDarkWhereAPositionIsNoNumber) {
   }
 }
 
+// Light of few dimensions, as levels have it: records of 16 bytes at most.
+std::vector<float> levelLight(size_t probe_count, uint64_t seed) {
+  Random random(seed);
+  const std::vector<float> lamps = randomLight(3, seed);
+  std::vector<float> light(probe_count * kShFloats, 0.0f);
+  for (size_t probe = 0; probe < probe_count; ++probe) {
+    for (size_t lamp = 0; lamp < 3; ++lamp) {
+      const auto share = static_cast<float>(random.uniform());
+      for (size_t i = 0; i < kShFloats; ++i) light[probe * kShFloats + i] += share * lamps[lamp * kShFloats + i];
+    }
+  }
+  return light;
+}
+
 // What a pixel reads at most: a block, eight slots, and eight records.
 TEST(ShaderGrid, ReadsNoMoreThanEightRecords) {
   for (const RepresentationKind kind : {RepresentationKind::tent_mlp4, RepresentationKind::tent_mlp}) {
@@ -98,13 +112,15 @@ TEST(ShaderGrid, ReadsNoMoreThanEightRecords) {
     ASSERT_TRUE(roundTheta(grid.representations[0], ThetaPrecision::int8, theta.data()));
     for (size_t probe = 0; probe < grid.tree.probeCount(); ++probe)
       grid.probe_function.push_back(probe % 2 == 0 ? grid.addFunction(0, theta.data()) : kFreeSpace);
-    grid.light = randomLight(grid.tree.probeCount(), 1);
+    grid.light = levelLight(grid.tree.probeCount(), 1);
     ShaderGrid packed;
     ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
-    EXPECT_EQ(packed.theta_bytes / grid.functionCount(), kind == RepresentationKind::tent_mlp4 ? 32u : 128u);
+    const size_t light_bytes = packed.light_bytes / grid.tree.probeCount();
+    EXPECT_LE(light_bytes, 16u);
+    EXPECT_EQ(packed.theta_bytes / grid.functionCount() + light_bytes, 16 + (kind == RepresentationKind::tent_mlp4 ? 32u : 128u));
     glsl::shader_grid = &packed;
     const int most = 4 + 4 + 8 * 4 + 8 * static_cast<int>(packed.largest_read);
-    EXPECT_EQ(most, kind == RepresentationKind::tent_mlp4 ? 552 : 1320);
+    EXPECT_EQ(most, kind == RepresentationKind::tent_mlp4 ? 424 : 1192);
     Random random(6);
     for (int i = 0; i < 2000; ++i) {
       const PositionM at = randomPosition(grid.tree.frame(), random);
@@ -121,15 +137,16 @@ TEST(ShaderGrid, ReadsNoMoreThanEightRecords) {
 TEST(ShaderGrid, ReadsTwoWordsOfABrick) {
   const Representation code = Representation::code(sampleDictionary(9, 64, 1));
   LightGrid grid = freeGrid();
+  grid.light = levelLight(grid.tree.probeCount(), 2);
   grid.representations = {code};
   Random random(7);
   for (uint32_t& function : grid.probe_function) function = grid.addFunction(0, sampleCode(*code.dictionary, 64, random).data());
   ShaderGrid packed;
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
-  EXPECT_EQ(packed.largest_read, 32 + 4 + 8u);
+  EXPECT_EQ(packed.largest_read, 16 + 4 + 8u);
   glsl::shader_grid = &packed;
   const int most = 4 + 4 + 8 * 4 + 8 * static_cast<int>(packed.largest_read);
-  EXPECT_EQ(most, 392);
+  EXPECT_EQ(most, 264);
   int largest = 0;
   for (int i = 0; i < 2000; ++i) {
     const PositionM at = randomPosition(grid.tree.frame(), random);
@@ -154,15 +171,18 @@ TEST(ShaderGrid, HoldsABrickOnceForAllProbesThatShareIt) {
   ShaderGrid packed;
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
   EXPECT_EQ(packed.theta_bytes, 0u);
+  const size_t light_words = packed.light_bytes / sizeof(uint32_t) / grid.tree.probeCount();
+  const size_t record_bytes = (light_words + 1 + 3) / 4 * 16;
   for (size_t probe = 0; probe < 30; ++probe) grid.probe_function[probe] = 3 - static_cast<uint32_t>(probe) % 3;
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
-  EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_BRICK", "NLG_CLASS_COUNT 3"}));
+  EXPECT_EQ(packed.defines[0], "NLG_BRICK");
+  EXPECT_EQ(packed.defines[1], "NLG_CLASS_COUNT 3");
   const size_t quads = quadCount(5);
-  EXPECT_EQ(packed.theta_bytes, 30 * 16 + 3 * quads * sizeof(uint32_t));
+  EXPECT_EQ(packed.theta_bytes, 30 * (record_bytes - 4 * light_words) + 3 * quads * sizeof(uint32_t));
   // one behind another in the order of probes, behind all records
   const size_t first = packed.words.size() - 3 * quads;
   for (uint32_t probe = 0; probe < 30; ++probe) {
-    const uint32_t name = packed.words[4 * packed.probe_record[probe] + 8], function = grid.probe_function[probe];
+    const uint32_t name = packed.words[4 * packed.probe_record[probe] + light_words], function = grid.probe_function[probe];
     ASSERT_EQ(4 * (name & 0x7ffffff), first + quads * (probe % 3));
     ASSERT_EQ(std::ldexp(1.0f, static_cast<int>(name >> 27) - 4), grid.function_brick[function].step);
     ASSERT_TRUE(
@@ -191,8 +211,8 @@ TEST(ShaderGrid, ShowsBricksOfEveryStep) {
     least = std::min(least, step), most = std::max(most, step);
     glsl::NlgCorner corner{};
     corner.record = static_cast<int>(packed.probe_record[probe]);
-    corner.kind = static_cast<int>(glsl::nlgHeader(4).w);
-    corner.resolution = static_cast<int>(glsl::nlgHeader(5).w);
+    corner.kind = static_cast<int>(glsl::nlgHeader(glsl::NLG_CLASSES).w);
+    corner.resolution = static_cast<int>(glsl::nlgHeader(glsl::NLG_CLASSES + 1).w);
     for (int i = 0; i < 20; ++i) {
       const LocalPoint at = {static_cast<float>(random.uniform(-1.0, 1.0)), static_cast<float>(random.uniform(-1.0, 1.0)),
                              static_cast<float>(random.uniform(-1.0, 1.0))};
@@ -211,13 +231,15 @@ TEST(ShaderGrid, NamesWhatItIsToBeCompiledFor) {
   LightGrid grid = freeGrid();
   ShaderGrid packed;
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
-  EXPECT_EQ(packed.defines, std::vector<std::string>{"NLG_CLASS_COUNT 2"});
+  const std::string axes = "NLG_LIGHT_AXES " + std::to_string(packed.words[16]);
+  const std::string words = "NLG_LIGHT_WORDS " + std::to_string(packed.words[18]);
+  EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_CLASS_COUNT 2", axes, words}));
   EXPECT_EQ(packed.theta_bytes, 0u);
-  EXPECT_EQ(packed.light_bytes, 32 * grid.tree.probeCount());
+  EXPECT_EQ(packed.light_bytes, 4 * packed.words[18] * grid.tree.probeCount());
   grid.representations = {{RepresentationKind::tent_mlp4}};
   grid.probe_function[0] = grid.addFunction(0, randomTheta(grid.representations[0], 1).data());
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
-  EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_NETWORK_4", "NLG_HALVES", "NLG_CLASS_COUNT 3"}));
+  EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_NETWORK_4", "NLG_HALVES", "NLG_CLASS_COUNT 3", axes, words}));
 }
 
 TEST(ShaderGrid, RefusesWhatShadersCannotShow) {

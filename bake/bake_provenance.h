@@ -1,0 +1,25 @@
+// What a grid's file says of its bake.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "scene/scene_source.h"
+#include "tool/options.h"
+
+namespace nlg {
+
+// Roles of inputs.
+inline constexpr const char* kWeightsRole = "weights of ";
+inline constexpr const char* kLightRole = "light of the scene";
+
+// The settings that what a grid holds depends on.
+nlohmann::ordered_json bakedOptions(const OptionTable& table);
+
+// weights   SHA-256 by kWeightsRole + representation
+GridMetadata bakeMetadata(const SceneSource& source, const OptionTable& table, const std::map<std::string, std::string>& weights);
+
+}  // namespace nlg

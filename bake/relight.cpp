@@ -1,0 +1,121 @@
+#include "bake/relight.h"
+
+#include <algorithm>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "bake/bake_provenance.h"
+#include "runtime_eval/light_grid/probe_tree_data.h"
+#include "tool/error.h"
+#include "tool/require_read.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Settings that functions do not depend on.
+std::set<std::string> lightSettings(const OptionTable& table) {
+  std::set<std::string> names = {"light_error", "refine_seconds", "simd"};
+  LightOptions of_scene;
+  OptionTable scene_table("bake");
+  describe(of_scene, scene_table);
+  const Json of_scene_all = scene_table.describeAsJson(), all = table.describeAsJson();
+  for (const Json& option : of_scene_all) names.insert(option.at("name").get<std::string>());
+  for (const Json& option : all) {
+    if (option.at("group") == kLightGroup) names.insert(option.at("name").get<std::string>());
+  }
+  return names;
+}
+
+bool sameTree(const ProbeTree& a, const ProbeTree& b) {
+  const ProbeTreeData data_a = probeTreeData(a), data_b = probeTreeData(b);
+  return data_a.frame.first_m == data_b.frame.first_m && data_a.frame.spacing_m == data_b.frame.spacing_m &&
+         data_a.frame.root_count == data_b.frame.root_count && data_a.child_mask == data_b.child_mask &&
+         data_a.used_mask == data_b.used_mask && data_a.cell_count == data_b.cell_count;
+}
+
+Json originOf(const std::string& path, const BakedGrid& baked) {
+  const auto found = baked.metadata.find("provenance");
+  Json origin = found == baked.metadata.end() ? Json() : Json::parse(found->second, nullptr, false);
+  if (!origin.is_object() || !origin["options"].is_object() || !origin["inputs"].is_object())
+    throw InputError(path, "provenance", "a grid that nlg-bake wrote", "a text that does not say what it was baked of");
+  return origin;
+}
+
+bool sameGeometry(const SceneSource& source, const BakedGrid& baked, const Json& origin) {
+  const std::string sha256 = origin["inputs"].value("scene", std::string());
+  if (!sha256.empty() || !source.sha256.empty()) return sha256 == source.sha256;
+  // procedural scenes are their names
+  const auto id = baked.metadata.find("scene");
+  return id != baked.metadata.end() && id->second == source.id;
+}
+
+// Calls visit(name, before, now) for every setting that has changed.
+template <class Visit>
+void forEachChange(const OptionTable& table, const Json& origin, const Visit& visit) {
+  const Json options = bakedOptions(table);
+  for (const auto& [name, now] : options.items()) {
+    const Json before = origin["options"].value(name, Json());
+    if (before != now) visit(name, before.dump(), now.dump());
+  }
+}
+
+}  // namespace
+
+BakedGrid readBakedGrid(const std::string& path) {
+  BakedGrid baked;
+  requireRead(path, readLightGridFile(path, &baked.grid, &baked.metadata), "a light grid");
+  return baked;
+}
+
+void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const std::string& path, const BakedGrid& baked) {
+  const Json origin = originOf(path, baked);
+  if (!sameGeometry(scene.source, baked, origin)) {
+    throw InputError(path, "scene", "the scene that the grid was baked of; other geometry needs a whole bake",
+                     "geometry of another one: " + scene.source.id);
+  }
+  const std::set<std::string> of_light = lightSettings(table);
+  forEachChange(table, origin, [&](const std::string& name, const std::string& before, const std::string& now) {
+    if (of_light.count(name) == 0) throw InputError(path, name, before + ", as the grid was baked with", now);
+  });
+  ProbeTree tree = scene.tree;
+  const glm::dvec3& origin_m = scene.source.scene.origin_m;
+  tree.moveBy({origin_m.x, origin_m.y, origin_m.z});
+  if (!sameTree(tree, baked.grid.tree))
+    throw InputError(path, "probes", "a grid of this revision of the bake", "probes that stand elsewhere");
+}
+
+std::vector<std::string> changesSince(const std::string& path, const BakedGrid& baked, const SceneSource& source,
+                                      const OptionTable& table, const std::map<std::string, std::string>& weights) {
+  const Json origin = originOf(path, baked);
+  std::vector<std::string> changes;
+  if (!sameGeometry(source, baked, origin)) changes.push_back("geometry changed");
+  // the hash of light holds geometry, too
+  const std::string light = origin["inputs"].value(kLightRole, std::string());
+  if (changes.empty() && light != sceneLightSha256(source.scene)) changes.push_back("light changed");
+  forEachChange(table, origin, [&](const std::string& name, const std::string& before, const std::string& now) {
+    // the instructions of another machine are no change of mind
+    if (name != "simd") changes.push_back("setting changed: " + name + " from " + before + " to " + now);
+  });
+  std::map<std::string, std::string> before;
+  for (const auto& [role, sha256] : origin["inputs"].items()) {
+    if (role.starts_with(kWeightsRole)) before[role] = sha256.get<std::string>();
+  }
+  if (before != weights) changes.push_back("weights changed");
+  return changes;
+}
+
+LightStatistics relight(const BakeScene& scene, const BakeOptions& options, const OptionTable& table, BakedGrid* baked) {
+  const LightStatistics statistics = bakeLight(scene, options, &baked->grid);
+  std::map<std::string, std::string> weights;
+  const Json origin = Json::parse(baked->metadata.at("provenance"));
+  for (const auto& [role, sha256] : origin.at("inputs").items()) {
+    if (role.starts_with(kWeightsRole)) weights[role] = sha256.get<std::string>();
+  }
+  baked->metadata = bakeMetadata(scene.source, table, weights);
+  return statistics;
+}
+
+}  // namespace nlg

@@ -1,0 +1,44 @@
+// Light made anew for a grid that was baked before: where probes stand and what their functions are depends on geometry alone, so that
+// other lamps, skies, suns and materials need nothing else.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bake/bake_options.h"
+#include "bake/light_bake.h"
+#include "bake/scene_functions.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "tool/options.h"
+
+namespace nlg {
+
+struct BakedGrid {
+  LightGrid grid;
+  GridMetadata metadata;
+};
+
+// throws   InputError when the file is no light grid
+BakedGrid readBakedGrid(const std::string& path);
+
+// Whether the functions of a grid are those that a bake of this scene with these settings would make. What the scene is lit by, and the
+// settings of light, may be others.
+//
+// path    of the grid, for messages
+// table   of the bake's options, with their values of now
+// throws  InputError that names the first thing that differs: the scene, a setting, or where probes stand
+void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const std::string& path, const BakedGrid& baked);
+
+// What has changed since a grid was baked, a line each: "geometry changed", "light changed", "setting changed: spacing_m from 1.0 to 0.5",
+// "weights changed". None: a bake would make the same grid, but for what another revision of the bake does otherwise.
+//
+// weights   SHA-256 by role, those that a bake would take now
+// throws    InputError where the grid does not say what it was baked of
+std::vector<std::string> changesSince(const std::string& path, const BakedGrid& baked, const SceneSource& source,
+                                      const OptionTable& table, const std::map<std::string, std::string>& weights);
+
+// The grid as a whole bake with this light would have left it, byte for byte; what of its metadata tells of light is of now.
+LightStatistics relight(const BakeScene& scene, const BakeOptions& options, const OptionTable& table, BakedGrid* baked);
+
+}  // namespace nlg

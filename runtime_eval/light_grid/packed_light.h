@@ -1,0 +1,85 @@
+// The light of a grid's probes as files and shaders hold it.
+//
+// A level's light has few dimensions: the 27 numbers of a probe, divided by their length, lie near a plane that the level itself gives
+// (the principal axes of all its probes' light). A probe is a record of bits, all of one layout:
+//
+//     light = unit * 2^(s / 16) * sum over k of (u_k + offset_k) * axis_k          s > 0; s = 0 is darkness
+//
+// s and the u_k are unsigned numbers of so many bits each, s first. Each stands in the next bits of the record's current word of 32 bits,
+// lowest first, or where it does not fit there begins the next word: so shaders read them. How many axes there are, and how many bits
+// each gets, is chosen by the error that a caller accepts: some 16 bytes a probe, where 27 float16 are 54. Neighbours hold much the same
+// light: a file holds differences, in about 10 bytes.
+//
+// Errors are those of irradiance, root mean square over all normals and channels, over the irradiance of the same probe by the same
+// measure: a dark room counts as much as a terrace.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "runtime_eval/light_grid/spherical_harmonics.h"
+#include "runtime_eval/numbers/half.h"
+#include "runtime_eval/weights_file/file_result.h"
+
+namespace nlg {
+
+inline constexpr int kMaxLightWords = 8;     // of 32 bits, a record
+inline constexpr int kMostScaleBits = 11;    // of s: 128 octaves
+inline constexpr int kMostAxisBits = 12;     // of u_k
+inline constexpr double kLightError = 0.02;  // by default
+inline constexpr int kScalesAnOctave = 16;
+inline constexpr double kLeastLightError = 1e-3, kMostLightError = 0.5;  // what may be asked for
+
+struct LightAxis {
+  int bits = 0;                           // of u_k: 0 … kMostAxisBits; 0 of what all probes share
+  int32_t offset = 0;                     // |offset| <= 2^kMostAxisBits
+  std::array<Half, kShFloats> direction;  // 9 of red, green and blue each, as light has them
+};
+
+struct PackedLight {
+  float unit = 1.0f;  // > 0
+  int scale_bits = 0;
+  std::vector<LightAxis> axes;    // K, at most kShFloats
+  std::vector<uint32_t> records;  // wordsOf(…) a probe; bits that no number has are 0
+};
+
+// Where a number stands in a record; in no place where it has no bits.
+struct LightField {
+  int word = 0, shift = 0, bits = 0;
+};
+// Of s, then of every u_k.
+std::vector<LightField> lightFields(const PackedLight& packed);
+// Words of 32 bits a record.
+int lightWords(const PackedLight& packed);
+
+// The records as a file holds them: of every number in turn the difference from that of the probe before, in its bits, by a
+// range coder (range_coder.h).
+std::vector<uint8_t> codedRecords(const PackedLight& packed);
+// The inverse, for records of these axes.
+// returns   ok; tensor_unexpected where these are not the records of so many probes; value_out_of_range and more than kMaxLightWords
+FileResult decodeRecords(const std::vector<uint8_t>& bytes, size_t probe_count, PackedLight* packed);
+// Bytes of a file's light: records, axes and what else says how they are read.
+size_t packedLightBytes(const PackedLight& packed);
+
+// What packing leaves of light.
+struct LightPacking {
+  double error = 0.0;   // root mean square over all probes that are lit
+  double worst = 0.0;   // of a probe
+  size_t too_dark = 0;  // probes below 2^-40 of the brightest, or 1e-30: dark from here on
+};
+
+// The shortest record whose error is at most max_error, and the largest steps that it allows; or the longest record there is, where that
+// does not reach it.
+//
+// light      kShFloats floats a probe, finite, |light| <= kMaxGridLight (light_grid.h)
+// max_error  kLeastLightError … kMostLightError
+LightPacking packLight(const std::vector<float>& light, double max_error, PackedLight* packed);
+
+// What a file held, checked: sizes against probe_count, numbers finite and in range. The same floats on every machine.
+// returns   ok; tensor_unexpected (a size), value_not_finite or value_out_of_range, with one line that says where; *light is
+//           empty then
+FileResult unpackLight(const PackedLight& packed, size_t probe_count, std::vector<float>* light);
+
+}  // namespace nlg

@@ -1,0 +1,210 @@
+#include "runtime_eval/light_grid/packed_light.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "runtime_eval/light_grid/light_grid.h"
+#include "runtime_eval/numbers/random.h"
+
+namespace nlg {
+namespace {
+
+constexpr size_t kProbes = 2000;
+
+// Radiance of a few lamps from random directions and an even sky, over nine decades of brightness: what probes hold.
+std::vector<float> lampLight(uint64_t seed) {
+  Random random(seed);
+  std::vector<float> light(kProbes * kShFloats, 0.0f);
+  for (size_t probe = 0; probe < kProbes; ++probe) {
+    const double bright = std::pow(10.0, random.uniform(-3.0, 6.0));
+    for (int lamp = 0; lamp < 4; ++lamp) {
+      const double z = random.uniform(-1.0, 1.0), turn = random.uniform(0.0, 6.283185307179586), r = std::sqrt(1.0 - z * z);
+      const std::array<float, kShCount> basis =
+          shBasis(static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)), static_cast<float>(z));
+      for (int c = 0; c < kShChannels; ++c) {
+        const auto power = static_cast<float>(bright * random.uniform());
+        for (int i = 0; i < kShCount; ++i)
+          light[probe * kShFloats + static_cast<size_t>(i * kShChannels + c)] += power * basis[i];
+        light[probe * kShFloats + static_cast<size_t>(c)] += power;
+      }
+    }
+  }
+  return light;
+}
+
+std::vector<float> unpacked(const PackedLight& packed, size_t probes = kProbes) {
+  std::vector<float> light;
+  const FileResult result = unpackLight(packed, probes, &light);
+  EXPECT_TRUE(result.ok()) << result.detail;
+  return light;
+}
+
+// Of irradiance from everywhere, by sums over directions: what the header says of errors, in another way.
+double irradianceError(const float* from, const float* to) {
+  double off = 0.0, whole = 0.0;
+  const int turns = 24, heights = 24;
+  for (int h = 0; h < heights; ++h) {
+    for (int t = 0; t < turns; ++t) {
+      const double z = -1.0 + (2.0 * h + 1.0) / heights, turn = 6.283185307179586 * t / turns, r = std::sqrt(1.0 - z * z);
+      const auto x = static_cast<float>(r * std::cos(turn)), y = static_cast<float>(r * std::sin(turn));
+      const auto a = shIrradiance(from, x, y, static_cast<float>(z)), b = shIrradiance(to, x, y, static_cast<float>(z));
+      for (size_t c = 0; c < kShChannels; ++c) off += (a[c] - b[c]) * (a[c] - b[c]), whole += a[c] * a[c];
+    }
+  }
+  return std::sqrt(off / whole);
+}
+
+TEST(PackedLight, KeepsTheErrorThatIsAskedFor) {
+  const std::vector<float> light = lampLight(1);
+  size_t before = std::numeric_limits<size_t>::max();
+  for (const double error : {0.005, 0.01, 0.02, 0.05, 0.1, 0.3}) {
+    PackedLight packed;
+    const LightPacking packing = packLight(light, error, &packed);
+    EXPECT_LE(packing.error, error);
+    EXPECT_LT(packedLightBytes(packed), before) << error;
+    before = packedLightBytes(packed);
+    const std::vector<float> after = unpacked(packed);
+    double squares = 0.0, worst = 0.0;
+    for (size_t probe = 0; probe < kProbes; ++probe) {
+      const double off = irradianceError(&light[probe * kShFloats], &after[probe * kShFloats]);
+      squares += off * off;
+      worst = std::max(worst, off);
+    }
+    // the sums over directions are within a hundredth
+    EXPECT_NEAR(std::sqrt(squares / kProbes), packing.error, 0.01 * packing.error);
+    EXPECT_NEAR(worst, packing.worst, 0.05 * packing.worst);
+  }
+}
+
+TEST(PackedLight, SaysWhatTheLongestRecordLeaves) {
+  // nothing that probes have in common
+  Random random(1);
+  std::vector<float> light(kProbes * kShFloats);
+  for (float& number : light) number = static_cast<float>(random.uniform(-1.0, 1.0));
+  PackedLight packed;
+  const LightPacking packing = packLight(light, kLeastLightError, &packed);
+  EXPECT_GT(packing.error, kLeastLightError);
+  EXPECT_LT(packing.error, 0.01);
+  EXPECT_EQ(lightWords(packed), kMaxLightWords);
+}
+
+// Grey light from above of many strengths is one axis: nothing is stored but the scale.
+TEST(PackedLight, StoresNoNumberThatAllProbesShare) {
+  std::vector<float> light;
+  for (size_t probe = 0; probe < kProbes; ++probe) {
+    for (int i = 0; i < kShFloats; ++i)
+      light.push_back(std::exp2(static_cast<float>(probe % 160) / 16.0f) *
+                      shBasis(0.0f, 1.0f, 0.0f)[static_cast<size_t>(i) / kShChannels]);
+  }
+  PackedLight packed;
+  const LightPacking packing = packLight(light, 0.01, &packed);
+  EXPECT_LE(packing.error, 0.01);
+  EXPECT_EQ(lightWords(packed), 1);
+  EXPECT_EQ(packed.axes.size(), 1u);
+  EXPECT_EQ(packed.axes[0].bits, 0);
+}
+
+TEST(PackedLight, NumbersStandInWholeWords) {
+  PackedLight packed;
+  packLight(lampLight(2), 0.02, &packed);
+  std::array<uint32_t, kMaxLightWords> used{};
+  for (const LightField& field : lightFields(packed)) {
+    if (field.bits == 0) continue;
+    ASSERT_LE(field.shift + field.bits, 32);
+    const uint32_t bits = ((1u << field.bits) - 1) << field.shift;
+    EXPECT_EQ(used[static_cast<size_t>(field.word)] & bits, 0u);
+    used[static_cast<size_t>(field.word)] |= bits;
+  }
+  EXPECT_EQ(packed.records.size(), kProbes * static_cast<size_t>(lightWords(packed)));
+  EXPECT_EQ(packedLightBytes(packed), 5 + packed.axes.size() * (5 + 54) + codedRecords(packed).size());
+}
+
+TEST(PackedLight, RecordsComeBackFromAFile) {
+  PackedLight packed;
+  packLight(lampLight(4), 0.02, &packed);
+  const std::vector<uint8_t> coded = codedRecords(packed);
+  EXPECT_LT(coded.size(), packed.records.size() * sizeof(uint32_t));
+  PackedLight read = packed;
+  read.records.clear();
+  ASSERT_TRUE(decodeRecords(coded, kProbes, &read).ok());
+  EXPECT_TRUE(read.records == packed.records);
+  for (const size_t probes : {kProbes - 1, kProbes + 1}) {
+    EXPECT_EQ(decodeRecords(coded, probes, &read).status, FileStatus::tensor_unexpected);
+    EXPECT_TRUE(read.records.empty());
+  }
+  for (const size_t bytes : {size_t{0}, size_t{3}, coded.size() - 1}) {
+    EXPECT_EQ(decodeRecords({coded.begin(), coded.begin() + static_cast<ptrdiff_t>(bytes)}, kProbes, &read).status,
+              FileStatus::tensor_unexpected);
+  }
+  // neighbours that are alike take next to nothing
+  std::vector<float> light = lampLight(5);
+  for (size_t i = kShFloats; i < light.size(); ++i) light[i] = light[i % kShFloats];
+  packLight(light, 0.02, &packed);
+  EXPECT_LT(codedRecords(packed).size(), 100u);
+}
+
+TEST(PackedLight, HoldsAnyLightThatAGridMayHave) {
+  for (const float value : {1e-30f, -1e-10f, 65504.0f, -kMaxGridLight, kMaxGridLight}) {
+    const std::vector<float> light(2 * kShFloats, value);
+    PackedLight packed;
+    packLight(light, 0.001, &packed);
+    for (const float after : unpacked(packed, 2)) EXPECT_NEAR(after, value, 2e-3 * std::abs(double{value}));
+  }
+}
+
+TEST(PackedLight, IsDarkWhereNothingShines) {
+  std::vector<float> light = lampLight(3);
+  PackedLight packed;
+  std::fill_n(light.begin(), 5 * kShFloats, 0.0f);
+  light[3 * kShFloats] = 1e-20f;
+  const LightPacking packing = packLight(light, 0.02, &packed);
+  EXPECT_EQ(packing.too_dark, 1u);
+  const std::vector<float> after = unpacked(packed);
+  EXPECT_TRUE(std::all_of(after.begin(), after.begin() + 5 * kShFloats, [](float value) { return value == 0.0f; }));
+  EXPECT_NE(after[5 * kShFloats], 0.0f);
+  const std::vector<float> dark(kProbes * kShFloats, 0.0f);
+  EXPECT_EQ(packLight(dark, 0.02, &packed).error, 0.0);
+  EXPECT_EQ(lightWords(packed), 0);
+  EXPECT_EQ(unpacked(packed), dark);
+  EXPECT_EQ(packLight({}, 0.02, &packed).error, 0.0);
+  EXPECT_TRUE(unpacked(packed, 0).empty());
+}
+
+TEST(PackedLight, RefusesWhatPackingNeverGives) {
+  PackedLight good;
+  packLight(lampLight(7), 0.02, &good);
+  const auto statusOf = [&](auto spoil) {
+    PackedLight bad = good;
+    spoil(bad);
+    std::vector<float> light{1.0f};
+    const FileResult result = unpackLight(bad, kProbes, &light);
+    EXPECT_EQ(result.ok(), !light.empty());
+    EXPECT_EQ(result.ok(), result.detail.empty());
+    return result.status;
+  };
+  EXPECT_EQ(statusOf([](PackedLight&) {}), FileStatus::ok);
+  EXPECT_EQ(statusOf([](PackedLight& p) { p.records.pop_back(); }), FileStatus::tensor_unexpected);
+  EXPECT_EQ(statusOf([](PackedLight& p) { p.axes.resize(28); }), FileStatus::tensor_unexpected);
+  EXPECT_EQ(statusOf([](PackedLight& p) { p.axes[1].bits = 13; }), FileStatus::value_out_of_range);
+  EXPECT_EQ(statusOf([](PackedLight& p) { p.axes[1].offset = -4097; }), FileStatus::value_out_of_range);
+  EXPECT_EQ(statusOf([](PackedLight& p) { p.scale_bits = 12; }), FileStatus::value_out_of_range);
+  EXPECT_EQ(statusOf([](PackedLight& p) { p.axes[1].direction[3].bits = 0xfc00; }), FileStatus::value_not_finite);
+  EXPECT_EQ(statusOf([](PackedLight& p) {
+              for (LightAxis& axis : p.axes) axis.bits = kMostAxisBits;
+            }),
+            FileStatus::value_out_of_range);
+  // a bit that belongs to no number
+  EXPECT_EQ(statusOf([](PackedLight& p) {
+              --p.axes.back().bits;
+              std::fill(p.records.begin(), p.records.end(), ~0u);
+            }),
+            FileStatus::value_out_of_range);
+  for (const float unit : {0.0f, -1.0f, std::numeric_limits<float>::infinity(), std::nanf("")})
+    EXPECT_EQ(statusOf([=](PackedLight& p) { p.unit = unit; }), FileStatus::value_out_of_range) << unit;
+}
+
+}  // namespace
+}  // namespace nlg
