@@ -23,6 +23,7 @@ constexpr float kPull = 0.1f;         // of a round's prior, as the bake's solve
 constexpr int kRoundIterations = 15;  // of a round's solve: it begins with the round before
 constexpr double kFull = 0.97;        // of a budget: enough
 constexpr double kMostOver = 1.2;     // … and what goes beyond it by more is none of its trees
+constexpr double kOfRoom = 0.6;       // what a round takes of what is left: how many probes come of it is a guess
 constexpr double kGrowth = 1.6;       // of the tree in a round, at most
 constexpr double kHelped = 0.95;      // of the error before: more is no help
 // Probes that a cell adds when it becomes 8 or 64: between those of a cell by itself and those of one among its like.
@@ -147,7 +148,7 @@ class Grower {
       const double room =
           static_cast<double>(budget - stored) / (static_cast<double>(stored) / static_cast<double>(tree_.probeCount()));
       const size_t before = tree_.probeCount();
-      const double expected = divide(std::min(room, (kGrowth - 1.0) * static_cast<double>(before)) / probes_of_one_);
+      const double expected = divide(std::min(kOfRoom * room, (kGrowth - 1.0) * static_cast<double>(before)) / probes_of_one_);
       if (expected == 0.0) return;
       rebuild();
       const double grown = static_cast<double>(tree_.probeCount()) - static_cast<double>(before);

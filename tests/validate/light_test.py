@@ -138,7 +138,7 @@ class Light(unittest.TestCase):
             self.assertGreater(cost["multiply_adds"], 0, name)
             if name in names:
                 self.assertEqual(2 * cost["parameters"], size["light"] + size["weights"], name)
-                self.assertEqual(cost["steps"], cost["networks"] if name == "voxel networks" else 5, name)
+                self.assertEqual(cost["steps"], 2 * cost["networks"] if name == "voxel networks" else 5, name)
                 self.assertGreater(method["times"]["training_s"], 0.0, name)
             else:
                 self.assertLessEqual(size["total"], 1.5 * 1024 * int(name.split()[2]), name)

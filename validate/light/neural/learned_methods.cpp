@@ -18,7 +18,7 @@ namespace {
 
 constexpr uint64_t kSplitStream = 0x73706c6974, kVolumeStream = 0x766f6c, kSirenStream = 0x736972656e, kVoxelStream = 0x766f78;
 constexpr size_t kFewestPlaces = 64;         // fewer tell nothing
-constexpr int kVoxelStepShare = 5;           // of a whole scene's steps: a voxel is simpler
+constexpr int kVoxelStepShare = 2;           // of a whole scene's steps: a voxel is simpler
 constexpr int kChecks = 40, kPatience = 15;  // of the held-out loss, over all steps
 constexpr float kSirenRate = 1e-3f, kVoxelRate = 3e-3f, kVolumeRate = 5e-3f;
 
