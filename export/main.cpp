@@ -20,8 +20,8 @@
 #include "tool/provenance.h"
 #include "tool/require_read.h"
 #include "tool/tool_main.h"
-#include "train/generator/torch_threads.h"
 #include "train/generator/trainer.h"
+#include "train/torch_threads.h"
 
 namespace nlg {
 namespace {

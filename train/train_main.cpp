@@ -19,8 +19,8 @@
 #include "train/generator/code_ordering.h"
 #include "train/generator/lost_pages.h"
 #include "train/generator/run_folder.h"
-#include "train/generator/torch_threads.h"
 #include "train/generator/trainer.h"
+#include "train/torch_threads.h"
 
 namespace nlg {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "light/directions.h"
 #include "light/methods/grid_weighting.h"
+#include "light/methods/sh_octree.h"
 #include "light/methods/target_functions.h"
 #include "light/methods/tetrahedra.h"
 #include "light/surface_cache.h"
@@ -15,7 +16,8 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kProbeStream = 0x70726f6265, kNormalStream = 0x736f6c7665, kDdgiStream = 0x64646769, kApvStream = 0x617076;
+constexpr uint64_t kProbeStream = 0x70726f6265, kNormalStream = 0x736f6c7665, kDdgiStream = 0x64646769, kApvStream = 0x617076,
+                   kOctreeStream = 0x6f637472;
 
 const std::string kDdgiAsShipped = "DDGI as shipped", kRelocated = ", relocated";
 
@@ -258,6 +260,31 @@ void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const 
   // 8,192 samples in 8 bits each
   addBlends({"target functions", std::move(functions), probes_.count(), bytesOf(probes_.count() * kSupportPointCount), seconds,
              nullptr, ways});
+}
+
+void MethodSet::addShOctrees(const std::vector<glm::dvec3>& places, const std::vector<LightSh>& light,
+                             const std::vector<size_t>& kilobytes) {
+  ShOctreeOptions octree;
+  for (const size_t budget : kilobytes) octree.byte_budgets.push_back(1024 * budget);
+  octree.bytes = [this](const ProbeTree& tree) { return tree.probeCount() * lightFormBytes(options_.form) + treeBytes(tree); };
+  octree.solve = options_.solve;
+  octree.thread_count = options_.thread_count;
+  octree.seed = mixSeed(options_.seed, kOctreeStream);
+  for (ShOctree& grown : growShOctrees(scene_.transport, places, light, octree)) {
+    const ProbeTree& tree = octrees_.emplace_back(std::move(grown.tree));
+    const Weighting& weighting = own(std::make_unique<ShOctreeWeighting>(tree));
+    const std::vector<LightSh>& kept = own(rounded(options_.form, grown.light));
+    LightMethod method;
+    method.weights = "SH octree, " + std::to_string(grown.byte_budget / 1024) + " kB";
+    method.light = "solved";
+    method.irradiance_at = blendedLight(weighting, kept);
+    method.weighting = &weighting;
+    method.bytes = {kept.size() * lightFormBytes(options_.form), 0, treeBytes(tree)};
+    method.probes = kept.size();
+    method.light_s = grown.bake_s;
+    method.probe_light = &kept;
+    methods_.push_back(std::move(method));
+  }
 }
 
 void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, const std::vector<LightWay>& ways) {

@@ -49,7 +49,8 @@ class MethodSet {
   // What is needed to show these methods elsewhere; null until they were added, or where the scene has none.
   const DdgiMaps* shippedDdgi() const { return shipped_ddgi_; }
   const QuakeGridLight* quakeGrid() const { return quake_grid_.get(); }
-  double measure_s() const { return measure_s_; }  // light at places in air, for whoever solves
+  double measure_s() const { return measure_s_; }                          // light at places in air, for whoever solves
+  const std::vector<LightSh>& placeLight() const { return place_light_; }  // that was measured there
 
   void addTrilinear();  // of every kind
   void addTrilinear(TrilinearKind kind, const std::vector<LightWay>& ways);
@@ -66,6 +67,9 @@ class MethodSet {
   // places   where the methods will be asked
   void addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion,
                           const std::vector<LightWay>& ways = kGatheredAndSolved);
+  // "SH octree, 64 kB" …: of light at these places, which must outlive this object; a kB is 1024 bytes.
+  void addShOctrees(const std::vector<glm::dvec3>& places, const std::vector<LightSh>& light,
+                    const std::vector<size_t>& kilobytes);
   // grid   baked without light, in the world's coordinates
   void addGrid(const std::string& name, LightGrid grid, double bake_s, const std::vector<LightWay>& ways = kGatheredAndSolved);
 
@@ -103,6 +107,7 @@ class MethodSet {
   std::unique_ptr<ApvProbes> apv_;
   std::unique_ptr<QuakeGridLight> quake_grid_;
   std::deque<LightGrid> grids_;
+  std::deque<ProbeTree> octrees_;
 };
 
 }  // namespace nlg

@@ -119,6 +119,32 @@ class Light(unittest.TestCase):
         with open(self.out) as one, open(again) as other:
             self.assertEqual(without_times(json.load(one)), without_times(json.load(other)))
 
+    def test_what_learns_says_what_it_cost_and_threads_change_nothing_of_it(self):
+        results = []
+        for threads in ("1", "2"):
+            out = os.path.join(self.folder.name, f"learned_{threads}.json")
+            run = light(*HOUSE, "--spacings", "3", "1.5", "--grids-only", "--neural", "--neural-places", "2", "--neural-steps", "5", "--threads", threads, "--out", out)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            with open(out) as file:
+                results.append(json.load(file))
+        coarse, fine = results[0]["spacings"]
+        self.assertEqual([method["weights"] for method in coarse["methods"]], ["target functions"] * 2, "learned at the finest spacing alone")
+        learned = {method["weights"]: method for method in fine["methods"] if "learned" in method}
+        names = [f"neural volume, 2^{size}" for size in (10, 12, 13, 14, 15, 17)] + ["SIREN, 64", "SIREN, 128", "voxel networks"]
+        self.assertEqual([name for name in learned if not name.startswith("SH octree")], names)
+        self.assertGreater(len(learned), len(names), "no octree")
+        for name, method in learned.items():
+            size, cost = method["bytes"], method["learned"]
+            self.assertEqual(size["light"] + size["weights"] + size["tree"], size["total"], name)
+            self.assertGreater(cost["multiply_adds"], 0, name)
+            if name in names:
+                self.assertEqual(2 * cost["parameters"], size["light"] + size["weights"], name)
+                self.assertEqual(cost["steps"], 2 * cost["networks"] if name == "voxel networks" else 5, name)
+                self.assertGreater(method["times"]["training_s"], 0.0, name)
+            else:
+                self.assertLessEqual(size["total"], 1.5 * 1024 * int(name.split()[2]), name)
+        self.assertEqual(*(without_times(result)["spacings"] for result in results))
+
     def test_draws_the_worst_places_of_the_grid_at_the_finest_spacing(self):
         result = os.path.join(self.folder.name, "drawn.json")
         run = light(*HOUSE, *weights("pf3 pf5"), "--spacings", "3", "1.5", "--pictures", os.path.join(self.folder.name, "places", "drawn"), "--picture-rays", "8", "--out", result)

@@ -21,9 +21,11 @@
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
+#include "train/torch_threads.h"
 #include "validate/errors/held_out.h"
 #include "validate/light/asked_bakes.h"
 #include "validate/light/light_json.h"
+#include "validate/light/neural/learned_methods.h"
 #include "validate/light/word_grids.h"
 
 namespace nlg {
@@ -32,7 +34,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kPlaceStream = 0x706c6163, kTruthStream = 0x7472757468, kFloorStream = 0x666c6f6f72,
-                   kPictureStream = 0x70696374;
+                   kPictureStream = 0x70696374, kLearnedStream = 0x6c6561726e;
 
 struct Request {
   std::string scene, out;
@@ -43,6 +45,8 @@ struct Request {
   GatherOptions truth{1024, 64}, probe{1024, 64};
   bool grids_only = false;  // no rivals: a fraction of the time
   bool words = false;       // what functions are before they are stored, too
+  bool neural = false;      // methods that learn, too
+  int neural_places = 4, neural_steps = 3000;
   double look_up_seconds = 0.0;
   std::string pictures;  // the folder for pictures of worst places; empty: none are drawn
   int picture_rays = 64;
@@ -59,10 +63,33 @@ LightPlaces placesInRooms(const BakeScene& scene, const std::vector<std::string>
 
 enum class Draws { nothing, pictures };
 
+const std::vector<size_t> kOctreeKilobytes = {32, 64, 128, 256, 512, 1024, 2048};
+
+// Eight probes' harmonics, blended and then turned to the normal.
+LearnedCost octreeCost(const LightMethod& octree, size_t places) {
+  LearnedCost cost;
+  cost.parameters = octree.probes * kShFloats;
+  cost.multiply_adds = 8 * kShFloats + kShFloats;
+  cost.words_by_place = 8 * octree.bytes.light / octree.probes / sizeof(uint32_t);
+  cost.places = places;
+  return cost;
+}
+
+Json learnedJson(const LearnedCost& cost) {
+  return {{"places", cost.places},
+          {"networks", cost.networks},
+          {"steps", cost.steps},
+          {"parameters", cost.parameters},
+          {"clamped", cost.clamped},
+          {"multiply_adds", cost.multiply_adds},
+          {"words", {{"by_place", cost.words_by_place}, {"shared", cost.words_shared}}}};
+}
+
 // What is measured at one spacing alone, the finest.
 struct FinestOnly {
   bool pictures = false;  // of the worst places of every grid, its light solved for
   bool words = false;     // grids of one generator before they are stored, their light solved for
+  bool learned = false;   // methods that learn light
 };
 
 class LightMeasurement {
@@ -139,6 +166,7 @@ class LightMeasurement {
       const bool is_drawn = finest.pictures && is_grid && method.light == "solved";
       json["methods"].push_back(measured(method, is_drawn ? Draws::pictures : Draws::nothing));
     }
+    if (finest.learned) addLearned({transport, scene.links, scene.tree, scene.air}, options, &methods, &json["methods"]);
     if (finest.words) json["words"] = Json::array();
     for (size_t w = 0; w < words.size(); ++w) {
       json["words"].push_back({{"word", wordName(words[w])}});
@@ -148,6 +176,28 @@ class LightMeasurement {
   }
 
  private:
+  // Rivals that learn from more places than the bake has.
+  void addLearned(const MethodScene& scene, const BakeOptions& options, MethodSet* methods, Json* json) const {
+    const ProbeLightOptions solve = methodSetOptions(options, request_.probe, threads_).solve;
+    const LitPlaces lit =
+        drawLitPlaces(scene.transport, scene.tree, scene.air, methods->placeLight(), solve, request_.neural_places, threads_);
+    const double measure_s = methods->measure_s() + lit.measure_s;
+    const size_t first = methods->methods().size();
+    methods->addShOctrees(lit.position_m, lit.light, kOctreeKilobytes);
+    for (size_t m = first; m < methods->methods().size(); ++m) {
+      json->push_back(measured(methods->methods()[m]));
+      json->back()["learned"] = learnedJson(octreeCost(methods->methods()[m], lit.light.size()));
+      json->back()["times"]["light_s"] = measure_s + methods->methods()[m].light_s;
+    }
+    for (const LearnedMethod& learned :
+         learnedMethods(lit, {request_.neural_steps, threads_, mixSeed(options.seed, kLearnedStream)})) {
+      json->push_back(measured(learned.method));
+      json->back()["learned"] = learnedJson(learned.cost);
+      json->back()["times"]["light_s"] = measure_s + learned.method.light_s;
+      json->back()["times"]["training_s"] = learned.cost.training_s;
+    }
+  }
+
   Json measured(const LightMethod& method, Draws draws = Draws::nothing) const {
     std::vector<LightAnswer> answers(places_.places.size());
     parallelFor(answers.size(), threads_, [&](uint64_t i, int) {
@@ -242,6 +292,12 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   used["probe_rays"] = request.probe.rays;
   used["grids_only"] = request.grids_only;
   used["words"] = request.words;
+  used["neural"] = request.neural;
+  if (request.neural) {
+    used["neural_places"] = request.neural_places;
+    used["neural_steps"] = request.neural_steps;
+    computeOnCallingThreads();
+  }
 
   request.truth.direct = request.probe.direct = directLightFromName(options.light_direct);
   options.spacing_m = request.spacings_m.front();
@@ -263,7 +319,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   for (size_t s = 0; s < request.spacings_m.size(); ++s) {
     options.spacing_m = request.spacings_m[s];
     if (s > 0) others.push_back(std::make_unique<BakeScene>(request.scene, options));
-    const FinestOnly only = s == finest ? FinestOnly{!request.pictures.empty(), request.words} : FinestOnly{};
+    const FinestOnly only = s == finest ? FinestOnly{!request.pictures.empty(), request.words, request.neural} : FinestOnly{};
     json["spacings"].push_back(measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets, only));
   }
   writeFileAtomically(request.out, json.dump(1) + "\n");
@@ -309,6 +365,14 @@ int lightMain(int argc, char** argv) {
       "--words", request.words,
       "measure also what network, corrections and fits make of each of the weights before it is stored. Light is solved for, "
       "at the finest spacing");
+  app.add_flag("--neural", request.neural,
+               "measure also methods that learn the scene's light, at the finest spacing: minutes for each");
+  app.add_option("--neural-places", request.neural_places, "places that they learn from: as many times those of the bake")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_option("--neural-steps", request.neural_steps, "steps of training a network of the whole scene, at most")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   app.add_option("--source-distance", request.places.source_distance_m,
                  "places nearer than this to lamps and shining faces are left out, metres; at most a twenty-fifth of the scene's "
                  "diagonal. 0: none are")

@@ -102,12 +102,13 @@ Json methodJson(const LightMethod& method, const LightFigures& figures, const Li
                    {"mean", figures.jumps.mean},
                    {"p99", figures.jumps.p99},
                    {"largest", figures.jumps.largest}};
-  if (method.probes > 0) {
-    json["bytes"] = {{"light", method.bytes.light},
-                     {"weights", method.bytes.weights},
-                     {"tree", method.bytes.tree},
-                     {"total", method.bytes.total()},
-                     {"per_probe", static_cast<double>(method.bytes.total()) / static_cast<double>(method.probes)}};
+  if (method.bytes.total() > 0) {
+    json["bytes"] = {
+        {"light", method.bytes.light},
+        {"weights", method.bytes.weights},
+        {"tree", method.bytes.tree},
+        {"total", method.bytes.total()},
+        {"per_probe", method.probes > 0 ? static_cast<double>(method.bytes.total()) / static_cast<double>(method.probes) : 0.0}};
     json["probes"] = method.probes;
   }
   json["worst"] = worstJson(figures, places, truth, answers, origin_m);

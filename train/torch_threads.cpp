@@ -1,4 +1,4 @@
-#include "train/generator/torch_threads.h"
+#include "train/torch_threads.h"
 
 #include <ATen/Parallel.h>
 #include <dlfcn.h>

@@ -1,0 +1,141 @@
+#include "validate/light/neural/neural_volume.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/validate/light/neural/learned_places.h"
+#include "validate/light/neural/dense_training.h"
+#include "validate/light/neural/light_samples.h"
+
+namespace nlg {
+namespace {
+
+NeuralVolumeOptions smallVolume(int steps) {
+  NeuralVolumeOptions options;
+  options.table_log2 = 8;
+  options.width = 16;
+  options.batch = 256;
+  options.training.steps = steps;
+  options.training.check_steps = 50;
+  return options;
+}
+
+TEST(DenseNetwork, GivesWhatTheTrainedOneGives) {
+  for (const Activation activation : {Activation::relu, Activation::sine}) {
+    const DenseShape shape{{6, 20, 33, 3}, activation, 20.0f};
+    const torch::Tensor parameters = initialParameters(shape, 3);
+    ASSERT_EQ(static_cast<size_t>(parameters.numel()), 7u * 20 + 21 * 33 + 34 * 3);
+    const DenseNetwork network(shape, floatsOf(parameters));
+    torch::Tensor input = torch::empty({10, 6});
+    Random random(1);
+    for (int i = 0; i < 60; ++i) input.data_ptr<float>()[i] = static_cast<float>(random.uniform(-1.0, 1.0));
+    const torch::Tensor expected = evaluateBatch(shape, parameters, input).detach();
+    for (int i = 0; i < 10; ++i) {
+      float output[3];
+      network.evaluate(input.data_ptr<float>() + 6 * i, output);
+      // sums of 33 in another order; the sine's argument is up to 20 times as large
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(output[c], expected[i][c].item<float>(), 5e-5f) << "place " << i;
+    }
+  }
+}
+
+TEST(DenseNetwork, CountsWhatItStoresAndDoes) {
+  const DenseShape shape{{19, 64, 64, 3}};
+  EXPECT_EQ(shape.multiplyAdds(), 19u * 64 + 64 * 64 + 64 * 3);
+  EXPECT_EQ(shape.parameterCount(), shape.multiplyAdds() + 64 + 64 + 3);
+}
+
+TEST(RoundedToHalf, ClampsAndCountsWhatFloat16CannotHold) {
+  size_t clamped = 0;
+  EXPECT_EQ(roundedToHalf({1.0f + 0x1p-12f, 1e6f, -1e6f}, &clamped), (std::vector<float>{1.0f, 65504.0f, -65504.0f}));
+  EXPECT_EQ(clamped, 2u);
+}
+
+TEST(LitPlaces, MeanIrradianceIsThatOfLightFromAllSides) {
+  EXPECT_NEAR(meanIrradiance({ambient(glm::vec3(1.0f)), ambient({0.0f, 3.0f, 6.0f})}), 2.0 * 3.14159265, 1e-5);
+}
+
+TEST(LitPlaces, SplitLeavesAboutASixteenthOutAndNothingTwice) {
+  const PlaceSplit split = splitPlaces(16000, 5);
+  EXPECT_EQ(split.learned.size() + split.held_out.size(), 16000u);
+  // six standard deviations of the binomial distribution: 31 places each
+  EXPECT_NEAR(static_cast<double>(split.held_out.size()), 1000.0, 184.0);
+  EXPECT_NE(splitPlaces(16000, 6).held_out, split.held_out);
+}
+
+TEST(LightSamples, TargetsAreIrradianceInUnitsForTheNormalThatStandsBesideThem) {
+  LightSh light = ambient({1.0f, 2.0f, 3.0f});
+  light[3] = glm::vec3(0.5f, 0.0f, 0.1f);  // more from +x
+  const LitPlaces lit = placesWithLight(100, [&](const glm::dvec3&) { return light; });
+  const PlaceSplit split = splitPlaces(100, 1);
+  const LightSamples samples(lit, split.learned, split.held_out, frameAround(lit.position_m), 2.0f, 1);
+  Random random(1);
+  for (const SampleBatch& batch : {samples.draw(50, &random), samples.heldOut()}) {
+    for (int64_t i = 0; i < batch.input.size(0); ++i) {
+      const float* input = batch.input.data_ptr<float>() + kSampleInputs * i;
+      const glm::vec3 expected = irradiance(light, {input[3], input[4], input[5]}) / 2.0f;
+      for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(batch.target[i][c].item<float>(), expected[c]);
+      for (int axis = 0; axis < 3; ++axis) EXPECT_LE(std::fabs(input[axis]), 1.0f);
+    }
+  }
+}
+
+TEST(NeuralVolume, LearnsConstantLightToFloat16) {
+  const LitPlaces lit = placesWithLight(2000, [](const glm::dvec3&) { return ambient({1.0f, 2.0f, 0.5f}); });
+  const LearnedLight learned = trainNeuralVolume(lit, splitPlaces(2000, 1), smallVolume(2500));
+  for (int i = 0; i < 100; ++i) {
+    const LightAnswer answer = learned.irradiance_at(lit.position_m[i], glm::normalize(glm::vec3(i % 7 - 3, i % 5 - 2, 1.0f)));
+    for (int c = 0; c < 3; ++c) {
+      const float expected = 3.14159265f * glm::vec3(1.0f, 2.0f, 0.5f)[c];
+      EXPECT_NEAR(answer.irradiance[c], expected, 0.01f * expected) << "place " << i;
+    }
+  }
+}
+
+TEST(NeuralVolume, LearnsAWallThatNoCellOfItsCoarsestLevelHolds) {
+  // light on one side alone, 20 m and more from the origin
+  const auto light = [](const glm::dvec3& p) { return ambient(glm::vec3(p.x < 24.1 ? 1.0f : 0.05f)); };
+  const LitPlaces lit = placesWithLight(8000, light);
+  NeuralVolumeOptions options = smallVolume(1000);
+  options.table_log2 = 12;
+  const LearnedLight learned = trainNeuralVolume(lit, splitPlaces(8000, 1), options);
+  const auto meanAt = [&](double x) {
+    float sum = 0.0f;
+    for (int i = 0; i < 16; ++i)
+      sum += learned.irradiance_at({x, -0.5 + 0.125 * i, 4.0 + 0.2 * i}, {0.0f, 1.0f, 0.0f}).irradiance.g / 16.0f;
+    return sum / 3.14159265f;
+  };
+  // a cell of the coarsest level is half a metre: a blend across it would have .5 a quarter of a metre from the wall
+  EXPECT_NEAR(meanAt(23.85), 1.0, 0.15);
+  EXPECT_NEAR(meanAt(24.35), 0.05, 0.15);
+}
+
+TEST(NeuralVolume, IsTheSameForTheSameSeedAndAnotherForAnother) {
+  const auto light = [](const glm::dvec3& p) { return ambient(glm::vec3(std::sin(p.x), 2.0f, 1.0f) + 1.0f); };
+  const LitPlaces lit = placesWithLight(500, light);
+  const PlaceSplit split = splitPlaces(500, 1);
+  NeuralVolumeOptions options = smallVolume(60);
+  const LearnedLight first = trainNeuralVolume(lit, split, options), again = trainNeuralVolume(lit, split, options);
+  options.training.seed = 2;
+  const LearnedLight other = trainNeuralVolume(lit, split, options);
+  int different = 0;
+  for (const glm::dvec3& position : lit.position_m) {
+    const glm::vec3 normal(0.0f, 0.6f, 0.8f), answer = first.irradiance_at(position, normal).irradiance;
+    EXPECT_EQ(answer, again.irradiance_at(position, normal).irradiance);
+    different += answer != other.irradiance_at(position, normal).irradiance;
+  }
+  EXPECT_GT(different, 250);
+}
+
+TEST(NeuralVolume, CountsItsBytesAndWhatALookUpReads) {
+  const LitPlaces lit = placesWithLight(500, [](const glm::dvec3&) { return ambient(glm::vec3(1.0f)); });
+  const LearnedLight learned = trainNeuralVolume(lit, splitPlaces(500, 1), smallVolume(1));
+  // all levels have more nodes than the table has rows
+  EXPECT_EQ(learned.bytes.light, 8u * 256 * 2 * 2);
+  EXPECT_EQ(learned.bytes.weights, 2u * (20 * 16 + 17 * 16 + 17 * 3));
+  EXPECT_EQ(learned.cost.words_by_place, 64u);
+  EXPECT_EQ(learned.cost.multiply_adds, 19u * 16 + 16 * 16 + 16 * 3 + 128);
+  EXPECT_EQ(learned.cost.clamped, 0u);
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,98 @@
+#include "validate/light/neural/learned_methods.h"
+
+#include <chrono>
+#include <functional>
+
+#include <fmt/format.h>
+
+#include "runtime_eval/numbers/random.h"
+#include "tool/error.h"
+#include "tool/parallel_for.h"
+#include "tool/progress.h"
+#include "validate/light/neural/neural_volume.h"
+#include "validate/light/neural/siren.h"
+#include "validate/light/neural/voxel_networks.h"
+
+namespace nlg {
+namespace {
+
+constexpr uint64_t kSplitStream = 0x73706c6974, kVolumeStream = 0x766f6c, kSirenStream = 0x736972656e, kVoxelStream = 0x766f78;
+constexpr size_t kFewestPlaces = 64;         // fewer tell nothing
+constexpr int kVoxelStepShare = 2;           // of a whole scene's steps: a voxel is simpler
+constexpr int kChecks = 40, kPatience = 15;  // of the held-out loss, over all steps
+constexpr float kSirenRate = 1e-3f, kVoxelRate = 3e-3f, kVolumeRate = 5e-3f;
+
+struct VolumeSize {
+  int table_log2, width;
+};
+constexpr VolumeSize kVolumeSizes[] = {{10, 32}, {12, 64}, {13, 64}, {14, 64}, {15, 64}, {17, 64}};
+constexpr int kSirenWidths[] = {64, 128};
+
+struct Row {
+  std::string name;
+  std::function<LearnedLight()> learn;
+};
+
+TrainingOptions trainingOf(int steps, float rate, uint64_t seed) {
+  TrainingOptions training;
+  training.steps = steps;
+  training.check_steps = std::max(1, steps / kChecks);
+  training.patience = kPatience;
+  training.rate = rate;
+  training.seed = seed;
+  return training;
+}
+
+LearnedMethod learnedRow(const Row& row) {
+  const auto start = std::chrono::steady_clock::now();
+  LearnedLight learned = row.learn();
+  LearnedMethod made;
+  made.method.weights = row.name;
+  made.method.light = "own";
+  made.method.irradiance_at = std::move(learned.irradiance_at);
+  made.method.bytes = learned.bytes;
+  made.method.light_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  made.cost = learned.cost;
+  return made;
+}
+
+}  // namespace
+
+std::vector<LearnedMethod> learnedMethods(const LitPlaces& lit, const LearnedOptions& options) {
+  const PlaceSplit split = splitPlaces(lit.light.size(), mixSeed(options.seed, kSplitStream));
+  if (split.learned.size() < kFewestPlaces)
+    throw InputError("the scene", "air", fmt::format("{} places to learn light from", kFewestPlaces),
+                     std::to_string(split.learned.size()));
+  std::vector<Row> rows;
+  for (const VolumeSize& size : kVolumeSizes) {
+    NeuralVolumeOptions volume;
+    volume.table_log2 = size.table_log2;
+    volume.width = size.width;
+    volume.training = trainingOf(options.steps, kVolumeRate, mixSeed(options.seed, kVolumeStream));
+    rows.push_back({fmt::format("neural volume, 2^{}", size.table_log2),
+                    [&lit, &split, volume] { return trainNeuralVolume(lit, split, volume); }});
+  }
+  for (const int width : kSirenWidths) {
+    SirenOptions siren;
+    siren.width = width;
+    siren.training = trainingOf(options.steps, kSirenRate, mixSeed(options.seed, kSirenStream));
+    rows.push_back({fmt::format("SIREN, {}", width), [&lit, &split, siren] { return trainSiren(lit, split, siren); }});
+  }
+  std::vector<LearnedMethod> methods(rows.size());
+  {
+    Progress progress("networks of the scene", static_cast<int64_t>(rows.size()));
+    parallelFor(rows.size(), options.thread_count, [&](uint64_t r, int) {
+      methods[r] = learnedRow(rows[r]);
+      progress.advance(1);
+    });
+  }
+  // which has threads of its own
+  VoxelNetworksOptions voxels;
+  voxels.training = trainingOf(std::max(1, options.steps / kVoxelStepShare), kVoxelRate, mixSeed(options.seed, kVoxelStream));
+  voxels.thread_count = options.thread_count;
+  const Progress progress("networks of voxels");
+  methods.push_back(learnedRow({"voxel networks", [&] { return trainVoxelNetworks(lit, split, voxels); }}));
+  return methods;
+}
+
+}  // namespace nlg

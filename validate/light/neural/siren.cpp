@@ -1,0 +1,55 @@
+#include "validate/light/neural/siren.h"
+
+#include <memory>
+
+#include "validate/light/neural/dense_light.h"
+
+namespace nlg {
+namespace {
+
+struct Siren {
+  SampleFrame frame;
+  float unit;
+  DenseNetwork network;
+
+  LightAnswer irradianceAt(const glm::dvec3& position_m, const glm::vec3& normal) const {
+    const glm::vec3 place = frame.inFrame(position_m);
+    const float input[kSampleInputs] = {place.x, place.y, place.z, normal.x, normal.y, normal.z};
+    LightAnswer answer{glm::vec3(0.0f), Reach::lit};
+    network.evaluate(input, &answer.irradiance.x);
+    for (int c = 0; c < kShChannels; ++c) answer.irradiance[c] = unit * decoded(DenseCode::logarithm, answer.irradiance[c]);
+    return answer;
+  }
+};
+
+}  // namespace
+
+LearnedLight trainSiren(const LitPlaces& lit, const PlaceSplit& split, const SirenOptions& options) {
+  const SampleFrame frame = frameAround(lit.position_m);
+  const float unit = meanIrradiance(lit.light);
+  const LightSamples samples(lit, split.learned, split.held_out, frame, unit, mixSeed(options.training.seed, 2));
+  DenseShape shape{{static_cast<int>(kSampleInputs)}, Activation::sine, options.first_frequency};
+  shape.widths.insert(shape.widths.end(), static_cast<size_t>(options.hidden_layers), options.width);
+  shape.widths.push_back(kShChannels);
+  TrainingRecord record;
+  std::vector<float> numbers = trainDense(samples, shape, DenseCode::logarithm, options.batch, options.training, &record);
+
+  LearnedLight learned;
+  LearnedCost& cost = learned.cost;
+  const auto siren =
+      std::make_shared<const Siren>(Siren{frame, unit, DenseNetwork(shape, roundedToHalf(std::move(numbers), &cost.clamped))});
+  cost.parameters = shape.parameterCount();
+  cost.multiply_adds = shape.multiplyAdds();
+  cost.words_shared = (cost.parameters + kLearnedInWord - 1) / kLearnedInWord;
+  cost.networks = 1;
+  cost.places = split.learned.size();
+  cost.steps = static_cast<size_t>(record.steps);
+  cost.training_s = record.processor_s;
+  learned.bytes.light = kLearnedBytes * cost.parameters;
+  learned.irradiance_at = [siren](const glm::dvec3& position_m, const glm::vec3& normal) {
+    return siren->irradianceAt(position_m, normal);
+  };
+  return learned;
+}
+
+}  // namespace nlg
