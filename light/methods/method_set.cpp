@@ -266,20 +266,22 @@ void MethodSet::addShOctrees(const std::vector<glm::dvec3>& places, const std::v
                              const std::vector<size_t>& kilobytes) {
   ShOctreeOptions octree;
   for (const size_t budget : kilobytes) octree.byte_budgets.push_back(1024 * budget);
-  octree.bytes = [this](const ProbeTree& tree) { return tree.probeCount() * lightFormBytes(options_.form) + treeBytes(tree); };
+  constexpr size_t kLightBytes = 10;  // of a probe, about: what it takes is known once there is light
+  octree.bytes = [](const ProbeTree& tree) { return tree.probeCount() * kLightBytes + treeBytes(tree); };
   octree.solve = options_.solve;
   octree.thread_count = options_.thread_count;
   octree.seed = mixSeed(options_.seed, kOctreeStream);
   for (ShOctree& grown : growShOctrees(scene_.transport, places, light, octree)) {
     const ProbeTree& tree = octrees_.emplace_back(std::move(grown.tree));
     const Weighting& weighting = own(std::make_unique<ShOctreeWeighting>(tree));
-    const std::vector<LightSh>& kept = own(rounded(options_.form, grown.light));
     LightMethod method;
+    const std::vector<LightSh>& kept = own(packedAndBack(
+        options_.light_error, grown.light, std::vector<uint32_t>(grown.light.size(), kFreeSpace), &method.bytes.light));
     method.weights = "SH octree, " + std::to_string(grown.byte_budget / 1024) + " kB";
     method.light = "solved";
     method.irradiance_at = blendedLight(weighting, kept);
     method.weighting = &weighting;
-    method.bytes = {kept.size() * lightFormBytes(options_.form), 0, treeBytes(tree)};
+    method.bytes.tree = treeBytes(tree);
     method.probes = kept.size();
     method.light_s = grown.bake_s;
     method.probe_light = &kept;
