@@ -17,12 +17,12 @@ nlohmann::ordered_json bakedOptions(const OptionTable& table) {
   return options;
 }
 
-GridMetadata bakeMetadata(const SceneSource& source, const OptionTable& table,
+GridMetadata bakeMetadata(const SceneSource& source, const nlohmann::ordered_json& options,
                           const std::map<std::string, std::string>& weights) {
   std::map<std::string, std::string> inputs = weights;
   if (!source.sha256.empty()) inputs["scene"] = source.sha256;
   inputs[kLightRole] = sceneLightSha256(source.scene);
-  return {{"scene", source.id}, {"provenance", provenance("nlg-bake", bakedOptions(table), inputs).dump()}};
+  return {{"scene", source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
 }  // namespace nlg

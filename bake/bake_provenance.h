@@ -19,7 +19,9 @@ inline constexpr const char* kLightRole = "light of the scene";
 // The settings that what a grid holds depends on.
 nlohmann::ordered_json bakedOptions(const OptionTable& table);
 
+// options   as bakedOptions has them
 // weights   SHA-256 by kWeightsRole + representation
-GridMetadata bakeMetadata(const SceneSource& source, const OptionTable& table, const std::map<std::string, std::string>& weights);
+GridMetadata bakeMetadata(const SceneSource& source, const nlohmann::ordered_json& options,
+                          const std::map<std::string, std::string>& weights);
 
 }  // namespace nlg

@@ -91,10 +91,12 @@ std::string lightSummary(const LightStatistics& light) {
   if (!light.is_lit) return "light: none\n";
   const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
   return fmt::format(
-      "light: half of {} err by less than {:.1f} % of what was measured there, 1 in 20 by more than {:.0f} %, noise "
-      "included, most at {:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
-      countText(light.places, "place"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x, worst.y, worst.z,
-      light.mean);
+             "light: half of {} err by less than {:.1f} % of what was measured there, 1 in 20 by more than {:.0f} %, noise "
+             "included, most at {:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
+             countText(light.places, "place"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x, worst.y, worst.z,
+             light.mean) +
+         fmt::format("stored light: {}, which adds {:.1f} % to the error of a probe, {:.0f} % at most\n",
+                     bytesText(static_cast<double>(light.file_bytes)), 100.0 * light.packing.error, 100.0 * light.packing.worst);
 }
 
 std::string unreadSummary(size_t unread) {

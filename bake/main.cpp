@@ -125,14 +125,20 @@ size_t unreadKinds(const SceneSource& source) {
 
 // Whether a grid is what this command line would bake.
 void runCheck(Request request, const BakeOptions& options, const OptionTable& table) {
+  for (const auto& [is_given, what] : {std::pair(!request.relit.empty(), "--relight"), std::pair(request.out_is_given, "--out"),
+                                       std::pair(!request.json.empty(), "--json")}) {
+    if (is_given) throw UsageError("--check", std::string("no ") + what + ": nothing is baked", what);
+  }
   const BakedGrid baked = readBakedGrid(request.checked);
   if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders());
   std::map<std::string, std::string> weights;
   const auto [generators, weight_files] = loadGenerators(request.weights);
   for (size_t g = 0; g < generators.size(); ++g)
     weights[kWeightsRole + std::string(representationName(generators[g].representation()))] = fileSha256(weight_files[g]);
-  const std::vector<std::string> changes =
-      changesSince(request.checked, baked, loadLitScene(request.scene, options), table, weights);
+  SceneSource source = loadLitScene(request.scene, options);
+  std::vector<std::string> changes = changesSince(request.checked, baked, source, table, weights);
+  if (changes == std::vector<std::string>{"light changed"} && !standsWhere({std::move(source), options}, baked))
+    changes.push_back("probes would stand elsewhere");
   if (changes.empty()) {
     std::cout << request.checked << ": fresh\n";
     return;
@@ -148,11 +154,11 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   if (!request.weights.empty())
     throw UsageError("--relight", "no --weights: functions stay what they are", request.weights.front());
   if (options.light == "none") throw UsageError("--relight", "light to be made", "--light none");
+  if (!request.out_is_given) throw UsageError("--relight", "--out, another file than the grid", "none");
   const auto start = std::chrono::steady_clock::now();
   BakedGrid baked = readBakedGrid(request.relit);
   const BakeScene scene = readScene(request, options, options.threads > 0 ? options.threads : machineThreadCount());
-  chooseOut(scene, inputs, &request);
-  requireFunctionsOf(scene, table, request.relit, baked);
+  requireFunctionsOf(scene, table, options.representation, request.relit, baked);
   const LightStatistics light = relight(scene, options, table, &baked);
   const std::string bytes = fileBytes(baked.grid, options, baked.metadata);
   writeFileAtomically(request.out, bytes);
@@ -188,7 +194,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
 
   std::map<std::string, std::string> weights_sha256;
   for (const WeightsUsed& used : weights) weights_sha256[kWeightsRole + used.representation] = used.sha256;
-  const std::string bytes = fileBytes(bake.grid, options, bakeMetadata(scene.source, table, weights_sha256));
+  const std::string bytes = fileBytes(bake.grid, options, bakeMetadata(scene.source, bakedOptions(table), weights_sha256));
   writeFileAtomically(request.out, bytes);
 
   BakeReport report;
@@ -214,9 +220,14 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
 
 nlohmann::ordered_json describeGrid(const std::string& path) {
   auto [grid, metadata] = readBakedGrid(path);
-  nlohmann::ordered_json json = {{"scene", metadata["scene"]},        {"probes", grid.tree.probeCount()},
-                                 {"cells", grid.tree.cellCount()},    {"spacing_m", grid.tree.frame().spacing_m},
-                                 {"functions", grid.functionCount()}, {"has_light", !grid.light.empty()}};
+  nlohmann::ordered_json json = {{"scene", metadata["scene"]},
+                                 {"probes", grid.tree.probeCount()},
+                                 {"cells", grid.tree.cellCount()},
+                                 {"spacing_m", grid.tree.frame().spacing_m},
+                                 {"functions", grid.functionCount()},
+                                 {"has_light", !grid.light.empty()},
+                                 {"light_axes", grid.packed_light.axes.size()},
+                                 {"light_bytes", grid.light.empty() ? 0 : packedLightBytes(grid.packed_light)}};
   for (const Representation& representation : grid.representations)
     json["representations"].push_back(representationName(representation));
   json["verified"] = kVerifiedByDigest;
@@ -253,13 +264,11 @@ int main(int argc, char** argv) {
       app.add_option("--out", request.out, "the light grid to write. None: NAME.safetensors, here, by the name of the scene");
   app.add_option("--relight", request.relit,
                  "a light grid of this scene, baked with these settings: its probes and functions stay, and light alone is made "
-                 "anew, of what the scene is lit by now")
-      ->check(CLI::ExistingFile);
+                 "anew, of what the scene is lit by now");
   app.add_option(
-         "--check", request.checked,
-         "bake nothing: say whether a grid is what this command would bake, or what has changed since it was. Exit code 6 "
-         "where it is not, for build systems")
-      ->check(CLI::ExistingFile);
+      "--check", request.checked,
+      "bake nothing: say whether a grid is what this command would bake, or what has changed since it was. Exit code 6 "
+      "where it is not, for build systems");
   app.add_option("--json", request.json,
                  "write all that the bake says of itself to a file, as one line of JSON. -: to standard output");
   app.add_flag("--verbose", request.is_verbose, "end with all stages, errors and savings as tables, too");

@@ -15,9 +15,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Settings that no relight changes and none can ask for: what functions took, on which machine.
+constexpr const char* kOfFunctions[] = {"refine_seconds", "simd"};
+
 // Settings that functions do not depend on.
 std::set<std::string> lightSettings(const OptionTable& table) {
-  std::set<std::string> names = {"light_error", "refine_seconds", "simd"};
+  std::set<std::string> names(std::begin(kOfFunctions), std::end(kOfFunctions));
+  names.insert("light_error");
   LightOptions of_scene;
   OptionTable scene_table("bake");
   describe(of_scene, scene_table);
@@ -70,7 +74,8 @@ BakedGrid readBakedGrid(const std::string& path) {
   return baked;
 }
 
-void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const std::string& path, const BakedGrid& baked) {
+void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const std::vector<std::string>& asked,
+                        const std::string& path, const BakedGrid& baked) {
   const Json origin = originOf(path, baked);
   if (!sameGeometry(scene.source, baked, origin)) {
     throw InputError(path, "scene", "the scene that the grid was baked of; other geometry needs a whole bake",
@@ -80,11 +85,26 @@ void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const 
   forEachChange(table, origin, [&](const std::string& name, const std::string& before, const std::string& now) {
     if (of_light.count(name) == 0) throw InputError(path, name, before + ", as the grid was baked with", now);
   });
+  std::vector<std::string> representations;
+  for (const Representation& representation : baked.grid.representations)
+    representations.emplace_back(representationName(representation));
+  const bool is_default = asked == BakeOptions().representation;
+  const auto isAsked = [&](const std::string& name) { return std::find(asked.begin(), asked.end(), name) != asked.end(); };
+  if (!is_default && !std::all_of(representations.begin(), representations.end(), isAsked)) {
+    throw InputError(path, "representation", Json(representations).dump() + ", as functions of the grid have",
+                     Json(asked).dump());
+  }
+  if (!standsWhere(scene, baked)) {
+    throw InputError(path, "probes", "probes that stand where they stand in the grid",
+                     "others: lamps, too, say how far probes reach, and extent_m does; this needs a whole bake");
+  }
+}
+
+bool standsWhere(const BakeScene& scene, const BakedGrid& baked) {
   ProbeTree tree = scene.tree;
   const glm::dvec3& origin_m = scene.source.scene.origin_m;
   tree.moveBy({origin_m.x, origin_m.y, origin_m.z});
-  if (!sameTree(tree, baked.grid.tree))
-    throw InputError(path, "probes", "a grid of this revision of the bake", "probes that stand elsewhere");
+  return sameTree(tree, baked.grid.tree);
 }
 
 std::vector<std::string> changesSince(const std::string& path, const BakedGrid& baked, const SceneSource& source,
@@ -114,7 +134,9 @@ LightStatistics relight(const BakeScene& scene, const BakeOptions& options, cons
   for (const auto& [role, sha256] : origin.at("inputs").items()) {
     if (role.starts_with(kWeightsRole)) weights[role] = sha256.get<std::string>();
   }
-  baked->metadata = bakeMetadata(scene.source, table, weights);
+  Json settings = bakedOptions(table);
+  for (const char* name : kOfFunctions) settings[name] = origin.at("options").value(name, settings[name]);
+  baked->metadata = bakeMetadata(scene.source, settings, weights);
   return statistics;
 }
 

@@ -1,5 +1,5 @@
-// Light made anew for a grid that was baked before: where probes stand and what their functions are depends on geometry alone, so that
-// other lamps, skies, suns and materials need nothing else.
+// Light made anew for a grid that was baked before: functions depend on geometry alone, so that other lamps, skies, suns and materials
+// need nothing else where they leave probes in their places.
 #pragma once
 
 #include <map>
@@ -25,13 +25,18 @@ BakedGrid readBakedGrid(const std::string& path);
 // Whether the functions of a grid are those that a bake of this scene with these settings would make. What the scene is lit by, and the
 // settings of light, may be others.
 //
+// asked   representations; the default ones are taken for none
 // path    of the grid, for messages
 // table   of the bake's options, with their values of now
-// throws  InputError that names the first thing that differs: the scene, a setting, or where probes stand
-void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const std::string& path, const BakedGrid& baked);
+// throws  InputError that names the first thing that differs: the scene, a setting, a representation, or where probes stand
+void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const std::vector<std::string>& asked,
+                        const std::string& path, const BakedGrid& baked);
+// Whether the probes of a bake would stand where those of the grid do: light may move them, since probes reach as far as lamps do.
+bool standsWhere(const BakeScene& scene, const BakedGrid& baked);
 
 // What has changed since a grid was baked, a line each: "geometry changed", "light changed", "setting changed: spacing_m from 1.0 to 0.5",
-// "weights changed". None: a bake would make the same grid, but for what another revision of the bake does otherwise.
+// "weights changed". None: a bake would make the same grid, but for what another revision of the bake, or another machine's instructions, do
+// otherwise, and for where light moves probes to (standsWhere).
 //
 // weights   SHA-256 by role, those that a bake would take now
 // throws    InputError where the grid does not say what it was baked of

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "bake/bake_provenance.h"
 #include "bake/scene_bake.h"
@@ -43,7 +44,8 @@ std::string bakedBytes(const std::string& request, const Settings& settings) {
   std::vector<Generator> generators;
   generators.emplace_back(sampleGenerator({RepresentationKind::tent_mlp4}, 24, 3, 1));
   const Bake bake = bakeScene(scene, generators, settings.options, std::filesystem::temp_directory_path().string());
-  return bytesOf(bake.grid, bakeMetadata(scene.source, settings.table, {{"weights of tent_mlp4", "00ff"}}), settings.options);
+  return bytesOf(bake.grid, bakeMetadata(scene.source, bakedOptions(settings.table), {{"weights of tent_mlp4", "00ff"}}),
+                 settings.options);
 }
 
 BakedGrid parsed(const std::string& bytes) {
@@ -55,7 +57,7 @@ BakedGrid parsed(const std::string& bytes) {
 std::string refusalOf(const std::string& request, const Settings& settings, const BakedGrid& baked) {
   const BakeScene scene(request, settings.options);
   try {
-    requireFunctionsOf(scene, settings.table, "grid", baked);
+    requireFunctionsOf(scene, settings.table, settings.options.representation, "grid", baked);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -70,12 +72,14 @@ TEST(Relight, LeavesWhatAWholeBakeWithThatLightLeaves) {
   dusk.options.scene_light.sun = {"200", "10", "3", "2", "1"};
   dusk.options.light_pull = 0.2;
   dusk.options.light_error = 0.05;
+  dusk.options.refine_seconds = 100.0;  // what the grid took stays on record
   const BakeScene scene("house:3", dusk.options);
   BakedGrid baked = parsed(by_day);
-  requireFunctionsOf(scene, dusk.table, "grid", baked);
+  requireFunctionsOf(scene, dusk.table, dusk.options.representation, "grid", baked);
   const LightStatistics light = relight(scene, dusk.options, dusk.table, &baked);
   EXPECT_GT(light.mean, 0.0);
   const std::string by_dusk = bytesOf(baked.grid, baked.metadata, dusk.options);
+  dusk.options.refine_seconds = day.options.refine_seconds;
   EXPECT_TRUE(by_dusk == bakedBytes("house:3", dusk));
   EXPECT_FALSE(by_dusk == by_day);
 }
@@ -92,6 +96,9 @@ TEST(Relight, RefusesWhatFunctionsAreNotOf) {
   Settings rougher;
   rougher.options.policy.adam_steps = 10;
   EXPECT_NE(refusalOf("house:3", rougher, baked).find("adam_steps"), std::string::npos);
+  Settings other;
+  other.options.representation = {"pf5"};
+  EXPECT_NE(refusalOf("house:3", other, baked).find("representation: expected [\"tent_mlp4\"]"), std::string::npos);
   BakedGrid elsewhere = baked;
   elsewhere.grid.tree.moveBy({0.5, 0.0, 0.0});
   EXPECT_NE(refusalOf("house:3", settings, elsewhere).find("probes"), std::string::npos);
