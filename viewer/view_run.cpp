@@ -259,10 +259,9 @@ class ViewFolder {
       write(method);
       return figures;
     };
-    const size_t bytes =
-        request_.grid.empty()
-            ? lightGridBytes(grid_, {options_.policy.theta_precision, options_.light_error}).total()
-            : fs::file_size(request_.grid);
+    const size_t bytes = request_.grid.empty()
+                             ? lightGridBytes(grid_, {options_.policy.theta_precision, options_.light_error}).total()
+                             : fs::file_size(request_.grid);
     const LightFigures ours = add("grid", "light grid", gridScript("method-grid", grid_), bytes, grid_.tree.probeCount());
     script->facts["air_places"] = ours.air.places;
     script->facts["surface_places"] = ours.surface.places;

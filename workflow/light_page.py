@@ -196,7 +196,7 @@ def scenes_section(scenes):
 
 def page(all_results):
     results = all_results[NAME]
-    text = INTRODUCTION + f"\nMade by `{results['command']}` of revision {', '.join(f'`{revision}`' for revision in results['revisions'])}.\n" + targets_section(results)
+    text = INTRODUCTION + f"\nMade by `{results['command']}` of revision {', '.join(f'`{revision}`' for revision in results['revisions'])}. {results.get('note', '')}\n" + targets_section(results)
     text += seen_section(results) if "views" in results else ""
     text += "".join(methods_section(kind, found[SHOWN_SPACING]) + by_room_section(found[SHOWN_SPACING]) for kind, found in results["methods"].items()
                     if kind in ("levels", "furnished", "daylight") and SHOWN_SPACING in found)

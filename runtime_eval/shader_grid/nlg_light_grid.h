@@ -212,8 +212,7 @@ static inline float nlgField(const NlgGrid* grid, const NlgCorner* of) {
     share[axis] = at - (float)node[axis];
   }
   for (c = 0; c < 8; ++c) {
-    const uint32_t x = c & 1, y = c >> 1 & 1, z = c >> 2,
-                   word = of->theta + ((node[2] + z) * r + node[1] + y) * r + node[0] + x;
+    const uint32_t x = c & 1, y = c >> 1 & 1, z = c >> 2, word = of->theta + ((node[2] + z) * r + node[1] + y) * r + node[0] + x;
     const float part = (x ? share[0] : 1.0f - share[0]) * (y ? share[1] : 1.0f - share[1]) * (z ? share[2] : 1.0f - share[2]);
     a += part * nlgHalf(grid, word, 0);
     b += part * nlgHalf(grid, word, 1);

@@ -153,8 +153,7 @@ TEST(Savings, HaveALineForWhatThisBakeCouldLeaveOutAlone) {
                            "bits of theta beyond its stored form", "theta of the largest representation"}) {
     EXPECT_EQ(find(unlit, what), nullptr) << what;
   }
-  const std::vector<Saving> rounded =
-      savingsOf(dark, one, options.policy, {ThetaPrecision::float16}, {1000}, options.threads);
+  const std::vector<Saving> rounded = savingsOf(dark, one, options.policy, {ThetaPrecision::float16}, {1000}, options.threads);
   EXPECT_EQ(lineOf(rounded, "bits of theta beyond its stored form").bytes, static_cast<int64_t>(2 * dark.grid.theta.size()));
 }
 

@@ -33,7 +33,7 @@ ADDED = [
     ("nlg-train", "--cache functions.cache", "--cache"), ("nlg-train", "--device tpu", "--device"), ("nlg-train", "--device cuda", "--device"),
     ("nlg-train", "--rank 2 --processes 2", "--rank"), ("nlg-train", "--processes 2", "--rendezvous"), ("nlg-train", "--batch 1 --processes 2 --rendezvous meeting", "processes"),
     ("nlg-bake", "--extent-m=1,2,3", "extent_m"), ("nlg-bake", "--spacing-m 0.0001", ["1000000 probes", "finest spacing"]), ("nlg-bake", "--max-probes 100", "at most 100 probes"), ("nlg-bake", "--theta-precision float8", "float8"),
-    ("nlg-bake", "--light-form sh3", "sh3"), ("nlg-bake", "--light-form none", "none"), ("nlg-render", "--camera=none", "--camera"),
+    ("nlg-bake", "--light-error 0.6", "0.6"), ("nlg-bake", "--light-error none", "none"), ("nlg-render", "--camera=none", "--camera"),
     ("nlg-render", "--method grid", "--grid"), ("nlg-render", "--show weights --grid weights.safetensors", "--probe"), ("nlg-render", "--look 1,2,3", "--eye"),
     ("nlg-render", "--bake --grid weights.safetensors", "--bake"), ("nlg-view", "--rivals quake-grid", "quake-grid"), ("nlg-view", "--light none", "--light"),
 ]

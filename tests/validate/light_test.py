@@ -15,7 +15,7 @@ import matplotlib.image
 
 BIN, WEIGHTS = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
-HOUSE = ["house:1", "--extent-m", "0,0,0,5,5,3", "--air-places", "100", "--surface-places", "80", "--walks", "3", "--truth-rays", "64", "--probe-rays", "64"]
+HOUSE = ["house:1", "--light-error", "0.001", "--extent-m", "0,0,0,5,5,3", "--air-places", "100", "--surface-places", "80", "--walks", "3", "--truth-rays", "64", "--probe-rays", "64"]
 
 
 def light(*arguments):

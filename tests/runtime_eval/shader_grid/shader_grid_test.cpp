@@ -233,13 +233,18 @@ TEST(ShaderGrid, NamesWhatItIsToBeCompiledFor) {
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
   const std::string axes = "NLG_LIGHT_AXES " + std::to_string(packed.words[16]);
   const std::string words = "NLG_LIGHT_WORDS " + std::to_string(packed.words[18]);
-  EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_CLASS_COUNT 2", axes, words}));
+  // where each axis's number stands, as the head has it
+  std::string fields = "NLG_LIGHT_FIELDS uint[](";
+  for (uint32_t k = 0; k < packed.words[16]; ++k)
+    fields += (k > 0 ? ", " : "") + std::to_string(packed.words[4 * (5 + 2 * 2) + 28 * k + 27]) + 'u';
+  EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_CLASS_COUNT 2", axes, words, fields + ")"}));
   EXPECT_EQ(packed.theta_bytes, 0u);
   EXPECT_EQ(packed.light_bytes, 4 * packed.words[18] * grid.tree.probeCount());
   grid.representations = {{RepresentationKind::tent_mlp4}};
   grid.probe_function[0] = grid.addFunction(0, randomTheta(grid.representations[0], 1).data());
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
-  EXPECT_EQ(packed.defines, (std::vector<std::string>{"NLG_NETWORK_4", "NLG_HALVES", "NLG_CLASS_COUNT 3", axes, words}));
+  EXPECT_EQ(packed.defines,
+            (std::vector<std::string>{"NLG_NETWORK_4", "NLG_HALVES", "NLG_CLASS_COUNT 3", axes, words, fields + ")"}));
 }
 
 TEST(ShaderGrid, RefusesWhatShadersCannotShow) {
