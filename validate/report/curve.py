@@ -35,7 +35,7 @@ POINT_COUNT = 8192  # that evaluate_us is the time of
 class Cost:
     """One representation: what a function costs and how wrong it is, by every statistic of the summary."""
     name: str
-    bytes: int          # of one θ, as the summary's functions are stored
+    bytes: float        # of one θ, as the summary's functions are stored: of codes, which end where they may, the mean
     evaluate_us: float  # 0: not measured
     sample: dict        # word → the RMSE's statistics over the functions of the sample that take a θ
 
@@ -46,7 +46,8 @@ def costs(summary, times=None):
     for name, node in summary["representations"].entries():
         rmse = lambda word: {q: node["sample"][word]["theta"]["rmse"][q].number() for q in inputs_module.QUANTILES}
         timed = times["representations"][name] if times else node
-        result.append(Cost(name, node["theta_bytes"][precision].count(), timed["evaluate_us"].number(), {word: rmse(word) for word in SHOWN}))
+        size = node["stored_bytes_mean"].number() if name.startswith("code") else node["theta_bytes"][precision].count()
+        result.append(Cost(name, size, timed["evaluate_us"].number(), {word: rmse(word) for word in SHOWN}))
     return result
 
 
