@@ -209,7 +209,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   report.statistics.load_wall_s = load_s;
   report.policy = options.policy;
   report.file_bytes = bytes.size();
-  report.theta_bytes = lightGridBytes(bake.grid, stored).theta;
+  report.theta_bytes = lightGridBytes(bake.grid, {stored.theta, {}}).theta;  // light would be coded for nothing
   report.peak_memory_bytes = peakMemoryBytes();
   report.simd = chosenSimdTarget();
   warnOfNothing(scene, options, report.statistics);

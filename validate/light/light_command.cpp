@@ -70,7 +70,7 @@ LearnedCost octreeCost(const LightMethod& octree, size_t places) {
   LearnedCost cost;
   cost.parameters = octree.probes * kShFloats;
   cost.multiply_adds = 8 * kShFloats + kShFloats;
-  cost.words_by_place = 8 * octree.bytes.light / octree.probes / sizeof(uint32_t);
+  cost.words_by_place = 8 * kShFloats;  // floats, as a look-up finds them in memory; the file's bytes are coded
   cost.places = places;
   return cost;
 }
