@@ -183,6 +183,15 @@ bool holdsPackedLight(const LightGrid& grid) {
   return unpackGridLight(grid.packed_light, grid.probe_function, &light).ok() && light == grid.light;
 }
 
+PackedLight packedLightOf(const LightGrid& grid, double max_error) {
+  if (holdsPackedLight(grid)) return grid.packed_light;
+  LightGrid rounded;
+  rounded.probe_function = grid.probe_function;
+  rounded.light = grid.light;
+  roundGridLight(max_error, &rounded);
+  return std::move(rounded.packed_light);
+}
+
 FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, std::vector<float>* light) {
   const auto with_weight =
       probe_function.size() - static_cast<size_t>(std::count(probe_function.begin(), probe_function.end(), kNoWeight));

@@ -83,8 +83,10 @@ FileResult checkLight(const std::vector<float>& light);
 
 // Light becomes what a file holds of it: packed_light, with an error that packed_light.h speaks of, and 0 at probes without weight.
 LightPacking roundGridLight(double max_error, LightGrid* grid);
-// Whether `light` is what packed_light says: files and shaders take that then, and pack anew otherwise.
+// Whether `light` is what packed_light says.
 bool holdsPackedLight(const LightGrid& grid);
+// packed_light where the grid holds it, and light packed anew otherwise: what files and shaders take.
+PackedLight packedLightOf(const LightGrid& grid, double max_error);
 // As packed_light has it, by probe: 0 without weight.
 // returns   as unpackLight
 FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, std::vector<float>* light);

@@ -122,19 +122,11 @@ bool hasLight(const LightGrid& grid, const GridPrecision& precision) {
   return !grid.light.empty() && precision.light_error.has_value();
 }
 
-// Of a grid with light.
-FileResult packedLight(const LightGrid& grid, const GridPrecision& precision, PackedLight* packed) {
-  if (holdsPackedLight(grid)) {
-    *packed = grid.packed_light;
-    return {};
-  }
-  LightGrid rounded;
-  rounded.probe_function = grid.probe_function;
-  rounded.light = grid.light;
-  roundGridLight(*precision.light_error, &rounded);
-  *packed = std::move(rounded.packed_light);
-  // rounding may make more of the largest numbers than a reader takes
-  return checkLight(rounded.light);
+// Rounding may make more of the largest numbers than a reader takes.
+FileResult checkPackedLight(const LightGrid& grid, const PackedLight& packed) {
+  std::vector<float> light;
+  FileResult result = unpackGridLight(packed, grid.probe_function, &light);
+  return result.ok() ? checkLight(light) : result;
 }
 
 void takeFirst(FileResult* result, FileResult next) {
@@ -504,7 +496,10 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
   const bool in_steps = precision.theta == ThetaPrecision::int8;
   takeFirst(&result, addOwnMetadata(grid, has_light, &texts));
   PackedLight light;
-  if (result.ok() && has_light) result = packedLight(grid, precision, &light);
+  if (result.ok() && has_light) {
+    light = packedLightOf(grid, *precision.light_error);
+    result = checkPackedLight(grid, light);
+  }
   const std::vector<float> light_unit{light.unit};
   std::vector<uint8_t> light_bits{static_cast<uint8_t>(light.scale_bits)};
   std::vector<int32_t> light_offsets;
@@ -585,8 +580,6 @@ FileResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata*
 }
 
 LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precision) {
-  PackedLight light;
-  if (hasLight(grid, precision)) packedLight(grid, precision, &light);
   const PackedNodes nodes = packNodes(probeTreeData(grid.tree));
   size_t theta_bytes = 0;
   for (size_t f = 0; f < grid.functionCount(); ++f)
@@ -602,7 +595,7 @@ LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precis
   const StoredProbes probes = storedProbes(grid.probe_function);
   constexpr size_t kFrameBytes = sizeof(PositionM) + sizeof(double) + 3 * sizeof(int32_t);
   return {
-      .light = hasLight(grid, precision) ? packedLightBytes(light) : 0,
+      .light = hasLight(grid, precision) ? packedLightBytes(packedLightOf(grid, *precision.light_error)) : 0,
       .theta = theta_bytes,
       .dictionaries = dictionary_bytes,
       .functions = grid.function_representation.size() * sizeof(uint8_t),

@@ -121,15 +121,7 @@ class Packer {
 
  private:
   void packLightOfProbes() {
-    if (holdsPackedLight(grid_)) {
-      light_ = grid_.packed_light;
-    } else {
-      LightGrid rounded;
-      rounded.probe_function = grid_.probe_function;
-      rounded.light = grid_.light;
-      roundGridLight(kLightError, &rounded);
-      light_ = std::move(rounded.packed_light);
-    }
+    light_ = packedLightOf(grid_, kLightError);
     light_words_ = std::max<size_t>(1, static_cast<size_t>(lightWords(light_)));
     describeFields();
     float largest = 0.0f;
