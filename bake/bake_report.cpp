@@ -44,7 +44,8 @@ constexpr ThetaWord kWords[] = {ThetaWord::network, ThetaWord::corrected, ThetaW
 
 nlohmann::ordered_json lightJson(const LightStatistics& light) {
   if (!light.is_lit) return nullptr;
-  return {{"gathered", light.is_gathered},
+  return {{"groups", light.groups},
+          {"gathered", light.is_gathered},
           {"bytes", light.file_bytes},
           {"packing_error", light.packing.error},
           {"packing_worst", light.packing.worst},
@@ -95,8 +96,9 @@ std::string lightSummary(const LightStatistics& light) {
              "included, most at {:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
              countText(light.places, "place"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x, worst.y, worst.z,
              light.mean) +
-         fmt::format("stored light: {}, which adds {:.1f} % to the error of a probe, {:.0f} % at most\n",
-                     bytesText(static_cast<double>(light.file_bytes)), 100.0 * light.packing.error, 100.0 * light.packing.worst);
+         fmt::format("stored light: {}, which adds {:.1f} % to the error of a probe, {:.0f} % at most{}\n",
+                     bytesText(static_cast<double>(light.file_bytes)), 100.0 * light.packing.error, 100.0 * light.packing.worst,
+                     light.groups.empty() ? std::string() : fmt::format("; in groups: {}", fmt::join(light.groups, ", ")));
 }
 
 std::string unreadSummary(size_t unread) {

@@ -28,6 +28,15 @@ InputError tooBright(const std::string& scene) {
           "more: scale them all down, and exposure up"};
 }
 
+std::vector<float> floatsOf(const std::vector<LightSh>& light) {
+  std::vector<float> floats;
+  floats.reserve(light.size() * kShFloats);
+  for (const LightSh& sh : light) {
+    for (const glm::vec3& coefficient : sh) floats.insert(floats.end(), {coefficient.r, coefficient.g, coefficient.b});
+  }
+  return floats;
+}
+
 double meanOf(const std::vector<LightSh>& light) {
   // the mean of radiance over directions is its first coefficient times Y00
   double sum = 0.0;
@@ -66,6 +75,8 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
   return warnings;
 }
 
+static_assert(kMostLightGroups == kMaxLightGroups, "a grid holds every group of a scene");
+
 ProbeLightOptions probeLightOptions(const BakeOptions& options) {
   ProbeLightOptions light;
   light.caches_surfaces = options.light_cache;
@@ -81,6 +92,7 @@ ProbeLightOptions probeLightOptions(const BakeOptions& options) {
 
 LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid) {
   grid->light.clear();
+  grid->groups.clear();
   LightStatistics statistics;
   if (options.light == "none") return statistics;
   ProbeLightOptions light_options = probeLightOptions(options);
@@ -89,6 +101,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   const LightTransport transport(scene.source.scene, scene.rays);
   statistics.is_lit = true;
   statistics.is_gathered = transport.isBaked();
+  statistics.groups = scene.source.scene.light.groups.names;
   statistics.places = scene.air.places.size();
   statistics.rays_per_place = static_cast<uint64_t>(light_options.place.rays);
 
@@ -104,8 +117,9 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   }
 
   start = Clock::now();
+  LightByGroup place_groups;
   const std::vector<LightSh> place_light =
-      measureLight(transport, scene.air.places, light_options.place, light_options.seed, threads);
+      measureLight(transport, scene.air.places, light_options.place, light_options.seed, threads, &place_groups);
   statistics.measure_wall_s = secondsSince(start);
   statistics.mean = meanOf(place_light);
   for (const Lamp& lamp : scene.source.scene.light.lamps) {
@@ -115,7 +129,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
 
   start = Clock::now();
   const ProbeLight lit = lightProbes(transport, scene.tree, scene.air.places, place_light,
-                                     weightsOf(*grid, scene.source.scene.origin_m), light_options, threads);
+                                     weightsOf(*grid, scene.source.scene.origin_m), light_options, threads, place_groups);
   statistics.solve_wall_s = secondsSince(start);
   statistics.unread_probes = lit.unread;
   statistics.solve_iterations = lit.iterations;
@@ -123,9 +137,9 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   statistics.median_error = lit.median_error;
   statistics.p95_error = lit.p95_error;
   if (!scene.air.places.empty()) statistics.worst_m = scene.source.scene.origin_m + scene.air.places[lit.worst_place];
-  for (const LightSh& sh : lit.light) {
-    for (const glm::vec3& coefficient : sh) grid->light.insert(grid->light.end(), {coefficient.r, coefficient.g, coefficient.b});
-  }
+  grid->light = floatsOf(lit.light);
+  for (size_t g = 0; g < lit.groups.size(); ++g)
+    grid->groups.push_back({scene.source.scene.light.groups.names[g], floatsOf(lit.groups[g])});
   for (const float coefficient : grid->light) statistics.largest = std::max(statistics.largest, std::fabs(double{coefficient}));
   if (!checkLight(grid->light).ok()) throw tooBright(scene.source.id);
   statistics.packing = roundGridLight(options.light_error, grid);

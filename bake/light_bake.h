@@ -12,8 +12,9 @@ namespace nlg {
 
 // Seconds by the clock.
 struct LightStatistics {
-  bool is_lit = false;       // whether light was baked at all
-  bool is_gathered = false;  // all bounces came from the level's own light: one ray held them
+  bool is_lit = false;              // whether light was baked at all
+  std::vector<std::string> groups;  // of light, which the grid keeps apart; none: it is one
+  bool is_gathered = false;         // all bounces came from the level's own light: one ray held them
   uint64_t places = 0, rays_per_place = 0;
   uint64_t unread_probes = 0;  // that weigh nothing at any place
   int solve_iterations = 0;

@@ -228,6 +228,7 @@ nlohmann::ordered_json describeGrid(const std::string& path) {
                                  {"has_light", !grid.light.empty()},
                                  {"light_axes", grid.packed_light.axes.size()},
                                  {"light_bytes", grid.light.empty() ? 0 : packedLightBytes(grid.packed_light)}};
+  for (const LightGroup& group : grid.groups) json["light_groups"].push_back(group.name);
   for (const Representation& representation : grid.representations)
     json["representations"].push_back(representationName(representation));
   json["verified"] = kVerifiedByDigest;

@@ -45,8 +45,10 @@ struct LightTransport::Impl {
   Emitters emitters;
   SkySampler sky;         // of a sky that is an image; empty otherwise
   float nudge_m = 1e-4f;  // off a surface, so that the next ray does not meet it again
+  size_t group_count;
 
-  Impl(const Scene& s, const RayScene& r) : scene(s), rays(r), emitters(s), sky(s.light.sky.image) {
+  Impl(const Scene& s, const RayScene& r)
+      : scene(s), rays(r), emitters(s), sky(s.light.sky.image), group_count(s.light.groups.count()) {
     for (const Material& material : scene.materials) factor_albedo.push_back(albedoOf(material, material.base_color));
     float furthest = 0.0f;
     for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
@@ -83,11 +85,22 @@ struct LightTransport::Impl {
     return share;
   }
 
+  const LightGroups& groups() const { return scene.light.groups; }
+  uint8_t groupOfTriangle(uint32_t triangle) const {
+    return LightGroups::of(groups().of_material, scene.triangle_material[triangle]);
+  }
+
+  glm::vec3 sumOf(const GroupedLight& light) const {
+    glm::vec3 sum = light[0];
+    for (size_t g = 1; g < group_count; ++g) sum += light[g];
+    return sum;
+  }
+
   // Flux of one emitter point that the place draws; by multiple importance sampling with directions of this density (per
-  // steradian). u   in [0, 1): which emitters it comes from
+  // steradian). u   in [0, 1): which emitters it comes from; group   of lights, of that emitter
   template <class Density>
   bool emitterLight(const Emitters::Draws& draws, double u, const glm::vec3& from, Random& random, const Density& density,
-                    Arriving* arriving) const {
+                    Arriving* arriving, uint8_t* group) const {
     if (emitters.empty()) return false;
     const EmitterPoint point = draws.draw(u, random);
     const glm::vec3 way = point.position - from;
@@ -100,6 +113,7 @@ struct LightTransport::Impl {
     const float solid_density = point.area_density * distance * distance / cosine;
     arriving->flux = emissionAt(scene, point.triangle, point.u, point.v) / (solid_density + density(arriving->direction));
     arriving->flux *= passing(from, arriving->direction, distance - 2.0f * nudge_m);
+    *group = groupOfTriangle(point.triangle);
     return true;
   }
 
@@ -153,13 +167,16 @@ struct LightTransport::Impl {
     return density > 0.0f && !sky.empty() ? density / (density + sky.density(radiance)) : 1.0f;
   }
 
-  // What a surface there sends back of lamps and suns that shine on it: one lamp, drawn by what it would give without shadows.
-  glm::vec3 reflectedDirect(const glm::vec3& from, const glm::vec3& normal, Random& random) const {
-    glm::vec3 sum(0.0f);
+  // Adds what a surface there sends back of lamps and suns that shine on it, times a factor: one lamp, drawn by what it would give
+  // without shadows.
+  void addReflectedDirect(const glm::vec3& from, const glm::vec3& normal, const glm::vec3& factor, Random& random,
+                          GroupedLight* light) const {
     Arriving arriving;
-    for (const Sun& sun : scene.light.suns) {
-      if (!sunLight(sun, from, random.uniform(), random.uniform(), &arriving)) continue;
-      sum += arriving.flux * std::max(0.0f, glm::dot(arriving.direction, normal));
+    const auto addArriving = [&](uint8_t group, float weight) { (*light)[group] += factor * (arriving.flux * (weight / kPi)); };
+    const auto cosine = [&] { return std::max(0.0f, glm::dot(arriving.direction, normal)); };
+    for (size_t s = 0; s < scene.light.suns.size(); ++s) {
+      if (sunLight(scene.light.suns[s], from, random.uniform(), random.uniform(), &arriving))
+        addArriving(LightGroups::of(groups().of_sun, s), cosine());
     }
     float total = 0.0f;
     for (const Lamp& lamp : scene.light.lamps) total += openLight(lamp, from);
@@ -175,14 +192,13 @@ struct LightTransport::Impl {
         if ((at -= light) < 0.0f) break;
       }
       if (chosen != nullptr && lampLight(*chosen, from, random.uniform(), random.uniform(), &arriving))
-        sum += arriving.flux * (std::max(0.0f, glm::dot(arriving.direction, normal)) / share);
+        addArriving(LightGroups::of(groups().of_lamp, static_cast<size_t>(chosen - scene.light.lamps.data())), cosine() / share);
     }
     const auto density = [&](const glm::vec3& direction) { return std::max(0.0f, glm::dot(direction, normal)) / kPi; };
-    if (emitterLight({emitters, from}, random.uniform(), from, random, density, &arriving))
-      sum += arriving.flux * std::max(0.0f, glm::dot(arriving.direction, normal));
+    uint8_t group = 0;
+    if (emitterLight({emitters, from}, random.uniform(), from, random, density, &arriving, &group)) addArriving(group, cosine());
     if (!sky.empty() && skyLight(from, random.uniform(), random.uniform(), density, &arriving))
-      sum += arriving.flux * std::max(0.0f, glm::dot(arriving.direction, normal));
-    return sum / kPi;
+      addArriving(groups().of_sky, cosine());
   }
 
   // A lamp's irradiance if nothing stood between.
@@ -218,11 +234,11 @@ struct LightTransport::Impl {
     }
   }
 
-  // Radiance that comes along a ray, but for lamps and suns as seen from its origin.
+  // Adds the radiance that comes along a ray, but for lamps and suns as seen from its origin.
   // density   of the ray's own direction, per steradian: emitters at its end were sampled too. 0: they were not
-  glm::vec3 radiance(glm::vec3 origin, glm::vec3 direction, const GatherOptions& options, float density, Random& random,
-                     SurfacePoint* hits = nullptr) const {
-    glm::vec3 sum(0.0f), throughput(1.0f);
+  void addRadiance(glm::vec3 origin, glm::vec3 direction, const GatherOptions& options, float density, Random& random,
+                   GroupedLight* light, SurfacePoint* hits = nullptr) const {
+    glm::vec3 throughput(1.0f);
     for (int vertex = 0;; ++vertex) {
       LightHit hit = rays.lightHit(origin, direction);
       const auto addShine = [&](const LightHit& at) {
@@ -235,42 +251,51 @@ struct LightTransport::Impl {
                               std::max(cosine, 1e-6f);
           share = density / (density + other);
         }
-        sum += throughput * shine * share;
+        (*light)[groupOfTriangle(at.triangle)] += throughput * shine * share;
       };
       glm::vec3 reflectance;
       if (!rays.hasVeils() || !endsAtVeil(origin, direction, random, addShine, &hit, &throughput, &reflectance)) {
-        if (hit.kind == LightHit::Kind::sky && scene.light.sky_faces.shines(hit.triangle))
-          return sum + throughput * scene.light.sky_faces.radiance(hit.triangle, direction, scene.light.sky);
+        if (hit.kind == LightHit::Kind::sky && scene.light.sky_faces.shines(hit.triangle)) {
+          (*light)[groups().of_shine] += throughput * scene.light.sky_faces.radiance(hit.triangle, direction, scene.light.sky);
+          return;
+        }
         if (hit.kind != LightHit::Kind::surface) {
           const glm::vec3 shine = scene.light.sky.radiance(direction);
-          return sum + throughput * shine * skyShare(shine, density);
+          (*light)[groups().of_sky] += throughput * shine * skyShare(shine, density);
+          return;
         }
         reflectance = albedo(hit);
         addShine(hit);
       }
-      if (isBaked()) return sum + throughput * bakedLight(scene, hit.triangle, hit.u, hit.v) * reflectance;
+      if (isBaked()) {
+        (*light)[groups().of_baked] += throughput * bakedLight(scene, hit.triangle, hit.u, hit.v) * reflectance;
+        return;
+      }
       throughput *= reflectance;
       if (hits != nullptr && vertex == 0) *hits = {origin + direction * hit.distance, hit.normal, throughput};
-      if (vertex >= options.max_bounces) return sum;
+      if (vertex >= options.max_bounces) return;
       if (options.cache != nullptr) {
         const glm::vec3 point = origin + direction * hit.distance;
-        if (const glm::vec3* stored = options.cache->irradiance(point, hit.normal)) return sum + throughput * *stored / kPi;
+        if (const glm::vec3* stored = options.cache->irradiance(point, hit.normal)) {
+          for (size_t g = 0; g < group_count; ++g) (*light)[g] += throughput * stored[g] / kPi;
+          return;
+        }
       }
       const float most = std::max({throughput.r, throughput.g, throughput.b});
-      if (!(most > 0.0f)) return sum;
+      if (!(most > 0.0f)) return;
       if (vertex + 1 >= kSurePathVertices) {
         const float survival = std::min(kSurvival, most);
-        if (random.uniform() >= survival) return sum;
+        if (random.uniform() >= survival) return;
         throughput /= survival;
       }
       origin = origin + direction * hit.distance + hit.normal * nudge_m;
-      sum += throughput * reflectedDirect(origin, hit.normal, random);
+      addReflectedDirect(origin, hit.normal, throughput, random, light);
       direction = cosineDirection(hit.normal, random.uniform(), random.uniform());
       density = std::max(1e-6f, glm::dot(direction, hit.normal) / kPi);
     }
   }
 
-  // Everything that arrives at a place, direction by direction: add(set, direction, flux). Flux is what the mean over a set's
+  // Everything that arrives at a place, direction by direction: add(set, direction, flux, group). Flux is what the mean over a set's
   // directions takes: the sum over all directions of radiance times solid angle is the mean over sets.
   // direction_of   of ray i of a set: the direction; density: of a direction, per steradian
   template <class DirectionOf, class Density, class Add>
@@ -283,31 +308,35 @@ struct LightTransport::Impl {
     const Lattice sky_lattice(mixSeed(seed, kSkyStream), index);
     if (hits != nullptr) hits->assign(static_cast<size_t>(count), {});
     Arriving arriving;
+    uint8_t group = 0;
     for (int i = 0; i < count; ++i) {
       Random random(mixSeed(seed, kPathStream, i, index));
       const int set = i % kSetCount;
       const glm::vec3 direction = direction_of(i, count);
       const float direction_density = density(direction);
-      add(set, direction,
-          radiance(from, direction, options, direction_density, random, hits != nullptr ? &(*hits)[i] : nullptr) *
-              (share / direction_density));
+      GroupedLight light{};
+      addRadiance(from, direction, options, direction_density, random, &light, hits != nullptr ? &(*hits)[i] : nullptr);
+      for (size_t g = 0; g < group_count; ++g) {
+        if (light[g] != glm::vec3(0.0f)) add(set, direction, light[g] * (share / direction_density), g);
+      }
       // each set goes evenly through all emitters
-      if (emitterLight(draws, (i + random.uniform()) / count, from, random, density, &arriving))
-        add(set, arriving.direction, arriving.flux * share);
+      if (emitterLight(draws, (i + random.uniform()) / count, from, random, density, &arriving, &group))
+        add(set, arriving.direction, arriving.flux * share, group);
       if (sky.empty()) continue;
       const auto [u, v] = sky_lattice.point(i, count);
-      if (skyLight(from, u, v, density, &arriving)) add(set, arriving.direction, arriving.flux * share);
+      if (skyLight(from, u, v, density, &arriving)) add(set, arriving.direction, arriving.flux * share, groups().of_sky);
     }
-    const auto sampleAll = [&](int samples, uint64_t stream, const auto& light) {
+    const auto sampleAll = [&](int samples, uint64_t stream, size_t of_group, const auto& light) {
       const Lattice lattice(mixSeed(seed, stream), index);
       for (int i = 0; i < samples; ++i) {
         const auto [u, v] = lattice.point(i, samples);
-        if (light(u, v)) add(i % kSetCount, arriving.direction, arriving.flux * (static_cast<float>(kSetCount) / samples));
+        if (light(u, v))
+          add(i % kSetCount, arriving.direction, arriving.flux * (static_cast<float>(kSetCount) / samples), of_group);
       }
     };
     const int sun_samples = std::clamp(options.rays / 4 / kSetCount * kSetCount, kSetCount, 2 * kLampSamples);
     for (size_t s = 0; s < scene.light.suns.size() && options.direct == DirectLight::all; ++s) {
-      sampleAll(sun_samples, mixSeed(kSunStream, s),
+      sampleAll(sun_samples, mixSeed(kSunStream, s), LightGroups::of(groups().of_sun, s),
                 [&](double u, double v) { return sunLight(scene.light.suns[s], from, u, v, &arriving); });
     }
     if (options.direct == DirectLight::none) return;
@@ -320,7 +349,8 @@ struct LightTransport::Impl {
       // far lamps that add next to nothing together get one sample a set, near ones what their size needs
       const int samples = std::clamp(kSetCount * static_cast<int>(part * static_cast<float>(options.rays) / (4 * kSetCount)),
                                      kSetCount, 4 * kLampSamples);
-      sampleAll(samples, mixSeed(kLampStream, l), [&](double u, double v) { return lampLight(lamp, from, u, v, &arriving); });
+      sampleAll(samples, mixSeed(kLampStream, l), LightGroups::of(groups().of_lamp, l),
+                [&](double u, double v) { return lampLight(lamp, from, u, v, &arriving); });
     }
   }
 
@@ -358,25 +388,31 @@ LightTransport::~LightTransport() = default;
 const Scene& LightTransport::scene() const { return impl_->scene; }
 const RayScene& LightTransport::rays() const { return impl_->rays; }
 bool LightTransport::isBaked() const { return impl_->isBaked(); }
+size_t LightTransport::groupCount() const { return impl_->group_count; }
 
 std::vector<ArrivingLight> LightTransport::arriving(const glm::dvec3& position_m, const GatherOptions& options,
                                                     uint64_t seed) const {
   std::vector<ArrivingLight> result;
-  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, 0, [&](int, const glm::vec3& direction, const glm::vec3& flux) {
-    result.push_back({direction, flux / static_cast<float>(kSetCount)});
-  });
+  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, 0,
+                            [&](int, const glm::vec3& direction, const glm::vec3& flux, size_t) {
+                              result.push_back({direction, flux / static_cast<float>(kSetCount)});
+                            });
   return result;
 }
 
 GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed,
                                      uint64_t index) const {
+  GatheredLight result;
+  if (impl_->group_count > 1) result.groups.resize(impl_->group_count);
   std::array<LightSh, kSetCount> sets{};
   impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, index,
-                            [&](int set, const glm::vec3& direction, const glm::vec3& flux) {
+                            [&](int set, const glm::vec3& direction, const glm::vec3& flux, size_t group) {
                               const std::array<float, kShCount> basis = shBasis(direction.x, direction.y, direction.z);
                               for (int k = 0; k < kShCount; ++k) sets[set][k] += flux * basis[k];
+                              if (result.groups.empty()) return;
+                              const glm::vec3 share = flux / static_cast<float>(kSetCount);
+                              for (int k = 0; k < kShCount; ++k) result.groups[group][k] += share * basis[k];
                             });
-  GatheredLight result;
   for (int k = 0; k < kShCount; ++k) {
     for (const LightSh& set : sets) result.light[k] += set[k] / static_cast<float>(kSetCount);
     glm::vec3 squares(0.0f);
@@ -389,6 +425,7 @@ GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherO
 GatheredIrradiance LightTransport::gatherIrradiance(const glm::dvec3& position_m, const glm::vec3& normal,
                                                     const GatherOptions& options, uint64_t seed,
                                                     std::vector<SurfacePoint>* hits) const {
+  GatheredIrradiance result;
   std::array<glm::vec3, kSetCount> sets{};
   const Lattice lattice(seed);
   impl_->gather(
@@ -398,11 +435,12 @@ GatheredIrradiance LightTransport::gatherIrradiance(const glm::dvec3& position_m
         return cosineDirection(normal, u, v);
       },
       [&](const glm::vec3& direction) { return std::max(1e-6f, glm::dot(direction, normal) / kPi); },
-      [&](int set, const glm::vec3& direction, const glm::vec3& flux) {
-        sets[set] += flux * std::max(0.0f, glm::dot(direction, normal));
+      [&](int set, const glm::vec3& direction, const glm::vec3& flux, size_t group) {
+        const glm::vec3 irradiance = flux * std::max(0.0f, glm::dot(direction, normal));
+        sets[set] += irradiance;
+        result.groups[group] += irradiance / static_cast<float>(kSetCount);
       },
       hits);
-  GatheredIrradiance result;
   for (const glm::vec3& set : sets) result.irradiance += set / static_cast<float>(kSetCount);
   glm::vec3 squares(0.0f);
   for (const glm::vec3& set : sets) squares += (set - result.irradiance) * (set - result.irradiance);
@@ -413,16 +451,21 @@ GatheredIrradiance LightTransport::gatherIrradiance(const glm::dvec3& position_m
 glm::vec3 LightTransport::radianceAlong(const glm::vec3& origin, const glm::vec3& direction, int max_bounces,
                                         uint64_t seed) const {
   Random random(mixSeed(seed, kPathStream));
-  return impl_->radiance(origin, direction, {1, max_bounces}, 0.0f, random);
+  GroupedLight light{};
+  impl_->addRadiance(origin, direction, {1, max_bounces}, 0.0f, random, &light);
+  return impl_->sumOf(light);
 }
 
-glm::vec3 LightTransport::reflected(const SurfacePoint& point, uint64_t seed) const {
+GroupedLight LightTransport::reflected(const SurfacePoint& point, uint64_t seed) const {
   Random random(mixSeed(seed, kPathStream));
   const glm::vec3 from = point.position + point.normal * impl_->nudge_m;
-  const glm::vec3 direct = impl_->reflectedDirect(from, point.normal, random);
+  GroupedLight light{};
+  impl_->addReflectedDirect(from, point.normal, glm::vec3(1.0f), random, &light);
   const glm::vec3 direction = cosineDirection(point.normal, random.uniform(), random.uniform());
   const float density = std::max(1e-6f, glm::dot(direction, point.normal) / kPi);
-  return point.reflectance * (direct + impl_->radiance(from, direction, {}, density, random));
+  impl_->addRadiance(from, direction, {}, density, random, &light);
+  for (size_t g = 0; g < impl_->group_count; ++g) light[g] *= point.reflectance;
+  return light;
 }
 
 glm::vec3 LightTransport::albedo(const LightHit& hit) const { return impl_->albedo(hit); }

@@ -27,6 +27,9 @@ using LightSh = std::array<glm::vec3, kShCount>;
 
 glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal);
 
+// By group of lights (LightGroups): what each gives adds up to the whole. Beyond the scene's groups all are 0.
+using GroupedLight = std::array<glm::vec3, kMostLightGroups>;
+
 class SurfaceCache;
 
 // Which light of lamps and suns counts at the place itself. What they send to surfaces, and those send on, always does: an engine
@@ -54,7 +57,8 @@ struct SurfacePoint {
 
 struct GatheredLight {
   LightSh light{};
-  LightSh deviation{};  // standard deviation of each coefficient: of the mean over 8 sets of directions
+  LightSh deviation{};          // standard deviation of each coefficient: of the mean over 8 sets of directions
+  std::vector<LightSh> groups;  // of scenes whose lights have groups: what each of them gives
 };
 
 // One direction that light arrives from, and what it adds to the integral over all directions: radiance times solid angle.
@@ -66,6 +70,7 @@ struct ArrivingLight {
 struct GatheredIrradiance {
   glm::vec3 irradiance{0.0f};
   glm::vec3 deviation{0.0f};  // as above
+  GroupedLight groups{};      // what each gives of the irradiance
 };
 
 class LightTransport {
@@ -92,7 +97,7 @@ class LightTransport {
   glm::vec3 radianceAlong(const glm::vec3& origin, const glm::vec3& direction, int max_bounces, uint64_t seed) const;
 
   // Radiance that a surface point sends back, its own shine not among it: one path.
-  glm::vec3 reflected(const SurfacePoint& point, uint64_t seed) const;
+  GroupedLight reflected(const SurfacePoint& point, uint64_t seed) const;
 
   // How far off a surface rays begin, metres, so that they do not meet it again.
   float nudge() const;
@@ -104,6 +109,7 @@ class LightTransport {
   const RayScene& rays() const;
   // Whether a ray's first hit holds all bounces.
   bool isBaked() const;
+  size_t groupCount() const;
 
  private:
   struct Impl;

@@ -169,11 +169,16 @@ std::vector<LightSh> priorOf(const std::vector<LightSample>& samples, const std:
 // Beside a lamp light changes within less than probes are apart. Squares of the errors there would rule all that those probes
 // hold, so that their loss is Cauchy's, s² log(1 + error² / s²) with s in units of the place, by iteratively reweighted least
 // squares.
-ProbeLight solved(std::vector<LightSample> samples, const Means& means, float mean, const ProbeLightOptions& options) {
+//
+// group_means, group_samples   of each group of lights: solved for with the last round's say
+ProbeLight solved(std::vector<LightSample> samples, const Means& means, float mean, const ProbeLightOptions& options,
+                  const std::vector<Means>& group_means, const std::vector<std::vector<LightSample>>& group_samples) {
   std::vector<float> importance(samples.size());
   std::transform(samples.begin(), samples.end(), importance.begin(), [](const LightSample& sample) { return sample.importance; });
   const auto least = static_cast<float>(options.dark_share * mean), outlier = static_cast<float>(options.outlier);
-  ProbeLight result{means.light, 0, 0};
+  ProbeLight result{means.light, {}, 0, 0};
+  LightSolveOptions solve;
+  solve.order_pull = kOrderPull;
   std::vector<float> say(samples.size());
   for (int round = 0; round < kRounds; ++round) {
     for (size_t i = 0; i < samples.size(); ++i) {
@@ -182,11 +187,18 @@ ProbeLight solved(std::vector<LightSample> samples, const Means& means, float me
       samples[i].importance = say[i] * mean / unit;
       samples[i].importance /= 1.0f + squaredError(samples[i], result.light) / (s * s);
     }
-    LightSolveOptions solve;
-    solve.order_pull = kOrderPull;
     LightSolution solution = solveLight(samples, priorOf(samples, say, means.light),
                                         pullOf(samples, means.light.size(), options.pull), result.light, solve);
     result.light = std::move(solution.light);
+    result.iterations += solution.iterations;
+  }
+  // linear from here on
+  for (size_t group = 0; group < group_means.size(); ++group) {
+    for (size_t i = 0; i < samples.size(); ++i) samples[i].light = group_samples[group][i].light;
+    const std::vector<LightSh>& start = group_means[group].light;
+    LightSolution solution =
+        solveLight(samples, priorOf(samples, say, start), pullOf(samples, start.size(), options.pull), start, solve);
+    result.groups.push_back(std::move(solution.light));
     result.iterations += solution.iterations;
   }
   return result;
@@ -238,13 +250,20 @@ WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m) {
 }
 
 std::vector<LightSh> measureLight(const LightTransport& transport, const std::vector<glm::dvec3>& places,
-                                  const GatherOptions& options, uint64_t seed, int thread_count) {
+                                  const GatherOptions& options, uint64_t seed, int thread_count, LightByGroup* groups) {
   std::vector<LightSh> light(places.size());
+  if (groups != nullptr) {
+    const size_t group_count = transport.groupCount() > 1 ? transport.groupCount() : 0;
+    groups->assign(group_count, std::vector<LightSh>(places.size()));
+  }
   Progress progress("places lit", static_cast<int64_t>(places.size()));
   parallelFor((places.size() + kBlockPlaces - 1) / kBlockPlaces, thread_count, [&](uint64_t block, int) {
     const uint64_t end = std::min<uint64_t>((block + 1) * kBlockPlaces, places.size());
-    for (uint64_t i = block * kBlockPlaces; i < end; ++i)
-      light[i] = transport.gather(places[i], options, mixSeed(seed, kPlaceStream), i).light;
+    for (uint64_t i = block * kBlockPlaces; i < end; ++i) {
+      const GatheredLight gathered = transport.gather(places[i], options, mixSeed(seed, kPlaceStream), i);
+      light[i] = gathered.light;
+      for (size_t g = 0; groups != nullptr && g < groups->size(); ++g) (*groups)[g][i] = gathered.groups[g];
+    }
     progress.advance(static_cast<int64_t>(end - block * kBlockPlaces));
   });
   return light;
@@ -252,7 +271,7 @@ std::vector<LightSh> measureLight(const LightTransport& transport, const std::ve
 
 ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
                        const std::vector<LightSh>& place_light, const WeightsAt& weights_at, const ProbeLightOptions& options,
-                       int thread_count) {
+                       int thread_count, const LightByGroup& place_groups) {
   NLG_CHECK(places.size(), ==, place_light.size());
   Progress progress("light of probes");
   std::vector<ProbeWeights> weights(places.size());
@@ -261,20 +280,28 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
     for (uint64_t i = block * kBlockPlaces; i < end; ++i) weights_at(places[i], &weights[i]);
   });
   // the talk's integral is over the function; what a solve leans on is read at places by shares, which beside walls are far more
-  Means means(tree, places, options.way == LightWay::solved ? sharesOf(weights) : weights, place_light);
+  const std::vector<ProbeWeights> leaned_on = options.way == LightWay::solved ? sharesOf(weights) : weights;
+  Means means(tree, places, leaned_on, place_light);
+  std::vector<Means> group_means;
+  for (const std::vector<LightSh>& of_group : place_groups) group_means.emplace_back(tree, places, leaned_on, of_group);
   const auto unread = static_cast<uint64_t>(std::count(means.is_read.begin(), means.is_read.end(), 0));
   ProbeLight result;
   if (options.way == LightWay::solved) {
     const float mean = meanLight(place_light);
-    result = solved(samplesOf(weights, place_light), means, mean, options);
+    std::vector<std::vector<LightSample>> group_samples;
+    for (const std::vector<LightSh>& of_group : place_groups) group_samples.push_back(samplesOf(weights, of_group));
+    result = solved(samplesOf(weights, place_light), means, mean, options, group_means, group_samples);
   } else {
     result.light = std::move(means.light);
+    for (Means& of_group : group_means) result.groups.push_back(std::move(of_group.light));
   }
   if (options.way == LightWay::point) {
     parallelFor(tree.probeCount(), thread_count, [&](uint64_t p, int) {
       const auto [x, y, z] = tree.probePosition(p);
       if (!isInAir(transport.rays(), {x, y, z})) return;
-      result.light[p] = transport.gather({x, y, z}, options.probe, mixSeed(options.seed, kProbeStream, p)).light;
+      const GatheredLight gathered = transport.gather({x, y, z}, options.probe, mixSeed(options.seed, kProbeStream, p));
+      result.light[p] = gathered.light;
+      for (size_t g = 0; g < result.groups.size(); ++g) result.groups[g][p] = gathered.groups[g];
     });
   }
   result.unread = unread;

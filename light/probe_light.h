@@ -42,12 +42,17 @@ using WeightsAt = std::function<void(const glm::dvec3& position_m, ProbeWeights*
 // must outlive it.
 WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m);
 
-// Light at places. Places that follow one another should be neighbours: their rays go into each other's gaps.
+// Of each group of lights (LightGroups) what every place, or every probe, has of it. Empty where all light is one group.
+using LightByGroup = std::vector<std::vector<LightSh>>;
+
+// Light at places. Places that follow one another should be neighbours: their rays go into each other's gaps. groups   receives what each
+// group gives of it, when given
 std::vector<LightSh> measureLight(const LightTransport& transport, const std::vector<glm::dvec3>& places,
-                                  const GatherOptions& options, uint64_t seed, int thread_count);
+                                  const GatherOptions& options, uint64_t seed, int thread_count, LightByGroup* groups = nullptr);
 
 struct ProbeLight {
   std::vector<LightSh> light;  // by probe
+  LightByGroup groups;         // by group and probe: they add up to light
   int iterations = 0;          // of the solve
   uint64_t unread = 0;         // probes that weigh nothing at every place: they hold the light of places around them
   // How far blends are from what was measured at places, over their mean light: RMS, of irradiance over all normals; and the place
@@ -60,10 +65,11 @@ struct ProbeLight {
 
 // tree         in the scene's coordinates
 // places       in air, in cells of the tree
-// place_light  by place
+// place_light  by place; place_groups: what each group gives of it. The unit and the say of a place are those of all light, so that
+//              what groups give adds up to the answer without groups
 // weights_at   what the probes' functions give; called once a place, from any thread
 ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
                        const std::vector<LightSh>& place_light, const WeightsAt& weights_at, const ProbeLightOptions& options,
-                       int thread_count);
+                       int thread_count, const LightByGroup& place_groups = {});
 
 }  // namespace nlg

@@ -55,7 +55,7 @@ float largest(const glm::vec3& rgb) { return std::max({rgb.r, rgb.g, rgb.b}); }
 
 SurfaceCache::SurfaceCache(const LightTransport& transport, const std::vector<glm::dvec3>& places,
                            const SurfaceCacheOptions& options, int thread_count)
-    : cells_per_m_(1.0f / options.cell_m) {
+    : cells_per_m_(1.0f / options.cell_m), group_count_(transport.groupCount()) {
   const size_t stride = std::max<size_t>(1, (places.size() + options.max_places - 1) / options.max_places);
   const size_t count = (places.size() + stride - 1) / stride;
   std::vector<std::vector<Found>> blocks(blockCount(count));
@@ -162,7 +162,7 @@ void SurfaceCache::findDivided(const LightTransport& transport, int thread_count
 // Direct light at a few points of every cell, and where their rays end. What they meet that is no cell, or one that is divided, is
 // followed as a path at once.
 void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOptions& options, int thread_count) {
-  direct_.assign(keys_.size(), glm::vec3(0.0f));
+  direct_.assign(keys_.size() * group_count_, glm::vec3(0.0f));
   link_share_.assign(keys_.size(), 0.0f);
   std::vector<std::vector<Link>> block_links(blockCount(keys_.size()));
   std::vector<std::map<std::array<float, 3>, uint32_t>> block_reflectances(block_links.size());
@@ -170,6 +170,9 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
   forEachInBlocks("cells of surface lit", keys_.size(), thread_count, [&](size_t cell, uint64_t block) {
     if (is_divided_[cell]) return;
     std::vector<SurfacePoint> hits;
+    const auto addDirect = [&](const GroupedLight& light, float weight) {
+      for (size_t g = 0; g < group_count_; ++g) direct_[cell * group_count_ + g] += light[g] * weight;
+    };
     const uint32_t first = first_point_[cell], points = first_point_[cell + 1] - first;
     const int rays = std::max(8, options.rays_per_cell / static_cast<int>(points) / 8 * 8);
     const float ray_share = kPi / static_cast<float>(rays * static_cast<int>(points));
@@ -178,8 +181,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
       const SurfacePoint& point = points_[first + p];
       const glm::dvec3 from(point.position + point.normal * transport.nudge());
       const uint64_t seed = mixSeed(options.seed, kCellStream, keys_[cell], p);
-      direct_[cell] +=
-          transport.gatherIrradiance(from, point.normal, {rays, 0}, seed, &hits).irradiance / static_cast<float>(points);
+      addDirect(transport.gatherIrradiance(from, point.normal, {rays, 0}, seed, &hits).groups, 1.0f / static_cast<float>(points));
       for (size_t i = 0; i < hits.size(); ++i) {
         if (!hits[i].isSurface()) continue;
         const uint32_t other = cellAt(hits[i].position, hits[i].normal);
@@ -190,7 +192,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
           block_links[block].push_back({other, at->second});
           ++link_count[cell];
         } else {
-          direct_[cell] += transport.reflected(hits[i], mixSeed(seed, kPathStream, i)) * ray_share;
+          addDirect(transport.reflected(hits[i], mixSeed(seed, kPathStream, i)), ray_share);
         }
       }
     }
@@ -210,23 +212,32 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
 void SurfaceCache::exchange() {
   const Progress progress("bounces between surfaces");
   irradiance_ = direct_;
-  float change = 1.0f, most = 0.0f;
-  std::vector<glm::vec3> next(irradiance_.size());
-  for (; iterations_ < kMostIterations && change > kSettled * most; ++iterations_) {
-    change = most = 0.0f;
-    for (size_t cell = 0; cell < irradiance_.size(); ++cell) {
-      glm::vec3 sum(0.0f);
-      for (uint32_t l = first_link_[cell]; l < first_link_[cell + 1]; ++l)
-        sum += reflectances_[links_[l].reflectance] * irradiance_[links_[l].cell];
-      next[cell] = direct_[cell] + sum * link_share_[cell];
-      change = std::max(change, largest(glm::abs(next[cell] - irradiance_[cell])));
-      most = std::max(most, largest(next[cell]));
-    }
-    irradiance_.swap(next);
-  }
+  for (size_t group = 0; group < group_count_; ++group) exchange(group);
   links_ = {};
   reflectances_ = {};
   points_ = {};
+}
+
+void SurfaceCache::exchange(size_t group) {
+  std::vector<glm::vec3> direct(keys_.size());
+  for (size_t cell = 0; cell < keys_.size(); ++cell) direct[cell] = direct_[cell * group_count_ + group];
+  std::vector<glm::vec3> light = direct, next(direct.size());
+  float change = 1.0f, most = 0.0f;
+  int iterations = 0;
+  for (; iterations < kMostIterations && change > kSettled * most; ++iterations) {
+    change = most = 0.0f;
+    for (size_t cell = 0; cell < light.size(); ++cell) {
+      glm::vec3 sum(0.0f);
+      for (uint32_t l = first_link_[cell]; l < first_link_[cell + 1]; ++l)
+        sum += reflectances_[links_[l].reflectance] * light[links_[l].cell];
+      next[cell] = direct[cell] + sum * link_share_[cell];
+      change = std::max(change, largest(glm::abs(next[cell] - light[cell])));
+      most = std::max(most, largest(next[cell]));
+    }
+    light.swap(next);
+  }
+  for (size_t cell = 0; cell < keys_.size(); ++cell) irradiance_[cell * group_count_ + group] = light[cell];
+  iterations_ = std::max(iterations_, iterations);
 }
 
 uint32_t SurfaceCache::cellAt(const glm::vec3& point, const glm::vec3& normal) const {
@@ -240,7 +251,7 @@ uint32_t SurfaceCache::cellAt(const glm::vec3& point, const glm::vec3& normal) c
 
 const glm::vec3* SurfaceCache::irradiance(const glm::vec3& point, const glm::vec3& normal) const {
   const uint32_t cell = cellAt(point, normal);
-  return cell == kNone ? nullptr : &irradiance_[cell];
+  return cell == kNone ? nullptr : &irradiance_[cell * group_count_];
 }
 
 std::unique_ptr<SurfaceCache> makeSurfaceCache(const LightTransport& transport, const std::vector<glm::dvec3>& places,

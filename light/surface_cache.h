@@ -29,7 +29,8 @@ class SurfaceCache {
   SurfaceCache(const LightTransport& transport, const std::vector<glm::dvec3>& places, const SurfaceCacheOptions& options,
                int thread_count);
 
-  // Irradiance of the surface at a point that faces this way; null where no cell is, or one that is not used.
+  // Irradiance of the surface at a point that faces this way, one of each group of lights (LightTransport::groupCount); null where no
+  // cell is, or one that is not used.
   const glm::vec3* irradiance(const glm::vec3& point, const glm::vec3& normal) const;
 
   size_t cellCount() const { return keys_.size(); }
@@ -54,23 +55,25 @@ class SurfaceCache {
   void findDivided(const LightTransport& transport, int thread_count);
   void measure(const LightTransport& transport, const SurfaceCacheOptions& options, int thread_count);
   void exchange();
+  void exchange(size_t group);
   void buildTable();
 
   static constexpr uint32_t kNone = ~0u;
   static constexpr size_t kPointsPerCell = 4;
 
   float cells_per_m_;
+  size_t group_count_;
   std::vector<uint64_t> keys_;         // by cell, rising
   std::vector<uint32_t> first_point_;  // by cell, into points_; one more at the end
   std::vector<SurfacePoint> points_;
   std::vector<std::array<float, 4>> reach_;  // by cell: low and high along the two axes across the way it faces
   std::vector<uint8_t> is_divided_;          // by cell
-  std::vector<glm::vec3> direct_;            // by cell: irradiance of lamps, suns, sky, emitters, and of what is no cell
-  std::vector<uint32_t> first_link_;         // by cell, into links_; one more at the end
+  std::vector<glm::vec3> direct_;     // by cell and group: irradiance of lamps, suns, sky, emitters, and of what is no cell
+  std::vector<uint32_t> first_link_;  // by cell, into links_; one more at the end
   std::vector<Link> links_;
   std::vector<glm::vec3> reflectances_;
   std::vector<float> link_share_;      // by cell: what a link's radiance times albedo adds to irradiance
-  std::vector<glm::vec3> irradiance_;  // by cell
+  std::vector<glm::vec3> irradiance_;  // by cell and group
   std::vector<uint32_t> table_;        // open addressing: cells by hash of their keys
   size_t divided_count_ = 0;
   int iterations_ = 0;

@@ -44,6 +44,8 @@ class LightParser {
   GltfLight parse() const {
     if (!value_.IsObject()) fail("", "an object", "another value");
     GltfLight light;
+    if (value_.Has("name") && value_.Get("name").IsString()) light.label.name = value_.Get("name").Get<std::string>();
+    if (value_.Has("extras")) light.label.group = lightGroupOf(value_.Get("extras"));
     const std::string type = value_.Has("type") && value_.Get("type").IsString() ? value_.Get("type").Get<std::string>() : "";
     light.is_sun = type == "directional";
     light.is_spot = type == "spot";
@@ -135,6 +137,12 @@ std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::M
   }
   for (std::string& note : oddities.notes()) notes->push_back(std::move(note));
   return lights;
+}
+
+std::string lightGroupOf(const tinygltf::Value& extras) {
+  constexpr const char* kKey = "light_group";
+  const bool says = extras.IsObject() && extras.Has(kKey) && extras.Get(kKey).IsString();
+  return says ? extras.Get(kKey).Get<std::string>() : std::string();
 }
 
 bool isOfBlender(const tinygltf::Model& model) {

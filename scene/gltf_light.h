@@ -11,12 +11,14 @@
 namespace tinygltf {
 class Model;
 class Node;
+class Value;
 }  // namespace tinygltf
 
 namespace nlg {
 
 // Stands at its node's origin and points along the node's -z; scale does not change it. `range` is left aside: light does not end.
 struct GltfLight {
+  LightLabel label;          // its name; the group that its extras say
   bool is_left_out = false;  // too odd to shine
   bool is_sun = false;       // "directional"
   bool is_spot = false;
@@ -34,6 +36,9 @@ std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::M
 // Which of them a node carries; -1: none.
 // throws   InputError naming the place on an index that is not below light_count
 int lightOfNode(const std::string& path, const std::string& place, const tinygltf::Node& node, size_t light_count);
+
+// The text at `light_group` of something's extras; empty without one.
+std::string lightGroupOf(const tinygltf::Value& extras);
 
 // Whether a file says that Blender's exporter wrote it.
 bool isOfBlender(const tinygltf::Model& model);

@@ -13,6 +13,7 @@
 
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_json.h"
+#include "scene/gltf_light.h"
 #include "scene/image_loader.h"
 #include "scene/scene_file.h"
 #include "tool/base64.h"
@@ -178,6 +179,7 @@ class LooksReader {
   }
 
   void readEmission(const tinygltf::Material& source, bool is_used, Material* material, GltfLooks::OfVertices* of_vertices) {
+    material->label = {source.name, lightGroupOf(source.extras)};
     const tinygltf::Value* extension = extensionOf(source.extensions, "KHR_materials_emissive_strength");
     const double strength =
         extension == nullptr ? 1.0 : checkedFactor(numberIn(*extension, "emissiveStrength", 1.0), 1e12, "emissiveStrength");

@@ -79,7 +79,7 @@ class GltfConverter {
       addInstance(node, node_idx, world_from_local, place);
     }
     const int light = lightOfNode(path_, place, node, lights_.size());
-    if (light >= 0 && !lights_[light].is_left_out) addLight(lights_[light], world_from_local, place);
+    if (light >= 0 && !lights_[light].is_left_out) addLight(lights_[light], node, world_from_local, place);
     if (node.camera >= 0) addCamera(node, world_from_local, place);
     for (const int child : node.children) visitNode(child, world_from_local, depth + 1);
   }
@@ -126,7 +126,14 @@ class GltfConverter {
         {name, glm::vec3(0.0f), glm::vec3(glm::normalize(forward)), glm::vec3(glm::normalize(up)), static_cast<float>(fov_y)});
   }
 
-  void addLight(const GltfLight& light, const glm::dmat4& world_from_local, const std::string& place) {
+  // What artists name and mark is the object that carries a light.
+  static LightLabel labelOf(const GltfLight& light, const tinygltf::Node& node) {
+    const std::string group = lightGroupOf(node.extras);
+    return {!node.name.empty() ? node.name : light.label.name, !group.empty() ? group : light.label.group};
+  }
+
+  void addLight(const GltfLight& light, const tinygltf::Node& node, const glm::dmat4& world_from_local,
+                const std::string& place) {
     const glm::dvec3 forward = -glm::dvec3(world_from_local[2]), position(world_from_local[3]);
     const double length = glm::length(forward);
     const bool has_direction = length > 0.0;
@@ -138,10 +145,12 @@ class GltfConverter {
     const glm::dvec3 direction = has_direction ? forward / length : glm::dvec3(0.0, -1.0, 0.0);
     if (light.is_sun) {
       scene_.light.suns.push_back(sunOf(light, direction));
+      scene_.light.sun_labels.push_back(labelOf(light, node));
       return;
     }
     checkPosition(position, place);
     scene_.light.lamps.push_back(lampOf(light, direction));
+    scene_.light.lamp_labels.push_back(labelOf(light, node));
     lamp_positions_.push_back(position);
   }
 

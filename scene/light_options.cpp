@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "runtime_eval/light_grid/light_grid.h"
+#include "scene/light_groups.h"
 #include "scene/sky_file.h"
 #include "tool/error.h"
 
@@ -200,6 +201,11 @@ void describe(LightOptions& options, OptionTable& table) {
             "file that "
             "Blender's exporter multiplied, where a sky, a sun or emission shines beside them");
   table.add("intensity", &options.intensity, "factor on all light of the scene", 1e-12, 1e12);
+  table.add(
+      "light_groups", &options.light_groups,
+      "what a grid keeps apart, for the engine to dim, colour or switch: one, nothing; kind, sky, suns, lamps and emission; "
+      "name, each lamp and shining material by its name (Lamp and Lamp.001 are one). Both take the text light_group of a glTF "
+      "file's extras first");
   table.addNote(
       "Light is linear, and all of a scene's in one unit. Sky and emission: radiance. Sun: irradiance on a plane that faces it. "
       "Lamp: "
@@ -254,15 +260,18 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
       done.push_back("the sun of the image is a sun of its own: " + sunText(*given.sun) +
                      (options.sun.empty() ? "" : "; --sun stands in its place"));
       scene.light.suns.push_back(*given.sun);
+      scene.light.sun_labels.clear();
     }
   }
   if (!options.sun.empty()) {
     scene.light.suns = sunsFrom(options.sun);
+    scene.light.sun_labels.clear();
     done.push_back("sun: " + joined(options.sun));
   }
   if (takes_default) {
     scene.light.sky = defaultSky();
     scene.light.suns = {defaultSun()};
+    scene.light.sun_labels.clear();
     done.push_back(is_dark
                        ? std::string("nothing shines in the scene: a clear sky and a sun by default (--sky, --sun)") +
                              (scene.light.writer == LightWriter::other ? "" : kBlenderExports)
@@ -274,6 +283,7 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
     done.push_back(fmt::format("all light times {:g} (--intensity)", options.intensity));
   }
   noteTooBright(scene, &done);
+  groupLights(options.light_groups, &scene);
   return done;
 }
 

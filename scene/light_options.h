@@ -14,8 +14,9 @@ struct LightOptions {
   std::vector<std::string> sky;  // nothing: the scene's own; r,g,b; or those of zenith, horizon and ground; or 0; or the path of
                                  // an image (sky_file.h), which degrees from +x towards +z and a factor may follow
   std::vector<std::string> sun;  // nothing: the scene's own; azimuth,elevation,r,g,b; or 0
-  std::string light_unit = "auto";  // of the scene's own lamps and suns: auto, file, watt
-  double intensity = 1.0;           // of all light
+  std::string light_unit = "auto";   // of the scene's own lamps and suns: auto, file, watt
+  double intensity = 1.0;            // of all light
+  std::string light_groups = "one";  // into which it falls (light_groups.h)
 };
 
 void describe(LightOptions& options, OptionTable& table);
@@ -41,10 +42,11 @@ Sun defaultSun();
 // 3. Without either option a scene in which nothing shines gets defaultSky and defaultSun, and so does an open one without light from
 //    outside.
 // 4. All light is multiplied by intensity.
+// 5. What shines falls into the groups of light_groups.
 //
 // isOpen    says whether a scene lies under the open sky; asked only where it matters
 // returns   what it did, a line each, and whether light is brighter than engines' files hold; nothing when the scene stays as it is
-// throws    UsageError on numbers that are none, negative or too many, and on an unknown unit; InputError as readSkyFile does
+// throws    UsageError on numbers that are none, negative or too many, and on an unknown unit; as readSkyFile and groupLights do
 std::vector<std::string> applyLight(Scene& scene, const LightOptions& options,
                                     const std::function<bool(const Scene&)>& isOpen = nullptr);
 

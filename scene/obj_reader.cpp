@@ -133,6 +133,7 @@ class ObjConverter {
     for (size_t i = 0; i < materials_.size(); ++i) {
       const tinyobj::material_t& source = materials_[i];
       Material material;
+      material.label.name = source.name;
       bool is_clamped = false;
       for (int channel = 0; channel < 3; ++channel) {
         is_clamped = is_clamped || source.diffuse[channel] > 1.0;

@@ -231,6 +231,11 @@ std::string sceneLightSha256(const Scene& scene) {
     bytes.add(light.sky.image.width);
     bytes.addCounted(light.sky.image.texels);
   }
+  if (!light.groups.names.empty()) {
+    for (const std::string& group : light.groups.names) bytes.addText(group);
+    for (const std::vector<uint8_t>* groups : {&light.groups.of_lamp, &light.groups.of_sun, &light.groups.of_material})
+      bytes.addCounted(*groups);
+  }
   bytes.addCounted(light.lamps);
   bytes.addCounted(light.suns);
   bytes.addCounted(light.sky_faces.positions);

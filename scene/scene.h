@@ -27,6 +27,7 @@ struct Material {
   float transmission = 0.0f;  // of a veil: what goes through of light that its opacity stops, in the base colour, 0..1; times
                               // the red of transmission_image
   TextureUse base_image, emissive_image, transmission_image;  // those of base and transmission lie at base_places
+  LightLabel label;                                           // of what shines
 };
 
 // What jitter moves as one: a glTF node with a mesh, a connected component of one, or a part that the generator names.

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -86,6 +87,23 @@ struct QuakeGrid {
   uint64_t file_bytes = 0;  // of the lump
 };
 
+// What a file calls a light, and the group that its author puts it in; empty where nothing says.
+struct LightLabel {
+  std::string name, group;
+};
+
+inline constexpr size_t kMostLightGroups = 16;
+
+// Light is linear: what each group gives by itself adds up to the whole (light_groups.h).
+struct LightGroups {
+  std::vector<std::string> names;                     // at most kMostLightGroups; none: all light is one group
+  std::vector<uint8_t> of_lamp, of_sun, of_material;  // by lamp, sun, material of the scene; empty without names
+  uint8_t of_sky = 0, of_shine = 0, of_baked = 0;     // shine: what stands behind the faces of a sky
+
+  size_t count() const { return names.empty() ? 1 : names.size(); }
+  static uint8_t of(const std::vector<uint8_t>& groups, size_t index) { return groups.empty() ? 0 : groups[index]; }
+};
+
 // Who wrote the file that a scene's light is of. Blender's glTF exporter multiplies lamps and suns by 683, unless it is told not to, and
 // leaves emission as it is (light_options.h).
 enum class LightWriter : uint8_t { other, gltf, blender };
@@ -95,6 +113,8 @@ struct SceneLight {
   Sky sky;
   std::vector<Lamp> lamps;
   std::vector<Sun> suns;
+  std::vector<LightLabel> lamp_labels, sun_labels;  // by lamp and sun; or empty: nothing is known of them
+  LightGroups groups;
   SkyFaces sky_faces;
   BakedLight baked;
   QuakeGrid quake_grid;

@@ -36,7 +36,10 @@ void append(std::vector<float>* numbers, const glm::vec3& v) { numbers->insert(n
 DataScript gridScript(const std::string& name, const LightGrid& grid) {
   DataScript script(name);
   script.facts["kind"] = "grid";
-  addWords(packed(grid), &script);
+  const ShaderGrid words = packed(grid);
+  addWords(words, &script);
+  script.facts["groups"] = words.groups;
+  script.facts["first_colour"] = words.first_colour;
   return script;
 }
 

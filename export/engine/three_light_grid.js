@@ -9,7 +9,7 @@
 import { DataTexture, NearestFilter, RGBAIntegerFormat, UnsignedIntType, Vector3 } from 'three';
 
 const TEXELS_A_ROW = 2048; // what every WebGL 2 offers
-const CLASS_COUNT_WORD = 13, AXIS_COUNT_WORD = 16, CLASSES = 5, HEADS_A_CLASS = 2, HEADS_AN_AXIS = 7; // of grid.bin's head (shader_grid.h)
+const CLASS_COUNT_WORD = 13, AXIS_COUNT_WORD = 16, GROUP_COUNT_WORD = 19, CLASSES = 5, HEADS_A_CLASS = 2, HEADS_AN_AXIS = 7; // of grid.bin's head (shader_grid.h)
 const INCLUDED = '#include <lights_fragment_begin>';
 
 const gridOfMaterial = new WeakMap();
@@ -55,6 +55,7 @@ const ADDED = `
 
 export class NeuralLightGrid {
   #uniforms;
+  #colours; // of the groups of light, in the head
   #text;
   #materials = new Map(); // and the hooks that they had before
 
@@ -70,7 +71,9 @@ export class NeuralLightGrid {
   constructor(words, lookUp) {
     const classCount = words[CLASS_COUNT_WORD];
     if (!lookUp.includes(`#define NLG_CLASS_COUNT ${classCount}\n`) || !lookUp.includes(`#define NLG_LIGHT_AXES ${words[AXIS_COUNT_WORD]}\n`)) throw new Error('grid.bin and look_up.glsl are not of one grid');
-    const headCount = CLASSES + HEADS_A_CLASS * classCount + HEADS_AN_AXIS * words[AXIS_COUNT_WORD];
+    const firstColour = CLASSES + HEADS_A_CLASS * classCount + HEADS_AN_AXIS * words[AXIS_COUNT_WORD];
+    const headCount = firstColour + words[GROUP_COUNT_WORD];
+    this.groups = [...lookUp.matchAll(/^\/\/ light group \d+, .*? of the head: (.*)$/gm)].map((line) => line[1]);
     this.#text = readsOf(headCount) + lookUp;
     this.#uniforms = {
       nlg_words: { value: wordTexture(words) },
@@ -79,6 +82,7 @@ export class NeuralLightGrid {
       nlg_offset_m: { value: 0.02 },
       nlg_intensity: { value: 1 },
     };
+    this.#colours = new Float32Array(this.#uniforms.nlg_head.value.buffer).subarray(4 * firstColour);
   }
 
   // Where the level's origin stands in the world: a Vector3.
@@ -100,6 +104,18 @@ export class NeuralLightGrid {
   }
   set intensity(value) {
     this.#uniforms.nlg_intensity.value = value;
+  }
+
+  // Names of the groups of light that can be dimmed, coloured and switched; none: all light is one.
+  groups;
+
+  // name     of this.groups
+  // colour   three factors, linear; 1 to begin with
+  // throws   Error where there is no such group
+  setGroupColour(name, colour) {
+    const group = this.groups.indexOf(name);
+    if (group < 0) throw new Error(`no group of light '${name}'; there are ${this.groups.join(', ') || 'none'}`);
+    this.#colours.set(colour, 4 * group);
   }
 
   // A material's own onBeforeCompile is called as before. Does nothing where a material has this grid's light already. A clone of a

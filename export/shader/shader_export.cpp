@@ -43,6 +43,8 @@ void run(const std::string& grid_path, const std::string& folder) {
       {"light_bytes", packed.light_bytes},
       {"theta_bytes", packed.theta_bytes},
       {"defines", packed.defines},
+      {"light_groups", packed.groups},
+      {"first_colour", packed.first_colour},
       {"pixel_reads", {{"cell", reads.cell}, {"bare_tents", reads.tents}, {"functions", reads.functions}}}};
   std::cout << line.dump() << '\n';
 }
@@ -52,7 +54,11 @@ void run(const std::string& grid_path, const std::string& folder) {
 std::string shaderText(const ShaderGrid& grid) {
   std::string text = "// Made by nlg-export shader for one grid: grid.bin, beside this file.\n";
   for (const std::string& define : grid.defines) text += "#define " + define + "\n";
-  text += "#define NLG_NEAR\n\n";
+  text += "#define NLG_NEAR\n";
+  for (size_t g = 0; g < grid.groups.size(); ++g)
+    text += "// light group " + std::to_string(g) + ", its colour in uvec4 " +
+            std::to_string(static_cast<size_t>(grid.first_colour) + g) + " of the head: " + grid.groups[g] + "\n";
+  text += "\n";
   return text.append(kLookUpText);
 }
 

@@ -317,6 +317,21 @@ size_t nlg_light_grid_probe_count(const nlg_light_grid* grid) { return grid->gri
 
 int nlg_light_grid_has_light(const nlg_light_grid* grid) { return grid->grid.light.empty() ? 0 : 1; }
 
+size_t nlg_light_grid_group_count(const nlg_light_grid* grid) { return grid->grid.groups.size(); }
+
+const char* nlg_light_grid_group_name(const nlg_light_grid* grid, size_t group) {
+  return group < grid->grid.groups.size() ? grid->grid.groups[group].name.c_str() : nullptr;
+}
+
+nlg_status nlg_light_grid_mix(nlg_light_grid* grid, const float* colours) {
+  if (grid->grid.groups.empty()) return NLG_OK;
+  return withMemory([&] {
+    std::vector<std::array<float, 3>> of_groups(grid->grid.groups.size());
+    for (size_t g = 0; g < of_groups.size(); ++g) std::copy_n(&colours[3 * g], 3, of_groups[g].begin());
+    return nlg::mixLight(of_groups, &grid->grid).ok() ? NLG_OK : NLG_INVALID_ARGUMENT;
+  });
+}
+
 nlg_light_status nlg_irradiance(const nlg_light_grid* grid, const double* position_m, const float* normal, float* rgb) {
   const nlg::PositionM position{position_m[0], position_m[1], position_m[2]};
   return static_cast<nlg_light_status>(nlg::lookUpIrradiance(grid->grid, position, normal, rgb));

@@ -111,6 +111,25 @@ FileResult checkValues(const char* name, const std::vector<float>& values, float
   return {};
 }
 
+FileResult checkGroups(const LightGrid& grid) {
+  if (grid.groups.size() > kMaxLightGroups)
+    return refuse(FileStatus::value_out_of_range, std::to_string(grid.groups.size()) + " groups of light; expected at most 16");
+  for (size_t g = 0; g < grid.groups.size(); ++g) {
+    const LightGroup& group = grid.groups[g];
+    const std::string place = "group of light " + std::to_string(g);
+    const auto isControl = [](unsigned char c) { return c < ' '; };
+    if (group.name.empty() || std::any_of(group.name.begin(), group.name.end(), isControl))
+      return refuse(FileStatus::value_out_of_range, place + ": expected a name without control characters");
+    if (std::any_of(&grid.groups[0], &grid.groups[g], [&](const LightGroup& other) { return other.name == group.name; }))
+      return refuse(FileStatus::value_out_of_range, place + ": its name is another one's");
+    if (group.light.size() != grid.light.size())
+      return refuse(FileStatus::tensor_unexpected, sized(place.c_str(), group.light.size(), "as all light", grid.light.size()));
+    FileResult result = checkValues(place.c_str(), group.light, kMaxGridLight);
+    if (!result.ok()) return result;
+  }
+  return {};
+}
+
 // False where the weight counts as none.
 bool addWeight(uint32_t probe, float weight, ProbeWeights* weights) {
   if (!(weight >= kLeastWeight)) return false;
@@ -164,47 +183,91 @@ FileResult checkWithoutBricks(const LightGrid& grid) {
   if (!grid.light.empty() && grid.light.size() != probes * kShFloats)
     return refuse(FileStatus::tensor_unexpected, sized("light", grid.light.size(), "27 a probe", probes * kShFloats));
   result = checkValues("theta", grid.theta, kMaxGridTheta);
-  return result.ok() ? checkLight(grid.light) : result;
+  if (result.ok()) result = checkLight(grid.light);
+  return result.ok() ? checkGroups(grid) : result;
+}
+
+namespace {
+
+PackedLight packedAnew(const LightGrid& grid, double max_error, LightPacking* packing) {
+  std::vector<float> light;
+  for (const std::vector<float>* of_group : lightByGroup(grid)) {
+    for (size_t probe = 0; probe < grid.probe_function.size(); ++probe) {
+      const auto first = of_group->begin() + static_cast<ptrdiff_t>(probe * kShFloats);
+      if (grid.probe_function[probe] != kNoWeight) light.insert(light.end(), first, first + kShFloats);
+    }
+  }
+  PackedLight packed;
+  *packing = packLight(light, max_error, &packed);
+  return packed;
+}
+
+}  // namespace
+
+std::vector<const std::vector<float>*> lightByGroup(const LightGrid& grid) {
+  if (grid.groups.empty()) return {&grid.light};
+  std::vector<const std::vector<float>*> light;
+  for (const LightGroup& group : grid.groups) light.push_back(&group.light);
+  return light;
+}
+
+FileResult mixLight(const std::vector<std::array<float, 3>>& colours, LightGrid* grid) {
+  std::vector<float> mixed(grid->probe_function.size() * kShFloats, 0.0f);
+  for (size_t g = 0; g < grid->groups.size(); ++g) {
+    const float* light = grid->groups[g].light.data();
+    std::array<float, kShFloats> factors;
+    for (size_t k = 0; k < kShFloats; ++k) factors[k] = colours[g][k % kShChannels];
+    for (size_t probe = 0; probe < mixed.size(); probe += kShFloats) {
+      for (size_t k = 0; k < kShFloats; ++k) mixed[probe + k] += factors[k] * light[probe + k];
+    }
+  }
+  FileResult result = checkLight(mixed);
+  if (result.ok()) grid->light = std::move(mixed);
+  return result;
 }
 
 LightPacking roundGridLight(double max_error, LightGrid* grid) {
-  std::vector<float> light;
-  for (size_t probe = 0; probe < grid->probe_function.size(); ++probe) {
-    if (grid->probe_function[probe] != kNoWeight)
-      light.insert(light.end(), grid->probeLight(probe), grid->probeLight(probe) + kShFloats);
+  LightPacking packing;
+  grid->packed_light = packedAnew(*grid, max_error, &packing);
+  std::vector<std::vector<float>> light;
+  unpackGridLight(grid->packed_light, grid->probe_function, std::max<size_t>(1, grid->groups.size()), &light);
+  for (size_t g = 0; g < grid->groups.size(); ++g) grid->groups[g].light = std::move(light[g]);
+  if (grid->groups.empty()) {
+    grid->light = std::move(light[0]);
+  } else {
+    mixLight(std::vector<std::array<float, 3>>(grid->groups.size(), {1.0f, 1.0f, 1.0f}), grid);
   }
-  const LightPacking packing = packLight(light, max_error, &grid->packed_light);
-  unpackGridLight(grid->packed_light, grid->probe_function, &grid->light);
   return packing;
 }
 
 bool holdsPackedLight(const LightGrid& grid) {
-  std::vector<float> light;
-  return unpackGridLight(grid.packed_light, grid.probe_function, &light).ok() && light == grid.light;
+  const std::vector<const std::vector<float>*> light = lightByGroup(grid);
+  std::vector<std::vector<float>> packed;
+  return unpackGridLight(grid.packed_light, grid.probe_function, light.size(), &packed).ok() &&
+         std::equal(packed.begin(), packed.end(), light.begin(), [](const auto& a, const auto* b) { return a == *b; });
 }
 
 PackedLight packedLightOf(const LightGrid& grid, double max_error) {
-  if (holdsPackedLight(grid)) return grid.packed_light;
-  LightGrid rounded;
-  rounded.probe_function = grid.probe_function;
-  rounded.light = grid.light;
-  roundGridLight(max_error, &rounded);
-  return std::move(rounded.packed_light);
+  LightPacking packing;
+  return holdsPackedLight(grid) ? grid.packed_light : packedAnew(grid, max_error, &packing);
 }
 
-FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, std::vector<float>* light) {
+FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, size_t group_count,
+                           std::vector<std::vector<float>>* light) {
   const auto with_weight =
       probe_function.size() - static_cast<size_t>(std::count(probe_function.begin(), probe_function.end(), kNoWeight));
   std::vector<float> of_weighted;
   light->clear();
-  FileResult result = unpackLight(packed, with_weight, &of_weighted);
+  FileResult result = unpackLight(packed, with_weight * group_count, &of_weighted);
   if (!result.ok()) return result;
-  light->resize(probe_function.size() * kShFloats);
   auto next = of_weighted.begin();
-  for (size_t probe = 0; probe < probe_function.size(); ++probe) {
-    if (probe_function[probe] == kNoWeight) continue;
-    std::copy_n(next, kShFloats, light->begin() + static_cast<ptrdiff_t>(probe * kShFloats));
-    next += kShFloats;
+  for (size_t group = 0; group < group_count; ++group) {
+    std::vector<float>& of_group = light->emplace_back(probe_function.size() * kShFloats, 0.0f);
+    for (size_t probe = 0; probe < probe_function.size(); ++probe) {
+      if (probe_function[probe] == kNoWeight) continue;
+      std::copy_n(next, kShFloats, of_group.begin() + static_cast<ptrdiff_t>(probe * kShFloats));
+      next += kShFloats;
+    }
   }
   return {};
 }

@@ -5,8 +5,10 @@
 // light_grid_file.h reads and writes grids.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "runtime_eval/evaluator/representation.h"
@@ -43,6 +45,13 @@ struct FunctionBrick {
   int resolution = 0;  // of its representation
 };
 
+// Light that an engine may dim, colour or switch apart from the rest. All groups add up to the whole.
+struct LightGroup {
+  std::string name;          // unlike all others', not empty, without control characters
+  std::vector<float> light;  // by probe, as LightGrid::light
+};
+inline constexpr size_t kMaxLightGroups = 16;
+
 struct LightGrid {
   ProbeTree tree;
   std::vector<uint32_t> probe_function;          // by probe: a function's index, kFreeSpace or kNoWeight
@@ -53,8 +62,9 @@ struct LightGrid {
   // Made of theta, by addFunction or makeBricks: whoever changes the theta of a code afterwards makes them anew.
   std::vector<FunctionBrick> function_brick;  // by function
   std::vector<uint32_t> quads;                // bricks (brick_quads.h), one after another in the order of functions
-  std::vector<float> light;  // by probe: kShFloats each, radiance (spherical_harmonics.h); empty: the grid holds no light
-  PackedLight packed_light;  // of the probes with weight, in their order; see holdsPackedLight
+  std::vector<float> light;        // by probe: kShFloats each, radiance (spherical_harmonics.h); empty: the grid holds no light
+  std::vector<LightGroup> groups;  // none: light is one. Otherwise light is what mixLight made of them, their sum to begin with
+  PackedLight packed_light;        // of the probes with weight, in their order, group after group; see holdsPackedLight
 
   // kShFloats floats. probe   < probeCount(); of grids with light
   const float* probeLight(size_t probe) const { return &light[probe * kShFloats]; }
@@ -81,15 +91,26 @@ FileResult checkWithoutBricks(const LightGrid& grid);
 // Of some light alone: |light| <= kMaxGridLight.
 FileResult checkLight(const std::vector<float>& light);
 
+// Light becomes the sum of its groups' light, each times a colour: look-ups, and all that reads light, see it from then on. Some 30
+// multiply-adds a probe and group.
+//
+// colours   as many as groups, linear factors for red, green and blue, finite
+// returns   ok; or what checkLight says of the sum, and light is as it was
+FileResult mixLight(const std::vector<std::array<float, 3>>& colours, LightGrid* grid);
+
+// The light of each group; of a grid without groups, all of it. The grid must outlive it.
+std::vector<const std::vector<float>*> lightByGroup(const LightGrid& grid);
+
 // Light becomes what a file holds of it: packed_light, with an error that packed_light.h speaks of, and 0 at probes without weight.
 LightPacking roundGridLight(double max_error, LightGrid* grid);
-// Whether `light` is what packed_light says.
+// Whether packed_light says what `light`, or its groups, are.
 bool holdsPackedLight(const LightGrid& grid);
 // packed_light where the grid holds it, and light packed anew otherwise: what files and shaders take.
 PackedLight packedLightOf(const LightGrid& grid, double max_error);
-// As packed_light has it, by probe: 0 without weight.
+// As packed_light has it, of each group, by probe: 0 without weight.
 // returns   as unpackLight
-FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, std::vector<float>* light);
+FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, size_t group_count,
+                           std::vector<std::vector<float>>* light);
 
 // The probes that count at a position, in the order of ProbesAround's corners.
 struct ProbeWeights {

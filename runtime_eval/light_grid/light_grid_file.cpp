@@ -38,10 +38,18 @@ std::string slopeText(float slope) {
 }
 
 bool isOwnKey(std::string_view key) {
-  for (const std::string_view own : {"kind", "version", "pattern_hash", "light", "representation_count", kDigestKey})
+  for (const std::string_view own :
+       {"kind", "version", "pattern_hash", "light", "light_groups", "representation_count", kDigestKey})
     if (key == own) return true;
   return key.substr(0, kRepresentationPrefix.size()) == kRepresentationPrefix ||
          key.substr(0, kSlopePrefix.size()) == kSlopePrefix;
+}
+
+// Their names, a line each.
+std::string groupsText(const LightGrid& grid) {
+  std::string text;
+  for (const LightGroup& group : grid.groups) text += (text.empty() ? "" : "\n") + group.name;
+  return text;
 }
 
 // The file's own keys beside the caller's.
@@ -53,6 +61,7 @@ FileResult addOwnMetadata(const LightGrid& grid, bool has_light, GridMetadata* m
   (*metadata)["version"] = kVersion;
   (*metadata)["pattern_hash"] = patternHash();
   (*metadata)["light"] = has_light ? kPackedLight : kNoLight;
+  if (has_light && !grid.groups.empty()) (*metadata)["light_groups"] = groupsText(grid);
   (*metadata)["representation_count"] = std::to_string(grid.representations.size());
   for (size_t i = 0; i < grid.representations.size(); ++i) {
     const Representation& representation = grid.representations[i];
@@ -124,9 +133,12 @@ bool hasLight(const LightGrid& grid, const GridPrecision& precision) {
 
 // Rounding may make more of the largest numbers than a reader takes.
 FileResult checkPackedLight(const LightGrid& grid, const PackedLight& packed) {
-  std::vector<float> light;
-  FileResult result = unpackGridLight(packed, grid.probe_function, &light);
-  return result.ok() ? checkLight(light) : result;
+  std::vector<std::vector<float>> light;
+  FileResult result = unpackGridLight(packed, grid.probe_function, std::max<size_t>(1, grid.groups.size()), &light);
+  for (const std::vector<float>& of_group : light) {
+    if (result.ok()) result = checkLight(of_group);
+  }
+  return result;
 }
 
 void takeFirst(FileResult* result, FileResult next) {
@@ -422,7 +434,23 @@ FileResult takeHasLight(GridMetadata* metadata, bool* has_light) {
                     text);
 }
 
-// After the functions of probes, which say whose light there is.
+// Groups without light; none where all light is one.
+FileResult takeGroups(GridMetadata* metadata, LightGrid* grid) {
+  const auto found = metadata->find("light_groups");
+  if (found == metadata->end()) return {};
+  const std::string text = std::move(found->second);
+  metadata->erase(found);
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find('\n', begin), text.size());
+    if (grid->groups.size() == kMaxLightGroups)
+      return refuseText(FileStatus::value_out_of_range, "light_groups", "16 names at most", text);
+    grid->groups.push_back({text.substr(begin, end - begin), {}});
+    begin = end + 1;
+  }
+  return {};
+}
+
+// After the functions of probes, which say whose light there is, and the groups.
 FileResult readLight(const TensorFileReader& reader, LightGrid* grid) {
   PackedLight& packed = grid->packed_light;
   std::vector<uint8_t> bits, records;
@@ -446,9 +474,17 @@ FileResult readLight(const TensorFileReader& reader, LightGrid* grid) {
   }
   const std::vector<uint32_t>& functions = grid->probe_function;
   const auto with_weight = functions.size() - static_cast<size_t>(std::count(functions.begin(), functions.end(), kNoWeight));
-  result = decodeRecords(records, with_weight, &packed);
+  const size_t group_count = std::max<size_t>(1, grid->groups.size());
+  result = decodeRecords(records, with_weight * group_count, &packed);
+  std::vector<std::vector<float>> light;
+  if (result.ok()) result = unpackGridLight(packed, grid->probe_function, group_count, &light);
   if (!result.ok()) return result;
-  return unpackGridLight(packed, grid->probe_function, &grid->light);
+  if (grid->groups.empty()) {
+    grid->light = std::move(light[0]);
+    return {};
+  }
+  for (size_t g = 0; g < group_count; ++g) grid->groups[g].light = std::move(light[g]);
+  return mixLight(std::vector<std::array<float, 3>>(group_count, {1.0f, 1.0f, 1.0f}), grid);
 }
 
 FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {
@@ -457,6 +493,7 @@ FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadat
   FileResult result = takeIdentity(metadata);
   if (result.ok() && !reader.hasDigest()) result = refuse(FileStatus::digest_mismatch, kDigestMissing);
   if (result.ok()) result = takeHasLight(metadata, &has_light);
+  if (result.ok() && has_light) result = takeGroups(metadata, grid);
   if (result.ok()) result = takeRepresentations(metadata, &grid->representations);
   if (!result.ok()) return result;
   for (const auto& [key, text] : *metadata) {

@@ -15,7 +15,7 @@
 namespace nlg {
 
 // Texts for people, by key: scene, options, revision, hash of the weights. Any UTF-8, but for the keys that the file itself uses:
-// file_sha256, kind, version, pattern_hash, light, representation_count, representation.N, slope.N.
+// file_sha256, kind, version, pattern_hash, light, light_groups, representation_count, representation.N, slope.N.
 using GridMetadata = std::map<std::string, std::string>;
 
 // What numbers become in a file.

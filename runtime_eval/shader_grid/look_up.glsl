@@ -12,8 +12,15 @@
 #ifndef NLG_LIGHT_AXES  // for any grid
 #define NLG_LIGHT_AXES int(nlgHeader(4).x)
 #define NLG_LIGHT_WORDS int(nlgHeader(4).z)
+#define NLG_LIGHT_GROUPS int(nlgHeader(4).w)
 #endif
-#define NLG_LIGHT_FOURS ((NLG_LIGHT_WORDS + 3) / 4)  // uvec4 of a record before its theta
+#ifdef NLG_LIGHT_GROUPS
+#define NLG_GROUP_COUNT max(1, NLG_LIGHT_GROUPS)
+#else
+#define NLG_GROUP_COUNT 1
+#endif
+#define NLG_GROUP_FOURS ((NLG_LIGHT_WORDS + 3) / 4)             // uvec4 of a record of light
+#define NLG_LIGHT_FOURS (NLG_GROUP_FOURS * NLG_GROUP_COUNT)  // of a probe's, before its theta
 
 const int NLG_LIT = 0, NLG_FAINT = 1, NLG_UNLIT = 2, NLG_OUTSIDE = 3;               // LightStatus
 const int NLG_CLASSES = 5;                                                          // uvec4 of the head: the first class of probes
@@ -292,7 +299,7 @@ float nlgBrick(NlgCorner of) {
   vec3 position = of.local * middle + vec3(middle);
   ivec3 node = min(ivec3(position), ivec3(r - 2));
   vec3 share = position - vec3(node);
-  uint name = nlgWord(4 * of.record + NLG_LIGHT_WORDS);
+  uint name = nlgWord(4 * (of.record + NLG_LIGHT_FOURS - NLG_GROUP_FOURS) + NLG_LIGHT_WORDS);
   int word = 4 * int(name & 0x7ffffffu) + (node.z * (r - 1) + node.y) * r + node.x;
   vec4 along_x = mix(nlgBytes(nlgWord(word)), nlgBytes(nlgWord(word + 1)), share.x);
   vec2 along_y = mix(vec2(along_x.x, along_x.z), vec2(along_x.y, along_x.w), share.y);
@@ -347,14 +354,14 @@ NlgBasis nlgBasisOf(vec3 n) {
   return basis;
 }
 
-// What a probe holds: a scale and a number for each axis of the level's light (packed_light.h).
+// What a probe holds of a group: a scale and a number for each axis of the level's light (packed_light.h).
 struct NlgRecord {
   uint words[8];
   float scale;  // 0 where nothing is lit
 };
 NlgRecord nlgRecordOf(int record) {
   NlgRecord result;
-  for (int four = 0; four < NLG_LIGHT_FOURS; ++four) {
+  for (int four = 0; four < NLG_GROUP_FOURS; ++four) {
     uvec4 words = nlgFour(record + four);
     for (int i = 0; i < 4; ++i) result.words[4 * four + i] = words[i];
   }
@@ -364,6 +371,16 @@ NlgRecord nlgRecordOf(int record) {
 }
 // The head of an axis: its coefficients, and where its number stands.
 int nlgAxis(int k) { return NLG_CLASSES + NLG_HEADS_A_CLASS * NLG_CLASS_COUNT + NLG_HEADS_AN_AXIS * k; }
+// What a group is multiplied by now: an engine writes it behind the axes of the head. Without groups all light is as it was baked.
+vec3 nlgColour(int group) {
+#ifdef NLG_LIGHT_GROUPS
+  if (NLG_LIGHT_GROUPS == 0) return vec3(1.0f);
+  vec4 colour = uintBitsToFloat(nlgHeader(nlgAxis(NLG_LIGHT_AXES) + group));
+  return vec3(colour.x, colour.y, colour.z);
+#else
+  return vec3(1.0f);
+#endif
+}
 #ifdef NLG_LIGHT_FIELDS  // constants, so that no instruction looks for them
 const uint NLG_FIELDS[NLG_LIGHT_AXES] = NLG_LIGHT_FIELDS;
 uint nlgFieldOf(int k) { return NLG_FIELDS[k]; }
@@ -375,17 +392,17 @@ float nlgNumber(NlgRecord record, uint field) {
 }
 float nlgOffset(uint field) { return float(int(field) >> 16); }
 
-// How much there is of each axis, by shares of probes, over the grid's scale.
+// How much there is of each axis in a group, by shares of probes, over the grid's scale.
 struct NlgAlong {
   float axis[27];
 };
-NlgAlong nlgAlongAxes(NlgShares shares) {
+NlgAlong nlgAlongAxes(NlgShares shares, int group) {
   NlgAlong along;
   for (int k = 0; k < NLG_LIGHT_AXES; ++k) along.axis[k] = 0.0f;
   float scales = 0.0f;
   for (int c = 0; c < 8; ++c) {
     if (shares.share[c] > 0.0f) {
-      NlgRecord record = nlgRecordOf(shares.record[c]);
+      NlgRecord record = nlgRecordOf(shares.record[c] + group * NLG_GROUP_FOURS);
       float scale = shares.share[c] * record.scale;
       scales += scale;
       for (int k = 0; k < NLG_LIGHT_AXES; ++k) along.axis[k] += scale * nlgNumber(record, nlgFieldOf(k));
@@ -397,13 +414,18 @@ NlgAlong nlgAlongAxes(NlgShares shares) {
 
 // Of a probe's light over all directions, over the grid's scale.
 float nlgLuminanceOf(int record) {
-  NlgRecord light = nlgRecordOf(record);
-  float sum = 0.0f;
-  for (int k = 0; k < NLG_LIGHT_AXES; ++k) {
-    vec4 mean = uintBitsToFloat(nlgHeader(nlgAxis(k) + 6));
-    sum += (nlgNumber(light, nlgFieldOf(k)) + nlgOffset(nlgFieldOf(k))) * (0.2126f * mean.x + 0.7152f * mean.y + 0.0722f * mean.z);
+  float all = 0.0f;
+  for (int group = 0; group < NLG_GROUP_COUNT; ++group) {
+    NlgRecord light = nlgRecordOf(record + group * NLG_GROUP_FOURS);
+    vec3 colour = vec3(0.2126f, 0.7152f, 0.0722f) * nlgColour(group);
+    float sum = 0.0f;
+    for (int k = 0; k < NLG_LIGHT_AXES; ++k) {
+      vec4 mean = uintBitsToFloat(nlgHeader(nlgAxis(k) + 6));
+      sum += (nlgNumber(light, nlgFieldOf(k)) + nlgOffset(nlgFieldOf(k))) * dot(colour, vec3(mean.x, mean.y, mean.z));
+    }
+    all += light.scale * sum;
   }
-  return max(0.0f, light.scale * sum);
+  return max(0.0f, all);
 }
 
 // position_m   in the frame of the level
@@ -465,16 +487,21 @@ NlgShares nlgSharesAt(vec3 position_m) {
 // normal   length 1
 vec3 nlgBlendedIrradiance(NlgShares shares, vec3 normal) {
   NlgBasis basis = nlgBasisOf(normal);
-  NlgAlong along = nlgAlongAxes(shares);
   vec3 irradiance = vec3(0.0f);
-  for (int k = 0; k < NLG_LIGHT_AXES; ++k) {
-    vec3 of_axis;
-    for (int channel = 0; channel < 3; ++channel) {
-      int head = nlgAxis(k) + 2 * channel;
-      of_axis[channel] = dot(basis.low, uintBitsToFloat(nlgHeader(head))) + dot(basis.high, uintBitsToFloat(nlgHeader(head + 1)));
+  for (int group = 0; group < NLG_GROUP_COUNT; ++group) {
+    vec3 colour = nlgColour(group);
+    if (colour == vec3(0.0f)) continue;
+    NlgAlong along = nlgAlongAxes(shares, group);
+    for (int k = 0; k < NLG_LIGHT_AXES; ++k) {
+      vec3 of_axis;
+      for (int channel = 0; channel < 3; ++channel) {
+        int head = nlgAxis(k) + 2 * channel;
+        of_axis[channel] =
+            dot(basis.low, uintBitsToFloat(nlgHeader(head))) + dot(basis.high, uintBitsToFloat(nlgHeader(head + 1)));
+      }
+      vec4 mean = uintBitsToFloat(nlgHeader(nlgAxis(k) + 6));
+      irradiance += along.axis[k] * colour * (of_axis + basis.mean * vec3(mean.x, mean.y, mean.z));
     }
-    vec4 mean = uintBitsToFloat(nlgHeader(nlgAxis(k) + 6));
-    irradiance += along.axis[k] * (of_axis + basis.mean * vec3(mean.x, mean.y, mean.z));
   }
   return max(irradiance * uintBitsToFloat(nlgHeader(3).x), vec3(0.0f));
 }
@@ -494,17 +521,19 @@ NlgRadiance nlgRadiance(vec3 position_m) {
   NlgShares shares = nlgSharesAt(position_m);
   NlgRadiance radiance;
   for (int i = 0; i < 9; ++i) radiance.sh[i] = vec3(0.0f);
-  NlgAlong along = nlgAlongAxes(shares);
-  for (int k = 0; k < NLG_LIGHT_AXES; ++k) along.axis[k] *= uintBitsToFloat(nlgHeader(3).x);
-  for (int k = 0; k < NLG_LIGHT_AXES; ++k) {
-    vec4 mean = uintBitsToFloat(nlgHeader(nlgAxis(k) + 6));
-    radiance.sh[0] += along.axis[k] * vec3(mean.x, mean.y, mean.z);
-    for (int channel = 0; channel < 3; ++channel) {
-      int head = nlgAxis(k) + 2 * channel;
-      vec4 low = uintBitsToFloat(nlgHeader(head)), high = uintBitsToFloat(nlgHeader(head + 1));
-      for (int i = 0; i < 4; ++i) {
-        radiance.sh[i + 1][channel] += along.axis[k] * low[i];
-        radiance.sh[i + 5][channel] += along.axis[k] * high[i];
+  for (int group = 0; group < NLG_GROUP_COUNT; ++group) {
+    vec3 colour = nlgColour(group) * uintBitsToFloat(nlgHeader(3).x);
+    NlgAlong along = nlgAlongAxes(shares, group);
+    for (int k = 0; k < NLG_LIGHT_AXES; ++k) {
+      vec4 mean = uintBitsToFloat(nlgHeader(nlgAxis(k) + 6));
+      radiance.sh[0] += along.axis[k] * colour * vec3(mean.x, mean.y, mean.z);
+      for (int channel = 0; channel < 3; ++channel) {
+        int head = nlgAxis(k) + 2 * channel;
+        vec4 low = uintBitsToFloat(nlgHeader(head)), high = uintBitsToFloat(nlgHeader(head + 1));
+        for (int i = 0; i < 4; ++i) {
+          radiance.sh[i + 1][channel] += along.axis[k] * colour[channel] * low[i];
+          radiance.sh[i + 5][channel] += along.axis[k] * colour[channel] * high[i];
+        }
       }
     }
   }

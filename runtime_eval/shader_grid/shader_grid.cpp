@@ -106,7 +106,9 @@ class Packer {
       if (!isKnown(of.representation)) return refuse(std::string("no shader for ") + representationName(of.representation));
     }
     numberProbes();
-    result->header_count = lightHeader() + kHeadersAnAxis * static_cast<int>(light_.axes.size());
+    result->header_count = colourHeader() + static_cast<int>(grid_.groups.size());
+    result->first_colour = grid_.groups.empty() ? 0 : colourHeader();
+    for (const LightGroup& group : grid_.groups) result->groups.push_back(group.name);
     words_.resize(static_cast<size_t>(result->header_count) * kWordsAFour);
     FileResult packed = addTree(result);
     if (packed.ok()) packed = addRecords(result);
@@ -122,15 +124,21 @@ class Packer {
  private:
   void packLightOfProbes() {
     light_ = packedLightOf(grid_, kLightError);
-    light_words_ = std::max<size_t>(1, static_cast<size_t>(lightWords(light_)));
+    group_count_ = std::max<size_t>(1, grid_.groups.size());
+    record_words_ = std::max<size_t>(1, static_cast<size_t>(lightWords(light_)));
+    light_words_ = (group_count_ - 1) * toFours(record_words_) + record_words_;
     describeFields();
     float largest = 0.0f;
-    for (const float coefficient : grid_.light) largest = std::max(largest, std::abs(coefficient));
+    for (const std::vector<float>* light : lightByGroup(grid_)) {
+      for (const float coefficient : *light) largest = std::max(largest, std::abs(coefficient));
+    }
     constexpr int kLargestExponent = 9;  // of what stands over the scale
     if (largest > 0.0f) scale_ = std::ldexp(1.0f, std::ilogb(largest) - kLargestExponent);
   }
 
   int lightHeader() const { return kClassHeader + kHeadersAClass * static_cast<int>(classes_.size()); }
+
+  int colourHeader() const { return lightHeader() + kHeadersAnAxis * static_cast<int>(light_.axes.size()); }
 
   // Where theta begins in the records of a class. Words
   size_t thetaWord(const ProbeClass& of) const { return of.representation.isCode() ? light_words_ : toFours(light_words_); }
@@ -281,6 +289,8 @@ class Packer {
     words_.resize(end, 0);
     result->probe_record.assign(number_.size(), 0);
     const auto stored_words = static_cast<size_t>(lightWords(light_));
+    const size_t with_weight =
+        number_.size() - static_cast<size_t>(std::count(grid_.probe_function.begin(), grid_.probe_function.end(), kNoWeight));
     const uint32_t* light = light_.records.data();
     for (size_t probe = 0; probe < number_.size(); ++probe) {
       const ProbeClass& of = classes_[class_of_probe_[probe]];
@@ -288,7 +298,8 @@ class Packer {
       const size_t place = of.first_record + of.stride * (number_[probe] - of.first_probe);
       result->probe_record[probe] = static_cast<uint32_t>(place / kWordsAFour);
       uint32_t* record = &words_[place];
-      std::copy_n(light, stored_words, record);
+      for (size_t g = 0; g < group_count_; ++g)
+        std::copy_n(light + g * with_weight * stored_words, stored_words, record + g * toFours(record_words_));
       light += stored_words;
       result->light_bytes += light_words_ * sizeof(uint32_t);
       const uint32_t function = grid_.probe_function[probe];
@@ -365,7 +376,7 @@ class Packer {
     write(2, blocks(block_count_, first_slot_word_));
     write(3, {bitsOf(scale_), static_cast<uint32_t>(classes_.size()), 0, 0});
     write(4, {static_cast<uint32_t>(light_.axes.size()), static_cast<uint32_t>(light_.scale_bits),
-              static_cast<uint32_t>(light_words_), 0});
+              static_cast<uint32_t>(record_words_), static_cast<uint32_t>(grid_.groups.size())});
     for (size_t k = 0; k < classes_.size(); ++k) {
       const ProbeClass& of = classes_[k];
       const bool is_network = (of.kind & 7) > kTent && of.representation.isNetwork();
@@ -388,6 +399,8 @@ class Packer {
       }
       words[27] = light_fields_[k];
     }
+    for (size_t g = 0; g < grid_.groups.size(); ++g)
+      std::fill_n(&words_[(static_cast<size_t>(colourHeader()) + g) * kWordsAFour], kShChannels, bitsOf(1.0f));
   }
 
   void describeFields() {
@@ -417,7 +430,8 @@ class Packer {
       result->defines.push_back("NLG_HALVES");
     result->defines.push_back("NLG_CLASS_COUNT " + std::to_string(classes_.size()));
     result->defines.push_back("NLG_LIGHT_AXES " + std::to_string(light_.axes.size()));
-    result->defines.push_back("NLG_LIGHT_WORDS " + std::to_string(light_words_));
+    result->defines.push_back("NLG_LIGHT_WORDS " + std::to_string(record_words_));
+    if (!grid_.groups.empty()) result->defines.push_back("NLG_LIGHT_GROUPS " + std::to_string(grid_.groups.size()));
     std::string fields;
     for (const uint32_t field : light_fields_) fields += (fields.empty() ? "" : ", ") + std::to_string(field) + 'u';
     if (!fields.empty()) result->defines.push_back("NLG_LIGHT_FIELDS uint[](" + fields + ')');
@@ -434,8 +448,10 @@ class Packer {
   PackedLight light_;
   std::vector<uint32_t> light_fields_;  // by axis: where its number stands, as shaders read it
   float scale_ = 1.0f;                  // over which the light of all probes fits float16
-  size_t light_words_ = 1;              // of a record; one where nothing is lit
-  size_t largest_read_ = 0;             // words of a function
+  size_t group_count_ = 1;
+  size_t record_words_ = 1;  // of a record of light; one where nothing is lit
+  size_t light_words_ = 1;   // of a probe, all its groups
+  size_t largest_read_ = 0;  // words of a function
 };
 
 }  // namespace

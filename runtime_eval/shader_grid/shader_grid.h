@@ -5,7 +5,8 @@
 // representation, those of bare tents, those without weight. A class has records of one stride, so that a probe's number alone
 // says where its record is and whether it has a network at all:
 //
-//     words 0 …      light: a record of packed_light.h, 1 to 8 words
+//     words 0 …      light: a record of packed_light.h, 1 to 8 words; of grids with groups of light one of each group, the second
+//                    and later ones from the next 16 bytes on
 //     then           theta, of classes with functions, from the next 16 bytes on; of codes one word, the next one, which names a
 //                    brick and its step
 //
@@ -23,12 +24,13 @@
 //     1             first block x, y, z; first word of the blocks       int
 //     2             blocks along x, y, z; first word of the slots       int
 //     3             scale of light (float), classes; the first 8 bytes of the SHA-256 of all words, these two taken as zeros
-//     4             axes of light, bits of a record's scale, words of a record of light, 0
+//     4             axes of light, bits of a record's scale, words of a record of light; groups of light, 0 where all is one
 //     5 + 2 k       of class k: first probe, first record, its stride (the last two in units of 16 bytes), kind and flags
 //     6 + 2 k       slope, 0, step of bytes (float); nodes along an edge of a product field or brick
 //
 // and behind all classes 7 of each axis of light, floats times the light's unit over the grid's scale, a power of two: red's coefficients 1 to 4, 5 to 8, those of green,
 // those of blue, then the three coefficients 0 and, an int, where the axis's number stands: its word, shift << 3, bits << 8, offset << 16.
+// Behind the axes stands of each group the colour that its light is multiplied by, floats, 1 to begin with: engines write others.
 //
 // A block: first slot in bits 0 … 26, log2 of its brick's cells along an edge in 27, 28, log2 of a cell's side above; 0xffffffff
 // without a cell. A slot: the probe in bits 0 … 26, log2 of its spacing (units) in 27 … 29; bit 31: the cell above is used.
@@ -47,6 +49,8 @@ struct ShaderGrid {
   std::vector<uint32_t> words;       // a multiple of 4 of them
   std::vector<std::string> defines;  // what look_up.glsl is to be compiled for: NLG_NETWORK_4, NLG_CLASS_COUNT 3, …
   int header_count = 0;              // of 16 bytes, at the beginning
+  int first_colour = 0;              // of them: the colour of the first group of light; 0 without groups
+  std::vector<std::string> groups;   // names of the groups of light; none: all is one
   size_t tree_bytes = 0, light_bytes = 0, theta_bytes = 0;
   std::vector<uint32_t>
       probe_record;         // by probe: the uvec4 of its light, as look_up.glsl's NlgShares names it; 0 of those without

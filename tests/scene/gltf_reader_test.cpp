@@ -17,6 +17,7 @@
 #include "scene/gltf_file.h"
 #include "scene/gltf_light.h"
 #include "scene/gltf_mesh.h"
+#include "scene/light_groups.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -253,6 +254,20 @@ const char* const kLights = R"(,"extensionsUsed":["KHR_lights_punctual"],"extens
   {"type":"point","color":[1,0.5,0],"intensity":40,"range":3},
   {"type":"spot","intensity":10,"spot":{"innerConeAngle":0.25,"outerConeAngle":0.5}},
   {"type":"directional","color":[0.5,0.5,0.5],"intensity":8}]}})";
+
+TEST_F(GltfReader, PutsLightsIntoTheGroupsOfTheirExtras) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0},
+    {"name":"Sconce","extras":{"light_group":"corridor"},"extensions":{"KHR_lights_punctual":{"light":0}}},
+    {"name":"Bulb.002","extensions":{"KHR_lights_punctual":{"light":0}}},
+    {"extensions":{"KHR_lights_punctual":{"light":1}}}])";
+  parts.scenes = R"([{"nodes":[0,1,2,3]}])";
+  parts.more = R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[
+    {"type":"point","name":"of all bulbs"},{"type":"directional","name":"Noon","extras":{"light_group":"day"}}]}})";
+  Scene scene = read(parts);
+  groupLights("name", &scene);
+  EXPECT_EQ(scene.light.groups.names, (std::vector<std::string>{"day", "corridor", "Bulb"}));
+}
 
 TEST_F(GltfReader, ReadsLightsWhereTheirNodesStand) {
   Parts parts;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -63,6 +64,38 @@ TEST_P(ShaderGridPrecision, SaysTheRadianceOfTheLookUp) {
     const LightStatus status = lookUpLight(grid, at, light);
     const glsl::NlgRadiance radiance = glsl::nlgRadiance(vectorOf(at));
     ASSERT_EQ(radiance.status, static_cast<int>(status));
+    for (int k = 0; k < kShFloats; ++k)
+      ASSERT_NEAR(radiance.sh[k / kShChannels][k % kShChannels], light[k], 1e-3f * std::max(1.0f, std::abs(light[0]))) << i;
+  }
+}
+
+// Light of three groups, mixed by the head's colours.
+TEST_P(ShaderGridPrecision, SaysWhatAMixOfGroupsSays) {
+  LightGrid grid = everyRepresentation(GetParam(), 13);
+  for (uint64_t g = 0; g < 3; ++g)
+    grid.groups.push_back({"group " + std::to_string(g), randomLight(grid.tree.probeCount(), 20 + g)});
+  roundGridLight(kLightError, &grid);
+  ShaderGrid packed;
+  ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  EXPECT_EQ(packed.groups, (std::vector<std::string>{"group 0", "group 1", "group 2"}));
+  const std::vector<std::array<float, 3>> colours = {{1.0f, 0.5f, 0.25f}, {0.0f, 0.0f, 0.0f}, {0.5f, 2.0f, 1.0f}};
+  ASSERT_TRUE(mixLight(colours, &grid).ok());
+  for (size_t g = 0; g < 3; ++g) {
+    for (size_t c = 0; c < 3; ++c)
+      packed.words[4 * (static_cast<size_t>(packed.first_colour) + g) + c] = std::bit_cast<uint32_t>(colours[g][c]);
+  }
+  glsl::shader_grid = &packed;
+  Random random(15);
+  for (int i = 0; i < 5000; ++i) {
+    const PositionM at = randomPlace(grid.tree.frame(), random);
+    const std::array<float, 3> normal = randomNormal(random);
+    float rgb[3], light[kShFloats];
+    const LightStatus status = lookUpIrradiance(grid, at, normal.data(), rgb);
+    lookUpLight(grid, at, light);
+    const glsl::NlgLight shaded = shade(at, normal);
+    const glsl::NlgRadiance radiance = glsl::nlgRadiance(vectorOf(at));
+    ASSERT_EQ(shaded.status, static_cast<int>(status)) << at[0] << ' ' << at[1] << ' ' << at[2];
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(shaded.irradiance[c], rgb[c], 1e-3f * std::max(1.0f, rgb[c])) << i;
     for (int k = 0; k < kShFloats; ++k)
       ASSERT_NEAR(radiance.sh[k / kShChannels][k % kShChannels], light[k], 1e-3f * std::max(1.0f, std::abs(light[0]))) << i;
   }

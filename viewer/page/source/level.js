@@ -72,7 +72,7 @@ function skyMaterial(sky, side) {
     glslVersion: THREE.GLSL3,
     vertexShader: surfaceVertex,
     fragmentShader: skyFragment,
-    uniforms: { zenith: vector(sky.zenith), horizon: vector(sky.horizon), ground: vector(sky.ground) },
+    uniforms: { zenith: vector(sky.zenith), horizon: vector(sky.horizon), ground: vector(sky.ground), tint: vector([1, 1, 1]) },
     side,
   });
 }
@@ -116,6 +116,7 @@ export class Level {
     dome.attributes.shine.array.fill(-1);
     this.dome = this.add(new THREE.Mesh(dome, skyMaterial(scene.sky, THREE.BackSide)), -1);
     this.dome.material.depthWrite = false;
+    this.skies = [this.dome];
     if (scene.sky_positions.length > 0) this.addSkyFaces(scene);
 
     this.ball = this.add(new THREE.Mesh(evenColours(new THREE.SphereGeometry(0.15, 48, 32), CARRIED_ALBEDO), depth), 2);
@@ -129,6 +130,10 @@ export class Level {
     this.ball.visible = this.figure.visible = false;
     this.ballAt = new THREE.Vector4(0, 0, 0, 1);
     this.materials = new Map();
+  }
+
+  tintSky(colour) {
+    for (const { material } of this.skies) material.uniforms.tint.value.set(...colour);
   }
 
   add(object, order) {
@@ -147,7 +152,7 @@ export class Level {
     geometry.setAttribute('normal', new THREE.BufferAttribute(new Float32Array(3 * corners), 3));
     geometry.setAttribute('albedo', new THREE.BufferAttribute(new Float32Array(3 * corners), 3));
     geometry.setAttribute('shine', new THREE.BufferAttribute(shine, 3));
-    this.add(new THREE.Mesh(geometry, skyMaterial(scene.sky, THREE.FrontSide)), 1);
+    this.skies.push(this.add(new THREE.Mesh(geometry, skyMaterial(scene.sky, THREE.FrontSide)), 1));
   }
 
   place(ball, figure) {

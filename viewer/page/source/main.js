@@ -66,6 +66,7 @@ class Viewer {
   async start() {
     this.fillInterface();
     await this.choose('left', asked.get('left') ?? 'grid');
+    await this.fillLights();
     const right = asked.get('right') ?? (this.methods.has('valid-trilinear') ? 'valid-trilinear' : this.scene.methods.at(-1).name);
     await this.choose('right', right);
     $('divider').value = asked.has('divider') ? 100 * Number(asked.get('divider')) : 50;
@@ -93,6 +94,30 @@ class Viewer {
   drawn() {
     this.renderer.getContext().readPixels(0, 0, 1, 1, 6408, 5121, new Uint8Array(4));
     return Math.round(performance.now());
+  }
+
+  // A slider and a colour for each group of light that the grid keeps apart. ?lights=sky:0,lamps:1.5 sets them at once.
+  async fillLights() {
+    const grid = await this.busy(this.methods.rendered('grid'));
+    if (grid.groups.length === 0) return;
+    const given = new Map((asked.get('lights') ?? '').split(',').map((one) => [one.slice(0, one.lastIndexOf(':')), Number(one.slice(one.lastIndexOf(':') + 1))]));
+    const rows = grid.groups.map((name) => {
+      const row = document.createElement('label');
+      const factor = Object.assign(document.createElement('input'), { type: 'range', min: 0, max: 2, step: 0.01, value: given.get(name) ?? 1 });
+      const tint = Object.assign(document.createElement('input'), { type: 'color', value: '#ffffff', title: `colour of ${name}` });
+      row.append(`${name} `, factor, tint);
+      $('groups').append(row);
+      return { name, factor, tint };
+    });
+    const mix = () => {
+      const colours = rows.map(({ factor, tint }) => new THREE.Color(tint.value).toArray().map((channel) => channel * Number(factor.value)));
+      grid.mix(colours);
+      this.level.tintSky(colours[grid.groups.indexOf('sky')] ?? [1, 1, 1]);
+      this.wake();
+    };
+    for (const { factor, tint } of rows) for (const input of [factor, tint]) input.addEventListener('input', mix);
+    $('lights').hidden = false;
+    mix();
   }
 
   get divider() {

@@ -92,7 +92,14 @@ class RenderedMethod {
     this.isGrid = data.kind === 'grid';
     const program = PROGRAMS[data.kind](data, lookUp);
     this.uniforms = { ...program.uniforms, offset_m: { value: 0.02 }, chosen_record: { value: 0 }, heat_full: { value: 1 } };
+    this.groups = data.groups ?? []; // of light; their colours stand in the head of the grid, as floats
+    if (this.groups.length > 0) this.colours = new Float32Array(this.uniforms.head.value.buffer).subarray(4 * data.first_colour);
     this.text = program.text + signedHeat + looks.fragment + surfaceFragment;
+  }
+
+  // colours   of each group of light three factors, linear
+  mix(colours) {
+    colours.forEach((colour, group) => this.colours.set(colour, 4 * group));
   }
 
   // shown   light, share, leaks; what a method cannot show of itself is its light

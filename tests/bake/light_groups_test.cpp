@@ -1,0 +1,118 @@
+// Groups of light in a bake: they add up to the bake of all light at once, and a grid's file brings them back.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "bake/scene_bake.h"
+#include "runtime_eval/light_grid/irradiance.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/numbers/random.h"
+#include "tests/runtime_eval/sample_generator.h"
+
+namespace nlg {
+namespace {
+
+BakeOptions corner(const std::string& groups) {
+  BakeOptions options;
+  options.spacing_m = 1.5;
+  options.extent_m = {"0", "0", "0", "6", "6", "3"};
+  options.policy.refine_rounds = 0;
+  options.policy.refine_first_steps = 4;
+  options.policy.adam_steps = 20;
+  options.threads = 2;
+  options.light_rays = 16;
+  options.light_error = kLeastLightError;
+  options.scene_light.light_groups = groups;
+  takeThetaPrecision(&options);
+  return options;
+}
+
+LightGrid baked(const BakeOptions& options) {
+  const BakeScene scene("house:3", options);
+  std::vector<Generator> generators;
+  generators.emplace_back(sampleGenerator({RepresentationKind::tent_mlp4}, 24, 3, 1));
+  return bakeScene(scene, generators, options, std::filesystem::temp_directory_path().string()).grid;
+}
+
+double rms(const std::vector<float>& light) {
+  double sum = 0.0;
+  for (const float value : light) sum += double{value} * value;
+  return std::sqrt(sum / static_cast<double>(light.size()));
+}
+
+double rmsOfDifference(const std::vector<float>& a, const std::vector<float>& b) {
+  std::vector<float> difference;
+  for (size_t i = 0; i < a.size(); ++i) difference.push_back(a[i] - b[i]);
+  return rms(difference);
+}
+
+TEST(LightGroupsOfABake, AddUpToTheBakeOfAllLightAtOnce) {
+  const LightGrid whole = baked(corner("one")), grouped = baked(corner("kind"));
+  ASSERT_GE(grouped.groups.size(), 3u);
+  EXPECT_EQ(grouped.groups[0].name, "sky");
+  for (const LightGroup& group : grouped.groups) EXPECT_GT(rms(group.light), 0.0) << group.name;
+  EXPECT_EQ(grouped.probe_function, whole.probe_function);
+  EXPECT_EQ(grouped.theta, whole.theta);
+  EXPECT_LT(rmsOfDifference(grouped.light, whole.light), 0.005 * rms(whole.light));
+}
+
+TEST(LightGroupsOfABake, AreWhatEachLightGivesByItself) {
+  // a sky and a sun, and each of them alone: the same rays, and places weighed by less light
+  BakeOptions both = corner("kind"), sky = corner("one");
+  both.scene_light.sky = sky.scene_light.sky = {"0.5", "0.7", "1"};
+  both.scene_light.sun = {"120", "50", "5", "4.7", "4.1"};
+  sky.scene_light.sun = {"0"};
+  const BakeScene scene_of_both("house:3", both), scene_of_sky("house:3", sky);
+  const LightTransport all(scene_of_both.source.scene, scene_of_both.rays), alone(scene_of_sky.source.scene, scene_of_sky.rays);
+  ASSERT_GE(all.groupCount(), 2u);
+  GatherOptions gather{512, 64};
+  gather.direct = DirectLight::no_suns;
+  double error = 0.0, light = 0.0;
+  for (size_t i = 0; i < scene_of_both.air.places.size(); i += 37) {
+    const GatheredLight grouped = all.gather(scene_of_both.air.places[i], gather, 1, i);
+    LightSh sum{};
+    for (const LightSh& of_group : grouped.groups) {
+      for (int k = 0; k < kShCount; ++k) sum[k] += of_group[k];
+    }
+    for (int k = 0; k < kShCount; ++k) ASSERT_LT(glm::length(sum[k] - grouped.light[k]), 1e-4f * (1.0f + glm::length(sum[0])));
+    const LightSh& of_sky = grouped.groups[0];
+    const LightSh expected = alone.gather(scene_of_both.air.places[i], gather, 1, i).light;
+    error += glm::length(of_sky[0] - expected[0]);
+    light += glm::length(expected[0]);
+  }
+  EXPECT_LT(error, 0.1 * light);
+}
+
+TEST(LightGroupsOfABake, ComeBackFromTheFileAndCanBeMixed) {
+  const LightGrid grid = baked(corner("kind"));
+  std::string bytes;
+  ASSERT_TRUE(serializeLightGrid(grid, {ThetaPrecision::int8, kLeastLightError}, {}, &bytes).ok());
+  LightGrid read;
+  GridMetadata metadata;
+  ASSERT_TRUE(parseLightGrid(bytes, &read, &metadata).ok());
+  ASSERT_EQ(read.groups.size(), grid.groups.size());
+  for (size_t g = 0; g < grid.groups.size(); ++g) {
+    EXPECT_EQ(read.groups[g].name, grid.groups[g].name);
+    EXPECT_EQ(read.groups[g].light, grid.groups[g].light);
+  }
+  EXPECT_EQ(read.light, grid.light);
+  std::string again;
+  ASSERT_TRUE(serializeLightGrid(read, {ThetaPrecision::int8, kLeastLightError}, {}, &again).ok());
+  EXPECT_TRUE(again == bytes);
+
+  std::vector<std::array<float, 3>> colours(read.groups.size(), {0.0f, 0.0f, 0.0f});
+  colours[0] = {2.0f, 1.0f, 0.5f};
+  ASSERT_TRUE(mixLight(colours, &read).ok());
+  for (size_t i = 0; i < read.light.size(); ++i) ASSERT_EQ(read.light[i], colours[0][i % 3] * grid.groups[0].light[i]);
+  // a mix is no other grid: the file still holds the groups
+  ASSERT_TRUE(serializeLightGrid(read, {ThetaPrecision::int8, kLeastLightError}, {}, &again).ok());
+  EXPECT_TRUE(again == bytes);
+  const std::vector<float> before = read.light;
+  colours[0] = {1e30f, 1.0f, 1.0f};
+  EXPECT_FALSE(mixLight(colours, &read).ok());
+  EXPECT_EQ(read.light, before);
+}
+
+}  // namespace
+}  // namespace nlg
