@@ -16,6 +16,7 @@
 #include "bake/default_weights.h"
 #include "bake/load_generators.h"
 #include "bake/policy_options.h"
+#include "bake/probe_list.h"
 #include "bake/relight.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/simd/simd_target.h"
@@ -241,12 +242,14 @@ nlohmann::ordered_json describeGrid(const std::string& path) {
 int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "info") == 0)
     return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-bake info", "light grids (.safetensors)", "bake", nlg::describeGrid});
+  if (argc > 1 && std::strcmp(argv[1], "probes") == 0) return nlg::probeListMain(argc - 1, argv + 1);
   CLI::App app{
       "Bakes one scene into a light grid: places probes, finds the weighting function of each, and lights them.\n"
       "nlg-bake SCENE: with the weights that ship with the project.\n"
       "nlg-bake SCENE --relight GRID: other light for a grid that was baked before.\n"
       "nlg-bake SCENE --check GRID: whether a grid is still what it would be.\n"
       "nlg-bake info GRID ...: what light grids are, verified.\n"
+      "nlg-bake probes GRID: its probes as a table.\n"
       "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own; the scene first, because --weights takes several files.",
       "nlg-bake"};
   nlg::Request request;
