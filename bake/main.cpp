@@ -267,7 +267,7 @@ int main(int argc, char** argv) {
   app.add_option(
       "--weights", request.weights,
       "weights of nlg-export. Of several the bake chooses a representation for every function. None: those that ship, which it "
-      "looks for in the folder $NLG_WEIGHTS, then in the installation and in the sources");
+      "looks for in the folder $NLG_WEIGHTS, or else beside the installed program");
   const CLI::Option* out =
       app.add_option("--out", request.out, "the light grid to write. None: NAME.safetensors, here, by the name of the scene");
   app.add_option("--relight", request.relit,
