@@ -177,12 +177,17 @@ def takes_what_is_rendered():
     tube = lamp("tube", "AREA", (1.5, 1.5, 2.5), 40.0)
     tube.data.shape, tube.data.size, tube.data.size_y = "RECTANGLE", 0.5, 0.2
     tube.scale = (2, 1, 1)
+    tube["light_group"] = bpy.data.objects["bulb"]["light_group"] = "evening"
+    bpy.data.objects["floor"].data.color_attributes.new("mask", "FLOAT_COLOR", "POINT")
     bpy.context.scene.collection.objects.link(bpy.data.objects.new("ball", bpy.data.metaballs.new("ball")))
     things = len(bpy.data.objects), len(bpy.data.meshes), len(bpy.data.materials)
     made, gltf = exported()
     check(made.notes == ["the exporter leaves out: 1 metaballs"], f"what is left out is said: {made.notes}")
     check(things == (len(bpy.data.objects), len(bpy.data.meshes), len(bpy.data.materials)), "the export leaves nothing in the scene")
     check(not [node for node in gltf["nodes"] if node["name"].startswith("box ") and "mesh" in node], "what no render shows is not baked")
+    check(not [primitive for mesh in gltf["meshes"] for primitive in mesh["primitives"] if "COLOR_0" in primitive["attributes"]], "colours that no material shows are none")
+    groups = [node["name"] for node in gltf["nodes"] if node.get("extras", {}).get("light_group") == "evening" and ("mesh" in node or "extensions" in node)]
+    check(sorted(groups) == ["bulb", "tube.001"], f"properties of lamps lie where their light is: {groups}")
     glow = next(material for material in gltf["materials"] if material["name"] == "tube")
     strength = glow["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"]
     check(abs(strength * 4 * 0.2 - 40.0) < 0.01, f"an area lamp's plane shines as Cycles has the lamp: {strength}")
@@ -226,6 +231,13 @@ def takes_the_world_as_sky():
     for what, column, row, expected in (("the middle looks along x", width // 2, height // 2, (2, 0, 0)), ("left of it lies y", width // 4, height // 2, (0, 2, 0)), ("the zenith is above", width // 2, height - 1, (0, 0, 2))):
         found = np.maximum(pixels[row, column], 0)
         check(np.allclose(found, expected, atol=0.05), f"{what}: {found}")
+    drawn = os.stat(os.path.join(made.folder, made.sky)).st_mtime_ns
+    bpy.data.objects["floor"].location.x += 0.01
+    made = exported()[0]
+    check(os.stat(os.path.join(made.folder, made.sky)).st_mtime_ns == drawn, "a world that nobody touched is not drawn again")
+    background.inputs["Strength"].default_value = 1.0
+    made = exported()[0]
+    check(os.stat(os.path.join(made.folder, made.sky)).st_mtime_ns != drawn, "one that was changed is")
     check([scene.name for scene in bpy.data.scenes] == [bpy.context.scene.name], "the sky's own scene is gone")
     settings().has_world = False
     check(exported()[0].sky == "0", "without the world the sky is black")

@@ -9,9 +9,9 @@ bl_info = {
     "category": "Lighting",
 }
 
-from . import operators, overlay, panel, settings
+from . import export, operators, overlay, panel, settings
 
-MODULES = (settings, operators, panel)
+MODULES = (settings, export, operators, panel)
 
 
 def register():

@@ -8,6 +8,7 @@ import struct
 from dataclasses import dataclass, field
 
 import bpy
+from bpy.app.handlers import persistent
 
 from . import settings
 from .errors import ToolError
@@ -18,6 +19,23 @@ SKY_SAMPLES = 16
 DISK_CORNERS = 24
 # objects that no glTF holds
 LEFT_OUT = {"META": "metaballs", "VOLUME": "volumes", "POINTCLOUD": "point clouds", "CURVES": "hair", "GPENCIL": "grease pencil"}
+
+
+drawn = None  # the world that SKY_FILE shows, which takes seconds to draw, and its images
+
+
+@persistent
+def notice(scene, depsgraph):
+    """A world that changes is drawn anew. It changes with its groups of nodes and its drivers."""
+    global drawn
+    if any(isinstance(update.id, bpy.types.World) for update in depsgraph.updates):
+        drawn = None
+
+
+@persistent
+def forget(_):
+    global drawn
+    drawn = None
 
 
 @dataclass
@@ -128,6 +146,9 @@ def plane_of(lamp):
     mesh.from_pydata([(x * width, y * height, 0.0) for x, y in corners], [], [list(reversed(range(len(corners))))])
     plane = bpy.data.objects.new(lamp.name, mesh)
     plane.matrix_world = lamp.matrix_world.copy()
+    for name, value in lamp.items():
+        if isinstance(value, (bool, int, float, str)):
+            plane[name] = value
     mesh.update()
     scale = lamp.matrix_world.to_3x3()
     area = mesh.polygons[0].area * (scale.col[0].cross(scale.col[1])).length
@@ -155,6 +176,9 @@ def mend(path, scene, unseen):
         gltf, rest = json.loads(file.read(size)), file.read()
     for root in gltf["scenes"][gltf.get("scene", 0)].get("nodes", []):
         empty_nodes(gltf["nodes"], root, unseen)
+    for primitive in (primitive for mesh in gltf.get("meshes", []) for primitive in mesh["primitives"]):
+        if not shows_vertex_colours(gltf["materials"][primitive["material"]]["name"] if "material" in primitive else None):
+            primitive["attributes"].pop("COLOR_0", None)
     # Blender's lamps know no metres: what is a unit away is as bright whatever a unit is
     unit = settings.metres_per_unit(scene)
     for light in gltf.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", []):
@@ -170,11 +194,16 @@ def mend(path, scene, unseen):
         file.write(header[:8] + struct.pack("<I", 20 + len(text) + len(rest)) + struct.pack("<I4s", len(text), kind) + text + rest)
 
 
+def shows_vertex_colours(name):
+    """Blender shows those that a material asks for, glTF all: many are masks."""
+    material = bpy.data.materials.get(name or "")
+    return bool(material and material.use_nodes and any(node.type in {"VERTEX_COLOR", "ATTRIBUTE"} for node in material.node_tree.nodes))
+
+
 def empty_nodes(nodes, index, names):
     """Nodes of these names hold nothing then, but for those that collections which stand elsewhere show, too."""
     node = nodes[index]
-    # the exporter turns lamps and cameras in a node of their own
-    if node.get("name", "").removesuffix("_Orientation") in names:
+    if node.get("name") in names:
         for content in ("mesh", "camera", "extensions"):
             node.pop(content, None)
     thing = bpy.data.objects.get(node.get("name", ""))
@@ -185,14 +214,31 @@ def empty_nodes(nodes, index, names):
 
 def sky_of(scene, folder):
     """The world as --sky takes it: its colour, or an image of what it shows."""
+    global drawn
     world = scene.world
     if world is None:
         return "0"
     colour = plain_colour(world)
     if colour is None:
-        draw_sky(world, os.path.join(folder, SKY_FILE))
+        path = os.path.join(folder, SKY_FILE)
+        look = [world.name_full, *images_of(world.node_tree)]
+        if drawn != look or not os.path.exists(path):
+            draw_sky(world, path)
+            drawn = look
         return SKY_FILE
     return ",".join(f"{channel:.6g}" for channel in colour)
+
+
+def images_of(tree):
+    """Which ones, and as of when: Blender says nothing of those that are read or painted anew."""
+    for node in tree.nodes:
+        if node.type == "GROUP" and node.node_tree:
+            yield from images_of(node.node_tree)
+        image = getattr(node, "image", None)
+        if image is not None:
+            path = bpy.path.abspath(image.filepath)
+            # painted and not saved: equal to nothing
+            yield image.name_full, path, os.stat(path).st_mtime_ns if os.path.exists(path) else 0, object() if image.is_dirty else None
 
 
 def plain_colour(world):
@@ -236,3 +282,13 @@ def draw_sky(world, path):
         bpy.data.scenes.remove(scene)
         bpy.data.objects.remove(camera)
         bpy.data.cameras.remove(data)
+
+
+def register():
+    bpy.app.handlers.depsgraph_update_post.append(notice)
+    bpy.app.handlers.load_post.append(forget)
+
+
+def unregister():
+    bpy.app.handlers.load_post.remove(forget)
+    bpy.app.handlers.depsgraph_update_post.remove(notice)
