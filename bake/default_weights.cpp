@@ -20,12 +20,10 @@ std::string joined(const std::vector<std::string>& texts) { return fmt::format("
 std::vector<std::string> weightsFolders() {
   const char* chosen = std::getenv("NLG_WEIGHTS");
   if (chosen != nullptr && *chosen != '\0') return {chosen};
-  std::vector<std::string> folders;
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (!error) folders.push_back((program.parent_path() / NLG_INSTALLED_WEIGHTS).lexically_normal().string());
-  folders.emplace_back(NLG_SOURCE_WEIGHTS);
-  return folders;
+  if (error) return {};  // without /proc
+  return {(program.parent_path() / NLG_INSTALLED_WEIGHTS).lexically_normal().string()};
 }
 
 std::vector<std::string> shippedWeights(const std::vector<std::string>& representations,

@@ -7,8 +7,8 @@
 namespace nlg {
 
 // Where shipped weights may lie, in the order in which they are looked for: the folder of the environment variable NLG_WEIGHTS and
-// no other when it is set; otherwise share/neural-light-grid/weights of the installation that this program belongs to, then the
-// folder weights of the sources that it was built from.
+// no other when it is set; otherwise share/neural-light-grid/weights of the installation that this program belongs to. A build folder
+// has a link to the weights of its sources there.
 std::vector<std::string> weightsFolders();
 
 // NAME.safetensors of every representation, all from the first folder that has any of them.

@@ -1,6 +1,5 @@
 // nlg-bake: one scene and trained generators → a light grid of weighting functions.
 
-#include <sys/resource.h>
 #include <cstring>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +7,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 
 #include "bake/bake_plan.h"
@@ -16,6 +16,7 @@
 #include "bake/default_weights.h"
 #include "bake/load_generators.h"
 #include "bake/policy_options.h"
+#include "bake/probe_list.h"
 #include "bake/relight.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/simd/simd_target.h"
@@ -49,10 +50,15 @@ void chooseSimd(const std::string& name) {
   if (status != SimdStatus::ok) throw UsageError("--simd", "a SIMD target of this machine", simdRefusal(name, status));
 }
 
+// Not by getrusage: that begins with what the program had that started this one, Blender say.
 uint64_t peakMemoryBytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  uint64_t kib = 0;
+  while (status >> word) {
+    if (word == "VmHWM:" && status >> kib) return kib * 1024;
+  }
+  return 0;
 }
 
 // What a bake may come to without an error, and is seldom what was meant.
@@ -242,12 +248,14 @@ nlohmann::ordered_json describeGrid(const std::string& path) {
 int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "info") == 0)
     return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-bake info", "light grids (.safetensors)", "bake", nlg::describeGrid});
+  if (argc > 1 && std::strcmp(argv[1], "probes") == 0) return nlg::probeListMain(argc - 1, argv + 1);
   CLI::App app{
       "Bakes one scene into a light grid: places probes, finds the weighting function of each, and lights them.\n"
       "nlg-bake SCENE: with the weights that ship with the project.\n"
       "nlg-bake SCENE --relight GRID: other light for a grid that was baked before.\n"
       "nlg-bake SCENE --check GRID: whether a grid is still what it would be.\n"
       "nlg-bake info GRID ...: what light grids are, verified.\n"
+      "nlg-bake probes GRID: its probes as a table.\n"
       "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own; the scene first, because --weights takes several files.",
       "nlg-bake"};
   nlg::Request request;
@@ -260,7 +268,7 @@ int main(int argc, char** argv) {
   app.add_option(
       "--weights", request.weights,
       "weights of nlg-export. Of several the bake chooses a representation for every function. None: those that ship, which it "
-      "looks for in the folder $NLG_WEIGHTS, then in the installation and in the sources");
+      "looks for in the folder $NLG_WEIGHTS, or else beside the installed program");
   const CLI::Option* out =
       app.add_option("--out", request.out, "the light grid to write. None: NAME.safetensors, here, by the name of the scene");
   app.add_option("--relight", request.relit,

@@ -1,10 +1,11 @@
-# What `cmake --install` leaves: the bake-time library for find_package(nlg), the weights that ship, and of the tools nlg-bake, nlg-view and
-# nlg in front of them (where tools are built; bake/CMakeLists.txt, viewer/CMakeLists.txt).
+# What `cmake --install` leaves: the bake-time library for find_package(nlg), the weights that ship, and where tools are built those that
+# need no libtorch, nlg in front of them, and what cmake/package.cmake adds. `cmake --build … --target installed` builds it.
 #
 #   PREFIX/include/nlg/           the include directory; below it headers lie as in the repository
 #   PREFIX/lib/libnlg_*.a
 #   PREFIX/lib/cmake/nlg/         nlg-config.cmake; no path of the build is in it, so that the prefix can be moved
 #   PREFIX/share/neural-light-grid/weights/
+#   PREFIX/bin/nlg, nlg-bake, …
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -77,3 +78,9 @@ install(FILES ${PROJECT_SOURCE_DIR}/cmake/nlg-config.cmake ${PROJECT_SOURCE_DIR}
   ${PROJECT_BINARY_DIR}/nlg-config-version.cmake DESTINATION ${NLG_PACKAGE_FOLDER})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/weights/ DESTINATION ${CMAKE_INSTALL_DATADIR}/neural-light-grid/weights
   FILES_MATCHING PATTERN *.safetensors PATTERN README.md)
+
+add_custom_target(installed DEPENDS nlg_runtime_eval)
+function(nlg_install_tool name)
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  add_dependencies(installed ${name})
+endfunction()

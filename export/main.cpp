@@ -1,24 +1,21 @@
 // nlg-export: a finished checkpoint → the weights file of the bake-time evaluator, checked against libtorch on real functions;
-// weights → ONNX; of weights those that a baked scene uses; light grids → shaders and engines.
+// weights → ONNX; and the commands that need no libtorch.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-
 #include <nlohmann/json.hpp>
+#include <optional>
 
-#include "export/engine/engine_export.h"
+#include "export/commands.h"
 #include "export/onnx_export.h"
-#include "export/shader/shader_export.h"
-#include "export/used_by/used_by.h"
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/weights_file/weights_file.h"
 #include "tool/atomic_file.h"
 #include "tool/file_info.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
-#include "tool/require_read.h"
 #include "tool/tool_main.h"
 #include "train/generator/trainer.h"
 #include "train/torch_threads.h"
@@ -227,45 +224,15 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   std::cout << result.dump() << '\n';
 }
 
-nlohmann::ordered_json describeWeights(const std::string& path) {
-  WeightsFile file;
-  GeneratorData data;
-  requireRead(path, readWeightsFile(path, &file), "the weights of a generator");
-  requireRead(path, generatorFromWeights(file, &data), "the weights of a generator");
-  nlohmann::ordered_json json = {{"representation", representationName(data.representation)},
-                                 {"theta", data.representation.thetaCount()},
-                                 {"coefficients", data.basis.coefficientCount()},
-                                 {"layers", data.layers.size()},
-                                 {"width", data.layers.front().output_count}};
-  for (const char* key : {"version", "training_functions", "training_set_sha256", "held_out_rmse_mean", "parity_theta"}) {
-    if (const auto found = file.metadata.find(key); found != file.metadata.end()) json[key] = found->second;
-  }
-  json["verified"] = kVerifiedByDigest;
-  json["origin"] = parsedOrText(file.metadata["provenance"]);
-  return json;
-}
-
-int infoMain(int argc, char** argv) {
-  return fileInfoMain(argc, argv, {"nlg-export info", "weights (.safetensors)", "export", describeWeights});
-}
-
 }  // namespace
 }  // namespace nlg
 
 int main(int argc, char** argv) {
-  if (argc > 1 && std::strcmp(argv[1], "info") == 0) return nlg::infoMain(argc - 1, argv + 1);
+  if (const std::optional<int> status = nlg::runCommand(argc, argv)) return *status;
   if (argc > 1 && std::strcmp(argv[1], "onnx") == 0) return nlg::onnxMain(argc - 1, argv + 1);
-  if (argc > 1 && std::strcmp(argv[1], "used-by") == 0) return nlg::usedByMain(argc - 1, argv + 1);
-  if (argc > 1 && std::strcmp(argv[1], "shader") == 0) return nlg::shaderMain(argc - 1, argv + 1);
-  if (argc > 1 && std::strcmp(argv[1], "engine") == 0) return nlg::engineMain(argc - 1, argv + 1);
-  CLI::App app{
-      "Exports a trained generator for the bake-time evaluator and checks the two against each other.\n"
-      "nlg-export info FILE ...: what weights are, verified.\n"
-      "nlg-export onnx --weights FILE --out FILE: weights as ONNX.\n"
-      "nlg-export used-by --bake GRID --weights W1 [W2 ...] --out FOLDER: the weights that a scene uses.\n"
-      "nlg-export shader --grid GRID --out FOLDER: a light grid for shaders, and the look-up in GLSL.\n"
-      "nlg-export engine --grid GRID --format FORMAT --out FOLDER: a light grid as files that engines load.",
-      "nlg-export"};
+  CLI::App app{"Exports a trained generator for the bake-time evaluator and checks the two against each other.\n" +
+                   std::string(nlg::kCommands) + "\nnlg-export onnx --weights FILE --out FILE: weights as ONNX.",
+               "nlg-export"};
   nlg::Request request;
   nlg::ExportOptions options;
   nlg::OptionTable table("export");

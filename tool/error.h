@@ -109,7 +109,7 @@ template <class A, class B>
 }  // namespace nlg
 
 // Aborts with both values when `a op b` does not hold: for our own promises, never for input.
-#define NLG_CHECK(a, op, b)                                                                       \
-  do {                                                                                            \
-    if (!((a)op(b))) ::nlg::detail::checkFailed(__FILE__, __LINE__, #a " " #op " " #b, (a), (b)); \
+#define NLG_CHECK(a, op, b)                                                                            \
+  do {                                                                                                 \
+    if (!((a)op(b))) ::nlg::detail::checkFailed(__FILE_NAME__, __LINE__, #a " " #op " " #b, (a), (b)); \
   } while (false)

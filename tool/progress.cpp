@@ -30,6 +30,7 @@ size_t terminalColumns() {
 Progress::Form Progress::wantedForm() {
   const char* const wish = std::getenv("NLG_PROGRESS");
   if (wish != nullptr && std::string_view(wish) == "off") return Form::none;
+  if (wish != nullptr && std::string_view(wish) == "lines") return Form::lines;
   return ::isatty(STDERR_FILENO) == 1 ? Form::terminal : Form::log;
 }
 
@@ -40,11 +41,11 @@ Progress::Progress(std::string what, int64_t total)
       exceptions_(std::uncaught_exceptions()),
       start_(std::chrono::steady_clock::now()) {
   // what cannot be counted is named while it lasts
-  if (total_ == 0 && form_ == Form::terminal) print(fmt::format("{}: {}", program_invocation_short_name, what_));
+  if (total_ == 0 && isLive()) print(fmt::format("{}: {}", program_invocation_short_name, what_));
 }
 
 Progress::~Progress() {
-  if (printed_) std::fputs("\r\033[K", stderr);
+  if (printed_ && form_ == Form::terminal) std::fputs("\r\033[K", stderr);
   const auto took = std::chrono::steady_clock::now() - start_;
   if (form_ != Form::log || took < kShortestLogged || std::uncaught_exceptions() > exceptions_) return;
   const std::string line = fmt::format("{}: {}: {}\n", program_invocation_short_name, what_,
@@ -52,9 +53,7 @@ Progress::~Progress() {
   std::fputs(line.c_str(), stderr);
 }
 
-bool Progress::due() const {
-  return form_ == Form::terminal && (!printed_ || std::chrono::steady_clock::now() - last_print_ >= kPrintInterval);
-}
+bool Progress::due() const { return isLive() && (!printed_ || std::chrono::steady_clock::now() - last_print_ >= kPrintInterval); }
 
 void Progress::advance(int64_t count) {
   const int64_t done = advanced_ += count;
@@ -64,7 +63,8 @@ void Progress::advance(int64_t count) {
 }
 
 void Progress::print(const std::string& line) {
-  std::fputs(("\r\033[K" + line.substr(0, terminalColumns())).c_str(), stderr);
+  const std::string printed = form_ == Form::lines ? line + '\n' : "\r\033[K" + line.substr(0, terminalColumns());
+  std::fputs(printed.c_str(), stderr);
   std::fflush(stderr);
   last_print_ = std::chrono::steady_clock::now();
   printed_ = true;

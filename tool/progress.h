@@ -2,6 +2,7 @@
 // each stage that took a second or more, when it is over.
 //
 // The environment's NLG_PROGRESS=off keeps it quiet: where several tools share a terminal, their lines would overwrite each other.
+// NLG_PROGRESS=lines is for programs that start a tool and show how far it is: what a terminal's line would say, each time on a new one.
 // The workflow sets it (workflow/environment.sh) and says itself how far the run is.
 #pragma once
 
@@ -32,8 +33,9 @@ class Progress {
   void advance(int64_t count = 1);
 
  private:
-  enum class Form { none, terminal, log };
+  enum class Form { none, terminal, lines, log };
   static Form wantedForm();
+  bool isLive() const { return form_ == Form::terminal || form_ == Form::lines; }
   void print(const std::string& line);
 
   std::string what_;

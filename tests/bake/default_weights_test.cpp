@@ -71,9 +71,10 @@ TEST_F(DefaultWeightsTest, TheVariableNamesTheOnlyFolder) {
   EXPECT_EQ(weightsFolders(), (std::vector<std::string>{"/somewhere"}));
   ::unsetenv("NLG_WEIGHTS");
   const std::vector<std::string> folders = weightsFolders();
-  ASSERT_EQ(folders.size(), 2u);
+  ASSERT_EQ(folders.size(), 1u);
   EXPECT_TRUE(folders[0].ends_with("share/neural-light-grid/weights")) << folders[0];
-  EXPECT_TRUE(fs::is_regular_file(fs::path(folders[1]) / "README.md")) << folders[1];
+  // this test lies in the build folder
+  EXPECT_TRUE(fs::is_regular_file(fs::path(folders[0]) / "README.md")) << folders[0];
 }
 
 }  // namespace

@@ -126,6 +126,8 @@ class Checkout(InFolder):
         self.assertEqual(result.stdout, "")
         self.assertEqual((self.folder / "system/apt-get.log").read_text().splitlines()[-1].split()[-1], "lacks-it")
         self.assertFalse((self.folder / "build/release").exists())
+        self.nlg("export", "engine")
+        self.assertEqual(len((self.folder / "system/apt-get.log").read_text().splitlines()), 2)
 
 
 if __name__ == "__main__":

@@ -221,6 +221,11 @@ TEST(Progress, LeavesALineInALogOfStagesThatTookASecond) {
   EXPECT_EQ(logOf(1010, true), "") << "an error is one line";
   ASSERT_EQ(::setenv("NLG_PROGRESS", "off", 1), 0);
   EXPECT_EQ(logOf(1010), "");
+  ASSERT_EQ(::setenv("NLG_PROGRESS", "lines", 1), 0);
+  const std::string lines = logOf(0);  // the first of eleven; the others come within a tenth of a second
+  EXPECT_NE(lines.find(": probes: 0 of 10 (0.0 %)"), std::string::npos) << lines;
+  EXPECT_EQ(lines.find_first_of("\r\033"), std::string::npos) << lines;
+  EXPECT_EQ(lines.back(), '\n') << lines;
   ::unsetenv("NLG_PROGRESS");
 }
 

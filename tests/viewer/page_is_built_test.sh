@@ -16,6 +16,6 @@ if ! log=$("$folder/page/build.sh" "$folder/built" 2>&1); then
   echo "$log"
   exit 1
 fi
-for file in viewer.js index.html; do
+for file in viewer.js index.html three.LICENSE; do
   cmp "$folder/built/$file" "$root/viewer/page/built/$file" || { echo "viewer/page/build.sh makes another $file"; exit 1; }
 done

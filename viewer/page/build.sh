@@ -12,3 +12,4 @@ mkdir -p "$out"
 node_modules/.bin/esbuild source/main.js --bundle --minify --format=iife --target=es2022 --loader:.glsl=text --legal-comments=eof \
   --log-level=warning --charset=ascii --outfile="$out/viewer.js"
 cp source/index.html "$out/index.html"
+cp node_modules/three/LICENSE "$out/three.LICENSE"

@@ -1,0 +1,62 @@
+#include "export/commands.h"
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "export/engine/engine_export.h"
+#include "export/shader/shader_export.h"
+#include "export/used_by/used_by.h"
+#include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/weights_file/weights_file.h"
+#include "tool/file_info.h"
+#include "tool/provenance.h"
+#include "tool/require_read.h"
+
+namespace nlg {
+namespace {
+
+nlohmann::ordered_json describeWeights(const std::string& path) {
+  WeightsFile file;
+  GeneratorData data;
+  requireRead(path, readWeightsFile(path, &file), "the weights of a generator");
+  requireRead(path, generatorFromWeights(file, &data), "the weights of a generator");
+  nlohmann::ordered_json json = {{"representation", representationName(data.representation)},
+                                 {"theta", data.representation.thetaCount()},
+                                 {"coefficients", data.basis.coefficientCount()},
+                                 {"layers", data.layers.size()},
+                                 {"width", data.layers.front().output_count}};
+  for (const char* key : {"version", "training_functions", "training_set_sha256", "held_out_rmse_mean", "parity_theta"}) {
+    if (const auto found = file.metadata.find(key); found != file.metadata.end()) json[key] = found->second;
+  }
+  json["verified"] = kVerifiedByDigest;
+  json["origin"] = parsedOrText(file.metadata["provenance"]);
+  return json;
+}
+
+int infoMain(int argc, char** argv) {
+  return fileInfoMain(argc, argv, {"nlg-export info", "weights (.safetensors)", "export", describeWeights});
+}
+
+struct Command {
+  const char* name;
+  int (*run)(int argc, char** argv);
+};
+
+constexpr Command kEachCommand[] = {{"info", infoMain}, {"used-by", usedByMain}, {"shader", shaderMain}, {"engine", engineMain}};
+
+}  // namespace
+
+const char* const kCommands =
+    "nlg-export info FILE ...: what weights are, verified.\n"
+    "nlg-export used-by --bake GRID --weights W1 [W2 ...] --out FOLDER: the weights that a scene uses.\n"
+    "nlg-export shader --grid GRID --out FOLDER: a light grid for shaders, and the look-up in GLSL.\n"
+    "nlg-export engine --grid GRID --format FORMAT --out FOLDER: a light grid as files that engines load.";
+
+std::optional<int> runCommand(int argc, char** argv) {
+  for (const Command& command : kEachCommand) {
+    if (argc > 1 && std::strcmp(argv[1], command.name) == 0) return command.run(argc - 1, argv + 1);
+  }
+  return std::nullopt;
+}
+
+}  // namespace nlg

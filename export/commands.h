@@ -1,0 +1,17 @@
+// The commands of nlg-export that need no libtorch: of weights what they are, and those that a baked scene uses; light grids → shaders
+// and engines.
+#pragma once
+
+#include <optional>
+
+namespace nlg {
+
+// A line of --help for each.
+extern const char* const kCommands;
+
+// Runs the command that the first argument names.
+//
+// returns   the process's exit code; nothing when the first argument is none of them
+std::optional<int> runCommand(int argc, char** argv);
+
+}  // namespace nlg

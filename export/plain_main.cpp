@@ -1,0 +1,16 @@
+// nlg-export without libtorch: what engines and artists need of it. It is what is installed, and all that a build without training has.
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "export/commands.h"
+#include "tool/tool_main.h"
+
+int main(int argc, char** argv) {
+  if (const std::optional<int> status = nlg::runCommand(argc, argv)) return *status;
+  CLI::App app{"Makes files for shaders and engines of light grids.\n" + std::string(nlg::kCommands) +
+                   "\nCheckpoints are exported by the nlg-export of a build with training.",
+               "nlg-export"};
+  nlg::OptionTable table("export");
+  return nlg::runTool(argc, argv, app, table, [] { throw nlg::UsageError("command", "one of --help", "none"); });
+}

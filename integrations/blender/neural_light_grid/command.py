@@ -1,0 +1,59 @@
+"""The command lines of the tools, all of them."""
+
+import shlex
+import shutil
+
+import bpy
+
+from . import settings
+from .errors import ToolError
+
+# While a level is worked on: no fits, a quarter of the rays, a third of the places. docs/guide/blender.md says what that costs and saves.
+PREVIEW = [
+    "--lm-iterations", "0", "--lm-theta0-iterations", "0", "--adam-steps", "0", "--code-iterations", "0", "--refine-rounds", "0",
+    "--light-rays", "16", "--light-places", "4",
+]
+# The page is for walking through: no rivals, and as little of ground truth as nlg-view makes.
+PAGE = ["--rivals", "none", "--truth-views", "1", "--truth-width", "16", "--truth-rays", "8", "--places", "16"]
+
+
+def tool(context, name):
+    folder = bpy.path.abspath(context.preferences.addons[__package__].preferences.tools)
+    found = shutil.which(name, path=folder or None)
+    if found is None:
+        place = folder or "the PATH"
+        raise ToolError(f"{name} is not in {place}: choose the folder of the tools in Preferences > Add-ons > Neural Light Grid")
+    return found
+
+
+def of_bake(scene, exported):
+    """What a grid depends on."""
+    chosen = settings.of(scene)
+    try:
+        more = shlex.split(chosen.more)
+    except ValueError as error:
+        raise ToolError(f"More: {error}") from error
+    return [
+        exported.level, "--unit", f"{settings.metres_per_unit(scene):.7g}", "--light-unit", "file", f"--sky={exported.sky}",
+        "--spacing-m", f"{chosen.spacing_m:.7g}", "--light-direct", chosen.direct, *more,
+    ]
+
+
+def bake(context, exported, out):
+    return [tool(context, "nlg-bake"), *of_bake(context.scene, exported), "--out", out]
+
+
+def relight(context, exported, grid, out):
+    return [*bake(context, exported, out), "--relight", grid]
+
+
+def check(context, exported, grid):
+    return [tool(context, "nlg-bake"), *of_bake(context.scene, exported), "--check", grid]
+
+
+def probes(context, grid):
+    return [tool(context, "nlg-bake"), "probes", grid]
+
+
+def view(context, exported, grid, out):
+    return [tool(context, "nlg-view"), *of_bake(context.scene, exported), "--grid", grid, *PAGE, "--out", out]

@@ -1,0 +1,136 @@
+#!/usr/bin/python3
+"""The packages: what they hold, and that a bake from them is that of the build.
+
+    package_test.py BUILD CPACK VERSION archive   unpacked into an empty folder, in an environment without anything
+    package_test.py BUILD CPACK VERSION debian    installed on a bare Debian 12 that is made for this; skipped where none can be made
+"""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD, CPACK, VERSION, KIND = Path(sys.argv[1]), sys.argv[2], sys.argv[3], sys.argv[4]
+TOOLS = ["nlg-bake", "nlg-datagen", "nlg-export", "nlg-render", "nlg-view"]
+OF_EVERY_DEBIAN = {"libc.so.6", "libm.so.6", "libgcc_s.so.1", "libstdc++.so.6", "libz.so.1", "ld-linux-x86-64.so.2"}
+BAKE = ["courtyard.glb", "--sky", ".55,.75,1"]
+
+
+def output(*command, **options):
+    result = subprocess.run(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
+    if result.returncode != 0:
+        raise AssertionError(f"{command}: exit code {result.returncode}\n{result.stdout}")
+    return result.stdout
+
+
+def pack(generator, folder):
+    """The package and the sample in a folder; returns the package, and the bytes of what the build bakes of the sample."""
+    output(CPACK, "--config", BUILD / "CPackConfig.cmake", "-G", generator, "-B", folder / "packed")
+    package, = (folder / "packed").glob("nlg*")
+    shutil.copy(ROOT / "samples/courtyard.glb", folder)
+    environment = {name: value for name, value in os.environ.items() if name != "NLG_WEIGHTS"}
+    output(BUILD / "bin/nlg-bake", *BAKE, "--out", "built.safetensors", cwd=folder, env=environment)
+    return package, (folder / "built.safetensors").read_bytes()
+
+
+class Archive(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = Path(folder.name)
+        cls.package, cls.built = pack("TZST", cls.folder)
+        empty = cls.folder / "an empty folder"
+        empty.mkdir()
+        output("cmake", "-E", "tar", "xf", cls.package, cwd=empty)
+        cls.prefix, = empty.iterdir()
+
+    def nlg(self, *arguments):
+        return output(self.prefix / "bin/nlg", *arguments, cwd=self.folder, env={"PATH": "/usr/bin:/bin"})
+
+    def entries(self, tool):
+        return output("readelf", "-d", self.prefix / "bin" / tool)
+
+    def test_bakes_what_the_build_bakes(self):
+        self.assertIn(f"weights: {self.prefix}/share/neural-light-grid/weights/", self.nlg("bake", *BAKE, "--out", "packed.safetensors"))
+        self.assertEqual((self.folder / "packed.safetensors").read_bytes(), self.built)
+        self.nlg("export", "engine", "--grid", "packed.safetensors", "--format", "three", "--out", "engine")
+        self.assertTrue(any((self.folder / "engine").iterdir()))
+
+    def test_holds_the_tools_that_need_no_libtorch(self):
+        self.assertIn(f"-{VERSION}-", self.package.name)
+        self.assertEqual(sorted(path.name for path in (self.prefix / "bin").iterdir()), ["nlg", *TOOLS])
+        self.assertEqual(re.findall(r"^  ([a-z]+) ", self.nlg("--help"), re.MULTILINE), ["bake", "view", "render", "datagen", "export", "completion"])
+        for tool in TOOLS:
+            self.assertNotIn("torch", self.entries(tool))
+
+    def test_holds_nothing_of_the_machine_that_made_it(self):
+        for path in filter(Path.is_file, self.prefix.rglob("*")):
+            for place in (ROOT, BUILD):
+                self.assertNotIn(str(place).encode(), path.read_bytes(), path)
+        for tool in TOOLS:
+            self.assertNotRegex(self.entries(tool), r"\((RPATH|RUNPATH)\)")
+
+    def test_holds_the_licences_of_what_is_compiled_in(self):
+        doc = self.prefix / "share/doc/nlg"
+        self.assertEqual((doc / "copyright").read_text(), (ROOT / "LICENSE").read_text())
+        wanted = re.findall(r"^(\S+-dev)$", (ROOT / "cmake/packages.txt").read_text(), re.MULTILINE)
+        self.assertIn("libhwy-dev", wanted)
+        self.assertEqual({path.name for path in (doc / "licences").iterdir()}, {*wanted, "three.js", "Apache-2.0"})
+
+    def test_the_guide_names_the_packages_that_the_tools_need(self):
+        libraries = {name for tool in TOOLS for name in re.findall(r"NEEDED.*\[(.*)\]", self.entries(tool))} - OF_EVERY_DEBIAN
+        places = dict(re.findall(r"^\t(\S+) \(libc6,.*\) => (\S+)", output("/sbin/ldconfig", "-p"), re.MULTILINE))
+        needed = {output("dpkg", "-S", os.path.realpath(places[name])).split(":")[0] for name in libraries}
+        line, = re.findall(r"^apt install (lib.*)$", (ROOT / "docs/guide/install.md").read_text(), re.MULTILINE)
+        self.assertEqual(sorted(line.split()), sorted(needed))
+
+
+def debian():
+    """One bare system from nothing, which goes with the command that makes it; its mounts are in a namespace of their own."""
+    if os.geteuid() != 0 or not shutil.which("mmdebstrap"):
+        skip("needs root and mmdebstrap")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        package, built = pack("DEB", folder)
+        (folder / "install.sh").write_text(f"""set -e
+            export DEBIAN_FRONTEND=noninteractive
+            cd /root
+            SECONDS=0
+            took() {{ echo "took: $SECONDS s to $1"; }}
+            apt-get update -q
+            apt-get install -q -y ./{package.name}
+            took "the package installed"
+            nlg bake {' '.join(BAKE)}
+            took "the first bake"
+            nlg view {' '.join(BAKE)} --grid courtyard.safetensors --truth-views 1 --truth-width 64 --truth-rays 8 --places 16
+            test -s courtyard/index.html
+            took "its page"
+            cp courtyard.safetensors kept
+            apt-get purge -q -y nlg
+            if find / -xdev -path '*nlg*' -not -path '/root/*' -o -path '*neural-light-grid*' | grep .; then exit 1; fi
+            """)
+        hooks = [f"touch {folder}/made", f"cp {package} {folder}/courtyard.glb {folder}/install.sh $1/root", 'chroot "$1" bash /root/install.sh', f"cp $1/root/kept {folder}"]
+        result = subprocess.run(["mmdebstrap", "--variant=apt", "--format=null", *("--customize-hook=" + hook for hook in hooks), "bookworm", "/dev/null"],
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if not (folder / "made").exists():
+            skip("no bare Debian 12 can be made here: " + result.stdout.strip().splitlines()[-1])
+        print(result.stdout)
+        assert result.returncode == 0, "the package does not install, bake and go"
+        assert (folder / "kept").read_bytes() == built, "another light grid than the build's"
+
+
+def skip(reason):
+    print("skipped:", reason)
+    sys.exit(77)
+
+
+if __name__ == "__main__":
+    if KIND == "debian":
+        debian()
+    else:
+        unittest.main(argv=sys.argv[:1])
