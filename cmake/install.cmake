@@ -3,6 +3,7 @@
 #
 #   PREFIX/include/nlg/           the include directory; below it headers lie as in the repository
 #   PREFIX/lib/libnlg_*.a
+#   PREFIX/bin/nlg.dll, PREFIX/lib/libnlg.dll.a, PREFIX/lib/nlg.def   for Windows alone
 #   PREFIX/lib/cmake/nlg/         nlg-config.cmake; no path of the build is in it, so that the prefix can be moved
 #   PREFIX/share/neural-light-grid/weights/
 #   PREFIX/bin/nlg, nlg-bake, …
@@ -70,6 +71,12 @@ set_target_properties(nlg_regular_file PROPERTIES EXPORT_NAME regular_file)
 # INCLUDES: a CMake before 3.23 reads no file sets
 install(TARGETS nlg_regular_file nlg_weights_file nlg_runtime_eval EXPORT nlg-targets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/nlg
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/nlg)
+if(TARGET nlg_c)
+  target_include_directories(nlg_c INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/nlg>)
+  install(TARGETS nlg_c EXPORT nlg-targets)
+  # of which Visual Studio's lib makes an import library of its own
+  install(FILES ${PROJECT_BINARY_DIR}/runtime_eval/nlg.def DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
 install(EXPORT nlg-targets NAMESPACE nlg:: DESTINATION ${NLG_PACKAGE_FOLDER})
 # before 1.0 every minor version may change what headers hold
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/nlg-config-version.cmake VERSION ${PROJECT_VERSION}

@@ -63,6 +63,7 @@ typedef struct nlg_scratch nlg_scratch;
 
 /* Loads a weights file, from a path or from bytes that are needed only during the call.
  *
+ * path          in UTF-8 on Windows
  * bytes         may be null when byte_count is 0
  * generator     receives the handle; null on failure
  * detail        receives one line of UTF-8, cut to fit and ended by a zero: on failure where and why, on success an empty

@@ -48,4 +48,24 @@ int openRegularFile(const std::string& path, std::string* fault) {
   return -1;
 }
 
+void closeRegularFile(int file) { ::close(file); }
+
+int64_t regularFileSize(int file) {
+  struct stat status {};
+  return ::fstat(file, &status) == 0 ? status.st_size : -1;
+}
+
+bool readRegularFile(int file, uint64_t offset, void* to, size_t count) {
+  char* at = static_cast<char*>(to);
+  while (count > 0) {
+    const ssize_t more = ::pread(file, at, count, static_cast<off_t>(offset));
+    if (more < 0 && errno == EINTR) continue;
+    if (more <= 0) return false;
+    at += more;
+    offset += static_cast<uint64_t>(more);
+    count -= static_cast<size_t>(more);
+  }
+  return true;
+}
+
 }  // namespace nlg

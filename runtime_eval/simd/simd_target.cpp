@@ -28,9 +28,10 @@ constexpr NamedTarget kTargets[] = {{"avx512dl", 0}, {"avx512", 0}, {"avx2", 0},
                                     {"ssse3", 0},    {"neon", 0},   {"scalar", kScalar}};
 #endif
 
-// What the build has and the machine supports, whatever was forced meanwhile.
+// What the build has and the machine supports, whatever was forced meanwhile. What the compiler itself may use is always among it: Highway,
+// where it was compiled to choose, asks for more.
 int64_t machineTargets() {
-  static const int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
+  static const int64_t targets = (hwy::SupportedTargets() | HWY_STATIC_TARGET | kScalar) & HWY_TARGETS;
   return targets;
 }
 

@@ -1,11 +1,8 @@
 #include "runtime_eval/weights_file/safetensors_layout.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -25,6 +22,16 @@ constexpr std::string_view kPaddingPrefix = "padding.";
 constexpr std::string_view kHeaderStart = "{\"__metadata__\":{\"file_sha256\":\"";
 constexpr size_t kDigestDigits = 2 * sizeof(Sha256Digest);
 constexpr size_t kReadBlockBytes = size_t{1} << 20;
+
+struct OpenFile {
+  int descriptor = -1;
+  OpenFile() = default;
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() {
+    if (descriptor >= 0) closeRegularFile(descriptor);
+  }
+};
 
 uint64_t missingToAlignment(uint64_t bytes) { return (kAlignment - bytes % kAlignment) % kAlignment; }
 
@@ -142,22 +149,13 @@ FileResult refuseTensor(FileStatus status, const std::string& name, const std::s
 
 FileResult openByteSource(const std::string& path, ByteSource* source) {
   std::string fault;
-  const int descriptor = openRegularFile(path, &fault);
-  if (descriptor < 0) return refuse(FileStatus::cannot_open, fault);
-  const std::shared_ptr<std::FILE> stream(::fdopen(descriptor, "rb"), [](std::FILE* file) {
-    if (file != nullptr) std::fclose(file);
-  });
-  if (stream == nullptr) {
-    ::close(descriptor);
-    return refuse(FileStatus::cannot_open, "no memory for a stream");
-  }
-  const bool at_end = std::fseek(stream.get(), 0, SEEK_END) == 0;
-  const long size = at_end ? std::ftell(stream.get()) : -1;
+  const auto file = std::make_shared<OpenFile>();
+  file->descriptor = openRegularFile(path, &fault);
+  if (file->descriptor < 0) return refuse(FileStatus::cannot_open, fault);
+  const int64_t size = regularFileSize(file->descriptor);
   if (size < 0) return refuse(FileStatus::cannot_read, std::strerror(errno));
-  *source = {static_cast<uint64_t>(size), [stream](uint64_t offset, void* to, size_t count) {
-               return std::fseek(stream.get(), static_cast<long>(offset), SEEK_SET) == 0 &&
-                      std::fread(to, 1, count, stream.get()) == count;
-             }};
+  *source = {static_cast<uint64_t>(size),
+             [file](uint64_t offset, void* to, size_t count) { return readRegularFile(file->descriptor, offset, to, count); }};
   return {};
 }
 

@@ -1,8 +1,9 @@
 #include "tests/runtime_eval/counting_new.h"
 
 #include <cstddef>
-#include <cstdlib>
 #include <new>
+
+#include "tests/runtime_eval/system_calls.h"
 
 namespace {
 
@@ -10,10 +11,7 @@ thread_local long allocations = 0;
 
 void* allocate(std::size_t size, std::size_t alignment) {
   ++allocations;
-  // exactly as many bytes as asked for, so that a sanitizer sees the first one beyond them; std::aligned_alloc takes multiples only
-  void* memory = nullptr;
-  if (posix_memalign(&memory, alignment, size) != 0) std::abort();
-  return memory;
+  return nlg::alignedMemory(size, alignment);
 }
 
 }  // namespace
@@ -25,14 +23,14 @@ void* operator new[](std::size_t size, std::align_val_t alignment) { return allo
 // a sanitizer's own would take from its heap what is freed below
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return allocate(size, alignof(std::max_align_t)); }
 void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return allocate(size, alignof(std::max_align_t)); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept { nlg::freeAlignedMemory(memory); }
+void operator delete[](void* memory) noexcept { nlg::freeAlignedMemory(memory); }
+void operator delete(void* memory, std::size_t) noexcept { nlg::freeAlignedMemory(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { nlg::freeAlignedMemory(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { nlg::freeAlignedMemory(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { nlg::freeAlignedMemory(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { nlg::freeAlignedMemory(memory); }
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { nlg::freeAlignedMemory(memory); }
 
 namespace nlg {
 

@@ -212,7 +212,7 @@ TEST(CApi, NamesEveryStatus) {
 
 // Of every option: what a scratch without options does is what the library does by default (GivesAnEngineInC…).
 TEST(CApi, ItsDefaultPolicyIsWhatNoOptionsMean) {
-  constexpr size_t kCount = 30;
+  constexpr size_t kCount = 9;
   const EngineFunctions functions(kCount);
   const nlg_policy_options options = nlg_default_policy();
   std::vector<float> with_options(kCount * ThetaLayout::count), without(with_options);

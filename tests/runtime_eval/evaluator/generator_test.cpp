@@ -11,6 +11,7 @@
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_generator.h"
+#include "tests/runtime_eval/system_calls.h"
 
 namespace nlg {
 namespace {
@@ -159,7 +160,7 @@ TEST(Generator, GivesTheSameBitsOnSeveralThreads) {
 }
 
 [[noreturn]] void loadUnder(const char* simd) {
-  ::setenv("NLG_SIMD", simd, 1);
+  setEnvironment("NLG_SIMD", simd);
   Generator generator;
   const FileResult result = Generator::load("/nowhere/weights", &generator);
   std::fprintf(stderr, "%s\n", result.detail.c_str());
@@ -167,7 +168,6 @@ TEST(Generator, GivesTheSameBitsOnSeveralThreads) {
 }
 
 TEST(GeneratorDeathTest, IsNotLoadedUnderATargetThatIsNotThere) {
-  GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(loadUnder("avx9"), testing::ExitedWithCode(static_cast<int>(FileStatus::simd_unavailable)),
               "NLG_SIMD: SIMD target 'avx9' is unknown; expected one of ");
   // past the target: the file is missing
