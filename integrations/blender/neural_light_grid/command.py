@@ -35,7 +35,7 @@ def of_bake(scene, exported):
         raise ToolError(f"More: {error}") from error
     return [
         exported.level, "--unit", f"{settings.metres_per_unit(scene):.7g}", "--light-unit", "file", f"--sky={exported.sky}",
-        "--spacing-m", f"{chosen.spacing_m:.7g}", "--light-direct", chosen.direct, *more,
+        "--spacing-m", f"{chosen.spacing_m:.7g}", "--light-direct", chosen.direct, "--light-groups", chosen.light_groups, *more,
     ]
 
 

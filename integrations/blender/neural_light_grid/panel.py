@@ -20,7 +20,7 @@ class NLG_panel:
         layout.use_property_decorate = False
         chosen = settings.of(context.scene)
         column = layout.column()
-        for name in ("grid", "spacing_m", "has_world", "direct", "back_faces", "more"):
+        for name in ("grid", "spacing_m", "has_world", "direct", "light_groups", "back_faces", "more"):
             column.prop(chosen, name)
         layout.use_property_split = False
         if state.job is None:

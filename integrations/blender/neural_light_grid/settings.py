@@ -48,6 +48,15 @@ class NLG_settings(PropertyGroup):
             ("none", "None", "The engine draws lamps and suns itself"),
         ),
     )
+    light_groups: EnumProperty(
+        name="Lights apart",
+        description="What the game may dim, colour or switch by itself. A custom property light_group of an object or a material names its group",
+        items=(
+            ("one", "None", "All light is one"),
+            ("kind", "By kind", "Sky, suns, lamps and emission"),
+            ("name", "By name", "Each lamp and each shining material: Lamp and Lamp.001 are one"),
+        ),
+    )
     back_faces: EnumProperty(
         name="Back faces",
         description="What the backs of faces bound",
