@@ -120,7 +120,7 @@ def targets_section(results):
             + "\n### Bytes and times\n" + table(["", "target", "measured", "reached"], rows + speed_rows(results)))
 
 
-HEAD = ["weights", "light", "air", "surface", "turned", "over valid trilinear: air", "surface", "turned", "dark", "jumps, mean", "unlit", "bytes a probe", "bake, s"]
+HEAD = ["weights", "light", "air", "surface", "turned", "over valid trilinear: air", "surface", "turned", "dark", "jumps, mean", "unlit", "bytes a probe", "bake, processor s"]
 
 
 def method_row(name, light, entry):

@@ -1,11 +1,11 @@
 #include "light/methods/apv.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
+#include "tool/processor_time.h"
 
 namespace nlg {
 namespace {
@@ -78,7 +78,7 @@ ApvProbes bakeApvProbes(const ProbeSet& probes, const LightTransport& transport,
   ApvProbes baked;
   baked.is_valid.resize(probes.count());
   baked.light.resize(probes.count());
-  const auto start = std::chrono::steady_clock::now();
+  const double start = processorSeconds();
   parallelFor(probes.count(), options.thread_count, [&](uint64_t p, int) {
     const uint64_t seed = mixSeed(options.seed, p);
     const glm::dvec3 capture = probes.position_m[p] + virtualOffset(transport.rays(), probes.position_m[p], probes.spacing_m[p]);
@@ -90,7 +90,7 @@ ApvProbes bakeApvProbes(const ProbeSet& probes, const LightTransport& transport,
     if (!baked.is_valid[p]) light[p] = dilated(probes, baked, p);
   }
   baked.light = std::move(light);
-  baked.bake_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  baked.bake_s = processorSeconds() - start;
   return baked;
 }
 

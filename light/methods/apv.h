@@ -17,7 +17,7 @@ inline constexpr size_t kApvBytesL1 = 17, kApvBytesL2 = 33;  // a probe: L0 in f
 struct ApvProbes {
   std::vector<uint8_t> is_valid;  // by probe
   std::vector<LightSh> light;     // captured, or dilated
-  double bake_s = 0.0;            // by the clock, on all threads
+  double bake_s = 0.0;            // of the processor, summed over threads
 };
 
 ApvProbes bakeApvProbes(const ProbeSet& probes, const LightTransport& transport, const ProbeSetOptions& options);

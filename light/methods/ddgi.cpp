@@ -1,7 +1,6 @@
 #include "light/methods/ddgi.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -9,6 +8,7 @@
 #include "runtime_eval/numbers/half.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
+#include "tool/processor_time.h"
 
 namespace nlg {
 namespace {
@@ -125,7 +125,7 @@ void blendDepth(const std::vector<ProbeRay>& rays, float spacing_m, DdgiProbe* p
 DdgiMaps makeDdgiMaps(const ProbeSet& probes, const LightTransport& transport, const DdgiMapsOptions& options) {
   DdgiMaps maps;
   maps.probes.resize(probes.count());
-  const auto start = std::chrono::steady_clock::now();
+  const double start = processorSeconds();
   parallelFor(probes.count(), options.thread_count, [&](uint64_t p, int) {
     DdgiProbe& probe = maps.probes[p];
     const uint64_t seed = mixSeed(options.seed, p);
@@ -137,7 +137,7 @@ DdgiMaps makeDdgiMaps(const ProbeSet& probes, const LightTransport& transport, c
     blendDepth(rays, probes.spacing_m[p], &probe);
     blendIrradiance(transport.arriving(probe.position_m, options.gather, seed), &probe);
   });
-  maps.bake_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  maps.bake_s = processorSeconds() - start;
   return maps;
 }
 

@@ -42,7 +42,7 @@ struct DdgiProbe {
 struct DdgiMaps {
   std::vector<DdgiProbe> probes;
   float scale = 1.0f;   // irradiance over what is stored
-  double bake_s = 0.0;  // by the clock, on all threads
+  double bake_s = 0.0;  // of the processor, summed over threads
 };
 
 DdgiMaps makeDdgiMaps(const ProbeSet& probes, const LightTransport& transport, const DdgiMapsOptions& options);

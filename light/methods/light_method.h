@@ -74,7 +74,7 @@ struct LightMethod {
   const Weighting* weighting = nullptr;  // of those that blend probes
   MethodBytes bytes;
   size_t probes = 0;                                  // that bytes are stored of
-  double weights_s = 0.0, light_s = 0.0;              // of its bake, by the clock
+  double weights_s = 0.0, light_s = 0.0;              // of its bake: of the processor, summed over threads
   const std::vector<LightSh>* probe_light = nullptr;  // of those that blend harmonics, by probe
 };
 

@@ -1,7 +1,6 @@
 #include "light/methods/method_set.h"
 
 #include <bit>
-#include <chrono>
 
 #include "light/directions.h"
 #include "light/methods/grid_weighting.h"
@@ -12,6 +11,7 @@
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
+#include "tool/processor_time.h"
 
 namespace nlg {
 namespace {
@@ -20,9 +20,6 @@ constexpr uint64_t kProbeStream = 0x70726f6265, kNormalStream = 0x736f6c7665, kD
                    kOctreeStream = 0x6f637472;
 
 const std::string kDdgiAsShipped = "DDGI as shipped", kRelocated = ", relocated";
-
-using Clock = std::chrono::steady_clock;
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Weights that look at the normal are solved for with any one: the same for the same place.
 glm::vec3 normalOfPlace(const glm::dvec3& place) {
@@ -78,7 +75,7 @@ MethodSet::MethodSet(const MethodScene& scene, const MethodSetOptions& options)
       probes_(
           makeProbeSet(scene.tree, scene.transport, {options.probe, options.thread_count, mixSeed(options.seed, kProbeStream)})),
       tree_bytes_(treeBytes(scene.tree)) {
-  const Clock::time_point start = Clock::now();
+  const double start = processorSeconds();
   GatherOptions place = options.solve.place;
   std::unique_ptr<SurfaceCache> cache;
   if (options.solve.caches_surfaces) {
@@ -87,7 +84,7 @@ MethodSet::MethodSet(const MethodScene& scene, const MethodSetOptions& options)
     place.cache = cache.get();
   }
   place_light_ = measureLight(scene.transport, scene.air.places, place, options.solve.seed, options.thread_count);
-  measure_s_ = secondsSince(start);
+  measure_s_ = processorSeconds() - start;
 }
 
 const Weighting& MethodSet::own(std::unique_ptr<Weighting> weighting) { return *weightings_.emplace_back(std::move(weighting)); }
@@ -106,7 +103,7 @@ void MethodSet::addBlends(Blends blends) {
     method.probes = blends.probes;
     method.bytes = blends.bytes;
     method.weights_s = blends.weights_s;
-    const Clock::time_point start = Clock::now();
+    const double start = processorSeconds();
     std::vector<LightSh> light;
     if (way == LightWay::point && blends.point_light != nullptr) {
       light = *blends.point_light;
@@ -121,7 +118,7 @@ void MethodSet::addBlends(Blends blends) {
         if (probes_.is_in_air[p]) light[p] = probes_.light[p];
       }
     }
-    method.light_s = secondsSince(start) + (way == LightWay::point ? probes_.gather_s : measure_s_);
+    method.light_s = processorSeconds() - start + (way == LightWay::point ? probes_.gather_s : measure_s_);
     // whoever counts bytes of harmonics for itself has 8 bits or more for each
     const bool has_own_bytes = blends.bytes.light > 0;
     size_t light_bytes = 0;
@@ -216,10 +213,10 @@ void MethodSet::addDdgi() {
 }
 
 void MethodSet::addTetrahedra() {
-  const Clock::time_point start = Clock::now();
+  const double start = processorSeconds();
   std::unique_ptr<Tetrahedra> tetrahedra = Tetrahedra::make(probes_);
   if (tetrahedra == nullptr) return;
-  const double seconds = secondsSince(start);
+  const double seconds = processorSeconds() - start;
   // an engine goes on from the tetrahedron of the frame before: it needs no tree
   MethodBytes bytes = bytesOf(tetrahedra->byteCount());
   bytes.tree = 0;
@@ -229,7 +226,7 @@ void MethodSet::addTetrahedra() {
 void MethodSet::addQuakeGrid() {
   const QuakeGrid& grid = scene_.transport.scene().light.quake_grid;
   if (grid.cells.empty()) return;
-  const Clock::time_point start = Clock::now();
+  const double start = processorSeconds();
   quake_grid_ = std::make_unique<QuakeGridLight>(grid);
   std::vector<glm::vec3> normals, light;
   for (size_t i = 0; i < scene_.air.places.size(); ++i) {
@@ -242,7 +239,7 @@ void MethodSet::addQuakeGrid() {
   method.light = "own";
   method.probes = grid.cells.size();
   method.bytes = {grid.file_bytes, 0, 0};
-  method.weights_s = secondsSince(start);
+  method.weights_s = processorSeconds() - start;
   method.irradiance_at = [this](const glm::dvec3& position_m, const glm::vec3& normal) {
     return quake_grid_->irradianceAt(position_m, normal);
   };
@@ -253,10 +250,10 @@ void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const 
                                    const std::vector<LightWay>& ways) {
   std::vector<glm::dvec3> all = places;
   all.insert(all.end(), scene_.air.places.begin(), scene_.air.places.end());
-  const Clock::time_point start = Clock::now();
+  const double start = processorSeconds();
   auto functions =
       std::make_unique<TargetFunctions>(all, probes_, scene_.transport.rays(), scene_.links, diffusion, options_.thread_count);
-  const double seconds = secondsSince(start);
+  const double seconds = processorSeconds() - start;
   // 8,192 samples in 8 bits each
   addBlends({"target functions", std::move(functions), probes_.count(), bytesOf(probes_.count() * kSupportPointCount), seconds,
              nullptr, ways});

@@ -1,10 +1,9 @@
 #include "light/methods/probe_set.h"
 
-#include <chrono>
-
 #include "light/air.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
+#include "tool/processor_time.h"
 
 namespace nlg {
 
@@ -20,12 +19,12 @@ ProbeSet makeProbeSet(const ProbeTree& tree, const LightTransport& transport, co
     set.position_m.emplace_back(at[0], at[1], at[2]);
     set.spacing_m[p] = tree.probeSpacing(p);
   }
-  const auto start = std::chrono::steady_clock::now();
+  const double start = processorSeconds();
   parallelFor(count, options.thread_count, [&](uint64_t p, int) {
     set.is_in_air[p] = isInAir(transport.rays(), set.position_m[p]);
     set.light[p] = transport.gather(set.position_m[p], options.gather, mixSeed(options.seed, p)).light;
   });
-  set.gather_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  set.gather_s = processorSeconds() - start;
   for (const uint8_t in_air : set.is_in_air) set.air_count += in_air;
   return set;
 }

@@ -21,7 +21,7 @@ struct ProbeSet {
   std::vector<uint8_t> is_in_air;
   std::vector<LightSh> light;  // gathered where each stands, in solid too
   size_t air_count = 0;
-  double gather_s = 0.0;  // by the clock, on all threads
+  double gather_s = 0.0;  // of the processor, summed over threads
 
   size_t count() const { return position_m.size(); }
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <map>
 
@@ -10,6 +9,7 @@
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
+#include "tool/processor_time.h"
 
 namespace nlg {
 namespace {
@@ -294,7 +294,7 @@ std::vector<ShOctree> growShOctrees(const LightTransport& transport, const std::
                                     const std::vector<LightSh>& light, const ShOctreeOptions& options) {
   NLG_CHECK(places.size(), ==, light.size());
   NLG_CHECK(places.size(), >, 0u);
-  const auto start = std::chrono::steady_clock::now();
+  const double start = processorSeconds();
   Grower grower(transport, places, light, options);
   std::vector<ShOctree> octrees;
   for (const size_t budget : options.byte_budgets) {
@@ -302,7 +302,7 @@ std::vector<ShOctree> growShOctrees(const LightTransport& transport, const std::
     grower.growTo(budget);
     octrees.push_back(grower.finished());
     octrees.back().byte_budget = budget;
-    octrees.back().bake_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    octrees.back().bake_s = processorSeconds() - start;
     if (grower.bytes() < budget / 2) break;
   }
   return octrees;

@@ -31,7 +31,7 @@ struct ShOctree {
   size_t byte_budget = 0;
   ProbeTree tree;              // in the scene's coordinates
   std::vector<LightSh> light;  // by probe
-  double bake_s = 0.0;         // by the clock, that of smaller trees included
+  double bake_s = 0.0;         // of the processor, that of smaller trees included
 };
 
 // places   in air, relative to the scene's origin, with their light; a half of them is held out while the tree grows, and light is

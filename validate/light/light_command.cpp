@@ -18,6 +18,7 @@
 #include "tool/error.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
+#include "tool/processor_time.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
@@ -144,8 +145,9 @@ class LightMeasurement {
     for (const auto& [name, generators] : sets) {
       BakeOptions without_light = options;
       without_light.light = "none";
+      const double start = processorSeconds();
       Bake bake = bakeScene(scene, generators, without_light, temporaryFolder());
-      methods.addGrid(name, std::move(bake.grid), bake.statistics.wall_s);
+      methods.addGrid(name, std::move(bake.grid), processorSeconds() - start);
     }
     const size_t first_word = methods.methods().size();
     std::vector<ThetaWord> words;  // of the methods from there on

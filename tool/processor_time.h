@@ -1,0 +1,15 @@
+// What work takes of the processors, whatever else the machine does meanwhile.
+#pragma once
+
+#include <ctime>
+
+namespace nlg {
+
+// Seconds that all threads of this program have run so far: the cost of a piece of work is the difference of two.
+inline double processorSeconds() {
+  timespec time{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace nlg
