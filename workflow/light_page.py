@@ -168,7 +168,8 @@ def seen_targets(found, ours):
 
 def seen_section(results):
     found = results["views"]
-    text = SEEN_INTRODUCTION + seen_targets(found, results["ours"])
+    revisions = ", ".join(f"`{revision}`" for revision in found["revisions"])
+    text = SEEN_INTRODUCTION + f"\nViews are of revision {revisions}.\n" + seen_targets(found, results["ours"])
     for kind, methods in found["methods"].items():
         text += f"\n### {KIND_TITLES[kind]}, as seen\n{max(entry['scenes'] for entry in methods.values())} scenes, probes {spacing_text(SHOWN_SPACING)} apart.\n" + table(SEEN_HEAD, [seen_row(entry) for entry in methods.values()])
     return text

@@ -9,7 +9,8 @@
     workflow/results.py check                                            names every text that says something else
 
 collect takes a run's result folder, out/NAME, reduces what it measured to docs/results/NAME.json, draws the plots of docs/images anew and fills the texts.
-collect-light takes what nlg-validate light wrote of scenes, FOLDER/SCENE.json (light_results.py says what else may lie there).
+collect-light takes what nlg-validate light wrote of scenes, FOLDER/SCENE.json (light_results.py says what else may lie there; of that, what
+is not there stays as it was collected before).
 collect-siege takes what tests/siege/run.py left in its --out, collect-cycles what workflow/cycles/compare.py left in its own.
 write makes docs/reference/results.md, docs/reference/light.md, docs/reference/reliability.md, docs/reference/cycles.md and weights/README.md whole, and fills the phrases that workflow/quotes.json names.
 What a run's folder does not have by itself, and is taken when it is there:
@@ -111,7 +112,12 @@ def collect(run, configuration, pictures, add):
 
 def collect_light(folder, ours):
     import light_results  # which alone needs numpy
-    return write(keep(light_results.collect(folder, ours)))
+    results, earlier = light_results.collect(folder, ours), load_results(RESULTS).get(light_page.NAME, {})
+    for section in ("views", "noise", "bakes", "benchmarks"):
+        # each measured by itself: what the folder lacks stays as it was
+        if section not in results and section in earlier:
+            results[section] = earlier[section]
+    return write(keep(results))
 
 
 def main():
