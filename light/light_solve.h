@@ -43,11 +43,33 @@ struct LightSolution {
   double residual = 0.0;  // as tolerance has it
 };
 
-// samples   may be empty: then the prior is the answer. In any order: sums are made in theirs
-// prior     by probe
-// pull      by probe, > 0
-// start     by probe: the closer to the answer, the fewer iterations
-// The same bits for any number of threads.
+// The solve of one set of samples, again and again: which probes they read together is found once. What probes weigh together at places
+// is a sparse matrix, a row of some 27 a probe, where the samples themselves are a dozen a cell with eight probes each.
+class LightSolver {
+ public:
+  // samples   must outlive it; their probes, weights and order stay as they are. May be empty: then the prior is the answer
+  LightSolver(const std::vector<LightSample>& samples, size_t probe_count, int thread_count);
+
+  // With the importance and light that samples have now. The same bits for any number of threads.
+  // prior   by probe
+  // pull    by probe, > 0
+  // start   by probe: the closer to the answer, the fewer iterations
+  LightSolution solve(const std::vector<LightSh>& prior, const std::vector<float>& pull, const std::vector<LightSh>& start,
+                      const LightSolveOptions& options = {});
+
+ private:
+  float& valueAt(uint32_t row, uint32_t column);
+  void weigh();
+
+  const std::vector<LightSample>& samples_;
+  const int thread_count_;
+  std::vector<size_t> row_begin_;  // by probe, into columns_ and values_; one more at the end
+  std::vector<uint32_t> columns_;  // probes, rising within a row
+  std::vector<float> values_;      // sum over samples of importance * weight * weight
+  std::vector<float> diagonal_;    // by probe: that of the probe with itself
+};
+
+// The same once, on the calling thread.
 LightSolution solveLight(const std::vector<LightSample>& samples, const std::vector<LightSh>& prior,
                          const std::vector<float>& pull, const std::vector<LightSh>& start,
                          const LightSolveOptions& options = {});

@@ -14,7 +14,7 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kPlaceStream = 0x706c6163, kProbeStream = 0x70726f62;
-constexpr uint64_t kBlockPlaces = 64;
+constexpr uint64_t kBlockPlaces = 64, kBlockSamples = 4096;
 // Rounds of the solve: each weighs places anew by the answer of the one before.
 constexpr int kRounds = 5;
 // Light that a round blends at a place is believed within this factor of what was measured there: more than the noise of most places.
@@ -126,8 +126,7 @@ std::vector<float> pullOf(const std::vector<LightSample>& samples, size_t probe_
 }
 
 // Of irradiance, over all normals and channels, in the unit of a first coefficient.
-float squaredError(const LightSample& sample, const std::vector<LightSh>& light) {
-  const LightSh blend = blendOf(sample, light);
+float squaredError(const LightSample& sample, const LightSh& blend) {
   float sum = 0.0f;
   for (int k = 0; k < kShCount; ++k) {
     const glm::vec3 error = blend[k] - sample.light[k];
@@ -139,9 +138,9 @@ float squaredError(const LightSample& sample, const std::vector<LightSh>& light)
 
 // An eye sees shares: the unit of an error is the light where it stands. What was measured there has noise, and as the unit it
 // would favour the places that noise made dark; so the unit is what the last answer gives, as far as measurement bears it out.
-float unitOf(const LightSample& sample, const std::vector<LightSh>& light, float least) {
+float unitOf(const LightSample& sample, const LightSh& blend, float least) {
   const float measured = lightOf(sample.light);
-  return std::clamp(lightOf(blendOf(sample, light)), measured / kMostNoise, measured * kMostNoise) + least;
+  return std::clamp(lightOf(blend), measured / kMostNoise, measured * kMostNoise) + least;
 }
 
 // What a probe is held at: the mean of light under its shares, where a probe has any. By the plain mean a hundredth of a share of a
@@ -172,23 +171,29 @@ std::vector<LightSh> priorOf(const std::vector<LightSample>& samples, const std:
 //
 // group_means, group_samples   of each group of lights: solved for with the last round's say
 ProbeLight solved(std::vector<LightSample> samples, const Means& means, float mean, const ProbeLightOptions& options,
-                  const std::vector<Means>& group_means, const std::vector<std::vector<LightSample>>& group_samples) {
+                  int thread_count, const std::vector<Means>& group_means,
+                  const std::vector<std::vector<LightSample>>& group_samples) {
   std::vector<float> importance(samples.size());
   std::transform(samples.begin(), samples.end(), importance.begin(), [](const LightSample& sample) { return sample.importance; });
   const auto least = static_cast<float>(options.dark_share * mean), outlier = static_cast<float>(options.outlier);
   ProbeLight result{means.light, {}, 0, 0};
   LightSolveOptions solve;
   solve.order_pull = kOrderPull;
+  LightSolver solver(samples, means.light.size(), thread_count);
   std::vector<float> say(samples.size());
   for (int round = 0; round < kRounds; ++round) {
-    for (size_t i = 0; i < samples.size(); ++i) {
-      const float unit = unitOf(samples[i], result.light, least), s = outlier * unit;
-      say[i] = importance[i] * mean / unit;
-      samples[i].importance = say[i] * mean / unit;
-      samples[i].importance /= 1.0f + squaredError(samples[i], result.light) / (s * s);
-    }
-    LightSolution solution = solveLight(samples, priorOf(samples, say, means.light),
-                                        pullOf(samples, means.light.size(), options.pull), result.light, solve);
+    parallelFor((samples.size() + kBlockSamples - 1) / kBlockSamples, thread_count, [&](uint64_t block, int) {
+      const size_t end = std::min<size_t>((block + 1) * kBlockSamples, samples.size());
+      for (size_t i = block * kBlockSamples; i < end; ++i) {
+        const LightSh blend = blendOf(samples[i], result.light);
+        const float unit = unitOf(samples[i], blend, least), s = outlier * unit;
+        say[i] = importance[i] * mean / unit;
+        samples[i].importance = say[i] * mean / unit;
+        samples[i].importance /= 1.0f + squaredError(samples[i], blend) / (s * s);
+      }
+    });
+    LightSolution solution =
+        solver.solve(priorOf(samples, say, means.light), pullOf(samples, means.light.size(), options.pull), result.light, solve);
     result.light = std::move(solution.light);
     result.iterations += solution.iterations;
   }
@@ -197,7 +202,7 @@ ProbeLight solved(std::vector<LightSample> samples, const Means& means, float me
     for (size_t i = 0; i < samples.size(); ++i) samples[i].light = group_samples[group][i].light;
     const std::vector<LightSh>& start = group_means[group].light;
     LightSolution solution =
-        solveLight(samples, priorOf(samples, say, start), pullOf(samples, start.size(), options.pull), start, solve);
+        solver.solve(priorOf(samples, say, start), pullOf(samples, start.size(), options.pull), start, solve);
     result.groups.push_back(std::move(solution.light));
     result.iterations += solution.iterations;
   }
@@ -215,7 +220,7 @@ void judge(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>&
     LightSample sample;
     if (!takeWeights(weights[i], &sample)) continue;
     sample.light = place_light[i];
-    const float error = squaredError(sample, lit->light);
+    const float error = squaredError(sample, blendOf(sample, lit->light));
     if (error > worst) {
       worst = error;
       lit->worst_place = i;
@@ -290,7 +295,7 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
     const float mean = meanLight(place_light);
     std::vector<std::vector<LightSample>> group_samples;
     for (const std::vector<LightSh>& of_group : place_groups) group_samples.push_back(samplesOf(weights, of_group));
-    result = solved(samplesOf(weights, place_light), means, mean, options, group_means, group_samples);
+    result = solved(samplesOf(weights, place_light), means, mean, options, thread_count, group_means, group_samples);
   } else {
     result.light = std::move(means.light);
     for (Means& of_group : group_means) result.groups.push_back(std::move(of_group.light));
