@@ -40,6 +40,7 @@ set(NLG_MAY_LINK_policy_options nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_bake          nlg::policy_options nlg::scene nlg::probes nlg::visibility nlg::light nlg::weighting nlg::dataset nlg::shard_job nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_render        nlg::light_methods nlg::bake nlg::policy_options nlg::view nlg::light nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_viewer        nlg::render nlg::shader_export nlg::light_figures nlg::light_methods nlg::bake nlg::view nlg::light nlg::scene nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg_python    nlg::runtime_eval)
 # tools: the stage's own libraries, and what all tools share
 set(NLG_MAY_LINK_nlg-datagen   nlg::shard_job nlg::view nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-pca       nlg::basis nlg::dataset nlg::runtime_eval nlg::tool)

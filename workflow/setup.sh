@@ -1,7 +1,7 @@
 # Set-up that nlg, pipeline.sh and test.sh share: packages, configuration, builds. Sourced; its functions run at the root of the checkout.
 #
 # A purpose is a word behind packages of cmake/packages.txt: `train`, `pipeline`, `package`, `tests`,
-# `machines`. A bake and the viewer need none.
+# `machines`, `python`. A bake and the viewer need none.
 
 # Installs what is missing of the packages for these purposes, and of those without one; asks for nothing when all of it is there.
 install_packages() {

@@ -1,0 +1,11 @@
+// The classes of the module nlg.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace nlg {
+
+void addLightGridClass(pybind11::module_& module);
+void addGeneratorClass(pybind11::module_& module);
+
+}  // namespace nlg

@@ -1,0 +1,142 @@
+// nlg.Generator: weights, the theta that they make of functions, and what theta stands for.
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "integrations/python/arrays.h"
+#include "integrations/python/classes.h"
+#include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/evaluator/generator.h"
+#include "runtime_eval/fit/theta_policy.h"
+#include "runtime_eval/light_grid/light_grid.h"
+#include "runtime_eval/simd/aligned.h"
+
+namespace nlg {
+namespace {
+
+// Between two looks for Ctrl-C.
+constexpr py::ssize_t kFunctionsAtOnce = 64;
+constexpr py::ssize_t kPointsAtOnce = 4096;
+
+std::unique_ptr<Generator> loadGenerator(const py::object& source) {
+  const FileSource file = sourceOf(source);
+  auto generator = std::make_unique<Generator>();
+  raiseUnlessOk(file.is_path ? Generator::load(std::string(file.text()), generator.get())
+                             : Generator::parse(file.text(), generator.get()));
+  return generator;
+}
+
+py::ssize_t thetaCount(const Generator& generator) { return generator.representation().thetaCount(); }
+
+// work(first, count) for pieces of the functions, without Python's lock.
+template <class Work>
+void inPieces(py::ssize_t function_count, const Work& work) {
+  for (py::ssize_t first = 0; first < function_count; first += kFunctionsAtOnce) {
+    {
+      const py::gil_scoped_release released;
+      work(first, static_cast<int>(std::min(kFunctionsAtOnce, function_count - first)));
+    }
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+}
+
+Rows<float> generate(const Generator& generator, const py::object& phi) {
+  const Rows<uint8_t> samples = rowsOf<uint8_t>("phi", phi, {kAnyLength, kSupportPointCount});
+  const uint8_t* const from = samples.data();
+  Rows<float> theta({samples.shape(0), thetaCount(generator)});
+  float* const to = theta.mutable_data();
+  GeneratorScratch scratch(generator);
+  inPieces(samples.shape(0), [&](py::ssize_t first, int count) {
+    generator.generate(from + first * kSupportPointCount, count, to + first * generator.representation().thetaCount(), &scratch);
+  });
+  return theta;
+}
+
+py::tuple makeTheta(const Generator& generator, const py::object& phi, const py::object& validity) {
+  const Rows<uint8_t> samples = rowsOf<uint8_t>("phi", phi, {kAnyLength, kSupportPointCount});
+  const py::ssize_t function_count = samples.shape(0);
+  const Rows<uint8_t> valid = rowsOf<uint8_t>("validity", validity, {function_count, kValidityByteCount});
+  const uint8_t *const phi_from = samples.data(), *const valid_from = valid.data();
+  Rows<float> theta({function_count, thetaCount(generator)});
+  Rows<bool> has_theta(function_count);
+  Rows<double> rmse(function_count);
+  float* const theta_to = theta.mutable_data();
+  bool* const has_theta_to = has_theta.mutable_data();
+  double* const rmse_to = rmse.mutable_data();
+  std::fill_n(theta_to, theta.size(), 0.0f);
+  ThetaPolicy policy({&generator}, PolicyOptions{});
+  inPieces(function_count, [&](py::ssize_t first, int count) {
+    std::vector<StoredFunction> functions;
+    std::vector<MadeTheta> made(static_cast<size_t>(count));
+    for (py::ssize_t i = first; i < first + count; ++i) {
+      functions.push_back({phi_from + i * kSupportPointCount, valid_from + i * kValidityByteCount});
+    }
+    policy.bake(functions.data(), count, made.data());
+    for (int i = 0; i < count; ++i) {
+      std::copy(made[i].theta.begin(), made[i].theta.end(), theta_to + (first + i) * generator.representation().thetaCount());
+      has_theta_to[first + i] = !made[i].isBareTent();
+      rmse_to[first + i] = made[i].check().rmse;
+    }
+  });
+  return py::make_tuple(theta, has_theta, rmse);
+}
+
+Rows<float> evaluateTheta(const Generator& generator, const py::object& theta, const py::object& points) {
+  const Rows<float> numbers = rowsOf<float>("theta", theta, {thetaCount(generator)});
+  const Rows<float> places = rowsOf<float>("points", points, {kAnyLength, 3});
+  requireWithin("theta", numbers, kMaxGridTheta);
+  requireWithin("points", places, 1.0f);
+  const float *const theta_from = numbers.data(), *const places_from = places.data();
+  Rows<float> phi(places.shape(0));
+  float* const to = phi.mutable_data();
+  const py::ssize_t point_count = places.shape(0);
+  const py::gil_scoped_release released;
+  std::vector<LocalPoint> piece;
+  for (py::ssize_t first = 0; first < point_count; first += kPointsAtOnce) {
+    piece.resize(static_cast<size_t>(std::min(kPointsAtOnce, point_count - first)));
+    std::copy_n(places_from + 3 * first, 3 * piece.size(), piece.front().data());
+    const PointSet set = makePointSet(piece);
+    AlignedFloats values(static_cast<size_t>(set.padded_count));
+    evaluate(generator.representation(), set, theta_from, values.data());
+    std::copy_n(values.data(), piece.size(), to + first);
+  }
+  return phi;
+}
+
+}  // namespace
+
+void addGeneratorClass(py::module_& module) {
+  py::class_<Generator>(module, "Generator", R"(Generator(source): a trained generator, what nlg-export wrote.
+
+source: the path of a weights file (str or os.PathLike), or its bytes. Every byte is checked.
+Raises OSError where the file cannot be read, ValueError where it is damaged or no weights file.
+Any number of threads may use one. Below, P is 8192 and D the numbers of one theta.)")
+      .def(py::init(&loadGenerator), py::arg("source"))
+      .def_property_readonly(
+          "representation", [](const Generator& generator) { return representationName(generator.representation()); },
+          "str: what theta stands for, \"tent_mlp4\".")
+      .def_property_readonly("theta_count", &thetaCount, "int: D.")
+      .def("generate", &generate, py::arg("phi"), R"(generate(phi) -> theta: the network alone.
+
+phi:   (n, P) uint8: functions at support_points(), round(255 phi); 0 at points inside solid
+theta: (n, D) float32)")
+      .def("make_theta", &makeTheta, py::arg("phi"), py::arg("validity"), R"(make_theta(phi, validity) -> theta, has_theta, rmse
+
+The whole policy of a bake, with its defaults: network, check, exact last layer, fits and refinement of what fails.
+
+phi:       (n, P) uint8: functions at support_points(), round(255 phi); 0 at points inside solid
+validity:  (n, P / 8) uint8: 1 outside solid, a bit a point: numpy.packbits(valid, axis=1, bitorder="little")
+theta:     (n, D) float32
+has_theta: (n,) bool: False where the bare tent is enough, and theta is all 0
+rmse:      (n,) float64: of what stands for the function, over valid points
+
+Other threads of Python run meanwhile; Ctrl-C is heard.)")
+      .def("evaluate", &evaluateTheta, py::arg("theta"), py::arg("points"), R"(evaluate(theta, points) -> phi
+
+theta:  (D,) float32
+points: (n, 3) float32, local coordinates in [-1, 1]; one unit is one probe spacing
+phi:    (n,) float32, not clamped)");
+}
+
+}  // namespace nlg
