@@ -403,7 +403,7 @@ std::vector<ArrivingLight> LightTransport::arriving(const glm::dvec3& position_m
 GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed,
                                      uint64_t index) const {
   GatheredLight result;
-  if (impl_->group_count > 1) result.groups.resize(impl_->group_count);
+  if (!impl_->groups().names.empty()) result.groups.resize(impl_->group_count);
   std::array<LightSh, kSetCount> sets{};
   impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, index,
                             [&](int set, const glm::vec3& direction, const glm::vec3& flux, size_t group) {

@@ -169,10 +169,11 @@ std::vector<LightSh> priorOf(const std::vector<LightSample>& samples, const std:
 // hold, so that their loss is Cauchy's, s² log(1 + error² / s²) with s in units of the place, by iteratively reweighted least
 // squares.
 //
-// group_means, group_samples   of each group of lights: solved for with the last round's say
-ProbeLight solved(std::vector<LightSample> samples, const Means& means, float mean, const ProbeLightOptions& options,
-                  int thread_count, const std::vector<Means>& group_means,
-                  const std::vector<std::vector<LightSample>>& group_samples) {
+// samples   their importance becomes that of the last round
+// of_all    of one group of lights: the same places in all light, solved for. What one light by itself shows, as a dark wall beside its
+//           patch, all light may hide, and the other way round: a place counts by the geometric mean of both
+ProbeLight solved(std::vector<LightSample>& samples, const Means& means, float mean, const ProbeLightOptions& options,
+                  int thread_count, const std::vector<LightSample>* of_all = nullptr) {
   std::vector<float> importance(samples.size());
   std::transform(samples.begin(), samples.end(), importance.begin(), [](const LightSample& sample) { return sample.importance; });
   const auto least = static_cast<float>(options.dark_share * mean), outlier = static_cast<float>(options.outlier);
@@ -190,20 +191,12 @@ ProbeLight solved(std::vector<LightSample> samples, const Means& means, float me
         say[i] = importance[i] * mean / unit;
         samples[i].importance = say[i] * mean / unit;
         samples[i].importance /= 1.0f + squaredError(samples[i], blend) / (s * s);
+        if (of_all != nullptr) samples[i].importance = std::sqrt(samples[i].importance * (*of_all)[i].importance);
       }
     });
     LightSolution solution =
         solver.solve(priorOf(samples, say, means.light), pullOf(samples, means.light.size(), options.pull), result.light, solve);
     result.light = std::move(solution.light);
-    result.iterations += solution.iterations;
-  }
-  // linear from here on
-  for (size_t group = 0; group < group_means.size(); ++group) {
-    for (size_t i = 0; i < samples.size(); ++i) samples[i].light = group_samples[group][i].light;
-    const std::vector<LightSh>& start = group_means[group].light;
-    LightSolution solution =
-        solver.solve(priorOf(samples, say, start), pullOf(samples, start.size(), options.pull), start, solve);
-    result.groups.push_back(std::move(solution.light));
     result.iterations += solution.iterations;
   }
   return result;
@@ -258,7 +251,7 @@ std::vector<LightSh> measureLight(const LightTransport& transport, const std::ve
                                   const GatherOptions& options, uint64_t seed, int thread_count, LightByGroup* groups) {
   std::vector<LightSh> light(places.size());
   if (groups != nullptr) {
-    const size_t group_count = transport.groupCount() > 1 ? transport.groupCount() : 0;
+    const size_t group_count = transport.scene().light.groups.names.size();
     groups->assign(group_count, std::vector<LightSh>(places.size()));
   }
   Progress progress("places lit", static_cast<int64_t>(places.size()));
@@ -293,9 +286,14 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
   ProbeLight result;
   if (options.way == LightWay::solved) {
     const float mean = meanLight(place_light);
-    std::vector<std::vector<LightSample>> group_samples;
-    for (const std::vector<LightSh>& of_group : place_groups) group_samples.push_back(samplesOf(weights, of_group));
-    result = solved(samplesOf(weights, place_light), means, mean, options, thread_count, group_means, group_samples);
+    std::vector<LightSample> samples = samplesOf(weights, place_light);
+    result = solved(samples, means, mean, options, thread_count);
+    for (size_t g = 0; g < place_groups.size(); ++g) {
+      std::vector<LightSample> of_group = samplesOf(weights, place_groups[g]);
+      ProbeLight lit = solved(of_group, group_means[g], meanLight(place_groups[g]), options, thread_count, &samples);
+      result.groups.push_back(std::move(lit.light));
+      result.iterations += lit.iterations;
+    }
   } else {
     result.light = std::move(means.light);
     for (Means& of_group : group_means) result.groups.push_back(std::move(of_group.light));
@@ -308,6 +306,12 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
       result.light[p] = gathered.light;
       for (size_t g = 0; g < result.groups.size(); ++g) result.groups[g][p] = gathered.groups[g];
     });
+  }
+  if (!result.groups.empty()) {
+    for (size_t p = 0; p < result.light.size(); ++p) {
+      result.light[p] = {};
+      for (const std::vector<LightSh>& of_group : result.groups) add(&result.light[p], 1.0f, of_group[p]);
+    }
   }
   result.unread = unread;
   judge(weights, place_light, &result);

@@ -65,8 +65,7 @@ struct ProbeLight {
 
 // tree         in the scene's coordinates
 // places       in air, in cells of the tree
-// place_light  by place; place_groups: what each group gives of it. The unit and the say of a place are those of all light, so that
-//              what groups give adds up to the answer without groups
+// place_light  by place; place_groups: what each group gives of it, which is solved for by itself
 // weights_at   what the probes' functions give; called once a place, from any thread
 ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
                        const std::vector<LightSh>& place_light, const WeightsAt& weights_at, const ProbeLightOptions& options,

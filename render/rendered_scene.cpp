@@ -84,7 +84,7 @@ std::vector<std::string> differencesOf(const std::string& path, const BakedAs& b
   const auto isOther = [](const std::string& a, const std::string& b) { return !a.empty() && a != b; };
   if (isOther(baked.scene, asked.scene)) warn("baked of " + baked.scene + ", and drawn in " + asked.scene);
   if (isOther(baked.light_of_scene, asked.light_of_scene))
-    warn("baked with other light of the scene than it has here; --sky and --sun say which");
+    warn("baked with other light of the scene than it has here; --sky, --sun and --light-groups say which");
   if (isOther(baked.light_direct, asked.light_direct))
     warn("baked with light_direct " + baked.light_direct + ", and drawn with " + asked.light_direct);
   if (has_rivals && baked.spacing_m > 0.0 && baked.spacing_m != asked.spacing_m)

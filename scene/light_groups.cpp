@@ -8,17 +8,19 @@
 namespace nlg {
 namespace {
 
-constexpr size_t kLongestName = 60;
+// One line of text.
+std::string oneLine(std::string name) {
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return c < ' '; }, ' ');
+  return name;
+}
 
-// One line, short enough to show, without the number by which Blender tells copies apart.
+// Without the number by which Blender tells copies apart.
 std::string groupName(const std::string& text) {
   const size_t dot = text.find_last_of('.');
   const bool is_numbered = dot != std::string::npos && dot > 0 && dot + 1 < text.size() &&
                            text.find_first_not_of("0123456789", dot + 1) == std::string::npos;
-  std::string name = text.substr(0, is_numbered ? dot : std::string::npos).substr(0, kLongestName);
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return c < ' '; }, ' ');
-  return name;
+  return oneLine(text.substr(0, is_numbered ? dot : std::string::npos));
 }
 
 class Grouping {
@@ -32,7 +34,7 @@ class Grouping {
     if (!sky.image.empty() || shines(sky.zenith) || shines(sky.horizon) || shines(sky.ground))
       light.groups.of_sky = indexOf("sky");
     for (size_t s = 0; s < light.suns.size(); ++s)
-      light.groups.of_sun.push_back(groupOf(labelOf(light.sun_labels, s), false, "sun"));
+      light.groups.of_sun.push_back(groupOf(labelOf(light.sun_labels, s), by_name_, "sun"));
     for (size_t l = 0; l < light.lamps.size(); ++l)
       light.groups.of_lamp.push_back(groupOf(labelOf(light.lamp_labels, l), by_name_, "lamps"));
     std::vector<uint8_t> is_used(scene_.materials.size(), 0);
@@ -54,7 +56,7 @@ class Grouping {
   }
 
   uint8_t groupOf(const LightLabel& label, bool by_name, const char* kind) {
-    if (!label.group.empty()) return indexOf(groupName(label.group));
+    if (!label.group.empty()) return indexOf(oneLine(label.group));
     return indexOf(by_name && !label.name.empty() ? groupName(label.name) : kind);
   }
 

@@ -83,6 +83,12 @@ static inline float nlgByte(const NlgGrid* grid, uint32_t word, uint32_t i) {
 static inline uint32_t nlgLightAxes(const NlgGrid* grid) { return nlgWord(grid, 16) < 27 ? nlgWord(grid, 16) : 27; }
 static inline uint32_t nlgScaleBits(const NlgGrid* grid) { return nlgWord(grid, 17) & 31; }
 static inline uint32_t nlgLightWords(const NlgGrid* grid) { return nlgWord(grid, 18); }
+static inline uint32_t nlgLightFours(const NlgGrid* grid) { return (nlgLightWords(grid) + 3) / 4 * 4; }
+/* records of light that a probe has: 1, or one of each group */
+static inline uint32_t nlgLightGroups(const NlgGrid* grid) {
+  const uint32_t groups = nlgWord(grid, 19) < 16 ? nlgWord(grid, 19) : 16;
+  return groups > 0 ? groups : 1;
+}
 static inline float nlgBetween(float value, float low, float high) { return value < low ? low : value > high ? high : value; }
 
 /* unit: of the lattice, >= 0; units: the position, in the closed cube of that unit. 0: in no used cell. */
@@ -166,7 +172,8 @@ static inline NlgCorner nlgCornerOf(const NlgGrid* grid, const NlgCell* cell, ui
   }
   corner.record = 4 * (nlgWord(grid, head + 1) + (probe - nlgWord(grid, head)) * nlgWord(grid, head + 2));
   corner.kind = nlgWord(grid, head + 3);
-  corner.theta = corner.record + ((corner.kind & 7) == NLG_KIND_BRICK ? nlgLightWords(grid) : (nlgLightWords(grid) + 3) / 4 * 4);
+  corner.theta = corner.record + (nlgLightGroups(grid) - 1) * nlgLightFours(grid) +
+                 ((corner.kind & 7) == NLG_KIND_BRICK ? nlgLightWords(grid) : nlgLightFours(grid));
   corner.slope = nlgFloat(grid, head + 4);
   corner.step = nlgFloat(grid, head + 6);
   corner.resolution = nlgWord(grid, head + 7);
@@ -268,16 +275,27 @@ static inline float nlgAlong(const NlgGrid* grid, uint32_t record, uint32_t axis
 }
 static inline uint32_t nlgAxis(const NlgGrid* grid, uint32_t k) { return 20 + 8 * nlgWord(grid, 13) + 28 * k; }
 
+/* What a group's light is multiplied by, of red, green or blue: three floats behind the axes of the head. */
+static inline float nlgColour(const NlgGrid* grid, uint32_t group, uint32_t channel) {
+  return nlgWord(grid, 19) == 0 ? 1.0f : nlgFloat(grid, nlgAxis(grid, nlgLightAxes(grid)) + 4 * group + channel);
+}
+
 /* Of a probe's light over all directions, over the grid's scale. record: its word */
 static inline float nlgLuminance(const NlgGrid* grid, uint32_t record) {
-  float luminance = 0.0f;
-  uint32_t k;
-  for (k = 0; k < nlgLightAxes(grid); ++k) {
-    const uint32_t axis = nlgAxis(grid, k);
-    luminance += nlgAlong(grid, record, axis) * (0.2126f * nlgFloat(grid, axis + 24) + 0.7152f * nlgFloat(grid, axis + 25) +
-                                                 0.0722f * nlgFloat(grid, axis + 26));
+  float all = 0.0f;
+  uint32_t group, k;
+  for (group = 0; group < nlgLightGroups(grid); ++group, record += nlgLightFours(grid)) {
+    const float red = 0.2126f * nlgColour(grid, group, 0), green = 0.7152f * nlgColour(grid, group, 1),
+                blue = 0.0722f * nlgColour(grid, group, 2);
+    float luminance = 0.0f;
+    for (k = 0; k < nlgLightAxes(grid); ++k) {
+      const uint32_t axis = nlgAxis(grid, k);
+      luminance += nlgAlong(grid, record, axis) *
+                   (red * nlgFloat(grid, axis + 24) + green * nlgFloat(grid, axis + 25) + blue * nlgFloat(grid, axis + 26));
+    }
+    all += nlgScale(grid, record) * luminance;
   }
-  return luminance > 0.0f ? nlgScale(grid, record) * luminance : 0.0f;
+  return all > 0.0f ? all : 0.0f;
 }
 
 /* What the weights lack of 1 goes to tents, over the square of the light that their probes hold.
@@ -318,7 +336,7 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
                           0.85808553f * x * z,
                           0.42904276f * (x * x - y * y)};
   float units[3], tent[8], weight[8], sum = 0.0f, believed = 0.0f, certainty = 0.0f;
-  uint32_t record[8], c, i;
+  uint32_t record[8], c, i, group;
   NlgGridStatus status = NLG_GRID_LIT;
   NlgCell cell = {0, 0, 0, {0.0f, 0.0f, 0.0f}};
   rgb[0] = rgb[1] = rgb[2] = 0.0f;
@@ -349,14 +367,22 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
     if (status == NLG_GRID_LIT) status = has_function ? NLG_GRID_FAINT : NLG_GRID_UNLIT;
     if (!has_function) return status;
   }
-  for (i = 0; i < nlgLightAxes(grid); ++i) {
-    const uint32_t axis = nlgAxis(grid, i);
-    float along = 0.0f;
-    for (c = 0; c < 8; ++c) {
-      if (weight[c] != 0.0f) along += weight[c] * nlgScale(grid, record[c]) * nlgAlong(grid, record[c], axis);
+  for (group = 0; group < nlgLightGroups(grid); ++group) {
+    const uint32_t beyond = group * nlgLightFours(grid);
+    const float colour[3] = {nlgColour(grid, group, 0), nlgColour(grid, group, 1), nlgColour(grid, group, 2)};
+    if (colour[0] == 0.0f && colour[1] == 0.0f && colour[2] == 0.0f) continue;
+    for (i = 0; i < nlgLightAxes(grid); ++i) {
+      const uint32_t axis = nlgAxis(grid, i);
+      float along = 0.0f;
+      for (c = 0; c < 8; ++c) {
+        if (weight[c] != 0.0f) along += weight[c] * nlgScale(grid, record[c] + beyond) * nlgAlong(grid, record[c] + beyond, axis);
+      }
+      /* coefficients 1 to 8 of red, of green, of blue; then their coefficients 0 */
+      for (c = 0; c < 27; ++c) {
+        const uint32_t channel = c < 24 ? c / 8 : c - 24;
+        rgb[channel] += colour[channel] * along * basis[c < 24 ? c % 8 + 1 : 0] * nlgFloat(grid, axis + c);
+      }
     }
-    /* coefficients 1 to 8 of red, of green, of blue; then their coefficients 0 */
-    for (c = 0; c < 27; ++c) rgb[c < 24 ? c / 8 : c - 24] += along * basis[c < 24 ? c % 8 + 1 : 0] * nlgFloat(grid, axis + c);
   }
   for (i = 0; i < 3; ++i) rgb[i] = rgb[i] > 0.0f ? rgb[i] * nlgFloat(grid, 12) : 0.0f;
   return status;

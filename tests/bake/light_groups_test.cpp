@@ -1,4 +1,4 @@
-// Groups of light in a bake: they add up to the bake of all light at once, and a grid's file brings them back.
+// Groups of light in a bake: they add up to what all light at once gives, and a grid's file brings them back.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,11 +28,11 @@ BakeOptions corner(const std::string& groups) {
   return options;
 }
 
-LightGrid baked(const BakeOptions& options) {
+Bake bakeOf(const BakeOptions& options) {
   const BakeScene scene("house:3", options);
   std::vector<Generator> generators;
   generators.emplace_back(sampleGenerator({RepresentationKind::tent_mlp4}, 24, 3, 1));
-  return bakeScene(scene, generators, options, std::filesystem::temp_directory_path().string()).grid;
+  return bakeScene(scene, generators, options, std::filesystem::temp_directory_path().string());
 }
 
 double rms(const std::vector<float>& light) {
@@ -41,20 +41,18 @@ double rms(const std::vector<float>& light) {
   return std::sqrt(sum / static_cast<double>(light.size()));
 }
 
-double rmsOfDifference(const std::vector<float>& a, const std::vector<float>& b) {
-  std::vector<float> difference;
-  for (size_t i = 0; i < a.size(); ++i) difference.push_back(a[i] - b[i]);
-  return rms(difference);
-}
-
-TEST(LightGroupsOfABake, AddUpToTheBakeOfAllLightAtOnce) {
-  const LightGrid whole = baked(corner("one")), grouped = baked(corner("kind"));
-  ASSERT_GE(grouped.groups.size(), 3u);
-  EXPECT_EQ(grouped.groups[0].name, "sky");
-  for (const LightGroup& group : grouped.groups) EXPECT_GT(rms(group.light), 0.0) << group.name;
-  EXPECT_EQ(grouped.probe_function, whole.probe_function);
-  EXPECT_EQ(grouped.theta, whole.theta);
-  EXPECT_LT(rmsOfDifference(grouped.light, whole.light), 0.005 * rms(whole.light));
+TEST(LightGroupsOfABake, AddUpToAsMuchAsTheBakeOfAllLightAtOnce) {
+  const Bake whole = bakeOf(corner("one")), grouped = bakeOf(corner("kind"));
+  ASSERT_GE(grouped.grid.groups.size(), 3u);
+  EXPECT_EQ(grouped.grid.groups[0].name, "sky");
+  for (const LightGroup& group : grouped.grid.groups) EXPECT_GT(rms(group.light), 0.0) << group.name;
+  EXPECT_EQ(grouped.grid.probe_function, whole.grid.probe_function);
+  EXPECT_EQ(grouped.grid.theta, whole.grid.theta);
+  // against the same light at the same places
+  EXPECT_NEAR(grouped.statistics.light.mean, whole.statistics.light.mean, 1e-3 * whole.statistics.light.mean);
+  EXPECT_LT(grouped.statistics.light.error, 1.5 * whole.statistics.light.error);
+  EXPECT_LT(grouped.statistics.light.median_error, 1.1 * whole.statistics.light.median_error);
+  EXPECT_LT(grouped.statistics.light.p95_error, 1.1 * whole.statistics.light.p95_error);
 }
 
 TEST(LightGroupsOfABake, AreWhatEachLightGivesByItself) {
@@ -85,7 +83,7 @@ TEST(LightGroupsOfABake, AreWhatEachLightGivesByItself) {
 }
 
 TEST(LightGroupsOfABake, ComeBackFromTheFileAndCanBeMixed) {
-  const LightGrid grid = baked(corner("kind"));
+  const LightGrid grid = bakeOf(corner("kind")).grid;
   std::string bytes;
   ASSERT_TRUE(serializeLightGrid(grid, {ThetaPrecision::int8, kLeastLightError}, {}, &bytes).ok());
   LightGrid read;
@@ -112,6 +110,19 @@ TEST(LightGroupsOfABake, ComeBackFromTheFileAndCanBeMixed) {
   colours[0] = {1e30f, 1.0f, 1.0f};
   EXPECT_FALSE(mixLight(colours, &read).ok());
   EXPECT_EQ(read.light, before);
+}
+
+TEST(LightGroupsOfABake, AreThereWhereThereIsOneAlone) {
+  BakeOptions options = corner("kind");
+  options.scene_light.sky = {"0"};
+  options.scene_light.sun = {"120", "50", "5", "4.7", "4.1"};
+  const BakeScene scene("daylight:0", options);
+  std::vector<Generator> generators;
+  generators.emplace_back(sampleGenerator({RepresentationKind::tent_mlp4}, 24, 3, 1));
+  const LightGrid grid = bakeScene(scene, generators, options, std::filesystem::temp_directory_path().string()).grid;
+  ASSERT_EQ(grid.groups.size(), 1u);
+  EXPECT_EQ(grid.groups[0].name, "sun");
+  EXPECT_EQ(grid.groups[0].light, grid.light);
 }
 
 }  // namespace

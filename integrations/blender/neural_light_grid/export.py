@@ -163,6 +163,10 @@ def plane_of(lamp):
     emission.inputs["Strength"].default_value = light.energy / (4.0 * area) if area > 0.0 else 0.0
     output = nodes.new("ShaderNodeOutputMaterial")
     material.node_tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    # what shines belongs to the group of its material
+    group = lamp.get("light_group", light.get("light_group"))
+    if isinstance(group, str):
+        material["light_group"] = group
     mesh.materials.append(material)
     return plane
 

@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "runtime_eval/light_grid/irradiance.h"
+#include "runtime_eval/shader_grid/shader_grid.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 
 extern "C" int cHeaderIrradiance(const uint8_t* bytes, size_t size, const float* position_m, const float* normal, float* rgb);
@@ -72,6 +73,31 @@ TEST_P(CHeaderPrecision, SaysWhatTheLookUpSays) {
   }
   for (const LightStatus status : {LightStatus::lit, LightStatus::faint, LightStatus::outside})
     EXPECT_GT(count[static_cast<size_t>(status)], 20) << lightStatusName(status);
+}
+
+// Light of three groups, by the colours that stand in the head.
+TEST_P(CHeaderPrecision, SaysWhatAMixOfGroupsSays) {
+  LightGrid grid = everyRepresentation(GetParam(), 13);
+  for (uint64_t g = 0; g < 3; ++g)
+    grid.groups.push_back({"group " + std::to_string(g), randomLight(grid.tree.probeCount(), 20 + g)});
+  roundGridLight(kLightError, &grid);
+  FencedBytes bytes(fileNamed(filesOf(grid), "grid.bin"));
+  EXPECT_TRUE(bytes.isWhole());
+  ShaderGrid packed;
+  ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
+  const std::vector<std::array<float, 3>> colours = {{1.0f, 0.5f, 0.25f}, {0.0f, 0.0f, 0.0f}, {0.5f, 2.0f, 1.0f}};
+  ASSERT_TRUE(mixLight(colours, &grid).ok());
+  for (size_t g = 0; g < 3; ++g)
+    std::memcpy(bytes.data() + 16 * (static_cast<size_t>(packed.first_colour) + g), colours[g].data(), sizeof colours[g]);
+  Random random(6);
+  for (int i = 0; i < 5000; ++i) {
+    const PositionM at = randomPlace(grid.tree.frame(), random);
+    const std::array<float, 3> normal = randomNormal(random);
+    float exact[3], rgb[3];
+    const LightStatus status = lookUpIrradiance(grid, at, normal.data(), exact);
+    ASSERT_EQ(bytes.lookUp(at, normal, rgb), status) << at[0] << ' ' << at[1] << ' ' << at[2];
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb[c], exact[c], 1e-3f * std::max(1.0f, exact[c])) << i;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Precisions, CHeaderPrecision, testing::Values(ThetaPrecision::int8, ThetaPrecision::float16),
