@@ -204,7 +204,8 @@ void describe(LightOptions& options, OptionTable& table) {
   table.add(
       "light_groups", &options.light_groups,
       "what a grid keeps apart, for the engine to dim, colour or switch: one, nothing; kind, sky, suns, lamps and emission; "
-      "name, each sun, lamp and shining material by its name (Lamp and Lamp.001 are one). Both take the text light_group of a glTF "
+      "name, each sun, lamp and shining material by its name (Lamp and Lamp.001 are one). Both take the text light_group of a "
+      "glTF "
       "file's extras first");
   table.addNote(
       "Light is linear, and all of a scene's in one unit. Sky and emission: radiance. Sun: irradiance on a plane that faces it. "

@@ -110,11 +110,12 @@ export class NeuralLightGrid {
   groups;
 
   // name     of this.groups
-  // colour   three factors, linear; 1 to begin with
-  // throws   Error where there is no such group
+  // colour   an array of three factors, linear; 1 to begin with
+  // throws   Error where there is no such group, or a colour that is none
   setGroupColour(name, colour) {
     const group = this.groups.indexOf(name);
     if (group < 0) throw new Error(`no group of light '${name}'; there are ${this.groups.join(', ') || 'none'}`);
+    if (colour?.length !== 3 || !colour.every(Number.isFinite)) throw new Error(`a colour of '${name}': expected three numbers, got ${colour}`);
     this.#colours.set(colour, 4 * group);
   }
 
