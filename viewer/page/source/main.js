@@ -66,9 +66,9 @@ class Viewer {
   async start() {
     this.fillInterface();
     await this.choose('left', asked.get('left') ?? 'grid');
-    await this.fillLights();
     const right = asked.get('right') ?? (this.methods.has('valid-trilinear') ? 'valid-trilinear' : this.scene.methods.at(-1).name);
     await this.choose('right', right);
+    await this.fillLights();
     $('divider').value = asked.has('divider') ? 100 * Number(asked.get('divider')) : 50;
     if (asked.get('ui') === '0') document.body.classList.add('bare');
     for (const mark of ['probes', 'cells', 'ball', 'figure']) {
