@@ -28,15 +28,6 @@ InputError tooBright(const std::string& scene) {
           "more: scale them all down, and exposure up"};
 }
 
-std::vector<float> floatsOf(const std::vector<LightSh>& light) {
-  std::vector<float> floats;
-  floats.reserve(light.size() * kShFloats);
-  for (const LightSh& sh : light) {
-    for (const glm::vec3& coefficient : sh) floats.insert(floats.end(), {coefficient.r, coefficient.g, coefficient.b});
-  }
-  return floats;
-}
-
 double meanOf(const std::vector<LightSh>& light) {
   // the mean of radiance over directions is its first coefficient times Y00
   double sum = 0.0;

@@ -267,6 +267,15 @@ std::vector<LightSh> measureLight(const LightTransport& transport, const std::ve
   return light;
 }
 
+std::vector<float> floatsOf(const std::vector<LightSh>& light) {
+  std::vector<float> floats;
+  floats.reserve(light.size() * kShFloats);
+  for (const LightSh& sh : light) {
+    for (const glm::vec3& coefficient : sh) floats.insert(floats.end(), {coefficient.r, coefficient.g, coefficient.b});
+  }
+  return floats;
+}
+
 ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
                        const std::vector<LightSh>& place_light, const WeightsAt& weights_at, const ProbeLightOptions& options,
                        int thread_count, const LightByGroup& place_groups) {

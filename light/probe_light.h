@@ -42,6 +42,9 @@ using WeightsAt = std::function<void(const glm::dvec3& position_m, ProbeWeights*
 // must outlive it.
 WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m);
 
+// As a light grid holds it.
+std::vector<float> floatsOf(const std::vector<LightSh>& light);
+
 // Of each group of lights (LightGroups) what every place, or every probe, has of it. Empty where all light is one group.
 using LightByGroup = std::vector<std::vector<LightSh>>;
 

@@ -33,16 +33,15 @@ class Grouping {
     const Sky& sky = light.sky;
     if (!sky.image.empty() || shines(sky.zenith) || shines(sky.horizon) || shines(sky.ground))
       light.groups.of_sky = indexOf("sky");
-    for (size_t s = 0; s < light.suns.size(); ++s)
-      light.groups.of_sun.push_back(groupOf(labelOf(light.sun_labels, s), by_name_, "sun"));
+    for (size_t s = 0; s < light.suns.size(); ++s) light.groups.of_sun.push_back(groupOf(labelOf(light.sun_labels, s), "sun"));
     for (size_t l = 0; l < light.lamps.size(); ++l)
-      light.groups.of_lamp.push_back(groupOf(labelOf(light.lamp_labels, l), by_name_, "lamps"));
+      light.groups.of_lamp.push_back(groupOf(labelOf(light.lamp_labels, l), "lamps"));
     std::vector<uint8_t> is_used(scene_.materials.size(), 0);
     for (const uint32_t material : scene_.triangle_material) is_used[material] = 1;
     for (size_t m = 0; m < scene_.materials.size(); ++m) {
       const Material& material = scene_.materials[m];
       const bool counts = is_used[m] != 0 && shines(material.emissive);
-      light.groups.of_material.push_back(counts ? groupOf(material.label, by_name_, "emission") : uint8_t{0});
+      light.groups.of_material.push_back(counts ? groupOf(material.label, "emission") : uint8_t{0});
     }
     if (!light.sky_faces.shine.empty()) light.groups.of_shine = indexOf("emission");
     if (!light.baked.empty()) light.groups.of_baked = indexOf("level");
@@ -55,9 +54,9 @@ class Grouping {
     return index < labels.size() ? labels[index] : LightLabel{};
   }
 
-  uint8_t groupOf(const LightLabel& label, bool by_name, const char* kind) {
+  uint8_t groupOf(const LightLabel& label, const char* kind) {
     if (!label.group.empty()) return indexOf(oneLine(label.group));
-    return indexOf(by_name && !label.name.empty() ? groupName(label.name) : kind);
+    return indexOf(by_name_ && !label.name.empty() ? groupName(label.name) : kind);
   }
 
   uint8_t indexOf(const std::string& name) {

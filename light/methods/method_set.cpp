@@ -42,16 +42,6 @@ size_t treeBytes(const ProbeTree& tree) {
   return lightGridBytes(grid, {ThetaPrecision::float16, {}}).tree;
 }
 
-// As a light grid holds it.
-std::vector<float> floatsOf(const std::vector<LightSh>& light) {
-  std::vector<float> floats;
-  floats.reserve(light.size() * kShFloats);
-  for (const LightSh& sh : light) {
-    for (const glm::vec3& coefficient : sh) floats.insert(floats.end(), {coefficient.r, coefficient.g, coefficient.b});
-  }
-  return floats;
-}
-
 // What a file keeps of light, and in how many bytes.
 // probe_function   of a light grid's probes: those without weight have no light. Of other methods all have the same
 std::vector<LightSh> packedAndBack(double error, const std::vector<LightSh>& light, std::vector<uint32_t> probe_function,

@@ -13,6 +13,7 @@
 #include "bake/scene_bake.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/numbers/random.h"
+#include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -99,16 +100,7 @@ class SceneBakeTest : public testing::Test {
   }
 
   // A corner of a house, refined for next to no time.
-  static BakeOptions houseOptions() {
-    BakeOptions options;
-    options.spacing_m = 1.5;
-    options.extent_m = {"0", "0", "0", "6", "6", "3"};
-    options.policy.refine_rounds = 1;
-    options.policy.refine_first_steps = 4;
-    options.policy.adam_steps = 20;
-    options.threads = 2;
-    return options;
-  }
+  static BakeOptions houseOptions() { return houseCornerOptions(1); }
   // … of which corrections alone are left.
   static BakeOptions correctedHouseOptions() {
     BakeOptions options = houseOptions();

@@ -8,19 +8,14 @@
 #include "runtime_eval/light_grid/irradiance.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
+#include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 namespace nlg {
 namespace {
 
 BakeOptions corner(const std::string& groups) {
-  BakeOptions options;
-  options.spacing_m = 1.5;
-  options.extent_m = {"0", "0", "0", "6", "6", "3"};
-  options.policy.refine_rounds = 0;
-  options.policy.refine_first_steps = 4;
-  options.policy.adam_steps = 20;
-  options.threads = 2;
+  BakeOptions options = houseCornerOptions();
   options.light_rays = 16;
   options.light_error = kLeastLightError;
   options.scene_light.light_groups = groups;

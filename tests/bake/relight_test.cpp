@@ -8,6 +8,7 @@
 
 #include "bake/bake_provenance.h"
 #include "bake/scene_bake.h"
+#include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/error.h"
 
@@ -17,17 +18,11 @@ namespace {
 // A corner of a house under a sun.
 struct Settings {
   Settings() : table("bake") {
-    options.spacing_m = 1.5;
-    options.extent_m = {"0", "0", "0", "6", "6", "3"};
-    options.policy.refine_rounds = 0;
-    options.policy.refine_first_steps = 4;
-    options.policy.adam_steps = 20;
-    options.threads = 2;
     options.light_rays = 16;
     describe(options, table);
     takeThetaPrecision(&options);
   }
-  BakeOptions options;
+  BakeOptions options = houseCornerOptions();
   OptionTable table;
 };
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "bake/savings.h"
+#include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 namespace nlg {
@@ -26,28 +27,16 @@ std::vector<Generator> generators(const std::vector<std::string>& names) {
   return result;
 }
 
-// A corner of a house: of every kind of probe but those that are 0 everywhere. Not refined unless a test asks for it.
-BakeOptions houseOptions() {
-  BakeOptions options;
-  options.spacing_m = 1.5;
-  options.extent_m = {"0", "0", "0", "6", "6", "3"};
-  options.policy.refine_rounds = 0;
-  options.policy.refine_first_steps = 4;
-  options.policy.adam_steps = 20;
-  options.threads = 2;
-  return options;
-}
-
 // Duplicates are the same bytes: whether two functions share a theta does not depend on what else is left out.
 BakeOptions exactOptions() {
-  BakeOptions options = houseOptions();
+  BakeOptions options = houseCornerOptions();
   options.duplicate_rms = 0.0;
   options.duplicate_validity_points = 0;
   return options;
 }
 
 const BakeScene& house() {
-  static const BakeScene scene("house:3", houseOptions());
+  static const BakeScene scene("house:3", houseCornerOptions());
   return scene;
 }
 
@@ -89,8 +78,8 @@ const Saving& lineOf(const std::vector<Saving>& savings, const std::string& what
 
 TEST(Savings, CountsAreThoseOfTheBakeAndAddUp) {
   const std::vector<Generator> both = generators({"tent_mlp", "mlp"});
-  const Bake bake = bakeHouse(both, houseOptions());
-  const std::vector<Saving> savings = savingsOf(bake, both, houseOptions());
+  const Bake bake = bakeHouse(both, houseCornerOptions());
+  const std::vector<Saving> savings = savingsOf(bake, both, houseCornerOptions());
   const ShardCounts& counts = bake.statistics.counts;
   const auto count = [&](const char* what) { return lineOf(savings, what).count; };
   const uint64_t free_space = count("probes in free space"), tents = count("functions that are all but the bare tent"),
@@ -105,7 +94,8 @@ TEST(Savings, CountsAreThoseOfTheBakeAndAddUp) {
   EXPECT_EQ(count("theta of the largest representation") + bake.statistics.chosen(2).back(), counts.functions);
   // nothing is refined here: what passes the check needs no refinement, what fails it has had none
   EXPECT_EQ(bake.statistics.refined(), 0u);
-  EXPECT_EQ(count("refinements") + bake.statistics.failing(ThetaWord::fitted, houseOptions().policy.check()), counts.functions);
+  EXPECT_EQ(count("refinements") + bake.statistics.failing(ThetaWord::fitted, houseCornerOptions().policy.check()),
+            counts.functions);
   EXPECT_FALSE(lineOf(savings, "refinements").seconds) << "none was made: nobody knows what one takes";
   int64_t never_bytes = 0;
   for (size_t g = 0; g < both.size(); ++g)
@@ -121,8 +111,8 @@ TEST(Savings, CountsAreThoseOfTheBakeAndAddUp) {
 
 TEST(Savings, CostWhatTheSameWorkTookInTheSameBake) {
   const std::vector<Generator> one = generators({"tent_mlp"});
-  const Bake bake = bakeHouse(one, houseOptions());
-  const std::vector<Saving> savings = savingsOf(bake, one, houseOptions());
+  const Bake bake = bakeHouse(one, houseCornerOptions());
+  const std::vector<Saving> savings = savingsOf(bake, one, houseCornerOptions());
   const BakeStatistics& s = bake.statistics;
   double theta_s = 0.0;
   for (const ThetaRecord& record : s.records) theta_s += 1e-6 * record.elapsedUs(ThetaWord::stored);
@@ -145,7 +135,7 @@ TEST(Savings, CostWhatTheSameWorkTookInTheSameBake) {
 
 TEST(Savings, HaveALineForWhatThisBakeCouldLeaveOutAlone) {
   const std::vector<Generator> one = generators({"tent_mlp"});
-  BakeOptions options = houseOptions();
+  BakeOptions options = houseCornerOptions();
   options.light = "none";
   const Bake dark = bakeHouse(one, options);
   const std::vector<Saving> unlit = savingsOf(dark, one, options);
@@ -169,7 +159,7 @@ TEST(Savings, TablesHaveEveryLineAndOnlyTheKeysThatAreKnown) {
 
 TEST(Savings, LargerGeneratorsRunOnlyWhereTheSmallestIsNotEnough) {
   const std::vector<Generator> both = generators({"tent_mlp4", "tent_mlp"});
-  BakeOptions options = houseOptions();
+  BakeOptions options = houseCornerOptions();
   // enough for about half of the functions; the larger representation for all others, however little it is better
   options.policy.choice_flat_ratio = 1e-6;
   options.policy.choice_enough_rmse = medianRmse(generators({"tent_mlp4"}), options) / options.policy.choice_generator_excess;
@@ -187,7 +177,7 @@ TEST(Savings, LargerGeneratorsRunOnlyWhereTheSmallestIsNotEnough) {
 
 TEST(Savings, WhatIsGoodTakesNoStageAfterTheNetwork) {
   const std::vector<Generator> one = generators({"tent_mlp"});
-  BakeOptions options = houseOptions();
+  BakeOptions options = houseCornerOptions();
   options.policy.good_rmse = 1e3;
   options.policy.check() = {1e3, 1e3, 1.0, 1.0};
   const Bake good = bakeHouse(one, options);
