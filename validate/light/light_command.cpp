@@ -137,7 +137,8 @@ class LightMeasurement {
       methods.addTetrahedra();
       methods.addApv();
       methods.addDdgi();
-      methods.addQuakeGrid();
+      // holds what the level's own compiler put there, direct light too: no answer where that is left out
+      if (request_.probe.direct == DirectLight::all) methods.addQuakeGrid();
     }
     std::vector<glm::dvec3> asked;
     for (const LightPlace& place : places_.places) asked.push_back(place.position_m);
