@@ -35,9 +35,10 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add("light", &o.light,
             "how probes are lit: solved (least squares over places in air), integrated (by the weighting functions), point (at "
             "the probe) or none (the grid holds weighting functions alone)");
-  table.add("light_direct", &o.light_direct,
-            "which direct light of lamps and suns probes hold: all, no_suns or none. Leave out what the engine draws with shadow "
-            "maps. What surfaces send back of it is always held");
+  table.add(
+      "light_direct", &o.light_direct,
+      "which direct light of lamps and suns probes hold: all, no_suns, none, or reflected (none, and none of shining surfaces "
+      "either). Leave out what the engine draws with shadow maps. What surfaces send back of it is always held");
   table.add("light_places", &o.light_places,
             "places in the air of every cell at which light is measured; more where a scene would have fewer than 2,048", 1,
             4096);

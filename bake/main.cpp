@@ -69,7 +69,7 @@ void warn(const BakeScene& scene, const std::string& what) {
 void warnOfDarkness(const BakeScene& scene, const BakeOptions& options, const LightStatistics& statistics) {
   for (const std::string& warning : lightWarnings(statistics)) warn(scene, warning);
   const SceneLight& light = scene.source.scene.light;
-  if (options.light_direct != "all" && light.lamps.empty() && light.suns.empty())
+  if (options.light_direct != "all" && options.light_direct != "reflected" && light.lamps.empty() && light.suns.empty())
     warn(scene, "light_direct leaves nothing out: the scene keeps no lamps and no suns of its own");
 }
 

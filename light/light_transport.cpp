@@ -242,6 +242,7 @@ struct LightTransport::Impl {
     for (int vertex = 0;; ++vertex) {
       LightHit hit = rays.lightHit(origin, direction);
       const auto addShine = [&](const LightHit& at) {
+        if (vertex == 0 && options.direct == DirectLight::reflected) return;
         const glm::vec3 shine = emission(at);
         if (!(luminance(shine) > 0.0f)) return;
         float share = 1.0f;
@@ -320,7 +321,8 @@ struct LightTransport::Impl {
         if (light[g] != glm::vec3(0.0f)) add(set, direction, light[g] * (share / direction_density), g);
       }
       // each set goes evenly through all emitters
-      if (emitterLight(draws, (i + random.uniform()) / count, from, random, density, &arriving, &group))
+      if (options.direct != DirectLight::reflected &&
+          emitterLight(draws, (i + random.uniform()) / count, from, random, density, &arriving, &group))
         add(set, arriving.direction, arriving.flux * share, group);
       if (sky.empty()) continue;
       const auto [u, v] = sky_lattice.point(i, count);
@@ -339,7 +341,7 @@ struct LightTransport::Impl {
       sampleAll(sun_samples, mixSeed(kSunStream, s), LightGroups::of(groups().of_sun, s),
                 [&](double u, double v) { return sunLight(scene.light.suns[s], from, u, v, &arriving); });
     }
-    if (options.direct == DirectLight::none) return;
+    if (options.direct == DirectLight::none || options.direct == DirectLight::reflected) return;
     float total = 0.0f;
     for (const Lamp& lamp : scene.light.lamps) total += openLight(lamp, from);
     for (size_t l = 0; l < scene.light.lamps.size() && total > 0.0f; ++l) {
@@ -372,7 +374,8 @@ DirectLight directLightFromName(const std::string& name) {
   if (name == "all") return DirectLight::all;
   if (name == "no_suns") return DirectLight::no_suns;
   if (name == "none") return DirectLight::none;
-  throw UsageError("light_direct", "all, no_suns or none", "'" + name + "'");
+  if (name == "reflected") return DirectLight::reflected;
+  throw UsageError("light_direct", "all, no_suns, none or reflected", "'" + name + "'");
 }
 
 glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal) {

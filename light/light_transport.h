@@ -33,9 +33,10 @@ using GroupedLight = std::array<glm::vec3, kMostLightGroups>;
 class SurfaceCache;
 
 // Which light of lamps and suns counts at the place itself. What they send to surfaces, and those send on, always does: an engine
-// that draws its sun or its lamps with shadow maps takes only that from a light grid.
-enum class DirectLight : uint8_t { all, no_suns, none };
-// throws   UsageError on a name that is none of "all", "no_suns", "none"
+// that draws its sun or its lamps with shadow maps takes only that from a light grid. `reflected` leaves out what shining surfaces
+// send straight, too: an engine draws them as lamps. The sky's light always counts.
+enum class DirectLight : uint8_t { all, no_suns, none, reflected };
+// throws   UsageError on a name that is none of "all", "no_suns", "none", "reflected"
 DirectLight directLightFromName(const std::string& name);
 
 struct GatherOptions {

@@ -54,6 +54,13 @@ TEST(LightTransport, ClosedFurnaceIsConstant) {
         EXPECT_NEAR(gathered.irradiance[c], expected, 4.0f * gathered.deviation[c] + 0.002f * expected);
         EXPECT_LT(gathered.deviation[c], 0.02f * expected);
       }
+      GatherOptions reflected{4096, 64};
+      reflected.direct = DirectLight::reflected;
+      const GatheredIrradiance sent_back = lit.transport.gatherIrradiance(place, glm::normalize(normal), reflected, 3);
+      for (int c = 0; c < 3; ++c) {
+        const float expected = kPi * emission[c] * albedo[c] / (1.0f - albedo[c]);
+        EXPECT_NEAR(sent_back.irradiance[c], expected, 4.0f * sent_back.deviation[c] + 0.002f * expected);
+      }
     }
     const LightSh light = lit.transport.gather(place, {4096, 64}, 3).light;
     EXPECT_NEAR(irradiance(light, {0, 0, 1}).r, kPi * 2.0f, 0.1f);
@@ -87,6 +94,8 @@ TEST(LightTransport, LeavesDirectLightOutWhereAsked) {
   const float below = from(down, DirectLight::all);
   EXPECT_GT(below, 1.0f);
   EXPECT_EQ(from(down, DirectLight::none), below);
+  EXPECT_EQ(from(down, DirectLight::reflected), below);
+  EXPECT_EQ(from(up, DirectLight::reflected), 0.0f);
   EXPECT_THROW(directLightFromName("some"), UsageError);
 }
 

@@ -46,6 +46,7 @@ class NLG_settings(PropertyGroup):
             ("all", "All", "That of lamps and suns"),
             ("no_suns", "No suns", "That of lamps: the engine draws suns with shadow maps"),
             ("none", "None", "The engine draws lamps and suns itself"),
+            ("reflected", "Reflected", "The engine draws lamps, suns and shining surfaces itself"),
         ),
     )
     light_groups: EnumProperty(
