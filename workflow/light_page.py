@@ -116,8 +116,61 @@ def targets_section(results):
              ["bytes a live probe, everything (talk 236 to 339, DDGI 1,056)", "≤ 60", f"{most['least']:.0f} to {most['most']:.0f}", reached(most["most"] <= 60)]]
     rows += [[what, "≤ 1 MB", bytes_text(size), reached(size <= 1e6)] for what, size in (("kaos2 at the error of our own probes with point light 1 m apart", found["level_bytes"]),
              ("kaos2 with less error than every rival 1 m apart", found["bytes_below_rivals"])) if size is not None]
-    return (f"\n## Targets\nOurs is `{results['ours']}` with solved light, through the engine's own look-up.\n" + by_spacing_section(found)
+    return (f"\n## All light\nOurs is `{results['ours']}` with solved light, through the engine's own look-up.\n" + by_spacing_section(found)
             + "\n### Bytes and times\n" + table(["", "target", "measured", "reached"], rows + speed_rows(results)))
+
+
+INDIRECT_INTRODUCTION = """
+## Indirect light
+What a grid is for where the engine itself draws lamps, suns and shining surfaces, with shadow maps: light that surfaces send back, and the sky's. In truth and in all methods nothing comes straight from lamps, suns and shining surfaces (`nlg-validate light --light-direct reflected`). In many scenes most of the error of all light stands in that part: beside lamps, and at the rims of sun patches.
+"""
+INDIRECT_TARGETS = {"levels": (.7, .5, .5), "furnished": (.7, .6, .6), "daylight": None}
+
+
+def indirect_ratios(entry, limits=None):
+    text = "; ".join(number(entry[group]["value"], 2) for group in GROUPS if group in entry)
+    return f"**{text}**" if limits and all(entry[group]["value"] <= limit for group, limit in zip(GROUPS, limits)) else text
+
+
+def indirect_rows(found):
+    spacings = sorted({spacing for kinds in found["to_best_rival"].values() for spacing in kinds["own"]}, key=lambda key: float(spacing_text(key).removesuffix(" m")))
+    least = lambda limits: "; ".join(f"≤ {number(limit, 1)}" for limit in limits) if limits else ""
+    rows = []
+    for kind, limits in INDIRECT_TARGETS.items():
+        for way, words in (("own", "over the best rival"), ("solved", "over the best rival with solved light")):
+            of_way, held_to = found["to_best_rival"][kind][way], limits if way == "own" else None
+            if of_way:
+                rows.append([f"{KIND_TITLES[kind].lower()}, {words}", least(held_to), *(indirect_ratios(of_way.get(spacing, {}), held_to) for spacing in spacings)])
+    rows.append(["relative error (SMAPE) in air, over the best rival: levels; furnished scenes; rooms beside daylight", "",
+                 *("; ".join(number(of_kind[spacing]["value"], 2) for of_kind in found["smape_in_air"].values() if spacing in of_kind) for spacing in spacings)])
+    rows.append(["at a tenth of DDGI's bytes, over DDGI this far apart", "≤ .5; ≤ .5; ≤ .5", *(indirect_ratios(found["tenth_of_ddgi"].get(spacing, {}), (.5, .5, .5)) for spacing in spacings)])
+    return ["", "target", *map(spacing_text, spacings)], rows
+
+
+def indirect_section(results):
+    found = results["indirect"]
+    places = next(iter(found["scenes"].values()))["truth"]["places"]
+    kinds = [kind for kind in KIND_TITLES if kind in found["methods"]]
+    names = list(dict.fromkeys(name for kind in kinds for name in found["methods"][kind][SHOWN_SPACING]))
+    rows = []
+    for name in names:
+        entries = {kind: found["methods"][kind][SHOWN_SPACING].get(name, {}) for kind in kinds}
+        for light in LIGHT_ORDER:
+            of_light = [entries[kind].get(light) for kind in kinds]
+            if any(of_light):
+                title = next(entry["name"] for entry in entries.values() if entry)
+                sizes = [entry["per_probe"] for entry in of_light if entry]
+                rows.append([title, light, *("; ".join(number(entry[group]["value"], 3) for group in GROUPS) if entry else "" for entry in of_light), f"{sum(sizes) / len(sizes):,.0f}"])
+    front, ahead = found["front"], {group: sum(entry[group]["value"] > 1 for entry in found["by_scene"].values()) for group in GROUPS}
+    text = INDIRECT_INTRODUCTION + f"\nOf revision {', '.join(f'`{revision}`' for revision in found['revisions'])}; {len(found['scenes'])} scenes, {places['air']:,} places in air of each and {places['surface']:,} before surfaces. Ours is `{results['ours']}` with solved light. Errors, and all ratios, are *air; surface; turned*. **Bold** reaches the target.\n"
+    text += table(*indirect_rows(found))
+    text += (f"\nOf rivals' points, all that can be stored, one of ours matches {front['met']:,} of {front['of']:,} in error at no more bytes (target: all).\n"
+             f"\nMean errors by kind of scene, probes {spacing_text(SHOWN_SPACING)} apart. Exact visibility and target functions are yardsticks that nobody could ship:\n"
+             + table(["weights", "light", *(f"{KIND_TITLES[kind].lower()} ({max(entry[light]['scenes'] for entry in found['methods'][kind][SHOWN_SPACING].values() for light in LIGHT_ORDER if light in entry)})" for kind in kinds), "bytes a probe"], rows))
+    text += (f"\nScene by scene, over the rival that does best there, whichever it is and however its light came about: ours is behind in {ahead['air']}; {ahead['surface']}; {ahead['turned']} of {len(found['by_scene'])} scenes.\n"
+             + table(["scene", "error of ours", "over the best rival", "the best rival: in air", "surface", "turned"],
+                     [[found["scenes"][scene]["name"], "; ".join(number(entry[group]["rmse"], 3) for group in GROUPS), indirect_ratios(entry), *(entry[group]["rival"] for group in GROUPS)] for scene, entry in found["by_scene"].items()]))
+    return text
 
 
 HEAD = ["weights", "light", "air", "surface", "turned", "over valid trilinear: air", "surface", "turned", "dark", "jumps, mean", "unlit", "bytes a probe", "bake, processor s"]
@@ -197,7 +250,8 @@ def scenes_section(scenes):
 
 def page(all_results):
     results = all_results[NAME]
-    text = INTRODUCTION + f"\nMade by `{results['command']}` of revision {', '.join(f'`{revision}`' for revision in results['revisions'])}. {results.get('note', '')}\n" + targets_section(results)
+    text = INTRODUCTION + f"\nMade by `{results['command']}` of revision {', '.join(f'`{revision}`' for revision in results['revisions'])}. {results.get('note', '')}\n"
+    text += (indirect_section(results) if "indirect" in results else "") + targets_section(results)
     text += seen_section(results) if "views" in results else ""
     text += "".join(methods_section(kind, found[SHOWN_SPACING]) + by_room_section(found[SHOWN_SPACING]) for kind, found in results["methods"].items()
                     if kind in ("levels", "furnished", "daylight") and SHOWN_SPACING in found)

@@ -3,6 +3,7 @@
 A folder of light holds
     SCENE.json            nlg-validate light, one a scene; a figure at a spacing is over the scenes that have it
 and, where they are there,
+    indirect/SCENE.json   nlg-validate light --light-direct reflected
     views/SCENE.json      nlg-validate views
     noise/SCENE.json      nlg-validate light-noise
     bakes/SCENE.json      nlg-bake SCENE --light solved (--json)
@@ -31,6 +32,7 @@ NOT_RIVALS = (figures.NOT_STORED, "exact visibility", "DDGI, exact visibility") 
 DARK_RIVALS = {"valid_trilinear": ("valid trilinear", "point"), "exact_visibility": ("exact visibility", "point")}
 DDGI = "DDGI as shipped"
 LEVEL = "kaos2"
+INDIRECT = "reflected"  # the light_direct of what is indirect: nothing comes straight from lamps, suns and shining surfaces
 
 
 def spacing_key(spacing_m):
@@ -191,12 +193,52 @@ def noise(path):
     return take(read_json(path), ["scene", "light", "spacing_m", "runs", "noise", "answers", "probes_per_s"], path)
 
 
-def read_scene(path):
+def read_scene(path, light_direct):
     """Its revision, and what is kept of it."""
     document = read_json(path)
+    options = take(take(document, ["provenance"], path)["provenance"], ["options"], f"{path}: provenance")["options"]
+    if take(options, ["light_direct"], f"{path}: provenance.options")["light_direct"] != light_direct:
+        fail(f"{path}: provenance.options.light_direct", light_direct, options["light_direct"])
     truth = take(take(document, ["truth"], path)["truth"], ["noise", "places"], f"{path}: truth")
     floor = take(take(document, ["floor"], path)["floor"], GROUPS, f"{path}: floor")
     return revision(document, path), {"name": document["scene"], "kind": "", "truth": truth, "floor": {group: floor[group]["rmse"] for group in GROUPS}}
+
+
+def measured(folder, files, ours, light_direct):
+    """Points of scenes; what is kept of each by itself; revisions."""
+    points = figures.read_all([str(path) for path in files])
+    if not any(point.method == (ours, "solved") for point in points):
+        fail(folder, f"a method {ours} with solved light", ", ".join(sorted({point.method[0] for point in points})))
+    alone = sorted({point.scene for point in points} - {point.scene for point in points if point.method[0] in RIVALS})
+    if alone:
+        fail(folder, "rivals in the results of every scene", f"grids alone (--grids-only) of {', '.join(alone)}")
+    documents = [held_to(lambda path: read_scene(path, light_direct), path) for path in files]
+    kinds = {point.scene: point.kind for point in points}
+    return points, {slug(found["name"]): {**found, "kind": kinds[found["name"]]} for _, found in documents}, sorted({made_by for made_by, _ in documents})
+
+
+def by_scene(points, ours):
+    """Ours over the rival that does best in each scene by itself, with probes as far apart as today's: scene → group."""
+    out = {}
+    for mine in points:
+        if mine.method == (ours, "solved") and mine.spacing_m == TODAY[1]:
+            rivals = [point for point in points if point.scene == mine.scene and point.spacing_m == mine.spacing_m and not is_ours(point, ours) and point.method[0] not in NOT_RIVALS]
+            best = {group: min(rivals, key=lambda point: point.rmse[group]) for group in GROUPS}
+            out[slug(mine.scene)] = {group: {"value": mine.rmse[group] / best[group].rmse[group], "rmse": mine.rmse[group], "rival": f"{best[group].method[0]} ({best[group].method[1]})"}
+                                     for group in GROUPS}
+    return out
+
+
+def indirect(folder, ours):
+    """The section `indirect`: all methods without light that comes straight from lamps, suns and shining surfaces."""
+    points, scenes, revisions = measured(folder, sorted(folder.glob("*.json")), ours, INDIRECT)
+    of_kind = {kind: [point for point in points if point.kind == kind] for kind in SCENE_KINDS}
+    best = {kind: {way: to_best_rival(of_kind[kind], ours, rivals, solved=way == "solved") for way, rivals in (("own", RIVALS), ("solved", SOLVED_RIVALS))}
+            for kind in ("levels", "furnished", "daylight")}
+    relative = {kind: {spacing: entry["air"] for spacing, entry in to_best_rival(of_kind[kind], ours, RIVALS, solved=False, error=lambda point, _: point.smape).items()} for kind in best}
+    today = [point for point in points if point.spacing_m == TODAY[1]]
+    return {"revisions": revisions, "scenes": scenes, "to_best_rival": best, "smape_in_air": relative, "by_scene": by_scene(points, ours), "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours),
+            "methods": {kind: methods([point for point in today if point.kind == kind]) for kind in SCENE_KINDS if any(point.kind == kind for point in today)}}
 
 
 def collect(folder, ours=OURS):
@@ -204,22 +246,16 @@ def collect(folder, ours=OURS):
     files = sorted(folder.glob("*.json"))
     if not files:
         fail(folder, "a folder of light, with what nlg-validate light wrote of scenes", "no .json in it")
-    points = figures.read_all([str(path) for path in files])
-    if not any(point.method == (ours, "solved") for point in points):
-        fail(folder, f"a method {ours} with solved light", ", ".join(sorted({point.method[0] for point in points})))
-    alone = sorted({point.scene for point in points} - {point.scene for point in points if point.method[0] in RIVALS})
-    if alone:
-        fail(folder, "rivals in the results of every scene", f"grids alone (--grids-only) of {', '.join(alone)}")
-    documents = [held_to(read_scene, path) for path in files]
+    points, scenes, revisions = measured(folder, files, ours, "all")
     kinds = {point.scene: point.kind for point in points}
-    out = {"schema_version": 1, "run": NAME, "command": "workflow/results.py collect-light FOLDER", "ours": ours,
-           "revisions": sorted({made_by for made_by, _ in documents}),
-           "scenes": {slug(found["name"]): {**found, "kind": kinds[found["name"]]} for _, found in documents},
+    out = {"schema_version": 1, "run": NAME, "command": "workflow/results.py collect-light FOLDER", "ours": ours, "revisions": revisions, "scenes": scenes,
            "targets": targets(points, ours), "methods": {"all": methods(points)}}
     for kind in SCENE_KINDS:
         of_kind = [point for point in points if point.kind == kind]
         if of_kind:
             out["methods"][kind] = methods(of_kind)
+    if any((folder / "indirect").glob("*.json")):
+        out["indirect"] = indirect(folder / "indirect", ours)
     if found := sorted((folder / "views").glob("*.json")):
         out["views"] = view_results.collect(found, kinds, ours, RIVALS)
     for section, read in (("noise", noise), ("bakes", bake)):

@@ -113,7 +113,7 @@ def collect(run, configuration, pictures, add):
 def collect_light(folder, ours):
     import light_results  # which alone needs numpy
     results, earlier = light_results.collect(folder, ours), load_results(RESULTS).get(light_page.NAME, {})
-    for section in ("views", "noise", "bakes", "benchmarks"):
+    for section in ("indirect", "views", "noise", "bakes", "benchmarks"):
         # each measured by itself: what the folder lacks stays as it was
         if section not in results and section in earlier:
             results[section] = earlier[section]

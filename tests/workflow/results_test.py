@@ -114,11 +114,11 @@ def views(scene, **hyab):
             "methods": [{"weights": name, "light": lights[name], "all": of_class(value), "edge": of_class(2 * value)} for name, value in hyab.items()]}
 
 
-def light(scene, rival, ours):
+def light(scene, rival, ours, direct="all"):
     """Of a level: DDGI's error, and that of ours; a validity mask is half as wrong again as DDGI."""
     methods = [light_method("valid trilinear", "point", 1.5 * rival, 400), light_method("exact visibility", "point", ours, 400), light_method("DDGI as shipped", "own", rival, 10000),
                light_method("tent_mlp4", "point", 2 * ours, 480), light_method("tent_mlp4", "solved", ours, 480)]
-    return {"schema_version": 1, "scene": scene, "provenance": {"revision": "0123abc"}, "floor": light_method("harmonics at the place", "point", 0.01, 1),
+    return {"schema_version": 1, "scene": scene, "provenance": {"revision": "0123abc", "options": {"light_direct": direct}}, "floor": light_method("harmonics at the place", "point", 0.01, 1),
             "truth": {"all_bounces_in_one_ray": True, "noise": 0.01, "places": {"air": 300, "surface": 300, "dark": 20}}, "spacings": [{"spacing_m": 1.0, "methods": methods}]}
 
 
@@ -305,6 +305,31 @@ class Results(unittest.TestCase):
             cells = (cells or line.count("|")) if line.startswith("|") else 0
             self.assertEqual(line.count("|"), cells, line)
             self.assertNotIn("None", line)
+
+    def test_indirect_light_comes_first_and_says_where_a_rival_is_ahead(self):
+        self.write_light()
+        for scene, rival, ours in (("kaos2", 0.4, 0.1), ("am_thornish", 0.2, 0.1), ("aggressor", 0.1, 0.2)):
+            self.write(f"out/light/indirect/{scene}.json", light(scene, rival, ours, "reflected"))
+        expected = {
+            "light@indirect.to_best_rival.levels.own.1m.air:.2": ".63",  # geometric mean of 1/4, 1/2 and 2
+            "light@indirect.by_scene.aggressor.surface:.2": "2.00",
+            "light@indirect.methods.levels.1m.tent_mlp4.solved.air:.3": ".133",
+        }
+        self.quote(expected)
+        result = self.collect_light()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        texts = [line.split(" is ")[1] for line in (self.root / "README.md").read_text().splitlines()]
+        self.assertEqual(dict(zip(expected, texts)), expected)
+        page = (self.root / "docs/reference/light.md").read_text()
+        self.assertLess(page.index("## Indirect light"), page.index("## All light"))
+        self.assertIn("ours is behind in 1; 1; 1 of 3 scenes", page)
+        self.assertIn("| aggressor | .200; .200; .200 | 2.00; 2.00; 2.00 | DDGI as shipped (own) |", page)
+        self.assertNotIn("None", page)
+        shutil.rmtree(self.root / "out/light/indirect")  # what the folder lacks stays
+        self.assertEqual(self.collect_light().returncode, 0)
+        self.assertEqual((self.root / "docs/reference/light.md").read_text(), page)
+        self.write("out/light/indirect/kaos2.json", light("kaos2", 0.4, 0.1))
+        self.assertIn("expected reflected, got all", self.collect_light().stderr)
 
     def test_what_the_eye_sees_is_summed_up_by_kind_of_scene(self):
         self.write_light()
