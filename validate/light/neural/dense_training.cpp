@@ -24,14 +24,14 @@ torch::Tensor initialParameters(const DenseShape& shape, uint64_t seed) {
 }
 
 torch::Tensor evaluateBatch(const DenseShape& shape, const torch::Tensor& parameters, torch::Tensor input) {
-  NLG_CHECK(input.size(1), ==, shape.widths.front());
+  NLG_CHECK(input.size(-1), ==, shape.widths.front());
   int64_t at = 0;
   for (size_t l = 0; l < shape.layerCount(); ++l) {
     const int64_t inputs = shape.widths[l], outputs = shape.widths[l + 1];
-    const torch::Tensor matrix = parameters.narrow(0, at, inputs * outputs).view({inputs, outputs});
-    const torch::Tensor bias = parameters.narrow(0, at + inputs * outputs, outputs);
+    const torch::Tensor matrix = parameters.narrow(-1, at, inputs * outputs).unflatten(-1, {inputs, outputs});
+    const torch::Tensor bias = parameters.narrow(-1, at + inputs * outputs, outputs);
     at += (inputs + 1) * outputs;
-    input = torch::addmm(bias, input, matrix);
+    input = input.dim() == 2 ? torch::addmm(bias, input, matrix) : torch::baddbmm(bias.unsqueeze(1), input, matrix);
     if (l + 1 == shape.layerCount()) break;
     if (shape.activation == Activation::relu) {
       input = input.relu();

@@ -13,8 +13,11 @@ namespace nlg {
 // within √(6 / inputs) behind it. Biases are 0, of sine networks uniform within 1 / √inputs. Takes gradients.
 torch::Tensor initialParameters(const DenseShape& shape, uint64_t seed);
 
-// input    B x widths.front()
-// returns  B x widths.back()
+// Of one network, or of N of one shape, each with a batch of its own.
+//
+// parameters   P, or N x P
+// input        B x widths.front(), or N x B x widths.front()
+// returns      B x widths.back(), or N x B x widths.back()
 torch::Tensor evaluateBatch(const DenseShape& shape, const torch::Tensor& parameters, torch::Tensor input);
 
 std::vector<float> floatsOf(const torch::Tensor& flat);

@@ -9,6 +9,8 @@
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
+#include "validate/light/neural/latent_bake.h"
+#include "validate/light/neural/network_grid.h"
 #include "validate/light/neural/neural_volume.h"
 #include "validate/light/neural/siren.h"
 #include "validate/light/neural/voxel_networks.h"
@@ -16,17 +18,18 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kSplitStream = 0x73706c6974, kVolumeStream = 0x766f6c, kSirenStream = 0x736972656e, kVoxelStream = 0x766f78;
+constexpr uint64_t kSplitStream = 0x73706c6974, kVolumeStream = 0x766f6c, kSirenStream = 0x736972656e, kVoxelStream = 0x766f78,
+                   kGridStream = 0x67726964, kLatentStream = 0x6c6174656e74;
 constexpr size_t kFewestPlaces = 64;         // fewer tell nothing
-constexpr int kVoxelStepShare = 2;           // of a whole scene's steps: a voxel is simpler
+constexpr int kPartStepShare = 2;            // of a whole scene's steps: a voxel is simpler
 constexpr int kChecks = 40, kPatience = 15;  // of the held-out loss, over all steps
-constexpr float kSirenRate = 1e-3f, kVoxelRate = 3e-3f, kVolumeRate = 5e-3f;
+constexpr float kSirenRate = 1e-3f, kVoxelRate = 3e-3f, kVolumeRate = 5e-3f, kGridRate = 2e-2f, kLatentRate = 1e-3f;
 
 struct VolumeSize {
   int table_log2, width;
 };
 constexpr VolumeSize kVolumeSizes[] = {{10, 32}, {12, 64}, {13, 64}, {14, 64}, {15, 64}, {17, 64}};
-constexpr int kSirenWidths[] = {64, 128};
+constexpr int kSirenWidths[] = {64, 128}, kGridWidths[] = {8, 16, 32};
 
 struct Row {
   std::string name;
@@ -63,7 +66,14 @@ std::vector<LearnedMethod> learnedMethods(const LitPlaces& lit, const LearnedOpt
   if (split.learned.size() < kFewestPlaces)
     throw InputError("the scene", "air", fmt::format("{} places to learn light from", kFewestPlaces),
                      std::to_string(split.learned.size()));
-  std::vector<Row> rows;
+  std::vector<Row> rows;  // the longest first
+  for (const LatentVoxels voxels : {LatentVoxels::own, LatentVoxels::other}) {
+    LatentBakeOptions latent;
+    latent.voxels = voxels;
+    latent.training = trainingOf(std::max(1, options.steps / kPartStepShare), kLatentRate, mixSeed(options.seed, kLatentStream));
+    rows.push_back({voxels == LatentVoxels::own ? "latent bake" : "latent bake, other voxels",
+                    [&lit, &split, latent] { return trainLatentBake(lit, split, latent); }});
+  }
   for (const VolumeSize& size : kVolumeSizes) {
     NeuralVolumeOptions volume;
     volume.table_log2 = size.table_log2;
@@ -78,6 +88,12 @@ std::vector<LearnedMethod> learnedMethods(const LitPlaces& lit, const LearnedOpt
     siren.training = trainingOf(options.steps, kSirenRate, mixSeed(options.seed, kSirenStream));
     rows.push_back({fmt::format("SIREN, {}", width), [&lit, &split, siren] { return trainSiren(lit, split, siren); }});
   }
+  for (const int width : kGridWidths) {
+    NetworkGridOptions grid;
+    grid.width = width;
+    grid.training = trainingOf(options.steps, kGridRate, mixSeed(options.seed, kGridStream));
+    rows.push_back({fmt::format("network grid, {}", width), [&lit, &split, grid] { return trainNetworkGrid(lit, split, grid); }});
+  }
   std::vector<LearnedMethod> methods(rows.size());
   {
     Progress progress("networks of the scene", static_cast<int64_t>(rows.size()));
@@ -88,7 +104,7 @@ std::vector<LearnedMethod> learnedMethods(const LitPlaces& lit, const LearnedOpt
   }
   // which has threads of its own
   VoxelNetworksOptions voxels;
-  voxels.training = trainingOf(std::max(1, options.steps / kVoxelStepShare), kVoxelRate, mixSeed(options.seed, kVoxelStream));
+  voxels.training = trainingOf(std::max(1, options.steps / kPartStepShare), kVoxelRate, mixSeed(options.seed, kVoxelStream));
   voxels.thread_count = options.thread_count;
   const Progress progress("networks of voxels");
   methods.push_back(learnedRow({"voxel networks", [&] { return trainVoxelNetworks(lit, split, voxels); }}));

@@ -19,9 +19,8 @@ struct VoxelNetworksOptions {
   int thread_count = 1;
 };
 
-// Voxels with fewer places to learn from have no network: the nearest that has one answers.
-inline constexpr size_t kFewestVoxelPlaces = 32;
-
+// Voxels with too few places to learn from (placesByVoxel) have no network: the nearest that has one answers.
+//
 // split    learned not empty
 // throws   InputError where no voxel has places enough
 LearnedLight trainVoxelNetworks(const LitPlaces& lit, const PlaceSplit& split, const VoxelNetworksOptions& options);

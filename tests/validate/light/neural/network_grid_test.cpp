@@ -1,0 +1,125 @@
+#include "validate/light/neural/network_grid.h"
+
+#include <gtest/gtest.h>
+#include <torch/utils.h>
+
+#include <cmath>
+
+#include "tests/validate/light/neural/learned_places.h"
+#include "tool/error.h"
+#include "validate/light/neural/dense_training.h"
+#include "validate/light/neural/latent_bake.h"
+
+namespace nlg {
+namespace {
+
+constexpr float kPi = 3.14159265f;
+
+TrainingOptions training(int steps, float rate) {
+  TrainingOptions options;
+  options.steps = steps;
+  options.check_steps = 50;
+  options.rate = rate;
+  return options;
+}
+
+TEST(DenseTraining, SeveralNetworksAtOnceGiveWhatEachGivesByItself) {
+  const DenseShape shape{{6, 9, 7, 3}};
+  const torch::Tensor first = initialParameters(shape, 1).detach(), second = initialParameters(shape, 2).detach();
+  torch::Tensor input = torch::empty({2, 5, 6});
+  Random random(4);
+  for (int i = 0; i < 60; ++i) input.data_ptr<float>()[i] = static_cast<float>(random.normal());
+  const torch::Tensor both = evaluateBatch(shape, torch::stack({first, second}), input);
+  // sums of ten floats in another order
+  EXPECT_LT((both[0] - evaluateBatch(shape, first, input[0])).abs().max().item<float>(), 1e-5f);
+  EXPECT_LT((both[1] - evaluateBatch(shape, second, input[1])).abs().max().item<float>(), 1e-5f);
+}
+
+TEST(NetworkGrid, LearnsLightWithoutEdgesBetweenCells) {
+  // light is higher on one side of the nodes at the lowest place's x + 4
+  const auto level = [](double x) { return static_cast<float>(x < 23.0 ? 0.2 : x > 25.0 ? 1.0 : 0.2 + 0.4 * (x - 23.0)); };
+  const LitPlaces lit = placesWithLight(4000, [&](const glm::dvec3& p) { return ambient(glm::vec3(level(p.x))); });
+  NetworkGridOptions options;
+  options.batch = 1024;
+  options.training = training(300, 2e-2f);
+  const LearnedLight learned = trainNetworkGrid(lit, splitPlaces(4000, 1), options);
+  // 8 x 3 x 5 m, less what places by chance leave at the ends, are 3 x 2 x 3 nodes
+  const size_t numbers = 7 * 16 + 17 * 16 + 17 * 3;
+  EXPECT_EQ(learned.cost.networks, 18u);
+  EXPECT_EQ(learned.bytes.light, 18 * 2 * numbers);
+  EXPECT_EQ(learned.bytes.tree, 18u * 4);
+  EXPECT_EQ(learned.cost.multiply_adds, 4 * (6u * 16 + 16 * 16 + 16 * 3 + 3));
+  double squares = 0.0;
+  for (int i = 0; i < 500; ++i) {
+    const LightAnswer answer = learned.irradiance_at(lit.position_m[i], {0.0f, 1.0f, 0.0f});
+    EXPECT_EQ(answer.reach, Reach::lit);
+    squares += std::pow(answer.irradiance.g / (kPi * level(lit.position_m[i].x)) - 1.0, 2) / 500.0;
+  }
+  // the mean alone is .9 off
+  EXPECT_LT(std::sqrt(squares), 0.1);
+  // along a line through cells and their tetrahedra: within a tenth of a millimetre even a slope of the whole light a centimetre is .01
+  for (double x = 21.0; x < 27.0; x += 1e-4) {
+    const double y = -0.5 + 0.3 * (x - 21.0), z = 4.0 + 0.5 * (x - 21.0);
+    const auto at = [&](double moved) { return learned.irradiance_at({x + moved, y, z}, {0.0f, 1.0f, 0.0f}).irradiance.g; };
+    ASSERT_NEAR(at(0.0), at(1e-4), 0.01f * kPi) << x;
+  }
+}
+
+TEST(NetworkGrid, AnswersFromTheNearestWhereANodeHasNoNetwork) {
+  LitPlaces lit = placesWithLight(1000, [](const glm::dvec3&) { return ambient(glm::vec3(1.0f)); });
+  PlaceSplit split = splitPlaces(1000, 1);
+  // far away, and never learned from
+  lit.position_m.emplace_back(40.0, 0.0, 5.0);
+  lit.light.push_back(ambient(glm::vec3(9.0f)));
+  NetworkGridOptions options;
+  options.width = 8;
+  options.batch = 256;
+  options.training = training(600, 1e-2f);
+  const LightAnswer answer = trainNetworkGrid(lit, split, options).irradiance_at({38.0, 0.0, 5.0}, {0.0f, 1.0f, 0.0f});
+  EXPECT_EQ(answer.reach, Reach::fallback);
+  EXPECT_NEAR(answer.irradiance.g, kPi, 1.0f);
+}
+
+// Voxels of a metre, lit alike all over, each at a level of its own.
+float levelOf(const glm::dvec3& p) {
+  const auto voxel = static_cast<uint64_t>((p.x - 20.0) + 8 * std::floor(p.y + 1.0) + 24 * std::floor(p.z - 3.0));
+  return 0.5f + static_cast<float>(mixSeed(7, voxel) % 1000) / 1000.0f;
+}
+
+LatentBakeOptions smallLatents(LatentVoxels voxels) {
+  LatentBakeOptions options;
+  options.voxels = voxels;
+  options.voxel_m = 1.0;
+  options.latent = 4;
+  options.decoder_width = 32;
+  options.decoder_layers = 2;
+  options.training = training(300, 3e-3f);
+  return options;
+}
+
+TEST(LatentBake, KnowsVoxelsThatItNeverLearnedFromByWhatIsObservedThere) {
+  const LitPlaces lit = placesWithLight(8000, [](const glm::dvec3& p) { return ambient(glm::vec3(levelOf(p))); });
+  for (const LatentVoxels voxels : {LatentVoxels::own, LatentVoxels::other}) {
+    const LearnedLight learned = trainLatentBake(lit, splitPlaces(8000, 1), smallLatents(voxels));
+    double squares = 0.0;
+    for (int i = 0; i < 500; ++i) {
+      const double answer = learned.irradiance_at(lit.position_m[i], {0.0f, 1.0f, 0.0f}).irradiance.g;
+      squares += std::pow(answer / (kPi * levelOf(lit.position_m[i])) - 1.0, 2) / 500.0;
+    }
+    // the mean of all voxels is .3 off
+    EXPECT_LT(std::sqrt(squares), 0.1) << static_cast<int>(voxels);
+    EXPECT_EQ(learned.bytes.weights, 2u * (11 * 32 + 33 * 32 + 33 * 3));
+    EXPECT_EQ(learned.bytes.light % 8, 0u);
+    EXPECT_EQ(learned.cost.words_by_place, 2u);
+  }
+}
+
+TEST(LatentBake, RefusesToLeaveOutTheOnlyVoxel) {
+  const LitPlaces lit = placesWithLight(500, [](const glm::dvec3&) { return ambient(glm::vec3(1.0f)); });
+  LatentBakeOptions options = smallLatents(LatentVoxels::other);
+  options.voxel_m = 20.0;
+  EXPECT_THROW(trainLatentBake(lit, splitPlaces(500, 1), options), InputError);
+}
+
+}  // namespace
+}  // namespace nlg
