@@ -23,6 +23,7 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/file_info.h"
+#include "tool/input_file.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
 #include "tool/tool_main.h"
@@ -32,6 +33,7 @@ namespace {
 
 struct Request {
   std::string scene, out, config, json;
+  std::string inputs;   // a file to name all others in that were read
   std::string relit;    // a grid whose light is made anew; empty: everything is
   std::string checked;  // a grid that is only asked whether it is what would be baked
   std::vector<std::string> weights;
@@ -224,6 +226,32 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   writeJson(request.json, toJson(report));
 }
 
+// One of the three, and whatever comes of it the files that it asked for.
+void bakeOrCheck(const Request& request, const BakeOptions& options, const OptionTable& table) {
+  if (!request.inputs.empty()) {
+    std::vector<std::string> others = request.weights;
+    others.insert(others.end(), {request.scene, request.config, request.relit, request.checked, request.out, request.json});
+    refuseToReplaceInputs(request.inputs, others, "--inputs");
+    requireOutputFile(request.inputs);
+  }
+  const auto writeInputs = [&] {
+    if (!request.inputs.empty()) writeFileAtomically(request.inputs, nlohmann::ordered_json(inputsSoFar()).dump() + "\n");
+  };
+  try {
+    if (!request.checked.empty()) {
+      runCheck(request, options, table);
+    } else if (!request.relit.empty()) {
+      runRelight(request, options, table);
+    } else {
+      run(request, options, table);
+    }
+  } catch (const ToolError&) {
+    writeInputs();
+    throw;
+  }
+  writeInputs();
+}
+
 nlohmann::ordered_json describeGrid(const std::string& path) {
   auto [grid, metadata] = readBakedGrid(path);
   nlohmann::ordered_json json = {{"scene", metadata["scene"]},
@@ -280,6 +308,9 @@ int main(int argc, char** argv) {
       "where it is not, for build systems");
   app.add_option("--json", request.json,
                  "write all that the bake says of itself to a file, as one line of JSON. -: to standard output");
+  app.add_option("--inputs", request.inputs,
+                 "write the names of all files that this reads or looks for, grids and programs apart, to a file, as a list of "
+                 "JSON: whichever of them changes asks for another bake. Where it ends in an error, too");
   app.add_flag("--verbose", request.is_verbose, "end with all stages, errors and savings as tables, too");
   return nlg::runTool(argc, argv, app, table, [&] {
     const CLI::Option* config = app.get_option("--config");
@@ -287,12 +318,6 @@ int main(int argc, char** argv) {
     if (config->count() > 0) request.config = config->as<std::string>();
     nlg::takeThetaPrecision(&options);
     nlg::chooseSimd(options.simd);
-    if (!request.checked.empty()) {
-      nlg::runCheck(request, options, table);
-    } else if (!request.relit.empty()) {
-      nlg::runRelight(request, options, table);
-    } else {
-      nlg::run(request, options, table);
-    }
+    nlg::bakeOrCheck(request, options, table);
   });
 }

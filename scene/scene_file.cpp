@@ -35,6 +35,7 @@ std::string fileBeside(const std::string& scene_path, const std::string& name, c
   if (error) throw InputError(scene_path, place, "a file in the folder or below", error.message());
   const auto [root_end, file_end] = std::mismatch(root.begin(), root.end(), file.begin(), file.end());
   if (root_end != root.end()) throw InputError(scene_path, place, "a file in the folder or below", "a link out of it");
+  noteInput(folder + "/" + name);
   std::string fault;
   const int opened = openRegularFile(folder + "/" + name, &fault);
   if (opened < 0) throw notOpened(scene_path, place, fault);

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -120,6 +121,48 @@ void writeAll(const std::string& temporary_path, const std::string& path, std::s
   if (!file.close()) throw OutputError(path, reasonOf(errno));
 }
 
+// What a signal has to remove. A handler may neither lock nor allocate, so that the names lie in places of their own; a writer that
+// finds none leaves a file behind at worst, which the next one removes.
+struct Unfinished {
+  std::atomic<bool> is_taken = false, is_there = false;
+  char path[4096] = {};
+};
+std::array<Unfinished, 16> unfinished;
+
+void removeUnfinished(int signal) {
+  for (const Unfinished& file : unfinished) {
+    if (file.is_there) ::unlink(file.path);
+  }
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+// Has a signal remove the file while this lives.
+class RemovedOnSignals {
+ public:
+  explicit RemovedOnSignals(const std::string& path) {
+    if (path.size() >= sizeof Unfinished::path) return;
+    for (Unfinished& file : unfinished) {
+      if (file.is_taken.exchange(true)) continue;
+      path.copy(file.path, path.size());
+      file.path[path.size()] = '\0';
+      file.is_there = true;
+      file_ = &file;
+      return;
+    }
+  }
+  ~RemovedOnSignals() {
+    if (file_ == nullptr) return;
+    file_->is_there = false;
+    file_->is_taken = false;
+  }
+  RemovedOnSignals(const RemovedOnSignals&) = delete;
+  RemovedOnSignals& operator=(const RemovedOnSignals&) = delete;
+
+ private:
+  Unfinished* file_ = nullptr;
+};
+
 // Calls take(block, size) for every block of the file.
 template <class Take>
 void forEachBlock(InputFile& file, Take take) {
@@ -152,6 +195,7 @@ void writeAtomically(const std::string& path, const std::function<void(const std
   }
   removeStaleTemporaries(path);
   const std::string temporary_path = temporaryPathFor(path);
+  const RemovedOnSignals removed(temporary_path);
   try {
     write(temporary_path);
     syncFile(temporary_path, path);
@@ -164,6 +208,13 @@ void writeAtomically(const std::string& path, const std::function<void(const std
     throw;
   }
   syncFolder(path);
+}
+
+void removeTemporariesOnSignals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    // nohup's child, say, is not to end
+    if (std::signal(signal, removeUnfinished) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
 }
 
 void writeFileAtomically(const std::string& path, std::string_view bytes) {

@@ -17,6 +17,9 @@ namespace nlg {
 // write throws, unchanged, unless it names the temporary file: then an OutputError in the same words about path
 void writeAtomically(const std::string& path, const std::function<void(const std::string& temporary_path)>& write);
 
+// From here on SIGINT (Ctrl-C), SIGTERM and SIGHUP, where they end the process, remove the temporary files of its writers first.
+void removeTemporariesOnSignals();
+
 // The same for a text or bytes that are already in memory.
 void writeFileAtomically(const std::string& path, std::string_view bytes);
 

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <mutex>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -29,7 +31,27 @@ size_t readAll(const std::string& path, const std::string& place, char* to, size
   return done;
 }
 
+struct Inputs {
+  std::mutex mutex;
+  std::set<std::string> paths;
+};
+
+Inputs& inputs() {
+  static Inputs all;
+  return all;
+}
+
 }  // namespace
+
+void noteInput(const std::string& path) {
+  const std::lock_guard lock(inputs().mutex);
+  inputs().paths.insert(path);
+}
+
+std::vector<std::string> inputsSoFar() {
+  const std::lock_guard lock(inputs().mutex);
+  return {inputs().paths.begin(), inputs().paths.end()};
+}
 
 InputError notOpened(const std::string& path, const std::string& place, const std::string& fault) {
   const bool is_missing = fault == std::generic_category().message(ENOENT);
@@ -37,6 +59,7 @@ InputError notOpened(const std::string& path, const std::string& place, const st
 }
 
 InputFile::InputFile(const std::string& path, std::string place) : path_(path), place_(std::move(place)) {
+  noteInput(path);
   std::string fault;
   descriptor_ = openRegularFile(path, &fault);
   if (descriptor_ < 0) throw notOpened(path, place_, fault);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace nlg {
 
@@ -11,6 +12,11 @@ class InputError;
 // Why a file could not be opened: in plain words where there is none of that name.
 // path, place   that the error names; fault: of openRegularFile
 InputError notOpened(const std::string& path, const std::string& place, const std::string& fault);
+
+// Whoever asks for a file by other means than InputFile says so here.
+void noteInput(const std::string& path);
+// The paths of all files that this process has asked for so far, sorted: those that it could not open, too.
+std::vector<std::string> inputsSoFar();
 
 // Open from beginning to end of its life. Regular files only: regular_file.h says why.
 class InputFile {

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "tool/atomic_file.h"
 #include "tool/help.h"
 #include "tool/nearest_name.h"
 #include "tool/printable.h"
@@ -153,6 +154,7 @@ int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std:
   std::signal(SIGPIPE, SIG_IGN);
   // past a limit on file sizes write fails with an error, as on a full disk
   std::signal(SIGXFSZ, SIG_IGN);
+  removeTemporariesOnSignals();
   const std::string name = toolName(app, argc, argv);
   try {
     try {

@@ -9,6 +9,7 @@
 #include "bake/policy_options.h"
 #include "tool/tool_main.h"
 #include "viewer/view_run.h"
+#include "viewer/watch.h"
 
 int main(int argc, char** argv) {
   using namespace nlg;
@@ -17,18 +18,27 @@ int main(int argc, char** argv) {
       "at\n"
       "probes and at the places where the grid is most wrong. The page is a folder; a double click opens it, without a network.\n"
       "nlg-view SCENE: bakes the grid first, with the weights that ship.\n"
-      "nlg-view SCENE --grid GRID: of a grid that nlg-bake wrote.",
+      "nlg-view SCENE --grid GRID: of a grid that nlg-bake wrote.\n"
+      "nlg-view SCENE --watch: bakes again whenever the scene is saved, and shows it at once.",
       "nlg-view"};
   ViewRequest request;
   BakeOptions bake;
   OptionTable table("bake");
   describe(bake, table);
   table.addNote(stagesHelp({}));
-  table.common({"out", "grid", "weights", "rivals", "unit", "spacing_m", "sky", "sun", "threads"});
+  table.common({"out", "grid", "watch", "weights", "rivals", "unit", "spacing_m", "sky", "sun", "threads"});
   describe(request, app);
   return runTool(argc, argv, app, table, [&] {
     request.rivals_are_given = app.get_option("--rivals")->count() > 0;
     takeThetaPrecision(&bake);
+    if (request.is_watched) {
+      // what takes longer than the bake only where it is asked for
+      if (!request.rivals_are_given) request.rivals = {"none"};
+      if (app.get_option("--truth-views")->count() == 0) request.truth_views = 0;
+      if (app.get_option("--places")->count() == 0) request.places = 0;
+      return watchScene(request, bake, table);
+    }
+    if (app.get_option("--port")->count() > 0) throw UsageError("--port", "--watch beside it", "none");
     const nlohmann::ordered_json said = makeView(request, bake);
     std::cerr << "open " << said["page"].get<std::string>() << '\n';
     std::cout << said.dump() << '\n';

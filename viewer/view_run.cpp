@@ -39,6 +39,7 @@ constexpr uint64_t kPlaceStream = 0x766965776572, kTruthStream = 0x7472757468;
 constexpr double kFov = 1.0472;  // 60 degrees
 constexpr double kAspect = 16.0 / 9.0;
 constexpr int kPlaceRays = 256;  // of truth at a place
+constexpr int kFewestPlaces = 16;
 constexpr int kExposureWidth = 160, kExposureHeight = 90;
 constexpr float kBrightestStored = 1000.0f;  // of a truth picture; RGB9E5 ends at 65,408
 const std::vector<std::string> kShownRivals = {"trilinear", "trilinear:solved", "valid-trilinear", "valid-trilinear:solved",
@@ -58,10 +59,11 @@ struct View {
   Camera camera;
 };
 
-// Cameras of the scene's file, and then views that show much.
-std::vector<View> truthViews(const LightTransport& transport, const ViewRequest& request, uint64_t seed) {
+// Cameras of the scene's file, and then views that show much: those of truth, or without any as many as there would be.
+std::vector<View> chooseViews(const LightTransport& transport, const ViewRequest& request, uint64_t seed) {
   std::vector<View> views;
-  const auto isFull = [&] { return views.size() >= static_cast<size_t>(request.truth_views); };
+  const int count = request.truth_views > 0 ? request.truth_views : ViewRequest().truth_views;
+  const auto isFull = [&] { return views.size() >= static_cast<size_t>(count); };
   for (const Viewpoint& viewpoint : transport.scene().viewpoints) {
     if (viewpoint.fov_y > 0.0f && !isFull())
       views.push_back(
@@ -99,7 +101,7 @@ class ViewFolder {
     // the page last: it is there when all that it reads is, and one of an earlier run goes first
     std::error_code gone;
     fs::remove(fs::path(request_.out) / "index.html", gone);
-    const std::vector<View> views = truthViews(scene_.transport(), request_, options_.seed);
+    const std::vector<View> views = chooseViews(scene_.transport(), request_, options_.seed);
     DataScript script("scene");
     addGeometry(&script);
     script.facts["scene"] = scene_.id();
@@ -108,12 +110,13 @@ class ViewFolder {
     script.facts["look_up"] = kLookUpText;
     script.facts["light"] = scene_.lightNotes();
     script.facts["warnings"] = scene_.warnings();
+    script.facts["has_truth"] = request_.truth_views > 0;
     script.facts["views"] = Json::array();
     Progress views_done("views", static_cast<int64_t>(views.size()));
     for (size_t v = 0; v < views.size(); ++v) {
       views_done.update(static_cast<int64_t>(v));
       script.facts["views"].push_back(placeJson(views[v].name, views[v].camera));
-      write(truthScript(v, views[v].camera));
+      if (request_.truth_views > 0) write(truthScript(v, views[v].camera));
     }
     script.facts["starts"] = Json::array();
     for (const Viewpoint& viewpoint : scene_.scene().viewpoints) {
@@ -175,6 +178,10 @@ class ViewFolder {
     script->add("triangle_material", scene.triangle_material);
     script->add("albedo", albedo);
     script->add("emissive", emissive);
+    if (const LightGroups& groups = scene.light.groups; !groups.names.empty()) {
+      script->facts["light_groups"] = groups.names;
+      script->add("material_groups", groups.of_material);
+    }
     addLooks(scene, script);
     script->add("sky_positions", sky_positions);
     script->add("sky_shine", sky_shine);
@@ -246,14 +253,17 @@ class ViewFolder {
   }
 
   void writeMethods(DataScript* script) {
-    const Measured measured = measureTruth();
+    const Measured measured = request_.places > 0 ? measureTruth() : Measured{};
     script->facts["methods"] = Json::array();
     const auto add = [&](const std::string& name, const std::string& title, const DataScript& method, size_t bytes,
                          size_t probes) {
       Json entry = {{"name", scriptName(name)}, {"title", title}, {"bytes", bytes}, {"probes", probes}};
-      LightFigures figures = figuresOf(measured, name);
-      entry["rmse_air"] = figures.air.rmse;
-      entry["rmse_surface"] = figures.surface.rmse;
+      LightFigures figures;
+      if (request_.places > 0) {
+        figures = figuresOf(measured, name);
+        entry["rmse_air"] = figures.air.rmse;
+        entry["rmse_surface"] = figures.surface.rmse;
+      }
       script->facts["methods"].push_back(entry);
       said_["methods"].push_back(entry);
       write(method);
@@ -305,17 +315,17 @@ class ViewFolder {
   Json said_;
 };
 
-// "levels/house.glb": house; "house:3": house_3.
-std::string folderName(const std::string& scene) {
+}  // namespace
+
+std::string folderOfView(const std::string& scene) {
   const fs::path path(scene);
   const std::string extension = path.extension().string();
+  // house:3 has none, and is house_3
   const bool is_file = extension == ".glb" || extension == ".gltf" || extension == ".obj" || extension == ".bsp";
   std::string name = (is_file ? path.stem() : path.filename()).string();
   std::replace(name.begin(), name.end(), ':', '_');
   return name;
 }
-
-}  // namespace
 
 void describe(ViewRequest& r, CLI::App& app) {
   app.add_option("scene", r.scene, "a scene, as nlg-bake takes it")->required();
@@ -328,8 +338,8 @@ void describe(ViewRequest& r, CLI::App& app) {
          "that ships one); with :solved, the first two with light that is solved for; none")
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--truth-views", r.truth_views, "views of which ground truth is stored")
-      ->check(CLI::Range(1, 100))
+  app.add_option("--truth-views", r.truth_views, "views of which ground truth is stored; 0: of none")
+      ->check(CLI::Range(0, 100))
       ->capture_default_str();
   app.add_option("--truth-width", r.truth_width, "their width in pixels; the height is 9/16 of it")
       ->check(CLI::Range(16, 4096))
@@ -338,13 +348,19 @@ void describe(ViewRequest& r, CLI::App& app) {
       ->check(CLI::Range(8, 1 << 20))
       ->capture_default_str();
   app.add_option("--places", r.places,
-                 "places where all methods are compared with ground truth, half in air, half before surfaces")
-      ->check(CLI::Range(16, 1000000))
+                 "places where all methods are compared with ground truth, half in air, half before surfaces; 0: nowhere")
+      ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
+  app.add_flag(
+      "--watch", r.is_watched,
+      "keep running: bake again whenever the scene's files are saved, and show it in the page without its being opened "
+      "again. A server on this machine alone has the page. --grid names the grid that is kept up to date; rivals, ground "
+      "truth and places are left out unless they are asked for");
+  app.add_option("--port", r.port, "of that server; 0: any that is free")->check(CLI::Range(0, 65535))->capture_default_str();
 }
 
 Json makeView(ViewRequest request, BakeOptions options) {
-  if (request.out.empty()) request.out = folderName(request.scene);
+  if (request.out.empty()) request.out = folderOfView(request.scene);
   requireOutputFolder(request.out);
   if (request.rivals == std::vector<std::string>{"none"}) request.rivals.clear();
   for (const std::string& name : request.rivals) {
@@ -353,6 +369,8 @@ Json makeView(ViewRequest request, BakeOptions options) {
     if (std::find(kShownRivals.begin(), kShownRivals.end(), name) == kShownRivals.end())
       throw UsageError("--rivals", fmt::format("{}, or none", fmt::join(kShownRivals, ", ")), "'" + name + "'");
   }
+  if (request.places > 0 && request.places < kFewestPlaces)
+    throw UsageError("--places", fmt::format("0, or {} or more", kFewestPlaces), std::to_string(request.places));
   std::vector<std::string> inputs = {request.scene, request.grid};
   inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
   for (const PageFile& file : pageFiles()) refuseToReplaceInputs((fs::path(request.out) / file.name).string(), inputs);

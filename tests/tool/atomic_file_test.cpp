@@ -214,6 +214,36 @@ TEST_F(AtomicFile, RefusesToReadWhatIsMissingTooLargeOrAFolder) {
   EXPECT_THROW(fileSha256(folder_.string()), InputError);
 }
 
+TEST_F(AtomicFile, LeavesNothingWhenASignalEndsTheProcessInTheMiddle) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    std::ofstream(at("grid")) << "before";
+    const auto writeAndEnd = [&] {
+      removeTemporariesOnSignals();
+      writeAtomically(at("grid"), [&](const std::string& temporary_path) {
+        std::ofstream(temporary_path) << "half";
+        if (fileCount() == 2) std::raise(signal);
+      });
+    };
+    EXPECT_EXIT(writeAndEnd(), testing::KilledBySignal(signal), "");
+    EXPECT_EQ(fileCount(), 1u) << signal;
+    EXPECT_EQ(readFile(at("grid")), "before");
+  }
+}
+
+TEST_F(AtomicFile, GoesOnAfterASignalThatIsIgnored) {
+  const auto writeAndEnd = [&] {
+    std::signal(SIGHUP, SIG_IGN);
+    removeTemporariesOnSignals();
+    writeAtomically(at("grid"), [&](const std::string& temporary_path) {
+      std::ofstream(temporary_path) << "whole";
+      std::raise(SIGHUP);
+    });
+    return 0;
+  };
+  EXPECT_EQ(exitCodeOfChild(writeAndEnd), 0);
+  EXPECT_EQ(readFile(at("grid")), "whole");
+}
+
 // FIPS 180-2, appendix B.
 TEST(Sha256, AgreesWithThePublishedDigests) {
   EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");

@@ -1,7 +1,7 @@
 // What nlg-view left beside the page: scripts that each call nlgReceive once (viewer/data_script.h). A page that was opened from a
 // folder may read no files, but it may run scripts.
 
-const waiting = new Map();
+const waiting = new WeakMap(); // by script
 
 window.nlgReceive = (name, facts, base64) => {
   const binary = atob(base64);
@@ -11,25 +11,31 @@ window.nlgReceive = (name, facts, base64) => {
   for (const [array, [kind, first, count]] of Object.entries(facts.arrays)) {
     arrays[array] = new globalThis[kind](bytes.buffer, first, count);
   }
-  waiting.get(name)?.({ ...facts, ...arrays });
+  waiting.get(document.currentScript)?.({ ...facts, ...arrays });
 };
 
-const loaded = new Map();
-
-// The facts and arrays of NAME.js, read once.
-export function load(name) {
-  if (!loaded.has(name)) {
-    loaded.set(name, new Promise((resolve, reject) => {
-      waiting.set(name, resolve);
-      const script = document.createElement('script');
-      script.src = `${name}.js`;
-      script.onerror = () => {
-        loaded.delete(name);
-        reject(new Error(`${name}.js is not beside this page, or cannot be read`));
-      };
-      script.onload = () => script.remove();
-      document.head.append(script);
-    }));
+// One set of scripts: those beside the page, or of a page that is served (viewer/page_server.h) those with one number.
+export class Data {
+  constructor(number) {
+    this.loaded = new Map();
+    this.query = number === undefined ? '' : `?${number}`;
   }
-  return loaded.get(name);
+
+  // The facts and arrays of NAME.js, read once.
+  load(name) {
+    if (!this.loaded.has(name)) {
+      this.loaded.set(name, new Promise((resolve, reject) => {
+        const script = document.createElement('script');
+        waiting.set(script, resolve);
+        script.src = `${name}.js${this.query}`;
+        script.onerror = () => {
+          this.loaded.delete(name);
+          reject(new Error(`${name}.js is not beside this page, or cannot be read`));
+        };
+        script.onload = () => script.remove();
+        document.head.append(script);
+      }));
+    }
+    return this.loaded.get(name);
+  }
 }

@@ -94,6 +94,7 @@ function figureParts() {
 export class Level {
   // looks   of looksOf
   constructor(scene, looks) {
+    this.scene = scene;
     this.root = new THREE.Scene();
     this.root.matrixWorldAutoUpdate = false;
     this.geometry = levelGeometry(scene);
@@ -130,6 +131,29 @@ export class Level {
     this.ball.visible = this.figure.visible = false;
     this.ballAt = new THREE.Vector4(0, 0, 0, 1);
     this.materials = new Map();
+  }
+
+  // What shines, in the colours of its groups of light.
+  // colourOf   three factors by a group's name
+  tintShine(colourOf) {
+    const { scene } = this;
+    if (!scene.light_groups) return;
+    const { shine } = this.geometry.attributes;
+    const tints = scene.light_groups.map(colourOf);
+    scene.triangle_material.forEach((material, t) => {
+      const tint = tints[scene.material_groups[material]];
+      for (let i = 0; i < 9; ++i) shine.array[9 * t + i] = scene.emissive[3 * material + (i % 3)] * tint[i % 3];
+    });
+    shine.needsUpdate = true;
+  }
+
+  // What the graphics card holds of it.
+  dispose() {
+    this.root.traverse(({ geometry, material }) => {
+      geometry?.dispose();
+      material?.dispose();
+    });
+    for (const materials of this.materials.values()) for (const material of Object.values(materials)) material.dispose();
   }
 
   tintSky(colour) {

@@ -1,6 +1,6 @@
 // The page of nlg-view.
 import * as THREE from 'three';
-import { load } from './data.js';
+import { Data } from './data.js';
 import { Level } from './level.js';
 import { KINDS, Marks } from './marks.js';
 import { Methods, TRUTH } from './methods.js';
@@ -26,11 +26,14 @@ function warn(error) {
   $('message').hidden = false;
 }
 
+const ASK_EVERY_MS = 500; // what goes on
+
 const bytesText = (bytes) => (bytes >= 1e6 ? `${(bytes / 1e6).toFixed(1)} MB` : `${Math.round(bytes / 1e3)} kB`);
 
+const option = (value, text) => Object.assign(document.createElement('option'), { value, textContent: text });
+
 class Viewer {
-  constructor(scene) {
-    this.scene = scene;
+  constructor(scene, data) {
     const canvas = $('canvas');
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: false, powerPreference: 'high-performance' });
     this.renderer.autoClear = false;
@@ -38,24 +41,16 @@ class Viewer {
       throw new Error('this browser draws no pictures in half floats (EXT_color_buffer_half_float)');
     }
     this.picture = new Picture(this.renderer);
-    this.methods = new Methods(scene);
-    this.level = new Level(scene, this.methods.looks);
-    this.marks = new Marks(this.level.root);
     // near enough for views that were chosen millimetres before a wall
-    const reach = 2 * this.level.bounds.getSize(new THREE.Vector3()).length();
-    this.camera = new THREE.PerspectiveCamera(60, 1, 0.004, Math.max(10, reach));
-    this.movement = new Movement(this.camera, canvas, this.level.geometry, this.level.bounds);
+    this.camera = new THREE.PerspectiveCamera(60, 1, 0.004, 10);
+    this.movement = new Movement(this.camera, canvas);
     this.movement.onChange = () => this.wake();
-    this.truth = null; // of the view that the camera stands at
     this.left = 'grid';
     this.right = null;
+    this.wanted = {}; // by side, also where a scene has no such method
     this.shown = 'light';
-    this.chosen = -1;
-    this.places = [
-      ...scene.views.map((view, i) => ({ ...view, group: 'views with ground truth', truth: i })),
-      ...scene.starts.map((start) => ({ ...start, group: 'where players begin' })),
-      ...scene.worst.map((worst) => ({ ...worst, group: 'where the grid is most wrong' })),
-    ];
+    this.lights = new Map(); // by group: its slider and its colour
+    this.enter(scene, data, new Methods(scene, data));
     this.placeExposure = this.places[0].exposure; // of the last place that was gone to
     this.at = null; // the place that the camera stands at, until it moves
     this.frames = [];
@@ -63,10 +58,59 @@ class Viewer {
     this.truthAsked = 0;
   }
 
+  // From here on this scene is the one that is shown; the camera stays where it is.
+  enter(scene, data, methods) {
+    this.scene = scene;
+    this.methods = methods;
+    this.level = new Level(scene, methods.looks);
+    this.marks = new Marks(this.level.root, data);
+    this.camera.far = Math.max(10, 2 * this.level.bounds.getSize(new THREE.Vector3()).length());
+    this.camera.updateProjectionMatrix();
+    this.movement.enter(this.level.geometry, this.level.bounds);
+    this.truth = null; // of the view that the camera stands at
+    this.chosen = -1;
+    this.places = [
+      ...scene.views.map((view, i) => (scene.has_truth ? { ...view, group: 'views with ground truth', truth: i } : { ...view, group: 'views' })),
+      ...scene.starts.map((start) => ({ ...start, group: 'where players begin' })),
+      ...scene.worst.map((worst) => ({ ...worst, group: 'where the grid is most wrong' })),
+    ];
+  }
+
+  // The scene as it was saved again: whatever was chosen stays, where it is still there.
+  async renew(scene, data) {
+    const methods = new Methods(scene, data);
+    const wanted = { ...this.wanted };
+    const [left, right] = [wanted.left, wanted.right].map((name) => (methods.has(name) ? name : 'grid'));
+    // the picture stays until there is all of the next one
+    for (const name of new Set(['grid', left, right])) if (name !== TRUTH) await methods.rendered(name);
+    const { level, methods: before, at } = this;
+    [this.left, this.right] = [left, right];
+    this.enter(scene, data, methods);
+    const place = at ? this.places.findIndex(({ eye, forward }) => String([eye, forward]) === String([at.eye, at.forward])) : -1;
+    this.at = this.places[place] ?? null;
+    this.hung = this.at?.place ? this.hung : null;
+    this.fillScene();
+    $('place').value = place;
+    if (!this.hung) $('placeNote').textContent = '';
+    this.marks.showPlace(this.at?.place, this.at?.normal);
+    await this.choose('left', left);
+    await this.choose('right', right);
+    // a preview has no ground truth
+    this.wanted = wanted;
+    await this.fillLights();
+    await this.toggle();
+    $('probe').textContent = '';
+    if (this.shown === 'share') await this.chooseProbe();
+    this.draw();
+    level.dispose();
+    before.dispose();
+  }
+
   async start() {
     this.fillInterface();
+    this.fillScene();
     await this.choose('left', asked.get('left') ?? 'grid');
-    const right = asked.get('right') ?? (this.methods.has('valid-trilinear') ? 'valid-trilinear' : this.scene.methods.at(-1).name);
+    const right = asked.get('right') ?? (this.methods.has('valid-trilinear') ? 'valid-trilinear' : [...this.methods.entries.keys()].at(-1));
     await this.choose('right', right);
     await this.fillLights();
     $('divider').value = asked.has('divider') ? 100 * Number(asked.get('divider')) : 50;
@@ -96,28 +140,35 @@ class Viewer {
     return Math.round(performance.now());
   }
 
-  // A slider and a colour for each group of light that the grid keeps apart. ?lights=sky:0,lamps:1.5 sets them at once.
+  // A slider and a colour for each group of light that the grid keeps apart. ?light=sky:0&light=lamps:1.5 sets them at once.
   async fillLights() {
     const grid = await this.busy(this.methods.rendered('grid'));
-    if (grid.groups.length === 0) return;
-    const given = new Map((asked.get('lights') ?? '').split(',').map((one) => [one.slice(0, one.lastIndexOf(':')), Number(one.slice(one.lastIndexOf(':') + 1))]));
+    const given = new Map(asked.getAll('light').map((one) => [one.slice(0, one.lastIndexOf(':')), one.slice(one.lastIndexOf(':') + 1)]));
     const rows = grid.groups.map((name) => {
       const row = document.createElement('label');
-      const factor = Object.assign(document.createElement('input'), { type: 'range', min: 0, max: 2, step: 0.01, value: given.get(name) ?? 1 });
-      const tint = Object.assign(document.createElement('input'), { type: 'color', value: '#ffffff', title: `colour of ${name}` });
+      const before = this.lights.get(name);
+      const factor = Object.assign(document.createElement('input'), { type: 'range', min: 0, max: 2, step: 0.01, value: before?.factor.value ?? given.get(name) ?? 1 });
+      const tint = Object.assign(document.createElement('input'), { type: 'color', value: before?.tint.value ?? '#ffffff', title: `colour of ${name}` });
+      for (const input of [factor, tint]) input.addEventListener('input', () => this.mixLights(grid));
       row.append(`${name} `, factor, tint);
-      $('groups').append(row);
-      return { name, factor, tint };
+      this.lights.set(name, { factor, tint });
+      return row;
     });
-    const mix = () => {
-      const colours = rows.map(({ factor, tint }) => new THREE.Color(tint.value).toArray().map((channel) => channel * Number(factor.value)));
-      grid.mix(colours);
-      this.level.tintSky(colours[grid.groups.indexOf('sky')] ?? [1, 1, 1]);
-      this.wake();
-    };
-    for (const { factor, tint } of rows) for (const input of [factor, tint]) input.addEventListener('input', mix);
-    $('lights').hidden = false;
-    mix();
+    $('groups').replaceChildren(...rows);
+    $('lights').hidden = rows.length === 0;
+    if (rows.length > 0) this.mixLights(grid);
+  }
+
+  mixLights(grid) {
+    const colours = grid.groups.map((name) => {
+      const { factor, tint } = this.lights.get(name);
+      return new THREE.Color(tint.value).toArray().map((channel) => channel * Number(factor.value));
+    });
+    grid.mix(colours);
+    const colourOf = (name) => colours[grid.groups.indexOf(name)] ?? [1, 1, 1];
+    this.level.tintSky(colourOf('sky'));
+    this.level.tintShine(colourOf);
+    this.wake();
   }
 
   get divider() {
@@ -127,9 +178,9 @@ class Viewer {
   // ---- what is shown
 
   async choose(side, name) {
-    if (!this.methods.has(name)) throw new Error(`no method ${name}; there are ${[TRUTH, ...this.methods.entries.keys()].join(', ')}`);
+    if (!this.methods.has(name)) throw new Error(`no method ${name}; there are ${this.methods.names.join(', ')}`);
     const before = this[side] ?? 'grid';
-    this[side] = $(side).value = name;
+    this[side] = this.wanted[side] = $(side).value = name;
     try {
       if (name !== TRUTH) await this.busy(this.methods.rendered(name));
     } catch (error) {
@@ -322,20 +373,9 @@ class Viewer {
 
   // ---- the interface
 
+  // What is there for every scene.
   fillInterface() {
-    const { scene } = this;
-    document.title = `${scene.scene}: light grid`;
-    $('scene').textContent = scene.scene;
-    const option = (value, text) => Object.assign(document.createElement('option'), { value, textContent: text });
-    for (const side of ['left', 'right']) {
-      for (const name of [...this.methods.entries.keys(), TRUTH]) $(side).append(option(name, this.methods.titleOf(name)));
-      $(side).addEventListener('change', (event) => this.choose(side, event.target.value).catch(warn));
-    }
-    for (const group of new Set(this.places.map((place) => place.group))) {
-      const part = Object.assign(document.createElement('optgroup'), { label: group });
-      this.places.forEach((place, i) => place.group === group && part.append(option(i, place.name)));
-      $('place').append(part);
-    }
+    for (const side of ['left', 'right']) $(side).addEventListener('change', (event) => this.choose(side, event.target.value).catch(warn));
     $('place').addEventListener('change', (event) => this.goTo(Number(event.target.value)).catch(warn));
     const stepPlace = (by) => this.goTo((Number($('place').value) + by + this.places.length) % this.places.length).catch(warn);
     $('previous').addEventListener('click', () => stepPlace(-1));
@@ -371,20 +411,33 @@ class Viewer {
         if (place < this.places.length) this.goTo(place).catch(warn);
       }
     });
-    const rows = scene.methods.map((entry) => {
+    this.dragDivider();
+    if (window.innerWidth < 700) $('panel').open = false;
+  }
+
+  // What a scene brings along.
+  fillScene() {
+    const { scene } = this;
+    document.title = `${scene.scene}: light grid`;
+    $('scene').textContent = scene.scene;
+    for (const side of ['left', 'right']) $(side).replaceChildren(...this.methods.names.map((name) => option(name, this.methods.titleOf(name))));
+    $('place').replaceChildren(...[...new Set(this.places.map((place) => place.group))].map((group) => {
+      const part = Object.assign(document.createElement('optgroup'), { label: group });
+      this.places.forEach((place, i) => place.group === group && part.append(option(i, place.name)));
+      return part;
+    }));
+    $('methods').replaceChildren(...scene.methods.map((entry) => {
       const row = document.createElement('tr');
-      for (const text of [entry.title, bytesText(entry.bytes), entry.rmse_air.toFixed(2), entry.rmse_surface.toFixed(2)]) {
+      for (const text of [entry.title, bytesText(entry.bytes), entry.rmse_air?.toFixed(2) ?? '–', entry.rmse_surface?.toFixed(2) ?? '–']) {
         row.append(Object.assign(document.createElement('td'), { textContent: text }));
       }
       return row;
-    });
-    $('methods').append(...rows);
+    }));
+    $('measured').hidden = scene.air_places + scene.surface_places === 0;
     $('airPlaces').textContent = scene.air_places.toLocaleString('en');
     $('surfacePlaces').textContent = scene.surface_places.toLocaleString('en');
     $('warnings').textContent = scene.warnings.join(' ');
     $('about').textContent = `Made by nlg-view ${scene.revision}. Light: ${scene.light.join('; ') || 'none'}.`;
-    this.dragDivider();
-    if (window.innerWidth < 700) $('panel').open = false;
   }
 
   swap() {
@@ -436,6 +489,41 @@ class Viewer {
   }
 }
 
-load('scene')
-  .then((scene) => new Viewer(scene).start())
-  .catch(fail);
+// number   of a set of scripts; none: those beside the page
+async function openScene(number) {
+  const data = new Data(number);
+  return [await data.load('scene'), data];
+}
+
+// A page that `nlg-view --watch` serves shows each set of scripts as it comes, and says what goes on.
+async function follow() {
+  const status = $('status');
+  let viewer = null, shown = 0;
+  status.hidden = false;
+  for (;;) {
+    const state = await fetch('state').then((answer) => answer.json()).catch(() => ({ shown, text: 'nlg-view has ended', failed: true }));
+    status.textContent = state.text;
+    status.classList.toggle('failed', state.failed);
+    if (state.shown !== shown) {
+      shown = state.shown;
+      try {
+        const [scene, data] = await openScene(shown);
+        if (viewer) await viewer.renew(scene, data);
+        else await (viewer = new Viewer(scene, data)).start();
+        root.dataset.shown = shown;
+      } catch (error) {
+        // where others have taken their place meanwhile, those come next
+        warn(error);
+      }
+    }
+    await new Promise((done) => setTimeout(done, ASK_EVERY_MS));
+  }
+}
+
+if (root.dataset.served) {
+  follow();
+} else {
+  openScene()
+    .then(([scene, data]) => new Viewer(scene, data).start())
+    .catch(fail);
+}

@@ -1,6 +1,5 @@
 // What is drawn over the level: probes by kind, the tree's cells, the worst place.
 import * as THREE from 'three';
-import { load } from './data.js';
 import markVertex from './glsl/mark.vert.glsl';
 import markFragment from './glsl/mark.frag.glsl';
 
@@ -36,14 +35,15 @@ function instanced(shape, marks, tints, material, Kind = THREE.Mesh) {
 }
 
 export class Marks {
-  constructor(root) {
+  constructor(root, data) {
     this.root = root;
+    this.source = data;
   }
 
   // Reads them the first time.
   async probes() {
     if (!this.data) {
-      this.data = await load('probes');
+      this.data = await this.source.load('probes');
       const count = this.data.kinds.length;
       const marks = new Float32Array(4 * count), tints = new Float32Array(3 * count);
       for (let i = 0; i < count; ++i) {

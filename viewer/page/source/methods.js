@@ -1,6 +1,5 @@
 // Methods that light surfaces: the materials that ask them, and what these read.
 import * as THREE from 'three';
-import { load } from './data.js';
 import surfaceVertex from './glsl/surface.vert.glsl';
 import signedHeat from './glsl/signed_heat.glsl';
 import looksText from './glsl/looks.glsl';
@@ -118,15 +117,20 @@ class RenderedMethod {
 export const TRUTH = 'truth';
 
 export class Methods {
-  constructor(scene) {
+  // data   that the scene is of
+  constructor(scene, data) {
     this.scene = scene;
+    this.data = data;
     this.looks = looksOf(scene);
     this.entries = new Map(scene.methods.map((entry) => [entry.name, entry]));
     this.made = new Map();
   }
 
   has(name) {
-    return name === TRUTH || this.entries.has(name);
+    return this.entries.has(name) || (name === TRUTH && this.scene.has_truth);
+  }
+  get names() {
+    return [...this.entries.keys(), ...(this.scene.has_truth ? [TRUTH] : [])];
   }
   titleOf(name) {
     return name === TRUTH ? 'ground truth' : this.entries.get(name).title;
@@ -135,7 +139,7 @@ export class Methods {
   // Reads it the first time.
   async rendered(name) {
     if (!this.made.has(name)) {
-      const data = await load(`method-${name}`);
+      const data = await this.data.load(`method-${name}`);
       this.made.set(name, new RenderedMethod(this.entries.get(name), data, this.scene.look_up, this.looks));
     }
     return this.made.get(name);
@@ -144,7 +148,7 @@ export class Methods {
   async truth(view) {
     const key = `${TRUTH}-${view}`;
     if (!this.made.has(key)) {
-      const data = await load(key);
+      const data = await this.data.load(key);
       const texture = new THREE.DataTexture(data.texels, data.width, data.height, THREE.RGBFormat, THREE.UnsignedInt5999Type);
       texture.internalFormat = 'RGB9_E5';
       texture.minFilter = texture.magFilter = THREE.LinearFilter;
@@ -152,5 +156,14 @@ export class Methods {
       this.made.set(key, { texture, aspect: data.width / data.height, unit: data.unit });
     }
     return this.made.get(key);
+  }
+
+  // What the graphics card holds of them.
+  dispose() {
+    this.looks.uniforms.images?.value.dispose();
+    for (const { texture, uniforms } of this.made.values()) {
+      texture?.dispose();
+      for (const { value } of Object.values(uniforms ?? {})) if (value?.isTexture) value.dispose();
+    }
   }
 }

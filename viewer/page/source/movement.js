@@ -14,13 +14,10 @@ const KEYS = {
 const TURNS = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 export class Movement {
-  // canvas     has the focus while keys move the camera
-  // geometry   of what is walked on
-  constructor(camera, canvas, geometry, bounds) {
+  // canvas   has the focus while keys move the camera
+  constructor(camera, canvas) {
     this.camera = camera;
     this.canvas = canvas;
-    this.geometry = geometry;
-    this.bounds = bounds;
     this.isFlying = false;
     this.isHeld = true; // at a place that was gone to, until keys or a thumb leave it
     this.yaw = this.pitch = 0;
@@ -56,6 +53,13 @@ export class Movement {
     this.pitch = THREE.MathUtils.clamp(this.pitch, -STEEPEST, STEEPEST);
     this.camera.rotation.set(this.pitch, this.yaw, 0, 'YXZ');
     this.camera.updateMatrixWorld();
+  }
+
+  // geometry   of what is walked on
+  enter(geometry, bounds) {
+    this.geometry = geometry;
+    this.bounds = bounds;
+    this.octree = null;
   }
 
   setFlying(isFlying) {

@@ -1,0 +1,53 @@
+// The viewer's page on this machine's own address, for a browser on it: 127.0.0.1 and no other.
+//
+//     /             the page, which is told that it is served (data-served)
+//     /state        what goes on, as JSON: shown, a number that is another one for every set of scripts; text; failed
+//     /NAME.js?N    a script of the set N
+//
+// Everything comes out of memory. Another site may find a page on 127.0.0.1 by giving it a name of its own; requests for any name but
+// this address are refused, and so is what another site includes of it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace httplib {
+class Server;
+}
+
+namespace nlg {
+
+class PageServer {
+ public:
+  // port     0: any that is free
+  // throws   UsageError when it is taken; ThreadError
+  explicit PageServer(int port);
+  ~PageServer();
+  PageServer(const PageServer&) = delete;
+  PageServer& operator=(const PageServer&) = delete;
+
+  std::string url() const { return "http://127.0.0.1:" + std::to_string(port_) + "/"; }
+
+  // From here on the page shows these scripts, by file name.
+  void show(std::map<std::string, std::string> scripts);
+  enum class Mood { fine, failed };
+  void tell(const std::string& text, Mood mood);
+
+ private:
+  void addPage();
+
+  std::unique_ptr<httplib::Server> server_;
+  int port_ = 0;
+  std::mutex mutex_;  // of all below
+  uint64_t shown_;    // begins with the time: a page that stays open over two servers sees other numbers
+  std::map<std::string, std::string> scripts_;
+  std::string text_;
+  Mood mood_ = Mood::fine;
+  std::thread thread_;
+};
+
+}  // namespace nlg

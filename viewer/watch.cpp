@@ -1,0 +1,228 @@
+#include "viewer/watch.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+#include "tool/output_path.h"
+#include "tool/quantity.h"
+#include "viewer/child_process.h"
+#include "viewer/page_server.h"
+#include "viewer/watched_files.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+constexpr int kAskEveryMs = 250;
+// of a preview
+constexpr int kPreviewRays = 16, kPreviewPlaces = 4, kPreviewProbeRays = 64;
+
+volatile std::sig_atomic_t is_stopped = 0;
+
+int64_t nowNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+std::string lastLine(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text.substr(text.rfind('\n') + 1);
+}
+
+class Watch {
+ public:
+  Watch(const ViewRequest& request, const BakeOptions& options, const OptionTable& table)
+      : request_(request),
+        options_(options),
+        programs_(fs::read_symlink("/proc/self/exe").parent_path()),
+        own_(fs::path(request.out) / "watch"),
+        preview_((own_ / "preview.safetensors").string()),
+        settings_((own_ / "settings.yaml").string()),
+        inputs_((own_ / "inputs.json").string()),
+        server_(request.port) {
+    // JSON is YAML
+    writeFileAtomically(settings_, nlohmann::ordered_json{{"bake", table.toJson()}}.dump(1) + "\n");
+    files_.watch({request.scene}, nowNs());
+  }
+
+  void run() {
+    std::cerr << "open " << server_.url() << '\n';
+    while (is_stopped == 0) {
+      if (bakeAndShow() != End::saved) {
+        while (is_stopped == 0 && !files_.haveChanged()) pause();
+      }
+      settle();
+    }
+  }
+
+ private:
+  enum class End { done, failed, saved, stopped };
+
+  static void pause() { ::poll(nullptr, 0, kAskEveryMs); }
+
+  // A program may write a file in several goes.
+  void settle() {
+    while (is_stopped == 0 && files_.haveChanged()) {
+      files_.accept();
+      pause();
+    }
+  }
+
+  void tell(const std::string& text, PageServer::Mood mood = PageServer::Mood::fine) {
+    server_.tell(text, mood);
+    std::cerr << "nlg-view: " << text << '\n';
+  }
+
+  // What is shown, and what goes on.
+  void tellDoing(const std::string& doing) { tell((shown_.empty() ? "" : shown_ + "; ") + doing + " …"); }
+
+  // code   of its end; output: what it printed
+  struct Ran {
+    End end = End::done;
+    int code = 0;
+    std::string output, errors;
+  };
+
+  Ran runTool(const char* tool, Words words) {
+    words.insert(words.begin(), {(programs_ / tool).string(), request_.scene});
+    words.insert(words.end(), {"--config", settings_});
+    ChildProcess child(words);
+    while (child.isRunning(kAskEveryMs)) {
+      if (is_stopped != 0) return {End::stopped, 0, "", ""};
+      if (files_.haveChanged()) return {End::saved, 0, "", ""};
+    }
+    return {End::done, child.exitCode(), child.output(), child.errors()};
+  }
+
+  Ran runBake(Words words) {
+    std::error_code gone;
+    fs::remove(inputs_, gone);
+    words.insert(words.end(), {"--inputs", inputs_});
+    const int64_t since_ns = nowNs();
+    Ran ran = runTool("nlg-bake", std::move(words));
+    if (ran.end != End::done || !fs::exists(inputs_, gone)) return ran;
+    auto inputs = nlohmann::json::parse(readFile(inputs_)).get<std::vector<std::string>>();
+    inputs.push_back(request_.scene);
+    files_.watch(inputs, since_ns);
+    return ran;
+  }
+
+  // What became of a run that had to succeed; its error is told.
+  End judge(const Ran& ran, const char* tool) {
+    if (ran.end != End::done || ran.code == 0) return ran.end;
+    std::string error = lastLine(ran.errors);
+    if (ran.code < 0 || error.empty()) error = fmt::format("{}: error: ended by signal {}", tool, -ran.code);
+    tell(error + (shown_.empty() ? "" : "; what is shown is from before") + "; waiting for the next save",
+         PageServer::Mood::failed);
+    return End::failed;
+  }
+
+  Words weights() const {
+    if (request_.weights.empty()) return {};
+    Words words = {"--weights"};
+    words.insert(words.end(), request_.weights.begin(), request_.weights.end());
+    return words;
+  }
+
+  // Nothing: nobody knows.
+  Ran changesOf(std::optional<std::string>* changes) {
+    std::error_code error;
+    if (!fs::exists(request_.grid, error)) return {};
+    Words words = weights();
+    words.insert(words.begin(), {"--check", request_.grid});
+    Ran ran = runBake(words);
+    if (ran.code == 0) *changes = "";
+    if (ran.code == static_cast<int>(ExitCode::check_failed)) *changes = ran.output;
+    return ran;
+  }
+
+  End show(const std::string& grid, bool is_last) {
+    const auto number = [](int n) { return std::to_string(n); };
+    Words words = {"--grid", grid, "--out", request_.out};
+    words.insert(words.end(), {"--rivals", is_last ? fmt::format("{}", fmt::join(request_.rivals, ",")) : "none", "--truth-views",
+                               number(is_last ? request_.truth_views : 0), "--places", number(is_last ? request_.places : 0),
+                               "--truth-width", number(request_.truth_width), "--truth-rays", number(request_.truth_rays)});
+    const Ran ran = runTool("nlg-view", words);
+    const End end = judge(ran, "nlg-view");
+    if (end != End::done) return end;
+    std::map<std::string, std::string> scripts;
+    const nlohmann::json said = nlohmann::json::parse(ran.output);
+    for (const auto& [name, bytes] : said.at("files").items()) scripts[name] = readFile((fs::path(request_.out) / name).string());
+    server_.show(std::move(scripts));
+    return end;
+  }
+
+  End bakeAndShow() {
+    const auto start = std::chrono::steady_clock::now();
+    tellDoing("looking for what has changed");
+    std::optional<std::string> changes;
+    if (const Ran ran = changesOf(&changes); ran.end != End::done) return ran.end;
+    const std::vector<GridBake> bakes = bakesAgain(changes, request_.grid, preview_, options_);
+    for (size_t i = 0; i < bakes.size(); ++i) {
+      const GridBake& bake = bakes[i];
+      tellDoing("baking: " + bake.name);
+      Words words = bake.words;
+      // functions that stay have theirs
+      if (std::find(words.begin(), words.end(), "--relight") == words.end()) {
+        const Words given = weights();
+        words.insert(words.end(), given.begin(), given.end());
+      }
+      words.insert(words.end(), {"--out", bake.grid});
+      const Ran baked = runBake(words);
+      const bool is_last = i + 1 == bakes.size();
+      if (is_last) std::cerr << baked.errors;
+      if (const End end = judge(baked, "nlg-bake"); end != End::done) return end;
+      if (const End end = show(bake.grid, is_last); end != End::done) return end;
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      shown_ = bake.name + ", after " + durationText(seconds);
+    }
+    if (bakes.empty()) {
+      if (const End end = show(request_.grid, true); end != End::done) return end;
+      shown_ = "final; nothing that it holds has changed";
+    }
+    tell(shown_);
+    return End::done;
+  }
+
+  const ViewRequest& request_;
+  const BakeOptions& options_;
+  const fs::path programs_, own_;
+  const std::string preview_, settings_, inputs_;
+  PageServer server_;
+  WatchedFiles files_;
+  std::string shown_;  // what the page shows, in words
+};
+
+}  // namespace
+
+std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, const std::string& grid, const std::string& preview,
+                                 const BakeOptions& options) {
+  if (changes == "") return {};
+  Words quick = changes == grid + ": light changed\n" ? Words{"--relight", grid} : Words{};
+  quick.insert(quick.end(), {"--light-rays", std::to_string(std::min(options.light_rays, kPreviewRays)), "--light-places",
+                             std::to_string(std::min(options.light_places, kPreviewPlaces)), "--light-probe-rays",
+                             std::to_string(std::min(options.light_probe_rays, kPreviewProbeRays))});
+  return {{quick, preview, "preview"}, {{"--relight", preview}, grid, "final"}};
+}
+
+void watchScene(ViewRequest request, const BakeOptions& options, const OptionTable& table) {
+  if (request.out.empty()) request.out = folderOfView(request.scene);
+  requireOutputFolder(request.out);
+  if (request.grid.empty()) request.grid = (fs::path(request.out) / "grid.safetensors").string();
+  refuseToReplaceInputs(request.grid, {request.scene}, "--grid");
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { is_stopped = 1; });
+  Watch(request, options, table).run();
+}
+
+}  // namespace nlg

@@ -1,0 +1,37 @@
+// nlg-view --watch: a level is baked again whenever its files are saved, and the page, which a server on this machine shows, has the new
+// light without being opened again.
+//
+// Each step is an ordinary run of nlg-bake or nlg-view, as a process of its own: a save in the middle ends it, and begins anew; a level
+// that cannot be read ends in its error, which the page shows, and the next save is waited for. Outputs are whole or not there, whatever
+// ends.
+#pragma once
+
+#include <optional>
+
+#include "tool/options.h"
+#include "viewer/view_run.h"
+
+namespace nlg {
+
+// A bake of several that lead to a grid: what nlg-bake is told behind the scene's name.
+struct GridBake {
+  std::vector<std::string> words;
+  std::string grid;  // that it writes
+  std::string name;  // "preview"
+};
+
+// How a grid is baked again, the last of the bakes the one that is kept; none where it is what would be baked. The one place that decides:
+// where light alone has changed functions stay, and a preview is a bake with few rays, whose functions are the last bake's too.
+//
+// changes   what `nlg-bake --check` says has changed, a line each; nothing: of no grid, or of one that cannot be read
+// grid      the file that is kept; preview: one for the bakes before
+std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, const std::string& grid, const std::string& preview,
+                                 const BakeOptions& options);
+
+// Runs until Ctrl-C (SIGINT) or SIGTERM.
+// request   grid: the file that is kept up to date; none: grid.safetensors in the page's folder
+// table     of the bake's options
+// throws    UsageError, OutputError
+void watchScene(ViewRequest request, const BakeOptions& options, const OptionTable& table);
+
+}  // namespace nlg
