@@ -122,7 +122,7 @@ def targets_section(results):
 
 INDIRECT_INTRODUCTION = """
 ## Indirect light
-What a grid is for where the engine itself draws lamps, suns and shining surfaces, with shadow maps: light that surfaces send back, and the sky's. In truth and in all methods nothing comes straight from lamps, suns and shining surfaces (`nlg-validate light --light-direct reflected`). In many scenes most of the error of all light stands in that part: beside lamps, and at the rims of sun patches.
+What a grid is for where the engine itself draws lamps, suns and shining surfaces, with shadow maps: light that surfaces send back, and the sky's. In truth and in all methods nothing comes straight from lamps, suns and shining surfaces (`nlg-validate light --light-direct reflected`).
 """
 INDIRECT_TARGETS = {"levels": (.7, .5, .5), "furnished": (.7, .6, .6), "daylight": None}
 
@@ -141,10 +141,23 @@ def indirect_rows(found):
             of_way, held_to = found["to_best_rival"][kind][way], limits if way == "own" else None
             if of_way:
                 rows.append([f"{KIND_TITLES[kind].lower()}, {words}", least(held_to), *(indirect_ratios(of_way.get(spacing, {}), held_to) for spacing in spacings)])
+    for key, words in (("by_room", "over the best rival"), ("by_room_solved", "over the best rival with solved light")):
+        if found[key]:
+            rows.append([f"all scenes by room, {words}", "", *(indirect_ratios(found[key].get(spacing, {})) for spacing in spacings)])
     rows.append(["relative error (SMAPE) in air, over the best rival: levels; furnished scenes; rooms beside daylight", "",
                  *("; ".join(number(of_kind[spacing]["value"], 2) for of_kind in found["smape_in_air"].values() if spacing in of_kind) for spacing in spacings)])
     rows.append(["at a tenth of DDGI's bytes, over DDGI this far apart", "≤ .5; ≤ .5; ≤ .5", *(indirect_ratios(found["tenth_of_ddgi"].get(spacing, {}), (.5, .5, .5)) for spacing in spacings)])
     return ["", "target", *map(spacing_text, spacings)], rows
+
+
+def behind(found):
+    """Where, over the scenes of a kind, the best rival has less error than ours: a text each."""
+    texts = []
+    for kind, ways in found["to_best_rival"].items():
+        entries = [(spacing, group, entry[group]) for of_way in ways.values() for spacing, entry in of_way.items() for group in GROUPS if group in entry]
+        entries += [(spacing, "relative error in air", entry) for spacing, entry in found["smape_in_air"][kind].items()]
+        texts += [f"{KIND_TITLES[kind].lower()} at {spacing_text(spacing)}, {what}: {number(entry['value'], 2)} × {entry['rival']}" for spacing, what, entry in entries if entry["value"] > 1]
+    return texts
 
 
 def indirect_section(results):
@@ -164,7 +177,7 @@ def indirect_section(results):
     front, ahead = found["front"], {group: sum(entry[group]["value"] > 1 for entry in found["by_scene"].values()) for group in GROUPS}
     text = INDIRECT_INTRODUCTION + f"\nOf revision {', '.join(f'`{revision}`' for revision in found['revisions'])}; {len(found['scenes'])} scenes, {places['air']:,} places in air of each and {places['surface']:,} before surfaces. Ours is `{results['ours']}` with solved light. Errors, and all ratios, are *air; surface; turned*. **Bold** reaches the target.\n"
     text += table(*indirect_rows(found))
-    text += (f"\nOf rivals' points, all that can be stored, one of ours matches {front['met']:,} of {front['of']:,} in error at no more bytes (target: all).\n"
+    text += (f"\nOf rivals' points, all that can be stored, one of ours matches {front['met']:,} of {front['of']:,} in error at no more bytes (target: all). Ours is behind the best rival over the scenes of a kind here: {'; '.join(behind(found)) or 'nowhere'}.\n"
              f"\nMean errors by kind of scene, probes {spacing_text(SHOWN_SPACING)} apart. Exact visibility and target functions are yardsticks that nobody could ship:\n"
              + table(["weights", "light", *(f"{KIND_TITLES[kind].lower()} ({max(entry[light]['scenes'] for entry in found['methods'][kind][SHOWN_SPACING].values() for light in LIGHT_ORDER if light in entry)})" for kind in kinds), "bytes a probe"], rows))
     text += (f"\nScene by scene, over the rival that does best there, whichever it is and however its light came about: ours is behind in {ahead['air']}; {ahead['surface']}; {ahead['turned']} of {len(found['by_scene'])} scenes.\n"

@@ -237,7 +237,8 @@ def indirect(folder, ours):
             for kind in ("levels", "furnished", "daylight")}
     relative = {kind: {spacing: entry["air"] for spacing, entry in to_best_rival(of_kind[kind], ours, RIVALS, solved=False, error=lambda point, _: point.smape).items()} for kind in best}
     today = [point for point in points if point.spacing_m == TODAY[1]]
-    return {"revisions": revisions, "scenes": scenes, "to_best_rival": best, "smape_in_air": relative, "by_scene": by_scene(points, ours), "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours),
+    return {"revisions": revisions, "scenes": scenes, "to_best_rival": best, "smape_in_air": relative, "by_room": to_best_rival(points, ours, RIVALS, solved=False, error=by_room), "by_room_solved": to_best_rival(points, ours, SOLVED_RIVALS, solved=True, error=by_room),
+            "by_scene": by_scene(points, ours), "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours),
             "methods": {kind: methods([point for point in today if point.kind == kind]) for kind in SCENE_KINDS if any(point.kind == kind for point in today)}}
 
 
