@@ -16,6 +16,7 @@ SupportVisibility::SupportVisibility(const RayScene& scene, const LinkTable& lin
 void SupportVisibility::beginProbe(const glm::dvec3& position_m, float spacing_m) {
   position_ = position_m;
   spacing_ = spacing_m;
+  asked_.clear();
   triangles_.clear();
   scene_.trianglesNearCube(glm::vec3(position_m), spacing_m, &candidates_);
   collectLocalTriangles(scene_.positions(), scene_.triangles(), candidates_, position_m, spacing_, &triangles_);
@@ -90,21 +91,44 @@ glm::dvec3 SupportVisibility::pointPosition(uint32_t point) const {
 }
 
 SolidVote SupportVisibility::groupVote(const std::vector<uint32_t>& members) const {
-  SolidVote total;
+  FarQuestion question;
   const size_t stride = std::max<size_t>(1, members.size() / 3);
-  for (size_t i = 0; i < members.size() && !total.unanimous(); i += stride) {
-    const SolidVote one = raysAt(pointPosition(members[i]));
-    total.front += one.front;
-    total.back += one.back;
-  }
-  total.in_cavity = !total.solid() && isInCavity(scene_, pointPosition(members.front()));
+  for (size_t i = 0; i < members.size(); i += stride) question.points[question.point_count++] = static_cast<uint16_t>(members[i]);
+  SolidVote total;
+  asked_.push_back(answered(question, &total));
   return total;
 }
 
 bool SupportVisibility::isBehindSky(uint32_t point) const {
-  if (!scene_.hasSkyFaces()) return false;
-  ray_count_ += kSolidVoteRays;
-  return solidVoteWithSky(scene_, pointPosition(point)).solid();
+  FarQuestion question;
+  question.kind = FarQuestion::Kind::sky;
+  question.point_count = 1;
+  question.points[0] = static_cast<uint16_t>(point);
+  SolidVote vote;
+  asked_.push_back(answered(question, &vote));
+  return vote.solid();
+}
+
+FarQuestion SupportVisibility::answered(FarQuestion question, SolidVote* vote) const {
+  if (question.kind == FarQuestion::Kind::group) {
+    for (size_t i = 0; i < question.point_count && !vote->unanimous(); ++i) {
+      const SolidVote one = raysAt(pointPosition(question.points[i]));
+      vote->front += one.front;
+      vote->back += one.back;
+    }
+    vote->in_cavity = !vote->solid() && isInCavity(scene_, pointPosition(question.points.front()));
+  } else if (scene_.hasSkyFaces()) {
+    ray_count_ += kSolidVoteRays;
+    *vote = solidVoteWithSky(scene_, pointPosition(question.points.front()));
+  }
+  question.solid = vote->solid();
+  question.disputed = vote->disputed();
+  return question;
+}
+
+bool SupportVisibility::answersAlike(const FarQuestion& question) const {
+  SolidVote vote;
+  return answered(question, &vote) == question;
 }
 
 bool SupportVisibility::findValidity() {

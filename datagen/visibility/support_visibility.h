@@ -9,6 +9,7 @@
 // measured on real levels.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -18,6 +19,20 @@
 #include "datagen/visibility/solid_vote.h"
 
 namespace nlg {
+
+// What was asked of the scene beyond the support, and the answer. The triangles of the support, the vote of the probe's own place and
+// these answers are all that comes from the scene: where they are the same, a probe has the same function.
+struct FarQuestion {
+  static constexpr size_t kMostPoints = 5;
+  enum class Kind : uint8_t { group, sky };
+
+  Kind kind = Kind::group;  // groupVote of these points; isBehindSky of the first
+  uint8_t point_count = 0;
+  bool solid = false, disputed = false;        // the answer
+  std::array<uint16_t, kMostPoints> points{};  // of the link table; 0 behind point_count
+
+  friend bool operator==(const FarQuestion&, const FarQuestion&) = default;
+};
 
 class SupportVisibility {
  public:
@@ -41,6 +56,11 @@ class SupportVisibility {
   SolidVote groupVote(const std::vector<uint32_t>& members) const;
   // Whether a support point, by itself in air, lies behind the scene's sky.
   bool isBehindSky(uint32_t point) const;
+
+  // What groupVote and isBehindSky were asked since beginProbe, in order.
+  const std::vector<FarQuestion>& asked() const { return asked_; }
+  // Asks again, around the present probe: whether the answer is the same. It is not among what was asked.
+  bool answersAlike(const FarQuestion& question) const;
 
   // Which points the probe sees; call once a probe, before the rest.
   void traceProbeRays() { traceRays({}); }
@@ -69,6 +89,7 @@ class SupportVisibility {
   enum class State : uint8_t { unknown, valid, solid };
 
   SolidVote raysAt(const glm::dvec3& position_m) const;
+  FarQuestion answered(FarQuestion question, SolidVote* vote) const;
   glm::dvec3 pointPosition(uint32_t point) const;  // relative to the scene's origin
   bool reachesValid(uint32_t point) const;
   void flood(State carried, std::vector<uint32_t>* members);
@@ -79,6 +100,7 @@ class SupportVisibility {
   double spacing_ = 1.0;
   LocalPoint eye_{};
   mutable uint64_t ray_count_ = 0;
+  mutable std::vector<FarQuestion> asked_;
   uint64_t packet_test_count_ = 0;
   std::vector<uint8_t> seen_;
   std::vector<State> state_;

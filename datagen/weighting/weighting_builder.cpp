@@ -38,25 +38,33 @@ ProbeOutcome WeightingBuilder::build(const glm::dvec3& position_m, float spacing
 }
 
 ProbeOutcome WeightingBuilder::see(const glm::dvec3& position_m, float spacing_m, InSolid in_solid) {
-  const SolidVote probe_vote = visibility_.voteAt(position_m);
-  in_solid_ = probe_vote.solid();
-  in_cavity_ = probe_vote.in_cavity;
-  if (in_solid_ && in_solid == InSolid::left_out) return ProbeOutcome::in_solid;
+  const std::optional<ProbeOutcome> settled = begin(position_m, spacing_m, in_solid);
+  return settled ? *settled : look();
+}
+
+std::optional<ProbeOutcome> WeightingBuilder::begin(const glm::dvec3& position_m, float spacing_m, InSolid in_solid) {
+  probe_vote_ = visibility_.voteAt(position_m);
+  if (probe_vote_.solid() && in_solid == InSolid::left_out) return ProbeOutcome::in_solid;
   visibility_.beginProbe(position_m, spacing_m);
-  if (in_solid_) {
-    if (!solid_eye_.open(&visibility_)) return ProbeOutcome::in_solid;
-  } else {
-    if (visibility_.supportIsEmpty()) return ProbeOutcome::free_space;
+  if (!visibility_.supportIsEmpty()) return std::nullopt;
+  // without triangles all is as the probe is: there is no eye
+  return probe_vote_.solid() ? ProbeOutcome::in_solid : ProbeOutcome::free_space;
+}
+
+ProbeOutcome WeightingBuilder::look() {
+  if (!probe_vote_.solid()) {
     visibility_.traceProbeRays();
+  } else if (!solid_eye_.open(&visibility_)) {
+    return ProbeOutcome::in_solid;
   }
   visibility_.testLinks();
-  open_shell_ = visibility_.findValidity() || probe_vote.disputed();
+  open_shell_ = visibility_.findValidity() || probe_vote_.disputed();
   return ProbeOutcome::function;
 }
 
 ProbeOutcome WeightingBuilder::generate(GeneratedFunction* result) {
   result->open_shell = open_shell_;
-  result->in_solid = in_solid_;
+  result->in_solid = probe_vote_.solid();
   lightSeenPoints(result);
   for (int pass = 1; pass <= options_.passes; ++pass) diffuse(pass, result);
   const bool empty =

@@ -4,6 +4,7 @@
 // from where it is: on demand it sees what its eye in air sees (solid_eye.h), weighted by its own tent all the same.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "datagen/visibility/solid_eye.h"
@@ -54,6 +55,12 @@ class WeightingBuilder {
   ProbeOutcome see(const glm::dvec3& position_m, float spacing_m, InSolid in_solid = InSolid::left_out);
   ProbeOutcome generate(GeneratedFunction* result);
 
+  // see in two steps. begin: the vote of the probe's own place and the triangles of its support; its outcome, where they settle it.
+  // look: the rest, where they do not
+  std::optional<ProbeOutcome> begin(const glm::dvec3& position_m, float spacing_m, InSolid in_solid);
+  ProbeOutcome look();
+  const SolidVote& probeVote() const { return probe_vote_; }  // of the probe that was begun last
+
   // Of the probe that was seen last: whether it sees a place of its support, and what its function is there, by the rule that
   // gives functions at the test points of a link table. The place must be in air: nobody votes about it.
   // function   as generate gave it
@@ -61,7 +68,7 @@ class WeightingBuilder {
   float valueAt(const LocalPoint& place, const GeneratedFunction& function) const;
 
   // Whether that probe's own place lies in a cavity (cavity.h).
-  bool isInCavity() const { return in_cavity_; }
+  bool isInCavity() const { return probe_vote_.in_cavity; }
 
   const SupportVisibility& visibility() const { return visibility_; }
 
@@ -74,7 +81,8 @@ class WeightingBuilder {
   DiffusionOptions options_;
   SupportVisibility visibility_;
   SolidEye solid_eye_;
-  bool open_shell_ = false, in_solid_ = false, in_cavity_ = false;
+  SolidVote probe_vote_;
+  bool open_shell_ = false;
   std::vector<float> tent_;        // by point
   std::vector<float> gaussian_;    // by entry of LinkTable::nearest
   std::vector<uint8_t> lit_;       // 0: nothing received; otherwise 1 + the pass that lit it
